@@ -1,0 +1,33 @@
+"""The two mechanical connectors: `Frame` (3-D) and `Flange` (1-D rotation)."""
+
+from __future__ import annotations
+
+from fowtlib.language import Connector, flow, orientation, potential
+
+
+class Frame(Connector):
+    """A coordinate system fixed to a body, where 3-D mechanical parts are joined.
+
+    Everything is resolved in the world (x downwind, y to port, z up), so that sea, wind and mooring loads stay readable.
+    The orientation R maps components in this frame to components in the world: v = R @ v_frame; R' = skew(w) @ R.
+    Loads are positive into the component that owns the port; the moment is taken about the origin of the frame.
+
+    Vocabulary: Modelica.Mechanics.MultiBody.Interfaces.Frame (whose R is the transpose and whose loads are local).
+    """
+
+    r = potential(shape=(3,), unit="m", doc="position of the origin, world")
+    R = orientation(angular_velocity="w", doc="rotation matrix, world from frame")
+    w = potential(shape=(3,), unit="rad/s", doc="angular velocity, world")
+    f = flow(shape=(3,), unit="N", doc="force into the component, world")
+    t = flow(shape=(3,), unit="N*m", doc="moment into the component about the origin of the frame, world")
+
+
+class Flange(Connector):
+    """A shaft end of the 1-D rotational parts: angle and torque.
+
+    The torque is positive into the component that owns the port: it turns that component forward.
+    Vocabulary: Modelica.Mechanics.Rotational.Interfaces.Flange.
+    """
+
+    phi = potential(unit="rad", doc="angle of the shaft end")
+    tau = flow(unit="N*m", doc="torque into the component")
