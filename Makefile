@@ -1,0 +1,53 @@
+# make run     make the environment, simulate the OC3 spar in wind and waves, draw a picture
+# make test    make the environment, run the tests
+# make setup lint bench docs lock clean: see below
+
+PYTHON ?= python3
+VENV   := .venv
+BIN    := $(VENV)/bin
+STAMP  := $(VENV)/.made-from-lock
+
+.PHONY: setup run test lint bench docs catalogue lock clean
+
+setup: $(STAMP)
+
+# The environment holds exactly the pinned packages, and fowtlib itself in editable form.
+$(STAMP): requirements.lock pyproject.toml
+	@$(PYTHON) -c 'import sys; sys.exit(0 if sys.version_info >= (3, 11) else "fowtlib needs Python 3.11 or newer, and $(PYTHON) is " + sys.version.split()[0] + "; try: make PYTHON=python3.11")'
+	test -x $(BIN)/python || $(PYTHON) -m venv $(VENV)
+	$(BIN)/python -m pip install --quiet --disable-pip-version-check -r requirements.lock
+	PYTHONWARNINGS=ignore $(BIN)/python -m pip install --quiet --disable-pip-version-check --no-deps --no-build-isolation --editable .
+	touch $(STAMP)
+
+run: $(STAMP)
+	@mkdir -p output
+	$(BIN)/fowt run oc3_spar_rigid --time 300 --wind kaimal:11.4,class=B,seed=1 --waves jonswap:Hs=6,Tp=10,seed=1 \
+		--output output/oc3_spar_rigid.nc --plot output/oc3_spar_rigid.png
+
+test: $(STAMP)
+	$(BIN)/python -m pytest -n auto
+
+lint: $(STAMP)
+	$(BIN)/ruff check .
+
+bench: $(STAMP)
+	$(BIN)/python benchmarks/run.py
+
+docs: $(STAMP)
+	$(BIN)/mkdocs build --strict
+
+# Write docs/catalogue.md from the docstrings and declarations of the components.
+catalogue: $(STAMP)
+	$(BIN)/fowt parts --markdown > docs/catalogue.md
+
+# Pin the newest packages that pyproject.toml allows: install them into a fresh environment and write down what came.
+lock:
+	rm -rf build/lock-venv
+	$(PYTHON) -m venv build/lock-venv
+	build/lock-venv/bin/python -m pip install --quiet --disable-pip-version-check '.[dev,docs,fmi,hydro]'
+	( echo '# Made by `make lock` from pyproject.toml; every package of the environment, pinned.'; \
+	  build/lock-venv/bin/python -m pip freeze --all --exclude fowtlib --exclude pip ) > requirements.lock
+	rm -rf build/lock-venv
+
+clean:
+	rm -rf $(VENV) build dist site output *.egg-info .pytest_cache .ruff_cache

@@ -1,0 +1,1 @@
+"""The library of parts; installed as `fowtlib.components`."""

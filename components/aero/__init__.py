@@ -1,0 +1,1 @@
+"""Rotors in the wind."""

@@ -1,0 +1,1 @@
+"""Signal blocks: gains, integrators, filters, actuators, limiters, tables."""

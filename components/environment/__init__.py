@@ -1,0 +1,1 @@
+"""What surrounds a turbine: the world, the sea, the wind."""

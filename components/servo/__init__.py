@@ -1,0 +1,1 @@
+"""Controllers of pitch and generator torque."""

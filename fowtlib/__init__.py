@@ -1,0 +1,1 @@
+"""fowtlib: acausal models of floating wind turbines, from components to results."""

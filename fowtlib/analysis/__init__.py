@@ -1,0 +1,1 @@
+"""Analyses of results and linear models: free decay, response amplitude operators, spectra."""

@@ -1,0 +1,1 @@
+"""What an author of components writes with: declarations, connectors, equations, units."""
