@@ -1,0 +1,164 @@
+"""Result files: netCDF (classic format, 64-bit offsets, written by scipy) and CSV with the units in its header."""
+
+from __future__ import annotations
+
+import csv
+import json
+import os
+import re
+import tempfile
+from collections.abc import Callable
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from fowtlib.language.errors import ModelError
+from fowtlib.solving.results import RawTrajectory, Result
+
+_FORMAT = "fowtlib result 1"
+_RAW = "raw_"  # prefix of the solver's arrays in the file
+_MEMORY = "raw_memory_"
+_HEADER = re.compile(r"^(?P<name>.*\S)\s*\[(?P<unit>[^\[\]]*)\]$")
+
+
+def save(result: Result, path: Path) -> Path:
+    """Write ``result`` to ``path`` by its ending; the file is replaced in one step, after it has been written whole."""
+    writers = {".nc": _write_netcdf, ".csv": _write_csv}
+    if path.suffix not in writers:
+        raise ModelError(f"{path}: a result is saved as .nc (netCDF) or .csv, not as '{path.suffix or 'no ending'}'.")
+    if not path.parent.is_dir():
+        raise ModelError(f"{path}: the folder {path.parent} does not exist. Make it first, or choose another one.")
+    if not result.time.size:
+        raise ModelError(f"{path}: the result is empty, there is nothing to save.")
+    _write_whole(path, lambda temporary: writers[path.suffix](result, temporary))
+    return path
+
+
+def read(path: Path) -> Result:
+    """Read a file that ``save`` wrote."""
+    readers = {".nc": _read_netcdf, ".csv": _read_csv}
+    if path.suffix not in readers:
+        raise ModelError(f"{path}: a result file ends in .nc or .csv.")
+    if not path.is_file():
+        raise ModelError(f"{path}: there is no such file.")
+    return readers[path.suffix](path)
+
+
+def _write_whole(path: Path, write: Callable[[Path], None]) -> None:
+    try:
+        handle, name = tempfile.mkstemp(prefix=f".{path.stem}.", suffix=path.suffix, dir=path.parent)
+    except OSError as error:
+        raise ModelError(f"{path}: cannot be written: {error.strerror}.") from error
+    os.close(handle)
+    temporary = Path(name)
+    try:
+        write(temporary)
+        umask = os.umask(0)
+        os.umask(umask)
+        temporary.chmod(0o666 & ~umask)
+        temporary.replace(path)
+    except OSError as error:
+        raise ModelError(f"{path}: cannot be written: {error.strerror or error}.") from error
+    finally:
+        temporary.unlink(missing_ok=True)
+
+
+# -- netCDF -----------------------------------------------------------------------------------------------------------
+
+
+def _write_netcdf(result: Result, path: Path) -> None:
+    dataset = result.dataset.assign_attrs(format=_FORMAT, result_names=json.dumps(result.names))
+    raw = result.raw
+    if raw is not None:
+        for key in "xzd":
+            if not getattr(raw, key).size:  # the format has no empty arrays
+                continue
+            dataset[_RAW + key] = (("raw_time", f"raw_{key}_index"), getattr(raw, key))
+            dataset[_RAW + key].attrs["long_name"] = f"{key} of the solver; columns as in the attribute raw_names"
+        dataset[_RAW + "time"] = (("raw_time",), raw.time, {"units": "s", "long_name": "time of the solver's rows"})
+        for key, values in raw.memory.items():
+            values = np.asarray(values, dtype=float)
+            dims = tuple(f"{_MEMORY}{key}_{i}" for i in range(values.ndim))
+            dataset[_MEMORY + key] = (dims, values)
+        names = {"x": raw.x_names, "z": raw.z_names, "d": raw.d_names}
+        dataset.attrs |= {"raw_names": json.dumps(names), "parameter_hash": raw.parameter_hash}
+    attributes = {key: _attribute(value) for key, value in dataset.attrs.items()}
+    dataset.assign_attrs(attributes).to_netcdf(path, engine="scipy", format="NETCDF3_64BIT")
+
+
+def _attribute(value: Any) -> Any:
+    """Text and numbers are all that an attribute can hold."""
+    return value if isinstance(value, (str, int, float)) and not isinstance(value, bool) else str(value)
+
+
+def _read_netcdf(path: Path) -> Result:
+    import xarray
+
+    try:
+        with xarray.open_dataset(path, engine="scipy", decode_cf=False) as lazy:
+            dataset = lazy.load()
+    except (OSError, ValueError, TypeError, KeyError, IndexError) as error:
+        raise ModelError(f"{path}: is not a netCDF file that can be read, or it is damaged.") from error
+    attributes = {key: value.item() if isinstance(value, np.generic) else value for key, value in dataset.attrs.items()}
+    if attributes.pop("format", None) != _FORMAT:
+        raise ModelError(f"{path}: is a netCDF file, but not a result of fowtlib (attribute format = '{_FORMAT}').")
+    names = json.loads(attributes.pop("result_names"))
+    attributes["parameters"] = json.loads(attributes["parameters"])
+    raw_names = json.loads(attributes.pop("raw_names", "null"))
+    fingerprint = attributes.pop("parameter_hash", "")
+    raw = None
+    if raw_names is not None:
+        raw = RawTrajectory(
+            dataset[_RAW + "time"].values,
+            **{key: dataset[_RAW + key].values if _RAW + key in dataset else np.zeros(0) for key in "xzd"},
+            **{f"{key}_names": tuple(raw_names[key]) for key in "xzd"},
+            parameter_hash=fingerprint,
+            memory={
+                str(key).removeprefix(_MEMORY): variable.values
+                for key, variable in dataset.variables.items()
+                if str(key).startswith(_MEMORY)
+            },
+        )
+    return Result(
+        dataset["time"].values,
+        {name: dataset[name].values for name in names},
+        {name: dataset[name].attrs["units"] for name in names},
+        {name: dataset[name].attrs["long_name"] for name in names},
+        attributes,
+        raw,
+    )
+
+
+# -- CSV --------------------------------------------------------------------------------------------------------------
+
+
+def _write_csv(result: Result, path: Path) -> None:
+    names, columns = ["time"], [result.time]
+    for name, values in result.columns():
+        names.append(name)
+        columns.append(values)
+    units = ["s", *(result.unit(name) for name in names[1:])]
+    with path.open("w", newline="", encoding="utf-8") as file:
+        heads = [f"{name} [{'-' if unit in ('', '1') else unit}]" for name, unit in zip(names, units, strict=True)]
+        csv.writer(file, lineterminator="\n").writerow(heads)
+        np.savetxt(file, np.column_stack(columns), fmt="%.10g", delimiter=",")
+
+
+def _read_csv(path: Path) -> Result:
+    with path.open(newline="", encoding="utf-8") as file:
+        heads = next(csv.reader(file), [])
+        try:
+            rows = np.loadtxt(file, delimiter=",", ndmin=2)
+        except ValueError as error:
+            raise ModelError(f"{path}: {error}.") from error
+    matches = [_HEADER.match(head.strip()) for head in heads]
+    if not heads or None in matches or matches[0]["name"] != "time" or matches[0]["unit"] != "s":
+        raise ModelError(f"{path}:1: the header must read 'time [s],surge [m],...': one name and unit per column.")
+    if rows.size and rows.shape[1] != len(heads):
+        raise ModelError(f"{path}: the header names {len(heads)} columns, the rows have {rows.shape[1]}.")
+    rows = rows.reshape(-1, len(heads))
+    names = [match["name"] for match in matches]
+    values = {name: rows[:, i] for i, name in enumerate(names) if i > 0}
+    units = {match["name"]: "1" if match["unit"] == "-" else match["unit"] for match in matches[1:]}
+    return Result(rows[:, 0], values, units, attributes={"status": f"read from {path.name}."})
