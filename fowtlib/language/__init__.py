@@ -1,1 +1,57 @@
-"""What an author of components writes with: declarations, connectors, equations, units."""
+"""Floor 1: what an author of components writes with."""
+
+from fowtlib.language import math
+from fowtlib.language.component import Assembly, Component
+from fowtlib.language.connectors import Connector, RealInput, RealOutput, flow, orientation, potential
+from fowtlib.language.declarations import Array, Matrix, Scalar, Vector, outer, param, part, port, var
+from fowtlib.language.equations import (
+    assert_,
+    assign,
+    der,
+    eq,
+    external,
+    fix_orientation,
+    initial,
+    reinit,
+    rotation,
+    sampled,
+    when,
+)
+from fowtlib.language.errors import ModelError
+from fowtlib.language.tables import table1d, table2d, time_series
+
+__all__ = [
+    "Array",
+    "Assembly",
+    "Component",
+    "Connector",
+    "Matrix",
+    "ModelError",
+    "RealInput",
+    "RealOutput",
+    "Scalar",
+    "Vector",
+    "assert_",
+    "assign",
+    "der",
+    "eq",
+    "external",
+    "fix_orientation",
+    "flow",
+    "initial",
+    "math",
+    "orientation",
+    "outer",
+    "param",
+    "part",
+    "port",
+    "potential",
+    "reinit",
+    "rotation",
+    "sampled",
+    "table1d",
+    "table2d",
+    "time_series",
+    "var",
+    "when",
+]

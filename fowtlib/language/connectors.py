@@ -1,0 +1,75 @@
+"""Connectors: what two components share where they are joined.
+
+Potentials of joined ports are equal, flows sum to zero (positive into the component). An orientation is a rotation
+matrix potential whose time derivative is given by the angular velocity beside it. Signals are directed: one output drives
+any number of inputs.
+"""
+
+from __future__ import annotations
+
+from typing import Any
+
+
+class Member:
+    """One quantity of a connector."""
+
+    name: str = "?"
+
+    def __init__(self, kind: str, shape: tuple[int, ...], unit: str, doc: str, angular_velocity: str | None = None):
+        self.kind, self.shape, self.unit, self.doc, self.angular_velocity = kind, shape, unit, doc, angular_velocity
+
+    def __set_name__(self, owner: type, name: str) -> None:
+        self.name = name
+
+
+def potential(*, shape: tuple[int, ...] = (), unit: str = "1", doc: str = "") -> Any:
+    """A quantity that is equal in a connection."""
+    return Member("potential", shape, unit, doc)
+
+
+def flow(*, shape: tuple[int, ...] = (), unit: str = "1", doc: str = "") -> Any:
+    """A quantity that sums to zero in a connection, positive into the component."""
+    return Member("flow", shape, unit, doc)
+
+
+def orientation(*, angular_velocity: str, doc: str = "") -> Any:
+    """A rotation matrix (3 x 3, world from frame) that is equal in a connection; d/dt R = skew(w) R.
+
+    `angular_velocity` names the potential member w of the same connector, resolved in the world.
+    """
+    return Member("orientation", (3, 3), "1", doc, angular_velocity)
+
+
+class Connector:
+    """Base class of acausal connectors; the members are class-body fields."""
+
+    members: dict[str, Member] = {}
+
+    def __init_subclass__(cls, **kwargs: Any) -> None:
+        super().__init_subclass__(**kwargs)
+        own = {name: value for name, value in vars(cls).items() if isinstance(value, Member)}
+        cls.members = {**cls.members, **own}
+
+
+class Signal:
+    """Base class of the directed signals."""
+
+
+class RealInput(Signal):
+    """A real signal that the component reads."""
+
+
+class RealOutput(Signal):
+    """A real signal that the component gives."""
+
+
+class BoundPort:
+    """An acausal port while flattening: its members are CasADi expressions."""
+
+    def __init__(self, path: str, connected: bool, members: dict[str, Any]):
+        self.path = path
+        self.connected = connected
+        self.__dict__.update(members)
+
+    def __repr__(self) -> str:
+        return self.path

@@ -1,0 +1,244 @@
+"""The typed fields of a component class: param, var, port, part, outer.
+
+A field is a descriptor. While the model is flattened it gives the CasADi symbol of the instance; at any other time a
+parameter gives its value or a reference to it, a port gives a reference for `connect`.
+"""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from fowtlib.language.expressions import Arithmetic, ParameterReference
+
+if TYPE_CHECKING:
+    import casadi as ca
+
+    Scalar = Vector = Matrix = Array = ca.SX
+else:
+
+    class Scalar:
+        """One real number."""
+
+    class Vector:
+        """Three real numbers, a column."""
+
+    class Matrix:
+        """Nine real numbers, 3 x 3."""
+
+    class Array:
+        """Real numbers of the declared shape."""
+
+
+SHAPES: dict[type, tuple[int, ...] | None] = {Scalar: (), Vector: (3,), Matrix: (3, 3), Array: None}
+STATE_PREFERENCES = ("never", "avoid", "default", "prefer", "always")
+REQUIRED: Any = type("Required", (), {"__repr__": lambda self: "REQUIRED"})()
+
+
+class Field:
+    """What the declarations have in common: a name, an owner class, an annotation, a sentence."""
+
+    doc: str
+    name: str = "?"
+    owner: type | None = None
+    annotation: Any = None
+
+    def __set_name__(self, owner: type, name: str) -> None:
+        self.owner, self.name = owner, name
+
+    def outside(self, component: Any) -> Any:
+        """What the attribute gives outside of flattening."""
+        return self
+
+    def __get__(self, component: Any, owner: type | None = None) -> Any:
+        if component is None:
+            return self
+        binding = component.__dict__.get("_binding")
+        if binding is not None:
+            return binding[self.name]
+        return self.outside(component)
+
+    def __set__(self, component: Any, value: Any) -> None:
+        component.assign(self, value)
+
+
+class Parameter(Field, Arithmetic):
+    """Declaration of a parameter; arithmetic on it in the class body makes modifiers of parts."""
+
+    def __init__(
+        self, default: Any, unit: str, doc: str, minimum: Any, maximum: Any, shape: Any, structural: bool, choices: Any
+    ):
+        self.default, self.unit, self.doc = default, unit, doc
+        self.min, self.max, self.shape, self.choices = minimum, maximum, shape, choices
+        self.structural = structural
+
+    @property
+    def tunable(self) -> bool:
+        """A symbol of the flat model, changed without flattening again."""
+        return not self.structural and self.annotation in SHAPES
+
+    @property
+    def required(self) -> bool:
+        return self.default is REQUIRED
+
+    def outside(self, component: Any) -> Any:
+        if self.tunable:
+            return ParameterReference(component, self.name)
+        return component.parameter_value(self.name)
+
+    def __repr__(self) -> str:
+        return self.name
+
+
+class Variable(Field):
+    """Declaration of a variable: an unknown of the equations."""
+
+    def __init__(self, unit: str, doc: str, hint: str, shape: Any, start: Any, fixed: bool | None, state: str, nominal: Any,
+                 minimum: Any, maximum: Any, discrete: bool):  # fmt: skip
+        if state not in STATE_PREFERENCES:
+            raise ValueError(f"var(state={state!r}): choose one of {', '.join(STATE_PREFERENCES)}")
+        self.unit, self.doc, self.hint, self.shape, self.start = unit, doc, hint, shape, start
+        self.fixed, self.state, self.nominal, self.min, self.max = fixed, state, nominal, minimum, maximum
+        self.discrete = discrete
+
+    def outside(self, component: Any) -> VariableReference:
+        return VariableReference(component, self.name)
+
+
+class VariableReference:
+    """A variable of a component instance, by path: for outputs, start values and results."""
+
+    def __init__(self, component: Any, name: str):
+        self.component, self.name = component, name
+
+    @property
+    def path(self) -> str:
+        return join(self.component.path, self.name)
+
+    def __repr__(self) -> str:
+        return self.path
+
+    __str__ = __repr__
+
+
+class Port(Field):
+    """Declaration of a connector of a component."""
+
+    def __init__(self, size: Any, optional: bool, doc: str, unit: str, shape: Any, default: Any):
+        self.size, self.optional, self.doc, self.unit, self.shape, self.default = (
+            size,
+            optional,
+            doc,
+            unit,
+            shape,
+            default,
+        )
+
+    def outside(self, component: Any) -> PortReference:
+        return PortReference(component, self)
+
+
+class PortReference:
+    """A port of a component instance, to be given to `connect`."""
+
+    def __init__(self, component: Any, field: Port, index: int | None = None):
+        self.component, self.field, self.index = component, field, index
+
+    @property
+    def path(self) -> str:
+        return join(self.component.path, self.label)
+
+    @property
+    def label(self) -> str:
+        return self.field.name if self.index is None else f"{self.field.name}[{self.index}]"
+
+    def __len__(self) -> int:
+        size = self.component.port_size(self.field)
+        if size is None:
+            raise TypeError(f"{self.path} is one port, not an array of ports")
+        return size
+
+    def __getitem__(self, index: int) -> PortReference:
+        from fowtlib.language.errors import ConnectionFault
+
+        size = self.component.port_size(self.field)
+        if size is None or self.index is not None:
+            raise ConnectionFault(f"{self.path} is one port, not an array of ports; connect it without an index.")
+        if not -size <= index < size:
+            raise ConnectionFault(f"{self.path}[{index}]: the array has {size} ports, counted from 0.")
+        return PortReference(self.component, self.field, index % size)
+
+    def __iter__(self):
+        return (self[i] for i in range(len(self)))
+
+    def __repr__(self) -> str:
+        return self.path
+
+
+class Part(Field):
+    """Declaration of a part that every instance of the class has."""
+
+    def __init__(self, component_class: type, modifiers: dict[str, Any], doc: str):
+        self.component_class, self.modifiers, self.doc = component_class, modifiers, doc
+
+    def __get__(self, component: Any, owner: type | None = None) -> Any:
+        return self if component is None else component.parts[self.name]
+
+
+class Outer(Field):
+    """Declaration of a component that is found in an enclosing component (Modelica's inner and outer)."""
+
+    def __init__(self, component_class: type | None, optional: bool, doc: str):
+        self.component_class, self.optional, self.doc = component_class, optional, doc
+
+    def outside(self, component: Any) -> Any:
+        return component.find_outer(self)
+
+
+def param(default: Any = REQUIRED, *, unit: str = "1", doc: str = "", min: Any = None, max: Any = None, shape: Any = None,
+          structural: bool = False, choices: Any = None) -> Any:  # fmt: skip
+    """Declare a parameter, in SI `unit`; annotated Scalar, Vector, Matrix or Array it is tunable unless `structural`.
+
+    `default`, like any modifier, may be a number, a sequence, a string with a unit, another parameter of the class body,
+    arithmetic on those, or a function of the component. Without a default the parameter is required.
+    """
+    return Parameter(default, unit, doc, min, max, shape, structural, choices)
+
+
+def var(*, unit: str = "1", doc: str = "", hint: str = "", shape: Any = None, start: Any = None, fixed: bool | None = None,
+        state: str = "default", nominal: Any = None, min: Any = None, max: Any = None, discrete: bool = False) -> Any:  # fmt: skip
+    """Declare an unknown. `state` is the wish to be a state: never, avoid, default, prefer, always.
+
+    `hint` is what to look at when the variable comes out undetermined; `discrete` variables change only at events and
+    samples.
+    """
+    return Variable(unit, doc, hint, shape, start, fixed, state, nominal, min, max, discrete)
+
+
+def port(*, size: Any = None, optional: bool = False, doc: str = "", unit: str = "1", shape: Any = None,
+         default: Any = None) -> Any:  # fmt: skip
+    """Declare a connector; its class is the annotation. `size` makes an array of ports.
+
+    For signals: `unit`, `shape`, and `default`, the value of an input that nothing drives (None: it must be connected).
+    """
+    return Port(size, optional, doc, unit, shape, default)
+
+
+def part(component_class: type, *, doc: str = "", **modifiers: Any) -> Any:
+    """Declare a part; `modifiers` are its parameters, and may be arithmetic on the parameters above."""
+    return Part(component_class, modifiers, doc)
+
+
+def outer(component_class: type | None = None, *, optional: bool = False, doc: str = "") -> Any:
+    """Declare a use of the nearest part of this class in an enclosing component."""
+    return Outer(component_class, optional, doc)
+
+
+def join(path: str, name: str) -> str:
+    """`path.name`, or `name` at the top."""
+    return f"{path}.{name}" if path else name
+
+
+def shape_of(value: Any) -> tuple[int, ...]:
+    return np.asarray(value).shape

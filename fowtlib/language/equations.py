@@ -1,0 +1,211 @@
+"""The statements that `equations()` returns, and `der` and `external`, which belong to the model being flattened."""
+
+from __future__ import annotations
+
+import sys
+from collections.abc import Callable
+from dataclasses import dataclass, field
+from typing import Any, Protocol
+
+import casadi as ca
+
+from fowtlib.language.errors import StructureError
+
+
+class Flattener(Protocol):
+    """What `der` and `external` need from the flattening that calls `equations()`."""
+
+    def derivative(self, expression: ca.SX) -> ca.SX: ...
+
+    def external(self, function: ca.Function, inputs: ca.SX) -> ca.SX: ...
+
+    @property
+    def time(self) -> ca.SX: ...
+
+
+_active: list[Flattener] = []
+
+
+def active() -> Flattener:
+    """The flattening in progress; an error outside of `equations()`."""
+    if not _active:
+        raise StructureError("der(), external() and self.time work only inside equations().")
+    return _active[-1]
+
+
+class flattening:
+    """Context in which `equations()` may be called."""
+
+    def __init__(self, flattener: Flattener):
+        self.flattener = flattener
+
+    def __enter__(self) -> Flattener:
+        _active.append(self.flattener)
+        return self.flattener
+
+    def __exit__(self, *_: object) -> None:
+        _active.pop()
+
+
+def der(expression: Any) -> ca.SX:
+    """Time derivative of any expression of variables, connector members and time."""
+    return active().derivative(ca.SX(expression))
+
+
+def external(function: ca.Function, inputs: Any) -> ca.SX:
+    """Outputs of `function` (a CasADi Function of one dense column, giving one dense column) at `inputs`.
+
+    The flat model is torn here: the function is called as a whole, with its own Jacobian.
+    """
+    return active().external(function, ca.SX(inputs))
+
+
+def source_line(depth: int = 2) -> str:
+    """`file:line` of the caller of the caller."""
+    frame = sys._getframe(depth)
+    return f"{frame.f_code.co_filename}:{frame.f_lineno}"
+
+
+@dataclass(slots=True)
+class Equation:
+    lhs: ca.SX
+    rhs: ca.SX
+    source: str
+
+
+@dataclass(slots=True)
+class Initial:
+    lhs: ca.SX
+    rhs: ca.SX
+    source: str
+
+
+@dataclass(slots=True)
+class Assign:
+    """At an event: `target` (discrete variable, or state for a `reinit`) takes the value."""
+
+    target: ca.SX
+    value: ca.SX
+    is_reinit: bool = False
+
+
+@dataclass(slots=True)
+class When:
+    condition: ca.SX
+    actions: tuple[Assign, ...]
+    source: str
+
+
+@dataclass(slots=True)
+class Sampled:
+    period: Any
+    offset: Any
+    assignments: tuple[Assign, ...]
+    source: str
+
+
+@dataclass(slots=True)
+class Assertion:
+    condition: ca.SX
+    message: str
+    level: str
+    source: str
+    values: dict[str, ca.SX] = field(default_factory=dict)
+
+
+@dataclass(slots=True)
+class Rotation:
+    """R_b = R_a @ R_rel and w_b = w_a + R_a @ w_rel."""
+
+    frame_a: Any
+    frame_b: Any
+    R_rel: ca.SX
+    w_rel: ca.SX
+    source: str
+
+
+@dataclass(slots=True)
+class FixedOrientation:
+    frame: Any
+    R: ca.SX
+    w: ca.SX
+    source: str
+
+
+def _column(value: Any) -> ca.SX:
+    try:
+        return ca.densify(value if isinstance(value, ca.SX) else ca.SX(ca.DM(value)))
+    except (NotImplementedError, TypeError, RuntimeError):
+        raise StructureError(f"{value!r} ({type(value).__name__}) cannot stand in an equation.") from None
+
+
+def _pair(lhs: Any, rhs: Any) -> tuple[ca.SX, ca.SX]:
+    a, b = _column(lhs), _column(rhs)
+    if a.shape != b.shape:
+        if b.is_scalar():
+            b = ca.repmat(b, *a.shape)
+        elif a.is_scalar():
+            a = ca.repmat(a, *b.shape)
+        else:
+            raise StructureError(
+                f"the sides of an equation have different dimensions: {_shape(a)} on the left, {_shape(b)} on the right "
+                f"({source_line(3)})."
+            )
+    return a, b
+
+
+def _shape(value: ca.SX) -> str:
+    return f"{value.shape[0]} x {value.shape[1]}"
+
+
+def eq(lhs: Any, rhs: Any) -> Equation:
+    """`lhs = rhs` at all times; scalars, vectors or matrices of equal shape (a scalar stands for a filled one)."""
+    return Equation(*_pair(lhs, rhs), source_line())
+
+
+def initial(lhs: Any, rhs: Any) -> Initial:
+    """`lhs = rhs` at the start of a simulation; it takes the place of the start value of a state."""
+    return Initial(*_pair(lhs, rhs), source_line())
+
+
+def assign(target: Any, value: Any) -> Assign:
+    """In `when` or `sampled`: the discrete variable `target` takes `value` and keeps it."""
+    return Assign(*_pair(target, value))
+
+
+def reinit(state: Any, value: Any) -> Assign:
+    """In `when`: the state jumps to `value`."""
+    return Assign(*_pair(state, value), is_reinit=True)
+
+
+def when(condition: Any, *actions: Assign) -> When:
+    """`actions` at the instant at which `condition` (a < b or a > b) becomes true."""
+    return When(_column(condition), actions, source_line())
+
+
+def sampled(period: Any, *assignments: Assign, offset: Any = 0.0) -> Sampled:
+    """Assignments carried out every `period` seconds, in order; each sees the values assigned before it."""
+    return Sampled(period, offset, assignments, source_line())
+
+
+def assert_(condition: Any, message: str, level: str = "error") -> Assertion:
+    """Checked at every output point: "error" stops the simulation there, "warning" is said once."""
+    if level not in ("error", "warning"):
+        raise StructureError(f"assert_(level={level!r}): choose 'error' or 'warning'.")
+    return Assertion(_column(condition), message, level, source_line())
+
+
+def rotation(frame_a: Any, frame_b: Any, R_rel: Any, w_rel: Any) -> Rotation:
+    """frame_b is turned by `R_rel` against frame_a (R_b = R_a @ R_rel); `w_rel` is its angular velocity relative to
+    frame_a, resolved in frame_a. The assembler writes R and w of either frame, or three equations where a loop closes."""
+    return Rotation(frame_a, frame_b, _column(R_rel), _column(w_rel), source_line())
+
+
+def fix_orientation(frame: Any, R: Any, w: Any) -> FixedOrientation:
+    """The orientation and angular velocity (world) of a frame are given: a root of the orientation graph."""
+    return FixedOrientation(frame, _column(R), _column(w), source_line())
+
+
+Statement = Equation | Initial | When | Sampled | Assertion | Rotation | FixedOrientation
+Statements = list[Any]
+Function = Callable[..., Any]

@@ -1,0 +1,156 @@
+"""Arithmetic on declared parameters that stays symbolic until the model is flattened.
+
+`part(RigidBody, mass=mass / 2)` in a class body and `Unit(length=self.length / 3)` in `build()` both make an
+`Expression`. It has a value at any time (`float(expression)`), and while flattening it becomes a CasADi expression of the
+parameter symbols, so that a changed parameter reaches every part that depends on it.
+"""
+
+from __future__ import annotations
+
+import operator
+from collections.abc import Callable
+from typing import Any
+
+import numpy as np
+
+Lookup = Callable[[Any], Any]
+
+
+class Arithmetic:
+    """Operators that build an `Expression` instead of computing."""
+
+    def __add__(self, other: Any) -> Expression:
+        return Expression(operator.add, "+", (self, other))
+
+    def __radd__(self, other: Any) -> Expression:
+        return Expression(operator.add, "+", (other, self))
+
+    def __sub__(self, other: Any) -> Expression:
+        return Expression(operator.sub, "-", (self, other))
+
+    def __rsub__(self, other: Any) -> Expression:
+        return Expression(operator.sub, "-", (other, self))
+
+    def __mul__(self, other: Any) -> Expression:
+        return Expression(operator.mul, "*", (self, other))
+
+    def __rmul__(self, other: Any) -> Expression:
+        return Expression(operator.mul, "*", (other, self))
+
+    def __truediv__(self, other: Any) -> Expression:
+        return Expression(operator.truediv, "/", (self, other))
+
+    def __rtruediv__(self, other: Any) -> Expression:
+        return Expression(operator.truediv, "/", (other, self))
+
+    def __pow__(self, other: Any) -> Expression:
+        return Expression(operator.pow, "**", (self, other))
+
+    def __neg__(self) -> Expression:
+        return Expression(operator.neg, "-", (self,))
+
+    def __pos__(self) -> Arithmetic:
+        return self
+
+    def __getitem__(self, index: Any) -> Expression:
+        if isinstance(index, int) and index < 0:
+            index += np.asarray(evaluate(self)).shape[0]
+        return Expression(lambda values: values[index], f"[{index}]", (self,))
+
+    def __iter__(self):
+        shape = np.asarray(evaluate(self)).shape
+        if not shape:
+            raise TypeError("a scalar parameter cannot be iterated over")
+        return (self[i] for i in range(shape[0]))
+
+    def __float__(self) -> float:
+        return float(evaluate(self))
+
+    def __array__(self, dtype: Any = None, copy: Any = None) -> np.ndarray:
+        return np.asarray(evaluate(self), dtype=dtype)
+
+
+class Expression(Arithmetic):
+    """A function of parameters: an operation and its operands."""
+
+    __slots__ = ("arguments", "function", "symbol")
+
+    def __init__(self, function: Callable[..., Any], symbol: str, arguments: tuple[Any, ...]):
+        self.function = function
+        self.symbol = symbol
+        self.arguments = arguments
+
+    def __repr__(self) -> str:
+        if self.symbol.startswith("["):
+            return f"{self.arguments[0]!r}{self.symbol}"
+        if len(self.arguments) == 2 and not self.symbol.isalpha():
+            return f"({self.arguments[0]!r} {self.symbol} {self.arguments[1]!r})"
+        return f"{self.symbol}({', '.join(map(repr, self.arguments))})"
+
+
+class ParameterReference(Arithmetic):
+    """A tunable parameter of one component instance, seen from outside of its equations."""
+
+    __slots__ = ("component", "name")
+
+    def __init__(self, component: Any, name: str):
+        self.component = component
+        self.name = name
+
+    @property
+    def value(self) -> Any:
+        """The number (SI units) the parameter has now."""
+        return evaluate(self)
+
+    def __repr__(self) -> str:
+        return f"{self.component.path}.{self.name}" if self.component.path else self.name
+
+
+def call(function: Callable[..., Any], name: str, *arguments: Any) -> Any:
+    """`function(*arguments)`, delayed as an Expression where an argument is one."""
+    if any(isinstance(argument, Arithmetic) for argument in arguments):
+        return Expression(function, name, arguments)
+    return function(*arguments)
+
+
+def is_expression(value: Any) -> bool:
+    """True where `value` or a member of it depends on parameters."""
+    if isinstance(value, Arithmetic):
+        return True
+    return isinstance(value, (list, tuple)) and any(is_expression(item) for item in value)
+
+
+def evaluate(value: Any, lookup: Lookup | None = None, combine: Callable[[list[Any]], Any] | None = None) -> Any:
+    """The value of an expression.
+
+    `lookup` gives the value of a leaf (default: the number a referenced parameter has); `combine` makes one value of a
+    sequence of values (default: a NumPy array).
+    """
+    lookup = lookup or _number
+    combine = combine or np.asarray
+    if isinstance(value, Expression):
+        return value.function(*(evaluate(argument, lookup, combine) for argument in value.arguments))
+    if isinstance(value, Arithmetic):
+        return lookup(value)
+    if isinstance(value, (list, tuple)) and is_expression(value):
+        return combine([evaluate(item, lookup, combine) for item in value])
+    return value
+
+
+def rebind(value: Any, component: Any) -> Any:
+    """The same expression with the parameters of a class body replaced by those of an instance of the class."""
+    if isinstance(value, Expression):
+        return Expression(value.function, value.symbol, tuple(rebind(item, component) for item in value.arguments))
+    if isinstance(value, ParameterReference):
+        return value
+    if isinstance(value, Arithmetic):  # a declaration in the class body
+        return getattr(component, value.name)
+    if isinstance(value, (list, tuple)):
+        return type(value)(rebind(item, component) for item in value)
+    return value
+
+
+def _number(leaf: Any) -> Any:
+    if not isinstance(leaf, ParameterReference):
+        raise TypeError(f"{leaf!r} has no value outside of an instance")
+    return leaf.component.parameter_value(leaf.name)

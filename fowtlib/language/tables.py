@@ -1,0 +1,152 @@
+"""Look-up tables as smooth external functions: cubic splines, checked at their edges.
+
+Outside of its range a table keeps the value of its edge, so that an iteration can look there, and an output point found
+there stops the simulation with a message: nothing is extrapolated.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import Any
+
+import casadi as ca
+import numpy as np
+
+from fowtlib.language.equations import active, external
+from fowtlib.language.errors import ParameterError
+
+
+def table1d(
+    u: Any, x_grid: Any, y_values: Any, *, name: str = "table", argument: str = "argument", smoothness: str = "c2"
+) -> ca.SX:
+    """Values of a table at `u`: y_values (n,) or (n, m) over the increasing x_grid (n,), as a column of m.
+
+    smoothness "c2" is the cubic spline (not-a-knot), "c1" the monotone cubic of Fritsch and Carlson (1980), without overshoot.
+    """
+    x, y = _grid(x_grid, name), _values(y_values, 1, name)
+    if len(x) != len(y):
+        raise ParameterError(f"{name}: {len(x)} arguments and {len(y)} rows of values.")
+    knots, coefficients = _monotone(x, y) if smoothness == "c1" else _interpolating(x, y)
+    function = _spline(name, [knots], coefficients, [(x[0], x[-1])])
+    active().check_range(u, x[0], x[-1], name, argument)
+    return external(function, u)
+
+
+def table2d(u: Any, v: Any, x_grid: Any, y_grid: Any, values: Any, *, name: str = "table",
+            arguments: Sequence[str] = ("argument 1", "argument 2")) -> ca.SX:  # fmt: skip
+    """Values of a table at (u, v): values (nx, ny) or (nx, ny, m), twice continuously differentiable, as a column of m."""
+    x, y, z = _grid(x_grid, name), _grid(y_grid, name), _values(values, 2, name)
+    if z.shape[:2] != (len(x), len(y)):
+        raise ParameterError(f"{name}: {len(x)} x {len(y)} arguments and {z.shape[0]} x {z.shape[1]} values.")
+    knots_x, along_x = _interpolating(x, z)
+    knots_y, along_y = _interpolating(y, np.moveaxis(along_x, 1, 0))
+    function = _spline(name, [knots_x, knots_y], np.moveaxis(along_y, 0, 1), [(x[0], x[-1]), (y[0], y[-1])])
+    for value, grid, argument in ((u, x, arguments[0]), (v, y, arguments[1])):
+        active().check_range(value, grid[0], grid[-1], name, argument)
+    return external(function, ca.vertcat(u, v))
+
+
+def time_series(
+    t: Any, t0: float, dt: float, values: Any, *, periodic: bool = False, name: str = "time series"
+) -> ca.SX:
+    """Samples at t0, t0 + dt, ... as a function of time, twice continuously differentiable: (n,) or (n, m), column of m.
+
+    A periodic series repeats after n dt; any other must cover the simulation.
+    """
+    samples = _values(values, 1, name)
+    n = len(samples)
+    if n < 4:
+        raise ParameterError(f"{name}: a time series needs 4 samples or more, and {n} are given.")
+    coefficients = _cardinal_periodic(samples) if periodic else _cardinal(samples)
+    knots = t0 + dt * np.arange(-3, len(coefficients) + 1)
+    end = t0 + dt * (n if periodic else n - 1)
+    time = ca.MX.sym("t")
+    inside = t0 + ca.fmod(time - t0, end - t0) if periodic else ca.fmin(ca.fmax(time, t0), end)
+    value = ca.bspline(
+        inside, _flat(coefficients), [list(knots)], [3], coefficients.shape[1], {"lookup_mode": ["exact"]}
+    )
+    function = ca.Function(_identifier(name), [time], [value], ["t"], ["value"])
+    if not periodic:
+        active().check_range(t, t0, end, name, "time")
+    return external(function, t)
+
+
+def _grid(values: Any, name: str) -> np.ndarray:
+    grid = np.asarray(values, dtype=float)
+    if grid.ndim != 1 or len(grid) < 4:
+        raise ParameterError(f"{name}: the arguments of a table are one column of 4 values or more.")
+    if not np.all(np.isfinite(grid)) or not np.all(np.diff(grid) > 0):
+        raise ParameterError(f"{name}: the arguments of a table must be finite and increase.")
+    return grid
+
+
+def _values(values: Any, dimensions: int, name: str) -> np.ndarray:
+    array = np.asarray(values, dtype=float)
+    if array.ndim == dimensions:
+        array = array[..., None]
+    if array.ndim != dimensions + 1:
+        raise ParameterError(f"{name}: values of shape {array.shape} do not fit a table of {dimensions} arguments.")
+    if not np.all(np.isfinite(array)):
+        raise ParameterError(f"{name}: the values of a table must be finite numbers.")
+    return array
+
+
+def _interpolating(x: np.ndarray, values: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    from scipy.interpolate import make_interp_spline
+
+    spline = make_interp_spline(x, values, k=3, axis=0)
+    return spline.t, spline.c
+
+
+def _monotone(x: np.ndarray, y: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """Cubic Hermite spline as a B-spline with double knots: its Bezier points beside the data are the coefficients."""
+    from scipy.interpolate import PchipInterpolator
+
+    slope = PchipInterpolator(x, y, axis=0).derivative()(x)
+    third = np.diff(x)[:, None] / 3
+    inner = np.stack([y[:-1] + slope[:-1] * third, y[1:] - slope[1:] * third], axis=1).reshape(-1, y.shape[1])
+    knots = np.concatenate([[x[0]] * 4, np.repeat(x[1:-1], 2), [x[-1]] * 4])
+    return knots, np.concatenate([y[:1], inner, y[-1:]])
+
+
+def _cardinal(samples: np.ndarray) -> np.ndarray:
+    """Coefficients c of the uniform cubic B-spline: (c[j-1] + 4 c[j] + c[j+1]) / 6 = sample, no curvature at the ends."""
+    from scipy.linalg import solve_banded
+
+    n = len(samples)
+    bands = np.zeros((3, n))
+    bands[0, 1:] = bands[2, :-1] = 1 / 6
+    bands[1] = 4 / 6
+    bands[1, [0, -1]] = 1.0
+    bands[0, 1] = bands[2, -2] = 0.0
+    inner = solve_banded((1, 1), bands, samples)
+    return np.concatenate([[2 * inner[0] - inner[1]], inner, [2 * inner[-1] - inner[-2]]])
+
+
+def _cardinal_periodic(samples: np.ndarray) -> np.ndarray:
+    n = len(samples)
+    kernel = (4 + 2 * np.cos(2 * np.pi * np.arange(n // 2 + 1) / n)) / 6
+    inner = np.fft.irfft(np.fft.rfft(samples, axis=0) / kernel[:, None], n, axis=0)
+    return np.concatenate([inner[-1:], inner, inner[:2]])
+
+
+def _spline(
+    name: str, knots: list[np.ndarray], coefficients: np.ndarray, ranges: list[tuple[float, float]]
+) -> ca.Function:
+    argument = ca.MX.sym("argument", len(knots))
+    inside = ca.vertcat(*[ca.fmin(ca.fmax(argument[i], low), high) for i, (low, high) in enumerate(ranges)])
+    outputs = coefficients.shape[-1]
+    value = ca.bspline(inside, _flat(coefficients), [list(k) for k in knots], [3] * len(knots), outputs)
+    return ca.Function(_identifier(name), [argument], [value], ["argument"], ["value"])
+
+
+def _flat(coefficients: np.ndarray) -> ca.DM:
+    """CasADi's order: the output runs fastest, then the first argument."""
+    return ca.DM(np.moveaxis(coefficients, -1, 0).ravel(order="F"))
+
+
+def _identifier(name: str) -> str:
+    """A name CasADi accepts: letters, digits, single underscores, a letter first."""
+    words = "".join(character if character.isalnum() and character.isascii() else " " for character in name).split()
+    text = "_".join(words) or "table"
+    return text if text[0].isalpha() else f"table_{text}"
