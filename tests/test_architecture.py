@@ -1,0 +1,196 @@
+"""The house keeps its floors: who may import whom, what a package lists, how long a component may be."""
+
+from __future__ import annotations
+
+import ast
+import json
+import subprocess
+import sys
+import tomllib
+from collections.abc import Iterator
+from pathlib import Path
+
+ROOT = Path(__file__).parent.parent
+FOLDERS = {"fowtlib": ROOT / "fowtlib", "fowtlib.components": ROOT / "components", "fowtlib.models": ROOT / "models"}
+
+# Each floor may import itself and the floors below. Packages that share a floor may not import each other.
+# "fowtlib" stands for what a user imports: the modules at the top of the package.
+FLOORS = [
+    {"fowtlib.language"},
+    {"fowtlib.flattening"},
+    {"fowtlib.solving"},
+    {"fowtlib.fmi", "fowtlib.modelfile", "fowtlib.analysis", "fowtlib.cases", "fowtlib.view"},
+    {"fowtlib"},
+    {"fowtlib.cli"},
+]
+KNOWS_NO_PHYSICS = 3  # the first floors must not import a part or a model
+LIBRARY = "fowtlib.components"
+LIBRARY_MAY_IMPORT = {
+    "fowtlib.language",
+    LIBRARY,
+    "numpy",
+    "scipy",
+    "casadi",  # only to make the Function that external() takes
+    "capytaine",  # the optional pre-processor of hydrodynamic databases
+}
+SLOW_OR_OPTIONAL = {"matplotlib", "yaml", "pandas", "pint", "xarray", "rich", "networkx", "capytaine", "fmpy"}
+LONGEST_COMPONENT = 60
+DATA = {".yaml", ".csv", ".nc", ".md", ".c", ".h"}
+
+
+def modules() -> Iterator[tuple[str, Path]]:
+    """Every module of the project as (dotted name, file)."""
+    for package, folder in FOLDERS.items():
+        for path in sorted(folder.rglob("*.py")):
+            parts = path.relative_to(folder).with_suffix("").parts
+            if parts[-1] == "__init__":
+                parts = parts[:-1]
+            yield ".".join((package, *parts)), path
+
+
+def imports(path: Path, module: str) -> Iterator[tuple[int, str]]:
+    """Every import of a file, also inside functions, as (line, dotted name); `from a import b` gives a.b."""
+    package = module if path.name == "__init__.py" else module.rpartition(".")[0]
+    for node in ast.walk(ast.parse(path.read_text())):
+        if isinstance(node, ast.Import):
+            yield from ((node.lineno, alias.name) for alias in node.names)
+        elif isinstance(node, ast.ImportFrom):
+            base = node.module or ""
+            if node.level:
+                anchor = package.split(".")[: len(package.split(".")) - node.level + 1]
+                base = ".".join([*anchor, *([base] if base else [])])
+            yield from ((node.lineno, f"{base}.{alias.name}") for alias in node.names)
+
+
+def within(name: str, package: str) -> bool:
+    return name == package or name.startswith(package + ".")
+
+
+def floor_of(name: str) -> tuple[int, str] | None:
+    """Floor number and package of a module; None for a part, a model or somebody else's package."""
+    if within(name, LIBRARY) or within(name, "fowtlib.models"):
+        return None
+    found = [(number, package) for number, names in enumerate(FLOORS) for package in names if within(name, package)]
+    return max(found, key=lambda pair: len(pair[1]), default=None)
+
+
+def test_no_floor_imports_a_higher_one_or_a_neighbour():
+    wrong = []
+    for module, path in modules():
+        here = floor_of(module)
+        if here is None:
+            continue
+        for line, name in imports(path, module):
+            there = floor_of(name)
+            if there is not None:
+                bad = there[0] > here[0] or (there[0] == here[0] and there[1] != here[1])
+            else:
+                bad = here[0] < KNOWS_NO_PHYSICS and name.startswith("fowtlib.")
+            if bad:
+                wrong.append(f"{path.relative_to(ROOT)}:{line}: {module} imports {name}")
+    assert not wrong, "\n".join(wrong)
+
+
+def test_components_import_only_the_language_and_data_readers():
+    allowed = LIBRARY_MAY_IMPORT | set(sys.stdlib_module_names)
+    wrong = [
+        f"{path.relative_to(ROOT)}:{line}: imports {name}"
+        for module, path in modules()
+        if within(module, LIBRARY)
+        for line, name in imports(path, module)
+        if not any(within(name, package) for package in allowed)
+    ]
+    assert not wrong, "\n".join(wrong)
+
+
+def test_every_package_is_listed_and_every_listed_package_exists():
+    with open(ROOT / "pyproject.toml", "rb") as file:
+        setuptools = tomllib.load(file)["tool"]["setuptools"]
+    assert sorted(setuptools["packages"]) == sorted(
+        module for module, path in modules() if path.name == "__init__.py"
+    )
+    assert setuptools["package-dir"] == {
+        name: str(folder.relative_to(ROOT)) for name, folder in FOLDERS.items() if name != "fowtlib"
+    }
+
+
+def test_no_package_is_an_empty_promise():
+    """A package holds more than its docstring."""
+    empty = [
+        str(path.parent.relative_to(ROOT))
+        for _, path in modules()
+        if path.name == "__init__.py"
+        and not any(other != path and other.suffix in DATA | {".py"} for other in path.parent.rglob("*"))
+    ]
+    assert not empty, f"packages that hold nothing: {', '.join(empty)}"
+
+
+def test_the_wheel_carries_the_models_and_their_data():
+    """What setuptools would put into a wheel, asked from its own build step, without building one."""
+    script = """
+import json
+from setuptools import Distribution
+distribution = Distribution()
+distribution.parse_config_files()
+build = distribution.get_command_obj("build_py")
+build.ensure_finalized()
+build.manifest_files = {}
+folders = [(package, build.get_package_dir(package)) for package in distribution.packages]
+print(json.dumps([name for folder in folders for name in build.find_data_files(*folder)]))
+"""
+    run = subprocess.run([sys.executable, "-W", "ignore", "-c", script], cwd=ROOT, capture_output=True, text=True)
+    assert run.returncode == 0, run.stderr
+
+    carried = {str(Path(name)) for name in json.loads(run.stdout.splitlines()[-1])}
+    data = {
+        str(path.relative_to(ROOT))
+        for folder in FOLDERS.values()
+        for path in folder.rglob("*")
+        if path.suffix in DATA and "__pycache__" not in path.parts
+    }
+    assert data <= carried, f"files a wheel would lack: {sorted(data - carried)}"
+
+
+def test_import_is_light():
+    """`import fowtlib` draws in nothing slow: no plotting, YAML, tables or unit package."""
+    script = "import sys, fowtlib; print(*{name.partition('.')[0] for name in sys.modules})"
+    run = subprocess.run([sys.executable, "-c", script], capture_output=True, text=True, check=True)
+    assert not SLOW_OR_OPTIONAL & set(run.stdout.split())
+
+
+def component_classes() -> Iterator[tuple[str, ast.ClassDef]]:
+    """Every class of the component library as (place, definition)."""
+    for module, path in modules():
+        if within(module, LIBRARY):
+            for node in ast.walk(ast.parse(path.read_text())):
+                if isinstance(node, ast.ClassDef):
+                    yield f"{path.relative_to(ROOT)}:{node.lineno}: {node.name}", node
+
+
+def test_every_public_component_has_a_docstring():
+    silent = [place for place, node in component_classes() if node.name[0] != "_" and not ast.get_docstring(node)]
+    assert not silent, "\n".join(silent)
+
+
+def statement_lines(node: ast.ClassDef) -> int:
+    """Lines of a class that hold statements: no docstrings, comments or blank lines."""
+    lines: set[int] = set()
+    for inner in ast.walk(node):
+        if not isinstance(inner, ast.stmt):
+            continue
+        if isinstance(inner, ast.Expr) and isinstance(inner.value, ast.Constant) and isinstance(inner.value.value, str):
+            continue
+        last = inner.end_lineno if not getattr(inner, "body", None) else inner.body[0].lineno - 1
+        lines.update(range(inner.lineno, max(inner.lineno, last) + 1))
+    return len(lines)
+
+
+def test_a_component_is_short():
+    """A class with equations fits one page; a longer one is made of parts."""
+    long = [
+        f"{place} has {statement_lines(node)} lines of statements"
+        for place, node in component_classes()
+        if any(isinstance(item, ast.FunctionDef) and item.name == "equations" for item in node.body)
+        and statement_lines(node) > LONGEST_COMPONENT
+    ]
+    assert not long, "\n".join(long)
