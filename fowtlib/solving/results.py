@@ -19,7 +19,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from fowtlib.language.errors import ModelError, SimulationError, did_you_mean
+from fowtlib.language.errors import ModelError, NotFoundError, SimulationError, did_you_mean
 
 if TYPE_CHECKING:
     import pandas
@@ -134,7 +134,7 @@ class Statistics(Mapping[str, Summary]):
 
     def __getitem__(self, name: str) -> Summary:
         if name not in self._rows:
-            raise ModelError(f"there is no statistics of '{name}'. {did_you_mean(name, self._rows)}".rstrip())
+            raise NotFoundError(f"there is no result '{name}'{did_you_mean(name, self._rows, list_up_to=30)}")
         return self._rows[name]
 
     def __iter__(self) -> Iterator[str]:
@@ -255,7 +255,7 @@ class Result:
             if len(index) != whole.ndim - 1 or any(i >= n for i, n in zip(index, whole.shape[1:], strict=True)):
                 shape = " x ".join(map(str, whole.shape[1:]))
                 size = f"has {shape} elements, counted from 0" if shape else "is a single number"
-                raise ModelError(f"there is no '{name}': the result '{indexed['name']}' {size}.")
+                raise NotFoundError(f"there is no '{name}': the result '{indexed['name']}' {size}.")
             return whole[(slice(None), *index)]
         if name not in self._observed:
             self._observed[name] = self._observe(name)
@@ -264,13 +264,11 @@ class Result:
     def _observe(self, name: str) -> np.ndarray:
         observer = self._observer
         if observer is None or (observer.names and name not in observer.names):
-            message = f"there is no result '{name}'."
-            suggestion = did_you_mean(name, [*self._values, *(observer.names if observer else ())])
-            if not suggestion:
-                suggestion = f"There are: {', '.join(self._values) or 'none'}."
-                if observer is None:
-                    suggestion += " Other variables of the model can be asked for after Result.open(path, plant=plant)."
-            raise ModelError(f"{message} {suggestion}")
+            message = f"there is no result '{name}'"
+            message += did_you_mean(name, [*self._values, *(observer.names if observer else ())], list_up_to=30)
+            if observer is None and not message.endswith("?"):
+                message += " Other variables of the model can be asked for after Result.open(path, plant=plant)."
+            raise NotFoundError(message)
         values = np.asarray(observer.values([name]), dtype=float)
         return values[:, 0] if values.ndim == 2 and values.shape[1] == 1 else values
 

@@ -1,0 +1,160 @@
+"""Power spectral densities, one-sided and per hertz: the integral over frequency [Hz] is the variance of the signal.
+
+Per rad/s the density is S(f) / (2 pi). Source of the method: Welch (1967), as in scipy.signal.welch.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass, replace
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from fowtlib.analysis.series import as_series
+from fowtlib.language.errors import ModelError
+
+if TYPE_CHECKING:
+    from fowtlib.analysis.series import SeriesLike
+
+
+@dataclass(frozen=True)
+class Spectrum:
+    """One-sided density S(f) [unit^2/Hz] over equally spaced frequencies f [Hz], from 0 upward."""
+
+    frequency: np.ndarray
+    density: np.ndarray
+    unit: str = "1"
+    name: str = ""
+    long_name: str = ""
+    averages: float = 1.0  # equivalent number of independent periodograms behind each value
+
+    def moment(self, order: int = 0, low: float = 0.0, high: float = np.inf) -> float:
+        """Spectral moment m_n, the integral of f^n S(f) over [low, high] Hz; m_0 is the variance."""
+        f = self.frequency
+        inside = (f >= low) & (f <= high)
+        if order < 0:
+            inside &= f > 0
+        return float(np.sum(f[inside] ** order * self.density[inside]) * (f[1] - f[0]))
+
+    @property
+    def std(self) -> float:
+        """Standard deviation of the signal, sqrt(m_0)."""
+        return float(np.sqrt(self.moment(0)))
+
+    @property
+    def significant_height(self) -> float:
+        """Significant height of a sea, 4 sqrt(m_0)."""
+        return 4.0 * self.std
+
+    @property
+    def peak_frequency(self) -> float:
+        """Frequency of the largest density, Hz."""
+        return float(self.frequency[np.argmax(self.density)])
+
+    @property
+    def zero_crossing_period(self) -> float:
+        """Mean period between upward zero crossings, sqrt(m_0 / m_2), s."""
+        return float(np.sqrt(self.moment(0) / self.moment(2)))
+
+    def median_filtered(self, order: int = 15, keep_level: bool = True) -> Spectrum:
+        """Smooth by a running median over ``order`` (odd) frequencies.
+
+        The median of a periodogram lies below its mean (by ln 2 for many values of one periodogram, because they are
+        exponentially distributed). ``keep_level`` divides by that factor, so that broad spectra keep their variance.
+        A line (regular wave) or a resonance narrower than half the window is cut off: do not read peaks from it.
+        """
+        from scipy.signal import medfilt
+
+        if order < 1 or order % 2 == 0:
+            raise ModelError(f"the median filter takes an odd order such as 15, not {order}.")
+        smooth = medfilt(self.density, order)
+        if keep_level and order > 1:
+            smooth = smooth / _median_level(order, self.averages)
+        return replace(self, density=smooth)
+
+
+def _median_level(order: int, averages: float) -> float:
+    """Expected median of ``order`` spectral values over their mean; the values follow chi-square with 2 x averages."""
+    from scipy.stats import beta, chi2
+
+    half = (order + 1) / 2
+    grid = (np.arange(2000) + 0.5) / 2000  # the median of n uniform numbers follows Beta(half, half)
+    return float(np.mean(chi2.ppf(beta.ppf(grid, half, half), 2 * averages)) / (2 * averages))
+
+
+def power_spectrum(
+    series: SeriesLike,
+    *,
+    discard: float = 0.0,
+    segment: float | None = None,
+    window: str | None = None,
+    median: int = 0,
+    name: str = "",
+) -> Spectrum:
+    """One-sided power spectral density of a series about its mean.
+
+    series   ``result["surge"]`` or (time, values), equally spaced
+    discard  seconds left out at the beginning
+    segment  length [s] of the half-overlapping segments of Welch's average; None takes the whole record once
+    window   of scipy.signal; default "hann" for segments, "boxcar" for the whole record (the variance is then exact)
+    median   order of a running median (15 is usual for whole records; see Spectrum.median_filtered); 0 for none
+    """
+    from scipy import signal
+
+    record = as_series(series, name).after(discard)
+    step = record.step
+    count = record.values.size if segment is None else int(round(segment / step))
+    if count < 8 or count > record.values.size:
+        raise ModelError(
+            f"{record.name}: a segment of {count * step:g} s does not fit: the record has "
+            f"{record.values.size} points over {record.values.size * step:g} s, a segment takes 8 points or more."
+        )
+    window = window or ("boxcar" if segment is None else "hann")
+    values = record.values - record.values.mean()
+    frequency, density = signal.welch(values, 1.0 / step, window, count, detrend=False, scaling="density")
+    segments = 1 + (record.values.size - count) // max(count - count // 2, 1)
+    averages = 18.0 * segments**2 / (19.0 * segments - 1.0)  # half-overlapping Hann segments are nearly independent
+    spectrum = Spectrum(frequency, density, record.unit, record.name, record.long_name, averages)
+    return spectrum.median_filtered(median) if median else spectrum
+
+
+def average(spectra: Sequence[Spectrum]) -> Spectrum:
+    """Mean of spectra of equal frequencies, such as those of several seeds."""
+    if not spectra:
+        raise ModelError("there are no spectra to average.")
+    first = spectra[0]
+    for other in spectra[1:]:
+        if other.frequency.shape != first.frequency.shape or not np.allclose(other.frequency, first.frequency):
+            raise ModelError(
+                "spectra can be averaged when their frequencies agree: take records of equal length and step."
+            )
+    density = np.mean([spectrum.density for spectrum in spectra], axis=0)
+    return replace(first, density=density, averages=sum(spectrum.averages for spectrum in spectra))
+
+
+@dataclass(frozen=True)
+class SpectrumComparison:
+    """How a measured spectrum agrees with a target between two frequencies.
+
+    variance_ratio  m_0 measured over m_0 of the target
+    deviation       root mean square of (measured - target), over the target's root mean square
+    """
+
+    variance_ratio: float
+    deviation: float
+
+
+def compare(
+    spectrum: Spectrum, target: Callable[[np.ndarray], np.ndarray], low: float = 0.0, high: float = np.inf
+) -> SpectrumComparison:
+    """Compare with target(f [Hz]) -> density [unit^2/Hz] over [low, high] Hz."""
+    inside = (spectrum.frequency >= low) & (spectrum.frequency <= high) & (spectrum.frequency > 0)
+    if inside.sum() < 2:
+        raise ModelError(
+            f"there are fewer than two frequencies between {low:g} Hz and {high:g} Hz; "
+            f"the spectrum ends at {spectrum.frequency[-1]:g} Hz in steps of {spectrum.frequency[1]:g} Hz."
+        )
+    measured, wanted = spectrum.density[inside], np.asarray(target(spectrum.frequency[inside]), dtype=float)
+    deviation = np.sqrt(np.mean((measured - wanted) ** 2) / np.mean(wanted**2))
+    return SpectrumComparison(float(measured.sum() / wanted.sum()), float(deviation))
