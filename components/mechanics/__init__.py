@@ -1,5 +1,66 @@
 """Mechanical parts: 3-D multibody with `Frame` ports and 1-D rotational with `Flange` ports."""
 
-from fowtlib.components.mechanics.connectors import Flange, Frame
+# The connectors come first: World (in the environment) has a Frame, and the bodies need World.
+from fowtlib.components.mechanics.connectors import Flange, Frame  # isort: skip
+from fowtlib.components.environment.world import World
+from fowtlib.components.mechanics.bodies import Fixed, FixedRotation, FixedTranslation, PointMass, RigidBody
+from fowtlib.components.mechanics.interfaces import TwoFlanges, TwoFrames
+from fowtlib.components.mechanics.joints import FreeMotion, PlanarLoopRevolute, Prismatic, Revolute, Spherical
+from fowtlib.components.mechanics.loads import SpringDamper, WorldForce, WorldTorque
+from fowtlib.components.mechanics.rotational import (
+    AngleSensor,
+    AngleSource,
+    FixedFlange,
+    IdealGear,
+    Inertia,
+    SpeedSensor,
+    SpeedSource,
+    TorqueSensor,
+    TorqueSource,
+    TorsionSpringDamper,
+)
+from fowtlib.components.mechanics.sensors import (
+    AccelerationSensor,
+    AttitudeSensor,
+    LoadSensor,
+    PositionSensor,
+    RelativeSensor,
+    VelocitySensor,
+)
 
-__all__ = ["Flange", "Frame"]
+__all__ = [
+    "AccelerationSensor",
+    "AngleSensor",
+    "AngleSource",
+    "AttitudeSensor",
+    "Fixed",
+    "FixedFlange",
+    "FixedRotation",
+    "FixedTranslation",
+    "Flange",
+    "Frame",
+    "FreeMotion",
+    "IdealGear",
+    "Inertia",
+    "LoadSensor",
+    "PlanarLoopRevolute",
+    "PointMass",
+    "PositionSensor",
+    "Prismatic",
+    "RelativeSensor",
+    "Revolute",
+    "RigidBody",
+    "SpeedSensor",
+    "SpeedSource",
+    "Spherical",
+    "SpringDamper",
+    "TorqueSensor",
+    "TorqueSource",
+    "TorsionSpringDamper",
+    "TwoFlanges",
+    "TwoFrames",
+    "VelocitySensor",
+    "World",
+    "WorldForce",
+    "WorldTorque",
+]

@@ -8,7 +8,7 @@ from fowtlib.language import Connector, flow, orientation, potential
 class Frame(Connector):
     """A coordinate system fixed to a body, where 3-D mechanical parts are joined.
 
-    Everything is resolved in the world (x downwind, y to port, z up), so that sea, wind and mooring loads stay readable.
+    Everything is resolved in the world (x downwind, y to port, z up): sea, wind and mooring loads stay readable.
     The orientation R maps components in this frame to components in the world: v = R @ v_frame; R' = skew(w) @ R.
     Loads are positive into the component that owns the port; the moment is taken about the origin of the frame.
 
