@@ -1,0 +1,37 @@
+"""Look-up tables with continuous derivatives."""
+
+from __future__ import annotations
+
+from fowtlib.language import Array, Component, RealInput, RealOutput, eq, param, port, table1d, table2d
+
+
+class Table1D(Component):
+    """y = spline through the points (x[i], values[i]); the run stops with a message where u leaves the table.
+
+    smoothness "c2": cubic spline; "c1": piecewise cubic that does not overshoot the points.
+    """
+
+    x: Array = param(structural=True, doc="rising abscissae")
+    values: Array = param(structural=True, doc="one value per abscissa")
+    smoothness: str = param(default="c2", choices=("c1", "c2"), doc="continuous derivatives")
+
+    u: RealInput = port(doc="abscissa")
+    y: RealOutput = port(doc="value")
+
+    def equations(self):
+        return [eq(self.y, table1d(self.u, self.x, self.values, name=self.path, smoothness=self.smoothness))]
+
+
+class Table2D(Component):
+    """z = smooth surface through values[i, j] at (x[i], y[j]); the run stops with a message where u or v leaves it."""
+
+    x: Array = param(structural=True, doc="rising abscissae of the rows")
+    y: Array = param(structural=True, doc="rising abscissae of the columns")
+    values: Array = param(structural=True, doc="values, rows by columns")
+
+    u: RealInput = port(doc="abscissa along the rows' direction x")
+    v: RealInput = port(doc="abscissa along the columns' direction y")
+    z: RealOutput = port(doc="value")
+
+    def equations(self):
+        return [eq(self.z, table2d(self.u, self.v, self.x, self.y, self.values, name=self.path))]
