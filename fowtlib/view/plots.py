@@ -1,0 +1,360 @@
+"""Figures of results, decays, response operators, spectra and modes, with labelled axes and units.
+
+Every function returns a ``matplotlib.figure.Figure`` and, given a ``path``, writes it (png, pdf or svg by the ending).
+matplotlib is imported on the first call; no window and no global state of pyplot is touched, so that figures are the
+same on a server and in a notebook. The functions read attributes only (a decay needs ``.series``, ``.period``, ...),
+and depend on no other part of the toolkit.
+"""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Mapping, Sequence
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from fowtlib.language.errors import ModelError
+
+if TYPE_CHECKING:
+    from matplotlib.axes import Axes
+    from matplotlib.figure import Figure
+
+# Panels of a floating turbine in the order of cause and effect: the results of a panel, one of each per rotor or line.
+# A second result is drawn when it moves at least a tenth as much as the first (sway and roll matter in oblique seas).
+PANELS: tuple[tuple[str, ...], ...] = (
+    ("wind_speed",),
+    ("wave_elevation",),
+    ("surge", "sway"),
+    ("heave",),
+    ("pitch", "roll"),
+    ("yaw",),
+    ("rotor_speed",),
+    ("blade_pitch",),
+    ("generator_torque",),
+    ("generator_power",),
+    ("thrust",),
+    ("fairlead_tension",),
+)
+COLORS = ("#0b5394", "#d1651b", "#2f7d4f", "#8a3d8f", "#b8860b", "#4d4d4d", "#1a9ba1", "#c2385a")
+INK, GRID = "#222222", "#d9d9d9"
+_STYLE = {
+    "font.size": 9.0,
+    "axes.edgecolor": "#888888",
+    "axes.labelcolor": INK,
+    "axes.grid": True,
+    "axes.axisbelow": True,
+    "axes.spines.top": False,
+    "axes.spines.right": False,
+    "axes.titlesize": 9.5,
+    "axes.titlelocation": "left",
+    "axes.titleweight": "bold",
+    "axes.titlepad": 4.0,
+    "axes.xmargin": 0.0,
+    "grid.color": GRID,
+    "grid.linewidth": 0.6,
+    "lines.linewidth": 1.1,
+    "legend.frameon": False,
+    "legend.fontsize": 8.5,
+    "xtick.color": INK,
+    "ytick.color": INK,
+    "svg.hashsalt": "fowtlib",
+}
+
+
+def plot_result(result: Any, names: Sequence[str] | None = None, path: str | Path | None = None) -> Figure:
+    """Time series, one panel per kind of quantity over a common time axis.
+
+    names  results to show, one panel each; a name may be any variable of the model when the result can observe it.
+           None shows the usual panels of a floating turbine, or all results when it has none of them.
+    """
+    panels = _panels(result, names)
+    if not panels:
+        raise ModelError("there is nothing to plot: the result holds no series.")
+    columns = 1 if len(panels) < 6 else 2
+    rows = -(-len(panels) // columns)
+    with _style():
+        figure = _figure(6.2 * columns, 0.7 + 1.45 * rows)
+        grid = figure.add_gridspec(rows, columns)
+        first = None
+        for index, (title, members) in enumerate(panels):
+            row, column = index % rows, index // rows
+            lowest = index == len(panels) - 1 or row == rows - 1
+            axis = figure.add_subplot(grid[row : rows if lowest else row + 1, column], sharex=first)
+            first = first or axis
+            _draw_series(axis, result, title, members)
+            axis.tick_params(labelbottom=lowest)
+            if lowest:
+                axis.set_xlabel("time [s]")
+        title = result.attributes.get("title") or result.attributes.get("model")
+        if title:
+            figure.suptitle(str(title), x=0.01, ha="left", fontsize=11, fontweight="bold")
+    return save_figure(figure, path)
+
+
+def plot_decay(decay: Any, path: str | Path | None = None) -> Figure:
+    """Free decay with its extrema and the fitted envelope; below, damping ratio over amplitude."""
+    series = decay.series
+    unit = _unit(series.unit)
+    with _style():
+        figure = _figure(7.5, 5.4)
+        top, bottom = figure.subplots(2, 1, height_ratios=(1.7, 1.0))
+        top.plot(series.time, series.values, color=COLORS[0], label=series.name)
+        later = np.linspace(decay.extrema_time[0], decay.extrema_time[-1], 400)
+        hull = decay.envelope(later)
+        for sign, label in ((1.0, "fitted envelope"), (-1.0, None)):
+            top.plot(later, decay.rest + sign * hull, color=COLORS[1], linestyle="--", linewidth=1.0, label=label)
+        top.plot(decay.extrema_time, decay.extrema, "o", color=COLORS[1], markersize=3.5, label="extrema")
+        top.axhline(decay.rest, color=INK, linewidth=0.7)
+        top.set(xlabel="time [s]", ylabel=f"{series.name} [{unit}]")
+        top.set_title(
+            f"Free decay in {series.name}: period {decay.period:.4g} s ({decay.frequency:.4g} Hz), "
+            f"damping ratio {100.0 * decay.damping_ratio:.3g} %"
+        )
+        top.legend(loc="upper right", ncols=3)
+        bottom.plot(decay.amplitude, 100.0 * decay.damping, "o", color=COLORS[0], markersize=4, label="half cycles")
+        reach = np.array([0.0, 1.05 * decay.amplitude.max()])
+        line = 100.0 * (decay.damping_at_zero + decay.damping_slope * reach)
+        sign = "+" if decay.damping_slope >= 0.0 else "\N{MINUS SIGN}"
+        per = f" %/{unit}" if unit != "-" else " %"
+        label = f"{100.0 * decay.damping_at_zero:.3g} % {sign} {abs(100.0 * decay.damping_slope):.3g}{per} x amplitude"
+        bottom.plot(reach, line, color=COLORS[1], linestyle="--", linewidth=1.0, label=label)
+        bottom.set(xlabel=f"amplitude [{unit}]", ylabel="damping ratio [%]", xlim=reach)
+        bottom.set_ylim(bottom=min(0.0, 100.0 * float(decay.damping.min())))
+        bottom.legend(loc="lower right")
+    return save_figure(figure, path)
+
+
+def plot_rao(
+    raos: Any,
+    path: str | Path | None = None,
+    *,
+    outputs: Sequence[str] | None = None,
+    phase: bool = True,
+    logarithmic: bool | None = None,
+) -> Figure:
+    """Response per metre of wave over frequency, amplitude and phase side by side, one row per output.
+
+    raos         one response operator, or several to compare; those of fewer than 40 frequencies are drawn with markers
+    logarithmic  scale of the amplitude; None takes it where a resonance would hide the rest
+    """
+    raos = [raos] if hasattr(raos, "response") else list(raos)
+    shown = list(outputs or dict.fromkeys(name for rao in raos for name in rao.outputs))
+    columns = 2 if phase else 1
+    with _style():
+        figure = _figure(4.6 * columns + 0.4, 0.8 + 1.7 * len(shown))
+        axes = figure.subplots(len(shown), columns, sharex=True, squeeze=False)
+        for row, name in zip(axes, shown, strict=True):
+            having = [(index, rao) for index, rao in enumerate(raos) if name in rao.outputs]
+            for index, rao in having:
+                look = _look(index, rao.frequency.size)
+                row[0].plot(rao.frequency, rao.amplitude(name), label=rao.method, **look)
+                if phase:
+                    row[1].plot(rao.frequency, _broken(rao.phase(name)), **look)
+            row[0].set_title(name.replace("_", " "))
+            row[0].set_ylabel(f"amplitude [{having[0][1].unit(name)}]")
+            everything = np.concatenate([rao.amplitude(name) for _, rao in having])
+            hidden = everything.max() > 30.0 * np.median(everything) > 0.0
+            if hidden if logarithmic is None else logarithmic:
+                row[0].set_yscale("log")
+                row[0].set_ylim(bottom=max(1e-4 * everything.max(), 0.7 * everything[everything > 0].min()))
+            else:
+                row[0].set_ylim(bottom=0.0)
+            if phase:
+                row[1].set_ylabel("phase [deg]")
+                row[1].set(ylim=(-190, 190), yticks=(-180, -90, 0, 90, 180))
+        for axis in axes[-1]:
+            axis.set_xlabel("wave frequency [Hz]")
+        if len(raos) > 1:
+            axes[0][0].legend(loc="best")
+    return save_figure(figure, path)
+
+
+def plot_spectra(
+    spectra: Any,
+    path: str | Path | None = None,
+    *,
+    targets: Mapping[str, Any] | None = None,
+    highest: float = 0.5,
+    logarithmic: bool = True,
+) -> Figure:
+    """Power spectral densities, one panel per unit.
+
+    targets  label -> function(frequency [Hz]) -> density, drawn into the first panel, such as the spectrum of the sea
+    highest  last frequency shown, Hz
+    """
+    spectra = [spectra] if hasattr(spectra, "density") else list(spectra)
+    units = list(dict.fromkeys(spectrum.unit for spectrum in spectra))
+    with _style():
+        figure = _figure(7.5, 0.6 + 2.5 * len(units))
+        axes = figure.subplots(len(units), 1, sharex=True, squeeze=False)[:, 0]
+        for panel, (axis, unit) in enumerate(zip(axes, units, strict=True)):
+            members = [spectrum for spectrum in spectra if spectrum.unit == unit]
+            top = 0.0
+            for index, spectrum in enumerate(members):
+                seen = (spectrum.frequency > 0) & (spectrum.frequency <= highest)
+                label = spectrum.name.replace("_", " ")
+                axis.plot(spectrum.frequency[seen], spectrum.density[seen], color=_color(index), label=label, lw=1.0)
+                top = max(top, float(spectrum.density[seen].max()))
+            if panel == 0:
+                for index, (label, target) in enumerate((targets or {}).items()):
+                    f = np.linspace(highest / 500, highest, 500)
+                    axis.plot(f, target(f), color=INK, linestyle=("--", ":")[index % 2], lw=1.3, label=label)
+            if logarithmic and top > 0.0:
+                axis.set_yscale("log")
+                axis.set_ylim(1e-5 * top, 3.0 * top)
+            else:
+                axis.set_ylim(bottom=0.0)
+            axis.set_xlim(0.0, highest)
+            axis.set_ylabel(f"density [{_squared(unit)}/Hz]")
+            axis.legend(loc="upper right", ncols=2)
+        axes[-1].set_xlabel("frequency [Hz]")
+    return save_figure(figure, path)
+
+
+def plot_modes(modes: Sequence[Any], path: str | Path | None = None) -> Figure:
+    """Natural frequencies and damping ratios as bars, one row per mode, the lowest frequency on top."""
+    modes = sorted((mode for mode in modes if mode.frequency_hz > 0), key=lambda mode: mode.frequency_hz)
+    if not modes:
+        raise ModelError("there is nothing to plot: the linear model has no oscillating mode.")
+    rows = np.arange(len(modes))
+    labels = [mode.label or f"mode {i + 1}" for i, mode in enumerate(modes)]
+    frequency = np.array([mode.frequency_hz for mode in modes])
+    damping = np.array([100.0 * mode.damping_ratio for mode in modes])
+    with _style():
+        figure = _figure(8.0, 1.1 + 0.32 * len(modes))
+        left, right = figure.subplots(1, 2, sharey=True, width_ratios=(1.4, 1.0))
+        left.set_xscale("log")
+        left.set_xlim(10.0 ** np.floor(np.log10(0.7 * frequency.min())), 4.0 * frequency.max())
+        _bars(left, rows, frequency, COLORS[0], [f"{f:.4g} Hz  ({1 / f:.4g} s)" for f in frequency])
+        _bars(right, rows, damping, COLORS[1], [f"{d:.3g} %" for d in damping])
+        right.set_xlim(min(0.0, 1.25 * damping.min()), max(1.3 * damping.max(), 1.0))
+        left.set_yticks(rows, labels)
+        left.invert_yaxis()
+        left.set_xlabel("natural frequency [Hz]")
+        right.set_xlabel("damping ratio [%]")
+        for axis in (left, right):
+            axis.grid(visible=False, axis="y")
+            axis.tick_params(axis="y", length=0)
+    return save_figure(figure, path)
+
+
+def save_figure(figure: Figure, path: str | Path | None, *, dpi: int = 150) -> Figure:
+    """Write a figure by the ending of ``path`` (png, pdf, svg); None leaves it unsaved. Returns the figure."""
+    if path is None:
+        return figure
+    path = Path(path)
+    known = (".png", ".pdf", ".svg")
+    if path.suffix.lower() not in known:
+        raise ModelError(f"{path}: a figure is saved as {', '.join(known)}, not as '{path.suffix or 'no ending'}'.")
+    if not path.parent.is_dir():
+        raise ModelError(f"{path}: the folder {path.parent} does not exist. Make it first, or choose another one.")
+    try:
+        with _style():
+            figure.savefig(path, dpi=dpi)
+    except OSError as error:
+        raise ModelError(f"{path}: cannot be written: {error.strerror}.") from error
+    return figure
+
+
+# -- inside -----------------------------------------------------------------------------------------------------------
+
+
+def _style() -> Any:
+    import matplotlib
+
+    return matplotlib.rc_context(_STYLE)
+
+
+def _figure(width: float, height: float) -> Figure:
+    from matplotlib.backends.backend_agg import FigureCanvasAgg
+    from matplotlib.figure import Figure
+
+    figure = Figure(figsize=(width, height), layout="constrained")
+    FigureCanvasAgg(figure)
+    return figure
+
+
+def _panels(result: Any, names: Sequence[str] | None) -> list[tuple[str, list[str]]]:
+    """Titles and members of the panels."""
+    if names is not None:
+        for name in names:
+            result.array(name)  # an unknown name stops here, with a suggestion
+        return [(result.long_name(name), [name]) for name in names]
+    scalar = dict(result.columns())
+    panels = []
+    for kinds in PANELS:
+        groups = [[name for name in scalar if re.fullmatch(rf"{kind}(_\w+)?", name)] for kind in kinds]
+        if not groups[0]:
+            continue
+        moves = max(float(np.ptp(scalar[name])) for name in groups[0])
+        others = [name for group in groups[1:] for name in group if np.ptp(scalar[name]) >= 0.1 * moves]
+        title = ", ".join(kind for kind in kinds if any(name.startswith(kind) for name in [*groups[0], *others]))
+        panels.append((title, [*groups[0], *others]))
+    return panels or [(result.long_name(name), [name]) for name in scalar]
+
+
+def _draw_series(axis: Axes, result: Any, title: str, members: Sequence[str]) -> None:
+    for index, name in enumerate(members):
+        axis.plot(result.time, result.array(name), color=_color(index), label=_short(name, members))
+    unit = _unit(result.unit(members[0]))
+    axis.set_title(f"{title.replace('_', ' ')} [{unit}]")
+    if len(members) > 1:
+        axis.legend(loc="upper right", bbox_to_anchor=(1.0, 1.2), ncols=len(members), borderpad=0.0, handlelength=1.2)
+    flat = np.concatenate([result.array(name) for name in members])
+    middle, size = float(flat.mean()), float(np.ptp(flat))
+    if size < 1e-6 * max(1.0, abs(middle)):  # a constant: no magnified rounding errors
+        half = 0.05 * max(1.0, abs(middle))
+        axis.set_ylim(middle - half, middle + half)
+    axis.ticklabel_format(axis="y", useOffset=False)
+
+
+def _short(name: str, members: Sequence[str]) -> str:
+    """Label in a legend: without what all members of the panel share ("rotor_speed_left" -> "left")."""
+    if len(members) < 2:
+        return name
+    shared = 0
+    words = [member.split("_") for member in members]
+    while all(len(word) > shared + 1 and word[shared] == words[0][shared] for word in words):
+        shared += 1
+    return " ".join(name.split("_")[shared:])
+
+
+def _color(index: int) -> str:
+    return COLORS[index % len(COLORS)]
+
+
+def _unit(unit: str) -> str:
+    """Unit for an axis: "N*m" is written "N m", none is "-"."""
+    return "-" if unit in ("", "1") else unit.replace("**", "^").replace("*", " ")
+
+
+def _squared(unit: str) -> str:
+    unit = _unit(unit)
+    return "1" if unit == "-" else f"{unit}\N{SUPERSCRIPT TWO}" if unit.isalpha() else f"({unit})\N{SUPERSCRIPT TWO}"
+
+
+def _look(index: int, points: int) -> dict[str, Any]:
+    marks = points < 40
+    return {
+        "color": _color(index),
+        "linestyle": "none" if marks and index else "-",
+        "marker": "o" if marks else None,
+        "markersize": 3.5,
+        "clip_on": not (marks and index),
+        "zorder": 3 if marks and index else 2,
+    }
+
+
+def _broken(phase: np.ndarray) -> np.ndarray:
+    """Phase with gaps where it jumps through 180 degrees, so that no line crosses the panel."""
+    jumps = np.flatnonzero(np.abs(np.diff(phase)) > 180.0)
+    phase = np.array(phase, dtype=float)
+    phase[jumps] = np.nan
+    return phase
+
+
+def _bars(axis: Axes, rows: np.ndarray, values: np.ndarray, color: str, labels: Sequence[str]) -> None:
+    bars = axis.barh(rows, values, height=0.62, color=color)
+    axis.bar_label(bars, labels, padding=4, fontsize=8.5, color=INK)
