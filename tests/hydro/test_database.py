@@ -5,6 +5,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+
 from fowtlib.components.hydro.database import HydrodynamicDatabase
 from fowtlib.components.hydro.errors import HydrodynamicDataError
 
