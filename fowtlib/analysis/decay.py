@@ -103,7 +103,7 @@ def analyse_decay(series: SeriesLike, *, rest: float | None = None, smallest: fl
         middle = better
     if extrema.size < _EXTREMA_NEEDED or crossings.size < _CROSSINGS_NEEDED:
         raise ModelError(
-            f"free decay of {record.name}: in {span:g} s it passes its rest position {middle:.4g} {record.unit} "
+            f"free decay of {record.name}: in {span:g} s it passes its rest position {_rounded(middle, record)} "
             f"{crossings.size} times, {_CROSSINGS_NEEDED} are needed. Simulate longer; a motion that only creeps back "
             "is overdamped and has no period."
         )
@@ -131,6 +131,12 @@ def analyse_decay(series: SeriesLike, *, rest: float | None = None, smallest: fl
         float(at_zero),
         float(slope),
     )
+
+
+def _rounded(rest: float, record: Series) -> str:
+    """The rest position for a message, without rounding errors about zero."""
+    rest = 0.0 if abs(rest) < 1e-6 * float(np.ptp(record.values)) else rest
+    return f"{rest:.4g}" if record.unit in ("", "1") else f"{rest:.4g} {record.unit}"
 
 
 def _ratio(half_decrement: np.ndarray | float) -> np.ndarray | float:

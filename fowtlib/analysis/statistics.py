@@ -1,4 +1,7 @@
-"""Statistics of runs: means over seeds, and one case against another. Of one run: ``result.statistics(discard=400)``."""
+"""Statistics of several runs: means over seeds, one case against another.
+
+Those of one run: ``result.statistics(discard=400)``.
+"""
 
 from __future__ import annotations
 

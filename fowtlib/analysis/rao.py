@@ -1,0 +1,122 @@
+"""Response amplitude operators: response per metre of wave amplitude, over frequency.
+
+Convention: elevation a cos(omega t) at the origin gives the response a |H| cos(omega t + phase); complex amplitudes go
+with exp(+i omega t), so a positive phase leads the crest at the origin.
+
+The wave load is not causal in the elevation (a diffracting hull feels the wave before its crest arrives), so no state
+space has the elevation as its input. The linear operator is therefore H(omega) = G(i omega) X(omega): G from a
+generalized load at the hull to the outputs, exact from the linear model with its radiation states and mooring, and
+X(omega) from the hydrodynamic data. A part offers this pair by two attributes: ``wave_input``, the name of a tunable
+parameter that is added to its wave load, and ``wave_transfer(omega, heading)``, the complex load per unit amplitude.
+
+Quadratic drag, linearised about still water, is zero: the linear operator is the limit of small waves. Near resonance
+it is larger than what a run with drag shows; compare with runs in small waves, or without drag.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from fowtlib.language.errors import ModelError, did_you_mean
+
+if TYPE_CHECKING:
+    import xarray
+
+
+MOTIONS = ("surge", "sway", "heave", "roll", "pitch", "yaw")
+_SHOWN = 20
+
+
+@dataclass(frozen=True)
+class Rao:
+    """Complex response per metre of wave amplitude, ``response`` (n_frequency, n_output), at ``frequency`` [Hz].
+
+    outputs and units are the names of the columns and their units per metre of wave ("m/m", "deg/m"); heading in rad;
+    method is one phrase for a figure's legend.
+    """
+
+    frequency: np.ndarray
+    outputs: tuple[str, ...]
+    response: np.ndarray
+    units: tuple[str, ...]
+    heading: float = 0.0
+    method: str = "linear"
+
+    def __getitem__(self, name: str) -> np.ndarray:
+        if name not in self.outputs:
+            raise ModelError(f"the response has no output '{name}'{did_you_mean(name, self.outputs)}")
+        return self.response[:, self.outputs.index(name)]
+
+    def amplitude(self, name: str) -> np.ndarray:
+        """Amplitude of an output per metre of wave amplitude, in its unit per metre."""
+        return np.abs(self[name])
+
+    def phase(self, name: str) -> np.ndarray:
+        """Phase in degrees against the crest at the origin, within (-180, 180]; positive leads."""
+        return np.degrees(np.angle(self[name]))
+
+    def unit(self, name: str) -> str:
+        """Unit of an output's amplitude, per metre of wave."""
+        return self.units[self.outputs.index(name)]
+
+    @property
+    def dataset(self) -> xarray.Dataset:
+        """Amplitude and phase of every output over the coordinate ``frequency``."""
+        import xarray
+
+        frequency = xarray.Variable("frequency", self.frequency, {"units": "Hz", "long_name": "wave frequency"})
+        columns = {}
+        for name, unit in zip(self.outputs, self.units, strict=True):
+            amplitude = {"units": unit, "long_name": f"amplitude of {name} per wave amplitude"}
+            phase = {"units": "deg", "long_name": f"phase of {name} against the crest at the origin"}
+            columns[f"{name}_amplitude"] = ("frequency", self.amplitude(name), amplitude)
+            columns[f"{name}_phase"] = ("frequency", self.phase(name), phase)
+        attrs = {"heading_deg": float(np.degrees(self.heading)), "method": self.method}
+        return xarray.Dataset(columns, {"frequency": frequency}, attrs)
+
+    def save(self, path: str | Path) -> Path:
+        """Write a table as CSV, one row per frequency, with units in the header line."""
+        path = Path(path)
+        if path.suffix != ".csv":
+            raise ModelError(f"{path}: a response operator is saved as .csv, not as '{path.suffix or 'no ending'}'.")
+        dataset = self.dataset
+        heads = ["frequency [Hz]", *(f"{name} [{dataset[name].attrs['units']}]" for name in dataset)]
+        table = np.column_stack([self.frequency, *(dataset[name].values for name in dataset)])
+        try:
+            np.savetxt(path, table, fmt="%.8g", delimiter=",", header=",".join(heads), comments="")
+        except OSError as error:
+            raise ModelError(f"{path}: cannot be written: {error.strerror}.") from error
+        return path
+
+    def __repr__(self) -> str:
+        widths = [max(12, len(f"{name} [{unit}]") + 2) for name, unit in zip(self.outputs, self.units, strict=True)]
+        heads = (f"{f'{n} [{u}]':>{w}}" for n, u, w in zip(self.outputs, self.units, widths, strict=True))
+        lines = [f"<Rao, {self.method}, heading {np.degrees(self.heading):g} deg>", f"{'[Hz]':>8}" + "".join(heads)]
+        for i in range(min(_SHOWN, self.frequency.size)):
+            numbers = (f"{abs(value):>{width}.4g}" for value, width in zip(self.response[i], widths, strict=True))
+            lines.append(f"{self.frequency[i]:>8.4g}" + "".join(numbers))
+        if self.frequency.size > _SHOWN:
+            lines.append(f"... and {self.frequency.size - _SHOWN} more frequencies")
+        return "\n".join(lines)
+
+
+def frequency_response(linear: Any, frequencies: Sequence[float] | np.ndarray) -> np.ndarray:
+    """G(i 2 pi f) = C (i omega I - A)^-1 B + D of a linear model, shape (n_frequency, n_output, n_input)."""
+    A, B, C, D = (np.asarray(getattr(linear, name), dtype=float) for name in "ABCD")
+    unity = np.eye(A.shape[0])
+    omega = 2.0 * np.pi * np.atleast_1d(np.asarray(frequencies, dtype=float))
+    return np.array([C @ np.linalg.solve(1j * w * unity - A, B) + D for w in omega])
+
+
+def wave_inputs(root: Any) -> list[tuple[str, Callable[[np.ndarray, float], np.ndarray]]]:
+    """Every part below ``root`` that feels the wave: path of its input, and its load per unit amplitude."""
+    return [
+        (f"{part.path}.{part.wave_input}" if part.path else part.wave_input, part.wave_transfer)
+        for part in root.walk()
+        if getattr(type(part), "wave_input", None) is not None and hasattr(part, "wave_transfer")
+    ]
