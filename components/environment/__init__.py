@@ -2,6 +2,26 @@
 
 # World has a Frame and the bodies of the mechanics need World: the mechanics load first and fetch World themselves.
 from fowtlib.components import mechanics as _mechanics  # noqa: F401  isort: skip
+from fowtlib.components.environment.sea import Sea
+from fowtlib.components.environment.turbulence import kaimal, kaimal_series, normal_turbulence, operating_gust
+from fowtlib.components.environment.waves import WaveComponents, irregular_waves, jonswap, regular_waves, wave_number
+from fowtlib.components.environment.wind import Wind
+from fowtlib.components.environment.wind_file import WindSeries, read_series
 from fowtlib.components.environment.world import World
 
-__all__ = ["World"]
+__all__ = [
+    "Sea",
+    "WaveComponents",
+    "Wind",
+    "WindSeries",
+    "World",
+    "irregular_waves",
+    "jonswap",
+    "kaimal",
+    "kaimal_series",
+    "normal_turbulence",
+    "operating_gust",
+    "read_series",
+    "regular_waves",
+    "wave_number",
+]

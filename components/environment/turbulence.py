@@ -24,7 +24,6 @@ Sources: IEC 61400-1 ed. 3 (2005), 6.3.1.3 (normal turbulence model), 6.3.2.2 (e
 
 from __future__ import annotations
 
-import math
 from collections.abc import Sequence
 
 import numpy as np
@@ -108,7 +107,7 @@ def operating_gust(
     return max(gust, 0.0)
 
 
-def turbulence(
+def kaimal_series(
     stations: Sequence[Sequence[float]],
     mean_speed: float,
     sigma: float,

@@ -56,7 +56,7 @@ def wave_number(omega: ArrayLike, depth: float, gravity: float = GRAVITY) -> Flo
     return np.where(y > 0, x / depth, 0.0)
 
 
-def default_peak_factor(significant_wave_height: float, peak_period: float) -> float:
+def default_gamma(significant_wave_height: float, peak_period: float) -> float:
     """Peak enhancement factor gamma [1] where none is given: DNV-RP-C205 3.5.5.5, the same in IEC 61400-3-1 annex D.
 
     gamma = 5 for Tp/sqrt(Hs) <= 3.6, 1 for >= 5, exp(5.75 - 1.15 Tp/sqrt(Hs)) between, with Hs [m] and Tp [s].
@@ -76,20 +76,18 @@ def _peak_shape(x: Floats) -> Floats:
 
 
 @lru_cache(maxsize=64)
-def _peak_energy(peak_factor: float) -> float:
+def _peak_energy(gamma: float) -> float:
     """Energy of the JONSWAP shape relative to Pierson-Moskowitz, by Gauss quadrature on both sides of the peak."""
     node, weight = np.polynomial.legendre.leggauss(100)
     energy = 1.0
     for low, high in ((0.3, 1.0), (1.0, 1.9)):
         x = 0.5 * (high - low) * node + 0.5 * (high + low)
-        extra = 5 * x**-5 * np.exp(-1.25 * x**-4) * (peak_factor ** _peak_shape(x) - 1)
+        extra = 5 * x**-5 * np.exp(-1.25 * x**-4) * (gamma ** _peak_shape(x) - 1)
         energy += 0.5 * (high - low) * float(weight @ extra)
     return energy
 
 
-def jonswap(
-    omega: ArrayLike, significant_wave_height: float, peak_period: float, peak_factor: float | None = None
-) -> Floats:
+def jonswap(omega: ArrayLike, significant_wave_height: float, peak_period: float, gamma: float | None = None) -> Floats:
     """One-sided JONSWAP spectrum S(omega) [m^2 s/rad] of the elevation; zero for omega <= 0.
 
     S = (5/16) Hs^2 omega_p^4 omega^-5 exp(-1.25 (omega_p/omega)^4) gamma^b / E(gamma),
@@ -98,14 +96,14 @@ def jonswap(
     every gamma. IEC 61400-3 and DNV print the fit 1/E = 1 - 0.287 ln(gamma), which is 0.3 % off for gamma <= 5 and
     1.8 % at 7.
     """
-    if peak_factor is None:
-        peak_factor = default_peak_factor(significant_wave_height, peak_period)
+    if gamma is None:
+        gamma = default_gamma(significant_wave_height, peak_period)
     omega = np.asarray(omega, dtype=float)
     x = np.where(omega > 0, omega * peak_period / (2 * np.pi), 1.0)
     with np.errstate(over="ignore", under="ignore", divide="ignore"):
         decay = np.minimum(1.25 * x**-4.0, 745.0)  # exp(-745) is the last one above zero
         density = 5 / 16 * significant_wave_height**2 * peak_period / (2 * np.pi) * np.exp(-decay - 5 * np.log(x))
-    return np.where(omega > 0, density * peak_factor ** _peak_shape(x) / _peak_energy(float(peak_factor)), 0.0)
+    return np.where(omega > 0, density * gamma ** _peak_shape(x) / _peak_energy(float(gamma)), 0.0)
 
 
 @dataclass(frozen=True, eq=False)
@@ -176,7 +174,7 @@ class WaveComponents:
 
     def evaluate(self, transfer: ArrayLike, time: ArrayLike) -> Floats:
         """Sum of the harmonics at any times (nt,) [s]; shape (nt, m). Direct and slow, for checks and few points."""
-        weighted = self.complex_amplitude[:, None] * self._columns(transfer)
+        weighted = self.complex_amplitude[:, None] * self.columns(transfer)
         angle = np.outer(np.atleast_1d(np.asarray(time, dtype=float)), self.omega)
         return np.cos(angle) @ weighted.real - np.sin(angle) @ weighted.imag
 
@@ -187,7 +185,7 @@ class WaveComponents:
 
     def series(self, transfer: ArrayLike) -> Floats:
         """One whole period on the uniform grid t = j period / samples, by inverse FFT; shape (samples, m)."""
-        columns = self._columns(transfer)
+        columns = self.columns(transfer)
         half = np.zeros((columns.shape[1], self.samples // 2 + 1), dtype=complex)
         half[:, self._harmonic] = (0.5 * self.samples * self.complex_amplitude[:, None] * columns).T
         return np.fft.irfft(half, self.samples, axis=1).T
@@ -196,7 +194,8 @@ class WaveComponents:
     def _harmonic(self) -> NDArray[np.int64]:
         return np.rint(self.omega * self.period / (2 * np.pi)).astype(int)
 
-    def _columns(self, transfer: ArrayLike) -> Complexes:
+    def columns(self, transfer: ArrayLike) -> Complexes:
+        """A transfer as a complex array (n, m); raises ValueError where the rows are not one per component."""
         columns = np.asarray(transfer, dtype=complex)
         columns = columns.reshape(-1, 1) if columns.ndim == 1 else columns
         if columns.ndim != 2 or len(columns) != len(self):
@@ -242,7 +241,7 @@ def irregular_waves(
     peak_period: float,
     depth: float,
     *,
-    peak_factor: float | None = None,
+    gamma: float | None = None,
     heading: float = 0.0,
     seed: int = 1,
     random_amplitudes: bool = True,
@@ -276,7 +275,7 @@ def irregular_waves(
     omega = step * np.arange(first, last + 1)
     uniform = np.random.default_rng(seed).random((last, 2))[first - 1 :]
     radius = np.sqrt(-2 * np.log1p(-uniform[:, 0])) if random_amplitudes else math.sqrt(2)
-    amplitude = np.sqrt(step * jonswap(omega, significant_wave_height, peak_period, peak_factor)) * radius
+    amplitude = np.sqrt(step * jonswap(omega, significant_wave_height, peak_period, gamma)) * radius
     phase = 2 * np.pi * uniform[:, 1]
     number = wave_number(omega, depth, gravity)
     return WaveComponents(omega, amplitude, phase, number, heading, repetition_period, depth)

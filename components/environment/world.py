@@ -10,14 +10,15 @@ from fowtlib.language import math as m
 class World(Component):
     """Gravity, water and air, and the inertial frame at the still water level: x downwind, y to port, z up.
 
-    Declared once at the top of a model; parts find it by `world: World = outer(World)`. Gravity and water depth are structural, because the numbers of the waves are computed from them when the model is
-    built; the densities may be changed in a built model.
+    Declared once at the top of a model; parts find it by `world: World = outer(World)`. Gravity and water depth are
+    structural, because the numbers of the waves are computed from them when the model is built; the densities may be
+    changed in a built model.
     """
 
-    gravity: Scalar = param(default=9.80665, unit="m/s^2", structural=True, min=0, doc="gravity, along -z")
+    gravity: float = param(default=9.80665, unit="m/s^2", min=0, doc="gravity, along -z")
+    water_depth: float = param(default=320.0, unit="m", min=0, doc="depth of the water below z = 0")
     water_density: Scalar = param(default=1025.0, unit="kg/m^3", min=0, doc="density of the water")
     air_density: Scalar = param(default=1.225, unit="kg/m^3", min=0, doc="density of the air")
-    water_depth: Scalar = param(default=320.0, unit="m", structural=True, min=0, doc="depth of the water below z = 0")
 
     frame: Frame = port(optional=True, doc="fixed frame at the still water level; it carries any load")
 

@@ -1,0 +1,118 @@
+"""The sea state of a model: still water, regular waves or one realisation of a JONSWAP sea."""
+
+from __future__ import annotations
+
+from functools import lru_cache
+from typing import TYPE_CHECKING
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from fowtlib.components.environment.time_functions import progress, smooth_step
+from fowtlib.components.environment.waves import WaveComponents, irregular_waves, regular_waves, still_water
+from fowtlib.components.environment.world import World
+from fowtlib.language import Component, RealOutput, assert_, eq, outer, param, port, time_series
+from fowtlib.language import math as m
+from fowtlib.language.errors import ParameterError
+
+if TYPE_CHECKING:
+    import casadi as ca
+
+CLOSED_FORM = 4  # so many components at most are written as cosines; more become a spline in time
+
+_jonswap = lru_cache(maxsize=8)(irregular_waves)
+
+
+class Sea(Component):
+    """Long-crested linear waves in finite depth; parts that the sea moves find it by `sea: Sea = outer(Sea)`.
+
+    elevation = sum_k a_k cos(omega_k t - k_k (x cos(heading) + y sin(heading)) + phase_k). Everything about a sea state
+    is structural: waves are a fixed set of numbers when the model is built. A regular wave has a crest at the origin at
+    t = 0. A JONSWAP sea repeats itself after `repetition_period` (a warning tells when a run is longer), see
+    waves.irregular_waves for its frequencies, its cut-off and its random numbers. `build_up` lets the waves grow from
+    nothing after t = 0, so that a run can start from rest without a shock.
+    """
+
+    spectrum: str = param(default="still", choices=("still", "regular", "jonswap"), doc="kind of sea state")
+    wave_height: float = param(default=None, unit="m", min=0, doc="regular waves: height from trough to crest")
+    wave_period: float = param(default=None, unit="s", min=0, doc="regular waves: period")
+    significant_wave_height: float = param(default=None, unit="m", min=0, doc="JONSWAP: Hs")
+    peak_period: float = param(default=None, unit="s", min=0, doc="JONSWAP: Tp")
+    gamma: float = param(default=None, min=1, doc="JONSWAP: peak factor; without a value by DNV-RP-C205, 3.5.5.5")
+    heading: float = param(default=0.0, unit="rad", doc="direction in which the waves travel, from x towards y")
+    seed: int = param(default=1, min=0, doc="JONSWAP: number of the realisation")
+    random_amplitudes: bool = param(default=True, doc="JONSWAP: Gaussian sea; false: random phases only")
+    repetition_period: float = param(default=4096.0, unit="s", min=0, doc="JONSWAP: period of the realisation")
+    build_up: float = param(default=0.0, unit="s", min=0, doc="time in which the waves grow from nothing")
+
+    world: World = outer(World)
+    elevation: RealOutput = port(unit="m", doc="elevation of the water at the origin")
+
+    def equations(self):
+        statements = [eq(self.elevation, self.signal(np.ones((len(self.components()), 1)), "wave elevation"))]
+        if self.spectrum == "jonswap":
+            period = self.repetition_period
+            message = (
+                f"{self.path}: the waves repeat themselves after {period:g} s; "
+                "for a longer run set repetition_period to its duration."
+            )
+            statements.append(assert_(self.time < period * (1 + 1e-9), message, level="warning"))
+        return statements
+
+    def components(self) -> WaveComponents:
+        """The harmonics of this sea as numbers."""
+        depth, gravity = self.world.water_depth, self.world.gravity
+        if self.spectrum == "still":
+            return still_water(depth, self.heading)
+        if self.spectrum == "regular":
+            height, period = self._given("wave_height"), self._given("wave_period")
+            return regular_waves(height, period, depth, heading=self.heading, gravity=gravity)
+        options = {name: getattr(self, name) for name in ("gamma", "heading", "seed", "random_amplitudes")}
+        height, period = self._given("significant_wave_height"), self._given("peak_period")
+        return _jonswap(height, period, depth, gravity=gravity, repetition_period=self.repetition_period, **options)
+
+    def signal(self, transfer: ArrayLike, name: str = "wave signal") -> ca.SX:
+        """The time function of m quantities, a column of m, while the model is flattened.
+
+        transfer: complex (n, m), per unit amplitude at the frequencies of `components()`, with exp(+i omega t):
+        sum_k Re(a_k exp(i (omega_k t + phase_k)) transfer_k). Many components become a periodic cubic spline through
+        the inverse FFT. Columns that are zero cost nothing.
+        """
+        waves = self.components()
+        columns = waves.columns(transfer)
+        size = np.max(np.abs(columns), axis=0, initial=0.0)
+        alive = np.flatnonzero(size > 1e-14 * np.max(size, initial=0.0))
+        value = m.zeros(columns.shape[1])
+        if len(alive):
+            value[alive.tolist()] = self._time_function(waves, columns[:, alive], name)
+        return value
+
+    def velocity(self, points: ArrayLike) -> ca.SX:
+        """Velocity of the water (p x 3, world) at fixed `points` (p, 3) [m] with z <= 0; zero above the water level."""
+        return self._kinematics(self.components().velocity_transfer(points), "water velocity")
+
+    def acceleration(self, points: ArrayLike) -> ca.SX:
+        """Local acceleration of the water (p x 3, world) at fixed `points` (p, 3) [m]; zero above the water level."""
+        return self._kinematics(self.components().acceleration_transfer(points), "water acceleration")
+
+    def _kinematics(self, transfer: np.ndarray, name: str) -> ca.SX:
+        n, points, _ = transfer.shape
+        value = self.signal(transfer.transpose(0, 2, 1).reshape(n, 3 * points), name)
+        return m.horzcat(value[:points], value[points : 2 * points], value[2 * points :])
+
+    def _time_function(self, waves: WaveComponents, columns: np.ndarray, name: str) -> ca.SX:
+        if len(waves) <= CLOSED_FORM:
+            weighted = waves.complex_amplitude[:, None] * columns
+            terms = zip(waves.omega.tolist(), weighted, strict=True)
+            value = sum(m.cos(w * self.time) * c.real - m.sin(w * self.time) * c.imag for w, c in terms)
+        else:
+            step = waves.period / waves.samples
+            value = time_series(self.time, 0.0, step, waves.series(columns), periodic=True, name=f"{self.path} {name}")
+        return value * smooth_step(progress(self.time, 0, self.build_up)) if self.build_up > 0 else value
+
+    def _given(self, name: str) -> float:
+        value = getattr(self, name)
+        if value is None:
+            doc = self.parameters[name].doc
+            raise ParameterError(f"{self.label}.{name} has no value; a sea of kind '{self.spectrum}' needs it ({doc}).")
+        return value

@@ -1,0 +1,167 @@
+"""The wind of a model: none, steady, a step, a gust, Kaimal turbulence at the hubs, or series from a file."""
+
+from __future__ import annotations
+
+from functools import lru_cache
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from fowtlib.components.environment import turbulence
+from fowtlib.components.environment.time_functions import cosine_gust, extreme_gust, progress, smooth_step
+from fowtlib.components.environment.wind_file import WindSeries, read_series
+from fowtlib.language import Array, Component, RealOutput, Scalar, assert_, eq, param, port, time_series, var, when
+from fowtlib.language import math as m
+from fowtlib.language.errors import ParameterError
+
+if TYPE_CHECKING:
+    import casadi as ca
+
+LOWEST_HEIGHT = 1e-3  # of the station's height: below, and under water, the power law keeps its value
+
+_turbulence = lru_cache(maxsize=8)(turbulence.kaimal_series)
+
+
+def _per_station(wind: Wind) -> tuple[int]:
+    return (len(wind.hubs),)
+
+
+class Wind(Component):
+    """Longitudinal wind with power-law shear; parts in the wind find it by `wind: Wind = outer(Wind)`.
+
+    At height z over station i, which has the height z_i, the speed along `direction` is
+    base_i(t) (z/z_i)^shear_exponent + fluctuation_i(t).
+    Steady, step, gust, kaimal: base_i = V (z_i/reference_height)^shear_exponent with the mean speed V; gust and
+    turbulence are the fluctuation, not sheared (IEC 61400-1 (18), annex B). File: base_i is the series of the station.
+
+    step: V goes smoothly to `step_speed` within `step_duration` from `start_time` on.
+    gust: "eog" is the extreme operating gust of IEC 61400-1, magnitude by (17) unless given; "1-cos" is one hump.
+    kaimal: normal turbulence model by class, or an intensity. What a series holds and loses: module turbulence.
+    file: see wind_file.read_series; a run past the end of the series stops there.
+    The mean speed is tunable, but turbulence and the IEC gust are made for the speed at hand when the model is built.
+    """
+
+    kind: str = param(default="none", choices=("none", "steady", "step", "gust", "kaimal", "file"), doc="kind of wind")
+    mean_speed: Scalar = param(default=0.0, unit="m/s", min=0, doc="mean speed V at reference_height")
+    reference_height: float = param(default=90.0, unit="m", min=0, doc="height of mean_speed: the hub")
+    stations: Array = param(default=((0, 90),), unit="m", structural=True, doc="(y, z) of each hub, one series each")
+    shear_exponent: Scalar = param(default=0.0, doc="exponent of the power law")
+    direction: Scalar = param(default=0.0, unit="rad", doc="direction in which the wind blows, from x towards y")
+    start_time: Scalar = param(default=0.0, unit="s", min=0, doc="step, gust: start")
+    step_speed: Scalar = param(default=0.0, unit="m/s", min=0, doc="step: speed afterwards, at reference_height")
+    step_duration: Scalar = param(default=1.0, unit="s", min=1e-3, doc="step: time of the change")
+    gust_shape: str = param(default="eog", choices=("eog", "1-cos"), doc="gust: time function")
+    gust_speed: float = param(default=None, unit="m/s", doc="gust: magnitude; without a value by IEC 61400-1 (17)")
+    gust_duration: Scalar = param(default=10.5, unit="s", min=1e-3, doc="gust: duration")
+    rotor_diameter: float = param(default=126.0, unit="m", min=0, doc="gust by IEC: rotor diameter")
+    extreme_speed: float = param(default=50.0, unit="m/s", min=0, doc="gust by IEC: V_ref, 50 m/s for wind class I")
+    turbulence_class: str = param(default="B", choices=("A", "B", "C"), doc="gust by IEC, kaimal: turbulence class")
+    turbulence_intensity: float = param(default=None, min=0, doc="kaimal: sigma/V; without a value by the class")
+    seed: int = param(default=1, min=0, doc="kaimal: number of the realisation")
+    sample_step: float = param(default=0.25, unit="s", min=0, doc="kaimal: sampling; harmonics up to 1/(4 sample_step)")
+    repetition_period: float = param(default=4096.0, unit="s", min=0, doc="kaimal: period of the realisation")
+    file: str = param(default="", doc="file: path of the CSV, time [s] and speed [m/s] of each station")
+
+    speed: RealOutput = port(unit="m/s", shape=_per_station, doc="undisturbed speed at each station")
+    base: Array = var(unit="m/s", shape=_per_station, doc="sheared part of the speed at each station")
+    fluctuation: Array = var(unit="m/s", shape=_per_station, doc="gust or turbulence at each station")
+
+    def equations(self):
+        base, fluctuation, statements = _TIME_FUNCTIONS[self.kind](self)
+        speed = self.base + self.fluctuation
+        return [eq(self.base, base), eq(self.fluctuation, fluctuation), eq(self.speed, speed), *statements]
+
+    def velocity(self, r: ca.SX, station: int = 0) -> ca.SX:
+        """Wind velocity (3, world) at position r (3, world), with the series of a station; while flattening."""
+        height = m.fmax(r[2] / float(self.hubs[station, 1]), LOWEST_HEIGHT)
+        speed = self.base[station] * height**self.shear_exponent + self.fluctuation[station]
+        return m.vertcat(speed * m.cos(self.direction), speed * m.sin(self.direction), 0)
+
+    @property
+    def hubs(self) -> np.ndarray:
+        """The stations as numbers, (n, 2)."""
+        return np.asarray(self.parameter_value("stations"))
+
+    def turbulence(self) -> WindSeries:
+        """The turbulent fluctuation at the stations as numbers."""
+        speed = _built_speed(self)
+        if self.turbulence_intensity is None:
+            sigma = turbulence.normal_turbulence(speed, self.turbulence_class)
+        else:
+            sigma = self.turbulence_intensity * speed
+        grid = {name: getattr(self, name) for name in ("seed", "sample_step", "repetition_period")}
+        return _turbulence(tuple(map(tuple, self.hubs.tolist())), speed, sigma, height=self.reference_height, **grid)
+
+
+def _none(wind: Wind) -> tuple[Any, Any, list[Any]]:
+    return 0, 0, []
+
+
+def _steady(wind: Wind) -> tuple[Any, Any, list[Any]]:
+    return _sheared(wind, wind.mean_speed), 0, []
+
+
+def _step(wind: Wind) -> tuple[Any, Any, list[Any]]:
+    change = smooth_step(progress(wind.time, wind.start_time, wind.step_duration))
+    mean = wind.mean_speed + (wind.step_speed - wind.mean_speed) * change
+    return _sheared(wind, mean), 0, [when(wind.time > wind.start_time)]
+
+
+def _gust(wind: Wind) -> tuple[Any, Any, list[Any]]:
+    statements = [when(wind.time > wind.start_time)]  # the integrator restarts here, and cannot step over the gust
+    magnitude = wind.gust_speed
+    if magnitude is None:
+        speed, sizes = _built_speed(wind), (wind.rotor_diameter, wind.reference_height, wind.extreme_speed)
+        magnitude = turbulence.operating_gust(speed, wind.turbulence_class, *sizes)
+        statements.append(_same_speed(wind))
+    shape = extreme_gust if wind.gust_shape == "eog" else cosine_gust
+    gust = magnitude * shape(progress(wind.time, wind.start_time, wind.gust_duration))
+    return _sheared(wind, wind.mean_speed), gust, statements
+
+
+def _kaimal(wind: Wind) -> tuple[Any, Any, list[Any]]:
+    series = wind.turbulence()
+    message = (
+        f"{wind.path}: the wind repeats itself after {series.end:g} s; "
+        "for a longer run set repetition_period to its duration."
+    )
+    longer = assert_(wind.time < series.end * (1 + 1e-9), message, level="warning")
+    fluctuation = _series(wind, series, "turbulence")
+    return _sheared(wind, wind.mean_speed), fluctuation, [_same_speed(wind), longer]
+
+
+def _file(wind: Wind) -> tuple[Any, Any, list[Any]]:
+    if not wind.file:
+        raise ParameterError(f"{wind.label}.file has no value; a wind of kind 'file' needs the path of a CSV file.")
+    return _series(wind, read_series(wind.file, len(wind.hubs)), f"wind file {wind.file}"), 0, []
+
+
+_TIME_FUNCTIONS = {
+    "none": _none, "steady": _steady, "step": _step, "gust": _gust, "kaimal": _kaimal, "file": _file,
+}  # fmt: skip
+
+
+def _sheared(wind: Wind, speed: Any) -> Any:
+    """Speed at every station from the speed at the reference height."""
+    if not wind.is_set("mean_speed"):
+        raise ParameterError(f"{wind.label}.mean_speed has no value; a wind of kind '{wind.kind}' needs it.")
+    ratio = wind.hubs[:, 1] / wind.reference_height
+    return m.vertcat(*[speed * z**wind.shear_exponent for z in ratio.tolist()])
+
+
+def _series(wind: Wind, series: WindSeries, name: str) -> Any:
+    return time_series(wind.time, series.start, series.step, series.values, periodic=series.periodic, name=name)
+
+
+def _built_speed(wind: Wind) -> float:
+    """The mean speed as a number, when the model is built."""
+    return float(wind.parameter_value("mean_speed"))
+
+
+def _same_speed(wind: Wind) -> Any:
+    built = _built_speed(wind)
+    message = (
+        f"{wind.label}.mean_speed was changed after the model was built, and its {wind.kind} wind is made for "
+        f"{built:g} m/s; compile the model again with the new speed."
+    )
+    return assert_(m.abs(wind.mean_speed - built) < 1e-9 * (1 + built), message)
