@@ -1,1 +1,6 @@
-"""From a tree of components to one flat system of differential-algebraic equations."""
+"""Floor 2: from a component tree to one flat DAE."""
+
+from fowtlib.flattening.flat_dae import FlatDAE
+from fowtlib.flattening.assembler import flatten
+
+__all__ = ["FlatDAE", "flatten"]

@@ -66,8 +66,9 @@ class RealOutput(Signal):
 class BoundPort:
     """An acausal port while flattening: its members are CasADi expressions."""
 
-    def __init__(self, path: str, connected: bool, members: dict[str, Any]):
+    def __init__(self, path: str, connector: type, connected: bool, members: dict[str, Any]):
         self.path = path
+        self.connector = connector
         self.connected = connected
         self.__dict__.update(members)
 

@@ -1,0 +1,127 @@
+"""Step 4: alias elimination. Of unknowns that are equal up to a sign, one remains; unknowns equal to a number vanish."""
+
+from __future__ import annotations
+
+from collections import defaultdict
+from collections.abc import Callable
+
+import casadi as ca
+
+from fowtlib.flattening.connections import SignedSets
+from fowtlib.flattening.system import System
+from fowtlib.language.declarations import STATE_PREFERENCES
+
+Substitute = Callable[[list[ca.SX]], list[ca.SX]]
+
+
+def eliminate_aliases(system: System) -> tuple[Substitute, dict[int, ca.SX]]:
+    """Remove the alias equations; returns the substitution of eliminated symbols and what each unknown number became."""
+    sets = SignedSets(len(system.unknowns))
+    constants: dict[int, tuple[int, ca.SX]] = {}
+    kept = []
+    for equation in system.equations:
+        left, right = _signed(system, equation.lhs), _signed(system, equation.rhs)
+        if left and right and _union(system, sets, left, right):
+            continue
+        if bool(left) != bool(right):
+            (number, sign), value = (left, equation.rhs) if left else (right, equation.lhs)
+            if value.is_constant() and system.unknowns[number].order == 0 and number not in constants:
+                constants[number] = (sign, value)
+                continue
+        kept.append(equation)
+    replaced = _replacements(system, sets, constants, kept)
+    system.equations = kept
+    for number, equation in enumerate(kept):
+        equation.base = number
+    symbols = ca.vertcat(*[system.unknowns[k].symbol for k in replaced])
+    values = ca.vertcat(*replaced.values())
+
+    def substitute(expressions: list[ca.SX]) -> list[ca.SX]:
+        return ca.substitute(expressions, [symbols], [values]) if replaced and expressions else expressions
+
+    return substitute, replaced
+
+
+def _signed(system: System, value: ca.SX) -> tuple[int, int] | None:
+    """(number, sign) where the expression is an unknown or its negative."""
+    sign = 1
+    if not value.is_symbolic():
+        if value.is_constant() or value.op() != ca.OP_NEG or not value.dep(0).is_symbolic():
+            return None
+        value, sign = value.dep(0), -1
+    number = system.number.get(value.element_hash())
+    return None if number is None else (number, sign)
+
+
+def _union(system: System, sets: SignedSets, left: tuple[int, int], right: tuple[int, int]) -> bool:
+    if system.unknowns[left[0]].order or system.unknowns[right[0]].order:
+        return False
+    return sets.union(left[0], right[0], left[1] * right[1])
+
+
+def _replacements(system: System, sets: SignedSets, constants: dict[int, tuple[int, ca.SX]], kept: list) -> dict[int, ca.SX]:
+    groups: dict[int, list[tuple[int, int]]] = defaultdict(list)
+    for number, unknown in enumerate(system.unknowns):
+        if unknown.order == 0:
+            representative, sign = sets.find(number)
+            groups[representative].append((number, sign))
+    replaced: dict[int, ca.SX] = {}
+    for members in groups.values():
+        fixed = [(number, sign) for number, sign in members if number in constants]
+        if len(members) == 1 and not fixed:
+            continue
+        if fixed:
+            number, sign = fixed[0]
+            sign_of_value, value = constants[number]
+            for other, sign_other in members:
+                replaced[other] = sign_other * sign * sign_of_value * value
+                _drop_rates(system, other, replaced)
+            for other, sign_other in fixed[1:]:  # a second number for the same quantity: leave it to the structure check
+                sign_of_other, second = constants[other]
+                kept.append(_contradiction(system, other, replaced[other], sign_of_other * second * 1))
+            continue
+        chosen, sign = max(members, key=lambda item: _rank(system, item[0]))
+        _merge(system, chosen, sign, members)
+        for other, sign_other in members:
+            if other != chosen:
+                _replace(system, other, chosen, sign * sign_other, replaced)
+    return replaced
+
+
+def _rank(system: System, number: int) -> tuple[int, int, bool, int]:
+    unknown = system.unknowns[number]
+    length, rate = 0, unknown.rate
+    while rate >= 0:
+        length, rate = length + 1, system.unknowns[rate].rate
+    return length, STATE_PREFERENCES.index(unknown.declared.state), unknown.start is not None, -number
+
+
+def _merge(system: System, chosen: int, sign: int, members: list[tuple[int, int]]) -> None:
+    """The remaining unknown takes the strongest wish to be a state, and a start value, from its aliases."""
+    best, best_sign = max(members, key=lambda item: _rank(system, item[0])[1:])
+    keep, source = system.unknowns[chosen], system.unknowns[best]
+    starts = [(k, s) for k, s in members if system.unknowns[k].start is not None]
+    if best != chosen:
+        keep.declared, keep.path = source.declared, source.path if best_sign == sign else keep.path
+    if keep.start is None and starts:
+        other, other_sign = max(starts, key=lambda item: _rank(system, item[0])[1:])
+        keep.start = sign * other_sign * system.unknowns[other].start
+
+
+def _replace(system: System, other: int, chosen: int, sign: int, replaced: dict[int, ca.SX]) -> None:
+    while other >= 0 and chosen >= 0:
+        replaced[other] = sign * system.unknowns[chosen].symbol
+        other, chosen = system.unknowns[other].rate, system.unknowns[chosen].rate
+
+
+def _drop_rates(system: System, number: int, replaced: dict[int, ca.SX]) -> None:
+    rate = system.unknowns[number].rate
+    while rate >= 0:
+        replaced[rate] = ca.SX(0)
+        rate = system.unknowns[rate].rate
+
+
+def _contradiction(system: System, number: int, value: ca.SX, second: ca.SX):
+    from fowtlib.flattening.system import FlatEquation
+
+    return FlatEquation(value, second, system.unknowns[number].path, "second value for one quantity")

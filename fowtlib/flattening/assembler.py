@@ -1,0 +1,320 @@
+"""From a component tree to a FlatDAE: the steps in order."""
+
+from __future__ import annotations
+
+import time
+from typing import Any
+
+import casadi as ca
+
+from fowtlib.flattening.aliases import eliminate_aliases
+from fowtlib.flattening.causalization import Causal, Causalization
+from fowtlib.flattening.diagnosis import check_structure
+from fowtlib.flattening.flat_dae import Check, Event, External, FlatDAE, Quantity, SampledUpdate
+from fowtlib.flattening.incidence import Incidence
+from fowtlib.flattening.index_reduction import IndexReduction
+from fowtlib.flattening.instances import Instances, Statements
+from fowtlib.flattening.orientations import resolve_orientations
+from fowtlib.flattening.system import System, scalars
+from fowtlib.language.component import Component
+from fowtlib.language.errors import StructureError
+
+
+def flatten(root: Component) -> FlatDAE:
+    """Flatten the model below `root`.
+
+    Raises ModelError subclasses that say by path what is wrong: parameters, connections, structure.
+    """
+    started = time.perf_counter()
+    with Instances(root) as instances:
+        instances.collect()
+        resolve_orientations(instances.system, instances.statements)
+        if instances.system.equations and not instances.system.unknowns:
+            raise StructureError("the model has equations but no unknowns.")
+        dae = _Assembler(instances.system, instances.statements).run()
+    dae.stats["flattening_time"] = time.perf_counter() - started
+    return dae
+
+
+class _Assembler:
+    def __init__(self, system: System, statements: Statements):
+        self.system = system
+        self.statements = statements
+
+    def run(self) -> FlatDAE:
+        system = self.system
+        table = [(e.path, f"{e.lhs}", f"{e.rhs}") for e in system.equations] if len(system.equations) <= 5000 else []
+        self.original = len(system.equations)
+        substitute, replaced = eliminate_aliases(system)
+        self.replaced = replaced
+        self._apply(substitute)
+        live = self._live()
+        check_structure(system, live, Incidence(system))
+        reduction = IndexReduction(system, set(live))
+        states = reduction.run()
+        everything = [j for j, unknown in enumerate(system.unknowns) if unknown.base in set(live) and j not in replaced]
+        causal = Causalization(system, states, everything).run()
+        dae = self._build(states, causal, everything)
+        dae.equation_table = table
+        dae.stats |= {
+            "equations": self.original,
+            "aliases": len(replaced),
+            "differentiated": len(system.equations) - sum(e.order == 0 for e in system.equations),
+            "blocks": len(causal.blocks),
+            "largest_block": max(causal.blocks, default=0),
+        }
+        return dae
+
+    def _apply(self, substitute: Any) -> None:
+        """Put the remaining symbols into everything that was written with the eliminated ones."""
+        system, statements = self.system, self.statements
+        slots: list[tuple[Any, str | int]] = []
+        for equation in system.equations:
+            slots += [(equation, "lhs"), (equation, "rhs")]
+        slots += [(item, "inputs") for item in system.intermediates]
+        for _, statement in statements.initial:
+            slots += [(statement, "lhs"), (statement, "rhs")]
+        for _, assertion in statements.assertions:
+            slots.append((assertion, "condition"))
+            slots += [(assertion.values, name) for name in assertion.values]
+        for _, when in statements.when:
+            slots.append((when, "condition"))
+            slots += [(action, name) for action in when.actions for name in ("target", "value")]
+        for _, sampled in statements.sampled:
+            slots += [(action, name) for action in sampled.assignments for name in ("target", "value")]
+        slots += [(system.rates, key) for key in system.rates]
+        slots += [(system.aliases, path) for path in system.aliases]
+        values = [_get(owner, name) for owner, name in slots]
+        for (owner, name), value in zip(slots, substitute(values), strict=True):
+            if isinstance(owner, dict):
+                owner[name] = value
+            else:
+                setattr(owner, name, value)
+
+    def _live(self) -> list[int]:
+        """Unknowns that remain, without the potentials of open optional ports that no equation mentions."""
+        system = self.system
+        incidence = Incidence(system)
+        rows = incidence.rows([equation.lhs - equation.rhs for equation in system.equations])
+        used = {int(system.unknowns[j].base) for row in rows for j in row}
+        self.unused = [
+            j for j, unknown in enumerate(system.unknowns)
+            if unknown.order == 0 and j not in self.replaced and j not in used and unknown.declared.name == "?"
+        ]  # fmt: skip
+        unused = set(self.unused)
+        return [
+            j for j, unknown in enumerate(system.unknowns)
+            if unknown.order == 0 and j not in self.replaced and j not in unused
+        ]  # fmt: skip
+
+    # --- the flat DAE --------------------------------------------------------------------------------------------
+
+    def _build(self, states: list[int], causal: Causal, everything: list[int]) -> FlatDAE:
+        system = self.system
+        unknowns = system.unknowns
+        x = _column([unknowns[j].symbol for j in states])
+        z = _column([unknowns[j].symbol for j in causal.torn])
+        d = _column([item.symbol for item in system.discretes])
+        u = _column([ca.vec(item.symbol) for item in system.inputs.values()])
+        p = _column([ca.vec(item.symbol) for item in system.parameters.values()])
+        calls = [item for item in system.intermediates if item.function is not None]
+        w = _column([symbol for item in calls for symbol in item.symbols])
+
+        groups = {
+            "ode": [unknowns[unknowns[j].rate].symbol for j in states],
+            "alg": [system.equations[i].lhs - system.equations[i].rhs for i in causal.residuals],
+            "inputs": [item.inputs for item in calls],
+            "initial": [s.lhs - s.rhs for _, s in self.statements.initial],
+            "assertions": [a.condition for _, a in self.statements.assertions],
+            "values": [value for _, a in self.statements.assertions for value in a.values.values()],
+            "indicators": [_indicator(path, when.condition) for path, when in self.statements.when],
+            "actions": [action.value for _, when in self.statements.when for action in when.actions],
+            "samples": [action.value for _, sampled in self.statements.sampled for action in sampled.assignments],
+            "aliases": list(system.aliases.values()),
+            "replaced": [ca.SX(value) for value in self.replaced.values()],
+        }
+        flat = [expression for members in groups.values() for expression in members]
+        symbols = [symbol for symbol, _ in causal.sequence]
+        if symbols:
+            definitions, flat = ca.substitute_inplace(
+                [ca.vertcat(*symbols)], [ca.vertcat(*[value for _, value in causal.sequence])], flat
+            )
+            assigned = ca.densify(definitions[0]).elements()
+        else:
+            assigned = []
+        solved: dict[str, list[ca.SX]] = {}
+        position = 0
+        for name, members in groups.items():
+            solved[name] = flat[position : position + len(members)]
+            position += len(members)
+
+        observed, units, docs = self._observed(states, causal, symbols, assigned, solved)
+        return FlatDAE(
+            t=system.time, x=x, z=z, u=u, d=d, p=p, w=w,
+            ode=_column(solved["ode"]), alg=_column(solved["alg"]),
+            states=[self._quantity(j) for j in states], algebraics=[self._quantity(j) for j in causal.torn],
+            discretes=[self._discrete(item) for item in system.discretes],
+            inputs=system.inputs, parameters=system.parameters, externals=_externals(calls, solved["inputs"]),
+            observed=observed, units=units, docs=docs,
+            residual_paths=[self._residual_path(i) for i in causal.residuals],
+            initial_equations=_column([ca.vec(e) for e in solved["initial"]]),
+            initial_paths=[path for (path, _), e in zip(self.statements.initial, solved["initial"], strict=True)
+                           for _ in range(e.numel())],
+            events=self._events(states, solved), samples=self._samples(solved), checks=self._checks(solved),
+        )  # fmt: skip
+
+    def _quantity(self, number: int) -> Quantity:
+        unknown = self.system.unknowns[number]
+        declared = unknown.declared
+        nominal = float(declared.nominal) if declared.nominal is not None else 1.0
+        unit = declared.unit
+        for _ in range(unknown.order):
+            unit = "1/s" if unit == "1" else f"{unit}/s"
+        start = ca.SX(0) if unknown.start is None else ca.SX(unknown.start)
+        return Quantity(unknown.path, unit, declared.doc, declared.hint, start, unknown.start is not None, bool(declared.fixed), nominal)
+
+    @staticmethod
+    def _discrete(item: Any) -> Quantity:
+        start = ca.SX(0) if item.start is None else ca.SX(item.start)
+        return Quantity(item.path, item.declared.unit, item.declared.doc, item.declared.hint, start, True, True, 1.0)
+
+    def _residual_path(self, number: int) -> str:
+        equation = self.system.equations[number]
+        return f"{equation.path or 'the model'} ({'/'.join(equation.source.rsplit('/', 2)[-2:])})"
+
+    def _observed(self, states, causal, symbols, assigned, solved) -> tuple[dict[str, ca.SX], dict[str, str], dict[str, str]]:
+        system = self.system
+        number = system.number
+        observed: dict[str, ca.SX] = {}
+        units: dict[str, str] = {}
+        docs: dict[str, str] = {}
+
+        def take(path: str, value: ca.SX, declared: Any, order: int = 0) -> None:
+            observed[path] = value
+            units[path] = declared.unit if not order else ("1" if declared.unit == "1" else declared.unit) + "/s" * order
+            docs[path] = declared.doc
+
+        for j in [*states, *causal.torn]:
+            unknown = system.unknowns[j]
+            take(unknown.path, unknown.symbol, unknown.declared, unknown.order)
+        for symbol, value in zip(symbols, assigned, strict=True):
+            j = number.get(symbol.element_hash())
+            if j is None:
+                observed[symbol.name()] = value
+                units[symbol.name()], docs[symbol.name()] = "1", "orientation, world from frame"
+            else:
+                unknown = system.unknowns[j]
+                take(unknown.path, value, unknown.declared, unknown.order)
+        for (j, _), value in zip(self.replaced.items(), solved["replaced"], strict=True):
+            unknown = system.unknowns[j]
+            take(unknown.path, value, unknown.declared, unknown.order)
+        for path, value in zip(system.aliases, solved["aliases"], strict=True):
+            elements = scalars(value)
+            names = [path] if len(elements) == 1 else [f"{path}[{i}]" for i in range(len(elements))]
+            for name, element in zip(names, elements, strict=True):
+                observed.setdefault(name, element)
+        for j in self.unused:
+            unknown = system.unknowns[j]
+            take(unknown.path, ca.SX.nan(1), unknown.declared)
+        for item in system.inputs.values():
+            elements = scalars(item.symbol)
+            names = [item.path] if len(elements) == 1 else [f"{item.path}[{i}]" for i in range(len(elements))]
+            for name, element in zip(names, elements, strict=True):
+                observed[name], units[name], docs[name] = element, item.unit, item.doc
+        for item in system.discretes:
+            take(item.path, item.symbol, item.declared)
+        return observed, units, docs
+
+    def _targets(self, path: str, actions: Any, states: list[int]) -> tuple[list[int], list[int], list[int], list[int]]:
+        """Numbers of the states and of the discretes that actions set, and which scalar action sets each."""
+        system = self.system
+        state_of = {system.unknowns[j].symbol.element_hash(): k for k, j in enumerate(states)}
+        discrete_of = {item.symbol.element_hash(): k for k, item in enumerate(system.discretes)}
+        on_states, from_states, on_discretes, from_discretes = [], [], [], []
+        k = 0
+        for action in actions:
+            for target in scalars(action.target):
+                key = target.element_hash()
+                if key in state_of:
+                    on_states.append(state_of[key])
+                    from_states.append(k)
+                elif key in discrete_of and not action.is_reinit:
+                    on_discretes.append(discrete_of[key])
+                    from_discretes.append(k)
+                else:
+                    wanted = "a state; declare it with state='always'" if action.is_reinit else "declared with var(discrete=True)"
+                    raise StructureError(f"{path}: {target} cannot be set at an event, because it is not {wanted}.")
+                k += 1
+        return on_states, from_states, on_discretes, from_discretes
+
+    def _events(self, states: list[int], solved: dict[str, list[ca.SX]]) -> list[Event]:
+        events, values = [], iter(solved["actions"])
+        for (path, when), indicator in zip(self.statements.when, solved["indicators"], strict=True):
+            column = _column([ca.vec(next(values)) for _ in when.actions])
+            on_states, from_states, on_discretes, from_discretes = self._targets(path, when.actions, states)
+            events.append(Event(indicator, on_states, column[from_states], on_discretes, column[from_discretes], path))
+        return events
+
+    def _samples(self, solved: dict[str, list[ca.SX]]) -> list[SampledUpdate]:
+        samples, values = [], iter(solved["samples"])
+        for path, sampled in self.statements.sampled:
+            targets = [t for action in sampled.assignments for t in scalars(action.target)]
+            column = scalars(_column([ca.vec(next(values)) for _ in sampled.assignments]))
+            _, _, numbers, _ = self._targets(path, sampled.assignments, [])
+            for k in range(1, len(column)):  # each assignment sees those before it
+                column[k] = ca.substitute(column[k], ca.vertcat(*targets[:k]), ca.vertcat(*column[:k]))
+            samples.append(SampledUpdate(ca.SX(sampled.period), ca.SX(sampled.offset), numbers, _column(column), path))
+        return _in_order(samples, self.system)
+
+    def _checks(self, solved: dict[str, list[ca.SX]]) -> list[Check]:
+        values = iter(solved["values"])
+        return [
+            Check(condition, assertion.message, assertion.level, {name: next(values) for name in assertion.values}, path)
+            for (path, assertion), condition in zip(self.statements.assertions, solved["assertions"], strict=True)
+        ]
+
+
+def _get(owner: Any, name: Any) -> ca.SX:
+    return owner[name] if isinstance(owner, dict) else getattr(owner, name)
+
+
+def _column(items: list[ca.SX]) -> ca.SX:
+    return ca.densify(ca.vertcat(*items)) if items else ca.SX(0, 1)
+
+
+def _externals(calls: list[Any], inputs: list[ca.SX]) -> list[External]:
+    externals, position = [], 0
+    for item, y in zip(calls, inputs, strict=True):
+        externals.append(External(item.function, y, slice(position, position + len(item.symbols)), item.path))
+        position += len(item.symbols)
+    return externals
+
+
+def _indicator(path: str, condition: ca.SX) -> ca.SX:
+    """Expression that becomes negative when the condition a < b becomes true."""
+    if not condition.is_scalar() or condition.is_constant() or condition.op() not in (ca.OP_LT, ca.OP_LE):
+        raise StructureError(
+            f"{path}: a when() takes one comparison, a < b or a > b; join several by fmin (and: fmax of the differences, or: fmin)."
+        )
+    return condition.dep(0) - condition.dep(1)
+
+
+def _in_order(samples: list[SampledUpdate], system: System) -> list[SampledUpdate]:
+    """Sampled parts at one instant: one that reads what another assigns comes after it."""
+    d = _column([item.symbol for item in system.discretes])
+    reads = []
+    for sample in samples:
+        pattern = ca.Function("reads", [d], [sample.values], {"allow_free": True}).jac_sparsity(0, 0)
+        reads.append({int(c) for c in pattern.get_triplet()[1]} - set(sample.targets))
+    order: list[int] = []
+    left = list(range(len(samples)))
+    while left:
+        ready = [k for k in left if not any(reads[k] & set(samples[j].targets) for j in left if j != k)]
+        if not ready:
+            names = ", ".join(samples[k].path for k in left)
+            raise StructureError(f"the sampled parts {names} need each other's values of the same instant; delay one by a sample.")
+        order += ready
+        left = [k for k in left if k not in ready]
+    return [samples[k] for k in order]
+
+

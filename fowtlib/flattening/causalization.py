@@ -1,0 +1,274 @@
+"""Step 6: strong components in order; explicit solution, tearing, and one sequence of assignments.
+
+An unknown is assigned where its equation gives it with a constant factor. In a block that no sequence of assignments
+solves, some unknowns are torn: they stay algebraic unknowns of the flat DAE, with as many residuals. Accelerations of
+joints are torn first, so that a tree of bodies ends as the recursive Newton-Euler residual.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+
+import casadi as ca
+import numpy as np
+
+from fowtlib.flattening import structure
+from fowtlib.flattening.incidence import Incidence
+from fowtlib.flattening.system import System
+from fowtlib.language.declarations import STATE_PREFERENCES
+
+
+@dataclass
+class Causal:
+    """Order of computation: `sequence` of (symbol, expression), then the residuals of the torn unknowns."""
+
+    sequence: list[tuple[ca.SX, ca.SX]] = field(default_factory=list)
+    torn: list[int] = field(default_factory=list)
+    residuals: list[int] = field(default_factory=list)
+    blocks: list[int] = field(default_factory=list)
+
+
+class Causalization:
+    """Orders the equations of a regular system of index one."""
+
+    def __init__(self, system: System, states: list[int], live: list[int]):
+        self.system = system
+        self.states = set(states)
+        self.unknowns = [j for j in live if j not in self.states]
+        self.incidence = Incidence(system)
+        self.result = Causal()
+
+    def run(self) -> Causal:
+        """Compute the order."""
+        system, unknowns = self.system, self.unknowns
+        position = np.full(len(system.unknowns), -1)
+        position[unknowns] = np.arange(len(unknowns))
+        self.position = position
+        self.left = self._structure([equation.lhs for equation in system.equations])
+        self.right = self._structure([equation.rhs for equation in system.equations])
+        self.rows = [np.union1d(a[0], b[0]) for a, b in zip(self.left, self.right, strict=True)]
+        self.rank = np.full(len(unknowns), -1)
+        self._rank = 0
+        self._pending = self._intermediates()
+        self._place_intermediates()
+        blocks = structure.strong_components(self.rows, len(unknowns))
+        simple = [(int(r[0]), int(c[0])) for r, c in blocks if len(r) == 1]
+        factors = self._factors([pair for pair in simple if not self._is_explicit(*pair)])
+        for rows, columns in blocks:
+            self.result.blocks.append(len(rows))
+            if len(rows) == 1:
+                self._scalar(int(rows[0]), int(columns[0]), factors)
+            else:
+                self._torn_block(rows, columns)
+            self._place_intermediates()
+        return self.result
+
+    def _structure(self, expressions: list[ca.SX]) -> list[tuple[np.ndarray, np.ndarray]]:
+        """For each expression: unknowns it depends on in all, and those it depends on through intermediates only or too."""
+        direct, through = self.incidence.split(expressions)
+        structures = []
+        for own, via in zip(direct, through, strict=True):
+            hidden = np.unique(np.concatenate([self.incidence.closure(k) for k in via])) if len(via) else np.zeros(0, int)
+            own, hidden = self.position[own], self.position[hidden] if len(hidden) else hidden
+            own, hidden = own[own >= 0], hidden[hidden >= 0]
+            structures.append((np.union1d(own, hidden), hidden))
+        return structures
+
+    # --- one equation, one unknown -------------------------------------------------------------------------------
+
+    def _symbol(self, column: int) -> ca.SX:
+        return self.system.unknowns[self.unknowns[column]].symbol
+
+    def _is_explicit(self, row: int, column: int) -> bool:
+        return self._explicit(row, column) is not None
+
+    def _explicit(self, row: int, column: int) -> ca.SX | None:
+        """The value of the unknown where one side of the equation is the unknown, and the other does not contain it."""
+        equation, key = self.system.equations[row], self._symbol(column).element_hash()
+        for side, other, others in ((equation.lhs, equation.rhs, self.right), (equation.rhs, equation.lhs, self.left)):
+            if side.is_symbolic() and side.element_hash() == key and column not in others[row][0]:
+                return other
+        return None
+
+    def _hidden(self, row: int, column: int) -> bool:
+        return column in self.left[row][1] or column in self.right[row][1]
+
+    def _factors(self, pairs: list[tuple[int, int]]) -> dict[tuple[int, int], ca.SX]:
+        """d(lhs - rhs) / d unknown for the pairs, where that does not depend on the unknown."""
+        if not pairs:
+            return {}
+        residual = ca.vertcat(*[self._residual(row) for row, _ in pairs])
+        symbols = ca.vertcat(*[self._symbol(column) for _, column in pairs])
+        jacobian = ca.jacobian(residual, symbols)
+        factors = [jacobian[k, k] for k in range(len(pairs))]
+        again = ca.Function("f", [symbols], [ca.vertcat(*factors)], {"allow_free": True}).jac_sparsity(0, 0)
+        return {
+            pair: factor
+            for k, (pair, factor) in enumerate(zip(pairs, factors, strict=True))
+            if not again.has_nz(k, k) and not self._hidden(*pair) and not factor.is_zero()
+        }
+
+    def _residual(self, row: int) -> ca.SX:
+        equation = self.system.equations[row]
+        return equation.lhs - equation.rhs
+
+    def _solve(self, row: int, column: int, factor: ca.SX) -> ca.SX:
+        return -ca.substitute(self._residual(row), self._symbol(column), ca.SX(0)) / factor
+
+    def _scalar(self, row: int, column: int, factors: dict[tuple[int, int], ca.SX]) -> None:
+        value = self._explicit(row, column)
+        if value is None and (row, column) in factors:
+            value = self._solve(row, column, factors[row, column])
+        if value is None:
+            self._tear(column)
+            self.result.residuals.append(row)
+        else:
+            self._assign(column, value)
+
+    def _assign(self, column: int, value: ca.SX) -> None:
+        self.result.sequence.append((self._symbol(column), value))
+        self._set_rank(column)
+
+    def _tear(self, column: int) -> None:
+        self.result.torn.append(self.unknowns[column])
+        self._set_rank(column)
+
+    def _set_rank(self, column: int) -> None:
+        self.rank[column] = self._rank
+        self._rank += 1
+
+    # --- blocks --------------------------------------------------------------------------------------------------
+
+    def _torn_block(self, rows: np.ndarray, columns: np.ndarray) -> None:
+        inside = set(map(int, columns))
+        open_rows = {int(r): {int(c) for c in self.rows[r] if int(c) in inside} for r in rows}
+        rows_of: dict[int, set[int]] = {c: set() for c in inside}
+        for r, members in open_rows.items():
+            for c in members:
+                rows_of[c].add(r)
+        constant, parametric = self._block_factors(list(open_rows), sorted(inside))
+        left = set(inside)
+
+        def remove(column: int) -> None:
+            left.discard(column)
+            for r in rows_of[column]:
+                members = open_rows.get(r)
+                if members is not None:
+                    members.discard(column)
+                    if len(members) == 1:
+                        ready.append(r)
+
+        ready = [r for r, members in open_rows.items() if len(members) == 1]
+
+        def assign_ready(factors: dict[tuple[int, int], ca.SX]) -> bool:
+            progress, waiting = False, []
+            while ready:
+                r = ready.pop()
+                members = open_rows.get(r)
+                if members is None or len(members) != 1:
+                    continue
+                c = next(iter(members))
+                if (r, c) not in factors:
+                    waiting.append(r)
+                    continue
+                value = self._explicit(r, c)
+                self._assign(c, self._solve(r, c, factors[r, c]) if value is None else value)
+                self._place_intermediates()
+                del open_rows[r]
+                remove(c)
+                progress = True
+            ready.extend(waiting)
+            return progress
+
+        for c in self._joint_rates(columns):
+            self._tear(c)
+            remove(c)
+        self._place_intermediates()
+        while left:
+            if assign_ready(constant) or not left:
+                continue
+            if assign_ready(parametric):
+                continue
+            c = self._next_torn(left, open_rows, rows_of, constant)
+            self._tear(c)
+            self._place_intermediates()
+            remove(c)
+        self.result.residuals += sorted(open_rows)
+
+    def _block_factors(self, rows: list[int], columns: list[int]) -> tuple[dict, dict]:
+        """Factors that are numbers, and those that depend on parameters only and are not zero now."""
+        residual = ca.vertcat(*[self._residual(r) for r in rows])
+        jacobian = ca.jacobian(residual, ca.vertcat(*[self._symbol(c) for c in columns]))
+        row_index, column_index = jacobian.sparsity().get_triplet()
+        parameters = [parameter.symbol for parameter in self.system.parameters.values()]
+        known = {e.element_hash() for symbol in parameters for e in symbol.elements()}
+        constant, parametric = {}, {}
+        for i, j, factor in zip(row_index, column_index, jacobian.nonzeros(), strict=True):
+            pair = (rows[i], columns[j])
+            if factor.is_constant():
+                if float(factor) != 0.0 and not self._hidden(*pair):
+                    constant[pair] = factor
+            elif all(s.element_hash() in known for s in ca.symvar(factor)) and not self._hidden(*pair):
+                parametric[pair] = factor
+        if parametric:
+            values = self._parameter_values(list(parametric.values()))
+            parametric = {pair: f for (pair, f), v in zip(parametric.items(), values, strict=True) if abs(v) > 0}
+        return constant, parametric
+
+    def _parameter_values(self, factors: list[ca.SX]) -> np.ndarray:
+        symbols = ca.vertcat(*[ca.vec(p.symbol) for p in self.system.parameters.values()])
+        values = np.concatenate([np.ravel(p.value, order="F") for p in self.system.parameters.values()])
+        return np.array(ca.Function("f", [symbols], [ca.vertcat(*factors)])(values)).ravel()
+
+    def _joint_rates(self, columns: np.ndarray) -> list[int]:
+        """Derivatives of preferred states in the block: joint accelerations."""
+        unknowns = self.system.unknowns
+        rates = {unknowns[s].rate for s in self.states}
+        wished = STATE_PREFERENCES.index("prefer")
+        return [
+            int(c) for c in sorted(columns)
+            if self.unknowns[c] in rates and STATE_PREFERENCES.index(unknowns[self.unknowns[c]].declared.state) >= wished
+        ]  # fmt: skip
+
+    def _next_torn(self, left: set[int], open_rows: dict, rows_of: dict, constant: dict) -> int:
+        """The unknown in most of the open equations; one that no equation gives explicitly counts double."""
+
+        def score(c: int) -> tuple[float, int]:
+            rows = [r for r in rows_of[c] if r in open_rows]
+            assignable = any((r, c) in constant for r in rows)
+            return len(rows) * (1 if assignable else 2), -c
+
+        return max(left, key=score)
+
+    # --- intermediates -------------------------------------------------------------------------------------------
+
+    def _intermediates(self) -> list[tuple[set[int], list[tuple[ca.SX, ca.SX]]]]:
+        """Orientation symbols with the unknowns they wait for; outputs of externals stay symbols."""
+        waiting = []
+        k = 0
+        for item in self.system.intermediates:
+            needs: set[int] = set()
+            definitions = []
+            for symbol, value in zip(item.symbols, scalars_of(item), strict=True):
+                columns = self.position[self.incidence.closure(k)]
+                needs.update(int(c) for c in columns[columns >= 0])
+                definitions.append((symbol, value))
+                k += 1
+            if item.function is None:
+                waiting.append((needs, definitions))
+        return waiting
+
+    def _place_intermediates(self) -> None:
+        """Define the orientations of which everything is known, in their own order (from the roots outwards)."""
+        still = []
+        for needs, definitions in self._pending:
+            if any(self.rank[c] < 0 for c in needs):
+                still.append((needs, definitions))
+            else:
+                self.result.sequence += definitions
+        self._pending = still
+
+
+def scalars_of(item) -> list[ca.SX]:
+    """Definitions of the symbols of an intermediate; its symbols themselves for an external."""
+    return item.inputs.elements() if item.function is None else item.symbols

@@ -1,0 +1,149 @@
+"""FlatDAE: the one object that everything above flattening reads."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+from functools import cached_property
+
+import casadi as ca
+import numpy as np
+
+from fowtlib.flattening.system import Input, Parameter
+from fowtlib.language.errors import NotFoundError, did_you_mean
+
+
+@dataclass(frozen=True)
+class Quantity:
+    """A scalar state, algebraic unknown or discrete variable."""
+
+    path: str
+    unit: str
+    doc: str
+    hint: str
+    start: ca.SX
+    start_given: bool
+    fixed: bool
+    nominal: float
+
+
+@dataclass(frozen=True)
+class External:
+    """One call of an external function: w[outputs] = function(y)."""
+
+    function: ca.Function
+    inputs: ca.SX
+    outputs: slice
+    path: str
+
+
+@dataclass(frozen=True)
+class Event:
+    """State event: when `indicator` becomes negative, targets (numbers of states or discretes) take the values."""
+
+    indicator: ca.SX
+    state_targets: list[int]
+    state_values: ca.SX
+    discrete_targets: list[int]
+    discrete_values: ca.SX
+    path: str
+
+
+@dataclass(frozen=True)
+class SampledUpdate:
+    """Time event every `period` from `offset` on: discretes take the values."""
+
+    period: ca.SX
+    offset: ca.SX
+    targets: list[int]
+    values: ca.SX
+    path: str
+
+
+@dataclass(frozen=True)
+class Check:
+    """A condition that holds at every output point."""
+
+    condition: ca.SX
+    message: str
+    level: str
+    values: dict[str, ca.SX]
+    path: str
+
+
+@dataclass
+class FlatDAE:
+    """Semi-explicit DAE of index one, torn at the external functions.
+
+    der(x) = ode, 0 = alg, both SX expressions of (t, x, z, u, d, p, w); w are the outputs of the externals, whose inputs are
+    expressions of the same symbols. `observed` gives every variable of the model by path.
+    """
+
+    t: ca.SX
+    x: ca.SX
+    z: ca.SX
+    u: ca.SX
+    d: ca.SX
+    p: ca.SX
+    w: ca.SX
+    ode: ca.SX
+    alg: ca.SX
+    states: list[Quantity]
+    algebraics: list[Quantity]
+    discretes: list[Quantity]
+    inputs: dict[str, Input]
+    parameters: dict[str, Parameter]
+    externals: list[External]
+    observed: dict[str, ca.SX]
+    units: dict[str, str]
+    docs: dict[str, str]
+    residual_paths: list[str]
+    initial_equations: ca.SX
+    initial_paths: list[str]
+    events: list[Event] = field(default_factory=list)
+    samples: list[SampledUpdate] = field(default_factory=list)
+    checks: list[Check] = field(default_factory=list)
+    equation_table: list[tuple[str, str, str]] = field(default_factory=list)
+    stats: dict[str, float] = field(default_factory=dict)
+
+    @cached_property
+    def state_number(self) -> dict[str, int]:
+        """Position of each state by path."""
+        return {quantity.path: i for i, quantity in enumerate(self.states)}
+
+    @cached_property
+    def levels(self) -> list[list[int]]:
+        """Externals in groups that can be called one after the other: each needs outputs of earlier groups only."""
+        level: dict[int, int] = {}
+        owner = np.zeros(self.w.shape[0], int)
+        for k, external in enumerate(self.externals):
+            owner[external.outputs] = k
+        needs = []
+        for external in self.externals:
+            pattern = ca.Function("needs", [self.w], [external.inputs], {"allow_free": True}).jac_sparsity(0, 0)
+            needs.append({int(owner[c]) for c in pattern.get_triplet()[1]})
+        groups: list[list[int]] = []
+        while len(level) < len(self.externals):
+            ready = [k for k, n in enumerate(needs) if k not in level and n <= level.keys()]
+            if not ready:  # external functions in a ring are excluded by their symbols being made after their inputs
+                raise RuntimeError("external functions depend on each other in a ring")
+            for k in ready:
+                level[k] = len(groups)
+            groups.append(ready)
+        return groups
+
+    def observe_expression(self, name: str) -> ca.SX:
+        """Expression of a variable by path; `body.v` gives the column of `body.v[0]`, `body.v[1]`, ..."""
+        if name in self.observed:
+            return self.observed[name]
+        members = []
+        while f"{name}[{len(members)}]" in self.observed:
+            members.append(self.observed[f"{name}[{len(members)}]"])
+        if members:
+            return ca.vertcat(*members)
+        raise NotFoundError(f"there is no variable '{name}'{did_you_mean(name, self.observed)}")
+
+    def __repr__(self) -> str:
+        return (
+            f"<FlatDAE: {len(self.states)} states, {len(self.algebraics)} algebraic unknowns, {len(self.parameters)} parameters, "
+            f"{len(self.externals)} external functions>"
+        )

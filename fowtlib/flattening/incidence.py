@@ -1,0 +1,98 @@
+"""Which unknowns an equation depends on, through orientations and external functions too."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+import casadi as ca
+import numpy as np
+
+from fowtlib.flattening.system import System
+
+
+class Incidence:
+    """Dependence of expressions on the unknowns of a system."""
+
+    def __init__(self, system: System):
+        self.system = system
+        self._closures: list[np.ndarray] = []
+        self._symbols: list[ca.SX] = []
+        self._seen = 0
+        self._unknowns = ca.SX(0, 1)
+
+    def rows(self, expressions: Sequence[ca.SX]) -> list[np.ndarray]:
+        """Numbers of the unknowns each scalar expression depends on, sorted."""
+        direct, through = self.split(expressions)
+        if not self._symbols:
+            return direct
+        return [np.unique(np.concatenate([own, *(self._closures[k] for k in via)])) if len(via) else own
+                for own, via in zip(direct, through, strict=True)]  # fmt: skip
+
+    def split(self, expressions: Sequence[ca.SX]) -> tuple[list[np.ndarray], list[np.ndarray]]:
+        """Unknowns in the expressions themselves, and symbols of intermediates in them."""
+        self._update()
+        return self._pattern(ca.vertcat(*expressions) if len(expressions) else ca.SX(0, 1))
+
+    def closure(self, symbol: int) -> np.ndarray:
+        """Unknowns an intermediate symbol depends on."""
+        return self._closures[symbol]
+
+    @property
+    def symbols(self) -> list[ca.SX]:
+        """Symbols of the intermediates, in the order of the numbers that `split` gives."""
+        self._update()
+        return self._symbols
+
+    def _pattern(self, column: ca.SX) -> tuple[list[np.ndarray], list[np.ndarray]]:
+        if column.shape[0] == 0:
+            return [], []
+        intermediates = ca.vertcat(*self._symbols) if self._symbols else ca.SX(0, 1)
+        function = ca.Function("incidence", [self._unknowns, intermediates], [column], {"allow_free": True})
+        return _rows(function.jac_sparsity(0, 0)), _rows(function.jac_sparsity(0, 1))
+
+    def _update(self) -> None:
+        """Take up unknowns and intermediates that came since the last call."""
+        system = self.system
+        if self._unknowns.shape[0] != len(system.unknowns):
+            self._unknowns = ca.vertcat(*[unknown.symbol for unknown in system.unknowns])
+        if self._seen == len(system.intermediates):
+            return
+        self._seen = len(system.intermediates)
+        self._symbols = [symbol for item in system.intermediates for symbol in item.symbols]
+        direct, through = self._pattern(ca.vertcat(*[item.inputs for item in system.intermediates]))
+        own: list[np.ndarray] = []
+        via: list[np.ndarray] = []
+        position = 0
+        for item in system.intermediates:
+            n = item.inputs.shape[0]
+            block = range(position, position + n)
+            position += n
+            for i, _ in enumerate(item.symbols):
+                members = [block[i]] if item.function is None else list(block)
+                own.append(np.unique(np.concatenate([direct[k] for k in members])) if members else np.zeros(0, int))
+                via.append(np.unique(np.concatenate([through[k] for k in members])) if members else np.zeros(0, int))
+        self._closures = _transitive(own, via)
+
+
+def _transitive(own: list[np.ndarray], via: list[np.ndarray]) -> list[np.ndarray]:
+    closures: list[np.ndarray | None] = [None] * len(own)
+    for start in range(len(own)):
+        stack = [start]
+        while stack:
+            k = stack[-1]
+            if closures[k] is not None:
+                stack.pop()
+                continue
+            missing = [j for j in via[k] if closures[j] is None]
+            if missing:
+                stack.extend(missing)
+                continue
+            closures[k] = np.unique(np.concatenate([own[k], *(closures[j] for j in via[k])]))
+            stack.pop()
+    return [closure if closure is not None else np.zeros(0, int) for closure in closures]
+
+
+def _rows(sparsity: ca.Sparsity) -> list[np.ndarray]:
+    transposed = sparsity.T  # column-compressed of the transpose: row-compressed
+    pointers, indices = np.array(transposed.colind()), np.array(transposed.row(), dtype=int)
+    return [indices[pointers[i] : pointers[i + 1]] for i in range(sparsity.shape[0])]

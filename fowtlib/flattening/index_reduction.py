@@ -1,0 +1,152 @@
+"""Step 5: Pantelides' algorithm and dummy derivatives.
+
+Sources: C. C. Pantelides, SIAM J. Sci. Stat. Comput. 9 (1988) 213; S. E. Mattsson and G. Soederlind, SIAM J. Sci. Comput. 14
+(1993) 677. All equations that an unmatched equation reaches are differentiated together.
+"""
+
+from __future__ import annotations
+
+import casadi as ca
+import numpy as np
+
+from fowtlib.flattening import structure
+from fowtlib.flattening.incidence import Incidence
+from fowtlib.flattening.system import FlatEquation, System
+from fowtlib.language.declarations import STATE_PREFERENCES
+from fowtlib.language.errors import StructureError
+
+
+class IndexReduction:
+    """Differentiates the equations that constrain states, and chooses the states."""
+
+    def __init__(self, system: System, live: set[int]):
+        self.system = system
+        self.live = live
+        self.incidence = Incidence(system)
+        self.rows: list[np.ndarray] = []
+        self.steps = 0
+
+    def run(self) -> list[int]:
+        """Numbers of the states; afterwards the equations determine all other unknowns."""
+        self._pantelides()
+        return self._select_states()
+
+    # --- Pantelides ----------------------------------------------------------------------------------------------
+
+    def _update_rows(self) -> None:
+        system = self.system
+        fresh = system.equations[len(self.rows) :]
+        self.rows += self.incidence.rows([equation.lhs - equation.rhs for equation in fresh])
+
+    def _pantelides(self) -> None:
+        system = self.system
+        self._update_rows()
+        while True:
+            active_rows = [i for i, equation in enumerate(system.equations) if equation.rate < 0]
+            columns = [j for j in self._all() if system.unknowns[j].rate < 0]
+            position = np.full(len(system.unknowns), -1)
+            position[columns] = np.arange(len(columns))
+            rows = [row[row >= 0] for row in (position[self.rows[i]] for i in active_rows)]
+            match = structure.matching(rows, len(columns))
+            exposed = np.flatnonzero(match < 0)
+            if not len(exposed):
+                self.active_rows, self.columns, self.active_incidence = active_rows, columns, rows
+                return
+            self.steps += 1
+            if self.steps > 20:
+                raise StructureError(self._endless(active_rows, exposed))
+            row_of = np.full(len(columns), -1)
+            row_of[match[match >= 0]] = np.flatnonzero(match >= 0)
+            reached, _ = structure.reachable(rows, row_of, exposed)
+            self._differentiate([active_rows[i] for i in reached])
+            self._update_rows()
+
+    def _all(self) -> list[int]:
+        return [j for j, unknown in enumerate(self.system.unknowns) if unknown.base in self.live]
+
+    def _differentiate(self, numbers: list[int]) -> None:
+        system = self.system
+        chosen = [system.equations[i] for i in numbers]
+        left = system.derivative(ca.vertcat(*[equation.lhs for equation in chosen])).elements()
+        right = system.derivative(ca.vertcat(*[equation.rhs for equation in chosen])).elements()
+        for equation, lhs, rhs in zip(chosen, left, right, strict=True):
+            equation.rate = len(system.equations)
+            system.equations.append(
+                FlatEquation(lhs, rhs, equation.path, equation.source, order=equation.order + 1, base=equation.base)
+            )
+
+    def _endless(self, active_rows: list[int], exposed: np.ndarray) -> str:
+        paths = sorted({self.system.equations[active_rows[i]].path or "the model" for i in exposed})
+        return (
+            "the index reduction does not end: equations of "
+            + ", ".join(paths[:5])
+            + " constrain each other at every order. Two of these components probably prescribe the same motion."
+        )
+
+    # --- choice of states ----------------------------------------------------------------------------------------
+
+    def _select_states(self) -> list[int]:
+        """Dummy derivatives, block by block; the unknowns with a derivative that is not a dummy are the states."""
+        system = self.system
+        base_rows = self._base_rows()
+        equation_before = {equation.rate: i for i, equation in enumerate(system.equations) if equation.rate >= 0}
+        unknown_before = {unknown.rate: j for j, unknown in enumerate(system.unknowns) if unknown.rate >= 0}
+        dummies: set[int] = set()
+        for block_rows, block_columns in self._blocks():
+            rows = [i for i in block_rows if system.equations[i].order > 0]
+            columns = [j for j in block_columns if system.unknowns[j].order > 0]
+            while rows:
+                chosen = self._choose(rows, columns, base_rows)
+                dummies.update(chosen)
+                rows = [equation_before[i] for i in rows if system.equations[i].order > 1]
+                columns = [unknown_before[j] for j in chosen if system.unknowns[j].order > 1]
+        return [
+            j for j in self._all()
+            if system.unknowns[j].rate >= 0 and system.unknowns[j].rate not in dummies
+        ]  # fmt: skip
+
+    def _blocks(self):
+        """Strong components of the equations and unknowns of highest order."""
+        for rows, columns in structure.strong_components(self.active_incidence, len(self.columns)):
+            yield [self.active_rows[i] for i in rows], [self.columns[j] for j in columns]
+
+    def _base_rows(self) -> dict[int, set[tuple[int, int]]]:
+        """For each undifferentiated equation: the (base, order) of the unknowns in it."""
+        unknowns = self.system.unknowns
+        return {
+            i: {(unknowns[j].base, unknowns[j].order) for j in self.rows[i]}
+            for i, equation in enumerate(self.system.equations) if equation.order == 0
+        }  # fmt: skip
+
+    def _choose(self, rows: list[int], columns: list[int], base_rows: dict[int, set[tuple[int, int]]]) -> list[int]:
+        """One dummy for each differentiated equation, those least wished as states first."""
+        from scipy.sparse.csgraph import min_weight_full_bipartite_matching
+
+        system = self.system
+        entries = []
+        for i in rows:
+            equation = system.equations[i]
+            members = base_rows[equation.base]
+            # d e^(c) / d x^(d) = d e / d x^(d - c): the same entry at every order
+            entries.append([
+                k for k, j in enumerate(columns)
+                if (system.unknowns[j].base, system.unknowns[j].order - equation.order) in members
+            ])  # fmt: skip
+        incidence = structure.matrix([np.array(entry, int) for entry in entries], len(columns)).astype(float)
+        incidence.data = np.array([self._weight(columns[k]) for k in incidence.indices])
+        try:
+            _, chosen = min_weight_full_bipartite_matching(incidence)
+        except ValueError:
+            paths = sorted({system.equations[i].path or "the model" for i in rows})
+            raise StructureError(
+                "no choice of states satisfies the constraints of " + ", ".join(paths[:8]) + "; they may be redundant, as the "
+                "out-of-plane constraints of a planar loop are (close it with a PlanarLoopRevolute)."
+            ) from None
+        return [columns[k] for k in chosen]
+
+    def _weight(self, number: int) -> float:
+        """Cost of making a derivative a dummy: high where the unknown below it is wished as a state."""
+        unknown = self.system.unknowns[number]
+        preference = STATE_PREFERENCES.index(unknown.declared.state)
+        given = unknown.start is not None or bool(unknown.declared.fixed)
+        return 10.0 ** (2 * preference) * (2 if given else 1) * (1 + 0.01 / unknown.order) + 1e-6 * number

@@ -1,0 +1,260 @@
+"""Step 1: walk the component tree and give every parameter, variable and connector member its flat symbol."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+from dataclasses import dataclass, field
+from typing import Any
+
+import casadi as ca
+import numpy as np
+
+from fowtlib.flattening.connections import Connections
+from fowtlib.flattening.system import Parameter, System, scalars
+from fowtlib.language import equations as statements
+from fowtlib.language import expressions
+from fowtlib.language.component import Component
+from fowtlib.language.connectors import BoundPort, Signal
+from fowtlib.language.declarations import SHAPES, Variable, join
+from fowtlib.language.errors import ModelError, ParameterError, StructureError
+from fowtlib.language.units import to_si
+
+
+@dataclass
+class Statements:
+    """What the `equations()` of all components returned, each with the path of its component."""
+
+    initial: list[tuple[str, statements.Initial]] = field(default_factory=list)
+    when: list[tuple[str, statements.When]] = field(default_factory=list)
+    sampled: list[tuple[str, statements.Sampled]] = field(default_factory=list)
+    assertions: list[tuple[str, statements.Assertion]] = field(default_factory=list)
+    rotations: list[tuple[str, statements.Rotation]] = field(default_factory=list)
+    fixed_orientations: list[tuple[str, statements.FixedOrientation]] = field(default_factory=list)
+
+
+class Instances:
+    """The bound component tree. Use as a context: the components give symbols inside, and values again afterwards."""
+
+    def __init__(self, root: Component):
+        self.root = root
+        self.system = System()
+        self.components = list(root.walk())
+        self.statements = Statements()
+        self._parameters: dict[tuple[int, str], Any] = {}
+
+    def __enter__(self) -> Instances:
+        self.connections = Connections(self.components)
+        for component in self.components:
+            self._check_parameters(component)
+        bindings = [self._bind(component) for component in self.components]
+        self._bind_ports(bindings)
+        for component, binding in zip(self.components, bindings, strict=True):
+            component._binding = binding
+        return self
+
+    def __exit__(self, *_: object) -> None:
+        for component in self.components:
+            component._binding = None
+
+    # --- parameters ----------------------------------------------------------------------------------------------
+
+    def _check_parameters(self, component: Component) -> None:
+        for name, declared in component.parameters.items():
+            value = component.parameter_value(name)
+            if value is None:
+                continue
+            where = _where(component, name)
+            if declared.choices is not None and value not in declared.choices:
+                allowed = ", ".join(map(str, declared.choices))
+                raise ParameterError(f"{where} = {value!r} is not one of {allowed} ({declared.doc}).")
+            if declared.annotation in SHAPES:
+                shape = component.shape(declared)
+                if np.shape(value) != shape and not (np.size(value) == int(np.prod(shape)) and len(shape) < 2):
+                    raise ParameterError(
+                        f"{where} has shape {_shape(np.shape(value))}, and {_shape(shape)} is expected ({declared.doc})."
+                    )
+            if isinstance(value, (int, float, np.ndarray)) and not isinstance(value, bool):
+                self._check_bounds(where, declared, value)
+
+    @staticmethod
+    def _check_bounds(where: str, declared: Any, value: Any) -> None:
+        unit = "" if declared.unit == "1" else f" {declared.unit}"
+        numbers = np.asarray(value)
+        if numbers.dtype.kind not in "fiu":
+            return
+        if not np.all(np.isfinite(numbers)):
+            raise ParameterError(f"{where} is not a finite number: {value} ({declared.doc}).")
+        for bound, is_outside, word in (
+            (declared.min, np.any(numbers < declared.min) if declared.min is not None else False, "below its minimum"),
+            (declared.max, np.any(numbers > declared.max) if declared.max is not None else False, "above its maximum"),
+        ):
+            if is_outside:
+                worst = numbers.min() if word.startswith("below") else numbers.max()
+                raise ParameterError(f"{where} = {worst:g}{unit} is {word} {bound:g}{unit} ({declared.doc}).")
+
+    def _parameter(self, component: Component, name: str) -> Any:
+        """The symbol of a tunable parameter, the expression of a dependent one, the value of a structural one."""
+        key = (id(component), name)
+        if key in self._parameters:
+            return self._parameters[key]
+        declared = component.parameters[name]
+        value = component.parameter_binding(name)
+        if not declared.tunable or value is None:
+            bound = component.parameter_value(name) if value is not None else None
+            if declared.annotation in SHAPES and bound is not None:
+                bound = _matrix(bound, component.shape(declared))
+        elif expressions.is_expression(value):
+            bound = self._evaluate(value)
+            shape = component.shape(declared)
+            bound = ca.densify(ca.SX(bound))
+            if bound.is_scalar() and shape:
+                bound = ca.repmat(bound, *_two(shape))
+        else:
+            numbers = np.asarray(component.parameter_value(name), dtype=float)
+            shape = component.shape(declared)
+            symbol = ca.SX.sym(join(component.path, name), *_two(shape))
+            path = join(component.path, name)
+            self.system.parameters[path] = Parameter(
+                path, symbol, np.broadcast_to(numbers, shape), declared.unit, declared.doc, declared.min, declared.max
+            )
+            bound = symbol
+        self._parameters[key] = bound
+        return bound
+
+    def _evaluate(self, value: Any) -> Any:
+        def combine(items: list[Any]) -> Any:
+            if any(isinstance(item, (ca.SX, ca.DM)) for item in items):
+                return ca.vertcat(*[ca.transpose(ca.SX(item)) if np.ndim(item) else ca.SX(item) for item in items])
+            return np.asarray(items)
+
+        return expressions.evaluate(value, lambda leaf: self._parameter(leaf.component, leaf.name), combine)
+
+    # --- variables -----------------------------------------------------------------------------------------------
+
+    def _bind(self, component: Component) -> dict[str, Any]:
+        binding: dict[str, Any] = {name: self._parameter(component, name) for name in component.parameters}
+        for name, declared in component.outers.items():
+            binding[name] = component.find_outer(declared)
+        for name, declared in component.variables.items():
+            binding[name] = self._variable(component, declared)
+        return binding
+
+    def _variable(self, component: Component, declared: Variable) -> ca.SX:
+        path, shape = join(component.path, declared.name), component.shape(declared)
+        symbol = ca.SX.sym(path, *_two(shape))
+        starts = self._start(component, declared, shape)
+        register = self.system.add_discrete if declared.discrete else self.system.add_unknown
+        for element, name, start in zip(scalars(symbol), _names(path, shape), starts, strict=True):
+            register(element, name, declared, start)
+        return symbol
+
+    def _start(self, component: Component, declared: Variable, shape: tuple[int, ...]) -> list[Any]:
+        n = int(np.prod(shape))
+        if declared.start is None:
+            return [None] * n
+        value = component.resolve(declared.start)
+        if expressions.is_expression(value):
+            value = self._evaluate(value)
+        else:
+            value = to_si(value, declared.unit, join(component.path, declared.name))
+        elements = scalars(ca.SX(value) if isinstance(value, ca.SX) else ca.SX(ca.DM(value)))
+        return elements * n if len(elements) == 1 else elements
+
+    # --- ports ---------------------------------------------------------------------------------------------------
+
+    def _bind_ports(self, bindings: list[dict[str, Any]]) -> None:
+        symbols = self.connections.symbols(self.system, self.root)
+        for node in self.connections.nodes:
+            members = symbols[node.number]
+            if issubclass(node.field.annotation, Signal):
+                bound = members["signal"]
+            else:
+                bound = BoundPort(node.path, node.field.annotation, node.connected, members)
+            binding = bindings[node.instance]
+            if node.index is None:
+                binding[node.field.name] = bound
+            else:
+                binding.setdefault(node.field.name, []).append(bound)
+        for component, binding in zip(self.components, bindings, strict=True):
+            for name in component.ports:
+                binding.setdefault(name, [])
+
+    # --- equations -----------------------------------------------------------------------------------------------
+
+    def collect(self) -> None:
+        """Call `equations()` of every component and sort what it returns."""
+        with statements.flattening(self.system):
+            for component in self.components:
+                self.system.current_path = component.path
+                try:
+                    for statement in _flattened(component.equations()):
+                        self._take(component, statement)
+                except ModelError as error:
+                    raise error.at(component.label) if component.label not in str(error) else error from None
+                except (RuntimeError, NotImplementedError, AttributeError, TypeError) as error:
+                    raise StructureError(
+                        f"{component.label}: the equations of {type(component).__name__} fail: {_first_line(error)}"
+                    ) from error
+        self.statements.assertions += self.system.range_checks
+
+    def _take(self, component: Component, statement: Any) -> None:
+        path = component.path
+        if isinstance(statement, statements.Equation):
+            self.system.add_equation(statement.lhs, statement.rhs, path, statement.source)
+            return
+        lists: dict[type, list[Any]] = {
+            statements.Initial: self.statements.initial,
+            statements.When: self.statements.when,
+            statements.Sampled: self.statements.sampled,
+            statements.Assertion: self.statements.assertions,
+            statements.Rotation: self.statements.rotations,
+            statements.FixedOrientation: self.statements.fixed_orientations,
+        }
+        if type(statement) not in lists:
+            raise StructureError(
+                f"{component.label}: equations() returned {statement!r}, which is not an equation; write eq(left, right)."
+            )
+        lists[type(statement)].append((path, statement))
+
+
+def _flattened(items: Any) -> Iterable[Any]:
+    if isinstance(items, (list, tuple)):
+        for item in items:
+            yield from _flattened(item)
+    elif items is not None:
+        yield items
+
+
+def _where(component: Component, name: str) -> str:
+    path = join(component.path, name)
+    origin = component.origins.get(name)
+    return f"{origin}: {path}" if origin else path
+
+
+def _matrix(value: Any, shape: tuple[int, ...]) -> Any:
+    return ca.DM(value) if shape else value
+
+
+def _two(shape: tuple[int, ...]) -> tuple[int, int]:
+    if len(shape) > 2:
+        raise ParameterError(f"quantities have two dimensions at most, not {len(shape)}.")
+    return (1, 1) if not shape else (shape[0], shape[1] if len(shape) == 2 else 1)
+
+
+def _shape(shape: tuple[int, ...]) -> str:
+    return " x ".join(map(str, shape)) if shape else "of a scalar"
+
+
+def _names(path: str, shape: tuple[int, ...]) -> list[str]:
+    """Names of the scalars, column by column."""
+    if not shape:
+        return [path]
+    if len(shape) == 1:
+        return [f"{path}[{i}]" for i in range(shape[0])]
+    return [f"{path}[{i},{j}]" for j in range(shape[1]) for i in range(shape[0])]
+
+
+def _first_line(error: BaseException) -> str:
+    lines = [line for line in str(error).splitlines() if line.strip()]
+    return lines[-1].strip() if lines else type(error).__name__
+

@@ -1,0 +1,96 @@
+"""Step 2b: the orientation graph. Orientations are defined along a spanning tree; a loop gives three equations, not nine."""
+
+from __future__ import annotations
+
+import casadi as ca
+import networkx as nx
+
+from fowtlib.flattening.instances import Statements
+from fowtlib.flattening.system import Intermediate, System, scalars
+from fowtlib.language.connectors import BoundPort
+from fowtlib.language.errors import ConnectionFault
+
+
+def resolve_orientations(system: System, statements: Statements) -> nx.MultiGraph:
+    """Define the rotation matrix of every frame from the roots outwards; returns the graph of the relations."""
+    graph = nx.MultiGraph()
+    matrices: dict[int, tuple[str, ca.SX, ca.SX]] = {}
+    roots = []
+
+    def node(frame: BoundPort) -> int:
+        name, member = next((n, m) for n, m in frame.connector.members.items() if m.kind == "orientation")
+        R = getattr(frame, name)
+        key = R.elements()[0].element_hash()
+        matrices.setdefault(key, (frame.path, R, getattr(frame, member.angular_velocity)))
+        return key
+
+    for path, fixed in statements.fixed_orientations:
+        key = node(fixed.frame)
+        if key in roots:
+            raise ConnectionFault(f"the orientation of {fixed.frame.path} is fixed twice, the second time by {path}.")
+        roots.append(key)
+        graph.add_node(key)
+        _, R, w = matrices[key]
+        _define(system, R, fixed.R, path)
+        system.add_equation(w, fixed.w, path, fixed.source)
+    for path, rotation in statements.rotations:
+        graph.add_edge(node(rotation.frame_a), node(rotation.frame_b), data=(path, rotation))
+
+    done: set[int] = set()
+    used: set[int] = set()
+    for root in roots:
+        if root in done:
+            raise ConnectionFault(
+                f"the orientation of {matrices[root][0]} is fixed, and so is that of a frame it is joined to; one of them must be free."
+            )
+        done.add(root)
+        front = [root]
+        while front:
+            following = []
+            for known in front:
+                for neighbour, edges in graph.adj[known].items():
+                    for attributes in edges.values():
+                        if neighbour in done or id(attributes["data"]) in used:
+                            continue
+                        used.add(id(attributes["data"]))
+                        _tree_edge(system, matrices, known, node, *attributes["data"])
+                        done.add(neighbour)
+                        following.append(neighbour)
+            front = following
+    for key, (path, _, _) in matrices.items():
+        if key not in done:
+            raise ConnectionFault(
+                f"the orientation of {path} is not tied to the world; join it by a joint, a fixed part or a FreeMotion to the World."
+            )
+    for _, _, attributes in graph.edges(data=True):
+        if id(attributes["data"]) not in used:
+            _closing_edge(system, *attributes["data"])
+    return graph
+
+
+def _members(frame: BoundPort) -> tuple[ca.SX, ca.SX]:
+    name, member = next((n, m) for n, m in frame.connector.members.items() if m.kind == "orientation")
+    return getattr(frame, name), getattr(frame, member.angular_velocity)
+
+
+def _tree_edge(system, matrices, known, node, path, rotation) -> None:
+    R_a, w_a = _members(rotation.frame_a)
+    R_b, w_b = _members(rotation.frame_b)
+    if node(rotation.frame_a) == known:
+        _define(system, R_b, R_a @ rotation.R_rel, path)
+    else:
+        _define(system, R_a, R_b @ rotation.R_rel.T, path)
+    system.add_equation(w_b, w_a + R_a @ rotation.w_rel, path, rotation.source)
+
+
+def _closing_edge(system, path, rotation) -> None:
+    """Three independent equations for R_b = R_a @ R_rel: the skew part of their quotient is zero."""
+    quotient = _members(rotation.frame_b)[0].T @ _members(rotation.frame_a)[0] @ rotation.R_rel
+    residual = 0.5 * ca.vertcat(
+        quotient[2, 1] - quotient[1, 2], quotient[0, 2] - quotient[2, 0], quotient[1, 0] - quotient[0, 1]
+    )
+    system.add_equation(residual, ca.SX(3, 1), path, rotation.source)
+
+
+def _define(system: System, R: ca.SX, value: ca.SX, path: str) -> None:
+    system.intermediates.append(Intermediate(scalars(R), ca.densify(ca.vec(value)), None, path))

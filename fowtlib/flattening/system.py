@@ -1,0 +1,206 @@
+"""The flat system while it is being built: unknowns, equations, intermediates, parameters, and the rule of differentiation."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Any
+
+import casadi as ca
+import numpy as np
+
+from fowtlib.language.declarations import Variable
+from fowtlib.language.equations import Assertion
+from fowtlib.language.errors import StructureError
+
+
+def scalars(value: ca.SX) -> list[ca.SX]:
+    """Elements of an expression, column by column, structural zeros included."""
+    return ca.densify(ca.vec(value)).elements()
+
+
+@dataclass(slots=True)
+class Unknown:
+    """A scalar unknown of the flat system; `rate` is the number of its time derivative, where one appears."""
+
+    symbol: ca.SX
+    path: str
+    declared: Variable | Any
+    start: ca.SX | None = None
+    rate: int = -1
+    order: int = 0
+    base: int = -1
+
+
+@dataclass(slots=True)
+class FlatEquation:
+    """A scalar equation lhs = rhs; `rate` is the number of its time derivative, where that was needed."""
+
+    lhs: ca.SX
+    rhs: ca.SX
+    path: str
+    source: str
+    rate: int = -1
+    order: int = 0
+    base: int = -1
+
+
+@dataclass(slots=True)
+class Parameter:
+    """A tunable parameter: value in SI units, `symbol` of the same shape."""
+
+    path: str
+    symbol: ca.SX
+    value: np.ndarray
+    unit: str
+    doc: str
+    min: float | None
+    max: float | None
+
+
+@dataclass(slots=True)
+class Discrete:
+    """A scalar that changes only at events and samples."""
+
+    symbol: ca.SX
+    path: str
+    declared: Variable
+    start: ca.SX | None
+
+
+@dataclass(slots=True)
+class Intermediate:
+    """Symbols with an explicit definition: the outputs of an external at `inputs`, or `expression` (orientations)."""
+
+    symbols: list[ca.SX]
+    inputs: ca.SX
+    function: ca.Function | None
+    path: str
+
+
+@dataclass(slots=True)
+class Input:
+    """An input of the whole model: a signal that nothing drives."""
+
+    path: str
+    symbol: ca.SX
+    unit: str
+    doc: str
+    default: np.ndarray
+
+
+class System:
+    """Equations over symbols, and d/dt of any expression of them."""
+
+    def __init__(self) -> None:
+        self.time = ca.SX.sym("time")
+        self.unknowns: list[Unknown] = []
+        self.equations: list[FlatEquation] = []
+        self.intermediates: list[Intermediate] = []
+        self.discretes: list[Discrete] = []
+        self.parameters: dict[str, Parameter] = {}
+        self.inputs: dict[str, Input] = {}
+        self.number: dict[int, int] = {}
+        self.rates: dict[int, ca.SX] = {}
+        self.aliases: dict[str, ca.SX] = {}
+        self.range_checks: list[tuple[str, Assertion]] = []
+        self.current_path = ""
+        self._external_of: dict[int, int] = {}
+
+    # --- building ------------------------------------------------------------------------------------------------
+
+    def add_unknown(self, symbol: ca.SX, path: str, declared: Any, start: ca.SX | None = None) -> int:
+        """Register a scalar symbol as unknown; returns its number."""
+        number = len(self.unknowns)
+        self.unknowns.append(Unknown(symbol, path, declared, start, base=number))
+        self.number[symbol.element_hash()] = number
+        return number
+
+    def add_discrete(self, symbol: ca.SX, path: str, declared: Variable, start: ca.SX | None = None) -> None:
+        """Register a scalar symbol that is constant between events."""
+        self.discretes.append(Discrete(symbol, path, declared, start))
+
+    def add_equation(self, lhs: ca.SX, rhs: ca.SX, path: str, source: str) -> None:
+        """Add lhs = rhs, element by element."""
+        for left, right in zip(scalars(lhs), scalars(rhs), strict=True):
+            self.equations.append(FlatEquation(left, right, path, source, base=len(self.equations)))
+
+    # --- what equations() uses -----------------------------------------------------------------------------------
+
+    def external(self, function: ca.Function, inputs: ca.SX) -> ca.SX:
+        """Tear the system at a call of `function`: its outputs become symbols."""
+        inputs = ca.densify(ca.vec(inputs))
+        if function.n_in() != 1 or function.n_out() != 1:
+            raise StructureError(f"external function {function.name()} must have one input and one output column.")
+        if function.size1_in(0) != inputs.shape[0]:
+            raise StructureError(
+                f"external function {function.name()} takes {function.size1_in(0)} inputs, and {inputs.shape[0]} are given."
+            )
+        outputs = ca.SX.sym(f"{self.current_path}.{function.name()}".lstrip("."), function.numel_out(0))
+        symbols = scalars(outputs)
+        for symbol in symbols:
+            self._external_of[symbol.element_hash()] = len(self.intermediates)
+        self.intermediates.append(Intermediate(symbols, inputs, function, self.current_path))
+        return ca.reshape(outputs, function.size1_out(0), function.size2_out(0))
+
+    def check_range(self, value: ca.SX, low: float, high: float, name: str, argument: str) -> None:
+        """Stop the simulation where a table is left."""
+        margin = 1e-9 * (high - low)
+        inside = ca.logic_and(value >= low - margin, value <= high + margin)
+        message = f"table left at its edge: {name} at {argument} = {{value}}, and the table covers {low:g} to {high:g}."
+        check = Assertion(inside, message, "error", "", {"value": value})
+        self.range_checks.append((self.current_path, check))
+
+    # --- differentiation -----------------------------------------------------------------------------------------
+
+    def derivative(self, expression: ca.SX) -> ca.SX:
+        """Total time derivative; unknowns without a derivative get one."""
+        expression = ca.densify(expression)
+        elements = scalars(expression)
+        if all(element.is_symbolic() or element.is_constant() for element in elements):
+            rates = [self._rate(element) for element in elements]
+            return ca.densify(ca.reshape(ca.vertcat(*rates), *expression.shape))
+        symbols = ca.symvar(expression)
+        seeds = [self._rate(symbol) for symbol in symbols]
+        rate = ca.jtimes(ca.vec(expression), ca.vertcat(*symbols), ca.vertcat(*seeds))
+        return ca.densify(ca.reshape(rate, *expression.shape))
+
+    def _rate(self, symbol: ca.SX) -> ca.SX:
+        if symbol.is_constant():
+            return ca.SX(0)
+        key = symbol.element_hash()
+        if key in self.number:
+            return self.unknowns[self.rate_of(self.number[key])].symbol
+        if key in self.rates:
+            return self.rates[key]
+        if key in self._external_of:
+            self._differentiate_external(self.intermediates[self._external_of[key]])
+            return self.rates[key]
+        return ca.SX(1 if key == self.time.element_hash() else 0)
+
+    def rate_of(self, number: int) -> int:
+        """Number of the derivative of an unknown, made when it is first needed."""
+        unknown = self.unknowns[number]
+        if unknown.rate < 0:
+            name = f"der({unknown.path})"
+            rate = self.add_unknown(ca.SX.sym(name), name, unknown.declared)
+            self.unknowns[rate].order = unknown.order + 1
+            self.unknowns[rate].base = unknown.base
+            unknown.rate = rate
+        return unknown.rate
+
+    def _differentiate_external(self, call: Intermediate) -> None:
+        """d/dt w = J(y) dy/dt, with the Jacobian of the function as an external of its own."""
+        y = ca.MX.sym("y", call.inputs.shape[0])
+        jacobian = ca.Function(f"{call.function.name()}_jacobian", [y], [ca.densify(ca.vec(ca.jacobian(call.function(y), y)))])
+        path, self.current_path = self.current_path, call.path
+        entries = ca.reshape(self.external(jacobian, call.inputs), len(call.symbols), call.inputs.shape[0])
+        self.current_path = path
+        rates = scalars(entries @ self.derivative(call.inputs))
+        for symbol, rate in zip(call.symbols, rates, strict=True):
+            self.rates[symbol.element_hash()] = rate
+
+    def orient(self, R: ca.SX, w: ca.SX) -> None:
+        """d/dt R = skew(w) R for the symbols of an orientation."""
+        for symbol, rate in zip(scalars(R), scalars(ca.skew(w) @ R), strict=True):
+            if symbol.is_symbolic():
+                self.rates[symbol.element_hash()] = rate
