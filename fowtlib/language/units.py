@@ -12,6 +12,7 @@ from __future__ import annotations
 import math
 import re
 from collections.abc import Sequence
+from dataclasses import replace
 from fractions import Fraction
 from functools import cache
 from numbers import Real
@@ -66,6 +67,32 @@ def from_si(value: Any, unit: str, unit_out: str, where: str = "") -> Any:
         raise
 
 
+def conversion(one: Unit, out: Unit) -> float:
+    """What a number in the unit `one` is multiplied with to be one in `out`; their dimensions must agree."""
+    cycles = one.cycle - out.cycle  # cycles that become radians, or the reverse
+    turned = cycles if cycles == out.angle - one.angle else Fraction(0)
+    return one.factor / out.factor * (2 * math.pi) ** float(turned)
+
+
+def quantity(text: str) -> tuple[float, str] | None:
+    """The number and the unit ("" if there is none) of a text like "12.1 rpm"; None if it does not look like one."""
+    match = _QUANTITY.match(text)
+    return (float(match[1]), match[2]) if match else None
+
+
+def si_unit(unit: str) -> str:
+    """The SI unit for quantities given in `unit`: `rad/s` for `rpm`, `N*m` for `kN*m`; an SI unit stays as it is."""
+    given = parse_unit(unit)
+    if given.factor == 1.0:
+        return unit
+    for known in (*_KINDS, "1/s"):
+        if parse_unit(known) == replace(given, factor=1.0):
+            return known
+    counted = {"rad": given.angle, "Hz": given.cycle}
+    rest = (Unit(1.0, given.dimension) * parse_unit("s") ** given.cycle).dimension  # Hz stands for the cycles
+    return "*".join([dimension_text(rest), *(_power(name, power) for name, power in counted.items() if power)])
+
+
 def dimension(unit: str) -> Dimension:
     """The exponents of (m, kg, s, A, K, mol, cd); an angle has none, so "rad", "deg" and "1" are the same."""
     return parse_unit(unit).dimension
@@ -79,9 +106,15 @@ def dimension_text(exponents: Sequence[Fraction | int | float]) -> str:
     return above + below
 
 
-def kind_of(unit: str) -> str:
+def kind_of(unit: str | Unit) -> str:
     """What a quantity of this unit is called: "a mass", "a rotational speed"."""
-    return _kind(parse_unit(unit))
+    return _kind(parse_unit(unit) if isinstance(unit, str) else unit)
+
+
+def expected(unit: str) -> str:
+    """What a message says about the value that a declaration asks for, with an example."""
+    example = _KINDS[unit][1] if unit in _KINDS else f"3.5 {unit}"
+    return f"{_quantity(unit)} is expected, e.g. {example if unit == '1' else repr(example)}"
 
 
 def check_si(unit: str, where: str = "") -> None:
@@ -98,7 +131,7 @@ def _to_si(value: Any, unit: str) -> float | np.ndarray:
     if isinstance(value, str):
         return _from_text(value, unit)
     if isinstance(value, (bool, np.bool_)) or value is None:
-        raise UnitError(f"got {value!r}; {_expected(unit)}.")
+        raise UnitError(f"got {value!r}; {expected(unit)}.")
     if isinstance(value, (Real, np.number)):
         return float(value)
     if isinstance(value, np.ndarray) and value.dtype.kind in "iuf":
@@ -111,14 +144,14 @@ def _to_si(value: Any, unit: str) -> float | np.ndarray:
     try:
         return float(value)
     except (TypeError, ValueError):
-        raise UnitError(f"got {_short(value)}; {_expected(unit)}.") from None
+        raise UnitError(f"got {_short(value)}; {expected(unit)}.") from None
 
 
 def _from_text(text: str, unit: str) -> float:
-    match = _QUANTITY.match(text)
-    if match is None:
-        raise UnitError(f"got '{text}'; {_expected(unit)}.")
-    number, name = float(match[1]), match[2]
+    found = quantity(text)
+    if found is None:
+        raise UnitError(f"got '{text}'; {expected(unit)}.")
+    number, name = found
     if not name:
         return number
     try:
@@ -126,13 +159,8 @@ def _from_text(text: str, unit: str) -> float:
     except UnitError as error:
         raise UnitError(f"got '{text}'; {error.message}") from None
     if given.dimension != parse_unit(unit).dimension:
-        raise UnitError(f"got '{text}', which is {_kind(given)}; {_expected(unit)}.")
+        raise UnitError(f"got '{text}', which is {_kind(given)}; {expected(unit)}.")
     return number * _factor(name, unit)
-
-
-def _expected(unit: str) -> str:
-    example = _KINDS[unit][1] if unit in _KINDS else f"3.5 {unit}"
-    return f"{_quantity(unit)} is expected, e.g. {example if unit == '1' else repr(example)}"
 
 
 def _quantity(unit: str) -> str:
@@ -142,11 +170,7 @@ def _quantity(unit: str) -> str:
 
 @cache
 def _factor(unit: str, unit_out: str) -> float:
-    """What a number in `unit` is multiplied with to be one in `unit_out`."""
-    one, out = parse_unit(unit), parse_unit(unit_out)
-    cycles = one.cycle - out.cycle  # cycles that become radians, or the reverse
-    turned = cycles if cycles == out.angle - one.angle else Fraction(0)
-    return one.factor / out.factor * (2 * math.pi) ** float(turned)
+    return conversion(parse_unit(unit), parse_unit(unit_out))
 
 
 def _kind(unit: Unit) -> str:

@@ -14,7 +14,7 @@ from hypothesis import strategies as st
 
 from fowtlib.language.errors import UnitError
 from fowtlib.language.unit_grammar import _COMMON, _SI, _from_pint, parse_unit
-from fowtlib.language.units import check_si, dimension, dimension_text, from_si, kind_of, to_si
+from fowtlib.language.units import check_si, dimension, dimension_text, from_si, kind_of, si_unit, to_si
 
 DECLARED = ["1", "m", "m/s", "N*m", "N*m/rad", "kg*m^2", "rad/s", "N*s/m", "kg/m", "W", "Hz", "N/m", "Pa", "rad"]
 
@@ -170,3 +170,14 @@ def test_no_text_raises_anything_but_a_unit_error(text, unit):
             to_si(candidate, unit)
         except UnitError as error:
             assert str(error)
+
+
+@pytest.mark.parametrize(
+    ("unit", "si"),
+    [("rpm", "rad/s"), ("deg", "rad"), ("kN*m", "N*m"), ("t", "kg"), ("m", "m"), ("kN/mm", "N/m"), ("kHz", "Hz"),
+     ("N*m/deg", "m^2*kg/s^2*rad^-1"), ("t*m/deg", "m*kg*rad^-1"), ("m^2/kHz", "m^2*Hz^-1"), ("%", "1")],
+)  # fmt: skip
+def test_si_unit(unit, si):
+    assert si_unit(unit) == si
+    assert parse_unit(si).factor == 1.0
+    assert to_si(f"1 {unit}", si) == pytest.approx(parse_unit(unit).factor)
