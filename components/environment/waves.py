@@ -100,9 +100,9 @@ def jonswap(omega: ArrayLike, significant_wave_height: float, peak_period: float
         gamma = default_gamma(significant_wave_height, peak_period)
     omega = np.asarray(omega, dtype=float)
     x = np.where(omega > 0, omega * peak_period / (2 * np.pi), 1.0)
-    with np.errstate(over="ignore", under="ignore", divide="ignore"):
-        decay = np.minimum(1.25 * x**-4.0, 745.0)  # exp(-745) is the last one above zero
-        density = 5 / 16 * significant_wave_height**2 * peak_period / (2 * np.pi) * np.exp(-decay - 5 * np.log(x))
+    with np.errstate(over="ignore", under="ignore"):
+        decay = np.exp(-1.25 * x**-4.0 - 5 * np.log(x))
+    density = 5 / 16 * significant_wave_height**2 * peak_period / (2 * np.pi) * decay
     return np.where(omega > 0, density * gamma ** _peak_shape(x) / _peak_energy(float(gamma)), 0.0)
 
 

@@ -57,6 +57,8 @@ def read_series(path: str, stations: int) -> WindSeries:
         if not content or content.startswith("#"):
             continue
         cells = [cell.strip() for cell in content.split(",")]
+        if len(cells) < 2:
+            raise ParameterError(f"{path}:{line}: 1 column, expected time and speed, separated by commas")
         if not rows and not header and not any(_is_number(cell) for cell in cells):
             header = True
             continue
