@@ -15,20 +15,21 @@ it is larger than what a run with drag shows; compare with runs in small waves, 
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from fowtlib.analysis.harmonics import harmonic_fit
+from fowtlib.analysis.plants import calm, checked_frequencies, chosen_outputs, compiled, refuse_unstable
 from fowtlib.language.errors import ModelError, did_you_mean
 
 if TYPE_CHECKING:
     import xarray
 
 
-MOTIONS = ("surge", "sway", "heave", "roll", "pitch", "yaw")
 _SHOWN = 20
 
 
@@ -120,3 +121,73 @@ def wave_inputs(root: Any) -> list[tuple[str, Callable[[np.ndarray, float], np.n
         for part in root.walk()
         if getattr(type(part), "wave_input", None) is not None and hasattr(part, "wave_transfer")
     ]
+
+
+def linear_rao(
+    model: Any,
+    frequencies: Sequence[float] | np.ndarray,
+    *,
+    outputs: Sequence[str] | None = None,
+    heading: float = 0.0,
+    state: Any = None,
+    parameters: Mapping[str, Any] | None = None,
+) -> Rao:
+    """Response operator of the linear model, at ``frequencies`` [Hz] and a wave ``heading`` [rad].
+
+    model    a compiled model, used as it is; or a model, which is first put into still water without wind
+    outputs  result names; None takes the six motions as far as the model has them, else all results
+    state    point of linearisation; None takes the equilibrium with these ``parameters``
+    """
+    plant = compiled(model)
+    inputs = wave_inputs(plant.root)
+    if not inputs:
+        raise ModelError(
+            "no part of this model feels the waves (such as a WaveExcitation), so there is no response to them."
+        )
+    frequency = checked_frequencies(frequencies)
+    names = chosen_outputs(plant, outputs)
+    if state is None:
+        state = plant.equilibrium(parameters=parameters)
+    linear = plant.linearize(state, inputs=[path for path, _ in inputs], outputs=names)
+    refuse_unstable(linear)
+    load = np.hstack([np.asarray(transfer(2.0 * np.pi * frequency, heading)) for _, transfer in inputs])
+    response = np.einsum("foi,fi->fo", frequency_response(linear, frequency), load)
+    return Rao(frequency, tuple(names), response, tuple(f"{plant.unit(name)}/m" for name in names), heading, "linear")
+
+
+def simulated_rao(
+    model: Any,
+    frequencies: Sequence[float] | np.ndarray,
+    *,
+    outputs: Sequence[str] | None = None,
+    height: float = 2.0,
+    heading: float = 0.0,
+    periods: int = 10,
+    settle: float = 400.0,
+    sea: str = "sea",
+    parameters: Mapping[str, Any] | None = None,
+    **simulate: Any,
+) -> Rao:
+    """Response operator from one run in regular waves of ``height`` [m] per frequency, for comparison.
+
+    Every run starts at equilibrium, settles for ``settle`` seconds and gives the next ``periods`` wave periods to a
+    harmonic fit. The part named ``sea`` must be a Sea. Motions in the natural modes die out slowly: lengthen ``settle``
+    where the response is small. Further arguments go to ``plant.simulate``.
+    """
+    frequency = checked_frequencies(frequencies)
+    rows, names, units = [], None, ()
+    for f in frequency:
+        waves = {"spectrum": "regular", "wave_height": height, "wave_period": 1.0 / f, "heading": heading}
+        plant = model.with_parameters({**calm(model), **{f"{sea}.{k}": v for k, v in waves.items()}}).compile()
+        names = names or chosen_outputs(plant, outputs)
+        units = tuple(f"{plant.unit(name)}/m" for name in names)
+        step = min(0.5, 1.0 / (40.0 * f))
+        end = settle + periods / f
+        result = plant.simulate(end, output_step=step, start=plant.equilibrium(parameters=parameters), **simulate)
+        rows.append([_response(result, name, f, settle, height) for name in names])
+    method = f"regular waves, H = {height:g} m"
+    return Rao(frequency, tuple(names or ()), np.array(rows), units, heading, method)
+
+
+def _response(result: Any, name: str, frequency: float, settle: float, height: float) -> complex:
+    return harmonic_fit(result[name], frequency, discard=settle).coefficients[0] / (0.5 * height)

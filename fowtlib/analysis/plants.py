@@ -1,0 +1,57 @@
+"""What the drivers of analyses ask of a model: compiled, in calm weather, with known outputs, at a stable point."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import Any
+
+import numpy as np
+
+from fowtlib.language.errors import ModelError, SimulationError, did_you_mean
+
+MOTIONS = ("surge", "sway", "heave", "roll", "pitch", "yaw")
+CALM = {"sea.spectrum": "still", "wind.kind": "none"}
+
+
+def calm(model: Any) -> dict[str, str]:
+    """Parameters that take wind and waves from a model, for the parts ``sea`` and ``wind`` that it has."""
+    return {path: value for path, value in CALM.items() if path.partition(".")[0] in model.root.parts}
+
+
+def compiled(model: Any) -> Any:
+    """The compiled model: one that is compiled already as it is, a model after wind and waves were taken from it."""
+    if not hasattr(model, "compile"):
+        return model
+    quiet = calm(model)
+    return (model.with_parameters(quiet) if quiet else model).compile()
+
+
+def checked_frequencies(frequencies: Sequence[float] | np.ndarray) -> np.ndarray:
+    """Frequencies in Hz as an array; they must be positive."""
+    frequency = np.atleast_1d(np.asarray(frequencies, dtype=float))
+    if frequency.ndim != 1 or not frequency.size or not (np.isfinite(frequency) & (frequency > 0)).all():
+        raise ModelError("frequencies are positive numbers in Hz, at least one.")
+    return frequency
+
+
+def chosen_outputs(plant: Any, outputs: Sequence[str] | None) -> list[str]:
+    """The outputs asked for; None takes the six motions as far as there are any, else all."""
+    known = list(plant.outputs)
+    if outputs is None:
+        return [name for name in MOTIONS if name in known] or known
+    for name in outputs:
+        if name not in known:
+            raise ModelError(f"the model has no result '{name}'{did_you_mean(name, known, list_up_to=30)}")
+    return list(outputs)
+
+
+def refuse_unstable(linear: Any) -> None:
+    """Stop when the linear model has a growing mode: then there is no steady response."""
+    roots = np.linalg.eigvals(np.asarray(linear.A, dtype=float)) if np.size(linear.A) else np.zeros(0)
+    growing = roots[(roots.real > 1e-6 * np.abs(roots)) & (roots.real > 1e-6)]
+    if growing.size:
+        worst = growing[np.argmax(growing.real)]
+        raise SimulationError(
+            f"the state is unstable: a mode of {abs(worst.imag) / (2 * np.pi):.4g} Hz grows by a factor e in "
+            f"{1 / worst.real:.4g} s, so there is no steady response to waves."
+        )
