@@ -1,1 +1,29 @@
-"""Analyses of results and linear models: free decay, response amplitude operators, spectra."""
+"""Analyses of results and linear models: free decay, response amplitude operators, spectra, statistics."""
+
+from fowtlib.analysis.decay import Decay, analyse_decay, free_decay
+from fowtlib.analysis.harmonics import HarmonicFit, harmonic_fit
+from fowtlib.analysis.rao import Rao, frequency_response, linear_rao, simulated_rao
+from fowtlib.analysis.spectra import Spectrum, average, compare, power_spectrum
+from fowtlib.analysis.static import StaticCurve, static_curve
+from fowtlib.analysis.statistics import normalized_maxima, over_seeds, up_crossings
+
+__all__ = [
+    "Decay",
+    "HarmonicFit",
+    "Rao",
+    "Spectrum",
+    "StaticCurve",
+    "analyse_decay",
+    "average",
+    "compare",
+    "free_decay",
+    "frequency_response",
+    "harmonic_fit",
+    "linear_rao",
+    "normalized_maxima",
+    "over_seeds",
+    "power_spectrum",
+    "simulated_rao",
+    "static_curve",
+    "up_crossings",
+]

@@ -8,16 +8,19 @@ cycles: for x'' + 2 zeta w x' + beta x' |x'| + w^2 x = 0, equal energy loss per 
 
 from __future__ import annotations
 
-from dataclasses import dataclass
-from typing import TYPE_CHECKING
+from collections.abc import Mapping
+from dataclasses import dataclass, replace
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from fowtlib.analysis.plants import chosen_outputs, compiled
 from fowtlib.analysis.series import Series, as_series
 from fowtlib.language.errors import ModelError
 
 if TYPE_CHECKING:
     from fowtlib.analysis.series import SeriesLike
+    from fowtlib.solving.results import Result
 
 _EXTREMA_NEEDED = 4
 _CROSSINGS_NEEDED = 5
@@ -31,6 +34,7 @@ class Decay:
     damping_ratio        overall, from the regression of the logarithm of all ranges
     amplitude, damping   damping ratio of every half cycle and the amplitude it belongs to
     damping_at_zero, damping_slope    the line damping = damping_at_zero + damping_slope * amplitude
+    result               the whole run, when free_decay made it
     """
 
     series: Series
@@ -44,6 +48,7 @@ class Decay:
     damping: np.ndarray
     damping_at_zero: float
     damping_slope: float
+    result: Result | None = None
 
     @property
     def frequency(self) -> float:
@@ -78,6 +83,32 @@ class Decay:
             f"<Decay of {self.series.name}: period {self.period:.4g} s, frequency {self.frequency:.4g} Hz, "
             f"damping ratio {100 * self.damping_ratio:.3g} % over {self.amplitude.size} half cycles>"
         )
+
+
+def free_decay(
+    model: Any,
+    dof: str,
+    offset: float,
+    *,
+    duration: float = 600.0,
+    output_step: float = 0.1,
+    parameters: Mapping[str, Any] | None = None,
+    **simulate: Any,
+) -> Decay:
+    """Let one motion go from an offset at rest, and take period and damping from what follows.
+
+    model     a compiled model, used as it is; or a model, which is first put into still water without wind
+    dof       a result that is one of the states or proportional to one, such as "surge" or "pitch"
+    offset    from equilibrium, in the unit of that result (10 m, 10 deg); everything else starts at equilibrium
+    duration  of the run, s; two oscillations at least
+    Further arguments go to ``plant.simulate``.
+    """
+    plant = compiled(model)
+    chosen_outputs(plant, [dof])
+    rest = plant.equilibrium(parameters=parameters)
+    start = rest.displaced({dof: float(rest[dof]) + offset})
+    result = plant.simulate(duration, output_step=output_step, start=start, **simulate)
+    return replace(analyse_decay(result[dof], rest=float(rest[dof])), result=result)
 
 
 def analyse_decay(series: SeriesLike, *, rest: float | None = None, smallest: float = 0.02, name: str = "") -> Decay:
