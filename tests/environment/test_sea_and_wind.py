@@ -1,0 +1,235 @@
+"""Sea and Wind in simulated models: results are the numbers of waves.py and turbulence.py, and mistakes are named."""
+
+from __future__ import annotations
+
+import math
+import warnings
+
+import numpy as np
+import pytest
+
+import fowtlib as fw
+from fowtlib.components.environment import Sea, Wind, World, jonswap, operating_gust
+from fowtlib.language import Array, Component, ModelError, Scalar, Vector, der, eq, outer, var
+from fowtlib.language import math as m
+
+POINTS = np.array([[0, 0, 0], [10, 20, -15], [0, 0, -300], [0, 0, 2.0]])
+HEADING = 0.4
+
+
+class Probe(Component):
+    """Looks at the sea and the wind, and moves with the water so that there is something to integrate."""
+
+    sea: Sea = outer(Sea)
+    wind: Wind = outer(Wind)
+    x: Scalar = var(unit="m", start=0, doc="drift")
+    velocity: Array = var(unit="m/s", shape=(4, 3), doc="of the water")
+    acceleration: Array = var(unit="m/s^2", shape=(4, 3), doc="of the water")
+    load: Array = var(unit="N", shape=(3,), doc="a made-up load")
+    wind_velocity: Vector = var(unit="m/s", doc="at 120 m over the last station")
+
+    def equations(self):
+        last = len(self.wind.hubs) - 1
+        return [
+            eq(der(self.x), self.velocity[0, 0]),
+            eq(self.velocity, self.sea.velocity(POINTS)),
+            eq(self.acceleration, self.sea.acceleration(POINTS)),
+            eq(self.load, self.sea.signal(load_transfer(self.sea.components()), "load")),
+            eq(self.wind_velocity, self.wind.velocity(m.vertcat(5, 6, 120), last)),
+        ]
+
+
+def load_transfer(waves):
+    return np.column_stack([1e6 * np.exp(-waves.omega), 0 * waves.omega, 1e5j * waves.omega**2]).reshape(len(waves), 3)
+
+
+def model(sea=None, wind=None):
+    top = fw.Assembly("sea and wind")
+    top.world = World(water_depth="300 m")
+    top.sea = Sea(**(sea or {}))
+    top.wind = Wind(**(wind or {}))
+    top.probe = Probe()
+    return top
+
+
+def simulate(top, t_end=30.0, output_step=0.5, **options):
+    return fw.load(top).compile().simulate(t_end, output_step=output_step, **options)
+
+
+def values(result, path):
+    return np.asarray(result[path])
+
+
+def compare(top, result, relative):
+    waves = top.sea.components()
+    time = np.asarray(result["sea.elevation"].time)
+    n, p = len(waves), len(POINTS)
+    wanted = {
+        "sea.elevation": (np.ones((n, 1)), (len(time),)),
+        "probe.velocity": (waves.velocity_transfer(POINTS).reshape(n, 3 * p), (len(time), p, 3)),
+        "probe.acceleration": (waves.acceleration_transfer(POINTS).reshape(n, 3 * p), (len(time), p, 3)),
+        "probe.load": (load_transfer(waves), (len(time), 3)),
+    }
+    for path, (transfer, shape) in wanted.items():
+        expected = waves.evaluate(transfer, time).reshape(shape)
+        scale = np.abs(expected).max() or 1
+        np.testing.assert_allclose(values(result, path), expected, atol=relative * scale, err_msg=path)
+
+
+def test_still_water_and_no_wind():
+    result = simulate(model())
+    names = ("velocity", "acceleration", "load", "wind_velocity")
+    for path in ("sea.elevation", "wind.speed", *(f"probe.{name}" for name in names)):
+        assert not values(result, path).any(), path
+
+
+def test_regular_waves():
+    top = model(sea={"spectrum": "regular", "wave_height": "6 m", "wave_period": 10, "heading": "0.4 rad"})
+    result = simulate(top)
+    compare(top, result, 1e-12)
+    time = np.asarray(result["sea.elevation"].time)
+    np.testing.assert_allclose(values(result, "sea.elevation"), 3 * np.cos(0.2 * math.pi * time), atol=1e-12)
+    w, k = 0.2 * math.pi, top.sea.components().wave_number[0]
+    drift = 3 / math.tanh(k * 300) * np.sin(w * time) * math.cos(HEADING)
+    np.testing.assert_allclose(values(result, "probe.x"), drift, atol=1e-4)
+
+
+def test_jonswap_sea():
+    sea = {"spectrum": "jonswap", "significant_wave_height": 6, "peak_period": 10, "seed": 4, "heading": HEADING}
+    top = model(sea=sea)
+    compare(top, simulate(top, 40, output_step=0.37), 1e-3)
+    # the series of the whole period: variance and a harmonic of the spectrum
+    assert top.sea.components().significant_wave_height == pytest.approx(6, rel=0.1)
+    omega = top.sea.components().omega
+    assert omega[np.argmax(jonswap(omega, 6, 10))] == pytest.approx(0.2 * math.pi, rel=2e-3)
+
+
+def test_waves_build_up():
+    sea = {"spectrum": "regular", "wave_height": 2, "wave_period": 8, "build_up": 10}
+    result = simulate(model(sea=sea), 20, output_step=1.0)
+    time = np.asarray(result["sea.elevation"].time)
+    s = np.minimum(time / 10, 1)
+    expected = np.cos(2 * math.pi * time / 8) * (10 * s**3 - 15 * s**4 + 6 * s**5)
+    np.testing.assert_allclose(values(result, "sea.elevation"), expected, atol=1e-12)
+
+
+def test_steady_wind_with_shear_and_direction():
+    wind = {"kind": "steady", "mean_speed": 10, "shear_exponent": 0.14, "direction": "30 deg", "stations": [[0, 60]]}
+    result = simulate(model(wind=wind), 1.0)
+    assert values(result, "wind.speed")[-1] == pytest.approx(10 * (60 / 90) ** 0.14)
+    speed = 10 * (120 / 90) ** 0.14
+    assert values(result, "probe.wind_velocity")[-1] == pytest.approx([speed * math.sqrt(0.75), speed / 2, 0])
+
+
+def test_mean_speed_of_a_steady_wind_is_tunable():
+    plant = fw.load(model(wind={"kind": "steady", "mean_speed": 10})).compile()
+    result = plant.simulate(1.0, output_step=0.5, parameters={"wind.mean_speed": 14})
+    assert values(result, "wind.speed")[-1] == pytest.approx(14)
+
+
+def test_step():
+    wind = {"kind": "step", "mean_speed": 8, "step_speed": 12, "start_time": 5, "step_duration": 2}
+    result = simulate(model(wind=wind), 10, output_step=1.0)
+    np.testing.assert_allclose(values(result, "wind.speed").ravel(), [8] * 6 + [10] + [12] * 4, atol=1e-12)
+
+
+def test_gusts():
+    wind = {"kind": "gust", "mean_speed": 11.4, "start_time": 100, "shear_exponent": 0.2}
+    result = simulate(model(wind=wind), 120, output_step=0.05)
+    time, speed = np.asarray(result["wind.speed"].time), values(result, "wind.speed").ravel()
+    size = operating_gust(11.4)
+    s = np.clip((time - 100) / 10.5, 0, 1)
+    expected = 11.4 - 0.37 * size * np.sin(3 * math.pi * s) * (1 - np.cos(2 * math.pi * s))
+    np.testing.assert_allclose(speed, expected, atol=1e-12)
+    assert speed.max() == pytest.approx(11.4 + 0.74 * size, abs=1e-3)
+    # the gust itself is the same at every height
+    assert values(result, "probe.wind_velocity")[:, 0] == pytest.approx(expected + 11.4 * ((120 / 90) ** 0.2 - 1))
+    wind |= {"gust_shape": "1-cos", "gust_speed": 5, "gust_duration": 20, "start_time": 0}
+    speed = values(simulate(model(wind=wind), 20, output_step=5), "wind.speed").ravel()
+    np.testing.assert_allclose(speed, 11.4 + np.array([0, 2.5, 5, 2.5, 0]), atol=1e-12)
+
+
+def test_turbulent_wind():
+    stations = [[-69.3, 90], [69.3, 90]]
+    wind = {"kind": "kaimal", "mean_speed": 11.4, "stations": stations, "seed": 3, "shear_exponent": 0.1}
+    top = model(wind=wind)
+    result = simulate(top, 30, output_step=0.25)
+    series = top.wind.turbulence().values[:121]
+    np.testing.assert_allclose(values(result, "wind.speed"), 11.4 + series, atol=1e-9)
+    expected = 11.4 * (120 / 90) ** 0.1 + series[:, 1]
+    np.testing.assert_allclose(values(result, "probe.wind_velocity")[:, 0], expected, atol=1e-9)
+    assert top.wind.turbulence().values.std(axis=0) == pytest.approx([1.981, 1.981], rel=0.05)
+
+
+def test_intensity_replaces_the_class():
+    wind = {"kind": "kaimal", "mean_speed": 18, "turbulence_intensity": 0.18}
+    assert model(wind=wind).wind.turbulence().values.std() == pytest.approx(0.18 * 18, rel=0.03)
+
+
+def test_wind_from_a_file(tmp_path):
+    path = tmp_path / "wind.csv"
+    time = np.arange(0, 20.01, 0.5)
+    np.savetxt(path, np.column_stack([time, 8 + np.sin(time)]), delimiter=",", header="time,speed")
+    wind = {"kind": "file", "file": str(path), "shear_exponent": 0.14}
+    result = simulate(model(wind=wind), 20, output_step=0.5)
+    np.testing.assert_allclose(values(result, "wind.speed").ravel(), 8 + np.sin(time), atol=1e-6)
+    sheared = (8 + np.sin(time)) * (120 / 90) ** 0.14
+    np.testing.assert_allclose(values(result, "probe.wind_velocity")[:, 0], sheared, atol=1e-6)
+    with pytest.raises(ModelError, match="table left at its edge: wind file .*wind.csv at time = .* covers 0 to 20"):
+        simulate(model(wind=wind), 25, output_step=0.5)
+
+
+# --- mistakes
+
+
+@pytest.mark.parametrize(
+    ("sea", "wind", "message"),
+    [
+        (
+            {"spectrum": "jonswap", "peak_period": 10},
+            {},
+            "sea.significant_wave_height has no value; a sea of kind 'jonswap' needs it (JONSWAP: Hs).",
+        ),
+        (
+            {"spectrum": "regular", "wave_height": 2},
+            {},
+            "sea.wave_period has no value; a sea of kind 'regular' needs it (regular waves: period).",
+        ),
+        ({}, {"kind": "steady"}, "wind.mean_speed has no value; a wind of kind 'steady' needs it."),
+        ({}, {"kind": "kaimal"}, "wind.mean_speed has no value; a wind of kind 'kaimal' needs it."),
+        ({}, {"kind": "file"}, "wind.file has no value; a wind of kind 'file' needs the path of a CSV file."),
+        (
+            {"spectrum": "pierson"},
+            {},
+            "sea.spectrum = 'pierson' is not one of still, regular, jonswap (kind of sea state).",
+        ),
+        (
+            {},
+            {"kind": "kaimal", "mean_speed": 8, "turbulence_class": "D"},
+            "wind.turbulence_class = 'D' is not one of A, B, C (gust by IEC, kaimal: turbulence class).",
+        ),
+    ],
+)
+def test_mistakes(sea, wind, message):
+    with pytest.raises(ModelError) as error:
+        simulate(model(sea=sea, wind=wind))
+    assert str(error.value) == message
+
+
+def test_a_turbulent_wind_keeps_the_speed_it_was_built_for():
+    plant = fw.load(model(wind={"kind": "kaimal", "mean_speed": 11.4})).compile()
+    with pytest.raises(ModelError, match=r"wind.mean_speed was changed after the model was built.*made for 11.4 m/s"):
+        plant.simulate(1.0, output_step=0.5, parameters={"wind.mean_speed": 12})
+
+
+def test_a_run_longer_than_the_waves_is_warned_about():
+    sea = {"spectrum": "jonswap", "significant_wave_height": 1, "peak_period": 2, "repetition_period": 40}
+    wind = {"kind": "kaimal", "mean_speed": 8, "repetition_period": 60}
+    with warnings.catch_warnings(record=True) as caught:
+        warnings.simplefilter("always")
+        result = simulate(model(sea=sea, wind=wind), 50, output_step=1.0)
+    text = [str(warning.message) for warning in caught]
+    assert sum("sea: the waves repeat themselves after 40 s" in line for line in text) == 1
+    assert not any("the wind repeats" in line for line in text)
+    eta = values(result, "sea.elevation")
+    np.testing.assert_allclose(eta[40:], eta[:11], atol=1e-9)
