@@ -1,1 +1,7 @@
-"""Mooring lines."""
+"""Mooring lines: elastic catenary with seabed contact, systems of lines, linear yaw spring."""
+
+from fowtlib.components.mooring.catenary_line import CatenaryLine
+from fowtlib.components.mooring.mooring_system import MooringSystem
+from fowtlib.components.mooring.yaw_spring import YawSpring
+
+__all__ = ["CatenaryLine", "MooringSystem", "YawSpring"]

@@ -1,0 +1,99 @@
+"""A mooring system: any number of catenary lines, in any layout, on one body."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import Any
+
+import numpy as np
+
+from fowtlib.components.mechanics.bodies import FixedTranslation
+from fowtlib.components.mechanics.connectors import Frame
+from fowtlib.components.mooring import catenary
+from fowtlib.components.mooring.catenary_line import CatenaryLine
+from fowtlib.components.mooring.yaw_spring import YawSpring
+from fowtlib.language import Array, Component, Scalar, param, port
+from fowtlib.language import math as m
+from fowtlib.language.errors import ParameterError
+
+LINE_PROPERTIES = ("length", "axial_stiffness", "mass_per_length", "diameter", "friction")
+
+
+class MooringSystem(Component):
+    """Catenary lines from fairleads on a body to anchors on the seabed; line_1, line_2, ... are its parts.
+
+    Layout: `headings` (the directions of the lines seen from above, counter-clockwise from x) with fairlead radius and
+    depth and anchor radius; or explicit lists of `fairleads` (in the body's frame) and `anchors` (world). A property of
+    the lines is one number, or one for each line. `yaw_stiffness` adds a YawSpring.
+    """
+
+    headings: Array = param(default=(), unit="rad", structural=True, doc="direction of each line")
+    fairlead_radius: Scalar = param(default=0.0, unit="m", doc="distance of the fairleads from the centreline")
+    fairlead_depth: Scalar = param(default=0.0, unit="m", doc="depth of the fairleads below the origin of the frame")
+    anchor_radius: Scalar = param(default=0.0, unit="m", doc="distance of the anchors from the centreline")
+    anchor_depth: Scalar = param(default=0.0, unit="m", doc="depth of the anchors below the still water level")
+    fairleads: Array = param(default=(), unit="m", structural=True, doc="fairleads (n, 3), resolved in the frame")
+    anchors: Array = param(default=(), unit="m", structural=True, doc="anchors (n, 3), world")
+    length: Array = param(unit="m", min=0, doc="unstretched length")
+    axial_stiffness: Array = param(unit="N", min=0, doc="axial stiffness EA")
+    mass_per_length: Array = param(unit="kg/m", min=0, doc="mass per length in air")
+    diameter: Array = param(default=0.0, unit="m", min=0, doc="diameter of a bar that displaces the same water")
+    friction: Array = param(default=0.0, min=0, doc="friction coefficient of the seabed")
+    yaw_stiffness: Scalar = param(default=0.0, unit="N*m/rad", min=0, doc="yaw stiffness of the delta lines")
+
+    frame: Frame = port(doc="frame of the body, on the centreline")
+
+    def build(self):
+        for i, (fairlead, anchor) in enumerate(self.layout()):
+            arm = self.add(f"fairlead_{i + 1}", FixedTranslation(r=fairlead))
+            properties = {name: self._of_line(name, i) for name in LINE_PROPERTIES}
+            line = self.add(f"line_{i + 1}", CatenaryLine(anchor_position=anchor, **properties))
+            self.connect(self.frame, arm.frame_a)
+            self.connect(arm.frame_b, line.fairlead)
+        if self.is_set("yaw_stiffness"):
+            self.yaw_spring = YawSpring(stiffness=self.yaw_stiffness)
+            self.connect(self.frame, self.yaw_spring.frame)
+
+    def layout(self) -> list[tuple[Any, Any]]:
+        """Fairlead (in the frame of the body) and anchor (world) of each line."""
+        if len(self.headings) and not (len(self.fairleads) or len(self.anchors)):
+            for name in ("fairlead_radius", "fairlead_depth", "anchor_radius", "anchor_depth"):
+                if not self.is_set(name):
+                    raise ParameterError(f"{self.label}.{name} is needed with headings: {self.parameters[name].doc}")
+            return [
+                (
+                    m.vertcat(self.fairlead_radius * c, self.fairlead_radius * s, -self.fairlead_depth),
+                    m.vertcat(self.anchor_radius * c, self.anchor_radius * s, -self.anchor_depth),
+                )
+                for c, s in zip(np.cos(self.headings), np.sin(self.headings), strict=True)
+            ]
+        fairleads, anchors = np.atleast_2d(self.fairleads), np.atleast_2d(self.anchors)
+        if len(self.headings) or fairleads.shape != anchors.shape or fairleads.shape[1] != 3:
+            raise ParameterError(
+                f"{self.label} needs its layout once: give headings, or fairleads and anchors, lists of as many points."
+            )
+        return list(zip(fairleads, anchors, strict=True))
+
+    def _of_line(self, name: str, i: int) -> Any:
+        value, shape = getattr(self, name), np.shape(self.parameter_value(name))
+        if shape and shape[0] != len(self.layout()):
+            raise ParameterError(f"{self.label}.{name} has {shape[0]} values for {len(self.layout())} lines.")
+        return value[i] if shape else value
+
+    def static_load(
+        self, position: Sequence[float] = (0, 0, 0), gravity: float = 9.80665, water_density: float = 1025.0
+    ) -> tuple[np.ndarray, list[dict[str, float]]]:
+        """Force (3,) [N] of the lines on the body, whose frame is upright at `position`, and the state of each line.
+
+        NumPy, for pre-processing: load-displacement curves, pretension, lift-off of the lines.
+        """
+        force, states = np.zeros(3), []
+        for i, (fairlead, anchor) in enumerate(self.layout()):
+            values = {name: float(np.asarray(self._of_line(name, i))) for name in LINE_PROPERTIES}
+            w = catenary.weight_in_water(values["mass_per_length"], values["diameter"], gravity, water_density)
+            line = catenary.Line(values["length"], w, values["axial_stiffness"], values["friction"])
+            reach = np.array([float(a) + b - float(c) for a, b, c in zip(fairlead, position, anchor, strict=True)])
+            H, V = catenary.fairlead_tension(float(np.hypot(reach[0], reach[1])), reach[2], line)
+            force -= [*(H * reach[:2] / np.hypot(reach[0], reach[1])), V]
+            states.append({"horizontal": H, "vertical": V, "seabed_length": max(line.length - V / w, 0.0)})
+        return force, states
