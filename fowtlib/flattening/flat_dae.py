@@ -131,6 +131,12 @@ class FlatDAE:
             groups.append(ready)
         return groups
 
+    @cached_property
+    def names(self) -> list[str]:
+        """Paths of all variables: scalars, and arrays as a whole."""
+        arrays = dict.fromkeys(name[:-3] for name in self.observed if name.endswith("[0]"))
+        return [*self.observed, *arrays]
+
     def observe_expression(self, name: str) -> ca.SX:
         """Expression of a variable by path; `body.v` gives the column of `body.v[0]`, `body.v[1]`, ..."""
         if name in self.observed:
@@ -140,7 +146,7 @@ class FlatDAE:
             members.append(self.observed[f"{name}[{len(members)}]"])
         if members:
             return ca.vertcat(*members)
-        raise NotFoundError(f"there is no variable '{name}'{did_you_mean(name, self.observed)}")
+        raise NotFoundError(f"there is no variable '{name}'{did_you_mean(name, self.names)}")
 
     def __repr__(self) -> str:
         return (

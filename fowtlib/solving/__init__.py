@@ -1,1 +1,9 @@
-"""From a flat system to numbers: initial values, time simulation, linear models, results."""
+"""Floor 3: from a flat DAE to numbers."""
+
+from fowtlib.solving.linear import LinearModel, Mode
+from fowtlib.solving.model import Model, Output
+from fowtlib.solving.plant import Plant
+from fowtlib.solving.results import Result
+from fowtlib.solving.state import State
+
+__all__ = ["LinearModel", "Mode", "Model", "Output", "Plant", "Result", "State"]

@@ -1,0 +1,116 @@
+"""The mean position: states and algebraic unknowns at which nothing changes."""
+
+from __future__ import annotations
+
+import casadi as ca
+import numpy as np
+from scipy import sparse
+from scipy.sparse.linalg import splu
+
+from fowtlib.language.errors import SimulationError
+from fowtlib.solving.evaluation import Evaluation
+from fowtlib.solving.initial import csc, failure_text
+from fowtlib.solving.newton import newton
+
+
+def time_dependence(evaluation: Evaluation) -> list[str]:
+    """Paths of what makes the equations depend on time: components with time functions, or the equations themselves."""
+    dae = evaluation.dae
+    rows = ca.vertcat(dae.ode, dae.alg)
+    needed = evaluation._needed([rows])
+    paths = [dae.externals[k].path for k in sorted(needed) if ca.depends_on(dae.externals[k].inputs, dae.t)]
+    if ca.depends_on(rows, dae.t):
+        names = [s.path for s in dae.states]
+        for k, row in enumerate(ca.vertsplit(dae.ode)):
+            if ca.depends_on(row, dae.t):
+                paths.append(f"der({names[k]})")
+        paths += [path for path, row in zip(dae.residual_paths, ca.vertsplit(dae.alg), strict=True) if ca.depends_on(row, dae.t)]
+    return list(dict.fromkeys(paths))
+
+
+def equilibrium(evaluation: Evaluation, t: float, x: np.ndarray, z: np.ndarray, q: np.ndarray,
+                held: set[int]) -> tuple[np.ndarray, np.ndarray]:  # fmt: skip
+    """Solve ode = 0 and alg = 0 for the states that anything depends on, except the `held` ones.
+
+    Implicit Euler steps of growing length follow the transient to a stable equilibrium (pseudo-transient continuation,
+    C. T. Kelley and D. E. Keyes, SIAM J. Numer. Anal. 35 (1998) 508); Newton finishes. Ignorable coordinates, such as the
+    angle of a turning shaft, keep their value.
+    """
+    dae = evaluation.dae
+    sources = time_dependence(evaluation)
+    if sources:
+        raise SimulationError(
+            f"no equilibrium: the equations depend on time through {', '.join(sources[:4])}. "
+            "Take still water and steady wind (--waves still, --wind steady:8)."
+        )
+    nx = x.size
+    pattern = _pattern(evaluation)
+    moving = [k for k in range(nx) if pattern[:, k].any() and k not in held]
+    residual, jacobian = evaluation.residual, evaluation.jacobian
+
+    def unpack(values: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+        states = x.copy()
+        states[moving] = values[: len(moving)]
+        return states, values[len(moving) :]
+
+    def rates(values: np.ndarray) -> np.ndarray:
+        ode, alg = residual(t, *unpack(values), q)
+        return np.concatenate([np.array(ode).ravel()[moving], np.array(alg).ravel()])
+
+    def slopes(values: np.ndarray) -> sparse.csc_matrix:
+        xx, xz, zx, zz = (csc(block) for block in jacobian(t, *unpack(values), q))
+        top = sparse.hstack([xx[moving, :][:, moving], xz[moving, :]])
+        return sparse.csc_matrix(sparse.vstack([top, sparse.hstack([zx[:, moving], zz])]))
+
+    values = _continuation(rates, slopes, np.concatenate([x[moving], z]), len(moving))
+    solution = newton(rates, slopes, values, tolerance=1e-11)
+    if not solution.converged:
+        raise SimulationError(failure_text(dae, _renamed(solution, moving, dae), "no equilibrium found"))
+    return unpack(solution.values)
+
+
+def _continuation(rates, slopes, values: np.ndarray, nx: int, steps: int = 400) -> np.ndarray:
+    mass = sparse.diags(np.concatenate([np.ones(nx), np.zeros(values.size - nx)]))
+    length, before = 0.1, None
+    best = values
+    for _ in range(steps):
+        f = rates(values)
+        if not np.all(np.isfinite(f)):
+            length, values, before = 0.1 * length, best, None
+            if length < 1e-6:
+                break
+            continue
+        best = values
+        size = float(np.linalg.norm(f[:nx])) + 1e-30
+        if before is not None:
+            length = min(length * min(max(before / size, 0.5), 2.0) * 1.2, 1e6)
+        before = size
+        try:
+            step = splu(sparse.csc_matrix(mass / length - slopes(values))).solve(f)
+        except RuntimeError:
+            length *= 0.1
+            continue
+        values = values + step
+        if length > 1e3 and np.max(np.abs(step) / (1 + np.abs(values)), initial=0.0) < 1e-6:
+            break
+    return best if not np.all(np.isfinite(values)) else values
+
+
+def _pattern(evaluation: Evaluation) -> np.ndarray:
+    """Whether an equation depends on each state."""
+    nx = evaluation.x.shape[0]
+    by_x, _, alg_x, _ = (evaluation.jacobian.sparsity_out(i) for i in range(4))
+    used = np.zeros((2, nx), bool)
+    used[0, list(by_x.get_triplet()[1])] = True
+    used[1, list(alg_x.get_triplet()[1])] = True
+    return used
+
+
+def _renamed(solution, moving: list[int], dae):
+    """Residual rows in the order of the paths that the message uses."""
+    n = len(moving)
+    rows = np.zeros(len(dae.residual_paths) + len(dae.initial_paths) + len(dae.states))
+    rows[: len(dae.residual_paths)] = solution.residual[n:]
+    rows[len(dae.residual_paths) + len(dae.initial_paths) + np.array(moving, int)] = solution.residual[:n]
+    solution.residual = rows
+    return solution

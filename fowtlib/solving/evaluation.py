@@ -1,0 +1,172 @@
+"""Numeric functions of a FlatDAE at given parameter values, torn at its external functions.
+
+The chain rule through the externals is assembled here in scalar symbols, with the Jacobians of the externals as inputs:
+building the Jacobian through the whole graph instead is many times slower.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from functools import cached_property
+
+import casadi as ca
+import numpy as np
+
+from fowtlib.flattening import FlatDAE
+
+
+class Evaluation:
+    """The functions of a FlatDAE with the parameters put in as numbers.
+
+    Arguments of all of them: t, x, z, and q, the inputs followed by the discrete variables, followed by the parameters
+    whose numbers `kept` names: these stay symbols.
+    """
+
+    def __init__(self, dae: FlatDAE, parameters: np.ndarray, kept: Sequence[int] = ()):
+        self.dae = dae
+        self.parameters = parameters
+        self.t, self.x, self.z, self.w = dae.t, dae.x, dae.z, dae.w
+        self.q = ca.vertcat(dae.u, dae.d, dae.p[list(kept)])
+        self._fixed = [i for i in range(parameters.size) if i not in set(kept)]
+        self._externals = [_Differentiable(external.function) for external in dae.externals]
+
+    # --- building blocks -----------------------------------------------------------------------------------------
+
+    def with_numbers(self, expressions: Sequence[ca.SX]) -> list[ca.SX]:
+        """Expressions with the parameter values put in."""
+        if not self._fixed or not expressions:
+            return list(expressions)
+        values = ca.SX(ca.DM(self.parameters[self._fixed]))
+        return ca.substitute(list(expressions), [self.dae.p[self._fixed]], [values])
+
+    @cached_property
+    def _external_inputs(self) -> list[ca.SX]:
+        return self.with_numbers([external.inputs for external in self.dae.externals])
+
+    @property
+    def _arguments(self) -> list[ca.SX]:
+        return [self.t, self.x, self.z, self.q]
+
+    def _called(self, needed: set[int] | None = None) -> tuple[list[ca.MX], ca.MX, dict[int, ca.MX]]:
+        """Symbols t, x, z, q, the outputs of the externals at them, and the inputs of each external."""
+        arguments = [ca.MX.sym(name, *value.shape) for name, value in zip("txzq", self._arguments, strict=True)]
+        outputs: list[ca.MX] = [ca.MX(external.outputs.stop - external.outputs.start, 1) for external in self.dae.externals]
+        inputs: dict[int, ca.MX] = {}
+        for level, group in enumerate(self.dae.levels):
+            members = [k for k in group if needed is None or k in needed]
+            if not members:
+                continue
+            function = ca.Function(
+                f"inputs_{level}", [*self._arguments, self.w], [self._external_inputs[k] for k in members]
+            )
+            values = function(*arguments, ca.vertcat(*outputs) if outputs else ca.MX(0, 1))
+            for k, y in zip(members, values if isinstance(values, (list, tuple)) else [values], strict=True):
+                inputs[k] = y
+                outputs[k] = ca.vec(self._externals[k].function(y))
+        return arguments, (ca.vertcat(*outputs) if outputs else ca.MX(0, 1)), inputs
+
+    def function(self, name: str, expressions: Sequence[ca.SX], names: Sequence[str] = ()) -> ca.Function:
+        """`(t, x, z, q) -> expressions`, calling the external functions that they need."""
+        numeric = self.with_numbers(expressions)
+        labels = list(names) or [f"o{i}" for i in range(len(numeric))]
+        inner = ca.Function(name, [*self._arguments, self.w], numeric, ["t", "x", "z", "q", "w"], labels)
+        needed = self._needed(numeric)
+        if not needed:
+            return ca.Function(name, self._arguments, numeric, ["t", "x", "z", "q"], labels, {"allow_free": False})
+        arguments, w, _ = self._called(needed)
+        values = inner(*arguments, w)
+        values = list(values) if isinstance(values, (list, tuple)) else [values]
+        return ca.Function(name, arguments, values, ["t", "x", "z", "q"], labels)
+
+    def _needed(self, expressions: Sequence[ca.SX]) -> set[int]:
+        """Externals whose outputs the expressions depend on, directly or through other externals."""
+        if not self.dae.externals:
+            return set()
+        owner = np.zeros(self.w.shape[0], int)
+        for k, external in enumerate(self.dae.externals):
+            owner[external.outputs] = k
+
+        def direct(column: ca.SX) -> set[int]:
+            pattern = ca.Function("needs", [self.w], [column], {"allow_free": True}).jac_sparsity(0, 0)
+            return {int(owner[c]) for c in pattern.get_triplet()[1]}
+
+        needed: set[int] = set()
+        front = direct(ca.vertcat(*[ca.vec(ca.densify(e)) for e in expressions]))
+        while front:
+            needed |= front
+            front = set().union(*(direct(self._external_inputs[k]) for k in front)) - needed
+        return needed
+
+    def torn_jacobian(self, name: str, rows: ca.SX, columns: Sequence[ca.SX]) -> ca.Function:
+        """`(t, x, z, q) -> d rows / d columns[0], d rows / d columns[1], ...`, through the externals too."""
+        rows = self.with_numbers([rows])[0]
+        block_of = ca.vertcat(*columns)
+        entries: list[ca.SX] = []
+        through = ca.SX(self.w.shape[0], block_of.shape[0])
+        used: list[int] = []
+        needed = self._needed([rows])
+        for group in self.dae.levels:
+            for k in group:
+                if k not in needed:
+                    continue
+                external, y = self.dae.externals[k], self._external_inputs[k]
+                dy = ca.jacobian(y, block_of) + ca.mtimes(ca.jacobian(y, self.w), through)
+                dy = ca.sparsify(dy)
+                if dy.nnz() == 0:
+                    continue
+                symbol = ca.SX.sym(f"D{k}", self._externals[k].jacobian.sparsity_out(0))
+                entries.append(ca.vertcat(*symbol.nonzeros()))
+                used.append(k)
+                through[external.outputs, :] = ca.mtimes(symbol, dy)
+        total = ca.jacobian(rows, block_of)
+        if used:
+            total = total + ca.mtimes(ca.jacobian(rows, self.w), through)
+        total = ca.sparsify(total)
+        blocks = ca.horzsplit(total, [0, *np.cumsum([c.shape[0] for c in columns]).tolist()])
+        if not needed:
+            return ca.Function(name, self._arguments, blocks, {"cse": True})
+        inner = ca.Function(name, [*self._arguments, self.w, *entries], blocks, {"cse": True})
+        arguments, w, inputs = self._called(needed)
+        values = inner(*arguments, w, *[self._externals[k].entries(inputs[k]) for k in used])
+        return ca.Function(name, arguments, list(values) if isinstance(values, (list, tuple)) else [values])
+
+    # --- the functions of the DAE --------------------------------------------------------------------------------
+
+    @cached_property
+    def residual(self) -> ca.Function:
+        """`(t, x, z, q) -> ode, alg`."""
+        return self.function("residual", [self.dae.ode, self.dae.alg], ["ode", "alg"])
+
+    @cached_property
+    def jacobian(self) -> ca.Function:
+        """`(t, x, z, q) -> d ode/dx, d ode/dz, d alg/dx, d alg/dz`."""
+        full = self.torn_jacobian("jacobian", ca.vertcat(self.dae.ode, self.dae.alg), [self.x, self.z])
+        arguments = [ca.MX.sym(name, *value.shape) for name, value in zip("txzq", self._arguments, strict=True)]
+        by_x, by_z = full(*arguments)
+        n = self.x.shape[0]
+        return ca.Function("jacobian", arguments, [by_x[:n, :], by_z[:n, :], by_x[n:, :], by_z[n:, :]])
+
+    def start_values(self) -> tuple[np.ndarray, np.ndarray, np.ndarray, np.ndarray]:
+        """Start values of x, z and d, and the default of u."""
+        dae = self.dae
+        columns = [ca.vertcat(*[q.start for q in group]) if group else ca.SX(0, 1)
+                   for group in (dae.states, dae.algebraics, dae.discretes)]  # fmt: skip
+        values = [np.array(value, dtype=float).ravel() for value in ca.Function("start", [], self.with_numbers(columns)).call([])]
+        inputs = [item.default for item in dae.inputs.values()]
+        return (*values, np.concatenate(inputs) if inputs else np.zeros(0))
+
+
+class _Differentiable:
+    """An external function and its Jacobian."""
+
+    def __init__(self, function: ca.Function):
+        self.function = function
+
+    @cached_property
+    def jacobian(self) -> ca.Function:
+        y = ca.MX.sym("y", self.function.size1_in(0))
+        return ca.Function(f"{self.function.name()}_jac", [y], [ca.jacobian(ca.vec(self.function(y)), y)])
+
+    def entries(self, y: ca.MX) -> ca.MX:
+        value = self.jacobian(y)
+        return ca.vertcat(*ca.vertsplit(value.nz[:])) if value.nnz() else ca.MX(0, 1)

@@ -1,0 +1,71 @@
+"""IDAS, the reference engine: CasADi's interface on the flat DAE, with the torn Jacobian.
+
+It integrates one interval in normalised time s = (t - t_a) / h, so that one integrator object serves intervals of any length;
+every call is a real restart, which is what jumps in inputs and discrete variables need.
+"""
+
+from __future__ import annotations
+
+import casadi as ca
+import numpy as np
+
+from fowtlib.solving.evaluation import Evaluation
+
+
+class Idas:
+    """Integrates from a consistent point over an interval, with equidistant output points."""
+
+    def __init__(self, evaluation: Evaluation, tolerance: float, options: dict | None = None):
+        self.evaluation = evaluation
+        self.tolerance = tolerance
+        self.options = options or {}
+        self._integrators: dict[int, ca.Function] = {}
+        self._problem: dict[str, ca.MX] | None = None
+
+    def advance(self, t: float, length: float, points: int, x: np.ndarray, z: np.ndarray, q: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+        """States and algebraic unknowns (rows) at `points` equidistant times after t; RuntimeError where IDAS fails."""
+        nx, nz = len(x), len(z)
+        if nx == 0:
+            raise RuntimeError("a model without states is not integrated")
+        if points not in self._integrators:
+            self._integrators[points] = self._create(points)
+        result = self._integrators[points](x0=x, z0=z, p=np.concatenate([[t, length], q]))
+        xf = np.array(result["xf"]).T.reshape(points, nx)
+        zf = np.array(result["zf"]).T.reshape(points, nz)
+        if not (np.all(np.isfinite(xf)) and np.all(np.isfinite(zf))):
+            raise RuntimeError("the solution is not finite")
+        return xf, zf
+
+    def _create(self, points: int) -> ca.Function:
+        grid = [(k + 1) / points for k in range(points)]
+        nominal = [state.nominal for state in self.evaluation.dae.states]
+        options = {
+            "reltol": self.tolerance,
+            "abstol": self.tolerance * min(nominal, default=1.0),
+            "suppress_algebraic": True,
+            "max_num_steps": 1_000_000,
+            "linear_solver": "csparse",
+            **self.options,
+        }
+        return ca.integrator("idas", "idas", self._normalised(), 0, grid, options)
+
+    def _normalised(self) -> dict[str, ca.MX]:
+        """The DAE in s, with t_a, h and q as parameters; the right-hand side carries its own Jacobian."""
+        if self._problem is not None:
+            return self._problem
+        residual, jacobian = self.evaluation.residual, self.evaluation.jacobian
+        s = ca.MX.sym("s")
+        x, z = (ca.MX.sym(n, residual.size1_in(i)) for i, n in ((1, "x"), (2, "z")))
+        p = ca.MX.sym("p", 2 + residual.size1_in(3))
+        t, h, q = p[0] + s * p[1], p[1], p[2:]
+        ode, alg = residual(t, x, z, q)
+        by_x, by_z, alg_x, alg_z = jacobian(t, x, z, q)
+        nx, nz, np_ = x.shape[0], z.shape[0], p.shape[0]
+        out_ode, out_alg = ca.MX.sym("out_ode", nx), ca.MX.sym("out_alg", nz)
+        blocks = [ca.MX(nx, 1), h * by_x, h * by_z, ca.MX(nx, np_), ca.MX(nz, 1), alg_x, alg_z, ca.MX(nz, np_)]
+        jac = ca.Function("jac_rhs", [s, x, z, p, out_ode, out_alg], blocks)
+        rhs = ca.Function("rhs", [s, x, z, p], [h * ode, alg], ["s", "x", "z", "p"], ["ode", "alg"],
+                          {"custom_jacobian": jac, "never_inline": True, "jac_penalty": 0})  # fmt: skip
+        ode_value, alg_value = rhs(s, x, z, p)
+        self._problem = {"t": s, "x": x, "z": z, "p": p, "ode": ode_value, "alg": alg_value}
+        return self._problem

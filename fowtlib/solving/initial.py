@@ -1,0 +1,109 @@
+"""Consistent values at the start: states from their start values or `initial` equations, algebraic unknowns by Newton."""
+
+from __future__ import annotations
+
+import casadi as ca
+import numpy as np
+from scipy import sparse
+
+from fowtlib.flattening import FlatDAE
+from fowtlib.flattening.structure import matching
+from fowtlib.language.errors import SimulationError
+from fowtlib.solving.evaluation import Evaluation
+from fowtlib.solving.newton import NewtonResult, newton
+
+
+def csc(value: ca.DM) -> sparse.csc_matrix:
+    """CasADi matrix as a SciPy matrix."""
+    return sparse.csc_matrix(
+        (np.array(value.nonzeros()), np.array(value.row(), int), np.array(value.colind(), int)), shape=value.shape
+    )
+
+
+def consistent_algebraics(evaluation: Evaluation, t: float, x: np.ndarray, z: np.ndarray, q: np.ndarray) -> np.ndarray:
+    """Algebraic unknowns that satisfy the equations at the given states; raises SimulationError where none are found."""
+    if not z.size:
+        return z
+    residual, jacobian = evaluation.residual, evaluation.jacobian
+    solution = newton(
+        lambda values: np.array(residual(t, x, values, q)[1]).ravel(),
+        lambda values: csc(jacobian(t, x, values, q)[3]),
+        z,
+    )
+    if not solution.converged:
+        raise SimulationError(failure_text(evaluation.dae, solution, f"no consistent start values at t = {t:g} s"))
+    return solution.values
+
+
+def initial_values(evaluation: Evaluation, t: float, x: np.ndarray, z: np.ndarray, q: np.ndarray,
+                   given: set[int]) -> tuple[np.ndarray, np.ndarray]:  # fmt: skip
+    """x and z at the start; `given` are the numbers of states whose value the user fixed for this run."""
+    dae = evaluation.dae
+    if not dae.initial_equations.shape[0]:
+        return x, consistent_algebraics(evaluation, t, x, z, q)
+    free = _freed_states(dae, given)
+    rows = ca.vertcat(dae.alg, dae.initial_equations)
+    function = evaluation.function("initial", [rows])
+    slopes = evaluation.torn_jacobian("initial_jacobian", rows, [evaluation.x, evaluation.z])
+
+    def unpack(values: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+        states = x.copy()
+        states[free] = values[: len(free)]
+        return states, values[len(free) :]
+
+    def residual(values: np.ndarray) -> np.ndarray:
+        return np.array(function(t, *unpack(values), q)).ravel()
+
+    def jacobian(values: np.ndarray) -> sparse.csc_matrix:
+        by_x, by_z = slopes(t, *unpack(values), q)
+        return sparse.csc_matrix(sparse.hstack([csc(by_x)[:, free], csc(by_z)]))
+
+    solution = newton(residual, jacobian, np.concatenate([x[free], z]))
+    if not solution.converged:
+        raise SimulationError(failure_text(dae, solution, "the initial equations have no solution near the start values"))
+    return unpack(solution.values)
+
+
+def _freed_states(dae: FlatDAE, given: set[int]) -> list[int]:
+    """States whose start values give way to the `initial` equations: those without one first, fixed ones never."""
+    n = dae.initial_equations.shape[0]
+    pattern = ca.Function("i", [dae.x, dae.z], [dae.initial_equations], {"allow_free": True})
+    rows, columns = pattern.jac_sparsity(0, 0).get_triplet()
+    if dae.z.shape[0]:  # through the algebraic unknowns, every state counts
+        through = {int(r) for r in pattern.jac_sparsity(0, 1).get_triplet()[0]}
+        extra = [(r, c) for r in through for c in range(len(dae.states))]
+        rows, columns = [*rows, *[r for r, _ in extra]], [*columns, *[c for _, c in extra]]
+    order = sorted(
+        (c for c in range(len(dae.states)) if c not in given and not dae.states[c].fixed),
+        key=lambda c: dae.states[c].start_given,
+    )
+    free: list[int] = []
+    for candidate in order:
+        trial = [*free, candidate]
+        position = {c: k for k, c in enumerate(trial)}
+        incidence = [[] for _ in range(n)]
+        for r, c in zip(rows, columns, strict=True):
+            if c in position:
+                incidence[r].append(position[c])
+        match = matching([np.unique(np.array(row, int)) for row in incidence], len(trial))
+        if np.count_nonzero(match >= 0) == len(trial):
+            free = trial
+        if len(free) == n:
+            return free
+    raise SimulationError(
+        f"{n} initial equations, and only {len(free)} states whose start values can give way to them: "
+        + ", ".join(dae.initial_paths[:5])
+        + ". Remove an initial equation, or the fixed=True of a state."
+    )
+
+
+def failure_text(dae: FlatDAE, solution: NewtonResult, what: str) -> str:
+    """Which equations are not satisfied, by path."""
+    paths = [*dae.residual_paths, *dae.initial_paths, *(f"der({s.path})" for s in dae.states)]
+    bad = np.flatnonzero(~np.isfinite(solution.residual))
+    if len(bad):
+        names = ", ".join(paths[i] if i < len(paths) else str(i) for i in bad[:3])
+        return f"{what}: the residual is not a finite number in {names}. Check the start values and parameters there."
+    worst = np.argsort(-np.abs(solution.residual))[:3]
+    names = ", ".join(paths[i] if i < len(paths) else str(i) for i in worst)
+    return f"{what}: the equations furthest from being satisfied are {names}. Give start values nearer to a solution."

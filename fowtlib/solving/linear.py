@@ -1,0 +1,106 @@
+"""Exact linear models at a state, and their modes."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+if TYPE_CHECKING:
+    import xarray
+
+
+@dataclass(frozen=True)
+class Mode:
+    """An eigenmode: undamped natural frequency [Hz], damping ratio, eigenvalue [1/s], the state that takes part most.
+
+    `shape` gives the complex amplitude of each output (of each state where the model has no outputs), scaled to 1 at the
+    largest; `participation` the share of each state.
+    """
+
+    frequency_hz: float
+    damping_ratio: float
+    eigenvalue: complex
+    label: str
+    shape: dict[str, complex]
+    participation: dict[str, float]
+
+    @property
+    def period(self) -> float:
+        """Damped period [s]; infinite without oscillation."""
+        return 2 * np.pi / abs(self.eigenvalue.imag) if self.eigenvalue.imag else float("inf")
+
+
+class LinearModel:
+    """dx' = A dx + B du, dy = C dx + D du about a state; inputs and states in SI, outputs in the units given."""
+
+    def __init__(self, A: np.ndarray, B: np.ndarray, C: np.ndarray, D: np.ndarray, states: Sequence[str],
+                 inputs: Sequence[str], outputs: Sequence[str], units: dict[str, str]):  # fmt: skip
+        self.matrices = {"A": A, "B": B, "C": C, "D": D}
+        self.states, self.inputs, self.outputs = list(states), list(inputs), list(outputs)
+        self.units = units
+
+    def _labelled(self, name: str, rows: tuple[str, list[str]], columns: tuple[str, list[str]]) -> xarray.DataArray:
+        import xarray
+
+        return xarray.DataArray(self.matrices[name], dims=(rows[0], columns[0]), coords=dict([rows, columns]), name=name)
+
+    @property
+    def A(self) -> xarray.DataArray:
+        """State matrix (rate of a state by a state)."""
+        return self._labelled("A", ("rate", self.states), ("state", self.states))
+
+    @property
+    def B(self) -> xarray.DataArray:
+        """Input matrix."""
+        return self._labelled("B", ("rate", self.states), ("input", self.inputs))
+
+    @property
+    def C(self) -> xarray.DataArray:
+        """Output matrix."""
+        return self._labelled("C", ("output", self.outputs), ("state", self.states))
+
+    @property
+    def D(self) -> xarray.DataArray:
+        """Feed-through matrix."""
+        return self._labelled("D", ("output", self.outputs), ("input", self.inputs))
+
+    def frequency_response(self, omega: Sequence[float]) -> np.ndarray:
+        """Outputs per input at circular frequencies [rad/s]: complex (n, outputs, inputs), for exp(+i omega t)."""
+        A, B, C, D = (self.matrices[name] for name in "ABCD")
+        identity = np.eye(len(A))
+        return np.array([C @ np.linalg.solve(1j * w * identity - A, B) + D for w in np.atleast_1d(omega)])
+
+    def modes(self) -> list[Mode]:
+        """Oscillating and decaying modes, lowest frequency first; a conjugate pair counts once."""
+        from scipy.linalg import eig
+
+        A, C = self.matrices["A"], self.matrices["C"]
+        if not len(A):
+            return []
+        values, left, right = eig(A, left=True, right=True)
+        modes = []
+        for value, w, v in zip(values, left.T, right.T, strict=True):
+            if value.imag < 0:
+                continue
+            weight = np.abs(w.conj() * v)
+            weight = weight / max(weight.sum(), 1e-300)
+            size = abs(value)
+            shape = dict(zip(self.outputs, C @ v, strict=True)) if self.outputs else dict(zip(self.states, v, strict=True))
+            peak = max(shape.values(), key=abs, default=1.0) or 1.0
+            modes.append(
+                Mode(
+                    size / (2 * np.pi),
+                    -value.real / size if size > 0 else 0.0,
+                    complex(value),
+                    self.states[int(np.argmax(weight))],
+                    {name: complex(amplitude / peak) for name, amplitude in shape.items()},
+                    {name: float(share) for name, share in zip(self.states, weight, strict=True)},
+                )
+            )
+        return sorted(modes, key=lambda mode: mode.frequency_hz)
+
+    def __repr__(self) -> str:
+        return f"<LinearModel: {len(self.states)} states, {len(self.inputs)} inputs, {len(self.outputs)} outputs>"

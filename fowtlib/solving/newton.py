@@ -1,0 +1,78 @@
+"""A globalised Newton iteration for consistent values and equilibria."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass
+
+import numpy as np
+from scipy import sparse
+from scipy.sparse.linalg import splu
+
+Residual = Callable[[np.ndarray], np.ndarray]
+Jacobian = Callable[[np.ndarray], sparse.spmatrix]
+
+
+@dataclass
+class NewtonResult:
+    """`values` solve the equations where `converged`; `residual` is what is left, row by row, scaled."""
+
+    values: np.ndarray
+    residual: np.ndarray
+    converged: bool
+    iterations: int
+
+
+def newton(residual: Residual, jacobian: Jacobian, start: np.ndarray, *, tolerance: float = 1e-10, limit: int = 100) -> NewtonResult:
+    """Damped Newton on rows scaled by their Jacobian; a singular or uphill step becomes a Levenberg-Marquardt step.
+
+    Converged when a full Newton step changes no unknown by more than `tolerance`, relative to 1 and to its size.
+    """
+    values = np.array(start, dtype=float)
+    r = residual(values)
+    damping = 0.0
+    for iteration in range(limit):
+        if not np.all(np.isfinite(r)):
+            return NewtonResult(values, r, False, iteration)
+        matrix = sparse.csc_matrix(jacobian(values))
+        scale = 1.0 / np.maximum(np.sqrt(np.asarray(matrix.multiply(matrix).sum(axis=1)).ravel()), 1e-300)
+        scale[~np.isfinite(scale)] = 1.0
+        scaled, size = sparse.diags(scale) @ matrix, r * scale
+        step = _step(scaled, size, damping)
+        largest = np.max(np.abs(step) / (1.0 + np.abs(values)), initial=0.0)
+        if damping == 0.0 and largest < tolerance:
+            values = values + step
+            final = residual(values)
+            return NewtonResult(values, final * scale, bool(np.all(np.isfinite(final))), iteration + 1)
+        merit, fraction, accepted = float(size @ size), 1.0, False
+        while fraction > 1e-4:
+            trial = values + fraction * step
+            fresh = residual(trial)
+            if np.all(np.isfinite(fresh)) and float((fresh * scale) @ (fresh * scale)) <= (1 - 1e-4 * fraction) * merit:
+                accepted = True
+                break
+            fraction *= 0.5
+        if accepted:
+            values, r = trial, fresh
+            damping = 0.0 if fraction == 1.0 or damping < 1e-8 else damping * 0.1
+        elif largest < 1e-7:  # the rounding of the residual is reached
+            return NewtonResult(values, r * scale, True, iteration + 1)
+        elif damping > 1e8:
+            break
+        else:
+            damping = max(10 * damping, 1e-6)
+    return NewtonResult(values, r, False, limit)
+
+
+def _step(matrix: sparse.csc_matrix, size: np.ndarray, damping: float) -> np.ndarray:
+    if damping == 0.0:
+        try:
+            step = -splu(sparse.csc_matrix(matrix)).solve(size)
+            if np.all(np.isfinite(step)):
+                return step
+        except RuntimeError:
+            pass
+        damping = 1e-8
+    normal = matrix.T @ matrix
+    diagonal = np.maximum(normal.diagonal(), 1e-12)
+    return -splu(sparse.csc_matrix(normal + damping * sparse.diags(diagonal))).solve(matrix.T @ size)

@@ -1,0 +1,270 @@
+"""Plant: a compiled model. Frozen; states, results and linear models come from its methods."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping, Sequence
+from typing import Any
+
+import casadi as ca
+import numpy as np
+
+from fowtlib.flattening import FlatDAE
+from fowtlib.language.errors import NotFoundError, ParameterError, SimulationError, did_you_mean
+from fowtlib.language.units import from_si, to_si
+from fowtlib.solving.equilibrium import equilibrium
+from fowtlib.solving.evaluation import Evaluation
+from fowtlib.solving.initial import consistent_algebraics, initial_values
+from fowtlib.solving.linear import LinearModel
+from fowtlib.solving.results import Continuation, Result
+from fowtlib.solving.state import State
+
+Values = Mapping[str, Any]
+
+
+class Plant:
+    """A model as one flat DAE, ready for numbers.
+
+    outputs: name -> (path of a variable, unit, description), as the model file gives them; without any, all states.
+    """
+
+    def __init__(self, dae: FlatDAE, outputs: Mapping[str, Any] | None = None, *, name: str = "", title: str = "",
+                 settings: Mapping[str, Any] | None = None):  # fmt: skip
+        self.dae = dae
+        self.name = name
+        self.title = title
+        self.settings = dict(settings or {})
+        self._declared = dict(outputs or {})
+        self.outputs = {name: self._output(name, item) for name, item in self._declared.items()} or {
+            quantity.path: (quantity.path, quantity.unit, quantity.doc) for quantity in dae.states
+        }
+        self._evaluations: dict[bytes, Evaluation] = {}
+
+    @property
+    def stats(self) -> dict[str, float]:
+        """Counts and times of the flattening."""
+        return self.dae.stats
+
+    def _output(self, name: str, item: Any) -> tuple[str, str, str]:
+        path, unit, doc = (item, None, "") if isinstance(item, str) else (item.of, item.unit, item.doc)
+        self._known(path, f"output '{name}'")
+        si, long_name = self.describe(path)
+        from_si(1.0, si, unit or si, f"output '{name}'")
+        return path, unit or si, doc or long_name
+
+    def _known(self, path: str, where: str) -> None:
+        try:
+            self.dae.observe_expression(path)
+        except NotFoundError as error:
+            raise error.at(where) from None
+
+    def describe(self, path: str) -> tuple[str, str]:
+        """SI unit and description of any variable."""
+        dae = self.dae
+        key = path if path in dae.units else f"{path}[0]"
+        return dae.units.get(key, "1"), dae.docs.get(key, "") or path
+
+    # --- parameters and states -----------------------------------------------------------------------------------
+
+    def parameter_values(self, parameters: Values | None = None) -> dict[str, np.ndarray]:
+        """Values of all tunable parameters in SI, with those given put in."""
+        values = {path: item.value for path, item in self.dae.parameters.items()}
+        for path, value in (parameters or {}).items():
+            if path not in values:
+                raise ParameterError(
+                    f"there is no tunable parameter '{path}'{did_you_mean(path, values)} "
+                    "A structural or dependent parameter is changed in the model, before compile()."
+                )
+            item = self.dae.parameters[path]
+            numbers = np.asarray(to_si(value, item.unit, path), dtype=float)
+            for bound, outside, word in (
+                (item.min, item.min is not None and np.any(numbers < item.min), "below its minimum"),
+                (item.max, item.max is not None and np.any(numbers > item.max), "above its maximum"),
+            ):
+                if outside:
+                    raise ParameterError(f"{path} = {value} is {word} {bound:g} {item.unit} ({item.doc}).")
+            values[path] = np.broadcast_to(numbers, item.value.shape)
+        return values
+
+    def evaluation(self, parameters: Values | None = None) -> Evaluation:
+        """The numeric functions at parameter values; kept for the next call with the same values."""
+        values = self.parameter_values(parameters)
+        vector = np.concatenate([np.ravel(v, order="F") for v in values.values()]) if values else np.zeros(0)
+        key = vector.tobytes()
+        if key not in self._evaluations:
+            if len(self._evaluations) >= 4:
+                self._evaluations.pop(next(iter(self._evaluations)))
+            self._evaluations[key] = Evaluation(self.dae, vector)
+        return self._evaluations[key]
+
+    def inputs(self, inputs: Values | None = None) -> np.ndarray:
+        """Values of the inputs of the model: their defaults, with those given put in."""
+        values = {path: item.default for path, item in self.dae.inputs.items()}
+        for path, value in (inputs or {}).items():
+            if path not in values:
+                raise ParameterError(f"there is no input '{path}'{did_you_mean(path, values)}")
+            item = self.dae.inputs[path]
+            values[path] = np.broadcast_to(np.asarray(to_si(value, item.unit, path), dtype=float).ravel(), item.default.shape)
+        return np.concatenate(list(values.values())) if values else np.zeros(0)
+
+    def initial_state(self, parameters: Values | None = None, start: Values | None = None, inputs: Values | None = None,
+                      t: float = 0.0, base: State | None = None) -> State:  # fmt: skip
+        """The consistent state at the start of a simulation.
+
+        start: values of states (SI or with unit) in place of their start values; an algebraic unknown given here is a guess.
+        base: a state to change by `start`, instead of the start values.
+        """
+        evaluation = self.evaluation(parameters)
+        x, z, d, _ = evaluation.start_values()
+        if base is not None:
+            x, z, d = base.x.copy(), base.z.copy(), base.d.copy()
+            t = base.t
+        u = self.inputs(inputs)
+        given: set[int] = set()
+        guesses = {quantity.path: k for k, quantity in enumerate(self.dae.algebraics)}
+        discretes = {quantity.path: k for k, quantity in enumerate(self.dae.discretes)}
+        for path, value in (start or {}).items():
+            unit, _ = self.describe(path)
+            number = to_si(value, unit, path)
+            if path in self.dae.state_number:
+                x[self.dae.state_number[path]] = number
+                given.add(self.dae.state_number[path])
+            elif path in guesses:
+                z[guesses[path]] = number
+            elif path in discretes:
+                d[discretes[path]] = number
+            else:
+                names = [*self.dae.state_number, *guesses, *discretes]
+                raise ParameterError(f"'{path}' is not a state and cannot be given a start value{did_you_mean(path, names)}")
+        q = np.concatenate([u, d])
+        if base is not None:
+            z = consistent_algebraics(evaluation, t, x, z, q)
+        else:
+            x, z = initial_values(evaluation, t, x, z, q, given)
+        return self._state(t, x, z, d, u, parameters)
+
+    def equilibrium(self, parameters: Values | None = None, hold: Values | None = None, start: Values | None = None,
+                    inputs: Values | None = None) -> State:  # fmt: skip
+        """The state at which nothing changes, with the controllers in the loop; `hold` keeps states at values."""
+        state = self.initial_state(parameters, {**(start or {}), **(hold or {})}, inputs)
+        held = {self.dae.state_number[path] for path in hold or {}}
+        q = np.concatenate([state.u, state.d])
+        x, z = equilibrium(self.evaluation(parameters), state.t, state.x, state.z, q, held)
+        return self._state(state.t, x, z, state.d, state.u, parameters)
+
+    def _state(self, t: float, x: np.ndarray, z: np.ndarray, d: np.ndarray, u: np.ndarray, parameters: Values | None) -> State:
+        return State(t, x, z, d, u, dict(parameters or {}), self._observe_state)
+
+    def _observe_state(self, name: str, state: State) -> np.ndarray:
+        if name in self.outputs and self._declared:
+            path, unit, _ = self.outputs[name]
+            return np.asarray(from_si(self._observe_state(path, state), self.describe(path)[0], unit))
+        function = self.evaluation(state.parameters).function("observe", [self.dae.observe_expression(name)])
+        return np.array(function(state.t, state.x, state.z, np.concatenate([state.u, state.d])))
+
+    def resume_point(self, continuation: Continuation, parameters: Values | None, inputs: Values | None) -> State:
+        """The state at the end of an earlier result."""
+        groups = []
+        for quantities, values in (
+            (self.dae.states, continuation.x), (self.dae.algebraics, continuation.z), (self.dae.discretes, continuation.d),
+        ):  # fmt: skip
+            missing = [q.path for q in quantities if q.path not in values]
+            if missing:
+                raise SimulationError(
+                    f"the result to resume from is of another model: it has no {missing[0]}. Resume with the model it came from."
+                )
+            groups.append(np.array([values[q.path] for q in quantities]))
+        x, z, d = groups
+        return self._state(continuation.time, x, z, d, self.inputs(inputs), parameters)
+
+    # --- uses ----------------------------------------------------------------------------------------------------
+
+    def simulate(self, t_end: float | None = None, output_step: float | None = None, *, start: State | Result | Values | None = None,
+                 solver: str | None = None, tolerance: float | None = None, parameters: Values | None = None,
+                 inputs: Values | None = None, outputs: Sequence[str] | None = None,
+                 progress: Callable[[float, float], None] | bool = False) -> Result:  # fmt: skip
+        """Simulate to `t_end` [s] and give the outputs every `output_step` [s].
+
+        start: a State, an earlier Result to go on from, or start values by path. Arguments left out come from the model
+        file, else t_end 600 s, output_step 0.1 s, solver "idas", tolerance 1e-6. Raises SimulationError, with what was
+        computed in its attribute `result`.
+        """
+        from fowtlib.solving.simulation import Simulation
+
+        def chosen(value: Any, key: str, default: Any) -> Any:
+            return self.settings.get(key, default) if value is None else value
+
+        solver = chosen(solver, "solver", "idas")
+        if solver != "idas":
+            raise ParameterError(f"there is no solver '{solver}'{did_you_mean(str(solver), ['idas'])}")
+        if isinstance(start, Result):
+            start.check_resumable({k: v for k, v in self.parameter_values(parameters).items()})
+            state = self.resume_point(start.final, parameters, inputs)
+        elif isinstance(start, State):
+            state = start if parameters is None or parameters == start.parameters else self.initial_state(parameters, None, inputs, base=start)
+        else:
+            state = self.initial_state(parameters, start, inputs)
+        simulation = Simulation(self, state, chosen(tolerance, "tolerance", 1e-6), parameters, outputs)
+        return simulation.run(float(chosen(t_end, "duration", 600.0)), float(chosen(output_step, "output_step", 0.1)), progress)
+
+    def linearize(self, state: State, inputs: Sequence[str] = (), outputs: Sequence[str] | None = None) -> LinearModel:
+        """Exact linear model at a state: inputs are inputs or tunable parameters by path, outputs are results or variables.
+
+        All states are kept; algebraic unknowns are eliminated.
+        """
+        dae = self.dae
+        names = list(self.outputs) if outputs is None else list(outputs)
+        positions = self._positions()
+        kept: list[int] = []
+        columns, labels = [], []
+        for path in inputs:
+            if path in positions["inputs"]:
+                first, count = positions["inputs"][path]
+                columns += [dae.u[i] for i in range(first, first + count)]
+            elif path in positions["parameters"]:
+                first, count = positions["parameters"][path]
+                kept += range(first, first + count)
+                columns += [dae.p[i] for i in range(first, first + count)]
+            else:
+                known = [*positions["inputs"], *positions["parameters"]]
+                raise NotFoundError(f"there is no input or tunable parameter '{path}'{did_you_mean(path, known)}")
+            labels += [path] if count == 1 else [f"{path}[{i}]" for i in range(count)]
+        values = self.parameter_values(state.parameters)
+        vector = np.concatenate([np.ravel(v, order="F") for v in values.values()]) if values else np.zeros(0)
+        evaluation = Evaluation(dae, vector, kept) if kept else self.evaluation(state.parameters)
+        rows, factors, out_labels, units = [], [], [], {}
+        for name in names:
+            path, unit, _ = self.outputs[name] if name in self.outputs else (name, self.describe(name)[0], "")
+            expression = ca.vec(dae.observe_expression(path))
+            factor = float(from_si(1.0, self.describe(path)[0], unit))
+            rows.append(expression)
+            factors += [factor] * expression.shape[0]
+            fresh = [name] if expression.shape[0] == 1 else [f"{name}[{i}]" for i in range(expression.shape[0])]
+            out_labels += fresh
+            units |= dict.fromkeys(fresh, unit)
+        u = ca.vertcat(*columns) if columns else ca.SX(0, 1)
+        slopes = evaluation.torn_jacobian("linear", ca.vertcat(dae.ode, dae.alg, *rows), [dae.x, dae.z, u])
+        q = np.concatenate([state.u, state.d, vector[kept]])
+        by_x, by_z, by_u = (np.array(ca.densify(block)) for block in slopes(state.t, state.x, state.z, q))
+        nx, nz = dae.x.shape[0], dae.z.shape[0]
+        ode, alg, out = slice(0, nx), slice(nx, nx + nz), slice(nx + nz, None)
+        if nz:
+            dz = -np.linalg.solve(by_z[alg], np.hstack([by_x[alg], by_u[alg]]))
+        else:
+            dz = np.zeros((0, nx + by_u.shape[1]))
+        A, B = by_x[ode] + by_z[ode] @ dz[:, :nx], by_u[ode] + by_z[ode] @ dz[:, nx:]
+        scale = np.array(factors)[:, None] if factors else np.zeros((0, 1))
+        C, D = (by_x[out] + by_z[out] @ dz[:, :nx]) * scale, (by_u[out] + by_z[out] @ dz[:, nx:]) * scale
+        return LinearModel(A, B, C, D, [s.path for s in dae.states], labels, out_labels, units)
+
+    def _positions(self) -> dict[str, dict[str, tuple[int, int]]]:
+        """First element and length of each input in u and of each parameter in p."""
+        table: dict[str, dict[str, tuple[int, int]]] = {}
+        for group, items in (("inputs", self.dae.inputs), ("parameters", self.dae.parameters)):
+            first, table[group] = 0, {}
+            for path, item in items.items():
+                table[group][path] = (first, item.symbol.numel())
+                first += item.symbol.numel()
+        return table
+
+    def __repr__(self) -> str:
+        return f"<Plant {self.title or self.name}: {self.dae!r}>"

@@ -1,0 +1,385 @@
+"""The run of a simulation: stretches between events and samples, output points, checks, and what survives a failure."""
+
+from __future__ import annotations
+
+import sys
+import time as clock
+import warnings
+from collections.abc import Callable, Sequence
+from typing import TYPE_CHECKING, Any
+
+import casadi as ca
+import numpy as np
+from scipy.optimize import brentq
+
+from fowtlib.language.errors import SimulationError
+from fowtlib.language.units import from_si
+from fowtlib.solving.idas import Idas
+from fowtlib.solving.initial import consistent_algebraics
+from fowtlib.solving.results import Observer, RawTrajectory, Result, parameter_hash
+from fowtlib.solving.state import State
+
+if TYPE_CHECKING:
+    from fowtlib.solving.plant import Plant
+
+STRETCH = 400  # output points between two looks at the clock and at Ctrl-C
+SUBSTEPS = 4  # points per output step at which state events are looked for
+EVENT_LIMIT = 100_000
+
+
+class Interrupted(SimulationError):
+    """Ctrl-C during a simulation; `result` holds what was computed."""
+
+
+class Simulation:
+    """One run of a plant from a state."""
+
+    def __init__(self, plant: Plant, start: State, tolerance: float, parameters: Any, outputs: Sequence[str] | None):
+        self.plant, self.dae = plant, plant.dae
+        self.parameters = parameters
+        self.tolerance = tolerance
+        self.evaluation = plant.evaluation(parameters)
+        self.names = list(plant.outputs) if outputs is None else list(outputs)
+        self.engine = Idas(self.evaluation, tolerance)
+        self.t = start.t
+        self.x, self.z, self.d, self.u = start.x.copy(), start.z.copy(), start.d.copy(), start.u.copy()
+        self.rows: list[tuple[np.ndarray, np.ndarray, np.ndarray, np.ndarray]] = []
+        self.warned: list[str] = []
+        self._prepare_events()
+        self._prepare_samples(start.t)
+        self._prepare_checks()
+
+    # --- preparation ---------------------------------------------------------------------------------------------
+
+    def _prepare_events(self) -> None:
+        events = self.dae.events
+        if events:
+            self.indicators = self.evaluation.function("indicators", [ca.vertcat(*[e.indicator for e in events])])
+            self.actions = [self.evaluation.function("action", [e.state_values, e.discrete_values]) for e in events]
+        self.event_count = 0
+
+    def _prepare_samples(self, t: float) -> None:
+        samples = self.dae.samples
+        numbers = self.evaluation.with_numbers([ca.vertcat(s.period, s.offset) for s in samples])
+        self.updates = [self.evaluation.function("update", [s.values]) for s in samples]
+        self.clocks: list[tuple[float, float, int]] = []
+        for sample, number in zip(samples, numbers, strict=True):
+            period, offset = (float(v) for v in ca.Function("clock", [], [number]).call([])[0].full().ravel())
+            if not period > 0:
+                raise SimulationError(f"{sample.path}: the period of a sampled part is {period:g} s; it must be above zero.")
+            first = 0 if t <= offset else int(np.ceil((t - offset) / period - 1e-9))
+            self.clocks.append((offset, period, first))
+
+    def _prepare_checks(self) -> None:
+        checks = self.dae.checks
+        if checks:
+            self.conditions = self.evaluation.function("checks", [ca.vertcat(*[c.condition for c in checks])])
+
+    @property
+    def q(self) -> np.ndarray:
+        return np.concatenate([self.u, self.d])
+
+    # --- the run -------------------------------------------------------------------------------------------------
+
+    def run(self, t_end: float, step: float, progress: Callable[[float, float], None] | bool) -> Result:
+        """Integrate to t_end; see Plant.simulate."""
+        if not step > 0:
+            raise SimulationError(f"the output step is {step:g} s; it must be above zero.")
+        if t_end < self.t:
+            raise SimulationError(f"the end of the simulation, {t_end:g} s, lies before its start, {self.t:g} s.")
+        report = _console if progress is True else progress or (lambda t, t_end: None)
+        began, self.t_start = clock.perf_counter(), self.t
+        try:
+            self._sample_now()
+            self._record(np.array([self.t]), self.x[None], self.z[None])
+            report(self.t, t_end)
+            self._integrate(t_end, step, report)
+        except KeyboardInterrupt:
+            raise self._stopped(Interrupted(f"interrupted at t = {self.t:g} s.")) from None
+        except SimulationError as error:
+            raise self._stopped(error) from None
+        self.wall_time = clock.perf_counter() - began
+        return self.result("finished.")
+
+    def _stopped(self, error: SimulationError) -> SimulationError:
+        self.wall_time = float("nan")
+        error.result = self.result(str(error)) if self.rows else None  # type: ignore[attr-defined]
+        return error
+
+    def _integrate(self, t_end: float, step: float, report: Callable[[float, float], None]) -> None:
+        count = 0  # output points passed, counted from t_start
+        tiny = 1e-9 * step
+        self.armed = self._indicator_values() > 0 if self.dae.events else None
+        while self.t < t_end - tiny:
+            next_output = min(self.t_start + (count + 1) * step, t_end)
+            next_sample = min((o + k * p for o, p, k in self.clocks), default=np.inf)
+            stop = min(next_sample, t_end)
+            on_grid = abs(self.t - (self.t_start + count * step)) < tiny
+            points = int((stop - self.t) / step + 1e-9) if on_grid else 0
+            if points >= 1:
+                points = min(points, STRETCH)
+                done = self._stretch(points * step, points)
+                count += done
+            else:
+                target = min(stop, next_output)
+                self._stretch(target - self.t, 1, record=abs(target - next_output) < tiny)
+            if self.t > next_output - tiny and not on_grid:
+                count += 1
+            if abs(self.t - next_sample) < tiny:
+                self._sample_now()
+                if self.rows and abs(self.rows[-1][0][-1] - self.t) < tiny:
+                    self._amend_last()
+            report(self.t, t_end)
+
+    def _stretch(self, length: float, points: int, record: bool = True) -> int:
+        """Advance by `length` with `points` output points, or to the first state event; the number of points reached."""
+        substeps = SUBSTEPS if self.dae.events else 1
+        x, z = self._advance(length, points * substeps)
+        reached = len(x)
+        times = self.t + length * np.arange(1, points * substeps + 1) / (points * substeps)
+        if self.dae.events:
+            crossing = self._first_crossing(times[:reached], x, z)
+            if crossing is not None:
+                whole = (crossing // substeps) * substeps
+                self._keep(times, x, z, whole, substeps, record)
+                self._event(times, x, z, crossing)
+                return whole // substeps
+        self._keep(times, x, z, reached, substeps, record)
+        if reached < points * substeps:
+            raise SimulationError(self._failure())
+        return points
+
+    def _keep(self, times: np.ndarray, x: np.ndarray, z: np.ndarray, reached: int, substeps: int, record: bool) -> None:
+        if reached == 0:
+            return
+        chosen = slice(substeps - 1, reached, substeps)
+        self.t, self.x, self.z = float(times[reached - 1]), x[reached - 1].copy(), z[reached - 1].copy()
+        if record and len(times[chosen]):
+            self._record(times[chosen], x[chosen], z[chosen])
+
+    def _advance(self, length: float, points: int) -> tuple[np.ndarray, np.ndarray]:
+        """Rows of x and z at equidistant points; fewer rows where the engine fails."""
+        if not self.x.size:
+            return self._advance_static(length, points)
+        try:
+            return self.engine.advance(self.t, length, points, self.x, self.z, self.q)
+        except RuntimeError:
+            pass
+        xs, zs = [], []  # again in single steps, to keep what can be computed
+        x, z = self.x, self.z
+        for k in range(points):
+            try:
+                xk, zk = self.engine.advance(self.t + k * length / points, length / points, 1, x, z, self.q)
+            except RuntimeError:
+                break
+            x, z = xk[0], zk[0]
+            xs.append(x)
+            zs.append(z)
+        return np.array(xs).reshape(-1, self.x.size), np.array(zs).reshape(-1, self.z.size)
+
+    def _advance_static(self, length: float, points: int) -> tuple[np.ndarray, np.ndarray]:
+        """A model without states: algebraic unknowns at each point."""
+        z, rows = self.z, []
+        for k in range(points):
+            z = consistent_algebraics(self.evaluation, self.t + (k + 1) * length / points, self.x, z, self.q)
+            rows.append(z)
+        return np.zeros((points, 0)), np.array(rows).reshape(points, -1)
+
+    # --- events --------------------------------------------------------------------------------------------------
+
+    def _indicator_values(self) -> np.ndarray:
+        return np.array(self.indicators(self.t, self.x, self.z, self.q)).ravel()
+
+    def _first_crossing(self, times: np.ndarray, x: np.ndarray, z: np.ndarray) -> int | None:
+        """First point at which an armed indicator is not positive any more."""
+        for k in range(len(times)):
+            values = np.array(self.indicators(times[k], x[k], z[k], self.q)).ravel()
+            if np.any(self.armed & (values <= 0)):
+                return k
+            self.armed = values > 0
+        return None
+
+    def _event(self, times: np.ndarray, x: np.ndarray, z: np.ndarray, k: int) -> None:
+        """Find the event inside the interval that ends at point k, and carry out its actions."""
+        length = times[k] - (times[k - 1] if k else self.t)
+        if k:
+            self.t, self.x, self.z = float(times[k - 1]), x[k - 1].copy(), z[k - 1].copy()
+        after = np.array(self.indicators(times[k], x[k], z[k], self.q)).ravel()
+        candidates = np.flatnonzero(self.armed & (after <= 0))
+
+        def state_at(h: float) -> tuple[np.ndarray, np.ndarray]:
+            if h <= 0:
+                return self.x, self.z
+            xs, zs = self._advance(h, 1)
+            if not len(xs):
+                raise SimulationError(self._failure())
+            return xs[0], zs[0]
+
+        def indicator(h: float, i: int) -> float:
+            xs, zs = state_at(h)
+            return float(np.array(self.indicators(self.t + h, xs, zs, self.q)).ravel()[i])
+
+        instants = {}
+        for i in candidates:
+            low, high = indicator(0.0, i), indicator(length, i)
+            instants[i] = brentq(indicator, 0.0, length, args=(i,), xtol=1e-13 * max(1.0, self.t), rtol=1e-14) \
+                if low * high < 0 else length  # fmt: skip
+        first = min(instants.values())
+        self.x, self.z = (values.copy() for values in state_at(first))
+        self.t += first
+        due = {i for i, h in instants.items() if h <= first * (1 + 1e-12)}
+        self._act(due)
+
+    def _act(self, due: set[int]) -> None:
+        for _ in range(50):
+            before = self._indicator_values()
+            x, d = self.x.copy(), self.d.copy()
+            for i in sorted(due):
+                event = self.dae.events[i]
+                on_states, on_discretes = self.actions[i](self.t, self.x, self.z, self.q)
+                x[event.state_targets] = np.array(on_states).ravel()
+                d[event.discrete_targets] = np.array(on_discretes).ravel()
+            self.x, self.d = x, d
+            self.z = consistent_algebraics(self.evaluation, self.t, self.x, self.z, self.q)
+            self.event_count += len(due)
+            after = self._indicator_values()
+            fired = due
+            due = {i for i in range(len(after)) if before[i] > 0 >= after[i] and i not in fired}
+            if not due:
+                break
+        if self.event_count > EVENT_LIMIT:
+            raise SimulationError(f"more than {EVENT_LIMIT} events before t = {self.t:g} s; they may accumulate at one instant.")
+        self.armed = after > 0
+        self.armed[list(fired)] = False
+
+    def _sample_now(self) -> None:
+        """Carry out the sampled parts that are due, in order of their dependence."""
+        due = [k for k, (offset, period, n) in enumerate(self.clocks) if offset + n * period <= self.t + 1e-9 * period]
+        if not due:
+            return
+        for k in due:
+            self.d[self.dae.samples[k].targets] = np.array(self.updates[k](self.t, self.x, self.z, self.q)).ravel()
+            offset, period, n = self.clocks[k]
+            self.clocks[k] = (offset, period, n + 1)
+        self.z = consistent_algebraics(self.evaluation, self.t, self.x, self.z, self.q)
+        if self.dae.events:
+            self.armed = self._indicator_values() > 0
+
+    # --- output points -------------------------------------------------------------------------------------------
+
+    def _record(self, times: np.ndarray, x: np.ndarray, z: np.ndarray) -> None:
+        self.rows.append((times, x, z, np.repeat(self.d[None], len(times), axis=0)))
+        self._check(times, x, z)
+
+    def _amend_last(self) -> None:
+        """The last output point lies at a sample: keep the values after it."""
+        times, x, z, d = self.rows[-1]
+        z, d = z.copy(), d.copy()
+        z[-1], d[-1] = self.z, self.d
+        self.rows[-1] = (times, x, z, d)
+
+    def _check(self, times: np.ndarray, x: np.ndarray, z: np.ndarray) -> None:
+        """Assertions at output points; the first broken one of level error stops the run there."""
+        if not self.dae.checks:
+            return
+        n = len(times)
+        values = np.array(self.conditions(times[None], x.T, z.T, np.repeat(self.q[:, None], n, axis=1))).reshape(-1, n)
+        for k in range(n):
+            for i in np.flatnonzero(values[:, k] == 0):
+                check = self.dae.checks[i]
+                text = self._message(i, times[k], x[k], z[k])
+                if check.level == "warning":
+                    if text not in self.warned and check.message not in {w.split(" (t = ")[0] for w in self.warned}:
+                        self.warned.append(text)
+                        warnings.warn(text, stacklevel=2)
+                    continue
+                last = self.rows[-1]
+                self.rows[-1] = tuple(part[: k + 1] for part in last)  # type: ignore[assignment]
+                self.t, self.x, self.z = float(times[k]), x[k], z[k]
+                raise SimulationError(text)
+
+    def _message(self, i: int, t: float, x: np.ndarray, z: np.ndarray) -> str:
+        check = self.dae.checks[i]
+        text = check.message
+        for name, expression in check.values.items():
+            value = float(self.evaluation.function("value", [expression])(t, x, z, self.q))
+            text = text.replace("{" + name + "}", f"{value:.6g}")
+        text = text.rstrip(".")
+        return f"{check.path or self.plant.name or 'model'}: {text} (t = {t:g} s)."
+
+    def _failure(self) -> str:
+        """What stands out in the equations at the last good point."""
+        ode, alg = (np.array(v).ravel() for v in self.evaluation.residual(self.t, self.x, self.z, self.q))
+        where = f"the integration fails at t = {self.t:.6g} s"
+        paths = [f"der({s.path})" for s in self.dae.states] + list(self.dae.residual_paths)
+        values = np.concatenate([ode, alg])
+        broken = [paths[i] for i in np.flatnonzero(~np.isfinite(values))]
+        if broken:
+            return f"{where}: {', '.join(broken[:3])} is not a finite number. Check the parameters and limits of that component."
+        rates = np.abs(ode) / (1e-6 + np.abs(self.x))
+        fastest = paths[int(np.argmax(rates))] if rates.size else paths[0]
+        return (
+            f"{where}: the fastest change is {fastest}. Try a smaller tolerance (--tolerance 1e-8), "
+            "or look there for a jump, a missing damping or a quantity that grows without bound."
+        )
+
+    def result(self, status: str) -> Result:
+        """What has been computed, as a Result."""
+        t, x, z, d = (np.concatenate([row[i] for row in self.rows]) for i in range(4))
+        observe = _Observation(self.plant, self.evaluation, t, x, z, np.repeat(self.u[None], len(t), axis=0), d)
+        values, units, docs = {}, {}, {}
+        paths = []
+        for name in self.names:
+            path, unit, doc = self.plant.outputs.get(name) or (name, *self.plant.describe(name))
+            paths.append(path)
+            units[name], docs[name] = unit, doc
+        for name, path, series in zip(self.names, paths, observe.arrays(paths), strict=True):
+            values[name] = from_si(series, self.plant.describe(path)[0], units[name])
+        numbers = self.plant.parameter_values(self.parameters)
+        raw = RawTrajectory(
+            t, x, z, d, tuple(q.path for q in self.dae.states), tuple(q.path for q in self.dae.algebraics),
+            tuple(q.path for q in self.dae.discretes), parameter_hash(numbers),
+        )  # fmt: skip
+        attributes = {
+            "model": self.plant.name,
+            "title": self.plant.title,
+            "solver": "idas",
+            "tolerance": self.tolerance,
+            "status": status,
+            "parameters": {path: value.tolist() for path, value in numbers.items()},
+            "wall_time": self.wall_time,
+            "warnings": "\n".join(self.warned),
+        }
+        observer = Observer(observe.values, self.plant.describe, self.dae.names)
+        return Result(t, values, units, docs, attributes, raw, observer)
+
+
+class _Observation:
+    """Rebuilds variables of the model along a trajectory."""
+
+    def __init__(self, plant: Plant, evaluation: Any, t: np.ndarray, x: np.ndarray, z: np.ndarray, u: np.ndarray, d: np.ndarray):
+        self.plant, self.evaluation = plant, evaluation
+        self.arguments = (t[None], x.T, z.T, np.concatenate([u, d], axis=1).T)
+
+    def arrays(self, paths: Sequence[str]) -> list[np.ndarray]:
+        if not paths:
+            return []
+        expressions = [ca.densify(self.plant.dae.observe_expression(path)) for path in paths]
+        sizes = [e.numel() for e in expressions]
+        function = self.evaluation.function("observe", [ca.vertcat(*[ca.vec(e) for e in expressions])])
+        n = self.arguments[0].shape[1]
+        blocks = []
+        for first in range(0, n, 2000):
+            part = slice(first, min(first + 2000, n))
+            blocks.append(np.array(function(*(a[:, part] for a in self.arguments))))
+        table = np.concatenate(blocks, axis=1).T
+        columns = np.split(table, np.cumsum(sizes)[:-1], axis=1)
+        return [column[:, 0] if size == 1 else column for column, size in zip(columns, sizes, strict=True)]
+
+    def values(self, names: Sequence[str]) -> np.ndarray:
+        return np.column_stack(self.arrays(names))
+
+
+def _console(t: float, t_end: float) -> None:
+    """Progress on stderr for Python users: simulated time."""
+    print(f"\rt = {t:.1f} of {t_end:.1f} s", end="\n" if t >= t_end else "", file=sys.stderr, flush=True)
