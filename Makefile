@@ -34,7 +34,7 @@ bench: $(STAMP)
 	$(BIN)/python benchmarks/run.py
 
 docs: $(STAMP)
-	$(BIN)/mkdocs build --strict
+	$(BIN)/zensical build --strict
 
 # Write docs/catalogue.md from the docstrings and declarations of the components.
 catalogue: $(STAMP)

@@ -1,0 +1,141 @@
+"""Measure fowtlib: `make bench`, or `python benchmarks/run.py NAME ...` for some of it.
+
+Each measurement runs in a process of its own, so that its peak memory is its own. The table has the goal beside the
+measured value; wall-clock times depend on the machine and on what else it does.
+"""
+
+from __future__ import annotations
+
+import json
+import platform
+import resource
+import subprocess
+import sys
+import time
+from collections.abc import Callable
+from pathlib import Path
+
+Measured = list[tuple[str, str, str]]  # (what, measured, goal)
+MEASUREMENTS: dict[str, Callable[[], Measured]] = {}
+
+
+def measurement(function: Callable[[], Measured]) -> Callable[[], Measured]:
+    """Register a measurement under the name of its function."""
+    MEASUREMENTS[function.__name__] = function
+    return function
+
+
+def peak_memory() -> float:
+    """Peak resident memory of this process [MB]."""
+    return resource.getrusage(resource.RUSAGE_SELF).ru_maxrss / (1024 if sys.platform == "linux" else 1024**2)
+
+
+@measurement
+def start() -> Measured:
+    """Import of the package, and the shortest command; the best of five."""
+
+    def best(*command: str) -> float:
+        times = []
+        for _ in range(5):
+            began = time.perf_counter()
+            subprocess.run(command, check=True, stdout=subprocess.DEVNULL)
+            times.append(time.perf_counter() - began)
+        return min(times)
+
+    bare = best(sys.executable, "-c", "")
+    return [
+        ("import fowtlib", f"{best(sys.executable, '-c', 'import fowtlib') - bare:.2f} s", "under 0.5 s"),
+        ("fowt --help", f"{best(str(Path(sys.executable).with_name('fowt')), '--help'):.2f} s", ""),
+    ]
+
+
+def _flatten(name: str) -> Measured:
+    import fowtlib as fw
+
+    began = time.perf_counter()
+    plant = fw.load(name).compile()
+    took = time.perf_counter() - began
+    return [(f"load and flatten {name}: {_size(plant)}", f"{took:.2f} s", "under 3 s")]
+
+
+def _size(plant) -> str:
+    return f"{len(plant.dae.states)} states, {len(plant.dae.algebraics)} algebraic unknowns"
+
+
+@measurement
+def flatten_oc3() -> Measured:
+    """From the model file of one turbine to its flat equations."""
+    return _flatten("oc3_spar_rigid")
+
+
+@measurement
+def flatten_two_rotors() -> Measured:
+    """From the model file of two rotors on one spar to its flat equations."""
+    return _flatten("two_rotor_spar_rigid")
+
+
+@measurement
+def flatten_network() -> Measured:
+    """A generated electrical ladder of 50,000 scalar equations."""
+    import fowtlib as fw
+
+    sys.path.insert(0, str(Path(__file__).parent))
+    from ladder import ladder
+
+    began = time.perf_counter()
+    plant = fw.load(ladder(50_000)).compile()
+    took = time.perf_counter() - began
+    what = f"flatten a ladder of {plant.stats['equations']} scalar equations"
+    return [(what, f"{took:.1f} s", "under 60 s"), ("its peak memory", f"{peak_memory():.0f} MB", "under 2000 MB")]
+
+
+@measurement
+def simulate_oc3() -> Measured:
+    """4000 s of one turbine in turbulent wind and irregular waves."""
+    import fowtlib as fw
+
+    conditions = {
+        "wind.kind": "kaimal", "wind.mean_speed": 11.4, "wind.turbulence_class": "B", "wind.seed": 1,
+        "sea.spectrum": "jonswap", "sea.significant_wave_height": 6.0, "sea.peak_period": 10.0, "sea.seed": 1,
+    }  # fmt: skip
+    plant = fw.load("oc3_spar_rigid").with_parameters(conditions).compile()
+    began = time.perf_counter()
+    plant.simulate(4000.0, output_step=0.1, solver="idas", tolerance=1e-6)
+    took = time.perf_counter() - began
+    return [
+        ("oc3_spar_rigid, 4000 s, Kaimal and JONSWAP, IDAS 1e-6", f"{4000 / took:.0f} x real time", "300 x or more"),
+        ("its peak memory", f"{peak_memory():.0f} MB", "under 500 MB"),
+    ]
+
+
+def processor() -> str:
+    """Name of the processor, where the system tells."""
+    try:
+        lines = Path("/proc/cpuinfo").read_text().splitlines()
+        return next(line.partition(":")[2].strip() for line in lines if line.startswith("model name"))
+    except (OSError, StopIteration):
+        return platform.processor() or platform.machine()
+
+
+def main(names: list[str]) -> int:
+    """Print the table of the chosen measurements, or of all."""
+    unknown = [name for name in names if name not in MEASUREMENTS]
+    if unknown:
+        print(f"unknown: {', '.join(unknown)}; there are {', '.join(MEASUREMENTS)}", file=sys.stderr)
+        return 2
+    failed = 0
+    print(f"Python {platform.python_version()}, {processor()}\n")
+    print("| what | measured | goal |\n| --- | --- | --- |", flush=True)
+    for name in names or MEASUREMENTS:
+        child = subprocess.run([sys.executable, __file__, "--one", name], stdout=subprocess.PIPE, text=True)
+        failed += child.returncode != 0
+        rows = json.loads(child.stdout.splitlines()[-1]) if child.returncode == 0 else [(name, "failed", "")]
+        print("\n".join(f"| {' | '.join(row)} |" for row in rows), flush=True)
+    return 1 if failed else 0
+
+
+if __name__ == "__main__":
+    if sys.argv[1:2] == ["--one"]:
+        print(json.dumps(MEASUREMENTS[sys.argv[2]]()))
+        sys.exit(0)
+    sys.exit(main(sys.argv[1:]))
