@@ -2,21 +2,38 @@
 
 from __future__ import annotations
 
+import importlib
 from typing import TYPE_CHECKING, Any
 
 from fowtlib.language import Assembly, Component, ModelError
-from fowtlib.solving import LinearModel, Model, Output, Plant, Result, State
 
 if TYPE_CHECKING:
     from fowtlib.modelfile import load
+    from fowtlib.solving import LinearModel, Mode, Model, Output, Plant, Result, State
+
+# imported when first used, so that `import fowtlib` stays fast
+_LATER = {
+    "load": "fowtlib.modelfile",
+    **dict.fromkeys(("LinearModel", "Mode", "Model", "Output", "Plant", "Result", "State"), "fowtlib.solving"),
+}
 
 
 def __getattr__(name: str) -> Any:
-    if name == "load":  # YAML is read only when a model is loaded
-        from fowtlib.modelfile import load
-
-        return load
+    if name in _LATER:
+        return getattr(importlib.import_module(_LATER[name]), name)
     raise AttributeError(f"module 'fowtlib' has no attribute '{name}'")
 
 
-__all__ = ["Assembly", "Component", "LinearModel", "Model", "ModelError", "Output", "Plant", "Result", "State", "load"]
+__all__ = [
+    "Assembly",
+    "Component",
+    "LinearModel",
+    "Mode",
+    "Model",
+    "ModelError",
+    "Output",
+    "Plant",
+    "Result",
+    "State",
+    "load",
+]

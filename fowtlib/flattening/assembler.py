@@ -40,11 +40,13 @@ class _Assembler:
     def __init__(self, system: System, statements: Statements):
         self.system = system
         self.statements = statements
+        self.constant_orientations: dict[str, ca.SX] = {}
 
     def run(self) -> FlatDAE:
         system = self.system
         table = [(e.path, f"{e.lhs}", f"{e.rhs}") for e in system.equations] if len(system.equations) <= 5000 else []
         self.original = len(system.equations)
+        self._fold_constant_orientations()
         substitute, replaced = eliminate_aliases(system)
         self.replaced = replaced
         self._apply(substitute)
@@ -64,6 +66,20 @@ class _Assembler:
             "largest_block": max(causal.blocks, default=0),
         }
         return dae
+
+    def _fold_constant_orientations(self) -> None:
+        """Put in the orientations that are numbers (of the world and what is welded to it), from the roots outwards."""
+        system = self.system
+        while True:
+            constant = [item for item in system.intermediates if item.function is None and item.inputs.is_constant()]
+            if not constant:
+                return
+            system.intermediates = [item for item in system.intermediates if not any(item is other for other in constant)]
+            symbols = ca.vertcat(*[symbol for item in constant for symbol in item.symbols])
+            values = ca.vertcat(*[item.inputs for item in constant])
+            for item in constant:
+                self.constant_orientations.update(zip((s.name() for s in item.symbols), item.inputs.elements(), strict=True))
+            self._apply(lambda expressions, s=symbols, v=values: ca.substitute(expressions, [s], [v]))
 
     def _apply(self, substitute: Any) -> None:
         """Put the remaining symbols into everything that was written with the eliminated ones."""
@@ -213,6 +229,8 @@ class _Assembler:
             names = [path] if len(elements) == 1 else [f"{path}[{i}]" for i in range(len(elements))]
             for name, element in zip(names, elements, strict=True):
                 observed.setdefault(name, element)
+        for name, value in self.constant_orientations.items():
+            observed[name], units[name], docs[name] = value, "1", "orientation, world from frame"
         for j in self.unused:
             unknown = system.unknowns[j]
             take(unknown.path, ca.SX.nan(1), unknown.declared)

@@ -50,7 +50,7 @@ class IndexReduction:
             match = structure.matching(rows, len(columns))
             exposed = np.flatnonzero(match < 0)
             if not len(exposed):
-                self.active_rows, self.columns, self.active_incidence = active_rows, columns, rows
+                self.active_rows, self.columns = active_rows, columns
                 return
             self.steps += 1
             if self.steps > 20:
@@ -59,7 +59,6 @@ class IndexReduction:
             row_of[match[match >= 0]] = np.flatnonzero(match >= 0)
             reached, _ = structure.reachable(rows, row_of, exposed)
             self._differentiate([active_rows[i] for i in reached])
-            self._update_rows()
 
     def _all(self) -> list[int]:
         return [j for j, unknown in enumerate(self.system.unknowns) if unknown.base in self.live]
@@ -74,6 +73,11 @@ class IndexReduction:
             system.equations.append(
                 FlatEquation(lhs, rhs, equation.path, equation.source, order=equation.order + 1, base=equation.base)
             )
+        self._update_rows()
+        for number, equation in zip(numbers, chosen, strict=True):
+            # an orientation hides joint coordinates behind an angular velocity: their rates belong to the structure too
+            rates = np.array([system.rate_of(j) for j in self.rows[number]], int)
+            self.rows[equation.rate] = np.union1d(self.rows[equation.rate], rates)
 
     def _endless(self, active_rows: list[int], exposed: np.ndarray) -> str:
         paths = sorted({self.system.equations[active_rows[i]].path or "the model" for i in exposed})
@@ -86,29 +90,23 @@ class IndexReduction:
     # --- choice of states ----------------------------------------------------------------------------------------
 
     def _select_states(self) -> list[int]:
-        """Dummy derivatives, block by block; the unknowns with a derivative that is not a dummy are the states."""
+        """Dummy derivatives, order by order; the unknowns with a derivative that is not a dummy are the states."""
         system = self.system
         base_rows = self._base_rows()
         equation_before = {equation.rate: i for i, equation in enumerate(system.equations) if equation.rate >= 0}
         unknown_before = {unknown.rate: j for j, unknown in enumerate(system.unknowns) if unknown.rate >= 0}
         dummies: set[int] = set()
-        for block_rows, block_columns in self._blocks():
-            rows = [i for i in block_rows if system.equations[i].order > 0]
-            columns = [j for j in block_columns if system.unknowns[j].order > 0]
-            while rows:
-                chosen = self._choose(rows, columns, base_rows)
-                dummies.update(chosen)
-                rows = [equation_before[i] for i in rows if system.equations[i].order > 1]
-                columns = [unknown_before[j] for j in chosen if system.unknowns[j].order > 1]
+        rows = [i for i in self.active_rows if system.equations[i].order > 0]
+        columns = [j for j in self.columns if system.unknowns[j].order > 0]
+        while rows:
+            chosen = self._choose(rows, columns, base_rows)
+            dummies.update(chosen)
+            rows = [equation_before[i] for i in rows if system.equations[i].order > 1]
+            columns = [unknown_before[j] for j in chosen if system.unknowns[j].order > 1]
         return [
             j for j in self._all()
             if system.unknowns[j].rate >= 0 and system.unknowns[j].rate not in dummies
         ]  # fmt: skip
-
-    def _blocks(self):
-        """Strong components of the equations and unknowns of highest order."""
-        for rows, columns in structure.strong_components(self.active_incidence, len(self.columns)):
-            yield [self.active_rows[i] for i in rows], [self.columns[j] for j in columns]
 
     def _base_rows(self) -> dict[int, set[tuple[int, int]]]:
         """For each undifferentiated equation: the (base, order) of the unknowns in it."""

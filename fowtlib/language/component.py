@@ -111,10 +111,10 @@ class Component:
         """The value a parameter has now, in SI units; an error where a required one is missing."""
         value = self.parameter_binding(name)
         if self.parameters[name].annotation in SHAPES:
+            if value is None:
+                return None
             value = np.asarray(expressions.evaluate(value, combine=_stack), dtype=float)
-            return (
-                float(value) if value.shape == () or value.shape == (1,) and not self.parameters[name].shape else value
-            )
+            return value.item() if SHAPES[self.parameters[name].annotation] == () and value.size == 1 else value
         if expressions.is_expression(value):
             return _plain(self.parameters[name], expressions.evaluate(value), join(self.path, name))
         return value

@@ -51,6 +51,9 @@ class Field:
         """What the attribute gives outside of flattening."""
         return self
 
+    def __deepcopy__(self, memo: Any) -> Field:
+        return self  # a declaration belongs to its class
+
     def __get__(self, component: Any, owner: type | None = None) -> Any:
         if component is None:
             return self
@@ -158,6 +161,9 @@ class PortReference:
         if size is None:
             raise TypeError(f"{self.path} is one port, not an array of ports")
         return size
+
+    def __bool__(self) -> bool:
+        return True
 
     def __getitem__(self, index: int) -> PortReference:
         from fowtlib.language.errors import ConnectionFault
