@@ -13,7 +13,7 @@ from fowtlib.components.hydro import wamit
 from fowtlib.components.hydro.errors import HydrodynamicDataError
 
 _MODES = ("surge", "sway", "heave", "roll", "pitch", "yaw")
-_SYMMETRY = 0.02  # largest |M_ij - M_ji| / sqrt(M_ii M_jj) of a believable matrix
+_SYMMETRY = 0.05  # largest |M_ij - M_ji| / sqrt(M_ii M_jj) of a believable matrix
 _NEGATIVE = 1e-3  # largest negative damping, relative to the maximum of the same mode
 _TAIL = 0.05  # |X| at the highest frequency, relative to its maximum, below which X is zero beyond
 _SAME_OMEGA = 1e-5  # relative; periods in WAMIT files have six digits
@@ -54,7 +54,7 @@ class HydrodynamicDatabase:
     rho, g, water_depth kg/m^3, m/s^2, m
     source              one line on the origin of the data
 
-    Checked when made: shapes, finite numbers, A and B symmetric within 2 % of sqrt(M_ii M_jj), no negative damping on
+    Checked when made: shapes, finite numbers, A and B symmetric within 5 % of sqrt(M_ii M_jj), no negative damping on
     the diagonal (0.1 % of the mode's maximum is forgiven). Raises HydrodynamicDataError. The arrays are read-only.
 
     Source: Newman, Marine Hydrodynamics (1977), chapter 6; Falnes, Ocean Waves and Oscillating Systems (2002), ch. 5.
