@@ -53,8 +53,7 @@ class Sea(Component):
         if self.spectrum == "jonswap":
             period = self.repetition_period
             message = (
-                f"{self.path}: the waves repeat themselves after {period:g} s; "
-                "for a longer run set repetition_period to its duration."
+                f"the waves repeat themselves after {period:g} s; set repetition_period to the duration of the run."
             )
             statements.append(assert_(self.time < period * (1 + 1e-9), message, level="warning"))
         return statements

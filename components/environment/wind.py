@@ -38,7 +38,7 @@ class Wind(Component):
     gust: "eog" is the extreme operating gust of IEC 61400-1, magnitude by (17) unless given; "1-cos" is one hump.
     kaimal: normal turbulence model by class, or an intensity. What a series holds and loses: module turbulence.
     file: see wind_file.read_series; a run past the end of the series stops there.
-    The mean speed is tunable, but turbulence and the IEC gust are made for the speed at hand when the model is built.
+    The mean speed is tunable, but turbulence and the IEC gust are made for the speed that the model is compiled with.
     """
 
     kind: str = param(default="none", choices=("none", "steady", "step", "gust", "kaimal", "file"), doc="kind of wind")
@@ -121,10 +121,7 @@ def _gust(wind: Wind) -> tuple[Any, Any, list[Any]]:
 
 def _kaimal(wind: Wind) -> tuple[Any, Any, list[Any]]:
     series = wind.turbulence()
-    message = (
-        f"{wind.path}: the wind repeats itself after {series.end:g} s; "
-        "for a longer run set repetition_period to its duration."
-    )
+    message = f"the wind repeats itself after {series.end:g} s; set repetition_period to the duration of the run."
     longer = assert_(wind.time < series.end * (1 + 1e-9), message, level="warning")
     fluctuation = _series(wind, series, "turbulence")
     return _sheared(wind, wind.mean_speed), fluctuation, [_same_speed(wind), longer]
@@ -143,8 +140,7 @@ _TIME_FUNCTIONS = {
 
 def _sheared(wind: Wind, speed: Any) -> Any:
     """Speed at every station from the speed at the reference height."""
-    if not wind.is_set("mean_speed"):
-        raise ParameterError(f"{wind.label}.mean_speed has no value; a wind of kind '{wind.kind}' needs it.")
+    _built_speed(wind)
     ratio = wind.hubs[:, 1] / wind.reference_height
     return m.vertcat(*[speed * z**wind.shear_exponent for z in ratio.tolist()])
 
@@ -154,14 +150,16 @@ def _series(wind: Wind, series: WindSeries, name: str) -> Any:
 
 
 def _built_speed(wind: Wind) -> float:
-    """The mean speed as a number, when the model is built."""
+    """The mean speed as a number, when the model is compiled."""
+    if not wind.is_set("mean_speed"):
+        raise ParameterError(f"{wind.label}.mean_speed has no value; a wind of kind '{wind.kind}' needs it.")
     return float(wind.parameter_value("mean_speed"))
 
 
 def _same_speed(wind: Wind) -> Any:
     built = _built_speed(wind)
     message = (
-        f"{wind.label}.mean_speed was changed after the model was built, and its {wind.kind} wind is made for "
-        f"{built:g} m/s; compile the model again with the new speed."
+        f"mean_speed was changed after the model was compiled, and the {wind.kind} wind is made for {built:g} m/s; "
+        "compile it again with the new speed."
     )
     return assert_(m.abs(wind.mean_speed - built) < 1e-9 * (1 + built), message)
