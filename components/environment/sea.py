@@ -8,10 +8,10 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import ArrayLike
 
-from fowtlib.components.environment.time_functions import progress, smooth_step
+from fowtlib.components.environment.time_functions import progress, smooth_step, warn_of_repetition
 from fowtlib.components.environment.waves import WaveComponents, irregular_waves, regular_waves, still_water
 from fowtlib.components.environment.world import World
-from fowtlib.language import Component, RealOutput, assert_, eq, outer, param, port, time_series
+from fowtlib.language import Component, RealOutput, eq, outer, param, port, time_series
 from fowtlib.language import math as m
 from fowtlib.language.errors import ParameterError
 
@@ -49,14 +49,9 @@ class Sea(Component):
     elevation: RealOutput = port(unit="m", doc="elevation of the water at the origin")
 
     def equations(self):
-        statements = [eq(self.elevation, self.signal(np.ones((len(self.components()), 1)), "wave elevation"))]
-        if self.spectrum == "jonswap":
-            period = self.repetition_period
-            message = (
-                f"the waves repeat themselves after {period:g} s; set repetition_period to the duration of the run."
-            )
-            statements.append(assert_(self.time < period * (1 + 1e-9), message, level="warning"))
-        return statements
+        waves = self.components()
+        longer = [warn_of_repetition(self.time, waves.period, "sea")] if self.spectrum == "jonswap" else []
+        return [eq(self.elevation, self.signal(np.ones((len(waves), 1)), "wave elevation")), *longer]
 
     def components(self) -> WaveComponents:
         """The harmonics of this sea as numbers."""
@@ -64,10 +59,10 @@ class Sea(Component):
         if self.spectrum == "still":
             return still_water(depth, self.heading)
         if self.spectrum == "regular":
-            height, period = self._given("wave_height"), self._given("wave_period")
+            height, period = _given(self, "wave_height"), _given(self, "wave_period")
             return regular_waves(height, period, depth, heading=self.heading, gravity=gravity)
         options = {name: getattr(self, name) for name in ("gamma", "heading", "seed", "random_amplitudes")}
-        height, period = self._given("significant_wave_height"), self._given("peak_period")
+        height, period = _given(self, "significant_wave_height"), _given(self, "peak_period")
         return _jonswap(height, period, depth, gravity=gravity, repetition_period=self.repetition_period, **options)
 
     def signal(self, transfer: ArrayLike, name: str = "wave signal") -> ca.SX:
@@ -83,7 +78,7 @@ class Sea(Component):
         alive = np.flatnonzero(size > 1e-14 * np.max(size, initial=0.0))
         value = m.zeros(columns.shape[1])
         if len(alive):
-            value[alive.tolist()] = self._time_function(waves, columns[:, alive], name)
+            value[alive.tolist()] = _time_function(self, waves, columns[:, alive], name)
         return value
 
     def velocity(self, points: ArrayLike) -> ca.SX:
@@ -99,19 +94,21 @@ class Sea(Component):
         value = self.signal(transfer.transpose(0, 2, 1).reshape(n, 3 * points), name)
         return m.horzcat(value[:points], value[points : 2 * points], value[2 * points :])
 
-    def _time_function(self, waves: WaveComponents, columns: np.ndarray, name: str) -> ca.SX:
-        if len(waves) <= CLOSED_FORM:
-            weighted = waves.complex_amplitude[:, None] * columns
-            terms = zip(waves.omega.tolist(), weighted, strict=True)
-            value = sum(m.cos(w * self.time) * c.real - m.sin(w * self.time) * c.imag for w, c in terms)
-        else:
-            step = waves.period / waves.samples
-            value = time_series(self.time, 0.0, step, waves.series(columns), periodic=True, name=f"{self.path} {name}")
-        return value * smooth_step(progress(self.time, 0, self.build_up)) if self.build_up > 0 else value
 
-    def _given(self, name: str) -> float:
-        value = getattr(self, name)
-        if value is None:
-            doc = self.parameters[name].doc
-            raise ParameterError(f"{self.label}.{name} has no value; a sea of kind '{self.spectrum}' needs it ({doc}).")
-        return value
+def _time_function(sea: Sea, waves: WaveComponents, columns: np.ndarray, name: str) -> ca.SX:
+    if len(waves) <= CLOSED_FORM:
+        weighted = waves.complex_amplitude[:, None] * columns
+        terms = zip(waves.omega.tolist(), weighted, strict=True)
+        value = sum(m.cos(w * sea.time) * c.real - m.sin(w * sea.time) * c.imag for w, c in terms)
+    else:
+        step = waves.period / waves.samples
+        value = time_series(sea.time, 0.0, step, waves.series(columns), periodic=True, name=f"{sea.path} {name}")
+    return value * smooth_step(progress(sea.time, 0, sea.build_up)) if sea.build_up > 0 else value
+
+
+def _given(sea: Sea, name: str) -> float:
+    value = getattr(sea, name)
+    if value is None:
+        doc = sea.parameters[name].doc
+        raise ParameterError(f"{sea.label}.{name} has no value; a sea of kind '{sea.spectrum}' needs it ({doc}).")
+    return value

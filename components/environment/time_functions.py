@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from typing import Any
 
+from fowtlib.language import assert_
 from fowtlib.language import math as m
 
 
@@ -28,3 +29,9 @@ def extreme_gust(s: Any) -> Any:
 def cosine_gust(s: Any) -> Any:
     """(1 - cos(2 pi s)) / 2 for s in [0, 1]: one hump of height 1; its second derivative jumps at both ends."""
     return 0.5 * (1 - m.cos(2 * m.pi * s))
+
+
+def warn_of_repetition(time: Any, period: float, what: str) -> Any:
+    """A warning, once, when a run is longer than the period [s] after which the waves or the wind repeat themselves."""
+    message = f"the {what} repeats itself after {period:g} s; set repetition_period to the duration of the run."
+    return assert_(time < period * (1 + 1e-9), message, level="warning")

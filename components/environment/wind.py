@@ -8,7 +8,13 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from fowtlib.components.environment import turbulence
-from fowtlib.components.environment.time_functions import cosine_gust, extreme_gust, progress, smooth_step
+from fowtlib.components.environment.time_functions import (
+    cosine_gust,
+    extreme_gust,
+    progress,
+    smooth_step,
+    warn_of_repetition,
+)
 from fowtlib.components.environment.wind_file import WindSeries, read_series
 from fowtlib.language import Array, Component, RealOutput, Scalar, assert_, eq, param, port, time_series, var, when
 from fowtlib.language import math as m
@@ -121,10 +127,8 @@ def _gust(wind: Wind) -> tuple[Any, Any, list[Any]]:
 
 def _kaimal(wind: Wind) -> tuple[Any, Any, list[Any]]:
     series = wind.turbulence()
-    message = f"the wind repeats itself after {series.end:g} s; set repetition_period to the duration of the run."
-    longer = assert_(wind.time < series.end * (1 + 1e-9), message, level="warning")
-    fluctuation = _series(wind, series, "turbulence")
-    return _sheared(wind, wind.mean_speed), fluctuation, [_same_speed(wind), longer]
+    statements = [_same_speed(wind), warn_of_repetition(wind.time, series.end, "wind")]
+    return _sheared(wind, wind.mean_speed), _series(wind, series, "turbulence"), statements
 
 
 def _file(wind: Wind) -> tuple[Any, Any, list[Any]]:

@@ -242,7 +242,7 @@ def test_a_run_longer_than_the_waves_is_warned_about():
         warnings.simplefilter("always")
         result = simulate(model(sea=sea, wind=wind), 50, output_step=1.0)
     text = [str(warning.message) for warning in caught]
-    assert sum("the waves repeat themselves after 40 s" in line for line in text) == 1
+    assert sum("the sea repeats itself after 40 s" in line for line in text) == 1
     assert not any("the wind repeats" in line for line in text)
     eta = values(result, "sea.elevation")
     np.testing.assert_allclose(eta[40:], eta[:11], atol=1e-9)
