@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from functools import lru_cache
 from typing import TYPE_CHECKING, Any
 
@@ -79,7 +80,7 @@ class Wind(Component):
 
     def velocity(self, r: ca.SX, station: int = 0) -> ca.SX:
         """Wind velocity (3, world) at position r (3, world), with the series of a station; while flattening."""
-        height = m.fmax(r[2] / float(self.hubs[station, 1]), LOWEST_HEIGHT)
+        height = m.fmax(r[2] / _height(self, station), LOWEST_HEIGHT)
         speed = self.base[station] * height**self.shear_exponent + self.fluctuation[station]
         return m.vertcat(speed * m.cos(self.direction), speed * m.sin(self.direction), 0)
 
@@ -87,6 +88,12 @@ class Wind(Component):
     def hubs(self) -> np.ndarray:
         """The stations as numbers, (n, 2)."""
         return np.asarray(self.parameter_value("stations"))
+
+    def mean_at(self, station: int = 0) -> Any:
+        """Mean speed at a station, a start value for filters: of a file's series, else before any step or gust."""
+        if self.kind == "file":
+            return float(_read(self).values[:, station].mean())
+        return 0.0 if self.kind == "none" else self.mean_speed * _shear(self, _height(self, station))
 
     def turbulence(self) -> WindSeries:
         """The turbulent fluctuation at the stations as numbers."""
@@ -132,9 +139,7 @@ def _kaimal(wind: Wind) -> tuple[Any, Any, list[Any]]:
 
 
 def _file(wind: Wind) -> tuple[Any, Any, list[Any]]:
-    if not wind.file:
-        raise ParameterError(f"{wind.label}.file has no value; a wind of kind 'file' needs the path of a CSV file.")
-    return _series(wind, read_series(wind.file, len(wind.hubs)), f"wind file {wind.file}"), 0, []
+    return _series(wind, _read(wind), f"wind file {wind.file}"), 0, []
 
 
 _TIME_FUNCTIONS = {
@@ -145,8 +150,27 @@ _TIME_FUNCTIONS = {
 def _sheared(wind: Wind, speed: Any) -> Any:
     """Speed at every station from the speed at the reference height."""
     _built_speed(wind)
-    ratio = wind.hubs[:, 1] / wind.reference_height
-    return m.vertcat(*[speed * z**wind.shear_exponent for z in ratio.tolist()])
+    return m.vertcat(*[speed * _shear(wind, height) for height in wind.hubs[:, 1].tolist()])
+
+
+def _shear(wind: Wind, height: float) -> Any:
+    """Power law as exp(shear_exponent log(ratio)), which also works on references to parameters."""
+    return m.exp(wind.shear_exponent * math.log(height / wind.reference_height))
+
+
+def _height(wind: Wind, station: int) -> float:
+    if not 0 <= station < len(wind.hubs):
+        raise ParameterError(
+            f"station {station} of {wind.label} does not exist (it has {len(wind.hubs)}, counted from 0); "
+            "set its parameter stations to the (y, z) of every hub."
+        )
+    return float(wind.hubs[station, 1])
+
+
+def _read(wind: Wind) -> WindSeries:
+    if not wind.file:
+        raise ParameterError(f"{wind.label}.file has no value; a wind of kind 'file' needs the path of a CSV file.")
+    return read_series(wind.file, len(wind.hubs))
 
 
 def _series(wind: Wind, series: WindSeries, name: str) -> Any:

@@ -127,6 +127,15 @@ def test_steady_wind_with_shear_and_direction():
     assert values(result, "probe.wind_velocity")[-1] == pytest.approx([speed * math.sqrt(0.75), speed / 2, 0])
 
 
+def test_mean_speed_at_a_station(tmp_path):
+    wind = Wind(kind="kaimal", mean_speed=10, shear_exponent=0.2, stations=[[0, 90], [0, 45]])
+    assert float(wind.mean_at(1)) == pytest.approx(10 * 0.5**0.2)
+    assert Wind().mean_at() == 0
+    path = tmp_path / "wind.csv"
+    path.write_text("0,8\n1,9\n2,10\n3,11\n")
+    assert Wind(kind="file", file=str(path)).mean_at() == 9.5
+
+
 def test_mean_speed_of_a_steady_wind_is_tunable():
     plant = fw.load(model(wind={"kind": "steady", "mean_speed": 10})).compile()
     result = plant.simulate(1.0, output_step=0.5, parameters={"wind.mean_speed": 14})
@@ -227,6 +236,15 @@ def test_mistakes(sea, wind, message):
     with pytest.raises(ModelError) as error:
         simulate(model(sea=sea, wind=wind))
     assert str(error.value) == message
+
+
+def test_a_station_that_does_not_exist():
+    with pytest.raises(ModelError) as error:
+        Wind(kind="steady", mean_speed=8).mean_at(1)
+    assert str(error.value) == (
+        "station 1 of Wind does not exist (it has 1, counted from 0); "
+        "set its parameter stations to the (y, z) of every hub."
+    )
 
 
 def test_a_turbulent_wind_keeps_the_speed_it_was_built_for():
