@@ -5,6 +5,8 @@ from __future__ import annotations
 from fowtlib.language import Array, Component, RealInput, RealOutput, Scalar, eq, param, port
 from fowtlib.language import math as m
 
+UNLIMITED = 1e30  # the default of a limit that is not there
+
 
 class Gain(Component):
     """y = gain u."""
@@ -53,8 +55,8 @@ class Limiter(Component):
     width in u, y has all derivatives and differs from the exact limiter by at most rounding.
     """
 
-    lower: Scalar = param(default=-m.inf, doc="smallest output")
-    upper: Scalar = param(default=m.inf, doc="largest output")
+    lower: Scalar = param(default=-UNLIMITED, doc="smallest output")
+    upper: Scalar = param(default=UNLIMITED, doc="largest output")
     rounding: float = param(default=0.0, min=0.0, doc="width of the rounded corners, in the unit of u; 0: exact")
 
     u: RealInput = port(doc="input")

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
+from fowtlib.components.blocks.algebra import UNLIMITED
 from fowtlib.components.blocks.dynamics import canonical_form
 from fowtlib.language import Array, Component, RealInput, RealOutput, Scalar, assign, der, eq, param, port, sampled, var
 from fowtlib.language import math as m
@@ -21,8 +22,8 @@ class PI(Component):
 
     proportional_gain: Scalar = param(doc="k_p, output per input")
     integral_gain: Scalar = param(doc="k_i, output per input and second")
-    lower: Scalar = param(default=-m.inf, doc="smallest output")
-    upper: Scalar = param(default=m.inf, doc="largest output")
+    lower: Scalar = param(default=-UNLIMITED, doc="smallest output")
+    upper: Scalar = param(default=UNLIMITED, doc="largest output")
     tracking_time: Scalar = param(default=1.0, unit="s", min=0, doc="time constant of the anti-windup")
     gain_on: str = param(default="integrand", choices=("integrand", "integral"), doc="what the gain multiplies")
     integral_start: Scalar = param(default=0.0, doc="initial integral part before the gain")
@@ -70,8 +71,8 @@ class SampledPI(Component):
 
     proportional_gain: Scalar = param(doc="k_p, output per input")
     integral_gain: Scalar = param(doc="k_i, output per input and second")
-    lower: Scalar = param(default=-m.inf, doc="smallest output")
-    upper: Scalar = param(default=m.inf, doc="largest output")
+    lower: Scalar = param(default=-UNLIMITED, doc="smallest output")
+    upper: Scalar = param(default=UNLIMITED, doc="largest output")
     integral_start: Scalar = param(default=0.0, doc="integral part before the first sample")
     period: float = param(unit="s", min=0.0, doc="sampling period")
     offset: float = param(default=0.0, unit="s", doc="time of the first sample")

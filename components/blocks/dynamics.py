@@ -179,7 +179,7 @@ def canonical_form(numerator, denominator):
 
     Raises ParameterError: a leading zero of the denominator, a numerator of higher degree, or no state at all.
     """
-    num, den = np.atleast_1d(numerator).astype(float), np.atleast_1d(denominator).astype(float)
+    num, den = np.ravel(numerator).astype(float), np.ravel(denominator).astype(float)
     n = len(den) - 1
     if n < 1 or den[0] == 0 or len(num) > n + 1:
         raise ParameterError(

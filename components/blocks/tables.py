@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import numpy as np
+
 from fowtlib.language import Array, Component, RealInput, RealOutput, eq, param, port, table1d, table2d
 
 
@@ -19,7 +21,8 @@ class Table1D(Component):
     y: RealOutput = port(doc="value")
 
     def equations(self):
-        return [eq(self.y, table1d(self.u, self.x, self.values, name=self.path, smoothness=self.smoothness))]
+        x, values = np.ravel(self.x), np.ravel(self.values)
+        return [eq(self.y, table1d(self.u, x, values, name=self.path, smoothness=self.smoothness))]
 
 
 class Table2D(Component):
@@ -34,4 +37,5 @@ class Table2D(Component):
     z: RealOutput = port(doc="value")
 
     def equations(self):
-        return [eq(self.z, table2d(self.u, self.v, self.x, self.y, self.values, name=self.path))]
+        x, y = np.ravel(self.x), np.ravel(self.y)
+        return [eq(self.z, table2d(self.u, self.v, x, y, np.asarray(self.values), name=self.path))]

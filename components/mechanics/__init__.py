@@ -5,7 +5,7 @@ from fowtlib.components.mechanics.connectors import Flange, Frame  # isort: skip
 from fowtlib.components.environment.world import World
 from fowtlib.components.mechanics.bodies import Fixed, FixedRotation, FixedTranslation, PointMass, RigidBody
 from fowtlib.components.mechanics.interfaces import TwoFlanges, TwoFrames
-from fowtlib.components.mechanics.joints import FreeMotion, PlanarLoopRevolute, Prismatic, Revolute, Spherical
+from fowtlib.components.mechanics.joints import Crank, FreeMotion, PlanarLoopRevolute, Prismatic, Revolute, Spherical
 from fowtlib.components.mechanics.loads import SpringDamper, WorldForce, WorldTorque
 from fowtlib.components.mechanics.rotational import (
     AngleSensor,
@@ -33,6 +33,7 @@ __all__ = [
     "AngleSensor",
     "AngleSource",
     "AttitudeSensor",
+    "Crank",
     "Fixed",
     "FixedFlange",
     "FixedRotation",

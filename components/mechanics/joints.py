@@ -56,6 +56,8 @@ class FreeMotion(TwoFrames):
     angle_rates: Vector = var(
         unit="rad/s", start=angle_rates_start, state="prefer", doc="rates of roll, pitch, yaw", hint="has it inertia?"
     )
+    acceleration: Vector = var(unit="m/s^2", doc="second derivatives of surge, sway, heave")
+    angle_accelerations: Vector = var(unit="rad/s^2", doc="second derivatives of roll, pitch, yaw")
 
     def equations(self):
         a, b = self.frame_a, self.frame_b
@@ -64,6 +66,8 @@ class FreeMotion(TwoFrames):
         return [
             eq(der(position), self.velocity),
             eq(der(m.vertcat(self.roll, self.pitch, self.yaw)), self.angle_rates),
+            eq(der(self.velocity), self.acceleration),
+            eq(der(self.angle_rates), self.angle_accelerations),
             eq(b.r, a.r + a.R @ position),
             rotation(
                 a,
@@ -95,17 +99,30 @@ class Revolute(TwoFrames):
 
     phi: Scalar = var(unit="rad", start=phi_start, state="prefer", doc="angle", hint="is there inertia on both sides?")
     w: Scalar = var(unit="rad/s", start=w_start, state="prefer", doc="angular velocity")
+    a: Scalar = var(unit="rad/s^2", doc="angular acceleration")
 
     def equations(self):
         a, b, n = self.frame_a, self.frame_b, unit_axis(self.n)
         return [
             eq(der(self.phi), self.w),
+            eq(der(self.w), self.a),
             eq(b.r, a.r),
             rotation(a, b, axis_rotation(n, self.phi), n * self.w),
             eq(self.flange.phi, self.phi),
             eq(self.flange.tau, -m.dot(a.R @ n, b.t)),
             self.transmit(),
         ]
+
+
+class Crank(Revolute):
+    """A hinge whose angle describes a closed loop: its angle and speed are the states, and the other hinges follow.
+
+    Of a loop any hinge may be the state, but one that only swings (a rocker) has dead points, where its angle does not
+    tell how the loop moves on. Use a Crank where the loop has a hinge that turns fully; elsewhere a Revolute will do.
+    """
+
+    phi: Scalar = var(unit="rad", start=Revolute.phi_start, state="always", doc="angle")
+    w: Scalar = var(unit="rad/s", start=Revolute.w_start, state="always", doc="angular velocity")
 
 
 class Prismatic(TwoFrames):
@@ -123,12 +140,14 @@ class Prismatic(TwoFrames):
 
     s: Scalar = var(unit="m", start=s_start, state="prefer", doc="position", hint="is there mass on both sides?")
     v: Scalar = var(unit="m/s", start=v_start, state="prefer", doc="velocity")
+    a: Scalar = var(unit="m/s^2", doc="acceleration")
 
     def equations(self):
         a, b = self.frame_a, self.frame_b
         axis = a.R @ unit_axis(self.n)
         return [
             eq(der(self.s), self.v),
+            eq(der(self.v), self.a),
             eq(b.r, a.r + axis * self.s),
             rotation(a, b, m.eye(3), m.zeros(3)),
             eq(self.force, -m.dot(axis, b.f)),
@@ -153,12 +172,14 @@ class Spherical(TwoFrames):
     angle_rates: Vector = var(
         unit="rad/s", start=angle_rates_start, state="prefer", doc="rates of roll, pitch, yaw", hint="has it inertia?"
     )
+    angle_accelerations: Vector = var(unit="rad/s^2", doc="second derivatives of roll, pitch, yaw")
 
     def equations(self):
         a, b = self.frame_a, self.frame_b
         angles = (self.roll, self.pitch, self.yaw)
         return [
             eq(der(m.vertcat(*angles)), self.angle_rates),
+            eq(der(self.angle_rates), self.angle_accelerations),
             eq(b.r, a.r),
             rotation(a, b, yaw_pitch_roll(*angles), yaw_pitch_roll_velocity(self.pitch, self.yaw, self.angle_rates)),
             [eq(a.f, -b.f), eq(a.t, m.zeros(3)), eq(b.t, m.zeros(3))],
