@@ -1,0 +1,107 @@
+"""The program `fowt`: its commands, and what becomes of errors.
+
+Exit status: 0 done, 1 done and the answer is no (`fowt check`), 2 a mistake of the user (message on stderr), 3 an error
+inside fowtlib or a component, 130 stopped by Ctrl-C.
+"""
+
+from __future__ import annotations
+
+import argparse
+import sys
+import traceback
+import warnings
+from collections.abc import Sequence
+from typing import NoReturn
+
+from fowtlib.cli import decay, inspection, library, rao, run, stability
+from fowtlib.language.errors import ModelError, did_you_mean
+from fowtlib.solving.simulation import Interrupted
+
+GROUPS = (run, inspection, stability, decay, rao, library)
+
+
+class Parser(argparse.ArgumentParser):
+    """argparse with whole option names only, and the names the user may have meant."""
+
+    def __init__(self, *args, **kwargs):
+        kwargs.setdefault("allow_abbrev", False)
+        kwargs.setdefault("formatter_class", argparse.RawDescriptionHelpFormatter)
+        super().__init__(*args, **kwargs)
+
+    def _check_value(self, action: argparse.Action, value: object) -> None:
+        if action.choices is not None and value not in action.choices:
+            what = "command" if isinstance(action, argparse._SubParsersAction) else action.metavar or action.dest
+            self.error(f"unknown {what} '{value}'{did_you_mean(str(value), map(str, action.choices), list_up_to=20)}")
+
+    def error(self, message: str) -> NoReturn:
+        """Say what is wrong and where help is, and exit with status 2."""
+        self.exit(2, f"{self.prog}: {message}\nSee {self.prog} --help\n")
+
+    def unknown(self, words: Sequence[str]) -> NoReturn:
+        """Refuse arguments nobody declared; each with the option that was probably meant."""
+        word = words[0].partition("=")[0]
+        if word.startswith("-"):
+            self.error(f"unknown option '{word}'{did_you_mean(word, self._option_string_actions, list_up_to=0)}")
+        self.error(f"one argument too many: '{word}'.")
+
+
+def parser() -> tuple[Parser, dict[str, Parser]]:
+    """The parser of the whole program, and those of its commands by name."""
+    top = Parser("fowt", description="Floating wind turbines: simulate, inspect and linearise models.")
+    top.add_argument("--version", action="store_true", help="print the version and exit")
+    commands = top.add_subparsers(dest="command", metavar="COMMAND", parser_class=Parser)
+    for group in GROUPS:
+        group.declare(commands)
+    for command in commands.choices.values():
+        command.add_argument("--traceback", action="store_true", help="on an error, show where in the program it arose")
+    return top, dict(commands.choices)
+
+
+def main(argv: Sequence[str] | None = None) -> int:
+    """Run one command; the exit status."""
+    top, commands = parser()
+    arguments, rest = top.parse_known_args(argv)
+    if arguments.version:
+        from importlib.metadata import version
+
+        print(f"fowt {version('fowtlib')}")
+        return 0
+    if arguments.command is None:
+        top.print_help()
+        return 2
+    if rest:
+        commands[arguments.command].unknown(rest)
+    with warnings.catch_warnings():
+        warnings.showwarning = _warn
+        return _carry_out(arguments)
+
+
+def _carry_out(arguments: argparse.Namespace) -> int:
+    """Do what the command says; every error becomes a sentence and a status."""
+    try:
+        return arguments.action(arguments)
+    except Interrupted as error:
+        return _stopped(arguments, 130, str(error))
+    except ModelError as error:
+        return _stopped(arguments, 2, str(error))
+    except KeyboardInterrupt:
+        return _stopped(arguments, 130, "stopped; nothing was saved.")
+    except BrokenPipeError:  # the reader of our output has enough: `fowt parts | head`
+        sys.stderr.close()
+        return 0
+    except Exception as error:
+        reason = f"{type(error).__name__}: {error}" if str(error) else type(error).__name__
+        hint = "" if arguments.traceback else "\nTo see where it arose, add --traceback."
+        return _stopped(arguments, 3, f"an error inside the program: {reason}{hint}")
+
+
+def _stopped(arguments: argparse.Namespace, status: int, message: str) -> int:
+    if arguments.traceback:
+        traceback.print_exc()
+    sys.stdout.flush()
+    print(f"fowt {arguments.command}: {message}", file=sys.stderr)
+    return status
+
+
+def _warn(message: Warning | str, *_: object) -> None:
+    print(f"fowt: warning: {message}", file=sys.stderr)

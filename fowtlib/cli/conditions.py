@@ -1,0 +1,196 @@
+"""The short language of `--wind` and `--waves`: KIND[:VALUE][,key=value...], and of `--set`: path=value.
+
+`kaimal:11.4,class=B,seed=1` and `jonswap:Hs=6,Tp=10,seed=1` become values of the parameters of the model's parts `wind`
+and `sea`. Numbers are in SI, headings in degrees; a number may carry a unit ("Tp=0.2 min").
+"""
+
+from __future__ import annotations
+
+import json
+import math
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+from fowtlib.language.errors import ParameterError, did_you_mean, one_of
+from fowtlib.language.units import to_si
+
+
+@dataclass(frozen=True)
+class Key:
+    """One quantity of a condition: the parameter it sets, and its unit.
+
+    The unit "" is text, "#" a whole number, "path" a file, "deg" an angle that is given in degrees.
+    """
+
+    parameter: str
+    unit: str = "1"
+    required: bool = False
+    choices: tuple[str, ...] = ()
+
+    def read(self, text: str, where: str) -> Any:
+        """The value that `text` stands for."""
+        if self.choices and text not in self.choices:
+            raise ParameterError(f"{where}: '{text}' is not {one_of(self.choices)}.")
+        if self.unit == "":
+            return text
+        if self.unit == "path":
+            return str(Path(text).expanduser().resolve())
+        if self.unit == "#":
+            if not text.isdecimal():
+                raise ParameterError(f"{where}: '{text}' is not a whole number.")
+            return int(text)
+        if self.unit == "deg":
+            try:
+                return math.radians(float(text))
+            except ValueError:
+                return to_si(text, "rad", where)
+        return to_si(text, self.unit, where)
+
+
+@dataclass(frozen=True)
+class Kind:
+    """What may follow the name of a kind: the key of a bare value behind the colon, and the keys."""
+
+    keys: Mapping[str, Key]
+    bare: str = ""
+
+
+@dataclass(frozen=True)
+class Condition:
+    """The grammar of one option: the part it sets, the parameter that holds the kind, the kinds."""
+
+    option: str
+    part: str
+    selector: str
+    kinds: Mapping[str, Kind]
+
+    @property
+    def usage(self) -> str:
+        """The kinds with their keys, for the help text."""
+        return " | ".join(self.form(name) for name in self.kinds)
+
+    def form(self, name: str) -> str:
+        """How a kind is written: `regular:H=..,T=..[,heading=..]`."""
+        kind = self.kinds[name]
+        bare = [f"{kind.bare.upper()}"] if kind.bare else []
+        named = {key: value for key, value in kind.keys.items() if key != kind.bare}
+        needed = [f"{key}=.." for key, value in named.items() if value.required]
+        spare = [f"{key}=.." for key, value in named.items() if not value.required]
+        inner = ",".join([*bare, *needed]) + "".join(f"[,{item}]" for item in spare)
+        return f"{name}:{inner}" if inner else name
+
+    def parse(self, text: str) -> dict[str, Any]:
+        """Values by parameter path."""
+        name, _, rest = text.partition(":")
+        name = name.strip()
+        if name not in self.kinds:
+            raise ParameterError(f"{self.option}: unknown kind '{name}'{did_you_mean(name, self.kinds)}")
+        kind = self.kinds[name]
+        if kind.keys and set(kind.keys) == {kind.bare} and kind.keys[kind.bare].unit == "path":
+            words = {kind.bare: rest.strip()} if rest.strip() else {}  # a file name may hold anything
+        else:
+            words = self._words(name, kind, rest)
+        missing = [key for key, value in kind.keys.items() if value.required and key not in words]
+        if missing:
+            raise ParameterError(f"{self.option}: '{name}' needs {one_of(missing, 'and')}; write {self.form(name)}")
+        values = {f"{self.part}.{self.selector}": name}
+        for key, word in words.items():
+            values[f"{self.part}.{kind.keys[key].parameter}"] = kind.keys[key].read(word, f"{self.option}: {key}")
+        return values
+
+    def _words(self, name: str, kind: Kind, rest: str) -> dict[str, str]:
+        words: dict[str, str] = {}
+        for index, item in enumerate(filter(None, (item.strip() for item in rest.split(",")))):
+            key, equals, word = (piece.strip() for piece in item.partition("="))
+            if not equals:
+                if index or not kind.bare:
+                    raise ParameterError(f"{self.option}: '{item}' should be key=value; write {self.form(name)}")
+                key, word = kind.bare, item
+            if key not in kind.keys:
+                raise ParameterError(f"{self.option}: '{name}' has no '{key}'{did_you_mean(key, kind.keys)}")
+            if key in words:
+                raise ParameterError(f"{self.option}: '{key}' is given twice.")
+            words[key] = word
+        return words
+
+
+def settings(pairs: Sequence[str]) -> dict[str, Any]:
+    """`--set path=value`: numbers, lists and true/false as in JSON, anything else is text ("12.1 rpm")."""
+    values: dict[str, Any] = {}
+    for pair in pairs:
+        path, equals, text = (piece.strip() for piece in pair.partition("="))
+        if not equals or not path or not text:
+            raise ParameterError(f"--set: '{pair}' should be path=value, for example --set sea.peak_period=12")
+        if path in values:
+            raise ParameterError(f"--set: '{path}' is given twice.")
+        try:
+            values[path] = json.loads(text)
+        except json.JSONDecodeError:
+            values[path] = text
+    return values
+
+
+_SPEED = {"speed": Key("mean_speed", "m/s", required=True)}
+_SHEAR = {"shear": Key("shear_exponent"), "direction": Key("direction", "deg")}
+_CLASS = {"class": Key("turbulence_class", "", choices=("A", "B", "C"))}
+_HEADING = {"heading": Key("heading", "deg")}
+
+WIND = Condition(
+    "--wind",
+    "wind",
+    "kind",
+    {
+        "none": Kind({}),
+        "steady": Kind({**_SPEED, **_SHEAR}, bare="speed"),
+        "step": Kind(
+            {
+                **_SPEED,
+                "to": Key("step_speed", "m/s", required=True),
+                "at": Key("start_time", "s"),
+                "within": Key("step_duration", "s"),
+                **_SHEAR,
+            },
+            bare="speed",
+        ),
+        "gust": Kind(
+            {
+                **_SPEED,
+                "at": Key("start_time", "s"),
+                "height": Key("gust_speed", "m/s"),
+                "duration": Key("gust_duration", "s"),
+                "shape": Key("gust_shape", "", choices=("eog", "1-cos")),
+                **_CLASS,
+                **_SHEAR,
+            },
+            bare="speed",
+        ),
+        "kaimal": Kind(
+            {**_SPEED, **_CLASS, "intensity": Key("turbulence_intensity"), "seed": Key("seed", "#"), **_SHEAR},
+            bare="speed",
+        ),
+        "file": Kind({"file": Key("file", "path", required=True)}, bare="file"),
+    },
+)
+
+WAVES = Condition(
+    "--waves",
+    "sea",
+    "spectrum",
+    {
+        "still": Kind({}),
+        "regular": Kind(
+            {"H": Key("wave_height", "m", required=True), "T": Key("wave_period", "s", required=True), **_HEADING}
+        ),
+        "jonswap": Kind(
+            {
+                "Hs": Key("significant_wave_height", "m", required=True),
+                "Tp": Key("peak_period", "s", required=True),
+                "gamma": Key("gamma"),
+                "seed": Key("seed", "#"),
+                **_HEADING,
+            }
+        ),
+    },
+)

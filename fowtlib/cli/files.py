@@ -1,0 +1,27 @@
+"""Files that commands write: refused before the work when they cannot be written, named when they are there."""
+
+from __future__ import annotations
+
+import sys
+from pathlib import Path
+
+from fowtlib.language.errors import ModelError, one_of
+
+RESULTS = (".nc", ".csv")
+FIGURES = (".png", ".svg", ".pdf")
+
+
+def check_target(path: Path | None, endings: tuple[str, ...]) -> None:
+    """Refuse a file of another kind, or in a folder that is not there."""
+    if path is None:
+        return
+    if path.suffix not in endings:
+        raise ModelError(f"{path}: the file must end in {one_of(endings)}.")
+    if not path.parent.is_dir():
+        raise ModelError(f"{path}: the folder {path.parent} does not exist; make it first, or choose another one.")
+
+
+def say_saved(*paths: Path | None) -> None:
+    """Name the files that were written, on stderr."""
+    for path in filter(None, paths):
+        print(f"saved {path}", file=sys.stderr)

@@ -1,0 +1,64 @@
+"""`fowt check`, `fowt tree`, `fowt equations`, `fowt parameters`: look at a model without solving it."""
+
+from __future__ import annotations
+
+import argparse
+from typing import Any
+
+from fowtlib.cli import loading, tables
+from fowtlib.language.declarations import join
+
+
+def declare(commands: Any) -> None:
+    """Add the commands of this module."""
+    check = commands.add_parser("check", help="structure, units and connections of a model")
+    loading.declare(check)
+    check.set_defaults(action=check_model)
+
+    tree = commands.add_parser("tree", help="the parts of a model")
+    loading.declare(tree, wind=False, waves=False)
+    tree.set_defaults(action=show_tree)
+
+    equations = commands.add_parser("equations", help="the equations of a model, or of one of its parts")
+    loading.declare(equations)
+    equations.add_argument("path", metavar="PATH", nargs="?", default="", help="a part, for example platform.motion")
+    tables.declare(equations)
+    equations.set_defaults(action=show_equations)
+
+    parameters = commands.add_parser("parameters", help="every parameter with value, unit and meaning")
+    loading.declare(parameters)
+    tables.declare(parameters)
+    parameters.set_defaults(action=show_parameters)
+
+
+def check_model(arguments: argparse.Namespace) -> int:
+    """Print the report of the checks; status 1 when it has errors or warnings."""
+    print(loading.load(arguments).check())
+    return 0
+
+
+def show_tree(arguments: argparse.Namespace) -> int:
+    """Print the tree of parts."""
+    print(loading.load(arguments).tree())
+    return 0
+
+
+def show_equations(arguments: argparse.Namespace) -> int:
+    """Print the flat equations that the parts at and below a path have written."""
+    model = loading.load(arguments)
+    model.root.find(arguments.path)
+    table = model.compile().dae.equation_table
+    inside = [row for row in table if not arguments.path or f"{row[0]}.".startswith(f"{arguments.path}.")]
+    tables.show(arguments, ("part", "equation"), [(part, f"{left} = {right}") for part, left, right in inside])
+    return 0
+
+
+def show_parameters(arguments: argparse.Namespace) -> int:
+    """Print the parameters of all parts in the order of the tree."""
+    rows = []
+    for part in loading.load(arguments).root.walk():
+        for name, field in part.parameters.items():
+            kind = "tunable" if field.tunable else "structural"
+            rows.append((join(part.path, name), part.parameter_value(name), field.unit, kind, field.doc))
+    tables.show(arguments, ("parameter", "value", "unit", "kind", "what it is"), rows)
+    return 0

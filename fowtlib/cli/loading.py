@@ -1,0 +1,73 @@
+"""The MODEL argument, and what the command line changes in a model before it is used."""
+
+from __future__ import annotations
+
+import argparse
+from typing import TYPE_CHECKING, Any
+
+from fowtlib.cli.conditions import WAVES, WIND, Condition, settings
+from fowtlib.language.errors import ParameterError
+
+if TYPE_CHECKING:
+    from fowtlib import Model
+
+CONSTANT_WIND = ("none", "steady")
+
+
+def declare(parser: argparse.ArgumentParser, *, wind: bool = True, waves: bool = True) -> None:
+    """Add MODEL, `--set`, and where wanted `--wind` and `--waves`."""
+    parser.add_argument("model", metavar="MODEL", help="a shipped model (see `fowt models`) or a model file")
+    if wind:
+        parser.add_argument("--wind", metavar="WIND", help=WIND.usage)
+    if waves:
+        parser.add_argument("--waves", metavar="WAVES", help=WAVES.usage)
+    parser.add_argument(
+        "--set",
+        dest="settings",
+        metavar="PATH=VALUE",
+        action="append",
+        default=[],
+        help="set a parameter, for example --set platform.body.mass='7500 t'; may be repeated",
+    )
+
+
+def load(arguments: argparse.Namespace) -> Model:
+    """The model with the conditions and parameters of the command line."""
+    import fowtlib as fw
+
+    model = fw.load(arguments.model)
+    values: dict[str, Any] = {}
+    for condition, text in ((WIND, getattr(arguments, "wind", None)), (WAVES, getattr(arguments, "waves", None))):
+        if text:
+            _require_part(model, condition)
+            values |= condition.parse(text)
+    values |= settings(arguments.settings)
+    return model.with_parameters(values) if values else model
+
+
+def load_at_rest(arguments: argparse.Namespace, wind: str = "") -> Model:
+    """The same in still water and constant wind, for what is asked about a mean position.
+
+    wind: the kind of wind where the command line gives none; without it, the model's own at its mean speed.
+    """
+    model = load(arguments)
+    values: dict[str, Any] = {}
+    if WAVES.part in model.root.parts:
+        values |= WAVES.parse("still")
+    if WIND.part in model.root.parts:
+        kind = model.root.parts[WIND.part].kind
+        if arguments.wind and kind not in CONSTANT_WIND:
+            raise ParameterError(f"--wind: '{kind}' changes in time; give none or {WIND.form('steady')} here.")
+        if not arguments.wind and wind:
+            values |= WIND.parse(wind)
+        elif kind not in CONSTANT_WIND:
+            values["wind.kind"] = "steady"
+    return model.with_parameters(values) if values else model
+
+
+def _require_part(model: Model, condition: Condition) -> None:
+    if condition.part not in model.root.parts:
+        raise ParameterError(
+            f"{condition.option}: this model has no part '{condition.part}' whose parameters could be set; "
+            "use --set with the paths of its own parameters (see `fowt parameters`)."
+        )

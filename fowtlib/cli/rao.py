@@ -1,0 +1,59 @@
+"""`fowt rao`: response per metre of wave over frequency, from the linear model."""
+
+from __future__ import annotations
+
+import argparse
+import math
+from pathlib import Path
+from typing import Any
+
+from fowtlib.cli import loading, tables
+from fowtlib.cli.files import FIGURES, check_target, say_saved
+
+
+def declare(commands: Any) -> None:
+    """Add the command of this module."""
+    parser = commands.add_parser("rao", help="response per metre of wave over frequency, from the linear model")
+    loading.declare(parser, waves=False)
+    form = "first:last:step"
+    parser.add_argument("--frequencies", type=frequencies, required=True, metavar=form, help="wave frequencies [Hz]")
+    parser.add_argument("--heading", type=float, default=0.0, metavar="DEG", help="heading of the waves; default: 0")
+    parser.add_argument("--plot", type=Path, metavar="FILE", help="draw the response: .png, .svg or .pdf")
+    tables.declare(parser)
+    parser.set_defaults(action=show_rao)
+
+
+def frequencies(text: str) -> list[float]:
+    """`0.02:0.2:0.005`, both ends included, or single frequencies `0.05,0.1`; for argparse."""
+    import numpy as np
+
+    try:
+        if ":" in text:
+            first, last, step = map(float, text.split(":"))
+            values = first + step * np.arange(int((last - first) / step + 1 + 1e-9))
+        else:
+            values = np.array([float(word) for word in text.split(",")])
+    except (ValueError, ZeroDivisionError):
+        values = np.zeros(0)
+    if not len(values) or values.min() <= 0:
+        raise argparse.ArgumentTypeError(f"'{text}' is not first:last:step in Hz, for example 0.02:0.2:0.005")
+    return values.tolist()
+
+
+def show_rao(arguments: argparse.Namespace) -> int:
+    """Print amplitude and phase of every motion, and draw them."""
+    from fowtlib.analysis import linear_rao
+
+    check_target(arguments.plot, FIGURES)
+    plant = loading.load_at_rest(arguments, wind="none").compile()
+    rao = linear_rao(plant, arguments.frequencies, heading=math.radians(arguments.heading))
+    if arguments.plot:
+        from fowtlib.view.plots import plot_rao
+
+        plot_rao(rao, path=arguments.plot)
+    heads = [(f"{name} [{rao.unit(name)}]", f"{name} phase [deg]") for name in rao.outputs]
+    series = [rao.frequency, *(values for name in rao.outputs for values in (rao.amplitude(name), rao.phase(name)))]
+    columns = ("frequency [Hz]", *(head for pair in heads for head in pair))
+    tables.show(arguments, columns, [list(map(float, row)) for row in zip(*series, strict=True)])
+    say_saved(arguments.plot)
+    return 0

@@ -1,0 +1,94 @@
+"""`fowt run`: simulate a model over time."""
+
+from __future__ import annotations
+
+import argparse
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+from fowtlib.cli import loading, tables
+from fowtlib.cli.files import FIGURES, RESULTS, check_target, say_saved
+from fowtlib.cli.progress import progress_bar
+from fowtlib.language.errors import SimulationError
+
+if TYPE_CHECKING:
+    from fowtlib.solving.results import Result
+
+EXAMPLES = """examples:
+  fowt run oc3_spar_rigid --time 600 --wind steady:8 --waves still
+  fowt run oc3_spar_rigid --wind kaimal:11.4,class=B,seed=1 --waves jonswap:Hs=6,Tp=10,seed=1 --plot run.png
+  fowt run oc3_spar_rigid --time 4000 --output longer.nc --resume run.nc
+"""
+
+
+def declare(commands: Any) -> None:
+    """Add the command of this module."""
+    parser = commands.add_parser("run", help="simulate a model over time", epilog=EXAMPLES)
+    loading.declare(parser)
+    parser.add_argument("--time", type=positive, metavar="S", help="end time [s]; default: the model file's")
+    parser.add_argument("--output", type=Path, metavar="FILE", help="save the results: .nc (resumable) or .csv")
+    parser.add_argument("--plot", type=Path, metavar="FILE", help="draw the results: .png, .svg or .pdf")
+    parser.add_argument("--solver", default=None, help="default: the model file's, or idas")
+    parser.add_argument("--tolerance", type=positive, metavar="RTOL", help="relative; default: the model file's")
+    parser.add_argument("--resume", type=Path, metavar="FILE", help="go on from the end of an earlier result (.nc)")
+    tables.declare(parser)
+    parser.set_defaults(action=run)
+
+
+def positive(text: str) -> float:
+    """A number above zero, for argparse."""
+    try:
+        value = float(text)
+    except ValueError:
+        value = float("nan")
+    if not 0 < value < float("inf"):
+        raise argparse.ArgumentTypeError(f"'{text}' is not a positive number")
+    return value
+
+
+
+def run(arguments: argparse.Namespace) -> int:
+    """Simulate, save, draw, and print the statistics of the results."""
+    from fowtlib.solving.results import Result
+
+    check_target(arguments.output, RESULTS)
+    check_target(arguments.plot, FIGURES)
+    earlier = Result.open(arguments.resume) if arguments.resume else None
+    model = loading.load(arguments)
+    plant = model.compile()
+    options = {"t_end": arguments.time, "solver": arguments.solver, "tolerance": arguments.tolerance}
+    try:
+        with progress_bar(earlier.time[-1] if earlier else 0.0) as report:
+            later = plant.simulate(start=earlier, progress=report, **options)
+    except SimulationError as error:
+        _rescue(error, earlier, arguments.output or Path(f"{model.name or 'run'}_partial.nc"))
+        raise
+    result = earlier.followed_by(later) if earlier else later
+    if arguments.output:
+        result.save(arguments.output)
+    if arguments.plot:
+        from fowtlib.view.plots import plot_result
+
+        plot_result(result, path=arguments.plot)
+    _show(arguments, result, later)
+    say_saved(arguments.output, arguments.plot)
+    return 0
+
+
+def _rescue(error: SimulationError, earlier: Result | None, path: Path) -> None:
+    """Save what a run has computed before it stopped, and say so in the error."""
+    partial: Result | None = getattr(error, "result", None)
+    if partial is None or partial.time.size < 2:
+        return
+    result = earlier.followed_by(partial) if earlier else partial
+    result.save(path)
+    error.message += f"\nThe results up to t = {result.time[-1]:g} s are saved in {path}"
+    error.message += f"; to go on from there: --resume {path}" if path.suffix == ".nc" else "."
+
+
+def _show(arguments: argparse.Namespace, result: Result, later: Result) -> None:
+    summaries = result.statistics().values()
+    columns = ("result", "unit", "mean", "std", "min", "max")
+    rows = [(item.name, item.unit, item.mean, item.std, item.min, item.max) for item in summaries]
+    factor = later.duration / max(later.attributes["wall_time"], 1e-9)
+    tables.show(arguments, columns, rows, f"{result.time[0]:g} s to {result.time[-1]:g} s, {factor:.0f} x real time")

@@ -1,0 +1,38 @@
+"""`fowt equilibrium` and `fowt eigen`: the mean position, and the natural modes about it."""
+
+from __future__ import annotations
+
+import argparse
+from typing import Any
+
+from fowtlib.cli import loading, tables
+
+
+def declare(commands: Any) -> None:
+    """Add the commands of this module."""
+    equilibrium = commands.add_parser("equilibrium", help="the mean position in steady wind")
+    equilibrium.set_defaults(action=show_equilibrium)
+    eigen = commands.add_parser("eigen", help="natural frequencies, damping ratios, and which motion each mode is")
+    eigen.set_defaults(action=show_modes)
+    for parser in (equilibrium, eigen):
+        loading.declare(parser, waves=False)
+        tables.declare(parser)
+
+
+def show_equilibrium(arguments: argparse.Namespace) -> int:
+    """Print the results of the model at its equilibrium."""
+    plant = loading.load_at_rest(arguments).compile()
+    state = plant.equilibrium()
+    rows = [(name, state[name], unit) for name, (_, unit, _) in plant.outputs.items()]
+    tables.show(arguments, ("result", "value", "unit"), rows)
+    return 0
+
+
+def show_modes(arguments: argparse.Namespace) -> int:
+    """Print the oscillating modes of the linear model at the equilibrium, slowest first."""
+    plant = loading.load_at_rest(arguments).compile()
+    modes = plant.linearize(plant.equilibrium()).modes()
+    oscillating = [mode for mode in modes if mode.eigenvalue.imag > 0]
+    rows = [(mode.frequency_hz, 1 / mode.frequency_hz, mode.damping_ratio, mode.label) for mode in oscillating]
+    tables.show(arguments, ("frequency [Hz]", "period [s]", "damping ratio", "motion"), rows)
+    return 0

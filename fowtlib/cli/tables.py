@@ -1,0 +1,91 @@
+"""Tables for people (rich), and the same rows for machines (JSON, CSV)."""
+
+from __future__ import annotations
+
+import argparse
+import csv
+import json
+import math
+import sys
+from collections.abc import Iterable, Sequence
+from typing import Any
+
+Row = Sequence[Any]
+
+
+def declare(parser: argparse.ArgumentParser) -> None:
+    """Add `--json` and `--csv`."""
+    form = parser.add_mutually_exclusive_group()
+    form.add_argument("--json", dest="form", action="store_const", const="json", help="print JSON for machines")
+    form.add_argument("--csv", dest="form", action="store_const", const="csv", help="print CSV for machines")
+    parser.set_defaults(form="")
+
+
+def show(arguments: argparse.Namespace, columns: Sequence[str], rows: Iterable[Row], title: str = "") -> None:
+    """Print rows in the form that the user asked for; in JSON each row is an object with the columns as keys."""
+    if arguments.form == "json":
+        show_json([dict(zip(columns, map(_plain, row), strict=True)) for row in rows])
+    elif arguments.form == "csv":
+        writer = csv.writer(sys.stdout, lineterminator="\n")
+        writer.writerow(columns)
+        writer.writerows([_plain(value) for value in row] for row in rows)
+    else:
+        _show_rich(columns, list(rows), title)
+
+
+def show_json(value: Any) -> None:
+    """Print a value as JSON; numbers that JSON lacks (nan, inf) become null."""
+    print(json.dumps(_plain(value), indent=2, ensure_ascii=False))
+
+
+def number(value: float) -> str:
+    """Five significant digits, as short as they go."""
+    return f"{value:.5g}"
+
+
+def _show_rich(columns: Sequence[str], rows: list[Row], title: str) -> None:
+    from rich import box
+    from rich.table import Table
+    from rich.text import Text
+
+    table = Table(title=Text(title) if title else None, title_justify="left", box=box.SIMPLE_HEAD, pad_edge=False)
+    for index, column in enumerate(columns):
+        numeric = bool(rows) and all(isinstance(row[index], (int, float)) for row in rows)
+        table.add_column(Text(column), justify="right" if numeric else "left", overflow="fold")
+    for row in rows:
+        table.add_row(*(Text(_cell(value)) for value in row))
+    console().print(table)
+
+
+def console(stderr: bool = False):
+    """A rich console; text that goes into a file or a pipe is not broken into lines."""
+    from rich.console import Console
+
+    made = Console(stderr=stderr, highlight=False, soft_wrap=False)
+    if not made.is_terminal:
+        made.width = 1000
+    return made
+
+
+def _cell(value: Any) -> str:
+    if value is None:
+        return ""
+    if isinstance(value, bool):
+        return "yes" if value else "no"
+    if isinstance(value, float):
+        return number(value)
+    if isinstance(value, (list, tuple)) or hasattr(value, "tolist"):
+        return "(" + ", ".join(_cell(item) for item in value) + ")"
+    return str(value)
+
+
+def _plain(value: Any) -> Any:
+    if isinstance(value, dict):
+        return {str(key): _plain(item) for key, item in value.items()}
+    if isinstance(value, (list, tuple)):
+        return [_plain(item) for item in value]
+    if hasattr(value, "tolist"):
+        return _plain(value.tolist())
+    if isinstance(value, float) and not math.isfinite(value):
+        return None
+    return value if value is None or isinstance(value, (bool, int, float, str)) else str(value)

@@ -1,0 +1,122 @@
+"""The program as a whole: commands, options, errors, exit status."""
+
+from __future__ import annotations
+
+import json
+import subprocess
+import sys
+
+import pytest
+
+from fowtlib.cli import app
+from fowtlib.cli.app import main
+from fowtlib.language.errors import ParameterError
+
+
+def refused(capsys: pytest.CaptureFixture[str], *argv: str) -> str:
+    """The message on stderr of a call that argparse refuses."""
+    with pytest.raises(SystemExit) as caught:
+        main(argv)
+    assert caught.value.code == 2
+    return capsys.readouterr().err
+
+
+def test_help_lists_every_command(capsys):
+    assert main([]) == 2
+    text = capsys.readouterr().out
+    _, commands = app.parser()
+    assert all(f"\n    {name}" in text for name in commands)
+
+
+def test_the_version_is_the_installed_one(capsys):
+    from importlib.metadata import version
+
+    assert main(["--version"]) == 0
+    assert capsys.readouterr().out == f"fowt {version('fowtlib')}\n"
+
+
+@pytest.mark.parametrize(
+    ("argv", "message"),
+    [
+        (["rnu"], "fowt: unknown command 'rnu'; did you mean 'run'?\nSee fowt --help\n"),
+        (["run", "a", "--tme", "3"], "fowt run: unknown option '--tme'; did you mean '--time'?\nSee fowt run --help\n"),
+        (["run", "a", "--xyz=3"], "fowt run: unknown option '--xyz'.\nSee fowt run --help\n"),
+        (["tree", "a", "b"], "fowt tree: one argument too many: 'b'.\nSee fowt tree --help\n"),
+        (
+            ["run", "a", "--time", "-3"],
+            "fowt run: argument --time: '-3' is not a positive number\nSee fowt run --help\n",
+        ),
+        (
+            ["rao", "a", "--frequencies", "0.1:0.2"],
+            "fowt rao: argument --frequencies: '0.1:0.2' is not first:last:step in Hz, for example 0.02:0.2:0.005\n"
+            "See fowt rao --help\n",
+        ),
+    ],
+)
+def test_a_mistake_on_the_command_line_is_named(capsys, argv, message):
+    assert refused(capsys, *argv) == message
+
+
+@pytest.fixture
+def failing(monkeypatch):
+    """Make `fowt tree` raise what the test says."""
+
+    def arrange(error: BaseException) -> None:
+        def action(arguments):
+            raise error
+
+        monkeypatch.setattr("fowtlib.cli.inspection.show_tree", action)
+
+    return arrange
+
+
+def test_a_mistake_in_a_model_ends_with_status_2_and_one_sentence(capsys, failing):
+    failing(ParameterError("there is no such spar.", where="spar.yaml:3"))
+    assert main(["tree", "spar.yaml"]) == 2
+    assert capsys.readouterr() == ("", "fowt tree: spar.yaml:3: there is no such spar.\n")
+
+
+def test_control_c_ends_with_status_130(capsys, failing):
+    failing(KeyboardInterrupt())
+    assert main(["tree", "spar.yaml"]) == 130
+    assert capsys.readouterr().err == "fowt tree: stopped; nothing was saved.\n"
+
+
+def test_an_error_of_the_program_says_how_to_find_it(capsys, failing):
+    failing(ZeroDivisionError("float division by zero"))
+    assert main(["tree", "spar.yaml"]) == 3
+    assert capsys.readouterr().err == (
+        "fowt tree: an error inside the program: ZeroDivisionError: float division by zero\n"
+        "To see where it arose, add --traceback.\n"
+    )
+    assert main(["tree", "spar.yaml", "--traceback"]) == 3
+    assert "Traceback (most recent call last)" in capsys.readouterr().err
+
+
+def test_help_and_the_catalogue_need_no_plotting():
+    slow = ["matplotlib", "pandas", "xarray"]
+    script = f"import sys; from fowtlib.cli import app; app.parser(); print([m for m in {slow} if m in sys.modules])"
+    assert subprocess.run([sys.executable, "-c", script], capture_output=True, text=True).stdout == "[]\n"
+
+
+def test_parts_shows_a_class_with_its_declarations(capsys):
+    assert main(["parts", "Revolute"]) == 0
+    text = capsys.readouterr().out
+    assert text.startswith("Revolute (mechanics)\n\nHinge:")
+    assert " ".join(next(line for line in text.splitlines() if "phi_start" in line).split()) == (
+        "parameter phi_start Scalar rad 0 initial angle"
+    )
+
+
+def test_parts_for_machines(capsys):
+    assert main(["parts", "mechanics", "--json"]) == 0
+    classes = {item["name"]: item for item in json.loads(capsys.readouterr().out)}
+    assert {item["group"] for item in classes.values()} == {"mechanics"}
+    assert "TwoFrames" not in classes  # partial: it has no equations
+    assert main(["parts", "Revolute", "--csv"]) == 0
+    assert "parameter,phi_start,Scalar,rad,0,initial angle" in capsys.readouterr().out.splitlines()
+
+
+def test_an_unknown_part_is_named(capsys):
+    assert main(["parts", "Revlute"]) == 2
+    assert capsys.readouterr().err == "fowt parts: there is no part 'Revlute'; did you mean 'Revolute'?\n"

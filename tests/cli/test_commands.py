@@ -1,0 +1,161 @@
+"""Every command that needs a model, on a pendulum whose numbers are known."""
+
+from __future__ import annotations
+
+import csv
+import io
+import json
+import math
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+import fowtlib as fw
+from fowtlib.cli.app import main
+from fowtlib.language.errors import SimulationError
+
+pytestmark = pytest.mark.usefixtures("shipped_pendulum")
+
+FREQUENCY = math.sqrt(9.81) / (2 * math.pi)
+DAMPING = 0.5 / (2 * 2.0 * math.sqrt(9.81))  # c / (2 m l^2 omega)
+
+
+def printed(capsys: pytest.CaptureFixture[str], *argv: str):
+    """What a command prints as JSON."""
+    assert main([*argv, "--json"]) == 0, capsys.readouterr().err
+    return json.loads(capsys.readouterr().out)
+
+
+def test_run_prints_statistics_and_saves(capsys):
+    assert main(["run", "pendulum", "--output", "r.nc", "--plot", "r.png"]) == 0
+    shown = capsys.readouterr()
+    assert "0 s to 5 s" in shown.out and "pitch" in shown.out
+    assert shown.err == "saved r.nc\nsaved r.png\n"
+    assert Path("r.png").read_bytes().startswith(b"\x89PNG")
+    result = fw.Result.open("r.nc")
+    assert result.time[-1] == 5.0
+    assert result["pitch"].units == "deg"
+    row = printed(capsys, "run", "pendulum")[0]
+    assert row["result"] == "pitch" and row["unit"] == "deg"
+    assert row["max"] == pytest.approx(20.0)
+    assert row["mean"] == pytest.approx(result.statistics()["pitch"].mean, rel=1e-3)
+
+
+def test_run_writes_csv(capsys):
+    assert main(["run", "pendulum", "--time", "1", "--output", "r.csv", "--tolerance", "1e-8", "--solver", "idas"]) == 0
+    rows = list(csv.reader(Path("r.csv").read_text().splitlines()))
+    assert rows[0] == ["time [s]", "pitch [deg]"]
+    assert len(rows) == 52
+
+
+def test_a_resumed_run_continues_the_first(capsys):
+    assert main(["run", "pendulum", "--time", "2", "--output", "first.nc", "--tolerance", "1e-9"]) == 0
+    assert main(["run", "pendulum", "--time", "4", "--resume", "first.nc", "--output", "both.nc"]) == 0
+    assert main(["run", "pendulum", "--time", "4", "--output", "whole.nc", "--tolerance", "1e-9"]) == 0
+    both, whole = (fw.Result.open(name) for name in ("both.nc", "whole.nc"))
+    np.testing.assert_allclose(both.time, whole.time, atol=1e-9)
+    np.testing.assert_allclose(both.array("pitch"), whole.array("pitch"), atol=1e-3)
+
+
+def test_settings_change_parameters(capsys):
+    def largest(*extra: str) -> float:
+        return printed(capsys, "run", "pendulum", "--time", "1", *extra)[0]["max"]
+
+    assert largest("--set", "hinge.phi_start=0.1") == pytest.approx(math.degrees(0.1))
+    assert largest("--set", "hinge.phi_start=30 deg", "--set", "bob.mass=3 kg") == pytest.approx(30.0)
+
+
+@pytest.mark.parametrize(
+    ("argv", "message"),
+    [
+        (["--set", "hinge.phi_strat=1"], "fowt run: hinge has no parameter 'phi_strat'; did you mean 'phi_start'?\n"),
+        (
+            ["--wind", "steady:8"],
+            "fowt run: --wind: this model has no part 'wind' whose parameters could be set; "
+            "use --set with the paths of its own parameters (see `fowt parameters`).\n",
+        ),
+        (["--output", "r.txt"], "fowt run: r.txt: the file must end in '.nc' or '.csv'.\n"),
+        (
+            ["--plot", "missing/r.png"],
+            "fowt run: missing/r.png: the folder missing does not exist; make it first, or choose another one.\n",
+        ),
+        (["--resume", "old.nc"], "fowt run: old.nc: there is no such file.\n"),
+        (["--solver", "idsa"], "fowt run: there is no solver 'idsa'; did you mean 'idas'?\n"),
+    ],
+)
+def test_a_mistake_ends_with_status_2(capsys, argv, message):
+    assert main(["run", "pendulum", *argv]) == 2
+    assert capsys.readouterr().err == message
+
+
+@pytest.mark.parametrize("stop", [KeyboardInterrupt(), SimulationError("the integration fails at t = 8 s.")])
+def test_a_stopped_run_keeps_its_results(capsys, monkeypatch, stop):
+    def report(t: float, t_end: float) -> None:
+        if t > 7:
+            raise stop
+
+    class Bar:
+        def __enter__(self):
+            return report
+
+        def __exit__(self, *_):
+            return None
+
+    monkeypatch.setattr("fowtlib.cli.run.progress_bar", lambda begin: Bar())
+    interrupted = isinstance(stop, KeyboardInterrupt)
+    assert main(["run", "pendulum", "--time", "20"]) == (130 if interrupted else 2)
+    first, second = capsys.readouterr().err.splitlines()
+    assert first.startswith("fowt run: interrupted at t = 8 s." if interrupted else "fowt run: the integration fails")
+    assert second == (
+        "The results up to t = 8 s are saved in pendulum_partial.nc; to go on from there: --resume pendulum_partial.nc"
+    )
+    assert fw.Result.open("pendulum_partial.nc").time[-1] == 8.0
+
+
+def test_tree_equations_and_parameters(capsys):
+    assert main(["tree", "pendulum"]) == 0
+    assert "├── hinge: Revolute" in capsys.readouterr().out
+    rows = printed(capsys, "equations", "pendulum", "hinge")
+    assert {"part": "hinge", "equation": "der(hinge.phi) = hinge.w"} in rows
+    assert {row["part"] for row in rows} == {"hinge"}
+    rows = {row["parameter"]: row for row in printed(capsys, "parameters", "pendulum")}
+    assert rows["bob.mass"] == {
+        "parameter": "bob.mass", "value": 2.0, "unit": "kg", "kind": "tunable", "what it is": "mass",
+    }  # fmt: skip
+    assert rows["hinge.phi_start"]["value"] == pytest.approx(math.radians(20))
+    assert main(["equations", "pendulum", "hnge"]) == 2
+    assert "did you mean 'hinge'?" in capsys.readouterr().err
+
+
+def test_equilibrium_hangs_straight_down(capsys):
+    (row,) = printed(capsys, "equilibrium", "pendulum")
+    assert row == {"result": "pitch", "value": pytest.approx(0, abs=1e-9), "unit": "deg"}
+
+
+def test_eigen_gives_frequency_and_damping(capsys):
+    (row,) = printed(capsys, "eigen", "pendulum")
+    assert row["frequency [Hz]"] == pytest.approx(FREQUENCY)
+    assert row["period [s]"] == pytest.approx(1 / FREQUENCY)
+    assert row["damping ratio"] == pytest.approx(DAMPING)
+    assert row["motion"].startswith("hinge.")
+
+
+def test_decay_gives_period_and_damping(capsys):
+    argv = ["decay", "pendulum", "--dof", "pitch", "--offset", "1", "--time", "20", "--plot", "d.png"]
+    rows = {row["quantity"]: row["value"] for row in printed(capsys, *argv)}
+    assert rows["frequency"] == pytest.approx(FREQUENCY * math.sqrt(1 - DAMPING**2), rel=1e-3)
+    assert rows["damping ratio"] == pytest.approx(DAMPING, rel=1e-2)
+    assert Path("d.png").exists()
+
+
+def test_tables_as_csv(capsys):
+    assert main(["eigen", "pendulum", "--csv"]) == 0
+    head, row = csv.reader(io.StringIO(capsys.readouterr().out))
+    assert head == ["frequency [Hz]", "period [s]", "damping ratio", "motion"]
+    assert float(row[0]) == pytest.approx(FREQUENCY)
+
+
+def test_rao_needs_a_part_that_feels_waves(capsys):
+    assert main(["rao", "pendulum", "--frequencies", "0.05:0.1:0.01"]) == 2
+    assert capsys.readouterr().err.startswith("fowt rao: no part of this model feels the waves")

@@ -1,0 +1,114 @@
+"""The short language of --wind, --waves and --set."""
+
+from __future__ import annotations
+
+import math
+from pathlib import Path
+
+import pytest
+
+from fowtlib.cli.conditions import WAVES, WIND, settings
+from fowtlib.components.environment import Sea, Wind
+from fowtlib.language.errors import ModelError
+
+
+@pytest.mark.parametrize(
+    ("condition", "text", "values"),
+    [
+        (WIND, "none", {"wind.kind": "none"}),
+        (WIND, "steady:8", {"wind.kind": "steady", "wind.mean_speed": 8.0}),
+        (
+            WIND,
+            "steady:speed=8,shear=0.14",
+            {"wind.kind": "steady", "wind.mean_speed": 8.0, "wind.shear_exponent": 0.14},
+        ),
+        (WIND, "steady:28.8 km/h", {"wind.kind": "steady", "wind.mean_speed": pytest.approx(8.0)}),
+        (
+            WIND,
+            "kaimal:11.4,class=B,seed=1",
+            {"wind.kind": "kaimal", "wind.mean_speed": 11.4, "wind.turbulence_class": "B", "wind.seed": 1},
+        ),
+        (WIND, "file:a=b,c.csv", {"wind.kind": "file", "wind.file": str(Path("a=b,c.csv").resolve())}),
+        (WAVES, "still", {"sea.spectrum": "still"}),
+        (
+            WAVES,
+            "regular:H=6,T=10,heading=30",
+            {
+                "sea.spectrum": "regular",
+                "sea.wave_height": 6.0,
+                "sea.wave_period": 10.0,
+                "sea.heading": pytest.approx(math.radians(30)),
+            },
+        ),
+        (
+            WAVES,
+            "jonswap: Hs=6 m, Tp=10 s, seed=1",
+            {
+                "sea.spectrum": "jonswap",
+                "sea.significant_wave_height": 6.0,
+                "sea.peak_period": 10.0,
+                "sea.seed": 1,
+            },
+        ),
+    ],
+)
+def test_a_condition_sets_parameters(condition, text, values):
+    assert condition.parse(text) == values
+
+
+SPEED = "a speed in m/s is expected, e.g. '11.4 m/s'."
+REGULAR = "regular:H=..,T=..[,heading=..]"
+
+
+@pytest.mark.parametrize(
+    ("condition", "text", "message"),
+    [
+        (WIND, "kamal:8", "--wind: unknown kind 'kamal'; did you mean 'kaimal'?"),
+        (WIND, "", "--wind: unknown kind ''; there are 'none', 'steady', 'step', 'gust', 'kaimal' and 'file'."),
+        (WIND, "steady", "--wind: 'steady' needs 'speed'; write steady:SPEED[,shear=..][,direction=..]"),
+        (WIND, "steady:fast", f"--wind: speed: got 'fast'; {SPEED}"),
+        (WIND, "steady:3 kg", f"--wind: speed: got '3 kg', which is a mass; {SPEED}"),
+        (WIND, "steady:8,sheer=0.2", "--wind: 'steady' has no 'sheer'; did you mean 'shear'?"),
+        (WIND, "kaimal:8,class=D", "--wind: class: 'D' is not 'A', 'B' or 'C'."),
+        (WIND, "kaimal:8,seed=1.5", "--wind: seed: '1.5' is not a whole number."),
+        (WIND, "file", "--wind: 'file' needs 'file'; write file:FILE"),
+        (WAVES, "regular:6,10", f"--waves: '6' should be key=value; write {REGULAR}"),
+        (WAVES, "regular:H=6", f"--waves: 'regular' needs 'T'; write {REGULAR}"),
+        (WAVES, "regular", f"--waves: 'regular' needs 'H' and 'T'; write {REGULAR}"),
+        (WAVES, "regular:H=6,T=10,H=5", "--waves: 'H' is given twice."),
+        (WAVES, "still:3", "--waves: '3' should be key=value; write still"),
+    ],
+)
+def test_a_mistake_in_a_condition_is_named(condition, text, message):
+    with pytest.raises(ModelError) as caught:
+        condition.parse(text)
+    assert str(caught.value) == message
+
+
+def test_the_kinds_and_parameters_are_those_of_the_parts():
+    for condition, part in ((WIND, Wind), (WAVES, Sea)):
+        assert tuple(condition.kinds) == part.parameters[condition.selector].choices
+        for kind in condition.kinds.values():
+            for key in kind.keys.values():
+                assert key.parameter in part.parameters
+                if key.choices:
+                    assert key.choices == part.parameters[key.parameter].choices
+
+
+def test_settings_are_numbers_lists_or_text():
+    pairs = ["a.b=12.1 rpm", "n=3", "r=[0, 0, 1.5]", "flag=true", "name = data:x.nc"]
+    assert settings(pairs) == {"a.b": "12.1 rpm", "n": 3, "r": [0, 0, 1.5], "flag": True, "name": "data:x.nc"}
+
+
+@pytest.mark.parametrize(
+    ("pairs", "message"),
+    [
+        (["mass"], "--set: 'mass' should be path=value, for example --set sea.peak_period=12"),
+        (["=3"], "--set: '=3' should be path=value, for example --set sea.peak_period=12"),
+        (["a=1", "a=2"], "--set: 'a' is given twice."),
+    ],
+)
+def test_a_mistake_in_a_setting_is_named(pairs, message):
+    with pytest.raises(ModelError) as caught:
+        settings(pairs)
+    assert str(caught.value) == message
