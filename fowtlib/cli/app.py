@@ -15,7 +15,6 @@ from typing import NoReturn
 
 from fowtlib.cli import decay, inspection, library, rao, run, stability
 from fowtlib.language.errors import ModelError, did_you_mean
-from fowtlib.solving.simulation import Interrupted
 
 GROUPS = (run, inspection, stability, decay, rao, library)
 
@@ -80,10 +79,8 @@ def _carry_out(arguments: argparse.Namespace) -> int:
     """Do what the command says; every error becomes a sentence and a status."""
     try:
         return arguments.action(arguments)
-    except Interrupted as error:
-        return _stopped(arguments, 130, str(error))
     except ModelError as error:
-        return _stopped(arguments, 2, str(error))
+        return _stopped(arguments, _status(error), str(error))
     except KeyboardInterrupt:
         return _stopped(arguments, 130, "stopped; nothing was saved.")
     except BrokenPipeError:  # the reader of our output has enough: `fowt parts | head`
@@ -93,6 +90,12 @@ def _carry_out(arguments: argparse.Namespace) -> int:
         reason = f"{type(error).__name__}: {error}" if str(error) else type(error).__name__
         hint = "" if arguments.traceback else "\nTo see where it arose, add --traceback."
         return _stopped(arguments, 3, f"an error inside the program: {reason}{hint}")
+
+
+def _status(error: ModelError) -> int:
+    """130 for a simulation that Ctrl-C stopped, 2 for a mistake."""
+    simulation = sys.modules.get("fowtlib.solving.simulation")  # imported only by a command that needs it
+    return 130 if simulation and isinstance(error, simulation.Interrupted) else 2
 
 
 def _stopped(arguments: argparse.Namespace, status: int, message: str) -> int:
