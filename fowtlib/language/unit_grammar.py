@@ -71,6 +71,11 @@ _COMMON = {
 _TOKEN = re.compile(r"\s*(?:(\*\*|[*/^()·]|-)|(\d+(?:\.\d+)?)|([^\W\d]\w*|%|°))")
 
 
+def is_common_name(name: str) -> bool:
+    """True for a name in the tables above: "m", "t", "rpm"."""
+    return name in _SI or name in _COMMON
+
+
 @cache
 def parse_unit(text: str) -> Unit:
     """Parse a unit. Grammar: product = power {(* | / | nothing) power}; power = (name | 1 | (product)) [^ exponent]."""

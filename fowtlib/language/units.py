@@ -83,13 +83,16 @@ def quantity(text: str) -> tuple[float, str] | None:
 def si_unit(unit: str) -> str:
     """The SI unit for quantities given in `unit`: `rad/s` for `rpm`, `N*m` for `kN*m`; an SI unit stays as it is."""
     given = parse_unit(unit)
-    if given.factor == 1.0:
-        return unit
+    return unit if given.factor == 1.0 else unit_text(given)
+
+
+def unit_text(unit: Unit) -> str:
+    """The text of the SI unit of a parsed one."""
     for known in (*_KINDS, "1/s"):
-        if parse_unit(known) == replace(given, factor=1.0):
+        if parse_unit(known) == replace(unit, factor=1.0):
             return known
-    counted = {"rad": given.angle, "Hz": given.cycle}
-    rest = (Unit(1.0, given.dimension) * parse_unit("s") ** given.cycle).dimension  # Hz stands for the cycles
+    counted = {"rad": unit.angle, "Hz": unit.cycle}
+    rest = (Unit(1.0, unit.dimension) * parse_unit("s") ** unit.cycle).dimension  # Hz stands for the cycles
     return "*".join([dimension_text(rest), *(_power(name, power) for name, power in counted.items() if power)])
 
 

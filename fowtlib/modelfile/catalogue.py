@@ -1,0 +1,63 @@
+"""The component classes that a model file can name: all public ones of fowtlib.components, found when first needed."""
+
+from __future__ import annotations
+
+import importlib
+import importlib.util
+import inspect
+import pkgutil
+from functools import cache
+from pathlib import Path
+from types import ModuleType
+
+from fowtlib.language.component import Component
+from fowtlib.language.errors import ModelFileError
+
+Classes = dict[str, type[Component]]
+
+
+@cache
+def classes() -> Classes:
+    """Every public component class of the library by name; two of one name are an error of the library."""
+    import fowtlib.components as library
+
+    found: Classes = {}
+    for info in pkgutil.walk_packages(library.__path__, library.__name__ + "."):
+        for name, item in _defined_in(importlib.import_module(info.name)).items():
+            if name in found:
+                raise TypeError(f"two components are called {name}: in {found[name].__module__} and {item.__module__}")
+            found[name] = item
+    return dict(sorted(found.items()))
+
+
+def classes_of_file(path: Path) -> Classes:
+    """The component classes that a Python file defines. This runs the file."""
+    spec = importlib.util.spec_from_file_location(f"_parts_of_{path.stem}", path)
+    if spec is None or spec.loader is None:
+        raise ModelFileError(f"'{path}' is not a Python file.")
+    import sys
+
+    module = importlib.util.module_from_spec(spec)
+    sys.modules[spec.name] = module  # annotations of the classes are looked up there
+    try:
+        spec.loader.exec_module(module)
+    except Exception as error:
+        raise ModelFileError(f"'{path}' does not run: {type(error).__name__}: {error}") from error
+    return _defined_in(module)
+
+
+def is_partial(item: type[Component]) -> bool:
+    """A class without equations, parts or connections is there for others to derive from."""
+    return item.equations is Component.equations and item.build is Component.build and not item.declared_parts
+
+
+def _defined_in(module: ModuleType) -> Classes:
+    return {
+        name: item
+        for name, item in vars(module).items()
+        if inspect.isclass(item)
+        and issubclass(item, Component)
+        and item.__module__ == module.__name__
+        and not name.startswith("_")
+        and not is_partial(item)
+    }

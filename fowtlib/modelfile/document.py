@@ -1,0 +1,72 @@
+"""What a model file says, key by key: nodes -> specifications of components, with `each` repeated.
+
+A file is one component: its parts, parameters and connections, and for a model its outputs and simulation settings
+beside them. A definition, which `use:` includes, is a file without those last two.
+"""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+from fowtlib.language.errors import UnitError, closest
+from fowtlib.language.units import to_si
+from fowtlib.modelfile import files
+from fowtlib.modelfile.nodes import Node, Place, parse, read_text
+from fowtlib.modelfile.reader import ComponentReader
+from fowtlib.modelfile.specs import Document, Spec, Value, as_list, check_keys, mapping, text
+
+SETTINGS = {"solver": "", "duration": "s", "output_step": "s", "tolerance": "1"}
+VERSION = 1
+META_KEYS = ("fowtlib", "title", "description", "python", "outputs", "simulation")
+
+
+def read(path: Path, definition: bool = False) -> Document:
+    """Read a model file, or a definition file."""
+    name = files.shown(path)
+    return document(parse(read_text(path, name), name), path, definition)
+
+
+def document(top: Node, path: Path, definition: bool = False) -> Document:
+    """The document with this node at its top."""
+    items = mapping(top, "a model file is a mapping; its first line is 'fowtlib: 1'")
+    _check_version(items, top.place)
+    for key in ("outputs", "simulation") if definition else ():
+        if key in items:
+            raise items[key].place.error(f"'{key}' belongs into the model file, not into a definition.")
+    spec = Spec(top.place)
+    result = Document(path, spec, text(items, "title") or path.stem, text(items, "description"))
+    spec.document = result
+    reader = ComponentReader(result)
+    if "outputs" in items:
+        reader.outputs(items["outputs"], {})
+    reader.component(spec, {key: node for key, node in items.items() if key not in META_KEYS}, {}, top_level=True)
+    if "python" in items:
+        result.python = [Value(node) for node in as_list(items["python"])]
+    if "simulation" in items:
+        result.settings = _settings(items["simulation"])
+    return result
+
+
+def _check_version(items: dict[str, Node], place: Place) -> None:
+    if "fowtlib" not in items:
+        instead = closest("fowtlib", items)
+        hint = f" ('{instead[0]}' is not that key)" if instead else ""
+        raise place.error(f"the key 'fowtlib' is missing{hint}; a model file begins with 'fowtlib: {VERSION}'.")
+    if items["fowtlib"].value != VERSION:
+        given = items["fowtlib"].plain()
+        place = items["fowtlib"].place
+        raise place.error(f"got 'fowtlib: {given}'; this version of the program reads 'fowtlib: {VERSION}'.")
+
+
+def _settings(node: Node) -> dict[str, float | str]:
+    items = mapping(node, "'simulation' is a mapping: solver, duration, output_step, tolerance")
+    check_keys(items, SETTINGS, "'simulation'")
+    settings: dict[str, float | str] = {}
+    for key, item in items.items():
+        if isinstance(item.value, (list, dict)):
+            raise item.place.error(f"simulation.{key} is one value, not {item.kind}.")
+        try:
+            settings[key] = float(to_si(item.value, SETTINGS[key])) if SETTINGS[key] else text(items, key)
+        except UnitError as error:
+            raise item.place.error(f"simulation.{key}: {error}") from None
+    return settings

@@ -1,0 +1,87 @@
+"""Where files are: model files, definitions for `use:`, data, and the models that fowtlib brings."""
+
+from __future__ import annotations
+
+import os
+from pathlib import Path
+
+from fowtlib.language.errors import ModelFileError, did_you_mean
+
+SUFFIX = ".yaml"
+DATA_PREFIX = "data:"
+
+
+def models_folder() -> Path:
+    """The folder of the shipped models (`fowtlib.models`)."""
+    import fowtlib.models
+
+    return Path(fowtlib.models.__path__[0])
+
+
+def shipped_models() -> dict[str, Path]:
+    """The shipped model files by name."""
+    return {path.stem: path for path in sorted(models_folder().glob(f"*{SUFFIX}"))}
+
+
+def data_path(name: str) -> Path:
+    """A shipped data file, such as "oc3_hywind/hydrodynamics.nc"; in model files it is written "data:" + name."""
+    folder = models_folder() / "data"
+    path = folder / name
+    if not path.is_file():
+        known = [str(item.relative_to(folder)) for item in sorted(folder.rglob("*")) if item.is_file()]
+        raise ModelFileError(f"there is no shipped data file '{name}'{did_you_mean(name, known)}")
+    return path
+
+
+def find_model(source: str | os.PathLike[str]) -> Path:
+    """The model file for a path or a shipped name."""
+    path = Path(source)
+    if path.is_file():
+        return path
+    shipped = shipped_models()
+    if path.suffix in (SUFFIX, ".yml") or len(path.parts) > 1:
+        raise ModelFileError(f"there is no file '{source}'.")
+    if str(source) not in shipped:
+        hint = did_you_mean(str(source), shipped)
+        raise ModelFileError(f"there is no model '{source}', nor a file of that name{hint}")
+    return shipped[str(source)]
+
+
+def find_definition(name: str, folder: Path) -> Path:
+    """The definition file that `use: name` means: beside the file that says so, or shipped."""
+    for base in (folder, models_folder()):
+        for path in (base / name, base / f"{name}{SUFFIX}"):
+            if path.is_file():
+                return path
+    known = [
+        str(path.relative_to(base).with_suffix(""))
+        for base in (folder, models_folder())
+        for path in sorted(base.glob("*/**/*.yaml" if base == models_folder() else f"*{SUFFIX}"))
+    ]
+    raise ModelFileError(f"there is no definition '{name}'{did_you_mean(name, known)}")
+
+
+def find_data(name: str, folder: Path) -> Path:
+    """The file that a parameter names: shipped ("data:..."), absolute, or relative to the model file."""
+    if name.startswith(DATA_PREFIX):
+        return data_path(name.removeprefix(DATA_PREFIX))
+    path = (folder / Path(name).expanduser()).resolve()
+    if not path.is_file():
+        known = [item.name for item in sorted(path.parent.glob("*"))] if path.parent.is_dir() else []
+        raise ModelFileError(f"there is no file '{name}'{did_you_mean(path.name, known)}")
+    return path
+
+
+def shown(path: Path) -> str:
+    """How messages call a file: relative to where the user is, or to the shipped models."""
+    resolved = path.resolve()
+    for base, prefix in ((Path.cwd(), ""), (models_folder().resolve(), "models")):
+        if resolved.is_relative_to(base):
+            return str(Path(prefix) / resolved.relative_to(base))
+    return str(path)
+
+
+def as_data_name(path: str) -> str:
+    """The reverse of `find_data` for a shipped file: "data:...", other paths as they are."""
+    folder = (models_folder() / "data").resolve()
+    return DATA_PREFIX + str(Path(path).relative_to(folder)) if Path(path).is_relative_to(folder) else path

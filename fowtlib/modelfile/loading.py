@@ -1,0 +1,94 @@
+"""`load`: a model file, a shipped name or a component -> a Model."""
+
+from __future__ import annotations
+
+import copy
+import os
+from collections.abc import Mapping
+from typing import Any
+
+from fowtlib.language.component import Assembly, Component
+from fowtlib.language.errors import UnitError
+from fowtlib.language.units import dimension, kind_of
+from fowtlib.modelfile import document, files
+from fowtlib.modelfile.assemble import Assembler
+from fowtlib.modelfile.nodes import Place, from_python
+from fowtlib.modelfile.paths import check_variable
+from fowtlib.modelfile.specs import OutputSpec, Spec, Value
+from fowtlib.solving.model import Model, Output
+
+Source = str | os.PathLike[str] | Component | Model
+Settings = Mapping[str, Any]
+
+
+def load(source: Source, *, set: Settings | None = None, allow_python: bool = False) -> Model:
+    """A model, from the name of a shipped one, the path of a model file, or a component composed in Python.
+
+    set: values by path that replace those of the file before anything is built: {"sea.seed": 2, "hull.mass": "8 t"}.
+    allow_python: the file may name Python code of its own, which is then run.
+    Raises ModelFileError: the file and line, what is wrong, what to do.
+    """
+    values = dict(set or {})
+    if isinstance(source, Model):
+        return source.with_parameters(values) if values else source
+    if isinstance(source, Component):
+        return _from_component(source, values)
+    path = files.find_model(source)
+    top = document.read(path)
+    root = Assembler(allow_python).root(top, _changes(values))
+    if isinstance(root, Assembly):
+        object.__setattr__(root, "title", top.title)
+
+    def rebuild(more: Settings) -> Model:
+        return load(path, set={**values, **more}, allow_python=allow_python)
+
+    outputs = {name: _output(root, name, spec) for name, spec in top.outputs.items()}
+    return Model(root, top.title, outputs, top.settings, path, path.stem, rebuild)
+
+
+def _from_component(component: Component, values: Settings) -> Model:
+    root = component
+    if values:
+        root = copy.deepcopy(component)
+        Assembler().change(root, _changes(values))
+
+    def rebuild(more: Settings) -> Model:
+        return _from_component(component, {**values, **more})
+
+    title = getattr(component, "title", type(component).__name__)
+    return Model(root, title, name=type(component).__name__.lower(), rebuild=rebuild)
+
+
+def _changes(values: Settings) -> Spec | None:
+    """A specification with the given values, to be put on top of that of a file."""
+    if not values:
+        return None
+    top = Spec(Place("set"))
+    for path, value in values.items():
+        place = Place(f"set {path}")
+        *owners, name = path.split(".")
+        spec = top
+        for owner in owners:
+            spec = spec.parts.setdefault(owner, Spec(place))
+        if not name:
+            raise place.error("the path of a parameter is a name, or names joined by dots.")
+        spec.values[name] = Value(from_python(value, place))
+    return top
+
+
+def _output(root: Component, name: str, spec: OutputSpec) -> Output:
+    where = f"output '{name}'"
+    unit = check_variable(root, spec.of, spec.place, where)
+    try:
+        if spec.unit and unit and dimension(spec.unit) != dimension(unit):
+            wanted = f"{kind_of(unit)} in {unit}"
+            raise spec.place.error(f"{where}: '{spec.of}' is {wanted}, and cannot be given in '{spec.unit}'.")
+    except UnitError as error:
+        raise spec.place.error(f"{where}: {error}") from None
+    return Output(spec.of, spec.unit or None, spec.description)
+
+
+def models() -> dict[str, str]:
+    """The shipped models: name and title."""
+    return {name: document.read(path).title for name, path in files.shipped_models().items()}
+

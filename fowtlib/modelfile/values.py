@@ -1,0 +1,200 @@
+"""A value of a model file -> the value of a parameter: quantities, formulas, lists, choices, paths of files."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Collection
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any, Protocol
+
+from fowtlib.language.declarations import SHAPES, Parameter
+from fowtlib.language.errors import ModelError, ModelFileError, did_you_mean
+from fowtlib.language.unit_grammar import parse_unit
+from fowtlib.language.units import conversion, expected, kind_of, quantity, si_unit, to_si, unit_text
+from fowtlib.modelfile import files, formulas
+from fowtlib.modelfile.formulas import Quantity
+from fowtlib.modelfile.nodes import Node
+from fowtlib.modelfile.specs import Declared, Value, substituted
+
+DATA_SUFFIXES = (".nc", ".csv", ".yaml", ".yml", ".json", ".dat", ".txt", ".npz", ".1", ".3", ".hst", ".so", ".dll")
+_WORD = re.compile(r"[^\W\d]\w*")
+_EXPONENT = re.compile(r"(\^|\*\*)\s*-?\d+(\.\d+)?")
+_UNIT = re.compile(r"[\w\s*/()·°%]*")
+
+
+class Names(Protocol):
+    """What a formula can name: parameters of the file, and parameters of parts by path."""
+
+    @property
+    def names(self) -> list[str]:
+        """All names, for proposals."""
+
+    def find(self, name: str) -> Quantity | None:
+        """The value of a name, None if there is none."""
+
+
+@dataclass(frozen=True)
+class ValueReader:
+    """Reads values; `scope` is what formulas can name, `folder` where relative paths of files begin."""
+
+    scope: Names
+    folder: Path
+
+    def read(self, value: Value, field: Parameter, path: str) -> Any:
+        """The value for a declared parameter; `path` is how errors call the parameter."""
+        try:
+            if field.annotation in SHAPES or field.annotation in (int, float):
+                return self._numeric(value, value.node, field)
+            if field.annotation is str:
+                return self._text(value, field)
+            return _plain(value, value.node)
+        except ModelError as error:
+            raise _located(error, value.node, path) from None
+
+    def unit(self, declared: Declared, path: str) -> str:
+        """The SI unit of a parameter that a file declares: the given one, or as its value shows."""
+        try:
+            return si_unit(declared.unit) if declared.unit else self._unit_shown(declared.value, declared.value.node)
+        except ModelError as error:
+            raise _located(error, declared.value.node, path) from None
+
+    def declared(self, value: Value, unit: str, unit_of_numbers: str, path: str) -> Any:
+        """The value (SI) of a parameter that a file declares; plain numbers are in `unit_of_numbers`, where given."""
+        field = Parameter(None, unit, "", None, None, None, False, None)
+        try:
+            result = self._numeric(value, value.node, field)
+            plain = not any(isinstance(node.value, str) for node in value.node.walk())
+            factor = conversion(parse_unit(unit_of_numbers), parse_unit(unit)) if unit_of_numbers and plain else 1.0
+            return result if factor == 1.0 else _scaled(result, factor)
+        except ModelError as error:
+            raise _located(error, value.node, path) from None
+
+    def bound(self, value: Value | None, unit: str, path: str) -> float | None:
+        """A lower or upper bound of a declared parameter."""
+        if value is None:
+            return None
+        try:
+            return float(to_si(value.node.plain(), unit))
+        except ModelError as error:
+            raise _located(error, value.node, path) from None
+
+    def text(self, value: Value, what: str) -> str:
+        """Text such as the name of a class, with the variables put in."""
+        if not isinstance(value.node.value, str):
+            raise value.place.error(f"{what} is text, not {value.node.kind}.")
+        return substituted(value.node.value, value.variables, value.place)
+
+    # --- numbers -------------------------------------------------------------------------------------------------
+
+    def _numeric(self, value: Value, node: Node, field: Parameter) -> Any:
+        """A number in SI or an expression of parameters; lists of those keep their form."""
+        if isinstance(node.value, list):
+            return [self._numeric(value, item, field) for item in node.value]
+        if node.value is None and field.default is None and field.annotation is not None:
+            return None
+        if node.value is None or isinstance(node.value, (bool, dict)):
+            given = {True: "true", False: "false"}.get(node.value) if isinstance(node.value, bool) else node.kind
+            raise ModelFileError(f"got {given}; {expected(field.unit)}.")
+        if not isinstance(node.value, str):
+            return node.value
+        text = _formula_text(value, node)
+        found = quantity(text)
+        if found and self._is_unit(found[1], value.variables):
+            return to_si(text, field.unit)
+        result = self._formula(value, node)
+        if result.unit is None:
+            return result.value
+        wanted = parse_unit(field.unit)
+        if result.unit.dimension != wanted.dimension:
+            raise ModelFileError(f"'{text}' is {kind_of(result.unit)}; {expected(field.unit)}.")
+        factor = conversion(result.unit, wanted)
+        return result.value if factor == 1.0 else result.value * factor
+
+    def _is_unit(self, text: str, variables: Collection[str]) -> bool:
+        """True where what follows a number is a unit (or should be one), not the rest of a formula."""
+        bare = _EXPONENT.sub("", text)
+        if not _UNIT.fullmatch(bare) or re.match(r"[*/]", bare) or re.search(r"\b\d", bare):
+            return False
+        return not set(_WORD.findall(bare)) & {*self.scope.names, *variables}
+
+    def _formula(self, value: Value, node: Node) -> Quantity:
+        if not isinstance(node.value, str):
+            return Quantity(float(node.value))
+        text = _formula_text(value, node)
+
+        def lookup(name: str) -> Quantity:
+            found = self.scope.find(name)
+            if found is None and name in value.variables:
+                found = self._variable(value.variables[name])
+            if found is None:
+                known = [*self.scope.names, *value.variables, *formulas.FUNCTIONS, *formulas.CONSTANTS]
+                raise ModelFileError(f"'{text}': there is no parameter '{name}'{did_you_mean(name, known)}")
+            return found
+
+        return formulas.parse(text, {*self.scope.names, *value.variables}).evaluate(lookup)
+
+    def _variable(self, node: Node) -> Quantity:
+        """A variable of an `each` block in a formula."""
+        if isinstance(node.value, str):
+            found = quantity(node.value)
+            if found and found[1]:
+                return Quantity(float(to_si(node.value, si_unit(found[1]))), parse_unit(si_unit(found[1])))
+        return self._formula(Value(node), node)
+
+    def _unit_shown(self, value: Value, node: Node) -> str:
+        """The unit that a value shows: of its first quantity, or of the result of a formula."""
+        for inner in node.walk():
+            if not isinstance(inner.value, str):
+                continue
+            found = quantity(_formula_text(value, inner))
+            if found and found[1] and self._is_unit(found[1], value.variables):
+                return si_unit(found[1])
+            result = self._formula(value, inner)
+            if result.unit is not None:
+                return unit_text(result.unit)
+        return "1"
+
+    # --- text ----------------------------------------------------------------------------------------------------
+
+    def _text(self, value: Value, field: Parameter) -> str | None:
+        node = value.node
+        if node.value is None and field.default is None:
+            return None
+        if isinstance(node.value, (list, dict, bool)) or node.value is None:
+            raise ModelFileError(f"got {node.kind}; text is expected ({field.doc}).")
+        text = substituted(str(node.value), value.variables, node.place)
+        if field.choices is not None and text not in field.choices:
+            raise ModelFileError(f"'{text}' is not possible{did_you_mean(text, field.choices)} ({field.doc})")
+        return str(files.find_data(text, self.folder)) if is_file(text, field) else text
+
+
+def is_file(text: str, field: Parameter) -> bool:
+    """True for text that names a file: by its prefix or suffix, or because the parameter is called `file`."""
+    if not text or field.choices is not None:
+        return False
+    by_name = field.name in ("file", "path") or field.name.endswith(("_file", "_path"))
+    return by_name or text.startswith(files.DATA_PREFIX) or text.lower().endswith(DATA_SUFFIXES)
+
+
+def _scaled(value: Any, factor: float) -> Any:
+    return [_scaled(item, factor) for item in value] if isinstance(value, list) else value * factor
+
+
+def _formula_text(value: Value, node: Node) -> str:
+    return substituted(node.value, value.variables, node.place, formula=True).strip()
+
+
+def _plain(value: Value, node: Node) -> Any:
+    if isinstance(node.value, dict):
+        return {substituted(key, value.variables, item.place): _plain(value, item) for key, item in node.value.items()}
+    if isinstance(node.value, list):
+        return [_plain(value, item) for item in node.value]
+    if isinstance(node.value, str):
+        return substituted(node.value, value.variables, node.place)
+    return node.value
+
+
+def _located(error: ModelError, node: Node, path: str) -> ModelFileError:
+    """The error with the place of the value and the path of the parameter; one that has a place keeps it."""
+    return error if isinstance(error, ModelFileError) and error.where else node.place.error(f"{path}: {error}")
