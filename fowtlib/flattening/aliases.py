@@ -59,7 +59,9 @@ def _union(system: System, sets: SignedSets, left: tuple[int, int], right: tuple
     return sets.union(left[0], right[0], left[1] * right[1])
 
 
-def _replacements(system: System, sets: SignedSets, constants: dict[int, tuple[int, ca.SX]], kept: list) -> dict[int, ca.SX]:
+def _replacements(
+    system: System, sets: SignedSets, constants: dict[int, tuple[int, ca.SX]], kept: list
+) -> dict[int, ca.SX]:
     groups: dict[int, list[tuple[int, int]]] = defaultdict(list)
     for number, unknown in enumerate(system.unknowns):
         if unknown.order == 0:
@@ -76,7 +78,9 @@ def _replacements(system: System, sets: SignedSets, constants: dict[int, tuple[i
             for other, sign_other in members:
                 replaced[other] = sign_other * sign * sign_of_value * value
                 _drop_rates(system, other, replaced)
-            for other, sign_other in fixed[1:]:  # a second number for the same quantity: leave it to the structure check
+            for other, sign_other in fixed[
+                1:
+            ]:  # a second number for the same quantity: leave it to the structure check
                 sign_of_other, second = constants[other]
                 kept.append(_contradiction(system, other, replaced[other], sign_of_other * second * 1))
             continue

@@ -15,7 +15,7 @@ from fowtlib.flattening.incidence import Incidence
 from fowtlib.flattening.index_reduction import IndexReduction
 from fowtlib.flattening.instances import Instances, Statements
 from fowtlib.flattening.orientations import resolve_orientations
-from fowtlib.flattening.system import System, scalars
+from fowtlib.flattening.system import System, element_names, scalars
 from fowtlib.language.component import Component
 from fowtlib.language.errors import StructureError
 
@@ -74,11 +74,13 @@ class _Assembler:
             constant = [item for item in system.intermediates if item.function is None and item.inputs.is_constant()]
             if not constant:
                 return
-            system.intermediates = [item for item in system.intermediates if not any(item is other for other in constant)]
+            system.intermediates = [
+                item for item in system.intermediates if not any(item is other for other in constant)
+            ]
             symbols = ca.vertcat(*[symbol for item in constant for symbol in item.symbols])
             values = ca.vertcat(*[item.inputs for item in constant])
             for item in constant:
-                self.constant_orientations.update(zip((s.name() for s in item.symbols), item.inputs.elements(), strict=True))
+                self.constant_orientations.update(zip(item.names(), item.inputs.elements(), strict=True))
             self._apply(lambda expressions, s=symbols, v=values: ca.substitute(expressions, [s], [v]))
 
     def _apply(self, substitute: Any) -> None:
@@ -187,7 +189,16 @@ class _Assembler:
         for _ in range(unknown.order):
             unit = "1/s" if unit == "1" else f"{unit}/s"
         start = ca.SX(0) if unknown.start is None else ca.SX(unknown.start)
-        return Quantity(unknown.path, unit, declared.doc, declared.hint, start, unknown.start is not None, bool(declared.fixed), nominal)
+        return Quantity(
+            unknown.path,
+            unit,
+            declared.doc,
+            declared.hint,
+            start,
+            unknown.start is not None,
+            bool(declared.fixed),
+            nominal,
+        )
 
     @staticmethod
     def _discrete(item: Any) -> Quantity:
@@ -198,7 +209,9 @@ class _Assembler:
         equation = self.system.equations[number]
         return f"{equation.path or 'the model'} ({'/'.join(equation.source.rsplit('/', 2)[-2:])})"
 
-    def _observed(self, states, causal, symbols, assigned, solved) -> tuple[dict[str, ca.SX], dict[str, str], dict[str, str]]:
+    def _observed(
+        self, states, causal, symbols, assigned, solved
+    ) -> tuple[dict[str, ca.SX], dict[str, str], dict[str, str]]:
         system = self.system
         number = system.number
         observed: dict[str, ca.SX] = {}
@@ -207,17 +220,24 @@ class _Assembler:
 
         def take(path: str, value: ca.SX, declared: Any, order: int = 0) -> None:
             observed[path] = value
-            units[path] = declared.unit if not order else ("1" if declared.unit == "1" else declared.unit) + "/s" * order
+            units[path] = (
+                declared.unit if not order else ("1" if declared.unit == "1" else declared.unit) + "/s" * order
+            )
             docs[path] = declared.doc
 
+        orientations = {
+            symbol.element_hash(): name
+            for item in system.intermediates if item.function is None
+            for symbol, name in zip(item.symbols, item.names(), strict=True)
+        }  # fmt: skip
         for j in [*states, *causal.torn]:
             unknown = system.unknowns[j]
             take(unknown.path, unknown.symbol, unknown.declared, unknown.order)
         for symbol, value in zip(symbols, assigned, strict=True):
             j = number.get(symbol.element_hash())
             if j is None:
-                observed[symbol.name()] = value
-                units[symbol.name()], docs[symbol.name()] = "1", "orientation, world from frame"
+                name = orientations[symbol.element_hash()]
+                observed[name], units[name], docs[name] = value, "1", "orientation, world from frame"
             else:
                 unknown = system.unknowns[j]
                 take(unknown.path, value, unknown.declared, unknown.order)
@@ -225,9 +245,7 @@ class _Assembler:
             unknown = system.unknowns[j]
             take(unknown.path, value, unknown.declared, unknown.order)
         for path, value in zip(system.aliases, solved["aliases"], strict=True):
-            elements = scalars(value)
-            names = [path] if len(elements) == 1 else [f"{path}[{i}]" for i in range(len(elements))]
-            for name, element in zip(names, elements, strict=True):
+            for name, element in zip(element_names(path, value.shape), scalars(value), strict=True):
                 observed.setdefault(name, element)
         for name, value in self.constant_orientations.items():
             observed[name], units[name], docs[name] = value, "1", "orientation, world from frame"
@@ -235,9 +253,7 @@ class _Assembler:
             unknown = system.unknowns[j]
             take(unknown.path, ca.SX.nan(1), unknown.declared)
         for item in system.inputs.values():
-            elements = scalars(item.symbol)
-            names = [item.path] if len(elements) == 1 else [f"{item.path}[{i}]" for i in range(len(elements))]
-            for name, element in zip(names, elements, strict=True):
+            for name, element in zip(element_names(item.path, item.symbol.shape), scalars(item.symbol), strict=True):
                 observed[name], units[name], docs[name] = element, item.unit, item.doc
         for item in system.discretes:
             take(item.path, item.symbol, item.declared)
@@ -260,7 +276,11 @@ class _Assembler:
                     on_discretes.append(discrete_of[key])
                     from_discretes.append(k)
                 else:
-                    wanted = "a state; declare it with state='always'" if action.is_reinit else "declared with var(discrete=True)"
+                    wanted = (
+                        "a state; declare it with state='always'"
+                        if action.is_reinit
+                        else "declared with var(discrete=True)"
+                    )
                     raise StructureError(f"{path}: {target} cannot be set at an event, because it is not {wanted}.")
                 k += 1
         return on_states, from_states, on_discretes, from_discretes
@@ -276,18 +296,24 @@ class _Assembler:
     def _samples(self, solved: dict[str, list[ca.SX]]) -> list[SampledUpdate]:
         samples, values = [], iter(solved["samples"])
         for path, sampled in self.statements.sampled:
-            targets = [t for action in sampled.assignments for t in scalars(action.target)]
-            column = scalars(_column([ca.vec(next(values)) for _ in sampled.assignments]))
+            targets, column = ca.SX(0, 1), ca.SX(0, 1)
+            for action in sampled.assignments:  # each sees the values assigned before it
+                value = (
+                    ca.substitute(ca.vec(next(values)), targets, column) if targets.numel() else ca.vec(next(values))
+                )
+                targets, column = ca.vertcat(targets, ca.vec(action.target)), ca.vertcat(column, value)
             _, _, numbers, _ = self._targets(path, sampled.assignments, [])
-            for k in range(1, len(column)):  # each assignment sees those before it
-                column[k] = ca.substitute(column[k], ca.vertcat(*targets[:k]), ca.vertcat(*column[:k]))
-            samples.append(SampledUpdate(ca.SX(sampled.period), ca.SX(sampled.offset), numbers, _column(column), path))
+            samples.append(
+                SampledUpdate(ca.SX(sampled.period), ca.SX(sampled.offset), numbers, ca.densify(column), path)
+            )
         return _in_order(samples, self.system)
 
     def _checks(self, solved: dict[str, list[ca.SX]]) -> list[Check]:
         values = iter(solved["values"])
         return [
-            Check(condition, assertion.message, assertion.level, {name: next(values) for name in assertion.values}, path)
+            Check(
+                condition, assertion.message, assertion.level, {name: next(values) for name in assertion.values}, path
+            )
             for (path, assertion), condition in zip(self.statements.assertions, solved["assertions"], strict=True)
         ]
 
@@ -330,9 +356,9 @@ def _in_order(samples: list[SampledUpdate], system: System) -> list[SampledUpdat
         ready = [k for k in left if not any(reads[k] & set(samples[j].targets) for j in left if j != k)]
         if not ready:
             names = ", ".join(samples[k].path for k in left)
-            raise StructureError(f"the sampled parts {names} need each other's values of the same instant; delay one by a sample.")
+            raise StructureError(
+                f"the sampled parts {names} need each other's values of the same instant; delay one by a sample."
+            )
         order += ready
         left = [k for k in left if k not in ready]
     return [samples[k] for k in order]
-
-

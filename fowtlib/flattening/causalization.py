@@ -68,7 +68,9 @@ class Causalization:
         direct, through = self.incidence.split(expressions)
         structures = []
         for own, via in zip(direct, through, strict=True):
-            hidden = np.unique(np.concatenate([self.incidence.closure(k) for k in via])) if len(via) else np.zeros(0, int)
+            hidden = (
+                np.unique(np.concatenate([self.incidence.closure(k) for k in via])) if len(via) else np.zeros(0, int)
+            )
             own, hidden = self.position[own], self.position[hidden] if len(hidden) else hidden
             own, hidden = own[own >= 0], hidden[hidden >= 0]
             structures.append((np.union1d(own, hidden), hidden))

@@ -9,7 +9,7 @@ from typing import Any
 import casadi as ca
 import numpy as np
 
-from fowtlib.flattening.system import Input, System, scalars
+from fowtlib.flattening.system import Input, System, element_names, scalars
 from fowtlib.language.component import Component
 from fowtlib.language.connectors import Member, RealInput, RealOutput, Signal
 from fowtlib.language.declarations import Port, PortReference, Variable, join
@@ -86,7 +86,9 @@ class Connections:
         for reference in (a, b):
             size = reference.component.port_size(reference.field)
             if size is not None and reference.index is None:
-                raise ConnectionFault(f"{reference.path} is an array of {size} ports; connect one of them: {reference.path}[0].")
+                raise ConnectionFault(
+                    f"{reference.path} is an array of {size} ports; connect one of them: {reference.path}[0]."
+                )
             ends.append(self.nodes[self._number[id(reference.component), reference.field.name, reference.index]])
         self._check_pair(*ends, owner)
         self.potential_sets.union(ends[0].number, ends[1].number)
@@ -111,7 +113,9 @@ class Connections:
             return
         shapes = [node.component.shape(node.field) for node in (a, b)]
         if shapes[0] != shapes[1]:
-            raise ConnectionFault(f"{a.path} has shape {shapes[0]} and {b.path} has shape {shapes[1]}; they cannot be connected.")
+            raise ConnectionFault(
+                f"{a.path} has shape {shapes[0]} and {b.path} has shape {shapes[1]}; they cannot be connected."
+            )
         units = [a.field.unit, b.field.unit]
         if units[0] != units[1] and "1" not in units and dimension(units[0]) != dimension(units[1]):
             raise ConnectionFault(f"{a.path} is in {units[0]} and {b.path} in {units[1]}; they cannot be connected.")
@@ -207,7 +211,7 @@ class Connections:
         symbol = ca.SX.sym(first.path, *shape)
         if drivers and issubclass(first.field.annotation, RealOutput):
             declared = _variable(first.field.unit, first.field.doc)
-            for element, name in zip(scalars(symbol), _names(first.path, symbol), strict=True):
+            for element, name in zip(scalars(symbol), element_names(first.path, symbol.shape), strict=True):
                 system.add_unknown(element, name, declared)
         else:
             self._open_input(system, root, group, first, symbol)
@@ -235,8 +239,12 @@ class Connections:
         if defaults and defaults[0].field.default is not None:
             declared = defaults[0]
             default = to_si(declared.component.resolve(declared.field.default), declared.field.unit, declared.path)
-        value = np.broadcast_to(np.asarray(default, dtype=float), symbol.shape if symbol.shape[1] > 1 else (symbol.shape[0],))
-        system.inputs[source.path] = Input(source.path, symbol, source.field.unit, source.field.doc, value.reshape(-1, order="F"))
+        value = np.broadcast_to(
+            np.asarray(default, dtype=float), symbol.shape if symbol.shape[1] > 1 else (symbol.shape[0],)
+        )
+        system.inputs[source.path] = Input(
+            source.path, symbol, source.field.unit, source.field.doc, value.reshape(-1, order="F")
+        )
 
 
 class SignedSets:
@@ -274,22 +282,13 @@ def _symbol(system: System, path: str, name: str, member: Member, unknown: bool 
     symbol = ca.SX.sym(f"{path}.{name}", *_two(member.shape))
     if unknown:
         declared = _variable(member.unit, member.doc)
-        for element, label in zip(scalars(symbol), _names(f"{path}.{name}", symbol), strict=True):
+        for element, label in zip(scalars(symbol), element_names(f"{path}.{name}", symbol.shape), strict=True):
             system.add_unknown(element, label, declared)
     return symbol
 
 
 def _variable(unit: str, doc: str) -> Variable:
     return Variable(unit, doc, "", None, None, None, "default", None, None, None, False)
-
-
-def _names(path: str, symbol: ca.SX) -> list[str]:
-    if symbol.is_scalar():
-        return [path]
-    rows, columns = symbol.shape
-    if columns == 1:
-        return [f"{path}[{i}]" for i in range(rows)]
-    return [f"{path}[{i},{j}]" for j in range(columns) for i in range(rows)]
 
 
 def _two(shape: tuple[int, ...]) -> tuple[int, int]:

@@ -54,7 +54,9 @@ def _report(system: System, live: list[int], coarse: structure.Coarse) -> str:
 def _equation(system: System, number: int) -> str:
     equation = system.equations[number]
     text = f"{equation.lhs} = {equation.rhs}"
-    return f"{equation.path or 'the model'}: {text if len(text) <= 100 else text[:97] + '...'} ({_place(equation.source)})"
+    return (
+        f"{equation.path or 'the model'}: {text if len(text) <= 100 else text[:97] + '...'} ({_place(equation.source)})"
+    )
 
 
 def _place(source: str) -> str:

@@ -134,18 +134,25 @@ class FlatDAE:
     @cached_property
     def names(self) -> list[str]:
         """Paths of all variables: scalars, and arrays as a whole."""
-        arrays = dict.fromkeys(name[:-3] for name in self.observed if name.endswith("[0]"))
+        arrays = dict.fromkeys(name.rpartition("[")[0] for name in self.observed if name.endswith("]"))
         return [*self.observed, *arrays]
 
     def observe_expression(self, name: str) -> ca.SX:
-        """Expression of a variable by path; `body.v` gives the column of `body.v[0]`, `body.v[1]`, ..."""
+        """Expression of a variable by path; an array as a whole is the column or matrix of its elements."""
         if name in self.observed:
             return self.observed[name]
-        members = []
-        while f"{name}[{len(members)}]" in self.observed:
-            members.append(self.observed[f"{name}[{len(members)}]"])
-        if members:
-            return ca.vertcat(*members)
+        rows = 0
+        while f"{name}[{rows}]" in self.observed:
+            rows += 1
+        if rows:
+            return ca.vertcat(*[self.observed[f"{name}[{i}]"] for i in range(rows)])
+        while f"{name}[{rows},0]" in self.observed:
+            rows += 1
+        columns = 0
+        while f"{name}[0,{columns}]" in self.observed:
+            columns += 1
+        if rows:
+            return ca.blockcat([[self.observed[f"{name}[{i},{j}]"] for j in range(columns)] for i in range(rows)])
         raise NotFoundError(f"there is no variable '{name}'{did_you_mean(name, self.names)}")
 
     def __repr__(self) -> str:

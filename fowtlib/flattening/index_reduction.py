@@ -137,7 +137,9 @@ class IndexReduction:
         except ValueError:
             paths = sorted({system.equations[i].path or "the model" for i in rows})
             raise StructureError(
-                "no choice of states satisfies the constraints of " + ", ".join(paths[:8]) + "; they may be redundant, as the "
+                "no choice of states satisfies the constraints of "
+                + ", ".join(paths[:8])
+                + "; they may be redundant, as the "
                 "out-of-plane constraints of a planar loop are (close it with a PlanarLoopRevolute)."
             ) from None
         return [columns[k] for k in chosen]

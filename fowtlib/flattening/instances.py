@@ -10,7 +10,7 @@ import casadi as ca
 import numpy as np
 
 from fowtlib.flattening.connections import Connections
-from fowtlib.flattening.system import Parameter, System, scalars
+from fowtlib.flattening.system import Parameter, System, element_names, scalars
 from fowtlib.language import equations as statements
 from fowtlib.language import expressions
 from fowtlib.language.component import Component
@@ -144,7 +144,7 @@ class Instances:
         symbol = ca.SX.sym(path, *_two(shape))
         starts = self._start(component, declared, shape)
         register = self.system.add_discrete if declared.discrete else self.system.add_unknown
-        for element, name, start in zip(scalars(symbol), _names(path, shape), starts, strict=True):
+        for element, name, start in zip(scalars(symbol), element_names(path, shape), starts, strict=True):
             register(element, name, declared, start)
         return symbol
 
@@ -245,16 +245,6 @@ def _shape(shape: tuple[int, ...]) -> str:
     return " x ".join(map(str, shape)) if shape else "of a scalar"
 
 
-def _names(path: str, shape: tuple[int, ...]) -> list[str]:
-    """Names of the scalars, column by column."""
-    if not shape:
-        return [path]
-    if len(shape) == 1:
-        return [f"{path}[{i}]" for i in range(shape[0])]
-    return [f"{path}[{i},{j}]" for j in range(shape[1]) for i in range(shape[0])]
-
-
 def _first_line(error: BaseException) -> str:
     lines = [line for line in str(error).splitlines() if line.strip()]
     return lines[-1].strip() if lines else type(error).__name__
-

@@ -93,4 +93,6 @@ def _closing_edge(system, path, rotation) -> None:
 
 
 def _define(system: System, R: ca.SX, value: ca.SX, path: str) -> None:
-    system.intermediates.append(Intermediate(scalars(R), ca.densify(ca.vec(value)), None, path))
+    symbols = scalars(R)
+    matrix = symbols[0].name().removesuffix("_0")  # CasADi numbers the elements of a matrix symbol
+    system.intermediates.append(Intermediate(symbols, ca.densify(ca.vec(value)), None, path, matrix))

@@ -18,6 +18,15 @@ def scalars(value: ca.SX) -> list[ca.SX]:
     return ca.densify(ca.vec(value)).elements()
 
 
+def element_names(path: str, shape: tuple[int, ...]) -> list[str]:
+    """Names of the scalars of a quantity, column by column: `v`, `v[0]`, `R[0,1]`."""
+    if not shape or shape == (1, 1):
+        return [path]
+    if len(shape) == 1 or shape[1] == 1:
+        return [f"{path}[{i}]" for i in range(shape[0])]
+    return [f"{path}[{i},{j}]" for j in range(shape[1]) for i in range(shape[0])]
+
+
 @dataclass(slots=True)
 class Unknown:
     """A scalar unknown of the flat system; `rate` is the number of its time derivative, where one appears."""
@@ -75,6 +84,11 @@ class Intermediate:
     inputs: ca.SX
     function: ca.Function | None
     path: str
+    matrix: str = ""
+
+    def names(self) -> list[str]:
+        """Result names of the elements of an orientation."""
+        return element_names(self.matrix, (3, 3))
 
 
 @dataclass(slots=True)
@@ -191,7 +205,9 @@ class System:
     def _differentiate_external(self, call: Intermediate) -> None:
         """d/dt w = J(y) dy/dt, with the Jacobian of the function as an external of its own."""
         y = ca.MX.sym("y", call.inputs.shape[0])
-        jacobian = ca.Function(f"{call.function.name()}_jacobian", [y], [ca.densify(ca.vec(ca.jacobian(call.function(y), y)))])
+        jacobian = ca.Function(
+            f"{call.function.name()}_jacobian", [y], [ca.densify(ca.vec(ca.jacobian(call.function(y), y)))]
+        )
         path, self.current_path = self.current_path, call.path
         entries = ca.reshape(self.external(jacobian, call.inputs), len(call.symbols), call.inputs.shape[0])
         self.current_path = path

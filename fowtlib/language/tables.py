@@ -140,9 +140,9 @@ def _spline(
     return ca.Function(_identifier(name), [argument], [value], ["argument"], ["value"])
 
 
-def _flat(coefficients: np.ndarray) -> ca.DM:
-    """CasADi's order: the output runs fastest, then the first argument."""
-    return ca.DM(np.moveaxis(coefficients, -1, 0).ravel(order="F"))
+def _flat(coefficients: np.ndarray) -> list[float]:
+    """CasADi's order: the output runs fastest, then the first argument (a list, which CasADi takes faster than an array)."""
+    return np.moveaxis(coefficients, -1, 0).ravel(order="F").tolist()
 
 
 def _identifier(name: str) -> str:

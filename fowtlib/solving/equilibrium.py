@@ -24,7 +24,11 @@ def time_dependence(evaluation: Evaluation) -> list[str]:
         for k, row in enumerate(ca.vertsplit(dae.ode)):
             if ca.depends_on(row, dae.t):
                 paths.append(f"der({names[k]})")
-        paths += [path for path, row in zip(dae.residual_paths, ca.vertsplit(dae.alg), strict=True) if ca.depends_on(row, dae.t)]
+        paths += [
+            path
+            for path, row in zip(dae.residual_paths, ca.vertsplit(dae.alg), strict=True)
+            if ca.depends_on(row, dae.t)
+        ]
     return list(dict.fromkeys(paths))
 
 

@@ -50,7 +50,9 @@ class Evaluation:
     def _called(self, needed: set[int] | None = None) -> tuple[list[ca.MX], ca.MX, dict[int, ca.MX]]:
         """Symbols t, x, z, q, the outputs of the externals at them, and the inputs of each external."""
         arguments = [ca.MX.sym(name, *value.shape) for name, value in zip("txzq", self._arguments, strict=True)]
-        outputs: list[ca.MX] = [ca.MX(external.outputs.stop - external.outputs.start, 1) for external in self.dae.externals]
+        outputs: list[ca.MX] = [
+            ca.MX(external.outputs.stop - external.outputs.start, 1) for external in self.dae.externals
+        ]
         inputs: dict[int, ca.MX] = {}
         for level, group in enumerate(self.dae.levels):
             members = [k for k in group if needed is None or k in needed]
@@ -151,7 +153,10 @@ class Evaluation:
         dae = self.dae
         columns = [ca.vertcat(*[q.start for q in group]) if group else ca.SX(0, 1)
                    for group in (dae.states, dae.algebraics, dae.discretes)]  # fmt: skip
-        values = [np.array(value, dtype=float).ravel() for value in ca.Function("start", [], self.with_numbers(columns)).call([])]
+        values = [
+            np.array(value, dtype=float).ravel()
+            for value in ca.Function("start", [], self.with_numbers(columns)).call([])
+        ]
         inputs = [item.default for item in dae.inputs.values()]
         return (*values, np.concatenate(inputs) if inputs else np.zeros(0))
 

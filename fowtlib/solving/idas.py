@@ -22,7 +22,9 @@ class Idas:
         self._integrators: dict[int, ca.Function] = {}
         self._problem: dict[str, ca.MX] | None = None
 
-    def advance(self, t: float, length: float, points: int, x: np.ndarray, z: np.ndarray, q: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    def advance(
+        self, t: float, length: float, points: int, x: np.ndarray, z: np.ndarray, q: np.ndarray
+    ) -> tuple[np.ndarray, np.ndarray]:
         """States and algebraic unknowns (rows) at `points` equidistant times after t; RuntimeError where IDAS fails."""
         nx, nz = len(x), len(z)
         if nx == 0:

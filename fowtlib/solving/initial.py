@@ -60,7 +60,9 @@ def initial_values(evaluation: Evaluation, t: float, x: np.ndarray, z: np.ndarra
 
     solution = newton(residual, jacobian, np.concatenate([x[free], z]))
     if not solution.converged:
-        raise SimulationError(failure_text(dae, solution, "the initial equations have no solution near the start values"))
+        raise SimulationError(
+            failure_text(dae, solution, "the initial equations have no solution near the start values")
+        )
     return unpack(solution.values)
 
 

@@ -45,7 +45,9 @@ class LinearModel:
     def _labelled(self, name: str, rows: tuple[str, list[str]], columns: tuple[str, list[str]]) -> xarray.DataArray:
         import xarray
 
-        return xarray.DataArray(self.matrices[name], dims=(rows[0], columns[0]), coords=dict([rows, columns]), name=name)
+        return xarray.DataArray(
+            self.matrices[name], dims=(rows[0], columns[0]), coords=dict([rows, columns]), name=name
+        )
 
     @property
     def A(self) -> xarray.DataArray:
@@ -88,7 +90,9 @@ class LinearModel:
             weight = np.abs(w.conj() * v)
             weight = weight / max(weight.sum(), 1e-300)
             size = abs(value)
-            shape = dict(zip(self.outputs, C @ v, strict=True)) if self.outputs else dict(zip(self.states, v, strict=True))
+            shape = (
+                dict(zip(self.outputs, C @ v, strict=True)) if self.outputs else dict(zip(self.states, v, strict=True))
+            )
             peak = max(shape.values(), key=abs, default=1.0) or 1.0
             modes.append(
                 Mode(

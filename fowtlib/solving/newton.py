@@ -23,7 +23,9 @@ class NewtonResult:
     iterations: int
 
 
-def newton(residual: Residual, jacobian: Jacobian, start: np.ndarray, *, tolerance: float = 1e-10, limit: int = 100) -> NewtonResult:
+def newton(
+    residual: Residual, jacobian: Jacobian, start: np.ndarray, *, tolerance: float = 1e-10, limit: int = 100
+) -> NewtonResult:
     """Damped Newton on rows scaled by their Jacobian; a singular or uphill step becomes a Levenberg-Marquardt step.
 
     Converged when a full Newton step changes no unknown by more than `tolerance`, relative to 1 and to its size.

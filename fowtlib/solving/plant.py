@@ -60,7 +60,7 @@ class Plant:
     def describe(self, path: str) -> tuple[str, str]:
         """SI unit and description of any variable."""
         dae = self.dae
-        key = path if path in dae.units else f"{path}[0]"
+        key = next((key for key in (path, f"{path}[0]", f"{path}[0,0]") if key in dae.units), path)
         return dae.units.get(key, "1"), dae.docs.get(key, "") or path
 
     # --- parameters and states -----------------------------------------------------------------------------------
@@ -103,7 +103,9 @@ class Plant:
             if path not in values:
                 raise ParameterError(f"there is no input '{path}'{did_you_mean(path, values)}")
             item = self.dae.inputs[path]
-            values[path] = np.broadcast_to(np.asarray(to_si(value, item.unit, path), dtype=float).ravel(), item.default.shape)
+            values[path] = np.broadcast_to(
+                np.asarray(to_si(value, item.unit, path), dtype=float).ravel(), item.default.shape
+            )
         return np.concatenate(list(values.values())) if values else np.zeros(0)
 
     def initial_state(self, parameters: Values | None = None, start: Values | None = None, inputs: Values | None = None,
@@ -134,7 +136,9 @@ class Plant:
                 d[discretes[path]] = number
             else:
                 names = [*self.dae.state_number, *guesses, *discretes]
-                raise ParameterError(f"'{path}' is not a state and cannot be given a start value{did_you_mean(path, names)}")
+                raise ParameterError(
+                    f"'{path}' is not a state and cannot be given a start value{did_you_mean(path, names)}"
+                )
         q = np.concatenate([u, d])
         if base is not None:
             z = consistent_algebraics(evaluation, t, x, z, q)
@@ -151,7 +155,9 @@ class Plant:
         x, z = equilibrium(self.evaluation(parameters), state.t, state.x, state.z, q, held)
         return self._state(state.t, x, z, state.d, state.u, parameters)
 
-    def _state(self, t: float, x: np.ndarray, z: np.ndarray, d: np.ndarray, u: np.ndarray, parameters: Values | None) -> State:
+    def _state(
+        self, t: float, x: np.ndarray, z: np.ndarray, d: np.ndarray, u: np.ndarray, parameters: Values | None
+    ) -> State:
         return State(t, x, z, d, u, dict(parameters or {}), self._observe_state)
 
     def _observe_state(self, name: str, state: State) -> np.ndarray:
@@ -200,11 +206,17 @@ class Plant:
             start.check_resumable({k: v for k, v in self.parameter_values(parameters).items()})
             state = self.resume_point(start.final, parameters, inputs)
         elif isinstance(start, State):
-            state = start if parameters is None or parameters == start.parameters else self.initial_state(parameters, None, inputs, base=start)
+            state = (
+                start
+                if parameters is None or parameters == start.parameters
+                else self.initial_state(parameters, None, inputs, base=start)
+            )
         else:
             state = self.initial_state(parameters, start, inputs)
         simulation = Simulation(self, state, chosen(tolerance, "tolerance", 1e-6), parameters, outputs)
-        return simulation.run(float(chosen(t_end, "duration", 600.0)), float(chosen(output_step, "output_step", 0.1)), progress)
+        return simulation.run(
+            float(chosen(t_end, "duration", 600.0)), float(chosen(output_step, "output_step", 0.1)), progress
+        )
 
     def linearize(self, state: State, inputs: Sequence[str] = (), outputs: Sequence[str] | None = None) -> LinearModel:
         """Exact linear model at a state: inputs are inputs or tunable parameters by path, outputs are results or variables.

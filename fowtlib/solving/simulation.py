@@ -44,7 +44,7 @@ class Simulation:
         self.t = start.t
         self.x, self.z, self.d, self.u = start.x.copy(), start.z.copy(), start.d.copy(), start.u.copy()
         self.rows: list[tuple[np.ndarray, np.ndarray, np.ndarray, np.ndarray]] = []
-        self.warned: list[str] = []
+        self.warned: dict[int, str] = {}
         self._prepare_events()
         self._prepare_samples(start.t)
         self._prepare_checks()
@@ -66,7 +66,9 @@ class Simulation:
         for sample, number in zip(samples, numbers, strict=True):
             period, offset = (float(v) for v in ca.Function("clock", [], [number]).call([])[0].full().ravel())
             if not period > 0:
-                raise SimulationError(f"{sample.path}: the period of a sampled part is {period:g} s; it must be above zero.")
+                raise SimulationError(
+                    f"{sample.path}: the period of a sampled part is {period:g} s; it must be above zero."
+                )
             first = 0 if t <= offset else int(np.ceil((t - offset) / period - 1e-9))
             self.clocks.append((offset, period, first))
 
@@ -248,7 +250,9 @@ class Simulation:
             if not due:
                 break
         if self.event_count > EVENT_LIMIT:
-            raise SimulationError(f"more than {EVENT_LIMIT} events before t = {self.t:g} s; they may accumulate at one instant.")
+            raise SimulationError(
+                f"more than {EVENT_LIMIT} events before t = {self.t:g} s; they may accumulate at one instant."
+            )
         self.armed = after > 0
         self.armed[list(fired)] = False
 
@@ -289,8 +293,8 @@ class Simulation:
                 check = self.dae.checks[i]
                 text = self._message(i, times[k], x[k], z[k])
                 if check.level == "warning":
-                    if text not in self.warned and check.message not in {w.split(" (t = ")[0] for w in self.warned}:
-                        self.warned.append(text)
+                    if i not in self.warned:
+                        self.warned[int(i)] = text
                         warnings.warn(text, stacklevel=2)
                     continue
                 last = self.rows[-1]
@@ -348,7 +352,7 @@ class Simulation:
             "status": status,
             "parameters": {path: value.tolist() for path, value in numbers.items()},
             "wall_time": self.wall_time,
-            "warnings": "\n".join(self.warned),
+            "warnings": "\n".join(self.warned.values()),
         }
         observer = Observer(observe.values, self.plant.describe, self.dae.names)
         return Result(t, values, units, docs, attributes, raw, observer)
@@ -357,7 +361,9 @@ class Simulation:
 class _Observation:
     """Rebuilds variables of the model along a trajectory."""
 
-    def __init__(self, plant: Plant, evaluation: Any, t: np.ndarray, x: np.ndarray, z: np.ndarray, u: np.ndarray, d: np.ndarray):
+    def __init__(
+        self, plant: Plant, evaluation: Any, t: np.ndarray, x: np.ndarray, z: np.ndarray, u: np.ndarray, d: np.ndarray
+    ):
         self.plant, self.evaluation = plant, evaluation
         self.arguments = (t[None], x.T, z.T, np.concatenate([u, d], axis=1).T)
 
@@ -365,7 +371,7 @@ class _Observation:
         if not paths:
             return []
         expressions = [ca.densify(self.plant.dae.observe_expression(path)) for path in paths]
-        sizes = [e.numel() for e in expressions]
+        sizes, shapes = [e.numel() for e in expressions], [e.shape for e in expressions]
         function = self.evaluation.function("observe", [ca.vertcat(*[ca.vec(e) for e in expressions])])
         n = self.arguments[0].shape[1]
         blocks = []
@@ -374,10 +380,18 @@ class _Observation:
             blocks.append(np.array(function(*(a[:, part] for a in self.arguments))))
         table = np.concatenate(blocks, axis=1).T
         columns = np.split(table, np.cumsum(sizes)[:-1], axis=1)
-        return [column[:, 0] if size == 1 else column for column, size in zip(columns, sizes, strict=True)]
+        return [_shaped(column, shape) for column, shape in zip(columns, shapes, strict=True)]
 
     def values(self, names: Sequence[str]) -> np.ndarray:
-        return np.column_stack(self.arrays(names))
+        arrays = self.arrays(names)
+        return arrays[0] if len(arrays) == 1 and arrays[0].ndim > 1 else np.column_stack(arrays)
+
+
+def _shaped(column: np.ndarray, shape: tuple[int, int]) -> np.ndarray:
+    """Rows of elements in column-major order as scalars, vectors or matrices."""
+    if shape == (1, 1):
+        return column[:, 0]
+    return column if shape[1] == 1 else column.reshape(-1, shape[1], shape[0]).transpose(0, 2, 1)
 
 
 def _console(t: float, t_end: float) -> None:

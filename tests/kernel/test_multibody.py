@@ -39,7 +39,7 @@ def values(result, path):
 
 def rotations(result, frame):
     """R of a frame at every output point, (n, 3, 3); a result lists the elements column by column."""
-    return values(result, f"{frame}.R").reshape(-1, 3, 3).transpose(0, 2, 1)
+    return values(result, f"{frame}.R")
 
 
 def body_energy(result, name, mass, inertia, r_cm=(0, 0, 0), gravity=G):
