@@ -210,3 +210,20 @@ def test_oc3_damping_follows_from_the_excitation(oc3, mode, tolerance):
     exact = oc3.B[:, mode, mode]
     strong = exact > 0.2 * exact.max()
     np.testing.assert_allclose(damping[strong], exact[strong], rtol=tolerance)
+
+
+def test_two_rotor_spar():
+    """Computed data: geometry of the spar, long waves, and damping tied to the loads."""
+    spar = HydrodynamicDatabase.read(OC3.parents[1] / "two_rotor_spar" / "hydrodynamics.nc")
+    assert spar.volume == pytest.approx(11_784.0, rel=1e-5)
+    assert spar.centre_of_buoyancy[2] == pytest.approx(-71.88, abs=0.01)
+    assert spar.C[2, 2] == pytest.approx(4.56e5, rel=1e-3)
+    assert abs(spar.X[0, 0, 2]) == pytest.approx(spar.C[2, 2], rel=0.07)
+    assert spar.A_inf[0, 0] == pytest.approx(spar.rho * spar.volume, rel=0.1)  # a long cylinder: as much as its water
+    np.testing.assert_array_equal(spar.A, np.swapaxes(spar.A, 1, 2))
+    omega = spar.omega
+    wave = (omega > 0.5) & (omega < 1.5)  # deep water
+    factor = omega[wave] ** 3 / (2 * spar.rho * spar.g**3)
+    for mode in (0, 4):
+        mean_square = np.mean(np.abs(spar.X[wave, :-1, mode]) ** 2, axis=1)
+        np.testing.assert_allclose(factor * mean_square, spar.B[wave, mode, mode], rtol=0.03)
