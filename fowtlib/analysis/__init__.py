@@ -2,7 +2,7 @@
 
 from fowtlib.analysis.decay import Decay, analyse_decay, free_decay
 from fowtlib.analysis.harmonics import HarmonicFit, harmonic_fit
-from fowtlib.analysis.rao import Rao, frequency_response, linear_rao, simulated_rao
+from fowtlib.analysis.rao import Rao, linear_rao, simulated_rao
 from fowtlib.analysis.spectra import Spectrum, average, compare, power_spectrum
 from fowtlib.analysis.static import StaticCurve, static_curve
 from fowtlib.analysis.statistics import normalized_maxima, over_seeds, up_crossings
@@ -17,7 +17,6 @@ __all__ = [
     "average",
     "compare",
     "free_decay",
-    "frequency_response",
     "harmonic_fit",
     "linear_rao",
     "normalized_maxima",

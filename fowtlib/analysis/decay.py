@@ -14,7 +14,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from fowtlib.analysis.plants import chosen_outputs, compiled
+from fowtlib.analysis.plants import chosen_outputs, compiled, state_behind
 from fowtlib.analysis.series import Series, as_series
 from fowtlib.language.errors import ModelError
 
@@ -90,25 +90,43 @@ def free_decay(
     dof: str,
     offset: float,
     *,
-    duration: float = 600.0,
-    output_step: float = 0.1,
+    duration: float | None = None,
+    output_step: float | None = None,
     parameters: Mapping[str, Any] | None = None,
+    hold: Mapping[str, Any] | None = None,
     **simulate: Any,
 ) -> Decay:
     """Let one motion go from an offset at rest, and take period and damping from what follows.
 
-    model     a compiled model, used as it is; or a model, which is first put into still water without wind
-    dof       a result that is one of the states or proportional to one, such as "surge" or "pitch"
-    offset    from equilibrium, in the unit of that result (10 m, 10 deg); everything else starts at equilibrium
-    duration  of the run, s; two oscillations at least
+    model        a compiled model, used as it is; or a model, which is first put into still water without wind
+    dof          a result that follows one state, such as "surge" or "pitch"
+    offset       from equilibrium, in the unit of that result (10 m, 10 deg); everything else starts at equilibrium
+    duration     of the run, s; None takes eight periods of the linear mode in which the motion has the largest part
+    output_step  s; None takes 1/200 of the period, at most 0.1 s
+    hold         states that the equilibrium keeps at given values
     Further arguments go to ``plant.simulate``.
     """
     plant = compiled(model)
     chosen_outputs(plant, [dof])
-    rest = plant.equilibrium(parameters=parameters)
-    start = rest.displaced({dof: float(rest[dof]) + offset})
-    result = plant.simulate(duration, output_step=output_step, start=start, **simulate)
-    return replace(analyse_decay(result[dof], rest=float(rest[dof])), result=result)
+    rest = plant.equilibrium(parameters=parameters, hold=hold)
+    linear = plant.linearize(rest, outputs=[dof])
+    state, slope = state_behind(plant, linear, dof)
+    moved = {state: float(np.asarray(rest[state])) + offset / slope}
+    start = plant.initial_state(parameters=parameters, start=moved, base=rest)
+    period = _linear_period(linear, state)
+    if duration is None:
+        duration = 8.0 * period if period else 600.0
+    if output_step is None:
+        output_step = min(0.1, period / 200.0) if period else 0.1
+    result = plant.simulate(duration, output_step=output_step, start=start, parameters=parameters, **simulate)
+    return replace(analyse_decay(result[dof], rest=float(np.asarray(rest[dof]))), result=result)
+
+
+def _linear_period(linear: Any, state: str) -> float:
+    """Period [s] of the oscillating mode in which a state has its largest part; 0 when there is none."""
+    modes = [mode for mode in linear.modes() if np.isfinite(mode.period) and mode.damping_ratio < 1.0]
+    best = max(modes, key=lambda mode: mode.participation.get(state, 0.0), default=None)
+    return best.period if best is not None and best.participation.get(state, 0.0) > 0.05 else 0.0
 
 
 def analyse_decay(series: SeriesLike, *, rest: float | None = None, smallest: float = 0.02, name: str = "") -> Decay:

@@ -45,6 +45,23 @@ def chosen_outputs(plant: Any, outputs: Sequence[str] | None) -> list[str]:
     return list(outputs)
 
 
+def shown_unit(plant: Any, name: str) -> str:
+    """Unit in which the model gives a result."""
+    return plant.outputs[name][1]
+
+
+def state_behind(plant: Any, linear: Any, name: str) -> tuple[str, float]:
+    """The one state that a result follows, and the change of the result (in its unit) per unit of that state."""
+    row = np.asarray(linear.C.sel(output=name), dtype=float)
+    behind = np.flatnonzero(np.abs(row) > 1e-9 * np.abs(row).max(initial=0.0)) if row.any() else np.zeros(0, dtype=int)
+    if behind.size != 1:
+        of = ", ".join(linear.states[k] for k in behind[:4]) or "no state at all"
+        raise ModelError(
+            f"'{name}' cannot be given an offset: it depends on {of}. Take a result that follows one state alone."
+        )
+    return linear.states[behind[0]], float(row[behind[0]])
+
+
 def refuse_unstable(linear: Any) -> None:
     """Stop when the linear model has a growing mode: then there is no steady response."""
     roots = np.linalg.eigvals(np.asarray(linear.A, dtype=float)) if np.size(linear.A) else np.zeros(0)

@@ -23,7 +23,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from fowtlib.analysis.harmonics import harmonic_fit
-from fowtlib.analysis.plants import calm, checked_frequencies, chosen_outputs, compiled, refuse_unstable
+from fowtlib.analysis.plants import calm, checked_frequencies, chosen_outputs, compiled, refuse_unstable, shown_unit
 from fowtlib.language.errors import ModelError, did_you_mean
 
 if TYPE_CHECKING:
@@ -106,12 +106,10 @@ class Rao:
         return "\n".join(lines)
 
 
-def frequency_response(linear: Any, frequencies: Sequence[float] | np.ndarray) -> np.ndarray:
-    """G(i 2 pi f) = C (i omega I - A)^-1 B + D of a linear model, shape (n_frequency, n_output, n_input)."""
-    A, B, C, D = (np.asarray(getattr(linear, name), dtype=float) for name in "ABCD")
-    unity = np.eye(A.shape[0])
-    omega = 2.0 * np.pi * np.atleast_1d(np.asarray(frequencies, dtype=float))
-    return np.array([C @ np.linalg.solve(1j * w * unity - A, B) + D for w in omega])
+def per_metre(plant: Any, names: Sequence[str]) -> tuple[str, ...]:
+    """Units of results per metre of wave: "deg/m", "(m/s)/m"."""
+    units = [shown_unit(plant, name) for name in names]
+    return tuple(f"({unit})/m" if "/" in unit else f"{unit}/m" for unit in units)
 
 
 def wave_inputs(root: Any) -> list[tuple[str, Callable[[np.ndarray, float], np.ndarray]]]:
@@ -139,7 +137,7 @@ def linear_rao(
     state    point of linearisation; None takes the equilibrium with these ``parameters``
     """
     plant = compiled(model)
-    inputs = wave_inputs(plant.root)
+    inputs = wave_inputs(model.root if hasattr(model, "root") else plant.root)
     if not inputs:
         raise ModelError(
             "no part of this model feels the waves (such as a WaveExcitation), so there is no response to them."
@@ -151,8 +149,8 @@ def linear_rao(
     linear = plant.linearize(state, inputs=[path for path, _ in inputs], outputs=names)
     refuse_unstable(linear)
     load = np.hstack([np.asarray(transfer(2.0 * np.pi * frequency, heading)) for _, transfer in inputs])
-    response = np.einsum("foi,fi->fo", frequency_response(linear, frequency), load)
-    return Rao(frequency, tuple(names), response, tuple(f"{plant.unit(name)}/m" for name in names), heading, "linear")
+    response = np.einsum("foi,fi->fo", linear.frequency_response(2.0 * np.pi * frequency), load)
+    return Rao(frequency, tuple(names), response, per_metre(plant, names), heading, "linear")
 
 
 def simulated_rao(
@@ -170,20 +168,26 @@ def simulated_rao(
 ) -> Rao:
     """Response operator from one run in regular waves of ``height`` [m] per frequency, for comparison.
 
-    Every run starts at equilibrium, settles for ``settle`` seconds and gives the next ``periods`` wave periods to a
-    harmonic fit. The part named ``sea`` must be a Sea. Motions in the natural modes die out slowly: lengthen ``settle``
-    where the response is small. Further arguments go to ``plant.simulate``.
+    Every run starts at the equilibrium in still water, the waves grow during half of ``settle`` seconds, and the
+    ``periods`` wave periods after it are fitted by a harmonic. The part named ``sea`` must be a Sea. Motions in the
+    natural modes die out slowly: lengthen ``settle`` where the response is small. Further arguments go to
+    ``plant.simulate``.
     """
     frequency = checked_frequencies(frequencies)
+    quiet = calm(model)
+    plant = model.with_parameters(quiet).compile()
+    rest = plant.equilibrium(parameters=parameters)
+    start = dict(zip((state.path for state in plant.dae.states), rest.x.tolist(), strict=True))
     rows, names, units = [], None, ()
     for f in frequency:
         waves = {"spectrum": "regular", "wave_height": height, "wave_period": 1.0 / f, "heading": heading}
-        plant = model.with_parameters({**calm(model), **{f"{sea}.{k}": v for k, v in waves.items()}}).compile()
+        waves["build_up"] = 0.5 * settle
+        plant = model.with_parameters({**quiet, **{f"{sea}.{k}": v for k, v in waves.items()}}).compile()
         names = names or chosen_outputs(plant, outputs)
-        units = tuple(f"{plant.unit(name)}/m" for name in names)
+        units = per_metre(plant, names)
         step = min(0.5, 1.0 / (40.0 * f))
         end = settle + periods / f
-        result = plant.simulate(end, output_step=step, start=plant.equilibrium(parameters=parameters), **simulate)
+        result = plant.simulate(end, output_step=step, start=start, parameters=parameters, **simulate)
         rows.append([_response(result, name, f, settle, height) for name in names])
     method = f"regular waves, H = {height:g} m"
     return Rao(frequency, tuple(names or ()), np.array(rows), units, heading, method)

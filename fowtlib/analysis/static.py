@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from fowtlib.analysis.plants import chosen_outputs
+from fowtlib.analysis.plants import chosen_outputs, shown_unit
 from fowtlib.language.errors import ModelError, did_you_mean
 
 if TYPE_CHECKING:
@@ -74,5 +74,7 @@ def static_curve(
     rows = []
     for value in values:
         state = plant.equilibrium(parameters={**(parameters or {}), parameter: float(value)})
-        rows.append([float(state[name]) for name in names])
-    return StaticCurve(parameter, values, tuple(names), np.array(rows), tuple(plant.unit(name) for name in names))
+        rows.append([float(np.asarray(state[name])) for name in names])
+    return StaticCurve(
+        parameter, values, tuple(names), np.array(rows), tuple(shown_unit(plant, name) for name in names)
+    )
