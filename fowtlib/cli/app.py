@@ -106,5 +106,7 @@ def _stopped(arguments: argparse.Namespace, status: int, message: str) -> int:
     return status
 
 
-def _warn(message: Warning | str, *_: object) -> None:
-    print(f"fowt: warning: {message}", file=sys.stderr)
+def _warn(message: Warning | str, category: type[Warning], *_: object) -> None:
+    """Pass on what a model has to say; what packages tell their programmers is not for the user of a command."""
+    if category is UserWarning:
+        print(f"fowt: warning: {message}", file=sys.stderr)

@@ -3,19 +3,54 @@
 from __future__ import annotations
 
 import argparse
+import re
+from pathlib import Path
 from typing import Any
 
 from fowtlib.cli import tables
-from fowtlib.language.errors import NotFoundError, did_you_mean
+from fowtlib.cli.files import check_target, say_saved
+from fowtlib.language.errors import ModelError, NotFoundError, did_you_mean
 
 
 def declare(commands: Any) -> None:
     """Add the commands of this module."""
+    models = commands.add_parser("models", help="the models that are shipped")
+    tables.declare(models)
+    models.set_defaults(action=show_models)
+
+    new = commands.add_parser("new", help="a model file of your own, to start from")
+    new.add_argument("name", metavar="NAME", help="name of the model; the file is NAME.yaml")
+    new.add_argument("--like", default="oc3_spar_rigid", metavar="MODEL", help="what is copied; default: %(default)s")
+    new.set_defaults(action=write_new)
+
     parts = commands.add_parser("parts", help="the catalogue of component classes, or one class in full")
     parts.add_argument("name", nargs="?", metavar="CLASS", help="a class, or a group such as mechanics")
     parts.add_argument("--markdown", action="store_true", help="the whole catalogue as a page of the documentation")
     tables.declare(parts)
     parts.set_defaults(action=show_parts)
+
+
+def show_models(arguments: argparse.Namespace) -> int:
+    """Print name and title of every shipped model."""
+    from fowtlib.modelfile import models
+
+    tables.show(arguments, ("model", "title"), models().items())
+    return 0
+
+
+def write_new(arguments: argparse.Namespace) -> int:
+    """Copy a shipped model into a file of the user."""
+    from fowtlib.modelfile.files import find_model
+
+    path = Path(arguments.name).with_suffix(".yaml")
+    if path.exists():
+        raise ModelError(f"{path} exists already; choose another name.")
+    check_target(path, (".yaml",))
+    text = find_model(arguments.like).read_text(encoding="utf-8")
+    head = f"# A copy of {arguments.like}, made by `fowt new`. Check it: fowt check {path}   Run it: fowt run {path}\n"
+    path.write_text(head + re.sub(r"^title:.*$", f"title: {path.stem}", text, count=1, flags=re.M), encoding="utf-8")
+    say_saved(path)
+    return 0
 
 
 def show_parts(arguments: argparse.Namespace) -> int:

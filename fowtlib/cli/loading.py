@@ -29,13 +29,16 @@ def declare(parser: argparse.ArgumentParser, *, wind: bool = True, waves: bool =
         default=[],
         help="set a parameter, for example --set platform.body.mass='7500 t'; may be repeated",
     )
+    parser.add_argument(
+        "--allow-python", action="store_true", help="run the Python files that the model file names (`python:`)"
+    )
 
 
 def load(arguments: argparse.Namespace) -> Model:
     """The model with the conditions and parameters of the command line."""
     import fowtlib as fw
 
-    model = fw.load(arguments.model)
+    model = fw.load(arguments.model, allow_python=arguments.allow_python)
     values: dict[str, Any] = {}
     for condition, text in ((WIND, getattr(arguments, "wind", None)), (WAVES, getattr(arguments, "waves", None))):
         if text:

@@ -29,5 +29,5 @@ def pendulum() -> fw.Model:
 @pytest.fixture
 def shipped_pendulum(monkeypatch: pytest.MonkeyPatch, tmp_path):
     """`fowt COMMAND pendulum`, in an empty folder."""
-    monkeypatch.setattr(fw, "load", lambda name: pendulum(), raising=False)
+    monkeypatch.setattr(fw, "load", lambda name, **_: pendulum(), raising=False)
     monkeypatch.chdir(tmp_path)
