@@ -1,13 +1,13 @@
 # make run     make the environment, simulate the OC3 spar in wind and waves, draw a picture
 # make test    make the environment, run the tests
-# make setup lint bench docs lock clean: see below
+# make setup lint bench docs catalogue verification lock clean: see below
 
 PYTHON ?= python3
 VENV   := .venv
 BIN    := $(VENV)/bin
 STAMP  := $(VENV)/.made-from-lock
 
-.PHONY: setup run test lint bench docs catalogue lock clean
+.PHONY: setup run test lint bench docs catalogue verification lock clean
 
 setup: $(STAMP)
 
@@ -39,6 +39,10 @@ docs: $(STAMP)
 # Write docs/catalogue.md from the docstrings and declarations of the components.
 catalogue: $(STAMP)
 	$(BIN)/fowt parts --markdown > docs/catalogue.md
+
+# Compute every table of docs/verification.md and write it into the page.
+verification: $(STAMP)
+	$(BIN)/python benchmarks/verification.py
 
 # Pin the newest packages that pyproject.toml allows: install them into a fresh environment and write down what came.
 lock:

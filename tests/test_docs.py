@@ -70,3 +70,11 @@ def test_the_catalogue_is_up_to_date():
 
     written = (ROOT / "docs" / "catalogue.md").read_text()
     assert written == catalogue.markdown(catalogue.classes()), "run `make catalogue`"
+
+
+def test_every_table_of_the_verification_has_its_command():
+    source = (ROOT / "benchmarks" / "verification.py").read_text()
+    computed = re.findall(r"^@section\ndef (\w+)", source, re.M)
+    page = (ROOT / "docs" / "verification.md").read_text()
+    filled = re.findall(r"<!-- begin (\w+) -->\n\|", page)
+    assert sorted(filled) == sorted(computed), "run `make verification`"
