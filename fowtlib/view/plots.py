@@ -214,12 +214,13 @@ def plot_spectra(
 
 
 def plot_modes(modes: Sequence[Any], path: str | Path | None = None) -> Figure:
-    """Natural frequencies and damping ratios as bars, one row per mode, the lowest frequency on top."""
-    modes = sorted((mode for mode in modes if mode.frequency_hz > 0), key=lambda mode: mode.frequency_hz)
+    """Natural frequencies and damping ratios of the oscillating modes as bars, the lowest frequency on top."""
+    modes = [mode for mode in modes if mode.frequency_hz > 0 and abs(mode.damping_ratio) < 1 - 1e-9]
+    modes = sorted(modes, key=lambda mode: mode.frequency_hz)
     if not modes:
         raise ModelError("there is nothing to plot: the linear model has no oscillating mode.")
     rows = np.arange(len(modes))
-    labels = [mode.label or f"mode {i + 1}" for i, mode in enumerate(modes)]
+    labels = _last_words([mode.label or f"mode {i + 1}" for i, mode in enumerate(modes)])
     frequency = np.array([mode.frequency_hz for mode in modes])
     damping = np.array([100.0 * mode.damping_ratio for mode in modes])
     with _style():
@@ -319,6 +320,15 @@ def _short(name: str, members: Sequence[str]) -> str:
     while all(len(word) > shared + 1 and word[shared] == words[0][shared] for word in words):
         shared += 1
     return " ".join(name.split("_")[shared:])
+
+
+def _last_words(paths: Sequence[str]) -> list[str]:
+    """The last word of each path ("platform.motion.surge" -> "surge"); as many words as it takes to tell them apart."""
+    words = [path.split(".") for path in paths]
+    counts = range(1, max(map(len, words)) + 1)
+    distinct = len(set(paths))
+    count = next(n for n in counts if len({tuple(word[-n:]) for word in words}) == distinct)
+    return [".".join(word[-count:]).replace("_", " ") for word in words]
 
 
 def _color(index: int) -> str:

@@ -85,9 +85,10 @@ def test_rao_and_spectra_and_modes():
     assert [axis.get_ylabel() for axis in figure.axes] == ["density [m²/Hz]", "density [deg²/Hz]"]
     assert legends(figure.axes[0]) == ["surge", "sway", "target"]
     modes = [
-        SimpleNamespace(frequency_hz=f, damping_ratio=0.02, label=n) for f, n in ((0.03, "heave"), (0.008, "surge"))
+        SimpleNamespace(frequency_hz=f, damping_ratio=0.02, label=n)
+        for f, n in ((0.03, "spar.heave"), (0.008, "spar.surge"))
     ]
-    figure = plot_modes([*modes, SimpleNamespace(frequency_hz=0.0, damping_ratio=1.0, label="integrator")])
+    figure = plot_modes([*modes, SimpleNamespace(frequency_hz=0.1, damping_ratio=1.0, label="filter")])
     assert [label.get_text() for label in figure.axes[0].get_yticklabels()] == ["surge", "heave"]
 
 
