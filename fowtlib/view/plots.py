@@ -298,7 +298,8 @@ def _panels(result: Any, names: Sequence[str] | None) -> list[tuple[str, list[st
 
 def _draw_series(axis: Axes, result: Any, title: str, members: Sequence[str]) -> None:
     for index, name in enumerate(members):
-        axis.plot(result.time, result.array(name), color=_color(index), label=_short(name, members))
+        width = 1.1 if result.time.size < 8000 else 0.7
+        axis.plot(result.time, result.array(name), color=_color(index), label=_short(name, members), linewidth=width)
     unit = _unit(result.unit(members[0]))
     axis.set_title(f"{title.replace('_', ' ')} [{unit}]")
     if len(members) > 1:
