@@ -435,13 +435,13 @@ class Result:
     def open(path: str | Path, plant: Any = None) -> Result:
         """Read a result file. With the compiled model it came from, any variable can be observed again.
 
-        plant is anything with ``observer(raw: RawTrajectory) -> Observer``.
+        plant is anything with ``observer(raw, parameters) -> Observer``: the raw trajectory and the run's parameters.
         """
         from fowtlib.solving.result_files import read
 
         result = read(Path(path))
         if plant is not None and result.raw is not None:
-            result.attach(plant.observer(result.raw))
+            result.attach(plant.observer(result.raw, result.attributes["parameters"]))
         return result
 
 

@@ -151,7 +151,8 @@ def test_netcdf_is_read_by_anyone(tmp_path):
 
 def test_an_opened_result_observes_with_its_model(tmp_path):
     class Plant:
-        def observer(self, raw):
+        def observer(self, raw, parameters):
+            assert parameters == PARAMETERS
             return Observer(lambda names: raw.x[:, [raw.x_names.index(name) for name in names]], names=raw.x_names)
 
     path = result_from().save(tmp_path / "r.nc")
