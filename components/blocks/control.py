@@ -21,7 +21,7 @@ class PI(Component):
     """
 
     proportional_gain: Scalar = param(doc="k_p, output per input")
-    integral_gain: Scalar = param(doc="k_i, output per input and second")
+    integral_gain: Scalar = param(unit="1/s", doc="k_i, output per input and second")
     lower: Scalar = param(default=-UNLIMITED, doc="smallest output")
     upper: Scalar = param(default=UNLIMITED, doc="largest output")
     tracking_time: Scalar = param(default=1.0, unit="s", min=0, doc="time constant of the anti-windup")
@@ -70,7 +70,7 @@ class SampledPI(Component):
     """
 
     proportional_gain: Scalar = param(doc="k_p, output per input")
-    integral_gain: Scalar = param(doc="k_i, output per input and second")
+    integral_gain: Scalar = param(unit="1/s", doc="k_i, output per input and second")
     lower: Scalar = param(default=-UNLIMITED, doc="smallest output")
     upper: Scalar = param(default=UNLIMITED, doc="largest output")
     integral_start: Scalar = param(default=0.0, doc="integral part before the first sample")

@@ -20,7 +20,7 @@ STARTS = ("steady", "value")
 class Integrator(Component):
     """dy/dt = gain u."""
 
-    gain: Scalar = param(default=1.0, doc="factor")
+    gain: Scalar = param(default=1.0, unit="1/s", doc="factor")
     y_start: Scalar = param(default=0.0, doc="initial output")
 
     u: RealInput = port(doc="input")
@@ -38,7 +38,7 @@ class Derivative(Component):
     Reference: Modelica.Blocks.Continuous.Derivative.
     """
 
-    gain: Scalar = param(default=1.0, doc="factor")
+    gain: Scalar = param(default=1.0, unit="s", doc="factor")
     time_constant: Scalar = param(unit="s", min=0, doc="time constant of the filter, well below that of the signal")
 
     u: RealInput = port(doc="input")
@@ -220,8 +220,8 @@ class SlewRateLimiter(Component):
     times that matter, and not smaller than needed: every jump of u costs steps of that length.
     """
 
-    rising_rate: Scalar = param(min=0, doc="largest rate of y, per second")
-    falling_rate: Scalar = param(default=rising_rate, min=0, doc="largest rate of fall of y, per second, positive")
+    rising_rate: Scalar = param(unit="1/s", min=0, doc="largest rate of y")
+    falling_rate: Scalar = param(default=rising_rate, unit="1/s", min=0, doc="largest rate of fall of y, positive")
     time_constant: Scalar = param(default=0.02, unit="s", min=0, doc="lag within the rate limits")
     initialization: str = param(default="steady", choices=STARTS, doc="start at u, or at y_start")
     y_start: Scalar = param(default=0.0, doc="initial output")

@@ -67,17 +67,18 @@ class AccelerationSensor(_FrameSensor):
 class AttitudeSensor(_FrameSensor):
     """Roll, pitch and yaw of a frame in the world: R = Rz(yaw) Ry(pitch) Rx(roll), pitch within +-90 deg.
 
-    With continuous_yaw the yaw angle counts full turns (an event moves its reference angle after every 2 rad) from a
-    start within +-180 deg. Otherwise it stays within +-180 deg and jumps there.
+    With continuous_yaw the yaw angle counts full turns: an event moves its reference angle after every 2 rad. It must
+    start within 3 rad of reference_start. Otherwise it stays within +-180 deg of reference_start and jumps there.
     """
 
     continuous_yaw: bool = param(default=True, doc="count full turns of yaw")
+    reference_start: Scalar = param(default=0.0, unit="rad", doc="angle near which yaw starts")
 
     roll: RealOutput = port(unit="rad", doc="roll angle")
     pitch: RealOutput = port(unit="rad", doc="pitch angle")
     yaw: RealOutput = port(unit="rad", doc="yaw angle")
 
-    reference: Scalar = var(unit="rad", discrete=True, doc="angle from which yaw is measured at the moment")
+    reference: Scalar = var(unit="rad", start=reference_start, discrete=True, doc="angle from which yaw is measured")
     turned: Scalar = var(unit="rad", doc="yaw angle from the reference, within +-180 deg")
 
     def equations(self):
@@ -88,7 +89,7 @@ class AttitudeSensor(_FrameSensor):
             eq(self.pitch, m.atan2(-R[2, 0], m.sqrt(R[2, 1] ** 2 + R[2, 2] ** 2))),
             eq(self.turned, m.atan2(c * R[1, 0] - s * R[0, 0], c * R[0, 0] + s * R[1, 0])),
             eq(self.yaw, self.reference + self.turned),
-            [when(self.turned > 2, moved), when(self.turned < -2, moved)] if self.continuous_yaw else [],
+            [when(sign * self.turned > angle, moved) for sign in (1, -1) for angle in (2, 3) if self.continuous_yaw],
             self.no_load(),
         ]
 

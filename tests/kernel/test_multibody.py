@@ -79,14 +79,15 @@ def test_pendulum_follows_the_elliptic_integral(amplitude_deg):
     total = inertia + mass * length**2
     slow, k = np.sqrt(mass * G * length / total), np.sin(np.radians(amplitude_deg) / 2)
     _, cn, dn, _ = ellipj(slow * time, k**2)
-    assert np.max(np.abs(phi - 2 * np.arcsin(k * cn / dn))) < 2e-6
+    assert np.max(np.abs(phi - 2 * np.arcsin(k * cn / dn))) < 1e-5
 
     energy = 0.5 * total * w**2 + mass * G * length * (1 - np.cos(phi))
     assert drift(energy) < 1e-6
 
-    crossings = time[:-1][np.diff(np.sign(phi)) != 0]
+    before = np.flatnonzero(np.diff(np.sign(phi)))
+    crossings = time[before] - phi[before] * (time[1] - time[0]) / (phi[before + 1] - phi[before])
     period = 2 * (crossings[-1] - crossings[0]) / (len(crossings) - 1)
-    assert period == pytest.approx(4 * ellipk(k**2) / slow, abs=0.1)
+    assert period == pytest.approx(4 * ellipk(k**2) / slow, rel=1e-4)
     if amplitude_deg == 1.0:
         assert 4 * ellipk(k**2) / slow == pytest.approx(2 * np.pi / slow, rel=1e-4)
         assert np.max(np.abs(phi - np.radians(1.0) * np.cos(slow * time))) < 1e-4
@@ -212,10 +213,10 @@ def test_a_mechanism_turned_about_the_vertical_moves_alike_under_gravity():
         assert np.max(np.abs(values(plain, name) - values(turned, name))) < 1e-6
 
 
-def four_bar(a=0.4, b=1.2, c=1.0, d=1.1, w_start=6.0, gravity=G):
+def four_bar(a=0.4, b=1.2, c=1.0, d=1.1, w_start=6.0, gravity=G, base=(0, 0, 0)):
     """Crank and rocker in the plane x-z, angles from x towards z; the hinge of coupler and rocker closes the loop."""
     model = fw.Assembly("four-bar")
-    model.world = World(gravity=gravity)
+    model.world, model.base = World(gravity=gravity), Fixed(angles=base)
     axis = (0, -1, 0)
     crank, guess = 0.6, four_bar_angles(0.6, a, b, c, d)
     model.ground = FixedTranslation(r=(d, 0, 0))
@@ -228,14 +229,14 @@ def four_bar(a=0.4, b=1.2, c=1.0, d=1.1, w_start=6.0, gravity=G):
         model.add(f"{name}_body", rod)
     model.closing = PlanarLoopRevolute(n=axis)
     for start, hinge, link in (
-        (model.world.frame, model.crank_hinge, "crank"),
+        (model.base.frame, model.crank_hinge, "crank"),
         (model.crank.frame_b, model.coupler_hinge, "coupler"),
         (model.ground.frame_b, model.rocker_hinge, "rocker"),
     ):
         model.connect(start, hinge.frame_a)
         model.connect(hinge.frame_b, model.parts[link].frame_a)
         model.connect(hinge.frame_b, model.parts[f"{link}_body"].frame_a)
-    model.connect(model.world.frame, model.ground.frame_a)
+    model.connect(model.base.frame, model.ground.frame_a)
     model.connect(model.coupler.frame_b, model.closing.frame_a)
     model.connect(model.rocker.frame_b, model.closing.frame_b)
     return model
@@ -286,6 +287,9 @@ def test_four_bar_accelerations_are_those_of_one_degree_of_freedom():
 
     inertia = np.array([reduced_inertia(phi) for phi in crank])
     assert np.max(np.abs(w - w[0] * np.sqrt(inertia[0] / inertia))) < 1e-5 * w[0]
+
+    turned = simulate(four_bar(a, b, c, d, gravity=0.0, base=(0.4, -1.1, 2.3)), t_end=2.0, output_step=0.01)
+    assert np.max(np.abs(values(turned, "crank_hinge.phi") - crank)) < 1e-6
 
 
 def floating_pair(gravity):

@@ -250,11 +250,11 @@ def test_line_spring_hangs_a_mass():
 # --- sensors --------------------------------------------------------------------------------------------------------
 
 
-def carousel():
+def carousel(w=3.0, phi=0.0):
     """An arm of 2 m that turns about the vertical, w = 3 rad/s, with a tilted plate at its end."""
     model = fw.Assembly("carousel")
     model.world = World()
-    model.hinge = Revolute(n=(0, 0, 1), w_start=3.0)
+    model.hinge = Revolute(n=(0, 0, 1), w_start=w, phi_start=phi)
     model.arm = FixedTranslation(r=(2, 0, 0))
     model.plate = FixedRotation(n=(0, 1, 0), angle=0.3)
     model.body = RigidBody(mass=1.5, inertia=np.diag([1, 1, 4.0]))
@@ -284,6 +284,16 @@ def test_kinematic_sensors():
     assert np.allclose(values(result, "attitude.pitch"), 0.3, atol=1e-9)
     assert np.allclose(values(result, "attitude.roll"), 0.0, atol=1e-9)
     assert np.allclose(values(result, "attitude.yaw"), 3 * time, atol=1e-7)  # two turns and more
+
+
+@pytest.mark.parametrize("w, phi, near", [(-2.0, 0.0, 0.0), (2.0, 2.9, 0.0), (-2.0, 10.0, 9.0)])
+def test_attitude_sensor_counts_turns_from_its_start(w, phi, near):
+    model = carousel(w, phi)
+    model.attitude = AttitudeSensor(reference_start=near)
+    model.connect(model.body.frame_a, model.attitude.frame)
+    result = simulate(model, 8.0)
+    time = np.asarray(result["hinge.phi"].time)
+    assert np.allclose(values(result, "attitude.yaw"), phi + w * time, atol=1e-6)
 
 
 def test_attitude_sensor_within_half_a_turn():
