@@ -1,1 +1,21 @@
-"""Controllers of pitch and generator torque."""
+"""Control of the turbine: blade pitch, generator torque, yaw control by pitch, generator."""
+
+from fowtlib.components.servo.baseline import BaselineController
+from fowtlib.components.servo.generator import Generator
+from fowtlib.components.servo.pitch_controller import FLOATING_GAINS, ONSHORE_GAINS, PitchController
+from fowtlib.components.servo.sampled import SampledPitchController, SampledTorqueController
+from fowtlib.components.servo.torque_controller import TorqueController
+from fowtlib.components.servo.torque_law import TorqueLaw, torque_of
+
+__all__ = [
+    "FLOATING_GAINS",
+    "ONSHORE_GAINS",
+    "BaselineController",
+    "Generator",
+    "PitchController",
+    "SampledPitchController",
+    "SampledTorqueController",
+    "TorqueController",
+    "TorqueLaw",
+    "torque_of",
+]

@@ -1,0 +1,77 @@
+"""A rotor described by steady thrust and torque coefficients."""
+
+from __future__ import annotations
+
+from fowtlib.components.aero.coefficient_table import read_coefficients
+from fowtlib.components.aero.rotor import Rotor
+from fowtlib.components.blocks import ButterworthLowPass
+from fowtlib.components.environment.wind import Wind
+from fowtlib.components.environment.world import World
+from fowtlib.language import RealOutput, Scalar, der, eq, outer, param, port, table2d, var
+from fowtlib.language import math as m
+
+
+class CoefficientRotor(Rotor):
+    """Rotor with thrust 1/2 rho A C_t U^2 and torque 1/2 rho A R C_q U^2, from tables over tip speed ratio and pitch.
+
+    U is the wind less the velocity of the hub, both along the rotor normal. The tip speed ratio w radius / U_f takes
+    the low-pass filtered wind less the velocity of the hub, so that C_t and C_q follow the mean wind and not its
+    turbulence; with filtered=False U itself, the quasi-static rotor. In a Wind of kind "none" the rotor feels no air.
+    Outside of its table the run stops, unless the table is `extended`. Not included: shear over the disk, yawed inflow,
+    dynamic inflow. Every rotor of a model has its own station of the Wind.
+    """
+
+    coefficients: str = param(doc="path of the CSV with the coefficients, see read_coefficients")
+    extended: bool = param(default=False, doc="estimate coefficients outside of the table instead of stopping there")
+    radius: Scalar = param(unit="m", min=0, doc="tip radius along the blade, of the tip speed ratio")
+    precone: Scalar = param(default=0.0, unit="rad", doc="cone angle: R = radius cos(precone), A = pi R^2")
+    station: int = param(default=0, min=0, doc="number of the wind's station at this hub")
+    filtered: bool = param(default=True, doc="tip speed ratio with the filtered wind")
+    filter_order: int = param(default=2, min=1, doc="order of the Butterworth filter")
+    cutoff_frequency: Scalar = param(default=0.0033, unit="Hz", min=0, doc="-3 dB frequency of the filter")
+    lowest_wind: Scalar = param(default=0.5, unit="m/s", min=0, doc="least speed the tip speed ratio is divided by")
+    wind_start: Scalar = param(
+        default=lambda self: self.wind.mean_at(self.station), unit="m/s", doc="filtered wind at the start"
+    )
+
+    world: World = outer(World)
+    wind: Wind = outer(Wind)
+    normal_wind: RealOutput = port(unit="m/s", doc="undisturbed wind at the hub along the rotor normal")
+
+    relative_wind: Scalar = var(unit="m/s", doc="wind less the velocity of the hub, along the rotor normal")
+    tip_speed_ratio: Scalar = var(doc="tip speed ratio")
+    thrust_coefficient: Scalar = var(doc="C_t")
+    torque_coefficient: Scalar = var(doc="C_q")
+
+    def build(self):
+        if self.filtered:
+            filter_design = {"order": self.filter_order, "cutoff_frequency": self.cutoff_frequency}
+            start = {"initialization": "value", "y_start": self.wind_start}
+            self.low_pass = ButterworthLowPass(**filter_design, **start)
+            self.connect(self.normal_wind, self.low_pass.u)
+
+    def equations(self):
+        n, hub, R = self.normal(), self.frame.r, self.radius * m.cos(self.precone)
+        pressure = self.world.air_density / 2 * m.pi * R**2 * self.relative_wind * m.abs(self.relative_wind)
+        return [
+            super().equations(),
+            eq(self.normal_wind, m.dot(n, self.wind.velocity(hub, self.station))),
+            eq(self.relative_wind, self.normal_wind - m.dot(n, der(hub))),
+            eq(self.thrust, pressure * self.thrust_coefficient),
+            eq(self.torque, pressure * R * self.torque_coefficient),
+            self.still_air() if self.wind.kind == "none" else self.coefficients_in(m.dot(n, der(hub))),
+        ]
+
+    def still_air(self):
+        return [eq(x, 0) for x in (self.tip_speed_ratio, self.thrust_coefficient, self.torque_coefficient)]
+
+    def coefficients_in(self, hub_velocity):
+        """Tip speed ratio and coefficients, for the velocity of the hub along the rotor normal."""
+        speed = self.low_pass.y - hub_velocity if self.filtered else self.relative_wind
+        table, names = read_coefficients(self.coefficients, self.extended), ("tip speed ratio", "blade pitch [rad]")
+        grid = (table.tip_speed_ratio, table.blade_pitch, table.values)
+        C = table2d(self.tip_speed_ratio, self.blade_pitch, *grid, name=f"coefficients of {self.path}", arguments=names)
+        return [
+            eq(self.tip_speed_ratio, self.w * self.radius / m.fmax(speed, self.lowest_wind)),
+            [eq(self.thrust_coefficient, C[0]), eq(self.torque_coefficient, C[1])],
+        ]

@@ -1,0 +1,113 @@
+"""Steady rotor coefficients over tip speed ratio and collective blade pitch: reader, checks, numbers."""
+
+from __future__ import annotations
+
+import csv
+from dataclasses import dataclass
+from functools import lru_cache
+from typing import Any
+
+import numpy as np
+
+from fowtlib.language.errors import ModelError
+
+COLUMNS = ("tip_speed_ratio", "blade_pitch_deg", "thrust_coefficient", "torque_coefficient")
+FAR_EDGES = (0.0, 25.0, np.radians(90.0))
+"""Least and largest tip speed ratio and largest blade pitch of an extended table."""
+
+
+@dataclass(frozen=True, eq=False)
+class CoefficientTable:
+    """C_t and C_q of a rotor: thrust = 1/2 rho A C_t U^2, torque = 1/2 rho A R C_q U^2.
+
+    tip_speed_ratio (n,) and blade_pitch (m,) [rad] increase; thrust and torque coefficients are (n, m).
+    """
+
+    tip_speed_ratio: np.ndarray
+    blade_pitch: np.ndarray
+    thrust: np.ndarray
+    torque: np.ndarray
+
+    @property
+    def values(self) -> np.ndarray:
+        """Both coefficients, (n, m, 2): C_t, C_q."""
+        return np.stack([self.thrust, self.torque], axis=-1)
+
+    def __call__(self, tip_speed_ratio: Any, blade_pitch: Any) -> tuple[Any, Any]:
+        """(C_t, C_q) by the same cubic spline as in a simulation; NumPy, arguments held within the table."""
+        thrust, torque = _splines(self)
+        return thrust(tip_speed_ratio, blade_pitch, grid=False), torque(tip_speed_ratio, blade_pitch, grid=False)
+
+    def extended(self) -> CoefficientTable:
+        """The table continued to FAR_EDGES, an engineering estimate for starts, idling and overspeed in low wind.
+
+        Above the table the blades see small inflow angles, of the size of s = 1 / tip speed ratio: linear blade element
+        theory makes C_t s^2 a polynomial of first and C_q s^2 one of second degree in s; they are fitted to the last
+        quarter of the rows. Below the table and beyond its pitch angles the coefficients keep the value of its edge.
+        """
+        low, high, feather = FAR_EDGES
+        rows, pitches = self.tip_speed_ratio, self.blade_pitch
+        fitted, added = rows[-max(len(rows) // 4, 4) :], np.arange(rows[-1] + 0.5, high + 0.25, 0.5)
+        feathering = np.arange(pitches[-1], feather + 0.01, np.radians(5.0))[1:]
+
+        def continued(values: np.ndarray, degree: int) -> np.ndarray:
+            fit = np.polynomial.Polynomial
+            above = np.empty((len(added), len(pitches)))
+            for j, column in enumerate(values.T):
+                line = fit.fit(1 / fitted, column[-len(fitted) :] / fitted**2, degree)
+                above[:, j] = line(1 / added) * added**2 + column[-1] - line(1 / rows[-1]) * rows[-1] ** 2
+            whole = np.vstack([values[:1], values[:1], values, above])
+            return np.hstack([whole, np.tile(whole[:, -1:], len(feathering))])
+
+        speeds = np.concatenate([[low, (low + rows[0]) / 2], rows, added])
+        pitches_of_all = np.concatenate([pitches, feathering])
+        return CoefficientTable(speeds, pitches_of_all, continued(self.thrust, 1), continued(self.torque, 2))
+
+
+@lru_cache(maxsize=16)
+def _splines(table: CoefficientTable) -> tuple[Any, Any]:
+    from scipy.interpolate import RectBivariateSpline
+
+    return tuple(RectBivariateSpline(table.tip_speed_ratio, table.blade_pitch, c) for c in (table.thrust, table.torque))
+
+
+@lru_cache(maxsize=8)
+def read_coefficients(path: str, extended: bool = False) -> CoefficientTable:
+    """Read a CSV with the columns tip_speed_ratio, blade_pitch_deg, thrust_coefficient, torque_coefficient.
+
+    Lines that start with # are comments, other columns (power_coefficient) are not read, rows may come in any order,
+    and every pair of a tip speed ratio and a pitch angle must be there once. Raises ModelError with path and line.
+    """
+    try:
+        with open(path, newline="", encoding="utf-8") as file:
+            lines = [(number, line) for number, line in enumerate(file, 1) if line.strip() and line[0] != "#"]
+    except OSError as error:
+        raise ModelError(f"cannot read the rotor coefficients {path}: {error.strerror}.") from None
+    if not lines:
+        raise ModelError(f"{path}: no rotor coefficients; the columns {', '.join(COLUMNS)} are needed.")
+    header = [name.strip() for name in next(csv.reader([lines[0][1]]))]
+    missing = [name for name in COLUMNS if name not in header]
+    if missing:
+        raise ModelError(f"{path}:{lines[0][0]}: column {missing[0]} is missing; there are {', '.join(header)}.")
+    rows = np.array([_numbers(path, number, line, header) for number, line in lines[1:]]).reshape(-1, len(COLUMNS))
+    speeds, pitches = np.unique(rows[:, 0]), np.unique(rows[:, 1])
+    order = np.lexsort((rows[:, 1], rows[:, 0]))
+    grid = np.array([(a, b) for a in speeds for b in pitches])
+    if rows.shape[0] != len(grid) or min(len(speeds), len(pitches)) < 4 or not np.allclose(rows[order, :2], grid):
+        raise ModelError(
+            f"{path}: {rows.shape[0]} rows do not make a full table of {len(speeds)} tip speed ratios and "
+            f"{len(pitches)} pitch angles (each pair once, 4 or more of each)."
+        )
+    thrust, torque = (rows[order, i].reshape(len(speeds), len(pitches)) for i in (2, 3))
+    table = CoefficientTable(speeds, np.radians(pitches), thrust, torque)
+    return table.extended() if extended else table
+
+
+def _numbers(path: str, number: int, line: str, header: list[str]) -> list[float]:
+    cells = dict(zip(header, next(csv.reader([line])), strict=False))
+    try:
+        return [float(cells[name]) for name in COLUMNS]
+    except (KeyError, ValueError):
+        raise ModelError(
+            f"{path}:{number}: '{line.strip()}' is not a row of numbers under {', '.join(header)}."
+        ) from None

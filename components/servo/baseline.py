@@ -1,0 +1,61 @@
+"""The baseline controller of a variable-speed turbine: speed filter, blade pitch, generator torque."""
+
+from __future__ import annotations
+
+import math
+
+from fowtlib.components.blocks import FirstOrder
+from fowtlib.components.servo.pitch_controller import PitchController
+from fowtlib.components.servo.sampled import SampledPitchController, SampledTorqueController
+from fowtlib.components.servo.torque_controller import TorqueController
+from fowtlib.language import Component, RealInput, RealOutput, Scalar, param, port
+
+PITCH = ("proportional_gain", "integral_gain", "rated_speed", "yaw_gain", "pitch_start")
+
+
+class BaselineController(Component):
+    """Pitch and torque controller of the NREL 5 MW turbine behind one low-pass filter of the generator speed.
+
+    Continuous in time, or with `sample_period` the sampled controllers of sampled.py. The torque takes the collective
+    part of the pitch, so that a pitch of the yaw control does not raise it. Parameters not listed here are those of the
+    parts `pitch` and `torque`. Source: J. Jonkman et al., NREL/TP-500-38060 (2009), chapter 7.
+    """
+
+    proportional_gain: Scalar = param(unit="s", doc="pitch controller: K_P at zero pitch")
+    integral_gain: Scalar = param(doc="pitch controller: K_I at zero pitch")
+    yaw_gain: Scalar = param(
+        default=0.0, doc="pitch per yaw angle, with the sign of the rotor's y; see PitchController"
+    )
+    rated_speed: Scalar = param(default="1173.7 rpm", unit="rad/s", doc="rated generator speed")
+    region_3: str = param(
+        default="constant_torque", choices=("constant_torque", "constant_power"), doc="what is held above rated speed"
+    )
+    filter_frequency: Scalar = param(default=0.25, unit="Hz", min=0, doc="corner of the speed filter, single pole")
+    sample_period: float = param(default=None, unit="s", min=1e-6, doc="sampling period; without it continuous control")
+    pitch_start: Scalar = param(default=0.0, unit="rad", doc="initial blade pitch")
+    speed_start: Scalar = param(default=0.0, unit="rad/s", doc="sampled: initial generator speed")
+
+    generator_speed: RealInput = port(unit="rad/s", doc="generator speed")
+    yaw: RealInput = port(default=0.0, unit="rad", doc="yaw angle of the platform, for the yaw control")
+    blade_pitch: RealOutput = port(unit="rad", doc="blade pitch")
+    generator_torque: RealOutput = port(unit="N*m", doc="generator torque")
+
+    def build(self):
+        pitch = {name: getattr(self, name) for name in PITCH}
+        torque = {"rated_speed": self.rated_speed, "region_3": self.region_3}
+        if self.sample_period is None:
+            self.speed_filter = FirstOrder(time_constant=1 / (2 * math.pi * self.filter_frequency))
+            self.connect(self.generator_speed, self.speed_filter.u)
+            self.pitch, self.torque = PitchController(**pitch), TorqueController(**torque)
+            speed = self.speed_filter.y
+        else:
+            samples = {name: getattr(self, name) for name in ("filter_frequency", "speed_start")}
+            samples["period"] = self.sample_period
+            self.pitch = SampledPitchController(**pitch, **samples)
+            self.torque = SampledTorqueController(**torque, **samples)
+            speed = self.generator_speed
+        for pair in ((speed, self.pitch.speed), (speed, self.torque.speed), (self.yaw, self.pitch.yaw)):
+            self.connect(*pair)
+        self.connect(self.pitch.collective, self.torque.collective)
+        self.connect(self.pitch.blade_pitch, self.blade_pitch)
+        self.connect(self.torque.torque, self.generator_torque)

@@ -1,0 +1,81 @@
+"""Collective blade pitch: gain-scheduled PI on the generator speed, and the yaw control of multi-rotor platforms."""
+
+from __future__ import annotations
+
+from fowtlib.components.servo.torque_law import larger, smaller
+from fowtlib.language import Component, RealInput, RealOutput, Scalar, der, eq, param, port, var
+from fowtlib.language import math as m
+
+
+class PitchController(Component):
+    """Blade pitch = G (K_P e + x) with e = speed - rated_speed, x' = K_I e, G = 1 / (1 + pitch / doubling_pitch).
+
+    Limits of pitch and pitch rate; the pitch follows its command with response_time as long as that asks for less than
+    the greatest rate. Anti-windup: G x stays within the limits of the pitch, because x' fades out within
+    antiwindup_band of a limit and only towards it; so the pitch leaves the limit when the speed error changes sign.
+    The corners of the lower limit and of the yaw control are rounded over pitch_rounding.
+    Source: J. Jonkman et al., NREL/TP-500-38060 (2009), section 7.3; floating gains: NREL/TP-500-47535 (2010), section
+    6. ONSHORE_GAINS and FLOATING_GAINS hold the gains.
+
+    Yaw control (PI-P): pitch + max(0, -yaw_gain yaw), which takes thrust off a rotor that moves downwind when the
+    platform yaws (positive: counter-clockwise from above). The gain has the sign of the rotor's y: positive for the
+    left one, looking downwind. Source: O. El Beshbichi, thesis, Univ. of Stavanger (2023), eq. 4.11-4.12, gain 1.5.
+    """
+
+    proportional_gain: Scalar = param(unit="s", doc="K_P at zero pitch")
+    integral_gain: Scalar = param(doc="K_I at zero pitch")
+    doubling_pitch: Scalar = param(default=0.1099965, unit="rad", min=0, doc="pitch at which the gains are halved")
+    rated_speed: Scalar = param(default="1173.7 rpm", unit="rad/s", doc="generator speed that is held")
+    least_pitch: Scalar = param(default=0.0, unit="rad", doc="lower limit")
+    greatest_pitch: Scalar = param(default="90 deg", unit="rad", doc="upper limit")
+    greatest_rate: Scalar = param(default="8 deg/s", unit="rad/s", min=0, doc="limit of the pitch rate")
+    response_time: Scalar = param(default=0.05, unit="s", min=1e-3, doc="time constant of the pitch")
+    antiwindup_band: Scalar = param(default="0.1 deg", unit="rad", min=1e-6, doc="range before a limit of the integral")
+    pitch_rounding: Scalar = param(default="0.1 deg", unit="rad", min=1e-6, doc="width of rounded corners")
+    yaw_gain: Scalar = param(default=0.0, doc="pitch per yaw angle, with the sign of the rotor's y")
+    pitch_start: Scalar = param(default=0.0, unit="rad", doc="initial pitch")
+
+    speed: RealInput = port(unit="rad/s", doc="filtered generator speed")
+    yaw: RealInput = port(default=0.0, unit="rad", doc="yaw angle of the platform")
+    blade_pitch: RealOutput = port(unit="rad", doc="blade pitch")
+    collective: RealOutput = port(unit="rad", doc="blade pitch without the part of the yaw control")
+
+    pitch: Scalar = var(unit="rad", start=pitch_start, fixed=True, state="prefer", doc="blade pitch")
+    integral: Scalar = var(
+        unit="rad",
+        start=pitch_start * (1 + pitch_start / doubling_pitch),
+        fixed=True,
+        state="prefer",
+        doc="K_I times the integral of the speed error",
+    )
+    yaw_part: Scalar = var(unit="rad", doc="pitch added by the yaw control")
+    command: Scalar = var(unit="rad", doc="pitch asked for")
+
+    def yaw_pitch(self):
+        """max(0, -yaw_gain yaw) = (|yaw_gain| |yaw| - yaw_gain yaw) / 2, with a rounded corner."""
+        size = larger(self.yaw, -self.yaw, self.pitch_rounding, m)
+        return (m.abs(self.yaw_gain) * size - self.yaw_gain * self.yaw) / 2
+
+    def equations(self):
+        error = self.speed - self.rated_speed
+        gain = 1 / (1 + self.pitch / self.doubling_pitch)
+        to_upper = (self.greatest_pitch / gain - self.integral) / self.antiwindup_band
+        to_lower = (self.integral - self.least_pitch / gain) / self.antiwindup_band
+        fade = smaller(m.if_else(error > 0, to_upper, to_lower), 1, 0.2, m)
+        free = gain * (self.proportional_gain * error + self.integral)
+        above = larger(free, self.least_pitch, self.pitch_rounding, m) + self.yaw_part
+        rate = (self.command - self.pitch) / self.response_time
+        return [
+            eq(der(self.integral), self.integral_gain * error * fade),
+            eq(self.yaw_part, self.yaw_pitch()),
+            eq(self.command, m.fmin(above, self.greatest_pitch)),
+            eq(der(self.pitch), m.fmin(m.fmax(rate, -self.greatest_rate), self.greatest_rate)),
+            [eq(self.blade_pitch, self.pitch), eq(self.collective, self.pitch - self.yaw_part)],
+        ]
+
+
+ONSHORE_GAINS = {"proportional_gain": 0.01882681, "integral_gain": 0.008068634}
+"""Land-based NREL 5 MW: natural frequency 0.6 rad/s, damping ratio 0.7."""
+
+FLOATING_GAINS = {"proportional_gain": 0.006275604, "integral_gain": 0.0008965149}
+"""NREL 5 MW on OC3-Hywind: natural frequency 0.2 rad/s, damping ratio 0.7."""

@@ -1,0 +1,57 @@
+"""Variable-speed generator torque."""
+
+from __future__ import annotations
+
+from fowtlib.components.servo import torque_law
+from fowtlib.language import Component, RealInput, RealOutput, Scalar, der, eq, initial, param, port, var
+from fowtlib.language import math as m
+
+
+class TorqueController(Component):
+    """Generator torque by the law of torque_law.py, with limits of torque and torque rate.
+
+    While the collective pitch is above region_3_pitch the torque is that of region 3 at any speed, which smooths the
+    power; the change-over is spread over pitch_transition, where the original switches. Torque follows its command with
+    response_time as long as that asks for less than the greatest rate. Defaults: NREL 5 MW (NREL/TP-500-38060, 2009,
+    table 7-2), with the constant torque of its OC3-Hywind version (NREL/TP-500-47535, 2010, section 6).
+    """
+
+    cut_in_speed: Scalar = param(default="670 rpm", unit="rad/s", doc="generator speed below which there is no torque")
+    region_2_speed: Scalar = param(default="871 rpm", unit="rad/s", doc="generator speed at which region 2 starts")
+    region_3_speed: Scalar = param(default="1161.963 rpm", unit="rad/s", doc="generator speed at which region 3 starts")
+    rated_speed: Scalar = param(default="1173.7 rpm", unit="rad/s", doc="rated generator speed")
+    rated_torque: Scalar = param(default=43093.55, unit="N*m", min=0, doc="rated generator torque")
+    region_2_constant: Scalar = param(
+        default="0.0255764 N*m/rpm^2", unit="N*m*s^2/rad^2", min=0, doc="torque over speed squared in region 2"
+    )
+    slip: Scalar = param(default=0.1, min=0, doc="slip in region 2.5")
+    region_3: str = param(
+        default="constant_torque", choices=("constant_torque", "constant_power"), doc="what is held above rated speed"
+    )
+    region_3_pitch: Scalar = param(default="1 deg", unit="rad", doc="collective pitch above which region 3 holds")
+    pitch_transition: Scalar = param(default="1 deg", unit="rad", min=1e-6, doc="pitch range of the change-over")
+    greatest_torque: Scalar = param(default=47402.91, unit="N*m", min=0, doc="limit of the torque")
+    greatest_rate: Scalar = param(default=15000.0, unit="N*m/s", min=0, doc="limit of the torque rate")
+    response_time: Scalar = param(default=0.05, unit="s", min=1e-3, doc="time constant of the torque")
+
+    speed: RealInput = port(unit="rad/s", doc="filtered generator speed")
+    collective: RealInput = port(default=0.0, unit="rad", doc="blade pitch without the part of the yaw control")
+    torque: RealOutput = port(unit="N*m", doc="generator torque")
+
+    actual: Scalar = var(unit="N*m", state="prefer", doc="generator torque")
+    command: Scalar = var(unit="N*m", doc="torque asked for")
+
+    def asked(self, speed):
+        """Torque asked for at a filtered generator speed."""
+        by_speed, above = torque_law.torque_of(speed, self, m), torque_law.region_3_torque(speed, self, m)
+        way = m.fmin(m.fmax((self.collective - self.region_3_pitch) / self.pitch_transition + 0.5, 0), 1)
+        return m.fmin(by_speed + (above - by_speed) * way**2 * (3 - 2 * way), self.greatest_torque)
+
+    def equations(self):
+        rate = (self.command - self.actual) / self.response_time
+        return [
+            eq(self.command, self.asked(self.speed)),
+            eq(der(self.actual), m.fmin(m.fmax(rate, -self.greatest_rate), self.greatest_rate)),
+            eq(self.torque, self.actual),
+            initial(self.actual, self.command),
+        ]

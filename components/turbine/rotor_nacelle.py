@@ -1,0 +1,108 @@
+"""Rotor, nacelle, drive train and controller of one turbine, as one rigid assembly at the hub."""
+
+from __future__ import annotations
+
+from dataclasses import fields
+
+import numpy as np
+
+from fowtlib.components.aero import CoefficientRotor, read_coefficients
+from fowtlib.components.environment.wind import Wind
+from fowtlib.components.environment.world import World
+from fowtlib.components.mechanics import Frame, IdealGear, RigidBody
+from fowtlib.components.servo import BaselineController, Generator, TorqueController, TorqueLaw
+from fowtlib.components.turbine.operating_point import STANDSTILL, OperatingPoint, SteadyTurbine
+from fowtlib.language import Component, Matrix, RealInput, RealOutput, Scalar, Vector, eq, outer, param, part, port
+from fowtlib.language.errors import ParameterError
+
+
+class RotorNacelle(Component):
+    """A turbine above its tower: rotor, gear, generator, controller, and the mass of rotor and nacelle as one body.
+
+    Give the parts `rotor` and `control` with their own parameters. The inertia about the shaft belongs to the rotor,
+    `inertia` is the rest. The simulation starts at the steady operating point in the mean wind of the rotor's station,
+    unless start values are given; without wind the rotor stands still.
+    """
+
+    mass: Scalar = param(unit="kg", min=0, doc="mass of rotor and nacelle")
+    inertia: Matrix = param(
+        default=((0, 0, 0), (0, 0, 0), (0, 0, 0)), unit="kg*m^2", doc="inertia tensor about the centre of mass"
+    )
+    centre_of_mass: Vector = param(default=(0, 0, 0), unit="m", doc="from the hub, resolved in the frame")
+    gear_ratio: Scalar = param(min=0, doc="generator speed over rotor speed")
+    generator_inertia: Scalar = param(unit="kg*m^2", min=0, doc="moment of inertia about the high speed shaft")
+    generator_efficiency: Scalar = param(default=1.0, min=0, max=1, doc="electrical over mechanical power")
+    rotor_speed_start: Scalar = param(
+        default=lambda self: start_point(self).rotor_speed, unit="rad/s", doc="initial rotor speed"
+    )
+    blade_pitch_start: Scalar = param(
+        default=lambda self: start_point(self).blade_pitch, unit="rad", doc="initial blade pitch"
+    )
+
+    world: World = outer(World)
+    wind: Wind = outer(Wind)
+    frame: Frame = port(doc="hub; x downwind")
+    yaw: RealInput = port(default=0.0, unit="rad", doc="yaw angle of the platform, for the yaw control")
+
+    rotor_speed: RealOutput = port(unit="rad/s", doc="rotor speed")
+    generator_speed: RealOutput = port(unit="rad/s", doc="generator speed")
+    blade_pitch: RealOutput = port(unit="rad", doc="blade pitch")
+    generator_torque: RealOutput = port(unit="N*m", doc="generator torque")
+    generator_power: RealOutput = port(unit="W", doc="electrical power")
+    aero_power: RealOutput = port(unit="W", doc="aerodynamic power")
+    thrust: RealOutput = port(unit="N", doc="rotor thrust")
+
+    rotor: CoefficientRotor = part(CoefficientRotor)
+    control: BaselineController = part(BaselineController)
+    gear: IdealGear = part(IdealGear, ratio=gear_ratio)
+    generator: Generator = part(Generator, inertia=generator_inertia, efficiency=generator_efficiency)
+    body: RigidBody = part(RigidBody, mass=mass, inertia=inertia, r_cm=centre_of_mass)
+
+    def build(self):
+        rotor, control, generator = self.rotor, self.control, self.generator
+        for a, b in (
+            (self.frame, rotor.frame), (self.frame, self.body.frame_a),
+            (rotor.shaft, self.gear.flange_b), (self.gear.flange_a, generator.shaft),
+            (generator.speed, control.generator_speed), (generator.speed, self.generator_speed),
+            (control.blade_pitch, rotor.blade_pitch), (control.blade_pitch, self.blade_pitch),
+            (control.generator_torque, generator.torque), (control.generator_torque, self.generator_torque),
+            (generator.power, self.generator_power), (rotor.aero_power, self.aero_power), (rotor.thrust, self.thrust),
+        ):  # fmt: skip
+            self.connect(a, b)
+        if "yaw" in control.ports:
+            self.connect(self.yaw, control.yaw)
+        self._start(rotor, "w_start", self.rotor_speed_start)
+        self._start(control, "pitch_start", self.blade_pitch_start)
+        self._start(control, "speed_start", self.gear_ratio * self.rotor_speed_start)
+
+    @staticmethod
+    def _start(component, name, value):
+        if name in component.parameters and not component.is_set(name):
+            setattr(component, name, value)
+
+    def equations(self):
+        return [eq(self.rotor_speed, self.rotor.w)]
+
+
+def steady_turbine(turbine: RotorNacelle) -> SteadyTurbine:
+    """Rotor and controller of a turbine as numbers, for its steady operating points."""
+    torque, rotor = turbine.control.parts.get("torque"), turbine.rotor
+    if not isinstance(torque, TorqueController) or not isinstance(rotor, CoefficientRotor):
+        raise ParameterError(
+            f"{turbine.label}: with this rotor or controller give rotor_speed_start and blade_pitch_start."
+        )
+    return SteadyTurbine(
+        table=read_coefficients(rotor.coefficients, rotor.extended),
+        law=TorqueLaw(**{field.name: torque.parameter_value(field.name) for field in fields(TorqueLaw)}),
+        gear_ratio=turbine.parameter_value("gear_ratio"),
+        least_pitch=turbine.control.pitch.parameter_value("least_pitch"),
+        air_density=turbine.world.parameter_value("air_density"),
+        **{name: rotor.parameter_value(name) for name in ("radius", "precone", "tilt")},
+    )
+
+
+def start_point(turbine: RotorNacelle) -> OperatingPoint:
+    """Steady operation in the mean wind of the rotor's station; standstill without wind."""
+    if turbine.wind.kind == "none":
+        return STANDSTILL
+    return steady_turbine(turbine).operating_point(float(np.asarray(turbine.wind.mean_at(turbine.rotor.station))))
