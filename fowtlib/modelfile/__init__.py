@@ -2,5 +2,6 @@
 
 from fowtlib.modelfile.files import data_path, shipped_models
 from fowtlib.modelfile.loading import load, models
+from fowtlib.modelfile.writing import dump
 
-__all__ = ["data_path", "load", "models", "shipped_models"]
+__all__ = ["data_path", "dump", "load", "models", "shipped_models"]

@@ -71,7 +71,7 @@ class Formula:
             result = self.tree(lookup)
         except ZeroDivisionError:
             raise ModelFileError(f"'{self.text}' divides by zero.") from None
-        except (ValueError, OverflowError):
+        except (ValueError, OverflowError, TypeError):  # TypeError: a complex number in a function
             raise ModelFileError(f"'{self.text}' has no real value.") from None
         if isinstance(result.value, complex) or isinstance(result.value, float) and not math.isfinite(result.value):
             raise ModelFileError(f"'{self.text}' has no real value.")
@@ -104,7 +104,8 @@ class _Parser:
         self.advance()
 
     def error(self, what: str) -> ModelFileError:
-        return ModelFileError(f"cannot read '{self.text}' as a quantity or a formula: {what}.")
+        stop = "" if what.endswith(("?", ".")) else "."
+        return ModelFileError(f"cannot read '{self.text}' as a quantity or a formula: {what}{stop}")
 
     def advance(self) -> str:
         """Give the current token and read the next one."""
@@ -203,7 +204,7 @@ class _Parser:
 
     def call(self, name: str) -> Tree:
         if name not in FUNCTIONS:
-            raise self.error(f"there is no function '{name}'{did_you_mean(name, FUNCTIONS)}".rstrip("."))
+            raise self.error(f"there is no function '{name}'{did_you_mean(name, FUNCTIONS)}")
         self.expect("(")
         arguments = [self.sum()]
         while self.token == ",":

@@ -15,7 +15,7 @@ from typing import Any
 
 from fowtlib.language.errors import ModelFileError
 
-MOST_NODES = 200_000
+MOST_NODES = 100_000
 _NUMBER = re.compile(r"[+-]?(\d+(\.\d*)?|\.\d+)([eE][+-]?\d+)?")
 _WORDS = {"": None, "~": None, "null": None, "true": True, "false": False, ".inf": float("inf"), "-.inf": float("-inf")}
 _PLACEHOLDER = re.compile(r"(?<=[\w.\]}])\{([A-Za-z_]\w*)\}|\{([A-Za-z_]\w*)\}(?=[\w.\[{])")
@@ -173,3 +173,8 @@ class _Reader:
 
 def _visible(text: str) -> str:
     return text.replace(_OPEN, "{").replace(_CLOSE, "}")
+
+
+def looks_like_text(text: str) -> bool:
+    """True where the text, written without quotes, is read as text."""
+    return text.lower() not in _WORDS and not _NUMBER.fullmatch(text)

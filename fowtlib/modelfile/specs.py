@@ -109,7 +109,10 @@ def text(items: Mapping[str, Node], key: str) -> str:
 
 
 def substituted(template: str, variables: Variables, place: Place, formula: bool = False) -> str:
-    """`rotor_{name}` with the variables put in; in a formula, a negative number gets parentheses."""
+    """`rotor_{name}` with the variables put in; in a formula, a negative number gets parentheses.
+
+    Outside of `each` blocks, where there are no variables, braces are ordinary text.
+    """
 
     def put(found: re.Match[str]) -> str:
         name = found[1]
@@ -120,7 +123,7 @@ def substituted(template: str, variables: Variables, place: Place, formula: bool
             return f"({value})"
         return str(value)
 
-    return _PLACEHOLDER.sub(put, template)
+    return _PLACEHOLDER.sub(put, template) if variables else template
 
 
 def words(node: Node) -> Iterator[str]:

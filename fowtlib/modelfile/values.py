@@ -19,6 +19,7 @@ from fowtlib.modelfile.specs import Declared, Value, substituted
 
 DATA_SUFFIXES = (".nc", ".csv", ".yaml", ".yml", ".json", ".dat", ".txt", ".npz", ".1", ".3", ".hst", ".so", ".dll")
 _WORD = re.compile(r"[^\W\d]\w*")
+_NAME = re.compile(r"[^\W\d][\w.]*")
 _EXPONENT = re.compile(r"(\^|\*\*)\s*-?\d+(\.\d+)?")
 _UNIT = re.compile(r"[\w\s*/()·°%]*")
 
@@ -109,6 +110,11 @@ class ValueReader:
         if result.unit.dimension != wanted.dimension:
             raise ModelFileError(f"'{text}' is {kind_of(result.unit)}; {expected(field.unit)}.")
         factor = conversion(result.unit, wanted)
+        if factor != 1.0 and not _NAME.fullmatch(text):
+            raise ModelFileError(
+                f"'{text}' is {kind_of(result.unit)} in {unit_text(result.unit)}, and {field.unit} is expected; "
+                f"a formula does not turn cycles into radians. Give the parameter in it 'unit: {field.unit}'."
+            )
         return result.value if factor == 1.0 else result.value * factor
 
     def _is_unit(self, text: str, variables: Collection[str]) -> bool:
