@@ -9,6 +9,7 @@ import numpy as np
 from fowtlib.flattening import structure
 from fowtlib.flattening.incidence import Incidence
 from fowtlib.flattening.system import System
+from fowtlib.language.equations import place
 from fowtlib.language.errors import StructureError
 
 SHOWN = 12
@@ -55,12 +56,8 @@ def _equation(system: System, number: int) -> str:
     equation = system.equations[number]
     text = f"{equation.lhs} = {equation.rhs}"
     return (
-        f"{equation.path or 'the model'}: {text if len(text) <= 100 else text[:97] + '...'} ({_place(equation.source)})"
+        f"{equation.path or 'the model'}: {text if len(text) <= 100 else text[:97] + '...'} ({place(equation.source)})"
     )
-
-
-def _place(source: str) -> str:
-    return "/".join(source.rsplit("/", 2)[-2:])
 
 
 def _count(n: int, word: str) -> str:

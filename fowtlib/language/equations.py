@@ -66,6 +66,11 @@ def source_line(depth: int = 2) -> str:
     return f"{frame.f_code.co_filename}:{frame.f_lineno}"
 
 
+def place(source: str) -> str:
+    """`folder/file.py:12` of a full `file:line`, short enough for a message."""
+    return "/".join(source.rsplit("/", 2)[-2:])
+
+
 @dataclass(slots=True)
 class Equation:
     lhs: ca.SX
@@ -148,8 +153,8 @@ def _pair(lhs: Any, rhs: Any) -> tuple[ca.SX, ca.SX]:
             a = ca.repmat(a, *b.shape)
         else:
             raise StructureError(
-                f"the sides of an equation have different dimensions: {_shape(a)} on the left, {_shape(b)} on the right "
-                f"({source_line(3)})."
+                f"the sides of an equation have different shapes: {_shape(a)} on the left, {_shape(b)} on the right "
+                f"({place(source_line(3))})."
             )
     return a, b
 
