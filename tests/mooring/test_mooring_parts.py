@@ -1,0 +1,222 @@
+"""CatenaryLine, MooringSystem and YawSpring in compiled models, against the NumPy solver and published numbers."""
+
+import numpy as np
+import pytest
+
+from fowtlib.components.mechanics import Fixed, FreeMotion, Prismatic, RigidBody, World
+from fowtlib.components.mooring import CatenaryLine, MooringSystem, YawSpring
+from fowtlib.language import Assembly
+from fowtlib.language.errors import ParameterError, SimulationError
+from fowtlib.solving.model import Model
+
+LINE = {"length": "902.2 m", "axial_stiffness": "384.243 MN", "mass_per_length": 77.7066, "diameter": 0.09}
+LAYOUT = {"fairlead_radius": 5.2, "fairlead_depth": 70, "anchor_radius": 853.87, "anchor_depth": 320}
+DOWNWIND_LINE_AHEAD = ["120 deg", "240 deg", "0 deg"]
+
+
+def moored(**parameters):
+    """A rigid body on a mooring system; what else holds it up does not matter for the loads of the lines."""
+    model = Assembly("moored body")
+    model.world = World()
+    model.motion = FreeMotion()
+    model.body = RigidBody(mass=7e6, inertia=np.diag([4e9, 4e9, 2e8]))
+    model.mooring = MooringSystem(**{"headings": DOWNWIND_LINE_AHEAD, **LAYOUT, **LINE, **parameters})
+    model.connect(model.world.frame, model.motion.frame_a)
+    model.connect(model.motion.frame_b, model.body.frame_a)
+    model.connect(model.body.frame_a, model.mooring.frame)
+    return model
+
+
+@pytest.fixture(scope="module")
+def oc3():
+    return Model(moored(yaw_stiffness="98.34 MN*m/rad")).compile()
+
+
+@pytest.fixture(scope="module")
+def heavy():
+    return Model(moored(mass_per_length=200.0)).compile()
+
+
+def force(plant, **position):
+    """Force of the lines on the body: minus that into the mooring system."""
+    state = plant.initial_state(start={f"motion.{name}": value for name, value in position.items()})
+    return -np.ravel(state["mooring.frame.f"])
+
+
+@pytest.mark.parametrize(
+    ("surge", "restoring"), [(5, 196.6), (10, 380.7), (15, 559.9), (20, 741.8), (25, 947.6), (30, 1204.5)]
+)
+def test_surge_restoring_force_of_oc3(oc3, surge, restoring):
+    assert force(oc3, surge=surge)[0] == pytest.approx(-restoring * 1e3, rel=1e-3)
+
+
+@pytest.mark.parametrize(
+    ("surge", "restoring"), [(5, 429.5), (10, 834), (15, 1224), (20, 1610), (25, 2000), (30, 2404)]
+)
+def test_surge_restoring_force_of_heavy_lines(heavy, surge, restoring):
+    assert force(heavy, surge=surge)[0] == pytest.approx(-restoring * 1e3, rel=1e-3)
+
+
+@pytest.mark.parametrize(
+    "position", [{"surge": -60.0}, {"surge": 60.0}, {"sway": 60.0}, {"heave": 15.0, "surge": 20.0}]
+)
+def test_far_offsets_agree_with_the_bracketed_solver(oc3, position):
+    place = [position.get(name, 0.0) for name in ("surge", "sway", "heave")]
+    system = MooringSystem(headings=DOWNWIND_LINE_AHEAD, **LAYOUT, **LINE)
+    expected, states = system.static_load(place)
+    assert force(oc3, **position) == pytest.approx(expected, rel=1e-5, abs=1.0)
+    state = oc3.initial_state(start={f"motion.{name}": value for name, value in position.items()})
+    for i, line in enumerate(states):
+        assert float(state[f"mooring.line_{i + 1}.horizontal_tension"]) == pytest.approx(
+            line["horizontal"], rel=1e-5, abs=1
+        )
+        assert float(state[f"mooring.line_{i + 1}.seabed_length"]) == pytest.approx(line["seabed_length"], abs=1e-2)
+
+
+def test_three_lines_make_a_symmetric_system(oc3):
+    assert force(oc3) == pytest.approx([0, 0, -1.607e6], rel=1e-3, abs=1.0)
+    port, starboard = force(oc3, sway=12.0), force(oc3, sway=-12.0)
+    assert port == pytest.approx(starboard * [1, -1, 1], rel=1e-9, abs=1e-3)
+    angle = np.radians(120)
+    turned = force(oc3, surge=15 * np.cos(angle), sway=15 * np.sin(angle))
+    straight = force(oc3, surge=15.0)
+    assert turned[:2] == pytest.approx(straight[0] * np.array([np.cos(angle), np.sin(angle)]), rel=1e-9)
+
+
+def test_yaw_stiffness_of_spring_and_lines(oc3, heavy):
+    """The lines add 3 H r (1 + r / l) of their own, with the horizontal pretension H and the fairlead radius r."""
+
+    def moment(plant, yaw):
+        return -np.ravel(plant.initial_state(start={"motion.yaw": yaw})["mooring.frame.t"])[2]
+
+    lines = [3 * H * 5.2 * (1 + 5.2 / 848.67) for H in (736.9e3, 1803.8e3)]
+    assert moment(heavy, 0.01) == pytest.approx(-0.01 * lines[1], rel=3e-3)
+    assert moment(oc3, 0.01) == pytest.approx(-0.01 * (98.34e6 + lines[0]), rel=1e-3)
+    assert moment(oc3, -0.2) == pytest.approx(-moment(oc3, 0.2), rel=1e-9)
+
+
+def test_explicit_layout_with_lines_of_their_own():
+    directions = np.radians([120, 240, 0])
+    plan = np.column_stack([np.cos(directions), np.sin(directions)])
+    fairleads, anchors = (np.column_stack([r * plan, np.full(3, z)]) for r, z in ((5.2, -70), (853.87, -320)))
+    properties = {**LINE, "mass_per_length": [77.7066, 77.7066, 200.0]}
+    plant = Model(moored(headings=(), fairleads=fairleads, anchors=anchors, **properties)).compile()
+    state = plant.initial_state()
+    tensions = [float(state[f"mooring.line_{i}.tension"]) for i in (1, 2, 3)]
+    assert tensions == pytest.approx([911.1e3, 911.1e3, 2275.8e3], rel=1e-3)
+
+
+def on_a_rail(start, mass=5e6, **line):
+    """One line whose fairlead slides along x."""
+    model = Assembly("line on a rail")
+    model.world = World()
+    model.base = Fixed(r=(0, 0, -70))
+    model.slide = Prismatic(s_start=start)
+    model.body = RigidBody(mass=mass, inertia=np.eye(3))
+    model.line = CatenaryLine(anchor_position=(-848.67, 0, -320), **{**LINE, **line})
+    model.other = CatenaryLine(anchor_position=(848.67, 0, -320), **LINE)
+    for a, b in (
+        (model.base.frame, model.slide.frame_a),
+        (model.slide.frame_b, model.body.frame_a),
+        (model.body.frame_a, model.line.fairlead),
+        (model.body.frame_a, model.other.fairlead),
+    ):
+        model.connect(a, b)
+    return model
+
+
+@pytest.mark.parametrize("amplitude", [8.0, 30.0])
+def test_oscillation_between_two_lines_keeps_its_energy(amplitude):
+    """From small motion to lines that lift off, stretch and hang almost slack within one period."""
+    plant = Model(on_a_rail(amplitude)).compile()
+    result = plant.simulate(200.0, 0.05, tolerance=1e-8, outputs=["slide.s", "line.seabed_length"])
+    s = result["slide.s"].to_numpy()
+    turning = np.abs(s[1:-1][(np.diff(s)[:-1] * np.diff(s)[1:]) <= 0])
+    assert len(turning) > 3
+    assert turning == pytest.approx(amplitude, rel=1e-4)
+    assert (float(result["line.seabed_length"].min()) == 0) == (amplitude > 10)
+
+
+def test_friction_takes_up_tension_on_the_seabed():
+    with_friction = Model(on_a_rail(0.0, friction=1.0)).compile().initial_state()
+    H, anchor, seabed = (
+        float(with_friction[f"line.{x}"]) for x in ("horizontal_tension", "anchor_tension", "seabed_length")
+    )
+    weight = float(with_friction["line.weight"])
+    assert anchor == pytest.approx(H - weight * seabed, rel=1e-9)
+    without = Model(on_a_rail(0.0)).compile().initial_state()
+    assert H > float(without["line.horizontal_tension"]) == pytest.approx(float(without["line.anchor_tension"]))
+
+
+def test_anchor_on_a_frame():
+    model = on_a_rail(0.0)
+    model.ground = Fixed(r=(0, -848.67, -320))
+    model.third = CatenaryLine(**LINE)
+    model.connect(model.ground.frame, model.third.anchor)
+    model.connect(model.body.frame_a, model.third.fairlead)
+    state = Model(model).compile().initial_state()
+    assert float(state["third.tension"]) == pytest.approx(float(state["line.tension"]), rel=1e-9)
+    assert np.ravel(state["third.anchor.f"]) == pytest.approx(
+        [0, -float(state["third.horizontal_tension"]), 0], abs=1e-6
+    )
+
+
+def test_yaw_spring_is_a_pure_moment():
+    model = Assembly()
+    model.world = World()
+    model.motion = FreeMotion(yaw_start="10 deg", pitch_start="5 deg")
+    model.body = RigidBody(mass=1.0, inertia=np.eye(3))
+    model.spring = YawSpring(stiffness=100.0)
+    model.connect(model.world.frame, model.motion.frame_a)
+    model.connect(model.motion.frame_b, model.body.frame_a)
+    model.connect(model.body.frame_a, model.spring.frame)
+    state = Model(model).compile().initial_state()
+    assert float(state["spring.yaw"]) == pytest.approx(np.radians(10))
+    assert np.ravel(state["spring.frame.t"]) == pytest.approx([0, 0, 100 * np.radians(10)])
+
+
+def test_the_run_stops_when_a_fairlead_sinks_below_its_anchor():
+    model = on_a_rail(0.0)
+    model.line.anchor_position = (-848.67, 0, -60)
+    with pytest.raises(SimulationError, match="the fairlead is below its anchor"):
+        Model(model).compile().simulate(1.0, 0.1)
+
+
+def test_a_line_without_weight():
+    model = on_a_rail(0.0)
+    model.bare = CatenaryLine(length=900, axial_stiffness=4e8, anchor_position=(0, 848, -320))
+    model.connect(model.body.frame_a, model.bare.fairlead)
+    with pytest.raises(
+        ParameterError, match=r"bare needs its weight once: give mass_per_length and diameter, or weight"
+    ):
+        Model(model).compile()
+
+
+def test_a_line_without_an_anchor():
+    model = on_a_rail(0.0)
+    model.loose = CatenaryLine(length=900, axial_stiffness=4e8, weight_per_length=698)
+    model.connect(model.body.frame_a, model.loose.fairlead)
+    with pytest.raises(ParameterError, match=r"loose has no anchor: give anchor_position, or connect a frame"):
+        Model(model).compile()
+
+
+@pytest.mark.parametrize(
+    ("parameters", "message"),
+    [
+        (
+            {"headings": ["0 deg"], "fairlead_radius": 5},
+            r"fairlead_depth is needed with headings: depth of the fairleads",
+        ),
+        (
+            {"fairleads": [(5, 0, -70)], "anchors": []},
+            r"needs its layout once: give headings, or fairleads and anchors",
+        ),
+        (
+            {"headings": ["0 deg", "180 deg"], **LAYOUT, "length": [900, 900, 900]},
+            r"MooringSystem.length has 3 values for 2 lines",
+        ),
+    ],
+)
+def test_incomplete_layouts(parameters, message):
+    with pytest.raises(ParameterError, match=message):
+        MooringSystem(**{**LINE, **parameters})
