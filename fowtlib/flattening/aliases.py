@@ -8,7 +8,7 @@ from collections.abc import Callable
 import casadi as ca
 
 from fowtlib.flattening.connections import SignedSets
-from fowtlib.flattening.system import System
+from fowtlib.flattening.system import FlatEquation, System
 from fowtlib.language.declarations import STATE_PREFERENCES
 
 Substitute = Callable[[list[ca.SX]], list[ca.SX]]
@@ -18,10 +18,13 @@ def eliminate_aliases(system: System) -> tuple[Substitute, dict[int, ca.SX]]:
     """Remove the alias equations; returns the substitution of eliminated symbols and what each unknown number became."""
     sets = SignedSets(len(system.unknowns))
     constants: dict[int, tuple[int, ca.SX]] = {}
+    rates: dict[int, tuple[int, ca.SX, FlatEquation]] = {}
     kept = []
     for equation in system.equations:
         left, right = _signed(system, equation.lhs), _signed(system, equation.rhs)
         if left and right and _union(system, sets, left, right):
+            continue
+        if left and right and _names_a_rate(system, left, right, rates, equation):
             continue
         if bool(left) != bool(right):
             (number, sign), value = (left, equation.rhs) if left else (right, equation.lhs)
@@ -29,17 +32,19 @@ def eliminate_aliases(system: System) -> tuple[Substitute, dict[int, ca.SX]]:
                 constants[number] = (sign, value)
                 continue
         kept.append(equation)
-    replaced = _replacements(system, sets, constants, kept)
+    replaced = _replacements(system, sets, constants, rates, kept)
     system.equations = kept
     for number, equation in enumerate(kept):
         equation.base = number
+    if not replaced:
+        return lambda expressions: expressions, {}
     symbols = ca.vertcat(*[system.unknowns[k].symbol for k in replaced])
-    values = ca.vertcat(*replaced.values())
+    values = ca.substitute(ca.vertcat(*replaced.values()), symbols, ca.vertcat(*replaced.values()))  # rates of aliases
 
     def substitute(expressions: list[ca.SX]) -> list[ca.SX]:
-        return ca.substitute(expressions, [symbols], [values]) if replaced and expressions else expressions
+        return ca.substitute(expressions, [symbols], [values]) if expressions else expressions
 
-    return substitute, replaced
+    return substitute, dict(zip(replaced, values.elements(), strict=True))
 
 
 def _signed(system: System, value: ca.SX) -> tuple[int, int] | None:
@@ -59,8 +64,34 @@ def _union(system: System, sets: SignedSets, left: tuple[int, int], right: tuple
     return sets.union(left[0], right[0], left[1] * right[1])
 
 
+def _names_a_rate(
+    system: System,
+    left: tuple[int, int],
+    right: tuple[int, int],
+    rates: dict[int, tuple[int, ca.SX, FlatEquation]],
+    equation: FlatEquation,
+) -> bool:
+    """An equation a = der(x) of an unknown that is not differentiated itself and has no start: a names the rate."""
+    (number, sign), (rate, sign_of_rate) = (left, right) if system.unknowns[right[0]].order else (right, left)
+    unknown = system.unknowns[number]
+    if unknown.order or not system.unknowns[rate].order or number in rates:
+        return False
+    if unknown.start is not None or STATE_PREFERENCES.index(unknown.declared.state) > STATE_PREFERENCES.index("default"):
+        return False
+    rates[number] = (sign * sign_of_rate, system.unknowns[rate].symbol, equation)
+    return True
+
+
+def _is_differentiated(system: System, number: int) -> bool:
+    return system.unknowns[number].rate >= 0
+
+
 def _replacements(
-    system: System, sets: SignedSets, constants: dict[int, tuple[int, ca.SX]], kept: list
+    system: System,
+    sets: SignedSets,
+    constants: dict[int, tuple[int, ca.SX]],
+    rates: dict[int, tuple[int, ca.SX, FlatEquation]],
+    kept: list[FlatEquation],
 ) -> dict[int, ca.SX]:
     groups: dict[int, list[tuple[int, int]]] = defaultdict(list)
     for number, unknown in enumerate(system.unknowns):
@@ -70,6 +101,16 @@ def _replacements(
     replaced: dict[int, ca.SX] = {}
     for members in groups.values():
         fixed = [(number, sign) for number, sign in members if number in constants]
+        naming = [(number, sign) for number, sign in members if number in rates]
+        if naming and (fixed or any(_is_differentiated(system, number) for number, _ in members)):
+            kept += [rates[number][2] for number, _ in naming]
+        elif naming:
+            kept += [rates[number][2] for number, _ in naming[1:]]
+            number, sign = naming[0]
+            sign_of_rate, rate, _ = rates[number]
+            for other, sign_other in members:
+                replaced[other] = sign_other * sign * sign_of_rate * rate
+            continue
         if len(members) == 1 and not fixed:
             continue
         if fixed:
@@ -78,11 +119,10 @@ def _replacements(
             for other, sign_other in members:
                 replaced[other] = sign_other * sign * sign_of_value * value
                 _drop_rates(system, other, replaced)
-            for other, sign_other in fixed[
-                1:
-            ]:  # a second number for the same quantity: leave it to the structure check
+            for other, _ in fixed[1:]:  # a second number for the same quantity: leave it to the structure check
                 sign_of_other, second = constants[other]
-                kept.append(_contradiction(system, other, replaced[other], sign_of_other * second * 1))
+                path = system.unknowns[other].path
+                kept.append(FlatEquation(replaced[other], sign_of_other * second, path, "second value for one quantity"))
             continue
         chosen, sign = max(members, key=lambda item: _rank(system, item[0]))
         _merge(system, chosen, sign, members)
@@ -106,7 +146,14 @@ def _merge(system: System, chosen: int, sign: int, members: list[tuple[int, int]
     keep, source = system.unknowns[chosen], system.unknowns[best]
     starts = [(k, s) for k, s in members if system.unknowns[k].start is not None]
     if best != chosen:
-        keep.declared, keep.path = source.declared, source.path if best_sign == sign else keep.path
+        path = source.path if best_sign == sign else keep.path
+        number, declared = chosen, source.declared
+        while number >= 0:
+            unknown = system.unknowns[number]
+            if unknown.path != path:
+                system.aliases.setdefault(unknown.path, unknown.symbol)
+            unknown.declared, unknown.path = declared, path
+            path, number = f"der({path})", unknown.rate
     if keep.start is None and starts:
         other, other_sign = max(starts, key=lambda item: _rank(system, item[0])[1:])
         keep.start = sign * other_sign * system.unknowns[other].start
@@ -123,9 +170,3 @@ def _drop_rates(system: System, number: int, replaced: dict[int, ca.SX]) -> None
     while rate >= 0:
         replaced[rate] = ca.SX(0)
         rate = system.unknowns[rate].rate
-
-
-def _contradiction(system: System, number: int, value: ca.SX, second: ca.SX):
-    from fowtlib.flattening.system import FlatEquation
-
-    return FlatEquation(value, second, system.unknowns[number].path, "second value for one quantity")

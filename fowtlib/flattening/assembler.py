@@ -47,25 +47,33 @@ class _Assembler:
         table = [(e.path, f"{e.lhs}", f"{e.rhs}") for e in system.equations] if len(system.equations) <= 5000 else []
         self.original = len(system.equations)
         self._fold_constant_orientations()
-        substitute, replaced = eliminate_aliases(system)
-        self.replaced = replaced
-        self._apply(substitute)
+        self.replaced = self._eliminate_aliases()
         live = self._live()
         check_structure(system, live, Incidence(system))
         reduction = IndexReduction(system, set(live))
         states = reduction.run()
-        everything = [j for j, unknown in enumerate(system.unknowns) if unknown.base in set(live) and j not in replaced]
+        everything = [j for j, unknown in enumerate(system.unknowns) if unknown.base in set(live) and j not in self.replaced]
         causal = Causalization(system, states, everything).run()
         dae = self._build(states, causal, everything)
         dae.equation_table = table
         dae.stats |= {
             "equations": self.original,
-            "aliases": len(replaced),
+            "aliases": len(self.replaced),
             "differentiated": len(system.equations) - sum(e.order == 0 for e in system.equations),
             "blocks": len(causal.blocks),
             "largest_block": max(causal.blocks, default=0),
         }
         return dae
+
+    def _eliminate_aliases(self) -> dict[int, ca.SX]:
+        """Eliminate until no equation is an alias any more: a quantity found to be a number may uncover further ones."""
+        replaced: dict[int, ca.SX] = {}
+        while True:
+            substitute, found = eliminate_aliases(self.system)
+            if not found:
+                return replaced
+            self._apply(substitute)
+            replaced = dict(zip(replaced, substitute(list(replaced.values())), strict=True)) | found
 
     def _fold_constant_orientations(self) -> None:
         """Put in the orientations that are numbers (of the world and what is welded to it), from the roots outwards."""

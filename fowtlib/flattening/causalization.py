@@ -183,9 +183,11 @@ class Causalization:
             return progress
 
         for c in self._joint_rates(columns):
-            self._tear(c)
-            remove(c)
-        self._place_intermediates()
+            if c in left:
+                self._tear(c)
+                self._place_intermediates()
+                remove(c)
+                assign_ready(constant)
         while left:
             if assign_ready(constant) or not left:
                 continue
@@ -223,14 +225,16 @@ class Causalization:
         return np.array(ca.Function("f", [symbols], [ca.vertcat(*factors)])(values)).ravel()
 
     def _joint_rates(self, columns: np.ndarray) -> list[int]:
-        """Derivatives of preferred states in the block: joint accelerations."""
+        """Joint accelerations in the block: rates of preferred states, and of what such a state is the rate of."""
         unknowns = self.system.unknowns
         rates = {unknowns[s].rate for s in self.states}
         wished = STATE_PREFERENCES.index("prefer")
-        return [
-            int(c) for c in sorted(columns)
-            if self.unknowns[c] in rates and STATE_PREFERENCES.index(unknowns[self.unknowns[c]].declared.state) >= wished
+        members = [
+            int(c) for c in columns
+            if unknowns[self.unknowns[c]].order > 0
+            and STATE_PREFERENCES.index(unknowns[self.unknowns[c]].declared.state) >= wished
         ]  # fmt: skip
+        return sorted(members, key=lambda c: (self.unknowns[c] not in rates, c))
 
     def _next_torn(self, left: set[int], open_rows: dict, rows_of: dict, constant: dict) -> int:
         """The unknown in most of the open equations; one that no equation gives explicitly counts double."""

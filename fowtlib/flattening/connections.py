@@ -203,6 +203,8 @@ class Connections:
 
     def _signal(self, system: System, root: Component, group: list[PortNode], members: list[dict[str, Any]]) -> None:
         drivers = [node for node in group if _drives(node, root)]
+        if not drivers:  # an output that its composite writes itself, and that its own parts read
+            drivers = [node for node in group if issubclass(node.field.annotation, RealOutput)]
         if len(drivers) > 1:
             names = " and ".join(node.path for node in drivers)
             raise ConnectionFault(f"two outputs drive one signal: {names}. Connect one of them, or add a Sum between.")

@@ -101,8 +101,6 @@ class Instances:
         value = component.parameter_binding(name)
         if not declared.tunable or value is None:
             bound = component.parameter_value(name) if value is not None else None
-            if declared.annotation in SHAPES and bound is not None:
-                bound = _matrix(bound, component.shape(declared))
         elif expressions.is_expression(value):
             bound = self._evaluate(value)
             shape = component.shape(declared)
@@ -229,10 +227,6 @@ def _where(component: Component, name: str) -> str:
     path = join(component.path, name)
     origin = component.origins.get(name)
     return f"{origin}: {path}" if origin else path
-
-
-def _matrix(value: Any, shape: tuple[int, ...]) -> Any:
-    return ca.DM(value) if shape else value
 
 
 def _two(shape: tuple[int, ...]) -> tuple[int, int]:

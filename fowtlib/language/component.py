@@ -61,15 +61,21 @@ class Component:
         self.origins: dict[str, str] = {}
         self.parts: dict[str, Component] = {}
         self.connections: list[tuple[PortReference, PortReference, str]] = []
-        given = {name: value for name, value in modifiers.items() if name in self.declared_parts}
+        self._given = {name: value for name, value in modifiers.items() if name in self.declared_parts}
+        self._composed: tuple[int, int] | None = None
         for name, value in modifiers.items():
-            if name not in given:
+            if name not in self._given:
                 self._set(name, value)
+        self._compose()
+
+    def _compose(self) -> None:
+        """Make the declared parts, and those of build()."""
+        self.parts, self.connections = {}, []
         for name, declared in self.declared_parts.items():
-            self.add(
-                name, given[name] if name in given else declared.component_class(**_bound(declared.modifiers, self))
-            )
+            given = self._given.get(name)
+            self.add(name, declared.component_class(**_bound(declared.modifiers, self)) if given is None else given)
         self.build()
+        self._composed = (len(self.parts), len(self.connections))
 
     # --- what authors override -----------------------------------------------------------------------------------
 
@@ -87,6 +93,7 @@ class Component:
         if isinstance(field, Parameter):
             self._set(field.name, value)
         elif isinstance(field, Part) and isinstance(value, Component):
+            self._given[field.name] = value
             self.add(field.name, value)
         else:
             raise ParameterError(f"{self.label}.{field.name} is not a parameter and cannot be set.")
@@ -95,7 +102,21 @@ class Component:
         field = self.parameters.get(name)
         if field is None:
             raise ParameterError(f"{self.label} has no parameter '{name}'{did_you_mean(name, self.parameters)}")
+        was_set = name in self._values
         self._values[name] = self._checked(field, value)
+        if self._composed is not None and not (was_set and field.tunable):
+            self._compose_again(name)
+
+    def _compose_again(self, name: str) -> None:
+        """A parameter that may decide about parts has changed after they were made."""
+        if type(self).build is Component.build and not self.declared_parts:
+            return
+        if self._composed != (len(self.parts), len(self.connections)):
+            raise ParameterError(
+                f"{self.label}.{name} cannot be changed any more, because parts were added to {self.label} by hand; "
+                f"give it to the constructor of {type(self).__name__}."
+            )
+        self._compose()
 
     def _checked(self, field: Parameter, value: Any) -> Any:
         where = join(self.path or type(self).__name__, field.name)

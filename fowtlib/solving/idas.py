@@ -47,6 +47,7 @@ class Idas:
             "suppress_algebraic": True,
             "max_num_steps": 1_000_000,
             "linear_solver": "csparse",
+            "first_time": 1e-6,  # IDACalcIC steps 1e-3 of this: short, so that its Newton matrix is that of alg alone
             **self.options,
         }
         return ca.integrator("idas", "idas", self._normalised(), 0, grid, options)

@@ -67,7 +67,10 @@ def initial_values(evaluation: Evaluation, t: float, x: np.ndarray, z: np.ndarra
 
 
 def _freed_states(dae: FlatDAE, given: set[int]) -> list[int]:
-    """States whose start values give way to the `initial` equations: those without one first, fixed ones never."""
+    """States whose start values give way to the `initial` equations.
+
+    Those of the component that writes the equation come first, then those without a start value; fixed ones never do.
+    """
     n = dae.initial_equations.shape[0]
     pattern = ca.Function("i", [dae.x, dae.z], [dae.initial_equations], {"allow_free": True})
     rows, columns = pattern.jac_sparsity(0, 0).get_triplet()
@@ -75,9 +78,10 @@ def _freed_states(dae: FlatDAE, given: set[int]) -> list[int]:
         through = {int(r) for r in pattern.jac_sparsity(0, 1).get_triplet()[0]}
         extra = [(r, c) for r in through for c in range(len(dae.states))]
         rows, columns = [*rows, *[r for r, _ in extra]], [*columns, *[c for _, c in extra]]
+    owners = tuple({f"{path}." for path in dae.initial_paths})
     order = sorted(
         (c for c in range(len(dae.states)) if c not in given and not dae.states[c].fixed),
-        key=lambda c: dae.states[c].start_given,
+        key=lambda c: (not dae.states[c].path.startswith(owners), dae.states[c].start_given),
     )
     free: list[int] = []
     for candidate in order:

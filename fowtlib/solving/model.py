@@ -2,13 +2,17 @@
 
 from __future__ import annotations
 
+import copy
 from collections.abc import Mapping
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import Any
 
 from fowtlib.flattening import flatten
+from fowtlib.flattening.dimensions import check_dimensions
 from fowtlib.language.component import Component
+from fowtlib.language.errors import ParameterError, did_you_mean
+from fowtlib.solving.check import ModelReport
 from fowtlib.solving.plant import Plant
 
 
@@ -38,13 +42,14 @@ class Model:
 
     def compile(self) -> Plant:
         """Flatten the model; raises ModelError subclasses that say by path what is wrong."""
-        return Plant(flatten(self.root), self.outputs, name=self.name, title=self.title, settings=self.settings)
+        dae = flatten(self.root)
+        return Plant(dae, self.outputs, name=self.name, title=self.title, settings=self.settings, root=self.root)
 
-    def check(self) -> Any:
-        """Flatten the model and check the dimensions of its equations; returns the report."""
-        from fowtlib.flattening.dimensions import check_dimensions
-
-        return check_dimensions(self.root)
+    def check(self) -> ModelReport:
+        """Flatten the model and check the dimensions of its equations; the report says what was found."""
+        dimensions = check_dimensions(self.root)
+        title = self.title or self.name or "model"
+        return ModelReport(title, sum(1 for _ in self.root.walk()) - 1, flatten(self.root), dimensions)
 
     def tree(self) -> str:
         """The component tree as text: names and classes."""
@@ -64,7 +69,12 @@ class Model:
         """The same model with parameters changed by path, structural ones too."""
         if self.rebuild is not None:
             return self.rebuild(values)
-        for path, value in values.items():
+        root = copy.deepcopy(self.root)
+        for path, value in sorted(values.items(), key=lambda item: item[0].count(".")):  # a part before what is in it
             owner, _, name = path.rpartition(".")
-            setattr(self.root.find(owner), name, value)
-        return self
+            component = root.find(owner)
+            if name not in component.parameters:
+                known = did_you_mean(name, component.parameters)
+                raise ParameterError(f"{component.label} has no parameter '{name}'{known}")
+            setattr(component, name, value)
+        return replace(self, root=root)

@@ -9,13 +9,14 @@ import casadi as ca
 import numpy as np
 
 from fowtlib.flattening import FlatDAE
+from fowtlib.language.component import Component
 from fowtlib.language.errors import NotFoundError, ParameterError, SimulationError, did_you_mean
 from fowtlib.language.units import from_si, to_si
 from fowtlib.solving.equilibrium import equilibrium
 from fowtlib.solving.evaluation import Evaluation
 from fowtlib.solving.initial import consistent_algebraics, initial_values
 from fowtlib.solving.linear import LinearModel
-from fowtlib.solving.results import Continuation, Result
+from fowtlib.solving.results import Continuation, Observer, RawTrajectory, Result
 from fowtlib.solving.state import State
 
 Values = Mapping[str, Any]
@@ -28,10 +29,11 @@ class Plant:
     """
 
     def __init__(self, dae: FlatDAE, outputs: Mapping[str, Any] | None = None, *, name: str = "", title: str = "",
-                 settings: Mapping[str, Any] | None = None):  # fmt: skip
+                 settings: Mapping[str, Any] | None = None, root: Any = None):  # fmt: skip
         self.dae = dae
         self.name = name
         self.title = title
+        self.root = root
         self.settings = dict(settings or {})
         self._declared = dict(outputs or {})
         self.outputs = {name: self._output(name, item) for name, item in self._declared.items()} or {
@@ -182,6 +184,16 @@ class Plant:
         x, z, d = groups
         return self._state(continuation.time, x, z, d, self.inputs(inputs), parameters)
 
+    def observer(self, raw: RawTrajectory, parameters: Values | None = None) -> Observer:
+        """What rebuilds any variable along the trajectory of an earlier result of this model (inputs at their defaults)."""
+        from fowtlib.solving.simulation import Observation
+
+        if raw.x_names != tuple(q.path for q in self.dae.states):
+            raise SimulationError("the result is of another model: its states are not those of this one.")
+        u = np.repeat(self.inputs()[None], len(raw.time), axis=0)
+        observation = Observation(self, self.evaluation(parameters), raw.time, raw.x, raw.z, u, raw.d)
+        return Observer(observation.values, self.describe, self.dae.names)
+
     # --- uses ----------------------------------------------------------------------------------------------------
 
     def simulate(self, t_end: float | None = None, output_step: float | None = None, *, start: State | Result | Values | None = None,
@@ -206,11 +218,9 @@ class Plant:
             start.check_resumable({k: v for k, v in self.parameter_values(parameters).items()})
             state = self.resume_point(start.final, parameters, inputs)
         elif isinstance(start, State):
-            state = (
-                start
-                if parameters is None or parameters == start.parameters
-                else self.initial_state(parameters, None, inputs, base=start)
-            )
+            parameters = start.parameters if parameters is None else parameters
+            same = parameters == start.parameters and inputs is None
+            state = start if same else self.initial_state(parameters, None, inputs, base=start)
         else:
             state = self.initial_state(parameters, start, inputs)
         simulation = Simulation(self, state, chosen(tolerance, "tolerance", 1e-6), parameters, outputs)

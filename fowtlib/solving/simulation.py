@@ -330,7 +330,7 @@ class Simulation:
     def result(self, status: str) -> Result:
         """What has been computed, as a Result."""
         t, x, z, d = (np.concatenate([row[i] for row in self.rows]) for i in range(4))
-        observe = _Observation(self.plant, self.evaluation, t, x, z, np.repeat(self.u[None], len(t), axis=0), d)
+        observe = Observation(self.plant, self.evaluation, t, x, z, np.repeat(self.u[None], len(t), axis=0), d)
         values, units, docs = {}, {}, {}
         paths = []
         for name in self.names:
@@ -358,7 +358,7 @@ class Simulation:
         return Result(t, values, units, docs, attributes, raw, observer)
 
 
-class _Observation:
+class Observation:
     """Rebuilds variables of the model along a trajectory."""
 
     def __init__(
