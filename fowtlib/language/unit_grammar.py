@@ -156,7 +156,7 @@ def _from_pint(name: str) -> Unit:
     try:
         parsed = registry.parse_units(name)
     except Exception:  # pint raises errors of many kinds for text that is no unit
-        known = [*_SI, *_COMMON]
+        known = [*_COMMON, *_SI]
         exact = [unit for unit in known if unit.lower() == name.lower()]
         digits = re.fullmatch(r"([A-Za-z]+)(\d)", name)
         close = [f"{digits[1]}^{digits[2]}"] if digits else exact or closest(name, known)

@@ -26,6 +26,9 @@ from fowtlib.modelfile.specs import Document, Spec, Value
 from fowtlib.modelfile.values import ValueReader
 
 
+RESERVED = ("parts", "connections", "origins", "title")
+
+
 class Assembler:
     """Builds the component of a document; `allow_python` lets files name Python code of their own."""
 
@@ -131,8 +134,10 @@ class Assembler:
     def _add(self, component: Component, name: str, layers: list[Layer], path: str) -> None:
         place = layers[0].spec.place
         if not has_base(layers) and not any(layer.spec.parts for layer in layers if layer.spec.place.line):
-            known = did_you_mean(name, component.parts)
-            raise place.error(f"{path or 'the model'} has no part '{name}'{known} A new part needs 'class' or 'use'.")
+            hint = did_you_mean(name, component.parts) + (" A new part needs 'class' or 'use'." if place.line else "")
+            raise place.error(f"{path or 'the model'} has no part '{name}'{hint}")
+        if hasattr(type(component), name) or name in RESERVED:
+            raise place.error(f"a part cannot be called '{name}', which has a meaning in every component.")
         part = self.build(layers, join(path, name), name)
         with building(place, join(path, name), type(part)):
             component.add(name, part)

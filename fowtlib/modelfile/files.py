@@ -53,11 +53,10 @@ def find_definition(name: str, folder: Path) -> Path:
         for path in (base / name, base / f"{name}{SUFFIX}"):
             if path.is_file():
                 return path
-    known = [
-        str(path.relative_to(base).with_suffix(""))
-        for base in (folder, models_folder())
-        for path in sorted(base.glob("*/**/*.yaml" if base == models_folder() else f"*{SUFFIX}"))
-    ]
+    beside = (folder / name).parent
+    known = [str(Path(name).parent / path.stem) for path in sorted(beside.glob(f"*{SUFFIX}"))]
+    shipped = [path.relative_to(models_folder()).with_suffix("") for path in sorted(models_folder().glob("*/**/*.yaml"))]
+    known += [str(path) for path in shipped if path.parts[0] != "data"]
     raise ModelFileError(f"there is no definition '{name}'{did_you_mean(name, known)}")
 
 

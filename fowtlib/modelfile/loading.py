@@ -63,15 +63,15 @@ def _changes(values: Settings) -> Spec | None:
     """A specification with the given values, to be put on top of that of a file."""
     if not values:
         return None
-    top = Spec(Place("set"))
+    place = Place("set")
+    top = Spec(place)
     for path, value in values.items():
-        place = Place(f"set {path}")
         *owners, name = path.split(".")
         spec = top
         for owner in owners:
             spec = spec.parts.setdefault(owner, Spec(place))
         if not name:
-            raise place.error("the path of a parameter is a name, or names joined by dots.")
+            raise place.error(f"'{path}' is not the path of a parameter: a name, or names joined by dots.")
         spec.values[name] = Value(from_python(value, place))
     return top
 

@@ -1,8 +1,8 @@
 """Text of a model file -> a tree of nodes, each with its line, so that every error can name the place.
 
 YAML is read with PyYAML's composer only: no tag is obeyed and no object is made. Plain scalars mean what they look
-like (YAML 1.2: `1e6` is a number, `on` and `12:30` are text). A placeholder such as `rotor_{name}` may stand anywhere
-without quotes, also within brackets, where YAML alone would take the brace for a mapping.
+like (YAML 1.2: `1e6` is a number, `on` and `12:30` are text). Names such as `rotor_{name}` and `sum.u[0]` may stand
+anywhere without quotes, also within a list, where YAML alone would take the brace for a mapping, the bracket for a list.
 """
 
 from __future__ import annotations
@@ -19,7 +19,10 @@ MOST_NODES = 100_000
 _NUMBER = re.compile(r"[+-]?(\d+(\.\d*)?|\.\d+)([eE][+-]?\d+)?")
 _WORDS = {"": None, "~": None, "null": None, "true": True, "false": False, ".inf": float("inf"), "-.inf": float("-inf")}
 _PLACEHOLDER = re.compile(r"(?<=[\w.\]}])\{([A-Za-z_]\w*)\}|\{([A-Za-z_]\w*)\}(?=[\w.\[{])")
-_OPEN, _CLOSE = "\ue000", "\ue001"  # braces of placeholders, hidden from YAML
+_INDEX = re.compile(r"(?<=[\w}])\[\s*(?:\d+|\{\w+\})\s*(?:,\s*(?:\d+|\{\w+\})\s*)?\]")
+_SIGNS = "{}[],"
+_HIDDEN = "\ue000\ue001\ue002\ue003\ue004"  # the signs in names, while YAML reads the text
+_HIDE, _SHOW = str.maketrans(_SIGNS, _HIDDEN), str.maketrans(_HIDDEN, _SIGNS)
 
 
 @dataclass(frozen=True)
@@ -96,7 +99,9 @@ def parse(text: str, name: str) -> Node:
     """The node at the top of a YAML document; `name` is how errors call the file."""
     import yaml
 
-    hidden = _PLACEHOLDER.sub(lambda found: f"{_OPEN}{found[1] or found[2]}{_CLOSE}", text)
+    hidden = text
+    for pattern in (_INDEX, _PLACEHOLDER):
+        hidden = pattern.sub(lambda found: found[0].translate(_HIDE), hidden)
     try:
         top = yaml.compose(hidden, Loader=yaml.BaseLoader)
         if top is None:
@@ -117,7 +122,9 @@ def _explained(error: Any) -> str:
         return "there is a tab; indent with spaces"
     if problem == "mapping values are not allowed here":
         return "there is a colon too many, or the line is indented wrongly; quote text that holds ': '"
-    visible = problem.replace("\\ue000", "{").replace("\\ue001", "}").replace("<block end>", "another indentation")
+    visible = problem.replace("<block end>", "another indentation")
+    for sign, code in zip(_SIGNS, ("\\ue000", "\\ue001", "\\ue002", "\\ue003", "\\ue004"), strict=True):
+        visible = visible.replace(code, sign)
     return f"{visible} {context}".strip() if context else visible
 
 
@@ -151,14 +158,14 @@ class _Reader:
             place = self._place(key_node)
             if key_node.id != "scalar":
                 raise place.error("a key must be a name; quote text that begins with a bracket or a brace.")
-            key = _visible(key_node.value)
+            key = key_node.value.translate(_SHOW)
             if key in values:
                 raise place.error(f"'{key}' is given twice; the first is in line {values[key].place.line}.")
             values[key] = self.node(value_node, enclosing, place)
         return values
 
     def _scalar(self, node: Any) -> Any:
-        text = _visible(node.value)
+        text = node.value.translate(_SHOW)
         if node.style is not None:
             return text
         if text.lower() in _WORDS:
@@ -169,10 +176,6 @@ class _Reader:
 
     def _place(self, node: Any) -> Place:
         return Place(self.name, node.start_mark.line + 1)
-
-
-def _visible(text: str) -> str:
-    return text.replace(_OPEN, "{").replace(_CLOSE, "}")
 
 
 def looks_like_text(text: str) -> bool:

@@ -155,9 +155,10 @@ class ComponentReader:
                 identifier(name, "variable", node.place)
                 if isinstance(node.value, (list, dict)) or node.value is None:
                     raise node.place.error(f"'{name}' is {node.kind}; a variable of 'for' is a number or text.")
-                if name not in used:
-                    raise node.place.error(f"nothing in the block uses '{name}'.")
             yield {**outer, **given}
+        for name, node in (first or {}).items():
+            if name not in used:
+                raise node.place.error(f"nothing in the block uses '{name}'.")
 
     def outputs(self, node: Node, variables: Variables) -> None:
         """Named results: `name: path` or `name: {of: path, unit: deg, description: ...}`."""

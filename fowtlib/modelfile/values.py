@@ -98,14 +98,14 @@ class ValueReader:
             given = {True: "true", False: "false"}.get(node.value) if isinstance(node.value, bool) else node.kind
             raise ModelFileError(f"got {given}; {expected(field.unit)}.")
         if not isinstance(node.value, str):
-            return node.value
+            return _whole(node.value, field)
         text = _formula_text(value, node)
         found = quantity(text)
         if found and self._is_unit(found[1], value.variables):
-            return to_si(text, field.unit)
-        result = self._formula(value, node)
+            return _whole(to_si(text, field.unit), field)
+        result = self._formula(value, node, field.unit)
         if result.unit is None:
-            return result.value
+            return _whole(result.value, field)
         wanted = parse_unit(field.unit)
         if result.unit.dimension != wanted.dimension:
             raise ModelFileError(f"'{text}' is {kind_of(result.unit)}; {expected(field.unit)}.")
@@ -124,7 +124,7 @@ class ValueReader:
             return False
         return not set(_WORD.findall(bare)) & {*self.scope.names, *variables}
 
-    def _formula(self, value: Value, node: Node) -> Quantity:
+    def _formula(self, value: Value, node: Node, unit: str = "") -> Quantity:
         if not isinstance(node.value, str):
             return Quantity(float(node.value))
         text = _formula_text(value, node)
@@ -135,7 +135,10 @@ class ValueReader:
                 found = self._variable(value.variables[name])
             if found is None:
                 known = [*self.scope.names, *value.variables, *formulas.FUNCTIONS, *formulas.CONSTANTS]
-                raise ModelFileError(f"'{text}': there is no parameter '{name}'{did_you_mean(name, known)}")
+                hint = did_you_mean(name, known, list_up_to=0)
+                if name == text and hint == "." and unit:
+                    raise ModelFileError(f"'{text}' is neither a quantity nor a parameter; {expected(unit)}.")
+                raise ModelFileError(f"'{text}': there is no parameter '{name}'{hint}")
             return found
 
         return formulas.parse(text, {*self.scope.names, *value.variables}).evaluate(lookup)
@@ -181,6 +184,12 @@ def is_file(text: str, field: Parameter) -> bool:
         return False
     by_name = field.name in ("file", "path") or field.name.endswith(("_file", "_path"))
     return by_name or text.startswith(files.DATA_PREFIX) or text.lower().endswith(DATA_SUFFIXES)
+
+
+def _whole(value: Any, field: Parameter) -> Any:
+    if field.annotation is int and isinstance(value, float) and not value.is_integer():
+        raise ModelFileError(f"got {value:g}; a whole number is expected ({field.doc}).")
+    return value
 
 
 def _scaled(value: Any, factor: float) -> Any:
