@@ -32,9 +32,10 @@ def declare(commands: Any) -> None:
 
 
 def check_model(arguments: argparse.Namespace) -> int:
-    """Print the report of the checks; status 1 when it has errors or warnings."""
-    print(loading.load(arguments).check())
-    return 0
+    """Print the report of the checks; status 1 when something was found."""
+    report = loading.load(arguments).check()
+    print(report)
+    return 0 if report.ok else 1
 
 
 def show_tree(arguments: argparse.Namespace) -> int:

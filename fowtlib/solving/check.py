@@ -30,8 +30,8 @@ class ModelReport:
             f"{stats['aliases']} eliminated as equal to another, {len(dae.algebraics)} solved by iteration",
             f"{stats['differentiated']} equations differentiated; {stats['blocks']} blocks in order, "
             f"the largest of {stats['largest_block']}",
-            f"{len(dae.externals)} external functions, {len(dae.events)} state events, {len(dae.samples)} sampled parts, "
-            f"{len(dae.checks)} checks while it runs",
+            f"{len(dae.externals)} external functions, {len(dae.events)} state events, "
+            f"{len(dae.samples)} sampled parts, {len(dae.checks)} checks while it runs",
             str(self.dimensions),
         ]
         return "\n".join([f"{self.title}: nothing wrong." if self.ok else f"{self.title}:", *("  " + "\n  ".join(
