@@ -1,0 +1,195 @@
+"""Loads of the water that are linear in the motion of a platform: hydrostatics, added mass, damping, radiation, waves.
+
+All of them act on a Frame at the reference point of the platform: on its axis, at the still water level when at rest.
+Matrices have the order surge, sway, heave, roll, pitch, yaw, refer to that point and to the axes of the world, as WAMIT
+and OpenFAST's HydroDyn do; forces and moments are resolved in the world, moments are about the origin of the frame
+where it is now. Displacement: the origin against its place at rest, the tilt about x and y of the frame's z axis, and
+the yaw of its x axis. The tilt is that of the vertical seen from the world, atan2(-R23, R33) and atan2(R13, R33): equal
+to roll and pitch without yaw, and still right for a platform that has yawed, whose roll and pitch axes have turned.
+HydroDyn takes the angles of a small rotation from R as well; the two agree to first order.
+
+A port's f and t are positive into the component, so what the water gives to the platform has a minus sign in front.
+"""
+
+from __future__ import annotations
+
+from functools import lru_cache
+from pathlib import Path
+
+import numpy as np
+from numpy.typing import NDArray
+
+from fowtlib.components.environment.sea import Sea
+from fowtlib.components.environment.world import World
+from fowtlib.components.hydro.database import HydrodynamicDatabase
+from fowtlib.components.hydro.radiation_identification import RadiationModel, identify_radiation
+from fowtlib.components.mechanics.connectors import Frame
+from fowtlib.language import Array, Component, Scalar, Vector, der, eq, outer, param, port, var
+from fowtlib.language import math as m
+
+
+class PlatformLoad(Component):
+    """A load on the reference point of a platform. Partial: a subclass writes the equations."""
+
+    frame: Frame = port(doc="reference point of the platform, at the still water level on its axis")
+
+    def velocity(self):
+        """Velocity and angular velocity (6,), world."""
+        return m.vertcat(der(self.frame.r), self.frame.w)
+
+    def displacement(self, position):
+        """Displacement (3,) from `position`, tilt about x and y, yaw (6,), world."""
+        r, R = self.frame.r, self.frame.R
+        tilt = m.vertcat(m.atan2(-R[1, 2], R[2, 2]), m.atan2(R[0, 2], R[2, 2]))
+        return m.vertcat(r - position, tilt, m.atan2(R[1, 0], R[0, 0]))
+
+    def push(self, load):
+        """The water gives `load` (6,) to the platform."""
+        return [eq(self.frame.f, -load[:3]), eq(self.frame.t, -load[3:])]
+
+
+class Hydrostatics(PlatformLoad):
+    """Buoyancy of the volume displaced at rest, at its centre, which moves with the body, and waterplane stiffness.
+
+    f = rho g V z and t = (R r_B) x f, and -rho/rho_0 C_w q with the displacement q. The weight is not in it: gravity
+    acts on the bodies. C_w is rho_0 g times the moments of the waterplane: C33 = rho g S, C34 = rho g S_y,
+    C35 = -rho g S_x, C44 = rho g S_yy, C45 = -rho g S_xy, C55 = rho g S_xx. The C of a WAMIT .hst file (without weight)
+    has the moments of the buoyancy in it: C44, C55 + rho g V z_B; C46 - rho g V x_B; C56 - rho g V y_B.
+    `waterplane_stiffness` takes them off, because here the buoyancy turns exactly, with the sine of the angle, as the
+    weight of the bodies does; at small angles the sum is that of the file.
+    Source: J.N. Newman, Marine Hydrodynamics (1977), 6.16; WAMIT User Manual 7, section 3.1.
+    """
+
+    volume: Scalar = param(unit="m^3", min=0, doc="displaced volume at rest")
+    centre_of_buoyancy: Vector = param(unit="m", doc="centre of that volume, resolved in the frame")
+    stiffness: Array = param(shape=(6, 6), structural=True, doc="C_w, without buoyancy moments, SI")
+    reference_density: float = param(default=1025.0, unit="kg/m^3", min=0, doc="water density rho_0 of C_w")
+    position: Vector = param(default=(0, 0, 0), unit="m", structural=True, doc="place of the frame at rest, world")
+
+    world: World = outer(World)
+
+    buoyancy: Scalar = var(unit="N", doc="buoyancy of the volume at rest")
+
+    def equations(self):
+        lift = m.vertcat(0, 0, self.buoyancy)
+        scale = self.world.water_density / self.reference_density
+        restoring = -scale * m.mtimes(self.stiffness, self.displacement(self.position))
+        return [
+            eq(self.buoyancy, self.world.water_density * self.world.gravity * self.volume),
+            self.push(restoring + m.vertcat(lift, m.cross(self.frame.R @ self.centre_of_buoyancy, lift))),
+        ]
+
+
+def waterplane_stiffness(database: HydrodynamicDatabase) -> NDArray[np.float64]:
+    """C (6, 6) of the database without the moments of the buoyancy: what Hydrostatics takes; noise is set to zero."""
+    lift = database.rho * database.g * database.volume
+    x, y, z = database.centre_of_buoyancy
+    stiffness = database.C.copy()
+    stiffness[[3, 4], [3, 4]] -= lift * z
+    stiffness[[3, 4], [5, 5]] += lift * np.array([x, y])
+    length = np.array([1.0, 1.0, 1.0, *[database.volume ** (1 / 3)] * 3])
+    noise = 1e-9 * database.rho * database.g * database.volume ** (2 / 3) * np.outer(length, length)
+    return np.where(np.abs(stiffness) > noise, stiffness, 0.0)
+
+
+class AddedMass(PlatformLoad):
+    """Inertia of the water that moves with the body at once: f, t = rho/rho_0 A q'', with A at infinite frequency.
+
+    It stands in the mass matrix of the platform, like the mass of a body. World axes, linear: no gyroscopic terms.
+    Source: W.E. Cummins, Schiffstechnik 9 (1962) 101-109.
+    """
+
+    matrix: Array = param(shape=(6, 6), structural=True, doc="added mass at infinite frequency, SI")
+    reference_density: float = param(default=1025.0, unit="kg/m^3", min=0, doc="water density rho_0 of the matrix")
+
+    world: World = outer(World)
+
+    def equations(self):
+        scale = self.world.water_density / self.reference_density
+        return self.push(-scale * m.mtimes(self.matrix, der(self.velocity())))
+
+
+class LinearDamping(PlatformLoad):
+    """A load -B q' against the velocity: diagonal by `translation` and `rotation`, plus a full `matrix`; world axes."""
+
+    translation: Vector = param(default=(0, 0, 0), unit="N*s/m", doc="damping of surge, sway, heave")
+    rotation: Vector = param(default=(0, 0, 0), unit="N*m*s/rad", doc="damping of roll, pitch, yaw")
+    matrix: Array = param(default=np.zeros((6, 6)), shape=(6, 6), structural=True, doc="damping matrix, SI")
+
+    def equations(self):
+        velocity = self.velocity()
+        diagonal = m.vertcat(self.translation * velocity[:3], self.rotation * velocity[3:])
+        return self.push(-diagonal - m.mtimes(self.matrix, velocity))
+
+
+class Radiation(PlatformLoad):
+    """Memory of the waves that the body has made: x' = A x + B q', load = -rho/rho_0 C x, at rest at the start.
+
+    The model is identified from the damping of the database while the model is flattened (0.1 s), see
+    radiation_identification; str(radiation.model()) reports the fit.
+    """
+
+    database: str = param(doc="file of a HydrodynamicDatabase")
+    order: int = param(default=4, min=2, doc="states per motion (surge, sway, ...); coupled motions share theirs")
+    passive: bool = param(default=True, doc="never feeds energy to the body; false: a little closer to the damping")
+
+    world: World = outer(World)
+
+    x: Array = var(shape=lambda self: (self.model().states,), doc="states of the radiation model")
+    load: Array = var(shape=(6,), doc="radiation force [N] and moment [N m] on the platform, without added mass")
+
+    def model(self) -> RadiationModel:
+        """The identified state-space model, with its report."""
+        return _radiation(self.database, Path(self.database).stat().st_mtime, self.order, self.passive)
+
+    def equations(self):
+        model = self.model()
+        scale = self.world.water_density / read_database(self.database).rho
+        statements = [eq(self.load, -scale * m.mtimes(model.C, self.x)), self.push(self.load)]
+        if model.states:
+            statements.append(eq(der(self.x), m.mtimes(model.A, self.x) + m.mtimes(model.B, self.velocity())))
+        return statements
+
+
+class WaveExcitation(PlatformLoad):
+    """First-order load of the incoming and diffracted waves, sum of Re(a_k X(omega_k, heading) exp(i omega_k t + ...)).
+
+    It acts on the platform at rest: motion changes neither its size nor its phase. `position` moves the phase with the
+    waves. Source: J.N. Newman, Marine Hydrodynamics (1977), 6.18.
+    """
+
+    database: str = param(doc="file of a HydrodynamicDatabase")
+    position: Vector = param(default=(0, 0, 0), unit="m", structural=True, doc="place of the frame at rest, world")
+
+    world: World = outer(World)
+    sea: Sea = outer(Sea)
+
+    load: Array = var(shape=(6,), doc="wave force [N] and moment [N m] on the platform")
+
+    def equations(self):
+        database, waves = read_database(self.database), self.sea.components()
+        transfer = np.zeros((len(waves), 6), dtype=complex)
+        if len(waves):
+            transfer = database.excitation_at(waves.omega, waves.heading) * waves.elevation_transfer(self.position)
+        scale = self.world.water_density / database.rho
+        return [eq(self.load, scale * self.sea.signal(transfer, "wave load")), self.push(self.load)]
+
+
+def read_database(path: str | Path) -> HydrodynamicDatabase:
+    """HydrodynamicDatabase.read, remembered while the file is the same."""
+    try:
+        changed = Path(path).stat().st_mtime
+    except OSError:
+        return HydrodynamicDatabase.read(path)
+    return _database(str(path), changed)
+
+
+@lru_cache(maxsize=8)
+def _database(path: str, changed: float) -> HydrodynamicDatabase:
+    return HydrodynamicDatabase.read(path)
+
+
+@lru_cache(maxsize=8)
+def _radiation(path: str, changed: float, order: int, passive: bool) -> RadiationModel:
+    data = _database(path, changed)
+    return identify_radiation(data.omega, data.B, data.A, data.A_inf, order=order, passive=passive)

@@ -1,0 +1,62 @@
+"""The linear potential-flow loads of a platform, from one hydrodynamic database."""
+
+from __future__ import annotations
+
+from fowtlib.components.environment.world import World
+from fowtlib.components.hydro.linear_loads import (
+    AddedMass,
+    Hydrostatics,
+    Radiation,
+    WaveExcitation,
+    read_database,
+    waterplane_stiffness,
+)
+from fowtlib.components.mechanics.connectors import Frame
+from fowtlib.language import Component, Vector, outer, param, port
+from fowtlib.language.errors import ParameterError
+
+
+class LinearPotentialFlow(Component):
+    """Hydrostatics, added mass, radiation and wave excitation of a floating body on one frame, from one database.
+
+    The frame is the point (0, 0, 0) of the database, fixed to the body; `position` is its place at rest. Gravity and
+    water depth of the World must be those of the database (0.1 % and 1 %); all loads scale with the World's density.
+    Conventions: module linear_loads. Drag is another part: MorisonDrag.
+    """
+
+    database: str = param(doc="file of a HydrodynamicDatabase")
+    radiation_order: int = param(default=4, min=0, doc="states per motion of the radiation memory; 0: none")
+    excitation: bool = param(default=True, doc="wave loads; the model needs a Sea for them")
+    position: Vector = param(default=(0, 0, 0), unit="m", structural=True, doc="place of the frame at rest, world")
+
+    world: World = outer(World)
+    frame: Frame = port(doc="reference point of the body, at the still water level on its axis")
+
+    def build(self):
+        data, place = read_database(self.database), self.position
+        self.hydrostatics = Hydrostatics(
+            volume=data.volume,
+            centre_of_buoyancy=data.centre_of_buoyancy,
+            stiffness=waterplane_stiffness(data),
+            reference_density=data.rho,
+            position=place,
+        )
+        self.added_mass = AddedMass(matrix=data.A_inf, reference_density=data.rho)
+        if self.radiation_order:
+            self.radiation = Radiation(database=self.database, order=self.radiation_order)
+        if self.excitation:
+            self.waves = WaveExcitation(database=self.database, position=place)
+        for load in self.parts.values():
+            self.connect(self.frame, load.frame)
+
+    def equations(self):
+        data = read_database(self.database)
+        given = {"gravity": (data.g, 1e-3, "m/s^2"), "water_depth": (data.water_depth, 1e-2, "m")}
+        for name, (expected, tolerance, unit) in given.items():
+            value = getattr(self.world, name)
+            if abs(value - expected) > tolerance * min(value, expected):
+                raise ParameterError(
+                    f"{self.world.label}.{name} is {value:g} {unit}, and {self.label}.database was computed for "
+                    f"{expected:g} {unit}: change the one or compute the other again."
+                )
+        return []
