@@ -29,6 +29,9 @@ def declare(commands: Any) -> None:
     tables.declare(parts)
     parts.set_defaults(action=show_parts)
 
+    schema = commands.add_parser("schema", help="a JSON schema of model files, for editors")
+    schema.set_defaults(action=show_schema)
+
 
 def show_models(arguments: argparse.Namespace) -> int:
     """Print name and title of every shipped model."""
@@ -50,6 +53,14 @@ def write_new(arguments: argparse.Namespace) -> int:
     head = f"# A copy of {arguments.like}, made by `fowt new`. Check it: fowt check {path}   Run it: fowt run {path}\n"
     path.write_text(head + re.sub(r"^title:.*$", f"title: {path.stem}", text, count=1, flags=re.M), encoding="utf-8")
     say_saved(path)
+    return 0
+
+
+def show_schema(arguments: argparse.Namespace) -> int:
+    """Print the JSON schema."""
+    from fowtlib.modelfile.schema import schema
+
+    tables.show_json(schema())
     return 0
 
 

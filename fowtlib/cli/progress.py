@@ -1,7 +1,9 @@
-"""The progress of a simulation on the terminal: simulated time, real-time factor, time left."""
+"""The progress of a simulation on the terminal; Ctrl-C ends a run at the next report, not inside the solver."""
 
 from __future__ import annotations
 
+import signal
+import threading
 import time
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
@@ -13,7 +15,8 @@ Report = Callable[[float, float], None]
 def progress_bar(begin: float = 0.0) -> Iterator[Report]:
     """A bar on stderr while the block runs; gives `report(t, t_end)`, to be called with the simulated time [s].
 
-    Without a terminal nothing is shown. `begin` is the simulated time at the start of a resumed run.
+    Without a terminal nothing is shown. `begin` is the simulated time at the start of a resumed run. After Ctrl-C the
+    next report raises KeyboardInterrupt; a second Ctrl-C does so at once.
     """
     from rich.progress import BarColumn, Progress, TextColumn, TimeRemainingColumn
 
@@ -27,13 +30,35 @@ def progress_bar(begin: float = 0.0) -> Iterator[Report]:
         TimeRemainingColumn(),
     )
     screen = console(stderr=True)
-    with Progress(*columns, console=screen, disable=not screen.is_terminal, transient=True) as bar:
+    bar = Progress(*columns, console=screen, disable=not screen.is_terminal, transient=True)
+    with bar, _deferred_interrupt() as interrupted:
         task = bar.add_task("", total=None, completed=0.0, factor="", visible=False)
         started = time.perf_counter()
 
         def report(t: float, t_end: float) -> None:
+            if interrupted.is_set():
+                raise KeyboardInterrupt
             elapsed = max(time.perf_counter() - started, 1e-9)
             factor = f"{(t - begin) / elapsed:.0f} x real time" if t > begin else ""
             bar.update(task, completed=t - begin, total=t_end - begin, factor=factor, visible=True)
 
         yield report
+
+
+@contextmanager
+def _deferred_interrupt() -> Iterator[threading.Event]:
+    """While the block runs, the first Ctrl-C only sets the event: inside compiled code an exception would be lost."""
+    interrupted = threading.Event()
+    if threading.current_thread() is not threading.main_thread():  # only the main thread gets signals
+        yield interrupted
+        return
+
+    def note(number: int, frame: object) -> None:
+        interrupted.set()
+        signal.signal(signal.SIGINT, before)
+
+    before = signal.signal(signal.SIGINT, note)
+    try:
+        yield interrupted
+    finally:
+        signal.signal(signal.SIGINT, before)

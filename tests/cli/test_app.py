@@ -120,3 +120,8 @@ def test_parts_for_machines(capsys):
 def test_an_unknown_part_is_named(capsys):
     assert main(["parts", "Revlute"]) == 2
     assert capsys.readouterr().err == "fowt parts: there is no part 'Revlute'; did you mean 'Revolute'?\n"
+
+
+def test_the_schema_is_json(capsys):
+    assert main(["schema"]) == 0
+    assert json.loads(capsys.readouterr().out)["title"] == "fowtlib model file"
