@@ -151,7 +151,8 @@ def _merge(system: System, chosen: int, sign: int, members: list[tuple[int, int]
         while number >= 0:
             unknown = system.unknowns[number]
             if unknown.path != path:
-                system.aliases.setdefault(unknown.path, unknown.symbol)
+                unit = unknown.declared.unit
+                system.add_alias(unknown.path, unknown.symbol, unit + "/s" * unknown.order, unknown.declared.doc)
             unknown.declared, unknown.path = declared, path
             path, number = f"der({path})", unknown.rate
     if keep.start is None and starts:

@@ -254,7 +254,9 @@ class _Assembler:
             take(unknown.path, value, unknown.declared, unknown.order)
         for path, value in zip(system.aliases, solved["aliases"], strict=True):
             for name, element in zip(element_names(path, value.shape), scalars(value), strict=True):
-                observed.setdefault(name, element)
+                if name not in observed:
+                    observed[name] = element
+                    units[name], docs[name] = system.alias_units[path]
         for name, value in self.constant_orientations.items():
             observed[name], units[name], docs[name] = value, "1", "orientation, world from frame"
         for j in self.unused:

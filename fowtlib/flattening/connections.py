@@ -158,7 +158,8 @@ class Connections:
             members[node.number].update(shared)
             for name, value in shared.items():
                 if node is not first:
-                    system.aliases[join(node.path, name)] = value
+                    member = first.field.annotation.members[name]
+                    system.add_alias(join(node.path, name), value, member.unit, member.doc)
 
     def _flows(self, system: System, members: list[dict[str, Any]]) -> None:
         """Two joined flows share a symbol; more of them get a sum; a flow that nothing meets is zero."""
@@ -191,7 +192,8 @@ class Connections:
             for name, value in shared[representative].items():
                 members[node.number][name] = value if sign > 0 else -value
                 if node.number != representative:
-                    system.aliases[join(node.path, name)] = members[node.number][name]
+                    member = node.field.annotation.members[name]
+                    system.add_alias(join(node.path, name), members[node.number][name], member.unit, member.doc)
         for signs in sums:
             if len(signs) == 1 and pairs.find(signs[0][0])[0] in zero:
                 continue
@@ -220,7 +222,7 @@ class Connections:
         for node in group:
             members[node.number]["signal"] = symbol
             if node is not first:
-                system.aliases[node.path] = symbol
+                system.add_alias(node.path, symbol, node.field.unit, node.field.doc)
 
     @staticmethod
     def _open_input(system: System, root: Component, group: list[PortNode], first: PortNode, symbol: ca.SX) -> None:

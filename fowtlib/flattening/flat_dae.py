@@ -141,6 +141,8 @@ class FlatDAE:
         """Expression of a variable by path; an array as a whole is the column or matrix of its elements."""
         if name in self.observed:
             return self.observed[name]
+        if name.endswith("[0]") and name[:-3] in self.observed:  # an array of one element
+            return self.observed[name[:-3]]
         rows = 0
         while f"{name}[{rows}]" in self.observed:
             rows += 1

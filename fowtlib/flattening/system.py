@@ -116,6 +116,7 @@ class System:
         self.number: dict[int, int] = {}
         self.rates: dict[int, ca.SX] = {}
         self.aliases: dict[str, ca.SX] = {}
+        self.alias_units: dict[str, tuple[str, str]] = {}
         self.range_checks: list[tuple[str, Assertion]] = []
         self.current_path = ""
         self._external_of: dict[int, int] = {}
@@ -132,6 +133,11 @@ class System:
     def add_discrete(self, symbol: ca.SX, path: str, declared: Variable, start: ca.SX | None = None) -> None:
         """Register a scalar symbol that is constant between events."""
         self.discretes.append(Discrete(symbol, path, declared, start))
+
+    def add_alias(self, path: str, value: ca.SX, unit: str, doc: str) -> None:
+        """A second name for an expression, for results."""
+        self.aliases[path] = value
+        self.alias_units[path] = (unit, doc)
 
     def add_equation(self, lhs: ca.SX, rhs: ca.SX, path: str, source: str) -> None:
         """Add lhs = rhs, element by element."""
