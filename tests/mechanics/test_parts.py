@@ -52,7 +52,7 @@ def values(result, path):
 
 
 def rotations(result, frame):
-    """R of a frame at every output point, (n, 3, 3); a result lists the elements column by column."""
+    """R of a frame at every output point, (n, 3, 3)."""
     return values(result, f"{frame}.R")
 
 
