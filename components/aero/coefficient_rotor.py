@@ -37,6 +37,7 @@ class CoefficientRotor(Rotor):
     world: World = outer(World)
     wind: Wind = outer(Wind)
     normal_wind: RealOutput = port(unit="m/s", doc="undisturbed wind at the hub along the rotor normal")
+    mean_wind: RealOutput = port(unit="m/s", doc="normal_wind, filtered: the wind of the tip speed ratio")
 
     relative_wind: Scalar = var(unit="m/s", doc="wind less the velocity of the hub, along the rotor normal")
     tip_speed_ratio: Scalar = var(doc="tip speed ratio")
@@ -49,6 +50,7 @@ class CoefficientRotor(Rotor):
             start = {"initialization": "value", "y_start": self.wind_start}
             self.low_pass = ButterworthLowPass(**filter_design, **start)
             self.connect(self.normal_wind, self.low_pass.u)
+            self.connect(self.low_pass.y, self.mean_wind)
 
     def equations(self):
         n, hub, R = self.normal(), self.frame.r, self.radius * m.cos(self.precone)
@@ -56,6 +58,7 @@ class CoefficientRotor(Rotor):
         return [
             super().equations(),
             eq(self.normal_wind, m.dot(n, self.wind.velocity(hub, self.station))),
+            [] if self.filtered else eq(self.mean_wind, self.normal_wind),
             eq(self.relative_wind, self.normal_wind - m.dot(n, der(hub))),
             eq(self.thrust, pressure * self.thrust_coefficient),
             eq(self.torque, pressure * R * self.torque_coefficient),
@@ -67,7 +70,7 @@ class CoefficientRotor(Rotor):
 
     def coefficients_in(self, hub_velocity):
         """Tip speed ratio and coefficients, for the velocity of the hub along the rotor normal."""
-        speed = self.low_pass.y - hub_velocity if self.filtered else self.relative_wind
+        speed = self.mean_wind - hub_velocity
         table, names = read_coefficients(self.coefficients, self.extended), ("tip speed ratio", "blade pitch [rad]")
         grid = (table.tip_speed_ratio, table.blade_pitch, table.values)
         C = table2d(self.tip_speed_ratio, self.blade_pitch, *grid, name=f"coefficients of {self.path}", arguments=names)

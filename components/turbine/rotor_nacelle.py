@@ -4,8 +4,6 @@ from __future__ import annotations
 
 from dataclasses import fields
 
-import numpy as np
-
 from fowtlib.components.aero import CoefficientRotor, read_coefficients
 from fowtlib.components.environment.wind import Wind
 from fowtlib.components.environment.world import World
@@ -103,6 +101,10 @@ def steady_turbine(turbine: RotorNacelle) -> SteadyTurbine:
 
 def start_point(turbine: RotorNacelle) -> OperatingPoint:
     """Steady operation in the mean wind of the rotor's station; standstill without wind."""
-    if turbine.wind.kind == "none":
+    wind, station = turbine.wind, turbine.rotor.station
+    if wind.kind == "none":
         return STANDSTILL
-    return steady_turbine(turbine).operating_point(float(np.asarray(turbine.wind.mean_at(turbine.rotor.station))))
+    if wind.kind == "file":
+        return steady_turbine(turbine).operating_point(float(wind.mean_at(station)))
+    height, shear = wind.hubs[station, 1] / wind.reference_height, wind.parameter_value("shear_exponent")
+    return steady_turbine(turbine).operating_point(float(wind.parameter_value("mean_speed") * height**shear))
