@@ -15,7 +15,7 @@ from fowtlib.flattening.incidence import Incidence
 from fowtlib.flattening.index_reduction import IndexReduction
 from fowtlib.flattening.instances import Instances, Statements
 from fowtlib.flattening.orientations import resolve_orientations
-from fowtlib.flattening.system import System, element_names, scalars
+from fowtlib.flattening.system import System, element_names, residuals, scalars
 from fowtlib.language.component import Component
 from fowtlib.language.errors import StructureError
 
@@ -52,7 +52,8 @@ class _Assembler:
         check_structure(system, live, Incidence(system))
         reduction = IndexReduction(system, set(live))
         states = reduction.run()
-        everything = [j for j, unknown in enumerate(system.unknowns) if unknown.base in set(live) and j not in self.replaced]
+        bases = set(live)
+        everything = [j for j, unknown in enumerate(system.unknowns) if unknown.base in bases and j not in self.replaced]
         causal = Causalization(system, states, everything).run()
         dae = self._build(states, causal, everything)
         dae.equation_table = table
@@ -121,7 +122,7 @@ class _Assembler:
         """Unknowns that remain, without the potentials of open optional ports that no equation mentions."""
         system = self.system
         incidence = Incidence(system)
-        rows = incidence.rows([equation.lhs - equation.rhs for equation in system.equations])
+        rows = incidence.rows(residuals(system.equations))
         used = {int(system.unknowns[j].base) for row in rows for j in row}
         self.unused = [
             j for j, unknown in enumerate(system.unknowns)

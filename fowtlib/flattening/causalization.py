@@ -7,14 +7,16 @@ joints are torn first, so that a tree of bodies ends as the recursive Newton-Eul
 
 from __future__ import annotations
 
+from collections import defaultdict
 from dataclasses import dataclass, field
+from functools import cached_property
 
 import casadi as ca
 import numpy as np
 
 from fowtlib.flattening import structure
 from fowtlib.flattening.incidence import Incidence
-from fowtlib.flattening.system import System
+from fowtlib.flattening.system import System, residuals, stacked
 from fowtlib.language.declarations import STATE_PREFERENCES
 
 
@@ -44,12 +46,10 @@ class Causalization:
         position = np.full(len(system.unknowns), -1)
         position[unknowns] = np.arange(len(unknowns))
         self.position = position
-        self.left = self._structure([equation.lhs for equation in system.equations])
-        self.right = self._structure([equation.rhs for equation in system.equations])
+        self.left = self._structure(stacked(equation.lhs for equation in system.equations))
+        self.right = self._structure(stacked(equation.rhs for equation in system.equations))
         self.rows = [np.union1d(a[0], b[0]) for a, b in zip(self.left, self.right, strict=True)]
-        self.rank = np.full(len(unknowns), -1)
-        self._rank = 0
-        self._pending = self._intermediates()
+        self._await_intermediates()
         self._place_intermediates()
         blocks = structure.strong_components(self.rows, len(unknowns))
         simple = [(int(r[0]), int(c[0])) for r, c in blocks if len(r) == 1]
@@ -63,16 +63,19 @@ class Causalization:
             self._place_intermediates()
         return self.result
 
-    def _structure(self, expressions: list[ca.SX]) -> list[tuple[np.ndarray, np.ndarray]]:
-        """For each expression: unknowns it depends on in all, and those it depends on through intermediates only or too."""
-        direct, through = self.incidence.split(expressions)
+    def _structure(self, column: ca.SX) -> list[tuple[np.ndarray, np.ndarray]]:
+        """For each element: unknowns it depends on in all, and those it depends on through intermediates."""
+        direct, through = self.incidence.split(column)
         structures = []
+        nothing = np.zeros(0, int)
         for own, via in zip(direct, through, strict=True):
-            hidden = (
-                np.unique(np.concatenate([self.incidence.closure(k) for k in via])) if len(via) else np.zeros(0, int)
-            )
-            own, hidden = self.position[own], self.position[hidden] if len(hidden) else hidden
-            own, hidden = own[own >= 0], hidden[hidden >= 0]
+            own = self.position[own]
+            own = own[own >= 0]
+            if not len(via):
+                structures.append((own, nothing))
+                continue
+            hidden = self.position[np.unique(np.concatenate([self.incidence.closure(k) for k in via]))]
+            hidden = hidden[hidden >= 0]
             structures.append((np.union1d(own, hidden), hidden))
         return structures
 
@@ -99,7 +102,7 @@ class Causalization:
         """d(lhs - rhs) / d unknown for the pairs, where that does not depend on the unknown."""
         if not pairs:
             return {}
-        residual = ca.vertcat(*[self._residual(row) for row, _ in pairs])
+        residual = residuals([self.system.equations[row] for row, _ in pairs])
         symbols = ca.vertcat(*[self._symbol(column) for _, column in pairs])
         jacobian = ca.jacobian(residual, symbols)
         factors = [jacobian[k, k] for k in range(len(pairs))]
@@ -129,15 +132,18 @@ class Causalization:
 
     def _assign(self, column: int, value: ca.SX) -> None:
         self.result.sequence.append((self._symbol(column), value))
-        self._set_rank(column)
+        self._known(column)
 
     def _tear(self, column: int) -> None:
         self.result.torn.append(self.unknowns[column])
-        self._set_rank(column)
+        self._known(column)
 
-    def _set_rank(self, column: int) -> None:
-        self.rank[column] = self._rank
-        self._rank += 1
+    def _known(self, column: int) -> None:
+        """An unknown is known: the intermediates that waited for it last can be placed."""
+        for k in self._waiting.pop(column, ()):
+            self._missing[k] -= 1
+            if not self._missing[k]:
+                self._ready.append(k)
 
     # --- blocks --------------------------------------------------------------------------------------------------
 
@@ -201,11 +207,10 @@ class Causalization:
 
     def _block_factors(self, rows: list[int], columns: list[int]) -> tuple[dict, dict]:
         """Factors that are numbers, and those that depend on parameters only and are not zero now."""
-        residual = ca.vertcat(*[self._residual(r) for r in rows])
+        residual = residuals([self.system.equations[r] for r in rows])
         jacobian = ca.jacobian(residual, ca.vertcat(*[self._symbol(c) for c in columns]))
         row_index, column_index = jacobian.sparsity().get_triplet()
-        parameters = [parameter.symbol for parameter in self.system.parameters.values()]
-        known = {e.element_hash() for symbol in parameters for e in symbol.elements()}
+        known = self._parameter_numbers
         constant, parametric = {}, {}
         for i, j, factor in zip(row_index, column_index, jacobian.nonzeros(), strict=True):
             pair = (rows[i], columns[j])
@@ -219,15 +224,29 @@ class Causalization:
             parametric = {pair: f for (pair, f), v in zip(parametric.items(), values, strict=True) if abs(v) > 0}
         return constant, parametric
 
+    @cached_property
+    def _parameter_numbers(self) -> dict[int, float]:
+        """Value of each scalar tunable parameter, by the hash of its symbol."""
+        return {
+            symbol.element_hash(): float(value)
+            for parameter in self.system.parameters.values()
+            for symbol, value in zip(parameter.symbol.elements(), np.ravel(parameter.value, order="F"), strict=True)
+        }
+
     def _parameter_values(self, factors: list[ca.SX]) -> np.ndarray:
-        symbols = ca.vertcat(*[ca.vec(p.symbol) for p in self.system.parameters.values()])
-        values = np.concatenate([np.ravel(p.value, order="F") for p in self.system.parameters.values()])
-        return np.array(ca.Function("f", [symbols], [ca.vertcat(*factors)])(values)).ravel()
+        column = ca.vertcat(*factors)
+        symbols = ca.symvar(column)
+        values = [self._parameter_numbers[symbol.element_hash()] for symbol in symbols]
+        return np.array(ca.Function("f", [ca.vertcat(*symbols)], [column])(values)).ravel()
+
+    @cached_property
+    def _state_rates(self) -> set[int]:
+        return {self.system.unknowns[s].rate for s in self.states}
 
     def _joint_rates(self, columns: np.ndarray) -> list[int]:
         """Joint accelerations in the block: rates of preferred states, and of what such a state is the rate of."""
         unknowns = self.system.unknowns
-        rates = {unknowns[s].rate for s in self.states}
+        rates = self._state_rates
         wished = STATE_PREFERENCES.index("prefer")
         members = [
             int(c) for c in columns
@@ -248,33 +267,27 @@ class Causalization:
 
     # --- intermediates -------------------------------------------------------------------------------------------
 
-    def _intermediates(self) -> list[tuple[set[int], list[tuple[ca.SX, ca.SX]]]]:
-        """Orientation symbols with the unknowns they wait for; outputs of externals stay symbols."""
-        waiting = []
+    def _await_intermediates(self) -> None:
+        """For each orientation the number of unknowns it waits for; outputs of externals stay symbols."""
+        self._definitions: list[list[tuple[ca.SX, ca.SX]]] = []
+        self._missing: list[int] = []
+        self._waiting: dict[int, list[int]] = defaultdict(list)
         k = 0
         for item in self.system.intermediates:
-            needs: set[int] = set()
-            definitions = []
-            for symbol, value in zip(item.symbols, scalars_of(item), strict=True):
-                columns = self.position[self.incidence.closure(k)]
-                needs.update(int(c) for c in columns[columns >= 0])
-                definitions.append((symbol, value))
-                k += 1
+            n = len(item.symbols)
             if item.function is None:
-                waiting.append((needs, definitions))
-        return waiting
+                needs = np.unique(np.concatenate([self.incidence.closure(k + i) for i in range(n)]))
+                columns = self.position[needs]
+                columns = columns[columns >= 0]
+                for column in columns:
+                    self._waiting[int(column)].append(len(self._definitions))
+                self._missing.append(len(columns))
+                self._definitions.append(list(zip(item.symbols, item.inputs.elements(), strict=True)))
+            k += n
+        self._ready = [k for k, missing in enumerate(self._missing) if not missing]
 
     def _place_intermediates(self) -> None:
         """Define the orientations of which everything is known, in their own order (from the roots outwards)."""
-        still = []
-        for needs, definitions in self._pending:
-            if any(self.rank[c] < 0 for c in needs):
-                still.append((needs, definitions))
-            else:
-                self.result.sequence += definitions
-        self._pending = still
-
-
-def scalars_of(item) -> list[ca.SX]:
-    """Definitions of the symbols of an intermediate; its symbols themselves for an external."""
-    return item.inputs.elements() if item.function is None else item.symbols
+        for k in sorted(self._ready):
+            self.result.sequence += self._definitions[k]
+        self._ready.clear()

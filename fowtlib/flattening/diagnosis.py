@@ -8,7 +8,7 @@ import numpy as np
 
 from fowtlib.flattening import structure
 from fowtlib.flattening.incidence import Incidence
-from fowtlib.flattening.system import System
+from fowtlib.flattening.system import System, residuals
 from fowtlib.language.equations import place
 from fowtlib.language.errors import StructureError
 
@@ -19,7 +19,7 @@ def check_structure(system: System, live: list[int], incidence: Incidence) -> li
     """Match equations and unknowns, a variable and its derivatives counting as one; report what does not fit."""
     base_position = {number: k for k, number in enumerate(live)}
     base_of = np.array([base_position.get(unknown.base, -1) for unknown in system.unknowns])
-    rows = incidence.rows([equation.lhs - equation.rhs for equation in system.equations])
+    rows = incidence.rows(residuals(system.equations))
     collapsed = []
     for row in rows:
         members = np.unique(base_of[row]) if len(row) else row

@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
-
 import casadi as ca
 import numpy as np
 
@@ -20,18 +18,18 @@ class Incidence:
         self._seen = 0
         self._unknowns = ca.SX(0, 1)
 
-    def rows(self, expressions: Sequence[ca.SX]) -> list[np.ndarray]:
-        """Numbers of the unknowns each scalar expression depends on, sorted."""
-        direct, through = self.split(expressions)
+    def rows(self, column: ca.SX) -> list[np.ndarray]:
+        """Numbers of the unknowns each element of a column depends on, sorted."""
+        direct, through = self.split(column)
         if not self._symbols:
             return direct
         return [np.unique(np.concatenate([own, *(self._closures[k] for k in via)])) if len(via) else own
                 for own, via in zip(direct, through, strict=True)]  # fmt: skip
 
-    def split(self, expressions: Sequence[ca.SX]) -> tuple[list[np.ndarray], list[np.ndarray]]:
-        """Unknowns in the expressions themselves, and symbols of intermediates in them."""
+    def split(self, column: ca.SX) -> tuple[list[np.ndarray], list[np.ndarray]]:
+        """Unknowns in the elements of a column themselves, and symbols of intermediates in them."""
         self._update()
-        return self._pattern(ca.vertcat(*expressions) if len(expressions) else ca.SX(0, 1))
+        return self._pattern(column)
 
     def closure(self, symbol: int) -> np.ndarray:
         """Unknowns an intermediate symbol depends on."""

@@ -11,7 +11,7 @@ import numpy as np
 
 from fowtlib.flattening import structure
 from fowtlib.flattening.incidence import Incidence
-from fowtlib.flattening.system import FlatEquation, System
+from fowtlib.flattening.system import FlatEquation, System, residuals
 from fowtlib.language.declarations import STATE_PREFERENCES
 from fowtlib.language.errors import StructureError
 
@@ -36,7 +36,7 @@ class IndexReduction:
     def _update_rows(self) -> None:
         system = self.system
         fresh = system.equations[len(self.rows) :]
-        self.rows += self.incidence.rows([equation.lhs - equation.rhs for equation in fresh])
+        self.rows += self.incidence.rows(residuals(fresh))
 
     def _pantelides(self) -> None:
         system = self.system
@@ -121,15 +121,13 @@ class IndexReduction:
         from scipy.sparse.csgraph import min_weight_full_bipartite_matching
 
         system = self.system
+        position = {(system.unknowns[j].base, system.unknowns[j].order): k for k, j in enumerate(columns)}
         entries = []
         for i in rows:
             equation = system.equations[i]
-            members = base_rows[equation.base]
             # d e^(c) / d x^(d) = d e / d x^(d - c): the same entry at every order
-            entries.append([
-                k for k, j in enumerate(columns)
-                if (system.unknowns[j].base, system.unknowns[j].order - equation.order) in members
-            ])  # fmt: skip
+            members = ((base, order + equation.order) for base, order in base_rows[equation.base])
+            entries.append(sorted(position[member] for member in members if member in position))
         incidence = structure.matrix([np.array(entry, int) for entry in entries], len(columns)).astype(float)
         incidence.data = np.array([self._weight(columns[k]) for k in incidence.indices])
         try:

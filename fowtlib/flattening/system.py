@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 from typing import Any
 
@@ -15,7 +16,13 @@ from fowtlib.language.errors import StructureError
 
 def scalars(value: ca.SX) -> list[ca.SX]:
     """Elements of an expression, column by column, structural zeros included."""
-    return ca.densify(ca.vec(value)).elements()
+    return value.elements() if value.is_dense() else ca.densify(value).elements()
+
+
+def stacked(items: Iterable[ca.SX]) -> ca.SX:
+    """One dense column of scalar expressions."""
+    column = ca.vertcat(*items)
+    return ca.densify(column) if column.shape[0] else ca.SX(0, 1)
 
 
 def element_names(path: str, shape: tuple[int, ...]) -> list[str]:
@@ -51,6 +58,11 @@ class FlatEquation:
     rate: int = -1
     order: int = 0
     base: int = -1
+
+
+def residuals(equations: Sequence[FlatEquation]) -> ca.SX:
+    """Left side minus right side of each equation."""
+    return stacked(equation.lhs for equation in equations) - stacked(equation.rhs for equation in equations)
 
 
 @dataclass(slots=True)
