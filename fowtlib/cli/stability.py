@@ -3,9 +3,13 @@
 from __future__ import annotations
 
 import argparse
-from typing import Any
+from collections.abc import Mapping
+from typing import TYPE_CHECKING, Any
 
 from fowtlib.cli import loading, tables
+
+if TYPE_CHECKING:
+    from fowtlib import Mode
 
 
 def declare(commands: Any) -> None:
@@ -33,6 +37,17 @@ def show_modes(arguments: argparse.Namespace) -> int:
     plant = loading.load_at_rest(arguments).compile()
     modes = plant.linearize(plant.equilibrium()).modes()
     oscillating = [mode for mode in modes if mode.eigenvalue.imag > 0]
-    rows = [(mode.frequency_hz, 1 / mode.frequency_hz, mode.damping_ratio, mode.label) for mode in oscillating]
+    names = {path: name for name, (path, _, _) in plant.outputs.items()}
+    rows = [(m.frequency_hz, 1 / m.frequency_hz, m.damping_ratio, motion_of(m, names)) for m in oscillating]
     tables.show(arguments, ("frequency [Hz]", "period [s]", "damping ratio", "motion"), rows)
     return 0
+
+
+def motion_of(mode: Mode, names: Mapping[str, str]) -> str:
+    """What a person calls a mode: the result that takes the largest part in it, else the state that does.
+
+    names: of the results by the path of their variable. A coordinate and its rate share a mode about equally.
+    """
+    share = {name: mode.participation.get(path, 0.0) for path, name in names.items()}
+    most = max(share, key=share.__getitem__, default="")
+    return most if most and share[most] > 0.5 * max(mode.participation.values()) else mode.label
