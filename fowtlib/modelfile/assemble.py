@@ -25,7 +25,6 @@ from fowtlib.modelfile.scopes import Scope
 from fowtlib.modelfile.specs import Document, Spec, Value
 from fowtlib.modelfile.values import ValueReader
 
-
 RESERVED = ("parts", "connections", "origins", "title")
 
 
@@ -44,20 +43,21 @@ class Assembler:
             layers.insert(0, Layer(changes, Scope(Path.cwd(), {}, parent=layers[0].scope)))
         return self.build(layers, "", "the model")
 
-    def build(self, layers: list[Layer], path: str, name: str) -> Component:
-        """The component that the layers describe, the most important first."""
+    def build(self, layers: list[Layer], path: str, name: str, usual: type[Component] | None = None) -> Component:
+        """The component that the layers describe, the most important first; `usual` is its class if they give none."""
         depth = len(self.used)
-        base, layers = self._base(layers, path)
+        base, layers = self._base(layers, path) if has_base(layers) or not usual else (usual, layers)
         declared = declared_parameters(layers, base, path)
         made = make_class(base, declared, layers)
         values = given_values(layers, made, declared, path)
         inner = parts_of(layers)
-        replaced = [part for part in inner if part in base.declared_parts and has_base(inner[part])]
+        slots = base.declared_parts
+        replaced = [part for part in inner if part in slots and (has_base(inner[part]) or not slots[part].modifiers)]
         for part in replaced:
-            values[part] = self.build(inner[part], join(path, part), part)
-        place = next(layer.spec.place for layer in reversed(layers))
-        check_required(made, values, path, layers[0].spec.place)
-        with building(layers[0].spec.place if path else place, path or name, base):
+            values[part] = self.build(inner[part], join(path, part), part, slots[part].component_class)
+        place = layers[0 if path else -1].spec.place
+        check_required(made, values, path, place)
+        with building(place, path or name, base):
             component = made(**values)
         remember(component, layers, path)
         for part, part_layers in inner.items():

@@ -55,8 +55,8 @@ def find_definition(name: str, folder: Path) -> Path:
                 return path
     beside = (folder / name).parent
     known = [str(Path(name).parent / path.stem) for path in sorted(beside.glob(f"*{SUFFIX}"))]
-    shipped = [path.relative_to(models_folder()).with_suffix("") for path in sorted(models_folder().glob("*/**/*.yaml"))]
-    known += [str(path) for path in shipped if path.parts[0] != "data"]
+    shipped = [path.relative_to(models_folder()) for path in sorted(models_folder().glob(f"*/**/*{SUFFIX}"))]
+    known += [str(path.with_suffix("")) for path in shipped if path.parts[0] != "data"]
     raise ModelFileError(f"there is no definition '{name}'{did_you_mean(name, known)}")
 
 

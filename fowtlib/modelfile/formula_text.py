@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable
+from fractions import Fraction
 from typing import Any
 
 import numpy as np
@@ -11,9 +12,9 @@ from fowtlib.language.component import Component
 from fowtlib.language.declarations import Parameter
 from fowtlib.language.errors import ModelFileError
 from fowtlib.language.expressions import Expression, ParameterReference, is_expression
-from fowtlib.language.unit_grammar import parse_unit
+from fowtlib.language.unit_grammar import BASE, parse_unit
 from fowtlib.language.units import conversion
-from fowtlib.modelfile.formulas import FUNCTIONS
+from fowtlib.modelfile.formulas import FUNCTIONS, Quantity, parse
 
 _NAMES = {"fmin": "min", "fmax": "max", "fabs": "abs"}
 _SIGNS = ("+", "-", "*", "/", "**")
@@ -37,25 +38,25 @@ class FormulaWriter:
             return [self.value(component, field, item, where) for item in value]
         if not is_expression(value):
             return float(value) if isinstance(value, np.number) else value
-        if isinstance(value, ParameterReference):
-            unit = value.component.parameters[value.name].unit
-            if conversion(parse_unit(unit), parse_unit(field.unit)) != 1.0:
-                raise ModelFileError(f"{where}: {value!r} is in {unit}; a model file would turn it into {field.unit}.")
-        return self._text(component, value, where, top=True)
+        units: dict[str, str] = {}
+        text = self._text(component, value, where, units, top=True)
+        return text + _correction(text, units, field, where)
 
-    def _text(self, component: Component, value: Any, where: str, top: bool = False) -> str:
+    def _text(self, component: Component, value: Any, where: str, units: dict[str, str], top: bool = False) -> str:
         if isinstance(value, ParameterReference):
-            return self._name(component, value, where)
+            name = self._name(component, value, where)
+            units[name] = value.component.parameters[value.name].unit
+            return name
         if not isinstance(value, Expression):
             if isinstance(value, (int, float, np.number)):
                 return repr(float(value)) if value >= 0 else f"({float(value)!r})"
             raise ModelFileError(f"{where}: a model file cannot say {value!r} in a formula.")
-        symbol, texts = value.symbol, [self._text(component, item, where) for item in value.arguments]
+        symbol, texts = value.symbol, [self._text(component, item, where, units) for item in value.arguments]
         if symbol.startswith("["):
             return texts[0] + symbol
         if symbol in _SIGNS:
             text = f"-{texts[0]}" if len(texts) == 1 else f"{texts[0]} {symbol} {texts[1]}"
-            return text if top else f"({text})"
+            return text if top and symbol in "*/" else f"({text})"
         name = _NAMES.get(symbol, symbol)
         if name not in FUNCTIONS:
             raise ModelFileError(f"{where}: a model file has no function '{symbol}'.")
@@ -80,6 +81,28 @@ class FormulaWriter:
     def _captured(self, around: Component, leaf: ParameterReference) -> bool:
         """True where the bare name would mean another parameter, one of `around`."""
         return leaf.name in around.parameters and self.is_composite(around) and leaf.component is not around
+
+
+def _correction(text: str, units: dict[str, str], field: Parameter, where: str) -> str:
+    """What turns the unit that the loader sees in a formula into that of the parameter, without changing the number.
+
+    Python's arithmetic knows no units, so a formula from there may lack some.
+    """
+
+    def lookup(name: str) -> Quantity:
+        return Quantity(1.0, None if units[name] == "1" else parse_unit(units[name]))
+
+    try:
+        unit = parse(text).tree(lookup).unit
+    except (ModelFileError, ArithmeticError) as error:
+        raise ModelFileError(f"{where}: '{text}': {error}") from None
+    wanted = parse_unit(field.unit)
+    if unit is None or (unit.dimension == wanted.dimension and conversion(unit, wanted) == 1.0):
+        return ""
+    factors = [f"1 Hz^{float(-unit.cycle):g}"] if unit.cycle else []
+    rest = wanted * unit ** Fraction(-1) * parse_unit("s") ** -unit.cycle
+    factors += [f"1 {name}^{float(power):g}" for name, power in zip(BASE, rest.dimension, strict=True) if power]
+    return "".join(f" * {factor}" for factor in factors)
 
 
 def _of_file(component: Component, name: str) -> bool:

@@ -224,6 +224,8 @@ def _operation(sign: str, left: Tree, right: Tree) -> Tree:
     def tree(lookup: Lookup) -> Quantity:
         a, b = left(lookup), right(lookup)
         unit = _power_unit(a, b) if sign == "**" else _unit(sign, a.unit, b.unit)
+        if sign == "*" and isinstance(b.value, float) and b.value == 1.0:  # such as `* 1 m`, which only gives a unit
+            return Quantity(a.value, unit)
         return Quantity(_OPERATORS[sign](a.value, b.value), unit)
 
     return tree

@@ -2,7 +2,7 @@
 
 YAML is read with PyYAML's composer only: no tag is obeyed and no object is made. Plain scalars mean what they look
 like (YAML 1.2: `1e6` is a number, `on` and `12:30` are text). Names such as `rotor_{name}` and `sum.u[0]` may stand
-anywhere without quotes, also within a list, where YAML alone would take the brace for a mapping, the bracket for a list.
+anywhere without quotes, also within a list, where YAML alone would see a mapping in the one and a list in the other.
 """
 
 from __future__ import annotations

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Collection, Mapping
 from typing import Any
 
 import numpy as np
@@ -10,9 +10,10 @@ import numpy as np
 from fowtlib.language.component import Assembly, Component
 from fowtlib.language.declarations import Parameter, PortReference, join
 from fowtlib.language.errors import ModelFileError
-from fowtlib.language.expressions import is_expression
+from fowtlib.language.expressions import ParameterReference, is_expression
 from fowtlib.modelfile import catalogue, files
 from fowtlib.modelfile.formula_text import FormulaWriter
+from fowtlib.modelfile.scopes import leaves
 from fowtlib.modelfile.yaml_text import to_text
 from fowtlib.solving.model import Model, Output
 
@@ -50,8 +51,8 @@ class _Writer:
     def __init__(self) -> None:
         self.formulas = FormulaWriter(is_composite)
 
-    def component(self, component: Component) -> dict[str, Any]:
-        """The keys of one component."""
+    def component(self, component: Component, leave_out: Collection[str] = ()) -> dict[str, Any]:
+        """The keys of one component; `leave_out` are values that its owner sets again."""
         known = _known_class(component)
         entries: dict[str, Any] = {}
         self.formulas.reached.append(component)
@@ -62,9 +63,9 @@ class _Writer:
         else:
             _check_in_catalogue(component, known)
             entries["class"] = known.__name__
-            names = [name for name in component._values if name in known.parameters]
+            names = [name for name in component._values if name in known.parameters and name not in leave_out]
             entries |= {name: self._value(component, name) for name in names}
-            fresh = known(**{name: component._values[name] for name in names})
+            fresh = known(**_parts_given(component), **{name: component._values[name] for name in names})
             entries["parts"] = self._changed_parts(component, fresh)
             connections = _more_connections(component, fresh)
         entries["connect"] = [[_end(a, component), _end(b, component)] for a, b, _ in connections]
@@ -110,19 +111,17 @@ class _Writer:
         changed: dict[str, Any] = {}
         for name, part in component.parts.items():
             twin = fresh.parts.get(name)
-            if twin is None or type(twin) is not type(part):
+            if twin is None:
                 changed[name] = self.component(part)
+            elif name in _parts_given(component):
+                changed[name] = self.component(part, _set_by_owner(part, twin, component, fresh))
             elif difference := self._difference(part, twin, component, fresh):
                 changed[name] = difference
         return changed
 
     def _difference(self, part: Component, twin: Component, top: Component, fresh_top: Component) -> dict[str, Any]:
         self.formulas.reached.append(part)
-        entries: dict[str, Any] = {
-            name: self._value(part, name)
-            for name, value in part._values.items()
-            if name not in twin._values or not _same(value, top, twin._values[name], fresh_top)
-        }
+        entries: dict[str, Any] = {name: self._value(part, name) for name in _changed(part, twin, top, fresh_top)}
         inner = {
             name: self._difference(child, twin.parts[name], top, fresh_top)
             for name, child in part.parts.items()
@@ -178,6 +177,38 @@ def _same(a: Any, top_a: Component, b: Any, top_b: Component) -> bool:
     if not is_expression(a):
         return bool(np.array_equal(np.asarray(a, dtype=object), np.asarray(b, dtype=object)))
     return _relative(a, top_a) == _relative(b, top_b)
+
+
+def _changed(part: Component, twin: Component, top: Component, fresh_top: Component) -> list[str]:
+    """The parameters that have another value than in the twin."""
+    return [
+        name
+        for name, value in part._values.items()
+        if name not in twin._values or not _same(value, top, twin._values[name], fresh_top)
+    ]
+
+
+def _parts_given(component: Component) -> dict[str, Component]:
+    """Copies of the declared parts that were not made as declared, with the values that are their own: for a twin."""
+    given: dict[str, Component] = {}
+    for name, declared in _known_class(component).declared_parts.items():
+        part = component.parts[name]
+        own = {key: value for key, value in part._values.items() if not _depends_on(value, component)}
+        structural = [key for key in own if key not in declared.modifiers and not part.parameters[key].tunable]
+        if type(part) is not declared.component_class or structural:
+            given[name] = type(part)(**_parts_given(part), **own)
+    return given
+
+
+def _depends_on(value: Any, owner: Component) -> bool:
+    below = list(owner.walk())
+    return any(isinstance(leaf, ParameterReference) and leaf.component in below for leaf in leaves(value))
+
+
+def _set_by_owner(part: Component, twin: Component, top: Component, fresh_top: Component) -> list[str]:
+    """The values that the owner sets while it is built: they depend on it, and the twin has them too."""
+    changed = _changed(part, twin, top, fresh_top)
+    return [name for name, value in part._values.items() if name not in changed and _depends_on(value, top)]
 
 
 def _relative(value: Any, top: Component) -> str:
