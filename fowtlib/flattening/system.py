@@ -186,11 +186,13 @@ class System:
 
     def derivative(self, expression: ca.SX) -> ca.SX:
         """Total time derivative; unknowns without a derivative get one."""
-        expression = ca.densify(expression)
         elements = scalars(expression)
+        if len(elements) == 1 and elements[0].is_symbolic():
+            return self._rate(elements[0])
         if all(element.is_symbolic() or element.is_constant() for element in elements):
             rates = [self._rate(element) for element in elements]
             return ca.densify(ca.reshape(ca.vertcat(*rates), *expression.shape))
+        expression = ca.densify(expression)
         symbols = ca.symvar(expression)
         seeds = [self._rate(symbol) for symbol in symbols]
         rate = ca.jtimes(ca.vec(expression), ca.vertcat(*symbols), ca.vertcat(*seeds))

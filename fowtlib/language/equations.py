@@ -49,7 +49,7 @@ class flattening:
 
 def der(expression: Any) -> ca.SX:
     """Time derivative of any expression of variables, connector members and time."""
-    return active().derivative(ca.SX(expression))
+    return active().derivative(_column(expression))
 
 
 def external(function: ca.Function, inputs: Any) -> ca.SX:
@@ -138,8 +138,12 @@ class FixedOrientation:
 
 
 def _column(value: Any) -> ca.SX:
+    if isinstance(value, ca.SX):
+        return value if value.is_dense() else ca.densify(value)
+    if type(value) in (int, float):
+        return ca.SX(value)
     try:
-        return ca.densify(value if isinstance(value, ca.SX) else ca.SX(ca.DM(value)))
+        return ca.densify(ca.SX(ca.DM(value)))
     except (NotImplementedError, TypeError, RuntimeError):
         raise StructureError(f"{value!r} ({type(value).__name__}) cannot stand in an equation.") from None
 
