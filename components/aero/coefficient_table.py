@@ -47,6 +47,7 @@ class CoefficientTable:
         """
         low, high, feather = FAR_EDGES
         rows, pitches = self.tip_speed_ratio, self.blade_pitch
+        below = np.arange(rows[0], low - 0.01, -0.5)[:0:-1]
         fitted, added = rows[-max(len(rows) // 4, 4) :], np.arange(rows[-1] + 0.5, high + 0.25, 0.5)
         feathering = np.arange(pitches[-1], feather + 0.01, np.radians(5.0))[1:]
 
@@ -56,10 +57,10 @@ class CoefficientTable:
             for j, column in enumerate(values.T):
                 line = fit.fit(1 / fitted, column[-len(fitted) :] / fitted**2, degree)
                 above[:, j] = line(1 / added) * added**2 + column[-1] - line(1 / rows[-1]) * rows[-1] ** 2
-            whole = np.vstack([values[:1], values[:1], values, above])
+            whole = np.vstack([np.tile(values[:1], (len(below), 1)), values, above])
             return np.hstack([whole, np.tile(whole[:, -1:], len(feathering))])
 
-        speeds = np.concatenate([[low, (low + rows[0]) / 2], rows, added])
+        speeds = np.concatenate([below, rows, added])
         pitches_of_all = np.concatenate([pitches, feathering])
         return CoefficientTable(speeds, pitches_of_all, continued(self.thrust, 1), continued(self.torque, 2))
 

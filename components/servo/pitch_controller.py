@@ -10,6 +10,8 @@ from fowtlib.language import math as m
 class PitchController(Component):
     """Blade pitch = G (K_P e + x) with e = speed - rated_speed, x' = K_I e, G = 1 / (1 + pitch / doubling_pitch).
 
+    As in the original, G multiplies the integral too, so that the gains for small changes are those at zero pitch over
+    1 + 2 pitch / doubling_pitch.
     Limits of pitch and pitch rate; the pitch follows its command with response_time as long as that asks for less than
     the greatest rate. Anti-windup: G x stays within the limits of the pitch, because x' fades out within
     antiwindup_band of a limit and only towards it; so the pitch leaves the limit when the speed error changes sign.

@@ -32,10 +32,8 @@ class TorqueLaw:
 
 def larger(a: Any, b: Any, width: Any, xp: Any = np) -> Any:
     """max(a, b), with its corner rounded where |a - b| < width, twice continuously differentiable; exact elsewhere."""
-    gap = (a - b) / width
-    near = xp.fmin(xp.fmax(gap, -1), 1)
-    size = (3 + 6 * near**2 - near**4) / 8 + xp.fmax(gap - 1, 0) + xp.fmax(-gap - 1, 0)
-    return (a + b + width * size) / 2
+    near = xp.fmin(xp.fmax((a - b) / width, -1), 1)
+    return xp.fmax(a, b) + width * (3 + 6 * near**2 - near**4 - 8 * xp.fmax(near, -near)) / 16
 
 
 def smaller(a: Any, b: Any, width: Any, xp: Any = np) -> Any:

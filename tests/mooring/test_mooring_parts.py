@@ -3,11 +3,11 @@
 import numpy as np
 import pytest
 
+import fowtlib as fw
 from fowtlib.components.mechanics import Fixed, FreeMotion, Prismatic, RigidBody, World
 from fowtlib.components.mooring import CatenaryLine, MooringSystem, YawSpring
 from fowtlib.language import Assembly
 from fowtlib.language.errors import ParameterError, SimulationError
-from fowtlib.solving.model import Model
 
 LINE = {"length": "902.2 m", "axial_stiffness": "384.243 MN", "mass_per_length": 77.7066, "diameter": 0.09}
 LAYOUT = {"fairlead_radius": 5.2, "fairlead_depth": 70, "anchor_radius": 853.87, "anchor_depth": 320}
@@ -29,12 +29,12 @@ def moored(**parameters):
 
 @pytest.fixture(scope="module")
 def oc3():
-    return Model(moored(yaw_stiffness="98.34 MN*m/rad")).compile()
+    return fw.load(moored(yaw_stiffness="98.34 MN*m/rad")).compile()
 
 
 @pytest.fixture(scope="module")
 def heavy():
-    return Model(moored(mass_per_length=200.0)).compile()
+    return fw.load(moored(mass_per_length=200.0)).compile()
 
 
 def force(plant, **position):
@@ -100,7 +100,7 @@ def test_explicit_layout_with_lines_of_their_own():
     plan = np.column_stack([np.cos(directions), np.sin(directions)])
     fairleads, anchors = (np.column_stack([r * plan, np.full(3, z)]) for r, z in ((5.2, -70), (853.87, -320)))
     properties = {**LINE, "mass_per_length": [77.7066, 77.7066, 200.0]}
-    plant = Model(moored(headings=(), fairleads=fairleads, anchors=anchors, **properties)).compile()
+    plant = fw.load(moored(headings=(), fairleads=fairleads, anchors=anchors, **properties)).compile()
     state = plant.initial_state()
     tensions = [float(state[f"mooring.line_{i}.tension"]) for i in (1, 2, 3)]
     assert tensions == pytest.approx([911.1e3, 911.1e3, 2275.8e3], rel=1e-3)
@@ -128,7 +128,7 @@ def on_a_rail(start, mass=5e6, **line):
 @pytest.mark.parametrize("amplitude", [8.0, 30.0])
 def test_oscillation_between_two_lines_keeps_its_energy(amplitude):
     """From small motion to lines that lift off, stretch and hang almost slack within one period."""
-    plant = Model(on_a_rail(amplitude)).compile()
+    plant = fw.load(on_a_rail(amplitude)).compile()
     result = plant.simulate(200.0, 0.05, tolerance=1e-8, outputs=["slide.s", "line.seabed_length"])
     s = result["slide.s"].to_numpy()
     turning = np.abs(s[1:-1][(np.diff(s)[:-1] * np.diff(s)[1:]) <= 0])
@@ -138,13 +138,13 @@ def test_oscillation_between_two_lines_keeps_its_energy(amplitude):
 
 
 def test_friction_takes_up_tension_on_the_seabed():
-    with_friction = Model(on_a_rail(0.0, friction=1.0)).compile().initial_state()
+    with_friction = fw.load(on_a_rail(0.0, friction=1.0)).compile().initial_state()
     H, anchor, seabed = (
         float(with_friction[f"line.{x}"]) for x in ("horizontal_tension", "anchor_tension", "seabed_length")
     )
     weight = float(with_friction["line.weight"])
     assert anchor == pytest.approx(H - weight * seabed, rel=1e-9)
-    without = Model(on_a_rail(0.0)).compile().initial_state()
+    without = fw.load(on_a_rail(0.0)).compile().initial_state()
     assert H > float(without["line.horizontal_tension"]) == pytest.approx(float(without["line.anchor_tension"]))
 
 
@@ -154,7 +154,7 @@ def test_anchor_on_a_frame():
     model.third = CatenaryLine(**LINE)
     model.connect(model.ground.frame, model.third.anchor)
     model.connect(model.body.frame_a, model.third.fairlead)
-    state = Model(model).compile().initial_state()
+    state = fw.load(model).compile().initial_state()
     assert float(state["third.tension"]) == pytest.approx(float(state["line.tension"]), rel=1e-9)
     assert np.ravel(state["third.anchor.f"]) == pytest.approx(
         [0, -float(state["third.horizontal_tension"]), 0], abs=1e-6
@@ -170,7 +170,7 @@ def test_yaw_spring_is_a_pure_moment():
     model.connect(model.world.frame, model.motion.frame_a)
     model.connect(model.motion.frame_b, model.body.frame_a)
     model.connect(model.body.frame_a, model.spring.frame)
-    state = Model(model).compile().initial_state()
+    state = fw.load(model).compile().initial_state()
     assert float(state["spring.yaw"]) == pytest.approx(np.radians(10))
     assert np.ravel(state["spring.frame.t"]) == pytest.approx([0, 0, 100 * np.radians(10)])
 
@@ -179,7 +179,7 @@ def test_the_run_stops_when_a_fairlead_sinks_below_its_anchor():
     model = on_a_rail(0.0)
     model.line.anchor_position = (-848.67, 0, -60)
     with pytest.raises(SimulationError, match="the fairlead is below its anchor"):
-        Model(model).compile().simulate(1.0, 0.1)
+        fw.load(model).compile().simulate(1.0, 0.1)
 
 
 def test_a_line_without_weight():
@@ -189,7 +189,7 @@ def test_a_line_without_weight():
     with pytest.raises(
         ParameterError, match=r"bare needs its weight once: give mass_per_length and diameter, or weight"
     ):
-        Model(model).compile()
+        fw.load(model).compile()
 
 
 def test_a_line_without_an_anchor():
@@ -197,7 +197,7 @@ def test_a_line_without_an_anchor():
     model.loose = CatenaryLine(length=900, axial_stiffness=4e8, weight_per_length=698)
     model.connect(model.body.frame_a, model.loose.fairlead)
     with pytest.raises(ParameterError, match=r"loose has no anchor: give anchor_position, or connect a frame"):
-        Model(model).compile()
+        fw.load(model).compile()
 
 
 @pytest.mark.parametrize(
