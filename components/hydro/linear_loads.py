@@ -20,6 +20,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from fowtlib.components.environment.sea import Sea
+from fowtlib.components.environment.waves import wave_number
 from fowtlib.components.environment.world import World
 from fowtlib.components.hydro.database import HydrodynamicDatabase
 from fowtlib.components.hydro.radiation_identification import RadiationModel, identify_radiation
@@ -155,11 +156,15 @@ class WaveExcitation(PlatformLoad):
     """First-order load of the incoming and diffracted waves, sum of Re(a_k X(omega_k, heading) exp(i omega_k t + ...)).
 
     It acts on the platform at rest: motion changes neither its size nor its phase. `position` moves the phase with the
-    waves. Source: J.N. Newman, Marine Hydrodynamics (1977), 6.18.
+    waves. `extra_load` is the input of linear models; with `wave_transfer` it gives response amplitude operators.
+    Source: J.N. Newman, Marine Hydrodynamics (1977), 6.18.
     """
+
+    wave_input = "extra_load"
 
     database: str = param(doc="file of a HydrodynamicDatabase")
     position: Vector = param(default=(0, 0, 0), unit="m", structural=True, doc="place of the frame at rest, world")
+    extra_load: Array = param(default=np.zeros(6), shape=(6,), doc="force [N] and moment [N m] added to the waves'")
 
     world: World = outer(World)
     sea: Sea = outer(Sea)
@@ -172,7 +177,17 @@ class WaveExcitation(PlatformLoad):
         if len(waves):
             transfer = database.excitation_at(waves.omega, waves.heading) * waves.elevation_transfer(self.position)
         scale = self.world.water_density / database.rho
-        return [eq(self.load, scale * self.sea.signal(transfer, "wave load")), self.push(self.load)]
+        waves_load = scale * self.sea.signal(transfer, "wave load")
+        return [eq(self.load, waves_load + self.extra_load), self.push(self.load)]
+
+    def wave_transfer(self, omega, heading):
+        """Complex load (n, 6) per unit wave amplitude at circular frequencies [rad/s] of waves along `heading` [rad]."""
+        database = read_database(self.database)
+        k = wave_number(omega, self.world.water_depth, self.world.gravity)
+        x, y, _ = np.asarray(self.position, dtype=float)
+        phase = np.exp(-1j * k * (x * np.cos(heading) + y * np.sin(heading)))
+        scale = self.world.parameter_value("water_density") / database.rho
+        return scale * database.excitation_at(np.asarray(omega), heading) * phase[:, None]
 
 
 def read_database(path: str | Path) -> HydrodynamicDatabase:
