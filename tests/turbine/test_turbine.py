@@ -1,0 +1,216 @@
+"""The NREL 5 MW turbine on a rigid tower: steady operation, steps, turbulence, start values."""
+
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+import fowtlib as fw
+import fowtlib.models
+from fowtlib.components.aero import CoefficientRotor, read_coefficients
+from fowtlib.components.environment.wind import Wind
+from fowtlib.components.mechanics import Fixed, World
+from fowtlib.components.servo import ONSHORE_GAINS, BaselineController, TorqueLaw
+from fowtlib.components.turbine import RotorNacelle, SteadyTurbine, start_point
+from fowtlib.language import Assembly, Component, RealInput, RealOutput, eq, port
+from fowtlib.language.errors import ModelError, ParameterError
+
+CSV = str(Path(fowtlib.models.__file__).parent / "data" / "nrel5mw" / "rotor_coefficients.csv")
+RPM = np.pi / 30
+
+# Wind speed [m/s], electrical power [kW], thrust [kN]: NREL/turbine-models, NREL_Reference_5MW_126.csv (OpenFAST).
+PUBLISHED = [
+    (4, 177.67, 121.90), (6, 737.59, 236.23), (8, 1771.17, 384.00), (10, 3448.38, 597.48), (12, 5000.0, 595.94),
+    (15, 5000.02, 426.43), (18, 5000.03, 354.36), (20, 5000.04, 324.77), (25, 5000.04, 275.29),
+]  # fmt: skip
+# Wind speed [m/s], blade pitch [deg]: NREL/TP-500-38060 (2009), table 7-1.
+PITCH = {12: 3.83, 13: 6.60, 14: 8.70, 15: 10.45, 16: 12.06, 18: 14.92, 20: 17.47, 22: 19.94, 25: 23.47}
+STEADY = SteadyTurbine(read_coefficients(CSV), 63.0, TorqueLaw(), 97.0, precone=np.radians(2.5))
+RESULTS = [f"turbine.{name}" for name in ("rotor_speed", "blade_pitch", "generator_power", "thrust")]
+
+
+def onshore(wind_speed, kind="steady", *, wind=None, rotor=None, control=None, **turbine):
+    model = Assembly("NREL 5 MW on a rigid tower")
+    model.world, model.tower = World(), Fixed(r=(0, 0, 90))
+    speed = {} if kind == "none" else {"mean_speed": wind_speed}
+    model.wind = Wind(kind=kind, **speed, **(wind or {}))
+    rotor_data = {"coefficients": CSV, "radius": 63.0, "precone": "2.5 deg", "inertia": 38759227.0, **(rotor or {})}
+    model.turbine = RotorNacelle(
+        **{
+            "mass": 350e3,
+            "gear_ratio": 97.0,
+            "generator_inertia": 534.116,
+            "generator_efficiency": 0.944,
+            "rotor": CoefficientRotor(**rotor_data),
+            "control": BaselineController(**{**ONSHORE_GAINS, **(control or {})}),
+            **turbine,
+        }
+    )
+    model.connect(model.tower.frame, model.turbine.frame)
+    return model
+
+
+@pytest.mark.parametrize(("wind", "power", "thrust"), PUBLISHED)
+def test_published_steady_curve(wind, power, thrust):
+    """Within 4 %: the power of the coefficients of a rigid rotor peaks 3 % below that of the published curve."""
+    point = STEADY.operating_point(wind)
+    assert 0.944 * point.aero_power / 1e3 == pytest.approx(power, rel=0.04)
+    assert point.thrust / 1e3 == pytest.approx(thrust, rel=0.04)
+
+
+@pytest.mark.parametrize(("wind", "pitch"), PITCH.items())
+def test_published_pitch(wind, pitch):
+    assert np.degrees(STEADY.operating_point(wind).blade_pitch) == pytest.approx(pitch, abs=0.5)
+
+
+def test_rated_operation():
+    point = STEADY.operating_point(11.5)
+    assert point.rotor_speed / RPM == pytest.approx(12.1, abs=1e-6)
+    assert point.aero_power == pytest.approx(5.2966e6, rel=1e-4)
+    assert point.generator_torque == pytest.approx(43093.55, rel=1e-6)
+    thrusts = [STEADY.operating_point(wind).thrust for wind in np.arange(9, 14, 0.1)]
+    assert 700e3 < max(thrusts) < 810e3
+
+
+def test_region_2_is_near_the_best_tip_speed_ratio():
+    for wind in (8.5, 9.5, 10.0):
+        assert STEADY.operating_point(wind).tip_speed_ratio == pytest.approx(7.55, rel=0.02)
+
+
+def test_wind_without_steady_operation():
+    with pytest.raises(
+        ModelError, match=r"there is no steady operation at 2\.5 m/s within the table of the rotor, tip"
+    ):
+        STEADY.operating_point(2.5)
+
+
+@pytest.mark.parametrize("wind", [4.0, 8.0, 11.4, 12.0, 18.0, 25.0])
+def test_a_simulation_starts_and_stays_at_the_operating_point(wind):
+    plant = fw.load(onshore(wind)).compile()
+    point = STEADY.operating_point(wind)
+    result = plant.simulate(30.0, 1.0, outputs=RESULTS)
+    expected = (point.rotor_speed, point.blade_pitch, 0.944 * point.aero_power, point.thrust)
+    for name, value in zip(RESULTS, expected, strict=True):
+        assert result[name].to_numpy() == pytest.approx(value, rel=1e-6, abs=1e-9)
+    state = plant.equilibrium()
+    assert float(state["turbine.rotor_speed"]) == pytest.approx(point.rotor_speed, rel=1e-6)
+
+
+def test_drive_train_of_one_inertia():
+    """Rotor and generator on the low speed side: 43,784,725 kg m^2 (NREL/TP-500-38060, section 7.3)."""
+    plant = fw.load(onshore(10.0, rotor={"filtered": False}, rotor_speed_start=1.0)).compile()
+    state = plant.initial_state()
+    surplus = float(state["turbine.rotor.torque"]) - 97 * float(state["turbine.generator_torque"])
+    result = plant.simulate(0.02, 0.01, tolerance=1e-10, outputs=["turbine.rotor_speed"])
+    rate = float(np.diff(result["turbine.rotor_speed"].to_numpy())[0]) / 0.01
+    assert rate == pytest.approx(surplus / 43784725, rel=1e-3)
+
+
+def test_step_across_rated_wind():
+    """From region 2 to region 3 and rest at the operating point of the new wind; the pitch never leaves its limits."""
+    step = {"step_speed": 18.0, "start_time": 5.0, "step_duration": 20.0}
+    plant = fw.load(onshore(8.0, "step", wind=step, rotor={"filtered": False})).compile()
+    result = plant.simulate(80.0, 0.1, outputs=RESULTS)
+    point, speed = STEADY.operating_point(18.0), result["turbine.rotor_speed"].to_numpy()
+    assert speed[-1] == pytest.approx(point.rotor_speed, rel=1e-5)
+    assert float(result["turbine.blade_pitch"][-1]) == pytest.approx(point.blade_pitch, abs=1e-4)
+    assert speed.max() < 1.2 * point.rotor_speed
+    assert float(result["turbine.blade_pitch"].min()) >= 0
+    settled = speed[result["turbine.rotor_speed"].time.to_numpy() > 60]
+    assert np.abs(settled / point.rotor_speed - 1).max() < 2e-3
+
+
+def test_step_down_to_region_2():
+    step = {"step_speed": 8.0, "start_time": 5.0, "step_duration": 5.0}
+    plant = fw.load(onshore(18.0, "step", wind=step, rotor={"filtered": False})).compile()
+    result = plant.simulate(150.0, 0.5, outputs=RESULTS)
+    point = STEADY.operating_point(8.0)
+    assert float(result["turbine.rotor_speed"][-1]) == pytest.approx(point.rotor_speed, rel=1e-4)
+    assert float(result["turbine.thrust"][-1]) == pytest.approx(point.thrust, rel=1e-3)
+
+
+def test_sampled_control_is_the_same_control():
+    gust = {"gust_shape": "1-cos", "gust_speed": 3.0, "gust_duration": 3.0, "start_time": 1.003}
+    runs = [
+        fw.load(onshore(14.0, "gust", wind=gust, control={"sample_period": period})).compile()
+        for period in (None, 0.0125)
+    ]
+    continuous, sampled = (plant.simulate(4.0, 0.1, outputs=RESULTS) for plant in runs)
+    time = sampled[RESULTS[0]].time.to_numpy()
+    for name, tolerance in zip(RESULTS, (2e-3, 2e-3, 2e4, 1e4), strict=True):
+        expected = np.interp(time, continuous[name].time.to_numpy(), continuous[name].to_numpy())
+        assert sampled[name].to_numpy() == pytest.approx(expected, abs=tolerance)
+
+
+def test_turbulent_wind_below_and_above_rated():
+    for wind, power in ((8.0, 1771e3), (18.0, 5000e3)):
+        plant = fw.load(onshore(wind, "kaimal", wind={"seed": 3}, rotor={"extended": True})).compile()
+        result = plant.simulate(300.0, 0.5, outputs=RESULTS)
+        assert float(result["turbine.generator_power"].mean()) == pytest.approx(power, rel=0.15)
+        assert float(result["turbine.blade_pitch"].min()) >= 0
+        assert float(result["turbine.rotor_speed"].max()) < 1.25 * 12.1 * RPM
+
+
+def test_without_wind_the_rotor_stands_still():
+    result = fw.load(onshore(0, "none")).compile().simulate(20.0, 5.0, outputs=RESULTS)
+    for name in RESULTS:
+        assert result[name].to_numpy() == pytest.approx(0.0, abs=1e-12)
+
+
+def test_constant_power_above_rated():
+    plant = fw.load(onshore(18.0, "kaimal", control={"region_3": "constant_power"})).compile()
+    result = plant.simulate(60.0, 0.5, outputs=RESULTS)
+    assert float(result["turbine.generator_power"].std()) < 0.01 * 5e6
+
+
+def test_start_values_given():
+    model = onshore(12.0, rotor_speed_start="10 rpm", blade_pitch_start="2 deg")
+    state = fw.load(model).compile().initial_state()
+    assert float(state["turbine.rotor_speed"]) == pytest.approx(10 * RPM)
+    assert float(state["turbine.blade_pitch"]) == pytest.approx(np.radians(2))
+
+
+def test_start_point_of_a_station_in_sheared_wind():
+    wind = {"stations": [(0, 90), (0, 140)], "shear_exponent": 0.2}
+    model = onshore(10.0, wind=wind, rotor={"station": 1})
+    assert start_point(model.turbine).wind_speed == pytest.approx(10 * (140 / 90) ** 0.2)
+
+
+class FixedControl(Component):
+    """A controller of someone else's."""
+
+    generator_speed: RealInput = port(unit="rad/s", doc="generator speed")
+    blade_pitch: RealOutput = port(unit="rad", doc="blade pitch")
+    generator_torque: RealOutput = port(unit="N*m", doc="generator torque")
+
+    def equations(self):
+        return [eq(self.blade_pitch, 0), eq(self.generator_torque, 2.33 * self.generator_speed**2)]
+
+
+def test_a_controller_of_ones_own_needs_start_values():
+    with pytest.raises(
+        ParameterError, match=r"turbine: with this rotor or controller give rotor_speed_start and blade"
+    ):
+        fw.load(own_control()).compile()
+    plant = fw.load(own_control(rotor_speed_start=1.0, blade_pitch_start=0.0)).compile()
+    assert float(plant.initial_state()["turbine.generator_torque"]) == pytest.approx(2.33 * 97**2)
+
+
+def own_control(**start):
+    data = {"mass": 350e3, "gear_ratio": 97.0, "generator_inertia": 534.116, **start}
+    rotor = CoefficientRotor(coefficients=CSV, radius=63.0, inertia=38759227.0)
+    other = Assembly()
+    other.world, other.wind, other.tower = World(), Wind(kind="steady", mean_speed=9.0), Fixed(r=(0, 0, 90))
+    other.turbine = RotorNacelle(rotor=rotor, control=FixedControl(), **data)
+    other.connect(other.tower.frame, other.turbine.frame)
+    return other
+
+
+def test_rate_of_the_pitch_loop():
+    """The PI loop at 13 m/s is a damped oscillation near its design of 0.6 rad/s and 0.7."""
+    plant = fw.load(onshore(13.0, rotor={"filtered": False})).compile()
+    poles = np.linalg.eigvals(np.array(plant.linearize(plant.initial_state()).A))
+    loop = poles[poles.imag > 1e-3]
+    assert len(loop) == 1
+    assert 0.35 < abs(loop[0]) < 0.75
+    assert 0.3 < -loop[0].real / abs(loop[0]) < 0.9
