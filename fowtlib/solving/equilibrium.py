@@ -10,7 +10,7 @@ from scipy.sparse.linalg import splu
 from fowtlib.language.errors import SimulationError
 from fowtlib.solving.evaluation import Evaluation
 from fowtlib.solving.initial import csc, failure_text
-from fowtlib.solving.newton import newton
+from fowtlib.solving.newton import Jacobian, Residual, newton
 
 
 def time_dependence(evaluation: Evaluation) -> list[str]:
@@ -73,31 +73,45 @@ def equilibrium(evaluation: Evaluation, t: float, x: np.ndarray, z: np.ndarray, 
     return unpack(solution.values)
 
 
-def _continuation(rates, slopes, values: np.ndarray, nx: int, steps: int = 400) -> np.ndarray:
-    mass = sparse.diags(np.concatenate([np.ones(nx), np.zeros(values.size - nx)]))
-    length, before = 0.1, None
-    best = values
-    for _ in range(steps):
-        f = rates(values)
-        if not np.all(np.isfinite(f)):
-            length, values, before = 0.1 * length, best, None
-            if length < 1e-6:
+def _continuation(rates: Residual, slopes: Jacobian, values: np.ndarray, nx: int, limit: int = 400) -> np.ndarray:
+    """Implicit Euler with steps that double, and shorten where Newton finds no solution, until they are so long that
+    nothing moves any more; the last accepted values."""
+    rows = np.arange(values.size) < nx
+    length = 0.1
+    for _ in range(limit):
+        after = _implicit_euler(rates, slopes, values, rows, length)
+        if after is None:
+            length /= 4
+            if length < 1e-8:
                 break
             continue
-        best = values
-        size = float(np.linalg.norm(f[:nx])) + 1e-30
-        if before is not None:
-            length = min(length * min(max(before / size, 0.5), 2.0) * 1.2, 1e6)
-        before = size
-        try:
-            step = splu(sparse.csc_matrix(mass / length - slopes(values))).solve(f)
-        except RuntimeError:
-            length *= 0.1
-            continue
-        values = values + step
-        if length > 1e3 and np.max(np.abs(step) / (1 + np.abs(values)), initial=0.0) < 1e-6:
+        moved = np.max(np.abs(after - values) / (1 + np.abs(values)), initial=0.0)
+        values = after
+        if length > 1e5 and moved < 1e-6:
             break
-    return best if not np.all(np.isfinite(values)) else values
+        length = min(2 * length, 1e7)
+    return values
+
+
+def _implicit_euler(rates: Residual, slopes: Jacobian, before: np.ndarray, rows: np.ndarray, length: float) -> np.ndarray | None:
+    """Values one step later, by at most eight Newton iterations; None where they do not settle."""
+    mass = sparse.diags(rows / length)
+    values, last = before.copy(), np.inf
+    for _ in range(8):
+        residual = rates(values) - rows * (values - before) / length
+        if not np.all(np.isfinite(residual)):
+            return None
+        try:
+            step = splu(sparse.csc_matrix(mass - slopes(values))).solve(residual)
+        except RuntimeError:
+            return None
+        size = np.max(np.abs(step) / (1 + np.abs(values)), initial=0.0)
+        if not np.isfinite(size) or size > 2 * last:
+            return None
+        values, last = values + step, size
+        if size < 1e-8:
+            return values
+    return values if last < 1e-4 else None
 
 
 def _pattern(evaluation: Evaluation) -> np.ndarray:

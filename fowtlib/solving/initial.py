@@ -41,8 +41,8 @@ def initial_values(evaluation: Evaluation, t: float, x: np.ndarray, z: np.ndarra
     dae = evaluation.dae
     if not dae.initial_equations.shape[0]:
         return x, consistent_algebraics(evaluation, t, x, z, q)
-    free = _freed_states(dae, given)
-    rows = ca.vertcat(dae.alg, dae.initial_equations)
+    kept, free = _freed_states(dae, given)
+    rows = ca.vertcat(dae.alg, dae.initial_equations[kept])
     function = evaluation.function("initial", [rows])
     slopes = evaluation.torn_jacobian("initial_jacobian", rows, [evaluation.x, evaluation.z])
 
@@ -66,41 +66,43 @@ def initial_values(evaluation: Evaluation, t: float, x: np.ndarray, z: np.ndarra
     return unpack(solution.values)
 
 
-def _freed_states(dae: FlatDAE, given: set[int]) -> list[int]:
-    """States whose start values give way to the `initial` equations.
+def _freed_states(dae: FlatDAE, given: set[int]) -> tuple[list[int], list[int]]:
+    """The initial equations that hold, and the states whose start values give way to them.
 
-    Those of the component that writes the equation come first, then those without a start value; fixed ones never do.
+    States of the component that writes an equation come first, then those without a start value; fixed ones never give
+    way. An equation that only a state with a `given` value could satisfy is left out: the user's value counts more.
     """
     n = dae.initial_equations.shape[0]
     pattern = ca.Function("i", [dae.x, dae.z], [dae.initial_equations], {"allow_free": True})
-    rows, columns = pattern.jac_sparsity(0, 0).get_triplet()
+    members: list[set[int]] = [set() for _ in range(n)]
+    for r, c in zip(*pattern.jac_sparsity(0, 0).get_triplet(), strict=True):
+        members[r].add(int(c))
     if dae.z.shape[0]:  # through the algebraic unknowns, every state counts
-        through = {int(r) for r in pattern.jac_sparsity(0, 1).get_triplet()[0]}
-        extra = [(r, c) for r in through for c in range(len(dae.states))]
-        rows, columns = [*rows, *[r for r, _ in extra]], [*columns, *[c for _, c in extra]]
+        for r in set(pattern.jac_sparsity(0, 1).get_triplet()[0]):
+            members[r] = set(range(len(dae.states)))
     owners = tuple({f"{path}." for path in dae.initial_paths})
     order = sorted(
-        (c for c in range(len(dae.states)) if c not in given and not dae.states[c].fixed),
-        key=lambda c: (not dae.states[c].path.startswith(owners), dae.states[c].start_given),
+        (c for c in range(len(dae.states)) if not dae.states[c].fixed),
+        key=lambda c: (c in given, not dae.states[c].path.startswith(owners), dae.states[c].start_given),
     )
-    free: list[int] = []
+    chosen: list[int] = []
+    match = np.full(n, -1)
     for candidate in order:
-        trial = [*free, candidate]
-        position = {c: k for k, c in enumerate(trial)}
-        incidence = [[] for _ in range(n)]
-        for r, c in zip(rows, columns, strict=True):
-            if c in position:
-                incidence[r].append(position[c])
-        match = matching([np.unique(np.array(row, int)) for row in incidence], len(trial))
-        if np.count_nonzero(match >= 0) == len(trial):
-            free = trial
-        if len(free) == n:
-            return free
-    raise SimulationError(
-        f"{n} initial equations, and only {len(free)} states whose start values can give way to them: "
-        + ", ".join(dae.initial_paths[:5])
-        + ". Remove an initial equation, or the fixed=True of a state."
-    )
+        trial = [*chosen, candidate]
+        incidence = [np.array([k for k, c in enumerate(trial) if c in row], int) for row in members]
+        attempt = matching(incidence, len(trial))
+        if np.count_nonzero(attempt >= 0) == len(trial):
+            chosen, match = trial, attempt
+        if len(chosen) == n:
+            break
+    else:
+        raise SimulationError(
+            f"{n} initial equations, and only {len(chosen)} states whose start values can give way to them: "
+            + ", ".join(dae.initial_paths[:5])
+            + ". Remove an initial equation, or the fixed=True of a state."
+        )
+    kept = [r for r in range(n) if chosen[match[r]] not in given]
+    return kept, sorted(c for c in chosen if c not in given)
 
 
 def failure_text(dae: FlatDAE, solution: NewtonResult, what: str) -> str:
