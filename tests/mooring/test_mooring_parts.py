@@ -182,6 +182,15 @@ def test_the_run_stops_when_a_fairlead_sinks_below_its_anchor():
         fw.load(model).compile().simulate(1.0, 0.1)
 
 
+def test_slack_and_overstretched_lines_warn():
+    plant = fw.load(on_a_rail(-205.0)).compile()
+    with pytest.warns(UserWarning) as caught:
+        plant.simulate(0.02, 0.01)
+    said = "\n".join(str(warning.message) for warning in caught)
+    assert "line: the line is slack: it hangs vertically, its excess on the seabed" in said
+    assert "other: the line is stretched by more than 5 %" in said
+
+
 def test_a_line_without_weight():
     model = on_a_rail(0.0)
     model.bare = CatenaryLine(length=900, axial_stiffness=4e8, anchor_position=(0, 848, -320))
