@@ -1,12 +1,18 @@
 """Loads of the water that are linear in the motion of a platform: hydrostatics, added mass, damping, radiation, waves.
 
 All of them act on a Frame at the reference point of the platform: on its axis, at the still water level when at rest.
-Matrices have the order surge, sway, heave, roll, pitch, yaw, refer to that point and to the axes of the world, as WAMIT
-and OpenFAST's HydroDyn do; forces and moments are resolved in the world, moments are about the origin of the frame
-where it is now. Displacement: the origin against its place at rest, the tilt about x and y of the frame's z axis, and
-the yaw of its x axis. The tilt is that of the vertical seen from the world, atan2(-R23, R33) and atan2(R13, R33): equal
-to roll and pitch without yaw, and still right for a platform that has yawed, whose roll and pitch axes have turned.
-HydroDyn takes the angles of a small rotation from R as well; the two agree to first order.
+Matrices have the order surge, sway, heave, roll, pitch, yaw and refer to that point. Forces and moments are resolved in
+the world, moments are about the origin of the frame where it is now.
+
+Added mass, damping and radiation are properties of the hull and refer to its axes: a spar that leans turns about its
+own axis as freely as an upright one. In the axes of the world, as HydroDyn has them, a mean pitch of 5 deg would give
+the yaw of the OC3 spar the inertia A44 sin^2(5 deg) = 2.9e8 kg m^2 of water, more than its bodies have. Wave loads and
+stiffness refer to the axes of the world.
+
+Displacement: the origin against its place at rest, the tilt about x and y of the frame's z axis, and the yaw of its
+x axis. The tilt is that of the vertical seen from the world, atan2(-R23, R33) and atan2(R13, R33): equal to roll and
+pitch without yaw, and still right for a platform that has yawed, whose roll and pitch axes have turned. HydroDyn takes
+the angles of a small rotation from R as well; the two agree to first order.
 
 A port's f and t are positive into the component, so what the water gives to the platform has a minus sign in front.
 """
@@ -37,6 +43,16 @@ class PlatformLoad(Component):
     def velocity(self):
         """Velocity and angular velocity (6,), world."""
         return m.vertcat(der(self.frame.r), self.frame.w)
+
+    def in_hull(self, motion):
+        """A velocity or acceleration (6,), world, resolved in the axes of the hull."""
+        R = self.frame.R
+        return m.vertcat(R.T @ motion[:3], R.T @ motion[3:])
+
+    def push_in_hull(self, load):
+        """The water gives `load` (6,), resolved in the axes of the hull, to the platform."""
+        R = self.frame.R
+        return self.push(m.vertcat(R @ load[:3], R @ load[3:]))
 
     def displacement(self, position):
         """Displacement (3,) from `position`, tilt about x and y, yaw (6,), world."""
@@ -96,7 +112,8 @@ def waterplane_stiffness(database: HydrodynamicDatabase) -> NDArray[np.float64]:
 class AddedMass(PlatformLoad):
     """Inertia of the water that moves with the body at once: f, t = rho/rho_0 A q'', with A at infinite frequency.
 
-    It stands in the mass matrix of the platform, like the mass of a body. World axes, linear: no gyroscopic terms.
+    It stands in the mass matrix of the platform, like the mass of a body. Axes of the hull; linear, so without the
+    gyroscopic terms.
     Source: W.E. Cummins, Schiffstechnik 9 (1962) 101-109.
     """
 
@@ -107,20 +124,20 @@ class AddedMass(PlatformLoad):
 
     def equations(self):
         scale = self.world.water_density / self.reference_density
-        return self.push(-scale * m.mtimes(self.matrix, der(self.velocity())))
+        return self.push_in_hull(-scale * m.mtimes(self.matrix, self.in_hull(der(self.velocity()))))
 
 
 class LinearDamping(PlatformLoad):
-    """A load -B q' against the velocity: diagonal by `translation` and `rotation`, plus a full `matrix`; world axes."""
+    """A load -B q' against the velocity, axes of the hull: diagonal, plus a full `matrix`."""
 
     translation: Vector = param(default=(0, 0, 0), unit="N*s/m", doc="damping of surge, sway, heave")
     rotation: Vector = param(default=(0, 0, 0), unit="N*m*s/rad", doc="damping of roll, pitch, yaw")
     matrix: Array = param(default=np.zeros((6, 6)), shape=(6, 6), structural=True, doc="damping matrix, SI")
 
     def equations(self):
-        velocity = self.velocity()
+        velocity = self.in_hull(self.velocity())
         diagonal = m.vertcat(self.translation * velocity[:3], self.rotation * velocity[3:])
-        return self.push(-diagonal - m.mtimes(self.matrix, velocity))
+        return self.push_in_hull(-diagonal - m.mtimes(self.matrix, velocity))
 
 
 class Radiation(PlatformLoad):
@@ -137,7 +154,7 @@ class Radiation(PlatformLoad):
     world: World = outer(World)
 
     x: Array = var(shape=lambda self: (self.model().states,), doc="states of the radiation model")
-    load: Array = var(shape=(6,), doc="radiation force [N] and moment [N m] on the platform, without added mass")
+    load: Array = var(shape=(6,), doc="radiation force [N] and moment [N m] on the platform, axes of the hull")
 
     def model(self) -> RadiationModel:
         """The identified state-space model, with its report."""
@@ -146,9 +163,11 @@ class Radiation(PlatformLoad):
     def equations(self):
         model = self.model()
         scale = self.world.water_density / read_database(self.database).rho
-        statements = [eq(self.load, -scale * m.mtimes(model.C, self.x)), self.push(self.load)]
+        statements = [eq(self.load, -scale * m.mtimes(model.C, self.x)), self.push_in_hull(self.load)]
         if model.states:
-            statements.append(eq(der(self.x), m.mtimes(model.A, self.x) + m.mtimes(model.B, self.velocity())))
+            statements.append(
+                eq(der(self.x), m.mtimes(model.A, self.x) + m.mtimes(model.B, self.in_hull(self.velocity())))
+            )
         return statements
 
 
@@ -181,7 +200,7 @@ class WaveExcitation(PlatformLoad):
         return [eq(self.load, waves_load + self.extra_load), self.push(self.load)]
 
     def wave_transfer(self, omega, heading):
-        """Complex load (n, 6) per unit wave amplitude at circular frequencies [rad/s] of waves along `heading` [rad]."""
+        """Complex load (n, 6) per unit wave amplitude, at circular frequencies [rad/s] and a heading [rad]."""
         database = read_database(self.database)
         k = wave_number(omega, self.world.water_depth, self.world.gravity)
         x, y, _ = np.asarray(self.position, dtype=float)
