@@ -122,7 +122,7 @@ class Instances:
     def _evaluate(self, value: Any) -> Any:
         def combine(items: list[Any]) -> Any:
             if any(isinstance(item, (ca.SX, ca.DM)) for item in items):
-                return ca.vertcat(*[ca.transpose(ca.SX(item)) if np.ndim(item) else ca.SX(item) for item in items])
+                return ca.vertcat(*[ca.transpose(ca.SX(item)) for item in items])
             return np.asarray(items)
 
         return expressions.evaluate(value, lambda leaf: self._parameter(leaf.component, leaf.name), combine)

@@ -177,6 +177,8 @@ class Component:
         known = name in self.parameters or name in self.ports or name in self.variables or name in self.outers
         if known:
             raise ParameterError(f"{self.label}.{name} is declared already and cannot be a part.")
+        if hasattr(Component, name) or name in _OWN:
+            raise ParameterError(f"{self.label}: a part cannot be called '{name}', which every component has already.")
         component._parent, component._name = self, name
         self.parts[name] = component
         return component
@@ -186,22 +188,20 @@ class Component:
         for end in (a, b):
             if not isinstance(end, PortReference):
                 raise ConnectionFault(f"{self.label}: connect() joins two ports, and {end!r} is not a port.")
-            if end.component is not self and end.component._parent is not self:
+            if end.component is not self and self not in end.component.enclosing():
                 raise ConnectionFault(
-                    f"{self.label}: {end.path} is not a port of this component or of one of its parts; connect it where it belongs, "
-                    "or give the component between a port of its own."
+                    f"{self.label}: {end.path} is not a port of this component or of a part below it; "
+                    "connect it where it belongs, after the part was added."
                 )
         self.connections.append((a, b, source_line()))
 
     def find_outer(self, field: Outer) -> Component | None:
         """The nearest part of the field's class in an enclosing component."""
         component_class = field.component_class or field.annotation
-        enclosing = self._parent
-        while enclosing is not None:
+        for enclosing in self.enclosing():
             for candidate in enclosing.parts.values():
                 if isinstance(candidate, component_class) and candidate is not self:
                     return candidate
-            enclosing = enclosing._parent
         if field.optional:
             return None
         raise ParameterError(
@@ -272,6 +272,13 @@ class Component:
     def time(self) -> Any:
         """Time [s], inside `equations()`."""
         return active().time
+
+    def enclosing(self) -> Iterator[Component]:
+        """The components that this one is a part of, from the nearest to the top."""
+        parent = self._parent
+        while parent is not None:
+            yield parent
+            parent = parent._parent
 
     def walk(self) -> Iterator[Component]:
         """This component and all parts below it, parents first."""

@@ -109,28 +109,27 @@ class Simulation:
         return error
 
     def _integrate(self, t_end: float, step: float, report: Callable[[float, float], None]) -> None:
-        count = 0  # output points passed, counted from t_start
-        tiny = 1e-9 * step
+        tiny = 1e-7 * step
         self.armed = self._indicator_values() > 0 if self.dae.events else None
         while self.t < t_end - tiny:
-            next_output = min(self.t_start + (count + 1) * step, t_end)
+            passed = round((self.rows[-1][0][-1] - self.t_start) / step)
+            next_output = min(self.t_start + (passed + 1) * step, t_end)
             next_sample = min((o + k * p for o, p, k in self.clocks), default=np.inf)
             stop = min(next_sample, t_end)
-            on_grid = abs(self.t - (self.t_start + count * step)) < tiny
-            points = int((stop - self.t) / step + 1e-9) if on_grid else 0
-            if points >= 1:
-                points = min(points, STRETCH)
-                done = self._stretch(points * step, points)
-                count += done
+            on_grid = abs(self.t - (self.t_start + passed * step)) < tiny
+            points = min(int((stop - self.t) / step + 1e-7), STRETCH) if on_grid else 0
+            if points:
+                self._stretch(points * step, points)
             else:
-                target = min(stop, next_output)
-                self._stretch(target - self.t, 1, record=abs(target - next_output) < tiny)
-            if self.t > next_output - tiny and not on_grid:
-                count += 1
+                self._stretch(min(stop, next_output) - self.t, 1, record=False)
             if abs(self.t - next_sample) < tiny:
                 self._sample_now()
-                if self.rows and abs(self.rows[-1][0][-1] - self.t) < tiny:
-                    self._amend_last()
+            recorded = self.rows[-1][0][-1]
+            on_output = abs(self.t - self.t_start - round((self.t - self.t_start) / step) * step) < tiny
+            if abs(recorded - self.t) < tiny:
+                self._amend_last()
+            elif on_output or self.t > t_end - tiny:
+                self._record(np.array([self.t]), self.x[None], self.z[None])
             report(self.t, t_end)
 
     def _stretch(self, length: float, points: int, record: bool = True) -> int:
@@ -177,7 +176,7 @@ class Simulation:
             x, z = xk[0], zk[0]
             xs.append(x)
             zs.append(z)
-        return np.array(xs).reshape(-1, self.x.size), np.array(zs).reshape(-1, self.z.size)
+        return np.array(xs).reshape(len(xs), self.x.size), np.array(zs).reshape(len(zs), self.z.size)
 
     def _advance_static(self, length: float, points: int) -> tuple[np.ndarray, np.ndarray]:
         """A model without states: algebraic unknowns at each point."""
@@ -194,11 +193,14 @@ class Simulation:
 
     def _first_crossing(self, times: np.ndarray, x: np.ndarray, z: np.ndarray) -> int | None:
         """First point at which an armed indicator is not positive any more."""
+        if not len(times):
+            return None
+        q = np.repeat(self.q[:, None], len(times), axis=1)
+        values = np.array(self.indicators(times[None], x.T, z.T, q)).reshape(-1, len(times))
         for k in range(len(times)):
-            values = np.array(self.indicators(times[k], x[k], z[k], self.q)).ravel()
-            if np.any(self.armed & (values <= 0)):
+            if np.any(self.armed & (values[:, k] <= 0)):
                 return k
-            self.armed = values > 0
+            self.armed = values[:, k] > 0
         return None
 
     def _event(self, times: np.ndarray, x: np.ndarray, z: np.ndarray, k: int) -> None:
@@ -276,11 +278,10 @@ class Simulation:
         self._check(times, x, z)
 
     def _amend_last(self) -> None:
-        """The last output point lies at a sample: keep the values after it."""
-        times, x, z, d = self.rows[-1]
-        z, d = z.copy(), d.copy()
-        z[-1], d[-1] = self.z, self.d
-        self.rows[-1] = (times, x, z, d)
+        """The last output point lies at an event or a sample: keep the values after it."""
+        times, *values = self.rows[-1]
+        for rows, now in zip(values, (self.x, self.z, self.d), strict=True):
+            rows[-1] = now
 
     def _check(self, times: np.ndarray, x: np.ndarray, z: np.ndarray) -> None:
         """Assertions at output points; the first broken one of level error stops the run there."""
