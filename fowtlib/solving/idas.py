@@ -6,6 +6,9 @@ every call is a real restart, which is what jumps in inputs and discrete variabl
 
 from __future__ import annotations
 
+from contextlib import redirect_stderr
+from io import StringIO
+
 import casadi as ca
 import numpy as np
 
@@ -31,7 +34,8 @@ class Idas:
             raise RuntimeError("a model without states is not integrated")
         if points not in self._integrators:
             self._integrators[points] = self._create(points)
-        result = self._integrators[points](x0=x, z0=z, p=np.concatenate([[t, length], q]))
+        with redirect_stderr(StringIO()):  # SUNDIALS says there what the caller says better
+            result = self._integrators[points](x0=x, z0=z, p=np.concatenate([[t, length], q]))
         xf = np.array(result["xf"]).T.reshape(points, nx)
         zf = np.array(result["zf"]).T.reshape(points, nz)
         if not (np.all(np.isfinite(xf)) and np.all(np.isfinite(zf))):
@@ -45,7 +49,8 @@ class Idas:
             "reltol": self.tolerance,
             "abstol": self.tolerance * min(nominal, default=1.0),
             "suppress_algebraic": True,
-            "max_num_steps": 1_000_000,
+            "max_num_steps": 100_000,  # between two points of the grid
+            "show_eval_warnings": False,
             "linear_solver": "csparse",
             "first_time": 1e-6,  # IDACalcIC steps 1e-3 of this: short, so that its Newton matrix is that of alg alone
             **self.options,

@@ -37,12 +37,13 @@ def newton(
         if not np.all(np.isfinite(r)):
             return NewtonResult(values, r, False, iteration)
         matrix = sparse.csc_matrix(jacobian(values))
-        scale = 1.0 / np.maximum(np.sqrt(np.asarray(matrix.multiply(matrix).sum(axis=1)).ravel()), 1e-300)
-        scale[~np.isfinite(scale)] = 1.0
+        length = np.sqrt(np.asarray(matrix.multiply(matrix).sum(axis=1)).ravel())
+        scale = np.where((length > 0) & np.isfinite(length), 1.0 / np.maximum(length, 1e-300), 1.0)
         scaled, size = sparse.diags(scale) @ matrix, r * scale
-        step = _step(scaled, size, damping)
+        step, full = _step(scaled, size, damping)
+        full = full or float(np.max(np.abs(size), initial=0.0)) < tolerance  # singular, and satisfied all the same
         largest = np.max(np.abs(step) / (1.0 + np.abs(values)), initial=0.0)
-        if damping == 0.0 and largest < tolerance:
+        if damping == 0.0 and full and largest < tolerance:
             values = values + step
             final = residual(values)
             return NewtonResult(values, final * scale, bool(np.all(np.isfinite(final))), iteration + 1)
@@ -57,7 +58,7 @@ def newton(
         if accepted:
             values, r = trial, fresh
             damping = 0.0 if fraction == 1.0 or damping < 1e-8 else damping * 0.1
-        elif largest < 1e-7:  # the rounding of the residual is reached
+        elif full and largest < 1e-7:  # the rounding of the residual is reached
             return NewtonResult(values, r * scale, True, iteration + 1)
         elif damping > 1e8:
             break
@@ -66,15 +67,16 @@ def newton(
     return NewtonResult(values, r, False, limit)
 
 
-def _step(matrix: sparse.csc_matrix, size: np.ndarray, damping: float) -> np.ndarray:
+def _step(matrix: sparse.csc_matrix, size: np.ndarray, damping: float) -> tuple[np.ndarray, bool]:
+    """A step, and whether it is a full Newton step."""
     if damping == 0.0:
         try:
             step = -splu(sparse.csc_matrix(matrix)).solve(size)
             if np.all(np.isfinite(step)):
-                return step
+                return step, True
         except RuntimeError:
             pass
         damping = 1e-8
     normal = matrix.T @ matrix
     diagonal = np.maximum(normal.diagonal(), 1e-12)
-    return -splu(sparse.csc_matrix(normal + damping * sparse.diags(diagonal))).solve(matrix.T @ size)
+    return -splu(sparse.csc_matrix(normal + damping * sparse.diags(diagonal))).solve(matrix.T @ size), False
