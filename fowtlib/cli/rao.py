@@ -10,6 +10,8 @@ from typing import Any
 from fowtlib.cli import loading, tables
 from fowtlib.cli.files import FIGURES, check_target, say_saved
 
+AT_REST = 1e-9  # amplitude per metre of wave below which a person is not shown a motion
+
 
 def declare(commands: Any) -> None:
     """Add the command of this module."""
@@ -47,12 +49,14 @@ def show_rao(arguments: argparse.Namespace) -> int:
     check_target(arguments.plot, FIGURES)
     plant = loading.load_at_rest(arguments, wind="none").compile()
     rao = linear_rao(plant, arguments.frequencies, heading=math.radians(arguments.heading))
+    moving = [name for name in rao.outputs if rao.amplitude(name).max() > AT_REST]
     if arguments.plot:
         from fowtlib.view.plots import plot_rao
 
-        plot_rao(rao, path=arguments.plot)
-    heads = [(f"{name} [{rao.unit(name)}]", f"{name} phase [deg]") for name in rao.outputs]
-    series = [rao.frequency, *(values for name in rao.outputs for values in (rao.amplitude(name), rao.phase(name)))]
+        plot_rao(rao, path=arguments.plot, outputs=moving)
+    names = rao.outputs if arguments.form else moving
+    heads = [(f"{name} [{rao.unit(name)}]", f"{name} phase [deg]") for name in names]
+    series = [rao.frequency, *(values for name in names for values in (rao.amplitude(name), rao.phase(name)))]
     columns = ("frequency [Hz]", *(head for pair in heads for head in pair))
     tables.show(arguments, columns, [list(map(float, row)) for row in zip(*series, strict=True)])
     say_saved(arguments.plot)
