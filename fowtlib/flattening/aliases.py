@@ -1,4 +1,4 @@
-"""Step 4: alias elimination. Of unknowns that are equal up to a sign, one remains; unknowns equal to a number vanish."""
+"""Step 4: alias elimination. Of unknowns equal up to a sign one remains; those equal to a number vanish."""
 
 from __future__ import annotations
 
@@ -15,7 +15,7 @@ Substitute = Callable[[list[ca.SX]], list[ca.SX]]
 
 
 def eliminate_aliases(system: System) -> tuple[Substitute, dict[int, ca.SX]]:
-    """Remove the alias equations; returns the substitution of eliminated symbols and what each unknown number became."""
+    """Remove the alias equations; returns the substitution, and what each eliminated unknown became."""
     sets = SignedSets(len(system.unknowns))
     constants: dict[int, tuple[int, ca.SX]] = {}
     rates: dict[int, tuple[int, ca.SX, FlatEquation]] = {}
@@ -76,7 +76,7 @@ def _names_a_rate(
     unknown = system.unknowns[number]
     if unknown.order or not system.unknowns[rate].order or number in rates:
         return False
-    if unknown.start is not None or STATE_PREFERENCES.index(unknown.declared.state) > STATE_PREFERENCES.index("default"):
+    if unknown.start is not None or unknown.declared.state in ("prefer", "always"):
         return False
     rates[number] = (sign * sign_of_rate, system.unknowns[rate].symbol, equation)
     return True
@@ -122,7 +122,7 @@ def _replacements(
             for other, _ in fixed[1:]:  # a second number for the same quantity: leave it to the structure check
                 sign_of_other, second = constants[other]
                 path = system.unknowns[other].path
-                kept.append(FlatEquation(replaced[other], sign_of_other * second, path, "second value for one quantity"))
+                kept.append(FlatEquation(replaced[other], sign_of_other * second, path, "second value"))
             continue
         chosen, sign = max(members, key=lambda item: _rank(system, item[0]))
         _merge(system, chosen, sign, members)

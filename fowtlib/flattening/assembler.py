@@ -53,7 +53,7 @@ class _Assembler:
         reduction = IndexReduction(system, set(live))
         states = reduction.run()
         bases = set(live)
-        everything = [j for j, unknown in enumerate(system.unknowns) if unknown.base in bases and j not in self.replaced]
+        everything = [j for j, v in enumerate(system.unknowns) if v.base in bases and j not in self.replaced]
         causal = Causalization(system, states, everything).run()
         dae = self._build(states, causal, everything)
         dae.equation_table = table
@@ -67,7 +67,7 @@ class _Assembler:
         return dae
 
     def _eliminate_aliases(self) -> dict[int, ca.SX]:
-        """Eliminate until no equation is an alias any more: a quantity found to be a number may uncover further ones."""
+        """Eliminate until no equation is an alias: a quantity found to be a number may uncover further ones."""
         replaced: dict[int, ca.SX] = {}
         while True:
             substitute, found = eliminate_aliases(self.system)
@@ -349,7 +349,7 @@ def _indicator(path: str, condition: ca.SX) -> ca.SX:
     """Expression that becomes negative when the condition a < b becomes true."""
     if not condition.is_scalar() or condition.is_constant() or condition.op() not in (ca.OP_LT, ca.OP_LE):
         raise StructureError(
-            f"{path}: a when() takes one comparison, a < b or a > b; join several by fmin (and: fmax of the differences, or: fmin)."
+            f"{path}: a when() takes one comparison, a < b or a > b; join several by fmax (and) or fmin (or)."
         )
     return condition.dep(0) - condition.dep(1)
 

@@ -71,7 +71,10 @@ def _more(total: int) -> Iterable[str]:
 def _likely_cause(system: System, live: list[int], coarse: structure.Coarse) -> str:
     missing, surplus = len(coarse.unmatched_columns), len(coarse.unmatched_rows)
     if missing and surplus:
-        return "Likely cause: something is prescribed twice in one place and left open in another, as by a connection to the wrong port."
+        return (
+            "Likely cause: something is prescribed twice in one place and left open in another, "
+            "as by a connection to the wrong port."
+        )
     if missing:
         owners = sorted({_owner(system.unknowns[live[j]].path) for j in coarse.under_columns})
         return (

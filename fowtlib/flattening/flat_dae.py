@@ -74,8 +74,8 @@ class Check:
 class FlatDAE:
     """Semi-explicit DAE of index one, torn at the external functions.
 
-    der(x) = ode, 0 = alg, both SX expressions of (t, x, z, u, d, p, w); w are the outputs of the externals, whose inputs are
-    expressions of the same symbols. `observed` gives every variable of the model by path.
+    der(x) = ode, 0 = alg, both SX expressions of (t, x, z, u, d, p, w); w are the outputs of the externals, whose
+    inputs are expressions of the same symbols. `observed` gives every variable of the model by path.
     """
 
     t: ca.SX
@@ -159,6 +159,6 @@ class FlatDAE:
 
     def __repr__(self) -> str:
         return (
-            f"<FlatDAE: {len(self.states)} states, {len(self.algebraics)} algebraic unknowns, {len(self.parameters)} parameters, "
-            f"{len(self.externals)} external functions>"
+            f"<FlatDAE: {len(self.states)} states, {len(self.algebraics)} algebraic unknowns, "
+            f"{len(self.parameters)} parameters, {len(self.externals)} external functions>"
         )

@@ -1,7 +1,7 @@
 """Step 5: Pantelides' algorithm and dummy derivatives.
 
-Sources: C. C. Pantelides, SIAM J. Sci. Stat. Comput. 9 (1988) 213; S. E. Mattsson and G. Soederlind, SIAM J. Sci. Comput. 14
-(1993) 677. All equations that an unmatched equation reaches are differentiated together.
+Sources: C. C. Pantelides, SIAM J. Sci. Stat. Comput. 9 (1988) 213; S. E. Mattsson and G. Soederlind, SIAM J. Sci.
+Comput. 14 (1993) 677. All equations that an unmatched equation reaches are differentiated together.
 """
 
 from __future__ import annotations

@@ -71,7 +71,8 @@ class Instances:
                 shape = component.shape(declared)
                 if np.shape(value) != shape and not (np.size(value) == int(np.prod(shape)) and len(shape) < 2):
                     raise ParameterError(
-                        f"{where} has shape {_shape(np.shape(value))}, and {_shape(shape)} is expected ({declared.doc})."
+                        f"{where} has shape {_shape(np.shape(value))}, and {_shape(shape)} is expected "
+                        f"({declared.doc})."
                     )
             if isinstance(value, (int, float, np.ndarray)) and not isinstance(value, bool):
                 self._check_bounds(where, declared, value)
@@ -210,7 +211,8 @@ class Instances:
         }
         if type(statement) not in lists:
             raise StructureError(
-                f"{component.label}: equations() returned {statement!r}, which is not an equation; write eq(left, right)."
+                f"{component.label}: equations() returned {statement!r}, which is not an equation; "
+                "write eq(left, right)."
             )
         lists[type(statement)].append((path, statement))
 

@@ -1,4 +1,4 @@
-"""Step 2b: the orientation graph. Orientations are defined along a spanning tree; a loop gives three equations, not nine."""
+"""Step 2b: the orientation graph: definitions along a spanning tree; a loop gives three equations, not nine."""
 
 from __future__ import annotations
 
@@ -41,7 +41,8 @@ def resolve_orientations(system: System, statements: Statements) -> nx.MultiGrap
     for root in roots:
         if root in done:
             raise ConnectionFault(
-                f"the orientation of {matrices[root][0]} is fixed, and so is that of a frame it is joined to; one of them must be free."
+                f"the orientation of {matrices[root][0]} is fixed, and so is that of a frame it is joined to; "
+                "one of them must be free."
             )
         done.add(root)
         front = [root]
@@ -60,7 +61,8 @@ def resolve_orientations(system: System, statements: Statements) -> nx.MultiGrap
     for key, (path, _, _) in matrices.items():
         if key not in done:
             raise ConnectionFault(
-                f"the orientation of {path} is not tied to the world; join it by a joint, a fixed part or a FreeMotion to the World."
+                f"the orientation of {path} is not tied to the world; "
+                "join it by a joint, a fixed part or a FreeMotion to the World."
             )
     for _, _, attributes in graph.edges(data=True):
         if id(attributes["data"]) not in used:

@@ -61,7 +61,7 @@ def dulmage_mendelsohn(rows: Rows, columns: int) -> Coarse:
 
 
 def reachable(rows: Rows, row_of: np.ndarray, start: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    """Rows and columns on alternating paths that start at given rows (row, any column of it, the row matched to that)."""
+    """Rows and columns on alternating paths from given rows: row, any column of it, the row matched to that."""
     seen_rows, seen_columns = set(map(int, start)), set()
     front = list(seen_rows)
     while front:

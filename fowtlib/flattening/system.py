@@ -1,4 +1,4 @@
-"""The flat system while it is being built: unknowns, equations, intermediates, parameters, and the rule of differentiation."""
+"""The flat system while it is being built: unknowns, equations, intermediates, and the rule of differentiation."""
 
 from __future__ import annotations
 
@@ -165,7 +165,8 @@ class System:
             raise StructureError(f"external function {function.name()} must have one input and one output column.")
         if function.size1_in(0) != inputs.shape[0]:
             raise StructureError(
-                f"external function {function.name()} takes {function.size1_in(0)} inputs, and {inputs.shape[0]} are given."
+                f"external function {function.name()} takes {function.size1_in(0)} inputs, "
+                f"and {inputs.shape[0]} are given."
             )
         outputs = ca.SX.sym(f"{self.current_path}.{function.name()}".lstrip("."), function.numel_out(0))
         symbols = scalars(outputs)

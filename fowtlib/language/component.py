@@ -11,7 +11,6 @@ import numpy as np
 
 from fowtlib.language import expressions
 from fowtlib.language.declarations import (
-    REQUIRED,
     SHAPES,
     Field,
     Outer,
@@ -36,8 +35,8 @@ from fowtlib.language.units import to_si
 class Component:
     """A class of model parts: parameters, ports, variables, `equations()`.
 
-    Keyword arguments of the constructor are parameters of the component, or parts that replace declared ones of the same
-    class. A composite adds parts and connections in `build()`.
+    Keyword arguments of the constructor are parameters of the component, or parts that replace declared ones of the
+    same class. A composite adds parts and connections in `build()`.
     """
 
     parameters: dict[str, Parameter] = {}
@@ -147,8 +146,8 @@ class Component:
         field = self.parameters[name]
         if field.required:
             raise ParameterError(
-                f"{join(self.path or type(self).__name__, name)} has no value: {field.doc or 'a required parameter'} [{field.unit}]. "
-                f"Give {type(self).__name__} the parameter '{name}'."
+                f"{join(self.path or type(self).__name__, name)} has no value: {field.doc or 'a required parameter'} "
+                f"[{field.unit}]. Give {type(self).__name__} the parameter '{name}'."
             )
         return self._checked(field, self.resolve(field.default))
 
@@ -281,7 +280,7 @@ class Component:
             parent = parent._parent
 
     def walk(self) -> Iterator[Component]:
-        """This component and all parts below it, parents first."""
+        """The component and all parts below it, parents first."""
         yield self
         for child in self.parts.values():
             yield from child.walk()
@@ -306,7 +305,7 @@ _OWN = {"origins", "parts", "connections"}
 
 
 def _resolve_annotations(cls: type, local_names: dict[str, Any]) -> None:
-    """Give each field the class its annotation names (annotations are text under `from __future__ import annotations`)."""
+    """Give each field the class that its annotation names; under `from __future__ import annotations` that is text."""
     module = vars(sys.modules[cls.__module__]) if cls.__module__ in sys.modules else {}
     annotations = vars(cls).get("__annotations__", {})
     for name, value in vars(cls).items():

@@ -1,8 +1,8 @@
 """Connectors: what two components share where they are joined.
 
 Potentials of joined ports are equal, flows sum to zero (positive into the component). An orientation is a rotation
-matrix potential whose time derivative is given by the angular velocity beside it. Signals are directed: one output drives
-any number of inputs.
+matrix potential whose time derivative is given by the angular velocity beside it. Signals are directed: one output
+drives any number of inputs.
 """
 
 from __future__ import annotations

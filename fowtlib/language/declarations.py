@@ -8,8 +8,6 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING, Any
 
-import numpy as np
-
 from fowtlib.language.expressions import Arithmetic, ParameterReference
 
 if TYPE_CHECKING:
@@ -97,8 +95,8 @@ class Parameter(Field, Arithmetic):
 class Variable(Field):
     """Declaration of a variable: an unknown of the equations."""
 
-    def __init__(self, unit: str, doc: str, hint: str, shape: Any, start: Any, fixed: bool | None, state: str, nominal: Any,
-                 minimum: Any, maximum: Any, discrete: bool):  # fmt: skip
+    def __init__(self, unit: str, doc: str, hint: str, shape: Any, start: Any, fixed: bool | None, state: str,
+                 nominal: Any, minimum: Any, maximum: Any, discrete: bool):  # fmt: skip
         if state not in STATE_PREFERENCES:
             raise ValueError(f"var(state={state!r}): choose one of {', '.join(STATE_PREFERENCES)}")
         self.unit, self.doc, self.hint, self.shape, self.start = unit, doc, hint, shape, start
@@ -202,18 +200,19 @@ class Outer(Field):
         return component.find_outer(self)
 
 
-def param(default: Any = REQUIRED, *, unit: str = "1", doc: str = "", min: Any = None, max: Any = None, shape: Any = None,
-          structural: bool = False, choices: Any = None) -> Any:  # fmt: skip
+def param(default: Any = REQUIRED, *, unit: str = "1", doc: str = "", min: Any = None, max: Any = None,
+          shape: Any = None, structural: bool = False, choices: Any = None) -> Any:  # fmt: skip
     """Declare a parameter, in SI `unit`; annotated Scalar, Vector, Matrix or Array it is tunable unless `structural`.
 
-    `default`, like any modifier, may be a number, a sequence, a string with a unit, another parameter of the class body,
-    arithmetic on those, or a function of the component. Without a default the parameter is required.
+    `default`, like any modifier, may be a number, a sequence, a string with a unit, another parameter of the class
+    body, arithmetic on those, or a function of the component. Without a default the parameter is required.
     """
     return Parameter(default, unit, doc, min, max, shape, structural, choices)
 
 
-def var(*, unit: str = "1", doc: str = "", hint: str = "", shape: Any = None, start: Any = None, fixed: bool | None = None,
-        state: str = "default", nominal: Any = None, min: Any = None, max: Any = None, discrete: bool = False) -> Any:  # fmt: skip
+def var(*, unit: str = "1", doc: str = "", hint: str = "", shape: Any = None, start: Any = None,
+        fixed: bool | None = None, state: str = "default", nominal: Any = None, min: Any = None, max: Any = None,
+        discrete: bool = False) -> Any:  # fmt: skip
     """Declare an unknown. `state` is the wish to be a state: never, avoid, default, prefer, always.
 
     `hint` is what to look at when the variable comes out undetermined; `discrete` variables change only at events and
@@ -244,7 +243,3 @@ def outer(component_class: type | None = None, *, optional: bool = False, doc: s
 def join(path: str, name: str) -> str:
     """`path.name`, or `name` at the top."""
     return f"{path}.{name}" if path else name
-
-
-def shape_of(value: Any) -> tuple[int, ...]:
-    return np.asarray(value).shape

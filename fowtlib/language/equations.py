@@ -73,6 +73,8 @@ def place(source: str) -> str:
 
 @dataclass(slots=True)
 class Equation:
+    """lhs = rhs at all times."""
+
     lhs: ca.SX
     rhs: ca.SX
     source: str
@@ -80,6 +82,8 @@ class Equation:
 
 @dataclass(slots=True)
 class Initial:
+    """lhs = rhs at the start."""
+
     lhs: ca.SX
     rhs: ca.SX
     source: str
@@ -96,6 +100,8 @@ class Assign:
 
 @dataclass(slots=True)
 class When:
+    """Actions at the instant at which a condition becomes true."""
+
     condition: ca.SX
     actions: tuple[Assign, ...]
     source: str
@@ -103,6 +109,8 @@ class When:
 
 @dataclass(slots=True)
 class Sampled:
+    """Assignments at multiples of a period."""
+
     period: Any
     offset: Any
     assignments: tuple[Assign, ...]
@@ -111,6 +119,8 @@ class Sampled:
 
 @dataclass(slots=True)
 class Assertion:
+    """A condition that is checked at output points; `values` are put into the message."""
+
     condition: ca.SX
     message: str
     level: str
@@ -131,6 +141,8 @@ class Rotation:
 
 @dataclass(slots=True)
 class FixedOrientation:
+    """The orientation and angular velocity of a frame are given."""
+
     frame: Any
     R: ca.SX
     w: ca.SX
@@ -205,8 +217,11 @@ def assert_(condition: Any, message: str, level: str = "error") -> Assertion:
 
 
 def rotation(frame_a: Any, frame_b: Any, R_rel: Any, w_rel: Any) -> Rotation:
-    """frame_b is turned by `R_rel` against frame_a (R_b = R_a @ R_rel); `w_rel` is its angular velocity relative to
-    frame_a, resolved in frame_a. The assembler writes R and w of either frame, or three equations where a loop closes."""
+    """frame_b is turned by `R_rel` against frame_a: R_b = R_a @ R_rel.
+
+    `w_rel` is its angular velocity relative to frame_a, resolved in frame_a. The assembler writes R and w of either
+    frame, or three equations where a loop closes.
+    """
     return Rotation(frame_a, frame_b, _column(R_rel), _column(w_rel), source_line())
 
 

@@ -1,8 +1,8 @@
 """Arithmetic on declared parameters that stays symbolic until the model is flattened.
 
 `part(RigidBody, mass=mass / 2)` in a class body and `Unit(length=self.length / 3)` in `build()` both make an
-`Expression`. It has a value at any time (`float(expression)`), and while flattening it becomes a CasADi expression of the
-parameter symbols, so that a changed parameter reaches every part that depends on it.
+`Expression`. It has a value at any time (`float(expression)`), and while flattening it becomes a CasADi expression of
+the parameter symbols, so that a changed parameter reaches every part that depends on it.
 """
 
 from __future__ import annotations

@@ -75,7 +75,7 @@ def cross(a: Any, b: Any) -> Any:
 
 
 def skew(w: Any) -> Any:
-    """The matrix with skew(w) @ v = w x v."""
+    """Matrix of the vector product: multiplied by v it gives w x v."""
     return ca.densify(ca.skew(_sx(w)))
 
 
@@ -90,7 +90,7 @@ def norm(a: Any) -> Any:
 
 
 def smooth_norm(a: Any, eps: Any) -> Any:
-    """sqrt(|a|^2 + eps^2): a length with a derivative everywhere."""
+    """Length with a derivative everywhere: sqrt(|a|^2 + eps^2)."""
     return ca.sqrt(ca.sumsqr(_sx(a)) + eps**2)
 
 
@@ -110,7 +110,7 @@ def smooth_min(a: Any, b: Any, eps: Any) -> Any:
 
 
 def smooth_saturation(x: Any, low: Any, high: Any, eps: Any) -> Any:
-    """x held between low and high, with corners rounded over a width of about eps."""
+    """X held between low and high, with corners rounded over a width of about eps."""
     return smooth_min(smooth_max(x, low, eps), high, eps)
 
 

@@ -21,7 +21,8 @@ def table1d(
 ) -> ca.SX:
     """Values of a table at `u`: y_values (n,) or (n, m) over the increasing x_grid (n,), as a column of m.
 
-    smoothness "c2" is the cubic spline (not-a-knot), "c1" the monotone cubic of Fritsch and Carlson (1980), without overshoot.
+    smoothness "c2" is the cubic spline (not-a-knot), "c1" the monotone cubic of Fritsch and Carlson (1980), which does
+    not overshoot.
     """
     x, y = _grid(x_grid, name), _values(y_values, 1, name)
     if len(x) != len(y):
@@ -34,7 +35,7 @@ def table1d(
 
 def table2d(u: Any, v: Any, x_grid: Any, y_grid: Any, values: Any, *, name: str = "table",
             arguments: Sequence[str] = ("argument 1", "argument 2")) -> ca.SX:  # fmt: skip
-    """Values of a table at (u, v): values (nx, ny) or (nx, ny, m), twice continuously differentiable, as a column of m."""
+    """Values of a table at (u, v): values (nx, ny) or (nx, ny, m), twice differentiable, as a column of m."""
     x, y, z = _grid(x_grid, name), _grid(y_grid, name), _values(values, 2, name)
     if z.shape[:2] != (len(x), len(y)):
         raise ParameterError(f"{name}: {len(x)} x {len(y)} arguments and {z.shape[0]} x {z.shape[1]} values.")
@@ -49,7 +50,7 @@ def table2d(u: Any, v: Any, x_grid: Any, y_grid: Any, values: Any, *, name: str 
 def time_series(
     t: Any, t0: float, dt: float, values: Any, *, periodic: bool = False, name: str = "time series"
 ) -> ca.SX:
-    """Samples at t0, t0 + dt, ... as a function of time, twice continuously differentiable: (n,) or (n, m), column of m.
+    """Samples (n,) or (n, m) at t0, t0 + dt, ... as a twice differentiable function of time, a column of m.
 
     A periodic series repeats after n dt; any other must cover the simulation.
     """
@@ -99,7 +100,7 @@ def _interpolating(x: np.ndarray, values: np.ndarray) -> tuple[np.ndarray, np.nd
 
 
 def _monotone(x: np.ndarray, y: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    """Cubic Hermite spline as a B-spline with double knots: its Bezier points beside the data are the coefficients."""
+    """Cubic Hermite spline as a B-spline with double knots; its coefficients are the Bezier points beside the data."""
     from scipy.interpolate import PchipInterpolator
 
     slope = PchipInterpolator(x, y, axis=0).derivative()(x)
@@ -110,7 +111,7 @@ def _monotone(x: np.ndarray, y: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
 
 
 def _cardinal(samples: np.ndarray) -> np.ndarray:
-    """Coefficients c of the uniform cubic B-spline: (c[j-1] + 4 c[j] + c[j+1]) / 6 = sample, no curvature at the ends."""
+    """Coefficients c of the uniform cubic B-spline: (c[j-1] + 4 c[j] + c[j+1]) / 6 = sample; no end curvature."""
     from scipy.linalg import solve_banded
 
     n = len(samples)
@@ -141,7 +142,7 @@ def _spline(
 
 
 def _flat(coefficients: np.ndarray) -> list[float]:
-    """CasADi's order: the output runs fastest, then the first argument (a list, which CasADi takes faster than an array)."""
+    """CasADi's order: the output runs fastest, then the first argument. CasADi takes a list faster than an array."""
     return np.moveaxis(coefficients, -1, 0).ravel(order="F").tolist()
 
 

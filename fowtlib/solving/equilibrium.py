@@ -36,8 +36,8 @@ def equilibrium(evaluation: Evaluation, t: float, x: np.ndarray, z: np.ndarray, 
                 held: set[int]) -> tuple[np.ndarray, np.ndarray]:  # fmt: skip
     """Solve ode = 0 and alg = 0 for the states that anything depends on, except the `held` ones.
 
-    Implicit Euler steps of growing length follow the transient to a stable equilibrium (pseudo-transient continuation,
-    C. T. Kelley and D. E. Keyes, SIAM J. Numer. Anal. 35 (1998) 508); Newton finishes. Ignorable coordinates, such as the
+    Implicit Euler steps of growing length follow the transient to an equilibrium (pseudo-transient continuation, C. T.
+    Kelley and D. E. Keyes, SIAM J. Numer. Anal. 35 (1998) 508); Newton finishes. Ignorable coordinates, such as the
     angle of a turning shaft, keep their value.
     """
     dae = evaluation.dae
@@ -74,8 +74,10 @@ def equilibrium(evaluation: Evaluation, t: float, x: np.ndarray, z: np.ndarray, 
 
 
 def _continuation(rates: Residual, slopes: Jacobian, values: np.ndarray, nx: int, limit: int = 400) -> np.ndarray:
-    """Implicit Euler with steps that double, and shorten where Newton finds no solution, until they are so long that
-    nothing moves any more; the last accepted values."""
+    """Values after implicit Euler steps that double until nothing moves any more.
+
+    A step for which Newton finds no solution is shortened.
+    """
     rows = np.arange(values.size) < nx
     length = 0.1
     for _ in range(limit):
@@ -93,7 +95,9 @@ def _continuation(rates: Residual, slopes: Jacobian, values: np.ndarray, nx: int
     return values
 
 
-def _implicit_euler(rates: Residual, slopes: Jacobian, before: np.ndarray, rows: np.ndarray, length: float) -> np.ndarray | None:
+def _implicit_euler(
+    rates: Residual, slopes: Jacobian, before: np.ndarray, rows: np.ndarray, length: float
+) -> np.ndarray | None:
     """Values one step later, by at most eight Newton iterations; None where they do not settle."""
     mass = sparse.diags(rows / length)
     values, last = before.copy(), np.inf

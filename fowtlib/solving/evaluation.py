@@ -26,7 +26,7 @@ class Evaluation:
         self.dae = dae
         self.parameters = parameters
         self.t, self.x, self.z, self.w = dae.t, dae.x, dae.z, dae.w
-        self.q = ca.vertcat(dae.u, dae.d, dae.p[list(kept)])
+        self.q = ca.vertcat(dae.u, dae.d, *[dae.p[i] for i in kept])
         self._fixed = [i for i in range(parameters.size) if i not in set(kept)]
         self._externals = [_Differentiable(external.function) for external in dae.externals]
 

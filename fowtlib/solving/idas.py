@@ -1,11 +1,12 @@
 """IDAS, the reference engine: CasADi's interface on the flat DAE, with the torn Jacobian.
 
-It integrates one interval in normalised time s = (t - t_a) / h, so that one integrator object serves intervals of any length;
-every call is a real restart, which is what jumps in inputs and discrete variables need.
+It integrates one interval in normalised time s = (t - t_a) / h, so that one integrator object serves intervals of any
+length; every call is a real restart, which is what jumps in inputs and discrete variables need.
 """
 
 from __future__ import annotations
 
+import re
 from contextlib import redirect_stderr
 from io import StringIO
 
@@ -13,6 +14,24 @@ import casadi as ca
 import numpy as np
 
 from fowtlib.solving.evaluation import Evaluation
+
+
+LIMIT = 100_000
+REASONS = {
+    "IDA_TOO_MUCH_WORK": f"{LIMIT:,} steps do not reach the next point",
+    "IDA_ERR_FAIL": "no step is short enough for the tolerance",
+    "IDA_CONV_FAIL": "the equations of a step are not solved, however short it is",
+    "IDA_REP_RES_ERR": "an equation is not a finite number",
+    "IDA_FIRST_RES_FAIL": "an equation is not a finite number",
+    "IDA_LSETUP_FAIL": "the equations of a step are singular",
+    "IDA_LSOLVE_FAIL": "the equations of a step are singular",
+    "IDA_LINESEARCH_FAIL": "the values at its start are not consistent",
+    "IDA_NO_RECOVERY": "the values at its start are not consistent",
+}
+
+
+class StepFailure(Exception):
+    """IDAS cannot go on; the text is the reason."""
 
 
 class Idas:
@@ -28,18 +47,24 @@ class Idas:
     def advance(
         self, t: float, length: float, points: int, x: np.ndarray, z: np.ndarray, q: np.ndarray
     ) -> tuple[np.ndarray, np.ndarray]:
-        """States and algebraic unknowns (rows) at `points` equidistant times after t; RuntimeError where IDAS fails."""
+        """States and algebraic unknowns (rows) at `points` equidistant times after t; StepFailure where IDAS fails."""
         nx, nz = len(x), len(z)
         if nx == 0:
             raise RuntimeError("a model without states is not integrated")
         if points not in self._integrators:
             self._integrators[points] = self._create(points)
         with redirect_stderr(StringIO()):  # SUNDIALS says there what the caller says better
-            result = self._integrators[points](x0=x, z0=z, p=np.concatenate([[t, length], q]))
+            try:
+                result = self._integrators[points](x0=x, z0=z, p=np.concatenate([[t, length], q]))
+            except RuntimeError as error:
+                found = re.search(r'returned "(IDA_\w+)"', str(error))
+                if not found:
+                    raise
+                raise StepFailure(REASONS.get(found[1], f"IDAS says {found[1]}")) from None
         xf = np.array(result["xf"]).T.reshape(points, nx)
         zf = np.array(result["zf"]).T.reshape(points, nz)
         if not (np.all(np.isfinite(xf)) and np.all(np.isfinite(zf))):
-            raise RuntimeError("the solution is not finite")
+            raise StepFailure("the solution is not finite")
         return xf, zf
 
     def _create(self, points: int) -> ca.Function:
@@ -49,7 +74,7 @@ class Idas:
             "reltol": self.tolerance,
             "abstol": self.tolerance * min(nominal, default=1.0),
             "suppress_algebraic": True,
-            "max_num_steps": 100_000,  # between two points of the grid
+            "max_num_steps": LIMIT,  # between two points of the grid
             "show_eval_warnings": False,
             "linear_solver": "csparse",
             "first_time": 1e-6,  # IDACalcIC steps 1e-3 of this: short, so that its Newton matrix is that of alg alone

@@ -1,4 +1,4 @@
-"""Consistent values at the start: states from their start values or `initial` equations, algebraic unknowns by Newton."""
+"""Consistent values at the start: states from start values or `initial` equations, the rest by Newton."""
 
 from __future__ import annotations
 
@@ -21,7 +21,7 @@ def csc(value: ca.DM) -> sparse.csc_matrix:
 
 
 def consistent_algebraics(evaluation: Evaluation, t: float, x: np.ndarray, z: np.ndarray, q: np.ndarray) -> np.ndarray:
-    """Algebraic unknowns that satisfy the equations at the given states; raises SimulationError where none are found."""
+    """Algebraic unknowns that satisfy the equations at the given states; SimulationError where none are found."""
     if not z.size:
         return z
     residual, jacobian = evaluation.residual, evaluation.jacobian
@@ -37,7 +37,7 @@ def consistent_algebraics(evaluation: Evaluation, t: float, x: np.ndarray, z: np
 
 def initial_values(evaluation: Evaluation, t: float, x: np.ndarray, z: np.ndarray, q: np.ndarray,
                    given: set[int]) -> tuple[np.ndarray, np.ndarray]:  # fmt: skip
-    """x and z at the start; `given` are the numbers of states whose value the user fixed for this run."""
+    """X and z at the start; `given` are the numbers of states whose value the user fixed for this run."""
     dae = evaluation.dae
     if not dae.initial_equations.shape[0]:
         return x, consistent_algebraics(evaluation, t, x, z, q)

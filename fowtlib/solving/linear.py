@@ -16,8 +16,8 @@ if TYPE_CHECKING:
 class Mode:
     """An eigenmode: undamped natural frequency [Hz], damping ratio, eigenvalue [1/s], the state that takes part most.
 
-    `shape` gives the complex amplitude of each output (of each state where the model has no outputs), scaled to 1 at the
-    largest; `participation` the share of each state.
+    `shape` gives the complex amplitude of each output (of each state where the model has no outputs), scaled to 1 at
+    the largest; `participation` the share of each state.
     """
 
     frequency_hz: float

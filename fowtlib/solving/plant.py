@@ -9,7 +9,6 @@ import casadi as ca
 import numpy as np
 
 from fowtlib.flattening import FlatDAE
-from fowtlib.language.component import Component
 from fowtlib.language.errors import NotFoundError, ParameterError, SimulationError, did_you_mean
 from fowtlib.language.units import from_si, to_si
 from fowtlib.solving.equilibrium import equilibrium
@@ -114,7 +113,7 @@ class Plant:
                       t: float = 0.0, base: State | None = None) -> State:  # fmt: skip
         """The consistent state at the start of a simulation.
 
-        start: values of states (SI or with unit) in place of their start values; an algebraic unknown given here is a guess.
+        start: values of states (SI or with unit) in place of their start values; of an algebraic unknown, a guess.
         base: a state to change by `start`, instead of the start values.
         """
         evaluation = self.evaluation(parameters)
@@ -173,19 +172,22 @@ class Plant:
         """The state at the end of an earlier result."""
         groups = []
         for quantities, values in (
-            (self.dae.states, continuation.x), (self.dae.algebraics, continuation.z), (self.dae.discretes, continuation.d),
+            (self.dae.states, continuation.x),
+            (self.dae.algebraics, continuation.z),
+            (self.dae.discretes, continuation.d),
         ):  # fmt: skip
             missing = [q.path for q in quantities if q.path not in values]
             if missing:
                 raise SimulationError(
-                    f"the result to resume from is of another model: it has no {missing[0]}. Resume with the model it came from."
+                    f"the result to resume from is of another model: it has no {missing[0]}. "
+                    "Resume with the model it came from."
                 )
             groups.append(np.array([values[q.path] for q in quantities]))
         x, z, d = groups
         return self._state(continuation.time, x, z, d, self.inputs(inputs), parameters)
 
     def observer(self, raw: RawTrajectory, parameters: Values | None = None) -> Observer:
-        """What rebuilds any variable along the trajectory of an earlier result of this model (inputs at their defaults)."""
+        """What rebuilds any variable along an earlier trajectory of this model, with the inputs at their defaults."""
         from fowtlib.solving.simulation import Observation
 
         if raw.x_names != tuple(q.path for q in self.dae.states):
@@ -196,9 +198,9 @@ class Plant:
 
     # --- uses ----------------------------------------------------------------------------------------------------
 
-    def simulate(self, t_end: float | None = None, output_step: float | None = None, *, start: State | Result | Values | None = None,
-                 solver: str | None = None, tolerance: float | None = None, parameters: Values | None = None,
-                 inputs: Values | None = None, outputs: Sequence[str] | None = None,
+    def simulate(self, t_end: float | None = None, output_step: float | None = None, *,
+                 start: State | Result | Values | None = None, solver: str | None = None,
+                 tolerance: float | None = None, parameters: Values | None = None, inputs: Values | None = None, outputs: Sequence[str] | None = None,
                  progress: Callable[[float, float], None] | bool = False) -> Result:  # fmt: skip
         """Simulate to `t_end` [s] and give the outputs every `output_step` [s].
 
@@ -215,7 +217,7 @@ class Plant:
         if solver != "idas":
             raise ParameterError(f"there is no solver '{solver}'{did_you_mean(str(solver), ['idas'])}")
         if isinstance(start, Result):
-            start.check_resumable({k: v for k, v in self.parameter_values(parameters).items()})
+            start.check_resumable(self.parameter_values(parameters))
             state = self.resume_point(start.final, parameters, inputs)
         elif isinstance(start, State):
             parameters = start.parameters if parameters is None else parameters
@@ -229,7 +231,7 @@ class Plant:
         )
 
     def linearize(self, state: State, inputs: Sequence[str] = (), outputs: Sequence[str] | None = None) -> LinearModel:
-        """Exact linear model at a state: inputs are inputs or tunable parameters by path, outputs are results or variables.
+        """Exact linear model at a state, from inputs or tunable parameters by path to results or variables.
 
         All states are kept; algebraic unknowns are eliminated.
         """
@@ -269,10 +271,8 @@ class Plant:
         by_x, by_z, by_u = (np.array(ca.densify(block)) for block in slopes(state.t, state.x, state.z, q))
         nx, nz = dae.x.shape[0], dae.z.shape[0]
         ode, alg, out = slice(0, nx), slice(nx, nx + nz), slice(nx + nz, None)
-        if nz:
-            dz = -np.linalg.solve(by_z[alg], np.hstack([by_x[alg], by_u[alg]]))
-        else:
-            dz = np.zeros((0, nx + by_u.shape[1]))
+        by_xu = np.hstack([by_x[alg], by_u[alg]])
+        dz = -np.linalg.solve(by_z[alg], by_xu) if nz else by_xu
         A, B = by_x[ode] + by_z[ode] @ dz[:, :nx], by_u[ode] + by_z[ode] @ dz[:, nx:]
         scale = np.array(factors)[:, None] if factors else np.zeros((0, 1))
         C, D = (by_x[out] + by_z[out] @ dz[:, :nx]) * scale, (by_u[out] + by_z[out] @ dz[:, nx:]) * scale

@@ -14,7 +14,8 @@ from scipy.optimize import brentq
 
 from fowtlib.language.errors import SimulationError
 from fowtlib.language.units import from_si
-from fowtlib.solving.idas import Idas
+from fowtlib.solving.failure import integration_failure
+from fowtlib.solving.idas import Idas, StepFailure
 from fowtlib.solving.initial import consistent_algebraics
 from fowtlib.solving.results import Observer, RawTrajectory, Result, parameter_hash
 from fowtlib.solving.state import State
@@ -24,7 +25,7 @@ if TYPE_CHECKING:
 
 STRETCH = 400  # output points between two looks at the clock and at Ctrl-C
 SUBSTEPS = 4  # points per output step at which state events are looked for
-EVENT_LIMIT = 100_000
+CHATTER_LIMIT = 20  # times an event may return within a millionth of a substep
 
 
 class Interrupted(SimulationError):
@@ -56,7 +57,8 @@ class Simulation:
         if events:
             self.indicators = self.evaluation.function("indicators", [ca.vertcat(*[e.indicator for e in events])])
             self.actions = [self.evaluation.function("action", [e.state_values, e.discrete_values]) for e in events]
-        self.event_count = 0
+        self.last_event: dict[int, float] = {}
+        self.returns: dict[int, int] = {}
 
     def _prepare_samples(self, t: float) -> None:
         samples = self.dae.samples
@@ -90,7 +92,7 @@ class Simulation:
         if t_end < self.t:
             raise SimulationError(f"the end of the simulation, {t_end:g} s, lies before its start, {self.t:g} s.")
         report = _console if progress is True else progress or (lambda t, t_end: None)
-        began, self.t_start = clock.perf_counter(), self.t
+        began, self.t_start, self.step = clock.perf_counter(), self.t, step
         try:
             self._sample_now()
             self._record(np.array([self.t]), self.x[None], self.z[None])
@@ -110,7 +112,8 @@ class Simulation:
 
     def _integrate(self, t_end: float, step: float, report: Callable[[float, float], None]) -> None:
         tiny = 1e-7 * step
-        self.armed = self._indicator_values() > 0 if self.dae.events else None
+        if self.dae.events:
+            self._arm()
         while self.t < t_end - tiny:
             passed = round((self.rows[-1][0][-1] - self.t_start) / step)
             next_output = min(self.t_start + (passed + 1) * step, t_end)
@@ -132,8 +135,8 @@ class Simulation:
                 self._record(np.array([self.t]), self.x[None], self.z[None])
             report(self.t, t_end)
 
-    def _stretch(self, length: float, points: int, record: bool = True) -> int:
-        """Advance by `length` with `points` output points, or to the first state event; the number of points reached."""
+    def _stretch(self, length: float, points: int, record: bool = True) -> None:
+        """Advance by `length` with `points` output points, or to the first state event."""
         substeps = SUBSTEPS if self.dae.events else 1
         x, z = self._advance(length, points * substeps)
         reached = len(x)
@@ -144,11 +147,10 @@ class Simulation:
                 whole = (crossing // substeps) * substeps
                 self._keep(times, x, z, whole, substeps, record)
                 self._event(times, x, z, crossing)
-                return whole // substeps
+                return
         self._keep(times, x, z, reached, substeps, record)
         if reached < points * substeps:
-            raise SimulationError(self._failure())
-        return points
+            raise self._failure()
 
     def _keep(self, times: np.ndarray, x: np.ndarray, z: np.ndarray, reached: int, substeps: int, record: bool) -> None:
         if reached == 0:
@@ -164,14 +166,15 @@ class Simulation:
             return self._advance_static(length, points)
         try:
             return self.engine.advance(self.t, length, points, self.x, self.z, self.q)
-        except RuntimeError:
-            pass
+        except StepFailure as failure:
+            self.reason = str(failure)
         xs, zs = [], []  # again in single steps, to keep what can be computed
         x, z = self.x, self.z
         for k in range(points):
             try:
                 xk, zk = self.engine.advance(self.t + k * length / points, length / points, 1, x, z, self.q)
-            except RuntimeError:
+            except StepFailure as failure:
+                self.reason = str(failure)
                 break
             x, z = xk[0], zk[0]
             xs.append(x)
@@ -216,26 +219,64 @@ class Simulation:
                 return self.x, self.z
             xs, zs = self._advance(h, 1)
             if not len(xs):
-                raise SimulationError(self._failure())
+                raise self._failure()
             return xs[0], zs[0]
 
         def indicator(h: float, i: int) -> float:
             xs, zs = state_at(h)
             return float(np.array(self.indicators(self.t + h, xs, zs, self.q)).ravel()[i])
 
-        instants = {}
-        for i in candidates:
-            low, high = indicator(0.0, i), indicator(length, i)
-            instants[i] = brentq(indicator, 0.0, length, args=(i,), xtol=1e-13 * max(1.0, self.t), rtol=1e-14) \
-                if low * high < 0 else length  # fmt: skip
+        instants = {i: self._instant(lambda h, i=i: indicator(h, i), length) for i in candidates}
         first = min(instants.values())
         self.x, self.z = (values.copy() for values in state_at(first))
         self.t += first
         due = {i for i, h in instants.items() if h <= first * (1 + 1e-12)}
         self._act(due)
 
+    def _instant(self, indicator: Callable[[float], float], length: float) -> float:
+        """Time from now until an indicator is not positive any more: the first point behind its last root."""
+        low = 0.0
+        if indicator(low) <= 0:  # it was zero at the last event and has risen since
+            heights = (length * 0.5**k for k in range(1, 40))
+            low = next((h for h in heights if indicator(h) > 0), 0.0)
+            if not low:
+                return 0.0
+        accuracy = 1e-13 * max(1.0, self.t)
+        root = float(brentq(indicator, low, length, xtol=accuracy, rtol=1e-14))
+        while root < length and indicator(root) > 0:
+            root, accuracy = min(root + accuracy, length), 2 * accuracy
+        return root
+
+    def _arm(self) -> None:
+        """An indicator waits for its event where it is positive, or at zero and rising."""
+        now = self._indicator_values()
+        self.armed = now > 0
+        if np.all(self.armed):
+            return
+        h = 1e-3 * self.step / SUBSTEPS
+        x = self.x + h * np.array(self.evaluation.residual(self.t, self.x, self.z, self.q)[0]).ravel()
+        try:
+            z = consistent_algebraics(self.evaluation, self.t + h, x, self.z, self.q)
+        except SimulationError:
+            return
+        then = np.array(self.indicators(self.t + h, x, z, self.q)).ravel()
+        self.armed |= (then > 0) & (then > now)
+
+    def _count(self, due: set[int]) -> None:
+        """Count the events; stop where one returns again and again without time going on."""
+        for i in due:
+            soon = self.t - self.last_event.get(i, -np.inf) < 1e-6 * self.step / SUBSTEPS
+            self.returns[i] = self.returns.get(i, 0) + 1 if soon else 0
+            self.last_event[i] = self.t
+            if self.returns[i] > CHATTER_LIMIT:
+                raise SimulationError(
+                    f"{self.dae.events[i].path or 'the model'}: the event of a when() returns at once, again and again, at "
+                    f"t = {self.t:.6g} s. Give the condition a hysteresis, or let the motion come to rest there."
+                )
+
     def _act(self, due: set[int]) -> None:
         for _ in range(50):
+            self._count(due)
             before = self._indicator_values()
             x, d = self.x.copy(), self.d.copy()
             for i in sorted(due):
@@ -245,18 +286,12 @@ class Simulation:
                 d[event.discrete_targets] = np.array(on_discretes).ravel()
             self.x, self.d = x, d
             self.z = consistent_algebraics(self.evaluation, self.t, self.x, self.z, self.q)
-            self.event_count += len(due)
             after = self._indicator_values()
             fired = due
             due = {i for i in range(len(after)) if before[i] > 0 >= after[i] and i not in fired}
             if not due:
                 break
-        if self.event_count > EVENT_LIMIT:
-            raise SimulationError(
-                f"more than {EVENT_LIMIT} events before t = {self.t:g} s; they may accumulate at one instant."
-            )
-        self.armed = after > 0
-        self.armed[list(fired)] = False
+        self._arm()
 
     def _sample_now(self) -> None:
         """Carry out the sampled parts that are due, in order of their dependence."""
@@ -269,7 +304,7 @@ class Simulation:
             self.clocks[k] = (offset, period, n + 1)
         self.z = consistent_algebraics(self.evaluation, self.t, self.x, self.z, self.q)
         if self.dae.events:
-            self.armed = self._indicator_values() > 0
+            self._arm()
 
     # --- output points -------------------------------------------------------------------------------------------
 
@@ -312,20 +347,10 @@ class Simulation:
         text = text.rstrip(".")
         return f"{check.path or self.plant.name or 'model'}: {text} (t = {t:g} s)."
 
-    def _failure(self) -> str:
-        """What stands out in the equations at the last good point."""
-        ode, alg = (np.array(v).ravel() for v in self.evaluation.residual(self.t, self.x, self.z, self.q))
-        where = f"the integration fails at t = {self.t:.6g} s"
-        paths = [f"der({s.path})" for s in self.dae.states] + list(self.dae.residual_paths)
-        values = np.concatenate([ode, alg])
-        broken = [paths[i] for i in np.flatnonzero(~np.isfinite(values))]
-        if broken:
-            return f"{where}: {', '.join(broken[:3])} is not a finite number. Check the parameters and limits of that component."
-        rates = np.abs(ode) / (1e-6 + np.abs(self.x))
-        fastest = paths[int(np.argmax(rates))] if rates.size else paths[0]
-        return (
-            f"{where}: the fastest change is {fastest}. Try a smaller tolerance (--tolerance 1e-8), "
-            "or look there for a jump, a missing damping or a quantity that grows without bound."
+    def _failure(self) -> SimulationError:
+        """The error at the last good point."""
+        return SimulationError(
+            integration_failure(self.evaluation, self.t, self.x, self.z, self.q, self.step, self.reason)
         )
 
     def result(self, status: str) -> Result:

@@ -1,0 +1,48 @@
+"""What stands out in the equations where an integration fails: the sentence the user reads."""
+
+from __future__ import annotations
+
+import casadi as ca
+import numpy as np
+
+from fowtlib.solving.evaluation import Evaluation
+
+REACHES = (0.0, 1e-9, 1e-6, 1e-4, 1e-2, 0.1, 0.3, 1.0)  # looks ahead of the last good point, in output steps
+
+
+def integration_failure(evaluation: Evaluation, t: float, x: np.ndarray, z: np.ndarray, q: np.ndarray, step: float,
+                        reason: str) -> str:  # fmt: skip
+    """Why no step leads on from the last good point: what is not finite there or just ahead, else what changes fastest."""
+    where = f"the integration fails after t = {t:.6g} s"
+    ode = np.array(evaluation.residual(t, x, z, q)[0]).ravel()
+    for reach in REACHES:
+        h = reach * step
+        name = not_finite(evaluation, t + h, x + h * ode if h else x, z, q)
+        if name:
+            owner = name.split(" (")[0].removeprefix("der(").rpartition(".")[0] or "the model"
+            return f"{where}: {name} is not a finite number. Check the parameters, start values and limits of {owner}."
+        if not np.all(np.isfinite(ode)):
+            break
+    states = evaluation.dae.states
+    rates = np.abs(ode) / (1e-6 + np.abs(x))
+    fastest = f"the fastest change is der({states[int(np.argmax(rates))].path})" if rates.size else "nothing changes"
+    return (
+        f"{where}, because {reason}; {fastest}. Look there for a jump, a missing damping or a quantity that grows "
+        "without bound, or try another tolerance (--tolerance 1e-8)."
+    )
+
+
+def not_finite(evaluation: Evaluation, t: float, x: np.ndarray, z: np.ndarray, q: np.ndarray) -> str:
+    """The variable, or the equation, that is the first in the order of computation not to be a finite number."""
+    dae = evaluation.dae
+    ode, alg = (np.array(value).ravel() for value in evaluation.residual(t, x, z, q))
+    if np.all(np.isfinite(ode)) and np.all(np.isfinite(alg)):
+        return ""
+    names = [name for name, value in dae.observed.items() if not value.is_constant()]
+    values = evaluation.function("observed", [ca.vertcat(*[dae.observed[name] for name in names])])(t, x, z, q)
+    bad = np.flatnonzero(~np.isfinite(np.array(values).ravel()))
+    if len(bad):
+        name = names[bad[0]]
+        return f"{name} ({dae.docs[name]})" if dae.docs.get(name) and not name.startswith("der(") else name
+    paths = [*(f"der({state.path})" for state in dae.states), *dae.residual_paths]
+    return paths[int(np.flatnonzero(~np.isfinite(np.concatenate([ode, alg])))[0])]
