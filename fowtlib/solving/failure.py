@@ -12,15 +12,14 @@ REACHES = (0.0, 1e-9, 1e-6, 1e-4, 1e-2, 0.1, 0.3, 1.0)  # looks ahead of the las
 
 def integration_failure(evaluation: Evaluation, t: float, x: np.ndarray, z: np.ndarray, q: np.ndarray, step: float,
                         reason: str) -> str:  # fmt: skip
-    """Why no step leads on from the last good point: what is not finite there or just ahead, else what changes fastest."""
+    """Why no step leads on from the last good point: what is not finite there or ahead, or what changes fastest."""
     where = f"the integration fails after t = {t:.6g} s"
     ode = np.array(evaluation.residual(t, x, z, q)[0]).ravel()
     for reach in REACHES:
         h = reach * step
         name = not_finite(evaluation, t + h, x + h * ode if h else x, z, q)
         if name:
-            owner = name.split(" (")[0].removeprefix("der(").rpartition(".")[0] or "the model"
-            return f"{where}: {name} is not a finite number. Check the parameters, start values and limits of {owner}."
+            return f"{where}: {name} is not a finite number. Check the parameters, start values and limits there."
         if not np.all(np.isfinite(ode)):
             break
     states = evaluation.dae.states
@@ -44,5 +43,5 @@ def not_finite(evaluation: Evaluation, t: float, x: np.ndarray, z: np.ndarray, q
     if len(bad):
         name = names[bad[0]]
         return f"{name} ({dae.docs[name]})" if dae.docs.get(name) and not name.startswith("der(") else name
-    paths = [*(f"der({state.path})" for state in dae.states), *dae.residual_paths]
+    paths = [*(f"der({state.path})" for state in dae.states), *(f"an equation of {p}" for p in dae.residual_paths)]
     return paths[int(np.flatnonzero(~np.isfinite(np.concatenate([ode, alg])))[0])]

@@ -15,7 +15,6 @@ import numpy as np
 
 from fowtlib.solving.evaluation import Evaluation
 
-
 LIMIT = 100_000
 REASONS = {
     "IDA_TOO_MUCH_WORK": f"{LIMIT:,} steps do not reach the next point",

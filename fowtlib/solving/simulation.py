@@ -226,24 +226,24 @@ class Simulation:
             xs, zs = state_at(h)
             return float(np.array(self.indicators(self.t + h, xs, zs, self.q)).ravel()[i])
 
-        instants = {i: self._instant(lambda h, i=i: indicator(h, i), length) for i in candidates}
+        instants = {int(i): self._instant(int(i), indicator, length) for i in candidates}
         first = min(instants.values())
         self.x, self.z = (values.copy() for values in state_at(first))
         self.t += first
         due = {i for i, h in instants.items() if h <= first * (1 + 1e-12)}
         self._act(due)
 
-    def _instant(self, indicator: Callable[[float], float], length: float) -> float:
-        """Time from now until an indicator is not positive any more: the first point behind its last root."""
+    def _instant(self, i: int, indicator: Callable[[float, int], float], length: float) -> float:
+        """Time from now until indicator i is not positive any more: the first point behind its root."""
         low = 0.0
-        if indicator(low) <= 0:  # it was zero at the last event and has risen since
-            heights = (length * 0.5**k for k in range(1, 40))
-            low = next((h for h in heights if indicator(h) > 0), 0.0)
+        if indicator(low, i) <= 0:  # it was zero at the last event and has risen since
+            shorter = (length * 0.5**k for k in range(1, 40))
+            low = next((h for h in shorter if indicator(h, i) > 0), 0.0)
             if not low:
-                return 0.0
+                raise self._chatter(i)
         accuracy = 1e-13 * max(1.0, self.t)
-        root = float(brentq(indicator, low, length, xtol=accuracy, rtol=1e-14))
-        while root < length and indicator(root) > 0:
+        root = float(brentq(indicator, low, length, args=(i,), xtol=accuracy, rtol=1e-14))
+        while root < length and indicator(root, i) > 0:
             root, accuracy = min(root + accuracy, length), 2 * accuracy
         return root
 
@@ -269,10 +269,13 @@ class Simulation:
             self.returns[i] = self.returns.get(i, 0) + 1 if soon else 0
             self.last_event[i] = self.t
             if self.returns[i] > CHATTER_LIMIT:
-                raise SimulationError(
-                    f"{self.dae.events[i].path or 'the model'}: the event of a when() returns at once, again and again, at "
-                    f"t = {self.t:.6g} s. Give the condition a hysteresis, or let the motion come to rest there."
-                )
+                raise self._chatter(i)
+
+    def _chatter(self, i: int) -> SimulationError:
+        return SimulationError(
+            f"{self.dae.events[i].path or 'the model'}: the event of a when() returns at once, again and again, "
+            f"at t = {self.t:.6g} s. Give the condition a hysteresis, or let the motion come to rest there."
+        )
 
     def _act(self, due: set[int]) -> None:
         for _ in range(50):
