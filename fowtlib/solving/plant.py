@@ -198,10 +198,19 @@ class Plant:
 
     # --- uses ----------------------------------------------------------------------------------------------------
 
-    def simulate(self, t_end: float | None = None, output_step: float | None = None, *,
-                 start: State | Result | Values | None = None, solver: str | None = None,
-                 tolerance: float | None = None, parameters: Values | None = None, inputs: Values | None = None, outputs: Sequence[str] | None = None,
-                 progress: Callable[[float, float], None] | bool = False) -> Result:  # fmt: skip
+    def simulate(
+        self,
+        t_end: float | None = None,
+        output_step: float | None = None,
+        *,
+        start: State | Result | Values | None = None,
+        solver: str | None = None,
+        tolerance: float | None = None,
+        parameters: Values | None = None,
+        inputs: Values | None = None,
+        outputs: Sequence[str] | None = None,
+        progress: Callable[[float, float], None] | bool = False,
+    ) -> Result:
         """Simulate to `t_end` [s] and give the outputs every `output_step` [s].
 
         start: a State, an earlier Result to go on from, or start values by path. Arguments left out come from the model
