@@ -5,7 +5,7 @@ from __future__ import annotations
 import sys
 import time as clock
 import warnings
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Iterable, Sequence
 from typing import TYPE_CHECKING, Any
 
 import casadi as ca
@@ -239,18 +239,21 @@ class Simulation:
         if indicator(low, i) <= 0:  # it was zero at the last event and has risen since
             shorter = (length * 0.5**k for k in range(1, 40))
             low = next((h for h in shorter if indicator(h, i) > 0), 0.0)
-            if not low:
+            if not low and self.last_event.get(i) == self.t:
                 raise self._chatter(i)
+            if not low:
+                return 0.0
         accuracy = 1e-13 * max(1.0, self.t)
         root = float(brentq(indicator, low, length, args=(i,), xtol=accuracy, rtol=1e-14))
         while root < length and indicator(root, i) > 0:
             root, accuracy = min(root + accuracy, length), 2 * accuracy
         return root
 
-    def _arm(self) -> None:
-        """An indicator waits for its event where it is positive, or at zero and rising."""
+    def _arm(self, fired: Iterable[int] = ()) -> None:
+        """An indicator waits for its event where it is positive or zero; one that has just had it, where it rises."""
         now = self._indicator_values()
-        self.armed = now > 0
+        self.armed = now >= 0
+        self.armed[list(fired)] = now[list(fired)] > 0
         if np.all(self.armed):
             return
         h = 1e-3 * self.step / SUBSTEPS
@@ -278,6 +281,7 @@ class Simulation:
         )
 
     def _act(self, due: set[int]) -> None:
+        fired: set[int] = set()
         for _ in range(50):
             self._count(due)
             before = self._indicator_values()
@@ -290,11 +294,11 @@ class Simulation:
             self.x, self.d = x, d
             self.z = consistent_algebraics(self.evaluation, self.t, self.x, self.z, self.q)
             after = self._indicator_values()
-            fired = due
-            due = {i for i in range(len(after)) if before[i] > 0 >= after[i] and i not in fired}
+            fired |= due
+            due = {i for i in range(len(after)) if before[i] > 0 >= after[i] and i not in due}
             if not due:
                 break
-        self._arm()
+        self._arm(fired)
 
     def _sample_now(self) -> None:
         """Carry out the sampled parts that are due, in order of their dependence."""
