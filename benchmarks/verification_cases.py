@@ -1,0 +1,163 @@
+"""What docs/verification.md and tests/verification compute: models in the conditions of a published case, and numbers.
+
+Independent solutions (`surge_pitch`) are plain numpy and share no equation with the components.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+from scipy.linalg import eigh
+
+import fowtlib as fw
+from fowtlib.analysis import Decay, Rao, free_decay, linear_rao, simulated_rao
+from fowtlib.components.blocks import Constant
+from fowtlib.components.hydro.database import HydrodynamicDatabase
+from fowtlib.components.mechanics import WorldForce
+from fowtlib.solving.linear import Mode
+from fowtlib.solving.model import Model
+from fowtlib.solving.plant import Plant
+from fowtlib.solving.results import Statistics
+
+CALM = {"sea.spectrum": "still", "wind.kind": "none"}
+WITHOUT_DRAG = {"platform.drag.drag_coefficient": 0.0}
+HEAVY_LINES = {"platform.mooring.mass_per_length": 200.0}
+MOTIONS = ("surge", "sway", "heave", "roll", "pitch", "yaw")
+THRUST = 808e3  # N, the largest of one rotor, for which the two-rotor spar was sized
+HUB_HEIGHT = 90.0  # m
+
+
+def calm_plant(name: str, parameters: dict[str, Any] | None = None) -> Plant:
+    """A shipped model in still water without wind."""
+    return fw.load(name).with_parameters({**CALM, **(parameters or {})}).compile()
+
+
+def modes_by_motion(plant: Plant) -> dict[str, Mode]:
+    """For each motion of the platform the mode in which its state takes part most, about rest."""
+    modes = plant.linearize(plant.equilibrium(), outputs=[]).modes()
+    moving = [mode for mode in modes if np.isfinite(mode.period)]
+
+    def share(mode: Mode, motion: str) -> float:
+        return mode.participation[f"platform.motion.{motion}"]
+
+    return {motion: max(moving, key=lambda mode: share(mode, motion)) for motion in MOTIONS}
+
+
+def free_decays(plant: Plant, offsets: dict[str, float], cycles: float = 5.0) -> dict[str, Decay]:
+    """Decay of each motion from an offset [m or deg], for so many cycles of its mode."""
+    modes = modes_by_motion(plant)
+    return {
+        motion: free_decay(plant, motion, offset, duration=cycles * modes[motion].period)
+        for motion, offset in offsets.items()
+    }
+
+
+def oc3_line_at(plant: Plant, distance: float) -> dict[str, float]:
+    """Tensions [kN] and seabed length [m] of the upwind line in the model, its fairlead so far from its anchor [m]."""
+    state = plant.initial_state(start={"platform.motion.surge": distance - 848.67})
+    names = {"H": "horizontal_tension", "V": "vertical_tension", "T": "tension"}
+    values = {key: float(state[f"platform.mooring.line_2.{name}"]) / 1e3 for key, name in names.items()}
+    return {**values, "seabed": float(state["platform.mooring.line_2.seabed_length"])}
+
+
+def oc3_without_drag() -> Model:
+    """The OC3 spar without quadratic drag, whose linear response is exact for small waves."""
+    return fw.load("oc3_spar_rigid").with_parameters(WITHOUT_DRAG)
+
+
+def oc3_rao(frequencies: np.ndarray) -> Rao:
+    """Surge, heave and pitch per metre of wave from the linear model, without drag."""
+    return linear_rao(oc3_without_drag(), frequencies, outputs=["surge", "heave", "pitch"])
+
+
+def oc3_rao_of_runs(frequencies: np.ndarray) -> Rao:
+    """The same from runs in regular waves of 1 m height."""
+    return simulated_rao(
+        oc3_without_drag(), frequencies, outputs=["surge", "heave", "pitch"], height=1.0, settle=1200.0, periods=5
+    )
+
+
+def oc3_load_case_5_1() -> Statistics:
+    """OC3 load case 5.1: steady wind of 8 m/s without shear, regular waves of 6 m and 10 s. The last 400 s of 800 s."""
+    conditions = {
+        "wind.kind": "steady", "wind.mean_speed": 8.0, "wind.shear_exponent": 0.0,
+        "sea.spectrum": "regular", "sea.wave_height": 6.0, "sea.wave_period": 10.0,
+    }  # fmt: skip
+    plant = fw.load("oc3_spar_rigid").with_parameters(conditions).compile()
+    return plant.simulate(800.0, 0.2).statistics(400.0)
+
+
+def two_rotors_in(yaw_gain: float, wind: str = "kaimal", seed: int = 1, duration: float = 1000.0) -> fw.Result:
+    """Two rotors at 11.4 m/s (intensity 0.17) in waves of Hs 3.1 m, Tp 10.1 s; yaw_gain 0 is PI control alone."""
+    conditions = {"yaw_gain": yaw_gain, "wind.kind": wind, "wind.seed": seed, "sea.seed": seed}
+    return fw.load("two_rotor_spar_rigid").with_parameters(conditions).compile().simulate(duration, 0.25)
+
+
+def two_rotors_pushed(force: float = THRUST) -> Plant:
+    """The two-rotor spar in calm weather with a steady force [N] downwind at each hub."""
+    model = fw.load("two_rotor_spar_rigid").with_parameters(CALM)
+    for side in ("left", "right"):
+        push = model.root.add(f"push_{side}", WorldForce())
+        thrust = model.root.add(f"force_{side}", Constant(value=(force, 0, 0)))
+        model.root.connect(model.root.find(f"arm_{side}").frame_b, push.frame)
+        model.root.connect(thrust.y, push.force)
+    return model.compile()
+
+
+@dataclass(frozen=True)
+class SurgePitch:
+    """Mass and stiffness (2, 2) of surge and pitch about the axis at the still water level [SI], without damping."""
+
+    mass: np.ndarray
+    stiffness: np.ndarray
+    surge_period: float
+    pitch_period: float
+
+    def static(self, force: float, height: float) -> np.ndarray:
+        """Surge [m] and pitch [rad] under a horizontal force [N] at a height [m]."""
+        return np.linalg.solve(self.stiffness, force * np.array([1.0, height]))
+
+
+def surge_pitch(model: Model, heave: float = 0.0) -> SurgePitch:
+    """Surge and pitch of an upright spar as two coupled oscillators, by textbook formulas; `heave` [m] at rest.
+
+    Bodies by mass, height and inertia; added mass at the lowest frequency of the data; buoyancy and waterplane from the
+    data, the weight of the bodies added; the lines by differences of their static load, acting at the fairleads: a
+    horizontal spring, and a vertical load that hangs there like a weight. The ring of fairleads counts as a point.
+    """
+    root, g = model.root, 9.80665
+    water = root.find("platform.water")
+    data = HydrodynamicDatabase.read(water.database)
+    mooring = root.find("platform.mooring")
+    depth, step = -float(mooring.fairlead_depth), 0.5
+    force, _ = mooring.static_load((0, 0, heave))
+    ahead, _ = mooring.static_load((step, 0, heave))
+    behind, _ = mooring.static_load((-step, 0, heave))
+    spring = (behind[0] - ahead[0]) / (2 * step)
+    mass, moment, inertia, weight = np.sum(
+        [(m, m * z, iyy + m * (x * x + z * z), m * g * z) for m, (x, _, z), iyy in _bodies(root)], axis=0
+    )
+    added = data.A[0]
+    M = np.array([[mass + added[0, 0], moment + added[0, 4]], [moment + added[4, 0], inertia + added[4, 4]]])
+    hanging = data.C[4, 4] - weight + force[2] * depth
+    K = np.array([[spring, spring * depth], [spring * depth, spring * depth**2 + hanging]])
+    slow, fast = np.sqrt(eigh(K, M, eigvals_only=True))
+    return SurgePitch(M, K, 2 * np.pi / slow, 2 * np.pi / fast)
+
+
+def _bodies(root: Any) -> list[tuple[float, np.ndarray, float]]:
+    """(mass, place of the centre of mass, inertia about y) of the bodies of the two shipped models."""
+    places = {"platform.hull": None, "platform.structure": None, "tower": None, "turbine": "tower_to_hub",
+              "turbine_left": "arm_left", "turbine_right": "arm_right"}  # fmt: skip
+    found = []
+    for path, at in places.items():
+        owner, _, name = path.rpartition(".")
+        if name not in root.find(owner).parts:
+            continue
+        part = root.find(path)
+        place = np.array(part.centre_of_mass if at else part.r_cm, dtype=float)
+        place = place + np.array(root.find(at).r, dtype=float) if at else place
+        found.append((float(part.mass), place, float(np.array(part.inertia, dtype=float)[1, 1])))
+    return found
