@@ -1,5 +1,7 @@
 """Measure fowtlib: `make bench`, or `python benchmarks/run.py NAME ...` for some of it.
 
+`python benchmarks/run.py --write` puts the table into docs/performance.md.
+
 Each measurement runs in a process of its own, so that its peak memory is its own. The table has the goal beside the
 measured value; wall-clock times depend on the machine and on what else it does.
 """
@@ -15,6 +17,9 @@ import time
 from collections.abc import Callable
 from pathlib import Path
 
+from pages import fill
+
+PAGE = Path(__file__).parent.parent / "docs" / "performance.md"
 Measured = list[tuple[str, str, str]]  # (what, measured, goal)
 MEASUREMENTS: dict[str, Callable[[], Measured]] = {}
 
@@ -75,10 +80,9 @@ def flatten_two_rotors() -> Measured:
 
 
 def _flatten_network(name: str) -> Measured:
-    import fowtlib as fw
-
-    sys.path.insert(0, str(Path(__file__).parent))
     import networks
+
+    import fowtlib as fw
 
     model = fw.load(getattr(networks, name)(50_000))
     began = time.perf_counter()
@@ -134,26 +138,38 @@ def processor() -> str:
         return platform.processor() or platform.machine()
 
 
-def main(names: list[str]) -> int:
-    """Print the table of the chosen measurements, or of all."""
+def measure(names: list[str]) -> tuple[str, bool]:
+    """The table of these measurements, printed while it grows; and whether all of them ended well."""
+    well = True
+    machine = f"Python {platform.python_version()}, {processor()}"
+    lines = [machine, "", "| what | measured | goal |", "| --- | --- | --- |"]
+    print("\n".join(lines), flush=True)
+    for name in names:
+        command = [sys.executable, "-W", "ignore", __file__, "--one", name]
+        child = subprocess.run(command, stdout=subprocess.PIPE, text=True)
+        well &= child.returncode == 0
+        rows = json.loads(child.stdout.splitlines()[-1]) if child.returncode == 0 else [(name, "failed", "")]
+        lines += [f"| {' | '.join(row)} |" for row in rows]
+        print("\n".join(lines[-len(rows) :]), flush=True)
+    return "\n".join(lines), well
+
+
+def main(words: list[str]) -> int:
+    """Measure what is named, or everything; with `--write` also put the table into the documentation."""
+    if words[:1] == ["--one"]:
+        print(json.dumps(MEASUREMENTS[words[1]]()))
+        return 0
+    write = "--write" in words
+    names = [word for word in words if word != "--write"]
     unknown = [name for name in names if name not in MEASUREMENTS]
     if unknown:
         print(f"unknown: {', '.join(unknown)}; there are {', '.join(MEASUREMENTS)}", file=sys.stderr)
         return 2
-    failed = 0
-    print(f"Python {platform.python_version()}, {processor()}\n")
-    print("| what | measured | goal |\n| --- | --- | --- |", flush=True)
-    for name in names or MEASUREMENTS:
-        command = [sys.executable, "-W", "ignore", __file__, "--one", name]
-        child = subprocess.run(command, stdout=subprocess.PIPE, text=True)
-        failed += child.returncode != 0
-        rows = json.loads(child.stdout.splitlines()[-1]) if child.returncode == 0 else [(name, "failed", "")]
-        print("\n".join(f"| {' | '.join(row)} |" for row in rows), flush=True)
-    return 1 if failed else 0
+    table, well = measure(names or list(MEASUREMENTS))
+    if write and well:
+        PAGE.write_text(fill(PAGE.read_text(), "bench", table))
+    return 0 if well else 1
 
 
 if __name__ == "__main__":
-    if sys.argv[1:2] == ["--one"]:
-        print(json.dumps(MEASUREMENTS[sys.argv[2]]()))
-        sys.exit(0)
     sys.exit(main(sys.argv[1:]))

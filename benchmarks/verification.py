@@ -10,12 +10,12 @@
 
 from __future__ import annotations
 
-import re
 import sys
 from collections.abc import Callable
 from pathlib import Path
 
 import numpy as np
+from pages import fill
 
 PAGE = Path(__file__).parent.parent / "docs" / "verification.md"
 Table = tuple[tuple[str, ...], list[tuple[object, ...]]]  # heads, rows
@@ -197,15 +197,6 @@ def markdown(table: Table) -> str:
     lines = [heads, tuple("---" for _ in heads), *rows]
     cells = [[f"{cell:.5g}" if isinstance(cell, float) else str(cell) for cell in line] for line in lines]
     return "\n".join(f"| {' | '.join(line)} |" for line in cells)
-
-
-def fill(page: str, name: str, text: str) -> str:
-    """The page with the text between the marks of a section."""
-    marks = rf"(<!-- begin {name} -->\n).*?(<!-- end {name} -->)"
-    filled, count = re.subn(marks, lambda match: f"{match[1]}{text}\n{match[2]}", page, flags=re.S)
-    if count != 1:
-        raise SystemExit(f"{PAGE.name} has no place for the section {name}")
-    return filled
 
 
 def main(names: list[str]) -> int:
