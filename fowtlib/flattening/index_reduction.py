@@ -94,7 +94,7 @@ class IndexReduction:
         system = self.system
         base_rows = self._base_rows()
         equation_before = {equation.rate: i for i, equation in enumerate(system.equations) if equation.rate >= 0}
-        unknown_before = {unknown.rate: j for j, unknown in enumerate(system.unknowns) if unknown.rate >= 0}
+        self.unknown_before = {unknown.rate: j for j, unknown in enumerate(system.unknowns) if unknown.rate >= 0}
         dummies: set[int] = set()
         rows = [i for i in self.active_rows if system.equations[i].order > 0]
         columns = [j for j in self.columns if system.unknowns[j].order > 0]
@@ -102,7 +102,7 @@ class IndexReduction:
             chosen = self._choose(rows, columns, base_rows)
             dummies.update(chosen)
             rows = [equation_before[i] for i in rows if system.equations[i].order > 1]
-            columns = [unknown_before[j] for j in chosen if system.unknowns[j].order > 1]
+            columns = [self.unknown_before[j] for j in chosen if system.unknowns[j].order > 1]
         return [
             j for j in self._all()
             if system.unknowns[j].rate >= 0 and system.unknowns[j].rate not in dummies
@@ -146,5 +146,6 @@ class IndexReduction:
         """Cost of making a derivative a dummy: high where the unknown below it is wished as a state."""
         unknown = self.system.unknowns[number]
         preference = STATE_PREFERENCES.index(unknown.declared.state)
-        given = unknown.start is not None or bool(unknown.declared.fixed)
+        below = self.system.unknowns[self.unknown_before[number]]
+        given = below.start is not None or bool(unknown.declared.fixed)
         return 10.0 ** (2 * preference) * (2 if given else 1) * (1 + 0.01 / unknown.order) + 1e-6 * number

@@ -2,8 +2,10 @@
 
 from __future__ import annotations
 
+import re
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
+from functools import cached_property
 from typing import Any
 
 import casadi as ca
@@ -12,6 +14,8 @@ import numpy as np
 from fowtlib.language.declarations import Variable
 from fowtlib.language.equations import Assertion
 from fowtlib.language.errors import StructureError
+
+_TOKEN = re.compile(r"[A-Za-z_][\w.\[\]]*")
 
 
 def scalars(value: ca.SX) -> list[ca.SX]:
@@ -49,7 +53,10 @@ class Unknown:
 
 @dataclass(slots=True)
 class FlatEquation:
-    """A scalar equation lhs = rhs; `rate` is the number of its time derivative, where that was needed."""
+    """A scalar equation lhs = rhs; `rate` is the number of its time derivative, where that was needed.
+
+    `written` has the sides as the component wrote them, before unknowns were eliminated.
+    """
 
     lhs: ca.SX
     rhs: ca.SX
@@ -58,6 +65,7 @@ class FlatEquation:
     rate: int = -1
     order: int = 0
     base: int = -1
+    written: tuple[ca.SX, ca.SX] | None = None
 
 
 def residuals(equations: Sequence[FlatEquation]) -> ca.SX:
@@ -129,6 +137,9 @@ class System:
         self.rates: dict[int, ca.SX] = {}
         self.aliases: dict[str, ca.SX] = {}
         self.alias_units: dict[str, tuple[str, str]] = {}
+        self.orientations: list[tuple[str, ca.SX]] = []  # of connected frames, by the path of one of them
+        self.loops: list[str] = []  # paths of the components that close a loop of orientations
+        self.eliminated: list[FlatEquation] = []
         self.range_checks: list[tuple[str, Assertion]] = []
         self.current_path = ""
         self._external_of: dict[int, int] = {}
@@ -154,7 +165,24 @@ class System:
     def add_equation(self, lhs: ca.SX, rhs: ca.SX, path: str, source: str) -> None:
         """Add lhs = rhs, element by element."""
         for left, right in zip(scalars(lhs), scalars(rhs), strict=True):
-            self.equations.append(FlatEquation(left, right, path, source, base=len(self.equations)))
+            number = len(self.equations)
+            self.equations.append(FlatEquation(left, right, path, source, base=number, written=(left, right)))
+
+    def text(self, expression: ca.SX) -> str:
+        """An expression with the elements of arrays called by their paths: `body.r[0]`."""
+        return _TOKEN.sub(lambda token: self._written_names.get(token[0], token[0]), str(expression))
+
+    @cached_property
+    def _written_names(self) -> dict[str, str]:
+        """Path of each element of an array by the name that CasADi gave its symbol, which is `r_0` for `r[0]`."""
+        named = [(item.symbol, item.path) for item in (*self.unknowns, *self.discretes)]
+        for group in (self.parameters, self.inputs):
+            for item in group.values():
+                named += zip(scalars(item.symbol), element_names(item.path, item.symbol.shape), strict=True)
+        for intermediate in self.intermediates:
+            if intermediate.function is None:
+                named += zip(intermediate.symbols, intermediate.names(), strict=True)
+        return {symbol.name(): path for symbol, path in named}
 
     # --- what equations() uses -----------------------------------------------------------------------------------
 
@@ -225,10 +253,7 @@ class System:
 
     def _differentiate_external(self, call: Intermediate) -> None:
         """d/dt w = J(y) dy/dt, with the Jacobian of the function as an external of its own."""
-        y = ca.MX.sym("y", call.inputs.shape[0])
-        jacobian = ca.Function(
-            f"{call.function.name()}_jacobian", [y], [ca.densify(ca.vec(ca.jacobian(call.function(y), y)))]
-        )
+        jacobian = _jacobian_of(call.function)
         path, self.current_path = self.current_path, call.path
         entries = ca.reshape(self.external(jacobian, call.inputs), len(call.symbols), call.inputs.shape[0])
         self.current_path = path
@@ -241,3 +266,16 @@ class System:
         for symbol, rate in zip(scalars(R), scalars(ca.skew(w) @ R), strict=True):
             if symbol.is_symbolic():
                 self.rates[symbol.element_hash()] = rate
+
+
+def _jacobian_of(function: ca.Function) -> ca.Function:
+    """Jacobian entries, column by column; second derivatives by finite differences where there are none."""
+    y = ca.MX.sym("y", function.size1_in(0))
+    name, entries = f"{function.name()}_jacobian", ca.densify(ca.vec(ca.jacobian(function(y), y)))
+    jacobian = ca.Function(name, [y], [entries])
+    try:
+        jacobian.jacobian()
+    except RuntimeError:
+        off = {"enable_forward": False, "enable_reverse": False, "enable_jacobian": False, "enable_fd": True}
+        return ca.Function(name, [y], [entries], {**off, "never_inline": True})
+    return jacobian

@@ -18,6 +18,7 @@ from fowtlib.language.equations import (
     when,
 )
 from fowtlib.language.errors import ModelError
+from fowtlib.language.externals import ExternalFunction
 from fowtlib.language.tables import table1d, table2d, time_series
 
 __all__ = [
@@ -25,6 +26,7 @@ __all__ = [
     "Assembly",
     "Component",
     "Connector",
+    "ExternalFunction",
     "Matrix",
     "ModelError",
     "RealInput",

@@ -1,0 +1,138 @@
+"""External functions: computations outside of the equations, with declared inputs, outputs and Jacobian."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping
+from pathlib import Path
+from typing import Any
+
+import casadi as ca
+import numpy as np
+
+from fowtlib.language.equations import external
+from fowtlib.language.errors import ParameterError, StructureError, did_you_mean
+
+Compute = Callable[[np.ndarray], Any]
+
+
+class ExternalFunction:
+    """A function outside of the equations; the flat model calls it as a whole and is torn there.
+
+    inputs and outputs: names and lengths, such as {"velocity": 3, "pitch": 1}; both are passed as one column in that
+    order. Give one implementation:
+    - library: path of a shared library with CasADi's C interface for `name` (one input, one output) and, as
+      `jac_<name>`, its Jacobian, which may be sparse;
+    - python: function of the input column (NumPy) that returns the output column, with jacobian: a function that
+      returns d outputs / d inputs, (n_out, n_in). Without a jacobian it is taken by finite differences.
+
+    Called in equations() with its inputs by name, it gives its outputs by name: `loads(velocity=v, pitch=b)["force"]`.
+    """
+
+    def __init__(
+        self,
+        name: str,
+        inputs: Mapping[str, int],
+        outputs: Mapping[str, int],
+        *,
+        library: str | Path | None = None,
+        python: Compute | None = None,
+        jacobian: Compute | None = None,
+    ):
+        if (library is None) == (python is None):
+            raise ParameterError(f"external function {name}: give either library or python.")
+        self.name = name
+        self.inputs, self.outputs = dict(inputs), dict(outputs)
+        sizes = (sum(self.inputs.values()), sum(self.outputs.values()))
+        self.function = _from_library(name, Path(library)) if library else _Python(name, sizes, python, jacobian)
+        given = (self.function.numel_in(0), self.function.numel_out(0))
+        if given != sizes:
+            raise ParameterError(
+                f"external function {name}: {given[0]} inputs and {given[1]} outputs in its library, "
+                f"{sizes[0]} and {sizes[1]} declared."
+            )
+
+    def __call__(self, **values: Any) -> dict[str, ca.SX]:
+        for key in values:
+            if key not in self.inputs:
+                raise StructureError(
+                    f"external function {self.name} has no input '{key}'{did_you_mean(key, self.inputs)}"
+                )
+        columns = []
+        for key, size in self.inputs.items():
+            if key not in values:
+                raise StructureError(f"external function {self.name} needs its input '{key}'.")
+            column = ca.vec(ca.densify(ca.SX(values[key])))
+            if column.shape[0] != size:
+                raise StructureError(
+                    f"external function {self.name}: input '{key}' has {column.shape[0]} elements, {size} declared."
+                )
+            columns.append(column)
+        result = external(self.function, ca.vertcat(*columns))
+        ends = np.cumsum([0, *self.outputs.values()]).tolist()
+        return dict(zip(self.outputs, ca.vertsplit(ca.vec(result), ends), strict=True))
+
+
+def _from_library(name: str, path: Path) -> ca.Function:
+    if not path.is_file():
+        raise ParameterError(f"external function {name}: there is no library {path}.")
+    try:
+        return ca.external(name, str(path.resolve()))
+    except RuntimeError as error:
+        reason = [line for line in str(error).splitlines() if line.strip()][-1].strip()
+        raise ParameterError(f"external function {name}: {path} cannot be used: {reason}") from None
+
+
+class _Python(ca.Callback):
+    """A Python function as a CasADi function; slow, for prototypes and as the twin of a library."""
+
+    def __init__(self, name: str, sizes: tuple[int, int], compute: Compute, jacobian: Compute | None):
+        ca.Callback.__init__(self)
+        self.sizes, self.compute, self.slope = sizes, compute, jacobian
+        self._derivative: _PythonJacobian | None = None
+        self.construct(name, {} if jacobian else {"enable_fd": True})
+
+    def get_n_in(self) -> int:
+        return 1
+
+    def get_n_out(self) -> int:
+        return 1
+
+    def get_sparsity_in(self, i: int) -> ca.Sparsity:
+        return ca.Sparsity.dense(self.sizes[0], 1)
+
+    def get_sparsity_out(self, i: int) -> ca.Sparsity:
+        return ca.Sparsity.dense(self.sizes[1], 1)
+
+    def eval(self, arguments: list[ca.DM]) -> list[np.ndarray]:
+        return [np.asarray(self.compute(arguments[0].full().ravel()), dtype=float).reshape(self.sizes[1], 1)]
+
+    def has_jacobian(self, *_: Any) -> bool:
+        return self.slope is not None
+
+    def get_jacobian(self, name: str, inames: Any, onames: Any, options: Any) -> ca.Function:
+        self._derivative = _PythonJacobian(name, self.sizes, self.slope)
+        return self._derivative
+
+
+class _PythonJacobian(ca.Callback):
+    """d outputs / d inputs of a Python function: inputs are its input and its output."""
+
+    def __init__(self, name: str, sizes: tuple[int, int], slope: Compute | None):
+        ca.Callback.__init__(self)
+        self.sizes, self.slope = sizes, slope
+        self.construct(name, {})
+
+    def get_n_in(self) -> int:
+        return 2
+
+    def get_n_out(self) -> int:
+        return 1
+
+    def get_sparsity_in(self, i: int) -> ca.Sparsity:
+        return ca.Sparsity.dense(self.sizes[i], 1)
+
+    def get_sparsity_out(self, i: int) -> ca.Sparsity:
+        return ca.Sparsity.dense(self.sizes[1], self.sizes[0])
+
+    def eval(self, arguments: list[ca.DM]) -> list[np.ndarray]:
+        return [np.asarray(self.slope(arguments[0].full().ravel()), dtype=float).reshape(self.sizes[1], self.sizes[0])]
