@@ -234,7 +234,8 @@ class Plant:
             state = start if same else self.initial_state(parameters, None, inputs, base=start)
         else:
             state = self.initial_state(parameters, start, inputs)
-        simulation = Simulation(self, state, chosen(tolerance, "tolerance", 1e-6), parameters, outputs)
+        relative = chosen(tolerance, "tolerance", 1e-6)
+        simulation = Simulation(self, state, relative, parameters, outputs, isinstance(start, Result))
         return simulation.run(
             float(chosen(t_end, "duration", 600.0)), float(chosen(output_step, "output_step", 0.1)), progress
         )

@@ -35,9 +35,11 @@ class Interrupted(SimulationError):
 class Simulation:
     """One run of a plant from a state."""
 
-    def __init__(self, plant: Plant, start: State, tolerance: float, parameters: Any, outputs: Sequence[str] | None):
+    def __init__(self, plant: Plant, start: State, tolerance: float, parameters: Any, outputs: Sequence[str] | None,
+                 resumed: bool = False):  # fmt: skip
         self.plant, self.dae = plant, plant.dae
         self.parameters = parameters
+        self.resumed = resumed
         self.tolerance = tolerance
         self.evaluation = plant.evaluation(parameters)
         self.names = list(plant.outputs) if outputs is None else list(outputs)
@@ -71,8 +73,14 @@ class Simulation:
                 raise SimulationError(
                     f"{sample.path}: the period of a sampled part is {period:g} s; it must be above zero."
                 )
-            first = 0 if t <= offset else int(np.ceil((t - offset) / period - 1e-9))
+            first = self._next_sample((t - offset) / period)
             self.clocks.append((offset, period, first))
+
+    def _next_sample(self, passed: float) -> int:
+        """Number of the first sample; a run that is resumed has carried out the one at its start already."""
+        if passed <= 0 and not self.resumed:
+            return 0
+        return max(0, int(np.floor(passed + 1e-9)) + 1 if self.resumed else int(np.ceil(passed - 1e-9)))
 
     def _prepare_checks(self) -> None:
         checks = self.dae.checks
