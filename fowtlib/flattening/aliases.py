@@ -23,6 +23,7 @@ def eliminate_aliases(system: System) -> tuple[Substitute, dict[int, ca.SX]]:
     for equation in system.equations:
         left, right = _signed(system, equation.lhs), _signed(system, equation.rhs)
         if left and right and _union(system, sets, left, right):
+            system.eliminated.append(equation)
             continue
         if left and right and _names_a_rate(system, left, right, rates, equation):
             continue
@@ -30,6 +31,7 @@ def eliminate_aliases(system: System) -> tuple[Substitute, dict[int, ca.SX]]:
             (number, sign), value = (left, equation.rhs) if left else (right, equation.lhs)
             if value.is_constant() and system.unknowns[number].order == 0 and number not in constants:
                 constants[number] = (sign, value)
+                system.eliminated.append(equation)
                 continue
         kept.append(equation)
     replaced = _replacements(system, sets, constants, rates, kept)

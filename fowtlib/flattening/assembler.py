@@ -17,6 +17,7 @@ from fowtlib.flattening.instances import Instances, Statements
 from fowtlib.flattening.orientations import resolve_orientations
 from fowtlib.flattening.system import System, element_names, residuals, scalars
 from fowtlib.language.component import Component
+from fowtlib.language.equations import place
 from fowtlib.language.errors import StructureError
 
 
@@ -44,8 +45,9 @@ class _Assembler:
 
     def run(self) -> FlatDAE:
         system = self.system
-        table = [(e.path, f"{e.lhs}", f"{e.rhs}") for e in system.equations] if len(system.equations) <= 5000 else []
         self.original = len(system.equations)
+        written = system.equations if self.original <= 5000 else []
+        table = [(e.path, system.text(e.lhs), system.text(e.rhs)) for e in written]
         self._fold_constant_orientations()
         self.replaced = self._eliminate_aliases()
         live = self._live()
@@ -187,6 +189,8 @@ class _Assembler:
             initial_equations=_column([ca.vec(e) for e in solved["initial"]]),
             initial_paths=[path for (path, _), e in zip(self.statements.initial, solved["initial"], strict=True)
                            for _ in range(e.numel())],
+            initial_sources=[f"{path or 'the model'} ({place(statement.source)})"
+                             for path, statement in self.statements.initial],
             events=self._events(states, solved), samples=self._samples(solved), checks=self._checks(solved),
         )  # fmt: skip
 
@@ -216,7 +220,7 @@ class _Assembler:
 
     def _residual_path(self, number: int) -> str:
         equation = self.system.equations[number]
-        return f"{equation.path or 'the model'} ({'/'.join(equation.source.rsplit('/', 2)[-2:])})"
+        return f"{equation.path or 'the model'} ({place(equation.source)})"
 
     def _observed(
         self, states, causal, symbols, assigned, solved
@@ -280,19 +284,21 @@ class _Assembler:
         for action in actions:
             for target in scalars(action.target):
                 key = target.element_hash()
-                if key in state_of:
+                if key in state_of and action.is_reinit:
                     on_states.append(state_of[key])
                     from_states.append(k)
                 elif key in discrete_of and not action.is_reinit:
                     on_discretes.append(discrete_of[key])
                     from_discretes.append(k)
                 else:
-                    wanted = (
-                        "a state; declare it with state='always'"
-                        if action.is_reinit
-                        else "declared with var(discrete=True)"
-                    )
-                    raise StructureError(f"{path}: {target} cannot be set at an event, because it is not {wanted}.")
+                    name = system.text(target)
+                    if action.is_reinit:
+                        why = f"reinit() cannot set {name}, which is not a state; declare it with state='always'."
+                    elif key in state_of:
+                        why = f"assign() cannot set {name}, which is a state; write reinit()."
+                    else:
+                        why = f"assign() cannot set {name}; declare it with var(discrete=True)."
+                    raise StructureError(f"{path or 'the model'}: {why}")
                 k += 1
         return on_states, from_states, on_discretes, from_discretes
 

@@ -154,6 +154,8 @@ class Connections:
         for name, member in first.field.annotation.members.items():
             if member.kind == "orientation":
                 system.orient(shared[name], shared[member.angular_velocity])
+                if any(node.connected for node in group):
+                    system.orientations.append((first.path, shared[name]))
         for node in group:
             members[node.number].update(shared)
             for name, value in shared.items():

@@ -2,17 +2,17 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable
-
+import casadi as ca
 import numpy as np
 
 from fowtlib.flattening import structure
 from fowtlib.flattening.incidence import Incidence
-from fowtlib.flattening.system import System, residuals
+from fowtlib.flattening.system import FlatEquation, System, Unknown, residuals
 from fowtlib.language.equations import place
 from fowtlib.language.errors import StructureError
 
-SHOWN = 12
+SHOWN = 12  # unknowns or equations listed
+FEW = 3  # equations that are shown with the eliminated ones they meet through
 
 
 def check_structure(system: System, live: list[int], incidence: Incidence) -> list[np.ndarray]:
@@ -31,45 +31,100 @@ def check_structure(system: System, live: list[int], incidence: Incidence) -> li
 
 
 def _report(system: System, live: list[int], coarse: structure.Coarse) -> str:
-    equations, unknowns = len(system.equations), len(live)
     missing, surplus = len(coarse.unmatched_columns), len(coarse.unmatched_rows)
-    lines = [f"the model is singular: {equations} equations for {unknowns} unknowns."]
+    counts = f"{_number(len(system.equations), 'equation')} for {_number(len(live), 'unknown')}"
+    lines = [f"the model is singular: {counts}, after the simple ones are eliminated."]
     if missing:
-        lines.append(f"Under-determined: {_count(missing, 'equation')} missing for these unknowns:")
-        names = [system.unknowns[live[j]] for j in coarse.under_columns]
-        shown = sorted(names, key=lambda unknown: (not unknown.declared.hint, unknown.path))[:SHOWN]
-        for unknown in shown:
-            hint = f" Hint: {unknown.declared.hint}" if unknown.declared.hint else ""
-            doc = f" ({unknown.declared.doc})" if unknown.declared.doc else ""
-            lines.append(f"  {unknown.path}{doc}{'.' + hint if hint else ''}")
-        lines += _more(len(names))
+        these = "these unknowns" if len(coarse.under_columns) > 1 else "this unknown"
+        lines.append(f"Under-determined: {_count(missing, 'equation')} missing for {these}:")
+        lines += _shortened(_undetermined([system.unknowns[live[j]] for j in coarse.under_columns]))
     if surplus:
         lines.append(f"Over-determined: {_count(surplus, 'equation')} too many among these:")
-        shown_equations = list(dict.fromkeys(_equation(system, i) for i in coarse.over_rows))
-        lines += [f"  {text}" for text in shown_equations[:SHOWN]]
-        lines += _more(len(shown_equations))
+        members = [system.equations[i] for i in coarse.over_rows]
+        lines += _shortened(_surplus(system, _with_eliminated(system, members)))
     lines.append(_likely_cause(system, live, coarse))
     return "\n".join(lines)
 
 
-def _equation(system: System, number: int) -> str:
-    equation = system.equations[number]
-    text = f"{equation.lhs} = {equation.rhs}"
-    return (
-        f"{equation.path or 'the model'}: {text if len(text) <= 100 else text[:97] + '...'} ({place(equation.source)})"
-    )
+def _shortened(items: list[str]) -> list[str]:
+    """Indented lines, not more than SHOWN of them."""
+    more = [f"  ... and {len(items) - SHOWN} more"] if len(items) > SHOWN else []
+    return [f"  {item}" for item in items[:SHOWN]] + more
+
+
+def _undetermined(unknowns: list[Unknown]) -> list[str]:
+    """Unknowns with meaning and hint, those with a hint first; elements of one array together."""
+    arrays: dict[str, list[Unknown]] = {}
+    for unknown in sorted(unknowns, key=lambda unknown: (not unknown.declared.hint, unknown.path)):
+        name = unknown.path.rpartition("[")[0] if unknown.path.endswith("]") else unknown.path
+        arrays.setdefault(name, []).append(unknown)
+    items = []
+    for members in arrays.values():
+        first = members[0]
+        doc = f" ({first.declared.doc})" if first.declared.doc else ""
+        hint = f". Hint: {first.declared.hint}" if first.declared.hint else ""
+        items.append(f"{', '.join(unknown.path for unknown in members)}{doc}{hint}")
+    return items
+
+
+def _surplus(system: System, equations: list[FlatEquation]) -> list[str]:
+    """Equations as they were written; elements of one vector equation together."""
+    lines: dict[tuple[str, str], list[str]] = {}
+    for equation in equations:
+        lines.setdefault((equation.path, equation.source), []).append(_equation(system, equation))
+    return [
+        texts[0] + (f" and {_number(len(set(texts)) - 1, 'more element')}" if len(set(texts)) > 1 else "")
+        for texts in lines.values()
+    ]
+
+
+def _equation(system: System, equation: FlatEquation) -> str:
+    """An equation as it was written, with its component and line."""
+    left, right = (system.text(side) for side in _written(equation))
+    text = f"{left} = {right}"
+    text = text if len(text) <= 100 else text[:97] + "..."
+    return f"{equation.path or 'the model'}: {text} ({place(equation.source)})"
+
+
+def _written(equation: FlatEquation) -> tuple[ca.SX, ca.SX]:
+    return equation.written or (equation.lhs, equation.rhs)
+
+
+def _with_eliminated(system: System, equations: list[FlatEquation]) -> list[FlatEquation]:
+    """A few equations together with the eliminated ones through which they meet, such as `a = b` and `a = 4`."""
+    if len(equations) > FEW:
+        return equations
+    found, left = list(equations), list(system.eliminated)
+    known = {symbol.element_hash() for equation in found for symbol in _symbols(equation)}
+    while len(found) <= SHOWN:
+        near = [equation for equation in left if any(s.element_hash() in known for s in _symbols(equation))]
+        if not near:
+            break
+        found += near
+        left = [equation for equation in left if not any(equation is other for other in near)]
+        known |= {symbol.element_hash() for equation in near for symbol in _symbols(equation)}
+    return found
+
+
+def _symbols(equation: FlatEquation) -> list[ca.SX]:
+    return ca.symvar(ca.vertcat(*_written(equation)))
+
+
+def _number(n: int, word: str) -> str:
+    return f"{n} {word}{'s' if n != 1 else ''}"
 
 
 def _count(n: int, word: str) -> str:
-    return f"{n} {word}{'s' if n != 1 else ''} {'are' if n != 1 else 'is'}"
-
-
-def _more(total: int) -> Iterable[str]:
-    return [f"  ... and {total - SHOWN} more"] if total > SHOWN else []
+    return f"{_number(n, word)} {'are' if n != 1 else 'is'}"
 
 
 def _likely_cause(system: System, live: list[int], coarse: structure.Coarse) -> str:
     missing, surplus = len(coarse.unmatched_columns), len(coarse.unmatched_rows)
+    if missing == surplus and system.loops:
+        return (
+            f"Likely cause: the loop that {_names(system.loops)} closes constrains the same motion twice, "
+            "as the hinges of a planar loop do out of its plane; make one of its hinges a PlanarLoopRevolute."
+        )
     if missing and surplus:
         return (
             "Likely cause: something is prescribed twice in one place and left open in another, "
@@ -82,7 +137,8 @@ def _likely_cause(system: System, live: list[int], coarse: structure.Coarse) -> 
             "a body that nothing holds needs a joint, an output needs an equation."
         )
     owners = sorted({system.equations[i].path or "the model" for i in coarse.over_rows})
-    return f"Likely cause: {_names(owners)} prescribe the same quantity; remove one of the equations or connections."
+    verb = "prescribes a quantity twice" if len(owners) == 1 else "prescribe the same quantity"
+    return f"Likely cause: {_names(owners)} {verb}; remove one of the equations or connections."
 
 
 def _owner(path: str) -> str:

@@ -103,6 +103,7 @@ class FlatDAE:
     samples: list[SampledUpdate] = field(default_factory=list)
     checks: list[Check] = field(default_factory=list)
     equation_table: list[tuple[str, str, str]] = field(default_factory=list)
+    initial_sources: list[str] = field(default_factory=list)
     stats: dict[str, float] = field(default_factory=dict)
 
     @cached_property

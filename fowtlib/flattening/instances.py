@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from collections.abc import Iterable
 from dataclasses import dataclass, field
 from typing import Any
@@ -13,10 +14,11 @@ from fowtlib.flattening.connections import Connections
 from fowtlib.flattening.system import Parameter, System, element_names, scalars
 from fowtlib.language import equations as statements
 from fowtlib.language import expressions
-from fowtlib.language.component import Component
+from fowtlib.language.component import Component, UnknownAttribute
 from fowtlib.language.connectors import BoundPort, Signal
 from fowtlib.language.declarations import SHAPES, Variable, join
 from fowtlib.language.errors import ModelError, ParameterError, StructureError
+from fowtlib.language.faults import author_line, reason
 from fowtlib.language.units import to_si
 
 
@@ -189,10 +191,11 @@ class Instances:
                     for statement in _flattened(component.equations()):
                         self._take(component, statement)
                 except ModelError as error:
-                    raise error.at(component.label) if component.label not in str(error) else error from None
-                except (RuntimeError, NotImplementedError, AttributeError, TypeError) as error:
+                    raise _located(error, component) from None
+                except Exception as error:
                     raise StructureError(
-                        f"{component.label}: the equations of {type(component).__name__} fail: {_first_line(error)}"
+                        f"{component.label} ({author_line(error)}): the equations of {type(component).__name__} fail: "
+                        f"{reason(error)}"
                     ) from error
         self.statements.assertions += self.system.range_checks
 
@@ -210,9 +213,10 @@ class Instances:
             statements.FixedOrientation: self.statements.fixed_orientations,
         }
         if type(statement) not in lists:
+            what = "an expression" if isinstance(statement, ca.SX) else repr(statement)
             raise StructureError(
-                f"{component.label}: equations() returned {statement!r}, which is not an equation; "
-                "write eq(left, right)."
+                f"{component.label}: equations() returned {what if len(what) < 60 else what[:57] + '...'}, "
+                "which is not an equation; write eq(left, right), not left == right."
             )
         lists[type(statement)].append((path, statement))
 
@@ -241,6 +245,13 @@ def _shape(shape: tuple[int, ...]) -> str:
     return " x ".join(map(str, shape)) if shape else "of a scalar"
 
 
-def _first_line(error: BaseException) -> str:
-    lines = [line for line in str(error).splitlines() if line.strip()]
-    return lines[-1].strip() if lines else type(error).__name__
+def _located(error: ModelError, component: Component) -> ModelError:
+    """The error with the component in front, and the line where an author of equations has to look."""
+    where = component.label
+    if isinstance(error, (StructureError, UnknownAttribute)):
+        where = f"{component.label} ({author_line(error)})"
+        if error.message.startswith(f"{component.label} ") and not error.where:
+            return type(error)(f"{where}{error.message.removeprefix(component.label)}")
+    if re.search(rf"(?<![\w.]){re.escape(component.label)}(?!\w)", str(error)):
+        return error
+    return error.at(where)

@@ -15,7 +15,7 @@ def resolve_orientations(system: System, statements: Statements) -> nx.MultiGrap
     """Define the rotation matrix of every frame from the roots outwards; returns the graph of the relations."""
     graph = nx.MultiGraph()
     matrices: dict[int, tuple[str, ca.SX, ca.SX]] = {}
-    roots = []
+    roots: dict[int, str] = {}
 
     def node(frame: BoundPort) -> int:
         name, member = next((n, m) for n, m in frame.connector.members.items() if m.kind == "orientation")
@@ -27,8 +27,11 @@ def resolve_orientations(system: System, statements: Statements) -> nx.MultiGrap
     for path, fixed in statements.fixed_orientations:
         key = node(fixed.frame)
         if key in roots:
-            raise ConnectionFault(f"the orientation of {fixed.frame.path} is fixed twice, the second time by {path}.")
-        roots.append(key)
+            raise ConnectionFault(
+                f"the orientation of {fixed.frame.path} is fixed twice, by {roots[key]} and by {path or 'the model'}; "
+                "one of them must leave it free."
+            )
+        roots[key] = path or "the model"
         graph.add_node(key)
         _, R, w = matrices[key]
         _define(system, R, fixed.R, path)
@@ -41,8 +44,8 @@ def resolve_orientations(system: System, statements: Statements) -> nx.MultiGrap
     for root in roots:
         if root in done:
             raise ConnectionFault(
-                f"the orientation of {matrices[root][0]} is fixed, and so is that of a frame it is joined to; "
-                "one of them must be free."
+                f"the orientation of {matrices[root][0]} is fixed by {roots[root]}, and so is that of a frame "
+                "that it is joined to; one of them must leave it free."
             )
         done.add(root)
         front = [root]
@@ -58,16 +61,23 @@ def resolve_orientations(system: System, statements: Statements) -> nx.MultiGrap
                         done.add(neighbour)
                         following.append(neighbour)
             front = following
-    for key, (path, _, _) in matrices.items():
-        if key not in done:
-            raise ConnectionFault(
-                f"the orientation of {path} is not tied to the world; "
-                "join it by a joint, a fixed part or a FreeMotion to the World."
-            )
+    frames = {key: path for key, (path, _, _) in matrices.items()}
+    frames |= {R.elements()[0].element_hash(): path for path, R in system.orientations}
+    loose = [path for key, path in frames.items() if key not in done]
+    if loose:
+        raise ConnectionFault(
+            f"the orientation of {_some(loose)} is not tied to the world; "
+            "join it by a joint, a fixed part or a FreeMotion to the World."
+        )
     for _, _, attributes in graph.edges(data=True):
         if id(attributes["data"]) not in used:
             _closing_edge(system, *attributes["data"])
+            system.loops.append(attributes["data"][0] or "the model")
     return graph
+
+
+def _some(paths: list[str]) -> str:
+    return ", ".join(paths[:3]) + (f" and {len(paths) - 3} more" if len(paths) > 3 else "")
 
 
 def _members(frame: BoundPort) -> tuple[ca.SX, ca.SX]:

@@ -31,6 +31,10 @@ from fowtlib.language.errors import ConnectionFault, NotFoundError, ParameterErr
 from fowtlib.language.units import to_si
 
 
+class UnknownAttribute(NotFoundError, AttributeError):
+    """A name that a component does not have."""
+
+
 @dataclass_transform(kw_only_default=True, field_specifiers=(param, part, port, var, outer))
 class Component:
     """A class of model parts: parameters, ports, variables, `equations()`.
@@ -251,7 +255,7 @@ class Component:
         if name.startswith("_"):
             raise AttributeError(name)
         known = [*parts, *self.parameters, *self.ports, *self.variables]
-        raise AttributeError(
+        raise UnknownAttribute(
             f"{self.label} has no part, port, parameter or variable '{name}'{did_you_mean(name, known)}"
         )
 

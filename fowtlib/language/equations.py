@@ -169,8 +169,7 @@ def _pair(lhs: Any, rhs: Any) -> tuple[ca.SX, ca.SX]:
             a = ca.repmat(a, *b.shape)
         else:
             raise StructureError(
-                f"the sides of an equation have different shapes: {_shape(a)} on the left, {_shape(b)} on the right "
-                f"({place(source_line(3))})."
+                f"the sides of an equation have different shapes: {_shape(a)} on the left, {_shape(b)} on the right."
             )
     return a, b
 

@@ -98,7 +98,7 @@ def _freed_states(dae: FlatDAE, given: set[int]) -> tuple[list[int], list[int]]:
     else:
         raise SimulationError(
             f"{n} initial equations, and only {len(chosen)} states whose start values can give way to them: "
-            + ", ".join(dae.initial_paths[:5])
+            + ", ".join(dae.initial_sources[:5])
             + ". Remove an initial equation, or the fixed=True of a state."
         )
     kept = [r for r in range(n) if chosen[match[r]] not in given]
