@@ -6,6 +6,8 @@
 - OC3: J. Jonkman, Definition of the Floating System for Phase IV of OC3, NREL/TP-500-47535 (2010); J. Jonkman and
   W. Musial, OC3 for IEA Wind Task 23, NREL/TP-5000-48191 (2010).
 - Thesis: O. El Beshbichi, PhD thesis, University of Stavanger (2023), whose Modelica model has the same physics.
+
+What tests/verification checks as well is computed in verification_cases.py. Pictures go to docs/figures.
 """
 
 from __future__ import annotations
@@ -15,9 +17,11 @@ from collections.abc import Callable
 from pathlib import Path
 
 import numpy as np
+import verification_cases as cases
 from pages import fill
 
 PAGE = Path(__file__).parent.parent / "docs" / "verification.md"
+FIGURES = PAGE.parent / "figures"
 Table = tuple[tuple[str, ...], list[tuple[object, ...]]]  # heads, rows
 SECTIONS: dict[str, Callable[[], Table]] = {}
 
@@ -30,14 +34,12 @@ def section(function: Callable[[], Table]) -> Callable[[], Table]:
 
 @section
 def mooring_line() -> Table:
-    """One OC3 line: fairlead tension over the distance from the anchor, fairlead 250 m above the seabed."""
-    from fowtlib.components.mooring import catenary
-
-    line = catenary.Line(902.2, catenary.weight_in_water(77.7066, 0.09), 384.243e6)
+    """The upwind line of the OC3 model: fairlead tension over the distance of the fairlead from the anchor."""
+    plant = cases.calm_plant("oc3_spar_rigid")
     reference = {800: 353.5, 820: 474.8, 840: 721.1, 848.67: 911.1, 855: 1107.9, 865: 1688.1, 880: 5660.0}
     rows = []
     for distance, tension in reference.items():
-        own = float(np.hypot(*catenary.fairlead_tension(distance, 250.0, line))) / 1e3
+        own = cases.oc3_line_at(plant, distance)["T"]
         rows.append((distance, own, tension, _percent(own, tension)))
     return ("distance [m]", "tension [kN]", "independent solution [kN]", "difference"), rows
 
@@ -77,75 +79,125 @@ def radiation_kernel() -> Table:
     return ("damping", "share of two states", "thesis"), rows
 
 
+OC3_FREQUENCIES = {  # [Hz]: thesis, tables 2.7 and 3.2; FAST, ibid.
+    "surge": (0.0081, 0.0080), "heave": (0.0314, 0.0320), "pitch": (0.035, 0.034), "yaw": (0.122, 0.121),
+}  # fmt: skip
+
+
 @section
 def natural_frequencies() -> Table:
     """Linear model of the OC3 spar in still water and still air."""
-    reference = {
-        "surge": ("0.0081", "0.008"), "heave": ("0.0314", "0.032"), "pitch": ("0.035", "0.034"),
-        "yaw": ("0.122", "0.121"),
-    }  # fmt: skip
-    modes = _modes("oc3_spar_rigid")
-    rows = [(name, *modes[name], *values) for name, values in reference.items()]
-    return ("motion", "frequency [Hz]", "damping ratio", "thesis [Hz]", "FAST in the thesis [Hz]"), rows
+    modes = cases.modes_by_motion(cases.calm_plant("oc3_spar_rigid"))
+    rows = [
+        (name, mode.frequency_hz, mode.damping_ratio, *both, _outside(mode.frequency_hz, both))
+        for name, both in OC3_FREQUENCIES.items()
+        for mode in [modes[name]]
+    ]
+    return ("motion", "frequency [Hz]", "damping ratio", "thesis [Hz]", "FAST [Hz]", "outside of both"), rows
 
 
 @section
 def free_decay() -> Table:
     """Runs of the OC3 spar that is let go 10 m or 10 deg from rest."""
-    import fowtlib as fw
-    from fowtlib.analysis import free_decay as decay_of
-
-    model = fw.load("oc3_spar_rigid")
+    damping = {"surge": (0.143, 0.097), "pitch": (0.088, 0.063)}  # thesis, load case 2.3
+    decays = cases.free_decays(cases.calm_plant("oc3_spar_rigid"), dict.fromkeys(OC3_FREQUENCIES, 10.0))
     rows = []
-    for name, thesis in (("surge", 0.0081), ("heave", 0.0314), ("pitch", 0.035), ("yaw", 0.122)):
-        decay = decay_of(model, name, 10.0)
-        rows.append((name, decay.frequency, decay.damping_ratio, thesis, _percent(decay.frequency, thesis)))
-    return ("motion", "frequency [Hz]", "damping ratio", "thesis [Hz]", "difference"), rows
+    for name, both in OC3_FREQUENCIES.items():
+        decay, published = decays[name], damping.get(name, ("", ""))
+        rows.append((name, decay.frequency, _outside(decay.frequency, both), decay.damping_ratio, *published))
+    return ("motion", "frequency [Hz]", "outside of both", "damping ratio", "thesis", "FAST"), rows
 
 
 @section
 def mean_surge() -> Table:
     """OC3 load case 5.1: steady wind of 8 m/s, regular waves of 6 m and 10 s."""
-    import fowtlib as fw
-
-    conditions = {
-        "wind.kind": "steady", "wind.mean_speed": 8.0,
-        "sea.spectrum": "regular", "sea.wave_height": 6.0, "sea.wave_period": 10.0,
-    }  # fmt: skip
-    result = fw.load("oc3_spar_rigid", set=conditions).compile().simulate(1600.0)
-    mean = result.statistics(discard=600.0)["surge"].mean
-    return ("quantity", "mean of 1000 s [m]", "codes in OC3 [m]"), [("surge", mean, "8.37 to 15.10")]
+    mean = cases.oc3_load_case_5_1()["surge"].mean
+    return ("quantity", "mean of 400 s [m]", "codes in OC3 [m]"), [("surge", mean, "8.37 to 15.10")]
 
 
 @section
 def response_to_waves() -> Table:
-    """Response per metre of wave of the OC3 spar: the linear model against runs in regular waves of 0.2 m."""
-    import fowtlib as fw
-    from fowtlib.analysis import linear_rao, simulated_rao
+    """Response per metre of wave of the OC3 spar without drag: the linear model against runs in waves of 1 m."""
+    from fowtlib.view.plots import plot_rao
 
-    model = fw.load("oc3_spar_rigid")
-    frequencies, names = [0.01, 0.05, 0.08, 0.1, 0.15], ["surge", "heave", "pitch"]
-    linear = linear_rao(model, frequencies, outputs=names)
-    runs = simulated_rao(model, frequencies, outputs=names, height=0.2, settle=1500.0)
-    pairs = [(linear.amplitude(name), runs.amplitude(name)) for name in names]
+    frequencies = [0.02, 0.03, 0.05, 0.07, 0.1, 0.15]
+    linear, runs = cases.oc3_rao(frequencies), cases.oc3_rao_of_runs(frequencies)
+    plot_rao([cases.oc3_rao(np.arange(0.003, 0.2, 0.0005)), runs], _figure("oc3_rao.png"))
+    pairs = [(linear.amplitude(name), runs.amplitude(name)) for name in linear.outputs]
     rows = [(f, *(float(series[i]) for pair in pairs for series in pair)) for i, f in enumerate(frequencies)]
-    heads = [f"{name}, {kind} [{linear.unit(name)}]" for name in names for kind in ("linear", "runs")]
+    heads = [f"{name}, {kind} [{linear.unit(name)}]" for name in linear.outputs for kind in ("linear", "runs")]
     return ("frequency [Hz]", *heads), rows
+
+
+@section
+def heave_in_long_waves() -> Table:
+    """Heave of the OC3 spar per metre of a long wave, against the ratio of stiffnesses."""
+    limit, own = cases.heave_limit(), float(cases.oc3_rao([0.004]).amplitude("heave")[0])
+    heads = ("frequency [Hz]", "heave [m/m]", "C33/(C33 + lines)", "difference")
+    return heads, [(0.004, own, limit, _percent(own, limit))]
+
+
+@section
+def two_rotor_rest() -> Table:
+    """What holds the two-rotor spar at its published draft: upward forces [MN], and the heave that follows."""
+    return ("force or place", "value"), cases.two_rotor_balance()
 
 
 @section
 def two_rotor_periods() -> Table:
     """Runs of the two-rotor spar that is let go from rest in still water and still air."""
-    import fowtlib as fw
-    from fowtlib.analysis import free_decay as decay_of
-
-    model = fw.load("two_rotor_spar_rigid")
     reference = {"surge": (132.3, 0.0873), "heave": (32.1, 0.0196), "pitch": (29.7, 0.0381), "yaw": (33.6, 0.0412)}
+    offsets = {"surge": 5.0, "heave": 3.0, "pitch": 3.0, "yaw": 5.0}
+    decays = cases.free_decays(cases.calm_plant("two_rotor_spar_rigid"), offsets)
     rows = []
     for name, (period, damping) in reference.items():
-        decay = decay_of(model, name, 10.0, duration=900.0)
+        decay = decays[name]
         rows.append((name, decay.period, period, _percent(decay.period, period), decay.damping_ratio, damping))
     return ("motion", "period [s]", "thesis [s]", "difference", "damping ratio", "thesis"), rows
+
+
+@section
+def surge_by_lines() -> Table:
+    """Natural periods of both spars in surge and pitch: the linear model, two oscillators in numpy, the thesis."""
+    import fowtlib as fw
+
+    rows = []
+    for what, name, parameters, surge, pitch in (
+        ("OC3, 77.7 kg/m", "oc3_spar_rigid", {}, 123.45, 28.5),
+        ("OC3, 200 kg/m", "oc3_spar_rigid", cases.HEAVY_LINES, 103.1, 28.2),
+        ("two rotors, 200 kg/m", "two_rotor_spar_rigid", {}, 132.3, 29.7),
+    ):
+        plant = cases.calm_plant(name, parameters)
+        modes = cases.modes_by_motion(plant)
+        model = fw.load(name).with_parameters(parameters)
+        own = cases.surge_pitch(model, float(plant.equilibrium()["heave"]))
+        lines = own.stiffness[0, 0] / 1e3
+        surges = (1 / modes["surge"].frequency_hz, own.surge_period, surge)
+        rows.append((what, lines, *surges, 1 / modes["pitch"].frequency_hz, own.pitch_period, pitch))
+    heads = ("surge, model [s]", "numpy [s]", "thesis [s]", "pitch, model [s]", "numpy [s]", "thesis [s]")
+    return ("spar and lines", "surge stiffness [kN/m]", *heads), rows
+
+
+@section
+def two_rotor_static_pitch() -> Table:
+    """Static pitch of the two-rotor spar under 808 kN at each hub."""
+    import fowtlib as fw
+
+    state = cases.two_rotors_pushed().equilibrium()
+    heave = float(cases.calm_plant("two_rotor_spar_rigid").equilibrium()["heave"])
+    linear = cases.surge_pitch(fw.load("two_rotor_spar_rigid"), heave).static(2 * cases.THRUST, cases.HUB_HEIGHT)
+    stiffness = 3.42e9  # C55 of the thesis
+    rows = [
+        ("thesis: force times hub to centre of buoyancy (162 m) over C55", _pitch(162.0 / stiffness)),
+        ("the same with the lever to the fairleads (176.5 m)", _pitch(176.5 / stiffness)),
+        ("stiffness of water, weight and lines at rest, in plain numpy", float(np.degrees(linear[1]))),
+        ("equilibrium of the model", float(state["pitch"])),
+    ]
+    return ("computation", "pitch [deg]"), rows
+
+
+def _pitch(per_newton: float) -> float:
+    return float(np.degrees(2 * cases.THRUST * per_newton))
 
 
 @section
@@ -164,27 +216,49 @@ def two_rotor_mean_pitch() -> Table:
 @section
 def two_rotor_yaw() -> Table:
     """Yaw of the two-rotor spar at 11.4 m/s: 3600 s, Hs 3.1 m, Tp 10.1 s, the first 400 s left out."""
-    import fowtlib as fw
-
-    rows = []
-    for wind, yaw_gain in (("steady", 0.0), ("kaimal", 0.0), ("kaimal", 1.5)):
-        model = fw.load("two_rotor_spar_rigid", set={"wind.kind": wind, "yaw_gain": yaw_gain})
-        yaw = model.compile().simulate(3600.0).statistics(discard=400.0)["yaw"]
+    rows, shown = [], {}
+    for wind, gain, published in (
+        ("steady", 0.0, ("0", "")), ("kaimal", 0.0, ("6.5", "21.6")), ("kaimal", 1.5, ("2.5", "7.7")),
+    ):  # fmt: skip
+        result = cases.two_rotors_in(gain, wind, duration=3600.0)
+        yaw = result.statistics(discard=400.0)["yaw"]
         largest = max(abs(yaw.min), abs(yaw.max))
-        rows.append(("none" if wind == "steady" else "class B", yaw_gain, yaw.std, largest))
-    return ("turbulence", "yaw gain", "standard deviation [deg]", "largest [deg]"), rows
+        rows.append(("none" if wind == "steady" else "class B", gain, yaw.std, published[0], largest, published[1]))
+        if wind == "kaimal":
+            shown["PI" if gain == 0 else f"PI-P, yaw gain {gain:g}"] = result
+    _draw_yaw(shown)
+    heads = ("turbulence", "yaw gain", "standard deviation [deg]", "thesis [deg]", "largest [deg]", "thesis [deg]")
+    return heads, rows
 
 
-def _modes(name: str) -> dict[str, tuple[float, float]]:
-    """Frequency [Hz] and damping ratio by motion, in still water and still air."""
-    import fowtlib as fw
-    from fowtlib.cli.stability import motion_of
+def _draw_yaw(results: dict) -> None:
+    """Yaw with both controllers over 600 s."""
+    from matplotlib.figure import Figure
 
-    plant = fw.load(name, set={"wind.kind": "none", "sea.spectrum": "still"}).compile()
-    names = {path: name for name, (path, _, _) in plant.outputs.items()}
-    modes = plant.linearize(plant.equilibrium()).modes()
-    oscillating = [mode for mode in modes if mode.eigenvalue.imag > 0]
-    return {motion_of(mode, names): (mode.frequency_hz, mode.damping_ratio) for mode in oscillating}
+    figure = Figure(figsize=(7.5, 3.0), layout="constrained")
+    axis = figure.subplots()
+    for (label, result), color in zip(results.items(), ("#d1651b", "#0b5394"), strict=True):
+        seen = (result.time >= 1000) & (result.time <= 1600)
+        axis.plot(result.time[seen], result["yaw"].values[seen], color=color, linewidth=1.1, label=label)
+    axis.set(xlabel="time [s]", ylabel="yaw [deg]", xlim=(1000, 1600))
+    axis.grid(color="#d9d9d9", linewidth=0.6)
+    axis.spines[["top", "right"]].set_visible(False)
+    axis.legend(frameon=False, ncols=2, loc="upper right")
+    figure.savefig(_figure("two_rotor_yaw.png"), dpi=120)
+
+
+def _figure(name: str) -> Path:
+    """Where a picture of the page goes."""
+    FIGURES.mkdir(exist_ok=True)
+    return FIGURES / name
+
+
+def _outside(value: float, references: tuple[float, float]) -> str:
+    """How far a value lies beyond the interval of two references."""
+    if min(references) <= value <= max(references):
+        return "0"
+    nearest = min(references, key=lambda reference: abs(value - reference))
+    return _percent(value, nearest)
 
 
 def _percent(own: float, reference: float) -> str:

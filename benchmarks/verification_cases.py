@@ -79,6 +79,17 @@ def oc3_rao_of_runs(frequencies: np.ndarray) -> Rao:
     )
 
 
+def heave_limit() -> float:
+    """Heave of the OC3 spar per metre of a very long wave: C33/(C33 + K), with the heave stiffness K of the lines.
+
+    A free spar follows with 1. K is the difference of the static load of the lines, 10 cm up and down.
+    """
+    root = fw.load("oc3_spar_rigid").root
+    data = HydrodynamicDatabase.read(root.find("platform.water").database)
+    up, down = (root.find("platform.mooring").static_load((0, 0, z))[0][2] for z in (0.1, -0.1))
+    return float(data.C[2, 2] / (data.C[2, 2] + (down - up) / 0.2))
+
+
 def oc3_load_case_5_1() -> Statistics:
     """OC3 load case 5.1: steady wind of 8 m/s without shear, regular waves of 6 m and 10 s. The last 400 s of 800 s."""
     conditions = {
@@ -104,6 +115,24 @@ def two_rotors_pushed(force: float = THRUST) -> Plant:
         model.root.connect(model.root.find(f"arm_{side}").frame_b, push.frame)
         model.root.connect(thrust.y, push.force)
     return model.compile()
+
+
+def two_rotor_balance() -> list[tuple[str, float]]:
+    """Vertical forces on the two-rotor spar at its published draft [MN, upward], and where it floats at rest [m]."""
+    root = fw.load("two_rotor_spar_rigid").root
+    data = HydrodynamicDatabase.read(root.find("platform.water").database)
+    buoyancy = data.rho * data.g * data.volume
+    weight = -data.g * sum(mass for mass, _, _ in _bodies(root))
+    lines = root.find("platform.mooring").static_load()[0][2]
+    rest = float(calm_plant("two_rotor_spar_rigid").equilibrium()["heave"])
+    return [
+        ("buoyancy [MN]", buoyancy / 1e6),
+        ("weight [MN]", weight / 1e6),
+        ("lines [MN]", lines / 1e6),
+        ("sum [MN]", (buoyancy + weight + lines) / 1e6),
+        ("sum over waterplane stiffness [m]", (buoyancy + weight + lines) / data.C[2, 2]),
+        ("heave of the model at rest [m]", rest),
+    ]
 
 
 @dataclass(frozen=True)

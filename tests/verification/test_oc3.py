@@ -10,8 +10,6 @@ import pytest
 import verification_cases as cases
 
 import fowtlib as fw
-from fowtlib.components.hydro.database import HydrodynamicDatabase
-from fowtlib.modelfile import data_path
 
 # Natural frequencies [Hz]: the smaller and the larger of the Modelica model and FAST, [T] tables 2.7 and 3.2.
 FREQUENCIES = {"surge": (0.0080, 0.0081), "heave": (0.0314, 0.032), "pitch": (0.034, 0.035), "yaw": (0.121, 0.122)}
@@ -92,11 +90,7 @@ def test_catenary_table_through_the_model(calm, distance, H, V, T, seabed):
 
 def test_heave_follows_long_waves():
     """A free spar would follow with 1; the lines hold it back: C33 / (C33 + K), with their heave stiffness K."""
-    data = HydrodynamicDatabase.read(data_path("oc3_hywind/hydrodynamics.nc"))
-    mooring = fw.load("oc3_spar_rigid").root.find("platform.mooring")
-    up, down = (mooring.static_load((0, 0, z))[0][2] for z in (0.1, -0.1))
-    stiffness = (down - up) / 0.2
-    limit = data.C[2, 2] / (data.C[2, 2] + stiffness)
+    limit = cases.heave_limit()
     assert limit == pytest.approx(0.966, abs=1e-3)
     assert cases.oc3_rao([0.004]).amplitude("heave")[0] == pytest.approx(limit, rel=5e-3)
 
