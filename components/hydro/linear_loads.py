@@ -154,7 +154,8 @@ class Radiation(PlatformLoad):
     world: World = outer(World)
 
     x: Array = var(shape=lambda self: (self.model().states,), doc="states of the radiation model")
-    load: Array = var(shape=(6,), doc="radiation force [N] and moment [N m] on the platform, axes of the hull")
+    force: Vector = var(unit="N", doc="radiation force on the platform, axes of the hull")
+    moment: Vector = var(unit="N*m", doc="radiation moment on the platform, axes of the hull")
 
     def model(self) -> RadiationModel:
         """The identified state-space model, with its report."""
@@ -163,7 +164,8 @@ class Radiation(PlatformLoad):
     def equations(self):
         model = self.model()
         scale = self.world.water_density / read_database(self.database).rho
-        statements = [eq(self.load, -scale * m.mtimes(model.C, self.x)), self.push_in_hull(self.load)]
+        load = m.vertcat(self.force, self.moment)
+        statements = [eq(load, -scale * m.mtimes(model.C, self.x)), self.push_in_hull(load)]
         if model.states:
             statements.append(
                 eq(der(self.x), m.mtimes(model.A, self.x) + m.mtimes(model.B, self.in_hull(self.velocity())))
@@ -175,20 +177,23 @@ class WaveExcitation(PlatformLoad):
     """First-order load of the incoming and diffracted waves, sum of Re(a_k X(omega_k, heading) exp(i omega_k t + ...)).
 
     It acts on the platform at rest: motion changes neither its size nor its phase. `position` moves the phase with the
-    waves. `extra_load` is the input of linear models; with `wave_transfer` it gives response amplitude operators.
+    waves. `extra_force` and `extra_moment` are the inputs of linear models; with `wave_transfer` they give response
+    amplitude operators.
     Source: J.N. Newman, Marine Hydrodynamics (1977), 6.18.
     """
 
-    wave_input = "extra_load"
+    wave_inputs = ("extra_force", "extra_moment")
 
     database: str = param(doc="file of a HydrodynamicDatabase")
     position: Vector = param(default=(0, 0, 0), unit="m", structural=True, doc="place of the frame at rest, world")
-    extra_load: Array = param(default=np.zeros(6), shape=(6,), doc="force [N] and moment [N m] added to the waves'")
+    extra_force: Vector = param(default=(0, 0, 0), unit="N", doc="force added to that of the waves, world")
+    extra_moment: Vector = param(default=(0, 0, 0), unit="N*m", doc="moment added to that of the waves, world")
 
     world: World = outer(World)
     sea: Sea = outer(Sea)
 
-    load: Array = var(shape=(6,), doc="wave force [N] and moment [N m] on the platform")
+    force: Vector = var(unit="N", doc="wave force on the platform, world")
+    moment: Vector = var(unit="N*m", doc="wave moment on the platform, world")
 
     def equations(self):
         database, waves = read_database(self.database), self.sea.components()
@@ -196,8 +201,12 @@ class WaveExcitation(PlatformLoad):
         if len(waves):
             transfer = database.excitation_at(waves.omega, waves.heading) * waves.elevation_transfer(self.position)
         scale = self.world.water_density / database.rho
-        waves_load = scale * self.sea.signal(transfer, "wave load")
-        return [eq(self.load, waves_load + self.extra_load), self.push(self.load)]
+        load = scale * self.sea.signal(transfer, "wave load")
+        return [
+            eq(self.force, load[:3] + self.extra_force),
+            eq(self.moment, load[3:] + self.extra_moment),
+            self.push(m.vertcat(self.force, self.moment)),
+        ]
 
     def wave_transfer(self, omega, heading):
         """Complex load (n, 6) per unit wave amplitude, at circular frequencies [rad/s] and a heading [rad]."""

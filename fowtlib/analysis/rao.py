@@ -6,8 +6,9 @@ with exp(+i omega t), so a positive phase leads the crest at the origin.
 The wave load is not causal in the elevation (a diffracting hull feels the wave before its crest arrives), so no state
 space has the elevation as its input. The linear operator is therefore H(omega) = G(i omega) X(omega): G from a
 generalized load at the hull to the outputs, exact from the linear model with its radiation states and mooring, and
-X(omega) from the hydrodynamic data. A part offers this pair by two attributes: ``wave_input``, the name of a tunable
-parameter that is added to its wave load, and ``wave_transfer(omega, heading)``, the complex load per unit amplitude.
+X(omega) from the hydrodynamic data. A part offers this pair by two attributes: ``wave_inputs``, the names of tunable
+parameters that are added to its wave load, and ``wave_transfer(omega, heading)``, the complex load per unit amplitude
+in their order.
 
 Quadratic drag, linearised about still water, is zero: the linear operator is the limit of small waves. Near resonance
 it is larger than what a run with drag shows; compare with runs in small waves, or without drag.
@@ -112,12 +113,12 @@ def per_metre(plant: Any, names: Sequence[str]) -> tuple[str, ...]:
     return tuple(f"({unit})/m" if "/" in unit else f"{unit}/m" for unit in units)
 
 
-def wave_inputs(root: Any) -> list[tuple[str, Callable[[np.ndarray, float], np.ndarray]]]:
-    """Every part below ``root`` that feels the wave: path of its input, and its load per unit amplitude."""
+def wave_inputs(root: Any) -> list[tuple[list[str], Callable[[np.ndarray, float], np.ndarray]]]:
+    """Every part below ``root`` that feels the wave: paths of its inputs, and its load per unit amplitude."""
     return [
-        (f"{part.path}.{part.wave_input}" if part.path else part.wave_input, part.wave_transfer)
+        ([f"{part.path}.{name}" if part.path else name for name in part.wave_inputs], part.wave_transfer)
         for part in root.walk()
-        if getattr(type(part), "wave_input", None) is not None and hasattr(part, "wave_transfer")
+        if hasattr(type(part), "wave_inputs") and hasattr(part, "wave_transfer")
     ]
 
 
@@ -146,7 +147,7 @@ def linear_rao(
     names = chosen_outputs(plant, outputs)
     if state is None:
         state = plant.equilibrium(parameters=parameters)
-    linear = plant.linearize(state, inputs=[path for path, _ in inputs], outputs=names)
+    linear = plant.linearize(state, inputs=[path for paths, _ in inputs for path in paths], outputs=names)
     refuse_unstable(linear)
     load = np.hstack([np.asarray(transfer(2.0 * np.pi * frequency, heading)) for _, transfer in inputs])
     response = np.einsum("foi,fi->fo", linear.frequency_response(2.0 * np.pi * frequency), load)

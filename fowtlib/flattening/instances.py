@@ -104,23 +104,25 @@ class Instances:
         value = component.parameter_binding(name)
         if not declared.tunable or value is None:
             bound = component.parameter_value(name) if value is not None else None
-        elif expressions.is_expression(value):
-            bound = self._evaluate(value)
-            shape = component.shape(declared)
-            bound = ca.densify(ca.SX(bound))
-            if bound.is_scalar() and shape:
-                bound = ca.repmat(bound, *_two(shape))
         else:
-            numbers = np.asarray(component.parameter_value(name), dtype=float)
+            bound = self._evaluate(value) if expressions.is_expression(value) else None
             shape = component.shape(declared)
-            symbol = ca.SX.sym(join(component.path, name), *_two(shape))
-            path = join(component.path, name)
-            self.system.parameters[path] = Parameter(
-                path, symbol, np.broadcast_to(numbers, shape), declared.unit, declared.doc, declared.min, declared.max
-            )
-            bound = symbol
+            if isinstance(bound, ca.SX):
+                bound = ca.densify(ca.repmat(bound, *_two(shape)) if bound.is_scalar() else bound)
+            else:  # a number, or an expression of structural parameters only
+                bound = self._tunable(component, declared, shape)
         self._parameters[key] = bound
         return bound
+
+    def _tunable(self, component: Component, declared: Any, shape: tuple[int, ...]) -> ca.SX:
+        """The symbol of an independent parameter."""
+        path = join(component.path, declared.name)
+        symbol = ca.SX.sym(path, *_two(shape))
+        value = np.broadcast_to(np.asarray(component.parameter_value(declared.name), dtype=float), shape)
+        self.system.parameters[path] = Parameter(
+            path, symbol, value, declared.unit, declared.doc, declared.min, declared.max
+        )
+        return symbol
 
     def _evaluate(self, value: Any) -> Any:
         def combine(items: list[Any]) -> Any:

@@ -31,15 +31,20 @@ COLUMNS = "tip_speed_ratio,blade_pitch_deg,power_coefficient,thrust_coefficient,
 def read(path: Path) -> tuple[np.ndarray, np.ndarray, dict[str, np.ndarray]]:
     """Tip speed ratios, pitch angles [deg] and the matrices (tip speed ratio, pitch) by name."""
     blocks = re.split(r"^#(.*)$", path.read_text(), flags=re.MULTILINE)
-    numbers = {title.strip(): np.array(text.split(), dtype=float)
-               for title, text in zip(blocks[1::2], blocks[2::2], strict=True) if text.strip()}
+    numbers = {
+        title.strip(): np.array(text.split(), dtype=float)
+        for title, text in zip(blocks[1::2], blocks[2::2], strict=True)
+        if text.strip()
+    }
 
     def find(word):
         return next(value for title, value in numbers.items() if title.startswith(word))
 
     pitch, ratio = find("Pitch angle vector"), find("TSR vector")
-    tables = {name: find(f"{name.capitalize()} coefficient").reshape(ratio.size, pitch.size)
-              for name in ("power", "thrust", "torque")}
+    tables = {
+        name: find(f"{name.capitalize()} coefficient").reshape(ratio.size, pitch.size)
+        for name in ("power", "thrust", "torque")
+    }
     return ratio, pitch, tables
 
 
@@ -48,10 +53,15 @@ def convert(folder: Path, target: Path = TARGET) -> None:
     ratio, pitch, tables = read(folder / "Examples" / "Test_Cases" / "NREL-5MW" / "Cp_Ct_Cq.NREL5MW.txt")
     mismatch = np.abs(tables["power"] - ratio[:, None] * tables["torque"] * np.cos(np.radians(2.5))).max()
     best = np.unravel_index(tables["power"].argmax(), tables["power"].shape)
-    print(f"C_p - tip speed ratio * C_q * cos(2.5 deg): at most {mismatch:.1e}; largest C_p "
-          f"{tables['power'][best]:.4f} at {ratio[best[0]]:g} and {pitch[best[1]]:g} deg")
-    lines = [f"{r:g},{p:g}," + ",".join(f"{tables[name][i, j]:.6f}" for name in ("power", "thrust", "torque"))
-             for i, r in enumerate(ratio) for j, p in enumerate(pitch)]
+    print(
+        f"C_p - tip speed ratio * C_q * cos(2.5 deg): at most {mismatch:.1e}; largest C_p "
+        f"{tables['power'][best]:.4f} at {ratio[best[0]]:g} and {pitch[best[1]]:g} deg"
+    )
+    lines = [
+        f"{r:g},{p:g}," + ",".join(f"{tables[name][i, j]:.6f}" for name in ("power", "thrust", "torque"))
+        for i, r in enumerate(ratio)
+        for j, p in enumerate(pitch)
+    ]
     target.parent.mkdir(parents=True, exist_ok=True)
     target.write_text(HEAD + COLUMNS + "\n" + "\n".join(lines) + "\n")
 

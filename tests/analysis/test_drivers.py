@@ -30,7 +30,7 @@ class Buoy(Component):
     v: Scalar = var(unit="m/s", state="prefer", doc="velocity")
     load: Scalar = var(unit="N", doc="load on the body")
 
-    wave_input = "extra_load"
+    wave_inputs = ("extra_load",)
 
     def wave_transfer(self, omega: np.ndarray, heading: float) -> np.ndarray:
         """Load per unit amplitude: falls with frequency, and lags the crest."""

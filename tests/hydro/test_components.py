@@ -161,6 +161,11 @@ def test_linear_damping():
     assert state["load_1.frame.t"].ravel() == pytest.approx([0.4, 1.0, 1.8])
 
 
+def whole_load(result, part):
+    """Force and moment of a load, (n, 6)."""
+    return np.hstack([values(result, f"{part}.force"), values(result, f"{part}.moment")])
+
+
 # --- radiation -------------------------------------------------------------------------------------------------------
 
 
@@ -169,7 +174,7 @@ def test_radiation_load_is_the_convolution_with_the_kernel():
     plant = compiled(hydrostatics(), AddedMass(matrix=DATA.A_inf), radiation, velocity_start=(0.5, 0, 0),
                      heave_start=2.0, pitch_start=0.1)  # fmt: skip
     result = plant.simulate(60.0, output_step=0.05, tolerance=1e-8)
-    time, load = np.asarray(result["motion.heave"].time), values(result, "load_3.load")
+    time, load = np.asarray(result["motion.heave"].time), whole_load(result, "load_3")
     R = values(result, "body.frame_a.R")  # the memory is that of the hull, in its axes
     motion = (values(result, "motion.velocity"), values(result, "body.frame_a.w"))
     velocity = np.hstack([np.einsum("tij,ti->tj", R, v) for v in motion])
@@ -196,7 +201,7 @@ def test_radiation_takes_energy_out():
     result = still.simulate(300.0, output_step=0.5)
     heave = values(result, "motion.heave")
     assert np.abs(heave[-70:]).max() < np.abs(heave[:70]).max()
-    power = np.sum(values(result, "load_3.load")[:, 2] * values(result, "motion.velocity")[:, 2]) * 0.5
+    power = np.sum(whole_load(result, "load_3")[:, 2] * values(result, "motion.velocity")[:, 2]) * 0.5
     assert power < 0
 
 
@@ -214,7 +219,7 @@ def test_excitation_in_a_regular_wave_has_the_amplitude_and_phase_of_X(heading):
     period, height = 10.0, 3.0
     sea = Sea(spectrum="regular", wave_height=height, wave_period=period, heading=heading)
     result = compiled(WaveExcitation(database=OC3), hydrostatics(), sea=sea).simulate(20.0, output_step=0.1)
-    time, load = np.asarray(result["motion.heave"].time), values(result, "load_1.load")
+    time, load = np.asarray(result["motion.heave"].time), whole_load(result, "load_1")
     omega = 2 * np.pi / period
     X = DATA.excitation_at([omega], heading)[0]
     wanted = height / 2 * (np.exp(1j * omega * time)[:, None] * X).real
@@ -231,7 +236,7 @@ def test_a_platform_down_the_waves_feels_them_later():
     result = compiled(*loads, sea=sea).simulate(40.0, output_step=0.1)
     delay = sea.components().wave_number[0] * distance / (2 * np.pi / period)
     time = np.asarray(result["motion.heave"].time)
-    first, second = values(result, "load_1.load")[:, 0], values(result, "load_2.load")[:, 0]
+    first, second = whole_load(result, "load_1")[:, 0], whole_load(result, "load_2")[:, 0]
     late = time > delay
     np.testing.assert_allclose(np.interp(time[late] - delay, time, first), second[late], atol=0.005 * first.max())
 
@@ -239,7 +244,7 @@ def test_a_platform_down_the_waves_feels_them_later():
 def test_excitation_in_irregular_waves_has_the_spectrum_of_X():
     sea = Sea(spectrum="jonswap", significant_wave_height=4.0, peak_period=10.0, repetition_period=512.0)
     result = compiled(WaveExcitation(database=OC3), hydrostatics(), sea=sea).simulate(512.0, output_step=0.5)
-    waves, load = sea.components(), values(result, "load_1.load")[:-1]
+    waves, load = sea.components(), whole_load(result, "load_1")[:-1]
     X = DATA.excitation_at(waves.omega, 0.0)
     for i in (0, 2, 4):
         variance = np.sum(np.abs(waves.amplitude * X[:, i]) ** 2) / 2

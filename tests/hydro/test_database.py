@@ -27,9 +27,22 @@ def small(**changes):
     C = np.zeros((6, 6))
     C[2, 2] = 8.0
     eye = np.eye(6)
-    fields = {"omega": omega, "heading": heading, "A": np.tile(2 * eye, (3, 1, 1)), "B": np.tile(eye, (3, 1, 1)),
-              "A_inf": 1.5 * eye, "A_zero": None, "X": X, "C": C, "volume": 1e-3, "centre_of_buoyancy": (0, 0, -1),
-              "rho": 1000, "g": 9.8, "water_depth": np.inf, "source": "made up"}
+    fields = {
+        "omega": omega,
+        "heading": heading,
+        "A": np.tile(2 * eye, (3, 1, 1)),
+        "B": np.tile(eye, (3, 1, 1)),
+        "A_inf": 1.5 * eye,
+        "A_zero": None,
+        "X": X,
+        "C": C,
+        "volume": 1e-3,
+        "centre_of_buoyancy": (0, 0, -1),
+        "rho": 1000,
+        "g": 9.8,
+        "water_depth": np.inf,
+        "source": "made up",
+    }
     return HydrodynamicDatabase(**fields | changes)
 
 
@@ -39,8 +52,20 @@ def test_what_is_written_is_read_again(tmp_path, zero):
     written = small(A_zero=zero)
     written.write(path)
     again = HydrodynamicDatabase.read(path)
-    for name in ("omega", "heading", "A", "B", "A_inf", "X", "C", "centre_of_buoyancy", "volume", "rho", "g",
-                 "water_depth"):
+    for name in (
+        "omega",
+        "heading",
+        "A",
+        "B",
+        "A_inf",
+        "X",
+        "C",
+        "centre_of_buoyancy",
+        "volume",
+        "rho",
+        "g",
+        "water_depth",
+    ):
         np.testing.assert_array_equal(getattr(again, name), getattr(written, name))
     assert (again.A_zero is None) == (zero is None)
     assert again.source == "made up"

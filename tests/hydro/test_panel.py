@@ -63,8 +63,12 @@ def test_pontoons_of_a_central_column_with_free_ends():
 
 @settings(max_examples=25, deadline=None)
 @given(
-    draft=st.floats(2, 150), bottom=st.floats(1, 30), top=st.floats(1, 30), part=st.floats(0.1, 0.9),
-    size=st.floats(0.7, 5), x=st.floats(-50, 50),
+    draft=st.floats(2, 150),
+    bottom=st.floats(1, 30),
+    top=st.floats(1, 30),
+    part=st.floats(0.1, 0.9),
+    size=st.floats(0.7, 5),
+    x=st.floats(-50, 50),
 )
 def test_a_tapered_column_has_its_volume(draft, bottom, top, part, size, x):
     column = Column(((-draft, bottom), (-part * draft, top), (5.0, top)), x=x)
@@ -106,8 +110,10 @@ def test_a_polygon_gets_the_area_of_its_circle():
         (lambda: Pontoon((0, 0, -1), (9, 0, -1), diameter=2.0), "must lie below the water"),
         (lambda: floater_mesh([OC3], [Pontoon((0, 0, -9), (20, 0, -9), width=3, height=3)], 2.0), "constant diameter"),
         (lambda: floater_mesh([OC3], [Pontoon((0, 0, -50), (20, 0, -50), width=9.6, height=3)], 2.0), "wider than 9.6"),
-        (lambda: floater_mesh([OC3], [Pontoon((0, 0, -50), (20, y, -50), width=5, height=3) for y in (0, 8)], 2.0),
-         "overlap"),
+        (
+            lambda: floater_mesh([OC3], [Pontoon((0, 0, -50), (20, y, -50), width=5, height=3) for y in (0, 8)], 2.0),
+            "overlap",
+        ),
     ],
 )
 def test_what_cannot_be_meshed_is_said(make, message):

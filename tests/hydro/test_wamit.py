@@ -162,7 +162,7 @@ def test_a_damaged_file_is_read_or_refused_with_a_sentence(tmp_path, which, at, 
     text, reader = [(RADIATION, radiation), (EXCITATION, excitation), (HYDROSTATICS, hydrostatics)][which]
     at %= len(text)
     path = tmp_path / "damaged.txt"
-    path.write_text(text[:at] + put + text[at + length:], encoding="utf-8", errors="replace", newline="")
+    path.write_text(text[:at] + put + text[at + length :], encoding="utf-8", errors="replace", newline="")
     try:
         reader(path)
     except ModelError as error:
