@@ -72,9 +72,11 @@ def _cell(value: Any) -> str:
         return ""
     if isinstance(value, bool):
         return "yes" if value else "no"
+    if hasattr(value, "tolist"):  # a NumPy number or array
+        return _cell(value.tolist())
     if isinstance(value, float):
         return number(value)
-    if isinstance(value, (list, tuple)) or hasattr(value, "tolist"):
+    if isinstance(value, (list, tuple)):
         return "(" + ", ".join(_cell(item) for item in value) + ")"
     return str(value)
 
