@@ -121,9 +121,7 @@ def _paragraphs(doc: str) -> list[str]:
 
 
 def _table(item: Class) -> list[str]:
-    rows = [
-        (kind[:-1], f"`{e.name}`", e.type, e.unit, e.default, e.doc) for kind in KINDS for e in getattr(item, kind)
-    ]
+    rows = [(kind[:-1], f"`{e.name}`", e.type, e.unit, e.default, e.doc) for kind in KINDS for e in getattr(item, kind)]
     if not rows:
         return []
     escaped = [" | ".join(cell.replace("|", "\\|") for cell in row) for row in rows]

@@ -46,7 +46,6 @@ def positive(text: str) -> float:
     return value
 
 
-
 def run(arguments: argparse.Namespace) -> int:
     """Simulate, save, draw, and print the statistics of the results."""
     from fowtlib.solving.results import Result
