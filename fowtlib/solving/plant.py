@@ -188,7 +188,7 @@ class Plant:
 
     def observer(self, raw: RawTrajectory, parameters: Values | None = None) -> Observer:
         """What rebuilds any variable along an earlier trajectory of this model, with the inputs at their defaults."""
-        from fowtlib.solving.simulation import Observation
+        from fowtlib.solving.observation import Observation
 
         if raw.x_names != tuple(q.path for q in self.dae.states):
             raise SimulationError("the result is of another model: its states are not those of this one.")

@@ -17,6 +17,7 @@ from fowtlib.language.units import from_si
 from fowtlib.solving.failure import integration_failure
 from fowtlib.solving.idas import Idas, StepFailure
 from fowtlib.solving.initial import consistent_algebraics
+from fowtlib.solving.observation import Observation
 from fowtlib.solving.results import Observer, RawTrajectory, Result, parameter_hash
 from fowtlib.solving.state import State
 
@@ -397,42 +398,6 @@ class Simulation:
         }
         observer = Observer(observe.values, self.plant.describe, self.dae.names)
         return Result(t, values, units, docs, attributes, raw, observer)
-
-
-class Observation:
-    """Rebuilds variables of the model along a trajectory."""
-
-    def __init__(
-        self, plant: Plant, evaluation: Any, t: np.ndarray, x: np.ndarray, z: np.ndarray, u: np.ndarray, d: np.ndarray
-    ):
-        self.plant, self.evaluation = plant, evaluation
-        self.arguments = (t[None], x.T, z.T, np.concatenate([u, d], axis=1).T)
-
-    def arrays(self, paths: Sequence[str]) -> list[np.ndarray]:
-        if not paths:
-            return []
-        expressions = [ca.densify(self.plant.dae.observe_expression(path)) for path in paths]
-        sizes, shapes = [e.numel() for e in expressions], [e.shape for e in expressions]
-        function = self.evaluation.function("observe", [ca.vertcat(*[ca.vec(e) for e in expressions])])
-        n = self.arguments[0].shape[1]
-        blocks = []
-        for first in range(0, n, 2000):
-            part = slice(first, min(first + 2000, n))
-            blocks.append(np.array(function(*(a[:, part] for a in self.arguments))))
-        table = np.concatenate(blocks, axis=1).T
-        columns = np.split(table, np.cumsum(sizes)[:-1], axis=1)
-        return [_shaped(column, shape) for column, shape in zip(columns, shapes, strict=True)]
-
-    def values(self, names: Sequence[str]) -> np.ndarray:
-        arrays = self.arrays(names)
-        return arrays[0] if len(arrays) == 1 and arrays[0].ndim > 1 else np.column_stack(arrays)
-
-
-def _shaped(column: np.ndarray, shape: tuple[int, int]) -> np.ndarray:
-    """Rows of elements in column-major order as scalars, vectors or matrices."""
-    if shape == (1, 1):
-        return column[:, 0]
-    return column if shape[1] == 1 else column.reshape(-1, shape[1], shape[0]).transpose(0, 2, 1)
 
 
 def _console(t: float, t_end: float) -> None:

@@ -1,0 +1,52 @@
+"""Variables of a model along a trajectory: every eliminated variable is rebuilt from the states."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import TYPE_CHECKING, Any
+
+import casadi as ca
+import numpy as np
+
+if TYPE_CHECKING:
+    from fowtlib.solving.plant import Plant
+
+BLOCK = 2000  # points of time evaluated together
+
+
+class Observation:
+    """Rebuilds variables of the model along a trajectory."""
+
+    def __init__(
+        self, plant: Plant, evaluation: Any, t: np.ndarray, x: np.ndarray, z: np.ndarray, u: np.ndarray, d: np.ndarray
+    ):
+        self.plant, self.evaluation = plant, evaluation
+        self.arguments = (t[None], x.T, z.T, np.concatenate([u, d], axis=1).T)
+
+    def arrays(self, paths: Sequence[str]) -> list[np.ndarray]:
+        """One array (n_time, *shape) for each path."""
+        if not paths:
+            return []
+        expressions = [ca.densify(self.plant.dae.observe_expression(path)) for path in paths]
+        sizes, shapes = [e.numel() for e in expressions], [e.shape for e in expressions]
+        function = self.evaluation.function("observe", [ca.vertcat(*[ca.vec(e) for e in expressions])])
+        n = self.arguments[0].shape[1]
+        blocks = []
+        for first in range(0, n, BLOCK):
+            part = slice(first, min(first + BLOCK, n))
+            blocks.append(np.array(function(*(a[:, part] for a in self.arguments))))
+        table = np.concatenate(blocks, axis=1).T
+        columns = np.split(table, np.cumsum(sizes)[:-1], axis=1)
+        return [_shaped(column, shape) for column, shape in zip(columns, shapes, strict=True)]
+
+    def values(self, names: Sequence[str]) -> np.ndarray:
+        """Columns of scalars, (n_time, n); a single vector or matrix as (n_time, *shape)."""
+        arrays = self.arrays(names)
+        return arrays[0] if len(arrays) == 1 and arrays[0].ndim > 1 else np.column_stack(arrays)
+
+
+def _shaped(column: np.ndarray, shape: tuple[int, int]) -> np.ndarray:
+    """Rows of elements in column-major order as scalars, vectors or matrices."""
+    if shape == (1, 1):
+        return column[:, 0]
+    return column if shape[1] == 1 else column.reshape(-1, shape[1], shape[0]).transpose(0, 2, 1)
