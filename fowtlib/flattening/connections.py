@@ -193,7 +193,7 @@ class Connections:
                 }  # fmt: skip
             for name, value in shared[representative].items():
                 members[node.number][name] = value if sign > 0 else -value
-                if node.number != representative:
+                if node.number != representative or representative in zero:
                     member = node.field.annotation.members[name]
                     system.add_alias(join(node.path, name), members[node.number][name], member.unit, member.doc)
         for signs in sums:
