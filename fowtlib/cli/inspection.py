@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import argparse
+import itertools
 from typing import Any
 
 from fowtlib.cli import loading, tables
@@ -50,7 +51,12 @@ def show_equations(arguments: argparse.Namespace) -> int:
     model.root.find(arguments.path)
     table = model.compile().dae.equation_table
     inside = [row for row in table if not arguments.path or f"{row[0]}.".startswith(f"{arguments.path}.")]
-    tables.show(arguments, ("part", "equation"), [(part, f"{left} = {right}") for part, left, right in inside])
+    rows = [(part, f"{left} = {right}") for part, left, right in inside]
+    if arguments.form:
+        tables.show(arguments, ("part", "equation"), rows)
+        return 0
+    for part, equations in itertools.groupby(rows, key=lambda row: row[0]):
+        print(part or "the model", *(equation for _, equation in equations), sep="\n    ")
     return 0
 
 

@@ -11,6 +11,7 @@ from collections.abc import Iterable, Sequence
 from typing import Any
 
 Row = Sequence[Any]
+MOST_NUMBERS = 9  # of an array that is shown to a person in full
 
 
 def declare(parser: argparse.ArgumentParser) -> None:
@@ -54,14 +55,17 @@ def _show_rich(columns: Sequence[str], rows: list[Row], title: str) -> None:
         table.add_column(Text(column), justify="right" if numeric else "left", overflow="fold")
     for row in rows:
         table.add_row(*(Text(_cell(value)) for value in row))
-    console().print(table)
+    screen = console()
+    with screen.capture() as printed:
+        screen.print(table)
+    print("\n".join(line.rstrip() for line in printed.get().splitlines()).strip("\n"))
 
 
 def console(stderr: bool = False):
     """A rich console; text that goes into a file or a pipe is not broken into lines."""
     from rich.console import Console
 
-    made = Console(stderr=stderr, highlight=False, soft_wrap=False)
+    made = Console(stderr=stderr, highlight=False)
     if not made.is_terminal:
         made.width = 1000
     return made
@@ -77,8 +81,13 @@ def _cell(value: Any) -> str:
     if isinstance(value, float):
         return number(value)
     if isinstance(value, (list, tuple)):
-        return "(" + ", ".join(_cell(item) for item in value) + ")"
+        count = _count(value)
+        return "(" + ", ".join(map(_cell, value)) + ")" if count <= MOST_NUMBERS else f"({count} values)"
     return str(value)
+
+
+def _count(value: Any) -> int:
+    return sum(map(_count, value)) if isinstance(value, (list, tuple)) else 1
 
 
 def _plain(value: Any) -> Any:
