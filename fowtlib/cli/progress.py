@@ -49,7 +49,8 @@ def progress_bar(begin: float = 0.0) -> Iterator[Report]:
 def _deferred_interrupt() -> Iterator[threading.Event]:
     """While the block runs, the first Ctrl-C only sets the event: inside compiled code an exception would be lost."""
     interrupted = threading.Event()
-    if threading.current_thread() is not threading.main_thread():  # only the main thread gets signals
+    here = threading.current_thread() is threading.main_thread()  # only the main thread gets signals
+    if not here or signal.getsignal(signal.SIGINT) is signal.SIG_IGN:  # in the background a shell takes Ctrl-C away
         yield interrupted
         return
 

@@ -9,6 +9,14 @@ import pytest
 from fowtlib.cli.progress import progress_bar
 
 
+@pytest.fixture(autouse=True)
+def python_handler():
+    """The handler of an interactive start; a test run in the background may have been started without."""
+    before = signal.signal(signal.SIGINT, signal.default_int_handler)
+    yield
+    signal.signal(signal.SIGINT, before)
+
+
 def test_control_c_is_kept_until_the_next_report():
     before = signal.getsignal(signal.SIGINT)
     with pytest.raises(KeyboardInterrupt), progress_bar() as report:
