@@ -22,6 +22,10 @@ from pages import fill
 PAGE = Path(__file__).parent.parent / "docs" / "performance.md"
 Measured = list[tuple[str, str, str]]  # (what, measured, goal)
 MEASUREMENTS: dict[str, Callable[[], Measured]] = {}
+OC3_CONDITIONS = {
+    "wind.kind": "kaimal", "wind.mean_speed": 11.4, "wind.turbulence_class": "B", "wind.seed": 1,
+    "sea.spectrum": "jonswap", "sea.significant_wave_height": 6.0, "sea.peak_period": 10.0, "sea.seed": 1,
+}  # fmt: skip
 
 
 def measurement(function: Callable[[], Measured]) -> Callable[[], Measured]:
@@ -117,19 +121,19 @@ def flatten_drive_train() -> Measured:
 
 @measurement
 def simulate_oc3() -> Measured:
-    """4000 s of one turbine in turbulent wind and irregular waves."""
+    """4000 s of one turbine in turbulent wind and irregular waves: the median of three runs."""
     import fowtlib as fw
 
-    conditions = {
-        "wind.kind": "kaimal", "wind.mean_speed": 11.4, "wind.turbulence_class": "B", "wind.seed": 1,
-        "sea.spectrum": "jonswap", "sea.significant_wave_height": 6.0, "sea.peak_period": 10.0, "sea.seed": 1,
-    }  # fmt: skip
-    plant = fw.load("oc3_spar_rigid").with_parameters(conditions).compile()
-    began = time.perf_counter()
-    plant.simulate(4000.0, output_step=0.1, solver="idas", tolerance=1e-6)
-    took = time.perf_counter() - began
+    plant = fw.load("oc3_spar_rigid").with_parameters(OC3_CONDITIONS).compile()
+    times = []
+    for _ in range(3):
+        began = time.perf_counter()
+        plant.simulate(4000.0, output_step=0.1, solver="idas", tolerance=1e-6)
+        times.append(time.perf_counter() - began)
+    factors = [4000 / took for took in sorted(times)]
     return [
-        ("oc3_spar_rigid, 4000 s, Kaimal and JONSWAP, IDAS 1e-6", f"{4000 / took:.0f} x real time", "300 x or more"),
+        ("oc3_spar_rigid, 4000 s, Kaimal and JONSWAP, IDAS 1e-6", f"{factors[1]:.0f} x real time", "300 x or more"),
+        ("slowest and fastest of three", f"{factors[2]:.0f} and {factors[0]:.0f}", ""),
         ("its peak memory", f"{peak_memory():.0f} MB", "under 500 MB"),
     ]
 
