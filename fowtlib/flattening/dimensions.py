@@ -9,7 +9,7 @@ with the unit "1" may stand for any quantity.
 from __future__ import annotations
 
 from collections import defaultdict
-from collections.abc import Iterable, Iterator
+from collections.abc import Callable, Iterable, Iterator
 from dataclasses import dataclass, field
 from fractions import Fraction
 from typing import Any
@@ -205,6 +205,9 @@ class _Check:
 
     # --- one component -------------------------------------------------------------------------------------------
 
+    def _text(self, expression: ca.SX) -> str:
+        return _short(self.system.text(expression))
+
     def _component(self, component: Component, pairs: list[_Pair]) -> None:
         sides = [ca.SX(0) if side is None else side for pair in pairs for side in (pair.left, pair.right)]
         column = ca.densify(ca.vertcat(*[side[0] for side in sides]))
@@ -212,16 +215,17 @@ class _Check:
         own = self._own(component)
         known = {**self.declared, **own} if own else self.declared
         inputs = [known.get(symbol.element_hash()) for symbol in symbols]
-        walk = _Walk(ca.Function("walk", [ca.vertcat(*symbols)], [column]), symbols, inputs, _data_numbers(component))
+        function = ca.Function("walk", [ca.vertcat(*symbols)], [column])
+        walk = _Walk(function, symbols, inputs, _data_numbers(component), self._text)
         seen: set[tuple[str, str]] = set()
         for k, pair in enumerate(pairs):
             left, right = walk.outputs[2 * k], walk.outputs[2 * k + 1]
             if pair.wanted is not None:
                 right = _Value(pair.wanted)
             text = next((walk.faults[number] for number in (*left.faults, *right.faults)), None)
-            if text is None and _differ(left, right):
+            if text is None and walk.differ(left, right):
                 text = f"{pair.words[0]} is {_words(left)}, {pair.words[1]} {_words(right)}"
-                text += f": {_short(pair.left)} = {_short(pair.right)}." if pair.right is not None else "."
+                text += f": {self._text(pair.left)} = {self._text(pair.right)}." if pair.right is not None else "."
             if text and (pair.source, text.partition(":")[0]) not in seen:  # once for all elements of a vector
                 seen.add((pair.source, text.partition(":")[0]))
                 self.report.findings.append(Finding(component.path, pair.source, text))
@@ -230,8 +234,15 @@ class _Check:
 class _Walk:
     """The dimensions of the outputs of a function, instruction by instruction."""
 
-    def __init__(self, function: ca.Function, symbols: list[ca.SX], inputs: list[Dimension | None], data: Numbers):
-        self.function, self.symbols, self.data = function, symbols, data
+    def __init__(
+        self,
+        function: ca.Function,
+        symbols: list[ca.SX],
+        inputs: list[Dimension | None],
+        data: Numbers,
+        text: Callable[[ca.SX], str],
+    ):
+        self.function, self.symbols, self.data, self.text = function, symbols, data, text
         self.faults: list[str] = []
         self.outputs: list[_Value] = [_ANY] * function.numel_out(0)
         registers: dict[int, _Value] = {}
@@ -244,6 +255,12 @@ class _Walk:
                 self.outputs[given[1]] = registers[taken[0]]
             else:
                 registers[given[0]] = self._operation(k, kind, [registers[i] for i in taken])
+
+    def differ(self, a: _Value, b: _Value) -> bool:
+        """True where two dimensions are known and not the same; a number 1 from data leaves no trace in a product."""
+        if a.number is not None or b.number is not None or None in (a.dimension, b.dimension):
+            return False
+        return a.dimension != b.dimension and not (self.data is None and NONE in (a.dimension, b.dimension))
 
     def _constant(self, value: float) -> _Value:
         if value == 0.0 or not np.isfinite(value) or not self._is_plain(abs(value)):
@@ -261,7 +278,7 @@ class _Walk:
         faults = tuple(dict.fromkeys(number for value in values for number in value.faults))
         if kind in _SAME_OUT or kind in _SAME_IN:
             verb = _SAME_OUT.get(kind) or _SAME_IN[kind]
-            if _differ(a, b):
+            if self.differ(a, b):
                 return self._fault(k, f"{_words(a)} and {_words(b)} are {verb}", faults)
             common = b.dimension if a.number is not None or a.dimension is None else a.dimension
             return _Value(common if kind in _SAME_OUT else NONE, None, faults)
@@ -283,12 +300,14 @@ class _Walk:
             return _Value(NONE, None, faults)
         if kind == ca.OP_IF_ELSE_ZERO:
             return _Value(b.dimension, b.number, faults)
+        if kind == ca.OP_TWICE and self.data is None and a.dimension == NONE:
+            return _Value(None, None, faults)
         if kind in _KEPT:
             return _Value(a.dimension, a.number, faults)
         return _Value(NONE if kind in _PLAIN else None, None, faults)
 
     def _fault(self, k: int, text: str, inner: tuple[int, ...]) -> _Value:
-        self.faults.append(f"{text}: {_short(self._expression(k))}.")
+        self.faults.append(f"{text}: {self.text(self._expression(k))}.")
         return _Value(None, None, (*inner, len(self.faults) - 1))
 
     def _expression(self, last: int) -> ca.SX:
@@ -329,7 +348,7 @@ def _enter(table: dict[int, Dimension | None], symbol: Any, value: Dimension | N
 
 def _data_numbers(component: Component) -> Numbers:
     """Numbers that the equations may have from structural parameters of the component and of the parts it refers to."""
-    found: set[float] = set()
+    found = set(_written_numbers(component))
     for owner in (component, *_outer_parts(component)):
         for name, declared in owner.parameters.items():
             if declared.tunable or declared.annotation in (int, bool):
@@ -342,15 +361,17 @@ def _data_numbers(component: Component) -> Numbers:
     return found
 
 
+def _written_numbers(component: Component) -> Iterator[float]:
+    """Numbers among the elements of parameters that depend on others, such as (0, half_span, 3)."""
+    for name, declared in component.parameters.items():
+        bound = (component._binding or {}).get(name)
+        if declared.tunable and declared.unit != "1" and isinstance(bound, ca.SX):
+            yield from (abs(float(element)) for element in bound.elements() if element.is_constant())
+
+
 def _outer_parts(component: Component) -> Iterable[Component]:
     found = ((component._binding or {}).get(name) for name in component.outers)
     return [part for part in found if part is not None]
-
-
-def _differ(a: _Value, b: _Value) -> bool:
-    if a.number is not None or b.number is not None or a.dimension is None or b.dimension is None:
-        return False
-    return a.dimension != b.dimension
 
 
 def _per_time(value: Dimension, times: int) -> Dimension:
@@ -375,6 +396,5 @@ def _words(value: _Value) -> str:
     return kind if text == "1" or kind.endswith(text) else f"{kind} [{text}]"
 
 
-def _short(value: ca.SX) -> str:
-    text = str(value)
+def _short(text: str) -> str:
     return text if len(text) <= 80 else text[:77] + "..."

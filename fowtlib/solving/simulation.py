@@ -5,7 +5,7 @@ from __future__ import annotations
 import sys
 import time as clock
 import warnings
-from collections.abc import Callable, Iterable, Sequence
+from collections.abc import Callable, Sequence
 from typing import TYPE_CHECKING, Any
 
 import casadi as ca
@@ -62,6 +62,8 @@ class Simulation:
             self.actions = [self.evaluation.function("action", [e.state_values, e.discrete_values]) for e in events]
         self.last_event: dict[int, float] = {}
         self.returns: dict[int, int] = {}
+        self.just_fired: set[int] = set()
+        self.last_act = -np.inf
 
     def _prepare_samples(self, t: float) -> None:
         samples = self.dae.samples
@@ -258,11 +260,12 @@ class Simulation:
             root, accuracy = min(root + accuracy, length), 2 * accuracy
         return root
 
-    def _arm(self, fired: Iterable[int] = ()) -> None:
+    def _arm(self) -> None:
         """An indicator waits for its event where it is positive or zero; one that has just had it, where it rises."""
         now = self._indicator_values()
         self.armed = now >= 0
-        self.armed[list(fired)] = now[list(fired)] > 0
+        fired = list(self.just_fired) if self.last_act == self.t else []
+        self.armed[fired] = now[fired] > 0
         if np.all(self.armed):
             return
         h = 1e-3 * self.step / SUBSTEPS
@@ -290,9 +293,10 @@ class Simulation:
         )
 
     def _act(self, due: set[int]) -> None:
-        fired: set[int] = set()
+        self.just_fired, self.last_act = set(), self.t
         for _ in range(50):
             self._count(due)
+            self.just_fired |= due
             before = self._indicator_values()
             x, d = self.x.copy(), self.d.copy()
             for i in sorted(due):
@@ -303,11 +307,10 @@ class Simulation:
             self.x, self.d = x, d
             self.z = consistent_algebraics(self.evaluation, self.t, self.x, self.z, self.q)
             after = self._indicator_values()
-            fired |= due
             due = {i for i in range(len(after)) if before[i] > 0 >= after[i] and i not in due}
             if not due:
                 break
-        self._arm(fired)
+        self._arm()
 
     def _sample_now(self) -> None:
         """Carry out the sampled parts that are due, in order of their dependence."""

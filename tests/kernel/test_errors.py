@@ -366,7 +366,8 @@ def test_redundant_planar_loop():
     model = assembly(
         ("world.frame", "hinge_0.frame_a"), ("hinge_0.frame_b", "rod_0.frame_a"), ("rod_0.frame_b", "hinge_1.frame_a"),
         ("hinge_1.frame_b", "rod_1.frame_a"), ("rod_1.frame_b", "hinge_2.frame_a"),
-        ("hinge_2.frame_b", "rod_2.frame_a"), ("rod_2.frame_b", "hinge_3.frame_a"), ("world.frame", "base.frame_a"), ("base.frame_b", "hinge_3.frame_b"),
+        ("hinge_2.frame_b", "rod_2.frame_a"), ("rod_2.frame_b", "hinge_3.frame_a"),
+        ("world.frame", "base.frame_a"), ("base.frame_b", "hinge_3.frame_b"),
         ("rod_0.frame_b", "body.frame_a"), world=World(), base=FixedTranslation(r=(0, 0, 1)), **hinges, **rods,
         body=RigidBody(mass=1, inertia=np.eye(3)),
     )  # fmt: skip
@@ -452,8 +453,8 @@ def test_growth_without_bound(capfd):
     model = one(x=var(start=1.0, state="always"), equations=lambda self: [eq(der(self.x), self.x**2)])
     assert said(simulate, model) == (
         "the integration fails after t = 0.9 s, because 100,000 steps do not reach the next point; "
-        "the fastest change is der(c.x). Look there for a jump, a missing damping or a quantity that grows without bound, "
-        "or try another tolerance (--tolerance 1e-8)."
+        "the fastest change is der(c.x). Look there for a jump, a missing damping or a quantity "
+        "that grows without bound, or try another tolerance (--tolerance 1e-8)."
     )
     assert capfd.readouterr() == ("", "")
 
