@@ -134,12 +134,12 @@ def _replacements(
     return replaced
 
 
-def _rank(system: System, number: int) -> tuple[int, int, bool, int]:
+def _rank(system: System, number: int) -> tuple[int, int, int, int]:
     unknown = system.unknowns[number]
     length, rate = 0, unknown.rate
     while rate >= 0:
         length, rate = length + 1, system.unknowns[rate].rate
-    return length, STATE_PREFERENCES.index(unknown.declared.state), unknown.start is not None, -number
+    return length, STATE_PREFERENCES.index(unknown.declared.state), unknown.start_rank, -number
 
 
 def _merge(system: System, chosen: int, sign: int, members: list[tuple[int, int]]) -> None:
@@ -157,9 +157,11 @@ def _merge(system: System, chosen: int, sign: int, members: list[tuple[int, int]
                 system.add_alias(unknown.path, unknown.symbol, unit + "/s" * unknown.order, unknown.declared.doc)
             unknown.declared, unknown.path = declared, path
             path, number = f"der({path})", unknown.rate
-    if keep.start is None and starts:
-        other, other_sign = max(starts, key=lambda item: _rank(system, item[0])[1:])
-        keep.start = sign * other_sign * system.unknowns[other].start
+    if starts:
+        other, other_sign = max(starts, key=lambda item: (system.unknowns[item[0]].start_rank, _rank(system, item[0])))
+        source = system.unknowns[other]
+        if source.start_rank > keep.start_rank:
+            keep.start, keep.start_set = sign * other_sign * source.start, source.start_set
 
 
 def _replace(system: System, other: int, chosen: int, sign: int, replaced: dict[int, ca.SX]) -> None:

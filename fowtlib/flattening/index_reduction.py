@@ -147,5 +147,5 @@ class IndexReduction:
         unknown = self.system.unknowns[number]
         preference = STATE_PREFERENCES.index(unknown.declared.state)
         below = self.system.unknowns[self.unknown_before[number]]
-        given = below.start is not None or bool(unknown.declared.fixed)
-        return 10.0 ** (2 * preference) * (2 if given else 1) * (1 + 0.01 / unknown.order) + 1e-6 * number
+        given = max(below.start_rank, int(bool(unknown.declared.fixed)))
+        return 10.0 ** (2 * preference) * 2**given * (1 + 0.01 / unknown.order) + 1e-6 * number

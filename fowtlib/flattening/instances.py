@@ -12,8 +12,8 @@ import numpy as np
 
 from fowtlib.flattening.connections import Connections
 from fowtlib.flattening.system import Parameter, System, element_names, scalars
+from fowtlib.language import declarations, expressions
 from fowtlib.language import equations as statements
-from fowtlib.language import expressions
 from fowtlib.language.component import Component, UnknownAttribute
 from fowtlib.language.connectors import BoundPort, Signal
 from fowtlib.language.declarations import SHAPES, Variable, join
@@ -146,9 +146,12 @@ class Instances:
         path, shape = join(component.path, declared.name), component.shape(declared)
         symbol = ca.SX.sym(path, *_two(shape))
         starts = self._start(component, declared, shape)
-        register = self.system.add_discrete if declared.discrete else self.system.add_unknown
+        given = any(component.is_set(parameter.name) for parameter in _parameters_in(declared.start))
         for element, name, start in zip(scalars(symbol), element_names(path, shape), starts, strict=True):
-            register(element, name, declared, start)
+            if declared.discrete:
+                self.system.add_discrete(element, name, declared, start)
+            else:
+                self.system.add_unknown(element, name, declared, start, given)
         return symbol
 
     def _start(self, component: Component, declared: Variable, shape: tuple[int, ...]) -> list[Any]:
@@ -221,6 +224,16 @@ class Instances:
                 "which is not an equation; write eq(left, right), not left == right."
             )
         lists[type(statement)].append((path, statement))
+
+
+def _parameters_in(value: Any) -> Iterable[declarations.Parameter]:
+    """Parameters of the class body that a declared value depends on."""
+    if isinstance(value, declarations.Parameter):
+        yield value
+    elif isinstance(value, expressions.Expression):
+        yield from (parameter for argument in value.arguments for parameter in _parameters_in(argument))
+    elif isinstance(value, (list, tuple)):
+        yield from (parameter for item in value for parameter in _parameters_in(item))
 
 
 def _flattened(items: Any) -> Iterable[Any]:

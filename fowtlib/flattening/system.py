@@ -40,7 +40,10 @@ def element_names(path: str, shape: tuple[int, ...]) -> list[str]:
 
 @dataclass(slots=True)
 class Unknown:
-    """A scalar unknown of the flat system; `rate` is the number of its time derivative, where one appears."""
+    """A scalar unknown of the flat system; `rate` is the number of its time derivative, where one appears.
+
+    `start_set`: its start value was given for this model, and is not a default.
+    """
 
     symbol: ca.SX
     path: str
@@ -49,6 +52,12 @@ class Unknown:
     rate: int = -1
     order: int = 0
     base: int = -1
+    start_set: bool = False
+
+    @property
+    def start_rank(self) -> int:
+        """How much its start value counts against that of an equal unknown: 0 none, 1 a default, 2 a given one."""
+        return (self.start is not None) + (self.start is not None and self.start_set)
 
 
 @dataclass(slots=True)
@@ -146,10 +155,12 @@ class System:
 
     # --- building ------------------------------------------------------------------------------------------------
 
-    def add_unknown(self, symbol: ca.SX, path: str, declared: Any, start: ca.SX | None = None) -> int:
+    def add_unknown(
+        self, symbol: ca.SX, path: str, declared: Any, start: ca.SX | None = None, start_set: bool = False
+    ) -> int:
         """Register a scalar symbol as unknown; returns its number."""
         number = len(self.unknowns)
-        self.unknowns.append(Unknown(symbol, path, declared, start, base=number))
+        self.unknowns.append(Unknown(symbol, path, declared, start, base=number, start_set=start_set))
         self.number[symbol.element_hash()] = number
         return number
 

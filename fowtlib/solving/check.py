@@ -25,14 +25,17 @@ class ModelReport:
     def __str__(self) -> str:
         dae, stats = self.dae, self.dae.stats
         counts = [
-            f"{self.parts} parts, {len(dae.parameters)} tunable parameters, {len(dae.inputs)} inputs",
-            f"{stats['equations']} scalar equations for as many unknowns: {len(dae.states)} states, "
+            f"{_n(self.parts, 'part')}, {_n(len(dae.parameters), 'tunable parameter')}, {_n(len(dae.inputs), 'input')}",
+            f"{_n(stats['equations'], 'scalar equation')} for as many unknowns: {_n(len(dae.states), 'state')}, "
             f"{stats['aliases']} eliminated as equal to another, {len(dae.algebraics)} solved by iteration",
-            f"{stats['differentiated']} equations differentiated; {stats['blocks']} blocks in order, "
+            f"{_n(stats['differentiated'], 'equation')} differentiated; {_n(stats['blocks'], 'block')} in order, "
             f"the largest of {stats['largest_block']}",
-            f"{len(dae.externals)} external functions, {len(dae.events)} state events, "
-            f"{len(dae.samples)} sampled parts, {len(dae.checks)} checks while it runs",
-            str(self.dimensions),
+            f"{_n(len(dae.externals), 'external function')}, {_n(len(dae.events), 'state event')}, "
+            f"{_n(len(dae.samples), 'sampled part')}, {_n(len(dae.checks), 'check')} while it runs",
+            *str(self.dimensions).splitlines(),
         ]
-        return "\n".join([f"{self.title}: nothing wrong." if self.ok else f"{self.title}:", *("  " + "\n  ".join(
-            line.splitlines()) for line in counts)])  # fmt: skip
+        return "\n  ".join([f"{self.title}: {'nothing wrong.' if self.ok else ''}".rstrip(), *counts])
+
+
+def _n(number: float, word: str) -> str:
+    return f"{number} {word}{'' if number == 1 else 's'}"

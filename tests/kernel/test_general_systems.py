@@ -88,6 +88,17 @@ def test_gear_train_has_one_degree_of_freedom():
     assert np.allclose(values(result, "fast.flange_a.tau"), j2 * n * acceleration, atol=1e-8)
 
 
+@pytest.mark.parametrize("names", [("first", "second"), ("second", "first")])
+def test_a_given_start_counts_more_than_a_default(names):
+    """Two wheels on one shaft: the speed given to one of them is the speed of both, in any order of the parts."""
+    wheels = {"first": Inertia(inertia=1.0, w_start=2.0), "second": Inertia(inertia=3.0)}
+    model = fw.Assembly("shaft")
+    for name in names:
+        model.add(name, wheels[name])
+    model.connect(wheels["first"].flange_b, wheels["second"].flange_a)
+    assert fw.load(model).compile().initial_state()["second.w"] == 2.0
+
+
 def test_a_prescribed_angle_gives_the_torque_it_needs():
     """The derivatives of the input signal are taken by the kernel: tau = J d2(phi)/dt2."""
     model = fw.Assembly("crank")
