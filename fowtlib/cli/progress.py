@@ -1,9 +1,7 @@
-"""The progress of a simulation on the terminal; Ctrl-C ends a run at the next report, not inside the solver."""
+"""The progress of a simulation on the terminal."""
 
 from __future__ import annotations
 
-import signal
-import threading
 import time
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
@@ -15,8 +13,7 @@ Report = Callable[[float, float], None]
 def progress_bar(begin: float = 0.0) -> Iterator[Report]:
     """A bar on stderr while the block runs; gives `report(t, t_end)`, to be called with the simulated time [s].
 
-    Without a terminal nothing is shown. `begin` is the simulated time at the start of a resumed run. After Ctrl-C the
-    next report raises KeyboardInterrupt; a second Ctrl-C does so at once.
+    Without a terminal nothing is shown. `begin` is the simulated time at the start of a resumed run.
     """
     from rich.progress import BarColumn, Progress, TextColumn, TimeRemainingColumn
 
@@ -31,35 +28,13 @@ def progress_bar(begin: float = 0.0) -> Iterator[Report]:
     )
     screen = console(stderr=True)
     bar = Progress(*columns, console=screen, disable=not screen.is_terminal, transient=True)
-    with bar, _deferred_interrupt() as interrupted:
+    with bar:
         task = bar.add_task("", total=None, completed=0.0, factor="", visible=False)
         started = time.perf_counter()
 
         def report(t: float, t_end: float) -> None:
-            if interrupted.is_set():
-                raise KeyboardInterrupt
             elapsed = max(time.perf_counter() - started, 1e-9)
             factor = f"{(t - begin) / elapsed:.0f} x real time" if t > begin else ""
             bar.update(task, completed=t - begin, total=t_end - begin, factor=factor, visible=True)
 
         yield report
-
-
-@contextmanager
-def _deferred_interrupt() -> Iterator[threading.Event]:
-    """While the block runs, the first Ctrl-C only sets the event: inside compiled code an exception would be lost."""
-    interrupted = threading.Event()
-    here = threading.current_thread() is threading.main_thread()  # only the main thread gets signals
-    if not here or signal.getsignal(signal.SIGINT) is signal.SIG_IGN:  # in the background a shell takes Ctrl-C away
-        yield interrupted
-        return
-
-    def note(number: int, frame: object) -> None:
-        interrupted.set()
-        signal.signal(signal.SIGINT, before)
-
-    before = signal.signal(signal.SIGINT, note)
-    try:
-        yield interrupted
-    finally:
-        signal.signal(signal.SIGINT, before)

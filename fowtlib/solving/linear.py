@@ -77,23 +77,23 @@ class LinearModel:
 
     def modes(self) -> list[Mode]:
         """Oscillating and decaying modes, lowest frequency first; a conjugate pair counts once."""
-        from scipy.linalg import eig
-
         A, C = self.matrices["A"], self.matrices["C"]
         if not len(A):
             return []
-        values, left, right = eig(A, left=True, right=True)
+        values, right = np.linalg.eig(A)
+        left = np.linalg.pinv(right)  # rows are the left eigenvectors; A may be defective
         modes = []
-        for value, w, v in zip(values, left.T, right.T, strict=True):
+        for value, w, v in zip(values, left, right.T, strict=True):
             if value.imag < 0:
                 continue
-            weight = np.abs(w.conj() * v)
+            weight = np.abs(w * v)
             weight = weight / max(weight.sum(), 1e-300)
             size = abs(value)
             shape = (
                 dict(zip(self.outputs, C @ v, strict=True)) if self.outputs else dict(zip(self.states, v, strict=True))
             )
-            peak = max(shape.values(), key=abs, default=1.0) or 1.0
+            peak = max(shape.values(), key=abs, default=0.0)
+            peak = peak if abs(peak) > 1e-200 else 1.0
             modes.append(
                 Mode(
                     size / (2 * np.pi),

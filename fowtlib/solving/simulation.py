@@ -17,6 +17,7 @@ from fowtlib.language.units import from_si
 from fowtlib.solving.failure import integration_failure
 from fowtlib.solving.idas import Idas, StepFailure
 from fowtlib.solving.initial import consistent_algebraics
+from fowtlib.solving.interrupts import deferred_interrupt
 from fowtlib.solving.observation import Observation
 from fowtlib.solving.results import Observer, RawTrajectory, Result, parameter_hash
 from fowtlib.solving.state import State
@@ -102,13 +103,20 @@ class Simulation:
             raise SimulationError(f"the output step is {step:g} s; it must be above zero.")
         if t_end < self.t:
             raise SimulationError(f"the end of the simulation, {t_end:g} s, lies before its start, {self.t:g} s.")
-        report = _console if progress is True else progress or (lambda t, t_end: None)
+        told = _console if progress is True else progress or (lambda t, t_end: None)
         began, self.t_start, self.step = clock.perf_counter(), self.t, step
         try:
-            self._sample_now()
-            self._record(np.array([self.t]), self.x[None], self.z[None])
-            report(self.t, t_end)
-            self._integrate(t_end, step, report)
+            with deferred_interrupt() as interrupted:
+
+                def report(t: float, t_end: float) -> None:
+                    if interrupted.is_set():
+                        raise KeyboardInterrupt
+                    told(t, t_end)
+
+                self._sample_now()
+                self._record(np.array([self.t]), self.x[None], self.z[None])
+                report(self.t, t_end)
+                self._integrate(t_end, step, report)
         except KeyboardInterrupt:
             raise self._stopped(Interrupted(f"interrupted at t = {self.t:g} s.")) from None
         except SimulationError as error:

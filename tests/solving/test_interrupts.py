@@ -1,0 +1,53 @@
+"""Ctrl-C during a simulation waits until the solver reports, and keeps what was computed."""
+
+from __future__ import annotations
+
+import signal
+
+import pytest
+
+import fowtlib as fw
+from fowtlib.language import Scalar, der, eq, var
+from fowtlib.solving.interrupts import deferred_interrupt
+from fowtlib.solving.simulation import Interrupted
+
+
+@pytest.fixture(autouse=True)
+def python_handler():
+    """The handler of an interactive start; a test run in the background may have been started without."""
+    before = signal.signal(signal.SIGINT, signal.default_int_handler)
+    yield
+    signal.signal(signal.SIGINT, before)
+
+
+def test_control_c_is_kept_until_it_is_asked_for():
+    before = signal.getsignal(signal.SIGINT)
+    with deferred_interrupt() as interrupted:
+        signal.raise_signal(signal.SIGINT)  # as if inside compiled code: nothing happens yet
+        assert interrupted.is_set()
+    assert signal.getsignal(signal.SIGINT) is before
+
+
+def test_a_second_control_c_acts_at_once():
+    with pytest.raises(KeyboardInterrupt), deferred_interrupt():
+        signal.raise_signal(signal.SIGINT)
+        signal.raise_signal(signal.SIGINT)
+        pytest.fail("still running")
+
+
+def test_a_simulation_stops_at_the_next_report():
+    class Decay(fw.Component):
+        """x' = -x."""
+
+        x: Scalar = var(start=1.0, doc="state")
+
+        def equations(self):
+            return [eq(der(self.x), -self.x)]
+
+    def press(t: float, t_end: float) -> None:
+        if t > 100:
+            signal.raise_signal(signal.SIGINT)
+
+    with pytest.raises(Interrupted) as stopped:
+        fw.load(Decay()).compile().simulate(1000.0, output_step=0.1, progress=press)
+    assert 100 < stopped.value.result.time[-1] < 1000
