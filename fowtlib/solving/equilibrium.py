@@ -5,12 +5,11 @@ from __future__ import annotations
 import casadi as ca
 import numpy as np
 from scipy import sparse
-from scipy.sparse.linalg import splu
 
 from fowtlib.language.errors import SimulationError
 from fowtlib.solving.evaluation import Evaluation
 from fowtlib.solving.initial import csc, failure_text
-from fowtlib.solving.newton import Jacobian, Residual, newton
+from fowtlib.solving.newton import Jacobian, Residual, newton, solve
 
 
 def time_dependence(evaluation: Evaluation) -> list[str]:
@@ -106,7 +105,7 @@ def _implicit_euler(
         if not np.all(np.isfinite(residual)):
             return None
         try:
-            step = splu(sparse.csc_matrix(mass - slopes(values))).solve(residual)
+            step = solve(mass - slopes(values), residual)
         except RuntimeError:
             return None
         size = np.max(np.abs(step) / (1 + np.abs(values)), initial=0.0)

@@ -9,6 +9,8 @@ import numpy as np
 from scipy import sparse
 from scipy.sparse.linalg import splu
 
+DENSE = 300  # unknowns up to which a dense solution is faster and quieter than a sparse one
+
 Residual = Callable[[np.ndarray], np.ndarray]
 Jacobian = Callable[[np.ndarray], sparse.spmatrix]
 
@@ -71,7 +73,7 @@ def _step(matrix: sparse.csc_matrix, size: np.ndarray, damping: float) -> tuple[
     """A step, and whether it is a full Newton step."""
     if damping == 0.0:
         try:
-            step = -splu(sparse.csc_matrix(matrix)).solve(size)
+            step = -solve(matrix, size)
             if np.all(np.isfinite(step)):
                 return step, True
         except RuntimeError:
@@ -79,4 +81,17 @@ def _step(matrix: sparse.csc_matrix, size: np.ndarray, damping: float) -> tuple[
         damping = 1e-8
     normal = matrix.T @ matrix
     diagonal = np.maximum(normal.diagonal(), 1e-12)
-    return -splu(sparse.csc_matrix(normal + damping * sparse.diags(diagonal))).solve(matrix.T @ size), False
+    return -solve(normal + damping * sparse.diags(diagonal), matrix.T @ size), False
+
+
+def solve(matrix: sparse.spmatrix, right: np.ndarray) -> np.ndarray:
+    """Solution of matrix @ x = right; RuntimeError where the matrix is singular.
+
+    Small matrices are solved as dense ones.
+    """
+    if len(right) > DENSE:
+        return splu(sparse.csc_matrix(matrix)).solve(right)
+    try:
+        return np.linalg.solve(matrix.toarray(), right)
+    except np.linalg.LinAlgError:
+        raise RuntimeError("singular matrix") from None
