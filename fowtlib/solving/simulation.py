@@ -380,6 +380,15 @@ class Simulation:
             integration_failure(self.evaluation, self.t, self.x, self.z, self.q, self.step, self.reason)
         )
 
+    def _warn_of_gaps(self, name: str, t: np.ndarray, series: np.ndarray) -> None:
+        """Say which result is not a number somewhere: such a value does not stop a run that does not need it."""
+        gaps = ~np.isfinite(series.reshape(len(t), -1)).all(axis=1)
+        if gaps.any():
+            points = f"{gaps.sum()} of {len(t)} output points, first at t = {t[gaps][0]:g} s"
+            text = f"{name} is not a finite number at {points}."
+            self.warned[-1 - len(self.warned)] = text
+            warnings.warn(text, stacklevel=4)
+
     def result(self, status: str) -> Result:
         """What has been computed, as a Result."""
         t, x, z, d = (np.concatenate([row[i] for row in self.rows]) for i in range(4))
@@ -392,6 +401,7 @@ class Simulation:
             units[name], docs[name] = unit, doc
         for name, path, series in zip(self.names, paths, observe.arrays(paths), strict=True):
             values[name] = from_si(series, self.plant.describe(path)[0], units[name])
+            self._warn_of_gaps(name, t, series)
         numbers = self.plant.parameter_values(self.parameters)
         raw = RawTrajectory(
             t, x, z, d, tuple(q.path for q in self.dae.states), tuple(q.path for q in self.dae.algebraics),

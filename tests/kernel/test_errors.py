@@ -449,6 +449,18 @@ def test_an_implicit_equation_that_ceases_to_be_a_number():
     )
 
 
+def test_a_result_that_is_not_a_number():
+    """Nothing else needs the logarithm, so the run goes on and says so."""
+    model = one(
+        level=var(start=1.05, state="always", doc="level"), y=var(doc="its logarithm"),
+        equations=lambda self: [eq(der(self.level), -1.0), eq(self.y, m.log(self.level))],
+    )  # fmt: skip
+    text = "c.y is not a finite number at 15 of 26 output points, first at t = 1.1 s."
+    with pytest.warns(UserWarning, match=re.escape(text)):
+        result = simulate(model, 2.5, outputs=["c.y"])
+    assert result.attributes["warnings"] == text
+
+
 def test_growth_without_bound(capfd):
     model = one(x=var(start=1.0, state="always"), equations=lambda self: [eq(der(self.x), self.x**2)])
     assert said(simulate, model) == (
