@@ -91,4 +91,3 @@ def _output(root: Component, name: str, spec: OutputSpec) -> Output:
 def models() -> dict[str, str]:
     """The shipped models: name and title."""
     return {name: document.read(path).title for name, path in files.shipped_models().items()}
-

@@ -175,6 +175,5 @@ class ComponentReader:
             self.document.outputs[name] = OutputSpec(path, item.place, text(entries, "unit"), description)
 
 
-
 def _listed(items: dict[str, Node]) -> str:
     return ", ".join(items) or "none"
