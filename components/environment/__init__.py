@@ -2,6 +2,8 @@
 
 # World has a Frame and the bodies of the mechanics need World: the mechanics load first and fetch World themselves.
 from fowtlib.components import mechanics as _mechanics  # noqa: F401  isort: skip
+from fowtlib.components.environment.field_file import FieldGrid, WindField, read_field, write_field
+from fowtlib.components.environment.field_generator import generate_field
 from fowtlib.components.environment.sea import Sea
 from fowtlib.components.environment.turbulence import kaimal, kaimal_series, normal_turbulence, operating_gust
 from fowtlib.components.environment.waves import WaveComponents, irregular_waves, jonswap, regular_waves, wave_number
@@ -10,18 +12,23 @@ from fowtlib.components.environment.wind_file import WindSeries, read_series
 from fowtlib.components.environment.world import World
 
 __all__ = [
+    "FieldGrid",
     "Sea",
     "WaveComponents",
     "Wind",
+    "WindField",
     "WindSeries",
     "World",
+    "generate_field",
     "irregular_waves",
     "jonswap",
     "kaimal",
     "kaimal_series",
     "normal_turbulence",
     "operating_gust",
+    "read_field",
     "read_series",
     "regular_waves",
     "wave_number",
+    "write_field",
 ]

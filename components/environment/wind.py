@@ -1,4 +1,4 @@
-"""The wind of a model: none, steady, a step, a gust, Kaimal turbulence at the hubs, or series from a file."""
+"""The wind of a model: none, steady, a step, a gust, Kaimal turbulence at the hubs, series or a field from a file."""
 
 from __future__ import annotations
 
@@ -9,6 +9,8 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from fowtlib.components.environment import turbulence
+from fowtlib.components.environment.field_lookup import FieldLookup
+from fowtlib.components.environment.field_wind import field_velocity, open_field
 from fowtlib.components.environment.time_functions import (
     cosine_gust,
     extreme_gust,
@@ -34,7 +36,7 @@ def _per_station(wind: Wind) -> tuple[int]:
 
 
 class Wind(Component):
-    """Longitudinal wind with power-law shear; parts in the wind find it by `wind: Wind = outer(Wind)`.
+    """Wind with power-law shear, or a full field; parts in the wind find it by `wind: Wind = outer(Wind)`.
 
     At height z over station i, which has the height z_i, the speed along `direction` is
     base_i(t) (z/z_i)^shear_exponent + fluctuation_i(t).
@@ -45,10 +47,13 @@ class Wind(Component):
     gust: "eog" is the extreme operating gust of IEC 61400-1, magnitude by (17) unless given; "1-cos" is one hump.
     kaimal: normal turbulence model by class, or an intensity. What a series holds and loses: module turbulence.
     file: see wind_file.read_series; a run past the end of the series stops there.
+    field: u, v, w in space and time from a .bts file, see field_lookup; mean speed and shear are those of the file.
     The mean speed is tunable, but turbulence and the IEC gust are made for the speed that the model is compiled with.
     """
 
-    kind: str = param(default="none", choices=("none", "steady", "step", "gust", "kaimal", "file"), doc="kind of wind")
+    kind: str = param(
+        default="none", choices=("none", "steady", "step", "gust", "kaimal", "file", "field"), doc="kind of wind"
+    )
     mean_speed: Scalar = param(default=0.0, unit="m/s", min=0, doc="mean speed V at reference_height")
     reference_height: float = param(default=90.0, unit="m", min=0, doc="height of mean_speed: the hub")
     stations: Array = param(default=((0, 90),), unit="m", structural=True, doc="(y, z) of each hub, one series each")
@@ -67,7 +72,8 @@ class Wind(Component):
     seed: int = param(default=1, min=0, doc="kaimal: number of the realisation")
     sample_step: float = param(default=0.25, unit="s", min=0, doc="kaimal: sampling; harmonics up to 1/(4 sample_step)")
     repetition_period: float = param(default=4096.0, unit="s", min=0, doc="kaimal: period of the realisation")
-    file: str = param(default="", doc="file: path of the CSV, time [s] and speed [m/s] of each station")
+    file: str = param(default="", doc="file: CSV with time [s] and speed [m/s] of each station; field: .bts file")
+    field_shift: float = param(default=None, unit="m", doc="field: x of its first plane at t = 0, see field_lookup")
 
     speed: RealOutput = port(unit="m/s", shape=_per_station, doc="undisturbed speed at each station")
     base: Array = var(unit="m/s", shape=_per_station, doc="sheared part of the speed at each station")
@@ -79,7 +85,13 @@ class Wind(Component):
         return [eq(self.base, base), eq(self.fluctuation, fluctuation), eq(self.speed, speed), *statements]
 
     def velocity(self, r: ca.SX, station: int = 0) -> ca.SX:
-        """Wind velocity (3, world) at position r (3, world), with the series of a station; while flattening."""
+        """Wind velocity (3, world) at position r (3, world), with the series of a station; while flattening.
+
+        A field needs no station, and takes n positions (3, n) in one call.
+        """
+        if self.kind == "field":
+            world = m.rotation_z(self.direction)  # from the axes of the field
+            return world @ field_velocity(_lookup(self), self.time, world.T @ r)
         height = m.fmax(r[2] / _height(self, station), LOWEST_HEIGHT)
         speed = self.base[station] * height**self.shear_exponent + self.fluctuation[station]
         return m.vertcat(speed * m.cos(self.direction), speed * m.sin(self.direction), 0)
@@ -93,6 +105,9 @@ class Wind(Component):
         """Mean speed at a station, a start value for filters: of a file's series, else before any step or gust."""
         if self.kind == "file":
             return float(_read(self).values[:, station].mean())
+        if self.kind == "field":
+            _height(self, station)
+            return _lookup(self).mean(*self.hubs[station].tolist())
         return 0.0 if self.kind == "none" else self.mean_speed * _shear(self, _height(self, station))
 
     def turbulence(self) -> WindSeries:
@@ -142,8 +157,17 @@ def _file(wind: Wind) -> tuple[Any, Any, list[Any]]:
     return _series(wind, _read(wind), f"wind file {wind.file}"), 0, []
 
 
+def _field(wind: Wind) -> tuple[Any, Any, list[Any]]:
+    lookup, hubs = _lookup(wind), np.insert(wind.hubs, 0, 0.0, axis=1)
+    lookup.velocity(hubs + [lookup.shift, 0, 0], 0.0)  # an error now, if a station is outside of the field
+    repeats = f"the wind field {wind.file} repeats itself after {lookup.grid.duration:g} s; use a longer one."
+    periodic = lookup.grid.periodic
+    warning = [assert_(wind.time < lookup.grid.duration * (1 + 1e-6), repeats, level="warning")] if periodic else []
+    return field_velocity(lookup, wind.time, hubs.T)[0, :].T, 0, warning
+
+
 _TIME_FUNCTIONS = {
-    "none": _none, "steady": _steady, "step": _step, "gust": _gust, "kaimal": _kaimal, "file": _file,
+    "none": _none, "steady": _steady, "step": _step, "gust": _gust, "kaimal": _kaimal, "file": _file, "field": _field,
 }  # fmt: skip
 
 
@@ -171,6 +195,12 @@ def _read(wind: Wind) -> WindSeries:
     if not wind.file:
         raise ParameterError(f"{wind.label}.file has no value; a wind of kind 'file' needs the path of a CSV file.")
     return read_series(wind.file, len(wind.hubs))
+
+
+def _lookup(wind: Wind) -> FieldLookup:
+    if not wind.file:
+        raise ParameterError(f"{wind.label}.file has no value; a wind of kind 'field' needs the path of a .bts file.")
+    return open_field(wind.file, wind.field_shift)
 
 
 def _series(wind: Wind, series: WindSeries, name: str) -> Any:

@@ -171,6 +171,7 @@ WIND = Condition(
             bare="speed",
         ),
         "file": Kind({"file": Key("file", "path", required=True)}, bare="file"),
+        "field": Kind({"file": Key("file", "path", required=True)}, bare="file"),
     },
 )
 

@@ -29,6 +29,7 @@ from fowtlib.language.errors import ModelError
             {"wind.kind": "kaimal", "wind.mean_speed": 11.4, "wind.turbulence_class": "B", "wind.seed": 1},
         ),
         (WIND, "file:a=b,c.csv", {"wind.kind": "file", "wind.file": str(Path("a=b,c.csv").resolve())}),
+        (WIND, "field:a.bts", {"wind.kind": "field", "wind.file": str(Path("a.bts").resolve())}),
         (WAVES, "still", {"sea.spectrum": "still"}),
         (
             WAVES,
@@ -64,7 +65,7 @@ REGULAR = "regular:H=..,T=..[,heading=..]"
     ("condition", "text", "message"),
     [
         (WIND, "kamal:8", "--wind: unknown kind 'kamal'; did you mean 'kaimal'?"),
-        (WIND, "", "--wind: unknown kind ''; there are 'none', 'steady', 'step', 'gust', 'kaimal' and 'file'."),
+        (WIND, "", "--wind: unknown kind ''; there are 'none', 'steady', 'step', 'gust', 'kaimal', 'file' and 'field'."),
         (WIND, "steady", "--wind: 'steady' needs 'speed'; write steady:SPEED[,shear=..][,direction=..]"),
         (WIND, "steady:fast", f"--wind: speed: got 'fast'; {SPEED}"),
         (WIND, "steady:3 kg", f"--wind: speed: got '3 kg', which is a mass; {SPEED}"),

@@ -1,0 +1,146 @@
+"""The wind of a field file in simulated models: what parts in it feel, and how a run ends that leaves it."""
+
+from __future__ import annotations
+
+import re
+import warnings
+from dataclasses import replace
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+import fowtlib as fw
+import fowtlib.models
+from fowtlib.components.aero import CoefficientRotor
+from fowtlib.components.blocks import Constant
+from fowtlib.components.environment import FieldGrid, Wind, World, write_field
+from fowtlib.components.environment.field_lookup import FieldLookup
+from fowtlib.components.environment.field_wind import field_function
+from fowtlib.components.mechanics import Fixed, SpeedSource
+from fowtlib.language import Array, Component, ModelError, Scalar, der, eq, outer, param, var
+from fowtlib.language import math as m
+
+CSV = str(Path(fowtlib.models.__file__).parent / "data" / "nrel5mw" / "rotor_coefficients.csv")
+GRID = FieldGrid(rows=5, columns=7, steps=80, dz=20.0, dy=25.0, dt=0.25, speed=10.0, hub_height=90.0, bottom=50.0)
+
+
+@pytest.fixture(scope="module")
+def fields(tmp_path_factory):
+    """A periodic field and one that ends: waves of a few seconds, different from point to point."""
+    folder = tmp_path_factory.mktemp("fields")
+    time, z, y = np.meshgrid(np.arange(80) * 0.25, GRID.z, GRID.y, indexing="ij")
+    phase = 2 * np.pi * time / 5 + 0.02 * y + 0.01 * z
+    speeds = np.stack([10 + np.sin(phase) + 0.02 * (z - 90), 0.5 * np.cos(phase), 0.3 * np.sin(2 * phase)], axis=-1)
+    periodic = write_field(folder / "periodic.bts", GRID, speeds)
+    ending = write_field(folder / "ending.bts", replace(GRID, periodic=False), speeds)
+    return FieldLookup(periodic), FieldLookup(ending)
+
+
+class Drifting(Component):
+    """Two points that move apart, and the wind at them."""
+
+    drift: Scalar = param(default=1.0, unit="m/s", doc="speed of the second point along y")
+    wind: Wind = outer(Wind)
+    y: Scalar = var(unit="m", start=0, doc="position of the second point")
+    velocities: Array = var(unit="m/s", shape=(6,), doc="wind at both")
+
+    def equations(self):
+        second = m.vertcat(4, self.y, 100)
+        both = m.horzcat(m.vertcat(0, -10, 80), second)
+        here = self.wind.velocity(both)
+        return [eq(der(self.y), self.drift), eq(self.velocities, m.vertcat(here[:, 0], here[:, 1]))]
+
+
+def drifting(path, drift=1.0, **wind):
+    model = fw.Assembly("two points")
+    model.world = World()
+    model.wind = Wind(kind="field", file=path, **wind)
+    model.points = Drifting(drift=drift)
+    return model
+
+
+def simulate(model, t_end=8.0, **options):
+    return fw.load(model).compile().simulate(t_end, output_step=0.5, **options)
+
+
+@pytest.mark.parametrize("direction", [0.0, 0.3])
+def test_wind_at_moving_points(fields, direction):
+    lookup = fields[0]
+    result = simulate(drifting(lookup.field.path, direction=direction, stations=[[0, 90], [50, 100]]))
+    time, zero = np.asarray(result["points.y"].time), 0 * np.asarray(result["points.y"].time)
+    c, s = np.cos(direction), np.sin(direction)
+    world = np.array([[c, -s, 0], [s, c, 0], [0, 0, 1]])
+    found = np.asarray(result["points.velocities"])
+    for i, place in enumerate(((zero, zero - 10, zero + 80), (zero + 4, time, zero + 100))):
+        expected = lookup.velocity(np.column_stack(place) @ world, time) @ world.T
+        np.testing.assert_allclose(found[:, 3 * i : 3 * i + 3], expected, atol=1e-6)
+    speed = np.asarray(result["wind.speed"])
+    np.testing.assert_allclose(speed[:, 1], lookup.velocity(np.stack([zero, zero + 50, zero + 100], 1), time)[:, 0])
+
+
+def test_jacobian_of_the_function(fields):
+    function = field_function(fields[0], 2).function
+    column = np.array([3.17, 1.0, 7.0, 83.0, -4.0, -21.0, 101.0])
+    jacobian = function.jacobian()(column, 0).full()
+    assert jacobian.shape == (6, 7)
+    for i in range(7):
+        h = np.eye(7)[i] * 1e-5
+        slope = (function(column + h) - function(column - h)).full().ravel() / 2e-5
+        np.testing.assert_allclose(jacobian[:, i], slope, atol=1e-7)
+    assert not jacobian[:3, 4:].any()
+    assert not jacobian[3:, 1:4].any()
+
+
+def test_a_rotor_in_the_field(fields):
+    lookup = fields[0]
+    model = fw.Assembly("rotor")
+    model.world = World()
+    model.wind = Wind(kind="field", file=lookup.field.path, stations=[(30, 90)])
+    model.rotor = CoefficientRotor(coefficients=CSV, radius=63.0, inertia=3.876e7)
+    model.drive, model.speed, model.pitch = SpeedSource(), Constant(value=1.267), Constant(value=0.0)
+    model.support = Fixed(r=(-2, 30, 90))
+    model.connect(model.support.frame, model.rotor.frame)
+    model.connect(model.speed.y, model.drive.w)
+    model.connect(model.drive.flange, model.rotor.shaft)
+    model.connect(model.pitch.y, model.rotor.blade_pitch)
+    assert model.wind.mean_at(0) == pytest.approx(lookup.mean(30, 90))
+    result = simulate(model)
+    time = np.asarray(result["rotor.normal_wind"].time)
+    expected = lookup.velocity(np.tile([-2.0, 30, 90], (len(time), 1)), time)[:, 0]
+    np.testing.assert_allclose(np.asarray(result["rotor.normal_wind"]), expected, atol=1e-9)
+    assert np.asarray(result["rotor.mean_wind"])[0] == pytest.approx(lookup.mean(30, 90))
+
+
+def test_a_run_that_leaves_the_field_stops(fields):
+    path = fields[0].field.path
+    with pytest.raises(ModelError, match=rf"wind field {re.escape(path)} at y = .*, and the table covers -75 to 75"):
+        simulate(drifting(path, drift=20.0))
+    path = fields[1].field.path  # ends at 19.75 s, its first plane is 75 m downwind at the start
+    with pytest.raises(
+        ModelError, match=rf"wind field {re.escape(path)} at time = .*, and the table covers 0 to 19.75"
+    ):
+        simulate(drifting(path), 15.0)
+    assert simulate(drifting(path, field_shift=40.0), 15.0).time[-1] == 15
+
+
+def test_a_run_longer_than_the_field_is_warned_about(fields):
+    with warnings.catch_warnings(record=True) as caught:
+        warnings.simplefilter("always")
+        simulate(drifting(fields[0].field.path), 21.0)
+    assert sum("repeats itself after 20 s; use a longer one" in str(warning.message) for warning in caught) == 1
+
+
+def test_mistakes(fields, tmp_path):
+    path = fields[0].field.path
+    with pytest.raises(
+        ModelError, match="wind.file has no value; a wind of kind 'field' needs the path of a .bts file"
+    ):
+        simulate(drifting(""))
+    with pytest.raises(ModelError, match=r"too small: point 1 is at y = 80 m, and the field covers -75 to 75 m"):
+        simulate(drifting(path, stations=[[0, 90], [80, 90]]))
+    with pytest.raises(ModelError, match=r"station 1 of Wind does not exist"):
+        Wind(kind="field", file=path).mean_at(1)
+    (tmp_path / "broken.bts").write_bytes(Path(path).read_bytes()[:-10])
+    with pytest.raises(ModelError, match="broken.bts: truncated"):
+        simulate(drifting(str(tmp_path / "broken.bts")))
