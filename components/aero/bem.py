@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import hashlib
 from dataclasses import dataclass
-from functools import cached_property, lru_cache
+from functools import cache, cached_property
 from pathlib import Path
 from typing import Any
 
@@ -34,9 +34,9 @@ class BladeElementRotor:
     induction. tip_loss, hub_loss: Prandtl's factors.
 
     Inputs, all in the world, n nodes blade by blade from root to tip: position (3n), orientation (9n, columns of each
-    matrix: x downwind and normal to the chord, z along the blade to the tip, y = z x x), velocity (3n), wind (3n) at the
-    nodes; hub_position, hub_orientation (x along the shaft, downwind), hub_velocity, disk_wind: the wind averaged over
-    the disk or at the hub, for the skew; air_density. A node sits at the aerodynamic centre.
+    matrix: x downwind and normal to the chord, z along the blade to the tip, y = z x x), velocity (3n), wind at the
+    nodes (3n); hub_position, hub_orientation (x along the shaft, downwind), hub_velocity, disk_wind: the wind averaged
+    over the disk or at the hub, for the skew; air_density. A node sits at the aerodynamic centre.
     Outputs: loads (6n): force [N] and moment about the node [N m] of each node.
     """
 
@@ -72,7 +72,7 @@ class BladeElementRotor:
 
     @property
     def losses(self) -> tuple[np.ndarray, np.ndarray]:
-        """f |sin(phi)| of Prandtl's factors 2/pi acos(exp(-f)) of the tip and of the hub; infinite without the loss."""
+        """F |sin(phi)| of Prandtl's factors 2/pi acos(exp(-f)) of the tip and of the hub; infinite without the loss."""
         r, b = self.blade.radius, self.blade
         tip = self.blades / 2 * (b.tip_radius - r) / r
         hub = self.blades / 2 * (r - b.hub_radius) / b.hub_radius
@@ -129,7 +129,7 @@ class BladeElementRotor:
         return "\n".join(lines) + "\n"
 
 
-@lru_cache(maxsize=None)
+@cache
 def _number(value: float) -> str:
     """A C constant with every digit; infinity is a number that exp(-x) takes to zero."""
     return repr(float(value)) if np.isfinite(value) else "1e300"

@@ -1,10 +1,11 @@
-"""The blade-element momentum rotor of bem.c once more, in NumPy: the oracle of its tests, and what runs without a compiler.
+"""The rotor of bem.c once more, in NumPy: the oracle of its tests, and what runs without a compiler.
 
 Written apart from the C text: induction factors and bisection, where the C code has speeds and Newton's method.
 """
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -12,6 +13,7 @@ import numpy as np
 if TYPE_CHECKING:
     from fowtlib.components.aero.bem import BladeElementRotor
 
+Loads = Callable[[np.ndarray], np.ndarray]
 EDGE = 1e-6
 
 
@@ -38,19 +40,24 @@ def loads(rotor: BladeElementRotor, inputs: np.ndarray) -> np.ndarray:
     return np.hstack([scale * force, scale * rotor.sense * moment[:, None] * span]).ravel()
 
 
-def jacobian(rotor: BladeElementRotor, inputs: np.ndarray) -> np.ndarray:
-    """d loads / d inputs by central differences; the same input of every node is moved at once, (6n, inputs)."""
-    u = np.asarray(inputs, dtype=float)
+def jacobian(
+    rotor: BladeElementRotor, inputs: np.ndarray, relative_step: float = 1e-6, function: Loads | None = None
+) -> np.ndarray:
+    """Slope of the loads, by central differences; the same input of every node is moved at once, (6n, inputs).
+
+    function: the loads of the inputs, by default those of this module.
+    """
+    function, u = function or (lambda x: loads(rotor, x)), np.asarray(inputs, dtype=float)
     n, result = rotor.nodes, np.zeros((6 * rotor.nodes, len(inputs)))
     start, rows = 0, np.arange(6 * n).reshape(n, 6)
     for name, size in rotor.inputs.items():
         per_node = size // n if name in ("position", "orientation", "velocity", "wind") else 0
         for k in range(per_node or size):
             columns = start + k + per_node * np.arange(n) if per_node else np.array([start + k])
-            step = 1e-6 * max(1.0, np.abs(u[columns]).max())
+            step = relative_step * max(1.0, np.abs(u[columns]).max())
             move = np.zeros(len(u))
             move[columns] = step
-            slope = (loads(rotor, u + move) - loads(rotor, u - move)) / (2 * step)
+            slope = (function(u + move) - function(u - move)) / (2 * step)
             if per_node:
                 result[rows, columns[:, None]] = slope.reshape(n, 6)
             else:
@@ -93,20 +100,20 @@ class _Sections:
         self.sigma = B * self.chord / (2 * np.pi * r)
         self.tip_speed = np.abs(Vt) * blade.tip_radius / r
         self.tip, self.hub = (np.tile(loss, B) for loss in rotor.losses)
-        self.names = np.tile(np.array(blade.airfoil), B)
         self.side = np.where(Vx < 0, -1.0, 1.0)
-        self.cubics = {name: (blade.airfoils[name].angle, blade.airfoils[name].cubics) for name in set(blade.airfoil)}
+        used = sorted(set(blade.airfoil))
+        foils = [blade.airfoils[name] for name in used]
+        self.shift = 10.0 * np.tile([used.index(name) for name in blade.airfoil], B)  # every airfoil on its own stretch
+        self.knots = np.concatenate([foil.angle[:-1] for foil in foils])
+        self.shifted = np.concatenate([foil.angle[:-1] + 10.0 * k for k, foil in enumerate(foils)])
+        self.cubics = np.concatenate([foil.cubics for foil in foils])
 
     def coefficients(self, angle: np.ndarray) -> tuple[np.ndarray, ...]:
         """c_l, c_d, c_m of all elements."""
         angle = (angle + np.pi) % (2 * np.pi) - np.pi
-        values = np.empty((len(angle), 3))
-        for name, (knots, cubics) in self.cubics.items():
-            mine = self.names == name
-            index = np.clip(np.searchsorted(knots, angle[mine], side="right") - 1, 0, len(knots) - 2)
-            powers = (angle[mine] - knots[index])[:, None] ** np.arange(4)
-            values[mine] = np.einsum("ijk,ik->ij", cubics[index], powers)
-        return tuple(values.T)
+        index = np.searchsorted(self.shifted, np.maximum(angle, -3.1415926) + self.shift, side="right") - 1
+        powers = (angle - self.knots[index])[:, None] ** np.arange(4)
+        return tuple(np.einsum("ijk,ik->ji", self.cubics[index], powers))
 
     def induction(self, phi: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
         """1 / (1 - a) and 1 / (1 + a') at inflow angles: momentum theory, and Buhl's line above k = 2/3."""

@@ -67,8 +67,8 @@ class Airfoil:
 class BladeAerodynamics:
     """The elements of a blade, from root to tip; all arrays (n,), a node in the middle of each element.
 
-    radius [m]: from the rotor axis along the pitch axis of the unconed blade; length [m] of the element, by default what
-    fills the blade from hub_radius to tip_radius with the borders half way; chord [m]; twist [rad], positive to feather;
+    radius [m]: from the rotor axis along the pitch axis of the unconed blade; length [m] of the element, by default
+    with borders half way between the nodes, from hub_radius to tip_radius; chord [m]; twist [rad], positive to feather;
     curve, sweep [m]: place of the aerodynamic centre beside the pitch axis, downwind and to the trailing edge.
     """
 
@@ -140,7 +140,9 @@ def read_airfoils(path: str, smooth: bool = True) -> dict[str, Airfoil]:
         raise error.at(path) from None
 
 
-def read_blade(path: str, airfoils: str, hub_radius: float, tip_radius: float, smooth: bool = True) -> BladeAerodynamics:
+def read_blade(
+    path: str, airfoils: str, hub_radius: float, tip_radius: float, smooth: bool = True
+) -> BladeAerodynamics:
     """Blade of a CSV with the columns of BLADE_COLUMNS; span counts from the blade root, at hub_radius."""
     rows = list(zip(*_table(path, BLADE_COLUMNS, words=("airfoil",)), strict=True))
     span, length, chord, twist, curve, sweep = (np.array(column, dtype=float) for column in rows[:6])
