@@ -1,7 +1,22 @@
-"""Aerodynamics of rotors: coefficient tables, and the rotor that is described by them."""
+"""Aerodynamics of rotors: coefficient tables and the rotor described by them; blade-element momentum theory."""
 
+from fowtlib.components.aero.bem import BladeElementRotor
+from fowtlib.components.aero.bem_steady import RigidRotor, coefficient_table
+from fowtlib.components.aero.blade_aerodynamics import Airfoil, BladeAerodynamics, read_airfoils, read_blade
 from fowtlib.components.aero.coefficient_rotor import CoefficientRotor
 from fowtlib.components.aero.coefficient_table import CoefficientTable, read_coefficients
 from fowtlib.components.aero.rotor import Rotor
 
-__all__ = ["CoefficientRotor", "CoefficientTable", "Rotor", "read_coefficients"]
+__all__ = [
+    "Airfoil",
+    "BladeAerodynamics",
+    "BladeElementRotor",
+    "CoefficientRotor",
+    "CoefficientTable",
+    "RigidRotor",
+    "Rotor",
+    "coefficient_table",
+    "read_airfoils",
+    "read_blade",
+    "read_coefficients",
+]

@@ -56,6 +56,10 @@ class ModelFileError(ModelError):
     """A model file cannot be read or does not describe a model."""
 
 
+class CompilerError(ModelError):
+    """C code of a model cannot be compiled: there is no compiler, the text is wrong, or its cache cannot be written."""
+
+
 class NotFoundError(ModelError):
     """A path or a name (of a variable, a parameter, an output, a model) does not exist."""
 

@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
+import warnings
 from collections.abc import Callable, Mapping
+from functools import lru_cache
 from pathlib import Path
 from typing import Any
 
@@ -11,6 +13,7 @@ import numpy as np
 
 from fowtlib.language.equations import external
 from fowtlib.language.errors import ParameterError, StructureError, did_you_mean
+from fowtlib.language.native import NO_COMPILER, compile_library, compiler
 
 Compute = Callable[[np.ndarray], Any]
 
@@ -19,11 +22,14 @@ class ExternalFunction:
     """A function outside of the equations; the flat model calls it as a whole and is torn there.
 
     inputs and outputs: names and lengths, such as {"velocity": 3, "pitch": 1}; both are passed as one column in that
-    order. Give one implementation:
+    order. Give one implementation, or source with python beside it:
     - library: path of a shared library with CasADi's C interface for `name` (one input, one output) and, as
       `jac_<name>`, its Jacobian, which may be sparse;
+    - source: C text of such a library, compiled once (see native.py); what it exports stands behind EXPORT;
     - python: function of the input column (NumPy) that returns the output column, with jacobian: a function that
-      returns d outputs / d inputs, (n_out, n_in). Without a jacobian it is taken by finite differences.
+      returns d outputs / d inputs, (n_out, n_in), of which only the entries of `sparsity` (a CasADi Sparsity) are
+      taken when that is given. Without a jacobian it is taken by finite differences. Beside a source it is what runs
+      where there is no compiler, slowly, which is said once.
 
     Called in equations() with its inputs by name, it gives its outputs by name: `loads(velocity=v, pitch=b)["force"]`.
     """
@@ -35,15 +41,24 @@ class ExternalFunction:
         outputs: Mapping[str, int],
         *,
         library: str | Path | None = None,
+        source: str | None = None,
         python: Compute | None = None,
         jacobian: Compute | None = None,
+        sparsity: ca.Sparsity | None = None,
     ):
-        if (library is None) == (python is None):
-            raise ParameterError(f"external function {name}: give either library or python.")
+        if (library is not None) + (source is not None or python is not None) != 1:
+            raise ParameterError(f"external function {name}: give either library or python, or source.")
         self.name = name
         self.inputs, self.outputs = dict(inputs), dict(outputs)
         sizes = (sum(self.inputs.values()), sum(self.outputs.values()))
-        self.function = _from_library(name, Path(library)) if library else _Python(name, sizes, python, jacobian)
+        if source is not None and (compiler() or python is None):
+            library = compile_library(source, name)
+        elif source is not None:
+            _say_once(f"{name} runs as Python code, slowly: {NO_COMPILER}")
+        if library is not None:
+            self.function = _from_library(name, Path(library))
+        else:
+            self.function = _Python(name, sizes, python, jacobian, sparsity)
         given = (self.function.numel_in(0), self.function.numel_out(0))
         if given != sizes:
             raise ParameterError(
@@ -72,6 +87,11 @@ class ExternalFunction:
         return dict(zip(self.outputs, ca.vertsplit(ca.vec(result), ends), strict=True))
 
 
+@lru_cache(maxsize=64)
+def _say_once(message: str) -> None:
+    warnings.warn(message, RuntimeWarning, stacklevel=4)
+
+
 def _from_library(name: str, path: Path) -> ca.Function:
     if not path.is_file():
         raise ParameterError(f"external function {name}: there is no library {path}.")
@@ -85,9 +105,11 @@ def _from_library(name: str, path: Path) -> ca.Function:
 class _Python(ca.Callback):
     """A Python function as a CasADi function; slow, for prototypes and as the twin of a library."""
 
-    def __init__(self, name: str, sizes: tuple[int, int], compute: Compute, jacobian: Compute | None):
+    def __init__(self, name: str, sizes: tuple[int, int], compute: Compute, jacobian: Compute | None,
+                 sparsity: ca.Sparsity | None):  # fmt: skip
         ca.Callback.__init__(self)
         self.sizes, self.compute, self.slope = sizes, compute, jacobian
+        self.sparsity = sparsity or ca.Sparsity.dense(sizes[1], sizes[0])
         self._derivative: _PythonJacobian | None = None
         self.construct(name, {} if jacobian else {"enable_fd": True})
 
@@ -110,16 +132,16 @@ class _Python(ca.Callback):
         return self.slope is not None
 
     def get_jacobian(self, name: str, inames: Any, onames: Any, options: Any) -> ca.Function:
-        self._derivative = _PythonJacobian(name, self.sizes, self.slope)
+        self._derivative = _PythonJacobian(name, self.sizes, self.slope, self.sparsity)
         return self._derivative
 
 
 class _PythonJacobian(ca.Callback):
     """d outputs / d inputs of a Python function: inputs are its input and its output."""
 
-    def __init__(self, name: str, sizes: tuple[int, int], slope: Compute | None):
+    def __init__(self, name: str, sizes: tuple[int, int], slope: Compute | None, sparsity: ca.Sparsity):
         ca.Callback.__init__(self)
-        self.sizes, self.slope = sizes, slope
+        self.sizes, self.slope, self.sparsity = sizes, slope, sparsity
         self.construct(name, {})
 
     def get_n_in(self) -> int:
@@ -132,7 +154,9 @@ class _PythonJacobian(ca.Callback):
         return ca.Sparsity.dense(self.sizes[i], 1)
 
     def get_sparsity_out(self, i: int) -> ca.Sparsity:
-        return ca.Sparsity.dense(self.sizes[1], self.sizes[0])
+        return self.sparsity
 
-    def eval(self, arguments: list[ca.DM]) -> list[np.ndarray]:
-        return [np.asarray(self.slope(arguments[0].full().ravel()), dtype=float).reshape(self.sizes[1], self.sizes[0])]
+    def eval(self, arguments: list[ca.DM]) -> list[ca.DM]:
+        slope = np.asarray(self.slope(arguments[0].full().ravel()), dtype=float)
+        rows, columns = self.sparsity.get_triplet()
+        return [ca.DM(self.sparsity, slope.reshape(self.sizes[1], self.sizes[0])[rows, columns])]

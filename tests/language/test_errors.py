@@ -10,7 +10,7 @@ from fowtlib.language.errors import ModelError, ModelFileError, ParameterError, 
 
 def test_every_error_of_a_user_is_a_model_error():
     names = ["ParameterError", "ConnectionFault", "UnitError", "StructureError", "SimulationError", "ModelFileError",
-             "NotFoundError"]  # fmt: skip
+             "CompilerError", "NotFoundError"]  # fmt: skip
     assert all(issubclass(getattr(errors, name), ModelError) for name in names)
 
 

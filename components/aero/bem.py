@@ -1,0 +1,141 @@
+"""Blade-element momentum rotor as an external function: in C (bem.c), or its NumPy twin where there is no compiler."""
+
+from __future__ import annotations
+
+import hashlib
+from dataclasses import dataclass
+from functools import cache, cached_property
+from pathlib import Path
+from typing import Any
+
+import casadi as ca
+import numpy as np
+
+from fowtlib.components.aero import bem_numpy
+from fowtlib.components.aero.blade_aerodynamics import BladeAerodynamics
+from fowtlib.language import ExternalFunction
+from fowtlib.language.errors import ParameterError
+
+PITT_PETERS = 15 * np.pi / 32
+"""Factor of the skewed wake in Ning et al. (2015, AIAA 2015-0215), also AeroDyn's; other texts have 15 pi / 64."""
+
+
+@dataclass(frozen=True, eq=False)
+class BladeElementRotor:
+    """Aerodynamic loads of a rotor by blade-element momentum theory, quasi-steady, at moving and bending blades.
+
+    Every element balances momentum and blade forces in its own annulus (Ning 2014) with the velocities of its own node;
+    Prandtl's tip and hub loss, Buhl's high induction (2005), Pitt and Peters' skewed wake. There is no induction in a
+    rotor that hardly turns (tip speed below the wind; it sets in smoothly up to twice that) nor without wind (below 2 %
+    of the tip speed). Not included: dynamic inflow and stall, tower shadow.
+
+    blades: any number; sense 1: turns clockwise seen looking downwind, -1: the other way (mirrored blades).
+    skew: factor of the skewed wake correction, 0 for none. axial_drag, tangential_drag: drag takes part in the
+    induction. tip_loss, hub_loss: Prandtl's factors.
+
+    Inputs, all in the world, n nodes blade by blade from root to tip: position (3n), orientation (9n, columns of each
+    matrix: x downwind and normal to the chord, z along the blade to the tip, y = z x x), velocity (3n), wind at the
+    nodes (3n); hub_position, hub_orientation (x along the shaft, downwind), hub_velocity, disk_wind: the wind averaged
+    over the disk or at the hub, for the skew; air_density. A node sits at the aerodynamic centre.
+    Outputs: loads (6n): force [N] and moment about the node [N m] of each node.
+    """
+
+    blade: BladeAerodynamics
+    blades: int = 3
+    sense: int = 1
+    skew: float = PITT_PETERS
+    axial_drag: bool = True
+    tangential_drag: bool = True
+    tip_loss: bool = True
+    hub_loss: bool = True
+
+    def __post_init__(self):
+        if self.blades < 1 or self.sense not in (1, -1):
+            raise ParameterError("a rotor has one blade or more, and its sense of rotation is 1 or -1.")
+
+    @property
+    def nodes(self) -> int:
+        """Number of nodes of all blades."""
+        return self.blades * len(self.blade.radius)
+
+    @property
+    def inputs(self) -> dict[str, int]:
+        """Names and lengths of the inputs."""
+        n = self.nodes
+        return {"position": 3 * n, "orientation": 9 * n, "velocity": 3 * n, "wind": 3 * n, "hub_position": 3,
+                "hub_orientation": 9, "hub_velocity": 3, "disk_wind": 3, "air_density": 1}  # fmt: skip
+
+    @property
+    def outputs(self) -> dict[str, int]:
+        """Names and lengths of the outputs."""
+        return {"loads": 6 * self.nodes}
+
+    @property
+    def losses(self) -> tuple[np.ndarray, np.ndarray]:
+        """F |sin(phi)| of Prandtl's factors 2/pi acos(exp(-f)) of the tip and of the hub; infinite without the loss."""
+        r, b = self.blade.radius, self.blade
+        tip = self.blades / 2 * (b.tip_radius - r) / r
+        hub = self.blades / 2 * (r - b.hub_radius) / b.hub_radius
+        none = np.full(len(r), np.inf)
+        return (tip if self.tip_loss else none), (hub if self.hub_loss else none)
+
+    @cached_property
+    def sparsity(self) -> ca.Sparsity:
+        """Of the Jacobian: own node and hub; the y axes of the nodes do not matter, only the x axis of the hub does."""
+        n = self.nodes
+        own = [np.arange(6 * i, 6 * i + 6) for i in range(n)]
+        everyone, nobody = np.arange(6 * n), np.arange(0)
+        columns = [own[i] for i in range(n) for _ in range(3)]
+        columns += [own[i] if axis != 1 else nobody for i in range(n) for axis in range(3) for _ in range(3)]
+        columns += 2 * [own[i] for i in range(n) for _ in range(3)]
+        columns += 6 * [everyone] + 6 * [nobody] + 6 * [everyone if self.skew else nobody] + [everyone]
+        starts = np.cumsum([0, *map(len, columns)])
+        return ca.Sparsity(6 * n, len(columns), starts.tolist(), np.concatenate(columns).tolist())
+
+    @cached_property
+    def external(self) -> ExternalFunction:
+        """The function for equations(); compiled once."""
+        data = self._data()
+        text = (Path(__file__).parent / "bem.c").read_text(encoding="utf-8")
+        name = f"bem_{hashlib.sha256((data + text).encode()).hexdigest()[:8]}"
+        return ExternalFunction(
+            name, self.inputs, self.outputs, source=f"#define NAME {name}\n{data}{text}", sparsity=self.sparsity,
+            python=lambda u: bem_numpy.loads(self, u), jacobian=lambda u: bem_numpy.jacobian(self, u),
+        )  # fmt: skip
+
+    def _data(self) -> str:
+        """The rotor as C text."""
+        b = self.blade
+        used = list(dict.fromkeys(b.airfoil))
+        foils = [b.airfoils[name] for name in used]
+        # one cubic per knot; the last knot of an airfoil has none of its own and is never looked up
+        cubics = [np.concatenate([foil.cubics, np.zeros((1, 3, 4))]).ravel() for foil in foils]
+        sizes = [len(foil.angle) for foil in foils]
+        tip, hub = self.losses
+        pattern = self.sparsity
+        shapes = {"sparsity_in": [sum(self.inputs.values()), 1, 1], "sparsity_out": [6 * self.nodes, 1, 1],
+                  "sparsity_jac": [*pattern.shape, *pattern.colind(), *pattern.row()]}  # fmt: skip
+        numbers = {"chord": b.chord, "length": b.length, "tip_loss": tip, "hub_loss": hub,
+                   "knot": np.concatenate([foil.angle for foil in foils]), "cubic": np.concatenate(cubics)}  # fmt: skip
+        integers = {"polar": [used.index(name) for name in b.airfoil], "knots": sizes,
+                    "first_knot": np.cumsum([0, *sizes[:-1]]).tolist()}  # fmt: skip
+        macros = {"BLADES": self.blades, "STATIONS": len(b.radius), "SENSE": self.sense,
+                  "TIP_RADIUS": _number(b.tip_radius), "SKEW": _number(self.skew),
+                  "AXIAL_DRAG": int(self.axial_drag), "TANGENTIAL_DRAG": int(self.tangential_drag)}  # fmt: skip
+        lines = [f"#define {key} ({value})" for key, value in macros.items()]
+        lines += [_array("long long int", key, value) for key, value in shapes.items()]
+        lines += [_array("int", key, value) for key, value in integers.items()]
+        lines += [_array("double", key, value) for key, value in numbers.items()]
+        return "\n".join(lines) + "\n"
+
+
+@cache
+def _number(value: float) -> str:
+    """A C constant with every digit; infinity is a number that exp(-x) takes to zero."""
+    return repr(float(value)) if np.isfinite(value) else "1e300"
+
+
+def _array(kind: str, name: str, values: Any) -> str:
+    items = [_number(float(v)) if kind == "double" else str(int(v)) for v in values]
+    body = "\n".join(", ".join(items[i : i + 12]) + "," for i in range(0, len(items), 12))
+    return f"static const {kind} {name}[] = {{\n{body}\n}};"

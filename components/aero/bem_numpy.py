@@ -1,0 +1,174 @@
+"""The rotor of bem.c once more, in NumPy: the oracle of its tests, and what runs without a compiler.
+
+Written apart from the C text: induction factors and bisection, where the C code has speeds and Newton's method.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+if TYPE_CHECKING:
+    from fowtlib.components.aero.bem import BladeElementRotor
+
+Loads = Callable[[np.ndarray], np.ndarray]
+EDGE = 1e-6
+
+
+def loads(rotor: BladeElementRotor, inputs: np.ndarray) -> np.ndarray:
+    """Force and moment of every node, (6n,), for the inputs of BladeElementRotor as one column."""
+    parts = np.split(np.asarray(inputs, dtype=float), np.cumsum(list(rotor.inputs.values()))[:-1])
+    n = rotor.nodes
+    position, velocity, wind = (parts[k].reshape(n, 3) for k in (0, 2, 3))
+    axes = parts[1].reshape(n, 3, 3)  # a row of this is a column of the matrix: an axis
+    chordwise_normal, span = axes[:, 0], axes[:, 2]
+    normal = parts[5][:3]
+    skew_wind = parts[7] - parts[6]
+
+    tangent = rotor.sense * _unit(np.cross(span, normal))  # to the trailing edge
+    downwind = np.cross(rotor.sense * tangent, span)
+    relative = wind - velocity
+    arm = position - parts[4]
+    radius = np.sqrt(_dot(arm, arm) - (arm @ normal) ** 2)
+    twist = np.arctan2(-_dot(chordwise_normal, tangent), _dot(chordwise_normal, downwind))
+    section = _Sections(rotor, _dot(relative, downwind), _dot(relative, tangent), twist, radius)
+    axial, tangential, moment = section.loads(_skew(rotor, skew_wind, normal, arm))
+    scale = (parts[8] * np.tile(rotor.blade.length, rotor.blades))[:, None]
+    force = axial[:, None] * downwind + tangential[:, None] * tangent
+    return np.hstack([scale * force, scale * rotor.sense * moment[:, None] * span]).ravel()
+
+
+def jacobian(
+    rotor: BladeElementRotor, inputs: np.ndarray, relative_step: float = 1e-6, function: Loads | None = None
+) -> np.ndarray:
+    """Slope of the loads, by central differences; the same input of every node is moved at once, (6n, inputs).
+
+    function: the loads of the inputs, by default those of this module.
+    """
+    function, u = function or (lambda x: loads(rotor, x)), np.asarray(inputs, dtype=float)
+    n, result = rotor.nodes, np.zeros((6 * rotor.nodes, len(inputs)))
+    start, rows = 0, np.arange(6 * n).reshape(n, 6)
+    for name, size in rotor.inputs.items():
+        per_node = size // n if name in ("position", "orientation", "velocity", "wind") else 0
+        for k in range(per_node or size):
+            columns = start + k + per_node * np.arange(n) if per_node else np.array([start + k])
+            step = relative_step * max(1.0, np.abs(u[columns]).max())
+            move = np.zeros(len(u))
+            move[columns] = step
+            slope = (function(u + move) - function(u - move)) / (2 * step)
+            if per_node:
+                result[rows, columns[:, None]] = slope.reshape(n, 6)
+            else:
+                result[:, start + k] = slope
+        start += size
+    return result
+
+
+def _dot(a: np.ndarray, b: np.ndarray) -> np.ndarray:
+    return np.einsum("ij,ij->i", a, b)
+
+
+def _unit(a: np.ndarray) -> np.ndarray:
+    return a / np.linalg.norm(a, axis=1, keepdims=True)
+
+
+def _smooth(x: np.ndarray | float) -> np.ndarray:
+    x = np.clip(x, 0, 1)
+    return x**2 * (3 - 2 * x)
+
+
+def _skew(rotor: BladeElementRotor, wind: np.ndarray, normal: np.ndarray, arm: np.ndarray):
+    """Skew angle at the rotor, and (r / R) cos(psi) of every node, psi = 0 where the wake goes; fading over 60 deg."""
+    along = wind @ normal
+    across = wind - along * normal
+    size = np.linalg.norm(across)
+    if not rotor.skew or along <= 0 or size == 0:
+        return 0.0, np.zeros(len(arm))
+    angle = np.arctan2(size, along)
+    return angle, _smooth(2 * np.cos(angle)) * (arm @ across) / size / rotor.blade.tip_radius
+
+
+class _Sections:
+    """All elements of a rotor at one state: the balance of momentum and blade forces."""
+
+    def __init__(self, rotor: BladeElementRotor, Vx: np.ndarray, Vt: np.ndarray, twist: np.ndarray, r: np.ndarray):
+        blade, B = rotor.blade, rotor.blades
+        self.rotor, self.Vx, self.Vt, self.twist = rotor, Vx, Vt, twist
+        self.chord = np.tile(blade.chord, B)
+        self.sigma = B * self.chord / (2 * np.pi * r)
+        self.tip_speed = np.abs(Vt) * blade.tip_radius / r
+        self.tip, self.hub = (np.tile(loss, B) for loss in rotor.losses)
+        self.side = np.where(Vx < 0, -1.0, 1.0)
+        used = sorted(set(blade.airfoil))
+        foils = [blade.airfoils[name] for name in used]
+        self.shift = 10.0 * np.tile([used.index(name) for name in blade.airfoil], B)  # every airfoil on its own stretch
+        self.knots = np.concatenate([foil.angle[:-1] for foil in foils])
+        self.shifted = np.concatenate([foil.angle[:-1] + 10.0 * k for k, foil in enumerate(foils)])
+        self.cubics = np.concatenate([foil.cubics for foil in foils])
+
+    def coefficients(self, angle: np.ndarray) -> tuple[np.ndarray, ...]:
+        """c_l, c_d, c_m of all elements."""
+        angle = (angle + np.pi) % (2 * np.pi) - np.pi
+        index = np.searchsorted(self.shifted, np.maximum(angle, -3.1415926) + self.shift, side="right") - 1
+        powers = (angle - self.knots[index])[:, None] ** np.arange(4)
+        return tuple(np.einsum("ijk,ik->ji", self.cubics[index], powers))
+
+    def induction(self, phi: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+        """1 / (1 - a) and 1 / (1 + a') at inflow angles: momentum theory, and Buhl's line above k = 2/3."""
+        s, c = np.sin(phi), np.cos(phi)
+        lift, drag, _ = self.coefficients(phi - self.twist)
+        cn = lift * c + self.rotor.axial_drag * drag * s
+        ct = lift * s - self.rotor.tangential_drag * drag * c
+        F = np.ones_like(phi)
+        for distance in (self.tip, self.hub):
+            F *= np.maximum(2 / np.pi * np.arccos(np.exp(-distance / np.abs(s))), 1e-4)
+        k = self.side * self.sigma * cn / (4 * F * s**2)
+        swirl = self.sigma * ct / (4 * F * np.abs(s) * c)
+        high = np.maximum(k, 2 / 3)
+        g1, g2, g3 = 2 * F * high - (10 / 9 - F), 2 * F * high - F * (4 / 3 - F), 2 * F * high - (25 / 9 - 2 * F)
+        near = np.abs(g3) < 1e-6
+        a = np.where(near, 1 - 1 / (2 * np.sqrt(g2)), (g1 - np.sqrt(g2)) / np.where(near, 1, g3))
+        # past a = 1 - 1e-3 digits are lost in 1 - a; there the conjugate form of the same line
+        inverse = np.where(near | (a > 0.5), np.sqrt(g2) + 5 / 3 - F, 1 / (1 - np.minimum(a, 0.5)))
+        return np.where(k > 2 / 3, inverse, 1 + k), 1 - swirl
+
+    def residual(self, phi: np.ndarray) -> np.ndarray:
+        """Ning's residual; it rises with |phi|."""
+        axial, tangential = self.induction(phi)
+        return self.side * (self.Vt * np.sin(phi) * axial - self.Vx * np.cos(phi) * tangential)
+
+    def angle(self) -> np.ndarray:
+        """The inflow angle after induction, by bisection in the half that holds a root."""
+        quarter = np.full_like(self.Vx, np.pi / 2)
+        steep = self.residual(self.side * quarter) < 0
+        low, high = np.where(steep, quarter, EDGE), np.where(steep, np.pi - EDGE, quarter)
+        low_out, high_out = self.residual(self.side * low) >= 0, self.residual(self.side * high) < 0
+        held, end = np.where(steep, high_out, low_out), np.where(steep, high, low)
+        for _ in range(56):
+            middle = (low + high) / 2
+            below = self.residual(self.side * middle) < 0
+            low, high = np.where(below, middle, low), np.where(below, high, middle)
+        return self.side * np.where(held, end, (low + high) / 2)
+
+    def loads(self, skew: tuple[float, np.ndarray]) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+        """Force downwind and to the trailing edge, and nose-up moment, of each element, per length and air density."""
+        Vx, Vt = self.Vx, self.Vt
+        ratio = np.abs(Vx) / np.maximum(self.tip_speed, 1e-300)
+        share = _smooth(ratio / 0.02) * _smooth(2 - 2 * np.minimum(ratio, 1))
+        axial, swirl, yaw = np.zeros_like(Vx), np.zeros_like(Vx), np.ones_like(Vx)
+        if np.any(share > 0):
+            phi = self.angle()
+            X, Y = self.induction(phi)
+            X, Y = np.sin(phi) * X, np.cos(phi) * Y
+            W = np.hypot(Vx, Vt) / np.hypot(X, Y)
+            share = np.where(Vx * X + Vt * Y > 0, share, 0.0)
+            axial, swirl = Vx - W * np.sin(phi), W * np.cos(phi) - Vt
+            a = np.clip(axial / np.where(Vx == 0, 1, Vx), 0, 1)
+            yaw = 1 + self.rotor.skew * np.tan((1 + 0.6 * a) * skew[0] / 2) * skew[1]
+        U, T = Vx - share * axial * yaw, Vt + share * swirl
+        lift, drag, moment = self.coefficients(np.arctan2(U, T) - self.twist)
+        phi, pressure = np.arctan2(U, T), self.chord / 2 * (U**2 + T**2)
+        s, c = np.sin(phi), np.cos(phi)
+        return pressure * (lift * c + drag * s), pressure * (drag * c - lift * s), pressure * self.chord * moment

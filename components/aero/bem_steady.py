@@ -1,0 +1,95 @@
+"""Steady operation of a blade-element momentum rotor: rigid, in uniform wind; its tables of coefficients."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Any
+
+import casadi as ca
+import numpy as np
+
+from fowtlib.components.aero.bem import BladeElementRotor
+from fowtlib.components.aero.coefficient_table import CoefficientTable
+
+
+@dataclass(frozen=True)
+class RigidRotor:
+    """Nodes of a turning rotor with rigid blades: where they are, how they lie and move.
+
+    precone and tilt [rad]: positive moves the tips upwind and the upwind end of the shaft up; yaw [rad] about z.
+    """
+
+    rotor: BladeElementRotor
+    precone: float = 0.0
+    tilt: float = 0.0
+    yaw: float = 0.0
+
+    def hub_axes(self) -> np.ndarray:
+        """Orientation of the hub without its azimuth, world from hub; x is the rotor normal."""
+        return _about("z", self.yaw) @ _about("y", self.tilt)
+
+    def inputs(self, wind: Any, speed: float, pitch: Any = 0.0, azimuth: float = 0.0, hub: Any = (0.0, 0.0, 90.0),
+               air_density: float = 1.225) -> np.ndarray:  # fmt: skip
+        """The inputs of the external function as one column.
+
+        wind (3,) or (n, 3) [m/s]; speed [rad/s], positive when the rotor drives the shaft; pitch [rad], one number or
+        one for each blade; azimuth [rad] of the first blade, zero when it points up.
+        """
+        rotor, blade, sense = self.rotor, self.rotor.blade, self.rotor.sense
+        axes, hub = self.hub_axes(), np.asarray(hub, dtype=float)
+        pitches = np.broadcast_to(pitch, rotor.blades)
+        position, orientation = [], []
+        for k in range(rotor.blades):
+            turn = _about("x", sense * (azimuth + 2 * np.pi * k / rotor.blades))
+            root = axes @ turn @ _about("y", -self.precone)
+            pitched = root @ _about("z", -sense * pitches[k])
+            for r, twist, curve, sweep in zip(blade.radius, blade.twist, blade.curve, blade.sweep, strict=True):
+                position.append(hub + root @ [0, 0, r] + pitched @ [curve, sense * sweep, 0])
+                orientation.append(pitched @ _about("z", -sense * twist))
+        position = np.array(position)
+        velocity = np.cross(sense * speed * axes[:, 0], position - hub)
+        wind = np.broadcast_to(wind, position.shape)
+        flat = [o.T.ravel() for o in orientation]
+        groups = [position.ravel(), np.concatenate(flat), velocity.ravel(), wind.ravel(), hub,
+                  (axes @ _about("x", sense * azimuth)).T.ravel(), np.zeros(3), wind.mean(axis=0), [air_density]]
+        return np.concatenate(groups)
+
+    def loads(self, inputs: np.ndarray) -> np.ndarray:
+        """Force and moment of every node, (n, 6)."""
+        return self.rotor.external.function(ca.DM(inputs)).full().reshape(-1, 6)
+
+    def thrust_and_torque(self, wind: Any, speed: float, pitch: Any = 0.0, **more: Any) -> tuple[float, float]:
+        """Thrust along the rotor normal [N], torque that drives the shaft [N m]."""
+        inputs = self.inputs(wind, speed, pitch, **more)
+        n, start = self.rotor.nodes, 18 * self.rotor.nodes
+        loads, arm = self.loads(inputs), inputs[: 3 * n].reshape(n, 3) - inputs[start : start + 3]
+        moment = np.cross(arm, loads[:, :3]) + loads[:, 3:]
+        normal = self.hub_axes()[:, 0]
+        return float(normal @ loads[:, :3].sum(axis=0)), float(self.rotor.sense * normal @ moment.sum(axis=0))
+
+
+def coefficient_table(rotor: BladeElementRotor, tip_speed_ratios: Any, blade_pitch: Any, *, precone: float = 0.0,
+                      speed: float = 1.0) -> CoefficientTable:  # fmt: skip
+    """C_t and C_q over tip speed ratio and collective pitch [rad], by this theory: shaft along the wind, no tilt.
+
+    As in CoefficientRotor the tip speed ratio counts the radius along the blade and the coefficients R = radius
+    cos(precone). C_p = tip speed ratio C_q cos(precone). speed [rad/s] scales the wind, and the coefficients do not
+    depend on it: the airfoils have no Reynolds number.
+    """
+    rigid, radius = RigidRotor(rotor, precone), rotor.blade.tip_radius
+    R = radius * np.cos(precone)
+    ratios, pitches = np.asarray(tip_speed_ratios, dtype=float), np.asarray(blade_pitch, dtype=float)
+    values = np.empty((len(ratios), len(pitches), 2))
+    for i, ratio in enumerate(ratios):
+        wind = speed * radius / ratio
+        pressure = 0.5 * np.pi * R**2 * wind**2
+        for j, pitch in enumerate(pitches):
+            thrust, torque = rigid.thrust_and_torque([wind, 0, 0], speed, pitch, air_density=1.0)
+            values[i, j] = thrust / pressure, torque / (pressure * R)
+    return CoefficientTable(ratios, pitches, values[..., 0], values[..., 1])
+
+
+def _about(axis: str, angle: float) -> np.ndarray:
+    c, s = np.cos(angle), np.sin(angle)
+    return np.array({"x": [[1, 0, 0], [0, c, -s], [0, s, c]], "y": [[c, 0, s], [0, 1, 0], [-s, 0, c]],
+                     "z": [[c, -s, 0], [s, c, 0], [0, 0, 1]]}[axis])  # fmt: skip

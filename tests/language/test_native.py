@@ -1,0 +1,75 @@
+"""C code is compiled once, kept by its content, and says clearly why it cannot be compiled."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+from fowtlib.language import ExternalFunction
+from fowtlib.language.errors import CompilerError
+from fowtlib.language.native import compile_library, compiler
+
+needs_compiler = pytest.mark.skipif(not compiler(), reason="needs a C compiler")
+
+TWICE = """
+typedef long long int casadi_int;
+static const casadi_int pattern[] = {1, 1, 1};
+EXPORT int twice(const double **arg, double **res, casadi_int *iw, double *w, int mem) {
+    if (res[0]) res[0][0] = FACTOR * arg[0][0];
+    return 0;
+}
+EXPORT const casadi_int *twice_sparsity_in(casadi_int i) { return pattern; }
+EXPORT const casadi_int *twice_sparsity_out(casadi_int i) { return pattern; }
+EXPORT casadi_int twice_n_in(void) { return 1; }
+EXPORT casadi_int twice_n_out(void) { return 1; }
+"""
+
+
+@pytest.fixture(autouse=True)
+def own_cache(tmp_path, monkeypatch):
+    monkeypatch.setenv("FOWTLIB_CACHE", str(tmp_path / "cache"))
+    return tmp_path / "cache"
+
+
+@needs_compiler
+def test_a_library_is_made_once_for_each_content(own_cache):
+    library = compile_library("#define FACTOR 2.0\n" + TWICE, "twice")
+    made = library.stat().st_mtime_ns
+    assert library.parent == own_cache
+    assert compile_library("#define FACTOR 2.0\n" + TWICE, "twice").stat().st_mtime_ns == made
+    other = compile_library("#define FACTOR 3.0\n" + TWICE, "twice")
+    assert other != library
+    assert sorted(path.suffix for path in own_cache.iterdir()) == [".c", ".c", ".so", ".so"]
+
+
+@needs_compiler
+def test_two_contents_of_one_name_live_together():
+    functions = [
+        ExternalFunction("twice", {"x": 1}, {"y": 1}, source=f"#define FACTOR {factor}\n{TWICE}").function
+        for factor in (2.0, 3.0)
+    ]
+    assert [float(function(5.0)) for function in functions] == [10.0, 15.0]
+
+
+@needs_compiler
+def test_wrong_text_gives_the_words_of_the_compiler():
+    with pytest.raises(CompilerError, match="broken: its C code does not compile: .*error"):
+        compile_library("int broken(", "broken")
+
+
+@needs_compiler
+def test_a_cache_that_cannot_be_written(monkeypatch, tmp_path):
+    (tmp_path / "file").write_text("")
+    monkeypatch.setenv("FOWTLIB_CACHE", str(tmp_path / "file"))
+    with pytest.raises(CompilerError, match="cannot write the compiled library .* FOWTLIB_CACHE names another folder"):
+        compile_library(TWICE, "twice")
+
+
+def test_without_a_compiler_the_way_out_is_named(monkeypatch):
+    monkeypatch.setenv("FOWTLIB_CC", "no-such-compiler")
+    assert compiler() == ()
+    with pytest.raises(CompilerError, match="Install gcc or clang .* FOWTLIB_CC, .*ziglang"):
+        ExternalFunction("twice", {"x": 1}, {"y": 1}, source=TWICE)
+    with pytest.warns(RuntimeWarning, match="twice runs as Python code"):
+        function = ExternalFunction("twice", {"x": 1}, {"y": 1}, source=TWICE, python=lambda x: 2 * x).function
+    assert float(function(np.array([4.0]))) == 8.0
