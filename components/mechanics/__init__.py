@@ -3,7 +3,7 @@
 # The connectors come first: World (in the environment) has a Frame, and the bodies need World.
 from fowtlib.components.mechanics.connectors import Flange, Frame  # isort: skip
 from fowtlib.components.environment.world import World
-from fowtlib.components.mechanics.beam import AxialSpring, Beam, BendingHinge, TorsionHinge
+from fowtlib.components.mechanics.beam import AxialSpring, Beam, BeamUnit, BendingHinge, TorsionHinge
 from fowtlib.components.mechanics.beam_properties import BeamProperties, read_beam
 from fowtlib.components.mechanics.bodies import Fixed, FixedRotation, FixedTranslation, PointMass, RigidBody
 from fowtlib.components.mechanics.interfaces import TwoFlanges, TwoFrames
@@ -38,6 +38,7 @@ __all__ = [
     "AxialSpring",
     "Beam",
     "BeamProperties",
+    "BeamUnit",
     "BendingHinge",
     "Crank",
     "Fixed",

@@ -10,7 +10,7 @@ from fowtlib.components.mechanics.bodies import FixedTranslation, RigidBody
 from fowtlib.components.mechanics.connectors import Frame
 from fowtlib.components.mechanics.interfaces import TwoFrames
 from fowtlib.components.mechanics.rotations import axis_rotation, unit_axis
-from fowtlib.language import RealOutput, Scalar, Vector, der, eq, param, port, rotation, var
+from fowtlib.language import Matrix, RealOutput, Scalar, Vector, der, eq, param, port, rotation, var
 from fowtlib.language import math as m
 from fowtlib.language.errors import ParameterError
 
@@ -99,6 +99,42 @@ class AxialSpring(TwoFrames):
         ]
 
 
+class BeamUnit(TwoFrames):
+    """The elastic joint of one unit of a beam: bending, then torsion and stretch where wanted.
+
+    axes: columns x', y', z' of the section in frame_a. Stiffnesses are those of the unit (EI / l, GJ / l, EA / l).
+    """
+
+    axes: Matrix = param(default=np.eye(3), structural=True, doc="columns: principal axes and tangent, in frame_a")
+    torsion: bool = param(default=False, doc="with a torsion hinge")
+    stretch: bool = param(default=False, doc="with an axial spring")
+    stiffness_x: Scalar = param(unit="N*m/rad", min=0, doc="stiffness of bending towards x'")
+    stiffness_y: Scalar = param(unit="N*m/rad", min=0, doc="stiffness of bending towards y'")
+    torsional_stiffness: Scalar = param(default=0.0, unit="N*m/rad", min=0, doc="stiffness of torsion")
+    axial_stiffness: Scalar = param(default=0.0, unit="N/m", min=0, doc="stiffness of the axis")
+    damping_x: Scalar = param(default=0.0, unit="s", min=0, doc="damping over stiffness, bending towards x'")
+    damping_y: Scalar = param(default=0.0, unit="s", min=0, doc="damping over stiffness, bending towards y'")
+    damping: Scalar = param(default=0.0, unit="s", min=0, doc="damping over stiffness, torsion and stretch")
+
+    def build(self):
+        x, y, z = np.asarray(self.axes, dtype=float).T
+        self.bending = BendingHinge(
+            axis_x=y, axis_y=-x, stiffness_x=self.stiffness_x, stiffness_y=self.stiffness_y,
+            damping_x=self.damping_x * self.stiffness_x, damping_y=self.damping_y * self.stiffness_y,
+        )  # fmt: skip
+        if self.torsion:
+            k = self.torsional_stiffness
+            self.twisting = TorsionHinge(n=z, stiffness=k, damping=self.damping * k)
+        if self.stretch:
+            k = self.axial_stiffness
+            self.stretching = AxialSpring(n=z, stiffness=k, damping=self.damping * k)
+        frame = self.frame_a
+        for part in list(self.parts.values()):
+            self.connect(frame, part.frame_a)
+            frame = part.frame_b
+        self.connect(frame, self.frame_b)
+
+
 class Beam(TwoFrames):
     """Slender beam along z of frame_a, as `units` sprung hinges between rigid segments.
 
@@ -137,8 +173,9 @@ class Beam(TwoFrames):
         frames, origins = [self.frame_a], [np.zeros(3)]
         for i, segment in enumerate(parts.segments):
             if i:
-                arm = self._link(frames[-1], parts.points[i - 1] - origins[-1], f"arm_{i}")
-                frames.append(self._unit(parts, i - 1, arm))
+                unit = self.add(f"unit_{i}", BeamUnit(axes=parts.axes[i - 1], **self._elasticity(parts, i - 1)))
+                self.connect(self._link(frames[-1], parts.points[i - 1] - origins[-1], f"arm_{i}"), unit.frame_a)
+                frames.append(unit.frame_b)
                 origins.append(parts.points[i - 1])
             body = RigidBody(mass=segment.mass, inertia=segment.inertia, r_cm=segment.centre - origins[-1])
             self.connect(frames[-1], self.add(f"segment_{i}", body).frame_a)
@@ -159,23 +196,18 @@ class Beam(TwoFrames):
         self.connect(frame, link.frame_a)
         return link.frame_b
 
-    def _unit(self, parts, i, frame):
-        """Hinge i of the chain behind `frame`: bending, torsion, stretch; gives the frame after it."""
-        axes, factor = parts.axes[i], self.stiffness_factor
-        k_x, k_y = factor * float(parts.stiffness_x[i]), factor * float(parts.stiffness_y[i])
-        damping = {"damping_x": self.damping_x * k_x, "damping_y": self.damping_y * k_y}
-        hinge = BendingHinge(axis_x=axes[:, 1], axis_y=-axes[:, 0], stiffness_x=k_x, stiffness_y=k_y, **damping)
-        chain = {"hinge": hinge}
-        for name, kind in (("torsion", TorsionHinge), ("stretch", AxialSpring)):
+    def _elasticity(self, parts, i):
+        """Stiffness and damping of unit i."""
+        given = {"torsion": parts.torsion, "stretch": parts.stretch}
+        columns = {"stiffness_x": parts.stiffness_x, "stiffness_y": parts.stiffness_y}
+        for (name, values), column in zip(given.items(), ("torsional_stiffness", "axial_stiffness"), strict=True):
             if getattr(self, name):
-                if getattr(parts, name) is None:
-                    raise ParameterError(f"{self.label}: {name} needs the column of its stiffness in the properties.")
-                k = factor * float(getattr(parts, name)[i])
-                chain[f"{name}_spring"] = kind(n=axes[:, 2], stiffness=k, damping=self.damping * k)
-        for name, part in chain.items():
-            self.connect(frame, self.add(f"{name}_{i + 1}", part).frame_a)
-            frame = part.frame_b
-        return frame
+                if values is None:
+                    raise ParameterError(f"{self.label}: {name} needs the {column} of the properties.")
+                columns[column] = values
+        stiffness = {name: self.stiffness_factor * float(values[i]) for name, values in columns.items()}
+        damping = {name: getattr(self, name) for name in ("damping_x", "damping_y", "damping")}
+        return {**stiffness, **damping, "torsion": self.torsion, "stretch": self.stretch}
 
     def equations(self):
         a, b, beam = self.frame_a, self.frame_b, self.table()

@@ -155,7 +155,7 @@ def test_static_tip_deflection_and_slope(taper):
     state = fw.load(model).compile().equilibrium()
     curvature = (1e-4 * (1 - s) + 2e-5) / np.interp(s, [0, 1], EI)
     assert state["beam.deflection"][0] == pytest.approx(np.trapezoid(curvature * (1 - s), s), rel=1e-6)
-    angle = sum(float(state[f"beam.hinge_{i}.phi_x"]) for i in (1, 2))
+    angle = sum(float(state[f"beam.unit_{i}.bending.phi_x"]) for i in (1, 2))
     assert angle == pytest.approx(np.trapezoid(curvature, s), rel=1e-6)
     assert state["beam.root_moment"][1] == pytest.approx(-(1e-4 + 2e-5), rel=1e-6)
     assert state["beam.root_force"][0] == pytest.approx(-1e-4, rel=1e-9)
@@ -166,7 +166,7 @@ def test_torsion_and_stretch():
     table = BeamProperties.uniform(2.0, 3.0, 1e4, torsional_stiffness=5.0, axial_stiffness=40.0,
                                    rotary_inertia_x=0.3, rotary_inertia_y=0.4)  # fmt: skip
     model = cantilever(table, units=8, torsion=True, stretch=True)
-    twist, stretch = frequencies(model, "torsion_spring"), frequencies(model, "stretch_spring")
+    twist, stretch = frequencies(model, "twisting"), frequencies(model, "stretching")
     assert twist[:2] == pytest.approx(np.array([1, 3]) * np.pi / 2 * np.sqrt(5 / 0.7) / 2, rel=0.025)
     assert stretch[:2] == pytest.approx(np.array([1, 3]) * np.pi / 2 * np.sqrt(40 / 3) / 2, rel=0.025)
 
@@ -230,7 +230,7 @@ def test_a_free_chain_keeps_energy_and_momentum():
     model.beam = Beam(properties=table, units=2)
     model.connect(model.world.frame, model.motion.frame_a)
     model.connect(model.motion.frame_b, model.beam.frame_a)
-    start = {"beam.hinge_1.phi_x": 0.3, "beam.hinge_2.phi_y": -0.4, "beam.hinge_1.w_y": 0.5}
+    start = {"beam.unit_1.bending.phi_x": 0.3, "beam.unit_2.bending.phi_y": -0.4, "beam.unit_1.bending.w_y": 0.5}
     plant = fw.load(model).compile()
     result = plant.simulate(4.0, output_step=0.05, start=plant.initial_state(start=start), tolerance=1e-9)
     parts = divide(table, 2, "loaded_tip")
@@ -247,7 +247,7 @@ def test_a_free_chain_keeps_energy_and_momentum():
         spin = spin + own + segment.mass * np.cross(centre, v)
     for i in range(2):
         for name, k in (("phi_x", parts.stiffness_x[i]), ("phi_y", parts.stiffness_y[i])):
-            energy = energy + 0.5 * k * np.asarray(result[f"beam.hinge_{i + 1}.{name}"]) ** 2
+            energy = energy + 0.5 * k * np.asarray(result[f"beam.unit_{i + 1}.bending.{name}"]) ** 2
     assert np.ptp(energy) < 1e-6 * energy[0]
     assert np.abs(impulse - impulse[0]).max() < 1e-6 * np.abs(impulse[0]).max()
     assert np.abs(spin - spin[0]).max() < 1e-6 * np.abs(spin[0]).max()
@@ -332,7 +332,7 @@ def test_mistakes(tmp_path):
         BeamProperties(np.array([0.0, 2.0, 1.0]), 1.0, 1.0, 1.0)
     with pytest.raises(ParameterError, match="stiffness_x of a beam is 0 at z = 1 m"):
         BeamProperties(np.array([0.0, 1.0]), 1.0, np.array([1.0, 0.0]), 1.0)
-    with pytest.raises(ParameterError, match="torsion needs the column"):
+    with pytest.raises(ParameterError, match="torsion needs the torsional_stiffness"):
         cantilever(torsion=True)
     with pytest.raises(ParameterError, match="node 1 at 1.5 m is off the beam"):
         cantilever(node_points=[1.5])
