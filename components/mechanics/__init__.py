@@ -3,6 +3,8 @@
 # The connectors come first: World (in the environment) has a Frame, and the bodies need World.
 from fowtlib.components.mechanics.connectors import Flange, Frame  # isort: skip
 from fowtlib.components.environment.world import World
+from fowtlib.components.mechanics.beam import AxialSpring, Beam, BeamUnit, BendingHinge, TorsionHinge
+from fowtlib.components.mechanics.beam_properties import BeamProperties, read_beam
 from fowtlib.components.mechanics.bodies import Fixed, FixedRotation, FixedTranslation, PointMass, RigidBody
 from fowtlib.components.mechanics.interfaces import TwoFlanges, TwoFrames
 from fowtlib.components.mechanics.joints import Crank, FreeMotion, PlanarLoopRevolute, Prismatic, Revolute, Spherical
@@ -33,6 +35,11 @@ __all__ = [
     "AngleSensor",
     "AngleSource",
     "AttitudeSensor",
+    "AxialSpring",
+    "Beam",
+    "BeamProperties",
+    "BeamUnit",
+    "BendingHinge",
     "Crank",
     "Fixed",
     "FixedFlange",
@@ -57,6 +64,7 @@ __all__ = [
     "SpringDamper",
     "TorqueSensor",
     "TorqueSource",
+    "TorsionHinge",
     "TorsionSpringDamper",
     "TwoFlanges",
     "TwoFrames",
@@ -64,4 +72,5 @@ __all__ = [
     "World",
     "WorldForce",
     "WorldTorque",
+    "read_beam",
 ]

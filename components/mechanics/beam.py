@@ -1,0 +1,218 @@
+"""The flexible beam: a chain of rigid segments and sprung hinges, under any large motion of its root."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from fowtlib.components.mechanics.beam_division import TREATMENTS, divide, elastic_axis
+from fowtlib.components.mechanics.beam_properties import BeamProperties, read_beam
+from fowtlib.components.mechanics.bodies import FixedTranslation, RigidBody
+from fowtlib.components.mechanics.connectors import Frame
+from fowtlib.components.mechanics.interfaces import TwoFrames
+from fowtlib.components.mechanics.rotations import axis_rotation, unit_axis
+from fowtlib.language import Matrix, RealOutput, Scalar, Vector, der, eq, param, port, rotation, var
+from fowtlib.language import math as m
+from fowtlib.language.errors import ParameterError
+
+
+class BendingHinge(TwoFrames):
+    """Sprung hinge with two axes, the bending of one unit of a beam; both frames keep the same origin.
+
+    frame_b turns by phi_x about axis_x, then by phi_y about axis_y, which has turned with it. The springs give
+    stiffness phi + damping dphi/dt about the axes: EI / l for a unit of length l.
+    Reference: Miller, Soares, Van Weddingen, Wendlandt (2017), Modeling flexible bodies with Simscape Multibody.
+    """
+
+    axis_x: Vector = param(default=(0, 1, 0), structural=True, doc="first axis, in frame_a: bends z towards x")
+    axis_y: Vector = param(default=(-1, 0, 0), structural=True, doc="second axis, in frame_a: bends z towards y")
+    stiffness_x: Scalar = param(unit="N*m/rad", min=0, doc="stiffness about the first axis")
+    stiffness_y: Scalar = param(unit="N*m/rad", min=0, doc="stiffness about the second axis")
+    damping_x: Scalar = param(default=0.0, unit="N*m*s/rad", min=0, doc="damping about the first axis")
+    damping_y: Scalar = param(default=0.0, unit="N*m*s/rad", min=0, doc="damping about the second axis")
+    phi_x_start: Scalar = param(default=0.0, unit="rad", doc="initial phi_x")
+    phi_y_start: Scalar = param(default=0.0, unit="rad", doc="initial phi_y")
+
+    phi_x: Scalar = var(unit="rad", start=phi_x_start, state="prefer", doc="angle about the first axis")
+    phi_y: Scalar = var(unit="rad", start=phi_y_start, state="prefer", doc="angle about the second axis")
+    w_x: Scalar = var(unit="rad/s", state="prefer", doc="rate of phi_x", hint="has the beam mass on both sides?")
+    w_y: Scalar = var(unit="rad/s", state="prefer", doc="rate of phi_y", hint="has the beam mass on both sides?")
+    a_x: Scalar = var(unit="rad/s^2", doc="second derivative of phi_x")
+    a_y: Scalar = var(unit="rad/s^2", doc="second derivative of phi_y")
+
+    def equations(self):
+        a, b, x, y = self.frame_a, self.frame_b, unit_axis(self.axis_x), unit_axis(self.axis_y)
+        first = axis_rotation(x, self.phi_x)
+        turned, moment = first @ y, a.R.T @ b.t
+        return [
+            [eq(der(self.phi_x), self.w_x), eq(der(self.phi_y), self.w_y)],
+            [eq(der(self.w_x), self.a_x), eq(der(self.w_y), self.a_y)],
+            eq(b.r, a.r),
+            rotation(a, b, first @ axis_rotation(y, self.phi_y), x * self.w_x + turned * self.w_y),
+            eq(self.stiffness_x * self.phi_x + self.damping_x * self.w_x, m.dot(x, moment)),
+            eq(self.stiffness_y * self.phi_y + self.damping_y * self.w_y, m.dot(turned, moment)),
+            self.transmit(),
+        ]
+
+
+class TorsionHinge(TwoFrames):
+    """Sprung hinge about one axis, the torsion of one unit of a beam: GJ / l."""
+
+    n: Vector = param(default=(0, 0, 1), structural=True, doc="axis, resolved in frame_a")
+    stiffness: Scalar = param(unit="N*m/rad", min=0, doc="stiffness")
+    damping: Scalar = param(default=0.0, unit="N*m*s/rad", min=0, doc="damping")
+
+    phi: Scalar = var(unit="rad", state="prefer", doc="angle")
+    w: Scalar = var(unit="rad/s", state="prefer", doc="rate", hint="has the beam a rotary inertia?")
+    a: Scalar = var(unit="rad/s^2", doc="angular acceleration")
+
+    def equations(self):
+        a, b, n = self.frame_a, self.frame_b, unit_axis(self.n)
+        return [
+            [eq(der(self.phi), self.w), eq(der(self.w), self.a)],
+            eq(b.r, a.r),
+            rotation(a, b, axis_rotation(n, self.phi), n * self.w),
+            eq(self.stiffness * self.phi + self.damping * self.w, m.dot(a.R @ n, b.t)),
+            self.transmit(),
+        ]
+
+
+class AxialSpring(TwoFrames):
+    """Sprung slide along one axis, the stretch of one unit of a beam: EA / l."""
+
+    n: Vector = param(default=(0, 0, 1), structural=True, doc="axis, resolved in frame_a")
+    stiffness: Scalar = param(unit="N/m", min=0, doc="stiffness")
+    damping: Scalar = param(default=0.0, unit="N*s/m", min=0, doc="damping")
+
+    s: Scalar = var(unit="m", state="prefer", doc="stretch")
+    v: Scalar = var(unit="m/s", state="prefer", doc="rate", hint="has the beam mass on both sides?")
+    a: Scalar = var(unit="m/s^2", doc="second derivative of the stretch")
+
+    def equations(self):
+        a, b, n = self.frame_a, self.frame_b, unit_axis(self.n)
+        along = a.R @ n
+        return [
+            [eq(der(self.s), self.v), eq(der(self.v), self.a)],
+            eq(b.r, a.r + along * self.s),
+            rotation(a, b, m.eye(3), m.zeros(3)),
+            eq(self.stiffness * self.s + self.damping * self.v, m.dot(along, b.f)),
+            self.transmit(along * self.s),
+        ]
+
+
+class BeamUnit(TwoFrames):
+    """The elastic joint of one unit of a beam: bending, then torsion and stretch where wanted.
+
+    axes: columns x', y', z' of the section in frame_a. Stiffnesses are those of the unit (EI / l, GJ / l, EA / l).
+    """
+
+    axes: Matrix = param(default=np.eye(3), structural=True, doc="columns: principal axes and tangent, in frame_a")
+    torsion: bool = param(default=False, doc="with a torsion hinge")
+    stretch: bool = param(default=False, doc="with an axial spring")
+    stiffness_x: Scalar = param(unit="N*m/rad", min=0, doc="stiffness of bending towards x'")
+    stiffness_y: Scalar = param(unit="N*m/rad", min=0, doc="stiffness of bending towards y'")
+    torsional_stiffness: Scalar = param(default=0.0, unit="N*m/rad", min=0, doc="stiffness of torsion")
+    axial_stiffness: Scalar = param(default=0.0, unit="N/m", min=0, doc="stiffness of the axis")
+    damping_x: Scalar = param(default=0.0, unit="s", min=0, doc="damping over stiffness, bending towards x'")
+    damping_y: Scalar = param(default=0.0, unit="s", min=0, doc="damping over stiffness, bending towards y'")
+    damping: Scalar = param(default=0.0, unit="s", min=0, doc="damping over stiffness, torsion and stretch")
+
+    def build(self):
+        x, y, z = np.asarray(self.axes, dtype=float).T
+        self.bending = BendingHinge(
+            axis_x=y, axis_y=-x, stiffness_x=self.stiffness_x, stiffness_y=self.stiffness_y,
+            damping_x=self.damping_x * self.stiffness_x, damping_y=self.damping_y * self.stiffness_y,
+        )  # fmt: skip
+        if self.torsion:
+            k = self.torsional_stiffness
+            self.twisting = TorsionHinge(n=z, stiffness=k, damping=self.damping * k)
+        if self.stretch:
+            k = self.axial_stiffness
+            self.stretching = AxialSpring(n=z, stiffness=k, damping=self.damping * k)
+        frame = self.frame_a
+        for part in list(self.parts.values()):
+            self.connect(frame, part.frame_a)
+            frame = part.frame_b
+        self.connect(frame, self.frame_b)
+
+
+class Beam(TwoFrames):
+    """Slender beam along z of frame_a, as `units` sprung hinges between rigid segments.
+
+    The chain of the generalized beam element: each unit is two rigid bodies about a hinge with the stiffness EI / l;
+    bodies that meet between two hinges are one segment here. Bending in two directions, torsion and stretch as options.
+    `treatment` places the hinges: "plain" in the middle of equal units, as that chain does; the others at Gauss points
+    (see beam_division), where few units converge. Mass, centre and inertia are exact for any number of units.
+    Rotation, weight and follower loads stiffen or soften the beam by themselves, because the motion of the segments is
+    exact; a segment is as long as between two hinges, so shortening by bending is that of the polygon.
+    Damping is proportional to stiffness, damping ratio = pi frequency damping. All frames along the beam are parallel
+    to frame_a while it is undeflected: the structural twist turns the axes of the hinges, not the frames.
+    units = 0 makes the beam rigid.
+    """
+
+    properties: object = param(doc="BeamProperties, or the path of a CSV with them (see read_beam)")
+    units: int = param(default=6, min=0, doc="number of units")
+    treatment: str = param(default="loaded_tip", choices=TREATMENTS, doc="how hinges are placed")
+    torsion: bool = param(default=False, doc="torsion hinges")
+    stretch: bool = param(default=False, doc="axial springs")
+    damping_x: Scalar = param(default=0.0, unit="s", min=0, doc="damping over stiffness, bending towards x")
+    damping_y: Scalar = param(default=damping_x, unit="s", min=0, doc="damping over stiffness, bending towards y")
+    damping: Scalar = param(default=damping_x, unit="s", min=0, doc="damping over stiffness, torsion and stretch")
+    stiffness_factor: Scalar = param(default=1.0, min=0, doc="factor on every stiffness")
+    node_points: list = param(default=[], doc="frames along the beam: distance from the root [m], or a point (x, y, z)")
+    n_nodes: int = param(default=lambda self: len(self.node_points), min=0, doc="number of those frames")
+
+    nodes: Frame = port(size="n_nodes", optional=True, doc="frames along the beam, for loads and sensors")
+
+    deflection: RealOutput = port(unit="m", shape=(3,), doc="displacement of frame_b, resolved in frame_a")
+    root_force: RealOutput = port(unit="N", shape=(3,), doc="force of the root on the beam, resolved in frame_a")
+    root_moment: RealOutput = port(unit="N*m", shape=(3,), doc="moment of the root on the beam, resolved in frame_a")
+
+    def build(self):
+        beam = self.table()
+        parts = divide(beam, self.units, self.treatment)
+        frames, origins = [self.frame_a], [np.zeros(3)]
+        for i, segment in enumerate(parts.segments):
+            if i:
+                unit = self.add(f"unit_{i}", BeamUnit(axes=parts.axes[i - 1], **self._elasticity(parts, i - 1)))
+                self.connect(self._link(frames[-1], parts.points[i - 1] - origins[-1], f"arm_{i}"), unit.frame_a)
+                frames.append(unit.frame_b)
+                origins.append(parts.points[i - 1])
+            body = RigidBody(mass=segment.mass, inertia=segment.inertia, r_cm=segment.centre - origins[-1])
+            self.connect(frames[-1], self.add(f"segment_{i}", body).frame_a)
+        self.connect(self._link(frames[-1], parts.tip - origins[-1], "end"), self.frame_b)
+        for k, given in enumerate(self.node_points):
+            point = elastic_axis(beam, float(given)) if np.ndim(given) == 0 else np.asarray(given, dtype=float)
+            if not -1e-9 <= point[2] <= beam.length + 1e-9:
+                raise ParameterError(f"node {k + 1} at {point[2]:g} m is off the beam of {beam.length:g} m.")
+            i = int(np.searchsorted(parts.s, point[2]))
+            self.connect(self._link(frames[i], point - origins[i], f"to_node_{k + 1}"), self.nodes[k])
+
+    def table(self) -> BeamProperties:
+        """The distributed properties."""
+        return self.properties if isinstance(self.properties, BeamProperties) else read_beam(str(self.properties))
+
+    def _link(self, frame, r, name):
+        link = self.add(name, FixedTranslation(r=r))
+        self.connect(frame, link.frame_a)
+        return link.frame_b
+
+    def _elasticity(self, parts, i):
+        """Stiffness and damping of unit i."""
+        given = {"torsion": parts.torsion, "stretch": parts.stretch}
+        columns = {"stiffness_x": parts.stiffness_x, "stiffness_y": parts.stiffness_y}
+        for (name, values), column in zip(given.items(), ("torsional_stiffness", "axial_stiffness"), strict=True):
+            if getattr(self, name):
+                if values is None:
+                    raise ParameterError(f"{self.label}: {name} needs the {column} of the properties.")
+                columns[column] = values
+        stiffness = {name: self.stiffness_factor * float(values[i]) for name, values in columns.items()}
+        damping = {name: getattr(self, name) for name in ("damping_x", "damping_y", "damping")}
+        return {**stiffness, **damping, "torsion": self.torsion, "stretch": self.stretch}
+
+    def equations(self):
+        a, b, beam = self.frame_a, self.frame_b, self.table()
+        return [
+            eq(self.deflection, a.R.T @ (b.r - a.r) - elastic_axis(beam, beam.length)),
+            eq(self.root_force, a.R.T @ a.f),
+            eq(self.root_moment, a.R.T @ a.t),
+        ]

@@ -1,0 +1,172 @@
+"""How a beam with distributed properties becomes a chain of rigid segments and sprung hinges. NumPy.
+
+The rotation of hinge i is the curvature that the beam collects near it. With M the bending moment, the chain replaces
+
+    integral of M(s)^2 / EI(s) ds   by   sum of c_i M(s_i)^2,      1 / c_i = stiffness of hinge i,
+
+that is, it is a quadrature rule for the strain energy, and its eigenfrequencies are those of the integral equation of
+the beam, M(s) = omega^2 int K(s, t) M(t) / EI(t) dt with K(s, t) = int mu (x - s)+ (x - t)+ dx, by Nystroem's method
+with that rule. The mass of the segments is exact. Equal units with the hinge in the middle are the midpoint rule, of
+second order. Gauss points, as many as hinges, cost nothing and converge much faster; the order is limited by K, which
+is twice continuously differentiable.
+
+`loaded_tip`: Gauss rule for the weight 1 / EI. Exact for the static deflection and slope of the tip under a force and
+a moment there, from two hinges on; for towers and arms, which carry a mass at the end.
+`free_tip`: Gauss rule for the weight (L - s)^2 / EI. The moment of a free tip vanishes like (L - s)^2 at the least, so
+the hinges leave the tip, where EI is small, to the root; for blades.
+The two bending directions share the points (weight with the geometric mean of their EI) and have interpolatory weights
+each.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from fowtlib.components.mechanics.beam_properties import BeamProperties
+from fowtlib.language.errors import ParameterError
+
+TREATMENTS = ("plain", "loaded_tip", "free_tip")
+
+
+@dataclass(frozen=True, eq=False)
+class Segment:
+    """Rigid piece of the chain from s = start to end: mass, centre and inertia, in the axes of the beam's root."""
+
+    start: float
+    end: float
+    mass: float
+    centre: np.ndarray
+    inertia: np.ndarray
+
+
+@dataclass(frozen=True, eq=False)
+class Division:
+    """The chain: N hinges at s (N,) [m], N + 1 segments between them, and the stiffness of each hinge.
+
+    stiffness_x, _y [N m/rad], torsion [N m/rad] and stretch [N/m] (None where the table has none); axes (N, 3, 3): the
+    columns are x', y', z' of each hinge, z' along the elastic axis, x' and y' turned by the structural twist.
+    """
+
+    s: np.ndarray
+    points: np.ndarray
+    axes: np.ndarray
+    stiffness_x: np.ndarray
+    stiffness_y: np.ndarray
+    torsion: np.ndarray | None
+    stretch: np.ndarray | None
+    segments: list[Segment]
+    tip: np.ndarray
+
+
+def elastic_axis(beam: BeamProperties, s: float) -> np.ndarray:
+    """Point of the elastic axis at the distance s from the root, in the axes of the root."""
+    return np.array([beam.at("reference_x", s), beam.at("reference_y", s), s])
+
+
+def divide(beam: BeamProperties, units: int, treatment: str = "plain") -> Division:
+    """Hinges and segments of a beam in `units` units."""
+    if treatment not in TREATMENTS:
+        raise ParameterError(f"treatment of a beam: {', '.join(TREATMENTS)}, not {treatment!r}.")
+    rule = _middles if treatment == "plain" or units == 0 else _gauss
+    hinges, flexibility = rule(beam, units, treatment == "free_tip")
+    bounds = np.concatenate([[0.0], hinges, [beam.length]])
+    segments = [_segment(beam, a, b) for a, b in zip(bounds[:-1], bounds[1:], strict=True)]
+    stiffness = {name: None if c is None else 1 / c for name, c in flexibility.items()}
+    points = np.array([elastic_axis(beam, s) for s in hinges])
+    axes = np.array([_axes(beam, s) for s in hinges])
+    return Division(
+        hinges, points, axes, stiffness["stiffness_x"], stiffness["stiffness_y"], stiffness["torsional_stiffness"],
+        stiffness["axial_stiffness"], segments, elastic_axis(beam, beam.length),
+    )  # fmt: skip
+
+
+def _quadrature(beam: BeamProperties, a: float, b: float, pieces: int = 4) -> tuple[np.ndarray, np.ndarray]:
+    """Points and weights from a to b that respect the kinks of the table: 4 Gauss points in each piece."""
+    stations = beam.z - beam.z[0]
+    marks = np.concatenate([[a], stations[(stations > a) & (stations < b)], [b]])
+    edges = np.concatenate([np.linspace(u, v, pieces, endpoint=False) for u, v in zip(marks, marks[1:], strict=False)])
+    edges = np.append(edges, b)
+    x, w = np.polynomial.legendre.leggauss(4)
+    middle, half = (edges[1:] + edges[:-1]) / 2, np.diff(edges) / 2
+    return (middle[:, None] + half[:, None] * x).ravel(), (half[:, None] * w).ravel()
+
+
+STIFFNESSES = ("stiffness_x", "stiffness_y", "torsional_stiffness", "axial_stiffness")
+
+
+def _middles(beam: BeamProperties, units: int, _: bool) -> tuple[np.ndarray, dict[str, np.ndarray | None]]:
+    """Equal units, hinges in the middle, l / mean(EI): the chain of Miller et al. (2017)."""
+    length = beam.length / max(units, 1)
+    flexibility: dict[str, np.ndarray | None] = dict.fromkeys(STIFFNESSES)
+    for name in STIFFNESSES:
+        if getattr(beam, name) is not None:
+            rules = [_quadrature(beam, i * length, (i + 1) * length) for i in range(units)]
+            flexibility[name] = np.array([length / (w @ beam.at(name, s) / length) for s, w in rules])
+    return (np.arange(units) + 0.5) * length, flexibility
+
+
+def _gauss(beam: BeamProperties, units: int, free_tip: bool) -> tuple[np.ndarray, dict[str, np.ndarray | None]]:
+    """Gauss points of the weight that the module's docstring names, and interpolatory weights of each stiffness."""
+    L = beam.length
+    s, w = _quadrature(beam, 0.0, L)
+    EI = np.sqrt(beam.at("stiffness_x", s) * beam.at("stiffness_y", s))
+    taper = (1 - s / L) ** (2 if free_tip else 0)
+    nodes = _gauss_points(s, w * taper / EI, L, units)
+    cells = np.digitize(s, (nodes[1:] + nodes[:-1]) / 2)
+    spread = np.array([np.prod([(s - q) / (p - q) for q in nodes if q != p], axis=0) + 0 * s for p in nodes])
+    flexibility: dict[str, np.ndarray | None] = dict.fromkeys(STIFFNESSES)
+    for name in STIFFNESSES:
+        if getattr(beam, name) is None:
+            continue
+        bending = name in ("stiffness_x", "stiffness_y")
+        weight = w / beam.at(name, s) * (taper if bending else 1.0)
+        rule = spread @ weight
+        if rule.min() <= 0:  # far from the weight of the points: each point stands for what is nearest to it
+            rule = np.bincount(cells, weights=weight, minlength=units)
+        flexibility[name] = rule / ((1 - nodes / L) ** 2 if bending and free_tip else 1.0)
+    return nodes, flexibility
+
+
+def _gauss_points(s: np.ndarray, weight: np.ndarray, length: float, n: int) -> np.ndarray:
+    """Nodes of the Gauss rule with n points for a discrete weight. G. Golub, J. Welsch (1969), Math. Comp. 23."""
+    x, diagonal, off = 2 * s / length - 1, np.zeros(n), np.zeros(n)
+    before, now = np.zeros_like(x), np.full_like(x, 1 / np.sqrt(weight.sum()))
+    for k in range(n):
+        diagonal[k] = weight @ (x * now**2)
+        after = (x - diagonal[k]) * now - (off[k - 1] if k else 0.0) * before
+        off[k] = np.sqrt(weight @ after**2)
+        before, now = now, after / off[k]
+    nodes = np.linalg.eigvalsh(np.diag(diagonal) + np.diag(off[:-1], 1) + np.diag(off[:-1], -1))
+    return (nodes + 1) / 2 * length
+
+
+def _axes(beam: BeamProperties, s: float) -> np.ndarray:
+    """Columns x', y', z' at s: z' along the elastic axis, x' and y' the principal axes of bending."""
+    step = 1e-6 * beam.length
+    a, b = max(s - step, 0.0), min(s + step, beam.length)
+    tangent = elastic_axis(beam, b) - elastic_axis(beam, a)
+    tangent /= np.linalg.norm(tangent)
+    twist = float(beam.at("twist", s))
+    x = np.array([np.cos(twist), -np.sin(twist), 0.0])
+    x -= tangent * (x @ tangent)
+    x /= np.linalg.norm(x)
+    return np.column_stack([x, np.cross(tangent, x), tangent])
+
+
+def _segment(beam: BeamProperties, a: float, b: float) -> Segment:
+    """Mass, centre and inertia of the beam between a and b."""
+    s, w = _quadrature(beam, a, b, pieces=2)
+    mass = w * beam.at("mass_per_length", s)
+    axes = np.array([_axes(beam, si) for si in s])
+    offset = np.stack([beam.at("centre_of_mass_x", s), beam.at("centre_of_mass_y", s), 0 * s], axis=1)
+    r = np.array([elastic_axis(beam, si) for si in s]) + np.einsum("nij,nj->ni", axes, offset)
+    total = mass.sum()
+    centre = mass @ r / total if total > 0 else r.mean(axis=0)
+    arm = r - centre
+    inertia = np.einsum("n,nij->ij", mass, (arm**2).sum(1)[:, None, None] * np.eye(3) - arm[:, :, None] * arm[:, None])
+    x, y = beam.at("rotary_inertia_x", s), beam.at("rotary_inertia_y", s)  # about y' and about x'
+    section = np.stack([y, x, x + y], axis=1) * w[:, None]
+    inertia = inertia + np.einsum("nij,nj,nkj->ik", axes, section, axes)
+    return Segment(a, b, float(total), centre, inertia)
