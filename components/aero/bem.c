@@ -51,14 +51,17 @@ static double smooth_step(double x, double *slope) {
     return x * x * (3 - 2 * x);
 }
 
-/* Coefficients c_l, c_d, c_m at an angle of attack, and their slopes. */
-static void airfoil(int station, double alpha, double *value, double *slope) {
+/* Coefficients c_l, c_d, c_m at an angle of attack, and their slopes. *near: the knot below the angle of the last call
+ * for this station, or -1. */
+static void airfoil(int station, double alpha, int *near, double *value, double *slope) {
     alpha -= 2 * pi * floor((alpha + pi) / (2 * pi));
     int low = first_knot[polar[station]], high = low + knots[polar[station]] - 1;
+    if (*near >= 0 && knot[*near] <= alpha && alpha < knot[*near + 1]) low = *near, high = low + 1;
     while (high - low > 1) {
         int middle = (low + high) / 2;
         if (knot[middle] <= alpha) low = middle; else high = middle;
     }
+    *near = low;
     double x = alpha - knot[low];
     for (int i = 0; i < 3; i++) {
         const double *c = cubic + 12 * low + 4 * i;
@@ -69,21 +72,23 @@ static void airfoil(int station, double alpha, double *value, double *slope) {
 
 /* Prandtl's loss factor of one end, 2/pi acos(exp(-f)) with f = distance / |sin(phi)|, and d ln(factor) / d phi. */
 static double loss(double distance, double s, double c, double *log_slope) {
-    double f = distance / fabs(s), e = exp(-f), factor = 2 / pi * acos(e);
+    double f = distance / fabs(s);
     *log_slope = 0;
+    if (f > 38) return 1; /* to the last digit */
+    double e = exp(-f), factor = 2 / pi * acos(e);
     if (factor < 1e-4) return 1e-4;
-    if (e > 0) *log_slope = -2 / pi * e / sqrt(1 - e * e) * f * c / s / factor;
+    *log_slope = -2 / pi * e / sqrt(1 - e * e) * f * c / s / factor;
     return factor;
 }
 
 /* A and B of the head of this file at phi, with their derivatives by phi, twist and solidity; F and d ln(F) / d phi. */
 struct balance { double A, B, A_phi, A_twist, A_sigma, B_phi, B_twist, B_sigma, F, F_log; };
 
-static void balance(int station, double phi, double twist, double sigma, struct balance *b) {
+static void balance(int station, double phi, double twist, double sigma, int *near, struct balance *b) {
     double s = sin(phi), c = cos(phi), side = s < 0 ? -1 : 1, tip, hub, v[3], d[3];
     b->F = loss(tip_loss[station], s, c, &tip) * loss(hub_loss[station], s, c, &hub);
     b->F_log = tip + hub;
-    airfoil(station, phi - twist, v, d);
+    airfoil(station, phi - twist, near, v, d);
     double ca = AXIAL_DRAG * v[1], da = AXIAL_DRAG * d[1], ct_drag = TANGENTIAL_DRAG * v[1], dt = TANGENTIAL_DRAG * d[1];
     double cn = v[0] * c + ca * s, cn_alpha = d[0] * c + da * s, cn_phi = cn_alpha - v[0] * s + ca * c;
     double ct = v[0] * s - ct_drag * c, ct_alpha = d[0] * s - dt * c, ct_phi = ct_alpha + v[0] * c + ct_drag * s;
@@ -107,31 +112,32 @@ static void balance(int station, double phi, double twist, double sigma, struct 
     b->B_sigma = -ct;
 }
 
-/* The inflow angle after induction, on the side of Vx. Returns 0 when it lies at the edge of the bracket, where it is
- * held. The residual rises through its root: Newton's method, kept within the bracket. */
-static int solve(int station, double Vx, double Vt, double twist, double sigma, double *phi, struct balance *b) {
-    double side = Vx < 0 ? -1 : 1, low = edge, high = pi / 2;
-    balance(station, side * pi / 2, twist, sigma, b);
+/* The inflow angle after induction, on the side of Vx, and the balance there. Returns 0 when it is held at the edge of
+ * its quarter because that has no root. The residual rises through the root: Newton's method within a bracket. */
+static int solve(int station, double Vx, double Vt, double twist, double sigma, int *near, double *phi,
+                 struct balance *b) {
+    double side = Vx < 0 ? -1 : 1, low = edge, high = pi / 2, x = atan2(2.0 / 3 * fabs(Vx), Vt);
+    balance(station, side * pi / 2, twist, sigma, near, b);
     if (side * (Vt * b->A - Vx * b->B) < 0) low = pi / 2, high = pi - edge;
-    double end = low == edge ? low : high;
-    balance(station, side * end, twist, sigma, b);
-    if ((side * (Vt * b->A - Vx * b->B) < 0) != (low == edge)) {
-        *phi = side * end;
-        return 0;
-    }
-    double x = atan2(2.0 / 3 * fabs(Vx), Vt), before = high - low;
-    if (x <= low || x >= high) x = (low + high) / 2;
-    for (int i = 0; i < 100; i++) {
-        balance(station, side * x, twist, sigma, b);
+    double end = low == edge ? low : high, before = high - low;
+    if (!(x > low && x < high)) x = (low + high) / 2;
+    for (int i = 0; i < 200; i++) {
+        balance(station, side * x, twist, sigma, near, b);
         double residual = side * (Vt * b->A - Vx * b->B), step = -residual / (Vt * b->A_phi - Vx * b->B_phi);
         if (residual < 0) low = x; else high = x;
-        if (fabs(step) < 2e-14 || high - low < 2e-14) break;
+        if (high - low < 2e-14) break;
+        if (fabs(step) < 1e-9 && x + step > low && x + step < high) { /* close enough to go there along the slopes */
+            x += step;
+            b->A += b->A_phi * side * step, b->B += b->B_phi * side * step, b->F *= 1 + b->F_log * side * step;
+            break;
+        }
+        if (residual == 0) break;
         if (!(fabs(step) < before / 2 && x + step > low && x + step < high)) step = (low + high) / 2 - x;
         before = fabs(step);
         x += step;
     }
     *phi = side * x;
-    return 1;
+    return fabs(x - end) > 1e-12;
 }
 
 /* Loads of a section per length and air density: along e_x, along e_t, and the nose-up moment. The inputs and their
@@ -147,9 +153,9 @@ static void section(int station, const double *in, double *load, double (*slope)
     double rise = smooth_step(ratio / 0.02, &up), fall = smooth_step(2 - 2 * ratio, &down), share = rise * fall;
     struct balance b;
     double phi;
-    int free = 1;
+    int free = 1, near = -1;
     if (share > 0) {
-        free = solve(station, Vx, Vt, in[TWIST], sigma, &phi, &b);
+        free = solve(station, Vx, Vt, in[TWIST], sigma, &near, &phi, &b);
         if (Vx * b.A + Vt * b.B <= 0) share = 0; /* the root of the opposite direction */
     }
     if (share > 0) {
@@ -181,7 +187,7 @@ static void section(int station, const double *in, double *load, double (*slope)
         }
     }
     double speed = sqrt(U * U + T * T), v[3], d[3], half = chord[station] / 2;
-    airfoil(station, atan2(U, T) - in[TWIST], v, d);
+    airfoil(station, atan2(U, T) - in[TWIST], &near, v, d);
     load[0] = half * speed * (v[0] * T + v[1] * U);
     load[1] = half * speed * (v[1] * T - v[0] * U);
     load[2] = half * chord[station] * speed * speed * v[2];
