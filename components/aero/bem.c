@@ -1,7 +1,7 @@
 /* Blade-element momentum (BEM) loads of one rotor, with their exact Jacobian.
  *
  * In front of this text components/aero/bem.py writes the data of one rotor: the macros NAME, EXPORT, BLADES, STATIONS,
- * SENSE, TIP_RADIUS, SKEW, AXIAL_DRAG, TANGENTIAL_DRAG and the constant arrays chord, length, tip_loss, hub_loss, polar,
+ * SENSE, TIP_RADIUS, SKEW, SKEWED_WAKE, AXIAL_DRAG, TANGENTIAL_DRAG and the constant arrays chord, length, tip_loss, hub_loss, polar,
  * first_knot, knots, knot, cubic, sparsity_in, sparsity_out, sparsity_jac. There is no state: every call stands alone.
  *
  * Physics, per node (Ning 2014, Wind Energy 17:1327; Burton et al. 2011, section 3): e_x and e_t span the plane of the
@@ -32,7 +32,7 @@ enum { POSITION = 0, ORIENTATION = 3 * NODES, VELOCITY = 12 * NODES, WIND = 15 *
 enum { HUB_POSITION = HUB, HUB_ORIENTATION = HUB + 3, HUB_VELOCITY = HUB + 12, DISK_WIND = HUB + 15, DENSITY = HUB + 18 };
 enum { NZ_POSITION = 0, NZ_ORIENTATION = 18 * NODES, NZ_VELOCITY = 54 * NODES, NZ_WIND = 72 * NODES,
        NZ_HUB_POSITION = 90 * NODES, NZ_HUB_NORMAL = 108 * NODES, NZ_HUB_VELOCITY = 126 * NODES,
-       NZ_DISK_WIND = 144 * NODES, NZ_DENSITY = SKEW != 0 ? 162 * NODES : 126 * NODES };
+       NZ_DISK_WIND = 144 * NODES, NZ_DENSITY = SKEWED_WAKE ? 162 * NODES : 126 * NODES };
 
 static double dot(const double *a, const double *b) { return a[0] * b[0] + a[1] * b[1] + a[2] * b[2]; }
 
@@ -152,7 +152,7 @@ static void section(int station, const double *in, double *load, double (*slope)
     double tip_speed = fabs(Vt) * TIP_RADIUS / r, ratio = tip_speed > fabs(Vx) ? fabs(Vx) / tip_speed : 1, up, down;
     double rise = smooth_step(ratio / 0.02, &up), fall = smooth_step(2 - 2 * ratio, &down), share = rise * fall;
     struct balance b;
-    double phi;
+    double phi = 0;
     int free = 1, near = -1;
     if (share > 0) {
         free = solve(station, Vx, Vt, in[TWIST], sigma, &near, &phi, &b);
@@ -301,7 +301,7 @@ static void node(int i, const double *u, const struct wake *wake, double *f, dou
             }
             column(scale, load, slope, change, ex, et, z, dex, det, of_z ? unit : none, of_z ? axis_z : normal);
         }
-        if (SKEW != 0) {
+        if (SKEWED_WAKE) {
             double by_disk[NUMBERS] = {0};
             by_disk[ANGLE] = wake->chi_wind[k];
             for (int j = 0; j < 3; j++) by_disk[SKEWED] += d[j] * wake->s_wind[j][k] / TIP_RADIUS;
@@ -319,7 +319,7 @@ static void rotor(const double *u, double *f, double *jac) {
     struct wake wake = {0};
     double wind[3], unused[6];
     for (int k = 0; k < 3; k++) wind[k] = u[DISK_WIND + k] - u[HUB_VELOCITY + k];
-    if (SKEW != 0) skewed_wake(wind, u + HUB_ORIENTATION, &wake);
+    if (SKEWED_WAKE) skewed_wake(wind, u + HUB_ORIENTATION, &wake);
     for (int i = 0; i < NODES; i++) node(i, u, &wake, f ? f + 6 * i : unused, jac);
 }
 
