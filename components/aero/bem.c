@@ -1,8 +1,9 @@
 /* Blade-element momentum (BEM) loads of one rotor, with their exact Jacobian.
  *
  * In front of this text components/aero/bem.py writes the data of one rotor: the macros NAME, EXPORT, BLADES, STATIONS,
- * SENSE, TIP_RADIUS, SKEW, SKEWED_WAKE, AXIAL_DRAG, TANGENTIAL_DRAG and the constant arrays chord, length, tip_loss, hub_loss, polar,
- * first_knot, knots, knot, cubic, sparsity_in, sparsity_out, sparsity_jac. There is no state: every call stands alone.
+ * SENSE, TIP_RADIUS, SKEW, SKEWED_WAKE, AXIAL_DRAG, TANGENTIAL_DRAG and the constant arrays chord, length, tip_loss,
+ * hub_loss, polar, first_knot, knots, knot, cubic, sparsity_in, sparsity_out, sparsity_jac. There is no state: every
+ * call stands alone.
  *
  * Physics, per node (Ning 2014, Wind Energy 17:1327; Burton et al. 2011, section 3): e_x and e_t span the plane of the
  * blade section, e_t against the motion, e_x downwind. With the relative wind (Vx, Vt) before induction and the speed W
@@ -29,7 +30,8 @@ static const double edge = 1e-6;  /* the inflow angle stays this far from the ro
 /* Where the inputs lie in their column, and where each group starts among the non-zeros of the Jacobian. A column of a
  * node holds 6 of them, a column of the hub 6 for every node; the y axes are not used and have none. */
 enum { POSITION = 0, ORIENTATION = 3 * NODES, VELOCITY = 12 * NODES, WIND = 15 * NODES, HUB = 18 * NODES };
-enum { HUB_POSITION = HUB, HUB_ORIENTATION = HUB + 3, HUB_VELOCITY = HUB + 12, DISK_WIND = HUB + 15, DENSITY = HUB + 18 };
+enum { HUB_POSITION = HUB, HUB_ORIENTATION = HUB + 3, HUB_VELOCITY = HUB + 12, DISK_WIND = HUB + 15,
+       DENSITY = HUB + 18 };
 enum { NZ_POSITION = 0, NZ_ORIENTATION = 18 * NODES, NZ_VELOCITY = 54 * NODES, NZ_WIND = 72 * NODES,
        NZ_HUB_POSITION = 90 * NODES, NZ_HUB_NORMAL = 108 * NODES, NZ_HUB_VELOCITY = 126 * NODES,
        NZ_DISK_WIND = 144 * NODES, NZ_DENSITY = SKEWED_WAKE ? 162 * NODES : 126 * NODES };
@@ -89,7 +91,8 @@ static void balance(int station, double phi, double twist, double sigma, int *ne
     b->F = loss(tip_loss[station], s, c, &tip) * loss(hub_loss[station], s, c, &hub);
     b->F_log = tip + hub;
     airfoil(station, phi - twist, near, v, d);
-    double ca = AXIAL_DRAG * v[1], da = AXIAL_DRAG * d[1], ct_drag = TANGENTIAL_DRAG * v[1], dt = TANGENTIAL_DRAG * d[1];
+    double ca = AXIAL_DRAG * v[1], da = AXIAL_DRAG * d[1];
+    double ct_drag = TANGENTIAL_DRAG * v[1], dt = TANGENTIAL_DRAG * d[1];
     double cn = v[0] * c + ca * s, cn_alpha = d[0] * c + da * s, cn_phi = cn_alpha - v[0] * s + ca * c;
     double ct = v[0] * s - ct_drag * c, ct_alpha = d[0] * s - dt * c, ct_phi = ct_alpha + v[0] * c + ct_drag * s;
     double F = b->F, F_phi = F * b->F_log, square = s * fabs(s), k_cn = side * sigma / (4 * F * s * s), k = k_cn * cn;
@@ -151,7 +154,7 @@ static void section(int station, const double *in, double *load, double (*slope)
     /* The share of the induction: none above 1 (parked, slow) and at 0 (no wind), all of it from 0.02 to 0.5. */
     double tip_speed = fabs(Vt) * TIP_RADIUS / r, ratio = tip_speed > fabs(Vx) ? fabs(Vx) / tip_speed : 1, up, down;
     double rise = smooth_step(ratio / 0.02, &up), fall = smooth_step(2 - 2 * ratio, &down), share = rise * fall;
-    struct balance b;
+    struct balance b = {0};
     double phi = 0;
     int free = 1, near = -1;
     if (share > 0) {
@@ -203,7 +206,7 @@ static void section(int station, const double *in, double *load, double (*slope)
 }
 
 /* The skewed wake: angle chi of the relative wind at the disk to the rotor normal n, the vector s = chi times the
- * direction of the wind in the plane, and their derivatives by the wind and by n. Beyond 60 degrees s fades to 0 at 90. */
+ * direction of the wind in the plane, and their derivatives by the wind and by n. Beyond 60 deg s fades to 0 at 90. */
 struct wake { double chi, s[3], chi_wind[3], chi_n[3], s_wind[3][3], s_n[3][3]; };
 
 static void skewed_wake(const double *wind, const double *n, struct wake *k) {
@@ -272,7 +275,8 @@ static void node(int i, const double *u, const struct wake *wake, double *f, dou
     double change[NUMBERS], out[6];
     for (int k = 0; k < 3; k++) {
         double *position = jac + NZ_POSITION + 18 * i + 6 * k, *axis_x = jac + NZ_ORIENTATION + 36 * i + 6 * k;
-        double *axis_z = axis_x + 18, *velocity = jac + NZ_VELOCITY + 18 * i + 6 * k, *wind = jac + NZ_WIND + 18 * i + 6 * k;
+        double *axis_z = axis_x + 18, *velocity = jac + NZ_VELOCITY + 18 * i + 6 * k;
+        double *wind = jac + NZ_WIND + 18 * i + 6 * k;
         double *hub = jac + NZ_HUB_POSITION + 6 * (NODES * k + i), *normal = jac + NZ_HUB_NORMAL + 6 * (NODES * k + i);
 
         double by_position[NUMBERS] = {0}, by_wind[NUMBERS] = {0}, by_x[NUMBERS] = {0};
@@ -284,7 +288,7 @@ static void node(int i, const double *u, const struct wake *wake, double *f, dou
         column(scale, load, slope, by_x, ex, et, z, none, none, none, axis_x);
         for (int row = 0; row < 6; row++) hub[row] = -position[row], velocity[row] = -wind[row];
 
-        for (int of_z = 0; of_z < 2; of_z++) { /* the axes of the section turn with the normal and with the blade axis */
+        for (int of_z = 0; of_z < 2; of_z++) { /* the section's axes turn with the normal and the blade axis */
             double unit[3] = {k == 0, k == 1, k == 2}, dc[3], dey[3], dex[3], det[3], extra[3] = {0};
             if (of_z) cross(unit, n, dc); else cross(z, unit, dc);
             double part = dot(dc, ey);
@@ -348,7 +352,9 @@ EXPORT int JAC(const double **arg, double **res, casadi_int *iw, double *w, int 
 }
 EXPORT casadi_int JOIN(JAC, _n_in)(void) { return 2; }
 EXPORT casadi_int JOIN(JAC, _n_out)(void) { return 1; }
-EXPORT const casadi_int *JOIN(JAC, _sparsity_in)(casadi_int i) { return i == 0 ? sparsity_in : i == 1 ? sparsity_out : NULL; }
+EXPORT const casadi_int *JOIN(JAC, _sparsity_in)(casadi_int i) {
+    return i == 0 ? sparsity_in : i == 1 ? sparsity_out : NULL;
+}
 EXPORT const casadi_int *JOIN(JAC, _sparsity_out)(casadi_int i) { return i == 0 ? sparsity_jac : NULL; }
 EXPORT int JOIN(JAC, _work)(casadi_int *sz_arg, casadi_int *sz_res, casadi_int *sz_iw, casadi_int *sz_w) {
     *sz_arg = 2, *sz_res = 1, *sz_iw = 0, *sz_w = 0;
