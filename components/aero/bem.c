@@ -11,7 +11,7 @@
  *     Vx / W = X = sin(phi) h(k),                     k  = sigma c_n / (4 F sin(phi)^2), signed as sin(phi)
  *     Vt / W = Y = cos(phi) - sigma c_t / (4 F |sin(phi)|)
  * and h = 1 / (1 - a): 1 + k by momentum theory, and for k > 2/3 Buhl's (2005, NREL/TP-500-36834) empirical line, which
- * is the same as h = sqrt(2 F k - F (4/3 - F)) + 5/3 - F. Multiplied by 4 F |sin(phi)| both stay bounded, A and B below,
+ * is h = sqrt(2 F k - F (4/3 - F)) + 5/3 - F as well. Multiplied by 4 F |sin(phi)| both stay bounded, A and B below,
  * and Vt A(phi) = Vx B(phi) is Ning's residual without its poles. */
 
 #include <math.h>
