@@ -1,8 +1,9 @@
 /* Blade-element momentum (BEM) loads of one rotor, with their exact Jacobian.
  *
  * In front of this text components/aero/bem.py writes the data of one rotor: the macros NAME, EXPORT, BLADES, STATIONS,
- * SENSE, TIP_RADIUS, SKEW, AXIAL_DRAG, TANGENTIAL_DRAG and the constant arrays chord, length, tip_loss, hub_loss, polar,
- * first_knot, knots, knot, cubic, sparsity_in, sparsity_out, sparsity_jac. There is no state: every call stands alone.
+ * SENSE, TIP_RADIUS, SKEW, SKEWED_WAKE, AXIAL_DRAG, TANGENTIAL_DRAG and the constant arrays chord, length, tip_loss,
+ * hub_loss, polar, first_knot, knots, knot, cubic, sparsity_in, sparsity_out, sparsity_jac. There is no state: every
+ * call stands alone.
  *
  * Physics, per node (Ning 2014, Wind Energy 17:1327; Burton et al. 2011, section 3): e_x and e_t span the plane of the
  * blade section, e_t against the motion, e_x downwind. With the relative wind (Vx, Vt) before induction and the speed W
@@ -10,7 +11,7 @@
  *     Vx / W = X = sin(phi) h(k),                     k  = sigma c_n / (4 F sin(phi)^2), signed as sin(phi)
  *     Vt / W = Y = cos(phi) - sigma c_t / (4 F |sin(phi)|)
  * and h = 1 / (1 - a): 1 + k by momentum theory, and for k > 2/3 Buhl's (2005, NREL/TP-500-36834) empirical line, which
- * is the same as h = sqrt(2 F k - F (4/3 - F)) + 5/3 - F. Multiplied by 4 F |sin(phi)| both stay bounded, A and B below,
+ * is h = sqrt(2 F k - F (4/3 - F)) + 5/3 - F as well. Multiplied by 4 F |sin(phi)| both stay bounded, A and B below,
  * and Vt A(phi) = Vx B(phi) is Ning's residual without its poles. */
 
 #include <math.h>
@@ -29,10 +30,11 @@ static const double edge = 1e-6;  /* the inflow angle stays this far from the ro
 /* Where the inputs lie in their column, and where each group starts among the non-zeros of the Jacobian. A column of a
  * node holds 6 of them, a column of the hub 6 for every node; the y axes are not used and have none. */
 enum { POSITION = 0, ORIENTATION = 3 * NODES, VELOCITY = 12 * NODES, WIND = 15 * NODES, HUB = 18 * NODES };
-enum { HUB_POSITION = HUB, HUB_ORIENTATION = HUB + 3, HUB_VELOCITY = HUB + 12, DISK_WIND = HUB + 15, DENSITY = HUB + 18 };
+enum { HUB_POSITION = HUB, HUB_ORIENTATION = HUB + 3, HUB_VELOCITY = HUB + 12, DISK_WIND = HUB + 15,
+       DENSITY = HUB + 18 };
 enum { NZ_POSITION = 0, NZ_ORIENTATION = 18 * NODES, NZ_VELOCITY = 54 * NODES, NZ_WIND = 72 * NODES,
        NZ_HUB_POSITION = 90 * NODES, NZ_HUB_NORMAL = 108 * NODES, NZ_HUB_VELOCITY = 126 * NODES,
-       NZ_DISK_WIND = 144 * NODES, NZ_DENSITY = SKEW != 0 ? 162 * NODES : 126 * NODES };
+       NZ_DISK_WIND = 144 * NODES, NZ_DENSITY = SKEWED_WAKE ? 162 * NODES : 126 * NODES };
 
 static double dot(const double *a, const double *b) { return a[0] * b[0] + a[1] * b[1] + a[2] * b[2]; }
 
@@ -51,14 +53,17 @@ static double smooth_step(double x, double *slope) {
     return x * x * (3 - 2 * x);
 }
 
-/* Coefficients c_l, c_d, c_m at an angle of attack, and their slopes. */
-static void airfoil(int station, double alpha, double *value, double *slope) {
+/* Coefficients c_l, c_d, c_m at an angle of attack, and their slopes. *near: the knot below the angle of the last call
+ * for this station, or -1. */
+static void airfoil(int station, double alpha, int *near, double *value, double *slope) {
     alpha -= 2 * pi * floor((alpha + pi) / (2 * pi));
     int low = first_knot[polar[station]], high = low + knots[polar[station]] - 1;
+    if (*near >= 0 && knot[*near] <= alpha && alpha < knot[*near + 1]) low = *near, high = low + 1;
     while (high - low > 1) {
         int middle = (low + high) / 2;
         if (knot[middle] <= alpha) low = middle; else high = middle;
     }
+    *near = low;
     double x = alpha - knot[low];
     for (int i = 0; i < 3; i++) {
         const double *c = cubic + 12 * low + 4 * i;
@@ -69,22 +74,25 @@ static void airfoil(int station, double alpha, double *value, double *slope) {
 
 /* Prandtl's loss factor of one end, 2/pi acos(exp(-f)) with f = distance / |sin(phi)|, and d ln(factor) / d phi. */
 static double loss(double distance, double s, double c, double *log_slope) {
-    double f = distance / fabs(s), e = exp(-f), factor = 2 / pi * acos(e);
+    double f = distance / fabs(s);
     *log_slope = 0;
+    if (f > 38) return 1; /* to the last digit */
+    double e = exp(-f), factor = 2 / pi * acos(e);
     if (factor < 1e-4) return 1e-4;
-    if (e > 0) *log_slope = -2 / pi * e / sqrt(1 - e * e) * f * c / s / factor;
+    *log_slope = -2 / pi * e / sqrt(1 - e * e) * f * c / s / factor;
     return factor;
 }
 
 /* A and B of the head of this file at phi, with their derivatives by phi, twist and solidity; F and d ln(F) / d phi. */
 struct balance { double A, B, A_phi, A_twist, A_sigma, B_phi, B_twist, B_sigma, F, F_log; };
 
-static void balance(int station, double phi, double twist, double sigma, struct balance *b) {
+static void balance(int station, double phi, double twist, double sigma, int *near, struct balance *b) {
     double s = sin(phi), c = cos(phi), side = s < 0 ? -1 : 1, tip, hub, v[3], d[3];
     b->F = loss(tip_loss[station], s, c, &tip) * loss(hub_loss[station], s, c, &hub);
     b->F_log = tip + hub;
-    airfoil(station, phi - twist, v, d);
-    double ca = AXIAL_DRAG * v[1], da = AXIAL_DRAG * d[1], ct_drag = TANGENTIAL_DRAG * v[1], dt = TANGENTIAL_DRAG * d[1];
+    airfoil(station, phi - twist, near, v, d);
+    double ca = AXIAL_DRAG * v[1], da = AXIAL_DRAG * d[1];
+    double ct_drag = TANGENTIAL_DRAG * v[1], dt = TANGENTIAL_DRAG * d[1];
     double cn = v[0] * c + ca * s, cn_alpha = d[0] * c + da * s, cn_phi = cn_alpha - v[0] * s + ca * c;
     double ct = v[0] * s - ct_drag * c, ct_alpha = d[0] * s - dt * c, ct_phi = ct_alpha + v[0] * c + ct_drag * s;
     double F = b->F, F_phi = F * b->F_log, square = s * fabs(s), k_cn = side * sigma / (4 * F * s * s), k = k_cn * cn;
@@ -107,31 +115,32 @@ static void balance(int station, double phi, double twist, double sigma, struct 
     b->B_sigma = -ct;
 }
 
-/* The inflow angle after induction, on the side of Vx. Returns 0 when it lies at the edge of the bracket, where it is
- * held. The residual rises through its root: Newton's method, kept within the bracket. */
-static int solve(int station, double Vx, double Vt, double twist, double sigma, double *phi, struct balance *b) {
-    double side = Vx < 0 ? -1 : 1, low = edge, high = pi / 2;
-    balance(station, side * pi / 2, twist, sigma, b);
+/* The inflow angle after induction, on the side of Vx, and the balance there. Returns 0 when it is held at the edge of
+ * its quarter because that has no root. The residual rises through the root: Newton's method within a bracket. */
+static int solve(int station, double Vx, double Vt, double twist, double sigma, int *near, double *phi,
+                 struct balance *b) {
+    double side = Vx < 0 ? -1 : 1, low = edge, high = pi / 2, x = atan2(2.0 / 3 * fabs(Vx), Vt);
+    balance(station, side * pi / 2, twist, sigma, near, b);
     if (side * (Vt * b->A - Vx * b->B) < 0) low = pi / 2, high = pi - edge;
-    double end = low == edge ? low : high;
-    balance(station, side * end, twist, sigma, b);
-    if ((side * (Vt * b->A - Vx * b->B) < 0) != (low == edge)) {
-        *phi = side * end;
-        return 0;
-    }
-    double x = atan2(2.0 / 3 * fabs(Vx), Vt), before = high - low;
-    if (x <= low || x >= high) x = (low + high) / 2;
-    for (int i = 0; i < 100; i++) {
-        balance(station, side * x, twist, sigma, b);
+    double end = low == edge ? low : high, before = high - low;
+    if (!(x > low && x < high)) x = (low + high) / 2;
+    for (int i = 0; i < 200; i++) {
+        balance(station, side * x, twist, sigma, near, b);
         double residual = side * (Vt * b->A - Vx * b->B), step = -residual / (Vt * b->A_phi - Vx * b->B_phi);
         if (residual < 0) low = x; else high = x;
-        if (fabs(step) < 2e-14 || high - low < 2e-14) break;
+        if (high - low < 2e-14) break;
+        if (fabs(step) < 1e-9 && x + step > low && x + step < high) { /* close enough to go there along the slopes */
+            x += step;
+            b->A += b->A_phi * side * step, b->B += b->B_phi * side * step, b->F *= 1 + b->F_log * side * step;
+            break;
+        }
+        if (residual == 0) break;
         if (!(fabs(step) < before / 2 && x + step > low && x + step < high)) step = (low + high) / 2 - x;
         before = fabs(step);
         x += step;
     }
     *phi = side * x;
-    return 1;
+    return fabs(x - end) > 1e-12;
 }
 
 /* Loads of a section per length and air density: along e_x, along e_t, and the nose-up moment. The inputs and their
@@ -145,11 +154,11 @@ static void section(int station, const double *in, double *load, double (*slope)
     /* The share of the induction: none above 1 (parked, slow) and at 0 (no wind), all of it from 0.02 to 0.5. */
     double tip_speed = fabs(Vt) * TIP_RADIUS / r, ratio = tip_speed > fabs(Vx) ? fabs(Vx) / tip_speed : 1, up, down;
     double rise = smooth_step(ratio / 0.02, &up), fall = smooth_step(2 - 2 * ratio, &down), share = rise * fall;
-    struct balance b;
-    double phi;
-    int free = 1;
+    struct balance b = {0};
+    double phi = 0;
+    int free = 1, near = -1;
     if (share > 0) {
-        free = solve(station, Vx, Vt, in[TWIST], sigma, &phi, &b);
+        free = solve(station, Vx, Vt, in[TWIST], sigma, &near, &phi, &b);
         if (Vx * b.A + Vt * b.B <= 0) share = 0; /* the root of the opposite direction */
     }
     if (share > 0) {
@@ -181,7 +190,7 @@ static void section(int station, const double *in, double *load, double (*slope)
         }
     }
     double speed = sqrt(U * U + T * T), v[3], d[3], half = chord[station] / 2;
-    airfoil(station, atan2(U, T) - in[TWIST], v, d);
+    airfoil(station, atan2(U, T) - in[TWIST], &near, v, d);
     load[0] = half * speed * (v[0] * T + v[1] * U);
     load[1] = half * speed * (v[1] * T - v[0] * U);
     load[2] = half * chord[station] * speed * speed * v[2];
@@ -197,7 +206,7 @@ static void section(int station, const double *in, double *load, double (*slope)
 }
 
 /* The skewed wake: angle chi of the relative wind at the disk to the rotor normal n, the vector s = chi times the
- * direction of the wind in the plane, and their derivatives by the wind and by n. Beyond 60 degrees s fades to 0 at 90. */
+ * direction of the wind in the plane, and their derivatives by the wind and by n. Beyond 60 deg s fades to 0 at 90. */
 struct wake { double chi, s[3], chi_wind[3], chi_n[3], s_wind[3][3], s_n[3][3]; };
 
 static void skewed_wake(const double *wind, const double *n, struct wake *k) {
@@ -266,7 +275,8 @@ static void node(int i, const double *u, const struct wake *wake, double *f, dou
     double change[NUMBERS], out[6];
     for (int k = 0; k < 3; k++) {
         double *position = jac + NZ_POSITION + 18 * i + 6 * k, *axis_x = jac + NZ_ORIENTATION + 36 * i + 6 * k;
-        double *axis_z = axis_x + 18, *velocity = jac + NZ_VELOCITY + 18 * i + 6 * k, *wind = jac + NZ_WIND + 18 * i + 6 * k;
+        double *axis_z = axis_x + 18, *velocity = jac + NZ_VELOCITY + 18 * i + 6 * k;
+        double *wind = jac + NZ_WIND + 18 * i + 6 * k;
         double *hub = jac + NZ_HUB_POSITION + 6 * (NODES * k + i), *normal = jac + NZ_HUB_NORMAL + 6 * (NODES * k + i);
 
         double by_position[NUMBERS] = {0}, by_wind[NUMBERS] = {0}, by_x[NUMBERS] = {0};
@@ -278,7 +288,7 @@ static void node(int i, const double *u, const struct wake *wake, double *f, dou
         column(scale, load, slope, by_x, ex, et, z, none, none, none, axis_x);
         for (int row = 0; row < 6; row++) hub[row] = -position[row], velocity[row] = -wind[row];
 
-        for (int of_z = 0; of_z < 2; of_z++) { /* the axes of the section turn with the normal and with the blade axis */
+        for (int of_z = 0; of_z < 2; of_z++) { /* the section's axes turn with the normal and the blade axis */
             double unit[3] = {k == 0, k == 1, k == 2}, dc[3], dey[3], dex[3], det[3], extra[3] = {0};
             if (of_z) cross(unit, n, dc); else cross(z, unit, dc);
             double part = dot(dc, ey);
@@ -295,7 +305,7 @@ static void node(int i, const double *u, const struct wake *wake, double *f, dou
             }
             column(scale, load, slope, change, ex, et, z, dex, det, of_z ? unit : none, of_z ? axis_z : normal);
         }
-        if (SKEW != 0) {
+        if (SKEWED_WAKE) {
             double by_disk[NUMBERS] = {0};
             by_disk[ANGLE] = wake->chi_wind[k];
             for (int j = 0; j < 3; j++) by_disk[SKEWED] += d[j] * wake->s_wind[j][k] / TIP_RADIUS;
@@ -313,7 +323,7 @@ static void rotor(const double *u, double *f, double *jac) {
     struct wake wake = {0};
     double wind[3], unused[6];
     for (int k = 0; k < 3; k++) wind[k] = u[DISK_WIND + k] - u[HUB_VELOCITY + k];
-    if (SKEW != 0) skewed_wake(wind, u + HUB_ORIENTATION, &wake);
+    if (SKEWED_WAKE) skewed_wake(wind, u + HUB_ORIENTATION, &wake);
     for (int i = 0; i < NODES; i++) node(i, u, &wake, f ? f + 6 * i : unused, jac);
 }
 
@@ -342,7 +352,9 @@ EXPORT int JAC(const double **arg, double **res, casadi_int *iw, double *w, int 
 }
 EXPORT casadi_int JOIN(JAC, _n_in)(void) { return 2; }
 EXPORT casadi_int JOIN(JAC, _n_out)(void) { return 1; }
-EXPORT const casadi_int *JOIN(JAC, _sparsity_in)(casadi_int i) { return i == 0 ? sparsity_in : i == 1 ? sparsity_out : NULL; }
+EXPORT const casadi_int *JOIN(JAC, _sparsity_in)(casadi_int i) {
+    return i == 0 ? sparsity_in : i == 1 ? sparsity_out : NULL;
+}
 EXPORT const casadi_int *JOIN(JAC, _sparsity_out)(casadi_int i) { return i == 0 ? sparsity_jac : NULL; }
 EXPORT int JOIN(JAC, _work)(casadi_int *sz_arg, casadi_int *sz_res, casadi_int *sz_iw, casadi_int *sz_w) {
     *sz_arg = 2, *sz_res = 1, *sz_iw = 0, *sz_w = 0;

@@ -120,7 +120,7 @@ class BladeElementRotor:
         integers = {"polar": [used.index(name) for name in b.airfoil], "knots": sizes,
                     "first_knot": np.cumsum([0, *sizes[:-1]]).tolist()}  # fmt: skip
         macros = {"BLADES": self.blades, "STATIONS": len(b.radius), "SENSE": self.sense,
-                  "TIP_RADIUS": _number(b.tip_radius), "SKEW": _number(self.skew),
+                  "TIP_RADIUS": _number(b.tip_radius), "SKEW": _number(self.skew), "SKEWED_WAKE": int(self.skew != 0),
                   "AXIAL_DRAG": int(self.axial_drag), "TANGENTIAL_DRAG": int(self.tangential_drag)}  # fmt: skip
         lines = [f"#define {key} ({value})" for key, value in macros.items()]
         lines += [_array("long long int", key, value) for key, value in shapes.items()]
