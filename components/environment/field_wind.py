@@ -6,6 +6,7 @@ from functools import lru_cache
 from pathlib import Path
 from typing import Any
 
+import casadi as ca
 import numpy as np
 
 from fowtlib.components.environment.field_file import read_field
@@ -57,6 +58,7 @@ def field_velocity(lookup: FieldLookup, time: Any, positions: Any) -> Any:
 
     A run in which one of the points leaves the field stops there.
     """
+    positions = ca.SX(positions)  # fixed points are numbers
     points, grid = positions.shape[1], lookup.grid
     for i in range(points):
         places = {"y": positions[1, i], "z": positions[2, i]}

@@ -131,6 +131,11 @@ def test_a_run_longer_than_the_field_is_warned_about(fields):
     assert sum("repeats itself after 20 s; use a longer one" in str(warning.message) for warning in caught) == 1
 
 
+def test_dimensions_agree(fields):
+    report = fw.load(drifting(fields[1].field.path, direction="10 deg")).check()
+    assert not report.dimensions.findings
+
+
 def test_mistakes(fields, tmp_path):
     path = fields[0].field.path
     with pytest.raises(
