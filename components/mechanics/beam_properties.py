@@ -94,6 +94,11 @@ class BeamProperties:
         columns = {name: getattr(self, name) for name in self.__dataclass_fields__}
         return BeamProperties(**{n: v if v is None else v * factors.get(n, 1.0) for n, v in columns.items()})
 
+    def mirrored(self) -> BeamProperties:
+        """The mirror image, y to -y: the blade of a rotor that turns the other way."""
+        columns = {name: getattr(self, name) for name in self.__dataclass_fields__}
+        return BeamProperties(**columns | {n: -columns[n] for n in ("twist", "reference_y", "centre_of_mass_y")})
+
     @classmethod
     def uniform(cls, length: float, mass_per_length: float, stiffness_x: float, stiffness_y: float | None = None,
                 **others: float) -> BeamProperties:  # fmt: skip

@@ -1,0 +1,111 @@
+"""Towers between a foundation or platform and the nacelle."""
+
+from __future__ import annotations
+
+from fowtlib.components.mechanics import Beam, BeamProperties, FixedTranslation, Frame, RigidBody, TwoFrames
+from fowtlib.language import RealOutput, Scalar, eq, param, port
+from fowtlib.language import math as m
+from fowtlib.language.errors import ParameterError
+
+
+class Tower(TwoFrames):
+    """Partial: a tower from its base (frame_a) to its top (frame_b), z up, x fore-aft (downwind), y side-side (port).
+
+    Moments are those of what is above on what is below the cut, resolved in the base frame for the base and in the top
+    frame for the top: fore-aft about y (thrust makes it positive), side-side about x, torsion about z.
+    """
+
+    node_points: list = param(default=[], doc="frames along the tower: height above the base [m], or a point (x, y, z)")
+    n_nodes: int = param(default=lambda self: len(self.node_points), min=0, doc="number of those frames")
+
+    nodes: Frame = port(size="n_nodes", optional=True, doc="frames along the tower, for drag and sensors")
+    base_fore_aft_moment: RealOutput = port(unit="N*m", doc="moment at the base about y")
+    base_side_side_moment: RealOutput = port(unit="N*m", doc="moment at the base about x")
+    base_torsion: RealOutput = port(unit="N*m", doc="moment at the base about z")
+    top_fore_aft_moment: RealOutput = port(unit="N*m", doc="moment at the top about y")
+    top_side_side_moment: RealOutput = port(unit="N*m", doc="moment at the top about x")
+    top_torsion: RealOutput = port(unit="N*m", doc="moment at the top about z")
+    top_fore_aft_displacement: RealOutput = port(unit="m", doc="displacement of the top along x of the base")
+    top_side_side_displacement: RealOutput = port(unit="m", doc="displacement of the top along y of the base")
+
+    def loads(self, displacement):
+        """The outputs; displacement (3) of the top in the axes of the base."""
+        base = -self.frame_a.R.T @ self.frame_a.t
+        top = self.frame_b.R.T @ self.frame_b.t
+        return [
+            [eq(self.base_side_side_moment, base[0]), eq(self.base_fore_aft_moment, base[1])],
+            [eq(self.top_side_side_moment, top[0]), eq(self.top_fore_aft_moment, top[1])],
+            [eq(self.base_torsion, base[2]), eq(self.top_torsion, top[2])],
+            eq(self.top_fore_aft_displacement, displacement[0]),
+            eq(self.top_side_side_displacement, displacement[1]),
+        ]
+
+
+class FlexibleTower(Tower):
+    """A tower as a chain of sprung hinges (see Beam), from a table or from the diameters and walls of a steel tube.
+
+    Give `properties`, or `heights`, `diameters` and `wall_thicknesses`, linear between the heights, with the material.
+    Two units with `treatment: loaded_tip` are within 0.4 % for the first two bending modes of the OC3 tower.
+    """
+
+    properties: object = param(default="", doc="BeamProperties, or the path of a CSV with them (see read_beam)")
+    heights: list = param(default=[], doc="heights of the stations [m], base first")
+    diameters: list = param(default=[], doc="outer diameters at the heights [m]")
+    wall_thicknesses: list = param(default=[], doc="wall thicknesses at the heights [m]")
+    density: float = param(default=8500.0, unit="kg/m^3", min=0, doc="density of the wall, with paint, bolts, flanges")
+    young_modulus: float = param(default=210e9, unit="Pa", min=0, doc="Young's modulus of the wall")
+    shear_modulus: float = param(default=80.8e9, unit="Pa", min=0, doc="shear modulus of the wall")
+    units: int = param(default=4, min=0, doc="number of beam units; 0: rigid")
+    treatment: str = param(default="loaded_tip", choices=("plain", "loaded_tip", "free_tip"), doc="see Beam")
+    torsion: bool = param(default=False, doc="with torsion")
+    damping_fore_aft: Scalar = param(default=0.03, unit="s", min=0, doc="damping over stiffness, fore-aft")
+    damping_side_side: Scalar = param(default=damping_fore_aft, unit="s", min=0, doc="the same, side-side")
+
+    def build(self):
+        self.beam = Beam(
+            properties=self.table(), units=self.units, treatment=self.treatment, torsion=self.torsion,
+            damping_x=self.damping_fore_aft, damping_y=self.damping_side_side, node_points=self.node_points,
+        )  # fmt: skip
+        self.connect(self.frame_a, self.beam.frame_a)
+        self.connect(self.beam.frame_b, self.frame_b)
+        for k in range(self.n_nodes):
+            self.connect(self.beam.nodes[k], self.nodes[k])
+
+    def table(self):
+        """The table, or the tube."""
+        if bool(self.properties) == bool(self.heights):
+            raise ParameterError(f"{self.label}: give either properties, or heights, diameters and wall_thicknesses.")
+        material = {name: getattr(self, name) for name in ("density", "young_modulus", "shear_modulus")}
+        walls = (self.heights, self.diameters, self.wall_thicknesses)
+        return self.properties or BeamProperties.tube(*walls, **material)
+
+    def equations(self):
+        return self.loads(self.beam.deflection)
+
+
+class RigidTower(Tower):
+    """A rigid tower: one body of given mass, centre and inertia. A table of properties: FlexibleTower with units 0."""
+
+    height: Scalar = param(unit="m", min=0, doc="height of the top above the base")
+    mass: Scalar = param(unit="kg", min=0, doc="mass")
+    centre_of_mass: Scalar = param(unit="m", doc="height of the centre of mass above the base")
+    inertia: Scalar = param(default=0.0, unit="kg*m^2", min=0, doc="inertia about the centre of mass, about x and y")
+    axial_inertia: Scalar = param(default=0.0, unit="kg*m^2", min=0, doc="moment of inertia about z")
+
+    def build(self):
+        across, along = self.inertia, self.axial_inertia
+        self.body = RigidBody(
+            mass=self.mass, r_cm=(0, 0, self.centre_of_mass), inertia=((across, 0, 0), (0, across, 0), (0, 0, along))
+        )
+        self.rod = FixedTranslation(r=(0, 0, self.height))
+        self.connect(self.frame_a, self.body.frame_a)
+        self.connect(self.frame_a, self.rod.frame_a)
+        self.connect(self.rod.frame_b, self.frame_b)
+        for k, given in enumerate(self.node_points):
+            point = given if isinstance(given, tuple | list) else (0, 0, given)
+            link = self.add(f"to_node_{k + 1}", FixedTranslation(r=point))
+            self.connect(self.frame_a, link.frame_a)
+            self.connect(link.frame_b, self.nodes[k])
+
+    def equations(self):
+        return self.loads(m.zeros(3))

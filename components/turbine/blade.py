@@ -1,0 +1,88 @@
+"""Blades on their root frames: flexible and rigid."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from fowtlib.components.mechanics import Beam, BeamProperties, FixedTranslation, Frame, RigidBody, read_beam
+from fowtlib.language import Component, RealOutput, Scalar, eq, param, port
+from fowtlib.language import math as m
+
+
+class Blade(Component):
+    """Partial: a blade with its root and nodes.
+
+    Axes of the root: z along the pitch axis to the tip, x flapwise and y edgewise at zero twist: for a rotor that turns
+    clockwise, seen from upwind, at zero pitch x points downwind and y to the trailing edge.
+    """
+
+    frame_a: Frame = port(doc="blade root, turned by the pitch bearing")
+    node_points: list = param(default=[], doc="aerodynamic nodes: distance from the root [m], or a point (x, y, z)")
+    n_nodes: int = param(default=lambda self: len(self.node_points), min=0, doc="number of nodes")
+
+    nodes: Frame = port(size="n_nodes", optional=True, doc="frames for the aerodynamic loads, parallel to the root's")
+    flapwise_moment: RealOutput = port(unit="N*m", doc="root moment about y: positive bends the blade downwind")
+    edgewise_moment: RealOutput = port(unit="N*m", doc="root moment about x: positive bends the blade to -y")
+    pitching_moment: RealOutput = port(unit="N*m", doc="root moment about z")
+    tip_deflection: RealOutput = port(unit="m", shape=(3,), doc="displacement of the tip, resolved in the root frame")
+
+
+class FlexibleBlade(Blade):
+    """A blade as a chain of sprung hinges, see Beam.
+
+    The root moments are what the loads outboard do to the root: the moment of the blade on the hub, resolved in the
+    pitched root frame. Data: a CSV as models/data/nrel5mw/blade_structure.csv.
+    """
+
+    properties: object = param(doc="BeamProperties, or the path of a CSV with them (see read_beam)")
+    units: int = param(default=6, min=0, doc="number of beam units; 0: rigid")
+    mirrored: bool = param(default=False, doc="mirror image, for a rotor that turns counter-clockwise")
+    treatment: str = param(default="free_tip", choices=("plain", "loaded_tip", "free_tip"), doc="see Beam")
+    torsion: bool = param(default=False, doc="with torsion")
+    damping_flapwise: Scalar = param(default=0.003, unit="s", min=0, doc="damping over stiffness, flapwise")
+    damping_edgewise: Scalar = param(default=damping_flapwise, unit="s", min=0, doc="damping over stiffness, edgewise")
+
+    def build(self):
+        given = self.properties
+        table = given if isinstance(given, BeamProperties) else read_beam(str(given))
+        self.beam = Beam(
+            properties=table.mirrored() if self.mirrored else table, units=self.units,
+            treatment=self.treatment, torsion=self.torsion, damping_x=self.damping_flapwise,
+            damping_y=self.damping_edgewise, node_points=self.node_points,
+        )  # fmt: skip
+        self.connect(self.frame_a, self.beam.frame_a)
+        self.connect(self.beam.deflection, self.tip_deflection)
+        for k in range(self.n_nodes):
+            self.connect(self.beam.nodes[k], self.nodes[k])
+
+    def equations(self):
+        moment = -self.beam.root_moment
+        return [eq(self.edgewise_moment, moment[0]), eq(self.flapwise_moment, moment[1]),
+                eq(self.pitching_moment, moment[2])]  # fmt: skip
+
+
+class RigidBlade(Blade):
+    """A rigid blade from mass, centre of mass along its axis, and inertia about the root across the axis.
+
+    The inertia about the centre of mass follows from the parallel axis theorem.
+    """
+
+    mass: Scalar = param(unit="kg", min=0, doc="mass")
+    centre_of_mass: Scalar = param(unit="m", doc="distance of the centre of mass from the root, along z")
+    inertia: Scalar = param(unit="kg*m^2", min=0, doc="moment of inertia about the root, across the axis")
+
+    def build(self):
+        across = self.inertia - self.mass * self.centre_of_mass**2
+        self.body = RigidBody(
+            mass=self.mass, r_cm=(0, 0, self.centre_of_mass), inertia=((across, 0, 0), (0, across, 0), (0, 0, 0))
+        )
+        self.connect(self.frame_a, self.body.frame_a)
+        for k, given in enumerate(self.node_points):
+            link = self.add(f"to_node_{k + 1}", FixedTranslation(r=(0, 0, given) if np.ndim(given) == 0 else given))
+            self.connect(self.frame_a, link.frame_a)
+            self.connect(link.frame_b, self.nodes[k])
+
+    def equations(self):
+        moment = -self.frame_a.R.T @ self.frame_a.t
+        return [eq(self.edgewise_moment, moment[0]), eq(self.flapwise_moment, moment[1]),
+                eq(self.pitching_moment, moment[2]), eq(self.tip_deflection, m.zeros(3))]  # fmt: skip

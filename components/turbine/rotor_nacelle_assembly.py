@@ -1,0 +1,83 @@
+"""Rotor, nacelle and drive train of a turbine with flexible blades, on a tower top."""
+
+from __future__ import annotations
+
+from fowtlib.components.mechanics import Frame
+from fowtlib.components.turbine.blade import FlexibleBlade
+from fowtlib.components.turbine.hub import Hub
+from fowtlib.components.turbine.nacelle import Drivetrain, Nacelle
+from fowtlib.language import Component, RealInput, RealOutput, Scalar, eq, param, part, port
+from fowtlib.language import math as m
+
+
+class RotorNacelleAssembly(Component):
+    """Nacelle, drive train, hub and blades, structure and drives only: loads come through `nodes`, torque by signal.
+
+    Give the parts `nacelle`, `hub` and `drivetrain` with their own parameters, and the blades by their table. Moments
+    at the blade roots: see FlexibleBlade, in the pitched axes. Tip displacements are resolved in the coned axes that do
+    not pitch: out_of_plane is positive downwind, in_plane positive against the sense of rotation (towards the trailing
+    edge). Nodes come blade by blade: nodes[k * nodes_per_blade + i].
+    """
+
+    blades: int = param(default=3, min=1, doc="number of blades")
+    rotation: int = param(default=1, choices=(1, -1), doc="1: clockwise seen from upwind, -1: counter-clockwise")
+    blade_properties: object = param(doc="BeamProperties of a blade, or the path of a CSV with them (see read_beam)")
+    blade_units: int = param(default=6, min=0, doc="beam units of a blade; 0: rigid")
+    blade_treatment: str = param(default="free_tip", choices=("plain", "loaded_tip", "free_tip"), doc="see Beam")
+    blade_torsion: bool = param(default=False, doc="blades with torsion")
+    damping_flapwise: Scalar = param(default=0.003, unit="s", min=0, doc="damping over stiffness, flapwise")
+    damping_edgewise: Scalar = param(default=damping_flapwise, unit="s", min=0, doc="damping over stiffness, edgewise")
+    node_points: list = param(default=[], doc="aerodynamic nodes of a blade: distance from the root [m], or a point")
+    n_nodes: int = param(default=lambda self: self.blades * len(self.node_points), min=0, doc="nodes of all blades")
+    rotor_speed_start: Scalar = param(default=0.0, unit="rad/s", doc="initial rotor speed")
+
+    frame: Frame = port(doc="tower top; x downwind, z up")
+    nodes: Frame = port(size="n_nodes", optional=True, doc="frames of the aerodynamic nodes, blade by blade")
+    blade_pitch: RealInput = port(unit="rad", default=0.0, doc="commanded pitch of all blades")
+    individual_pitch: RealInput = port(size="blades", unit="rad", default=0.0, doc="to be added for each blade")
+    generator_torque: RealInput = port(unit="N*m", default=0.0, doc="electromagnetic torque")
+    yaw_command: RealInput = port(unit="rad", default=0.0, doc="commanded yaw angle of the nacelle")
+    pitch_demand: RealOutput = port(size="blades", unit="rad", doc="commanded pitch of each blade")
+    out_of_plane: RealOutput = port(size="blades", unit="m", doc="displacement of each tip, downwind")
+    in_plane: RealOutput = port(size="blades", unit="m", doc="displacement of each tip, against the rotation")
+
+    nacelle: Nacelle = part(Nacelle)
+    drivetrain: Drivetrain = part(Drivetrain)
+    hub: Hub = part(Hub)
+
+    def build(self):
+        for component, names in (
+            (self.nacelle, ("rotation", "rotor_speed_start")), (self.drivetrain, ("rotor_speed_start",)),
+            (self.hub, ("rotation", "blades")),
+        ):  # fmt: skip
+            for name in names:
+                if not component.is_set(name):
+                    setattr(component, name, getattr(self, name))
+        for a, b in (
+            (self.frame, self.nacelle.frame_a), (self.nacelle.hub, self.hub.frame),
+            (self.nacelle.shaft, self.drivetrain.shaft), (self.yaw_command, self.nacelle.yaw_command),
+            (self.generator_torque, self.drivetrain.generator_torque),
+        ):  # fmt: skip
+            self.connect(a, b)
+        for k in range(self.blades):
+            blade = FlexibleBlade(
+                properties=self.blade_properties, units=self.blade_units, treatment=self.blade_treatment,
+                torsion=self.blade_torsion, damping_flapwise=self.damping_flapwise,
+                damping_edgewise=self.damping_edgewise, node_points=self.node_points, mirrored=self.rotation < 0,
+            )  # fmt: skip
+            self.connect(self.hub.roots[k], self.add(f"blade_{k + 1}", blade).frame_a)
+            self.connect(self.pitch_demand[k], self.hub.pitch_command[k])
+            for i in range(len(self.node_points)):
+                self.connect(blade.nodes[i], self.nodes[k * len(self.node_points) + i])
+
+    def equations(self):
+        found = []
+        for k in range(self.blades):
+            tip, pitch = getattr(self, f"blade_{k + 1}").tip_deflection, self.hub.pitch[k]
+            s, c = self.rotation * m.sin(pitch), m.cos(pitch)
+            found += [
+                eq(self.pitch_demand[k], self.blade_pitch + self.individual_pitch[k]),
+                eq(self.out_of_plane[k], c * tip[0] + s * tip[1]),
+                eq(self.in_plane[k], self.rotation * (c * tip[1] - s * tip[0])),
+            ]
+        return found
