@@ -65,7 +65,11 @@ REGULAR = "regular:H=..,T=..[,heading=..]"
     ("condition", "text", "message"),
     [
         (WIND, "kamal:8", "--wind: unknown kind 'kamal'; did you mean 'kaimal'?"),
-        (WIND, "", "--wind: unknown kind ''; there are 'none', 'steady', 'step', 'gust', 'kaimal', 'file' and 'field'."),
+        (
+            WIND,
+            "",
+            "--wind: unknown kind ''; there are 'none', 'steady', 'step', 'gust', 'kaimal', 'file' and 'field'.",
+        ),
         (WIND, "steady", "--wind: 'steady' needs 'speed'; write steady:SPEED[,shear=..][,direction=..]"),
         (WIND, "steady:fast", f"--wind: speed: got 'fast'; {SPEED}"),
         (WIND, "steady:3 kg", f"--wind: speed: got '3 kg', which is a mass; {SPEED}"),
