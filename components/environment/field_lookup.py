@@ -35,6 +35,7 @@ class FieldLookup:
                 "a wind field needs 2 columns and 2 rows at least."
             )
         self.field, self.grid = field, grid
+        self._plane = np.asarray(field.plane)  # the same memory, without the overhead of np.memmap at every access
         width = (grid.columns - 1) * grid.dy
         self.shift = (0.0 if grid.periodic else width / 2) if shift is None else float(shift)
         self.covers = {"y": (-width / 2, width / 2), "z": (grid.bottom, grid.bottom + (grid.rows - 1) * grid.dz)}
@@ -51,24 +52,20 @@ class FieldLookup:
 
     def evaluate(self, points: ArrayLike, time: ArrayLike) -> tuple[Floats, Floats]:
         """Velocities (n, 3) and d velocity / d (x, y, z, t) (n, 3, 4); beyond the edge the values of the edge."""
-        cells, place, scale = self._cells(points, time)
-        corner, weight, slope = [], [], []
-        for axis, n, position, per_unit in zip(AXES, cells, place, scale, strict=True):
-            wraps = axis == "time" and self.grid.periodic
-            inside = np.mod(position, n) if wraps else np.clip(position, 0, n - 1)
-            low = np.minimum(np.floor(np.nan_to_num(inside)).astype(int), n - (1 if wraps else 2))
-            moving = 1.0 if wraps else (position == inside).astype(float)
-            corner.append((low, (low + 1) % n))
-            weight.append((1 - (inside - low), inside - low))
-            slope.append((-per_unit * moving * np.ones(len(low)), per_unit * moving * np.ones(len(low))))
-        velocity, rate = np.zeros((len(low), 3)), np.zeros((len(low), 3, 4))
-        plane = self.field.plane
-        for a, b, c in np.ndindex(2, 2, 2):
-            speed = self.field.speeds(plane[corner[2][c], corner[1][b], corner[0][a]])
-            velocity += (weight[0][a] * weight[1][b] * weight[2][c])[:, None] * speed
-            rate[..., 1] += (slope[0][a] * weight[1][b] * weight[2][c])[:, None] * speed
-            rate[..., 2] += (weight[0][a] * slope[1][b] * weight[2][c])[:, None] * speed
-            rate[..., 3] += (weight[0][a] * weight[1][b] * slope[2][c])[:, None] * speed
+        cells = [
+            _cell(axis == "time" and self.grid.periodic, n, *rest)
+            for axis, n, *rest in zip(AXES, *self._cells(points, time), strict=True)
+        ]
+        (y, along_y, slope_y), (z, along_z, slope_z), (t, along_t, slope_t) = cells
+        stored = self._plane[t[:, :, None, None], z[:, None, :, None], y[:, None, None, :]]
+        corners = self.field.speeds(stored)  # (n, time, z, y, component), two of each
+        now, change = _between(corners, along_t)
+        here, upwards = _between(now, along_z)
+        velocity, sideways = _between(here, along_y)
+        rate = np.empty((len(velocity), 3, 4))
+        rate[..., 1] = sideways * slope_y
+        rate[..., 2] = _between(upwards, along_y)[0] * slope_z
+        rate[..., 3] = _between(_between(change, along_z)[0], along_y)[0] * slope_t
         rate[..., 0] = -rate[..., 3] / self.grid.speed
         return velocity, rate
 
@@ -111,3 +108,17 @@ class FieldLookup:
                     f"{self.field.path}: the wind field is too small: point {i} is at {axis} = {value:g} {unit}, and "
                     f"the field covers {low:g} to {high:g} {unit}; use {remedy} field."
                 )
+
+
+def _cell(wraps: bool, n: int, position: Floats, per_unit: float) -> tuple[NDArray[np.int64], Floats, Floats]:
+    """Samples about a position in cells (points, 2), part of the way between them, cells per unit (0 outside)."""
+    inside = np.mod(position, n) if wraps else np.clip(position, 0, n - 1)
+    low = np.minimum(np.floor(np.nan_to_num(inside)).astype(int), n - (1 if wraps else 2))
+    slope = np.where(wraps | (position == inside), per_unit, 0.0)
+    return np.stack([low, (low + 1) % n], axis=1), inside - low, slope[:, None]
+
+
+def _between(pairs: Floats, part: Floats) -> tuple[Floats, Floats]:
+    """Interpolated values and differences of pairs (points, 2, ...) along their second direction."""
+    change = pairs[:, 1] - pairs[:, 0]
+    return pairs[:, 0] + part.reshape(-1, *[1] * (change.ndim - 1)) * change, change
