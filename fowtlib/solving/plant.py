@@ -3,12 +3,14 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
+from pathlib import Path
 from typing import Any
 
 import casadi as ca
 import numpy as np
 
 from fowtlib.flattening import FlatDAE
+from fowtlib.language.declarations import join
 from fowtlib.language.errors import NotFoundError, ParameterError, SimulationError, did_you_mean
 from fowtlib.language.units import from_si, to_si
 from fowtlib.solving.equilibrium import equilibrium
@@ -39,6 +41,7 @@ class Plant:
             quantity.path: (quantity.path, quantity.unit, quantity.doc) for quantity in dae.states
         }
         self._evaluations: dict[bytes, Evaluation] = {}
+        self.structure = structural_values(root)
 
     @property
     def stats(self) -> dict[str, float]:
@@ -226,7 +229,7 @@ class Plant:
         if solver != "idas":
             raise ParameterError(f"there is no solver '{solver}'{did_you_mean(str(solver), ['idas'])}")
         if isinstance(start, Result):
-            start.check_resumable(self.parameter_values(parameters))
+            start.check_resumable(self.parameter_values(parameters), self.structure)
             state = self.resume_point(start.final, parameters, inputs)
         elif isinstance(start, State):
             parameters = start.parameters if parameters is None else parameters
@@ -300,3 +303,26 @@ class Plant:
 
     def __repr__(self) -> str:
         return f"<Plant {self.title or self.name}: {self.dae!r}>"
+
+
+def structural_values(root: Any) -> dict[str, Any]:
+    """The structural parameters of all parts by path, ready for JSON; a file by its name, wherever it lies."""
+    parts = root.walk() if root is not None else ()
+    return {
+        join(part.path, name): _plain(part.parameter_value(name))
+        for part in parts
+        for name, field in part.parameters.items()
+        if not field.tunable
+    }
+
+
+def _plain(value: Any) -> Any:
+    if isinstance(value, str):
+        return Path(value).name if Path(value).is_absolute() else value
+    if isinstance(value, np.ndarray | np.generic):
+        return value.tolist()
+    if isinstance(value, list | tuple):
+        return [_plain(item) for item in value]
+    if isinstance(value, dict):
+        return {str(key): _plain(item) for key, item in value.items()}
+    return value if value is None or isinstance(value, bool | int | float) else type(value).__name__

@@ -105,6 +105,7 @@ def _read_netcdf(path: Path) -> Result:
         raise ModelError(f"{path}: is a netCDF file, but not a result of fowtlib (attribute format = '{_FORMAT}').")
     names = json.loads(attributes.pop("result_names"))
     attributes["parameters"] = json.loads(attributes["parameters"])
+    attributes["structure"] = json.loads(attributes.get("structure", "{}"))
     raw_names = json.loads(attributes.pop("raw_names", "null"))
     fingerprint = attributes.pop("parameter_hash", "")
     raw = None

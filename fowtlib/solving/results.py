@@ -220,6 +220,7 @@ class Result:
             "date": datetime.now(UTC).isoformat(timespec="seconds"),
             "status": "finished.",
             "parameters": {},
+            "structure": {},
             **(attributes or {}),
         }
 
@@ -304,6 +305,7 @@ class Result:
 
         time = xarray.Variable("time", self.time, {"units": "s", "long_name": "time"})
         attrs = {**self.attributes, "parameters": json.dumps(_plain(self.attributes["parameters"]))}
+        attrs["structure"] = json.dumps(self.attributes["structure"])
         return xarray.Dataset({name: self[name].variable for name in self._values}, {"time": time}, attrs)
 
     def to_pandas(self) -> pandas.DataFrame:
@@ -374,13 +376,18 @@ class Result:
             )
         return self.raw.row(-1)
 
-    def check_resumable(self, parameters: Mapping[str, Any]) -> None:
-        """Stop when a run with these parameter values would not be the same run."""
+    def check_resumable(self, parameters: Mapping[str, Any], structure: Mapping[str, Any] | None = None) -> None:
+        """Stop when a run with these values of the tunable and the structural parameters would not be the same run."""
         final = self.final
-        if not final.parameter_hash or final.parameter_hash == parameter_hash(parameters):
+        earlier = self.attributes["structure"]
+        same_structure = structure is None or not earlier or earlier == structure
+        if same_structure and (not final.parameter_hash or final.parameter_hash == parameter_hash(parameters)):
             return
         old, new = _plain(self.attributes["parameters"]), _plain(parameters)
         changed = [n for n in sorted({*old, *new}) if old.get(n) != new.get(n)]
+        if not same_structure:
+            old, new = {**old, **earlier}, {**new, **structure}
+            changed = [n for n in sorted({*earlier, *structure}) if old.get(n) != new.get(n)] + changed
         shown = [f"{n} was {old.get(n, 'absent')}, is {new.get(n, 'absent')}" for n in changed[:5]]
         if len(changed) > 5:
             shown.append(f"and {len(changed) - 5} more")

@@ -414,6 +414,7 @@ class Simulation:
             "tolerance": self.tolerance,
             "status": status,
             "parameters": {path: value.tolist() for path, value in numbers.items()},
+            "structure": self.plant.structure,
             "wall_time": self.wall_time,
             "warnings": "\n".join(self.warned.values()),
         }

@@ -67,3 +67,23 @@ def test_a_resumed_run_needs_the_same_parameters():
     first = plant.simulate(1.0)
     with pytest.raises(ModelError, match="the run to resume had other parameters: rate was 1.0, is 2.0"):
         plant.simulate(2.0, start=first, parameters={"rate": 2.0})
+
+
+def test_a_resumed_run_needs_the_same_structure(tmp_path):
+    class Powers(fw.Component):
+        """x' = x**power."""
+
+        power: int = param(default=1, doc="exponent")
+        table: str = param(default="/here/table.csv", doc="a file")
+        x: Scalar = var(start=1.0, doc="state")
+
+        def equations(self):
+            return [eq(der(self.x), self.x**self.power)]
+
+    first = fw.load(Powers()).compile().simulate(1.0)
+    first.save(tmp_path / "first.nc")
+    saved = fw.Result.open(tmp_path / "first.nc")
+    with pytest.raises(ModelError, match="the run to resume had other parameters: power was 1, is 2. Give the same"):
+        fw.load(Powers(power=2)).compile().simulate(2.0, start=saved)
+    elsewhere = fw.load(Powers(table="/there/table.csv")).compile()
+    assert elsewhere.simulate(2.0, start=saved).time[-1] == 2.0
