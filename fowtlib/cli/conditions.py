@@ -51,10 +51,14 @@ class Key:
 
 @dataclass(frozen=True)
 class Kind:
-    """What may follow the name of a kind: the key of a bare value behind the colon, and the keys."""
+    """What may follow the name of a kind: the key of a bare value behind the colon, and the keys.
+
+    either: keys of which one alone may be given, because each makes the others void.
+    """
 
     keys: Mapping[str, Key]
     bare: str = ""
+    either: tuple[str, ...] = ()
 
 
 @dataclass(frozen=True)
@@ -102,6 +106,8 @@ class Condition:
 
     def _words(self, name: str, kind: Kind, rest: str) -> dict[str, str]:
         words: dict[str, str] = {}
+        if rest.strip() and not kind.keys:
+            raise ParameterError(f"{self.option}: nothing follows '{name}', but there is '{rest.strip()}'.")
         for index, item in enumerate(filter(None, (item.strip() for item in rest.split(",")))):
             key, equals, word = (piece.strip() for piece in item.partition("="))
             if not equals:
@@ -113,11 +119,13 @@ class Condition:
             if key in words:
                 raise ParameterError(f"{self.option}: '{key}' is given twice.")
             words[key] = word
+        if len([key for key in kind.either if key in words]) > 1:
+            raise ParameterError(f"{self.option}: '{name}' takes {one_of(kind.either)}, not both.")
         return words
 
 
 def settings(pairs: Sequence[str]) -> dict[str, Any]:
-    """`--set path=value`: numbers, lists and true/false as in JSON, anything else is text ("12.1 rpm")."""
+    """`--set path=value`: numbers and true/false as in JSON, lists as in YAML, anything else is text ("12.1 rpm")."""
     values: dict[str, Any] = {}
     for pair in pairs:
         path, equals, text = (piece.strip() for piece in pair.partition("="))
@@ -128,8 +136,17 @@ def settings(pairs: Sequence[str]) -> dict[str, Any]:
         try:
             values[path] = json.loads(text)
         except json.JSONDecodeError:
-            values[path] = text
+            values[path] = _list(path, text) if text.startswith("[") else text
     return values
+
+
+def _list(path: str, text: str) -> Any:
+    import yaml
+
+    try:
+        return yaml.safe_load(text)
+    except yaml.YAMLError:
+        raise ParameterError(f"--set: {path}: '{text}' is not a list; write [1, 2] or [60 deg, 180 deg].") from None
 
 
 _SPEED = {"speed": Key("mean_speed", "m/s", required=True)}
@@ -165,10 +182,12 @@ WIND = Condition(
                 **_SHEAR,
             },
             bare="speed",
+            either=("height", "class"),
         ),
         "kaimal": Kind(
             {**_SPEED, **_CLASS, "intensity": Key("turbulence_intensity"), "seed": Key("seed", "#"), **_SHEAR},
             bare="speed",
+            either=("class", "intensity"),
         ),
         "file": Kind({"file": Key("file", "path", required=True)}, bare="file"),
         "field": Kind({"file": Key("file", "path", required=True)}, bare="file"),

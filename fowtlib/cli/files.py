@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import sys
+import tempfile
 from pathlib import Path
 
 from fowtlib.language.errors import ModelError, one_of
@@ -12,13 +13,21 @@ FIGURES = (".png", ".svg", ".pdf")
 
 
 def check_target(path: Path | None, endings: tuple[str, ...]) -> None:
-    """Refuse a file of another kind, or in a folder that is not there."""
+    """Refuse a file of another kind, or one that cannot be written."""
     if path is None:
         return
     if path.suffix not in endings:
         raise ModelError(f"{path}: the file must end in {one_of(endings)}.")
     if not path.parent.is_dir():
         raise ModelError(f"{path}: the folder {path.parent} does not exist; make it first, or choose another one.")
+    if path.is_dir():
+        raise ModelError(f"{path}: is a folder; choose another name.")
+    try:
+        if path.exists():
+            path.open("ab").close()
+        tempfile.TemporaryFile(dir=path.parent).close()
+    except OSError as error:
+        raise ModelError(f"{path}: cannot be written: {error.strerror or error}.") from None
 
 
 def say_saved(*paths: Path | None) -> None:

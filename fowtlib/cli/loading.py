@@ -41,7 +41,7 @@ def load(arguments: argparse.Namespace) -> Model:
     model = fw.load(arguments.model, allow_python=arguments.allow_python)
     values: dict[str, Any] = {}
     for condition, text in ((WIND, getattr(arguments, "wind", None)), (WAVES, getattr(arguments, "waves", None))):
-        if text:
+        if text is not None:
             _require_part(model, condition)
             values |= condition.parse(text)
     values |= settings(arguments.settings)

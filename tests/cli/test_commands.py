@@ -80,6 +80,11 @@ def test_settings_change_parameters(capsys):
             ["--plot", "missing/r.png"],
             "fowt run: missing/r.png: the folder missing does not exist; make it first, or choose another one.\n",
         ),
+        (
+            ["--wind", ""],
+            "fowt run: --wind: this model has no part 'wind' whose parameters could be set; use --set "
+            "with the paths of its own parameters (see `fowt parameters`).\n",
+        ),
         (["--resume", "old.nc"], "fowt run: old.nc: there is no such file.\n"),
         (["--solver", "idsa"], "fowt run: there is no solver 'idsa'; did you mean 'idas'?\n"),
     ],
@@ -87,6 +92,19 @@ def test_settings_change_parameters(capsys):
 def test_a_mistake_ends_with_status_2(capsys, argv, message):
     assert main(["run", "pendulum", *argv]) == 2
     assert capsys.readouterr().err == message
+
+
+def test_a_file_that_cannot_be_written_is_refused_before_the_work(capsys, monkeypatch):
+    def refuse(**_):
+        raise PermissionError(13, "Permission denied")
+
+    Path("r.nc").mkdir()
+    monkeypatch.setattr(fw, "load", lambda *_, **__: pytest.fail("the model was loaded"))
+    assert main(["run", "pendulum", "--output", "r.nc"]) == 2
+    assert capsys.readouterr().err == "fowt run: r.nc: is a folder; choose another name.\n"
+    monkeypatch.setattr("fowtlib.cli.files.tempfile.TemporaryFile", refuse)
+    assert main(["run", "pendulum", "--output", "s.nc"]) == 2
+    assert capsys.readouterr().err == "fowt run: s.nc: cannot be written: Permission denied.\n"
 
 
 @pytest.mark.parametrize("stop", [KeyboardInterrupt(), SimulationError("the integration fails at t = 8 s.")])

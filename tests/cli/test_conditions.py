@@ -81,7 +81,8 @@ REGULAR = "regular:H=..,T=..[,heading=..]"
         (WAVES, "regular:H=6", f"--waves: 'regular' needs 'T'; write {REGULAR}"),
         (WAVES, "regular", f"--waves: 'regular' needs 'H' and 'T'; write {REGULAR}"),
         (WAVES, "regular:H=6,T=10,H=5", "--waves: 'H' is given twice."),
-        (WAVES, "still:3", "--waves: '3' should be key=value; write still"),
+        (WAVES, "still:3", "--waves: nothing follows 'still', but there is '3'."),
+        (WIND, "kaimal:8,class=A,intensity=0.1", "--wind: 'kaimal' takes 'class' or 'intensity', not both."),
     ],
 )
 def test_a_mistake_in_a_condition_is_named(condition, text, message):
@@ -101,8 +102,9 @@ def test_the_kinds_and_parameters_are_those_of_the_parts():
 
 
 def test_settings_are_numbers_lists_or_text():
-    pairs = ["a.b=12.1 rpm", "n=3", "r=[0, 0, 1.5]", "flag=true", "name = data:x.nc"]
-    assert settings(pairs) == {"a.b": "12.1 rpm", "n": 3, "r": [0, 0, 1.5], "flag": True, "name": "data:x.nc"}
+    pairs = ["a.b=12.1 rpm", "n=3", "r=[0, 0, 1.5]", "flag=true", "name = data:x.nc", "h=[60 deg, 1.5]"]
+    plain = {"a.b": "12.1 rpm", "n": 3, "r": [0, 0, 1.5], "flag": True, "name": "data:x.nc"}
+    assert settings(pairs) == {**plain, "h": ["60 deg", 1.5]}
 
 
 @pytest.mark.parametrize(
@@ -111,6 +113,7 @@ def test_settings_are_numbers_lists_or_text():
         (["mass"], "--set: 'mass' should be path=value, for example --set sea.peak_period=12"),
         (["=3"], "--set: '=3' should be path=value, for example --set sea.peak_period=12"),
         (["a=1", "a=2"], "--set: 'a' is given twice."),
+        (["a=[1, 2"], "--set: a: '[1, 2' is not a list; write [1, 2] or [60 deg, 180 deg]."),
     ],
 )
 def test_a_mistake_in_a_setting_is_named(pairs, message):
