@@ -88,8 +88,8 @@ class SteadyTurbine:
         tips = self.table.tip_speed_ratio
         return ModelError(
             f"there is no steady operation at {wind:g} m/s within the table of the rotor, tip speed ratios {tips[0]:g} "
-            f"to {tips[-1]:g} and pitch to {np.degrees(self.table.blade_pitch[-1]):g} deg; give the start values "
-            "yourself, or extend the table (extended: true)."
+            f"to {tips[-1]:g} and pitch to {np.degrees(self.table.blade_pitch[-1]):g} deg; to start elsewhere, give "
+            f"rotor_speed_start and blade_pitch_start{', or extend the table (extended: true)' if tips[0] > 0 else ''}."
         )
 
 

@@ -11,7 +11,7 @@ from fowtlib.components.mechanics import Frame, IdealGear, RigidBody
 from fowtlib.components.servo import BaselineController, Generator, TorqueController, TorqueLaw
 from fowtlib.components.turbine.operating_point import STANDSTILL, OperatingPoint, SteadyTurbine
 from fowtlib.language import Component, Matrix, RealInput, RealOutput, Scalar, Vector, eq, outer, param, part, port
-from fowtlib.language.errors import ParameterError
+from fowtlib.language.errors import ModelError, ParameterError
 
 
 class RotorNacelle(Component):
@@ -104,7 +104,12 @@ def start_point(turbine: RotorNacelle) -> OperatingPoint:
     wind, station = turbine.wind, turbine.rotor.station
     if wind.kind == "none":
         return STANDSTILL
-    if wind.kind == "file":
-        return steady_turbine(turbine).operating_point(float(wind.mean_at(station)))
-    height, shear = wind.hubs[station, 1] / wind.reference_height, wind.parameter_value("shear_exponent")
-    return steady_turbine(turbine).operating_point(float(wind.parameter_value("mean_speed") * height**shear))
+    mean = wind.mean_at(station)  # refuses a station that does not exist
+    if wind.kind not in ("file", "field"):
+        height, shear = wind.hubs[station, 1] / wind.reference_height, wind.parameter_value("shear_exponent")
+        mean = wind.parameter_value("mean_speed") * height**shear
+    steady = steady_turbine(turbine)
+    try:
+        return steady.operating_point(float(mean))
+    except ModelError as error:
+        raise error.at(turbine.label) from None

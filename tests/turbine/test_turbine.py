@@ -82,6 +82,13 @@ def test_wind_without_steady_operation():
         ModelError, match=r"there is no steady operation at 2\.5 m/s within the table of the rotor, tip"
     ):
         STEADY.operating_point(2.5)
+    with pytest.raises(ModelError, match=r"^turbine: there is no steady operation at 60 m/s .* extend the table"):
+        fw.load(onshore(60.0)).compile()
+
+
+def test_a_rotor_at_a_station_without_wind():
+    with pytest.raises(ParameterError, match="station 1 of wind does not exist .it has 1, counted from 0.; set its"):
+        fw.load(onshore(9.0, rotor={"station": 1})).compile()
 
 
 @pytest.mark.parametrize("wind", [4.0, 8.0, 11.4, 12.0, 18.0, 25.0])
