@@ -13,6 +13,7 @@ from fowtlib.flattening.system import Input, System, element_names, scalars
 from fowtlib.language.component import Component
 from fowtlib.language.connectors import Member, RealInput, RealOutput, Signal
 from fowtlib.language.declarations import Port, PortReference, Variable, join
+from fowtlib.language.equations import place
 from fowtlib.language.errors import ConnectionFault
 from fowtlib.language.units import dimension, to_si
 
@@ -73,7 +74,10 @@ class Connections:
         self.flow_sets = DisjointSets(2 * n)  # face of a port: 2 k seen from outside, 2 k + 1 from inside its component
         for component in components:
             for a, b, source in component.connections:
-                self._connect(component, a, b, source)
+                try:
+                    self._connect(component, a, b)
+                except ConnectionFault as error:
+                    raise error.at(place(source)) from None
         for node in self.nodes:
             if not (node.connected or node.field.optional or node.is_signal or node.component is root):
                 raise ConnectionFault(
@@ -81,7 +85,7 @@ class Connections:
                     f"Connect a {node.field.annotation.__name__} to it."
                 )
 
-    def _connect(self, owner: Component, a: PortReference, b: PortReference, source: str) -> None:
+    def _connect(self, owner: Component, a: PortReference, b: PortReference) -> None:
         ends = []
         for reference in (a, b):
             size = reference.component.port_size(reference.field)

@@ -73,8 +73,8 @@ class Instances:
                 shape = component.shape(declared)
                 if np.shape(value) != shape and not (np.size(value) == int(np.prod(shape)) and len(shape) < 2):
                     raise ParameterError(
-                        f"{where} has shape {_shape(np.shape(value))}, and {_shape(shape)} is expected "
-                        f"({declared.doc})."
+                        f"{where} has shape {_shape(np.shape(value))}, and "
+                        f"{_shape(shape) if shape else 'one number'} is expected ({declared.doc})."
                     )
             if isinstance(value, (int, float, np.ndarray)) and not isinstance(value, bool):
                 self._check_bounds(where, declared, value)

@@ -42,7 +42,8 @@ def find_model(source: str | os.PathLike[str]) -> Path:
     if path.suffix in (SUFFIX, ".yml") or len(path.parts) > 1:
         raise ModelFileError(f"there is no file '{source}'.")
     if str(source) not in shipped:
-        hint = did_you_mean(str(source), shipped)
+        here = [item.name for item in sorted(Path().glob(f"*{SUFFIX}"))]
+        hint = did_you_mean(str(source), [f"{source}{SUFFIX}"] if f"{source}{SUFFIX}" in here else [*shipped, *here])
         raise ModelFileError(f"there is no model '{source}', nor a file of that name{hint}")
     return shipped[str(source)]
 
@@ -66,6 +67,8 @@ def find_data(name: str, folder: Path) -> Path:
         return data_path(name.removeprefix(DATA_PREFIX))
     path = (folder / Path(name).expanduser()).resolve()
     if not path.is_file():
+        if path.is_dir():
+            raise ModelFileError(f"'{name}' is a folder; a file is expected.")
         known = [item.name for item in sorted(path.parent.glob("*"))] if path.parent.is_dir() else []
         raise ModelFileError(f"there is no file '{name}'{did_you_mean(path.name, known)}")
     return path

@@ -137,6 +137,8 @@ def parameter_value(layer: Layer, kind: type[Component], name: str, value: Value
     if field is None:
         known = known_class(kind)
         has = f"{known.__name__} has" if known is not Assembly else "it has"
+        if name in parts:
+            raise value.place.error(f"{join(path, name)} is a part, not a parameter; give values to its parameters.")
         hint = did_you_mean(name, [*kind.parameters, *parts])
         raise value.place.error(f"{path or 'the model'}: {has} no parameter '{name}'{hint}")
     result = layer.reader().read(value, field, join(path, name))

@@ -189,10 +189,11 @@ def test_unconnected_ports():
 
 def test_ports_of_different_kinds():
     assert said(check, assembly(("world.frame", "wheel.flange_a"), world=World(), wheel=Inertia(inertia=1))) == (
-        "world.frame is a Frame and wheel.flange_a a Flange; only ports of one kind can be connected."
+        "model.connect(*ends): world.frame is a Frame and wheel.flange_a a Flange; "
+        "only ports of one kind can be connected."
     )
     assert said(check, assembly(("world.frame", "one.y"), world=World(), one=Constant(value=1))) == (
-        "world.frame is a Frame and one.y a RealOutput; only ports of one kind can be connected."
+        "model.connect(*ends): world.frame is a Frame and one.y a RealOutput; only ports of one kind can be connected."
     )
 
 
@@ -208,9 +209,11 @@ def test_what_is_not_a_port():
     assert said(lambda: model.sum.u[2]) == "sum.u[2]: the array has 2 ports, counted from 0."
     assert said(lambda: model.gain.u[0]) == "gain.u is one port, not an array of ports; connect it without an index."
     assert said(check, assembly(("one.y", "sum.u"), one=Constant(value=1), sum=Sum(gains=(1, 1)))) == (
-        "sum.u is an array of 2 ports; connect one of them: sum.u[0]."
+        "model.connect(*ends): sum.u is an array of 2 ports; connect one of them: sum.u[0]."
     )
-    assert said(check, assembly(("gain.u", "gain.u"), gain=Gain(gain=1))) == "gain.u is connected to itself."
+    assert said(check, assembly(("gain.u", "gain.u"), gain=Gain(gain=1))) == (
+        "model.connect(*ends): gain.u is connected to itself."
+    )
 
 
 class Root(Component):

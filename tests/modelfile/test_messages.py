@@ -294,6 +294,7 @@ SETTINGS = {
     ),
     "body.a.q": (3, "set: body.a: FixedTranslation has no parameter 'q'; there is 'r'."),
     "body.c.r": (3, "set: body has no part 'c'; there are 'a' and 'b'."),
+    "body.a": (3, "set: body.a is a part, not a parameter; give values to its parameters."),
     "world.": (3, "set: 'world.' is not the path of a parameter: a name, or names joined by dots."),
 }
 
@@ -318,3 +319,16 @@ def test_message_about_a_model_that_is_not_there(source, message, write):
     with pytest.raises(ModelFileError) as error:
         load(source)
     assert str(error.value).startswith(message)
+
+
+def test_a_model_file_of_that_name_is_proposed(write, monkeypatch):
+    monkeypatch.chdir(write("fowtlib: 1\n", "my_spar.yaml").parent)
+    with pytest.raises(ModelFileError) as error:
+        load("my_spar")
+    assert str(error.value) == "there is no model 'my_spar', nor a file of that name; did you mean 'my_spar.yaml'?"
+
+
+def test_a_folder_is_not_a_file(write):
+    path = write("fowtlib: 1\nwind: {class: Wind, kind: file, file: .}\n")
+    with pytest.raises(ModelFileError, match="wind.file: '.' is a folder; a file is expected."):
+        load(path)
