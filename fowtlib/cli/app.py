@@ -8,6 +8,7 @@ from __future__ import annotations
 
 import argparse
 import sys
+import textwrap
 import traceback
 import warnings
 from collections.abc import Sequence
@@ -19,12 +20,25 @@ from fowtlib.language.errors import ModelError, did_you_mean
 GROUPS = (run, inspection, stability, decay, rao, library)
 
 
+class Formatter(argparse.RawDescriptionHelpFormatter):
+    """Help whose texts keep their line breaks; a form such as kaimal:SPEED[,class=..] breaks between its keys."""
+
+    def _split_lines(self, text: str, width: int) -> list[str]:
+        indent = "  " if "\n" in text else ""
+        lines = [
+            piece
+            for line in text.split("\n")
+            for piece in textwrap.wrap(line.replace("[,", " [,"), width, subsequent_indent=indent)
+        ]
+        return [line.replace(" [,", "[,") for line in lines]
+
+
 class Parser(argparse.ArgumentParser):
     """argparse with whole option names only, and the names the user may have meant."""
 
     def __init__(self, *args, **kwargs):
         kwargs.setdefault("allow_abbrev", False)
-        kwargs.setdefault("formatter_class", argparse.RawDescriptionHelpFormatter)
+        kwargs.setdefault("formatter_class", Formatter)
         super().__init__(*args, **kwargs)
 
     def _check_value(self, action: argparse.Action, value: object) -> None:
@@ -51,6 +65,8 @@ def parser() -> tuple[Parser, dict[str, Parser]]:
     commands = top.add_subparsers(dest="command", metavar="COMMAND", parser_class=Parser)
     for group in GROUPS:
         group.declare(commands)
+    for line in commands._choices_actions:  # what `fowt --help` says of a command
+        commands.choices[line.dest].description = f"{line.help[0].upper()}{line.help[1:]}."
     for command in commands.choices.values():
         command.add_argument("--traceback", action="store_true", help="on an error, show where in the program it arose")
     return top, dict(commands.choices)

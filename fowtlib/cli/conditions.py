@@ -73,7 +73,7 @@ class Condition:
     @property
     def usage(self) -> str:
         """The kinds with their keys, for the help text."""
-        return " | ".join(self.form(name) for name in self.kinds)
+        return "\n".join(self.form(name) for name in self.kinds)
 
     def form(self, name: str) -> str:
         """How a kind is written: `regular:H=..,T=..[,heading=..]`."""

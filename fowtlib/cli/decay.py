@@ -11,10 +11,16 @@ from fowtlib.cli.files import FIGURES, check_target, say_saved
 from fowtlib.cli.progress import progress_bar
 from fowtlib.cli.run import positive
 
+EXAMPLES = """Still water; without --wind no wind.
+
+examples:
+  fowt decay oc3_spar_rigid --dof surge --offset 10 --plot surge.png
+"""
+
 
 def declare(commands: Any) -> None:
     """Add the command of this module."""
-    parser = commands.add_parser("decay", help="free decay of one motion: period, damping ratio, plot")
+    parser = commands.add_parser("decay", help="free decay of one motion: period, damping ratio, plot", epilog=EXAMPLES)
     loading.declare(parser, waves=False)
     parser.add_argument("--dof", required=True, metavar="NAME", help="the result that is released, for example surge")
     parser.add_argument("--offset", required=True, type=float, metavar="X", help="distance from rest [m or deg]")

@@ -9,24 +9,40 @@ from typing import Any
 from fowtlib.cli import loading, tables
 from fowtlib.language.declarations import join
 
+CHECK = """exit status: 0 nothing wrong, 1 something found, 2 the model cannot be built
+
+examples:
+  fowt check my_spar.yaml
+"""
+TREE = """examples:
+  fowt tree oc3_spar_rigid
+"""
+EQUATIONS = """examples:
+  fowt equations oc3_spar_rigid platform.motion
+"""
+PARAMETERS = """examples:
+  fowt parameters oc3_spar_rigid
+  fowt parameters oc3_spar_rigid --csv > parameters.csv
+"""
+
 
 def declare(commands: Any) -> None:
     """Add the commands of this module."""
-    check = commands.add_parser("check", help="structure, units and connections of a model")
+    check = commands.add_parser("check", help="structure, units and connections of a model", epilog=CHECK)
     loading.declare(check)
     check.set_defaults(action=check_model)
 
-    tree = commands.add_parser("tree", help="the parts of a model")
+    tree = commands.add_parser("tree", help="the parts of a model", epilog=TREE)
     loading.declare(tree, wind=False, waves=False)
     tree.set_defaults(action=show_tree)
 
-    equations = commands.add_parser("equations", help="the equations of a model, or of one of its parts")
+    equations = commands.add_parser("equations", help="the equations of a model, or of one part", epilog=EQUATIONS)
     loading.declare(equations)
     equations.add_argument("path", metavar="PATH", nargs="?", default="", help="a part, for example platform.motion")
     tables.declare(equations)
     equations.set_defaults(action=show_equations)
 
-    parameters = commands.add_parser("parameters", help="every parameter with value, unit and meaning")
+    parameters = commands.add_parser("parameters", help="every parameter: value, unit, meaning", epilog=PARAMETERS)
     loading.declare(parameters)
     tables.declare(parameters)
     parameters.set_defaults(action=show_parameters)

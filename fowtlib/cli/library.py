@@ -11,6 +11,18 @@ from fowtlib.cli import tables
 from fowtlib.cli.files import check_target, say_saved
 from fowtlib.language.errors import ModelError, NotFoundError, did_you_mean
 
+NEW = """examples:
+  fowt new my_spar
+  fowt new my_multi_rotor --like two_rotor_spar_rigid
+"""
+PARTS = """examples:
+  fowt parts hydro
+  fowt parts MorisonDrag
+"""
+SCHEMA = """examples:
+  fowt schema > fowtlib.schema.json
+"""
+
 
 def declare(commands: Any) -> None:
     """Add the commands of this module."""
@@ -18,18 +30,18 @@ def declare(commands: Any) -> None:
     tables.declare(models)
     models.set_defaults(action=show_models)
 
-    new = commands.add_parser("new", help="a model file of your own, to start from")
+    new = commands.add_parser("new", help="a model file of your own, to start from", epilog=NEW)
     new.add_argument("name", metavar="NAME", help="name of the model; the file is NAME.yaml")
     new.add_argument("--like", default="oc3_spar_rigid", metavar="MODEL", help="what is copied; default: %(default)s")
     new.set_defaults(action=write_new)
 
-    parts = commands.add_parser("parts", help="the catalogue of component classes, or one class in full")
+    parts = commands.add_parser("parts", help="the catalogue of component classes, or one class in full", epilog=PARTS)
     parts.add_argument("name", nargs="?", metavar="CLASS", help="a class, or a group such as mechanics")
     parts.add_argument("--markdown", action="store_true", help="the whole catalogue as a page of the documentation")
     tables.declare(parts)
     parts.set_defaults(action=show_parts)
 
-    schema = commands.add_parser("schema", help="a JSON schema of model files, for editors")
+    schema = commands.add_parser("schema", help="a JSON schema of model files, for editors", epilog=SCHEMA)
     schema.set_defaults(action=show_schema)
 
 
@@ -45,7 +57,11 @@ def write_new(arguments: argparse.Namespace) -> int:
     """Copy a shipped model into a file of the user."""
     from fowtlib.modelfile.files import find_model
 
-    path = Path(arguments.name).with_suffix(".yaml")
+    path = Path(arguments.name)
+    if not path.name:
+        raise ModelError(f"'{arguments.name}' is not a name; write, for example, fowt new my_spar.")
+    if path.suffix != ".yaml":
+        path = path.with_name(f"{path.name}.yaml")
     if path.exists():
         raise ModelError(f"{path} exists already; choose another name.")
     check_target(path, (".yaml",))

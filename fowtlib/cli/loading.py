@@ -18,16 +18,17 @@ def declare(parser: argparse.ArgumentParser, *, wind: bool = True, waves: bool =
     """Add MODEL, `--set`, and where wanted `--wind` and `--waves`."""
     parser.add_argument("model", metavar="MODEL", help="a shipped model (see `fowt models`) or a model file")
     if wind:
-        parser.add_argument("--wind", metavar="WIND", help=WIND.usage)
+        kinds = f"{WIND.usage}\nin m, s and deg; class A, B or C" if waves else "none\n" + WIND.form("steady")
+        parser.add_argument("--wind", metavar="WIND", help=kinds)
     if waves:
-        parser.add_argument("--waves", metavar="WAVES", help=WAVES.usage)
+        parser.add_argument("--waves", metavar="WAVES", help=f"{WAVES.usage}\nin m, s and deg")
     parser.add_argument(
         "--set",
         dest="settings",
         metavar="PATH=VALUE",
         action="append",
         default=[],
-        help="set a parameter, for example --set platform.body.mass='7500 t'; may be repeated",
+        help="set a parameter, for example --set platform.hull.mass='7500 t'; may be repeated",
     )
     parser.add_argument(
         "--allow-python", action="store_true", help="run the Python files that the model file names (`python:`)"

@@ -12,10 +12,18 @@ from fowtlib.cli.files import FIGURES, check_target, say_saved
 
 AT_REST = 1e-9  # amplitude per metre of wave below which a person is not shown a motion
 
+EXAMPLES = """About the equilibrium; without --wind no wind.
+
+examples:
+  fowt rao oc3_spar_rigid --frequencies 0.02:0.2:0.005 --plot rao.png
+  fowt rao oc3_spar_rigid --frequencies 0.05,0.1 --heading 30
+"""
+
 
 def declare(commands: Any) -> None:
     """Add the command of this module."""
-    parser = commands.add_parser("rao", help="response per metre of wave over frequency, from the linear model")
+    text = "response per metre of wave over frequency, from the linear model"
+    parser = commands.add_parser("rao", help=text, epilog=EXAMPLES)
     loading.declare(parser, waves=False)
     form = "first:last:step"
     parser.add_argument("--frequencies", type=frequencies, required=True, metavar=form, help="wave frequencies [Hz]")

@@ -11,12 +11,25 @@ from fowtlib.cli import loading, tables
 if TYPE_CHECKING:
     from fowtlib import Mode
 
+EQUILIBRIUM = """Still water. Without --wind the model's own wind at its mean speed.
+
+examples:
+  fowt equilibrium oc3_spar_rigid --wind steady:8
+"""
+EIGEN = """About the equilibrium in still water. Without --wind the model's own wind, at its
+mean speed.
+
+examples:
+  fowt eigen oc3_spar_rigid --wind none
+"""
+
 
 def declare(commands: Any) -> None:
     """Add the commands of this module."""
-    equilibrium = commands.add_parser("equilibrium", help="the mean position in steady wind")
+    equilibrium = commands.add_parser("equilibrium", help="the mean position in steady wind", epilog=EQUILIBRIUM)
     equilibrium.set_defaults(action=show_equilibrium)
-    eigen = commands.add_parser("eigen", help="natural frequencies, damping ratios, and which motion each mode is")
+    text = "natural frequencies, damping ratios, and which motion each mode is"
+    eigen = commands.add_parser("eigen", help=text, epilog=EIGEN)
     eigen.set_defaults(action=show_modes)
     for parser in (equilibrium, eigen):
         loading.declare(parser, waves=False)

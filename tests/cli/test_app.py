@@ -28,6 +28,25 @@ def test_help_lists_every_command(capsys):
     assert all(f"\n    {name}" in text for name in commands)
 
 
+@pytest.mark.parametrize("command", sorted(set(app.parser()[1]) - {"models"}))
+def test_the_help_of_a_command_says_what_it_does_and_gives_an_example(capsys, monkeypatch, command):
+    monkeypatch.setenv("COLUMNS", "80")
+    with pytest.raises(SystemExit) as caught:
+        main([command, "--help"])
+    assert caught.value.code == 0
+    text = capsys.readouterr().out
+    assert f"\n  fowt {command} " in text.partition("\nexamples:")[2]
+    assert all(len(line) <= 80 for line in text.partition("\nexamples:")[0].splitlines())
+
+
+def test_a_new_model_has_a_name(capsys, monkeypatch, tmp_path):
+    monkeypatch.chdir(tmp_path)
+    assert main(["new", ""]) == 2
+    assert capsys.readouterr().err == "fowt new: '' is not a name; write, for example, fowt new my_spar.\n"
+    assert main(["new", "spar_1.5"]) == 0
+    assert capsys.readouterr().err == "saved spar_1.5.yaml\n"
+
+
 def test_the_version_is_the_installed_one(capsys):
     from importlib.metadata import version
 
