@@ -44,7 +44,7 @@ def show_decay(arguments: argparse.Namespace) -> int:
         plot_decay(decay, path=arguments.plot)
     unit = decay.series.unit
     rows = [
-        ("rest", decay.rest, unit),
+        ("rest", tables.rounded(decay.rest, arguments.offset), unit),
         ("period", decay.period, "s"),
         ("frequency", decay.frequency, "Hz"),
         ("damping ratio", decay.damping_ratio, "1"),

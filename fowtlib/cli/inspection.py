@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import argparse
 import itertools
+import textwrap
 from typing import Any
 
 from fowtlib.cli import loading, tables
@@ -20,7 +21,9 @@ TREE = """examples:
 EQUATIONS = """examples:
   fowt equations oc3_spar_rigid platform.motion
 """
-PARAMETERS = """examples:
+PARAMETERS = """A structural parameter decides how the model is built; the others are tunable.
+
+examples:
   fowt parameters oc3_spar_rigid
   fowt parameters oc3_spar_rigid --csv > parameters.csv
 """
@@ -83,5 +86,15 @@ def show_parameters(arguments: argparse.Namespace) -> int:
         for name, field in part.parameters.items():
             kind = "tunable" if field.tunable else "structural"
             rows.append((join(part.path, name), part.parameter_value(name), field.unit, kind, field.doc))
-    tables.show(arguments, ("parameter", "value", "unit", "kind", "what it is"), rows)
+    if arguments.form:
+        tables.show(arguments, ("parameter", "value", "unit", "kind", "what it is"), rows)
+        return 0
+    width = tables.console().width
+    for path, value, unit, kind, doc in rows:
+        plain = isinstance(value, (str, bool)) or unit == "1"
+        value = tables.cell(value) or "(no value)"
+        text = value if plain or value == "(no value)" else f"{value} {unit}"
+        print(f"{path} = {text}")
+        sentence = doc if kind == "tunable" else f"{doc} (structural)"
+        print(textwrap.fill(sentence, width, initial_indent="    ", subsequent_indent="    "))
     return 0

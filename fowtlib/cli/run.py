@@ -88,6 +88,9 @@ def _rescue(error: SimulationError, earlier: Result | None, path: Path) -> None:
 def _show(arguments: argparse.Namespace, result: Result, later: Result) -> None:
     summaries = result.statistics().values()
     columns = ("result", "unit", "mean", "std", "min", "max")
-    rows = [(item.name, item.unit, item.mean, item.std, item.min, item.max) for item in summaries]
+    rows = []
+    for item in summaries:
+        mean, std = (tables.rounded(value, max(abs(item.min), abs(item.max))) for value in (item.mean, item.std))
+        rows.append((item.name, item.unit, mean, std, item.min, item.max))
     factor = later.duration / max(later.attributes["wall_time"], 1e-9)
     tables.show(arguments, columns, rows, f"{result.time[0]:g} s to {result.time[-1]:g} s, {factor:.0f} x real time")

@@ -11,12 +11,13 @@ from fowtlib.cli import loading, tables
 if TYPE_CHECKING:
     from fowtlib import Mode
 
+STANDING = 1e-7  # of the fastest eigenvalue: a motion that nothing holds, zero twice and split by rounding
 EQUILIBRIUM = """Still water. Without --wind the model's own wind at its mean speed.
 
 examples:
   fowt equilibrium oc3_spar_rigid --wind steady:8
 """
-EIGEN = """About the equilibrium in still water. Without --wind the model's own wind, at its
+EIGEN = """About the equilibrium in still water. Without --wind the model's own wind at its
 mean speed.
 
 examples:
@@ -40,7 +41,7 @@ def show_equilibrium(arguments: argparse.Namespace) -> int:
     """Print the results of the model at its equilibrium."""
     plant = loading.load_at_rest(arguments).compile()
     state = plant.equilibrium()
-    rows = [(name, state[name], unit) for name, (_, unit, _) in plant.outputs.items()]
+    rows = [(name, tables.rounded(state[name], 1.0), unit) for name, (_, unit, _) in plant.outputs.items()]
     tables.show(arguments, ("result", "value", "unit"), rows)
     return 0
 
@@ -49,7 +50,8 @@ def show_modes(arguments: argparse.Namespace) -> int:
     """Print the oscillating modes of the linear model at the equilibrium, slowest first."""
     plant = loading.load_at_rest(arguments).compile()
     modes = plant.linearize(plant.equilibrium()).modes()
-    oscillating = [mode for mode in modes if mode.eigenvalue.imag > 0]
+    least = STANDING * max((abs(mode.eigenvalue) for mode in modes), default=0.0)
+    oscillating = [mode for mode in modes if mode.eigenvalue.imag > least]
     names = {path: name for name, (path, _, _) in plant.outputs.items()}
     rows = [(m.frequency_hz, 1 / m.frequency_hz, m.damping_ratio, motion_of(m, names)) for m in oscillating]
     tables.show(arguments, ("frequency [Hz]", "period [s]", "damping ratio", "motion"), rows)

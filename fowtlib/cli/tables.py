@@ -39,6 +39,11 @@ def show_json(value: Any) -> None:
     print(json.dumps(_plain(value), indent=2, ensure_ascii=False))
 
 
+def rounded(value: Any, size: float) -> Any:
+    """Zero in place of what is left by rounding in a calculation with numbers of this size."""
+    return 0.0 if isinstance(value, (int, float)) and abs(value) <= 1e-12 * abs(size) else value
+
+
 def number(value: float) -> str:
     """Five significant digits, as short as they go."""
     return f"{value:.5g}"
@@ -54,7 +59,7 @@ def _show_rich(columns: Sequence[str], rows: list[Row], title: str) -> None:
         numeric = bool(rows) and all(isinstance(row[index], (int, float)) for row in rows)
         table.add_column(Text(column), justify="right" if numeric else "left", overflow="fold")
     for row in rows:
-        table.add_row(*(Text(_cell(value)) for value in row))
+        table.add_row(*(Text(cell(value)) for value in row))
     screen = console()
     with screen.capture() as printed:
         screen.print(table)
@@ -71,18 +76,19 @@ def console(stderr: bool = False):
     return made
 
 
-def _cell(value: Any) -> str:
+def cell(value: Any) -> str:
+    """A value as a person reads it, and as `--set` takes it."""
     if value is None:
         return ""
     if isinstance(value, bool):
-        return "yes" if value else "no"
+        return "true" if value else "false"
     if hasattr(value, "tolist"):  # a NumPy number or array
-        return _cell(value.tolist())
+        return cell(value.tolist())
     if isinstance(value, float):
         return number(value)
     if isinstance(value, (list, tuple)):
         count = _count(value)
-        return "(" + ", ".join(map(_cell, value)) + ")" if count <= MOST_NUMBERS else f"({count} values)"
+        return "[" + ", ".join(map(cell, value)) + "]" if count <= MOST_NUMBERS else f"({count} values)"
     return str(value)
 
 

@@ -12,7 +12,10 @@ import numpy as np
 import pytest
 
 import fowtlib as fw
+from fowtlib.cli import tables
 from fowtlib.cli.app import main
+from fowtlib.components.environment import World
+from fowtlib.components.mechanics import FreeMotion, RigidBody
 from fowtlib.language.errors import SimulationError
 
 pytestmark = pytest.mark.usefixtures("shipped_pendulum")
@@ -142,6 +145,8 @@ def test_tree_equations_and_parameters(capsys):
         "parameter": "bob.mass", "value": 2.0, "unit": "kg", "kind": "tunable", "what it is": "mass",
     }  # fmt: skip
     assert rows["hinge.phi_start"]["value"] == pytest.approx(math.radians(20))
+    assert main(["parameters", "pendulum"]) == 0
+    assert "\nbob.mass = 2 kg\n    mass\n" in capsys.readouterr().out
     assert main(["equations", "pendulum", "hnge"]) == 2
     assert "did you mean 'hinge'?" in capsys.readouterr().err
 
@@ -157,6 +162,21 @@ def test_eigen_gives_frequency_and_damping(capsys):
     assert row["period [s]"] == pytest.approx(1 / FREQUENCY)
     assert row["damping ratio"] == pytest.approx(DAMPING)
     assert row["motion"] == "pitch"
+
+
+def test_a_motion_that_nothing_holds_is_no_mode(capsys, monkeypatch):
+    free = fw.Assembly("a body in space")
+    free.world, free.motion = World(gravity=0), FreeMotion()
+    free.body = RigidBody(mass=1.0, inertia=((1, 0, 0), (0, 2, 0), (0, 0, 3)))
+    free.connect(free.world.frame, free.motion.frame_a)
+    free.connect(free.motion.frame_b, free.body.frame_a)
+    monkeypatch.setattr(fw, "load", lambda *_, **__: fw.Model(free))
+    assert printed(capsys, "eigen", "free") == []
+
+
+def test_what_rounding_leaves_is_shown_as_zero():
+    assert tables.rounded(-4.8e-17, 5.0) == 0.0
+    assert tables.rounded(4.8e-11, 5.0) == 4.8e-11
 
 
 def test_decay_gives_period_and_damping(capsys):
