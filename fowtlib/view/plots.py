@@ -121,7 +121,8 @@ def plot_decay(decay: Any, path: str | Path | None = None) -> Figure:
         label = f"{100.0 * decay.damping_at_zero:.3g} % {sign} {abs(100.0 * decay.damping_slope):.3g}{per} x amplitude"
         bottom.plot(reach, line, color=COLORS[1], linestyle="--", linewidth=1.0, label=label)
         bottom.set(xlabel=f"amplitude [{unit}]", ylabel="damping ratio [%]", xlim=reach)
-        bottom.set_ylim(bottom=min(0.0, 100.0 * float(decay.damping.min())))
+        lowest, highest = (100.0 * float(value) for value in (decay.damping.min(), decay.damping.max()))
+        bottom.set_ylim(min(0.0, 1.15 * lowest), max(0.0, 1.15 * highest) or None)
         bottom.legend(loc="lower right")
     return save_figure(figure, path)
 
@@ -151,7 +152,7 @@ def plot_rao(
                 look = _look(index, rao.frequency.size)
                 row[0].plot(rao.frequency, rao.amplitude(name), label=rao.method, **look)
                 if phase:
-                    row[1].plot(rao.frequency, _broken(rao.phase(name)), **look)
+                    row[1].plot(*_broken(rao.frequency, rao.phase(name)), **look)
             row[0].set_title(name.replace("_", " "))
             row[0].set_ylabel(f"amplitude [{having[0][1].unit(name)}]")
             everything = np.concatenate([rao.amplitude(name) for _, rao in having])
@@ -168,6 +169,10 @@ def plot_rao(
             axis.set_xlabel("wave frequency [Hz]")
         if len(raos) > 1:
             axes[0][0].legend(loc="best")
+        headings = sorted({round(float(np.degrees(rao.heading)), 6) for rao in raos})
+        if len(headings) == 1:
+            title = f"Response to waves of heading {headings[0]:g} deg"
+            figure.suptitle(title, x=0.01, ha="left", fontsize=11, fontweight="bold")
     return save_figure(figure, path)
 
 
@@ -358,12 +363,10 @@ def _look(index: int, points: int) -> dict[str, Any]:
     }
 
 
-def _broken(phase: np.ndarray) -> np.ndarray:
-    """Phase with gaps where it jumps through 180 degrees, so that no line crosses the panel."""
-    jumps = np.flatnonzero(np.abs(np.diff(phase)) > 180.0)
-    phase = np.array(phase, dtype=float)
-    phase[jumps] = np.nan
-    return phase
+def _broken(frequency: np.ndarray, phase: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """Phase with gaps where it jumps through 180 degrees, so that no line crosses the panel; no point is lost."""
+    jumps = np.flatnonzero(np.abs(np.diff(phase)) > 180.0) + 1
+    return np.insert(frequency, jumps, frequency[jumps]), np.insert(np.asarray(phase, float), jumps, np.nan)
 
 
 def _bars(axis: Axes, rows: np.ndarray, values: np.ndarray, color: str, labels: Sequence[str]) -> None:

@@ -63,7 +63,9 @@ def test_a_result_of_something_else_shows_everything():
 
 def test_decay(tmp_path):
     values = 10 * np.exp(-0.01 * TIME) * np.cos(0.3 * TIME)
-    figure = plot_decay(analyse_decay(Series(TIME, values, "m", "surge")), tmp_path / "d.svg")
+    decay = analyse_decay(Series(TIME, values, "m", "surge"))
+    figure = plot_decay(decay, tmp_path / "d.svg")
+    assert figure.axes[1].get_ylim()[1] > 110 * decay.damping.max()
     top, bottom = figure.axes
     assert top.get_ylabel() == "surge [m]" and bottom.get_xlabel() == "amplitude [m]"
     assert top.get_title(loc="left").startswith("Free decay in surge: period 20.9")
@@ -80,6 +82,13 @@ def test_rao_and_spectra_and_modes():
         "amplitude [deg/m]",
         "phase [deg]",
     ]
+    phase = np.where(frequency < 0.1, 170.0, -170.0)
+    rao = Rao(frequency, ("heave",), np.exp(1j * np.radians(phase))[:, None], ("m/m",), heading=np.pi / 4)
+    figure = plot_rao(rao)
+    drawn = figure.axes[1].lines[0].get_ydata()
+    np.testing.assert_allclose(drawn[np.isfinite(drawn)], phase)  # every point, and one gap at the jump
+    assert np.isnan(drawn).sum() == 1
+    assert figure.get_suptitle() == "Response to waves of heading 45 deg"
     spectra = [power_spectrum(result()[name]) for name in ("surge", "sway", "pitch")]
     figure = plot_spectra(spectra, targets={"target": lambda f: 1 + 0 * f})
     assert [axis.get_ylabel() for axis in figure.axes] == ["density [m²/Hz]", "density [deg²/Hz]"]
