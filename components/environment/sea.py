@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import warnings
 from functools import lru_cache
 from typing import TYPE_CHECKING
 
@@ -50,6 +51,7 @@ class Sea(Component):
 
     def equations(self):
         waves = self.components()
+        _warn_of_breaking(self, waves)
         longer = [warn_of_repetition(self.time, waves.period, "sea")] if self.spectrum == "jonswap" else []
         return [eq(self.elevation, self.signal(np.ones((len(waves), 1)), "wave elevation")), *longer]
 
@@ -93,6 +95,23 @@ class Sea(Component):
         n, points, _ = transfer.shape
         value = self.signal(transfer.transpose(0, 2, 1).reshape(n, 3 * points), name)
         return m.horzcat(value[:points], value[points : 2 * points], value[2 * points :])
+
+
+def _warn_of_breaking(sea: Sea, waves: WaveComponents) -> None:
+    """Waves that cannot be: higher than Miche's 0.142 L tanh(k h), a sea steeper than DNV-RP-C205 knows."""
+    if sea.spectrum == "regular" and len(waves):
+        k = float(waves.wave_number[0])
+        length, height = 2 * np.pi / k, sea.wave_height
+        highest = 0.142 * length * np.tanh(k * waves.depth)
+        what = f"a wave {length:.3g} m long breaks at {highest:.2g} m, and has {height:.3g} m here"
+    elif sea.spectrum == "jonswap":
+        height, length = sea.significant_wave_height, sea.world.gravity * sea.peak_period**2 / (2 * np.pi)
+        highest = length * np.interp(sea.peak_period, [8, 15], [1 / 15, 1 / 25])
+        what = f"Hs {height:.3g} m is too steep a sea for Tp {sea.peak_period:g} s, where {highest:.2g} m is the limit"
+    else:
+        return
+    if height > highest:
+        warnings.warn(f"{sea.label}: {what}; linear waves go on as if nothing was.", stacklevel=3)
 
 
 def _time_function(sea: Sea, waves: WaveComponents, columns: np.ndarray, name: str) -> ca.SX:

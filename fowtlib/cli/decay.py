@@ -9,7 +9,7 @@ from typing import Any
 from fowtlib.cli import loading, tables
 from fowtlib.cli.files import FIGURES, check_target, say_saved
 from fowtlib.cli.progress import progress_bar
-from fowtlib.cli.run import positive
+from fowtlib.cli.run import finite, positive
 
 EXAMPLES = """Still water; without --wind no wind.
 
@@ -23,7 +23,7 @@ def declare(commands: Any) -> None:
     parser = commands.add_parser("decay", help="free decay of one motion: period, damping ratio, plot", epilog=EXAMPLES)
     loading.declare(parser, waves=False)
     parser.add_argument("--dof", required=True, metavar="NAME", help="the result that is released, for example surge")
-    parser.add_argument("--offset", required=True, type=float, metavar="X", help="distance from rest [m or deg]")
+    parser.add_argument("--offset", required=True, type=finite, metavar="X", help="distance from rest [m or deg]")
     parser.add_argument("--time", type=positive, default=600.0, metavar="S", help="duration [s]; default: 600")
     parser.add_argument("--plot", type=Path, metavar="FILE", help="draw the decay: .png, .svg or .pdf")
     tables.declare(parser)

@@ -4,11 +4,13 @@ from __future__ import annotations
 
 import argparse
 import math
+import warnings
 from pathlib import Path
 from typing import Any
 
 from fowtlib.cli import loading, tables
 from fowtlib.cli.files import FIGURES, check_target, say_saved
+from fowtlib.cli.run import finite
 
 AT_REST = 1e-9  # amplitude per metre of wave below which a person is not shown a motion
 
@@ -27,7 +29,7 @@ def declare(commands: Any) -> None:
     loading.declare(parser, waves=False)
     form = "first:last:step"
     parser.add_argument("--frequencies", type=frequencies, required=True, metavar=form, help="wave frequencies [Hz]")
-    parser.add_argument("--heading", type=float, default=0.0, metavar="DEG", help="heading of the waves; default: 0")
+    parser.add_argument("--heading", type=finite, default=0.0, metavar="DEG", help="heading of the waves; default: 0")
     parser.add_argument("--plot", type=Path, metavar="FILE", help="draw the response: .png, .svg or .pdf")
     tables.declare(parser)
     parser.set_defaults(action=show_rao)
@@ -57,6 +59,9 @@ def show_rao(arguments: argparse.Namespace) -> int:
     check_target(arguments.plot, FIGURES)
     plant = loading.load_at_rest(arguments, wind="none").compile()
     rao = linear_rao(plant, arguments.frequencies, heading=math.radians(arguments.heading))
+    silent = [f for f, row in zip(rao.frequency, rao.response, strict=True) if not row.any()]
+    if silent:
+        warnings.warn(f"no wave load from {min(silent):g} Hz on: the hydrodynamic data end below.", stacklevel=1)
     moving = [name for name in rao.outputs if rao.amplitude(name).max() > AT_REST]
     if arguments.plot:
         from fowtlib.view.plots import plot_rao

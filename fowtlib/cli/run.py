@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import argparse
+import math
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -35,13 +36,24 @@ def declare(commands: Any) -> None:
     parser.set_defaults(action=run)
 
 
-def positive(text: str) -> float:
-    """A number above zero, for argparse."""
+def finite(text: str) -> float:
+    """A number, for argparse."""
     try:
         value = float(text)
     except ValueError:
-        value = float("nan")
-    if not 0 < value < float("inf"):
+        value = math.nan
+    if not math.isfinite(value):
+        raise argparse.ArgumentTypeError(f"'{text}' is not a number")
+    return value
+
+
+def positive(text: str) -> float:
+    """A number above zero, for argparse."""
+    try:
+        value = finite(text)
+    except argparse.ArgumentTypeError:
+        value = 0.0
+    if value <= 0:
         raise argparse.ArgumentTypeError(f"'{text}' is not a positive number")
     return value
 

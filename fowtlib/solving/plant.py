@@ -203,8 +203,8 @@ class Plant:
 
     def simulate(
         self,
-        t_end: float | None = None,
-        output_step: float | None = None,
+        t_end: float | str | None = None,
+        output_step: float | str | None = None,
         *,
         start: State | Result | Values | None = None,
         solver: str | None = None,
@@ -237,11 +237,18 @@ class Plant:
             state = start if same else self.initial_state(parameters, None, inputs, base=start)
         else:
             state = self.initial_state(parameters, start, inputs)
-        relative = chosen(tolerance, "tolerance", 1e-6)
-        simulation = Simulation(self, state, relative, parameters, outputs, isinstance(start, Result))
-        return simulation.run(
-            float(chosen(t_end, "duration", 600.0)), float(chosen(output_step, "output_step", 0.1)), progress
+        end, step, relative = (
+            float(to_si(chosen(value, key, default), unit, key))
+            for value, key, default, unit in (
+                (t_end, "duration", 600.0, "s"),
+                (output_step, "output_step", 0.1, "s"),
+                (tolerance, "tolerance", 1e-6, "1"),
+            )
         )
+        if not 0 < relative < 1:
+            raise ParameterError(f"the tolerance is {relative:g}; it must lie between 0 and 1, usually 1e-4 to 1e-9.")
+        simulation = Simulation(self, state, relative, parameters, outputs, isinstance(start, Result))
+        return simulation.run(end, step, progress)
 
     def linearize(self, state: State, inputs: Sequence[str] = (), outputs: Sequence[str] | None = None) -> LinearModel:
         """Exact linear model at a state, from inputs or tunable parameters by path to results or variables.

@@ -110,6 +110,21 @@ def test_jonswap_sea():
     assert omega[np.argmax(jonswap(omega, 6, 10))] == pytest.approx(0.2 * math.pi, rel=2e-3)
 
 
+@pytest.mark.parametrize(
+    ("sea", "message"),
+    [
+        ({"spectrum": "regular", "wave_height": 40, "wave_period": 3}, "sea: a wave 14 m long breaks at 2 m, and has"),
+        (
+            {"spectrum": "jonswap", "significant_wave_height": 6, "peak_period": 2},
+            "sea: Hs 6 m is too steep a sea for Tp 2 s, where 0.42 m is the limit",
+        ),
+    ],
+)
+def test_waves_that_would_break_are_warned_about(sea, message):
+    with pytest.warns(UserWarning, match=message):
+        fw.load(model(sea=sea)).compile()
+
+
 def test_waves_build_up():
     sea = {"spectrum": "regular", "wave_height": 2, "wave_period": 8, "build_up": 10}
     result = simulate(model(sea=sea), 20, output_step=1.0)

@@ -37,6 +37,15 @@ def test_resumed_run_equals_the_whole_run(tmp_path, middle):
     assert np.max(np.abs(joined.array("x") - whole.array("x"))) < 1e-7
 
 
+def test_times_may_have_units_and_a_tolerance_is_small():
+    plant = fw.load(Counter()).compile()
+    assert plant.simulate("0.02 min", output_step="100 ms").time[-1] == 1.2
+    with pytest.raises(ModelError, match="duration: got '5 m', which is a length"):
+        plant.simulate("5 m")
+    with pytest.raises(ModelError, match="the tolerance is 0; it must lie between 0 and 1, usually 1e-4 to 1e-9."):
+        plant.simulate(1.0, tolerance=0)
+
+
 def test_ctrl_c_keeps_what_was_computed():
     plant = fw.load(Counter()).compile()
 
