@@ -53,6 +53,8 @@ class Parser(argparse.ArgumentParser):
     def unknown(self, words: Sequence[str]) -> NoReturn:
         """Refuse arguments nobody declared; each with the option that was probably meant."""
         word = words[0].partition("=")[0]
+        if word in self._option_string_actions:
+            self.error(f"the option '{word}' belongs behind the command: {self.prog} ... {word}")
         if word.startswith("-"):
             self.error(f"unknown option '{word}'{did_you_mean(word, self._option_string_actions, list_up_to=0)}")
         self.error(f"one argument too many: '{word}'.")

@@ -60,6 +60,11 @@ def test_the_version_is_the_installed_one(capsys):
         (["rnu"], "fowt: unknown command 'rnu'; did you mean 'run'?\nSee fowt --help\n"),
         (["run", "a", "--tme", "3"], "fowt run: unknown option '--tme'; did you mean '--time'?\nSee fowt run --help\n"),
         (["run", "a", "--xyz=3"], "fowt run: unknown option '--xyz'.\nSee fowt run --help\n"),
+        (
+            ["--json", "models"],
+            "fowt models: the option '--json' belongs behind the command: fowt models ... --json\n"
+            "See fowt models --help\n",
+        ),
         (["tree", "a", "b"], "fowt tree: one argument too many: 'b'.\nSee fowt tree --help\n"),
         (
             ["run", "a", "--time", "-3"],
