@@ -193,7 +193,11 @@ class Instances:
             for component in self.components:
                 self.system.current_path = component.path
                 try:
-                    for statement in _flattened(component.equations()):
+                    returned = component.equations()
+                    if returned is None:
+                        what = "equations() returned nothing; end it with return [...]."
+                        raise StructureError(f"{component.label}: {what}")
+                    for statement in _flattened(returned):
                         self._take(component, statement)
                 except ModelError as error:
                     raise _located(error, component) from None

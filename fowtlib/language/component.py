@@ -27,8 +27,8 @@ from fowtlib.language.declarations import (
     var,
 )
 from fowtlib.language.equations import active, source_line
-from fowtlib.language.errors import ConnectionFault, NotFoundError, ParameterError, did_you_mean
-from fowtlib.language.units import to_si
+from fowtlib.language.errors import ConnectionFault, NotFoundError, ParameterError, UnitError, did_you_mean
+from fowtlib.language.units import dimension, to_si
 
 
 class UnknownAttribute(NotFoundError, AttributeError):
@@ -321,6 +321,10 @@ def _resolve_annotations(cls: type, local_names: dict[str, Any]) -> None:
         if isinstance(annotation, str):
             annotation = eval(annotation, {**module, **local_names})
         value.annotation = annotation
+        try:
+            dimension(value.unit if isinstance(value, (Parameter, Port, Variable)) else "1")
+        except UnitError as error:
+            raise error.at(f"{cls.__name__}.{name}") from None
 
 
 def _bound(modifiers: dict[str, Any], component: Component) -> dict[str, Any]:

@@ -77,7 +77,7 @@ def test_a_tapered_column_has_its_volume(draft, bottom, top, part, size, x):
     assert volume == pytest.approx(cone + np.pi / 4 * top**2 * part * draft, rel=1e-6)
     assert centre[0] == pytest.approx(x, abs=1e-6)
     assert C[2, 2] == pytest.approx(np.pi / 4 * top**2)
-    assert C[2, 4] == pytest.approx(-x * C[2, 2], abs=1e-6)
+    assert C[2, 4] == pytest.approx(-x * C[2, 2], abs=1e-6 * C[2, 2])  # the same micrometre as the centre
 
 
 def test_a_submerged_column_with_a_step():

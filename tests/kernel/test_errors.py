@@ -270,6 +270,7 @@ def test_equations_that_are_not_well_formed():
         "c (assert said(check, sketch(lambda self: [eq(self.q, 0)])) == () "
         "has no part, port, parameter or variable 'q'; there is 'r'."
     )
+    assert said(check, sketch(lambda self: None)) == "c: equations() returned nothing; end it with return [...]."
     assert said(check, sketch(lambda self: [self.r == 0])) == (
         "c: equations() returned an expression, which is not an equation; write eq(left, right), not left == right."
     )

@@ -12,6 +12,7 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
+from fowtlib.language import Component, Scalar, var
 from fowtlib.language.errors import UnitError
 from fowtlib.language.unit_grammar import _COMMON, _SI, _from_pint, parse_unit
 from fowtlib.language.units import check_si, dimension, dimension_text, from_si, kind_of, si_unit, to_si
@@ -182,3 +183,12 @@ def test_si_unit(unit, si):
     assert si_unit(unit) == si
     assert parse_unit(si).factor == 1.0
     assert to_si(f"1 {unit}", si) == pytest.approx(parse_unit(unit).factor)
+
+
+def test_a_declaration_with_a_wrong_unit_is_named():
+    with pytest.raises(UnitError, match=r"Drum\.speed: 'm//s' is not a unit: a name of a unit is missing before '/'\."):
+
+        class Drum(Component):
+            """A declaration that says no unit."""
+
+            speed: Scalar = var(unit="m//s", doc="speed")
