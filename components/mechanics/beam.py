@@ -15,6 +15,22 @@ from fowtlib.language import math as m
 from fowtlib.language.errors import ParameterError
 
 
+class BeamSegment(RigidBody):
+    """Rigid piece of a beam: a RigidBody whose numbers are fixed when the model is built.
+
+    Zeros of the centre of mass and of the inertia drop out of the equations then, of which a blade has many.
+    """
+
+    inertia: Matrix = param(unit="kg*m^2", structural=True, doc="inertia tensor about the centre of mass, in frame_a")
+    r_cm: Vector = param(default=(0, 0, 0), unit="m", structural=True, doc="centre of mass, resolved in frame_a")
+
+
+class BeamLink(FixedTranslation):
+    """Rigid distance along a beam: a FixedTranslation whose numbers are fixed when the model is built."""
+
+    r: Vector = param(unit="m", structural=True, doc="from frame_a to frame_b, resolved in frame_a")
+
+
 class BendingHinge(TwoFrames):
     """Sprung hinge with two axes, the bending of one unit of a beam; both frames keep the same origin.
 
@@ -177,7 +193,7 @@ class Beam(TwoFrames):
                 self.connect(self._link(frames[-1], parts.points[i - 1] - origins[-1], f"arm_{i}"), unit.frame_a)
                 frames.append(unit.frame_b)
                 origins.append(parts.points[i - 1])
-            body = RigidBody(mass=segment.mass, inertia=segment.inertia, r_cm=segment.centre - origins[-1])
+            body = BeamSegment(mass=segment.mass, inertia=segment.inertia, r_cm=segment.centre - origins[-1])
             self.connect(frames[-1], self.add(f"segment_{i}", body).frame_a)
         self.connect(self._link(frames[-1], parts.tip - origins[-1], "end"), self.frame_b)
         for k, given in enumerate(self.node_points):
@@ -192,7 +208,7 @@ class Beam(TwoFrames):
         return self.properties if isinstance(self.properties, BeamProperties) else read_beam(str(self.properties))
 
     def _link(self, frame, r, name):
-        link = self.add(name, FixedTranslation(r=r))
+        link = self.add(name, BeamLink(r=r))
         self.connect(frame, link.frame_a)
         return link.frame_b
 
