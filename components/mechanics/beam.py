@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from fowtlib.components.mechanics.beam_division import TREATMENTS, divide, elastic_axis
-from fowtlib.components.mechanics.beam_properties import BeamProperties, read_beam
+from fowtlib.components.mechanics.beam_properties import given_beam
 from fowtlib.components.mechanics.bodies import FixedTranslation, RigidBody
 from fowtlib.components.mechanics.connectors import Frame
 from fowtlib.components.mechanics.interfaces import TwoFrames
@@ -165,7 +165,8 @@ class Beam(TwoFrames):
     units = 0 makes the beam rigid.
     """
 
-    properties: object = param(doc="BeamProperties, or the path of a CSV with them (see read_beam)")
+    properties: str = param(default="", doc="path of a CSV with the properties, see read_beam")
+    table: object = param(default=None, doc="the properties as BeamProperties, instead of a path")
     units: int = param(default=6, min=0, doc="number of units")
     treatment: str = param(default="loaded_tip", choices=TREATMENTS, doc="how hinges are placed")
     torsion: bool = param(default=False, doc="torsion hinges")
@@ -184,7 +185,7 @@ class Beam(TwoFrames):
     root_moment: RealOutput = port(unit="N*m", shape=(3,), doc="moment of the root on the beam, resolved in frame_a")
 
     def build(self):
-        beam = self.table()
+        beam = given_beam(self)
         parts = divide(beam, self.units, self.treatment)
         frames, origins = [self.frame_a], [np.zeros(3)]
         for i, segment in enumerate(parts.segments):
@@ -202,10 +203,6 @@ class Beam(TwoFrames):
                 raise ParameterError(f"node {k + 1} at {point[2]:g} m is off the beam of {beam.length:g} m.")
             i = int(np.searchsorted(parts.s, point[2]))
             self.connect(self._link(frames[i], point - origins[i], f"to_node_{k + 1}"), self.nodes[k])
-
-    def table(self) -> BeamProperties:
-        """The distributed properties."""
-        return self.properties if isinstance(self.properties, BeamProperties) else read_beam(str(self.properties))
 
     def _link(self, frame, r, name):
         link = self.add(name, BeamLink(r=r))
@@ -226,7 +223,7 @@ class Beam(TwoFrames):
         return {**stiffness, **damping, "torsion": self.torsion, "stretch": self.stretch}
 
     def equations(self):
-        a, b, beam = self.frame_a, self.frame_b, self.table()
+        a, b, beam = self.frame_a, self.frame_b, given_beam(self)
         return [
             eq(self.deflection, a.R.T @ (b.r - a.r) - elastic_axis(beam, beam.length)),
             eq(self.root_force, a.R.T @ a.f),

@@ -48,7 +48,7 @@ class Source(Component):
 def cantilever(properties=UNIT, *, gravity=0.0, angles=(0, 0, 0), **beam):
     model = fw.Assembly("cantilever")
     model.world, model.base = World(gravity=gravity), Fixed(angles=angles)
-    model.beam = Beam(properties=properties, **beam)
+    model.beam = Beam(table=properties, **beam)
     model.connect(model.base.frame, model.beam.frame_a)
     return model
 
@@ -208,7 +208,7 @@ def rotating(**beam):
     model = fw.Assembly("rotating beam")
     model.world, model.shaft, model.drive = World(gravity=0.0), Revolute(), SpeedSource()
     model.speed, model.turn = Constant(value=0.0), FixedRotation(n=(0, 1, 0), angle=np.pi / 2)
-    model.beam = Beam(properties=UNIT, **beam)
+    model.beam = Beam(table=UNIT, **beam)
     model.connect(model.world.frame, model.shaft.frame_a)
     model.connect(model.shaft.frame_b, model.turn.frame_a)
     model.connect(model.turn.frame_b, model.beam.frame_a)
@@ -235,7 +235,7 @@ def test_a_free_chain_keeps_energy_and_momentum():
     table = BeamProperties.uniform(2.0, 1.5, 3.0, 5.0, rotary_inertia_x=0.02, rotary_inertia_y=0.02)
     model = fw.Assembly("free chain")
     model.world, model.motion = World(gravity=0.0), FreeMotion(angle_rates_start=(0.7, -0.4, 0.3))
-    model.beam = Beam(properties=table, units=2)
+    model.beam = Beam(table=table, units=2)
     model.connect(model.world.frame, model.motion.frame_a)
     model.connect(model.motion.frame_b, model.beam.frame_a)
     start = {"beam.unit_1.bending.phi_x": 0.3, "beam.unit_2.bending.phi_y": -0.4, "beam.unit_1.bending.w_y": 0.5}
@@ -342,6 +342,10 @@ def test_mistakes(tmp_path):
         BeamProperties(np.array([0.0, 1.0]), 1.0, np.array([1.0, 0.0]), 1.0)
     with pytest.raises(ParameterError, match="torsion needs the torsional_stiffness"):
         cantilever(torsion=True)
+    with pytest.raises(ParameterError, match="Beam: give properties, the path"):
+        cantilever(None)
+    with pytest.raises(ModelError, match="cannot be read: No such file"):
+        read_beam(str(tmp_path / "missing.csv"))
     with pytest.raises(ParameterError, match="node 1 at 1.5 m is off the beam"):
         cantilever(node_points=[1.5])
     with pytest.raises(ParameterError, match="wall of a tube"):
