@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from fowtlib.components.mechanics.beam_division import TREATMENTS, divide, elastic_axis
-from fowtlib.components.mechanics.beam_properties import BeamProperties, read_beam
+from fowtlib.components.mechanics.beam_properties import given_beam
 from fowtlib.components.mechanics.bodies import FixedTranslation, RigidBody
 from fowtlib.components.mechanics.connectors import Frame
 from fowtlib.components.mechanics.interfaces import TwoFrames
@@ -13,6 +13,22 @@ from fowtlib.components.mechanics.rotations import axis_rotation, unit_axis
 from fowtlib.language import Matrix, RealOutput, Scalar, Vector, der, eq, param, port, rotation, var
 from fowtlib.language import math as m
 from fowtlib.language.errors import ParameterError
+
+
+class BeamSegment(RigidBody):
+    """Rigid piece of a beam: a RigidBody whose numbers are fixed when the model is built.
+
+    Zeros of the centre of mass and of the inertia drop out of the equations then, of which a blade has many.
+    """
+
+    inertia: Matrix = param(unit="kg*m^2", structural=True, doc="inertia tensor about the centre of mass, in frame_a")
+    r_cm: Vector = param(default=(0, 0, 0), unit="m", structural=True, doc="centre of mass, resolved in frame_a")
+
+
+class BeamLink(FixedTranslation):
+    """Rigid distance along a beam: a FixedTranslation whose numbers are fixed when the model is built."""
+
+    r: Vector = param(unit="m", structural=True, doc="from frame_a to frame_b, resolved in frame_a")
 
 
 class BendingHinge(TwoFrames):
@@ -149,7 +165,8 @@ class Beam(TwoFrames):
     units = 0 makes the beam rigid.
     """
 
-    properties: object = param(doc="BeamProperties, or the path of a CSV with them (see read_beam)")
+    properties: str = param(default="", doc="path of a CSV with the properties, see read_beam")
+    table: object = param(default=None, doc="the properties as BeamProperties, instead of a path")
     units: int = param(default=6, min=0, doc="number of units")
     treatment: str = param(default="loaded_tip", choices=TREATMENTS, doc="how hinges are placed")
     torsion: bool = param(default=False, doc="torsion hinges")
@@ -168,7 +185,7 @@ class Beam(TwoFrames):
     root_moment: RealOutput = port(unit="N*m", shape=(3,), doc="moment of the root on the beam, resolved in frame_a")
 
     def build(self):
-        beam = self.table()
+        beam = given_beam(self)
         parts = divide(beam, self.units, self.treatment)
         frames, origins = [self.frame_a], [np.zeros(3)]
         for i, segment in enumerate(parts.segments):
@@ -177,7 +194,7 @@ class Beam(TwoFrames):
                 self.connect(self._link(frames[-1], parts.points[i - 1] - origins[-1], f"arm_{i}"), unit.frame_a)
                 frames.append(unit.frame_b)
                 origins.append(parts.points[i - 1])
-            body = RigidBody(mass=segment.mass, inertia=segment.inertia, r_cm=segment.centre - origins[-1])
+            body = BeamSegment(mass=segment.mass, inertia=segment.inertia, r_cm=segment.centre - origins[-1])
             self.connect(frames[-1], self.add(f"segment_{i}", body).frame_a)
         self.connect(self._link(frames[-1], parts.tip - origins[-1], "end"), self.frame_b)
         for k, given in enumerate(self.node_points):
@@ -187,12 +204,8 @@ class Beam(TwoFrames):
             i = int(np.searchsorted(parts.s, point[2]))
             self.connect(self._link(frames[i], point - origins[i], f"to_node_{k + 1}"), self.nodes[k])
 
-    def table(self) -> BeamProperties:
-        """The distributed properties."""
-        return self.properties if isinstance(self.properties, BeamProperties) else read_beam(str(self.properties))
-
     def _link(self, frame, r, name):
-        link = self.add(name, FixedTranslation(r=r))
+        link = self.add(name, BeamLink(r=r))
         self.connect(frame, link.frame_a)
         return link.frame_b
 
@@ -210,7 +223,7 @@ class Beam(TwoFrames):
         return {**stiffness, **damping, "torsion": self.torsion, "stretch": self.stretch}
 
     def equations(self):
-        a, b, beam = self.frame_a, self.frame_b, self.table()
+        a, b, beam = self.frame_a, self.frame_b, given_beam(self)
         return [
             eq(self.deflection, a.R.T @ (b.r - a.r) - elastic_axis(beam, beam.length)),
             eq(self.root_force, a.R.T @ a.f),

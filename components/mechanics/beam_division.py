@@ -110,7 +110,7 @@ def _middles(beam: BeamProperties, units: int, _: bool) -> tuple[np.ndarray, dic
 def _gauss(beam: BeamProperties, units: int, free_tip: bool) -> tuple[np.ndarray, dict[str, np.ndarray | None]]:
     """Gauss points of the weight that the module's docstring names, and interpolatory weights of each stiffness."""
     L = beam.length
-    s, w = _quadrature(beam, 0.0, L)
+    s, w = _quadrature(beam, 0.0, L, pieces=max(4, units))
     EI = np.sqrt(beam.at("stiffness_x", s) * beam.at("stiffness_y", s))
     taper = (1 - s / L) ** (2 if free_tip else 0)
     nodes = _gauss_points(s, w * taper / EI, L, units)
@@ -132,12 +132,14 @@ def _gauss(beam: BeamProperties, units: int, free_tip: bool) -> tuple[np.ndarray
 def _gauss_points(s: np.ndarray, weight: np.ndarray, length: float, n: int) -> np.ndarray:
     """Nodes of the Gauss rule with n points for a discrete weight. G. Golub, J. Welsch (1969), Math. Comp. 23."""
     x, diagonal, off = 2 * s / length - 1, np.zeros(n), np.zeros(n)
-    before, now = np.zeros_like(x), np.full_like(x, 1 / np.sqrt(weight.sum()))
+    basis = [np.full_like(x, 1 / np.sqrt(weight.sum()))]
     for k in range(n):
-        diagonal[k] = weight @ (x * now**2)
-        after = (x - diagonal[k]) * now - (off[k - 1] if k else 0.0) * before
+        after = x * basis[-1]
+        diagonal[k] = weight @ (after * basis[-1])
+        for polynomial in (*basis, *basis):  # twice: orthogonal to rounding, for any number of units
+            after = after - (weight @ (after * polynomial)) * polynomial
         off[k] = np.sqrt(weight @ after**2)
-        before, now = now, after / off[k]
+        basis.append(after / off[k])
     nodes = np.linalg.eigvalsh(np.diag(diagonal) + np.diag(off[:-1], 1) + np.diag(off[:-1], -1))
     return (nodes + 1) / 2 * length
 

@@ -130,6 +130,16 @@ class BeamProperties:
                    rotary_inertia_x=rotary, rotary_inertia_y=rotary)  # fmt: skip
 
 
+def given_beam(component: Any) -> BeamProperties:
+    """The beam of a component by its parameters `properties`, the path of a CSV, or `table`, BeamProperties."""
+    path, table = component.properties, component.table
+    if bool(path) == (table is not None):
+        raise ParameterError(f"{component.label}: give properties, the path of a CSV, or table, BeamProperties.")
+    if table is not None and not isinstance(table, BeamProperties):
+        raise ParameterError(f"{component.label}.table is a {type(table).__name__}; BeamProperties are expected.")
+    return read_beam(path) if path else table
+
+
 @lru_cache(maxsize=32)
 def read_beam(path: str) -> BeamProperties:
     """Read a CSV with the columns of COLUMNS; lines that start with # are comments.
@@ -137,8 +147,11 @@ def read_beam(path: str) -> BeamProperties:
     Required: z_m, the mass and both bending stiffnesses. Outer diameter and wall thickness of a tube, where given, make
     its rotary inertia. Raises ModelError with the path for a column that is missing, unknown or not a number.
     """
-    with open(path, newline="") as file:
-        rows = list(csv.DictReader(line for line in file if not line.startswith("#")))
+    try:
+        with open(path, newline="") as file:
+            rows = list(csv.DictReader(line for line in file if not line.startswith("#")))
+    except OSError as error:
+        raise ModelError(f"the properties of a beam cannot be read: {error.strerror}: {path}") from None
     if len(rows) < 2:
         raise ModelError(f"{path}: a beam needs two stations or more.")
     unknown = [name for name in rows[0] if name not in COLUMNS]

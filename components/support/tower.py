@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from fowtlib.components.mechanics import Beam, BeamProperties, FixedTranslation, Frame, RigidBody, TwoFrames
+from fowtlib.components.mechanics.beam_properties import given_beam
 from fowtlib.language import RealOutput, Scalar, eq, param, port
 from fowtlib.language import math as m
 from fowtlib.language.errors import ParameterError
@@ -48,7 +49,8 @@ class FlexibleTower(Tower):
     Two units with `treatment: loaded_tip` are within 0.4 % for the first two bending modes of the OC3 tower.
     """
 
-    properties: object = param(default="", doc="BeamProperties, or the path of a CSV with them (see read_beam)")
+    properties: str = param(default="", doc="path of a CSV with the properties, see read_beam")
+    table: object = param(default=None, doc="the properties as BeamProperties, instead of a path")
     heights: list = param(default=[], doc="heights of the stations [m], base first")
     diameters: list = param(default=[], doc="outer diameters at the heights [m]")
     wall_thicknesses: list = param(default=[], doc="wall thicknesses at the heights [m]")
@@ -63,7 +65,7 @@ class FlexibleTower(Tower):
 
     def build(self):
         self.beam = Beam(
-            properties=self.table(), units=self.units, treatment=self.treatment, torsion=self.torsion,
+            table=self.properties_or_tube(), units=self.units, treatment=self.treatment, torsion=self.torsion,
             damping_x=self.damping_fore_aft, damping_y=self.damping_side_side, node_points=self.node_points,
         )  # fmt: skip
         self.connect(self.frame_a, self.beam.frame_a)
@@ -71,13 +73,15 @@ class FlexibleTower(Tower):
         for k in range(self.n_nodes):
             self.connect(self.beam.nodes[k], self.nodes[k])
 
-    def table(self):
+    def properties_or_tube(self):
         """The table, or the tube."""
-        if bool(self.properties) == bool(self.heights):
+        if not self.heights:
+            return given_beam(self)
+        if self.properties or self.table is not None:
             raise ParameterError(f"{self.label}: give either properties, or heights, diameters and wall_thicknesses.")
         material = {name: getattr(self, name) for name in ("density", "young_modulus", "shear_modulus")}
         walls = (self.heights, self.diameters, self.wall_thicknesses)
-        return self.properties or BeamProperties.tube(*walls, **material)
+        return BeamProperties.tube(*walls, **material)
 
     def equations(self):
         return self.loads(self.beam.deflection)

@@ -4,7 +4,8 @@ from __future__ import annotations
 
 import numpy as np
 
-from fowtlib.components.mechanics import Beam, BeamProperties, FixedTranslation, Frame, RigidBody, read_beam
+from fowtlib.components.mechanics import Beam, FixedTranslation, Frame, RigidBody
+from fowtlib.components.mechanics.beam_properties import given_beam
 from fowtlib.language import Component, RealOutput, Scalar, eq, param, port
 from fowtlib.language import math as m
 
@@ -34,7 +35,8 @@ class FlexibleBlade(Blade):
     pitched root frame. Data: a CSV as models/data/nrel5mw/blade_structure.csv.
     """
 
-    properties: object = param(doc="BeamProperties, or the path of a CSV with them (see read_beam)")
+    properties: str = param(default="", doc="path of a CSV with the properties, see read_beam")
+    table: object = param(default=None, doc="the properties as BeamProperties, instead of a path")
     units: int = param(default=6, min=0, doc="number of beam units; 0: rigid")
     mirrored: bool = param(default=False, doc="mirror image, for a rotor that turns counter-clockwise")
     treatment: str = param(default="free_tip", choices=("plain", "loaded_tip", "free_tip"), doc="see Beam")
@@ -43,10 +45,9 @@ class FlexibleBlade(Blade):
     damping_edgewise: Scalar = param(default=damping_flapwise, unit="s", min=0, doc="damping over stiffness, edgewise")
 
     def build(self):
-        given = self.properties
-        table = given if isinstance(given, BeamProperties) else read_beam(str(given))
+        table = given_beam(self)
         self.beam = Beam(
-            properties=table.mirrored() if self.mirrored else table, units=self.units,
+            table=table.mirrored() if self.mirrored else table, units=self.units,
             treatment=self.treatment, torsion=self.torsion, damping_x=self.damping_flapwise,
             damping_y=self.damping_edgewise, node_points=self.node_points,
         )  # fmt: skip

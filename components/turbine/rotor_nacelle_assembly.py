@@ -21,7 +21,8 @@ class RotorNacelleAssembly(Component):
 
     blades: int = param(default=3, min=1, doc="number of blades")
     rotation: int = param(default=1, choices=(1, -1), doc="1: clockwise seen from upwind, -1: counter-clockwise")
-    blade_properties: object = param(doc="BeamProperties of a blade, or the path of a CSV with them (see read_beam)")
+    blade_properties: str = param(default="", doc="path of a CSV with the properties of a blade, see read_beam")
+    blade_table: object = param(default=None, doc="the same as BeamProperties, instead of a path")
     blade_units: int = param(default=6, min=0, doc="beam units of a blade; 0: rigid")
     blade_treatment: str = param(default="free_tip", choices=("plain", "loaded_tip", "free_tip"), doc="see Beam")
     blade_torsion: bool = param(default=False, doc="blades with torsion")
@@ -61,8 +62,8 @@ class RotorNacelleAssembly(Component):
             self.connect(a, b)
         for k in range(self.blades):
             blade = FlexibleBlade(
-                properties=self.blade_properties, units=self.blade_units, treatment=self.blade_treatment,
-                torsion=self.blade_torsion, damping_flapwise=self.damping_flapwise,
+                properties=self.blade_properties, table=self.blade_table, units=self.blade_units,
+                treatment=self.blade_treatment, torsion=self.blade_torsion, damping_flapwise=self.damping_flapwise,
                 damping_edgewise=self.damping_edgewise, node_points=self.node_points, mirrored=self.rotation < 0,
             )  # fmt: skip
             self.connect(self.hub.roots[k], self.add(f"blade_{k + 1}", blade).frame_a)

@@ -170,9 +170,9 @@ def test_tower_loads():
 
 
 def test_tower_from_diameters():
-    with pytest.raises(ParameterError, match="either properties, or heights"):
-        FlexibleTower()
     tube = {"heights": [10.0, 87.6], "diameters": [6.5, 3.87], "wall_thicknesses": [0.027, 0.019]}
+    with pytest.raises(ParameterError, match="either properties, or heights"):
+        FlexibleTower(properties=TOWER, **tube)
     found = []
     for given in (tube, {"properties": TOWER}):
         model = fw.Assembly("tower")

@@ -1,0 +1,77 @@
+"""How fast beams converge with the number of units; prints the tables, `--write` puts them into docs/beams.md.
+
+Frequencies of the straight, resting chain from its mass matrix in the hinge angles; the tests compare the same chains,
+as parts of a model, with finite elements.
+"""
+
+from __future__ import annotations
+
+import sys
+from pathlib import Path
+
+import numpy as np
+from pages import fill
+from scipy.linalg import eigh
+
+from fowtlib.components.mechanics import BeamProperties, read_beam
+from fowtlib.components.mechanics.beam_division import TREATMENTS, divide
+from fowtlib.modelfile import data_path
+
+PAGE = Path(__file__).parents[1] / "docs" / "beams.md"
+UNITS = (1, 2, 3, 4, 6, 8, 10)
+
+
+def frequencies(beam, units, treatment, mass=0.0, inertia=0.0, offset=0.0):
+    """Circular frequencies of the chain, with a body at its tip: (mass, inertia, distance of its centre)."""
+    chain, s = divide(beam, units, treatment), np.linspace(0, beam.length, 20001)
+    weight = np.full(len(s), s[1]) * beam.at("mass_per_length", s)
+    weight[[0, -1]] /= 2
+    arms = np.maximum(s - chain.s[:, None], 0)
+    tip = beam.length + offset - chain.s
+    M = (arms * weight) @ arms.T + mass * np.outer(tip, tip) + inertia
+    axes = np.concatenate([chain.axes[:, :2, 0], chain.axes[:, :2, 1]])
+    M = np.tile(M, (2, 2)) * (axes @ axes.T)
+    K = np.concatenate([chain.stiffness_x, chain.stiffness_y])
+    return np.sqrt(eigh(np.diag(K), M, eigvals_only=True))
+
+
+def table(title, beam, picked, names, reference_treatment, **head):
+    """Errors of the frequencies numbered `picked`, in percent, against 60 units at Gauss points."""
+    exact = frequencies(beam, 60, reference_treatment, **head)[picked]
+    unit = 2 * np.pi if title.endswith("Hz") else 1.0
+    values = ", ".join(f"{name} {w / unit:.4g}" for name, w in zip(names, exact, strict=True))
+    rule = "| --- " * (2 + len(names)) + "|"
+    lines = [f"{title}: {values}.", "", f"| treatment | units | {' | '.join(names)} |", rule]
+    for treatment in TREATMENTS:
+        if treatment == "loaded_tip" and "blade" in title:
+            continue
+        for n in UNITS:
+            found = frequencies(beam, n, treatment, **head)
+            pairs = [(found[k] if k < len(found) else None, w) for k, w in zip(picked, exact, strict=True)]
+            cells = ["" if f is None else f"{100 * (f / w - 1):+.2f} %" for f, w in pairs]
+            lines.append(f"| {treatment} | {n} | {' | '.join(cells)} |")
+    return "\n".join(lines)
+
+
+def main():
+    """Print the tables, and write them."""
+    uniform = BeamProperties.uniform(1.0, 1.0, 1.0)
+    tower = read_beam(str(data_path("oc3_hywind/tower.csv")))
+    blade = read_beam(str(data_path("nrel5mw/blade_structure.csv")))
+    bending = ("first", "second", "third")
+    text = "\n\n".join([
+        table("Uniform clamped beam, omega / sqrt(EI / (mu L^4))", uniform, [0, 2, 4], bending, "free_tip"),
+        table("The same with a mass of 1000 times its own at the tip", uniform, [0], bending[:1],
+              "loaded_tip", mass=1e3),
+        table("OC3 tower with rotor and nacelle, clamped, Hz", tower, [0, 2, 4], bending, "loaded_tip",
+              mass=350e3, inertia=2.35e7, offset=1.967),
+        table("NREL 5 MW blade, clamped, at rest, Hz", blade, [0, 1, 2, 3, 4],
+              ("flap 1", "edge 1", "flap 2", "edge 2", "flap 3"), "free_tip"),
+    ])  # fmt: skip
+    print(text)
+    if "--write" in sys.argv:
+        PAGE.write_text(fill(PAGE.read_text(), "convergence", text))
+
+
+if __name__ == "__main__":
+    main()
