@@ -2,9 +2,7 @@
 
 from __future__ import annotations
 
-import warnings
 from collections.abc import Callable, Mapping
-from functools import lru_cache
 from pathlib import Path
 from typing import Any
 
@@ -13,7 +11,7 @@ import numpy as np
 
 from fowtlib.language.equations import external
 from fowtlib.language.errors import ParameterError, StructureError, did_you_mean
-from fowtlib.language.native import NO_COMPILER, compile_library, compiler
+from fowtlib.language.native import NO_COMPILER, compile_library, compiler, say_once
 
 Compute = Callable[[np.ndarray], Any]
 
@@ -54,7 +52,7 @@ class ExternalFunction:
         if source is not None and (compiler() or python is None):
             library = compile_library(source, name)
         elif source is not None:
-            _say_once(f"{name} runs as Python code, slowly: {NO_COMPILER}")
+            say_once(f"{name} runs as Python code, slowly: {NO_COMPILER}")
         if library is not None:
             self.function = _from_library(name, Path(library))
         else:
@@ -87,16 +85,19 @@ class ExternalFunction:
         return dict(zip(self.outputs, ca.vertsplit(ca.vec(result), ends), strict=True))
 
 
-@lru_cache(maxsize=64)
-def _say_once(message: str) -> None:
-    warnings.warn(message, RuntimeWarning, stacklevel=4)
+class LibraryFunction(ca.Function):
+    """A function of a shared library that still knows its path, for engines that call the library themselves."""
+
+    def __init__(self, function: ca.Function, path: Path):
+        super().__init__(function)
+        self.path = path
 
 
-def _from_library(name: str, path: Path) -> ca.Function:
+def _from_library(name: str, path: Path) -> LibraryFunction:
     if not path.is_file():
         raise ParameterError(f"external function {name}: there is no library {path}.")
     try:
-        return ca.external(name, str(path.resolve()))
+        return LibraryFunction(ca.external(name, str(path.resolve())), path.resolve())
     except RuntimeError as error:
         reason = [line for line in str(error).splitlines() if line.strip()][-1].strip()
         raise ParameterError(f"external function {name}: {path} cannot be used: {reason}") from None
