@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from typing import TYPE_CHECKING, Any, Protocol
 
 import numpy as np
@@ -36,6 +36,9 @@ class Engine(Protocol):
 
     def algebraics(self, t: float, x: np.ndarray, z: np.ndarray, q: np.ndarray) -> np.ndarray:
         """Algebraic unknowns that satisfy the equations at the states, after a jump."""
+
+    def updater(self, sample: int) -> Callable[..., np.ndarray]:
+        """The new values of the discrete variables of a sampled part, as a function of t, x, z, q."""
 
 
 def create_engine(plant: Plant, parameters: Any, solver: str, tolerance: float, output_step: float,

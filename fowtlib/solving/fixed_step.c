@@ -419,7 +419,7 @@ static int fs_iterate_stage(fs_instance *s, double t, double k, int fresh) {
     for (i = 0; i < n; i++) s->unknown[i] -= s->move[i];
     if (left <= s->o.tolerance) {
       fs_place(s, k, s->unknown, s->v, s->xf);
-      if (iteration > 0 && (iteration > 2 || a->theta > 0.25)) a->age = s->o.keep; /* a new one at the next step */
+      if (iteration > 0 && (iteration > 4 || a->theta > 0.25)) a->age = s->o.keep; /* a new one at the next step */
       else if (iteration == 0) a->theta = fmin(FS_DISTRUST * a->theta, 0.5);
       return FS_DONE;
     }
@@ -463,7 +463,7 @@ static int fs_step(fs_instance *s, double t, double h) {
   fs_weigh(s, k);
   if (a->age >= s->o.keep || fabs(k - a->k) > 0.2 * a->k) a->made = 0;
   /* the kept matrix; a new one at the prediction; a new one in every iteration, from the last stage */
-  for (attempt = a->made ? 0 : 1; attempt < 3 && (status == FS_STAGE || status == FS_SINGULAR); attempt++) {
+  for (attempt = a->made ? 0 : 1; attempt < 3 && status; attempt++) {
     if (attempt < 2) fs_predict(s, stage, s->unknown, s->n);
     else memcpy(s->unknown, s->past[0], sizeof(double) * (size_t)s->n);
     status = fs_iterate_stage(s, stage, k, attempt);
@@ -523,7 +523,7 @@ static int fs_iterate_algebraic(fs_instance *s, double t, const double *x, doubl
     if (left < 0.0) break;
     for (i = 0; i < n; i++) z[i] -= s->move[i];
     if (left <= s->o.tolerance) {
-      if (iteration > 0 && (iteration > 2 || a->theta > 0.25)) a->age = s->o.keep;
+      if (iteration > 0 && (iteration > 4 || a->theta > 0.25)) a->age = s->o.keep;
       else if (iteration == 0) a->theta = fmin(FS_DISTRUST * a->theta, 0.5);
       return FS_DONE;
     }
@@ -539,7 +539,7 @@ static int fs_algebraics(fs_instance *s, double t, const double *x, double *z, i
   if (a->age >= s->o.keep) a->made = 0;
   memcpy(s->zf, z, sizeof(double) * (size_t)a->n);
   for (attempt = a->made || a->n == 0 ? 0 : 1;
-       attempt < 3 && (status == FS_ALGEBRAIC || status == FS_SINGULAR); attempt++) {
+       attempt < 3 && status; attempt++) {
     memcpy(z, s->zf, sizeof(double) * (size_t)a->n);
     status = fs_iterate_algebraic(s, t, x, z, attempt, ready);
   }
@@ -554,9 +554,12 @@ static int fs_algebraics(fs_instance *s, double t, const double *x, double *z, i
 
 /* --- what is seen from outside ------------------------------------------------------------------------------------- */
 
-/* A new start: z consistent with t, x, q, and the rates that belong to them. */
+/* A new start: z consistent with t, x, q, and the rates that belong to them. Where only q has jumped, the prediction of
+   the next stage keeps its slope. */
 static int fs_start(fs_instance *s, double t, const double *x, const double *z, const double *q) {
-  int ready, i, status;
+  int jumped = s->started && fabs(t - s->t) <= 1e-9 * s->o.step
+      && memcmp(x, s->x, sizeof(double) * (size_t)s->m.states) == 0;
+  int ready, i, c, status;
   s->count[FS_STARTS]++;
   s->started = 0;
   memcpy(s->q, q, sizeof(double) * (size_t)s->m.given);
@@ -575,8 +578,11 @@ static int fs_start(fs_instance *s, double t, const double *x, const double *z, 
     }
   memcpy(s->unknown, s->z, sizeof(double) * (size_t)s->m.algebraics);
   for (i = 0; i < s->m.free_rates; i++) s->unknown[s->m.algebraics + i] = s->rate[s->m.free_rate[i]];
-  s->pasts = 0;
-  fs_keep(s, t, s->unknown);
+  if (!jumped) s->pasts = 0;
+  fs_predict(s, t, s->move, s->n); /* what has jumped goes on from its new value with the slope it had */
+  for (i = 0; i < s->pasts; i++)
+    for (c = 0; c < s->n; c++) s->past[i][c] += s->unknown[c] - s->move[c];
+  if (!s->pasts) fs_keep(s, t, s->unknown);
   s->t = t;
   s->started = 1;
   return FS_DONE;
@@ -586,6 +592,18 @@ static int fs_start(fs_instance *s, double t, const double *x, const double *z, 
 EXPORT int fs_consistent(fs_instance *s, double t, const double *x, double *z, const double *q) {
   int status = fs_start(s, t, x, z, q);
   if (status == FS_DONE) memcpy(z, s->z, sizeof(double) * (size_t)s->m.algebraics);
+  return status;
+}
+
+/* Values of a function of the model at a point, such as what a sampled part computes; `outputs` says whether it needs w. */
+EXPORT int fs_observe(fs_instance *s, fs_code function, int outputs, double t, const double *x, const double *z,
+                      const double *q, double *values) {
+  int status = FS_DONE;
+  if (outputs) {
+    memcpy(s->q, q, sizeof(double) * (size_t)s->m.given);
+    status = fs_evaluate(s, t, x, z);
+  }
+  if (status == FS_DONE) function(&t, x, z, q, s->w, values, 0, s->scratch);
   return status;
 }
 

@@ -74,16 +74,19 @@ def runtime() -> c.CDLL:
     """The compiled runtime of the engine, the same for all models."""
     text = "".join((Path(__file__).parent / name).read_text(encoding="utf-8") for name in ("spline.c", "fixed_step.c"))
     library = c.CDLL(str(compile_library(text, "fixed_step")))
-    library.fs_create.restype = c.c_void_p
-    library.fs_create.argtypes = [c.POINTER(Model), c.POINTER(Options)]
-    library.fs_free.restype = None
-    library.fs_free.argtypes = [c.c_void_p]
-    library.fs_consistent.argtypes = [c.c_void_p, c.c_double, DOUBLES, DOUBLES, DOUBLES]
-    library.fs_advance.argtypes = [c.c_void_p, c.c_double, c.c_double, c.c_int, *[DOUBLES] * 5, INTEGERS]
-    library.fs_failure.argtypes = [c.c_void_p, DOUBLES, INTEGERS, INTEGERS, INTEGERS]
-    library.fs_failure.restype = None
-    library.fs_counts.argtypes = [c.c_void_p, c.POINTER(c.c_longlong)]
-    library.fs_counts.restype = None
+    pointer, number = c.c_void_p, c.c_double
+    signatures = {
+        "create": (pointer, [c.POINTER(Model), c.POINTER(Options)]),
+        "free": (None, [pointer]),
+        "consistent": (c.c_int, [pointer, number, *[pointer] * 3]),
+        "observe": (c.c_int, [pointer, pointer, c.c_int, number, *[pointer] * 4]),
+        "advance": (c.c_int, [pointer, number, number, c.c_int, *[pointer] * 6]),
+        "failure": (None, [pointer] * 5),
+        "counts": (None, [pointer] * 2),
+    }
+    for name, (result, arguments) in signatures.items():
+        function = getattr(library, f"fs_{name}")
+        function.restype, function.argtypes = result, arguments
     return library
 
 
@@ -100,6 +103,8 @@ class FixedStepCode:
         self.path = compile_library(text, "model", optimization="-O1")
         self.library = c.CDLL(str(self.path))
         self.table = self._model()
+        samples = [ca.Function("sample", [dae.w], [s.values], {"allow_free": True}) for s in dae.samples]
+        self.samples_need_outputs = [function.jac_sparsity(0, 0).nnz() > 0 for function in samples]
 
     def doubles(self, values: Any) -> Any:
         """A pointer to numbers that stay alive as long as the code."""
@@ -118,7 +123,7 @@ class FixedStepCode:
         externals = self._externals()
         inputs = (c.c_void_p * max(len(dae.levels), 1))()
         for level in range(len(dae.levels)):
-            inputs[level] = self._address(f"level_{level}")
+            inputs[level] = self.address(f"level_{level}")
         self._alive += [externals, inputs]
         starts = np.cumsum([0, *(len(level) for level in dae.levels)])
         return Model(
@@ -126,13 +131,14 @@ class FixedStepCode:
             inputs=sum(external.inputs.shape[0] for external in dae.externals), outputs=dae.w.shape[0],
             externals=len(dae.externals), levels=len(dae.levels), scratch=self.scratch,
             level_start=self.integers(starts), external=externals, level_inputs=inputs,
-            residual=self._address("model"), free_rates=len(reduced.free), substituted=len(reduced.order),
+            residual=self.address("model"), free_rates=len(reduced.free), substituted=len(reduced.order),
             free_rate=self.integers(reduced.free), order=self.integers(reduced.order),
             source=self.integers(reduced.source), x_nominal=self.doubles([s.nominal for s in dae.states]),
             z_nominal=self.doubles([a.nominal for a in dae.algebraics]),
         )  # fmt: skip
 
-    def _address(self, name: str) -> int:
+    def address(self, name: str) -> int:
+        """Where a function of the generated code is."""
         return c.cast(getattr(self.library, name), c.c_void_p).value
 
     # --- externals -----------------------------------------------------------------------------------------------
@@ -210,13 +216,14 @@ class FixedStepCode:
 
 
 def model_text(dae: FlatDAE) -> tuple[str, int]:
-    """C text of the inputs of the externals, level by level, and of the residual; and their scratch memory."""
+    """C text of the inputs of the externals, level by level, of samples and residual; their scratch memory."""
     signature = ", ".join([f"const double *{n}" for n in "txzqw"] + [f"double *{n}" for n in OUT])
     arguments = [dae.t, dae.x, dae.z, ca.vertcat(dae.u, dae.d, dae.p), dae.w]
     parts = [
         (f"level_{level}", [ca.vertcat(*[ca.vec(ca.densify(dae.externals[k].inputs)) for k in members])])
         for level, members in enumerate(dae.levels)
     ]
+    parts += [(f"sample_{k}", [sample.values]) for k, sample in enumerate(dae.samples)]
     parts.append(("model", [dae.ode, dae.alg]))
     texts, scratch = [PROLOGUE], 0
     for name, expressions in parts:

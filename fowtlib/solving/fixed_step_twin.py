@@ -5,6 +5,8 @@ It is also what the compiled engine is tested against.
 
 from __future__ import annotations
 
+from collections.abc import Callable
+
 import numpy as np
 
 from fowtlib.language.errors import SimulationError
@@ -37,6 +39,10 @@ class FixedStepTwin:
     def algebraics(self, t: float, x: np.ndarray, z: np.ndarray, q: np.ndarray) -> np.ndarray:
         """Algebraic unknowns that satisfy the equations at the states; SimulationError where none are found."""
         return consistent_algebraics(self.evaluation, t, x, z, q)
+
+    def updater(self, sample: int) -> Callable[..., np.ndarray]:
+        """The new values of the discrete variables of a sampled part, as a function of t, x, z, q."""
+        return self.evaluation.updater(sample)
 
     def advance(
         self, t: float, length: float, points: int, x: np.ndarray, z: np.ndarray, q: np.ndarray

@@ -7,6 +7,7 @@ length; every call is a real restart, which is what jumps in inputs and discrete
 from __future__ import annotations
 
 import re
+from collections.abc import Callable
 from contextlib import redirect_stderr
 from io import StringIO
 
@@ -52,6 +53,10 @@ class Idas:
     def algebraics(self, t: float, x: np.ndarray, z: np.ndarray, q: np.ndarray) -> np.ndarray:
         """Algebraic unknowns that satisfy the equations at the states, after a jump."""
         return consistent_algebraics(self.evaluation, t, x, z, q)
+
+    def updater(self, sample: int) -> Callable[..., np.ndarray]:
+        """The new values of the discrete variables of a sampled part, as a function of t, x, z, q."""
+        return self.evaluation.updater(sample)
 
     def advance(
         self, t: float, length: float, points: int, x: np.ndarray, z: np.ndarray, q: np.ndarray

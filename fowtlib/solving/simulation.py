@@ -68,7 +68,7 @@ class Simulation:
     def _prepare_samples(self, t: float) -> None:
         samples = self.dae.samples
         numbers = self.evaluation.with_numbers([ca.vertcat(s.period, s.offset) for s in samples])
-        self.updates = [self.evaluation.function("update", [s.values]) for s in samples]
+        self.updates = [self.engine.updater(k) for k in range(len(samples))]
         self.clocks: list[tuple[float, float, int]] = []
         for sample, number in zip(samples, numbers, strict=True):
             period, offset = (float(v) for v in ca.Function("clock", [], [number]).call([])[0].full().ravel())
@@ -325,7 +325,7 @@ class Simulation:
         if not due:
             return
         for k in due:
-            self.d[self.dae.samples[k].targets] = np.array(self.updates[k](self.t, self.x, self.z, self.q)).ravel()
+            self.d[self.dae.samples[k].targets] = self.updates[k](self.t, self.x, self.z, self.q)
             offset, period, n = self.clocks[k]
             self.clocks[k] = (offset, period, n + 1)
         self.z = self.engine.algebraics(self.t, self.x, self.z, self.q)
