@@ -12,7 +12,7 @@ import casadi as ca
 import numpy as np
 
 from fowtlib.components.aero import bem_numpy
-from fowtlib.components.aero.blade_aerodynamics import BladeAerodynamics
+from fowtlib.components.aero.blade_aerodynamics import Airfoil, BladeAerodynamics
 from fowtlib.language import ExternalFunction
 from fowtlib.language.errors import ParameterError
 
@@ -48,6 +48,7 @@ class BladeElementRotor:
     tangential_drag: bool = True
     tip_loss: bool = True
     hub_loss: bool = True
+    dynamic_inflow: bool = False
 
     def __post_init__(self):
         if self.blades < 1 or self.sense not in (1, -1):
@@ -63,12 +64,13 @@ class BladeElementRotor:
         """Names and lengths of the inputs."""
         n = self.nodes
         return {"position": 3 * n, "orientation": 9 * n, "velocity": 3 * n, "wind": 3 * n, "hub_position": 3,
-                "hub_orientation": 9, "hub_velocity": 3, "disk_wind": 3, "air_density": 1}  # fmt: skip
+                "hub_orientation": 9, "hub_velocity": 3, "disk_wind": 3, "air_density": 1,
+                **({"induced": len(self.blade.radius)} if self.dynamic_inflow else {})}  # fmt: skip
 
     @property
     def outputs(self) -> dict[str, int]:
         """Names and lengths of the outputs."""
-        return {"loads": 6 * self.nodes}
+        return {"loads": 6 * self.nodes, **({"quasi_steady": self.nodes} if self.dynamic_inflow else {})}
 
     @property
     def losses(self) -> tuple[np.ndarray, np.ndarray]:
@@ -82,15 +84,20 @@ class BladeElementRotor:
     @cached_property
     def sparsity(self) -> ca.Sparsity:
         """Of the Jacobian: own node and hub; the y axes of the nodes do not matter, only the x axis of the hub does."""
-        n = self.nodes
-        own = [np.arange(6 * i, 6 * i + 6) for i in range(n)]
-        everyone, nobody = np.arange(6 * n), np.arange(0)
+        n, stations = self.nodes, len(self.blade.radius)
+        loads, nobody = np.arange(6 * n), np.arange(0)
+        own = [loads[6 * i : 6 * i + 6] for i in range(n)]
+        at_station = [np.concatenate(own[k::stations]) for k in range(stations)]
+        everything = np.arange(sum(self.outputs.values()))
+        if self.dynamic_inflow:
+            own = [np.append(rows, 6 * n + i) for i, rows in enumerate(own)]
         columns = [own[i] for i in range(n) for _ in range(3)]
         columns += [own[i] if axis != 1 else nobody for i in range(n) for axis in range(3) for _ in range(3)]
         columns += 2 * [own[i] for i in range(n) for _ in range(3)]
-        columns += 6 * [everyone] + 6 * [nobody] + 6 * [everyone if self.skew else nobody] + [everyone]
+        columns += 6 * [everything] + 6 * [nobody] + 6 * [loads if self.skew else nobody] + [loads]
+        columns += at_station if self.dynamic_inflow else []
         starts = np.cumsum([0, *map(len, columns)])
-        return ca.Sparsity(6 * n, len(columns), starts.tolist(), np.concatenate(columns).tolist())
+        return ca.Sparsity(len(everything), len(columns), starts.tolist(), np.concatenate(columns).tolist())
 
     @cached_property
     def external(self) -> ExternalFunction:
@@ -111,22 +118,39 @@ class BladeElementRotor:
         # one cubic per knot; the last knot of an airfoil has none of its own and is never looked up
         cubics = [np.concatenate([foil.cubics, np.zeros((1, 3, 4))]).ravel() for foil in foils]
         sizes = [len(foil.angle) for foil in foils]
+        starts = np.cumsum([0, *sizes[:-1]])
+        degrees = np.radians(np.arange(-180, 180)) - 1e-9
+        first_in = [k + np.maximum(np.searchsorted(foil.angle, degrees, side="right") - 1, 0)
+                    for k, foil in zip(starts, foils, strict=True)]  # fmt: skip
+        station = [used.index(name) for name in b.airfoil]
+        most_lift, most_drag = (np.array([np.abs(foil.coefficients[:, k]).max() for foil in foils]) for k in (0, 1))
+        lines_of_lift = np.array([_lift_line(foil) for foil in foils])[station]
         tip, hub = self.losses
+        upright = np.prod([2 / np.pi * np.arccos(np.exp(-x)) for x in (tip, hub)], axis=0)
         pattern = self.sparsity
-        shapes = {"sparsity_in": [sum(self.inputs.values()), 1, 1], "sparsity_out": [6 * self.nodes, 1, 1],
+        shapes = {"sparsity_in": [sum(self.inputs.values()), 1, 1], "sparsity_out": [sum(self.outputs.values()), 1, 1],
                   "sparsity_jac": [*pattern.shape, *pattern.colind(), *pattern.row()]}  # fmt: skip
         numbers = {"chord": b.chord, "length": b.length, "tip_loss": tip, "hub_loss": hub,
+                   "least_loss": np.minimum(tip, hub), "upright_loss": upright, "most_lift": most_lift[station], "most_drag": most_drag[station],
+                   "lift_slope": lines_of_lift[:, 0], "zero_lift": lines_of_lift[:, 1],
                    "knot": np.concatenate([foil.angle for foil in foils]), "cubic": np.concatenate(cubics)}  # fmt: skip
-        integers = {"polar": [used.index(name) for name in b.airfoil], "knots": sizes,
-                    "first_knot": np.cumsum([0, *sizes[:-1]]).tolist()}  # fmt: skip
+        integers = {"polar": station, "first_in": np.concatenate(first_in),
+                    "last_knot": starts + np.array(sizes) - 2}  # fmt: skip
         macros = {"BLADES": self.blades, "STATIONS": len(b.radius), "SENSE": self.sense,
                   "TIP_RADIUS": _number(b.tip_radius), "SKEW": _number(self.skew), "SKEWED_WAKE": int(self.skew != 0),
-                  "AXIAL_DRAG": int(self.axial_drag), "TANGENTIAL_DRAG": int(self.tangential_drag)}  # fmt: skip
+                  "DYNAMIC_INFLOW": int(self.dynamic_inflow), "AXIAL_DRAG": int(self.axial_drag), "TANGENTIAL_DRAG": int(self.tangential_drag)}  # fmt: skip
         lines = [f"#define {key} ({value})" for key, value in macros.items()]
         lines += [_array("long long int", key, value) for key, value in shapes.items()]
         lines += [_array("int", key, value) for key, value in integers.items()]
         lines += [_array("double", key, value) for key, value in numbers.items()]
         return "\n".join(lines) + "\n"
+
+
+def _lift_line(foil: Airfoil) -> tuple[float, float]:
+    """Slope and zero of a straight line through the lift from -4 to 6 deg: where the search for the inflow begins."""
+    angle = np.radians(np.linspace(-4, 6, 101))
+    slope, lift = np.polyfit(angle, np.interp(angle, foil.angle, foil.coefficients[:, 0]), 1)
+    return (slope, -lift / slope) if slope > 0.1 else (0.0, 0.0)
 
 
 @cache
