@@ -76,9 +76,14 @@ static int airfoil(int station, double alpha, int wanted, double *value, double 
 static double loss(double f, double cot, double *log_slope) {
     *log_slope = 0;
     if (f > 38) return 1; /* to the last digit */
-    double e = exp(-f), factor = 2 / pi * acos(e);
-    if (factor < 1e-4) return 1e-4;
-    *log_slope = -2 / pi * e * f * cot / (sqrt(1 - e * e) * factor);
+    double e = exp(-f), q = e * e, factor, root;
+    if (q < 1e-6) { /* the series of acos and of the root, to the last digit too */
+        factor = 1 - 2 / pi * e * (1 + q / 6), root = 1 - q / 2;
+    } else {
+        factor = 2 / pi * acos(e), root = sqrt(1 - q);
+        if (factor < 1e-4) return 1e-4;
+    }
+    *log_slope = -2 / pi * e * f * cot / (root * factor);
     return factor;
 }
 
@@ -116,32 +121,31 @@ static void balance(int station, double phi, double twist, double sigma, struct 
 
 /* Where to look first: the root for a straight line of lift, no drag, and sin(phi) = phi = tan(phi) in the airfoil. */
 static double guess(int station, double Vx, double Vt, double twist, double sigma) {
-    double speed = sqrt(Vt * Vt + 4.0 / 9 * Vx * Vx);
-    double x = 1.22 * least_loss[station] * speed / Vx;
-    double F = sqrt(1 - 1 / (1 + x * (1 + x * (0.5 + x / 6)))); /* close to 2/pi acos(exp(-f)); x = 8 f / pi^2 */
+    double F = 1, x = 1.22 * least_loss[station] * (Vt / Vx + 0.2); /* 8 f / pi^2 at a = 1/3, roughly */
+    if (x < 6) F = sqrt(1 - 1 / (1 + x * (1 + x * (0.5 + x / 6)))); /* close to 2/pi acos(exp(-f)) */
     double m = sigma * lift_slope[station], theta = twist + zero_lift[station];
     double a = 4 * F * Vt + Vx * m, b = Vt * m - 4 * F * Vx - Vx * m * theta, root = b * b + 4 * a * Vt * m * theta;
-    double t = root > 0 ? (sqrt(root) - b) / (2 * a) : 0;
-    return t < 0.8 ? t * (15 + 4 * t * t) / (15 + 9 * t * t) : atan(t);
+    double t = root > 0 ? (sqrt(root) - b) / (2 * a) : 0, q = t * t;
+    return t < 0.5 ? t * ((1 - q * (1.0 / 3)) + q * q * (1.0 / 5 - q * (1.0 / 7))) : atan(t);
 }
 
-/* Moves b to the root near it along the cubics through it and the balance before it, a step of h ago; newton is its own
+/* Moves b to the root near it along the cubics through it and the balance a step before it; newton is its own
  * step. Returns the step, or 0 when the error could matter: another piece of a polar, or too far, as the cubics err by
  * (step h)^2 over the fourth power of sin(phi). */
-static double finish(double Vx, double Vt, double alpha, double h, double newton, const struct balance *past,
-                     struct balance *b) {
-    double now[6] = {b->A, b->B, b->F, b->A_phi, b->B_phi, b->F_phi}, per_step = 1 / h;
+static double finish(double Vx, double Vt, double alpha, double per_step, double per_slope, double newton,
+                     const struct balance *past, struct balance *b) {
+    double now[6] = {b->A, b->B, b->F, b->A_phi, b->B_phi, b->F_phi};
     double before[6] = {past->A, past->B, past->F, past->A_phi, past->B_phi, past->F_phi};
     double second[3], third[3], d = newton;
-    if (b->piece != past->piece || !(fabs(d * h) < 1e-6 * b->s * b->s && fabs(d) < 1e-4)) return 0;
+    if (b->piece != past->piece || !(fabs(d) < 4e-7 * b->s * b->s * fabs(per_step) && fabs(d) < 1e-4)) return 0;
     for (int i = 0; i < 3; i++) {
         double mean = (now[i] - before[i]) * per_step;
         second[i] = (2 * now[i + 3] + before[i + 3] - 3 * mean) * per_step;
         third[i] = (now[i + 3] + before[i + 3] - 2 * mean) * per_step * per_step;
     }
-    double R = Vt * b->A - Vx * b->B, R1 = Vt * b->A_phi - Vx * b->B_phi;
-    double R2 = Vt * second[0] - Vx * second[1], R3 = Vt * third[0] - Vx * third[1];
-    d -= (((R3 * d + R2) * d + R1) * d + R) / ((3 * R3 * d + 2 * R2) * d + R1);
+    double bend = (Vt * second[0] - Vx * second[1]) * per_slope, turn = (Vt * third[0] - Vx * third[1]) * per_slope;
+    if (!(fabs(d * bend) < 1e-3)) return 0;
+    d *= 1 - d * (bend - d * (2 * bend * bend - turn));
     int low = b->piece / 2;
     if (!(alpha + d >= knot[low] && alpha + d < knot[low + 1])) return 0;
     double s = b->s, c = b->c, half = d * d / 2, sine = d - d * half / 3;
@@ -157,7 +161,7 @@ static double finish(double Vx, double Vt, double alpha, double h, double newton
  * derivatives in b belong to the root as well when they are wanted, else to a place near it. */
 static int solve(int station, double Vx, double Vt, double twist, double sigma, int derivatives, double *phi,
                  struct balance *b) {
-    double side = Vx < 0 ? -1 : 1, low = edge, high = pi / 2, step = 0;
+    double side = Vx < 0 ? -1 : 1, low = edge, high = pi / 2, per_step = 0;
     struct balance past = {0};
     /* At pi/2 A is not less than 4 F - sigma |c_d| and B not more than sigma |c_l|: mostly that tells the half. */
     double least = 4 * upright_loss[station] - sigma * most_drag[station];
@@ -171,7 +175,8 @@ static int solve(int station, double Vx, double Vt, double twist, double sigma, 
     if (!(x > low && x < high)) x = (low + high) / 2;
     for (int i = 0; i < 200; i++) {
         balance(station, side * x, twist, sigma, b);
-        double residual = side * (Vt * b->A - Vx * b->B), newton = -residual / (Vt * b->A_phi - Vx * b->B_phi);
+        double residual = side * (Vt * b->A - Vx * b->B), per_slope = 1 / (Vt * b->A_phi - Vx * b->B_phi);
+        double newton = -residual * per_slope, step = newton;
         if (residual < 0) low = x; else high = x;
         if (high - low < 2e-14) break;
         if (fabs(newton) < 1e-9 && x + newton >= low && x + newton <= high) { /* go there along the slopes */
@@ -182,16 +187,15 @@ static int solve(int station, double Vx, double Vt, double twist, double sigma, 
             break;
         }
         if (!derivatives && i > 0 && x + newton > low && x + newton < high) {
-            double last = finish(Vx, Vt, side * x - twist, side * step, side * newton, &past, b);
+            double last = finish(Vx, Vt, side * x - twist, per_step, per_slope, side * newton, &past, b);
             if (last != 0) {
                 x += side * last;
                 break;
             }
         }
         if (residual == 0) break;
-        step = newton;
         if (!(fabs(step) < before / 2 && x + step > low && x + step < high)) step = (low + high) / 2 - x;
-        before = fabs(step);
+        before = fabs(step), per_step = side / step;
         x += step;
         past = *b;
     }
@@ -201,9 +205,9 @@ static int solve(int station, double Vx, double Vt, double twist, double sigma, 
 
 /* atan2(y, x), which is near the angle whose sine and cosine are given. */
 static double near_angle(double y, double x, double angle, double s, double c) {
-    double along = x * c + y * s, t = (y * c - x * s) / along, q = t * t;
+    double along = x * c + y * s, t = (y * c - x * s) / along, q = t * t, q2 = q * q;
     if (!(along > 0 && q < 0.0025)) return atan2(y, x);
-    return angle + t * (1 - q * (1.0 / 3 - q * (1.0 / 5 - q * (1.0 / 7 - q * (1.0 / 9 - q * (1.0 / 11 - q / 13))))));
+    return angle + t * ((1 - q * (1.0 / 3)) + q2 * ((1.0 / 5 - q * (1.0 / 7)) + q2 * (1.0 / 9 - q * (1.0 / 11))));
 }
 
 /* Loads of a section per length and air density: along e_x, along e_t, and the nose-up moment; then the quasi-steady
