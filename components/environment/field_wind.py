@@ -179,6 +179,17 @@ def _outside(lookup: FieldLookup, axis: str, low: float, high: float, points: in
     )
 
 
+def check_mean(lookup: FieldLookup) -> None:
+    """ParameterError where u has no mean: some programs write the turbulence alone. From about 200 planes."""
+    grid, plane = lookup.grid, lookup.field.plane
+    mean = float(lookup.field.speeds(plane[:: max(1, grid.steps // 200)].mean(axis=(0, 1, 2)))[0])
+    if mean < 0.1 * grid.speed:
+        raise ParameterError(
+            f"{lookup.field.path}: the mean of u is {mean:.3g} m/s, and {grid.speed:g} m/s in the header of the wind "
+            "field; add the mean wind to the turbulence in it."
+        )
+
+
 def require_range(lookup: FieldLookup, y_range: tuple[float, float], z_range: tuple[float, float], who: str) -> None:
     """ParameterError unless the field covers the ranges [m], both along its axes."""
     missing = []

@@ -11,7 +11,7 @@ import numpy as np
 
 from fowtlib.components.environment import turbulence
 from fowtlib.components.environment.field_lookup import FieldLookup
-from fowtlib.components.environment.field_wind import field_velocity, open_field, require_range
+from fowtlib.components.environment.field_wind import check_mean, field_velocity, open_field, require_range
 from fowtlib.components.environment.time_functions import (
     cosine_gust,
     extreme_gust,
@@ -169,6 +169,7 @@ def _file(wind: Wind) -> tuple[Any, Any, list[Any]]:
 
 def _field(wind: Wind) -> tuple[Any, Any, list[Any]]:
     lookup, hubs = _lookup(wind), np.insert(wind.hubs, 0, 0.0, axis=1)
+    check_mean(lookup)
     lookup.velocity(hubs + [lookup.shift, 0, 0], 0.0)  # an error now, if a station is outside of the field
     repeats = f"the wind field {wind.file} repeats itself after {lookup.grid.duration:g} s; use a longer one."
     periodic = lookup.grid.periodic

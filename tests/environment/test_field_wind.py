@@ -196,6 +196,9 @@ def test_mistakes(fields, tmp_path):
         simulate(drifting(path, stations=[[0, 90], [80, 90]]))
     with pytest.raises(ModelError, match=r"station 1 of Wind does not exist"):
         Wind(kind="field", file=path).mean_at(1)
+    alone = write_field(tmp_path / "alone.bts", GRID, np.random.default_rng(1).normal(0, 1, (80, 5, 7, 3)))
+    with pytest.raises(ModelError, match=r"alone.bts: the mean of u is .* m/s, and 10 m/s in the header .*; add the"):
+        simulate(drifting(alone.path))
     (tmp_path / "broken.bts").write_bytes(Path(path).read_bytes()[:-10])
     with pytest.raises(ModelError, match="broken.bts: truncated"):
         simulate(drifting(str(tmp_path / "broken.bts")))
