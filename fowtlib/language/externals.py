@@ -64,8 +64,7 @@ class ExternalFunction:
         elif source is not None:
             _say_once(f"{name} runs as Python code, slowly: {NO_COMPILER}")
         self.library = None if library is None else Path(library)
-        if explain is not None:
-            _explanations[name, self.library] = explain
+        _explanations[name, self.library] = explain or str  # str() is empty
         if self.library is not None:
             self.function = _from_library(name, self.library)
         else:
