@@ -2,12 +2,16 @@
 
 from __future__ import annotations
 
+from functools import lru_cache
+
 import numpy as np
 
-from fowtlib.components.mechanics import Beam, FixedTranslation, Frame, RigidBody
+from fowtlib.components.mechanics import Beam, BeamProperties, FixedTranslation, Frame, RigidBody
 from fowtlib.components.mechanics.beam_properties import given_beam
 from fowtlib.language import Component, RealOutput, Scalar, eq, param, port
 from fowtlib.language import math as m
+
+_mirrored = lru_cache(maxsize=8)(BeamProperties.mirrored)  # the same object for the same blade
 
 
 class Blade(Component):
@@ -47,7 +51,7 @@ class FlexibleBlade(Blade):
     def build(self):
         table = given_beam(self)
         self.beam = Beam(
-            table=table.mirrored() if self.mirrored else table, units=self.units,
+            table=_mirrored(table) if self.mirrored else table, units=self.units,
             treatment=self.treatment, torsion=self.torsion, damping_x=self.damping_flapwise,
             damping_y=self.damping_edgewise, node_points=self.node_points,
         )  # fmt: skip
