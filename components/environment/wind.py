@@ -11,7 +11,7 @@ import numpy as np
 
 from fowtlib.components.environment import turbulence
 from fowtlib.components.environment.field_lookup import FieldLookup
-from fowtlib.components.environment.field_wind import field_velocity, open_field
+from fowtlib.components.environment.field_wind import check_mean, field_velocity, open_field, require_range
 from fowtlib.components.environment.time_functions import (
     cosine_gust,
     extreme_gust,
@@ -97,6 +97,15 @@ class Wind(Component):
         speed = self.base[station] * height**self.shear_exponent + self.fluctuation[station]
         return m.vertcat(speed * m.cos(self.direction), speed * m.sin(self.direction), m.zeros(1, r.shape[1]))
 
+    def require(self, y_range: tuple[float, float], z_range: tuple[float, float], who: str) -> None:
+        """ParameterError, which names `who`, where a field does not cover y_range and z_range [m].
+
+        For parts whose size is known before the run: a rotor of radius R about the station (y, z) asks for
+        (y - R, y + R), (z - R, z + R). Like the stations, y is across the wind. Other kinds of wind are everywhere.
+        """
+        if self.kind == "field":
+            require_range(_lookup(self), y_range, z_range, who)
+
     @property
     def hubs(self) -> np.ndarray:
         """The stations as numbers, (n, 2)."""
@@ -160,6 +169,7 @@ def _file(wind: Wind) -> tuple[Any, Any, list[Any]]:
 
 def _field(wind: Wind) -> tuple[Any, Any, list[Any]]:
     lookup, hubs = _lookup(wind), np.insert(wind.hubs, 0, 0.0, axis=1)
+    check_mean(lookup)
     lookup.velocity(hubs + [lookup.shift, 0, 0], 0.0)  # an error now, if a station is outside of the field
     repeats = f"the wind field {wind.file} repeats itself after {lookup.grid.duration:g} s; use a longer one."
     periodic = lookup.grid.periodic
