@@ -32,6 +32,16 @@ class BeamLink(FixedTranslation):
     r: Vector = param(unit="m", structural=True, doc="from frame_a to frame_b, resolved in frame_a")
 
 
+class BeamTurn(TwoFrames):
+    """Fixed turn into the axes of a beam, or out of them; both frames keep the same origin."""
+
+    axes: Matrix = param(structural=True, doc="columns: axes of frame_b, resolved in frame_a")
+
+    def equations(self):
+        a, b = self.frame_a, self.frame_b
+        return [eq(b.r, a.r), rotation(a, b, np.asarray(self.axes, dtype=float), m.zeros(3)), self.transmit()]
+
+
 class BendingHinge(TwoFrames):
     """Sprung hinge with two axes, the bending of one unit of a beam; both frames keep the same origin.
 
