@@ -11,7 +11,7 @@ from fowtlib.components.mechanics.connectors import Frame
 from fowtlib.components.mechanics.interfaces import TwoFrames
 from fowtlib.components.mechanics.rotations import axis_rotation, unit_axis
 from fowtlib.components.mechanics.sensors import LoadSensor
-from fowtlib.language import Matrix, RealOutput, Scalar, Vector, der, eq, param, port, rotation, var
+from fowtlib.language import Array, Matrix, RealOutput, Scalar, Vector, der, eq, param, port, rotation, var
 from fowtlib.language import math as m
 from fowtlib.language.errors import ParameterError
 
@@ -189,7 +189,7 @@ class Beam(TwoFrames):
     stiffness_factor: Scalar = param(default=1.0, min=0, doc="factor on every stiffness")
     node_points: list = param(default=[], doc="frames along the beam: distance from the root [m], or a point (x, y, z)")
     n_nodes: int = param(default=lambda self: len(self.node_points), min=0, doc="number of those frames")
-    cuts: list = param(default=[], doc="places of section loads: distance from the root [m]")
+    cuts: Array = param(default=(), unit="m", structural=True, doc="places of section loads: distance from the root")
     n_cuts: int = param(default=lambda self: len(self.cuts), min=0, doc="number of those cuts")
     cut_axes: str = param(
         default="segment", choices=("segment", "section"),

@@ -2,9 +2,9 @@
 
 from __future__ import annotations
 
-from fowtlib.components.mechanics.bodies import PointMass
+from fowtlib.components.environment.world import World
 from fowtlib.components.mechanics.interfaces import TwoFrames
-from fowtlib.language import RealOutput, Scalar, assert_, der, eq, param, port, var
+from fowtlib.language import RealOutput, Scalar, assert_, der, eq, outer, param, port, var
 from fowtlib.language import math as m
 
 
@@ -26,15 +26,10 @@ class AxialWire(TwoFrames):
     tension_only: bool = param(default=False, doc="the wire goes slack instead of pushing")
     slack_tension: Scalar = param(default=1000.0, unit="N", min=1e-9, doc="width of the rounding, with tension_only")
 
+    world: World = outer(World)
     tension: RealOutput = port(unit="N", doc="tension, positive pulls the ends together")
 
     distance: Scalar = var(unit="m", state="never", doc="distance of the two ends")
-
-    def build(self):
-        if self.mass_per_length > 0:
-            half = self.mass_per_length * self.unstretched() / 2
-            for frame, name in ((self.frame_a, "half_a"), (self.frame_b, "half_b")):
-                self.connect(frame, self.add(name, PointMass(mass=half)).frame_a)
 
     def unstretched(self):
         """Length without tension."""
@@ -47,11 +42,14 @@ class AxialWire(TwoFrames):
         rate = m.dot(direction, der(b.r) - der(a.r))
         stretch = self.distance - self.length
         linear = self.pretension + self.axial_stiffness / self.unstretched() * stretch + self.damping * rate
+        half = self.mass_per_length * self.unstretched() / 2
+        gravity = m.vertcat(0, 0, -self.world.gravity)
+        weight = [half * (der(der(end.r)) - gravity) if self.mass_per_length else 0 for end in (a, b)]
         pushing = "the wire is in compression: give it more pretension, or tension_only"
         return [
             eq(self.distance, m.norm(line)),
             eq(self.tension, m.smooth_max(linear, 0, self.slack_tension) if self.tension_only else linear),
-            [eq(a.f, -direction * self.tension), eq(b.f, direction * self.tension)],
+            [eq(a.f, weight[0] - direction * self.tension), eq(b.f, weight[1] + direction * self.tension)],
             [eq(a.t, m.zeros(3)), eq(b.t, m.zeros(3))],
             assert_(self.distance > 1e-9, "the two ends of the wire meet, so its direction is undetermined"),
             [] if self.tension_only else assert_(self.tension > -1e-3 * self.slack_tension, pushing, level="warning"),

@@ -6,7 +6,7 @@ import numpy as np
 
 from fowtlib.components.mechanics import Beam, BeamTurn, FixedTranslation, Frame
 from fowtlib.components.support.tower import tube_or_table
-from fowtlib.language import Component, RealOutput, Scalar, Vector, eq, param, port
+from fowtlib.language import Array, Component, RealOutput, Scalar, Vector, eq, param, port
 from fowtlib.language import math as m
 from fowtlib.language.errors import ParameterError
 
@@ -23,8 +23,11 @@ class Arm(Component):
 
     to: Vector = param(unit="m", structural=True, doc="the tip, from frame_a, resolved in frame_a")
     root_radius: float = param(default=0.0, unit="m", min=0, doc="where the tube begins, from frame_a along the arm")
-    diameters: list = param(default=[], doc="outer diameters [m] at equal distances from root to tip, linear between")
-    wall_thicknesses: list = param(default=[], doc="wall thicknesses [m] at the same places")
+    diameters: Array = param(
+        default=(), unit="m", structural=True,
+        doc="outer diameters at equal distances from root to tip, linear between"
+    )  # fmt: skip
+    wall_thicknesses: Array = param(default=(), unit="m", structural=True, doc="wall thicknesses at the same places")
     density: float = param(default=8500.0, unit="kg/m^3", min=0, doc="density of the wall, with paint, bolts, flanges")
     young_modulus: float = param(default=210e9, unit="Pa", min=0, doc="Young's modulus of the wall")
     shear_modulus: float = param(default=80.8e9, unit="Pa", min=0, doc="shear modulus of the wall")
@@ -35,9 +38,15 @@ class Arm(Component):
     torsion: bool = param(default=False, doc="with torsion")
     damping_horizontal: Scalar = param(default=0.003, unit="s", min=0, doc="damping over stiffness, horizontal")
     damping_vertical: Scalar = param(default=damping_horizontal, unit="s", min=0, doc="the same, vertical")
-    node_distances: list = param(default=[], doc="frames along the arm: distance from the root of the tube [m]")
+    node_distances: Array = param(
+        default=(), unit="m", structural=True,
+        doc="frames along the arm: distance from the root of the tube"
+    )  # fmt: skip
     n_nodes: int = param(default=lambda self: len(self.node_distances), min=0, doc="number of those frames")
-    cuts: list = param(default=[], doc="places of section loads: distance from the root of the tube [m]")
+    cuts: Array = param(
+        default=(), unit="m", structural=True,
+        doc="places of section loads: distance from the root of the tube"
+    )  # fmt: skip
     n_cuts: int = param(default=lambda self: len(self.cuts), min=0, doc="number of those cuts")
 
     frame_a: Frame = port(doc="on the axis of the tower")

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from fowtlib.components.mechanics import Beam, BeamProperties, FixedTranslation, Frame, RigidBody, TwoFrames
 from fowtlib.components.mechanics.beam_properties import given_beam
-from fowtlib.language import RealOutput, Scalar, eq, param, port
+from fowtlib.language import Array, RealOutput, Scalar, eq, param, port
 from fowtlib.language import math as m
 from fowtlib.language.errors import ParameterError
 
@@ -68,13 +68,13 @@ class FlexibleTower(Tower):
 
     properties: str = param(default="", doc="path of a CSV with the properties, see read_beam")
     table: object = param(default=None, doc="the properties as BeamProperties, instead of a path")
-    heights: list = param(default=[], doc="heights of the stations [m], base first")
-    diameters: list = param(default=[], doc="outer diameters at the heights [m]")
-    wall_thicknesses: list = param(default=[], doc="wall thicknesses at the heights [m]")
+    heights: Array = param(default=(), unit="m", structural=True, doc="heights of the stations, base first")
+    diameters: Array = param(default=(), unit="m", structural=True, doc="outer diameters at the heights")
+    wall_thicknesses: Array = param(default=(), unit="m", structural=True, doc="wall thicknesses at the heights")
     density: float = param(default=8500.0, unit="kg/m^3", min=0, doc="density of the wall, with paint, bolts, flanges")
     young_modulus: float = param(default=210e9, unit="Pa", min=0, doc="Young's modulus of the wall")
     shear_modulus: float = param(default=80.8e9, unit="Pa", min=0, doc="shear modulus of the wall")
-    cuts: list = param(default=[], doc="places of section loads: height above the base [m]")
+    cuts: Array = param(default=(), unit="m", structural=True, doc="places of section loads: height above the base")
     n_cuts: int = param(default=lambda self: len(self.cuts), min=0, doc="number of those cuts")
     units: int = param(default=4, min=0, doc="number of beam units; 0: rigid")
     treatment: str = param(default="loaded_tip", choices=("plain", "loaded_tip", "free_tip"), doc="see Beam")

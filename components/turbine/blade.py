@@ -6,7 +6,7 @@ import numpy as np
 
 from fowtlib.components.mechanics import Beam, FixedTranslation, Frame, RigidBody
 from fowtlib.components.mechanics.beam_properties import given_beam
-from fowtlib.language import Component, RealOutput, Scalar, eq, param, port
+from fowtlib.language import Array, Component, RealOutput, Scalar, eq, param, port
 from fowtlib.language import math as m
 
 
@@ -42,7 +42,7 @@ class FlexibleBlade(Blade):
     mirrored: bool = param(default=False, doc="mirror image, for a rotor that turns counter-clockwise")
     treatment: str = param(default="free_tip", choices=("plain", "loaded_tip", "free_tip"), doc="see Beam")
     torsion: bool = param(default=False, doc="with torsion")
-    cuts: list = param(default=[], doc="places of section loads: distance from the root [m]")
+    cuts: Array = param(default=(), unit="m", structural=True, doc="places of section loads: distance from the root")
     n_cuts: int = param(default=lambda self: len(self.cuts), min=0, doc="number of those cuts")
     damping_flapwise: Scalar = param(default=0.003, unit="s", min=0, doc="damping over stiffness, flapwise")
     damping_edgewise: Scalar = param(default=damping_flapwise, unit="s", min=0, doc="damping over stiffness, edgewise")
