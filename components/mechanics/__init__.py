@@ -29,6 +29,7 @@ from fowtlib.components.mechanics.sensors import (
     RelativeSensor,
     VelocitySensor,
 )
+from fowtlib.components.mechanics.visual import VisualBox, VisualTube
 
 __all__ = [
     "AccelerationSensor",
@@ -69,6 +70,8 @@ __all__ = [
     "TwoFlanges",
     "TwoFrames",
     "VelocitySensor",
+    "VisualBox",
+    "VisualTube",
     "World",
     "WorldForce",
     "WorldTorque",

@@ -10,7 +10,20 @@ from fowtlib.components.environment.world import World
 from fowtlib.components.mechanics import Frame, IdealGear, RigidBody
 from fowtlib.components.servo import BaselineController, Generator, TorqueController, TorqueLaw
 from fowtlib.components.turbine.operating_point import STANDSTILL, OperatingPoint, SteadyTurbine
-from fowtlib.language import Component, Matrix, RealInput, RealOutput, Scalar, Vector, eq, outer, param, part, port
+from fowtlib.language import (
+    Component,
+    Matrix,
+    RealInput,
+    RealOutput,
+    Scalar,
+    Vector,
+    eq,
+    outer,
+    param,
+    part,
+    port,
+    shapes,
+)
 from fowtlib.language.errors import ModelError, ParameterError
 
 
@@ -77,6 +90,13 @@ class RotorNacelle(Component):
     def _start(component, name, value):
         if name in component.parameters and not component.is_set(name):
             setattr(component, name, value)
+
+    def drawing(self):
+        """The rotor, and behind it a box in proportion to its radius; the body has no other form."""
+        radius = self.rotor.parameter_value("radius") if "radius" in self.rotor.parameters else 0.0
+        centre, size = (0.14 * radius, 0, 0), (0.22 * radius, 0.085 * radius, 0.085 * radius)
+        box = [shapes.Box(self.frame, centre, size, material="nacelle")] if radius else []
+        return [*box, *self.rotor.drawing()]
 
     def equations(self):
         return [eq(self.rotor_speed, self.rotor.w)]
