@@ -64,7 +64,7 @@ class FlexibleBlade(Blade):
         for frame, axis, s, thickness, chord in pieces(self.beam):
             twist = sense * self.beam.table.at("twist", s)
             sections = outlines.blade_sections(axis, chord, thickness, twist, sense)
-            skins.append(shapes.Loft(frame, sections, material="blade"))
+            skins.append(shapes.Loft(frame, sections, closed=self.units == 0, material="blade"))
         return skins
 
     def equations(self):

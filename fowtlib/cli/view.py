@@ -17,7 +17,7 @@ if TYPE_CHECKING:
     from fowtlib.solving.results import Result
 
 PAGES = (".html", ".htm")
-EXAMPLES = """A result of a shipped model finds its model by itself; of a model file of your own, give both: MODEL --result.
+EXAMPLES = """A result of a shipped model finds its model; with a model file of your own give both: MODEL --result FILE.
 The page needs no network: it may be sent by mail. An address may end in #t=12.5&view=side&theme=dark&play.
 
 examples:
@@ -36,7 +36,7 @@ def declare(commands: Any) -> None:
     parser.add_argument("--result", type=Path, metavar="FILE", help="play this result (.nc) of MODEL")
     parser.add_argument("-o", "--output", type=Path, metavar="FILE", help="the page: .html; default: the model's name")
     parser.add_argument("--equilibrium", action="store_true", help="a model: at its mean position, not at its start")
-    parser.add_argument("--rate", type=positive, default=10.0, metavar="N", help="moments per second; default: 10")
+    parser.add_argument("--rate", type=positive, metavar="N", help="moments per second; default: 10 or more")
     parser.add_argument("--open", action="store_true", help="open the page in the browser")
     parser.set_defaults(action=view)
 
@@ -87,12 +87,15 @@ def _as_it_was(model: Model, result: Result, path: Path) -> Model:
     """The model with the parameters of the run; an error that names the first one which cannot be set again."""
     from fowtlib.solving.plant import structural_values
 
-    then, now = result.attributes["structure"], structural_values(model.root)
-    values = {key: value for key, value in then.items() if key in now and now[key] != value}
-    values |= {key: value for key, value in result.attributes["parameters"].items() if _was_changed(model, key, value)}
-    if values:
-        model = model.with_parameters(values)
-        now = structural_values(model.root)
+    then, numbers = result.attributes["structure"], result.attributes["parameters"]
+    now = structural_values(model.root)
+    for depth in sorted({key.count(".") for key in (*then, *numbers)}):  # what others follow lies above them
+        here = [key for key in (*then, *numbers) if key.count(".") == depth]
+        values = {key: then[key] for key in here if key in then and key in now and now[key] != then[key]}
+        values |= {key: numbers[key] for key in here if key in numbers and _was_changed(model, key, numbers[key])}
+        if values:
+            model = model.with_parameters(values)
+            now = structural_values(model.root)
     for key in sorted({*now, *then} if then else ()):
         if now.get(key, "absent") != then.get(key, "absent"):
             raise ModelError(
@@ -113,5 +116,6 @@ def _was_changed(model: Model, path: str, value: Any) -> bool:
         component = model.root.find(owner)
     except NotFoundError:
         return False  # the comparison of structures tells
-    field = component.parameters.get(name)
-    return field is not None and field.tunable and not np.array_equal(component.parameter_value(name), np.asarray(value))
+    if name not in component.parameters or not component.parameters[name].tunable:
+        return False
+    return not np.array_equal(component.parameter_value(name), np.asarray(value))

@@ -90,9 +90,13 @@ class Ball(Shape):
 
 @dataclass(frozen=True, eq=False)
 class Loft(Shape):
-    """A skin over closed sections (n, k, 3), each of k points in the same order; closed at both ends: a blade."""
+    """A skin over sections (n, k, 3), closed lines of k points each in the same order: a blade.
+
+    closed: with a cap at both ends; a piece that others go on from needs none.
+    """
 
     sections: np.ndarray
+    closed: bool = True
     _arrays = ("sections",)
 
 

@@ -9,7 +9,7 @@ import numpy as np
 from fowtlib.language import shapes
 
 SIDES = 28  # of round things
-ROD, BALL = 0.008, 0.016  # diameters that the picture chooses, as a share of the size of what it shows
+ROD, BALL = 0.011, 0.018  # diameters that the picture chooses, as a share of the size of what it shows
 
 
 @dataclass(frozen=True, eq=False)
@@ -31,7 +31,7 @@ def mesh(shape: shapes.Shape, size: float) -> Mesh:
     if isinstance(shape, shapes.Ball):
         return ball(shape.centre, BALL * size if shape.diameter is None else shape.diameter)
     if isinstance(shape, shapes.Loft):
-        return loft(shape.sections)
+        return loft(shape.sections, shape.closed)
     raise TypeError(f"no mesh for a {type(shape).__name__}")
 
 
@@ -90,20 +90,22 @@ def ball(centre: np.ndarray, diameter: float) -> Mesh:
     return Mesh(centre + normals * diameter / 2, normals, _grid(13, SIDES + 1))
 
 
-def loft(sections: np.ndarray) -> Mesh:
-    """A smooth skin over closed sections (n, k, 3)."""
-    closed = np.concatenate([sections, sections[:, :1]], axis=1)
-    n, k, _ = closed.shape
+def loft(sections: np.ndarray, closed: bool = True) -> Mesh:
+    """A smooth skin over sections (n, k, 3), which are closed lines; `closed`: with a cap at both ends."""
+    rings = np.concatenate([sections, sections[:, :1]], axis=1)
+    n, k, _ = rings.shape
     around = np.roll(sections, -1, axis=1) - np.roll(sections, 1, axis=1)
     along = np.gradient(sections, axis=0)
     normals = np.cross(around, along)
     outward = np.einsum("nki,nki->", normals, sections - sections.mean(axis=1, keepdims=True))
     normals *= (1 if outward.sum() >= 0 else -1) / (np.linalg.norm(normals, axis=2, keepdims=True) + 1e-300)
     normals = np.concatenate([normals, normals[:, :1]], axis=1)
-    skin = Mesh(closed.reshape(-1, 3), normals.reshape(-1, 3), _grid(n, k))
+    skin = Mesh(rings.reshape(-1, 3), normals.reshape(-1, 3), _grid(n, k))
+    if not closed:
+        return skin
     axis = sections[-1].mean(axis=0) - sections[0].mean(axis=0)
     axis /= np.linalg.norm(axis) + 1e-300
-    ends = [_cap(closed[i].mean(axis=0), closed[i], sign * axis) for i, sign in ((0, -1), (-1, 1))]
+    ends = [_cap(sections[i].mean(axis=0), rings[i], sign * axis) for i, sign in ((0, -1), (-1, 1))]
     return joined([skin, *ends])
 
 

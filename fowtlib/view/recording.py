@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Iterable, Mapping, Sequence
+from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass
 from typing import Any
 
@@ -110,11 +110,15 @@ class Cast:
         return _observed(observe, [arrow.value for arrow in self.arrows], moments)
 
 
-def moments_of(time: np.ndarray, rate: float, most: int) -> np.ndarray:
-    """Numbers of the output points to show: at most `rate` a second and `most` in all, first and last included."""
-    if time.size <= 1:
-        return np.arange(time.size)
-    duration = float(time[-1] - time[0])
+def moments_of(time: np.ndarray, rate: float | None, most: int) -> np.ndarray:
+    """Numbers of the output points to show: at most `rate` a second and `most` in all, first and last included.
+
+    Without a rate 10 a second, and 600 in all of a shorter run.
+    """
+    duration = float(time[-1] - time[0]) if time.size else 0.0
+    if duration <= 0:
+        return np.arange(min(time.size, 1))
+    rate = max(10.0, 600.0 / duration) if rate is None else rate
     step = max(1.0 / rate, duration / max(most - 1, 1))
     wanted = time[0] + step * np.arange(math.floor(duration / step * (1 + 1e-9)) + 1)
     numbers = np.searchsorted(time, wanted - 1e-6 * step)
@@ -170,9 +174,3 @@ def _name(frame: Any) -> str:
     if isinstance(frame, shapes.Turned):
         return f"{_name(frame.frame)} turned by {frame.angle}"
     return frame.path
-
-
-def chosen(result: Any, order: Mapping[str, int]) -> list[str]:
-    """Names of the scalar results, the usual ones of a floating turbine first."""
-    names = [name for name in result if result.array(name).ndim == 1]
-    return sorted(names, key=lambda name: min((rank for key, rank in order.items() if name.startswith(key)), default=99))

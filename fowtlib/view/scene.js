@@ -215,7 +215,7 @@ const GROUND = program(`
     vec2 near = abs(fract(cell - 0.5) - 0.5) / max(width, vec2(1e-6));
     float line = (1.0 - min(min(near.x, near.y), 1.0)) * (1.0 - smoothstep(0.2, 0.6, max(width.x, width.y)));
     float edge = 1.0 - smoothstep(0.75, 1.0, length(world.xy) / radius);
-    vec3 c = mix(mix(tint, sky, 0.35), mix(tint, vec3(0.0), 0.25), line);
+    vec3 c = mix(mix(tint, sky, 0.35), mix(tint, vec3(step(dot(tint, vec3(0.33)), 0.4)), 0.25), line);
     pixel = vec4(under(c, world.z), 0.9 * edge);
   }`);
 
@@ -303,7 +303,7 @@ const ribbons = scene.curves.map((curve) => {
 const reach = Math.hypot(scene.whole.centre[0], scene.whole.centre[1]) + scene.whole.size / 2;
 const radius = Math.max(1.15 * reach, 1.5 * scene.bodies.size), STRIPS = 420;
 const level = water ? -water.depth : scene.whole.low;
-const spacing = 10 ** Math.floor(Math.log10(radius / 3));
+const spacing = 10 ** Math.round(Math.log10(radius / 4));
 const ground = vertices(GROUND, { corner: [new Float32Array([-1, -1, 1, -1, -1, 1, 1, 1]), 2] }, strip(1));
 const sea = water && (() => {
   const along = new Float32Array(4 * (STRIPS + 1));
@@ -438,11 +438,11 @@ function render() {
 
 const byId = (name) => document.getElementById(name);
 const SPEEDS = [0.25, 0.5, 1, 2, 5, 10, 20, 50];
-byId("status").textContent = scene.status;
+byId("status").textContent = `${scene.status} Grid: ${spacing} m.`;
 byId("transport").hidden = last === 0;
 byId("water").hidden = !water;
 byId("follow").hidden = last === 0 || scene.follow < 0;
-byId("readings").hidden = !scene.readings.length;
+byId("readings").hidden = byId("values").hidden = !scene.readings.length;
 byId("slider").min = times[0];
 byId("slider").max = times[last];
 for (const value of SPEEDS) byId("speed").add(new Option(`${value} x`, value));
@@ -476,6 +476,7 @@ function setFollow(on) {
   byId("follow").setAttribute("aria-pressed", String(Boolean(followed)));
 }
 function setWater(on) { wet = on && Boolean(water); byId("water").setAttribute("aria-pressed", String(wet)); stale = true; }
+function toggleReadings() { byId("readings").hidden = !byId("readings").hidden; }
 function toggleHelp() { byId("help").hidden = !byId("help").hidden; }
 
 byId("play").onclick = () => setPlaying(!playing);
@@ -484,11 +485,12 @@ byId("speed").onchange = (event) => setSpeed(Number(event.target.value));
 byId("follow").onclick = () => setFollow(!followed);
 byId("water").onclick = () => setWater(!wet);
 byId("theme").onclick = () => setTheme(theme === "dark" ? "light" : "dark");
+byId("values").onclick = toggleReadings;
 byId("ask").onclick = byId("help").onclick = toggleHelp;
 byId("views").onclick = (event) => { if (event.target.dataset.view) look(event.target.dataset.view); };
 
 const KEYS = {
-  " ": () => setPlaying(!playing), f: () => setFollow(!followed), w: () => setWater(!wet), h: toggleHelp, "?": toggleHelp,
+  " ": () => setPlaying(!playing), f: () => setFollow(!followed), w: () => setWater(!wet), v: toggleReadings, h: toggleHelp, "?": toggleHelp,
   t: () => byId("theme").onclick(), Home: () => setTime(times[0]), End: () => setTime(times[last]),
   ArrowLeft: () => setTime(times[Math.max(bracket(time - 1e-6)[0], 0)]),
   ArrowRight: () => setTime(times[Math.min(bracket(time + 1e-6)[0] + 1, last)]),

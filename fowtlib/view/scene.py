@@ -6,7 +6,7 @@ import base64
 import html
 import json
 import webbrowser
-from collections.abc import Mapping
+from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
 from importlib import resources
 from pathlib import Path
@@ -20,9 +20,9 @@ from fowtlib.solving import Model, Plant, Result
 from fowtlib.solving.results import RawTrajectory
 from fowtlib.view import meshes
 from fowtlib.view.plots import PANELS
-from fowtlib.view.recording import Cast, Observe, Reading, chosen, moments_of
+from fowtlib.view.recording import Cast, Observe, Reading, moments_of
 
-READINGS = 24  # results beside the picture, at most
+READINGS = 24, 8  # results beside the picture, at most: of a turbine, of anything else
 ORDER = {name: rank for rank, name in enumerate(name for panel in PANELS for name in panel)}
 SIZE_LIMIT = 15e6  # bytes; of a longer run fewer moments a second are shown
 
@@ -61,7 +61,7 @@ def view(
     *,
     equilibrium: bool = False,
     parameters: Mapping[str, Any] | None = None,
-    rate: float = 10.0,
+    rate: float | None = None,
     size_limit: float = SIZE_LIMIT,
     show: bool = False,
 ) -> Animation:
@@ -71,17 +71,18 @@ def view(
     equilibrium  a model: at its mean position instead of its start; in constant wind and still water
     parameters   a model: values of tunable parameters, as for `plant.initial_state`
     rate         a result: moments shown for each simulated second, at most as many as the result has; between them the
-                 browser interpolates. To keep the file below size_limit [bytes] they become fewer.
+                 browser interpolates. None: 10, of a run shorter than 60 s more. To keep the file below size_limit
+                 [bytes] they become fewer.
     show         open the file in the browser
 
     Raises ModelError: a result without a model or without moments, nothing to draw, a file that cannot be written.
     """
-    if not rate > 0:
+    if rate is not None and not rate > 0:
         raise ModelError(f"view: {rate:g} moments per second cannot be shown; give a positive rate.")
     if isinstance(subject, Result):
         root = _with_values(subject.root, subject.attributes["parameters"])
         cast = Cast(root.drawing())
-        names = chosen(subject, ORDER)[:READINGS]
+        names = chosen([name for name in subject if subject.array(name).ndim == 1])
         most = max(2, int(size_limit / cast.bytes_per_moment(len(names))))
         recording = _of_result(subject, root, names, moments_of(subject.time, rate, most))
         name = subject.attributes["model"]
@@ -112,9 +113,10 @@ def scene(cast: Cast, recording: Recording) -> dict[str, Any]:
     speeds = cast.speeds(recording.observe, moments)
     bodies = _bounds([_placed(poses[0], number, _points(shape)) for number, shape in cast.solids] or [lines[0][0]])
     solids = [(number, shape, meshes.mesh(shape, bodies["size"])) for number, shape in cast.solids]
-    placed = [_placed(poses[0], number, solid.points) for number, _, solid in solids]
+    seen = poses[np.linspace(0, moments - 1, min(moments, 25)).astype(int)]
+    placed = [_placed(rows, number, solid.points[::5]) for number, _, solid in solids for rows in seen]
     bodies = _bounds(placed) if placed else bodies
-    whole = [*placed, *(line[0] for line in lines)]
+    whole = [*placed, *(line.reshape(-1, 3) for line in lines)]
     if cast.water is not None:
         whole.append(np.zeros((1, 3)))
     return {
@@ -129,8 +131,8 @@ def scene(cast: Cast, recording: Recording) -> dict[str, Any]:
         ],
         "curves": [_curve(shape, line, bodies["size"]) for shape, line in zip(cast.curves, lines, strict=True)],
         "arrows": [
-            {"tip": list(arrow.tip), "direction": list(arrow.direction), "lengths": _packed(arrow.scale * values, "<f4")}
-            for arrow, values in zip(cast.arrows, speeds.T, strict=True)
+            {"tip": list(arrow.tip), "direction": list(arrow.direction), "lengths": _packed(lengths, "<f4")}
+            for arrow, lengths in zip(cast.arrows, (speeds * [a.scale for a in cast.arrows]).T, strict=True)
         ],
         "arrow": _mesh(meshes.arrow()),
         "water": _water(cast.water),
@@ -172,7 +174,7 @@ def _of_model(model: Model, equilibrium: bool, parameters: Mapping[str, Any] | N
     groups = (plant.dae.states, plant.dae.algebraics, plant.dae.discretes)
     names = [tuple(quantity.path for quantity in group) for group in groups]
     raw = RawTrajectory(np.array([state.t]), state.x[None], state.z[None], state.d[None], *names)
-    values = {} if plant.dae.parameters.keys() == set() else plant.parameter_values(parameters)
+    values = plant.parameter_values(parameters)
     result = Result([state.t], {}, attributes={"parameters": values}, raw=raw, observe=plant.observer(raw, parameters))
     readings = _readings(plant, result)
     title = model.title or model.name or type(model.root).__name__
@@ -186,12 +188,22 @@ def _readings(plant: Plant, result: Result) -> list[Reading]:
     from fowtlib.language.units import from_si
 
     found = []
-    for name in sorted(plant.outputs, key=lambda n: min((r for k, r in ORDER.items() if n.startswith(k)), default=99)):
+    for name in chosen(plant.outputs):
         path, unit, doc = plant.outputs[name]
         value = result.array(path)
         if value.ndim == 1:
             found.append(Reading(name, unit, doc, np.asarray(from_si(value, plant.describe(path)[0], unit))))
-    return found[:READINGS]
+    return found
+
+
+def chosen(names: Iterable[str]) -> list[str]:
+    """The results to read: the usual ones of a floating turbine first."""
+
+    def rank(name: str) -> int:
+        return min((number for key, number in ORDER.items() if name.startswith(key)), default=len(ORDER))
+
+    ranked = sorted(names, key=rank)
+    return ranked[: READINGS[0] if ranked and rank(ranked[0]) < len(ORDER) else READINGS[1]]
 
 
 def _with_values(root: Any, parameters: Mapping[str, Any]) -> Any:
