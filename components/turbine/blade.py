@@ -2,14 +2,18 @@
 
 from __future__ import annotations
 
+from functools import lru_cache
+
 import numpy as np
 
 from fowtlib.components.aero import outlines
-from fowtlib.components.mechanics import Beam, FixedTranslation, Frame, RigidBody
+from fowtlib.components.mechanics import Beam, BeamProperties, FixedTranslation, Frame, RigidBody
 from fowtlib.components.mechanics.beam import pieces
 from fowtlib.components.mechanics.beam_properties import given_beam
 from fowtlib.language import Component, RealOutput, Scalar, eq, param, port, shapes
 from fowtlib.language import math as m
+
+_mirrored = lru_cache(maxsize=8)(BeamProperties.mirrored)  # the same object for the same blade
 
 
 class Blade(Component):
@@ -49,7 +53,7 @@ class FlexibleBlade(Blade):
     def build(self):
         table = given_beam(self)
         self.beam = Beam(
-            table=table.mirrored() if self.mirrored else table, units=self.units,
+            table=_mirrored(table) if self.mirrored else table, units=self.units,
             treatment=self.treatment, torsion=self.torsion, damping_x=self.damping_flapwise,
             damping_y=self.damping_edgewise, node_points=self.node_points,
         )  # fmt: skip
@@ -59,9 +63,16 @@ class FlexibleBlade(Blade):
             self.connect(self.beam.nodes[k], self.nodes[k])
 
     def drawing(self):
-        """The skin, by the sizes that follow from the inertia of the sections."""
+        return self.skin()
+
+    def skin(self, stations=None, chords=None):
+        """What pictures show; sizes follow from the inertia of the sections, unless the chord [m] is known at stations.
+
+        stations (n,): distance from the root [m].
+        """
         sense, skins = -1 if self.mirrored else 1, []
-        for frame, axis, s, thickness, chord in pieces(self.beam):
+        for frame, axis, s, thickness, estimate in pieces(self.beam):
+            chord = estimate if chords is None else np.interp(s, stations, chords)
             twist = sense * self.beam.table.at("twist", s)
             sections = outlines.blade_sections(axis, chord, thickness, twist, sense)
             skins.append(shapes.Loft(frame, sections, closed=self.units == 0, material="blade"))
