@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import math
+
 import numpy as np
 
 from fowtlib.components.mechanics.beam_division import TREATMENTS, Piece, divide, elastic_axis, pieces, section_axes
@@ -11,7 +13,7 @@ from fowtlib.components.mechanics.connectors import Frame
 from fowtlib.components.mechanics.interfaces import TwoFrames
 from fowtlib.components.mechanics.rotations import axis_rotation, unit_axis
 from fowtlib.components.mechanics.sensors import LoadSensor
-from fowtlib.language import Array, Matrix, RealOutput, Scalar, Vector, der, eq, param, port, rotation, var
+from fowtlib.language import Array, Matrix, RealOutput, Scalar, Vector, der, eq, param, port, rotation, shapes, var
 from fowtlib.language import math as m
 from fowtlib.language.errors import ParameterError
 
@@ -237,6 +239,9 @@ class Beam(TwoFrames):
         segment = piece.segment
         return BeamSegment(mass=segment.mass, inertia=segment.inertia, r_cm=segment.centre - origin)
 
+    def drawing(self):
+        return [shapes.Tube(frame, axis, np.maximum(x, y), material="tower") for frame, axis, _, x, y in bodies(self)]
+
     def _link(self, frame, r, name):
         link = self.add(name, BeamLink(r=r))
         self.connect(frame, link.frame_a)
@@ -266,3 +271,20 @@ class Beam(TwoFrames):
             eq(self.root_force, a.R.T @ a.f),
             eq(self.root_moment, a.R.T @ a.t),
         ]
+
+
+def bodies(beam):
+    """The rigid segments of a Beam from root to tip, for pictures, each with stations along it.
+
+    Frame, elastic axis in the frame (n, 3), distance from the root (n,), sizes along x and y (n,) [m].
+    """
+    table = given_beam(beam)
+    parts = divide(table, beam.units, beam.treatment)
+    frames = [beam.frame_a, *(beam.parts[f"unit_{i + 1}"].frame_b for i in range(beam.units))]
+    found = []
+    for frame, place, segment in zip(frames, [np.zeros(3), *parts.points], parts.segments, strict=True):
+        stations = max(3, math.ceil((segment.end - segment.start) / table.length * 24) + 1)
+        s = np.linspace(segment.start, segment.end, stations)
+        axis = np.array([elastic_axis(table, si) for si in s]) - place
+        found.append((frame, axis, s, *table.outline(s)))
+    return found

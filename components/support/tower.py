@@ -6,7 +6,7 @@ from functools import lru_cache
 
 from fowtlib.components.mechanics import Beam, BeamProperties, FixedTranslation, Frame, RigidBody, TwoFrames
 from fowtlib.components.mechanics.beam_properties import given_beam
-from fowtlib.language import Array, RealOutput, Scalar, eq, param, port
+from fowtlib.language import Array, RealOutput, Scalar, eq, param, port, shapes
 from fowtlib.language import math as m
 from fowtlib.language.errors import ParameterError
 
@@ -142,3 +142,9 @@ class RigidTower(Tower):
 
     def equations(self):
         return self.loads(m.zeros(3))
+
+    def drawing(self):
+        """A tube with the mean diameter of a thin wall, from the inertia about its axis; a rod where that is zero."""
+        height, mass, inertia = (self.parameter_value(name) for name in ("height", "mass", "axial_inertia"))
+        diameter = 2 * (inertia / mass) ** 0.5 if inertia and mass else None
+        return [shapes.Tube(self.frame_a, [(0, 0, 0), (0, 0, height)], diameter, material="tower")]

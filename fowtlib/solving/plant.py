@@ -213,7 +213,7 @@ class Plant:
             raise SimulationError("the result is of another model: its states are not those of this one.")
         u = np.repeat(self.inputs()[None], len(raw.time), axis=0)
         observation = Observation(self, self.evaluation(parameters), raw.time, raw.x, raw.z, u, raw.d)
-        return Observer(observation.values, self.describe, self.dae.names)
+        return Observer(observation.values, self.describe, self.dae.names, self.root)
 
     # --- uses ----------------------------------------------------------------------------------------------------
 
