@@ -152,7 +152,7 @@ def test_any_numbers_keep_their_digits(tmp_path_factory, numbers, size, middle):
 def test_what_the_format_cannot_hold(tmp_path):
     path = tmp_path / "x.outb"
     late = np.array([0.0, 0.1, 0.2, 0.25])
-    message = r"x\.outb: the file format knows evenly spaced times only, and these are not: 0\.2 s is followed by 0\.25 s"
+    message = r"x\.outb: the file format knows evenly spaced times only, and .* not: 0\.2 s is followed by 0\.25 s"
     with pytest.raises(ModelError, match=message):
         Result(late, {"surge": late}).save(path)
     values = np.sin(TIME)
