@@ -4,8 +4,9 @@ from __future__ import annotations
 
 import math
 from functools import lru_cache
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
+import casadi as ca
 import numpy as np
 
 from fowtlib.components.environment import turbulence
@@ -21,10 +22,7 @@ from fowtlib.components.environment.time_functions import (
 from fowtlib.components.environment.wind_file import WindSeries, read_series
 from fowtlib.language import Array, Component, RealOutput, Scalar, assert_, eq, param, port, time_series, var, when
 from fowtlib.language import math as m
-from fowtlib.language.errors import ParameterError
-
-if TYPE_CHECKING:
-    import casadi as ca
+from fowtlib.language.errors import ParameterError, StructureError
 
 LOWEST_HEIGHT = 1e-3  # of the station's height: below, and under water, the power law keeps its value
 
@@ -85,16 +83,19 @@ class Wind(Component):
         return [eq(self.base, base), eq(self.fluctuation, fluctuation), eq(self.speed, speed), *statements]
 
     def velocity(self, r: ca.SX, station: int = 0) -> ca.SX:
-        """Wind velocity (3, world) at position r (3, world), with the series of a station; while flattening.
+        """Wind velocities (3, n, world) at n positions r (3, n, world), with the series of a station; while flattening.
 
-        A field needs no station, and takes n positions (3, n) in one call.
+        A field needs no station: it knows u, v, w everywhere. One call for all nodes of a rotor costs the least.
         """
+        r = ca.SX(r)
+        if r.shape[0] != 3:
+            raise StructureError(f"the wind is wanted at positions {r.shape[0]} x {r.shape[1]}; give them as 3 x n.")
         if self.kind == "field":
             world = m.rotation_z(self.direction)  # from the axes of the field
             return world @ field_velocity(_lookup(self), self.time, world.T @ r)
-        height = m.fmax(r[2] / _height(self, station), LOWEST_HEIGHT)
+        height = m.fmax(r[2, :] / _height(self, station), LOWEST_HEIGHT)
         speed = self.base[station] * height**self.shear_exponent + self.fluctuation[station]
-        return m.vertcat(speed * m.cos(self.direction), speed * m.sin(self.direction), 0)
+        return m.vertcat(speed * m.cos(self.direction), speed * m.sin(self.direction), m.zeros(1, r.shape[1]))
 
     @property
     def hubs(self) -> np.ndarray:

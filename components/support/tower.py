@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from functools import lru_cache
+
 from fowtlib.components.mechanics import Beam, BeamProperties, FixedTranslation, Frame, RigidBody, TwoFrames
 from fowtlib.components.mechanics.beam_properties import given_beam
 from fowtlib.language import RealOutput, Scalar, eq, param, port
@@ -79,12 +81,19 @@ class FlexibleTower(Tower):
             return given_beam(self)
         if self.properties or self.table is not None:
             raise ParameterError(f"{self.label}: give either properties, or heights, diameters and wall_thicknesses.")
-        material = {name: getattr(self, name) for name in ("density", "young_modulus", "shear_modulus")}
-        walls = (self.heights, self.diameters, self.wall_thicknesses)
-        return BeamProperties.tube(*walls, **material)
+        material = (self.density, self.young_modulus, self.shear_modulus)
+        return _tube(tuple(self.heights), tuple(self.diameters), tuple(self.wall_thicknesses), material)
 
     def equations(self):
         return self.loads(self.beam.deflection)
+
+
+@lru_cache(maxsize=32)
+def _tube(z: tuple, diameters: tuple, walls: tuple, material: tuple) -> BeamProperties:
+    """The same object for the same tube."""
+    density, young_modulus, shear_modulus = material
+    steel = {"density": density, "young_modulus": young_modulus, "shear_modulus": shear_modulus}
+    return BeamProperties.tube(z, diameters, walls, **steel)
 
 
 class RigidTower(Tower):
