@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import dataclass
 from typing import Any
 
@@ -68,13 +69,15 @@ class RigidRotor:
         return float(normal @ loads[:, :3].sum(axis=0)), float(self.rotor.sense * normal @ moment.sum(axis=0))
 
 
-def coefficient_table(rotor: BladeElementRotor, tip_speed_ratios: Any, blade_pitch: Any, *, precone: float = 0.0,
-                      speed: float = 1.0) -> CoefficientTable:  # fmt: skip
+def coefficient_table(
+    rotor: BladeElementRotor, tip_speed_ratios: Any, blade_pitch: Any, *, precone: float = 0.0, speed: float = 1.0,
+    progress: Callable[[int, int], None] | None = None,
+) -> CoefficientTable:  # fmt: skip
     """C_t and C_q over tip speed ratio and collective pitch [rad], by this theory: shaft along the wind, no tilt.
 
     As in CoefficientRotor the tip speed ratio counts the radius along the blade and the coefficients R = radius
     cos(precone). C_p = tip speed ratio C_q cos(precone). speed [rad/s] scales the wind, and the coefficients do not
-    depend on it: the airfoils have no Reynolds number.
+    depend on it: the airfoils have no Reynolds number. progress(done, all) is called after each tip speed ratio.
     """
     rigid, radius = RigidRotor(rotor, precone), rotor.blade.tip_radius
     R = radius * np.cos(precone)
@@ -86,6 +89,8 @@ def coefficient_table(rotor: BladeElementRotor, tip_speed_ratios: Any, blade_pit
         for j, pitch in enumerate(pitches):
             thrust, torque = rigid.thrust_and_torque([wind, 0, 0], speed, pitch, air_density=1.0)
             values[i, j] = thrust / pressure, torque / (pressure * R)
+        if progress is not None:
+            progress(i + 1, len(ratios))
     return CoefficientTable(ratios, pitches, values[..., 0], values[..., 1])
 
 

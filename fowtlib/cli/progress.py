@@ -38,3 +38,17 @@ def progress_bar(begin: float = 0.0) -> Iterator[Report]:
             bar.update(task, completed=t - begin, total=t_end - begin, factor=factor, visible=True)
 
         yield report
+
+
+@contextmanager
+def counting_bar(what: str) -> Iterator[Callable[[int, int], None]]:
+    """A bar on stderr for work in equal steps; gives `report(done, all)`. Without a terminal nothing is shown."""
+    from rich.progress import BarColumn, MofNCompleteColumn, Progress, TextColumn, TimeRemainingColumn
+
+    from fowtlib.cli.tables import console
+
+    columns = (TextColumn(what), BarColumn(), MofNCompleteColumn(), TimeRemainingColumn())
+    screen = console(stderr=True)
+    with Progress(*columns, console=screen, disable=not screen.is_terminal, transient=True) as bar:
+        task = bar.add_task("", total=None)
+        yield lambda done, whole: bar.update(task, completed=done, total=whole)
