@@ -20,8 +20,22 @@ from fowtlib.components.environment.time_functions import (
     warn_of_repetition,
 )
 from fowtlib.components.environment.wind_file import WindSeries, read_series
-from fowtlib.language import Array, Component, RealOutput, Scalar, assert_, eq, param, port, time_series, var, when
+from fowtlib.language import (
+    Array,
+    Component,
+    RealOutput,
+    Scalar,
+    assert_,
+    eq,
+    param,
+    port,
+    shapes,
+    time_series,
+    var,
+    when,
+)
 from fowtlib.language import math as m
+from fowtlib.language.declarations import join
 from fowtlib.language.errors import ParameterError, StructureError
 
 LOWEST_HEIGHT = 1e-3  # of the station's height: below, and under water, the power law keeps its value
@@ -82,6 +96,9 @@ class Wind(Component):
         speed = self.base + self.fluctuation
         return [eq(self.base, base), eq(self.fluctuation, fluctuation), eq(self.speed, speed), *statements]
 
+    def drawing(self):
+        return [] if self.kind == "none" else _arrows(self)
+
     def velocity(self, r: ca.SX, station: int = 0) -> ca.SX:
         """Wind velocities (3, n, world) at n positions r (3, n, world), with the series of a station; while flattening.
 
@@ -129,6 +146,15 @@ class Wind(Component):
             sigma = self.turbulence_intensity * speed
         grid = {name: getattr(self, name) for name in ("seed", "sample_step", "repetition_period")}
         return _turbulence(tuple(map(tuple, self.hubs.tolist())), speed, sigma, height=self.reference_height, **grid)
+
+
+def _arrows(wind: Wind) -> list[shapes.Drawn]:
+    """An arrow 30 m before each station; its length is the way of the wind in 3 s."""
+    angle = wind.parameter_value("direction")
+    direction = np.array([math.cos(angle), math.sin(angle), 0.0])
+    places = np.insert(wind.hubs, 0, 0.0, axis=1) - 30.0 * direction
+    speeds = [join(wind.path, f"speed[{i}]") for i in range(len(places))]
+    return [shapes.Arrow(place, direction, speed, 3.0) for place, speed in zip(places, speeds, strict=True)]
 
 
 def _none(wind: Wind) -> tuple[Any, Any, list[Any]]:

@@ -2,10 +2,8 @@
 
 from __future__ import annotations
 
-import warnings
 from collections.abc import Callable, Iterator, Mapping
 from contextlib import contextmanager
-from functools import lru_cache
 from pathlib import Path
 from typing import Any
 
@@ -14,7 +12,7 @@ import numpy as np
 
 from fowtlib.language.equations import external
 from fowtlib.language.errors import ParameterError, SimulationError, StructureError, did_you_mean
-from fowtlib.language.native import NO_COMPILER, compile_library, compiler
+from fowtlib.language.native import NO_COMPILER, compile_library, compiler, say_once
 
 Compute = Callable[[np.ndarray], Any]
 
@@ -62,7 +60,7 @@ class ExternalFunction:
         if source is not None and (compiler() or python is None):
             library = compile_library(source, name)
         elif source is not None:
-            _say_once(f"{name} runs as Python code, slowly: {NO_COMPILER}")
+            say_once(f"{name} runs as Python code, slowly: {NO_COMPILER}")
         self.library = None if library is None else Path(library)
         _explanations[name, self.library] = explain or str  # str() is empty
         if self.library is not None:
@@ -97,6 +95,14 @@ class ExternalFunction:
         return dict(zip(self.outputs, ca.vertsplit(ca.vec(result), ends), strict=True))
 
 
+class LibraryFunction(ca.Function):
+    """A function of a shared library that still knows its path, for engines that call the library themselves."""
+
+    def __init__(self, function: ca.Function, path: Path):
+        super().__init__(function)
+        self.path = path
+
+
 @contextmanager
 def refusals_explained() -> Iterator[None]:
     """SimulationError with the words of the external function, in place of CasADi's error about a call that failed."""
@@ -111,16 +117,11 @@ def refusals_explained() -> Iterator[None]:
         raise SimulationError(" ".join(reasons)) from None
 
 
-@lru_cache(maxsize=64)
-def _say_once(message: str) -> None:
-    warnings.warn(message, RuntimeWarning, stacklevel=4)
-
-
-def _from_library(name: str, path: Path) -> ca.Function:
+def _from_library(name: str, path: Path) -> LibraryFunction:
     if not path.is_file():
         raise ParameterError(f"external function {name}: there is no library {path}.")
     try:
-        return ca.external(name, str(path.resolve()))
+        return LibraryFunction(ca.external(name, str(path.resolve())), path.resolve())
     except RuntimeError as error:
         reason = [line for line in str(error).splitlines() if line.strip()][-1].strip()
         raise ParameterError(f"external function {name}: {path} cannot be used: {reason}") from None
