@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from fowtlib.components.mechanics.beam_division import TREATMENTS, Piece, divide, elastic_axis, pieces, section_axes
+from fowtlib.components.mechanics.beam_division import TREATMENTS, Division, divide, elastic_axis, pieces, section_axes
 from fowtlib.components.mechanics.beam_properties import given_beam
 from fowtlib.components.mechanics.bodies import FixedTranslation, RigidBody
 from fowtlib.components.mechanics.connectors import Frame
@@ -174,7 +174,9 @@ class Beam(TwoFrames):
     Damping is proportional to stiffness, damping ratio = pi frequency damping. All frames along the beam are parallel
     to frame_a while it is undeflected: the structural twist turns the axes of the hinges, not the frames.
     A cut parts the rigid segment in which it lies, so its loads hold the weight and the inertia of all that is beyond;
-    a node at the place of a cut belongs to its root side. units = 0 makes the beam rigid.
+    a node at the place of a cut belongs to its root side. The axes turn with the beam: cut_axes "segment" are parallel
+    to frame_a while it is undeflected, "section" are the principal axes (structural twist) and the tangent there.
+    units = 0 makes the beam rigid.
     """
 
     properties: str = param(default="", doc="path of a CSV with the properties, see read_beam")
@@ -191,23 +193,15 @@ class Beam(TwoFrames):
     n_nodes: int = param(default=lambda self: len(self.node_points), min=0, doc="number of those frames")
     cuts: Array = param(default=(), unit="m", structural=True, doc="places of section loads: distance from the root")
     n_cuts: int = param(default=lambda self: len(self.cuts), min=0, doc="number of those cuts")
-    cut_axes: str = param(
-        default="segment", choices=("segment", "section"),
-        doc="axes of the loads of a cut, turning with the beam: parallel to frame_a while undeflected, or the "
-        "principal axes of the section (structural twist) and the tangent",
-    )  # fmt: skip
+    cut_axes: str = param(default="segment", choices=("segment", "section"), doc="axes of the loads of cuts, see above")
 
     nodes: Frame = port(size="n_nodes", optional=True, doc="frames along the beam, for loads and sensors")
 
     deflection: RealOutput = port(unit="m", shape=(3,), doc="displacement of frame_b, resolved in frame_a")
     root_force: RealOutput = port(unit="N", shape=(3,), doc="force of the root on the beam, resolved in frame_a")
     root_moment: RealOutput = port(unit="N*m", shape=(3,), doc="moment of the root on the beam, resolved in frame_a")
-    cut_force: RealOutput = port(
-        size="n_cuts", unit="N", shape=(3,), doc="force of the root side on the tip side of each cut, in cut_axes"
-    )
-    cut_moment: RealOutput = port(
-        size="n_cuts", unit="N*m", shape=(3,), doc="moment of the root side on the tip side, about the elastic axis"
-    )
+    cut_force: RealOutput = port(size="n_cuts", unit="N", shape=(3,), doc="force of the root side on the tip side")
+    cut_moment: RealOutput = port(size="n_cuts", unit="N*m", shape=(3,), doc="moment, about the elastic axis at the cut")
 
     def build(self):
         beam = given_beam(self)
@@ -216,44 +210,22 @@ class Beam(TwoFrames):
         for piece in pieces(beam, parts, self.cuts):
             if piece.hinge or piece.cut:
                 arm = f"arm_{piece.hinge}" if piece.hinge else f"to_cut_{piece.cut}"
-                joint = self._hinge(parts, piece.hinge) if piece.hinge else self.add(f"cut_{piece.cut}", LoadSensor())
-                self.connect(self._link(frame, piece.root - origin, arm), joint.frame_a)
+                joint = _hinge(self, parts, piece.hinge) if piece.hinge else self.add(f"cut_{piece.cut}", LoadSensor())
+                self.connect(_link(self, frame, piece.root - origin, arm), joint.frame_a)
                 frame, origin = joint.frame_b, piece.root
             carriers.append((piece, frame, origin))
             if piece.segment.end > piece.segment.start:
-                self.connect(frame, self.add(piece.name, self._body(piece, origin)).frame_a)
-        self.connect(self._link(frame, parts.tip - origin, "end"), self.frame_b)
+                body = BeamSegment(
+                    mass=piece.segment.mass, inertia=piece.segment.inertia, r_cm=piece.segment.centre - origin
+                )
+                self.connect(frame, self.add(piece.name, body).frame_a)
+        self.connect(_link(self, frame, parts.tip - origin, "end"), self.frame_b)
         for k, given in enumerate(self.node_points):
             point = elastic_axis(beam, float(given)) if np.ndim(given) == 0 else np.asarray(given, dtype=float)
             if not -1e-9 <= point[2] <= beam.length + 1e-9:
                 raise ParameterError(f"node {k + 1} at {point[2]:g} m is off the beam of {beam.length:g} m.")
             _, frame, origin = next((c for c in carriers if point[2] <= c[0].segment.end), carriers[-1])
-            self.connect(self._link(frame, point - origin, f"to_node_{k + 1}"), self.nodes[k])
-
-    def _hinge(self, parts, i):
-        return self.add(f"unit_{i}", BeamUnit(axes=parts.axes[i - 1], **self._elasticity(parts, i - 1)))
-
-    def _body(self, piece: Piece, origin):
-        segment = piece.segment
-        return BeamSegment(mass=segment.mass, inertia=segment.inertia, r_cm=segment.centre - origin)
-
-    def _link(self, frame, r, name):
-        link = self.add(name, BeamLink(r=r))
-        self.connect(frame, link.frame_a)
-        return link.frame_b
-
-    def _elasticity(self, parts, i):
-        """Stiffness and damping of unit i."""
-        given = {"torsion": parts.torsion, "stretch": parts.stretch}
-        columns = {"stiffness_x": parts.stiffness_x, "stiffness_y": parts.stiffness_y}
-        for (name, values), column in zip(given.items(), ("torsional_stiffness", "axial_stiffness"), strict=True):
-            if getattr(self, name):
-                if values is None:
-                    raise ParameterError(f"{self.label}: {name} needs the {column} of the properties.")
-                columns[column] = values
-        stiffness = {name: self.stiffness_factor * float(values[i]) for name, values in columns.items()}
-        damping = {name: getattr(self, name) for name in ("damping_x", "damping_y", "damping")}
-        return {**stiffness, **damping, "torsion": self.torsion, "stretch": self.stretch}
+            self.connect(_link(self, frame, point - origin, f"to_node_{k + 1}"), self.nodes[k])
 
     def equations(self):
         a, b, beam = self.frame_a, self.frame_b, given_beam(self)
@@ -266,3 +238,25 @@ class Beam(TwoFrames):
             eq(self.root_force, a.R.T @ a.f),
             eq(self.root_moment, a.R.T @ a.t),
         ]
+
+
+def _link(beam: Beam, frame, r, name):
+    """A frame at r from another one."""
+    link = beam.add(name, BeamLink(r=r))
+    beam.connect(frame, link.frame_a)
+    return link.frame_b
+
+
+def _hinge(beam: Beam, parts: Division, number: int) -> BeamUnit:
+    """The elastic joint of a unit, with its stiffness and damping. Raises ParameterError for a missing stiffness."""
+    i, given = number - 1, {"torsion": parts.torsion, "stretch": parts.stretch}
+    columns = {"stiffness_x": parts.stiffness_x, "stiffness_y": parts.stiffness_y}
+    for (name, values), column in zip(given.items(), ("torsional_stiffness", "axial_stiffness"), strict=True):
+        if getattr(beam, name):
+            if values is None:
+                raise ParameterError(f"{beam.label}: {name} needs the {column} of the properties.")
+            columns[column] = values
+    stiffness = {name: beam.stiffness_factor * float(values[i]) for name, values in columns.items()}
+    damping = {name: getattr(beam, name) for name in ("damping_x", "damping_y", "damping")}
+    unit = BeamUnit(axes=parts.axes[i], torsion=beam.torsion, stretch=beam.stretch, **stiffness, **damping)
+    return beam.add(f"unit_{number}", unit)
