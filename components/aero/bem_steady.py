@@ -69,12 +69,23 @@ class RigidRotor:
 
     def thrust_and_torque(self, wind: Any, speed: float, pitch: Any = 0.0, **more: Any) -> tuple[float, float]:
         """Thrust along the rotor normal [N], torque that drives the shaft [N m]."""
-        inputs = self.inputs(wind, speed, pitch, **more)
+        return self._along_the_shaft(self.inputs(wind, speed, pitch, **more))
+
+    def _along_the_shaft(self, inputs: np.ndarray) -> tuple[float, float]:
         n, start = self.rotor.nodes, 18 * self.rotor.nodes
         loads, arm = self.loads(inputs), inputs[: 3 * n].reshape(n, 3) - inputs[start : start + 3]
         moment = np.cross(arm, loads[:, :3]) + loads[:, 3:]
         normal = self.hub_axes()[:, 0]
         return float(normal @ loads[:, :3].sum(axis=0)), float(self.rotor.sense * normal @ moment.sum(axis=0))
+
+    def sweep(self, winds: np.ndarray, speed: float, pitch: float, **more: Any) -> list[tuple[float, float]]:
+        """Thrust and torque in several uniform winds [m/s] along x, at the same rotor speed and pitch."""
+        inputs, n = self.inputs([1.0, 0, 0], speed, pitch, **more), self.rotor.nodes
+        found = []
+        for wind in winds:
+            inputs[15 * n : 18 * n : 3] = inputs[-4] = wind  # x of the wind at the nodes and of the disk wind
+            found.append(self._along_the_shaft(inputs))
+        return found
 
 
 def coefficient_table(rotor: BladeElementRotor, tip_speed_ratios: Any, blade_pitch: Any, *, precone: float = 0.0,
@@ -89,12 +100,11 @@ def coefficient_table(rotor: BladeElementRotor, tip_speed_ratios: Any, blade_pit
     R = radius * np.cos(precone)
     ratios, pitches = np.asarray(tip_speed_ratios, dtype=float), np.asarray(blade_pitch, dtype=float)
     values = np.empty((len(ratios), len(pitches), 2))
-    for i, ratio in enumerate(ratios):
-        wind = speed * radius / ratio
-        pressure = 0.5 * np.pi * R**2 * wind**2
-        for j, pitch in enumerate(pitches):
-            thrust, torque = rigid.thrust_and_torque([wind, 0, 0], speed, pitch, air_density=1.0)
-            values[i, j] = thrust / pressure, torque / (pressure * R)
+    winds = speed * radius / ratios
+    pressures = 0.5 * np.pi * R**2 * winds**2
+    for j, pitch in enumerate(pitches):
+        loads = np.array(rigid.sweep(winds, speed, float(pitch), air_density=1.0))
+        values[:, j] = loads / np.stack([pressures, pressures * R], axis=1)
     return CoefficientTable(ratios, pitches, values[..., 0], values[..., 1])
 
 

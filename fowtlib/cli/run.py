@@ -29,7 +29,8 @@ def declare(commands: Any) -> None:
     parser.add_argument("--time", type=positive, metavar="S", help="end time [s]; default: the model file's")
     parser.add_argument("--output", type=Path, metavar="FILE", help="save the results: .nc (resumable) or .csv")
     parser.add_argument("--plot", type=Path, metavar="FILE", help="draw the results: .png, .svg or .pdf")
-    parser.add_argument("--solver", default=None, help="default: the model file's, or idas")
+    parser.add_argument("--solver", default=None, help="idas or fixed; default: the model file's, or idas")
+    parser.add_argument("--step", metavar="T", help="step of the solver fixed [s], or 12.5ms")
     parser.add_argument("--tolerance", type=positive, metavar="RTOL", help="relative; default: the model file's")
     parser.add_argument("--resume", type=Path, metavar="FILE", help="go on from the end of an earlier result (.nc)")
     tables.declare(parser)
@@ -67,7 +68,8 @@ def run(arguments: argparse.Namespace) -> int:
     earlier = Result.open(arguments.resume) if arguments.resume else None
     model = loading.load(arguments)
     plant = model.compile()
-    options = {"t_end": arguments.time, "solver": arguments.solver, "tolerance": arguments.tolerance}
+    options = {"t_end": arguments.time, "solver": arguments.solver, "step": arguments.step}
+    options["tolerance"] = arguments.tolerance
     try:
         with progress_bar(earlier.time[-1] if earlier else 0.0) as report:
             later = plant.simulate(start=earlier, progress=report, **options)
