@@ -15,7 +15,7 @@ from fowtlib.components.environment.wind import Wind
 from fowtlib.components.environment.world import World
 from fowtlib.components.mechanics import Frame
 from fowtlib.components.mechanics.rotations import axis_rotation, unit_axis
-from fowtlib.language import Component, RealOutput, Vector, der, eq, outer, param, port, var
+from fowtlib.language import Component, RealOutput, Vector, assert_, der, eq, outer, param, port, var
 from fowtlib.language import math as m
 from fowtlib.language.errors import ParameterError
 
@@ -103,6 +103,7 @@ class BladeElementAerodynamics(Component):
             eq(self.torque, self.rotation * m.dot(shaft, self.moment)),
             eq(self.aero_power, m.dot(self.moment, hub.w)),
             self._inflow(outputs["quasi_steady"]) if self.dynamic_inflow else [],
+            assert_(self.tower.clearance(places) > 0, "a blade strikes the tower") if self.tower is not None else [],
         ]
 
     def _inflow(self, quasi_steady):

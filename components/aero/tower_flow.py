@@ -21,7 +21,8 @@ class TowerPotentialFlow(Component):
     (vector) from the nearest point of the axis, W (1 + R^2/d^2) - 2 R^2 d (d . W)/d^4 with the local radius R; upstream
     that is W (1 - (D/2x)^2). AeroDyn has the same as TwrPotent = 1 (Moriarty and Hansen 2005, NREL/TP-500-36881). W is
     the undisturbed wind of the node itself. Full from the lowest to the highest frame; beyond, it fades within one
-    local diameter. Inside of the tower it is bounded and means nothing. Potential flow has no wake: for upwind rotors.
+    local diameter. Inside of the tower it is bounded and means nothing, and a simulation in which a blade strikes the
+    tower stops there. Potential flow has no wake: for upwind rotors.
 
     Connect `nodes` to frames along the axis, from the base to the top; straight lines between them.
     """
@@ -39,6 +40,14 @@ class TowerPotentialFlow(Component):
         points = [node.r for node in self.nodes]
         columns = zip(ca.horzsplit(ca.SX(wind)), ca.horzsplit(ca.SX(position)), strict=True)
         return m.horzcat(*[deflected_wind(w, r, points, self.diameters) for w, r in columns])
+
+    def clearance(self, position: ca.SX) -> ca.SX:
+        """Least distance [m] of positions (3, n) from the surface, of those between the base and the top."""
+        points, least = [node.r for node in self.nodes], ca.SX(float(max(self.diameters)))
+        for r in ca.horzsplit(ca.SX(position)):
+            away, diameter, beyond = _beside(r, points, self.diameters)
+            least = m.fmin(least, m.if_else(beyond > 0, least, m.norm(away) - diameter / 2))
+        return least
 
 
 class TowerDrag(Component):
@@ -82,22 +91,32 @@ class TowerDrag(Component):
 
 def deflected_wind(wind: Any, position: Any, points: list[Any], diameters: list[float]) -> ca.SX:
     """Wind (3) beside a tower with the diameters at the points of its axis, base first; see TowerPotentialFlow."""
-    base, whole = points[0], points[-1] - points[0]
-    axis = whole / m.norm(whole)
+    away, diameter, beyond = _beside(position, points, diameters)
+    axis = _axis(points)
+    across = wind - axis * m.dot(axis, wind)
+    radius2 = diameter**2 / 4
+    distance2 = m.fmax(m.sumsqr(away), radius2)
+    height = m.fmin(beyond / diameter, 1)
+    fade = m.if_else(height > 0, 1 - height**2 * (3 - 2 * height), 1)
+    return wind + fade * radius2 / distance2 * (across - 2 * away * m.dot(away, across) / distance2)
+
+
+def _axis(points: list[Any]) -> ca.SX:
+    whole = points[-1] - points[0]
+    return whole / m.norm(whole)
+
+
+def _beside(position: Any, points: list[Any], diameters: list[float]) -> tuple[ca.SX, ca.SX, ca.SX]:
+    """Vector from the axis to a position, across the tower; local diameter; height above the top or below the base."""
+    base, axis = points[0], _axis(points)
     height, heights = m.dot(axis, position - base), [m.dot(axis, point - base) for point in points]
-    nearest, diameter = base, float(diameters[0])
+    nearest, diameter = base, ca.SX(float(diameters[0]))
     for k in range(len(points) - 1):
         share = m.fmin(m.fmax((height - heights[k]) / (heights[k + 1] - heights[k]), 0), 1)
         nearest += share * (points[k + 1] - points[k])
         diameter += share * (float(diameters[k + 1]) - float(diameters[k]))
     away = position - nearest
-    away -= axis * m.dot(axis, away)
-    across = wind - axis * m.dot(axis, wind)
-    radius2 = diameter**2 / 4
-    distance2 = m.fmax(m.sumsqr(away), radius2)
-    beyond = m.fmin(m.fmax(-height, height - heights[-1]) / diameter, 1)
-    fade = m.if_else(beyond > 0, 1 - beyond**2 * (3 - 2 * beyond), 1)
-    return wind + fade * radius2 / distance2 * (across - 2 * away * m.dot(away, across) / distance2)
+    return away - axis * m.dot(axis, away), diameter, m.fmax(-height, height - heights[-1])
 
 
 def _check(component: Component, values: list, name: str, least: int = 1) -> None:

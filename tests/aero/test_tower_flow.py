@@ -13,7 +13,7 @@ from fowtlib.components.aero.tower_flow import deflected_wind
 from fowtlib.components.environment import Wind, World
 from fowtlib.components.mechanics import FixedTranslation, Prismatic, RigidBody
 from fowtlib.components.support import RigidTower
-from fowtlib.language.errors import ParameterError
+from fowtlib.language.errors import ParameterError, SimulationError
 
 DATA = Path(fowtlib.models.__file__).parent / "data" / "nrel5mw"
 STRAIGHT = [(0, 0, 0), (0, 0, 50), (0, 0, 100)]
@@ -92,8 +92,8 @@ def test_slopes_are_finite_everywhere():
 
 
 
-def rotor_beside_a_tower(with_tower):
-    """Two blades at rest, one hangs down six metres in front of the tower."""
+def rotor_beside_a_tower(with_tower, distance=6.0):
+    """Two blades at rest, one hangs down in front of the tower."""
     model = fw.Assembly("rotor")
     model.world = World()
     model.wind = Wind(kind="steady", mean_speed=12.0)
@@ -108,7 +108,7 @@ def rotor_beside_a_tower(with_tower):
             model.connect(model.world.frame, point.frame_a)
             model.connect(point.frame_b, model.tower_flow.nodes[k])
     model.air = air
-    hub = model.add("hub", FixedTranslation(r=(-6.0, 0, 90)))
+    hub = model.add("hub", FixedTranslation(r=(-distance, 0, 90)))
     model.connect(model.world.frame, hub.frame_a)
     model.connect(hub.frame_b, model.air.hub)
     for i, side in enumerate((1, -1)):
@@ -116,16 +116,21 @@ def rotor_beside_a_tower(with_tower):
             place = model.add(f"place_{i}_{k}", FixedTranslation(r=(0, 0, side * float(r))))
             model.connect(hub.frame_b, place.frame_a)
             model.connect(place.frame_b, model.air.nodes[17 * i + k])
-    return fw.load(model).compile().initial_state()
+    return fw.load(model).compile()
 
 
 def test_a_rotor_meets_the_deflected_wind():
     """At rest there is no induction: the drag of the lower blade is that of the wind lessened by (D/2x)^2."""
-    free, dammed = rotor_beside_a_tower(False), rotor_beside_a_tower(True)
+    free, dammed = (rotor_beside_a_tower(flag).initial_state() for flag in (False, True))
     share = (1 - (D / 12) ** 2) ** 2
     forces = [np.array([-state[f"air.nodes[{k}].f"] for k in range(34)]).reshape(34, 3) for state in (free, dammed)]
     assert forces[1][:17] == pytest.approx(forces[0][:17], abs=1e-9)  # the upper blade is above the tower
     assert forces[1][19:, 0] == pytest.approx(share * forces[0][19:, 0], rel=1e-9)  # from 8.3 m on, below its top
+
+
+def test_a_blade_in_the_tower_is_told():
+    with pytest.raises(SimulationError, match="a blade strikes the tower"):
+        rotor_beside_a_tower(True, distance=2.9).simulate(1.0, output_step=1.0)
 
 
 def tower_in_shear(sections, exponent=0.2, **options):
