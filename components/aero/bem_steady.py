@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import dataclass
 from typing import Any
 
@@ -88,13 +89,15 @@ class RigidRotor:
         return found
 
 
-def coefficient_table(rotor: BladeElementRotor, tip_speed_ratios: Any, blade_pitch: Any, *, precone: float = 0.0,
-                      speed: float = 1.0) -> CoefficientTable:  # fmt: skip
+def coefficient_table(
+    rotor: BladeElementRotor, tip_speed_ratios: Any, blade_pitch: Any, *, precone: float = 0.0, speed: float = 1.0,
+    progress: Callable[[int, int], None] | None = None,
+) -> CoefficientTable:  # fmt: skip
     """C_t and C_q over tip speed ratio and collective pitch [rad], by this theory: shaft along the wind, no tilt.
 
     As in CoefficientRotor the tip speed ratio counts the radius along the blade and the coefficients R = radius
     cos(precone). C_p = tip speed ratio C_q cos(precone). speed [rad/s] scales the wind, and the coefficients do not
-    depend on it: the airfoils have no Reynolds number.
+    depend on it: the airfoils have no Reynolds number. progress(done, all) is called after each tip speed ratio.
     """
     rigid, radius = RigidRotor(rotor, precone), rotor.blade.tip_radius
     R = radius * np.cos(precone)
@@ -105,6 +108,8 @@ def coefficient_table(rotor: BladeElementRotor, tip_speed_ratios: Any, blade_pit
     for j, pitch in enumerate(pitches):
         loads = np.array(rigid.sweep(winds, speed, float(pitch), air_density=1.0))
         values[:, j] = loads / np.stack([pressures, pressures * R], axis=1)
+        if progress is not None:
+            progress(j + 1, len(pitches))
     return CoefficientTable(ratios, pitches, values[..., 0], values[..., 1])
 
 

@@ -104,9 +104,7 @@ class Wind(Component):
 
         A field needs no station: it knows u, v, w everywhere. One call for all nodes of a rotor costs the least.
         """
-        r = ca.SX(r)
-        if r.shape[0] != 3:
-            raise StructureError(f"the wind is wanted at positions {r.shape[0]} x {r.shape[1]}; give them as 3 x n.")
+        r = _columns(r)
         if self.kind == "field":
             world = m.rotation_z(self.direction)  # from the axes of the field
             return world @ field_velocity(_lookup(self), self.time, world.T @ r)
@@ -155,6 +153,13 @@ def _arrows(wind: Wind) -> list[shapes.Drawn]:
     places = np.insert(wind.hubs, 0, 0.0, axis=1) - 30.0 * direction
     speeds = [join(wind.path, f"speed[{i}]") for i in range(len(places))]
     return [shapes.Arrow(place, direction, speed, 3.0) for place, speed in zip(places, speeds, strict=True)]
+
+
+def _columns(r: Any) -> ca.SX:
+    r = ca.SX(r)
+    if r.shape[0] != 3:
+        raise StructureError(f"the wind is wanted at positions {r.shape[0]} x {r.shape[1]}; give them as 3 x n.")
+    return r
 
 
 def _none(wind: Wind) -> tuple[Any, Any, list[Any]]:

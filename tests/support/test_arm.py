@@ -31,8 +31,8 @@ def loaded_arm(to, force=(0, 0, 0), torque=(0, 0, 0), gravity=0.0, head=1.0, **a
     model.head, model.force, model.torque = PointMass(mass=head), WorldForce(), WorldTorque()
     model.f, model.t = Source(value=force), Source(value=torque)
     for a, b in ((model.base.frame, model.arm.frame_a), (model.arm.tip, model.head.frame_a),
-                 (model.f.y, model.force.force), (model.arm.tip, model.force.frame), (model.arm.tip, model.torque.frame),
-                 (model.t.y, model.torque.torque)):  # fmt: skip
+                 (model.f.y, model.force.force), (model.arm.tip, model.force.frame),
+                 (model.arm.tip, model.torque.frame), (model.t.y, model.torque.torque)):  # fmt: skip
         model.connect(a, b)
     return fw.load(model).compile()
 
