@@ -10,13 +10,20 @@ from scipy.integrate import solve_ivp
 
 import fowtlib as fw
 import fowtlib.models
-from fowtlib.components.aero import BladeElementAerodynamics, BladeElementRotor, DynamicInflow, RigidRotor
+from fowtlib.components.aero import (
+    BladeElementAerodynamics,
+    BladeElementRotor,
+    DynamicInflow,
+    RigidRotor,
+    coefficient_table,
+)
 from fowtlib.components.environment import Wind, World
 from fowtlib.components.servo import BaselineController
 from fowtlib.components.support import RigidTower
 from fowtlib.components.turbine import Drivetrain, Hub, Nacelle, RotorNacelleAssembly, Turbine
 from fowtlib.language import Scalar, eq, param, part, var, when
 from fowtlib.language import math as m
+from fowtlib.language.errors import ParameterError
 from fowtlib.language.native import compiler
 
 needs_compiler = pytest.mark.skipif(not compiler(), reason="needs a C compiler")
@@ -181,6 +188,18 @@ def test_the_load_at_the_step_is_that_of_the_old_induction(straight):
         held = rigid.loads(rigid.inputs([wind, 0, 0], speed, pitch, induced=induced))
         free = steady.loads(steady.inputs([wind, 0, 0], speed, pitch))
         assert held == pytest.approx(free, rel=1e-9, abs=1e-9 * np.abs(free).max())
+
+
+@needs_compiler
+def test_steady_tables_are_quasi_steady(straight):
+    steady = replace(straight, dynamic_inflow=False)
+    tables = [coefficient_table(rotor, [6.0, 7.0, 8.0, 9.0], [0.0, 0.05, 0.1, 0.2]) for rotor in (straight, steady)]
+    assert tables[0].thrust == pytest.approx(tables[1].thrust, rel=1e-12)
+    induced = RigidRotor(straight).quasi_steady(RigidRotor(straight).inputs([9.0, 0, 0], 1.0))
+    swept = RigidRotor(straight).sweep(np.array([9.0]), 1.0, 0.0, induced=induced)[0]
+    assert swept == pytest.approx(RigidRotor(steady).thrust_and_torque([9.0, 0, 0], 1.0), rel=1e-9)
+    with pytest.raises(ParameterError, match="an output of a rotor with dynamic_inflow only"):
+        RigidRotor(steady).quasi_steady(RigidRotor(steady).inputs([9.0, 0, 0], 1.0))
 
 
 def turbine_on_a_tower(dynamic_inflow):
