@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from typing import Any
+
 from fowtlib.components.aero import CoefficientRotor, outlines, read_coefficients
 from fowtlib.components.environment.wind import Wind
 from fowtlib.components.environment.world import World
@@ -67,14 +69,9 @@ class RotorNacelle(Component):
             self.connect(a, b)
         if "yaw" in control.ports:
             self.connect(self.yaw, control.yaw)
-        self._start(rotor, "w_start", self.rotor_speed_start)
-        self._start(control, "pitch_start", self.blade_pitch_start)
-        self._start(control, "speed_start", self.gear_ratio * self.rotor_speed_start)
-
-    @staticmethod
-    def _start(component, name, value):
-        if name in component.parameters and not component.is_set(name):
-            setattr(component, name, value)
+        _start(rotor, "w_start", self.rotor_speed_start)
+        _start(control, "pitch_start", self.blade_pitch_start)
+        _start(control, "speed_start", self.gear_ratio * self.rotor_speed_start)
 
     def drawing(self):
         return [*outlines.housing(self.frame, self.rotor), *self.rotor.drawing()]
@@ -90,3 +87,9 @@ class RotorNacelle(Component):
         table = read_coefficients(rotor.coefficients, rotor.extended)
         sizes = {name: rotor.parameter_value(name) for name in ("radius", "precone", "tilt")}
         return SteadyTurbine(table, gear_ratio=self.parameter_value("gear_ratio"), **sizes, **controlled(self))
+
+
+def _start(component: Component, name: str, value: Any) -> None:
+    """Give a start value to a part that has it as a parameter and was not given one."""
+    if name in component.parameters and not component.is_set(name):
+        setattr(component, name, value)

@@ -161,6 +161,7 @@ const SOLID = program(`
   in vec3 world, facing; out vec4 pixel;
   void main() {
     vec3 view = normalize(eye - world), n = normalize(facing);
+    if (dot(n, view) < -0.25) n = -n;  // the inside of an open skin; at an edge the sign is no news
     vec3 sun = normalize(vec3(-0.5, -0.6, 0.75));
     float shine = pow(max(dot(n, normalize(sun + view)), 0.0), 40.0);
     vec3 c = tint * (0.42 + 0.13 * n.z + 0.12 * dot(n, view) + 0.45 * max(dot(n, sun), 0.0)) + 0.12 * shine;
@@ -303,7 +304,7 @@ const ribbons = scene.curves.map((curve) => {
 const reach = Math.hypot(scene.whole.centre[0], scene.whole.centre[1]) + scene.whole.size / 2;
 const radius = Math.max(1.15 * reach, 1.5 * scene.bodies.size), STRIPS = 420;
 const level = water ? -water.depth : scene.whole.low;
-const spacing = 10 ** Math.round(Math.log10(radius / 4));
+const spacing = 10 ** Math.floor(Math.log10(radius / 2));
 const ground = vertices(GROUND, { corner: [new Float32Array([-1, -1, 1, -1, -1, 1, 1, 1]), 2] }, strip(1));
 const sea = water && (() => {
   const along = new Float32Array(4 * (STRIPS + 1));
@@ -351,8 +352,8 @@ function look(name) {
   const [azimuth, elevation, box, nearer = 1] = VIEWS[name], aspect = canvas.clientWidth / canvas.clientHeight;
   camera.azimuth = azimuth * Math.PI / 180;
   camera.elevation = elevation * Math.PI / 180;
-  camera.target = [...box.centre];
-  camera.distance = 1.04 * nearer * box.size / 2 / Math.sin(FIELD / 2) / Math.min(1, aspect);
+  camera.target = add(box.centre, [0, 0, elevation < 45 ? -0.035 * box.size : 0]);  // the bar covers the lower edge
+  camera.distance = 1.08 * nearer * box.size / 2 / Math.sin(FIELD / 2) / Math.min(1, aspect);
   if (followed) followed = pose(scene.follow, time)[0];
   stale = true;
 }
@@ -447,12 +448,17 @@ byId("slider").min = times[0];
 byId("slider").max = times[last];
 for (const value of SPEEDS) byId("speed").add(new Option(`${value} x`, value));
 const cells = scene.readings.map((item) => {
-  const row = byId("readings").firstElementChild.insertRow(), unitText = item.unit === "1" ? "" : item.unit.replaceAll("*", " ");
+  const row = byId("readings").firstElementChild.insertRow();
+  let unitText = item.unit === "1" ? "" : item.unit.replaceAll("*", " "), most = item.values.reduce((m, v) => Math.max(m, Math.abs(v)), 0);
+  if (most >= 1e6 && /^(N|W|J|Pa)\b/.test(unitText)) {
+    unitText = `M${unitText}`;
+    most /= 1e6;
+    item.values = item.values.map((v) => v / 1e6);
+  }
   row.title = item.about;
   row.insertCell().textContent = item.name.replaceAll("_", " ");
   const cell = row.insertCell();
   row.insertCell().textContent = unitText;
-  const most = item.values.reduce((m, v) => Math.max(m, Math.abs(v)), 0);
   const digits = most > 0 ? Math.min(Math.max(3 - Math.ceil(Math.log10(most)), 0), 3) : 2;
   return { cell, digits, values: item.values };
 });

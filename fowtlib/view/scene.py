@@ -178,7 +178,7 @@ def _of_model(model: Model, equilibrium: bool, parameters: Mapping[str, Any] | N
     result = Result([state.t], {}, attributes={"parameters": values}, raw=raw, observe=plant.observer(raw, parameters))
     readings = _readings(plant, result)
     title = model.title or model.name or type(model.root).__name__
-    status = "at its mean position" if equilibrium else "at the start"
+    status = "at its mean position." if equilibrium else "at the start."
     root = _with_values(model.root, values)
     return Recording(root, result.time, result.observe, readings, title, status)
 
