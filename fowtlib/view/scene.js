@@ -317,6 +317,8 @@ const sea = water && (() => {
 })();
 
 function moveSea(t) {
+  if (sea.time === t) return;
+  sea.time = t;
   const step = 2 * radius / STRIPS, height = elevations(t, -radius, step, STRIPS + 1, 3 * step);
   for (let i = 0; i <= STRIPS; i++) {
     const before = Math.max(i - 1, 0), after = Math.min(i + 1, STRIPS);
@@ -327,6 +329,8 @@ function moveSea(t) {
 }
 
 function moveRibbon(ribbon, t) {
+  if (ribbon.time === t) return;
+  ribbon.time = t;
   const points = linePoints(ribbon.curve, t);
   for (let i = 0; i < ribbon.pieces; i++) {
     for (let corner = 0; corner < 4; corner++) {
@@ -352,8 +356,8 @@ function look(name) {
   const [azimuth, elevation, box, nearer = 1] = VIEWS[name], aspect = canvas.clientWidth / canvas.clientHeight;
   camera.azimuth = azimuth * Math.PI / 180;
   camera.elevation = elevation * Math.PI / 180;
-  camera.target = add(box.centre, [0, 0, elevation < 45 ? -0.035 * box.size : 0]);  // the bar covers the lower edge
-  camera.distance = 1.08 * nearer * box.size / 2 / Math.sin(FIELD / 2) / Math.min(1, aspect);
+  camera.target = add(box.centre, [0, 0, elevation < 45 ? -0.01 * box.size : 0]);  // the bar covers the lower edge
+  camera.distance = 1.1 * nearer * box.size / 2 / Math.sin(FIELD / 2) / Math.min(1, aspect);
   if (followed) followed = pose(scene.follow, time)[0];
   stale = true;
 }
@@ -552,7 +556,7 @@ function tick(now) {
 }
 
 // A link may name a moment and a view: #t=12.5&view=side&theme=dark&play&follow&dry&speed=5
-function follow(hash) {
+function obey(hash) {
   const wish = new URLSearchParams(hash.slice(1));
   setTheme(wish.get("theme") === "dark" || wish.get("theme") === "light" ? wish.get("theme") : theme);
   setWater(!wish.has("dry"));
@@ -563,8 +567,8 @@ function follow(hash) {
   setPlaying(wish.has("play"));
 }
 
-follow(location.hash);
-addEventListener("hashchange", () => follow(location.hash));
+obey(location.hash);
+addEventListener("hashchange", () => obey(location.hash));
 stale = false;
 render();
 tell();

@@ -5,6 +5,7 @@ from __future__ import annotations
 import base64
 import html
 import json
+import warnings
 import webbrowser
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
@@ -100,8 +101,8 @@ def view(
     time = recording.time
     span = float(time[-1] - time[0])
     animation = Animation(target, time.size, (time.size - 1) / span if span else 0.0, len(text.encode()))
-    if show:
-        webbrowser.open(target.resolve().as_uri())
+    if show and not webbrowser.open(target.resolve().as_uri()):
+        warnings.warn(f"no browser was found; open {target} in one yourself.", stacklevel=2)
     return animation
 
 
