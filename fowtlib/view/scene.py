@@ -23,7 +23,7 @@ from fowtlib.view import meshes
 from fowtlib.view.plots import PANELS
 from fowtlib.view.recording import Cast, Observe, Reading, moments_of
 
-READINGS = 24, 8  # results beside the picture, at most: of a turbine, of anything else
+READINGS = 24, 8  # results beside the picture, at most: the usual ones of a turbine, else any
 ORDER = {name: rank for rank, name in enumerate(name for panel in PANELS for name in panel)}
 SIZE_LIMIT = 15e6  # bytes; of a longer run fewer moments a second are shown
 
@@ -198,13 +198,14 @@ def _readings(plant: Plant, result: Result) -> list[Reading]:
 
 
 def chosen(names: Iterable[str]) -> list[str]:
-    """The results to read: the usual ones of a floating turbine first."""
+    """The results to read: the usual ones of a floating turbine, or the first few of anything else."""
 
     def rank(name: str) -> int:
         return min((number for key, number in ORDER.items() if name.startswith(key)), default=len(ORDER))
 
     ranked = sorted(names, key=rank)
-    return ranked[: READINGS[0] if ranked and rank(ranked[0]) < len(ORDER) else READINGS[1]]
+    usual = [name for name in ranked if rank(name) < len(ORDER)]
+    return max(usual[: READINGS[0]], ranked[: READINGS[1]], key=len)
 
 
 def _with_values(root: Any, parameters: Mapping[str, Any]) -> Any:
