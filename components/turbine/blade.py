@@ -8,9 +8,9 @@ import numpy as np
 
 from fowtlib.components.aero import outlines
 from fowtlib.components.mechanics import Beam, BeamProperties, FixedTranslation, Frame, RigidBody
-from fowtlib.components.mechanics.beam import pieces
+from fowtlib.components.mechanics.beam import bodies
 from fowtlib.components.mechanics.beam_properties import given_beam
-from fowtlib.language import Component, RealOutput, Scalar, eq, param, port, shapes
+from fowtlib.language import Array, Component, RealOutput, Scalar, eq, param, port, shapes
 from fowtlib.language import math as m
 
 _mirrored = lru_cache(maxsize=8)(BeamProperties.mirrored)  # the same object for the same blade
@@ -38,7 +38,8 @@ class FlexibleBlade(Blade):
     """A blade as a chain of sprung hinges, see Beam.
 
     The root moments are what the loads outboard do to the root: the moment of the blade on the hub, resolved in the
-    pitched root frame. Data: a CSV as models/data/nrel5mw/blade_structure.csv.
+    pitched root frame. Those of the cuts are the same farther out, in axes that turn with the blade as it bends, but
+    not with its structural twist. Data: a CSV as models/data/nrel5mw/blade_structure.csv.
     """
 
     properties: str = param(default="", doc="path of a CSV with the properties, see read_beam")
@@ -47,15 +48,21 @@ class FlexibleBlade(Blade):
     mirrored: bool = param(default=False, doc="mirror image, for a rotor that turns counter-clockwise")
     treatment: str = param(default="free_tip", choices=("plain", "loaded_tip", "free_tip"), doc="see Beam")
     torsion: bool = param(default=False, doc="with torsion")
+    cuts: Array = param(default=(), unit="m", structural=True, doc="places of section loads: distance from the root")
+    n_cuts: int = param(default=lambda self: len(self.cuts), min=0, doc="number of those cuts")
     damping_flapwise: Scalar = param(default=0.003, unit="s", min=0, doc="damping over stiffness, flapwise")
     damping_edgewise: Scalar = param(default=damping_flapwise, unit="s", min=0, doc="damping over stiffness, edgewise")
+
+    cut_flapwise_moment: RealOutput = port(size="n_cuts", unit="N*m", doc="moment at each cut about y")
+    cut_edgewise_moment: RealOutput = port(size="n_cuts", unit="N*m", doc="moment at each cut about x")
+    cut_pitching_moment: RealOutput = port(size="n_cuts", unit="N*m", doc="moment at each cut about z")
 
     def build(self):
         table = given_beam(self)
         self.beam = Beam(
             table=_mirrored(table) if self.mirrored else table, units=self.units,
             treatment=self.treatment, torsion=self.torsion, damping_x=self.damping_flapwise,
-            damping_y=self.damping_edgewise, node_points=self.node_points,
+            damping_y=self.damping_edgewise, node_points=self.node_points, cuts=self.cuts,
         )  # fmt: skip
         self.connect(self.frame_a, self.beam.frame_a)
         self.connect(self.beam.deflection, self.tip_deflection)
@@ -71,7 +78,7 @@ class FlexibleBlade(Blade):
         stations (n,): distance from the root [m].
         """
         sense, skins = -1 if self.mirrored else 1, []
-        for frame, axis, s, thickness, estimate in pieces(self.beam):
+        for frame, axis, s, thickness, estimate in bodies(self.beam):
             chord = estimate if chords is None else np.interp(s, stations, chords)
             twist = sense * self.beam.table.at("twist", s)
             sections = outlines.blade_sections(axis, chord, thickness, twist, sense)
@@ -80,8 +87,14 @@ class FlexibleBlade(Blade):
 
     def equations(self):
         moment = -self.beam.root_moment
-        return [eq(self.edgewise_moment, moment[0]), eq(self.flapwise_moment, moment[1]),
-                eq(self.pitching_moment, moment[2])]  # fmt: skip
+        cuts = [-self.beam.cut_moment[k] for k in range(self.n_cuts)]
+        return [
+            [eq(self.edgewise_moment, moment[0]), eq(self.flapwise_moment, moment[1])],
+            eq(self.pitching_moment, moment[2]),
+            [eq(self.cut_edgewise_moment[k], cut[0]) for k, cut in enumerate(cuts)],
+            [eq(self.cut_flapwise_moment[k], cut[1]) for k, cut in enumerate(cuts)],
+            [eq(self.cut_pitching_moment[k], cut[2]) for k, cut in enumerate(cuts)],
+        ]
 
 
 class RigidBlade(Blade):

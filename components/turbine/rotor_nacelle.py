@@ -14,6 +14,11 @@ from fowtlib.components.turbine.start import controlled, start_point, unknown_st
 from fowtlib.language import Component, Matrix, RealInput, RealOutput, Scalar, Vector, eq, outer, param, part, port
 
 
+def _start(component: Component, name: str, value: object) -> None:
+    if name in component.parameters and not component.is_set(name):
+        setattr(component, name, value)
+
+
 class RotorNacelle(Component):
     """A turbine above its tower: rotor, gear, generator, controller, and the mass of rotor and nacelle as one body.
 

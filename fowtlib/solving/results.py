@@ -394,7 +394,7 @@ class Result:
         """The last computed point, to start from."""
         if self.raw is None or not self.raw.time.size:
             raise SimulationError(
-                "this result holds nothing to resume from (a CSV file never does): save the first run as .nc."
+                "this result holds nothing to resume from (only .nc files do): save the first run as .nc."
             )
         return self.raw.row(-1)
 
@@ -455,14 +455,20 @@ class Result:
     # -- files --------------------------------------------------------------------------------------------------------
 
     def save(self, path: str | Path) -> Path:
-        """Write netCDF (.nc: everything, resumable) or CSV (.csv: the series, 10 digits); never half a file."""
+        """Write netCDF (.nc: everything, resumable), CSV (.csv: the series, 10 digits) or OpenFAST's output (.outb).
+
+        An .outb file has 16 bits for a number, the names of OpenFAST's channels (see openfast_channels) and evenly
+        spaced times only. Never leaves half a file.
+        """
         from fowtlib.solving.result_files import save
 
         return save(self, Path(path))
 
     @staticmethod
     def open(path: str | Path, plant: Any = None) -> Result:
-        """Read a result file. With the compiled model it came from, any variable can be observed again.
+        """Read a result file: .nc, .csv, or .outb, also of OpenFAST itself.
+
+        With the compiled model that an .nc file came from, any variable can be observed again.
 
         plant is anything with ``observer(raw, parameters) -> Observer``: the raw trajectory and the run's parameters.
         """
