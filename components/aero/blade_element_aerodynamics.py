@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from dataclasses import replace
 from functools import lru_cache
+from typing import Any
 
 import numpy as np
 
@@ -75,43 +76,49 @@ class BladeElementAerodynamics(Component):
             self.inflow = DynamicInflow(radius=b.radius.tolist(), length=b.length.tolist(), tip_radius=b.tip_radius)
 
     def equations(self):
-        rotor, hub, nodes = self.rotor, self.hub, list(self.nodes)
-        twist = [axis_rotation(unit_axis((0, 0, -self.rotation)), float(a)) for a in rotor.blade.twist]
-        turned = [node.R @ twist[i % len(twist)] for i, node in enumerate(nodes)]
-        places, more = m.horzcat(*[node.r for node in nodes]), {}
-        undisturbed = self.wind.velocity(places, self.station)
-        wind = self.tower.around(undisturbed, places) if self.tower is not None else undisturbed
-        if self.dynamic_inflow:
-            rotor, more = _dynamic(rotor), {"induced": self.inflow.induced}
-        outputs = rotor.external(
-            position=m.vertcat(*[node.r for node in nodes]), orientation=m.vertcat(*[m.vec(R) for R in turned]),
-            velocity=m.vertcat(*[der(node.r) for node in nodes]), wind=m.vec(wind), hub_position=hub.r,
-            hub_orientation=m.vec(hub.R), hub_velocity=der(hub.r), disk_wind=self.disk_wind,
-            air_density=self.world.air_density, **more,
-        )  # fmt: skip
-        loads = outputs["loads"]
-        given = [(loads[6 * i : 6 * i + 3], loads[6 * i + 3 : 6 * i + 6]) for i in range(len(nodes))]
+        hub, nodes = self.hub, list(self.nodes)
+        places = m.horzcat(*[node.r for node in nodes])
+        wind = self.wind.velocity(places, self.station)
+        outputs = _air(self, wind if self.tower is None else self.tower.around(wind, places))
+        loads = [outputs["loads"][i : i + 3] for i in range(0, 6 * len(nodes), 3)]
+        given = list(zip(loads[::2], loads[1::2], strict=True))
         about_hub = [m.cross(node.r - hub.r, f) + t for node, (f, t) in zip(nodes, given, strict=True)]
         shaft = hub.R[:, 0]
         return [
             [[eq(node.f, -f), eq(node.t, -t)] for node, (f, t) in zip(nodes, given, strict=True)],
             [eq(hub.f, m.zeros(3)), eq(hub.t, m.zeros(3))],
-            eq(self.disk_wind, undisturbed @ (np.ones((len(nodes), 1)) / len(nodes))),
+            eq(self.disk_wind, wind @ (np.ones((len(nodes), 1)) / len(nodes))),
             eq(self.force, sum(f for f, _ in given)),
             eq(self.moment, sum(about_hub)),
             eq(self.thrust, m.dot(shaft, self.force)),
             eq(self.torque, self.rotation * m.dot(shaft, self.moment)),
             eq(self.aero_power, m.dot(self.moment, hub.w)),
-            self._inflow(outputs["quasi_steady"]) if self.dynamic_inflow else [],
+            _wake(self, outputs["quasi_steady"]) if self.dynamic_inflow else [],
             assert_(self.tower.clearance(places) > 0, "a blade strikes the tower") if self.tower is not None else [],
         ]
 
-    def _inflow(self, quasi_steady):
-        """What the wake is told: the mean over the blades, and the wind through the disk."""
-        n = len(self.inflow.radius)
-        mean = sum([quasi_steady[k * n : (k + 1) * n] for k in range(self.blades)]) / self.blades
-        through = m.dot(self.hub.R[:, 0], self.disk_wind - der(self.hub.r))
-        return [eq(self.inflow.quasi_steady, mean), eq(self.inflow.wind_speed, through)]
+
+def _air(air: BladeElementAerodynamics, wind: Any) -> dict[str, Any]:
+    """What the external function says, with the wind (3, n) at the nodes."""
+    rotor, hub, nodes, more = air.rotor, air.hub, list(air.nodes), {}
+    twist = [axis_rotation(unit_axis((0, 0, -air.rotation)), float(angle)) for angle in rotor.blade.twist]
+    turned = [node.R @ twist[i % len(twist)] for i, node in enumerate(nodes)]
+    if air.dynamic_inflow:
+        rotor, more = _dynamic(rotor), {"induced": air.inflow.induced}
+    return rotor.external(
+        position=m.vertcat(*[node.r for node in nodes]), orientation=m.vertcat(*[m.vec(R) for R in turned]),
+        velocity=m.vertcat(*[der(node.r) for node in nodes]), wind=m.vec(wind), hub_position=hub.r,
+        hub_orientation=m.vec(hub.R), hub_velocity=der(hub.r), disk_wind=air.disk_wind,
+        air_density=air.world.air_density, **more,
+    )  # fmt: skip
+
+
+def _wake(air: BladeElementAerodynamics, quasi_steady: Any) -> list[Any]:
+    """What the wake is told: the mean over the blades, and the wind through the disk."""
+    n = len(air.inflow.radius)
+    mean = sum([quasi_steady[k * n : (k + 1) * n] for k in range(air.blades)]) / air.blades
+    through = m.dot(air.hub.R[:, 0], air.disk_wind - der(air.hub.r))
+    return [eq(air.inflow.quasi_steady, mean), eq(air.inflow.wind_speed, through)]
 
 
 @lru_cache(maxsize=16)
