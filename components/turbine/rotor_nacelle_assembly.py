@@ -6,7 +6,7 @@ from fowtlib.components.mechanics import Frame
 from fowtlib.components.turbine.blade import FlexibleBlade
 from fowtlib.components.turbine.hub import Hub
 from fowtlib.components.turbine.nacelle import Drivetrain, Nacelle
-from fowtlib.language import Component, RealInput, RealOutput, Scalar, eq, param, part, port
+from fowtlib.language import Array, Component, RealInput, RealOutput, Scalar, eq, param, part, port
 from fowtlib.language import math as m
 
 
@@ -26,6 +26,7 @@ class RotorNacelleAssembly(Component):
     blade_units: int = param(default=6, min=0, doc="beam units of a blade; 0: rigid")
     blade_treatment: str = param(default="free_tip", choices=("plain", "loaded_tip", "free_tip"), doc="see Beam")
     blade_torsion: bool = param(default=False, doc="blades with torsion")
+    blade_cuts: Array = param(default=(), unit="m", structural=True, doc="section loads of a blade: see FlexibleBlade")
     damping_flapwise: Scalar = param(default=0.003, unit="s", min=0, doc="damping over stiffness, flapwise")
     damping_edgewise: Scalar = param(default=damping_flapwise, unit="s", min=0, doc="damping over stiffness, edgewise")
     node_points: list = param(default=[], doc="aerodynamic nodes of a blade: distance from the root [m], or a point")
@@ -51,9 +52,8 @@ class RotorNacelleAssembly(Component):
             (self.nacelle, ("rotation", "rotor_speed_start")), (self.drivetrain, ("rotor_speed_start",)),
             (self.hub, ("rotation", "blades")),
         ):  # fmt: skip
-            for name in names:
-                if not component.is_set(name):
-                    setattr(component, name, getattr(self, name))
+            for name in (name for name in names if not component.is_set(name)):
+                setattr(component, name, getattr(self, name))
         for a, b in (
             (self.frame, self.nacelle.frame_a), (self.nacelle.hub, self.hub.frame),
             (self.nacelle.shaft, self.drivetrain.shaft), (self.yaw_command, self.nacelle.yaw_command),
@@ -62,7 +62,7 @@ class RotorNacelleAssembly(Component):
             self.connect(a, b)
         for k in range(self.blades):
             blade = FlexibleBlade(
-                properties=self.blade_properties, table=self.blade_table, units=self.blade_units,
+                properties=self.blade_properties, table=self.blade_table, units=self.blade_units, cuts=self.blade_cuts,
                 treatment=self.blade_treatment, torsion=self.blade_torsion, damping_flapwise=self.damping_flapwise,
                 damping_edgewise=self.damping_edgewise, node_points=self.node_points, mirrored=self.rotation < 0,
             )  # fmt: skip
@@ -72,13 +72,15 @@ class RotorNacelleAssembly(Component):
                 self.connect(blade.nodes[i], self.nodes[k * len(self.node_points) + i])
 
     def equations(self):
-        found = []
-        for k in range(self.blades):
-            tip, pitch = getattr(self, f"blade_{k + 1}").tip_deflection, self.hub.pitch[k]
-            s, c = self.rotation * m.sin(pitch), m.cos(pitch)
-            found += [
-                eq(self.pitch_demand[k], self.blade_pitch + self.individual_pitch[k]),
-                eq(self.out_of_plane[k], c * tip[0] + s * tip[1]),
-                eq(self.in_plane[k], self.rotation * (c * tip[1] - s * tip[0])),
-            ]
-        return found
+        return [_of_blade(self, k) for k in range(self.blades)]
+
+
+def _of_blade(turbine, k):
+    """Pitch demand and tip displacement of blade k, whose axes pitch, resolved in axes that do not."""
+    tip, pitch = turbine.parts[f"blade_{k + 1}"].tip_deflection, turbine.hub.pitch[k]
+    s, c = turbine.rotation * m.sin(pitch), m.cos(pitch)
+    return [
+        eq(turbine.pitch_demand[k], turbine.blade_pitch + turbine.individual_pitch[k]),
+        eq(turbine.out_of_plane[k], c * tip[0] + s * tip[1]),
+        eq(turbine.in_plane[k], turbine.rotation * (c * tip[1] - s * tip[0])),
+    ]

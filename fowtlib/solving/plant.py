@@ -13,6 +13,7 @@ import numpy as np
 from fowtlib.flattening import FlatDAE
 from fowtlib.language.declarations import join
 from fowtlib.language.errors import NotFoundError, ParameterError, SimulationError, did_you_mean
+from fowtlib.language.externals import refusals_explained
 from fowtlib.language.units import from_si, to_si
 from fowtlib.solving.engine import create_engine
 from fowtlib.solving.equilibrium import equilibrium
@@ -124,6 +125,7 @@ class Plant:
             )
         return np.concatenate(list(values.values())) if values else np.zeros(0)
 
+    @refusals_explained()
     def initial_state(self, parameters: Values | None = None, start: Values | None = None, inputs: Values | None = None,
                       t: float = 0.0, base: State | None = None) -> State:  # fmt: skip
         """The consistent state at the start of a simulation.
@@ -162,6 +164,7 @@ class Plant:
             x, z = initial_values(evaluation, t, x, z, q, given)
         return self._state(t, x, z, d, u, parameters)
 
+    @refusals_explained()
     def equilibrium(self, parameters: Values | None = None, hold: Values | None = None, start: Values | None = None,
                     inputs: Values | None = None) -> State:  # fmt: skip
         """The state at which nothing changes, with the controllers in the loop; `hold` keeps states at values."""
@@ -176,6 +179,7 @@ class Plant:
     ) -> State:
         return State(t, x, z, d, u, dict(parameters or {}), self._observe_state)
 
+    @refusals_explained()
     def _observe_state(self, name: str, state: State) -> np.ndarray:
         if name in self.outputs and self._declared:
             path, unit, _ = self.outputs[name]
@@ -209,10 +213,11 @@ class Plant:
             raise SimulationError("the result is of another model: its states are not those of this one.")
         u = np.repeat(self.inputs()[None], len(raw.time), axis=0)
         observation = Observation(self, self.evaluation(parameters), raw.time, raw.x, raw.z, u, raw.d)
-        return Observer(observation.values, self.describe, self.dae.names)
+        return Observer(observation.values, self.describe, self.dae.names, self.root)
 
     # --- uses ----------------------------------------------------------------------------------------------------
 
+    @refusals_explained()
     def simulate(
         self,
         t_end: float | str | None = None,
@@ -267,6 +272,7 @@ class Plant:
         simulation = Simulation(self, state, engine, parameters, outputs, isinstance(start, Result))
         return simulation.run(end, interval, progress)
 
+    @refusals_explained()
     def linearize(self, state: State, inputs: Sequence[str] = (), outputs: Sequence[str] | None = None) -> LinearModel:
         """Exact linear model at a state, from inputs or tunable parameters by path to results or variables.
 

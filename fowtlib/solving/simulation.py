@@ -418,7 +418,7 @@ class Simulation:
             "wall_time": self.wall_time,
             "warnings": "\n".join(self.warned.values()),
         }
-        observer = Observer(observe.values, self.plant.describe, self.dae.names)
+        observer = Observer(observe.values, self.plant.describe, self.dae.names, self.plant.root)
         return Result(t, values, units, docs, attributes, raw, observer)
 
 
