@@ -3,20 +3,29 @@
 from fowtlib.components.aero.bem import BladeElementRotor
 from fowtlib.components.aero.bem_steady import RigidRotor, coefficient_table
 from fowtlib.components.aero.blade_aerodynamics import Airfoil, BladeAerodynamics, read_airfoils, read_blade
+from fowtlib.components.aero.blade_element_aerodynamics import BladeElementAerodynamics, node_points
 from fowtlib.components.aero.coefficient_rotor import CoefficientRotor
-from fowtlib.components.aero.coefficient_table import CoefficientTable, read_coefficients
+from fowtlib.components.aero.coefficient_table import CoefficientTable, read_coefficients, write_coefficients
+from fowtlib.components.aero.dynamic_inflow import DynamicInflow
 from fowtlib.components.aero.rotor import Rotor
+from fowtlib.components.aero.tower_flow import TowerDrag, TowerPotentialFlow
 
 __all__ = [
     "Airfoil",
     "BladeAerodynamics",
+    "BladeElementAerodynamics",
     "BladeElementRotor",
     "CoefficientRotor",
     "CoefficientTable",
+    "DynamicInflow",
     "RigidRotor",
     "Rotor",
+    "TowerDrag",
+    "TowerPotentialFlow",
     "coefficient_table",
+    "node_points",
     "read_airfoils",
     "read_blade",
     "read_coefficients",
+    "write_coefficients",
 ]

@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from collections.abc import Callable
+from dataclasses import dataclass, replace
 from typing import Any
 
 import casadi as ca
@@ -10,6 +11,7 @@ import numpy as np
 
 from fowtlib.components.aero.bem import BladeElementRotor
 from fowtlib.components.aero.coefficient_table import CoefficientTable
+from fowtlib.language.errors import ParameterError
 
 
 @dataclass(frozen=True)
@@ -29,11 +31,12 @@ class RigidRotor:
         return _about("z", self.yaw) @ _about("y", self.tilt)
 
     def inputs(self, wind: Any, speed: float, pitch: Any = 0.0, azimuth: float = 0.0, hub: Any = (0.0, 0.0, 90.0),
-               air_density: float = 1.225) -> np.ndarray:  # fmt: skip
+               air_density: float = 1.225, induced: Any = 0.0) -> np.ndarray:  # fmt: skip
         """The inputs of the external function as one column.
 
         wind (3,) or (n, 3) [m/s]; speed [rad/s], positive when the rotor drives the shaft; pitch [rad], one number or
-        one for each blade; azimuth [rad] of the first blade, zero when it points up.
+        one for each blade; azimuth [rad] of the first blade, zero when it points up; induced [m/s] one number or one
+        for each station, for a rotor with dynamic inflow.
         """
         rotor, blade, sense = self.rotor, self.rotor.blade, self.rotor.sense
         axes, hub = self.hub_axes(), np.asarray(hub, dtype=float)
@@ -52,40 +55,65 @@ class RigidRotor:
         flat = [o.T.ravel() for o in orientation]
         groups = [position.ravel(), np.concatenate(flat), velocity.ravel(), wind.ravel(), hub,
                   (axes @ _about("x", sense * azimuth)).T.ravel(), np.zeros(3), wind.mean(axis=0), [air_density]]
+        if rotor.dynamic_inflow:
+            groups.append(np.broadcast_to(induced, len(blade.radius)))
         return np.concatenate(groups)
 
     def loads(self, inputs: np.ndarray) -> np.ndarray:
         """Force and moment of every node, (n, 6)."""
-        return self.rotor.external.function(ca.DM(inputs)).full().reshape(-1, 6)
+        outputs = self.rotor.external.function(ca.DM(inputs)).full().ravel()
+        return outputs[: 6 * self.rotor.nodes].reshape(-1, 6)
+
+    def quasi_steady(self, inputs: np.ndarray) -> np.ndarray:
+        """Induced speed of the balance of momentum at every station, mean of the blades [m/s]; with dynamic inflow."""
+        if not self.rotor.dynamic_inflow:
+            raise ParameterError("the quasi-steady induced speed is an output of a rotor with dynamic_inflow only.")
+        outputs = self.rotor.external.function(ca.DM(inputs)).full().ravel()
+        return outputs[6 * self.rotor.nodes :].reshape(self.rotor.blades, -1).mean(axis=0)
 
     def thrust_and_torque(self, wind: Any, speed: float, pitch: Any = 0.0, **more: Any) -> tuple[float, float]:
         """Thrust along the rotor normal [N], torque that drives the shaft [N m]."""
-        inputs = self.inputs(wind, speed, pitch, **more)
+        return self._along_the_shaft(self.inputs(wind, speed, pitch, **more))
+
+    def _along_the_shaft(self, inputs: np.ndarray) -> tuple[float, float]:
         n, start = self.rotor.nodes, 18 * self.rotor.nodes
         loads, arm = self.loads(inputs), inputs[: 3 * n].reshape(n, 3) - inputs[start : start + 3]
         moment = np.cross(arm, loads[:, :3]) + loads[:, 3:]
         normal = self.hub_axes()[:, 0]
         return float(normal @ loads[:, :3].sum(axis=0)), float(self.rotor.sense * normal @ moment.sum(axis=0))
 
+    def sweep(self, winds: np.ndarray, speed: float, pitch: float, **more: Any) -> list[tuple[float, float]]:
+        """Thrust and torque in several uniform winds [m/s] along x, at the same rotor speed and pitch."""
+        inputs, n = self.inputs([1.0, 0, 0], speed, pitch, **more), self.rotor.nodes
+        found = []
+        for wind in winds:
+            inputs[15 * n : 18 * n : 3] = inputs[18 * n + 15] = wind  # x of the wind at the nodes and of the disk wind
+            found.append(self._along_the_shaft(inputs))
+        return found
 
-def coefficient_table(rotor: BladeElementRotor, tip_speed_ratios: Any, blade_pitch: Any, *, precone: float = 0.0,
-                      speed: float = 1.0) -> CoefficientTable:  # fmt: skip
+
+def coefficient_table(
+    rotor: BladeElementRotor, tip_speed_ratios: Any, blade_pitch: Any, *, precone: float = 0.0, speed: float = 1.0,
+    progress: Callable[[int, int], None] | None = None,
+) -> CoefficientTable:  # fmt: skip
     """C_t and C_q over tip speed ratio and collective pitch [rad], by this theory: shaft along the wind, no tilt.
 
     As in CoefficientRotor the tip speed ratio counts the radius along the blade and the coefficients R = radius
     cos(precone). C_p = tip speed ratio C_q cos(precone). speed [rad/s] scales the wind, and the coefficients do not
-    depend on it: the airfoils have no Reynolds number.
+    depend on it: the airfoils have no Reynolds number. progress(done, all) is called after each tip speed ratio.
     """
-    rigid, radius = RigidRotor(rotor, precone), rotor.blade.tip_radius
+    quasi_steady = replace(rotor, dynamic_inflow=False) if rotor.dynamic_inflow else rotor
+    rigid, radius = RigidRotor(quasi_steady, precone), rotor.blade.tip_radius
     R = radius * np.cos(precone)
     ratios, pitches = np.asarray(tip_speed_ratios, dtype=float), np.asarray(blade_pitch, dtype=float)
     values = np.empty((len(ratios), len(pitches), 2))
-    for i, ratio in enumerate(ratios):
-        wind = speed * radius / ratio
-        pressure = 0.5 * np.pi * R**2 * wind**2
-        for j, pitch in enumerate(pitches):
-            thrust, torque = rigid.thrust_and_torque([wind, 0, 0], speed, pitch, air_density=1.0)
-            values[i, j] = thrust / pressure, torque / (pressure * R)
+    winds = speed * radius / ratios
+    pressures = 0.5 * np.pi * R**2 * winds**2
+    for j, pitch in enumerate(pitches):
+        loads = np.array(rigid.sweep(winds, speed, float(pitch), air_density=1.0))
+        values[:, j] = loads / np.stack([pressures, pressures * R], axis=1)
+        if progress is not None:
+            progress(j + 1, len(pitches))
     return CoefficientTable(ratios, pitches, values[..., 0], values[..., 1])
 
 

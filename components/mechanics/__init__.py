@@ -29,6 +29,7 @@ from fowtlib.components.mechanics.sensors import (
     RelativeSensor,
     VelocitySensor,
 )
+from fowtlib.components.mechanics.visual import VisualBox, VisualTube
 from fowtlib.components.mechanics.wire import AxialWire
 
 __all__ = [
@@ -72,6 +73,8 @@ __all__ = [
     "TwoFlanges",
     "TwoFrames",
     "VelocitySensor",
+    "VisualBox",
+    "VisualTube",
     "World",
     "WorldForce",
     "WorldTorque",

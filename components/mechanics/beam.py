@@ -2,16 +2,18 @@
 
 from __future__ import annotations
 
+import math
+
 import numpy as np
 
-from fowtlib.components.mechanics.beam_division import TREATMENTS, Division, divide, elastic_axis, pieces, section_axes
+from fowtlib.components.mechanics.beam_division import TREATMENTS, divide, elastic_axis, pieces, section_axes
 from fowtlib.components.mechanics.beam_properties import given_beam
 from fowtlib.components.mechanics.bodies import FixedTranslation, RigidBody
 from fowtlib.components.mechanics.connectors import Frame
 from fowtlib.components.mechanics.interfaces import TwoFrames
 from fowtlib.components.mechanics.rotations import axis_rotation, unit_axis
 from fowtlib.components.mechanics.sensors import LoadSensor
-from fowtlib.language import Array, Matrix, RealOutput, Scalar, Vector, der, eq, param, port, rotation, var
+from fowtlib.language import Array, Matrix, RealOutput, Scalar, Vector, der, eq, param, port, rotation, shapes, var
 from fowtlib.language import math as m
 from fowtlib.language.errors import ParameterError
 
@@ -174,9 +176,7 @@ class Beam(TwoFrames):
     Damping is proportional to stiffness, damping ratio = pi frequency damping. All frames along the beam are parallel
     to frame_a while it is undeflected: the structural twist turns the axes of the hinges, not the frames.
     A cut parts the rigid segment in which it lies, so its loads hold the weight and the inertia of all that is beyond;
-    a node at the place of a cut belongs to its root side. The axes turn with the beam: cut_axes "segment" are parallel
-    to frame_a while it is undeflected, "section" are the principal axes (structural twist) and the tangent there.
-    units = 0 makes the beam rigid.
+    a node at the place of a cut belongs to its root side. units = 0 makes the beam rigid.
     """
 
     properties: str = param(default="", doc="path of a CSV with the properties, see read_beam")
@@ -193,7 +193,11 @@ class Beam(TwoFrames):
     n_nodes: int = param(default=lambda self: len(self.node_points), min=0, doc="number of those frames")
     cuts: Array = param(default=(), unit="m", structural=True, doc="places of section loads: distance from the root")
     n_cuts: int = param(default=lambda self: len(self.cuts), min=0, doc="number of those cuts")
-    cut_axes: str = param(default="segment", choices=("segment", "section"), doc="axes of the loads of cuts, see above")
+    cut_axes: str = param(
+        default="segment", choices=("segment", "section"),
+        doc="axes of the loads of a cut, turning with the beam: parallel to frame_a while undeflected, or the "
+        "principal axes of the section (structural twist) and the tangent",
+    )  # fmt: skip
 
     nodes: Frame = port(size="n_nodes", optional=True, doc="frames along the beam, for loads and sensors")
 
@@ -204,28 +208,17 @@ class Beam(TwoFrames):
     cut_moment: RealOutput = port(size="n_cuts", unit="N*m", shape=(3,), doc="its moment, about the elastic axis")
 
     def build(self):
-        beam = given_beam(self)
-        parts = divide(beam, self.units, self.treatment)
-        frame, origin, carriers = self.frame_a, np.zeros(3), []
-        for piece in pieces(beam, parts, self.cuts):
-            if piece.hinge or piece.cut:
-                arm = f"arm_{piece.hinge}" if piece.hinge else f"to_cut_{piece.cut}"
-                joint = _hinge(self, parts, piece.hinge) if piece.hinge else self.add(f"cut_{piece.cut}", LoadSensor())
-                self.connect(_link(self, frame, piece.root - origin, arm), joint.frame_a)
-                frame, origin = joint.frame_b, piece.root
-            carriers.append((piece, frame, origin))
-            if piece.segment.end > piece.segment.start:
-                body = BeamSegment(
-                    mass=piece.segment.mass, inertia=piece.segment.inertia, r_cm=piece.segment.centre - origin
-                )
-                self.connect(frame, self.add(piece.name, body).frame_a)
+        parts = divide(given_beam(self), self.units, self.treatment)
+        carriers = _chain(self, parts)
+        _, frame, origin = carriers[-1]
         self.connect(_link(self, frame, parts.tip - origin, "end"), self.frame_b)
         for k, given in enumerate(self.node_points):
-            point = elastic_axis(beam, float(given)) if np.ndim(given) == 0 else np.asarray(given, dtype=float)
-            if not -1e-9 <= point[2] <= beam.length + 1e-9:
-                raise ParameterError(f"node {k + 1} at {point[2]:g} m is off the beam of {beam.length:g} m.")
+            point = _on_the_beam(self, k, given)
             _, frame, origin = next((c for c in carriers if point[2] <= c[0].segment.end), carriers[-1])
             self.connect(_link(self, frame, point - origin, f"to_node_{k + 1}"), self.nodes[k])
+
+    def drawing(self):
+        return [shapes.Tube(frame, axis, np.maximum(x, y), material="tower") for frame, axis, _, x, y in bodies(self)]
 
     def equations(self):
         a, b, beam = self.frame_a, self.frame_b, given_beam(self)
@@ -240,16 +233,45 @@ class Beam(TwoFrames):
         ]
 
 
-def _link(beam: Beam, frame, r, name):
-    """A frame at r from another one."""
+def _chain(beam, parts):
+    """Hinges, cuts and segments from root to tip; each piece with the frame that carries it and the frame's place."""
+    frame, origin, carriers = beam.frame_a, np.zeros(3), []
+    for piece in pieces(given_beam(beam), parts, beam.cuts):
+        if piece.hinge or piece.cut:
+            arm = f"arm_{piece.hinge}" if piece.hinge else f"to_cut_{piece.cut}"
+            joint = _hinge(beam, parts, piece.hinge) if piece.hinge else beam.add(f"cut_{piece.cut}", LoadSensor())
+            beam.connect(_link(beam, frame, piece.root - origin, arm), joint.frame_a)
+            frame, origin = joint.frame_b, piece.root
+        carriers.append((piece, frame, origin))
+        segment = piece.segment
+        if segment.end > segment.start:
+            body = BeamSegment(mass=segment.mass, inertia=segment.inertia, r_cm=segment.centre - origin)
+            beam.connect(frame, beam.add(piece.name, body).frame_a)
+    return carriers
+
+
+def _on_the_beam(beam, k, given):
+    """The place of node k, in the axes of the root."""
+    table = given_beam(beam)
+    point = elastic_axis(table, float(given)) if np.ndim(given) == 0 else np.asarray(given, dtype=float)
+    if not -1e-9 <= point[2] <= table.length + 1e-9:
+        raise ParameterError(f"node {k + 1} at {point[2]:g} m is off the beam of {table.length:g} m.")
+    return point
+
+
+def _hinge(beam, parts, i):
+    return beam.add(f"unit_{i}", BeamUnit(axes=parts.axes[i - 1], **_elasticity(beam, parts, i - 1)))
+
+
+def _link(beam, frame, r, name):
     link = beam.add(name, BeamLink(r=r))
     beam.connect(frame, link.frame_a)
     return link.frame_b
 
 
-def _hinge(beam: Beam, parts: Division, number: int) -> BeamUnit:
-    """The elastic joint of a unit, with its stiffness and damping. Raises ParameterError for a missing stiffness."""
-    i, given = number - 1, {"torsion": parts.torsion, "stretch": parts.stretch}
+def _elasticity(beam, parts, i):
+    """Stiffness and damping of unit i."""
+    given = {"torsion": parts.torsion, "stretch": parts.stretch}
     columns = {"stiffness_x": parts.stiffness_x, "stiffness_y": parts.stiffness_y}
     for (name, values), column in zip(given.items(), ("torsional_stiffness", "axial_stiffness"), strict=True):
         if getattr(beam, name):
@@ -258,5 +280,21 @@ def _hinge(beam: Beam, parts: Division, number: int) -> BeamUnit:
             columns[column] = values
     stiffness = {name: beam.stiffness_factor * float(values[i]) for name, values in columns.items()}
     damping = {name: getattr(beam, name) for name in ("damping_x", "damping_y", "damping")}
-    unit = BeamUnit(axes=parts.axes[i], torsion=beam.torsion, stretch=beam.stretch, **stiffness, **damping)
-    return beam.add(f"unit_{number}", unit)
+    return {**stiffness, **damping, "torsion": beam.torsion, "stretch": beam.stretch}
+
+
+def bodies(beam):
+    """The rigid segments of a Beam from root to tip, for pictures, each with stations along it.
+
+    Frame, elastic axis in the frame (n, 3), distance from the root (n,), sizes along x and y (n,) [m].
+    """
+    table = given_beam(beam)
+    parts = divide(table, beam.units, beam.treatment)
+    frames = [beam.frame_a, *(beam.parts[f"unit_{i + 1}"].frame_b for i in range(beam.units))]
+    found = []
+    for frame, place, segment in zip(frames, [np.zeros(3), *parts.points], parts.segments, strict=True):
+        stations = max(3, math.ceil((segment.end - segment.start) / table.length * 24) + 1)
+        s = np.linspace(segment.start, segment.end, stations)
+        axis = np.array([elastic_axis(table, si) for si in s]) - place
+        found.append((frame, axis, s, *table.outline(s)))
+    return found

@@ -21,6 +21,7 @@ each.
 from __future__ import annotations
 
 from dataclasses import dataclass
+from functools import lru_cache
 from typing import Any
 
 import numpy as np
@@ -66,6 +67,7 @@ def elastic_axis(beam: BeamProperties, s: float) -> np.ndarray:
     return np.array([beam.at("reference_x", s), beam.at("reference_y", s), s])
 
 
+@lru_cache(maxsize=64)
 def divide(beam: BeamProperties, units: int, treatment: str = "plain") -> Division:
     """Hinges and segments of a beam in `units` units."""
     if treatment not in TREATMENTS:

@@ -2,9 +2,11 @@
 
 from __future__ import annotations
 
+from functools import lru_cache
+
 from fowtlib.components.mechanics import Beam, BeamProperties, FixedTranslation, Frame, RigidBody, TwoFrames
 from fowtlib.components.mechanics.beam_properties import given_beam
-from fowtlib.language import Array, RealOutput, Scalar, eq, param, port
+from fowtlib.language import Array, RealOutput, Scalar, eq, param, port, shapes
 from fowtlib.language import math as m
 from fowtlib.language.errors import ParameterError
 
@@ -51,9 +53,10 @@ def tube_or_table(component, places, names="diameters and wall_thicknesses"):
         return given_beam(component)
     if component.properties or component.table is not None:
         raise ParameterError(f"{component.label}: give either properties, or {names}.")
-    material = {name: getattr(component, name) for name in ("density", "young_modulus", "shear_modulus")}
+    material = tuple((name, getattr(component, name)) for name in ("density", "young_modulus", "shear_modulus"))
+    walls = (tuple(values) for values in (places, component.diameters, component.wall_thicknesses))
     try:
-        return BeamProperties.tube(places, component.diameters, component.wall_thicknesses, **material)
+        return _tube(*walls, material)
     except ParameterError as error:
         raise ParameterError(f"{component.label}: {error}") from None
 
@@ -107,6 +110,12 @@ class FlexibleTower(Tower):
         ]
 
 
+@lru_cache(maxsize=32)
+def _tube(places: tuple, diameters: tuple, walls: tuple, material: tuple) -> BeamProperties:
+    """The same object for the same tube."""
+    return BeamProperties.tube(places, diameters, walls, **dict(material))
+
+
 class RigidTower(Tower):
     """A rigid tower: one body of given mass, centre and inertia. A table of properties: FlexibleTower with units 0."""
 
@@ -133,3 +142,9 @@ class RigidTower(Tower):
 
     def equations(self):
         return self.loads(m.zeros(3))
+
+    def drawing(self):
+        """A tube with the mean diameter of a thin wall, from the inertia about its axis; a rod where that is zero."""
+        height, mass, inertia = (self.parameter_value(name) for name in ("height", "mass", "axial_inertia"))
+        diameter = 2 * (inertia / mass) ** 0.5 if inertia and mass else None
+        return [shapes.Tube(self.frame_a, [(0, 0, 0), (0, 0, height)], diameter, material="tower")]

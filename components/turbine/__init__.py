@@ -5,8 +5,10 @@ from fowtlib.components.turbine.blade import Blade, FlexibleBlade, RigidBlade
 from fowtlib.components.turbine.hub import BladeMount, Hub
 from fowtlib.components.turbine.nacelle import Drivetrain, Nacelle
 from fowtlib.components.turbine.operating_point import OperatingPoint, SteadyTurbine
-from fowtlib.components.turbine.rotor_nacelle import RotorNacelle, start_point, steady_turbine
+from fowtlib.components.turbine.rotor_nacelle import RotorNacelle
 from fowtlib.components.turbine.rotor_nacelle_assembly import RotorNacelleAssembly
+from fowtlib.components.turbine.start import start_point
+from fowtlib.components.turbine.turbine import Turbine
 
 __all__ = [
     "ActuatedBearing",
@@ -21,6 +23,6 @@ __all__ = [
     "RotorNacelle",
     "RotorNacelleAssembly",
     "SteadyTurbine",
+    "Turbine",
     "start_point",
-    "steady_turbine",
 ]

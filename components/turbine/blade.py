@@ -2,12 +2,18 @@
 
 from __future__ import annotations
 
+from functools import lru_cache
+
 import numpy as np
 
-from fowtlib.components.mechanics import Beam, FixedTranslation, Frame, RigidBody
+from fowtlib.components.aero import outlines
+from fowtlib.components.mechanics import Beam, BeamProperties, FixedTranslation, Frame, RigidBody
+from fowtlib.components.mechanics.beam import bodies
 from fowtlib.components.mechanics.beam_properties import given_beam
-from fowtlib.language import Array, Component, RealOutput, Scalar, eq, param, port
+from fowtlib.language import Array, Component, RealOutput, Scalar, eq, param, port, shapes
 from fowtlib.language import math as m
+
+_mirrored = lru_cache(maxsize=8)(BeamProperties.mirrored)  # the same object for the same blade
 
 
 class Blade(Component):
@@ -54,7 +60,7 @@ class FlexibleBlade(Blade):
     def build(self):
         table = given_beam(self)
         self.beam = Beam(
-            table=table.mirrored() if self.mirrored else table, units=self.units,
+            table=_mirrored(table) if self.mirrored else table, units=self.units,
             treatment=self.treatment, torsion=self.torsion, damping_x=self.damping_flapwise,
             damping_y=self.damping_edgewise, node_points=self.node_points, cuts=self.cuts,
         )  # fmt: skip
@@ -62,6 +68,22 @@ class FlexibleBlade(Blade):
         self.connect(self.beam.deflection, self.tip_deflection)
         for k in range(self.n_nodes):
             self.connect(self.beam.nodes[k], self.nodes[k])
+
+    def drawing(self):
+        return self.skin()
+
+    def skin(self, stations=None, chords=None):
+        """What pictures show; sizes follow from the inertia of the sections, unless the chord [m] is known at stations.
+
+        stations (n,): distance from the root [m].
+        """
+        sense, skins = -1 if self.mirrored else 1, []
+        for frame, axis, s, thickness, estimate in bodies(self.beam):
+            chord = estimate if chords is None else np.interp(s, stations, chords)
+            twist = sense * self.beam.table.at("twist", s)
+            sections = outlines.blade_sections(axis, chord, thickness, twist, sense)
+            skins.append(shapes.Loft(frame, sections, closed=self.units == 0, material="blade"))
+        return skins
 
     def equations(self):
         moment = -self.beam.root_moment
@@ -95,6 +117,12 @@ class RigidBlade(Blade):
             link = self.add(f"to_node_{k + 1}", FixedTranslation(r=(0, 0, given) if np.ndim(given) == 0 else given))
             self.connect(self.frame_a, link.frame_a)
             self.connect(link.frame_b, self.nodes[k])
+
+    def drawing(self):
+        """The skin of a typical blade, to the outermost node, else thrice as long as to the centre of mass."""
+        given = [float(point if np.ndim(point) == 0 else point[2]) for point in self.node_points]
+        length = max([*given, 0.0]) or 3 * self.parameter_value("centre_of_mass")
+        return [shapes.Loft(self.frame_a, outlines.typical_blade(0.0, length), material="blade")] if length > 0 else []
 
     def equations(self):
         moment = -self.frame_a.R.T @ self.frame_a.t

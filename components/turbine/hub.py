@@ -6,7 +6,7 @@ import math
 
 from fowtlib.components.mechanics import Frame, RigidBody, TwoFrames
 from fowtlib.components.turbine.actuators import ActuatedBearing
-from fowtlib.language import Component, RealInput, RealOutput, Scalar, eq, param, part, port, rotation
+from fowtlib.language import Component, RealInput, RealOutput, Scalar, eq, param, part, port, rotation, shapes
 from fowtlib.language import math as m
 
 
@@ -68,3 +68,7 @@ class Hub(Component):
             self.connect(bearing.frame_b, self.roots[k])
             self.connect(self.pitch_command[k], bearing.command)
             self.connect(bearing.angle, self.pitch[k])
+
+    def drawing(self):
+        diameter = 2.2 * self.parameter_value("radius")
+        return [shapes.Ball(self.frame, diameter=diameter, material="nacelle")] if diameter else []

@@ -27,6 +27,7 @@ from fowtlib.language import (
     param,
     part,
     port,
+    shapes,
 )
 from fowtlib.language import math as m
 
@@ -84,6 +85,15 @@ class Nacelle(Component):
             (self.cut.frame_b, self.hub), (self.bearing.flange, self.shaft),
         ):  # fmt: skip
             self.connect(a, b)
+
+    def drawing(self):
+        """A box around the shaft, from behind the hub over the tower; nothing for a hub on the yaw axis."""
+        overhang, height = self.parameter_value("overhang"), self.parameter_value("shaft_height")
+        if overhang <= 0:
+            return []
+        centre, size = (0.65 * overhang, 0, height), (2.6 * overhang, 0.85 * overhang, 0.85 * overhang)
+        shaft = shapes.Tube(self.hub, [(0, 0, 0), (0.4 * overhang, 0, 0)], 0.3 * overhang, material="nacelle")
+        return [shapes.Box(self.yaw.frame_b, centre, size, material="nacelle"), shaft]
 
     def equations(self):
         moment = self.cut.torque

@@ -2,16 +2,21 @@
 
 from __future__ import annotations
 
-from dataclasses import fields
+from typing import Any
 
-from fowtlib.components.aero import CoefficientRotor, read_coefficients
+from fowtlib.components.aero import CoefficientRotor, outlines, read_coefficients
 from fowtlib.components.environment.wind import Wind
 from fowtlib.components.environment.world import World
 from fowtlib.components.mechanics import Frame, IdealGear, RigidBody
-from fowtlib.components.servo import BaselineController, Generator, TorqueController, TorqueLaw
-from fowtlib.components.turbine.operating_point import STANDSTILL, OperatingPoint, SteadyTurbine
+from fowtlib.components.servo import BaselineController, Generator
+from fowtlib.components.turbine.operating_point import SteadyTurbine
+from fowtlib.components.turbine.start import controlled, start_point, unknown_start
 from fowtlib.language import Component, Matrix, RealInput, RealOutput, Scalar, Vector, eq, outer, param, part, port
-from fowtlib.language.errors import ModelError, ParameterError
+
+
+def _start(component: Component, name: str, value: object) -> None:
+    if name in component.parameters and not component.is_set(name):
+        setattr(component, name, value)
 
 
 class RotorNacelle(Component):
@@ -31,10 +36,10 @@ class RotorNacelle(Component):
     generator_inertia: Scalar = param(unit="kg*m^2", min=0, doc="moment of inertia about the high speed shaft")
     generator_efficiency: Scalar = param(default=1.0, min=0, max=1, doc="electrical over mechanical power")
     rotor_speed_start: Scalar = param(
-        default=lambda self: start_point(self).rotor_speed, unit="rad/s", doc="initial rotor speed"
+        default=lambda self: start_point(self, self.rotor.station).rotor_speed, unit="rad/s", doc="initial rotor speed"
     )
     blade_pitch_start: Scalar = param(
-        default=lambda self: start_point(self).blade_pitch, unit="rad", doc="initial blade pitch"
+        default=lambda self: start_point(self, self.rotor.station).blade_pitch, unit="rad", doc="initial blade pitch"
     )
 
     world: World = outer(World)
@@ -69,47 +74,27 @@ class RotorNacelle(Component):
             self.connect(a, b)
         if "yaw" in control.ports:
             self.connect(self.yaw, control.yaw)
-        self._start(rotor, "w_start", self.rotor_speed_start)
-        self._start(control, "pitch_start", self.blade_pitch_start)
-        self._start(control, "speed_start", self.gear_ratio * self.rotor_speed_start)
+        _start(rotor, "w_start", self.rotor_speed_start)
+        _start(control, "pitch_start", self.blade_pitch_start)
+        _start(control, "speed_start", self.gear_ratio * self.rotor_speed_start)
 
-    @staticmethod
-    def _start(component, name, value):
-        if name in component.parameters and not component.is_set(name):
-            setattr(component, name, value)
+    def drawing(self):
+        return [*outlines.housing(self.frame, self.rotor), *self.rotor.drawing()]
 
     def equations(self):
         return [eq(self.rotor_speed, self.rotor.w)]
 
-
-def steady_turbine(turbine: RotorNacelle) -> SteadyTurbine:
-    """Rotor and controller of a turbine as numbers, for its steady operating points."""
-    torque, rotor = turbine.control.parts.get("torque"), turbine.rotor
-    if not isinstance(torque, TorqueController) or not isinstance(rotor, CoefficientRotor):
-        raise ParameterError(
-            f"{turbine.label}: with this rotor or controller give rotor_speed_start and blade_pitch_start."
-        )
-    return SteadyTurbine(
-        table=read_coefficients(rotor.coefficients, rotor.extended),
-        law=TorqueLaw(**{field.name: torque.parameter_value(field.name) for field in fields(TorqueLaw)}),
-        gear_ratio=turbine.parameter_value("gear_ratio"),
-        least_pitch=turbine.control.pitch.parameter_value("least_pitch"),
-        air_density=turbine.world.parameter_value("air_density"),
-        **{name: rotor.parameter_value(name) for name in ("radius", "precone", "tilt")},
-    )
+    def steady_turbine(self) -> SteadyTurbine:
+        """Rotor and controller as numbers, for steady operating points."""
+        rotor = self.rotor
+        if not isinstance(rotor, CoefficientRotor):
+            raise unknown_start(self)
+        table = read_coefficients(rotor.coefficients, rotor.extended)
+        sizes = {name: rotor.parameter_value(name) for name in ("radius", "precone", "tilt")}
+        return SteadyTurbine(table, gear_ratio=self.parameter_value("gear_ratio"), **sizes, **controlled(self))
 
 
-def start_point(turbine: RotorNacelle) -> OperatingPoint:
-    """Steady operation in the mean wind of the rotor's station; standstill without wind."""
-    wind, station = turbine.wind, turbine.rotor.station
-    if wind.kind == "none":
-        return STANDSTILL
-    mean = wind.mean_at(station)  # refuses a station that does not exist
-    if wind.kind not in ("file", "field"):
-        height, shear = wind.hubs[station, 1] / wind.reference_height, wind.parameter_value("shear_exponent")
-        mean = wind.parameter_value("mean_speed") * height**shear
-    steady = steady_turbine(turbine)
-    try:
-        return steady.operating_point(float(mean))
-    except ModelError as error:
-        raise error.at(turbine.label) from None
+def _start(component: Component, name: str, value: Any) -> None:
+    """Give a start value to a part that has it as a parameter and was not given one."""
+    if name in component.parameters and not component.is_set(name):
+        setattr(component, name, value)

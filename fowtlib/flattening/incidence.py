@@ -23,8 +23,7 @@ class Incidence:
         direct, through = self.split(column)
         if not self._symbols:
             return direct
-        return [np.unique(np.concatenate([own, *(self._closures[k] for k in via)])) if len(via) else own
-                for own, via in zip(direct, through, strict=True)]  # fmt: skip
+        return [_union([own, *(self._closures[k] for k in via)]) for own, via in zip(direct, through, strict=True)]
 
     def split(self, column: ca.SX) -> tuple[list[np.ndarray], list[np.ndarray]]:
         """Unknowns in the elements of a column themselves, and symbols of intermediates in them."""
@@ -53,41 +52,55 @@ class Incidence:
         system = self.system
         if self._unknowns.shape[0] != len(system.unknowns):
             self._unknowns = ca.vertcat(*[unknown.symbol for unknown in system.unknowns])
-        if self._seen == len(system.intermediates):
+        fresh = system.intermediates[self._seen :]
+        if not fresh:
             return
         self._seen = len(system.intermediates)
-        self._symbols = [symbol for item in system.intermediates for symbol in item.symbols]
-        direct, through = self._pattern(ca.vertcat(*[item.inputs for item in system.intermediates]))
+        first = len(self._symbols)
+        self._symbols = self._symbols + [symbol for item in fresh for symbol in item.symbols]
+        direct, through = self._pattern(ca.vertcat(*[item.inputs for item in fresh]))
         own: list[np.ndarray] = []
         via: list[np.ndarray] = []
         position = 0
-        for item in system.intermediates:
-            n = item.inputs.shape[0]
-            block = range(position, position + n)
-            position += n
-            for i, _ in enumerate(item.symbols):
-                members = [block[i]] if item.function is None else list(block)
-                own.append(np.unique(np.concatenate([direct[k] for k in members])) if members else np.zeros(0, int))
-                via.append(np.unique(np.concatenate([through[k] for k in members])) if members else np.zeros(0, int))
-        self._closures = _transitive(own, via)
+        for item in fresh:
+            block = slice(position, position + item.inputs.shape[0])
+            position = block.stop
+            if item.function is None:  # each symbol stands for the input of the same number
+                own += direct[block]
+                via += through[block]
+            else:
+                own += [_union(direct[block])] * len(item.symbols)
+                via += [_union(through[block])] * len(item.symbols)
+        self._closures = _transitive(self._closures, own, via, first)
 
 
-def _transitive(own: list[np.ndarray], via: list[np.ndarray]) -> list[np.ndarray]:
-    closures: list[np.ndarray | None] = [None] * len(own)
-    for start in range(len(own)):
+def _transitive(
+    known: list[np.ndarray], own: list[np.ndarray], via: list[np.ndarray], first: int
+) -> list[np.ndarray]:
+    """Closures of the symbols from number `first` on, after those that are known."""
+    closures: list[np.ndarray | None] = [*known, *([None] * len(own))]
+    for start in range(first, len(closures)):
         stack = [start]
         while stack:
             k = stack[-1]
             if closures[k] is not None:
                 stack.pop()
                 continue
-            missing = [j for j in via[k] if closures[j] is None]
+            missing = [j for j in via[k - first] if closures[j] is None]
             if missing:
                 stack.extend(missing)
                 continue
-            closures[k] = np.unique(np.concatenate([own[k], *(closures[j] for j in via[k])]))
+            closures[k] = _union([own[k - first], *(closures[j] for j in via[k - first])])
             stack.pop()
     return [closure if closure is not None else np.zeros(0, int) for closure in closures]
+
+
+def _union(parts: list[np.ndarray]) -> np.ndarray:
+    """Sorted numbers of sorted lists, each once."""
+    if len(parts) == 1:
+        return parts[0]
+    merged = np.sort(np.concatenate(parts)) if parts else np.zeros(0, int)
+    return merged[np.concatenate([[True], merged[1:] != merged[:-1]])] if merged.size else merged
 
 
 def _rows(sparsity: ca.Sparsity) -> list[np.ndarray]:

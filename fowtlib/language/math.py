@@ -44,6 +44,11 @@ def vertcat(*values: Any) -> Any:
     return ca.densify(ca.vertcat(*values))
 
 
+def vec(value: Any) -> Any:
+    """The columns of a matrix below each other, (n,)."""
+    return ca.vec(_sx(value))
+
+
 def horzcat(*values: Any) -> Any:
     """Columns side by side."""
     return ca.densify(ca.horzcat(*values))

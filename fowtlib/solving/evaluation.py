@@ -6,7 +6,7 @@ building the Jacobian through the whole graph instead is many times slower.
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from functools import cached_property
 
 import casadi as ca
@@ -100,37 +100,39 @@ class Evaluation:
         return needed
 
     def torn_jacobian(self, name: str, rows: ca.SX, columns: Sequence[ca.SX]) -> ca.Function:
-        """`(t, x, z, q) -> d rows / d columns[0], d rows / d columns[1], ...`, through the externals too."""
+        """`(t, x, z, q) -> d rows / d columns[0], d rows / d columns[1], ...`, through the externals too.
+
+        The partial derivatives are expressions of scalars; their products with the Jacobians of the externals are
+        sparse matrix products, because written out as scalars those of a rotor are a million operations.
+        """
         rows = self.with_numbers([rows])[0]
         block_of = ca.vertcat(*columns)
-        entries: list[ca.SX] = []
-        through = ca.SX(self.w.shape[0], block_of.shape[0])
-        used: list[int] = []
+        ends = [0, *np.cumsum([c.shape[0] for c in columns]).tolist()]
         needed = self._needed([rows])
-        for group in self.dae.levels:
-            for k in group:
-                if k not in needed:
-                    continue
-                external, y = self.dae.externals[k], self._external_inputs[k]
-                dy = ca.jacobian(y, block_of) + ca.mtimes(ca.jacobian(y, self.w), through)
-                dy = ca.sparsify(dy)
-                if dy.nnz() == 0:
-                    continue
-                symbol = ca.SX.sym(f"D{k}", self._externals[k].jacobian.sparsity_out(0))
-                entries.append(ca.vertcat(*symbol.nonzeros()))
-                used.append(k)
-                through[external.outputs, :] = ca.mtimes(symbol, dy)
-        total = ca.jacobian(rows, block_of)
-        if used:
-            total = total + ca.mtimes(ca.jacobian(rows, self.w), through)
-        total = ca.sparsify(total)
-        blocks = ca.horzsplit(total, [0, *np.cumsum([c.shape[0] for c in columns]).tolist()])
         if not needed:
-            return ca.Function(name, self._arguments, blocks, {"cse": True})
-        inner = ca.Function(name, [*self._arguments, self.w, *entries], blocks, {"cse": True})
+            blocks = ca.horzsplit(ca.sparsify(ca.jacobian(rows, block_of)), ends)
+            return ca.Function(name, self._arguments, blocks)
+        used = [k for group in self.dae.levels for k in group if k in needed]
+        pieces = [ca.jacobian(rows, block_of), ca.jacobian(rows, self.w)]
+        for k in used:
+            y = self._external_inputs[k]
+            pieces += [ca.jacobian(y, block_of), ca.jacobian(y, self.w)]
+        pieces = [ca.sparsify(piece) for piece in pieces]
+        inner = ca.Function(f"{name}_pieces", [*self._arguments, self.w], pieces)
         arguments, w, inputs = self._called(needed)
-        values = inner(*arguments, w, *[self._externals[k].entries(inputs[k]) for k in used])
-        return ca.Function(name, arguments, list(values) if isinstance(values, (list, tuple)) else [values])
+        by_columns, by_w, *slopes = inner(*arguments, w)
+        through = ca.MX(self.w.shape[0], block_of.shape[0])
+        for k, y_by_columns, y_by_w in zip(used, slopes[::2], slopes[1::2], strict=True):
+            dy = y_by_columns + ca.mtimes(y_by_w, through)
+            through = through + self._placed(k, ca.mtimes(self._externals[k].jacobian(inputs[k]), dy))
+        total = by_columns + ca.mtimes(by_w, through)
+        return ca.Function(name, arguments, ca.horzsplit(total, ends))
+
+    def _placed(self, k: int, rows: ca.MX) -> ca.MX:
+        """The rows of external k among those of all externals."""
+        outputs = self.dae.externals[k].outputs
+        above, below = outputs.start, self.w.shape[0] - outputs.stop
+        return ca.vertcat(ca.MX(above, rows.shape[1]), rows, ca.MX(below, rows.shape[1]))
 
     # --- the functions of the DAE --------------------------------------------------------------------------------
 
@@ -147,6 +149,11 @@ class Evaluation:
         by_x, by_z = full(*arguments)
         n = self.x.shape[0]
         return ca.Function("jacobian", arguments, [by_x[:n, :], by_z[:n, :], by_x[n:, :], by_z[n:, :]])
+
+    def updater(self, sample: int) -> Callable[..., np.ndarray]:
+        """The new values of the discrete variables of a sampled part, as a function of t, x, z, q."""
+        update = self.function("update", [self.dae.samples[sample].values])
+        return lambda *point: np.array(update(*point)).ravel()
 
     def start_values(self) -> tuple[np.ndarray, np.ndarray, np.ndarray, np.ndarray]:
         """Start values of x, z and d, and the default of u."""
@@ -171,7 +178,3 @@ class _Differentiable:
     def jacobian(self) -> ca.Function:
         y = ca.MX.sym("y", self.function.size1_in(0))
         return ca.Function(f"{self.function.name()}_jac", [y], [ca.jacobian(ca.vec(self.function(y)), y)])
-
-    def entries(self, y: ca.MX) -> ca.MX:
-        value = self.jacobian(y)
-        return ca.vertcat(*ca.vertsplit(value.nz[:])) if value.nnz() else ca.MX(0, 1)

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -24,8 +24,8 @@ class Mode:
     damping_ratio: float
     eigenvalue: complex
     label: str
-    shape: dict[str, complex]
-    participation: dict[str, float]
+    shape: dict[str, complex] = field(repr=False)
+    participation: dict[str, float] = field(repr=False)
 
     @property
     def period(self) -> float:

@@ -279,3 +279,71 @@ def test_a_run_longer_than_the_waves_is_warned_about():
     assert not any("the wind repeats" in line for line in text)
     eta = values(result, "sea.elevation")
     np.testing.assert_allclose(eta[40:], eta[:11], atol=1e-9)
+
+
+class Nodes(Component):
+    """The wind at three nodes in one call, and at each of them by itself."""
+
+    wind: Wind = outer(Wind)
+    x: Scalar = var(unit="m", start=0, doc="drift of the nodes")
+    together: Array = var(unit="m/s", shape=(9,), doc="one call")
+    apart: Array = var(unit="m/s", shape=(9,), doc="three calls")
+
+    def equations(self):
+        nodes = m.horzcat(m.vertcat(self.x, 6, 120), m.vertcat(-5, 70, 30 + self.x), m.vertcat(0, 1, -3))
+        station = len(self.wind.hubs) - 1
+        here = self.wind.velocity(nodes, station)
+        single = [self.wind.velocity(nodes[:, i], station) for i in range(3)]
+        return [
+            eq(der(self.x), 0.5),
+            eq(self.together, m.vertcat(*[here[:, i] for i in range(3)])),
+            eq(self.apart, m.vertcat(*single)),
+        ]
+
+
+@pytest.mark.parametrize(
+    "wind",
+    [
+        {"kind": "none"},
+        {"kind": "steady", "mean_speed": 10},
+        {"kind": "step", "mean_speed": 10, "step_speed": 12, "start_time": 1},
+        {"kind": "gust", "mean_speed": 10, "start_time": 1},
+        {"kind": "kaimal", "mean_speed": 10, "repetition_period": 60},
+        {"kind": "file"},
+    ],
+)
+def test_many_positions_in_one_call(tmp_path, wind):
+    """Each column is the wind at its position: the power law above the station of 90 m, and the series of that one."""
+    if wind["kind"] == "file":
+        wind["file"] = str(tmp_path / "wind.csv")
+        (tmp_path / "wind.csv").write_text("\n".join(f"{t},8,{9 + 0.1 * t}" for t in range(6)))
+    top = fw.Assembly("nodes")
+    top.world = World()
+    top.wind = Wind(**wind, shear_exponent=0.2, direction=0.3, stations=[[0, 45], [0, 90]])
+    top.nodes = Nodes()
+    result = simulate(top, 4.0)
+    found = values(result, "nodes.together")
+    np.testing.assert_array_equal(found, values(result, "nodes.apart"))
+    base, extra = values(result, "wind.base")[:, 1], values(result, "wind.fluctuation")[:, 1]
+    height = np.column_stack([0 * base + 120, 30 + values(result, "nodes.x"), 0 * base + 0.09])
+    speed = base[:, None] * (height / 90) ** 0.2 + extra[:, None]
+    expected = np.stack([speed * np.cos(0.3), speed * np.sin(0.3), 0 * speed], axis=-1)
+    np.testing.assert_allclose(found.reshape(-1, 3, 3), expected, atol=1e-9)
+    assert found.any() == (wind["kind"] != "none")
+
+
+def test_positions_of_another_shape():
+    class Turned(Component):
+        """Positions as rows."""
+
+        wind: Wind = outer(Wind)
+        u: Array = var(unit="m/s", shape=(3,), doc="wind")
+
+        def equations(self):
+            return [eq(self.u, self.wind.velocity(np.zeros((5, 3))))]
+
+    top = fw.Assembly("turned")
+    top.wind = Wind()
+    top.turned = Turned()
+    with pytest.raises(ModelError, match="the wind is wanted at positions 5 x 3; give them as 3 x n"):
+        fw.load(top).compile()

@@ -180,7 +180,7 @@ def test_start_values_given():
 def test_start_point_of_a_station_in_sheared_wind():
     wind = {"stations": [(0, 90), (0, 140)], "shear_exponent": 0.2}
     model = onshore(10.0, wind=wind, rotor={"station": 1})
-    assert start_point(model.turbine).wind_speed == pytest.approx(10 * (140 / 90) ** 0.2)
+    assert start_point(model.turbine, 1).wind_speed == pytest.approx(10 * (140 / 90) ** 0.2)
 
 
 class FixedControl(Component):

@@ -1,0 +1,131 @@
+"""Aerodynamic loads of a rotor on the frames along its blades, by blade-element momentum theory."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from functools import lru_cache
+
+import numpy as np
+
+from fowtlib.components.aero.bem import PITT_PETERS, BladeElementRotor
+from fowtlib.components.aero.blade_aerodynamics import BladeAerodynamics, read_blade
+from fowtlib.components.aero.dynamic_inflow import DynamicInflow
+from fowtlib.components.aero.tower_flow import TowerPotentialFlow
+from fowtlib.components.environment.wind import Wind
+from fowtlib.components.environment.world import World
+from fowtlib.components.mechanics import Frame
+from fowtlib.components.mechanics.rotations import axis_rotation, unit_axis
+from fowtlib.language import Component, RealOutput, Vector, assert_, der, eq, outer, param, port, var
+from fowtlib.language import math as m
+from fowtlib.language.errors import ParameterError
+
+OPTIONS = ("skew", "axial_drag", "tangential_drag", "tip_loss", "hub_loss")
+
+
+class BladeElementAerodynamics(Component):
+    """Loads of the air on a rotor with moving and bending blades: a BladeElementRotor between the frames of its nodes.
+
+    Each node takes part with its own position, orientation and velocity, in the wind at its place. The frames in
+    `nodes` are parallel to the pitched blade root when nothing bends, blade by blade from root to tip, and lie at the
+    aerodynamic centres (`node_points`); the twist of the airfoils is added here. thrust, side and vertical force are
+    the sums over all nodes along the axes of the shaft: x downwind, not turning. With a TowerPotentialFlow in the model
+    the nodes meet the wind that the tower deflects; dynamic_inflow adds the part `inflow`, see DynamicInflow.
+    """
+
+    blade: str = param(doc="path of a CSV with the elements of the blade, see read_blade")
+    airfoils: str = param(doc="path of a CSV with the airfoils, see read_airfoils")
+    smooth_airfoils: bool = param(default=True, doc="monotone cubics between the angles of the airfoils, else lines")
+    hub_radius: float = param(default=None, unit="m", min=0, doc="distance of the blade roots from the shaft")
+    tip_radius: float = param(unit="m", min=0, doc="distance of the tips from the shaft, along the unconed blade")
+    blades: int = param(default=3, min=1, doc="number of blades")
+    rotation: int = param(default=1, choices=(1, -1), doc="1: clockwise seen from upwind, -1: counter-clockwise")
+    skew: float = param(default=PITT_PETERS, min=0, doc="factor of the skewed wake, 0: none; see BladeElementRotor")
+    axial_drag: bool = param(default=True, doc="drag takes part in the axial induction")
+    tangential_drag: bool = param(default=True, doc="drag takes part in the tangential induction")
+    tip_loss: bool = param(default=True, doc="Prandtl's loss at the tip")
+    hub_loss: bool = param(default=True, doc="Prandtl's loss at the hub")
+    dynamic_inflow: bool = param(default=False, doc="the induced speed follows the loads with a delay: DynamicInflow")
+    station: int = param(default=0, min=0, doc="number of the wind's station at this rotor")
+
+    world: World = outer(World)
+    wind: Wind = outer(Wind)
+    tower: TowerPotentialFlow = outer(TowerPotentialFlow, optional=True)
+    hub: Frame = port(doc="hub centre, turning with the rotor; x along the shaft, downwind")
+    nodes: Frame = port(size=lambda self: self.rotor.nodes, doc="frames of the nodes, blade by blade from the root")
+
+    thrust: RealOutput = port(unit="N", doc="force of the air along the shaft, positive downwind")
+    torque: RealOutput = port(unit="N*m", doc="moment of the air about the shaft, positive when it drives the rotor")
+    aero_power: RealOutput = port(unit="W", doc="torque times rotor speed")
+    disk_wind: RealOutput = port(unit="m/s", shape=(3,), doc="wind averaged over the nodes, world")
+    force: Vector = var(unit="N", doc="force of the air on the rotor, world")
+    moment: Vector = var(unit="N*m", doc="moment of the air on the rotor about the hub, world")
+
+    @property
+    def rotor(self) -> BladeElementRotor:
+        """The rotor as quasi-steady theory has it, for steady operation."""
+        if self.hub_radius is None:
+            what = "the distance of the blade roots from the shaft"
+            raise ParameterError(f"{self.label}.hub_radius has no value: {what}.")
+        blade = (self.blade, self.airfoils, self.hub_radius, self.tip_radius, self.smooth_airfoils)
+        return _rotor(blade, self.blades, self.rotation, tuple((name, getattr(self, name)) for name in OPTIONS))
+
+    def build(self):
+        if self.dynamic_inflow and self.hub_radius is not None:
+            b = self.rotor.blade
+            self.inflow = DynamicInflow(radius=b.radius.tolist(), length=b.length.tolist(), tip_radius=b.tip_radius)
+
+    def equations(self):
+        rotor, hub, nodes = self.rotor, self.hub, list(self.nodes)
+        twist = [axis_rotation(unit_axis((0, 0, -self.rotation)), float(a)) for a in rotor.blade.twist]
+        turned = [node.R @ twist[i % len(twist)] for i, node in enumerate(nodes)]
+        places, more = m.horzcat(*[node.r for node in nodes]), {}
+        undisturbed = self.wind.velocity(places, self.station)
+        wind = self.tower.around(undisturbed, places) if self.tower is not None else undisturbed
+        if self.dynamic_inflow:
+            rotor, more = _dynamic(rotor), {"induced": self.inflow.induced}
+        outputs = rotor.external(
+            position=m.vertcat(*[node.r for node in nodes]), orientation=m.vertcat(*[m.vec(R) for R in turned]),
+            velocity=m.vertcat(*[der(node.r) for node in nodes]), wind=m.vec(wind), hub_position=hub.r,
+            hub_orientation=m.vec(hub.R), hub_velocity=der(hub.r), disk_wind=self.disk_wind,
+            air_density=self.world.air_density, **more,
+        )  # fmt: skip
+        loads = outputs["loads"]
+        given = [(loads[6 * i : 6 * i + 3], loads[6 * i + 3 : 6 * i + 6]) for i in range(len(nodes))]
+        about_hub = [m.cross(node.r - hub.r, f) + t for node, (f, t) in zip(nodes, given, strict=True)]
+        shaft = hub.R[:, 0]
+        return [
+            [[eq(node.f, -f), eq(node.t, -t)] for node, (f, t) in zip(nodes, given, strict=True)],
+            [eq(hub.f, m.zeros(3)), eq(hub.t, m.zeros(3))],
+            eq(self.disk_wind, undisturbed @ (np.ones((len(nodes), 1)) / len(nodes))),
+            eq(self.force, sum(f for f, _ in given)),
+            eq(self.moment, sum(about_hub)),
+            eq(self.thrust, m.dot(shaft, self.force)),
+            eq(self.torque, self.rotation * m.dot(shaft, self.moment)),
+            eq(self.aero_power, m.dot(self.moment, hub.w)),
+            self._inflow(outputs["quasi_steady"]) if self.dynamic_inflow else [],
+            assert_(self.tower.clearance(places) > 0, "a blade strikes the tower") if self.tower is not None else [],
+        ]
+
+    def _inflow(self, quasi_steady):
+        """What the wake is told: the mean over the blades, and the wind through the disk."""
+        n = len(self.inflow.radius)
+        mean = sum([quasi_steady[k * n : (k + 1) * n] for k in range(self.blades)]) / self.blades
+        through = m.dot(self.hub.R[:, 0], self.disk_wind - der(self.hub.r))
+        return [eq(self.inflow.quasi_steady, mean), eq(self.inflow.wind_speed, through)]
+
+
+@lru_cache(maxsize=16)
+def _rotor(blade: tuple, blades: int, rotation: int, options: tuple) -> BladeElementRotor:
+    """The same object for the same rotor, so that its function is made once."""
+    return BladeElementRotor(read_blade(*blade), blades, rotation, **dict(options))
+
+
+@lru_cache(maxsize=16)
+def _dynamic(rotor: BladeElementRotor) -> BladeElementRotor:
+    return replace(rotor, dynamic_inflow=True)
+
+
+def node_points(blade: BladeAerodynamics, rotation: int = 1) -> list[tuple[float, float, float]]:
+    """Where the nodes lie on a blade [m]: from the root, z along the pitch axis; see the axes of Blade."""
+    return [(float(c), rotation * float(s), float(r - blade.hub_radius))
+            for r, c, s in zip(blade.radius, blade.curve, blade.sweep, strict=True)]  # fmt: skip

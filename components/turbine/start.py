@@ -1,0 +1,58 @@
+"""Where the simulation of a turbine starts: steady operation in the mean wind."""
+
+from __future__ import annotations
+
+from dataclasses import fields
+from typing import TYPE_CHECKING, Any, Protocol
+
+from fowtlib.components.servo import TorqueController, TorqueLaw
+from fowtlib.components.turbine.operating_point import STANDSTILL, OperatingPoint, SteadyTurbine
+from fowtlib.language.errors import ModelError, ParameterError
+
+if TYPE_CHECKING:
+    from fowtlib.components.environment.wind import Wind
+
+
+class InTheWind(Protocol):
+    """A turbine that knows its wind and its steady operation."""
+
+    wind: Wind
+    label: str
+
+    def steady_turbine(self) -> SteadyTurbine:
+        """Rotor and controller as numbers."""
+
+
+def start_point(turbine: InTheWind, station: int) -> OperatingPoint:
+    """Steady operation in the mean wind of the rotor's station; standstill without wind."""
+    wind = turbine.wind
+    if wind.kind == "none":
+        return STANDSTILL
+    mean = wind.mean_at(station)  # refuses a station that does not exist
+    if wind.kind not in ("file", "field"):
+        height, shear = wind.hubs[station, 1] / wind.reference_height, wind.parameter_value("shear_exponent")
+        mean = wind.parameter_value("mean_speed") * height**shear
+    steady = turbine.steady_turbine()
+    try:
+        return steady.operating_point(float(mean))
+    except ModelError as error:
+        raise error.at(turbine.label) from None
+
+
+def controlled(turbine: Any) -> dict[str, Any]:
+    """What a turbine's controller and air are to its steady operation: arguments of SteadyTurbine."""
+    torque = turbine.control.parts.get("torque")
+    if not isinstance(torque, TorqueController):
+        raise unknown_start(turbine)
+    return {
+        "law": TorqueLaw(**{field.name: torque.parameter_value(field.name) for field in fields(TorqueLaw)}),
+        "least_pitch": turbine.control.pitch.parameter_value("least_pitch"),
+        "air_density": turbine.world.parameter_value("air_density"),
+    }
+
+
+def unknown_start(turbine: Any) -> ParameterError:
+    """The error of a turbine whose steady operation cannot be computed."""
+    return ParameterError(
+        f"{turbine.label}: with this rotor or controller give rotor_speed_start and blade_pitch_start."
+    )
