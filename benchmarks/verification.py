@@ -14,6 +14,7 @@ from __future__ import annotations
 
 import sys
 from collections.abc import Callable
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -42,6 +43,68 @@ def mooring_line() -> Table:
         own = cases.oc3_line_at(plant, distance)["T"]
         rows.append((distance, own, tension, _percent(own, tension)))
     return ("distance [m]", "tension [kN]", "independent solution [kN]", "difference"), rows
+
+
+@section
+def steady_operation() -> Table:
+    """The NREL 5 MW by blade elements and its controller, rigid blades, against its published steady curve."""
+    turbine, rows = cases.nrel5mw_steady(), []
+    for wind in sorted({*cases.NREL_5MW_CURVE, *cases.NREL_5MW_PITCH}):
+        point = turbine.operating_point(wind)
+        pitch, power = np.degrees(point.blade_pitch), cases.NREL_5MW_EFFICIENCY * point.aero_power / 1e3
+        published = cases.NREL_5MW_PITCH.get(wind, 0.0 if wind < 12 else "")
+        row = [wind, f"{pitch:.2f}", published, f"{pitch - published:+.2f}" if published != "" else ""]
+        for own, other in zip((power, point.thrust / 1e3), cases.NREL_5MW_CURVE.get(wind, ("", "")), strict=True):
+            row += [own, other, _percent(own, other) if other != "" else ""]
+        rows.append(tuple(row))
+    heads = ("wind [m/s]", "pitch [deg]", "published", "difference", "electrical power [kW]", "published", "difference",
+             "thrust [kN]", "published", "difference")  # fmt: skip
+    return heads, rows
+
+
+@section
+def bending_blades() -> Table:
+    """The model nrel5mw_land in steady wind against the published steady curve."""
+    rows = []
+    for wind in (8, 12, 18, 25):
+        result = cases.land_turbine(float(wind))
+        pitch, published = result["blade_pitch"].mean, cases.NREL_5MW_PITCH.get(wind, 0.0)
+        row = [wind, f"{pitch:.2f}", f"{published:.2f}", f"{pitch - published:+.2f}"]
+        for name, other in zip(("generator_power", "thrust"), cases.NREL_5MW_CURVE[wind], strict=True):
+            row += [result[name].mean, other, _percent(result[name].mean, other)]
+        rows.append(tuple(row))
+    heads = ("wind [m/s]", "pitch [deg]", "published", "difference", "electrical power [kW]", "published", "difference",
+             "thrust [kN]", "published", "difference")  # fmt: skip
+    return heads, rows
+
+
+@section
+def largest_power_coefficient() -> Table:
+    """C_p of the NREL 5 MW by blade elements at zero pitch, and what each assumption does to it."""
+    from fowtlib.components.aero import BladeElementRotor
+
+    blade = cases.nrel5mw_blade()
+    rotor = BladeElementRotor(blade)
+    bare = BladeElementRotor(cases.nrel5mw_blade(moments=False, curve=None, sweep=None))
+    tilted = {"tilt": cases.TILT}
+    ccblade = {"straight": True}
+    rows = []
+    for name, made, options in (
+        ("rigid, coned, wind along the shaft: the rotor of the shipped table", rotor, {}),
+        ("no drag in the induction", replace(rotor, axial_drag=False, tangential_drag=False), {}),
+        ("no tip loss", replace(rotor, tip_loss=False), {}),
+        ("no hub loss", replace(rotor, hub_loss=False), {}),
+        ("four times as many elements", BladeElementRotor(cases.finer(blade, 4)), {}),
+        ("no sweep, no moments of the airfoils", bare, {}),
+        ("the same, tilt 5 deg", bare, tilted),
+        ("the same, line loads integrated as in CCBlade, no tilt, no cone", bare, {**ccblade, "precone": 0.0}),
+        ("the same, coned", bare, ccblade),
+        ("the same, tilt 5 deg, wind shear 0.2, no skewed wake", replace(bare, skew=0.0),
+         {**ccblade, **tilted, "shear": 0.2}),
+    ):  # fmt: skip
+        power, ratio = cases.largest_power_coefficient(made, **options)
+        rows.append((name, f"{power:.4f}", f"{ratio:.1f}"))
+    return ("rotor", "largest C_p", "at tip speed ratio"), rows
 
 
 @section

@@ -5,7 +5,7 @@ Independent solutions (`surge_pitch`) are plain numpy and share no equation with
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Any
 
 import numpy as np
@@ -13,9 +13,13 @@ from scipy.linalg import eigh
 
 import fowtlib as fw
 from fowtlib.analysis import Decay, Rao, free_decay, linear_rao, simulated_rao
+from fowtlib.components.aero import BladeAerodynamics, BladeElementRotor, RigidRotor, read_blade, read_coefficients
 from fowtlib.components.blocks import Constant
 from fowtlib.components.hydro.database import HydrodynamicDatabase
 from fowtlib.components.mechanics import WorldForce
+from fowtlib.components.servo import TorqueLaw
+from fowtlib.components.turbine import SteadyTurbine
+from fowtlib.modelfile import data_path
 from fowtlib.solving.linear import Mode
 from fowtlib.solving.model import Model
 from fowtlib.solving.plant import Plant
@@ -190,3 +194,84 @@ def _bodies(root: Any) -> list[tuple[float, np.ndarray, float]]:
         place = place + np.array(root.find(at).r, dtype=float) if at else place
         found.append((float(part.mass), place, float(np.array(part.inertia, dtype=float)[1, 1])))
     return found
+
+
+# NREL 5 MW, published. Wind speed [m/s]: electrical power [kW] and thrust [kN] of NREL/turbine-models,
+# NREL_Reference_5MW_126.csv (OpenFAST, elastic); blade pitch [deg] of NREL/TP-500-38060 (2009), table 7-1.
+NREL_5MW_CURVE = {
+    4: (177.67, 121.90), 6: (737.59, 236.23), 8: (1771.17, 384.00), 10: (3448.38, 597.48), 12: (5000.0, 595.94),
+    15: (5000.02, 426.43), 18: (5000.03, 354.36), 20: (5000.04, 324.77), 25: (5000.04, 275.29),
+}  # fmt: skip
+NREL_5MW_PITCH = {
+    12: 3.83, 13: 6.60, 14: 8.70, 15: 10.45, 16: 12.06, 17: 13.54, 18: 14.92, 19: 16.23, 20: 17.47, 21: 18.70,
+    22: 19.94, 23: 21.18, 24: 22.35, 25: 23.47,
+}  # fmt: skip
+NREL_5MW_EFFICIENCY = 0.944
+PRECONE, TILT = np.radians(2.5), np.radians(5.0)
+
+
+def nrel5mw_blade(**changes: Any) -> BladeAerodynamics:
+    """The blade of the shipped data; changes as in dataclasses.replace, or moments=False: airfoils without moments."""
+    moments = changes.pop("moments", True)
+    files = (str(data_path(f"nrel5mw/{name}.csv")) for name in ("blade_aerodynamics", "airfoils"))
+    blade = replace(read_blade(*files, hub_radius=1.5, tip_radius=63.0), **changes)
+    if moments:
+        return blade
+    foils = blade.airfoils.items()
+    plain = {name: replace(foil, coefficients=foil.coefficients * np.array([1, 1, 0])) for name, foil in foils}
+    return replace(blade, airfoils=plain)
+
+
+def nrel5mw_steady() -> SteadyTurbine:
+    """The turbine with the table of its own blade elements that is shipped, and the controller of the definition."""
+    table = read_coefficients(str(data_path("nrel5mw/rotor_coefficients_bem.csv")))
+    return SteadyTurbine(table, 63.0, TorqueLaw(), 97.0, precone=PRECONE, tilt=TILT)
+
+
+def land_turbine(wind: float) -> Statistics:
+    """The flexible turbine on land in steady, uniform wind; without the first 80 s of 100 s."""
+    model = fw.load("nrel5mw_land").with_parameters({"wind.kind": "steady", "wind.mean_speed": wind})
+    return model.compile().simulate(100.0).statistics(discard=80.0)
+
+
+def largest_power_coefficient(
+    rotor: BladeElementRotor, *, precone: float = PRECONE, tilt: float = 0.0, shear: float = 0.0, straight: bool = False
+) -> tuple[float, float]:
+    """Largest C_p at zero pitch over tip speed ratios in steps of 0.1, with the area of the coned rotor; and where.
+
+    shear: exponent of the wind over the height, with the wind at the hub in C_p and the mean over the azimuth.
+    straight: line loads go in straight lines from node to node, and to zero at the ends, as CCBlade integrates them.
+    """
+    rigid, wind, hub, n = RigidRotor(rotor, precone, tilt), 8.0, 90.0, rotor.nodes
+    area, found = np.pi * (63 * np.cos(precone)) ** 2, []
+    weights = _to_zero_at_the_ends(rotor.blade) if straight else rotor.blade.length
+    share = np.tile(weights / rotor.blade.length, rotor.blades)[:, None]
+    for ratio in np.arange(6.5, 9.01, 0.1):
+        speed, torques = ratio * wind / 63, []
+        for azimuth in np.arange(0, 120, 20) if shear or tilt else [0]:
+            inputs = rigid.inputs([wind, 0, 0], speed, azimuth=np.radians(azimuth), hub=(0, 0, hub))
+            height = inputs[: 3 * n].reshape(n, 3)
+            blown = np.outer(wind * (height[:, 2] / hub) ** shear, [1, 0, 0])
+            loads = share * rigid.loads(rigid.inputs(blown, speed, azimuth=np.radians(azimuth), hub=(0, 0, hub)))
+            moment = np.cross(height - [0, 0, hub], loads[:, :3]) + loads[:, 3:]
+            torques.append(rigid.hub_axes()[:, 0] @ moment.sum(axis=0))
+        found.append((float(np.mean(torques)) * speed / (0.5 * 1.225 * area * wind**3), float(ratio)))
+    return max(found)
+
+
+def _to_zero_at_the_ends(blade: BladeAerodynamics) -> np.ndarray:
+    """Weights of the nodes in the trapezoidal rule from the hub to the tip, where the loads are zero."""
+    r = np.concatenate([[blade.hub_radius], blade.radius, [blade.tip_radius]])
+    return (r[2:] - r[:-2]) / 2
+
+
+def finer(blade: BladeAerodynamics, times: int) -> BladeAerodynamics:
+    """The same blade with each element cut in `times` equal ones; chord and twist linear between the old nodes."""
+    ends = blade.hub_radius + np.concatenate([[0], np.cumsum(blade.length)])
+    ends[-1] = blade.tip_radius
+    parts = [np.linspace(a, b, times + 1)[:-1] for a, b in zip(ends[:-1], ends[1:], strict=True)]
+    borders = np.concatenate([*parts, [blade.tip_radius]])
+    r = (borders[1:] + borders[:-1]) / 2
+    on = {name: np.interp(r, blade.radius, getattr(blade, name)) for name in ("chord", "twist", "curve", "sweep")}
+    return replace(blade, radius=r, airfoil=[name for name in blade.airfoil for _ in range(times)],
+                   length=np.diff(borders), **on)  # fmt: skip

@@ -6,6 +6,7 @@ import importlib
 from typing import TYPE_CHECKING, Any
 
 from fowtlib.language import Assembly, Component, ModelError
+from fowtlib.language.upstairs import hand_in
 
 if TYPE_CHECKING:
     from fowtlib.modelfile import load
@@ -23,6 +24,12 @@ def __getattr__(name: str) -> Any:
         return getattr(importlib.import_module(_LATER[name]), name)
     raise AttributeError(f"module 'fowtlib' has no attribute '{name}'")
 
+
+def _view(*arguments: Any, **options: Any) -> Any:
+    return importlib.import_module("fowtlib.view").view(*arguments, **options)
+
+
+hand_in("view", _view)
 
 __all__ = [
     "Assembly",

@@ -35,7 +35,7 @@ LIBRARY_MAY_IMPORT = {
 }
 SLOW_OR_OPTIONAL = {"matplotlib", "yaml", "pandas", "pint", "xarray", "rich", "networkx", "capytaine", "fmpy"}
 LONGEST_COMPONENT = 60
-DATA = {".yaml", ".csv", ".nc", ".md", ".c", ".h"}
+DATA = {".yaml", ".csv", ".nc", ".md", ".c", ".h", ".html", ".js"}
 
 
 def modules() -> Iterator[tuple[str, Path]]:

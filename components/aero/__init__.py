@@ -5,7 +5,7 @@ from fowtlib.components.aero.bem_steady import RigidRotor, coefficient_table
 from fowtlib.components.aero.blade_aerodynamics import Airfoil, BladeAerodynamics, read_airfoils, read_blade
 from fowtlib.components.aero.blade_element_aerodynamics import BladeElementAerodynamics, node_points
 from fowtlib.components.aero.coefficient_rotor import CoefficientRotor
-from fowtlib.components.aero.coefficient_table import CoefficientTable, read_coefficients
+from fowtlib.components.aero.coefficient_table import CoefficientTable, read_coefficients, write_coefficients
 from fowtlib.components.aero.rotor import Rotor
 
 __all__ = [
@@ -22,4 +22,5 @@ __all__ = [
     "read_airfoils",
     "read_blade",
     "read_coefficients",
+    "write_coefficients",
 ]

@@ -2,7 +2,7 @@
  *
  * In front of this text components/aero/bem.py writes the data of one rotor: the macros NAME, EXPORT, BLADES, STATIONS,
  * SENSE, TIP_RADIUS, SKEW, SKEWED_WAKE, AXIAL_DRAG, TANGENTIAL_DRAG and the constant arrays chord, length, tip_loss,
- * hub_loss, polar, first_knot, knots, knot, cubic, sparsity_in, sparsity_out, sparsity_jac. There is no state: every
+ * hub_loss, upright_loss, most_lift, most_drag, lift_slope, zero_lift, polar, first_in, last_knot, knot, cubic, sparsity_in, sparsity_out, sparsity_jac. There is no state: every
  * call stands alone.
  *
  * Physics, per node (Ning 2014, Wind Energy 17:1327; Burton et al. 2011, section 3): e_x and e_t span the plane of the
@@ -20,21 +20,23 @@
 typedef long long int casadi_int;
 
 #define NODES (BLADES * STATIONS)
-#define OUTPUTS (6 * NODES)
+#define ROWS (6 + DYNAMIC_INFLOW) /* of a node: force, moment, and with dynamic inflow the quasi-steady induced speed */
 #define JOIN_(a, b) a##b
 #define JOIN(a, b) JOIN_(a, b)
 
 static const double pi = 3.14159265358979323846;
-static const double edge = 1e-6;  /* the inflow angle stays this far from the rotor plane */
+static const double edge = 1e-6; /* the inflow angle stays this far from the rotor plane */
 
 /* Where the inputs lie in their column, and where each group starts among the non-zeros of the Jacobian. A column of a
- * node holds 6 of them, a column of the hub 6 for every node; the y axes are not used and have none. */
+ * node holds ROWS of them, a column of the hub those of every node, in the order of the outputs; the y axes are not used
+ * and have none. The wake and the air density do not change the quasi-steady induced speed. */
 enum { POSITION = 0, ORIENTATION = 3 * NODES, VELOCITY = 12 * NODES, WIND = 15 * NODES, HUB = 18 * NODES };
 enum { HUB_POSITION = HUB, HUB_ORIENTATION = HUB + 3, HUB_VELOCITY = HUB + 12, DISK_WIND = HUB + 15,
-       DENSITY = HUB + 18 };
-enum { NZ_POSITION = 0, NZ_ORIENTATION = 18 * NODES, NZ_VELOCITY = 54 * NODES, NZ_WIND = 72 * NODES,
-       NZ_HUB_POSITION = 90 * NODES, NZ_HUB_NORMAL = 108 * NODES, NZ_HUB_VELOCITY = 126 * NODES,
-       NZ_DISK_WIND = 144 * NODES, NZ_DENSITY = SKEWED_WAKE ? 162 * NODES : 126 * NODES };
+       DENSITY = HUB + 18, INDUCED_SPEED = HUB + 19 };
+enum { NZ_POSITION = 0, NZ_ORIENTATION = 3 * ROWS * NODES, NZ_VELOCITY = 9 * ROWS * NODES, NZ_WIND = 12 * ROWS * NODES,
+       NZ_HUB_POSITION = 15 * ROWS * NODES, NZ_HUB_NORMAL = 18 * ROWS * NODES, NZ_HUB_VELOCITY = 21 * ROWS * NODES,
+       NZ_DISK_WIND = NZ_HUB_VELOCITY + 18 * NODES, NZ_DENSITY = NZ_HUB_VELOCITY + (SKEWED_WAKE ? 36 * NODES : 0),
+       NZ_INDUCED_SPEED = NZ_DENSITY + 6 * NODES };
 
 static double dot(const double *a, const double *b) { return a[0] * b[0] + a[1] * b[1] + a[2] * b[2]; }
 
@@ -53,155 +55,232 @@ static double smooth_step(double x, double *slope) {
     return x * x * (3 - 2 * x);
 }
 
-/* Coefficients c_l, c_d, c_m at an angle of attack, and their slopes. *near: the knot below the angle of the last call
- * for this station, or -1. */
-static void airfoil(int station, double alpha, int *near, double *value, double *slope) {
-    alpha -= 2 * pi * floor((alpha + pi) / (2 * pi));
-    int low = first_knot[polar[station]], high = low + knots[polar[station]] - 1;
-    if (*near >= 0 && knot[*near] <= alpha && alpha < knot[*near + 1]) low = *near, high = low + 1;
-    while (high - low > 1) {
-        int middle = (low + high) / 2;
-        if (knot[middle] <= alpha) low = middle; else high = middle;
-    }
-    *near = low;
+/* The first ones wanted of c_l, c_d, c_m at an angle of attack, and their slopes; returns the knot below the angle. first_in holds
+ * for every degree from -180 the knot below its begin. */
+static int airfoil(int station, double alpha, int wanted, double *value, double *slope) {
+    if (!(alpha >= -pi && alpha < pi)) alpha -= 2 * pi * floor((alpha + pi) / (2 * pi));
+    int degree = (int)((alpha + pi) * (180 / pi)), low;
+    degree = degree < 0 ? 0 : degree > 359 ? 359 : degree; /* an angle that is no number must not lead astray */
+    low = first_in[360 * polar[station] + degree];
+    while (knot[low + 1] <= alpha && low < last_knot[polar[station]]) low++;
     double x = alpha - knot[low];
-    for (int i = 0; i < 3; i++) {
+    for (int i = 0; i < wanted; i++) {
         const double *c = cubic + 12 * low + 4 * i;
         value[i] = ((c[3] * x + c[2]) * x + c[1]) * x + c[0];
         slope[i] = (3 * c[3] * x + 2 * c[2]) * x + c[1];
     }
+    return low;
 }
 
 /* Prandtl's loss factor of one end, 2/pi acos(exp(-f)) with f = distance / |sin(phi)|, and d ln(factor) / d phi. */
-static double loss(double distance, double s, double c, double *log_slope) {
-    double f = distance / fabs(s);
+static double loss(double f, double cot, double *log_slope) {
     *log_slope = 0;
     if (f > 38) return 1; /* to the last digit */
-    double e = exp(-f), factor = 2 / pi * acos(e);
-    if (factor < 1e-4) return 1e-4;
-    *log_slope = -2 / pi * e / sqrt(1 - e * e) * f * c / s / factor;
+    double e = exp(-f), q = e * e, factor, root;
+    if (q < 1e-6) { /* the series of acos and of the root, to the last digit too */
+        factor = 1 - 2 / pi * e * (1 + q / 6), root = 1 - q / 2;
+    } else {
+        factor = 2 / pi * acos(e), root = sqrt(1 - q);
+        if (factor < 1e-4) return 1e-4;
+    }
+    *log_slope = -2 / pi * e * f * cot / (root * factor);
     return factor;
 }
 
-/* A and B of the head of this file at phi, with their derivatives by phi, twist and solidity; F and d ln(F) / d phi. */
-struct balance { double A, B, A_phi, A_twist, A_sigma, B_phi, B_twist, B_sigma, F, F_log; };
+/* A and B of the head of this file at phi, with their derivatives by phi, twist and solidity; F and its derivative.
+ * piece tells the smooth pieces apart: the knot of the polar, and on which side of k = 2/3. */
+struct balance { double s, c, F, F_phi, A, B, A_phi, B_phi, A_twist, A_sigma, B_twist, B_sigma; int piece; };
 
-static void balance(int station, double phi, double twist, double sigma, int *near, struct balance *b) {
-    double s = sin(phi), c = cos(phi), side = s < 0 ? -1 : 1, tip, hub, v[3], d[3];
-    b->F = loss(tip_loss[station], s, c, &tip) * loss(hub_loss[station], s, c, &hub);
-    b->F_log = tip + hub;
-    airfoil(station, phi - twist, near, v, d);
+static void balance(int station, double phi, double twist, double sigma, struct balance *b) {
+    double s = sin(phi), c = cos(phi), size = fabs(s), side = s < 0 ? -1 : 1, per_size = 1 / size, tip, hub, v[2], d[2];
+    double cot = side * c * per_size;
+    double F = loss(tip_loss[station] * per_size, cot, &tip) * loss(hub_loss[station] * per_size, cot, &hub);
+    double F_log = tip + hub, F_phi = F * F_log, square = s * size, h_k = 1;
+    int low = airfoil(station, phi - twist, 2, v, d);
     double ca = AXIAL_DRAG * v[1], da = AXIAL_DRAG * d[1];
     double ct_drag = TANGENTIAL_DRAG * v[1], dt = TANGENTIAL_DRAG * d[1];
     double cn = v[0] * c + ca * s, cn_alpha = d[0] * c + da * s, cn_phi = cn_alpha - v[0] * s + ca * c;
     double ct = v[0] * s - ct_drag * c, ct_alpha = d[0] * s - dt * c, ct_phi = ct_alpha + v[0] * c + ct_drag * s;
-    double F = b->F, F_phi = F * b->F_log, square = s * fabs(s), k_cn = side * sigma / (4 * F * s * s), k = k_cn * cn;
-    if (k <= 2.0 / 3) {
-        b->A = 4 * F * square + sigma * cn;
-        b->A_phi = 4 * F_phi * square + 8 * F * fabs(s) * c + sigma * cn_phi;
-        b->A_twist = -sigma * cn_alpha;
-        b->A_sigma = cn;
-    } else {
-        double root = sqrt(2 * F * k - F * (4.0 / 3 - F)), h = root + 5.0 / 3 - F;
-        double h_k = F / root, h_F = (k - 2.0 / 3 + F) / root - 1, k_phi = k_cn * cn_phi - k * (b->F_log + 2 * c / s);
+    int high = 3 * side * sigma * cn > 8 * F * s * s;
+    if (high) {
+        double k = side * sigma * cn / (4 * F * s * s), root = sqrt(2 * F * k - F * (4.0 / 3 - F));
+        double h = root + 5.0 / 3 - F, h_F = (k - 2.0 / 3 + F) / root - 1;
+        h_k = F / root;
         b->A = 4 * F * square * h;
-        b->A_phi = 4 * F_phi * square * (h + F * h_F) + 8 * F * h * fabs(s) * c + 4 * F * square * h_k * k_phi;
-        b->A_twist = -4 * F * square * h_k * k_cn * cn_alpha;
-        b->A_sigma = 4 * F * square * h_k * k / sigma;
+        b->A_phi = 4 * F_phi * square * (h + F * h_F) + 8 * F * h * size * c + h_k * sigma * (cn_phi - cn * (F_log + 2 * cot));
+    } else {
+        b->A = 4 * F * square + sigma * cn;
+        b->A_phi = 4 * F_phi * square + 8 * F * size * c + sigma * cn_phi;
     }
-    b->B = 4 * F * c * fabs(s) - sigma * ct;
-    b->B_phi = 4 * F_phi * c * fabs(s) + 4 * F * side * (c * c - s * s) - sigma * ct_phi;
-    b->B_twist = sigma * ct_alpha;
-    b->B_sigma = -ct;
+    b->A_twist = -h_k * sigma * cn_alpha, b->A_sigma = h_k * cn;
+    b->B = 4 * F * c * size - sigma * ct;
+    b->B_phi = 4 * F_phi * c * size + 4 * F * side * (c * c - s * s) - sigma * ct_phi;
+    b->B_twist = sigma * ct_alpha, b->B_sigma = -ct;
+    b->s = s, b->c = c, b->F = F, b->F_phi = F_phi, b->piece = 2 * low + high;
+}
+
+/* Where to look first: the root for a straight line of lift, no drag, and sin(phi) = phi = tan(phi) in the airfoil. */
+static double guess(int station, double Vx, double Vt, double twist, double sigma) {
+    double F = 1, x = 1.22 * least_loss[station] * (Vt / Vx + 0.2); /* 8 f / pi^2 at a = 1/3, roughly */
+    if (x < 6) F = sqrt(1 - 1 / (1 + x * (1 + x * (0.5 + x / 6)))); /* close to 2/pi acos(exp(-f)) */
+    double m = sigma * lift_slope[station], theta = twist + zero_lift[station];
+    double a = 4 * F * Vt + Vx * m, b = Vt * m - 4 * F * Vx - Vx * m * theta, root = b * b + 4 * a * Vt * m * theta;
+    double t = root > 0 ? (sqrt(root) - b) / (2 * a) : 0, q = t * t;
+    return t < 0.5 ? t * ((1 - q * (1.0 / 3)) + q * q * (1.0 / 5 - q * (1.0 / 7))) : atan(t);
+}
+
+/* Moves b to the root near it along the cubics through it and the balance a step before it; newton is its own
+ * step. Returns the step, or 0 when the error could matter: another piece of a polar, or too far, as the cubics err by
+ * (step h)^2 over the fourth power of sin(phi). */
+static double finish(double Vx, double Vt, double alpha, double per_step, double per_slope, double newton,
+                     const struct balance *past, struct balance *b) {
+    double now[6] = {b->A, b->B, b->F, b->A_phi, b->B_phi, b->F_phi};
+    double before[6] = {past->A, past->B, past->F, past->A_phi, past->B_phi, past->F_phi};
+    double second[3], third[3], d = newton;
+    if (b->piece != past->piece || !(fabs(d) < 4e-7 * b->s * b->s * fabs(per_step) && fabs(d) < 1e-4)) return 0;
+    for (int i = 0; i < 3; i++) {
+        double mean = (now[i] - before[i]) * per_step;
+        second[i] = (2 * now[i + 3] + before[i + 3] - 3 * mean) * per_step;
+        third[i] = (now[i + 3] + before[i + 3] - 2 * mean) * per_step * per_step;
+    }
+    double bend = (Vt * second[0] - Vx * second[1]) * per_slope, turn = (Vt * third[0] - Vx * third[1]) * per_slope;
+    if (!(fabs(d * bend) < 1e-3)) return 0;
+    d *= 1 - d * (bend - d * (2 * bend * bend - turn));
+    int low = b->piece / 2;
+    if (!(alpha + d >= knot[low] && alpha + d < knot[low + 1])) return 0;
+    double s = b->s, c = b->c, half = d * d / 2, sine = d - d * half / 3;
+    b->A += ((third[0] * d + second[0]) * d + b->A_phi) * d;
+    b->B += ((third[1] * d + second[1]) * d + b->B_phi) * d;
+    b->F += ((third[2] * d + second[2]) * d + b->F_phi) * d;
+    b->s = s + c * sine - s * half, b->c = c - s * sine - c * half;
+    return d;
 }
 
 /* The inflow angle after induction, on the side of Vx, and the balance there. Returns 0 when it is held at the edge of
- * its quarter because that has no root. The residual rises through the root: Newton's method within a bracket. */
-static int solve(int station, double Vx, double Vt, double twist, double sigma, int *near, double *phi,
+ * its quarter because that has no root. The residual rises through the root: Newton's method within a bracket. The
+ * derivatives in b belong to the root as well when they are wanted, else to a place near it. */
+static int solve(int station, double Vx, double Vt, double twist, double sigma, int derivatives, double *phi,
                  struct balance *b) {
-    double side = Vx < 0 ? -1 : 1, low = edge, high = pi / 2, x = atan2(2.0 / 3 * fabs(Vx), Vt);
-    balance(station, side * pi / 2, twist, sigma, near, b);
-    if (side * (Vt * b->A - Vx * b->B) < 0) low = pi / 2, high = pi - edge;
+    double side = Vx < 0 ? -1 : 1, low = edge, high = pi / 2, per_step = 0;
+    struct balance past = {0};
+    /* At pi/2 A is not less than 4 F - sigma |c_d| and B not more than sigma |c_l|: mostly that tells the half. */
+    double least = 4 * upright_loss[station] - sigma * most_drag[station];
+    if (!(Vt > 0 && Vt * least > fabs(Vx) * sigma * most_lift[station])) {
+        balance(station, side * pi / 2, twist, sigma, b);
+        if (side * (Vt * b->A - Vx * b->B) < 0) low = pi / 2, high = pi - edge;
+    }
     double end = low == edge ? low : high, before = high - low;
+    double x = Vx > 0 && Vt > 0 ? guess(station, Vx, Vt, twist, sigma) : 0;
+    if (!(x > low && x < high)) x = atan2(2.0 / 3 * fabs(Vx), Vt);
     if (!(x > low && x < high)) x = (low + high) / 2;
     for (int i = 0; i < 200; i++) {
-        balance(station, side * x, twist, sigma, near, b);
-        double residual = side * (Vt * b->A - Vx * b->B), step = -residual / (Vt * b->A_phi - Vx * b->B_phi);
+        balance(station, side * x, twist, sigma, b);
+        double residual = side * (Vt * b->A - Vx * b->B), per_slope = 1 / (Vt * b->A_phi - Vx * b->B_phi);
+        double newton = -residual * per_slope, step = newton;
         if (residual < 0) low = x; else high = x;
         if (high - low < 2e-14) break;
-        if (fabs(step) < 1e-9 && x + step > low && x + step < high) { /* close enough to go there along the slopes */
-            x += step;
-            b->A += b->A_phi * side * step, b->B += b->B_phi * side * step, b->F *= 1 + b->F_log * side * step;
+        if (fabs(newton) < 1e-9 && x + newton >= low && x + newton <= high) { /* go there along the slopes */
+            x += newton, newton *= side;
+            double s = b->s;
+            b->A += b->A_phi * newton, b->B += b->B_phi * newton, b->F += b->F_phi * newton;
+            b->s += b->c * newton, b->c -= s * newton;
             break;
+        }
+        if (!derivatives && i > 0 && x + newton > low && x + newton < high) {
+            double last = finish(Vx, Vt, side * x - twist, per_step, per_slope, side * newton, &past, b);
+            if (last != 0) {
+                x += side * last;
+                break;
+            }
         }
         if (residual == 0) break;
         if (!(fabs(step) < before / 2 && x + step > low && x + step < high)) step = (low + high) / 2 - x;
-        before = fabs(step);
+        before = fabs(step), per_step = side / step;
         x += step;
+        past = *b;
     }
     *phi = side * x;
     return fabs(x - end) > 1e-12;
 }
 
-/* Loads of a section per length and air density: along e_x, along e_t, and the nose-up moment. The inputs and their
- * derivatives come in this order; skew is (d . s) / R of the wake below. */
-enum { VX, VT, TWIST, RADIUS, SKEWED, ANGLE, NUMBERS };
+/* atan2(y, x), which is near the angle whose sine and cosine are given. */
+static double near_angle(double y, double x, double angle, double s, double c) {
+    double along = x * c + y * s, t = (y * c - x * s) / along, q = t * t, q2 = q * q;
+    if (!(along > 0 && q < 0.0025)) return atan2(y, x);
+    return angle + t * ((1 - q * (1.0 / 3)) + q2 * ((1.0 / 5 - q * (1.0 / 7)) + q2 * (1.0 / 9 - q * (1.0 / 11))));
+}
+
+/* Loads of a section per length and air density: along e_x, along e_t, and the nose-up moment; then the quasi-steady
+ * induced speed against e_x. The inputs and their derivatives come in this order; skew is (d . s) / R of the wake below.
+ * With dynamic inflow the induced speed is an input; what the skew adds and the swirl follow at once. */
+enum { VX, VT, TWIST, RADIUS, SKEWED, ANGLE, INDUCED, NUMBERS };
 
 static void section(int station, const double *in, double *load, double (*slope)[NUMBERS]) {
-    double Vx = in[VX], Vt = in[VT], r = in[RADIUS], sigma = BLADES * chord[station] / (2 * pi * r);
-    double U = Vx, T = Vt, dU[NUMBERS] = {1}, dT[NUMBERS] = {0, 1};
+    double Vx = in[VX], Vt = in[VT], r = in[RADIUS], per_r = 1 / r;
+    double sigma = BLADES / (2 * pi) * chord[station] * per_r;
+    double given = DYNAMIC_INFLOW ? in[INDUCED] : 0, U = Vx - given, T = Vt, induced = 0;
+    double dU[NUMBERS] = {[VX] = 1, [INDUCED] = -1}, dT[NUMBERS] = {[VT] = 1}, dinduced[NUMBERS] = {0};
 
     /* The share of the induction: none above 1 (parked, slow) and at 0 (no wind), all of it from 0.02 to 0.5. */
-    double tip_speed = fabs(Vt) * TIP_RADIUS / r, ratio = tip_speed > fabs(Vx) ? fabs(Vx) / tip_speed : 1, up, down;
+    double tip_speed = fabs(Vt) * TIP_RADIUS * per_r, ratio = tip_speed > fabs(Vx) ? fabs(Vx) / tip_speed : 1, up, down;
     double rise = smooth_step(ratio / 0.02, &up), fall = smooth_step(2 - 2 * ratio, &down), share = rise * fall;
-    struct balance b = {0};
+    struct balance b = {.s = 0, .c = 1};
     double phi = 0;
-    int free = 1, near = -1;
+    int free = 1;
     if (share > 0) {
-        free = solve(station, Vx, Vt, in[TWIST], sigma, &near, &phi, &b);
+        free = solve(station, Vx, Vt, in[TWIST], sigma, slope != NULL, &phi, &b);
         if (Vx * b.A + Vt * b.B <= 0) share = 0; /* the root of the opposite direction */
     }
     if (share > 0) {
-        double s = sin(phi), c = cos(phi), V2 = Vx * Vx + Vt * Vt, N = b.A * b.A + b.B * b.B;
+        double s = b.s, c = b.c, V2 = Vx * Vx + Vt * Vt, N = b.A * b.A + b.B * b.B;
         double W = 4 * b.F * fabs(s) * sqrt(V2 / N), axial = Vx - W * s, swirl = W * c - Vt, a = axial / Vx;
-        double share_ratio = up / 0.02 * fall - 2 * rise * down;
-        double held = fmin(fmax(a, 0), 1), chi = in[ANGLE], stretch = (1 + 0.6 * held) / 2, T0, T_chi, T_a;
+        double held = a < 0 ? 0 : a > 1 ? 1 : a, chi = in[ANGLE], stretch = (1 + 0.6 * held) / 2, T0, T_chi, T_a;
         if (chi > 1e-4) { /* tan(skew angle / 2) / chi and its derivatives */
             double t = tan(stretch * chi);
             T0 = t / chi, T_chi = (stretch * (1 + t * t) - T0) / chi, T_a = 0.3 * (1 + t * t);
         } else {
-            T0 = stretch * (1 + stretch * stretch * chi * chi / 3), T_chi = 2 * pow(stretch, 3) * chi / 3, T_a = 0.3;
+            T0 = stretch * (1 + stretch * stretch * chi * chi / 3), T_chi = 2 * stretch * stretch * stretch * chi / 3;
+            T_a = 0.3;
         }
-        double yaw = 1 + SKEW * T0 * in[SKEWED];
-        U = Vx - share * axial * yaw, T = Vt + share * swirl;
-        for (int j = 0; slope && j < NUMBERS; j++) {
-            double dVx = j == VX, dVt = j == VT, dtwist = j == TWIST, dr = j == RADIUS, dsigma = -sigma / r * dr;
-            double A = b.A_twist * dtwist + b.A_sigma * dsigma, B = b.B_twist * dtwist + b.B_sigma * dsigma;
-            double R_phi = Vt * b.A_phi - Vx * b.B_phi;
-            double dphi = free && R_phi != 0 ? -(dVt * b.A - dVx * b.B + Vt * A - Vx * B) / R_phi : 0;
-            A += b.A_phi * dphi, B += b.B_phi * dphi;
-            double dW = W * ((b.F_log + c / s) * dphi + (Vx * dVx + Vt * dVt) / V2 - (b.A * A + b.B * B) / N);
-            double daxial = dVx - dW * s - W * c * dphi, dswirl = dW * c - W * s * dphi - dVt;
-            double da = a > 0 && a < 1 ? (daxial - a * dVx) / Vx : 0;
-            double dshare = share_ratio * ratio * (dVx / Vx - dVt / Vt + dr / r);
-            double dyaw = SKEW * (T0 * (j == SKEWED) + in[SKEWED] * (T_chi * (j == ANGLE) + T_a * da));
-            dU[j] = dVx - (dshare * axial + share * daxial) * yaw - share * axial * dyaw;
-            dT[j] = dVt + dshare * swirl + share * dswirl;
+        double yaw = !DYNAMIC_INFLOW + SKEW * T0 * in[SKEWED];
+        induced = share * axial, U = Vx - given - induced * yaw, T = Vt + share * swirl;
+        if (slope) {
+            double R_phi = Vt * b.A_phi - Vx * b.B_phi, share_ratio = (up / 0.02 * fall - 2 * rise * down) * ratio;
+            double by_phi = free && R_phi != 0 ? -1 / R_phi : 0, twist_A = Vt * b.A_twist - Vx * b.B_twist;
+            double solidity = -sigma * per_r, sigma_A = Vt * b.A_sigma - Vx * b.B_sigma, a_in = a > 0 && a < 1;
+            double dVx[4] = {1}, dVt[4] = {0, 1}, W_phi = b.F_phi / b.F + c / s, A_phi = b.A_phi, B_phi = b.B_phi;
+            double dA[4] = {0, 0, b.A_twist, b.A_sigma * solidity}, dB[4] = {0, 0, b.B_twist, b.B_sigma * solidity};
+            double residual[4] = {-b.B, b.A, twist_A, sigma_A * solidity};
+            double speed[4] = {Vx / V2, Vt / V2}, log_ratio[4] = {1 / Vx, -1 / Vt, 0, per_r};
+            for (int j = 0; j < 4; j++) {
+                double dphi = residual[j] * by_phi, A = dA[j] + A_phi * dphi, B = dB[j] + B_phi * dphi;
+                double dW = W * (W_phi * dphi + speed[j] - (b.A * A + b.B * B) / N);
+                double daxial = dVx[j] - dW * s - W * c * dphi, dswirl = dW * c - W * s * dphi - dVt[j];
+                double da = a_in * (daxial - a * dVx[j]) / Vx, dshare = share_ratio * log_ratio[j];
+                dinduced[j] = dshare * axial + share * daxial;
+                dU[j] = dVx[j] - dinduced[j] * yaw - induced * SKEW * in[SKEWED] * T_a * da;
+                dT[j] = dVt[j] + dshare * swirl + share * dswirl;
+            }
+            dU[SKEWED] = -induced * SKEW * T0;
+            dU[ANGLE] = -induced * SKEW * in[SKEWED] * T_chi;
         }
     }
-    double speed = sqrt(U * U + T * T), v[3], d[3], half = chord[station] / 2;
-    airfoil(station, atan2(U, T) - in[TWIST], &near, v, d);
-    load[0] = half * speed * (v[0] * T + v[1] * U);
-    load[1] = half * speed * (v[1] * T - v[0] * U);
-    load[2] = half * chord[station] * speed * speed * v[2];
-    for (int j = 0; slope && j < NUMBERS; j++) {
-        double dspeed = speed > 0 ? (U * dU[j] + T * dT[j]) / speed : 0;
-        double dalpha = (speed > 0 ? (T * dU[j] - U * dT[j]) / (speed * speed) : 0) - (j == TWIST);
-        slope[0][j] = half * (dspeed * (v[0] * T + v[1] * U)
-                              + speed * (v[0] * dT[j] + v[1] * dU[j] + (d[0] * T + d[1] * U) * dalpha));
-        slope[1][j] = half * (dspeed * (v[1] * T - v[0] * U)
-                              + speed * (v[1] * dT[j] - v[0] * dU[j] + (d[1] * T - d[0] * U) * dalpha));
+    double square = U * U + T * T, speed = sqrt(square), v[3], d[3], half = chord[station] / 2;
+    airfoil(station, near_angle(U, T, phi, b.s, b.c) - in[TWIST], 3, v, d);
+    double along = v[0] * T + v[1] * U, across = v[1] * T - v[0] * U;
+    load[0] = half * speed * along;
+    load[1] = half * speed * across;
+    load[2] = half * chord[station] * square * v[2];
+    load[3] = induced;
+    if (!slope) return;
+    double along_alpha = speed * (d[0] * T + d[1] * U), across_alpha = speed * (d[1] * T - d[0] * U);
+    double u = speed > 0 ? U / speed : 0, t = speed > 0 ? T / speed : 0, turn = speed > 0 ? 1 / speed : 0;
+    for (int j = 0; j < NUMBERS; j++) {
+        double dspeed = u * dU[j] + t * dT[j], dalpha = (t * dU[j] - u * dT[j]) * turn - (j == TWIST);
+        slope[0][j] = half * (dspeed * along + speed * (v[0] * dT[j] + v[1] * dU[j]) + along_alpha * dalpha);
+        slope[1][j] = half * (dspeed * across + speed * (v[1] * dT[j] - v[0] * dU[j]) + across_alpha * dalpha);
         slope[2][j] = half * chord[station] * speed * (2 * dspeed * v[2] + speed * d[2] * dalpha);
+        slope[3][j] = dinduced[j];
     }
 }
 
@@ -235,96 +314,109 @@ static void skewed_wake(const double *wind, const double *n, struct wake *k) {
     }
 }
 
-/* Writes one column of the Jacobian of a node: force and moment from the changes of the section's loads and axes. */
-static void column(double scale, const double *load, double (*slope)[NUMBERS], const double *change, const double *ex,
-                   const double *et, const double *z, const double *dex, const double *det, const double *dz,
-                   double *out) {
-    double d[3] = {0};
-    for (int i = 0; i < 3; i++)
-        for (int j = 0; j < NUMBERS; j++) d[i] += slope[i][j] * change[j];
-    for (int i = 0; i < 3; i++) {
-        out[i] = scale * (d[0] * ex[i] + load[0] * dex[i] + d[1] * et[i] + load[1] * det[i]);
-        out[3 + i] = scale * SENSE * (d[2] * z[i] + load[2] * dz[i]);
-    }
+/* One column of the Jacobian of a node, from the changes of its numbers first to last. */
+static void column(double (*of)[ROWS], const double *change, int first, int last, double *out) {
+    for (int row = 0; row < ROWS; row++) out[row] = 0;
+    for (int j = first; j <= last; j++)
+        for (int row = 0; row < ROWS; row++) out[row] += change[j] * of[j][row];
 }
 
-/* Loads of one node into f (6), and its part of the Jacobian into jac when that is not null. */
+/* Puts the column of node i into one of the hub, which has all loads before all induced speeds. */
+static void put(int i, double sign, const double *out, int rows, double *at) {
+    for (int row = 0; row < 6; row++) at[6 * i + row] = sign * out[row];
+    if (rows > 6) at[6 * NODES + i] = sign * out[6];
+}
+
+/* Loads of one node into f, and its part of the Jacobian into jac when that is not null. */
 static void node(int i, const double *u, const struct wake *wake, double *f, double *jac) {
-    static const double none[3] = {0, 0, 0};
     const double *x = u + ORIENTATION + 9 * i, *z = x + 6, *n = u + HUB_ORIENTATION;
     int station = i % STATIONS;
-    double v[3], d[3], c[3], ey[3], ex[3], et[3], in[NUMBERS], load[3], slope[3][NUMBERS];
+    double v[3], d[3], c[3], ey[3], ex[3], et[3], in[NUMBERS], load[4], slope[4][NUMBERS];
     for (int k = 0; k < 3; k++) {
         v[k] = u[WIND + 3 * i + k] - u[VELOCITY + 3 * i + k];
         d[k] = u[POSITION + 3 * i + k] - u[HUB_POSITION + k];
     }
     cross(z, n, c);
-    double size = sqrt(dot(c, c)), along = dot(d, n);
-    for (int k = 0; k < 3; k++) ey[k] = c[k] / size, et[k] = SENSE * ey[k];
+    double size = sqrt(dot(c, c)), per_size = 1 / size, along = dot(d, n);
+    for (int k = 0; k < 3; k++) ey[k] = c[k] * per_size, et[k] = SENSE * ey[k];
     cross(ey, z, ex);
     double p = -dot(x, et), q = dot(x, ex), density = u[DENSITY], scale = density * length[station];
     in[VX] = dot(v, ex), in[VT] = dot(v, et), in[TWIST] = atan2(p, q), in[RADIUS] = sqrt(dot(d, d) - along * along);
     in[SKEWED] = dot(d, wake->s) / TIP_RADIUS, in[ANGLE] = wake->chi;
+    in[INDUCED] = DYNAMIC_INFLOW ? u[INDUCED_SPEED + station] : 0;
     section(station, in, load, jac ? slope : NULL);
-    for (int k = 0; k < 3; k++) {
-        f[k] = scale * (load[0] * ex[k] + load[1] * et[k]);
-        f[3 + k] = scale * SENSE * load[2] * z[k];
+    if (!jac) {
+        for (int k = 0; k < 3; k++) {
+            f[6 * i + k] = scale * (load[0] * ex[k] + load[1] * et[k]);
+            f[6 * i + 3 + k] = scale * SENSE * load[2] * z[k];
+        }
+        if (DYNAMIC_INFLOW) f[6 * NODES + i] = load[3];
+        return;
     }
-    if (!jac) return;
 
-    double change[NUMBERS], out[6];
+    double of[NUMBERS][ROWS], out[ROWS], change[NUMBERS] = {0}, per_radius = 1 / in[RADIUS], turn = 1 / (p * p + q * q);
+    for (int j = 0; j < NUMBERS; j++) {
+        for (int k = 0; k < 3; k++) {
+            of[j][k] = scale * (slope[0][j] * ex[k] + slope[1][j] * et[k]);
+            of[j][3 + k] = scale * SENSE * slope[2][j] * z[k];
+        }
+        if (DYNAMIC_INFLOW) of[j][ROWS - 1] = slope[3][j];
+    }
+    double *own = jac + ROWS * 3 * i, *axis = jac + NZ_ORIENTATION + ROWS * 6 * i;
     for (int k = 0; k < 3; k++) {
-        double *position = jac + NZ_POSITION + 18 * i + 6 * k, *axis_x = jac + NZ_ORIENTATION + 36 * i + 6 * k;
-        double *axis_z = axis_x + 18, *velocity = jac + NZ_VELOCITY + 18 * i + 6 * k;
-        double *wind = jac + NZ_WIND + 18 * i + 6 * k;
-        double *hub = jac + NZ_HUB_POSITION + 6 * (NODES * k + i), *normal = jac + NZ_HUB_NORMAL + 6 * (NODES * k + i);
-
-        double by_position[NUMBERS] = {0}, by_wind[NUMBERS] = {0}, by_x[NUMBERS] = {0};
-        by_position[RADIUS] = (d[k] - along * n[k]) / in[RADIUS], by_position[SKEWED] = wake->s[k] / TIP_RADIUS;
-        column(scale, load, slope, by_position, ex, et, z, none, none, none, position);
-        by_wind[VX] = ex[k], by_wind[VT] = et[k];
-        column(scale, load, slope, by_wind, ex, et, z, none, none, none, wind);
-        by_x[TWIST] = (-et[k] * q - ex[k] * p) / (p * p + q * q);
-        column(scale, load, slope, by_x, ex, et, z, none, none, none, axis_x);
-        for (int row = 0; row < 6; row++) hub[row] = -position[row], velocity[row] = -wind[row];
+        int hub = ROWS * NODES * k, wake_column = 6 * NODES * k;
+        double *position = own + NZ_POSITION + ROWS * k, *velocity = own + NZ_VELOCITY + ROWS * k;
+        double *wind = own + NZ_WIND + ROWS * k;
+        change[RADIUS] = (d[k] - along * n[k]) * per_radius, change[SKEWED] = wake->s[k] / TIP_RADIUS;
+        column(of, change, RADIUS, SKEWED, position);
+        put(i, -1, position, ROWS, jac + NZ_HUB_POSITION + hub);
+        change[VX] = ex[k], change[VT] = et[k];
+        column(of, change, VX, VT, wind);
+        for (int row = 0; row < ROWS; row++) velocity[row] = -wind[row];
+        change[TWIST] = (-et[k] * q - ex[k] * p) * turn;
+        column(of, change, TWIST, TWIST, axis + ROWS * k);
 
         for (int of_z = 0; of_z < 2; of_z++) { /* the section's axes turn with the normal and the blade axis */
             double unit[3] = {k == 0, k == 1, k == 2}, dc[3], dey[3], dex[3], det[3], extra[3] = {0};
             if (of_z) cross(unit, n, dc); else cross(z, unit, dc);
             double part = dot(dc, ey);
-            for (int j = 0; j < 3; j++) dey[j] = (dc[j] - part * ey[j]) / size, det[j] = SENSE * dey[j];
+            for (int j = 0; j < 3; j++) dey[j] = (dc[j] - part * ey[j]) * per_size, det[j] = SENSE * dey[j];
             cross(dey, z, dex);
             if (of_z) cross(ey, unit, extra);
             for (int j = 0; j < 3; j++) dex[j] += extra[j];
-            for (int j = 0; j < NUMBERS; j++) change[j] = 0;
             change[VX] = dot(v, dex), change[VT] = dot(v, det);
-            change[TWIST] = (-dot(x, det) * q - dot(x, dex) * p) / (p * p + q * q);
-            if (!of_z) {
-                change[RADIUS] = -along * d[k] / in[RADIUS], change[ANGLE] = wake->chi_n[k];
-                for (int j = 0; j < 3; j++) change[SKEWED] += d[j] * wake->s_n[j][k] / TIP_RADIUS;
+            change[TWIST] = (-dot(x, det) * q - dot(x, dex) * p) * turn;
+            change[RADIUS] = -along * d[k] * per_radius, change[ANGLE] = wake->chi_n[k];
+            change[SKEWED] = (d[0] * wake->s_n[0][k] + d[1] * wake->s_n[1][k] + d[2] * wake->s_n[2][k]) / TIP_RADIUS;
+            column(of, change, VX, of_z ? TWIST : ANGLE, out);
+            for (int j = 0; j < 3; j++) out[j] += scale * (load[0] * dex[j] + load[1] * det[j]);
+            if (of_z) {
+                out[3 + k] += scale * SENSE * load[2];
+                for (int row = 0; row < ROWS; row++) axis[ROWS * (3 + k) + row] = out[row];
+            } else {
+                put(i, 1, out, ROWS, jac + NZ_HUB_NORMAL + hub);
             }
-            column(scale, load, slope, change, ex, et, z, dex, det, of_z ? unit : none, of_z ? axis_z : normal);
         }
         if (SKEWED_WAKE) {
-            double by_disk[NUMBERS] = {0};
-            by_disk[ANGLE] = wake->chi_wind[k];
-            for (int j = 0; j < 3; j++) by_disk[SKEWED] += d[j] * wake->s_wind[j][k] / TIP_RADIUS;
-            column(scale, load, slope, by_disk, ex, et, z, none, none, none, out);
-            for (int row = 0; row < 6; row++) {
-                jac[NZ_DISK_WIND + 6 * (NODES * k + i) + row] = out[row];
-                jac[NZ_HUB_VELOCITY + 6 * (NODES * k + i) + row] = -out[row];
-            }
+            change[ANGLE] = wake->chi_wind[k];
+            change[SKEWED] =
+                (d[0] * wake->s_wind[0][k] + d[1] * wake->s_wind[1][k] + d[2] * wake->s_wind[2][k]) / TIP_RADIUS;
+            column(of, change, SKEWED, ANGLE, out);
+            put(i, 1, out, 6, jac + NZ_DISK_WIND + wake_column);
+            put(i, -1, out, 6, jac + NZ_HUB_VELOCITY + wake_column);
         }
+        jac[NZ_DENSITY + 6 * i + k] = length[station] * (load[0] * ex[k] + load[1] * et[k]);
+        jac[NZ_DENSITY + 6 * i + 3 + k] = length[station] * SENSE * load[2] * z[k];
     }
-    for (int row = 0; row < 6; row++) jac[NZ_DENSITY + 6 * i + row] = density != 0 ? f[row] / density : 0;
+    if (DYNAMIC_INFLOW) put(i / STATIONS, 1, of[INDUCED], 6, jac + NZ_INDUCED_SPEED + 6 * BLADES * station);
 }
 
 static void rotor(const double *u, double *f, double *jac) {
     struct wake wake = {0};
-    double wind[3], unused[6];
+    double wind[3];
     for (int k = 0; k < 3; k++) wind[k] = u[DISK_WIND + k] - u[HUB_VELOCITY + k];
     if (SKEWED_WAKE) skewed_wake(wind, u + HUB_ORIENTATION, &wake);
-    for (int i = 0; i < NODES; i++) node(i, u, &wake, f ? f + 6 * i : unused, jac);
+    for (int i = 0; i < NODES; i++) node(i, u, &wake, f, jac);
 }
 
 /* CasADi's interface: NAME(inputs) -> loads, and jac_NAME(inputs, loads) -> d loads / d inputs. */

@@ -12,7 +12,7 @@ import casadi as ca
 import numpy as np
 
 from fowtlib.components.aero import bem_numpy
-from fowtlib.components.aero.blade_aerodynamics import BladeAerodynamics
+from fowtlib.components.aero.blade_aerodynamics import Airfoil, BladeAerodynamics
 from fowtlib.language import ExternalFunction
 from fowtlib.language.errors import ParameterError
 
@@ -27,17 +27,23 @@ class BladeElementRotor:
     Every element balances momentum and blade forces in its own annulus (Ning 2014) with the velocities of its own node;
     Prandtl's tip and hub loss, Buhl's high induction (2005), Pitt and Peters' skewed wake. There is no induction in a
     rotor that hardly turns (tip speed below the wind; it sets in smoothly up to twice that) nor without wind (below 2 %
-    of the tip speed). Not included: dynamic inflow and stall, tower shadow.
+    of the tip speed). The tower's wake is part of the wind that is handed in. Dynamic stall would attach where the
+    coefficients are looked up (its states as inputs, as the induced speed is), induction between rotors as a further
+    part of the wind.
 
     blades: any number; sense 1: turns clockwise seen looking downwind, -1: the other way (mirrored blades).
     skew: factor of the skewed wake correction, 0 for none. axial_drag, tangential_drag: drag takes part in the
-    induction. tip_loss, hub_loss: Prandtl's factors.
+    induction. tip_loss, hub_loss: Prandtl's factors. dynamic_inflow: the axial induced speed of each station, the same
+    for all blades, is an input, and the quasi-steady one of each node an output; what the skew adds to it and the swirl
+    follow at once.
 
     Inputs, all in the world, n nodes blade by blade from root to tip: position (3n), orientation (9n, columns of each
     matrix: x downwind and normal to the chord, z along the blade to the tip, y = z x x), velocity (3n), wind at the
     nodes (3n); hub_position, hub_orientation (x along the shaft, downwind), hub_velocity, disk_wind: the wind averaged
-    over the disk or at the hub, for the skew; air_density. A node sits at the aerodynamic centre.
-    Outputs: loads (6n): force [N] and moment about the node [N m] of each node.
+    over the disk or at the hub, for the skew; air_density; with dynamic inflow induced (stations): speed [m/s] against
+    the normal of the sections. A node sits at the aerodynamic centre.
+    Outputs: loads (6n): force [N] and moment about the node [N m] of each node; with dynamic inflow quasi_steady (n):
+    the induced speed of the balance of momentum [m/s].
     """
 
     blade: BladeAerodynamics
@@ -48,6 +54,7 @@ class BladeElementRotor:
     tangential_drag: bool = True
     tip_loss: bool = True
     hub_loss: bool = True
+    dynamic_inflow: bool = False
 
     def __post_init__(self):
         if self.blades < 1 or self.sense not in (1, -1):
@@ -63,12 +70,13 @@ class BladeElementRotor:
         """Names and lengths of the inputs."""
         n = self.nodes
         return {"position": 3 * n, "orientation": 9 * n, "velocity": 3 * n, "wind": 3 * n, "hub_position": 3,
-                "hub_orientation": 9, "hub_velocity": 3, "disk_wind": 3, "air_density": 1}  # fmt: skip
+                "hub_orientation": 9, "hub_velocity": 3, "disk_wind": 3, "air_density": 1,
+                **({"induced": len(self.blade.radius)} if self.dynamic_inflow else {})}  # fmt: skip
 
     @property
     def outputs(self) -> dict[str, int]:
         """Names and lengths of the outputs."""
-        return {"loads": 6 * self.nodes}
+        return {"loads": 6 * self.nodes, **({"quasi_steady": self.nodes} if self.dynamic_inflow else {})}
 
     @property
     def losses(self) -> tuple[np.ndarray, np.ndarray]:
@@ -82,15 +90,20 @@ class BladeElementRotor:
     @cached_property
     def sparsity(self) -> ca.Sparsity:
         """Of the Jacobian: own node and hub; the y axes of the nodes do not matter, only the x axis of the hub does."""
-        n = self.nodes
-        own = [np.arange(6 * i, 6 * i + 6) for i in range(n)]
-        everyone, nobody = np.arange(6 * n), np.arange(0)
+        n, stations = self.nodes, len(self.blade.radius)
+        loads, nobody = np.arange(6 * n), np.arange(0)
+        own = [loads[6 * i : 6 * i + 6] for i in range(n)]
+        at_station = [np.concatenate(own[k::stations]) for k in range(stations)]
+        everything = np.arange(sum(self.outputs.values()))
+        if self.dynamic_inflow:
+            own = [np.append(rows, 6 * n + i) for i, rows in enumerate(own)]
         columns = [own[i] for i in range(n) for _ in range(3)]
         columns += [own[i] if axis != 1 else nobody for i in range(n) for axis in range(3) for _ in range(3)]
         columns += 2 * [own[i] for i in range(n) for _ in range(3)]
-        columns += 6 * [everyone] + 6 * [nobody] + 6 * [everyone if self.skew else nobody] + [everyone]
+        columns += 6 * [everything] + 6 * [nobody] + 6 * [loads if self.skew else nobody] + [loads]
+        columns += at_station if self.dynamic_inflow else []
         starts = np.cumsum([0, *map(len, columns)])
-        return ca.Sparsity(6 * n, len(columns), starts.tolist(), np.concatenate(columns).tolist())
+        return ca.Sparsity(len(everything), len(columns), starts.tolist(), np.concatenate(columns).tolist())
 
     @cached_property
     def external(self) -> ExternalFunction:
@@ -108,25 +121,44 @@ class BladeElementRotor:
         b = self.blade
         used = list(dict.fromkeys(b.airfoil))
         foils = [b.airfoils[name] for name in used]
+        polar = [used.index(name) for name in b.airfoil]
+        sizes = [len(foil.angle) for foil in foils]
+        starts = np.cumsum([0, *sizes[:-1]])
         # one cubic per knot; the last knot of an airfoil has none of its own and is never looked up
         cubics = [np.concatenate([foil.cubics, np.zeros((1, 3, 4))]).ravel() for foil in foils]
-        sizes = [len(foil.angle) for foil in foils]
+        degrees = np.radians(np.arange(-180, 180)) - 1e-9
+        first_in = [start + np.maximum(np.searchsorted(foil.angle, degrees, side="right") - 1, 0)
+                    for start, foil in zip(starts, foils, strict=True)]  # fmt: skip
+        most = np.array([np.abs(foil.coefficients).max(axis=0) for foil in foils])[polar]
+        lift_lines = np.array([_lift_line(foil) for foil in foils])[polar]
         tip, hub = self.losses
+        upright = np.prod([2 / np.pi * np.arccos(np.exp(-x)) for x in (tip, hub)], axis=0)
         pattern = self.sparsity
-        shapes = {"sparsity_in": [sum(self.inputs.values()), 1, 1], "sparsity_out": [6 * self.nodes, 1, 1],
+        shapes = {"sparsity_in": [sum(self.inputs.values()), 1, 1],
+                  "sparsity_out": [sum(self.outputs.values()), 1, 1],
                   "sparsity_jac": [*pattern.shape, *pattern.colind(), *pattern.row()]}  # fmt: skip
         numbers = {"chord": b.chord, "length": b.length, "tip_loss": tip, "hub_loss": hub,
+                   "least_loss": np.minimum(tip, hub), "upright_loss": upright,
+                   "most_lift": most[:, 0], "most_drag": most[:, 1],
+                   "lift_slope": lift_lines[:, 0], "zero_lift": lift_lines[:, 1],
                    "knot": np.concatenate([foil.angle for foil in foils]), "cubic": np.concatenate(cubics)}  # fmt: skip
-        integers = {"polar": [used.index(name) for name in b.airfoil], "knots": sizes,
-                    "first_knot": np.cumsum([0, *sizes[:-1]]).tolist()}  # fmt: skip
+        integers = {"polar": polar, "first_in": np.concatenate(first_in), "last_knot": starts + np.array(sizes) - 2}
         macros = {"BLADES": self.blades, "STATIONS": len(b.radius), "SENSE": self.sense,
                   "TIP_RADIUS": _number(b.tip_radius), "SKEW": _number(self.skew), "SKEWED_WAKE": int(self.skew != 0),
-                  "AXIAL_DRAG": int(self.axial_drag), "TANGENTIAL_DRAG": int(self.tangential_drag)}  # fmt: skip
+                  "DYNAMIC_INFLOW": int(self.dynamic_inflow), "AXIAL_DRAG": int(self.axial_drag),
+                  "TANGENTIAL_DRAG": int(self.tangential_drag)}  # fmt: skip
         lines = [f"#define {key} ({value})" for key, value in macros.items()]
         lines += [_array("long long int", key, value) for key, value in shapes.items()]
         lines += [_array("int", key, value) for key, value in integers.items()]
         lines += [_array("double", key, value) for key, value in numbers.items()]
         return "\n".join(lines) + "\n"
+
+
+def _lift_line(foil: Airfoil) -> tuple[float, float]:
+    """Slope and zero of a straight line through the lift from -4 to 6 deg: where the search for the inflow begins."""
+    angle = np.radians(np.linspace(-4, 6, 101))
+    slope, lift = np.polyfit(angle, np.interp(angle, foil.angle, foil.coefficients[:, 0]), 1)
+    return (slope, -lift / slope) if slope > 0.1 else (0.0, 0.0)
 
 
 @cache

@@ -18,7 +18,7 @@ EDGE = 1e-6
 
 
 def loads(rotor: BladeElementRotor, inputs: np.ndarray) -> np.ndarray:
-    """Force and moment of every node, (6n,), for the inputs of BladeElementRotor as one column."""
+    """Outputs for the inputs of BladeElementRotor, each as one column."""
     parts = np.split(np.asarray(inputs, dtype=float), np.cumsum(list(rotor.inputs.values()))[:-1])
     n = rotor.nodes
     position, velocity, wind = (parts[k].reshape(n, 3) for k in (0, 2, 3))
@@ -34,22 +34,24 @@ def loads(rotor: BladeElementRotor, inputs: np.ndarray) -> np.ndarray:
     radius = np.sqrt(_dot(arm, arm) - (arm @ normal) ** 2)
     twist = np.arctan2(-_dot(chordwise_normal, tangent), _dot(chordwise_normal, downwind))
     section = _Sections(rotor, _dot(relative, downwind), _dot(relative, tangent), twist, radius)
-    axial, tangential, moment = section.loads(_skew(rotor, skew_wind, normal, arm))
+    given = np.tile(parts[9], rotor.blades) if rotor.dynamic_inflow else None
+    axial, tangential, moment, induced = section.loads(_skew(rotor, skew_wind, normal, arm), given)
     scale = (parts[8] * np.tile(rotor.blade.length, rotor.blades))[:, None]
     force = axial[:, None] * downwind + tangential[:, None] * tangent
-    return np.hstack([scale * force, scale * rotor.sense * moment[:, None] * span]).ravel()
+    result = np.hstack([scale * force, scale * rotor.sense * moment[:, None] * span]).ravel()
+    return np.append(result, induced) if rotor.dynamic_inflow else result
 
 
 def jacobian(
     rotor: BladeElementRotor, inputs: np.ndarray, relative_step: float = 1e-6, function: Loads | None = None
 ) -> np.ndarray:
-    """Slope of the loads, by central differences; the same input of every node is moved at once, (6n, inputs).
+    """Slope of the outputs, by central differences; the same input of every node is moved at once, (outputs, inputs).
 
-    function: the loads of the inputs, by default those of this module.
+    function: the outputs of the inputs, by default those of this module.
     """
     function, u = function or (lambda x: loads(rotor, x)), np.asarray(inputs, dtype=float)
-    n, result = rotor.nodes, np.zeros((6 * rotor.nodes, len(inputs)))
-    start, rows = 0, np.arange(6 * n).reshape(n, 6)
+    n, result = rotor.nodes, np.zeros((sum(rotor.outputs.values()), len(inputs)))
+    start, rows = 0, [np.arange(6 * n).reshape(n, 6), np.arange(6 * n, len(result)).reshape(n, -1)]
     for name, size in rotor.inputs.items():
         per_node = size // n if name in ("position", "orientation", "velocity", "wind") else 0
         for k in range(per_node or size):
@@ -59,7 +61,8 @@ def jacobian(
             move[columns] = step
             slope = (function(u + move) - function(u - move)) / (2 * step)
             if per_node:
-                result[rows, columns[:, None]] = slope.reshape(n, 6)
+                for own in rows:
+                    result[own, columns[:, None]] = slope[own]
             else:
                 result[:, start + k] = slope
         start += size
@@ -152,8 +155,11 @@ class _Sections:
             low, high = np.where(below, middle, low), np.where(below, high, middle)
         return self.side * np.where(held, end, (low + high) / 2)
 
-    def loads(self, skew: tuple[float, np.ndarray]) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-        """Force downwind and to the trailing edge, and nose-up moment, of each element, per length and air density."""
+    def loads(self, skew: tuple[float, np.ndarray], given: np.ndarray | None = None) -> tuple[np.ndarray, ...]:
+        """Force downwind and to the trailing edge, and nose-up moment, of each element, per length and air density.
+
+        Last the quasi-steady induced speed; where one is given it takes its place, but for the part of the skew.
+        """
         Vx, Vt = self.Vx, self.Vt
         ratio = np.abs(Vx) / np.maximum(self.tip_speed, 1e-300)
         share = _smooth(ratio / 0.02) * _smooth(2 - 2 * np.minimum(ratio, 1))
@@ -167,8 +173,12 @@ class _Sections:
             axial, swirl = Vx - W * np.sin(phi), W * np.cos(phi) - Vt
             a = np.clip(axial / np.where(Vx == 0, 1, Vx), 0, 1)
             yaw = 1 + self.rotor.skew * np.tan((1 + 0.6 * a) * skew[0] / 2) * skew[1]
-        U, T = Vx - share * axial * yaw, Vt + share * swirl
+        induced = share * axial
+        U, T = Vx - induced * yaw, Vt + share * swirl
+        if given is not None:
+            U += induced - given
         lift, drag, moment = self.coefficients(np.arctan2(U, T) - self.twist)
         phi, pressure = np.arctan2(U, T), self.chord / 2 * (U**2 + T**2)
         s, c = np.sin(phi), np.cos(phi)
-        return pressure * (lift * c + drag * s), pressure * (drag * c - lift * s), pressure * self.chord * moment
+        force = pressure * (lift * c + drag * s), pressure * (drag * c - lift * s)
+        return *force, pressure * self.chord * moment, induced

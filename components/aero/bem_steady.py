@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import dataclass
 from typing import Any
 
@@ -29,11 +30,12 @@ class RigidRotor:
         return _about("z", self.yaw) @ _about("y", self.tilt)
 
     def inputs(self, wind: Any, speed: float, pitch: Any = 0.0, azimuth: float = 0.0, hub: Any = (0.0, 0.0, 90.0),
-               air_density: float = 1.225) -> np.ndarray:  # fmt: skip
+               air_density: float = 1.225, induced: Any = 0.0) -> np.ndarray:  # fmt: skip
         """The inputs of the external function as one column.
 
         wind (3,) or (n, 3) [m/s]; speed [rad/s], positive when the rotor drives the shaft; pitch [rad], one number or
-        one for each blade; azimuth [rad] of the first blade, zero when it points up.
+        one for each blade; azimuth [rad] of the first blade, zero when it points up; induced [m/s] one number or one
+        for each station, for a rotor with dynamic inflow.
         """
         rotor, blade, sense = self.rotor, self.rotor.blade, self.rotor.sense
         axes, hub = self.hub_axes(), np.asarray(hub, dtype=float)
@@ -52,11 +54,19 @@ class RigidRotor:
         flat = [o.T.ravel() for o in orientation]
         groups = [position.ravel(), np.concatenate(flat), velocity.ravel(), wind.ravel(), hub,
                   (axes @ _about("x", sense * azimuth)).T.ravel(), np.zeros(3), wind.mean(axis=0), [air_density]]
+        if rotor.dynamic_inflow:
+            groups.append(np.broadcast_to(induced, len(blade.radius)))
         return np.concatenate(groups)
 
     def loads(self, inputs: np.ndarray) -> np.ndarray:
         """Force and moment of every node, (n, 6)."""
-        return self.rotor.external.function(ca.DM(inputs)).full().reshape(-1, 6)
+        outputs = self.rotor.external.function(ca.DM(inputs)).full().ravel()
+        return outputs[: 6 * self.rotor.nodes].reshape(-1, 6)
+
+    def quasi_steady(self, inputs: np.ndarray) -> np.ndarray:
+        """Induced speed of the balance of momentum at every station, mean of the blades [m/s]; with dynamic inflow."""
+        outputs = self.rotor.external.function(ca.DM(inputs)).full().ravel()
+        return outputs[6 * self.rotor.nodes :].reshape(self.rotor.blades, -1).mean(axis=0)
 
     def thrust_and_torque(self, wind: Any, speed: float, pitch: Any = 0.0, **more: Any) -> tuple[float, float]:
         """Thrust along the rotor normal [N], torque that drives the shaft [N m]."""
@@ -79,13 +89,15 @@ class RigidRotor:
         return found
 
 
-def coefficient_table(rotor: BladeElementRotor, tip_speed_ratios: Any, blade_pitch: Any, *, precone: float = 0.0,
-                      speed: float = 1.0) -> CoefficientTable:  # fmt: skip
+def coefficient_table(
+    rotor: BladeElementRotor, tip_speed_ratios: Any, blade_pitch: Any, *, precone: float = 0.0, speed: float = 1.0,
+    progress: Callable[[int, int], None] | None = None,
+) -> CoefficientTable:  # fmt: skip
     """C_t and C_q over tip speed ratio and collective pitch [rad], by this theory: shaft along the wind, no tilt.
 
     As in CoefficientRotor the tip speed ratio counts the radius along the blade and the coefficients R = radius
     cos(precone). C_p = tip speed ratio C_q cos(precone). speed [rad/s] scales the wind, and the coefficients do not
-    depend on it: the airfoils have no Reynolds number.
+    depend on it: the airfoils have no Reynolds number. progress(done, all) is called after each tip speed ratio.
     """
     rigid, radius = RigidRotor(rotor, precone), rotor.blade.tip_radius
     R = radius * np.cos(precone)
@@ -96,6 +108,8 @@ def coefficient_table(rotor: BladeElementRotor, tip_speed_ratios: Any, blade_pit
     for j, pitch in enumerate(pitches):
         loads = np.array(rigid.sweep(winds, speed, float(pitch), air_density=1.0))
         values[:, j] = loads / np.stack([pressures, pressures * R], axis=1)
+        if progress is not None:
+            progress(j + 1, len(pitches))
     return CoefficientTable(ratios, pitches, values[..., 0], values[..., 1])
 
 

@@ -21,34 +21,48 @@ class Airfoil:
     """Steady lift, drag and pitching moment coefficients (quarter chord, nose up) over the angle of attack [rad].
 
     The angles increase from -pi to pi, (n,), because a parked or starting blade meets all of them; coefficients (n, 3).
-    smooth: the monotone cubic of Fritsch and Carlson (1980) between the angles, else straight lines.
+    smooth: the monotone cubic of Fritsch and Carlson (1980) between the angles, else straight lines. where, lines: the
+    file and the line of every angle, for messages. Raises ParameterError.
     """
 
     name: str
     angle: np.ndarray
     coefficients: np.ndarray
     smooth: bool = True
+    where: str = field(default="", repr=False)
+    lines: Sequence[int] = field(default=(), repr=False)
 
     def __post_init__(self):
         angle, values = np.asarray(self.angle, dtype=float), np.asarray(self.coefficients, dtype=float)
         object.__setattr__(self, "angle", angle)
         object.__setattr__(self, "coefficients", values)
-        where = f"airfoil {self.name}"
         if angle.ndim != 1 or len(angle) < 3 or values.shape != (len(angle), 3):
-            raise ParameterError(f"{where}: 3 angles or more, and lift, drag and moment at each, make an airfoil.")
-        if not (np.all(np.isfinite(angle)) and np.all(np.isfinite(values))):
-            raise ParameterError(f"{where}: angles and coefficients must be finite numbers.")
+            raise self._wrong(0, "3 angles or more, and lift, drag and moment at each, make an airfoil.")
+        wild = np.flatnonzero(~(np.isfinite(angle) & np.isfinite(values).all(axis=1)))
+        if wild.size:
+            raise self._wrong(wild[0], "angles and coefficients must be finite numbers.")
         falls = np.flatnonzero(np.diff(angle) <= 0)
         if falls.size:
-            raise ParameterError(f"{where}: the angles must increase; {_degrees(angle[falls[0]])} is followed by "
-                                 f"{_degrees(angle[falls[0] + 1])}.")  # fmt: skip
-        if abs(angle[0] + np.pi) > 1e-6 or abs(angle[-1] - np.pi) > 1e-6:
-            raise ParameterError(
-                f"{where}: the angles of attack must span -180 deg to 180 deg, and these span {_degrees(angle[0])} to "
-                f"{_degrees(angle[-1])}; continue the polar, by the method of Viterna and Corrigan for instance."
+            i = falls[0]
+            raise self._wrong(
+                i + 1, f"the angles must increase; {_degrees(angle[i])} is followed by {_degrees(angle[i + 1])}."
             )
-        if np.abs(values[0] - values[-1]).max() > 0.02:
-            raise ParameterError(f"{where}: -180 deg and 180 deg are one angle, and their coefficients differ.")
+        if abs(angle[0] + np.pi) > 1e-6 or abs(angle[-1] - np.pi) > 1e-6:
+            short = 0 if abs(angle[0] + np.pi) > 1e-6 else -1
+            raise self._wrong(
+                short, f"the angles of attack must span -180 deg to 180 deg, and these span {_degrees(angle[0])} to "
+                f"{_degrees(angle[-1])}; continue the polar, by the method of Viterna and Corrigan for instance.",
+            )  # fmt: skip
+        jump = np.abs(values[0] - values[-1])
+        if jump.max() > 0.02:
+            k = int(jump.argmax())
+            raise self._wrong(
+                -1, f"-180 deg and 180 deg are one angle, and their {('lift', 'drag', 'moment')[k]} coefficients are "
+                f"{values[0, k]:g} and {values[-1, k]:g}; make them the same.",
+            )  # fmt: skip
+
+    def _wrong(self, row: int, message: str) -> ParameterError:
+        return ParameterError(f"airfoil {self.name}: {message}", where=_place(self.where, self.lines, row))
 
     @property
     def cubics(self) -> np.ndarray:
@@ -69,7 +83,8 @@ class BladeAerodynamics:
 
     radius [m]: from the rotor axis along the pitch axis of the unconed blade; length [m] of the element, by default
     with borders half way between the nodes, from hub_radius to tip_radius; chord [m]; twist [rad], positive to feather;
-    curve, sweep [m]: place of the aerodynamic centre beside the pitch axis, downwind and to the trailing edge.
+    curve, sweep [m]: place of the aerodynamic centre beside the pitch axis, downwind and to the trailing edge. where,
+    lines: the file and the line of every element, for messages. Raises ParameterError.
     """
 
     hub_radius: float
@@ -83,6 +98,7 @@ class BladeAerodynamics:
     curve: np.ndarray | None = None
     sweep: np.ndarray | None = None
     where: str = field(default="blade", repr=False)
+    lines: Sequence[int] = field(default=(), repr=False)
 
     def __post_init__(self):
         radius = np.asarray(self.radius, dtype=float)
@@ -94,66 +110,91 @@ class BladeAerodynamics:
         for name, value in arrays.items():
             array = np.asarray(value, dtype=float)
             if array.shape != (n,) or n < 1 or not np.all(np.isfinite(array)):
-                raise ParameterError(f"{self.where}: {name} must be {n} finite numbers, one for each element.")
+                wild = np.flatnonzero(~np.isfinite(array)) if array.shape == (n,) and n else []
+                place = self._place(wild[0]) if len(wild) else self.where
+                raise ParameterError(f"{name} must be {n} finite numbers, one for each element.", where=place)
             object.__setattr__(self, name, array)
         self._check(radius, n)
 
     def _half_way(self, radius: np.ndarray) -> np.ndarray:
         return np.diff(np.concatenate([[self.hub_radius], (radius[1:] + radius[:-1]) / 2, [self.tip_radius]]))
 
+    def _place(self, element: int) -> str:
+        return _place(self.where, self.lines if len(self.lines) == len(self.radius) else (), element)
+
     def _check(self, radius: np.ndarray, n: int) -> None:
         falls = np.flatnonzero(np.diff(radius) <= 0)
         if falls.size:
             i = falls[0]
             raise ParameterError(
-                f"{self.where}: the elements must go outward; {radius[i]:g} m is followed by {radius[i + 1]:g} m."
+                f"the elements must go outward; {radius[i]:g} m is followed by {radius[i + 1]:g} m.",
+                where=self._place(i + 1),
             )
         if not 0 < self.hub_radius < radius[0] or not radius[-1] < self.tip_radius:
             raise ParameterError(
-                f"{self.where}: the elements lie from {radius[0]:g} m to {radius[-1]:g} m, which must be inside of the "
-                f"hub radius {self.hub_radius:g} m and the tip radius {self.tip_radius:g} m."
+                f"the elements lie from {radius[0]:g} m to {radius[-1]:g} m, which must be inside of the hub radius "
+                f"{self.hub_radius:g} m and the tip radius {self.tip_radius:g} m.",
+                where=self._place(0 if not 0 < self.hub_radius < radius[0] else n - 1),
             )
-        if np.any(self.chord <= 0) or np.any(self.length <= 0):
-            raise ParameterError(f"{self.where}: chord and length of every element must be positive.")
+        for name in ("chord", "length"):
+            low = np.flatnonzero(getattr(self, name) <= 0)
+            if low.size:
+                raise ParameterError(
+                    f"the {name} of an element must be positive, and at {radius[low[0]]:g} m it is "
+                    f"{getattr(self, name)[low[0]]:g} m.",
+                    where=self._place(low[0]),
+                )
         blade = self.tip_radius - self.hub_radius
         if abs(self.length.sum() - blade) > 0.01 * blade:
             raise ParameterError(
-                f"{self.where}: the elements are {self.length.sum():g} m long together, and the blade is {blade:g} m."
+                f"the elements are {self.length.sum():g} m long together, and the blade is {blade:g} m.",
+                where=self.where,
             )
         if len(self.airfoil) != n:
-            raise ParameterError(f"{self.where}: {n} elements and {len(self.airfoil)} names of airfoils.")
-        for name in self.airfoil:
+            raise ParameterError(f"{n} elements and {len(self.airfoil)} names of airfoils.", where=self.where)
+        for i, name in enumerate(self.airfoil):
             if name not in self.airfoils:
-                raise ParameterError(f"{self.where}: there is no airfoil '{name}'{did_you_mean(name, self.airfoils)}")
+                raise ParameterError(
+                    f"there is no airfoil '{name}'{did_you_mean(name, self.airfoils)}", where=self._place(i)
+                )
 
 
 @lru_cache(maxsize=8)
 def read_airfoils(path: str, smooth: bool = True) -> dict[str, Airfoil]:
-    """Airfoils of a CSV with the columns of AIRFOIL_COLUMNS; lines that start with # are comments."""
+    """Airfoils of a CSV with the columns of AIRFOIL_COLUMNS; lines that start with # are comments.
+
+    The rows of an airfoil are in the order of their angles. Raises ParameterError with path and line.
+    """
     rows: dict[str, list[list[float]]] = {}
-    for name, *numbers in _table(path, AIRFOIL_COLUMNS, words=("airfoil",)):
-        rows.setdefault(name, []).append(numbers)
+    for line, (name, *numbers) in _table(path, AIRFOIL_COLUMNS, words=("airfoil",)):
+        rows.setdefault(name, []).append([line, *numbers])
     arrays = {name: np.array(values) for name, values in rows.items()}
-    try:
-        return {name: Airfoil(name, np.radians(a[:, 0]), a[:, 1:], smooth) for name, a in arrays.items()}
-    except ParameterError as error:
-        raise error.at(path) from None
+    return {name: Airfoil(name, np.radians(a[:, 1]), a[:, 2:], smooth, path, a[:, 0].astype(int).tolist())
+            for name, a in arrays.items()}  # fmt: skip
 
 
 def read_blade(
     path: str, airfoils: str, hub_radius: float, tip_radius: float, smooth: bool = True
 ) -> BladeAerodynamics:
-    """Blade of a CSV with the columns of BLADE_COLUMNS; span counts from the blade root, at hub_radius."""
-    rows = list(zip(*_table(path, BLADE_COLUMNS, words=("airfoil",)), strict=True))
-    span, length, chord, twist, curve, sweep = (np.array(column, dtype=float) for column in rows[:6])
+    """Blade of a CSV with the columns of BLADE_COLUMNS; span counts from the blade root, at hub_radius.
+
+    Raises ParameterError with path and line.
+    """
+    lines, rows = zip(*_table(path, BLADE_COLUMNS, words=("airfoil",)), strict=True)
+    columns = list(zip(*rows, strict=True))
+    span, length, chord, twist, curve, sweep = (np.array(column, dtype=float) for column in columns[:6])
     return BladeAerodynamics(
-        hub_radius, tip_radius, hub_radius + span, chord, np.radians(twist), rows[6], read_airfoils(airfoils, smooth),
-        length, curve, sweep, where=path,
+        hub_radius, tip_radius, hub_radius + span, chord, np.radians(twist), columns[6],
+        read_airfoils(airfoils, smooth), length, curve, sweep, where=path, lines=lines,
     )  # fmt: skip
 
 
-def _table(path: str, columns: Sequence[str], words: Sequence[str]) -> list[list[Any]]:
-    """The rows of a CSV in the order of `columns`; all of them are numbers but the words."""
+def _place(where: str, lines: Sequence[int], row: int) -> str:
+    return f"{where}:{lines[row]}" if where and len(lines) else where
+
+
+def _table(path: str, columns: Sequence[str], words: Sequence[str]) -> list[tuple[int, list[Any]]]:
+    """Line numbers and rows of a CSV, in the order of `columns`; all of them are numbers but the words."""
     try:
         with open(path, newline="", encoding="utf-8") as file:
             lines = [(number, line) for number, line in enumerate(file, 1) if line.strip() and line[0] != "#"]
@@ -166,7 +207,7 @@ def _table(path: str, columns: Sequence[str], words: Sequence[str]) -> list[list
     for number, line in lines[1:]:
         cells = dict(zip(header, next(csv.reader([line])), strict=False))
         try:
-            rows.append([cells[name].strip() if name in words else float(cells[name]) for name in columns])
+            rows.append((number, [cells[name].strip() if name in words else float(cells[name]) for name in columns]))
         except (KeyError, ValueError):
             raise ParameterError(f"{path}:{number}: '{line.strip()}' is not a row of {', '.join(header)}.") from None
     return rows

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from fowtlib.components.aero import outlines
 from fowtlib.components.aero.coefficient_table import read_coefficients
 from fowtlib.components.aero.rotor import Rotor
 from fowtlib.components.blocks import ButterworthLowPass
@@ -51,6 +52,10 @@ class CoefficientRotor(Rotor):
             self.low_pass = ButterworthLowPass(**filter_design, **start)
             self.connect(self.normal_wind, self.low_pass.u)
             self.connect(self.low_pass.y, self.mean_wind)
+
+    def drawing(self):
+        angles = (self.parameter_value(name) for name in ("tilt", "precone"))
+        return outlines.typical_rotor(self, self.parameter_value("radius"), *angles)
 
     def equations(self):
         n, hub, R = self.normal(), self.frame.r, self.radius * m.cos(self.precone)

@@ -3,8 +3,10 @@
 from __future__ import annotations
 
 import csv
+from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import lru_cache
+from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -102,6 +104,21 @@ def read_coefficients(path: str, extended: bool = False) -> CoefficientTable:
     thrust, torque = (rows[order, i].reshape(len(speeds), len(pitches)) for i in (2, 3))
     table = CoefficientTable(speeds, np.radians(pitches), thrust, torque)
     return table.extended() if extended else table
+
+
+def write_coefficients(path: str | Path, table: CoefficientTable, precone: float, about: Sequence[str] = ()) -> None:
+    """Write a table as read_coefficients reads it, with the power coefficient as a further column.
+
+    precone [rad] of the rotor: C_p = tip speed ratio C_q cos(precone), see CoefficientRotor. about: lines of comment.
+    """
+    header = ("tip_speed_ratio", "blade_pitch_deg", "power_coefficient", "thrust_coefficient", "torque_coefficient")
+    lines = [*(f"# {line}" for line in about), ",".join(header)]
+    for i, ratio in enumerate(table.tip_speed_ratio):
+        for j, pitch in enumerate(np.degrees(table.blade_pitch)):
+            torque = table.torque[i, j]
+            power = ratio * torque * np.cos(precone)
+            lines.append(f"{ratio:.10g},{pitch:.10g},{power:.7f},{table.thrust[i, j]:.7f},{torque:.7f}")
+    Path(path).write_text("\n".join(lines) + "\n", encoding="utf-8")
 
 
 def _numbers(path: str, number: int, line: str, header: list[str]) -> list[float]:

@@ -2,7 +2,7 @@
 
 # World has a Frame and the bodies of the mechanics need World: the mechanics load first and fetch World themselves.
 from fowtlib.components import mechanics as _mechanics  # noqa: F401  isort: skip
-from fowtlib.components.environment.field_file import FieldGrid, WindField, read_field, write_field
+from fowtlib.components.environment.field_file import FieldGrid, WindField, create_field, read_field, write_field
 from fowtlib.components.environment.field_generator import generate_field
 from fowtlib.components.environment.sea import Sea
 from fowtlib.components.environment.turbulence import kaimal, kaimal_series, normal_turbulence, operating_gust
@@ -19,6 +19,7 @@ __all__ = [
     "WindField",
     "WindSeries",
     "World",
+    "create_field",
     "generate_field",
     "irregular_waves",
     "jonswap",

@@ -18,6 +18,7 @@ from __future__ import annotations
 
 import math
 import struct
+from collections.abc import Iterator
 from dataclasses import dataclass, field
 from pathlib import Path
 
@@ -112,6 +113,18 @@ class WindField:
         """The stored numbers of the tower (steps, tower_points, 3)."""
         return self.stored[:, self.grid.rows * self.grid.columns :]
 
+    def blocks(self, size: int = 2**24) -> Iterator[tuple[int, NDArray[np.int16]]]:
+        """First step and stored numbers (steps, points, 3) of one part of the file after another, of `size` bytes.
+
+        Each has a mapping of its own, so that no more of a long file counts as memory of the process.
+        """
+        whole = self.stored
+        count = max(1, size // (6 * self.grid.points))
+        for start in range(0, self.grid.steps, count):
+            shape = (min(count, self.grid.steps - start), *whole.shape[1:])
+            mode, offset = whole.mode, whole.offset + start * 6 * self.grid.points
+            yield start, np.memmap(self.path, "<i2", "r" if mode == "r" else "r+", offset, shape)
+
     def speeds(self, stored: ArrayLike) -> Floats:
         """Speeds [m/s] of stored numbers (..., 3)."""
         return (np.asarray(stored, dtype=float) - self.grid.offset) / self.grid.slope
@@ -127,7 +140,8 @@ def read_field(path: str | Path) -> WindField:
                 raise ParameterError(f"{path}: {len(start)} bytes, less than the header of a .bts wind field.")
             kind, *numbers, length = _HEADER.unpack(start)
             if kind not in (PERIODIC, ENDING):
-                raise ParameterError(f"{path}: begins with {kind}, a .bts wind field begins with 7 or 8.")
+                other = " It may be one of Bladed (.wnd); TurbSim writes both." if kind == -99 else ""
+                raise ParameterError(f"{path}: begins with {kind}, a .bts wind field begins with 7 or 8.{other}")
             if not 0 <= length <= _LARGEST:
                 raise ParameterError(f"{path}: the description has {length} characters; the header is damaged.")
             text = file.read(length).decode("ascii", "replace").strip()
@@ -211,6 +225,11 @@ def _check(path: str, grid: FieldGrid) -> None:
     for name in ("hub_height", "bottom"):
         if not math.isfinite(getattr(grid, name)):
             raise ParameterError(f"{path}: {name} = {getattr(grid, name):g} in the header of the wind field.")
+    if grid.bottom < 0:
+        raise ParameterError(
+            f"{path}: the lowest row of the wind field is at z = {grid.bottom:g} m; heights in a .bts file are those "
+            "above the ground or the sea, and not from the hub."
+        )
     for name, slope, offset in zip(COMPONENTS, grid.slope, grid.offset, strict=True):
         if not (math.isfinite(slope) and math.isfinite(offset)) or slope == 0:
             raise ParameterError(

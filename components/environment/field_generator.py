@@ -18,7 +18,8 @@ User's Guide v2.00 (NREL, 2014).
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+import os
+from collections.abc import Callable, Iterator
 from dataclasses import dataclass, replace
 from pathlib import Path
 
@@ -55,6 +56,7 @@ def generate_field(
     shear_exponent: float = 0.2,
     lateral_coherence: str = "none",
     seed: int = 1,
+    progress: Callable[[float, float], None] | None = None,
 ) -> WindField:
     """Write a turbulent wind field to `path` (.bts) and open it.
 
@@ -63,6 +65,7 @@ def generate_field(
     is centred at the hub unless the lowest row is to be at `bottom` [m]. For several rotors make it as wide as all of
     them and their motion. The field repeats itself after `duration` [s], in steps of `time_step` [s].
     spectrum: "kaimal" or "von_karman"; lateral_coherence: "none" or "iec", see the module. A seed gives one field.
+    progress is told the part of the work that is done, and 1. The file appears, or is replaced, when it is complete.
     """
     low = hub_height - height / 2 if bottom is None else bottom
     spacing = height / max(rows - 1, 1), width / max(columns - 1, 1)
@@ -70,16 +73,29 @@ def generate_field(
     note = f"fowtlib: {spectrum}, V = {mean_speed:g} m/s, shear {shear_exponent:g}, seed {seed}"
     grid = FieldGrid(rows, columns, steps, *spacing, time_step, mean_speed, hub_height, low, description=note)
     _check(path, grid, turbulence_class, lateral_coherence)
+    if seed < 0 or (turbulence_intensity or 0) < 0:
+        raise ParameterError(f"{path}: cannot generate the wind field: seed and turbulence_intensity begin at 0.")
     sigma = normal_turbulence(mean_speed, turbulence_class)
     if turbulence_intensity is not None:
         sigma = turbulence_intensity * mean_speed
-    field = _Turbulence(grid, sigma, spectrum, shear_exponent, lateral_coherence == "iec", seed)
-    extremes = [(block.min(axis=(0, 1)), block.max(axis=(0, 1))) for _, block in field.blocks()]
+    told = progress or (lambda done, total: None)
+    turbulence = _Turbulence(grid, sigma, spectrum, shear_exponent, lateral_coherence == "iec", seed, told)
+    extremes = [(block.min(axis=(0, 1)), block.max(axis=(0, 1))) for _, block in turbulence.blocks(1 / 3)]
     slope, offset = scale(np.min([e[0] for e in extremes], axis=0), np.max([e[1] for e in extremes], axis=0))
-    new = create_field(path, replace(grid, slope=slope, offset=offset))
-    for points, block in field.blocks():
-        new.stored[:, points] = encode(block, np.float32(slope), np.float32(offset)).transpose(1, 0, 2)
-    new.stored.flush()
+    part = Path(path).with_name(f"{Path(path).name}.part")
+    try:
+        new = create_field(part, replace(grid, slope=slope, offset=offset))
+        for points, block in turbulence.blocks(2 / 3):
+            numbers = encode(block, np.float32(slope), np.float32(offset)).transpose(1, 0, 2)
+            for start, stored in new.blocks():
+                stored[:, points] = numbers[start : start + len(stored)]
+                del stored
+        del new
+        os.replace(part, path)
+    except OSError as error:
+        raise ParameterError(f"{path}: cannot write the wind field: {error.strerror}") from None
+    finally:
+        part.unlink(missing_ok=True)
     return read_field(path)
 
 
@@ -93,6 +109,7 @@ class _Turbulence:
     shear_exponent: float
     lateral: bool
     seed: int
+    told: Callable[[float, float], None]
 
     def __post_init__(self) -> None:
         grid = self.grid
@@ -115,15 +132,17 @@ class _Turbulence:
         random = np.random.default_rng([self.seed, 0])
         batch = max(1, BLOCK // (8 * (grid.points // 4 + 1) ** 2 * 4))
         for start in range(0, count, batch):
+            self.told(start / count / 3, 1)
             f = self.frequency[start : min(start + batch, count)]
             noise = np.exp(2j * np.pi * random.random((len(f), grid.points, components)))
             result[:, :, start : start + len(f)] = plane.apply(f, noise).transpose(2, 1, 0)
         return result
 
-    def blocks(self) -> Iterator[tuple[slice, NDArray[np.float32]]]:
-        """Speeds (points of the block, steps, 3) [m/s] and the points that they belong to."""
+    def blocks(self, done: float) -> Iterator[tuple[slice, NDArray[np.float32]]]:
+        """Speeds (points of the block, steps, 3) [m/s] and their points; `done` is the part of all work before it."""
         size = max(1, BLOCK // (12 * self.grid.steps))
         for start in range(0, self.grid.points, size):
+            self.told(done + start / self.grid.points / 3, 1)
             points = slice(start, min(start + size, self.grid.points))
             series = np.empty((points.stop - start, self.grid.steps, 3), dtype=np.float32)
             for component in range(3):

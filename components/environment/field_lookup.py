@@ -77,7 +77,10 @@ class FieldLookup:
         column = min(max(int((y - self.covers["y"][0]) / grid.dy), 0), grid.columns - 2)
         row = min(max(int((z - grid.bottom) / grid.dz), 0), grid.rows - 2)
         s, t = (y - self.covers["y"][0]) / grid.dy - column, (z - grid.bottom) / grid.dz - row
-        corners = self.field.plane[:, row : row + 2, column : column + 2, 0].mean(axis=0)
+        corner = row * grid.columns + column
+        points = [corner, corner + 1, corner + grid.columns, corner + grid.columns + 1]
+        total = sum(block[:, points, 0].sum(axis=0, dtype=float) for _, block in self.field.blocks())
+        corners = total.reshape(2, 2) / grid.steps
         stored = np.array([1 - t, t]) @ corners @ np.array([1 - s, s])
         return float((stored - grid.offset[0]) / grid.slope[0])
 

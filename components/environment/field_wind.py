@@ -1,7 +1,15 @@
-"""The wind of a full-field file in a model: external functions around the look-up."""
+"""The wind of a full-field file in a model: the look-up as an external function, and what a model asks of the field.
+
+The look-up runs in C (full_field.c); where there is no compiler, in NumPy (field_lookup.py). One library per number of
+points serves every file: a file is an input of the function, a number under which it was made known.
+"""
 
 from __future__ import annotations
 
+import ctypes
+import hashlib
+import math
+import os
 from functools import lru_cache
 from pathlib import Path
 from typing import Any
@@ -14,43 +22,130 @@ from fowtlib.components.environment.field_lookup import FieldLookup
 from fowtlib.language import ExternalFunction
 from fowtlib.language import math as m
 from fowtlib.language.equations import active
+from fowtlib.language.errors import ParameterError
+from fowtlib.language.native import compiler
+
+Version = tuple[int, int]
+"""Time of the last change [ns] and size [bytes] of a file; (0, 0) of one that is not there."""
+
+_known: dict[float, tuple[str, float, Version]] = {}  # path, shift and version of a file by its handle, for NumPy
+_refused: list[str] = []
+
+
+def file_version(path: str) -> Version:
+    """What tells that a file was written again."""
+    try:
+        status = Path(path).stat()
+    except OSError:
+        return 0, 0
+    return status.st_mtime_ns, status.st_size
 
 
 def open_field(path: str, shift: float | None) -> FieldLookup:
     """The look-up of a `.bts` file; the same object as long as the file does not change."""
-    try:
-        status = Path(path).stat()
-        version = (status.st_mtime_ns, status.st_size)
-    except OSError:
-        version = (0, 0)
-    return _open(path, shift, version)
+    return _open(path, shift, file_version(path))
 
 
 @lru_cache(maxsize=8)
-def _open(path: str, shift: float | None, version: tuple[int, int]) -> FieldLookup:
+def _open(path: str, shift: float | None, version: Version) -> FieldLookup:
     return FieldLookup(read_field(path), shift)
 
 
-def field_function(lookup: FieldLookup, points: int) -> ExternalFunction:
-    """External function of the time [s] and the positions x, y, z [m] of each point, one after the other.
+def field_handle(lookup: FieldLookup) -> float:
+    """The number under which `field_function` knows a file, its version and its shift.
 
-    Gives u, v, w [m/s] of each point, and its Jacobian. Beyond the edge it keeps the value of the edge, so that an
-    iteration may look there.
+    It comes from these alone: a model that is used where its file was not made known finds no other file instead.
     """
+    path = os.path.abspath(lookup.field.path)
+    identity = path, lookup.shift, file_version(path)
+    digest = hashlib.sha256(repr(identity).encode()).digest()
+    handle = float(int.from_bytes(digest[:6], "little"))  # 48 bits: exact in a double
+    _known[handle] = identity
+    return handle
 
-    def evaluate(column: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-        return lookup.evaluate(column[1:].reshape(points, 3), column[0])
+
+def field_function(lookup: FieldLookup, points: int) -> ExternalFunction:
+    """External function of the field's handle, the time [s] and the positions x, y, z [m] of each point, one by one.
+
+    Gives u, v, w [m/s] of each point, and its sparse Jacobian. Beyond the edge it keeps the value of the edge, so that
+    an iteration may look there. The functions for all files are the same; this one's file is known to it.
+    """
+    function = _function(points, compiler())
+    if function.library is not None:
+        handle, path = field_handle(lookup), os.path.abspath(lookup.field.path)
+        if _symbol(function, "_open", ctypes.c_int)(
+            ctypes.c_double(handle), os.fsencode(path), ctypes.c_double(lookup.shift)
+        ):
+            raise ParameterError(_problem_in_c(function))
+    return function
+
+
+@lru_cache(maxsize=64)
+def _function(points: int, command: tuple[str, ...]) -> ExternalFunction:
+    name = f"wind_field_{points}"
+    text = (Path(__file__).parent / "full_field.c").read_text(encoding="utf-8")
+    head = f"#define FIELD_NAME {name}\n#define FIELD_POINTS {points}\n"
+
+    def evaluate(column: np.ndarray) -> np.ndarray:
+        return _twin(column[0]).evaluate(column[2:].reshape(points, 3), column[1])[0].ravel()
 
     def slope(column: np.ndarray) -> np.ndarray:
-        rate = evaluate(column)[1]
-        matrix = np.zeros((points, 3, 1 + 3 * points))
+        rate = _twin(column[0]).evaluate(column[2:].reshape(points, 3), column[1])[1]
+        matrix = np.zeros((points, 3, 2 + 3 * points))
         for i in range(points):
-            matrix[i, :, 0] = rate[i, :, 3]
-            matrix[i, :, 1 + 3 * i : 4 + 3 * i] = rate[i, :, :3]
+            matrix[i, :, 1] = rate[i, :, 3]
+            matrix[i, :, 2 + 3 * i : 5 + 3 * i] = rate[i, :, :3]
         return matrix.reshape(3 * points, -1)
 
-    sizes = {"time": 1, "positions": 3 * points}, {"velocities": 3 * points}
-    return ExternalFunction("wind_field", *sizes, python=lambda column: evaluate(column)[0].ravel(), jacobian=slope)
+    def explain() -> str:
+        return _problem_in_c(function) if function.library else _problem_in_python()
+
+    function = ExternalFunction(
+        name, {"field": 1, "time": 1, "positions": 3 * points}, {"velocities": 3 * points}, source=head + text,
+        python=evaluate, jacobian=slope, sparsity=_sparsity(points), explain=explain,
+    )  # fmt: skip
+    return function
+
+
+def _sparsity(points: int) -> ca.Sparsity:
+    """Of the Jacobian: nothing by the handle, everything by the time, a point by its own coordinates."""
+    own = np.repeat(np.arange(3 * points).reshape(points, 3), 3, axis=0)
+    starts = [0, 0, *range(3 * points, 12 * points + 1, 3)]
+    return ca.Sparsity(3 * points, 2 + 3 * points, starts, [*range(3 * points), *own.ravel().tolist()])
+
+
+def _symbol(function: ExternalFunction, suffix: str, result: Any) -> Any:
+    found = getattr(_load(str(function.library)), function.name + suffix)
+    found.restype = result
+    return found
+
+
+@lru_cache(maxsize=64)
+def _load(library: str) -> ctypes.CDLL:
+    """The library that CasADi has loaded: a process holds one for a path, and this keeps it."""
+    return ctypes.CDLL(library)
+
+
+def _problem_in_c(function: ExternalFunction) -> str:
+    text = _symbol(function, "_problem", ctypes.c_char_p)().decode("utf-8", "replace")
+    return f"{text}." if text else ""
+
+
+def _problem_in_python() -> str:
+    return _refused.pop() if _refused else ""
+
+
+def _twin(handle: float) -> FieldLookup:
+    """The look-up in NumPy of a handle; an error where the file has changed, as in C."""
+    path, shift, version = _known[handle]
+    now = file_version(path)
+    if now == version:
+        return _open(path, shift, version)
+    reason = "has changed since the model was compiled; compile it again"
+    if now == (0, 0):
+        reason = f"cannot be read any more: {os.strerror(2)}"
+    _refused[:] = [f"{path}: the wind field {reason}."]
+    raise RuntimeError(_refused[0])
 
 
 def field_velocity(lookup: FieldLookup, time: Any, positions: Any) -> Any:
@@ -58,13 +153,56 @@ def field_velocity(lookup: FieldLookup, time: Any, positions: Any) -> Any:
 
     A run in which one of the points leaves the field stops there.
     """
-    positions = ca.SX(positions)  # fixed points are numbers
+    positions = ca.densify(ca.SX(positions))  # fixed points are numbers
     points, grid = positions.shape[1], lookup.grid
-    for i in range(points):
-        places = {"y": positions[1, i], "z": positions[2, i]}
-        if not grid.periodic:
-            places["time"] = time + (lookup.shift - positions[0, i]) / grid.speed
-        for axis, (low, high) in lookup.covers.items():
-            active().check_range(places[axis], low, high, f"wind field {lookup.field.path}", axis)
-    result = field_function(lookup, points)(time=time, positions=positions)["velocities"]
+    places = {"y": positions[1, :], "z": positions[2, :]}
+    if not grid.periodic:
+        places["time"] = time + (lookup.shift - positions[0, :]) / grid.speed
+    for axis, (low, high) in lookup.covers.items():
+        active().check_range(places[axis].T, low, high, "", axis, _outside(lookup, axis, low, high, points))
+    function = field_function(lookup, points)
+    result = function(field=field_handle(lookup), time=time, positions=positions)["velocities"]
     return m.horzcat(*[result[3 * i : 3 * i + 3] for i in range(points)])
+
+
+def _outside(lookup: FieldLookup, axis: str, low: float, high: float, points: int) -> str:
+    """What is said of a run that leaves the field."""
+    who = "the point" if points == 1 else f"point {{number}} of {points}"
+    if axis == "time":
+        return (
+            f"{who} needs the wind of time {{value}} s of the field {lookup.field.path}, which covers {low:g} to "
+            f"{high:g} s; use a longer field, a periodic one, or another field_shift."
+        )
+    return (
+        f"{who} is at {axis} = {{value}} m, and the wind field {lookup.field.path} covers {low:g} to {high:g} m; use a "
+        "field that is larger than all rotors with their motion."
+    )
+
+
+def check_mean(lookup: FieldLookup) -> None:
+    """ParameterError where u has no mean: some programs write the turbulence alone. From about 200 planes."""
+    grid, plane = lookup.grid, lookup.field.plane
+    mean = float(lookup.field.speeds(plane[:: max(1, grid.steps // 200)].mean(axis=(0, 1, 2)))[0])
+    if mean < 0.1 * grid.speed:
+        raise ParameterError(
+            f"{lookup.field.path}: the mean of u is {mean:.3g} m/s, and {grid.speed:g} m/s in the header of the wind "
+            "field; add the mean wind to the turbulence in it."
+        )
+
+
+def require_range(lookup: FieldLookup, y_range: tuple[float, float], z_range: tuple[float, float], who: str) -> None:
+    """ParameterError unless the field covers the ranges [m], both along its axes."""
+    missing = []
+    for axis, (first, last) in (("y", y_range), ("z", z_range)):
+        low, high = lookup.covers[axis]
+        margin = 1e-6 * (high - low)
+        if not (low - margin <= first <= last <= high + margin):
+            missing.append((axis, first, last, low, high))
+    if missing:
+        needs = " and ".join(f"{axis} = {first:g} to {last:g} m" for axis, first, last, _, _ in missing)
+        has = " and ".join(f"{low:g} to {high:g} m" for *_, low, high in missing)
+        remedy = f"at least {2 * math.ceil(max(abs(y) for y in y_range)):g} m wide, and {math.floor(z_range[0]):g} to "
+        raise ParameterError(
+            f"{lookup.field.path}: the wind field is too small: {who} needs {needs}, and the field covers {has}; make "
+            f"one {remedy}{math.ceil(z_range[1]):g} m high, and more for the motion of a floating platform."
+        )

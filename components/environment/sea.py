@@ -12,7 +12,7 @@ from numpy.typing import ArrayLike
 from fowtlib.components.environment.time_functions import progress, smooth_step, warn_of_repetition
 from fowtlib.components.environment.waves import WaveComponents, irregular_waves, regular_waves, still_water
 from fowtlib.components.environment.world import World
-from fowtlib.language import Component, RealOutput, eq, outer, param, port, time_series
+from fowtlib.language import Component, RealOutput, eq, outer, param, port, shapes, time_series
 from fowtlib.language import math as m
 from fowtlib.language.errors import ParameterError
 
@@ -54,6 +54,11 @@ class Sea(Component):
         _warn_of_breaking(self, waves)
         longer = [warn_of_repetition(self.time, waves.period, "sea")] if self.spectrum == "jonswap" else []
         return [eq(self.elevation, self.signal(np.ones((len(waves), 1)), "wave elevation")), *longer]
+
+    def drawing(self):
+        waves = self.components()
+        harmonics = (waves.omega, waves.amplitude, waves.phase, waves.wave_number)
+        return [shapes.Water(self.world.water_depth, *harmonics, heading=self.heading, build_up=self.build_up)]
 
     def components(self) -> WaveComponents:
         """The harmonics of this sea as numbers."""

@@ -11,7 +11,7 @@ import numpy as np
 
 from fowtlib.components.environment import turbulence
 from fowtlib.components.environment.field_lookup import FieldLookup
-from fowtlib.components.environment.field_wind import field_velocity, open_field
+from fowtlib.components.environment.field_wind import check_mean, field_velocity, open_field, require_range
 from fowtlib.components.environment.time_functions import (
     cosine_gust,
     extreme_gust,
@@ -20,8 +20,22 @@ from fowtlib.components.environment.time_functions import (
     warn_of_repetition,
 )
 from fowtlib.components.environment.wind_file import WindSeries, read_series
-from fowtlib.language import Array, Component, RealOutput, Scalar, assert_, eq, param, port, time_series, var, when
+from fowtlib.language import (
+    Array,
+    Component,
+    RealOutput,
+    Scalar,
+    assert_,
+    eq,
+    param,
+    port,
+    shapes,
+    time_series,
+    var,
+    when,
+)
 from fowtlib.language import math as m
+from fowtlib.language.declarations import join
 from fowtlib.language.errors import ParameterError, StructureError
 
 LOWEST_HEIGHT = 1e-3  # of the station's height: below, and under water, the power law keeps its value
@@ -82,6 +96,9 @@ class Wind(Component):
         speed = self.base + self.fluctuation
         return [eq(self.base, base), eq(self.fluctuation, fluctuation), eq(self.speed, speed), *statements]
 
+    def drawing(self):
+        return [] if self.kind == "none" else _arrows(self)
+
     def velocity(self, r: ca.SX, station: int = 0) -> ca.SX:
         """Wind velocities (3, n, world) at n positions r (3, n, world), with the series of a station; while flattening.
 
@@ -96,6 +113,15 @@ class Wind(Component):
         height = m.fmax(r[2, :] / _height(self, station), LOWEST_HEIGHT)
         speed = self.base[station] * height**self.shear_exponent + self.fluctuation[station]
         return m.vertcat(speed * m.cos(self.direction), speed * m.sin(self.direction), m.zeros(1, r.shape[1]))
+
+    def require(self, y_range: tuple[float, float], z_range: tuple[float, float], who: str) -> None:
+        """ParameterError, which names `who`, where a field does not cover y_range and z_range [m].
+
+        For parts whose size is known before the run: a rotor of radius R about the station (y, z) asks for
+        (y - R, y + R), (z - R, z + R). Like the stations, y is across the wind. Other kinds of wind are everywhere.
+        """
+        if self.kind == "field":
+            require_range(_lookup(self), y_range, z_range, who)
 
     @property
     def hubs(self) -> np.ndarray:
@@ -120,6 +146,15 @@ class Wind(Component):
             sigma = self.turbulence_intensity * speed
         grid = {name: getattr(self, name) for name in ("seed", "sample_step", "repetition_period")}
         return _turbulence(tuple(map(tuple, self.hubs.tolist())), speed, sigma, height=self.reference_height, **grid)
+
+
+def _arrows(wind: Wind) -> list[shapes.Drawn]:
+    """An arrow 30 m before each station; its length is the way of the wind in 3 s."""
+    angle = wind.parameter_value("direction")
+    direction = np.array([math.cos(angle), math.sin(angle), 0.0])
+    places = np.insert(wind.hubs, 0, 0.0, axis=1) - 30.0 * direction
+    speeds = [join(wind.path, f"speed[{i}]") for i in range(len(places))]
+    return [shapes.Arrow(place, direction, speed, 3.0) for place, speed in zip(places, speeds, strict=True)]
 
 
 def _none(wind: Wind) -> tuple[Any, Any, list[Any]]:
@@ -160,6 +195,7 @@ def _file(wind: Wind) -> tuple[Any, Any, list[Any]]:
 
 def _field(wind: Wind) -> tuple[Any, Any, list[Any]]:
     lookup, hubs = _lookup(wind), np.insert(wind.hubs, 0, 0.0, axis=1)
+    check_mean(lookup)
     lookup.velocity(hubs + [lookup.shift, 0, 0], 0.0)  # an error now, if a station is outside of the field
     repeats = f"the wind field {wind.file} repeats itself after {lookup.grid.duration:g} s; use a longer one."
     periodic = lookup.grid.periodic

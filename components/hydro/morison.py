@@ -10,7 +10,7 @@ from numpy.typing import ArrayLike, NDArray
 from fowtlib.components.environment.sea import Sea
 from fowtlib.components.environment.world import World
 from fowtlib.components.mechanics.connectors import Frame
-from fowtlib.language import Array, Component, Scalar, Vector, der, eq, outer, param, port, var
+from fowtlib.language import Array, Component, Scalar, Vector, der, eq, outer, param, port, shapes, var
 from fowtlib.language import math as m
 from fowtlib.language.errors import ParameterError
 
@@ -67,6 +67,10 @@ class MorisonDrag(Component):
             load = across[k] * m.smooth_norm(u_n, STILL) * u_n + along[k] * m.smooth_abs(u_a, STILL) * u_a * e
             force, moment = force + load, moment + m.cross(arm, load)
         return [eq(self.force, force), eq(self.moment, moment), eq(self.frame.f, -force), eq(self.frame.t, -moment)]
+
+    def drawing(self):
+        diameters = self.parameter_value("diameters")
+        return [shapes.Tube(self.frame, self.points, diameters, material="hull")]
 
 
 @dataclass(frozen=True)

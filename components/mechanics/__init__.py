@@ -3,7 +3,7 @@
 # The connectors come first: World (in the environment) has a Frame, and the bodies need World.
 from fowtlib.components.mechanics.connectors import Flange, Frame  # isort: skip
 from fowtlib.components.environment.world import World
-from fowtlib.components.mechanics.beam import AxialSpring, Beam, BeamUnit, BendingHinge, TorsionHinge
+from fowtlib.components.mechanics.beam import AxialSpring, Beam, BeamTurn, BeamUnit, BendingHinge, TorsionHinge
 from fowtlib.components.mechanics.beam_properties import BeamProperties, read_beam
 from fowtlib.components.mechanics.bodies import Fixed, FixedRotation, FixedTranslation, PointMass, RigidBody
 from fowtlib.components.mechanics.interfaces import TwoFlanges, TwoFrames
@@ -29,6 +29,8 @@ from fowtlib.components.mechanics.sensors import (
     RelativeSensor,
     VelocitySensor,
 )
+from fowtlib.components.mechanics.visual import VisualBox, VisualTube
+from fowtlib.components.mechanics.wire import AxialWire
 
 __all__ = [
     "AccelerationSensor",
@@ -36,8 +38,10 @@ __all__ = [
     "AngleSource",
     "AttitudeSensor",
     "AxialSpring",
+    "AxialWire",
     "Beam",
     "BeamProperties",
+    "BeamTurn",
     "BeamUnit",
     "BendingHinge",
     "Crank",
@@ -69,6 +73,8 @@ __all__ = [
     "TwoFlanges",
     "TwoFrames",
     "VelocitySensor",
+    "VisualBox",
+    "VisualTube",
     "World",
     "WorldForce",
     "WorldTorque",

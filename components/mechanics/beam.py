@@ -2,15 +2,18 @@
 
 from __future__ import annotations
 
+import math
+
 import numpy as np
 
-from fowtlib.components.mechanics.beam_division import TREATMENTS, divide, elastic_axis
+from fowtlib.components.mechanics.beam_division import TREATMENTS, Piece, divide, elastic_axis, pieces, section_axes
 from fowtlib.components.mechanics.beam_properties import given_beam
 from fowtlib.components.mechanics.bodies import FixedTranslation, RigidBody
 from fowtlib.components.mechanics.connectors import Frame
 from fowtlib.components.mechanics.interfaces import TwoFrames
 from fowtlib.components.mechanics.rotations import axis_rotation, unit_axis
-from fowtlib.language import Matrix, RealOutput, Scalar, Vector, der, eq, param, port, rotation, var
+from fowtlib.components.mechanics.sensors import LoadSensor
+from fowtlib.language import Array, Matrix, RealOutput, Scalar, Vector, der, eq, param, port, rotation, shapes, var
 from fowtlib.language import math as m
 from fowtlib.language.errors import ParameterError
 
@@ -29,6 +32,16 @@ class BeamLink(FixedTranslation):
     """Rigid distance along a beam: a FixedTranslation whose numbers are fixed when the model is built."""
 
     r: Vector = param(unit="m", structural=True, doc="from frame_a to frame_b, resolved in frame_a")
+
+
+class BeamTurn(TwoFrames):
+    """Fixed turn into the axes of a beam, or out of them; both frames keep the same origin."""
+
+    axes: Matrix = param(structural=True, doc="columns: axes of frame_b, resolved in frame_a")
+
+    def equations(self):
+        a, b = self.frame_a, self.frame_b
+        return [eq(b.r, a.r), rotation(a, b, np.asarray(self.axes, dtype=float), m.zeros(3)), self.transmit()]
 
 
 class BendingHinge(TwoFrames):
@@ -162,7 +175,8 @@ class Beam(TwoFrames):
     exact; a segment is as long as between two hinges, so shortening by bending is that of the polygon.
     Damping is proportional to stiffness, damping ratio = pi frequency damping. All frames along the beam are parallel
     to frame_a while it is undeflected: the structural twist turns the axes of the hinges, not the frames.
-    units = 0 makes the beam rigid.
+    A cut parts the rigid segment in which it lies, so its loads hold the weight and the inertia of all that is beyond;
+    a node at the place of a cut belongs to its root side. units = 0 makes the beam rigid.
     """
 
     properties: str = param(default="", doc="path of a CSV with the properties, see read_beam")
@@ -177,32 +191,56 @@ class Beam(TwoFrames):
     stiffness_factor: Scalar = param(default=1.0, min=0, doc="factor on every stiffness")
     node_points: list = param(default=[], doc="frames along the beam: distance from the root [m], or a point (x, y, z)")
     n_nodes: int = param(default=lambda self: len(self.node_points), min=0, doc="number of those frames")
+    cuts: Array = param(default=(), unit="m", structural=True, doc="places of section loads: distance from the root")
+    n_cuts: int = param(default=lambda self: len(self.cuts), min=0, doc="number of those cuts")
+    cut_axes: str = param(
+        default="segment", choices=("segment", "section"),
+        doc="axes of the loads of a cut, turning with the beam: parallel to frame_a while undeflected, or the "
+        "principal axes of the section (structural twist) and the tangent",
+    )  # fmt: skip
 
     nodes: Frame = port(size="n_nodes", optional=True, doc="frames along the beam, for loads and sensors")
 
     deflection: RealOutput = port(unit="m", shape=(3,), doc="displacement of frame_b, resolved in frame_a")
     root_force: RealOutput = port(unit="N", shape=(3,), doc="force of the root on the beam, resolved in frame_a")
     root_moment: RealOutput = port(unit="N*m", shape=(3,), doc="moment of the root on the beam, resolved in frame_a")
+    cut_force: RealOutput = port(
+        size="n_cuts", unit="N", shape=(3,), doc="force of the root side on the tip side of each cut, in cut_axes"
+    )
+    cut_moment: RealOutput = port(
+        size="n_cuts", unit="N*m", shape=(3,), doc="moment of the root side on the tip side, about the elastic axis"
+    )
 
     def build(self):
         beam = given_beam(self)
         parts = divide(beam, self.units, self.treatment)
-        frames, origins = [self.frame_a], [np.zeros(3)]
-        for i, segment in enumerate(parts.segments):
-            if i:
-                unit = self.add(f"unit_{i}", BeamUnit(axes=parts.axes[i - 1], **self._elasticity(parts, i - 1)))
-                self.connect(self._link(frames[-1], parts.points[i - 1] - origins[-1], f"arm_{i}"), unit.frame_a)
-                frames.append(unit.frame_b)
-                origins.append(parts.points[i - 1])
-            body = BeamSegment(mass=segment.mass, inertia=segment.inertia, r_cm=segment.centre - origins[-1])
-            self.connect(frames[-1], self.add(f"segment_{i}", body).frame_a)
-        self.connect(self._link(frames[-1], parts.tip - origins[-1], "end"), self.frame_b)
+        frame, origin, carriers = self.frame_a, np.zeros(3), []
+        for piece in pieces(beam, parts, self.cuts):
+            if piece.hinge or piece.cut:
+                arm = f"arm_{piece.hinge}" if piece.hinge else f"to_cut_{piece.cut}"
+                joint = self._hinge(parts, piece.hinge) if piece.hinge else self.add(f"cut_{piece.cut}", LoadSensor())
+                self.connect(self._link(frame, piece.root - origin, arm), joint.frame_a)
+                frame, origin = joint.frame_b, piece.root
+            carriers.append((piece, frame, origin))
+            if piece.segment.end > piece.segment.start:
+                self.connect(frame, self.add(piece.name, self._body(piece, origin)).frame_a)
+        self.connect(self._link(frame, parts.tip - origin, "end"), self.frame_b)
         for k, given in enumerate(self.node_points):
             point = elastic_axis(beam, float(given)) if np.ndim(given) == 0 else np.asarray(given, dtype=float)
             if not -1e-9 <= point[2] <= beam.length + 1e-9:
                 raise ParameterError(f"node {k + 1} at {point[2]:g} m is off the beam of {beam.length:g} m.")
-            i = int(np.searchsorted(parts.s, point[2]))
-            self.connect(self._link(frames[i], point - origins[i], f"to_node_{k + 1}"), self.nodes[k])
+            _, frame, origin = next((c for c in carriers if point[2] <= c[0].segment.end), carriers[-1])
+            self.connect(self._link(frame, point - origin, f"to_node_{k + 1}"), self.nodes[k])
+
+    def _hinge(self, parts, i):
+        return self.add(f"unit_{i}", BeamUnit(axes=parts.axes[i - 1], **self._elasticity(parts, i - 1)))
+
+    def _body(self, piece: Piece, origin):
+        segment = piece.segment
+        return BeamSegment(mass=segment.mass, inertia=segment.inertia, r_cm=segment.centre - origin)
+
+    def drawing(self):
+        return [shapes.Tube(frame, axis, np.maximum(x, y), material="tower") for frame, axis, _, x, y in bodies(self)]
 
     def _link(self, frame, r, name):
         link = self.add(name, BeamLink(r=r))
@@ -224,8 +262,29 @@ class Beam(TwoFrames):
 
     def equations(self):
         a, b, beam = self.frame_a, self.frame_b, given_beam(self)
+        cuts = [getattr(self, f"cut_{k + 1}") for k in range(self.n_cuts)]
+        axes = [section_axes(beam, s) if self.cut_axes == "section" else np.eye(3) for s in self.cuts]
         return [
+            [eq(self.cut_force[k], m.mtimes(axes[k].T, cut.force)) for k, cut in enumerate(cuts)],
+            [eq(self.cut_moment[k], m.mtimes(axes[k].T, cut.torque)) for k, cut in enumerate(cuts)],
             eq(self.deflection, a.R.T @ (b.r - a.r) - elastic_axis(beam, beam.length)),
             eq(self.root_force, a.R.T @ a.f),
             eq(self.root_moment, a.R.T @ a.t),
         ]
+
+
+def bodies(beam):
+    """The rigid segments of a Beam from root to tip, for pictures, each with stations along it.
+
+    Frame, elastic axis in the frame (n, 3), distance from the root (n,), sizes along x and y (n,) [m].
+    """
+    table = given_beam(beam)
+    parts = divide(table, beam.units, beam.treatment)
+    frames = [beam.frame_a, *(beam.parts[f"unit_{i + 1}"].frame_b for i in range(beam.units))]
+    found = []
+    for frame, place, segment in zip(frames, [np.zeros(3), *parts.points], parts.segments, strict=True):
+        stations = max(3, math.ceil((segment.end - segment.start) / table.length * 24) + 1)
+        s = np.linspace(segment.start, segment.end, stations)
+        axis = np.array([elastic_axis(table, si) for si in s]) - place
+        found.append((frame, axis, s, *table.outline(s)))
+    return found

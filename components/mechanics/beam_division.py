@@ -22,6 +22,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 from functools import lru_cache
+from typing import Any
 
 import numpy as np
 
@@ -77,11 +78,44 @@ def divide(beam: BeamProperties, units: int, treatment: str = "plain") -> Divisi
     segments = [_segment(beam, a, b) for a, b in zip(bounds[:-1], bounds[1:], strict=True)]
     stiffness = {name: None if c is None else 1 / c for name, c in flexibility.items()}
     points = np.array([elastic_axis(beam, s) for s in hinges])
-    axes = np.array([_axes(beam, s) for s in hinges])
+    axes = np.array([section_axes(beam, s) for s in hinges])
     return Division(
         hinges, points, axes, stiffness["stiffness_x"], stiffness["stiffness_y"], stiffness["torsional_stiffness"],
         stiffness["axial_stiffness"], segments, elastic_axis(beam, beam.length),
     )  # fmt: skip
+
+
+@dataclass(frozen=True, eq=False)
+class Piece:
+    """A segment, or a part of one that is cut: what begins at `root`, with a hinge or a cut (their numbers, or 0)."""
+
+    name: str
+    root: np.ndarray
+    segment: Segment
+    hinge: int = 0
+    cut: int = 0
+
+
+def pieces(beam: BeamProperties, division: Division, cuts: Any = ()) -> list[Piece]:
+    """The chain from root to tip, its segments parted at the cuts (distances from the root [m], in any order).
+
+    A cut at a hinge lies on its tip side, which makes no difference: the hinge has no mass. Raises ParameterError for
+    a cut off the beam.
+    """
+    given = np.array([float(cut) for cut in cuts])
+    s = np.clip(given, 0.0, beam.length)
+    for k in np.flatnonzero(np.abs(s - given) > 1e-9 * beam.length):
+        raise ParameterError(f"cut {k + 1} at {given[k]:g} m is off the beam of {beam.length:g} m.")
+    found, order, last = [], np.argsort(s, kind="stable"), len(division.segments) - 1
+    for i, segment in enumerate(division.segments):
+        root = division.points[i - 1] if i else np.zeros(3)
+        within = [k for k in order if segment.start <= s[k] < segment.end or (i == last and s[k] == segment.end)]
+        bounds = [segment.start, *s[within], segment.end]
+        parts = [_segment(beam, a, b) for a, b in zip(bounds, bounds[1:], strict=False)] if within else [segment]
+        found.append(Piece(f"segment_{i}", root, parts[0], hinge=i))
+        for k, part in zip(within, parts[1:], strict=True):
+            found.append(Piece(f"beyond_cut_{k + 1}", elastic_axis(beam, s[k]), part, cut=int(k) + 1))
+    return found
 
 
 def _quadrature(beam: BeamProperties, a: float, b: float, pieces: int = 4) -> tuple[np.ndarray, np.ndarray]:
@@ -146,7 +180,7 @@ def _gauss_points(s: np.ndarray, weight: np.ndarray, length: float, n: int) -> n
     return (nodes + 1) / 2 * length
 
 
-def _axes(beam: BeamProperties, s: float) -> np.ndarray:
+def section_axes(beam: BeamProperties, s: float) -> np.ndarray:
     """Columns x', y', z' at s: z' along the elastic axis, x' and y' the principal axes of bending."""
     step = 1e-6 * beam.length
     a, b = max(s - step, 0.0), min(s + step, beam.length)
@@ -163,7 +197,7 @@ def _segment(beam: BeamProperties, a: float, b: float) -> Segment:
     """Mass, centre and inertia of the beam between a and b."""
     s, w = _quadrature(beam, a, b, pieces=2)
     mass = w * beam.at("mass_per_length", s)
-    axes = np.array([_axes(beam, si) for si in s])
+    axes = np.array([section_axes(beam, si) for si in s])
     offset = np.stack([beam.at("centre_of_mass_x", s), beam.at("centre_of_mass_y", s), 0 * s], axis=1)
     r = np.array([elastic_axis(beam, si) for si in s]) + np.einsum("nij,nj->ni", axes, offset)
     total = mass.sum()

@@ -18,6 +18,7 @@ from fowtlib.language import (
     param,
     port,
     rotation,
+    shapes,
     var,
 )
 from fowtlib.language import math as m
@@ -46,11 +47,15 @@ class FixedTranslation(TwoFrames):
     """
 
     r: Vector = param(unit="m", doc="from frame_a to frame_b, resolved in frame_a")
+    diameter: float = param(default=None, unit="m", min=0, doc="diameter of the rod in pictures; 0 hides it")
 
     def equations(self):
         a, b = self.frame_a, self.frame_b
         arm = a.R @ self.r
         return [eq(b.r, a.r + arm), rotation(a, b, m.eye(3), m.zeros(3)), self.transmit(arm)]
+
+    def drawing(self):
+        return shapes.rod(self.frame_a, self.parameter_value("r"), self.diameter)
 
 
 class FixedRotation(TwoFrames):
@@ -62,11 +67,15 @@ class FixedRotation(TwoFrames):
     n: Vector = param(default=(0, 0, 1), structural=True, doc="axis of rotation, resolved in frame_a (any length)")
     angle: Scalar = param(unit="rad", doc="angle from frame_a to frame_b")
     r: Vector = param(default=(0, 0, 0), unit="m", doc="from frame_a to frame_b, resolved in frame_a")
+    diameter: float = param(default=None, unit="m", min=0, doc="diameter of the rod in pictures; 0 hides it")
 
     def equations(self):
         a, b = self.frame_a, self.frame_b
         arm = a.R @ self.r
         return [eq(b.r, a.r + arm), rotation(a, b, axis_rotation(self.n, self.angle), m.zeros(3)), self.transmit(arm)]
+
+    def drawing(self):
+        return shapes.rod(self.frame_a, self.parameter_value("r"), self.diameter)
 
 
 class RigidBody(Component):
@@ -96,6 +105,9 @@ class RigidBody(Component):
             eq(a.t, R @ rate_of_spin + m.cross(arm, a.f)),
         ]
 
+    def drawing(self):
+        return [shapes.Ball(self.frame_a, self.parameter_value("r_cm"), material="body")]
+
 
 class PointMass(Component):
     """A mass without extension at the origin of its frame, under gravity: f = m (dv/dt - g), t = 0.
@@ -117,3 +129,6 @@ class PointMass(Component):
             eq(a.f, self.mass * (der(self.v) - m.vertcat(0, 0, -self.world.gravity))),
             eq(a.t, m.zeros(3)),
         ]
+
+    def drawing(self):
+        return [shapes.Ball(self.frame_a, material="body")]

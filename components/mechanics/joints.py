@@ -21,6 +21,7 @@ from fowtlib.language import (
     param,
     port,
     rotation,
+    shapes,
     var,
 )
 from fowtlib.language import math as m
@@ -153,6 +154,9 @@ class Prismatic(TwoFrames):
             eq(self.force, -m.dot(axis, b.f)),
             self.transmit(axis * self.s),
         ]
+
+    def drawing(self):
+        return [shapes.link(self.frame_a, self.frame_b)]
 
 
 class Spherical(TwoFrames):

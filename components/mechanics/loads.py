@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from fowtlib.components.mechanics.connectors import Frame
 from fowtlib.components.mechanics.interfaces import TwoFrames
-from fowtlib.language import Component, RealInput, Scalar, assert_, der, eq, param, port, var
+from fowtlib.language import Component, RealInput, Scalar, assert_, der, eq, param, port, shapes, var
 from fowtlib.language import math as m
 
 
@@ -66,3 +66,6 @@ class SpringDamper(TwoFrames):
             [eq(a.t, m.zeros(3)), eq(b.t, m.zeros(3))],
             assert_(self.length > 1e-9, "the two ends of the spring meet, so its direction is undetermined"),
         ]
+
+    def drawing(self):
+        return [shapes.link(self.frame_a, self.frame_b)]

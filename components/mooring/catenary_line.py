@@ -5,8 +5,9 @@ from __future__ import annotations
 from fowtlib.components.environment.world import World
 from fowtlib.components.mechanics.connectors import Frame
 from fowtlib.components.mooring import catenary
-from fowtlib.language import Component, Scalar, Vector, assert_, eq, fix_orientation, outer, param, port, var
+from fowtlib.language import Component, Scalar, Vector, assert_, eq, fix_orientation, outer, param, port, shapes, var
 from fowtlib.language import math as m
+from fowtlib.language.declarations import join
 from fowtlib.language.errors import ParameterError
 
 
@@ -67,6 +68,19 @@ class CatenaryLine(Component):
             assert_(self.coordinate > 0, "the line is slack: it hangs vertically, its excess on the seabed", "warning"),
             assert_(self.tension < 0.05 * self.axial_stiffness, "the line is stretched by more than 5 %", "warning"),
         ]
+
+    def drawing(self):
+        numbers = (self.parameter_value(name) for name in ("length", "axial_stiffness", "friction"))
+        length, stiffness, friction = numbers
+
+        def form(at):
+            line = catenary.Line(length, at["weight"], stiffness, friction)
+            return catenary.profile_between(at["anchor"], at["fairlead"], at["H"], at["V"], line, points=31)
+
+        scalars = {"H": "horizontal_tension", "V": "vertical_tension", "weight": "weight"}
+        of = {key: join(self.path, name) for key, name in scalars.items()}
+        diameter = self.parameter_value("diameter")
+        return [shapes.Curve({**of, "anchor": self.anchor, "fairlead": self.fairlead}, form, diameter or None)]
 
 
 def _reach(line):

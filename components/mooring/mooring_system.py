@@ -54,6 +54,9 @@ class MooringSystem(Component):
             self.yaw_spring = YawSpring(stiffness=self.yaw_stiffness)
             self.connect(self.frame, self.yaw_spring.frame)
 
+    def drawing(self):
+        return [shape for part in self.parts.values() if isinstance(part, CatenaryLine) for shape in part.drawing()]
+
     def layout(self) -> list[tuple[Any, Any]]:
         """Fairlead (in the frame of the body) and anchor (world) of each line."""
         if len(self.headings) and not (len(self.fairleads) or len(self.anchors)):

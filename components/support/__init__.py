@@ -1,5 +1,6 @@
-"""Support structures: towers."""
+"""Support structures: towers, and arms for several rotors."""
 
-from fowtlib.components.support.tower import FlexibleTower, RigidTower
+from fowtlib.components.support.arm import Arm
+from fowtlib.components.support.tower import FlexibleTower, RigidTower, Tower
 
-__all__ = ["FlexibleTower", "RigidTower"]
+__all__ = ["Arm", "FlexibleTower", "RigidTower", "Tower"]

@@ -6,7 +6,7 @@ from functools import lru_cache
 
 from fowtlib.components.mechanics import Beam, BeamProperties, FixedTranslation, Frame, RigidBody, TwoFrames
 from fowtlib.components.mechanics.beam_properties import given_beam
-from fowtlib.language import RealOutput, Scalar, eq, param, port
+from fowtlib.language import Array, RealOutput, Scalar, eq, param, port, shapes
 from fowtlib.language import math as m
 from fowtlib.language.errors import ParameterError
 
@@ -44,56 +44,76 @@ class Tower(TwoFrames):
         ]
 
 
+def tube_or_table(component, places, names="diameters and wall_thicknesses"):
+    """BeamProperties of a component: its tube, where `places` along it are given, or else its table.
+
+    Raises ParameterError where both are given, or neither.
+    """
+    if not len(places):
+        return given_beam(component)
+    if component.properties or component.table is not None:
+        raise ParameterError(f"{component.label}: give either properties, or {names}.")
+    material = tuple((name, getattr(component, name)) for name in ("density", "young_modulus", "shear_modulus"))
+    walls = (tuple(values) for values in (places, component.diameters, component.wall_thicknesses))
+    try:
+        return _tube(*walls, material)
+    except ParameterError as error:
+        raise ParameterError(f"{component.label}: {error}") from None
+
+
 class FlexibleTower(Tower):
     """A tower as a chain of sprung hinges (see Beam), from a table or from the diameters and walls of a steel tube.
 
     Give `properties`, or `heights`, `diameters` and `wall_thicknesses`, linear between the heights, with the material.
+    Moments at the cuts have the signs of the tower's, in axes that turn with it as it bends.
     Two units with `treatment: loaded_tip` are within 0.4 % for the first two bending modes of the OC3 tower.
     """
 
     properties: str = param(default="", doc="path of a CSV with the properties, see read_beam")
     table: object = param(default=None, doc="the properties as BeamProperties, instead of a path")
-    heights: list = param(default=[], doc="heights of the stations [m], base first")
-    diameters: list = param(default=[], doc="outer diameters at the heights [m]")
-    wall_thicknesses: list = param(default=[], doc="wall thicknesses at the heights [m]")
+    heights: Array = param(default=(), unit="m", structural=True, doc="heights of the stations, base first")
+    diameters: Array = param(default=(), unit="m", structural=True, doc="outer diameters at the heights")
+    wall_thicknesses: Array = param(default=(), unit="m", structural=True, doc="wall thicknesses at the heights")
     density: float = param(default=8500.0, unit="kg/m^3", min=0, doc="density of the wall, with paint, bolts, flanges")
     young_modulus: float = param(default=210e9, unit="Pa", min=0, doc="Young's modulus of the wall")
     shear_modulus: float = param(default=80.8e9, unit="Pa", min=0, doc="shear modulus of the wall")
+    cuts: Array = param(default=(), unit="m", structural=True, doc="places of section loads: height above the base")
+    n_cuts: int = param(default=lambda self: len(self.cuts), min=0, doc="number of those cuts")
     units: int = param(default=4, min=0, doc="number of beam units; 0: rigid")
     treatment: str = param(default="loaded_tip", choices=("plain", "loaded_tip", "free_tip"), doc="see Beam")
     torsion: bool = param(default=False, doc="with torsion")
     damping_fore_aft: Scalar = param(default=0.03, unit="s", min=0, doc="damping over stiffness, fore-aft")
     damping_side_side: Scalar = param(default=damping_fore_aft, unit="s", min=0, doc="the same, side-side")
 
+    cut_fore_aft_moment: RealOutput = port(size="n_cuts", unit="N*m", doc="moment at each cut about y")
+    cut_side_side_moment: RealOutput = port(size="n_cuts", unit="N*m", doc="moment at each cut about x")
+    cut_torsion: RealOutput = port(size="n_cuts", unit="N*m", doc="moment at each cut about the axis of the tower")
+
     def build(self):
+        table = tube_or_table(self, self.heights, "heights, diameters and wall_thicknesses")
         self.beam = Beam(
-            table=self.properties_or_tube(), units=self.units, treatment=self.treatment, torsion=self.torsion,
-            damping_x=self.damping_fore_aft, damping_y=self.damping_side_side, node_points=self.node_points,
+            table=table, units=self.units, treatment=self.treatment, torsion=self.torsion, node_points=self.node_points,
+            damping_x=self.damping_fore_aft, damping_y=self.damping_side_side, cuts=self.cuts,
         )  # fmt: skip
         self.connect(self.frame_a, self.beam.frame_a)
         self.connect(self.beam.frame_b, self.frame_b)
         for k in range(self.n_nodes):
             self.connect(self.beam.nodes[k], self.nodes[k])
 
-    def properties_or_tube(self):
-        """The table, or the tube."""
-        if not self.heights:
-            return given_beam(self)
-        if self.properties or self.table is not None:
-            raise ParameterError(f"{self.label}: give either properties, or heights, diameters and wall_thicknesses.")
-        material = (self.density, self.young_modulus, self.shear_modulus)
-        return _tube(tuple(self.heights), tuple(self.diameters), tuple(self.wall_thicknesses), material)
-
     def equations(self):
-        return self.loads(self.beam.deflection)
+        cuts = [-self.beam.cut_moment[k] for k in range(self.n_cuts)]
+        return [
+            self.loads(self.beam.deflection),
+            [eq(self.cut_side_side_moment[k], cut[0]) for k, cut in enumerate(cuts)],
+            [eq(self.cut_fore_aft_moment[k], cut[1]) for k, cut in enumerate(cuts)],
+            [eq(self.cut_torsion[k], cut[2]) for k, cut in enumerate(cuts)],
+        ]
 
 
 @lru_cache(maxsize=32)
-def _tube(z: tuple, diameters: tuple, walls: tuple, material: tuple) -> BeamProperties:
+def _tube(places: tuple, diameters: tuple, walls: tuple, material: tuple) -> BeamProperties:
     """The same object for the same tube."""
-    density, young_modulus, shear_modulus = material
-    steel = {"density": density, "young_modulus": young_modulus, "shear_modulus": shear_modulus}
-    return BeamProperties.tube(z, diameters, walls, **steel)
+    return BeamProperties.tube(places, diameters, walls, **dict(material))
 
 
 class RigidTower(Tower):
@@ -122,3 +142,9 @@ class RigidTower(Tower):
 
     def equations(self):
         return self.loads(m.zeros(3))
+
+    def drawing(self):
+        """A tube with the mean diameter of a thin wall, from the inertia about its axis; a rod where that is zero."""
+        height, mass, inertia = (self.parameter_value(name) for name in ("height", "mass", "axial_inertia"))
+        diameter = 2 * (inertia / mass) ** 0.5 if inertia and mass else None
+        return [shapes.Tube(self.frame_a, [(0, 0, 0), (0, 0, height)], diameter, material="tower")]

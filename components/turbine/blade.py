@@ -6,9 +6,11 @@ from functools import lru_cache
 
 import numpy as np
 
+from fowtlib.components.aero import outlines
 from fowtlib.components.mechanics import Beam, BeamProperties, FixedTranslation, Frame, RigidBody
+from fowtlib.components.mechanics.beam import bodies
 from fowtlib.components.mechanics.beam_properties import given_beam
-from fowtlib.language import Component, RealOutput, Scalar, eq, param, port
+from fowtlib.language import Array, Component, RealOutput, Scalar, eq, param, port, shapes
 from fowtlib.language import math as m
 
 _mirrored = lru_cache(maxsize=8)(BeamProperties.mirrored)  # the same object for the same blade
@@ -36,7 +38,8 @@ class FlexibleBlade(Blade):
     """A blade as a chain of sprung hinges, see Beam.
 
     The root moments are what the loads outboard do to the root: the moment of the blade on the hub, resolved in the
-    pitched root frame. Data: a CSV as models/data/nrel5mw/blade_structure.csv.
+    pitched root frame. Those of the cuts are the same farther out, in axes that turn with the blade as it bends, but
+    not with its structural twist. Data: a CSV as models/data/nrel5mw/blade_structure.csv.
     """
 
     properties: str = param(default="", doc="path of a CSV with the properties, see read_beam")
@@ -45,25 +48,53 @@ class FlexibleBlade(Blade):
     mirrored: bool = param(default=False, doc="mirror image, for a rotor that turns counter-clockwise")
     treatment: str = param(default="free_tip", choices=("plain", "loaded_tip", "free_tip"), doc="see Beam")
     torsion: bool = param(default=False, doc="with torsion")
+    cuts: Array = param(default=(), unit="m", structural=True, doc="places of section loads: distance from the root")
+    n_cuts: int = param(default=lambda self: len(self.cuts), min=0, doc="number of those cuts")
     damping_flapwise: Scalar = param(default=0.003, unit="s", min=0, doc="damping over stiffness, flapwise")
     damping_edgewise: Scalar = param(default=damping_flapwise, unit="s", min=0, doc="damping over stiffness, edgewise")
+
+    cut_flapwise_moment: RealOutput = port(size="n_cuts", unit="N*m", doc="moment at each cut about y")
+    cut_edgewise_moment: RealOutput = port(size="n_cuts", unit="N*m", doc="moment at each cut about x")
+    cut_pitching_moment: RealOutput = port(size="n_cuts", unit="N*m", doc="moment at each cut about z")
 
     def build(self):
         table = given_beam(self)
         self.beam = Beam(
             table=_mirrored(table) if self.mirrored else table, units=self.units,
             treatment=self.treatment, torsion=self.torsion, damping_x=self.damping_flapwise,
-            damping_y=self.damping_edgewise, node_points=self.node_points,
+            damping_y=self.damping_edgewise, node_points=self.node_points, cuts=self.cuts,
         )  # fmt: skip
         self.connect(self.frame_a, self.beam.frame_a)
         self.connect(self.beam.deflection, self.tip_deflection)
         for k in range(self.n_nodes):
             self.connect(self.beam.nodes[k], self.nodes[k])
 
+    def drawing(self):
+        return self.skin()
+
+    def skin(self, stations=None, chords=None):
+        """What pictures show; sizes follow from the inertia of the sections, unless the chord [m] is known at stations.
+
+        stations (n,): distance from the root [m].
+        """
+        sense, skins = -1 if self.mirrored else 1, []
+        for frame, axis, s, thickness, estimate in bodies(self.beam):
+            chord = estimate if chords is None else np.interp(s, stations, chords)
+            twist = sense * self.beam.table.at("twist", s)
+            sections = outlines.blade_sections(axis, chord, thickness, twist, sense)
+            skins.append(shapes.Loft(frame, sections, closed=self.units == 0, material="blade"))
+        return skins
+
     def equations(self):
         moment = -self.beam.root_moment
-        return [eq(self.edgewise_moment, moment[0]), eq(self.flapwise_moment, moment[1]),
-                eq(self.pitching_moment, moment[2])]  # fmt: skip
+        cuts = [-self.beam.cut_moment[k] for k in range(self.n_cuts)]
+        return [
+            [eq(self.edgewise_moment, moment[0]), eq(self.flapwise_moment, moment[1])],
+            eq(self.pitching_moment, moment[2]),
+            [eq(self.cut_edgewise_moment[k], cut[0]) for k, cut in enumerate(cuts)],
+            [eq(self.cut_flapwise_moment[k], cut[1]) for k, cut in enumerate(cuts)],
+            [eq(self.cut_pitching_moment[k], cut[2]) for k, cut in enumerate(cuts)],
+        ]
 
 
 class RigidBlade(Blade):
@@ -86,6 +117,12 @@ class RigidBlade(Blade):
             link = self.add(f"to_node_{k + 1}", FixedTranslation(r=(0, 0, given) if np.ndim(given) == 0 else given))
             self.connect(self.frame_a, link.frame_a)
             self.connect(link.frame_b, self.nodes[k])
+
+    def drawing(self):
+        """The skin of a typical blade, to the outermost node, else thrice as long as to the centre of mass."""
+        given = [float(point if np.ndim(point) == 0 else point[2]) for point in self.node_points]
+        length = max([*given, 0.0]) or 3 * self.parameter_value("centre_of_mass")
+        return [shapes.Loft(self.frame_a, outlines.typical_blade(0.0, length), material="blade")] if length > 0 else []
 
     def equations(self):
         moment = -self.frame_a.R.T @ self.frame_a.t

@@ -27,6 +27,7 @@ from fowtlib.language import (
     param,
     part,
     port,
+    shapes,
 )
 from fowtlib.language import math as m
 
@@ -53,6 +54,7 @@ class Nacelle(Component):
     rotor_speed_start: Scalar = param(default=0.0, unit="rad/s", doc="initial rotor speed")
     yaw_frequency: Scalar = param(default=3.0, unit="Hz", min=0, doc="natural frequency of the yaw drive")
     yaw_damping: Scalar = param(default=0.02, min=0, doc="damping ratio of the yaw drive")
+    yaw_rate: float = param(default=None, unit="rad/s", min=1e-9, doc="greatest yaw rate; without it there is no limit")
 
     frame_a: Frame = port(doc="tower top")
     hub: Frame = port(doc="hub centre, turning with the rotor; x downwind along the shaft")
@@ -63,7 +65,9 @@ class Nacelle(Component):
     shaft_torque: RealOutput = port(unit="N*m", doc="torque of the rotor on the shaft, positive when it drives")
     shaft_bending_moment: RealOutput = port(unit="N*m", doc="size of the bending moment of the shaft at the hub")
 
-    yaw: ActuatedBearing = part(ActuatedBearing, natural_frequency=yaw_frequency, damping_ratio=yaw_damping)
+    yaw: ActuatedBearing = part(
+        ActuatedBearing, natural_frequency=yaw_frequency, damping_ratio=yaw_damping, rate_limit=yaw_rate
+    )
     body: RigidBody = part(RigidBody, mass=mass, inertia=inertia, r_cm=centre_of_mass)
     tilted: FixedRotation = part(FixedRotation, n=(0, 1, 0), angle=tilt, r=(0, 0, shaft_height))
     arm: FixedTranslation = part(FixedTranslation, r=(-overhang, 0, 0))
@@ -81,6 +85,15 @@ class Nacelle(Component):
             (self.cut.frame_b, self.hub), (self.bearing.flange, self.shaft),
         ):  # fmt: skip
             self.connect(a, b)
+
+    def drawing(self):
+        """A box around the shaft, from behind the hub over the tower; nothing for a hub on the yaw axis."""
+        overhang, height = self.parameter_value("overhang"), self.parameter_value("shaft_height")
+        if overhang <= 0:
+            return []
+        centre, size = (0.65 * overhang, 0, height), (2.6 * overhang, 0.85 * overhang, 0.85 * overhang)
+        shaft = shapes.Tube(self.hub, [(0, 0, 0), (0.4 * overhang, 0, 0)], 0.3 * overhang, material="nacelle")
+        return [shapes.Box(self.yaw.frame_b, centre, size, material="nacelle"), shaft]
 
     def equations(self):
         moment = self.cut.torque

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from fowtlib.components.aero import CoefficientRotor, read_coefficients
+from fowtlib.components.aero import CoefficientRotor, outlines, read_coefficients
 from fowtlib.components.environment.wind import Wind
 from fowtlib.components.environment.world import World
 from fowtlib.components.mechanics import Frame, IdealGear, RigidBody
@@ -75,6 +75,9 @@ class RotorNacelle(Component):
     def _start(component, name, value):
         if name in component.parameters and not component.is_set(name):
             setattr(component, name, value)
+
+    def drawing(self):
+        return [*outlines.housing(self.frame, self.rotor), *self.rotor.drawing()]
 
     def equations(self):
         return [eq(self.rotor_speed, self.rotor.w)]

@@ -6,7 +6,7 @@ from fowtlib.components.mechanics import Frame
 from fowtlib.components.turbine.blade import FlexibleBlade
 from fowtlib.components.turbine.hub import Hub
 from fowtlib.components.turbine.nacelle import Drivetrain, Nacelle
-from fowtlib.language import Component, RealInput, RealOutput, Scalar, eq, param, part, port
+from fowtlib.language import Array, Component, RealInput, RealOutput, Scalar, eq, param, part, port
 from fowtlib.language import math as m
 
 
@@ -26,6 +26,10 @@ class RotorNacelleAssembly(Component):
     blade_units: int = param(default=6, min=0, doc="beam units of a blade; 0: rigid")
     blade_treatment: str = param(default="free_tip", choices=("plain", "loaded_tip", "free_tip"), doc="see Beam")
     blade_torsion: bool = param(default=False, doc="blades with torsion")
+    blade_cuts: Array = param(
+        default=(), unit="m", structural=True,
+        doc="section loads of a blade, blade_1.cut_...: distance from the root"
+    )  # fmt: skip
     damping_flapwise: Scalar = param(default=0.003, unit="s", min=0, doc="damping over stiffness, flapwise")
     damping_edgewise: Scalar = param(default=damping_flapwise, unit="s", min=0, doc="damping over stiffness, edgewise")
     node_points: list = param(default=[], doc="aerodynamic nodes of a blade: distance from the root [m], or a point")
@@ -65,6 +69,7 @@ class RotorNacelleAssembly(Component):
                 properties=self.blade_properties, table=self.blade_table, units=self.blade_units,
                 treatment=self.blade_treatment, torsion=self.blade_torsion, damping_flapwise=self.damping_flapwise,
                 damping_edgewise=self.damping_edgewise, node_points=self.node_points, mirrored=self.rotation < 0,
+                cuts=self.blade_cuts,
             )  # fmt: skip
             self.connect(self.hub.roots[k], self.add(f"blade_{k + 1}", blade).frame_a)
             self.connect(self.pitch_demand[k], self.hub.pitch_command[k])

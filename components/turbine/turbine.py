@@ -82,12 +82,23 @@ class Turbine(Component):
             if not component.is_set(name):
                 setattr(component, name, value)
 
-    def steady_turbine(self) -> SteadyTurbine:
-        """Rotor and controller as numbers, for steady operating points; the blades do not bend."""
+    def drawing(self):
+        """The parts of the assembly, its blades with the chord of the aerodynamics."""
+        body, blade = self.assembly, self.aerodynamics.rotor.blade
+        ends = [blade.hub_radius, *blade.radius, blade.tip_radius] - np.float64(blade.hub_radius)
+        chords = [blade.chord[0], *blade.chord, 0.3 * blade.chord[-1]]
+        skins = [body.parts[f"blade_{k + 1}"].skin(ends, chords) for k in range(body.blades)]
+        return [*body.nacelle.drawing(), *body.hub.drawing(), *(shape for skin in skins for shape in skin)]
+
+    def steady_turbine(self, table: CoefficientTable | None = None) -> SteadyTurbine:
+        """Rotor and controller as numbers, for steady operating points; the blades do not bend.
+
+        table: coefficients of the rotor; without it a coarse table is computed.
+        """
         body, rotor = self.assembly, self.aerodynamics.rotor
         cone, tilt = body.hub.parameter_value("precone"), body.nacelle.parameter_value("tilt")
         return SteadyTurbine(
-            table=steady_table(rotor, cone), radius=rotor.blade.tip_radius, precone=cone, tilt=tilt,
+            table=table or steady_table(rotor, cone), radius=rotor.blade.tip_radius, precone=cone, tilt=tilt,
             gear_ratio=body.drivetrain.parameter_value("gear_ratio"), **controlled(self),
         )  # fmt: skip
 

@@ -8,7 +8,7 @@ from pathlib import Path
 
 from fowtlib.language.errors import ModelError, one_of
 
-RESULTS = (".nc", ".csv")
+RESULTS = (".nc", ".csv", ".outb")
 FIGURES = (".png", ".svg", ".pdf")
 
 

@@ -1,4 +1,4 @@
-"""The progress of a simulation on the terminal."""
+"""The progress of long work on the terminal."""
 
 from __future__ import annotations
 
@@ -38,3 +38,17 @@ def progress_bar(begin: float = 0.0) -> Iterator[Report]:
             bar.update(task, completed=t - begin, total=t_end - begin, factor=factor, visible=True)
 
         yield report
+
+
+@contextmanager
+def part_bar(title: str) -> Iterator[Report]:
+    """A bar on stderr while the block runs; gives `report(done, total)`. Without a terminal nothing is shown."""
+    from rich.progress import BarColumn, Progress, TaskProgressColumn, TextColumn, TimeRemainingColumn
+
+    from fowtlib.cli.tables import console
+
+    screen = console(stderr=True)
+    columns = (TextColumn(title), BarColumn(), TaskProgressColumn(), TimeRemainingColumn())
+    with Progress(*columns, console=screen, disable=not screen.is_terminal, transient=True) as bar:
+        task = bar.add_task("", total=1.0)
+        yield lambda done, total: bar.update(task, completed=done, total=total)

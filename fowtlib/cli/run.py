@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Any
 from fowtlib.cli import loading, tables
 from fowtlib.cli.files import FIGURES, RESULTS, check_target, say_saved
 from fowtlib.cli.progress import progress_bar
-from fowtlib.language.errors import SimulationError
+from fowtlib.language.errors import ModelError, SimulationError
 
 if TYPE_CHECKING:
     from fowtlib.solving.results import Result
@@ -27,9 +27,10 @@ def declare(commands: Any) -> None:
     parser = commands.add_parser("run", help="simulate a model over time", epilog=EXAMPLES)
     loading.declare(parser)
     parser.add_argument("--time", type=positive, metavar="S", help="end time [s]; default: the model file's")
-    parser.add_argument("--output", type=Path, metavar="FILE", help="save the results: .nc (resumable) or .csv")
+    parser.add_argument("--output", type=Path, metavar="FILE", help="save the results: .nc (resumable), .csv or .outb")
     parser.add_argument("--plot", type=Path, metavar="FILE", help="draw the results: .png, .svg or .pdf")
-    parser.add_argument("--solver", default=None, help="default: the model file's, or idas")
+    parser.add_argument("--solver", default=None, help="idas or fixed; default: the model file's, or idas")
+    parser.add_argument("--step", metavar="T", help="step of the solver fixed [s], or 12.5ms")
     parser.add_argument("--tolerance", type=positive, metavar="RTOL", help="relative; default: the model file's")
     parser.add_argument("--resume", type=Path, metavar="FILE", help="go on from the end of an earlier result (.nc)")
     tables.declare(parser)
@@ -67,7 +68,8 @@ def run(arguments: argparse.Namespace) -> int:
     earlier = Result.open(arguments.resume) if arguments.resume else None
     model = loading.load(arguments)
     plant = model.compile()
-    options = {"t_end": arguments.time, "solver": arguments.solver, "tolerance": arguments.tolerance}
+    options = {"t_end": arguments.time, "solver": arguments.solver, "step": arguments.step}
+    options["tolerance"] = arguments.tolerance
     try:
         with progress_bar(earlier.time[-1] if earlier else 0.0) as report:
             later = plant.simulate(start=earlier, progress=report, **options)
@@ -76,7 +78,7 @@ def run(arguments: argparse.Namespace) -> int:
         raise
     result = earlier.followed_by(later) if earlier else later
     if arguments.output:
-        result.save(arguments.output)
+        _save(result, arguments.output)
     if arguments.plot:
         from fowtlib.view.plots import plot_result
 
@@ -86,13 +88,23 @@ def run(arguments: argparse.Namespace) -> int:
     return 0
 
 
+def _save(result: Result, path: Path) -> None:
+    """Save a result; what the file's format cannot hold is not lost, but goes into a netCDF file beside it."""
+    try:
+        result.save(path)
+    except ModelError as error:
+        if path.suffix == ".outb":
+            error.message += f"\nThe results are saved in {result.save(path.with_suffix('.nc'))} instead."
+        raise
+
+
 def _rescue(error: SimulationError, earlier: Result | None, path: Path) -> None:
     """Save what a run has computed before it stopped, and say so in the error."""
     partial: Result | None = getattr(error, "result", None)
     if partial is None or partial.time.size < 2:
         return
     result = earlier.followed_by(partial) if earlier else partial
-    result.save(path)
+    path = result.save(path if path.suffix == ".csv" else path.with_suffix(".nc"))
     error.message += f"\nThe results up to t = {result.time[-1]:g} s are saved in {path}"
     error.message += f"; to go on from there: --resume {path}" if path.suffix == ".nc" else "."
 

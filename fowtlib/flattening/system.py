@@ -214,13 +214,21 @@ class System:
         self.intermediates.append(Intermediate(symbols, inputs, function, self.current_path))
         return ca.reshape(outputs, function.size1_out(0), function.size2_out(0))
 
-    def check_range(self, value: ca.SX, low: float, high: float, name: str, argument: str) -> None:
-        """Stop the simulation where a table is left."""
-        margin = 1e-9 * (high - low)
-        inside = ca.logic_and(value >= low - margin, value <= high + margin)
-        message = f"table left at its edge: {name} at {argument} = {{value}}, and the table covers {low:g} to {high:g}."
-        check = Assertion(inside, message, "error", "", {"value": value})
-        self.range_checks.append((self.current_path, check))
+    def check_range(self, value: ca.SX, low: float, high: float, name: str, argument: str, message: str = "") -> None:
+        """Stop the simulation where a table is left: one check for all elements of a column.
+
+        In a message, {value} is the element that is the farthest outside, and {number} its number, counted from 1.
+        """
+        column = ca.vec(ca.densify(ca.SX(value)))
+        least, most, margin = ca.mmin(column), ca.mmax(column), 1e-9 * (high - low)
+        inside = ca.logic_and(least >= low - margin, most <= high + margin)
+        worst = ca.if_else(low - least > most - high, least, most)
+        values = {"value": worst}
+        if "{number}" in message:
+            matches = [ca.if_else(column[i] == worst, i + 1, 0) for i in range(column.shape[0])]
+            values["number"] = ca.mmax(ca.vertcat(*matches))
+        text = f"table left at its edge: {name} at {argument} = {{value}}, and the table covers {low:g} to {high:g}."
+        self.range_checks.append((self.current_path, Assertion(inside, message or text, "error", "", values)))
 
     # --- differentiation -----------------------------------------------------------------------------------------
 

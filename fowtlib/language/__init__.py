@@ -1,6 +1,6 @@
 """Floor 1: what an author of components writes with."""
 
-from fowtlib.language import math
+from fowtlib.language import math, shapes
 from fowtlib.language.component import Assembly, Component
 from fowtlib.language.connectors import Connector, RealInput, RealOutput, flow, orientation, potential
 from fowtlib.language.declarations import Array, Matrix, Scalar, Vector, outer, param, part, port, var
@@ -51,6 +51,7 @@ __all__ = [
     "reinit",
     "rotation",
     "sampled",
+    "shapes",
     "table1d",
     "table2d",
     "time_series",

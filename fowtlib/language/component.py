@@ -28,6 +28,7 @@ from fowtlib.language.declarations import (
 )
 from fowtlib.language.equations import active, source_line
 from fowtlib.language.errors import ConnectionFault, NotFoundError, ParameterError, UnitError, did_you_mean
+from fowtlib.language.shapes import Drawn
 from fowtlib.language.units import dimension, to_si
 
 
@@ -88,6 +89,13 @@ class Component:
     def equations(self) -> list[Any]:
         """The statements of this component; called once, while the model is flattened."""
         return []
+
+    def drawing(self) -> list[Drawn]:
+        """What pictures show of this component: see fowtlib.language.shapes. By default, what they show of its parts.
+
+        Called outside of flattening: numbers come from `parameter_value`.
+        """
+        return [shape for part in self.parts.values() for shape in part.drawing()]
 
     # --- parameters ----------------------------------------------------------------------------------------------
 

@@ -2,9 +2,8 @@
 
 from __future__ import annotations
 
-import warnings
-from collections.abc import Callable, Mapping
-from functools import lru_cache
+from collections.abc import Callable, Iterator, Mapping
+from contextlib import contextmanager
 from pathlib import Path
 from typing import Any
 
@@ -12,10 +11,12 @@ import casadi as ca
 import numpy as np
 
 from fowtlib.language.equations import external
-from fowtlib.language.errors import ParameterError, StructureError, did_you_mean
-from fowtlib.language.native import NO_COMPILER, compile_library, compiler
+from fowtlib.language.errors import ParameterError, SimulationError, StructureError, did_you_mean
+from fowtlib.language.native import NO_COMPILER, compile_library, compiler, say_once
 
 Compute = Callable[[np.ndarray], Any]
+
+_explanations: dict[tuple[str, Path | None], Callable[[], str]] = {}
 
 
 class ExternalFunction:
@@ -31,6 +32,10 @@ class ExternalFunction:
       taken when that is given. Without a jacobian it is taken by finite differences. Beside a source it is what runs
       where there is no compiler, slowly, which is said once.
 
+    explain: gives, once, the reason for which the library refused its last call (returned other than 0) or python
+    raised, as a sentence for the user; "" when there is none. It is asked before every calculation with a plant, too.
+    `library` is the path of the shared library in use, None where it runs as Python.
+
     Called in equations() with its inputs by name, it gives its outputs by name: `loads(velocity=v, pitch=b)["force"]`.
     """
 
@@ -45,6 +50,7 @@ class ExternalFunction:
         python: Compute | None = None,
         jacobian: Compute | None = None,
         sparsity: ca.Sparsity | None = None,
+        explain: Callable[[], str] | None = None,
     ):
         if (library is not None) + (source is not None or python is not None) != 1:
             raise ParameterError(f"external function {name}: give either library or python, or source.")
@@ -54,9 +60,11 @@ class ExternalFunction:
         if source is not None and (compiler() or python is None):
             library = compile_library(source, name)
         elif source is not None:
-            _say_once(f"{name} runs as Python code, slowly: {NO_COMPILER}")
-        if library is not None:
-            self.function = _from_library(name, Path(library))
+            say_once(f"{name} runs as Python code, slowly: {NO_COMPILER}")
+        self.library = None if library is None else Path(library)
+        _explanations[name, self.library] = explain or str  # str() is empty
+        if self.library is not None:
+            self.function = _from_library(name, self.library)
         else:
             self.function = _Python(name, sizes, python, jacobian, sparsity)
         given = (self.function.numel_in(0), self.function.numel_out(0))
@@ -87,16 +95,33 @@ class ExternalFunction:
         return dict(zip(self.outputs, ca.vertsplit(ca.vec(result), ends), strict=True))
 
 
-@lru_cache(maxsize=64)
-def _say_once(message: str) -> None:
-    warnings.warn(message, RuntimeWarning, stacklevel=4)
+class LibraryFunction(ca.Function):
+    """A function of a shared library that still knows its path, for engines that call the library themselves."""
+
+    def __init__(self, function: ca.Function, path: Path):
+        super().__init__(function)
+        self.path = path
 
 
-def _from_library(name: str, path: Path) -> ca.Function:
+@contextmanager
+def refusals_explained() -> Iterator[None]:
+    """SimulationError with the words of the external function, in place of CasADi's error about a call that failed."""
+    for explain in _explanations.values():
+        explain()  # what was said before is not about what comes now
+    try:
+        yield
+    except RuntimeError:
+        reasons = [reason for explain in _explanations.values() if (reason := explain())]
+        if not reasons:
+            raise
+        raise SimulationError(" ".join(reasons)) from None
+
+
+def _from_library(name: str, path: Path) -> LibraryFunction:
     if not path.is_file():
         raise ParameterError(f"external function {name}: there is no library {path}.")
     try:
-        return ca.external(name, str(path.resolve()))
+        return LibraryFunction(ca.external(name, str(path.resolve())), path.resolve())
     except RuntimeError as error:
         reason = [line for line in str(error).splitlines() if line.strip()][-1].strip()
         raise ParameterError(f"external function {name}: {path} cannot be used: {reason}") from None

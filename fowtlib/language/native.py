@@ -16,6 +16,7 @@ import shutil
 import subprocess
 import sys
 import tempfile
+import warnings
 from functools import lru_cache
 from pathlib import Path
 
@@ -45,6 +46,12 @@ def _find(named: str | None) -> tuple[str, ...]:
 def compiler() -> tuple[str, ...]:
     """The command of the C compiler: FOWTLIB_CC, else gcc, clang, cc, the ziglang package; empty when there is none."""
     return _find(os.environ.get("FOWTLIB_CC"))
+
+
+@lru_cache(maxsize=64)
+def say_once(message: str) -> None:
+    """Warn of what runs slowly without a compiler, once in a process."""
+    warnings.warn(message, RuntimeWarning, stacklevel=4)
 
 
 def cache_folder() -> Path:

@@ -7,6 +7,7 @@ there stops the simulation with a message: nothing is extrapolated.
 from __future__ import annotations
 
 from collections.abc import Sequence
+from dataclasses import dataclass
 from typing import Any
 
 import casadi as ca
@@ -14,6 +15,25 @@ import numpy as np
 
 from fowtlib.language.equations import active, external
 from fowtlib.language.errors import ParameterError
+
+
+@dataclass(frozen=True)
+class SplineData:
+    """A cubic B-spline: knots of each argument, coefficients (the output runs fastest, then the first argument)."""
+
+    knots: list[np.ndarray]
+    coefficients: np.ndarray
+    ranges: list[tuple[float, float]]
+    uniform: bool = False
+    periodic: bool = False
+
+
+class SplineFunction(ca.Function):
+    """A spline as a CasADi function that still knows its data, for engines that evaluate it themselves."""
+
+    def __init__(self, function: ca.Function, data: SplineData):
+        super().__init__(function)
+        self.data = data
 
 
 def table1d(
@@ -63,10 +83,10 @@ def time_series(
     end = t0 + dt * (n if periodic else n - 1)
     time = ca.MX.sym("t")
     inside = t0 + ca.fmod(time - t0, end - t0) if periodic else ca.fmin(ca.fmax(time, t0), end)
-    value = ca.bspline(
-        inside, _flat(coefficients), [list(knots)], [3], coefficients.shape[1], {"lookup_mode": ["exact"]}
-    )
-    function = ca.Function(_identifier(name), [time], [value], ["t"], ["value"])
+    flat = _flat(coefficients)
+    value = ca.bspline(inside, flat, [list(knots)], [3], coefficients.shape[1], {"lookup_mode": ["exact"]})
+    plain = ca.Function(_identifier(name), [time], [value], ["t"], ["value"])
+    function = SplineFunction(plain, SplineData([knots], np.array(flat), [(t0, end)], uniform=True, periodic=periodic))
     if not periodic:
         active().check_range(t, t0, end, name, "time")
     return external(function, t)
@@ -133,12 +153,14 @@ def _cardinal_periodic(samples: np.ndarray) -> np.ndarray:
 
 def _spline(
     name: str, knots: list[np.ndarray], coefficients: np.ndarray, ranges: list[tuple[float, float]]
-) -> ca.Function:
+) -> SplineFunction:
     argument = ca.MX.sym("argument", len(knots))
     inside = ca.vertcat(*[ca.fmin(ca.fmax(argument[i], low), high) for i, (low, high) in enumerate(ranges)])
     outputs = coefficients.shape[-1]
-    value = ca.bspline(inside, _flat(coefficients), [list(k) for k in knots], [3] * len(knots), outputs)
-    return ca.Function(_identifier(name), [argument], [value], ["argument"], ["value"])
+    flat = _flat(coefficients)
+    value = ca.bspline(inside, flat, [list(k) for k in knots], [3] * len(knots), outputs)
+    plain = ca.Function(_identifier(name), [argument], [value], ["argument"], ["value"])
+    return SplineFunction(plain, SplineData(knots, np.array(flat), ranges))
 
 
 def _flat(coefficients: np.ndarray) -> list[float]:

@@ -15,7 +15,7 @@ from fowtlib.modelfile.nodes import Node, Place, parse, read_text
 from fowtlib.modelfile.reader import ComponentReader
 from fowtlib.modelfile.specs import Document, Spec, Value, as_list, check_keys, mapping, text
 
-SETTINGS = {"solver": "", "duration": "s", "output_step": "s", "tolerance": "1"}
+SETTINGS = {"solver": "", "duration": "s", "output_step": "s", "tolerance": "1", "step": "s", "rho_inf": "1"}
 VERSION = 1
 META_KEYS = ("fowtlib", "title", "description", "python", "outputs", "simulation")
 
@@ -59,7 +59,7 @@ def _check_version(items: dict[str, Node], place: Place) -> None:
 
 
 def _settings(node: Node) -> dict[str, float | str]:
-    items = mapping(node, "'simulation' is a mapping: solver, duration, output_step, tolerance")
+    items = mapping(node, f"'simulation' is a mapping: {', '.join(SETTINGS)}")
     check_keys(items, SETTINGS, "'simulation'")
     settings: dict[str, float | str] = {}
     for key, item in items.items():

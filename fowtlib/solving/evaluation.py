@@ -6,7 +6,7 @@ building the Jacobian through the whole graph instead is many times slower.
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from functools import cached_property
 
 import casadi as ca
@@ -149,6 +149,11 @@ class Evaluation:
         by_x, by_z = full(*arguments)
         n = self.x.shape[0]
         return ca.Function("jacobian", arguments, [by_x[:n, :], by_z[:n, :], by_x[n:, :], by_z[n:, :]])
+
+    def updater(self, sample: int) -> Callable[..., np.ndarray]:
+        """The new values of the discrete variables of a sampled part, as a function of t, x, z, q."""
+        update = self.function("update", [self.dae.samples[sample].values])
+        return lambda *point: np.array(update(*point)).ravel()
 
     def start_values(self) -> tuple[np.ndarray, np.ndarray, np.ndarray, np.ndarray]:
         """Start values of x, z and d, and the default of u."""

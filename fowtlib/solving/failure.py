@@ -5,13 +5,18 @@ from __future__ import annotations
 import casadi as ca
 import numpy as np
 
+from fowtlib.flattening import FlatDAE
 from fowtlib.solving.evaluation import Evaluation
 
 REACHES = (0.0, 1e-9, 1e-6, 1e-4, 1e-2, 0.1, 0.3, 1.0)  # looks ahead of the last good point, in output steps
 
 
+class StepFailure(Exception):
+    """An engine cannot go on; the text is the reason."""
+
+
 def integration_failure(evaluation: Evaluation, t: float, x: np.ndarray, z: np.ndarray, q: np.ndarray, step: float,
-                        reason: str) -> str:  # fmt: skip
+                        reason: str, advice: str) -> str:  # fmt: skip
     """Why no step leads on from the last good point: what is not finite there or ahead, or what changes fastest."""
     where = f"the integration fails after t = {t:.6g} s"
     ode = np.array(evaluation.residual(t, x, z, q)[0]).ravel()
@@ -27,8 +32,17 @@ def integration_failure(evaluation: Evaluation, t: float, x: np.ndarray, z: np.n
     fastest = f"the fastest change is der({states[int(np.argmax(rates))].path})" if rates.size else "nothing changes"
     return (
         f"{where}, because {reason}; {fastest}. Look there for a jump, a missing damping or a quantity that grows "
-        "without bound, or try another tolerance (--tolerance 1e-8)."
+        f"without bound, {advice}."
     )
+
+
+def step_failure(dae: FlatDAE, free: list[int], t: float, row: int, not_finite: bool) -> str:
+    """Why a step fails, by the row that stands out: rows are alg, the rates that are unknowns, all rates."""
+    rates = [f"der({state.path})" for state in dae.states]
+    name = [*dae.residual_paths, *(rates[i] for i in free), *rates][row]
+    if not_finite:
+        return f"an equation of {name} is not a finite number at t = {t:.6g} s"
+    return f"the equations of the step at t = {t:.6g} s are not solved, furthest of all that of {name}"
 
 
 def not_finite(evaluation: Evaluation, t: float, x: np.ndarray, z: np.ndarray, q: np.ndarray) -> str:

@@ -7,6 +7,7 @@ length; every call is a real restart, which is what jumps in inputs and discrete
 from __future__ import annotations
 
 import re
+from collections.abc import Callable
 from contextlib import redirect_stderr
 from io import StringIO
 
@@ -14,6 +15,8 @@ import casadi as ca
 import numpy as np
 
 from fowtlib.solving.evaluation import Evaluation
+from fowtlib.solving.failure import StepFailure
+from fowtlib.solving.initial import consistent_algebraics
 
 LIMIT = 100_000
 REASONS = {
@@ -29,12 +32,11 @@ REASONS = {
 }
 
 
-class StepFailure(Exception):
-    """IDAS cannot go on; the text is the reason."""
-
-
 class Idas:
     """Integrates from a consistent point over an interval, with equidistant output points."""
+
+    name = "idas"
+    advice = "or try another tolerance (--tolerance 1e-8)"
 
     def __init__(self, evaluation: Evaluation, tolerance: float, options: dict | None = None):
         self.evaluation = evaluation
@@ -42,6 +44,19 @@ class Idas:
         self.options = options or {}
         self._integrators: dict[int, ca.Function] = {}
         self._problem: dict[str, ca.MX] | None = None
+
+    @property
+    def attributes(self) -> dict[str, float | str]:
+        """What a result says about its solver."""
+        return {"solver": self.name, "tolerance": self.tolerance}
+
+    def algebraics(self, t: float, x: np.ndarray, z: np.ndarray, q: np.ndarray) -> np.ndarray:
+        """Algebraic unknowns that satisfy the equations at the states, after a jump."""
+        return consistent_algebraics(self.evaluation, t, x, z, q)
+
+    def updater(self, sample: int) -> Callable[..., np.ndarray]:
+        """The new values of the discrete variables of a sampled part, as a function of t, x, z, q."""
+        return self.evaluation.updater(sample)
 
     def advance(
         self, t: float, length: float, points: int, x: np.ndarray, z: np.ndarray, q: np.ndarray

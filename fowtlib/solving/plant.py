@@ -3,8 +3,9 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
+from functools import cached_property
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import casadi as ca
 import numpy as np
@@ -12,13 +13,18 @@ import numpy as np
 from fowtlib.flattening import FlatDAE
 from fowtlib.language.declarations import join
 from fowtlib.language.errors import NotFoundError, ParameterError, SimulationError, did_you_mean
+from fowtlib.language.externals import refusals_explained
 from fowtlib.language.units import from_si, to_si
+from fowtlib.solving.engine import create_engine
 from fowtlib.solving.equilibrium import equilibrium
 from fowtlib.solving.evaluation import Evaluation
 from fowtlib.solving.initial import consistent_algebraics, initial_values
 from fowtlib.solving.linear import LinearModel
 from fowtlib.solving.results import Continuation, Observer, RawTrajectory, Result
 from fowtlib.solving.state import State
+
+if TYPE_CHECKING:
+    from fowtlib.solving.fixed_step_code import FixedStepCode
 
 Values = Mapping[str, Any]
 
@@ -100,6 +106,13 @@ class Plant:
             self._evaluations[key] = Evaluation(self.dae, vector)
         return self._evaluations[key]
 
+    @cached_property
+    def fixed_step_code(self) -> FixedStepCode:
+        """The compiled functions of the solver "fixed"; the same for all values of tunable parameters."""
+        from fowtlib.solving.fixed_step_code import FixedStepCode
+
+        return FixedStepCode(self.dae)
+
     def inputs(self, inputs: Values | None = None) -> np.ndarray:
         """Values of the inputs of the model: their defaults, with those given put in."""
         values = {path: item.default for path, item in self.dae.inputs.items()}
@@ -112,6 +125,7 @@ class Plant:
             )
         return np.concatenate(list(values.values())) if values else np.zeros(0)
 
+    @refusals_explained()
     def initial_state(self, parameters: Values | None = None, start: Values | None = None, inputs: Values | None = None,
                       t: float = 0.0, base: State | None = None) -> State:  # fmt: skip
         """The consistent state at the start of a simulation.
@@ -150,6 +164,7 @@ class Plant:
             x, z = initial_values(evaluation, t, x, z, q, given)
         return self._state(t, x, z, d, u, parameters)
 
+    @refusals_explained()
     def equilibrium(self, parameters: Values | None = None, hold: Values | None = None, start: Values | None = None,
                     inputs: Values | None = None) -> State:  # fmt: skip
         """The state at which nothing changes, with the controllers in the loop; `hold` keeps states at values."""
@@ -164,6 +179,7 @@ class Plant:
     ) -> State:
         return State(t, x, z, d, u, dict(parameters or {}), self._observe_state)
 
+    @refusals_explained()
     def _observe_state(self, name: str, state: State) -> np.ndarray:
         if name in self.outputs and self._declared:
             path, unit, _ = self.outputs[name]
@@ -197,10 +213,11 @@ class Plant:
             raise SimulationError("the result is of another model: its states are not those of this one.")
         u = np.repeat(self.inputs()[None], len(raw.time), axis=0)
         observation = Observation(self, self.evaluation(parameters), raw.time, raw.x, raw.z, u, raw.d)
-        return Observer(observation.values, self.describe, self.dae.names)
+        return Observer(observation.values, self.describe, self.dae.names, self.root)
 
     # --- uses ----------------------------------------------------------------------------------------------------
 
+    @refusals_explained()
     def simulate(
         self,
         t_end: float | str | None = None,
@@ -208,7 +225,9 @@ class Plant:
         *,
         start: State | Result | Values | None = None,
         solver: str | None = None,
+        step: float | str | None = None,
         tolerance: float | None = None,
+        rho_inf: float | None = None,
         parameters: Values | None = None,
         inputs: Values | None = None,
         outputs: Sequence[str] | None = None,
@@ -216,28 +235,18 @@ class Plant:
     ) -> Result:
         """Simulate to `t_end` [s] and give the outputs every `output_step` [s].
 
-        start: a State, an earlier Result to go on from, or start values by path. Arguments left out come from the model
-        file, else t_end 600 s, output_step 0.1 s, solver "idas", tolerance 1e-6. Raises SimulationError, with what was
-        computed in its attribute `result`.
+        start: a State, an earlier Result to go on from, or start values by path. solver: "idas", with steps of its own,
+        or "fixed", with equal steps of at most `step` [s], whose fastest oscillations keep the share `rho_inf` of their
+        amplitude at each step. Arguments left out come from the model file, else t_end 600 s, output_step 0.1 s, solver
+        "idas", step 12.5 ms, tolerance 1e-6, rho_inf 0.8. Raises SimulationError; its attribute `result` holds what was
+        computed.
         """
         from fowtlib.solving.simulation import Simulation
 
         def chosen(value: Any, key: str, default: Any) -> Any:
             return self.settings.get(key, default) if value is None else value
 
-        solver = chosen(solver, "solver", "idas")
-        if solver != "idas":
-            raise ParameterError(f"there is no solver '{solver}'{did_you_mean(str(solver), ['idas'])}")
-        if isinstance(start, Result):
-            start.check_resumable(self.parameter_values(parameters), self.structure)
-            state = self.resume_point(start.final, parameters, inputs)
-        elif isinstance(start, State):
-            parameters = start.parameters if parameters is None else parameters
-            same = parameters == start.parameters and inputs is None
-            state = start if same else self.initial_state(parameters, None, inputs, base=start)
-        else:
-            state = self.initial_state(parameters, start, inputs)
-        end, step, relative = (
+        end, interval, relative = (
             float(to_si(chosen(value, key, default), unit, key))
             for value, key, default, unit in (
                 (t_end, "duration", 600.0, "s"),
@@ -247,9 +256,23 @@ class Plant:
         )
         if not 0 < relative < 1:
             raise ParameterError(f"the tolerance is {relative:g}; it must lie between 0 and 1, usually 1e-4 to 1e-9.")
-        simulation = Simulation(self, state, relative, parameters, outputs, isinstance(start, Result))
-        return simulation.run(end, step, progress)
+        engine = create_engine(
+            self, start.parameters if isinstance(start, State) and parameters is None else parameters,
+            chosen(solver, "solver", "idas"), relative, interval, {"step": step, "rho_inf": rho_inf}, self.settings,
+        )  # fmt: skip
+        if isinstance(start, Result):
+            start.check_resumable(self.parameter_values(parameters), self.structure)
+            state = self.resume_point(start.final, parameters, inputs)
+        elif isinstance(start, State):
+            parameters = start.parameters if parameters is None else parameters
+            same = parameters == start.parameters and inputs is None
+            state = start if same else self.initial_state(parameters, None, inputs, base=start)
+        else:
+            state = self.initial_state(parameters, start, inputs)
+        simulation = Simulation(self, state, engine, parameters, outputs, isinstance(start, Result))
+        return simulation.run(end, interval, progress)
 
+    @refusals_explained()
     def linearize(self, state: State, inputs: Sequence[str] = (), outputs: Sequence[str] | None = None) -> LinearModel:
         """Exact linear model at a state, from inputs or tunable parameters by path to results or variables.
 

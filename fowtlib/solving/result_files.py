@@ -1,4 +1,4 @@
-"""Result files: netCDF (classic format, 64-bit offsets, written by scipy) and CSV with the units in its header."""
+"""Result files: netCDF (classic, 64-bit offsets, by scipy), CSV with the units in its header, OpenFAST's .outb."""
 
 from __future__ import annotations
 
@@ -14,6 +14,8 @@ from typing import Any
 import numpy as np
 
 from fowtlib.language.errors import ModelError
+from fowtlib.solving.openfast_channels import Named, channel_of, result_of, unique
+from fowtlib.solving.outb import Channels, read_outb, write_outb
 from fowtlib.solving.results import RawTrajectory, Result
 
 _FORMAT = "fowtlib result 1"
@@ -24,9 +26,10 @@ _HEADER = re.compile(r"^(?P<name>.*\S)\s*\[(?P<unit>[^\[\]]*)\]$")
 
 def save(result: Result, path: Path) -> Path:
     """Write ``result`` to ``path`` by its ending; the file is replaced in one step, after it has been written whole."""
-    writers = {".nc": _write_netcdf, ".csv": _write_csv}
+    writers = {".nc": _write_netcdf, ".csv": _write_csv, ".outb": _write_openfast}
     if path.suffix not in writers:
-        raise ModelError(f"{path}: a result is saved as .nc (netCDF) or .csv, not as '{path.suffix or 'no ending'}'.")
+        ending = path.suffix or "no ending"
+        raise ModelError(f"{path}: a result is saved as .nc (netCDF), .csv or .outb (OpenFAST), not as '{ending}'.")
     if not path.parent.is_dir():
         raise ModelError(f"{path}: the folder {path.parent} does not exist. Make it first, or choose another one.")
     if not result.time.size:
@@ -36,10 +39,10 @@ def save(result: Result, path: Path) -> Path:
 
 
 def read(path: Path) -> Result:
-    """Read a file that ``save`` wrote."""
-    readers = {".nc": _read_netcdf, ".csv": _read_csv}
+    """Read a file that ``save`` wrote, or the binary output of OpenFAST."""
+    readers = {".nc": _read_netcdf, ".csv": _read_csv, ".outb": _read_openfast}
     if path.suffix not in readers:
-        raise ModelError(f"{path}: a result file ends in .nc or .csv.")
+        raise ModelError(f"{path}: a result file ends in .nc, .csv or .outb.")
     if not path.is_file():
         raise ModelError(f"{path}: there is no such file.")
     return readers[path.suffix](path)
@@ -58,6 +61,8 @@ def _write_whole(path: Path, write: Callable[[Path], None]) -> None:
         os.umask(umask)
         temporary.chmod(0o666 & ~umask)
         temporary.replace(path)
+    except ModelError as error:
+        raise error.at(str(path)) from None
     except OSError as error:
         raise ModelError(f"{path}: cannot be written: {error.strerror or error}.") from error
     finally:
@@ -163,3 +168,35 @@ def _read_csv(path: Path) -> Result:
     values = {name: rows[:, i] for i, name in enumerate(names) if i > 0}
     units = {match["name"]: "1" if match["unit"] == "-" else match["unit"] for match in matches[1:]}
     return Result(rows[:, 0], values, units, attributes={"status": f"read from {path.name}."})
+
+
+# -- OpenFAST ---------------------------------------------------------------------------------------------------------
+
+
+def _write_openfast(result: Result, path: Path) -> None:
+    """Every scalar series under the name of its channel; see openfast_channels and outb."""
+    names, units, columns = [], [], []
+    for name, values in result.columns():
+        unit = result.unit(name)
+        channel = channel_of(name, unit)
+        if channel.name != unique(channel.name, names):  # the second of its kind keeps its own name
+            channel = Named(unique(name, names), unit)
+        names.append(channel.name)
+        units.append("-" if channel.unit in ("", "1") else re.sub(r"[* ]+", "-", channel.unit))
+        columns.append(values * channel.factor % 360.0 if channel.turns else values * channel.factor)
+    about = result.attributes
+    what = about.get("title") or about.get("model") or "a model"
+    description = f"fowtlib {about['fowtlib_version']}: {what}; {about['date']}"
+    write_outb(path, Channels(result.time, tuple(names), tuple(units), np.column_stack(columns), description))
+
+
+def _read_openfast(path: Path) -> Result:
+    """Channels whose results are known get the name and the unit of the result, the others keep theirs."""
+    channels = read_outb(path)
+    values, units = {}, {}
+    for name, text, column in zip(channels.names, channels.units, channels.values.T, strict=True):
+        result = result_of(name, text.replace("-", "*") if text != "-" else "1", channels.names)
+        known = result.name if result.name not in values else unique(name, values)
+        values[known], units[known] = column * result.factor, result.unit
+    attributes = {"title": channels.description, "status": f"read from {path.name}."}
+    return Result(channels.time, values, units, attributes=attributes)

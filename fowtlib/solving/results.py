@@ -20,10 +20,13 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from fowtlib.language.errors import ModelError, NotFoundError, SimulationError, did_you_mean
+from fowtlib.language.upstairs import handed_in
 
 if TYPE_CHECKING:
     import pandas
     import xarray
+
+    from fowtlib.language.component import Component
 
 _INDEXED = re.compile(r"^(?P<name>.+)\[(?P<index>\d+(?:\s*,\s*\d+)*)\]$")
 _SAME_TIME = 1e-9  # relative distance below which two points of time are the same output point
@@ -104,12 +107,13 @@ class Observer:
     """How a compiled model rebuilds variables that were not chosen as results.
 
     values(names) gives an array (n_time, len(names)), or (n_time, *shape) for a single vector or matrix;
-    describe(name) gives (unit, long name); names are all paths that may be asked for.
+    describe(name) gives (unit, long name); names are all paths that may be asked for; root is the component tree.
     """
 
     values: Callable[[Sequence[str]], np.ndarray]
     describe: Callable[[str], tuple[str, str]] = lambda name: ("1", name)
     names: Collection[str] = ()
+    root: Component | None = None
 
 
 @dataclass(frozen=True)
@@ -358,6 +362,24 @@ class Result:
         self._observer = observe if isinstance(observe, Observer) else Observer(observe)
         self._observed = {}
 
+    @property
+    def root(self) -> Component:
+        """The component tree of the model that this result came from."""
+        if self._observer is None or self._observer.root is None:
+            raise SimulationError(
+                "this result does not know its model: open it with the compiled model, Result.open(path, plant=plant)."
+            )
+        return self._observer.root
+
+    def observe(self, names: Sequence[str]) -> np.ndarray:
+        """Scalar variables of the model by path, SI, all in one pass: (n_time, len(names))."""
+        self.root  # noqa: B018  the error for a result without a model
+        return np.asarray(self._observer.values(list(names)), dtype=float).reshape(self.time.size, len(names))
+
+    def view(self, path: str | Path | None = None, **options: Any) -> Any:
+        """Write an animation in 3-D as one HTML file for the browser; see fowtlib.view.view."""
+        return handed_in("view")(self, path, **options)
+
     def keep(self, *names: str) -> Result:
         """Store observed variables, so that they are saved too. Returns this result."""
         for name in names:
@@ -372,7 +394,7 @@ class Result:
         """The last computed point, to start from."""
         if self.raw is None or not self.raw.time.size:
             raise SimulationError(
-                "this result holds nothing to resume from (a CSV file never does): save the first run as .nc."
+                "this result holds nothing to resume from (only .nc files do): save the first run as .nc."
             )
         return self.raw.row(-1)
 
@@ -419,7 +441,7 @@ class Result:
             def both(names: Sequence[str]) -> np.ndarray:
                 return np.concatenate([first.values(names), second.values(names)[skip:]])
 
-            observer = Observer(both, second.describe, second.names)
+            observer = Observer(both, second.describe, second.names, second.root)
         return Result(
             np.concatenate([self.time, later.time[skip:]]),
             {name: np.concatenate([values, later._values[name][skip:]]) for name, values in self._values.items()},
@@ -433,14 +455,20 @@ class Result:
     # -- files --------------------------------------------------------------------------------------------------------
 
     def save(self, path: str | Path) -> Path:
-        """Write netCDF (.nc: everything, resumable) or CSV (.csv: the series, 10 digits); never half a file."""
+        """Write netCDF (.nc: everything, resumable), CSV (.csv: the series, 10 digits) or OpenFAST's output (.outb).
+
+        An .outb file has 16 bits for a number, the names of OpenFAST's channels (see openfast_channels) and evenly
+        spaced times only. Never leaves half a file.
+        """
         from fowtlib.solving.result_files import save
 
         return save(self, Path(path))
 
     @staticmethod
     def open(path: str | Path, plant: Any = None) -> Result:
-        """Read a result file. With the compiled model it came from, any variable can be observed again.
+        """Read a result file: .nc, .csv, or .outb, also of OpenFAST itself.
+
+        With the compiled model that an .nc file came from, any variable can be observed again.
 
         plant is anything with ``observer(raw, parameters) -> Observer``: the raw trajectory and the run's parameters.
         """

@@ -14,8 +14,8 @@ from scipy.optimize import brentq
 
 from fowtlib.language.errors import SimulationError
 from fowtlib.language.units import from_si
-from fowtlib.solving.failure import integration_failure
-from fowtlib.solving.idas import Idas, StepFailure
+from fowtlib.solving.engine import Engine
+from fowtlib.solving.failure import StepFailure, integration_failure
 from fowtlib.solving.initial import consistent_algebraics
 from fowtlib.solving.interrupts import deferred_interrupt
 from fowtlib.solving.observation import Observation
@@ -37,15 +37,14 @@ class Interrupted(SimulationError):
 class Simulation:
     """One run of a plant from a state."""
 
-    def __init__(self, plant: Plant, start: State, tolerance: float, parameters: Any, outputs: Sequence[str] | None,
+    def __init__(self, plant: Plant, start: State, engine: Engine, parameters: Any, outputs: Sequence[str] | None,
                  resumed: bool = False):  # fmt: skip
         self.plant, self.dae = plant, plant.dae
         self.parameters = parameters
         self.resumed = resumed
-        self.tolerance = tolerance
+        self.engine = engine
         self.evaluation = plant.evaluation(parameters)
         self.names = list(plant.outputs) if outputs is None else list(outputs)
-        self.engine = Idas(self.evaluation, tolerance)
         self.t = start.t
         self.x, self.z, self.d, self.u = start.x.copy(), start.z.copy(), start.d.copy(), start.u.copy()
         self.rows: list[tuple[np.ndarray, np.ndarray, np.ndarray, np.ndarray]] = []
@@ -69,7 +68,7 @@ class Simulation:
     def _prepare_samples(self, t: float) -> None:
         samples = self.dae.samples
         numbers = self.evaluation.with_numbers([ca.vertcat(s.period, s.offset) for s in samples])
-        self.updates = [self.evaluation.function("update", [s.values]) for s in samples]
+        self.updates = [self.engine.updater(k) for k in range(len(samples))]
         self.clocks: list[tuple[float, float, int]] = []
         for sample, number in zip(samples, numbers, strict=True):
             period, offset = (float(v) for v in ca.Function("clock", [], [number]).call([])[0].full().ravel())
@@ -313,7 +312,7 @@ class Simulation:
                 x[event.state_targets] = np.array(on_states).ravel()
                 d[event.discrete_targets] = np.array(on_discretes).ravel()
             self.x, self.d = x, d
-            self.z = consistent_algebraics(self.evaluation, self.t, self.x, self.z, self.q)
+            self.z = self.engine.algebraics(self.t, self.x, self.z, self.q)
             after = self._indicator_values()
             due = {i for i in range(len(after)) if before[i] > 0 >= after[i] and i not in due}
             if not due:
@@ -326,10 +325,10 @@ class Simulation:
         if not due:
             return
         for k in due:
-            self.d[self.dae.samples[k].targets] = np.array(self.updates[k](self.t, self.x, self.z, self.q)).ravel()
+            self.d[self.dae.samples[k].targets] = self.updates[k](self.t, self.x, self.z, self.q)
             offset, period, n = self.clocks[k]
             self.clocks[k] = (offset, period, n + 1)
-        self.z = consistent_algebraics(self.evaluation, self.t, self.x, self.z, self.q)
+        self.z = self.engine.algebraics(self.t, self.x, self.z, self.q)
         if self.dae.events:
             self._arm()
 
@@ -377,7 +376,9 @@ class Simulation:
     def _failure(self) -> SimulationError:
         """The error at the last good point."""
         return SimulationError(
-            integration_failure(self.evaluation, self.t, self.x, self.z, self.q, self.step, self.reason)
+            integration_failure(
+                self.evaluation, self.t, self.x, self.z, self.q, self.step, self.reason, self.engine.advice
+            )
         )
 
     def _warn_of_gaps(self, name: str, t: np.ndarray, series: np.ndarray) -> None:
@@ -410,15 +411,14 @@ class Simulation:
         attributes = {
             "model": self.plant.name,
             "title": self.plant.title,
-            "solver": "idas",
-            "tolerance": self.tolerance,
+            **self.engine.attributes,
             "status": status,
             "parameters": {path: value.tolist() for path, value in numbers.items()},
             "structure": self.plant.structure,
             "wall_time": self.wall_time,
             "warnings": "\n".join(self.warned.values()),
         }
-        observer = Observer(observe.values, self.plant.describe, self.dae.names)
+        observer = Observer(observe.values, self.plant.describe, self.dae.names, self.plant.root)
         return Result(t, values, units, docs, attributes, raw, observer)
 
 

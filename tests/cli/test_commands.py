@@ -52,6 +52,23 @@ def test_run_writes_csv(capsys):
     assert len(rows) == 52
 
 
+def test_run_writes_the_binary_output_of_openfast(capsys):
+    assert main(["run", "pendulum", "--time", "1", "--output", "r.outb"]) == 0
+    result = fw.Result.open("r.outb")
+    assert result["pitch"].units == "deg" and len(result.time) == 51
+    assert b"PtfmPitch" in Path("r.outb").read_bytes()
+
+
+def test_what_an_outb_file_cannot_hold_is_saved_as_netcdf(capsys):
+    assert main(["run", "pendulum", "--time", "1.005", "--output", "r.outb"]) == 2
+    assert capsys.readouterr().err == (
+        "fowt run: r.outb: the file format knows evenly spaced times only, and these are not: 1 s is followed by "
+        "1.005 s. Save as .nc or .csv, or simulate for a multiple of the output step.\n"
+        "The results are saved in r.nc instead.\n"
+    )
+    assert fw.Result.open("r.nc").time[-1] == 1.005 and not Path("r.outb").exists()
+
+
 def test_a_resumed_run_continues_the_first(capsys):
     assert main(["run", "pendulum", "--time", "2", "--output", "first.nc", "--tolerance", "1e-9"]) == 0
     assert main(["run", "pendulum", "--time", "4", "--resume", "first.nc", "--output", "both.nc"]) == 0
@@ -78,7 +95,7 @@ def test_settings_change_parameters(capsys):
             "fowt run: --wind: this model has no part 'wind' whose parameters could be set; "
             "use --set with the paths of its own parameters (see `fowt parameters`).\n",
         ),
-        (["--output", "r.txt"], "fowt run: r.txt: the file must end in '.nc' or '.csv'.\n"),
+        (["--output", "r.txt"], "fowt run: r.txt: the file must end in '.nc', '.csv' or '.outb'.\n"),
         (
             ["--plot", "missing/r.png"],
             "fowt run: missing/r.png: the folder missing does not exist; make it first, or choose another one.\n",

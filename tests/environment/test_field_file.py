@@ -75,6 +75,16 @@ def damaged(path, change):
         (lambda raw: raw[:50], "50 bytes, less than the header of a .bts wind field."),
         (lambda raw: struct.pack_into("<h", raw, 0, 5), "begins with 5, a .bts wind field begins with 7 or 8."),
         (
+            lambda raw: struct.pack_into("<h", raw, 0, -99),
+            "begins with -99, a .bts wind field begins with 7 or 8. It may be one of Bladed (.wnd); TurbSim "
+            "writes both.",
+        ),
+        (
+            lambda raw: struct.pack_into("<f", raw, 38, -63.0),
+            "the lowest row of the wind field is at z = -63 m; heights in a .bts file are those above the ground or "
+            "the sea, and not from the hub.",
+        ),
+        (
             lambda raw: raw[:-40],
             "truncated: 140 bytes of data, and 5 steps of 6 points need 180; it ends in step 4.",
         ),
@@ -95,6 +105,20 @@ def test_a_damaged_file(tmp_path, change, message):
     with pytest.raises(ModelError) as error:
         read_field(path)
     assert str(error.value).startswith(f"{path}: {message}")
+
+
+def test_a_long_file_in_parts(tmp_path):
+    """Every part has a mapping of its own, and together they are the file."""
+    field = write_field(tmp_path / "a.bts", GRID, speeds())
+    parts = list(field.blocks(2 * 36))  # two steps of 6 points
+    assert [start for start, _ in parts] == [0, 2, 4]
+    np.testing.assert_array_equal(np.concatenate([stored for _, stored in parts]), field.stored)
+    with pytest.raises(ValueError, match="read-only"):
+        parts[0][1][:] = 0
+    new = create_field(tmp_path / "b.bts", field.grid)
+    for start, stored in new.blocks(2 * 36):
+        stored[:] = field.stored[start : start + 2]
+    np.testing.assert_array_equal(read_field(new.path).stored, field.stored)
 
 
 def test_other_mistakes(tmp_path):

@@ -185,6 +185,7 @@ def test_class_or_intensity(tmp_path):
         ({"width": 0}, "width and height of the grid must be positive."),
         ({"duration": 1}, "8 time steps of 0.125 s, expected 16 or more."),
         ({"turbulence_class": "D"}, "turbulence_class 'D' is not one of A, B, C."),
+        ({"seed": -1}, "seed and turbulence_intensity begin at 0."),
         ({"lateral_coherence": "all"}, "lateral_coherence 'all' is not one of none, iec."),
     ],
 )
@@ -197,3 +198,24 @@ def test_mistakes(tmp_path, change, message):
 def test_a_spectrum_that_does_not_exist(tmp_path):
     with pytest.raises(ModelError, match="there is no spectrum 'mann'; the spectra are kaimal, von_karman"):
         generate_field(tmp_path / "a.bts", **SMALL, spectrum="mann")
+
+
+def test_a_field_appears_when_it_is_complete(tmp_path):
+    """Progress from 0 towards 1, and a generation that is stopped leaves what was there."""
+    path, told = tmp_path / "a.bts", []
+    generate_field(path, **SMALL, progress=lambda done, total: told.append(done / total))
+    assert told == sorted(told)
+    assert told[0] == 0
+    assert told[-1] < 1
+    before = path.read_bytes()
+
+    def stop(done, total):
+        if done > 0.5:
+            raise KeyboardInterrupt
+
+    with pytest.raises(KeyboardInterrupt):
+        generate_field(path, **SMALL, seed=2, progress=stop)
+    assert path.read_bytes() == before
+    assert [item.name for item in tmp_path.iterdir()] == ["a.bts"]
+    with pytest.raises(ModelError, match=r"none.a.bts.part: cannot write the wind field: No such file or directory"):
+        generate_field(tmp_path / "none" / "a.bts", **SMALL)

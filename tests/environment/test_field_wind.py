@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import re
 import warnings
 from dataclasses import replace
 from pathlib import Path
@@ -16,7 +15,7 @@ from fowtlib.components.aero import CoefficientRotor
 from fowtlib.components.blocks import Constant
 from fowtlib.components.environment import FieldGrid, Wind, World, write_field
 from fowtlib.components.environment.field_lookup import FieldLookup
-from fowtlib.components.environment.field_wind import field_function
+from fowtlib.components.environment.field_wind import field_function, field_handle
 from fowtlib.components.mechanics import Fixed, SpeedSource
 from fowtlib.language import Array, Component, ModelError, Scalar, der, eq, outer, param, var
 from fowtlib.language import math as m
@@ -81,15 +80,16 @@ def test_wind_at_moving_points(fields, direction):
 
 def test_jacobian_of_the_function(fields):
     function = field_function(fields[0], 2).function
-    column = np.array([3.17, 1.0, 7.0, 83.0, -4.0, -21.0, 101.0])
+    column = np.array([field_handle(fields[0]), 3.17, 1.0, 7.0, 83.0, -4.0, -21.0, 101.0])
     jacobian = function.jacobian()(column, 0).full()
-    assert jacobian.shape == (6, 7)
-    for i in range(7):
-        h = np.eye(7)[i] * 1e-5
+    assert jacobian.shape == (6, 8)
+    for i in range(1, 8):
+        h = np.eye(8)[i] * 1e-5
         slope = (function(column + h) - function(column - h)).full().ravel() / 2e-5
         np.testing.assert_allclose(jacobian[:, i], slope, atol=1e-7)
-    assert not jacobian[:3, 4:].any()
-    assert not jacobian[3:, 1:4].any()
+    assert not jacobian[:, 0].any()
+    assert not jacobian[:3, 5:].any()
+    assert not jacobian[3:, 2:5].any()
 
 
 def test_a_rotor_in_the_field(fields):
@@ -114,14 +114,64 @@ def test_a_rotor_in_the_field(fields):
 
 def test_a_run_that_leaves_the_field_stops(fields):
     path = fields[0].field.path
-    with pytest.raises(ModelError, match=rf"wind field {re.escape(path)} at y = .*, and the table covers -75 to 75"):
+    with pytest.raises(ModelError) as error:
         simulate(drifting(path, drift=20.0))
+    assert str(error.value) == (
+        f"points: point 2 of 2 is at y = 80 m, and the wind field {path} covers -75 to 75 m; use a field that is "
+        "larger than all rotors with their motion (t = 4 s)."
+    )
+    np.testing.assert_allclose(error.value.result.time, np.arange(9) * 0.5)
     path = fields[1].field.path  # ends at 19.75 s, its first plane is 75 m downwind at the start
-    with pytest.raises(
-        ModelError, match=rf"wind field {re.escape(path)} at time = .*, and the table covers 0 to 19.75"
-    ):
+    with pytest.raises(ModelError) as error:
         simulate(drifting(path), 15.0)
+    assert str(error.value) == (
+        f"wind: the point needs the wind of time 20 s of the field {path}, which covers 0 to 19.75 s; use a "
+        "longer field, a periodic one, or another field_shift (t = 12.5 s)."
+    )
     assert simulate(drifting(path, field_shift=40.0), 15.0).time[-1] == 15
+
+
+def test_many_points_cost_one_check_per_axis(fields):
+    class Nodes(Component):
+        """A blade of 51 nodes."""
+
+        wind: Wind = outer(Wind)
+        y: Scalar = var(unit="m", start=0, doc="position")
+
+        def equations(self):
+            nodes = m.horzcat(*[m.vertcat(0, self.y, 60 + i) for i in range(51)])
+            return [eq(der(self.y), 0.01 * self.wind.velocity(nodes)[1, 50])]
+
+    model = fw.Assembly("blade")
+    model.wind = Wind(kind="field", file=fields[0].field.path, stations=[[0, 90], [0, 100]])
+    model.blade = Nodes()
+    plant = fw.load(model).compile()
+    checks = [check for check in plant.dae.checks if check.level == "error"]
+    assert [check.path for check in checks] == ["wind", "wind", "blade", "blade"]
+
+
+def test_what_a_rotor_requires(fields):
+    wind = Wind(kind="field", file=fields[0].field.path)
+    wind.require((-75, 75), (50, 130), "a rotor that fits")
+    Wind(kind="steady", mean_speed=8).require((-1e3, 1e3), (0, 1e3), "a rotor in steady wind")
+    start = f"{fields[0].field.path}: the wind field is too small: left needs "
+    end = ", and more for the motion of a floating platform."
+    for y_range, z_range, text in (
+        (
+            (6.3, 132.3),
+            (27, 153),
+            "y = 6.3 to 132.3 m and z = 27 to 153 m, and the field covers -75 to 75 m and 50 to 130 m; make one at "
+            "least 266 m wide, and 27 to 153 m high",
+        ),
+        (
+            (-63, 63),
+            (60, 153.2),
+            "z = 60 to 153.2 m, and the field covers 50 to 130 m; make one at least 126 m wide, and 60 to 154 m high",
+        ),
+    ):
+        with pytest.raises(ModelError) as error:
+            wind.require(y_range, z_range, "left")
+        assert str(error.value) == start + text + end
 
 
 def test_a_run_longer_than_the_field_is_warned_about(fields):
@@ -146,6 +196,9 @@ def test_mistakes(fields, tmp_path):
         simulate(drifting(path, stations=[[0, 90], [80, 90]]))
     with pytest.raises(ModelError, match=r"station 1 of Wind does not exist"):
         Wind(kind="field", file=path).mean_at(1)
+    alone = write_field(tmp_path / "alone.bts", GRID, np.random.default_rng(1).normal(0, 1, (80, 5, 7, 3)))
+    with pytest.raises(ModelError, match=r"alone.bts: the mean of u is .* m/s, and 10 m/s in the header .*; add the"):
+        simulate(drifting(alone.path))
     (tmp_path / "broken.bts").write_bytes(Path(path).read_bytes()[:-10])
     with pytest.raises(ModelError, match="broken.bts: truncated"):
         simulate(drifting(str(tmp_path / "broken.bts")))

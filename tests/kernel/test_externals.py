@@ -11,6 +11,7 @@ import pytest
 
 import fowtlib as fw
 from fowtlib.language import ExternalFunction, ModelError, Scalar, der, eq, param, var
+from fowtlib.language.equations import active
 
 MASS, DRAG = 2.0, 0.7
 
@@ -108,3 +109,42 @@ def test_declared_inputs_are_checked():
         ExternalFunction("drag", {"velocity": 1}, {"force": 1})
     with pytest.raises(ModelError, match="there is no library"):
         ExternalFunction("drag", {"velocity": 1}, {"force": 1}, library="missing.so")
+
+
+def test_the_reason_of_a_refusal_reaches_the_user():
+    said = {"last": "said of an earlier call"}
+
+    def refuse(v: np.ndarray) -> list[float]:
+        if v[0] > 5:
+            said["last"] = "The brochure of the drag ends at 5 m/s."
+            raise ValueError
+        return drag_force(v)
+
+    sizes = {"velocity": 1}, {"force": 1}
+    explained = {"explain": lambda: said.pop("last", "")}
+    for options, kind, words in ((explained, ModelError, "^The brochure"), ({}, RuntimeError, "Error in Function")):
+        function = ExternalFunction("drag", *sizes, python=refuse, jacobian=drag_slope, **options)
+        plant = fw.load(Falling(drag=function)).compile()
+        with pytest.raises(kind, match=words):
+            plant.simulate(3.0, output_step=0.1)
+
+
+def test_one_check_for_many_arguments():
+    """The extremes of a column are checked; the message has the one that is the farthest outside, and its number."""
+
+    class Spread(fw.Component):
+        """Three places that move apart."""
+
+        x: Scalar = var(start=0.0, doc="place")
+
+        def equations(self):
+            text = "place {number} of 3 is at {value}, and 4 is the limit."
+            places = fw.language.math.vertcat(self.x, -3 * self.x, 2 * self.x)
+            active().check_range(places, -4.0, 4.0, "places", "x", text)
+            return [eq(der(self.x), 1.0)]
+
+    plant = fw.load(Spread()).compile()
+    assert len(plant.dae.checks) == 1
+    with pytest.raises(ModelError) as error:
+        plant.simulate(3.0, output_step=0.5)
+    assert str(error.value) == "spread: place 2 of 3 is at -4.5, and 4 is the limit (t = 1.5 s)."

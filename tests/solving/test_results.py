@@ -170,7 +170,7 @@ def test_csv_header_carries_the_units(tmp_path):
         _ = back.final
     assert (
         str(caught.value)
-        == "this result holds nothing to resume from (a CSV file never does): save the first run as .nc."
+        == "this result holds nothing to resume from (only .nc files do): save the first run as .nc."
     )
 
 
@@ -193,7 +193,7 @@ def test_file_errors(tmp_path):
 
     result = result_from()
     assert message(lambda: result.save(tmp_path / "r.xls")) == (
-        "TMP/r.xls: a result is saved as .nc (netCDF) or .csv, not as '.xls'."
+        "TMP/r.xls: a result is saved as .nc (netCDF), .csv or .outb (OpenFAST), not as '.xls'."
     )
     assert message(lambda: result.save(tmp_path / "no" / "r.nc")) == (
         "TMP/no/r.nc: the folder TMP/no does not exist. Make it first, or choose another one."

@@ -1,0 +1,118 @@
+"""Arms that carry rotors off the axis of a tower."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from fowtlib.components.mechanics import Beam, BeamTurn, FixedTranslation, Frame
+from fowtlib.components.support.tower import tube_or_table
+from fowtlib.language import Array, Component, RealOutput, Scalar, Vector, eq, param, port
+from fowtlib.language import math as m
+from fowtlib.language.errors import ParameterError
+
+
+class Arm(Component):
+    """A flexible arm from a tower to a rotor, see Beam: a round tube that tapers, or a table of properties.
+
+    frame_a is on the axis of the tower; the arm is rigid up to `root_radius`, where the tube begins. frame_a, the tip
+    and the nodes are parallel while the arm is straight: x downwind, z up. Loads are those of what is outboard on the
+    root, and at the cuts, in axes that turn with the bending arm: vertical bending is positive where it bends the tip
+    down, horizontal bending to the horizontal normal that points downwind (of an arm along x: to port), torsion about
+    the arm, in the sense of a thrust above it. Thus arms to both sides have equal loads under equal weight and thrust.
+    """
+
+    to: Vector = param(unit="m", structural=True, doc="the tip, from frame_a, resolved in frame_a")
+    root_radius: float = param(default=0.0, unit="m", min=0, doc="where the tube begins, from frame_a along the arm")
+    diameters: Array = param(
+        default=(), unit="m", structural=True,
+        doc="outer diameters at equal distances from root to tip, linear between"
+    )  # fmt: skip
+    wall_thicknesses: Array = param(default=(), unit="m", structural=True, doc="wall thicknesses at the same places")
+    density: float = param(default=8500.0, unit="kg/m^3", min=0, doc="density of the wall, with paint, bolts, flanges")
+    young_modulus: float = param(default=210e9, unit="Pa", min=0, doc="Young's modulus of the wall")
+    shear_modulus: float = param(default=80.8e9, unit="Pa", min=0, doc="shear modulus of the wall")
+    properties: str = param(default="", doc="path of a CSV with the properties, see read_beam; x is horizontal")
+    table: object = param(default=None, doc="the properties as BeamProperties, instead of a path")
+    units: int = param(default=4, min=0, doc="number of beam units; 0: rigid")
+    treatment: str = param(default="loaded_tip", choices=("plain", "loaded_tip", "free_tip"), doc="see Beam")
+    torsion: bool = param(default=False, doc="with torsion")
+    damping_horizontal: Scalar = param(default=0.003, unit="s", min=0, doc="damping over stiffness, horizontal")
+    damping_vertical: Scalar = param(default=damping_horizontal, unit="s", min=0, doc="the same, vertical")
+    node_distances: Array = param(
+        default=(), unit="m", structural=True,
+        doc="frames along the arm: distance from the root of the tube"
+    )  # fmt: skip
+    n_nodes: int = param(default=lambda self: len(self.node_distances), min=0, doc="number of those frames")
+    cuts: Array = param(
+        default=(), unit="m", structural=True,
+        doc="places of section loads: distance from the root of the tube"
+    )  # fmt: skip
+    n_cuts: int = param(default=lambda self: len(self.cuts), min=0, doc="number of those cuts")
+
+    frame_a: Frame = port(doc="on the axis of the tower")
+    tip: Frame = port(doc="end of the arm, where a nacelle stands; parallel to frame_a while the arm is straight")
+    nodes: Frame = port(size="n_nodes", optional=True, doc="frames along the arm, parallel to those of the beam")
+    root_vertical_moment: RealOutput = port(unit="N*m", doc="vertical bending at the root of the tube")
+    root_horizontal_moment: RealOutput = port(unit="N*m", doc="horizontal bending at the root of the tube")
+    root_torsion: RealOutput = port(unit="N*m", doc="torsion at the root of the tube")
+    cut_vertical_moment: RealOutput = port(size="n_cuts", unit="N*m", doc="vertical bending at each cut")
+    cut_horizontal_moment: RealOutput = port(size="n_cuts", unit="N*m", doc="horizontal bending at each cut")
+    cut_torsion: RealOutput = port(size="n_cuts", unit="N*m", doc="torsion at each cut")
+    tip_displacement: RealOutput = port(unit="m", shape=(3,), doc="displacement of the tip, in the axes of frame_a")
+
+    def build(self):
+        to, (axes, _), length = np.ravel(self.to), arm_axes(self), arm_length(self)
+        beam = tube_or_table(self, np.linspace(0, length, len(self.diameters)))
+        if abs(beam.length - length) > 1e-6 * length:
+            raise ParameterError(
+                f"{self.label}: the properties are those of {beam.length:g} m, the arm is {length:g} m long "
+                "(from root_radius to the tip)."
+            )
+        self.root = FixedTranslation(r=tuple(to * self.root_radius / np.linalg.norm(to)))
+        self.turn, self.turn_back = BeamTurn(axes=axes), BeamTurn(axes=axes.T)
+        self.beam = Beam(
+            table=beam, units=self.units, treatment=self.treatment, torsion=self.torsion, cuts=self.cuts,
+            damping_x=self.damping_horizontal, damping_y=self.damping_vertical, node_points=self.node_distances,
+        )  # fmt: skip
+        for a, b in (
+            (self.frame_a, self.root.frame_a), (self.root.frame_b, self.turn.frame_a),
+            (self.turn.frame_b, self.beam.frame_a), (self.beam.frame_b, self.turn_back.frame_a),
+            (self.turn_back.frame_b, self.tip),
+            *((self.beam.nodes[k], self.nodes[k]) for k in range(self.n_nodes)),
+        ):  # fmt: skip
+            self.connect(a, b)
+
+    def equations(self):
+        axes, side = arm_axes(self)
+        root, cuts = -self.beam.root_moment, [-self.beam.cut_moment[k] for k in range(self.n_cuts)]
+        return [
+            [eq(self.root_vertical_moment, -side * root[0]), eq(self.root_horizontal_moment, root[1])],
+            eq(self.root_torsion, side * root[2]),
+            [eq(self.cut_vertical_moment[k], -side * cut[0]) for k, cut in enumerate(cuts)],
+            [eq(self.cut_horizontal_moment[k], cut[1]) for k, cut in enumerate(cuts)],
+            [eq(self.cut_torsion[k], side * cut[2]) for k, cut in enumerate(cuts)],
+            eq(self.tip_displacement, m.mtimes(axes, self.beam.deflection)),
+        ]
+
+
+def arm_length(arm: Arm) -> float:
+    """Length of the tube [m]. Raises ParameterError where the root lies beyond the tip."""
+    length = float(np.linalg.norm(np.ravel(arm.to))) - arm.root_radius
+    if length <= 0:
+        raise ParameterError(f"{arm.label}: the root, at {arm.root_radius:g} m, must lie before the tip.")
+    return length
+
+
+def arm_axes(arm: Arm) -> tuple[np.ndarray, int]:
+    """Axes of the beam in frame_a (columns: horizontal normal, z x that, along the arm), and 1 for an arm to port.
+
+    1 means that the arm points along (up x normal), as an arm to port does, -1 that it points the other way.
+    Raises ParameterError for a vertical arm.
+    """
+    along = np.ravel(arm.to) / np.linalg.norm(np.ravel(arm.to))
+    normal = np.cross(along, (0.0, 0.0, 1.0))
+    if np.linalg.norm(normal) < 1e-6:
+        raise ParameterError(f"{arm.label}: an arm that points along z has no horizontal normal; use a FlexibleTower.")
+    normal /= np.linalg.norm(normal)
+    side = 1 if normal[0] > 1e-9 or (abs(normal[0]) <= 1e-9 and normal[1] > 0) else -1
+    return np.column_stack([side * normal, np.cross(along, side * normal), along]), side

@@ -1,0 +1,121 @@
+"""`fowt view`: a model or a result in 3-D, in the browser."""
+
+from __future__ import annotations
+
+import argparse
+import sys
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+from fowtlib.cli import loading
+from fowtlib.cli.files import RESULTS, check_target
+from fowtlib.cli.run import positive
+from fowtlib.language.errors import ModelError
+
+if TYPE_CHECKING:
+    from fowtlib import Model
+    from fowtlib.solving.results import Result
+
+PAGES = (".html", ".htm")
+EXAMPLES = """A result of a shipped model finds its model; with a model file of your own give both: MODEL --result FILE.
+The page needs no network: it may be sent by mail. An address may end in #t=12.5&view=side&theme=dark&play.
+
+examples:
+  fowt view oc3_spar_rigid --open
+  fowt view run.nc -o run.html
+  fowt view my_spar.yaml --result run.nc
+"""
+
+
+def declare(commands: Any) -> None:
+    """Add the command of this module."""
+    parser = commands.add_parser("view", help="a model or a result in 3-D, as a page for the browser", epilog=EXAMPLES)
+    loading.declare(parser)
+    model = next(action for action in parser._actions if action.dest == "model")
+    model.metavar, model.help = "MODEL|RESULT", "a shipped model, a model file, or a result (.nc)"
+    parser.add_argument("--result", type=Path, metavar="FILE", help="play this result (.nc) of MODEL")
+    parser.add_argument("-o", "--output", type=Path, metavar="FILE", help="the page: .html; default: the model's name")
+    parser.add_argument("--equilibrium", action="store_true", help="a model: at its mean position, not at its start")
+    parser.add_argument("--rate", type=positive, metavar="N", help="moments per second; default: 10 or more")
+    parser.add_argument("--open", action="store_true", help="open the page in the browser")
+    parser.set_defaults(action=view)
+
+
+def view(arguments: argparse.Namespace) -> int:
+    """Write the page, say what is in it, and open it where wanted."""
+    check_target(arguments.output, PAGES)
+    path: Path | None = arguments.result
+    alone = path is None and Path(arguments.model).suffix in RESULTS
+    if alone:
+        path = Path(arguments.model)
+    target = arguments.output or Path(f"{path.stem if path else Path(arguments.model).stem}.html")
+    options = {"path": target, "rate": arguments.rate, "show": arguments.open}
+    if path is None:
+        model = loading.load_at_rest(arguments) if arguments.equilibrium else loading.load(arguments)
+        made = model.view(equilibrium=arguments.equilibrium, **options)
+    else:
+        given = [name for name in ("wind", "waves") if getattr(arguments, name)] + ["set"] * bool(arguments.settings)
+        if given or arguments.equilibrium:
+            what = f"--{given[0]}" if given else "--equilibrium"
+            raise ModelError(f"{what} changes a model; a result is shown as it was computed.")
+        made = _played(arguments, path, alone).view(**options)
+    print(f"saved {made}", file=sys.stderr)
+    return 0
+
+
+def _played(arguments: argparse.Namespace, path: Path, alone: bool) -> Result:
+    """The result, with the model that it came from."""
+    import fowtlib as fw
+    from fowtlib.modelfile import models
+    from fowtlib.solving import Result
+
+    if path.suffix == ".csv":
+        raise ModelError(f"{path}: a CSV file holds the series only, not the states: save the run as .nc.")
+    result = Result.open(path)
+    if result.raw is None or not result.raw.time.size:
+        raise ModelError(f"{path}: the file holds no states, from which positions could be found.")
+    name = result.attributes["model"]
+    if alone and name not in models():
+        which = f"'{name}' is not a shipped model" if name else "it does not name its model"
+        raise ModelError(f"{path}: {which}; give the model too: fowt view MODEL --result {path}")
+    model = fw.load(name if alone else arguments.model, allow_python=arguments.allow_python)
+    plant = _as_it_was(model, result, path).compile()
+    return Result.open(path, plant=plant)
+
+
+def _as_it_was(model: Model, result: Result, path: Path) -> Model:
+    """The model with the parameters of the run; an error that names the first one which cannot be set again."""
+    from fowtlib.solving.plant import structural_values
+
+    then, numbers = result.attributes["structure"], result.attributes["parameters"]
+    now = structural_values(model.root)
+    for depth in sorted({key.count(".") for key in (*then, *numbers)}):  # what others follow lies above them
+        here = [key for key in (*then, *numbers) if key.count(".") == depth]
+        values = {key: then[key] for key in here if key in then and key in now and now[key] != then[key]}
+        values |= {key: numbers[key] for key in here if key in numbers and _was_changed(model, key, numbers[key])}
+        if values:
+            model = model.with_parameters(values)
+            now = structural_values(model.root)
+    for key in sorted({*now, *then} if then else ()):
+        if now.get(key, "absent") != then.get(key, "absent"):
+            raise ModelError(
+                f"{path}: the model of this result is another one: {key} was {then.get(key, 'absent')}, and is "
+                f"{now.get(key, 'absent')}. Give the model that was run: fowt view MODEL --result {path}"
+            )
+    return model
+
+
+def _was_changed(model: Model, path: str, value: Any) -> bool:
+    """True for a tunable parameter of the model that has another value than the run had."""
+    import numpy as np
+
+    from fowtlib.language.errors import NotFoundError
+
+    owner, _, name = path.rpartition(".")
+    try:
+        component = model.root.find(owner)
+    except NotFoundError:
+        return False  # the comparison of structures tells
+    if name not in component.parameters or not component.parameters[name].tunable:
+        return False
+    return not np.array_equal(component.parameter_value(name), np.asarray(value))

@@ -1,0 +1,731 @@
+/* Fixed-step integration of a semi-explicit DAE of index one, torn at its external functions.
+
+   x' = ode(t, x, z, q, w), 0 = alg(t, x, z, q, w), w = outputs of the externals, called level by level.
+   Scheme: generalized-alpha for first-order systems, Jansen, Whiting, Hulbert (2000), Comput. Methods Appl. Mech. Engrg.
+   190, 305-319; on pairs q' = v, v' = a it is the scheme for structures of Kadapa, Dettmer, Peric (2017), Comput. Struct.
+   193, 226-238. With
+     rate_m = rate_n + alpha_m (rate_n+1 - rate_n),   x_f = x_n + alpha_f (x_n+1 - x_n),
+     x_n+1 = x_n + h rate_n + gamma h (rate_n+1 - rate_n),   rate_m = ode(t_n + alpha_f h, x_f, z_f)
+   and v = rate_m, a step is one implicit stage: x_f = xbar + k v with k = alpha_f gamma h / alpha_m and
+   xbar = x_n + (alpha_f h - k) rate_n.
+
+   Rows of ode that are one state or one algebraic unknown are substituted, so that the unknowns of a stage are z and the
+   rates of the other states. The Newton matrix is made of directional differences, with the exact Jacobians of the
+   externals, and kept over many steps.
+
+   An instance is created from a table of sizes and function pointers. There are no globals, and nothing is allocated
+   after fs_create. spline.c stands in front of this file. */
+
+#include <stdlib.h>
+#include <string.h>
+
+#ifndef EXPORT
+#define EXPORT
+#endif
+
+typedef long long fs_int; /* CasADi's casadi_int */
+typedef int (*fs_casadi)(const double **arg, double **res, fs_int *iw, double *w, int mem);
+typedef void (*fs_code)(const double *t, const double *x, const double *z, const double *q, const double *w,
+                        double *first, double *second, double *scratch);
+
+typedef struct {
+  int inputs, outputs;          /* lengths of y and of w */
+  int first_input, first_output; /* where they begin in all y and all w */
+  const int *colind, *row;      /* pattern of the Jacobian by columns; null: it has none, and differences are taken */
+  int entries;                  /* of that pattern */
+  fs_casadi value, slope;       /* CasADi's C interface, or null with a spline */
+  int value_memory, slope_memory;
+  int arguments, results, integers, reals; /* work that both need */
+  const fs_spline *spline;
+} fs_external;
+
+typedef struct {
+  int states, algebraics, given, inputs, outputs; /* lengths of x, z, q, y, w */
+  int externals, levels, scratch;
+  const int *level_start;       /* externals of level l: level_start[l] to level_start[l + 1] - 1 */
+  const fs_external *external;  /* ordered by level */
+  const fs_code *level_inputs;  /* y of a level, from its first input on */
+  fs_code residual;             /* ode, alg */
+  int free_rates, substituted;
+  const int *free_rate;         /* states whose rate is an unknown */
+  const int *order, *source;    /* state order[i] has the rate x[source[i]], or z[-1 - source[i]] */
+  const double *x_nominal, *z_nominal;
+} fs_model;
+
+typedef struct {
+  double step;       /* longest step [s] */
+  double rho_inf;    /* amplitude that is left of an infinitely fast oscillation after one step */
+  double tolerance;  /* of the Newton iteration, relative */
+  int keep;          /* steps over which a Newton matrix is kept */
+  int predictor;     /* degree of the polynomial through the last stages */
+} fs_options;
+
+enum { FS_DONE = 0, FS_STAGE = 1, FS_ALGEBRAIC = 2, FS_EXTERNAL = 3, FS_SINGULAR = 4 };
+enum { FS_STEPS, FS_EVALUATIONS, FS_MATRICES, FS_ALGEBRAIC_MATRICES, FS_STARTS, FS_SLOPES, FS_COUNTS };
+enum { FS_ITERATIONS = 12, FS_HISTORY = 3 };
+
+typedef struct {
+  int n, made, age;
+  double k, theta;
+  double *lu, *row_scale, *row_size;
+  int *pivot;
+} fs_matrix;
+
+typedef struct {
+  fs_model m;
+  fs_options o;
+  int n;                /* unknowns of a stage: z, then the free rates */
+  double *q, *y, *w, *y2, *w2, *ode, *alg, *ode2, *alg2, *scratch;
+  double *x, *rate, *xbar, *xf, *xf2, *v, *v2, *z, *zf, *unknown, *move, *right, *weight, *z_scale, *slope, *real;
+  double *past[FS_HISTORY], past_time[FS_HISTORY];
+  int pasts;
+  const double **arg;
+  double **res;
+  fs_int *integer;
+  fs_matrix stage, algebraic;
+  int started, failed_row, failed_external, not_finite;
+  double t, failed_time;
+  long long count[FS_COUNTS];
+} fs_instance;
+
+static const double FS_DIFFERENCE = 1e-6; /* of the scale of an unknown; the cube root of rounding is near */
+
+static const double FS_DISTRUST = 1.2;    /* by which a contraction that was not measured grows from step to step */
+
+/* --- evaluation ---------------------------------------------------------------------------------------------------- */
+
+static int fs_call(fs_instance *s, fs_casadi f, int memory, const double *y, const double *w,
+                   double *result) {
+  s->arg[0] = y;
+  s->arg[1] = w;
+  s->res[0] = result;
+  return f(s->arg, s->res, s->integer, s->real, memory);
+}
+
+static int fs_value(fs_instance *s, const fs_external *e, const double *y, double *w) {
+  if (e->spline) {
+    fs_spline_values(e->spline, y, w, 0);
+    return 0;
+  }
+  return fs_call(s, e->value, e->value_memory, y, w, w);
+}
+
+/* The externals, and with them ode and alg. */
+static int fs_evaluate(fs_instance *s, double t, const double *x, const double *z) {
+  const fs_model *m = &s->m;
+  int l, i;
+  s->count[FS_EVALUATIONS]++;
+  for (l = 0; l < m->levels; l++) {
+    const fs_external *e = m->external + m->level_start[l];
+    m->level_inputs[l](&t, x, z, s->q, s->w, s->y + e->first_input, 0, s->scratch);
+    for (i = m->level_start[l]; i < m->level_start[l + 1]; i++) {
+      e = m->external + i;
+      if (fs_value(s, e, s->y + e->first_input, s->w + e->first_output)) {
+        s->failed_external = i;
+        s->failed_time = t;
+        return FS_EXTERNAL;
+      }
+    }
+  }
+  m->residual(&t, x, z, s->q, s->w, s->ode, s->alg, s->scratch);
+  return FS_DONE;
+}
+
+/* Jacobians of the externals at the last evaluation. */
+static int fs_slopes(fs_instance *s) {
+  int i;
+  double *entries = s->slope;
+  s->count[FS_SLOPES]++;
+  for (i = 0; i < s->m.externals; i++) {
+    const fs_external *e = s->m.external + i;
+    const double *y = s->y + e->first_input, *w = s->w + e->first_output;
+    if (e->spline) fs_spline_values(e->spline, y, s->w2, entries);
+    else if (e->colind && fs_call(s, e->slope, e->slope_memory, y, w, entries)) {
+      s->failed_external = i;
+      return FS_EXTERNAL;
+    }
+    entries += e->entries;
+  }
+  return FS_DONE;
+}
+
+/* ode2 and alg2 beside the last evaluation: the externals move along their Jacobians. */
+static int fs_evaluate_beside(fs_instance *s, double t, const double *x, const double *z) {
+  const fs_model *m = &s->m;
+  const double *entries = s->slope;
+  int l, i, j, p;
+  memcpy(s->w2, s->w, sizeof(double) * (size_t)m->outputs);
+  for (l = 0; l < m->levels; l++) {
+    const fs_external *e = m->external + m->level_start[l];
+    m->level_inputs[l](&t, x, z, s->q, s->w2, s->y2 + e->first_input, 0, s->scratch);
+    for (i = m->level_start[l]; i < m->level_start[l + 1]; i++) {
+      double *w;
+      e = m->external + i;
+      w = s->w2 + e->first_output;
+      if (!e->colind) {
+        if (fs_value(s, e, s->y2 + e->first_input, w)) {
+          s->failed_external = i;
+          return FS_EXTERNAL;
+        }
+        continue;
+      }
+      for (j = 0; j < e->inputs; j++) {
+        double dy = s->y2[e->first_input + j] - s->y[e->first_input + j];
+        if (dy != 0.0)
+          for (p = e->colind[j]; p < e->colind[j + 1]; p++) w[e->row[p]] += entries[p] * dy;
+      }
+      entries += e->entries;
+    }
+  }
+  m->residual(&t, x, z, s->q, s->w2, s->ode2, s->alg2, s->scratch);
+  return FS_DONE;
+}
+
+/* --- dense linear algebra ------------------------------------------------------------------------------------------ */
+
+/* LU with partial pivoting on scaled rows, in place; returns FS_SINGULAR where there is no pivot. */
+static int fs_factor(fs_matrix *a) {
+  int n = a->n, i, j, c;
+  double *lu = a->lu;
+  for (c = 0; c < n; c++) {
+    int best = c;
+    double size = fabs(lu[c * n + c]);
+    for (i = c + 1; i < n; i++)
+      if (fabs(lu[i * n + c]) > size) { size = fabs(lu[i * n + c]); best = i; }
+    a->pivot[c] = best;
+    if (!(size > 0.0) || !isfinite(size)) return FS_SINGULAR;
+    if (best != c)
+      for (j = 0; j < n; j++) {
+        double swap = lu[c * n + j];
+        lu[c * n + j] = lu[best * n + j];
+        lu[best * n + j] = swap;
+      }
+    for (i = c + 1; i < n; i++) {
+      double *row = lu + i * n, factor = row[c];
+      const double *top = lu + c * n;
+      if (factor == 0.0) continue;
+      factor /= top[c];
+      row[c] = factor;
+      for (j = c + 1; j < n; j++) row[j] -= factor * top[j];
+    }
+  }
+  return FS_DONE;
+}
+
+static void fs_solve(const fs_matrix *a, double *b) {
+  int n = a->n, i, j;
+  const double *lu = a->lu;
+  for (i = 0; i < n; i++) b[i] *= a->row_scale[i];
+  for (i = 0; i < n; i++)
+    if (a->pivot[i] != i) {
+      double swap = b[i];
+      b[i] = b[a->pivot[i]];
+      b[a->pivot[i]] = swap;
+    }
+  for (i = 0; i < n; i++) {
+    double sum = b[i];
+    const double *row = lu + i * n;
+    for (j = 0; j < i; j++) sum -= row[j] * b[j];
+    b[i] = sum;
+  }
+  for (i = n - 1; i >= 0; i--) {
+    double sum = b[i];
+    const double *row = lu + i * n;
+    for (j = i + 1; j < n; j++) sum -= row[j] * b[j];
+    b[i] = sum / row[i];
+  }
+}
+
+/* Scale the rows and factor. weight: 1 / scale of the unknowns. */
+static int fs_finish(fs_matrix *a, const double *weight) {
+  int n = a->n, i, j, status;
+  for (i = 0; i < n; i++) {
+    double largest = 0.0, sum = 0.0;
+    for (j = 0; j < n; j++) {
+      double part = fabs(a->lu[i * n + j]) / weight[j];
+      if (part > largest) largest = part;
+      sum += part;
+    }
+    a->row_size[i] = sum;
+    a->row_scale[i] = largest > 0.0 && isfinite(largest) ? 1.0 / largest : 1.0;
+    for (j = 0; j < n; j++) a->lu[i * n + j] *= a->row_scale[i];
+  }
+  status = fs_factor(a);
+  a->made = status == FS_DONE;
+  a->age = 0;
+  a->theta = 0.1;
+  return status;
+}
+
+/* --- a stage ------------------------------------------------------------------------------------------------------- */
+
+/* Rates of all states and x_f from the unknowns of a stage. */
+static void fs_place(const fs_instance *s, double k, const double *unknown, double *v, double *xf) {
+  const fs_model *m = &s->m;
+  int i;
+  for (i = 0; i < m->free_rates; i++) {
+    int state = m->free_rate[i];
+    v[state] = unknown[m->algebraics + i];
+    xf[state] = s->xbar[state] + k * v[state];
+  }
+  for (i = 0; i < m->substituted; i++) {
+    int state = m->order[i], source = m->source[i];
+    v[state] = source >= 0 ? xf[source] : unknown[-1 - source];
+    xf[state] = s->xbar[state] + k * v[state];
+  }
+}
+
+static double fs_scale(double value, double nominal) {
+  double size = fabs(value);
+  return size > nominal ? size : nominal;
+}
+
+/* 1 / scale of the unknowns of a stage: a rate counts by what it moves its state. */
+static void fs_weigh(fs_instance *s, double k) {
+  const fs_model *m = &s->m;
+  int i;
+  for (i = 0; i < m->algebraics; i++) s->weight[i] = 0.0;
+  for (i = 0; i < m->substituted; i++)
+    if (m->source[i] < 0) {
+      double weight = k / fs_scale(s->x[m->order[i]], m->x_nominal[m->order[i]]);
+      if (weight > s->weight[-1 - m->source[i]]) s->weight[-1 - m->source[i]] = weight;
+    }
+  for (i = 0; i < m->algebraics; i++)
+    if (s->weight[i] == 0.0) s->weight[i] = 1.0 / s->z_scale[i];
+  for (i = 0; i < m->free_rates; i++)
+    s->weight[m->algebraics + i] = k / fs_scale(s->x[m->free_rate[i]], m->x_nominal[m->free_rate[i]]);
+}
+
+static void fs_remember_scale(fs_instance *s, const double *z) {
+  int i;
+  for (i = 0; i < s->m.algebraics; i++) s->z_scale[i] = fs_scale(z[i], s->z_scale[i]);
+}
+
+/* The Newton matrix of a stage at its last evaluation, column by column. */
+static int fs_stage_matrix(fs_instance *s, double t, double k) {
+  const fs_model *m = &s->m;
+  fs_matrix *a = &s->stage;
+  int n = s->n, nz = m->algebraics, c, i, status;
+  s->count[FS_MATRICES]++;
+  if ((status = fs_slopes(s))) return status;
+  for (c = 0; c < n; c++) {
+    double kept = s->unknown[c], scale, step;
+    scale = c < nz ? s->z_scale[c] : fs_scale(kept, k * s->weight[c] > 0 ? k / s->weight[c] : 1.0);
+    s->unknown[c] = kept + FS_DIFFERENCE * scale;
+    step = s->unknown[c] - kept;
+    fs_place(s, k, s->unknown, s->v2, s->xf2);
+    if ((status = fs_evaluate_beside(s, t, s->xf2, s->unknown))) return status;
+    s->unknown[c] = kept;
+    for (i = 0; i < nz; i++) a->lu[i * n + c] = (s->alg2[i] - s->alg[i]) / step;
+    for (i = 0; i < m->free_rates; i++)
+      a->lu[(nz + i) * n + c] = -(s->ode2[m->free_rate[i]] - s->ode[m->free_rate[i]]) / step;
+    if (c >= nz) a->lu[c * n + c] += 1.0;
+  }
+  a->k = k;
+  return fs_finish(a, s->weight);
+}
+
+static int fs_algebraic_matrix(fs_instance *s, double t, const double *x, double *z) {
+  fs_matrix *a = &s->algebraic;
+  int n = a->n, c, i, status;
+  s->count[FS_ALGEBRAIC_MATRICES]++;
+  if ((status = fs_slopes(s))) return status;
+  for (c = 0; c < n; c++) {
+    double kept = z[c], step;
+    z[c] = kept + FS_DIFFERENCE * s->z_scale[c];
+    step = z[c] - kept;
+    status = fs_evaluate_beside(s, t, x, z);
+    z[c] = kept;
+    if (status) return status;
+    for (i = 0; i < n; i++) a->lu[i * n + c] = (s->alg2[i] - s->alg[i]) / step;
+    s->weight[c] = 1.0 / s->z_scale[c];
+  }
+  return fs_finish(a, s->weight);
+}
+
+static double fs_norm(const double *move, const double *weight, int n) {
+  double largest = 0.0;
+  int i;
+  for (i = 0; i < n; i++) {
+    double part = fabs(move[i]) * weight[i];
+    if (!(part <= largest)) largest = part; /* NaN too */
+  }
+  return largest;
+}
+
+/* Row that stands out: the first that is not finite, else the largest one, scaled. */
+static void fs_blame(fs_instance *s, double t, const fs_matrix *a, const double *residual, int n) {
+  double largest = -1.0;
+  int i;
+  s->failed_time = t;
+  s->failed_row = 0;
+  s->not_finite = 0;
+  for (i = 0; i < n; i++) {
+    double size = fabs(residual[i]) / (a->row_size[i] > 0.0 ? a->row_size[i] : 1.0);
+    if (!isfinite(residual[i])) {
+      s->failed_row = i;
+      s->not_finite = 1;
+      return;
+    }
+    if (size > largest) { largest = size; s->failed_row = i; }
+  }
+}
+
+/* What of an update is left, by the contraction measured; negative while the iteration diverges. */
+static double fs_left(fs_matrix *a, double now, double before, int iteration) {
+  double theta;
+  if (iteration > 0) {
+    theta = before > 0.0 ? now / before : 0.0;
+    if (!(theta < 1.0)) return -1.0;
+    a->theta = iteration == 1 || theta > a->theta ? theta : a->theta;
+    if (a->theta < 1e-4) a->theta = 1e-4;
+  }
+  theta = a->theta;
+  return now * theta / (1.0 - theta);
+}
+
+static void fs_residual_of_stage(fs_instance *s) {
+  int i;
+  memcpy(s->right, s->alg, sizeof(double) * (size_t)s->m.algebraics);
+  for (i = 0; i < s->m.free_rates; i++)
+    s->right[s->m.algebraics + i] = s->v[s->m.free_rate[i]] - s->ode[s->m.free_rate[i]];
+}
+
+/* Unknowns of a stage by modified Newton from s->unknown; the matrix is made anew where the kept one does not lead on. */
+static int fs_iterate_stage(fs_instance *s, double t, double k, int fresh) {
+  fs_matrix *a = &s->stage;
+  int n = s->n, iteration, i, status;
+  double before = 0.0, now, left;
+  for (iteration = 0; iteration < FS_ITERATIONS; iteration++) {
+    fs_place(s, k, s->unknown, s->v, s->xf);
+    if ((status = fs_evaluate(s, t, s->xf, s->unknown))) return status;
+    fs_residual_of_stage(s);
+    if (fresh && (iteration == 0 || fresh > 1)) {
+      double theta = a->theta;
+      for (i = 0; i < n; i++)
+        if (!isfinite(s->right[i])) break;
+      status = i < n ? FS_STAGE : fs_stage_matrix(s, t, k);
+      if (status) {
+        fs_blame(s, t, a, s->right, n);
+        return status;
+      }
+      if (iteration > 0) a->theta = theta;
+    }
+    for (i = 0; i < n; i++) s->move[i] = s->right[i];
+    fs_solve(a, s->move);
+    now = fs_norm(s->move, s->weight, n);
+    left = isfinite(now) ? fs_left(a, now, before, iteration) : -1.0;
+    if (left < 0.0) break;
+    for (i = 0; i < n; i++) s->unknown[i] -= s->move[i];
+    if (left <= s->o.tolerance) {
+      fs_place(s, k, s->unknown, s->v, s->xf);
+      if (iteration > 0 && (iteration > 4 || a->theta > 0.25)) a->age = s->o.keep; /* a new one at the next step */
+      else if (iteration == 0) a->theta = fmin(FS_DISTRUST * a->theta, 0.5);
+      return FS_DONE;
+    }
+    before = now;
+  }
+  fs_blame(s, t, a, s->right, n);
+  return FS_STAGE;
+}
+
+/* Value at time t of the polynomial through the last stages. */
+static void fs_predict(const fs_instance *s, double t, double *unknown, int n) {
+  int used = s->o.predictor + 1 < s->pasts ? s->o.predictor + 1 : s->pasts, i, j, c;
+  memset(unknown, 0, sizeof(double) * (size_t)n);
+  for (i = 0; i < used; i++) {
+    double factor = 1.0;
+    for (j = 0; j < used; j++)
+      if (j != i) factor *= (t - s->past_time[j]) / (s->past_time[i] - s->past_time[j]);
+    for (c = 0; c < n; c++) unknown[c] += factor * s->past[i][c];
+  }
+}
+
+static void fs_keep(fs_instance *s, double t, const double *unknown) {
+  double *oldest = s->past[FS_HISTORY - 1];
+  int i;
+  for (i = FS_HISTORY - 1; i > 0; i--) {
+    s->past[i] = s->past[i - 1];
+    s->past_time[i] = s->past_time[i - 1];
+  }
+  s->past[0] = oldest;
+  s->past_time[0] = t;
+  memcpy(oldest, unknown, sizeof(double) * (size_t)s->n);
+  if (s->pasts < FS_HISTORY) s->pasts++;
+}
+
+static int fs_step(fs_instance *s, double t, double h) {
+  double r = s->o.rho_inf, am = 0.5 * (3.0 - r) / (1.0 + r), af = 1.0 / (1.0 + r), g = 0.5 + am - af;
+  double k = af * g * h / am, stage = t + af * h;
+  fs_matrix *a = &s->stage;
+  int i, attempt, status = FS_STAGE;
+  for (i = 0; i < s->m.states; i++) s->xbar[i] = s->x[i] + (af * h - k) * s->rate[i];
+  fs_weigh(s, k);
+  if (a->age >= s->o.keep || fabs(k - a->k) > 0.2 * a->k) a->made = 0;
+  /* the kept matrix; a new one at the prediction; a new one in every iteration, from the last stage */
+  for (attempt = a->made ? 0 : 1; attempt < 3 && status; attempt++) {
+    if (attempt < 2) fs_predict(s, stage, s->unknown, s->n);
+    else memcpy(s->unknown, s->past[0], sizeof(double) * (size_t)s->n);
+    status = fs_iterate_stage(s, stage, k, attempt);
+  }
+  if (status) {
+    a->made = 0;
+    return status;
+  }
+  a->age++;
+  s->count[FS_STEPS]++;
+  for (i = 0; i < s->m.states; i++) {
+    double change = (s->v[i] - s->rate[i]) / am;
+    s->x[i] += h * (s->rate[i] + g * change);
+    s->rate[i] += change;
+  }
+  fs_remember_scale(s, s->unknown);
+  fs_keep(s, stage, s->unknown);
+  return FS_DONE;
+}
+
+/* --- algebraic unknowns at a point --------------------------------------------------------------------------------- */
+
+/* Solve alg for z; `ode` belongs to the solution where ready comes back as 1. */
+static int fs_iterate_algebraic(fs_instance *s, double t, const double *x, double *z, int fresh, int *ready) {
+  fs_matrix *a = &s->algebraic;
+  int n = a->n, iteration, i, status;
+  double before = 0.0, now, left;
+  *ready = 0;
+  for (iteration = 0; iteration < FS_ITERATIONS; iteration++) {
+    if ((status = fs_evaluate(s, t, x, z))) return status;
+    if (n == 0) {
+      *ready = 1;
+      return FS_DONE;
+    }
+    if (fresh && (iteration == 0 || fresh > 1)) {
+      double theta = a->theta;
+      for (i = 0; i < n; i++)
+        if (!isfinite(s->alg[i])) break;
+      status = i < n ? FS_ALGEBRAIC : fs_algebraic_matrix(s, t, x, z);
+      if (status) {
+        fs_blame(s, t, a, s->alg, n);
+        return status;
+      }
+      if (iteration > 0) a->theta = theta;
+    }
+    for (i = 0; i < n; i++) {
+      s->move[i] = s->alg[i];
+      s->weight[i] = 1.0 / s->z_scale[i];
+    }
+    fs_solve(a, s->move);
+    now = fs_norm(s->move, s->weight, n);
+    if (now <= 0.1 * s->o.tolerance) {
+      *ready = 1;
+      return FS_DONE;
+    }
+    left = isfinite(now) ? fs_left(a, now, before, iteration) : -1.0;
+    if (left < 0.0) break;
+    for (i = 0; i < n; i++) z[i] -= s->move[i];
+    if (left <= s->o.tolerance) {
+      if (iteration > 0 && (iteration > 4 || a->theta > 0.25)) a->age = s->o.keep;
+      else if (iteration == 0) a->theta = fmin(FS_DISTRUST * a->theta, 0.5);
+      return FS_DONE;
+    }
+    before = now;
+  }
+  fs_blame(s, t, a, s->alg, n);
+  return FS_ALGEBRAIC;
+}
+
+static int fs_algebraics(fs_instance *s, double t, const double *x, double *z, int *ready) {
+  fs_matrix *a = &s->algebraic;
+  int attempt, status = FS_ALGEBRAIC;
+  if (a->age >= s->o.keep) a->made = 0;
+  memcpy(s->zf, z, sizeof(double) * (size_t)a->n);
+  for (attempt = a->made || a->n == 0 ? 0 : 1;
+       attempt < 3 && status; attempt++) {
+    memcpy(z, s->zf, sizeof(double) * (size_t)a->n);
+    status = fs_iterate_algebraic(s, t, x, z, attempt, ready);
+  }
+  if (status) {
+    a->made = 0;
+    return status;
+  }
+  a->age++;
+  fs_remember_scale(s, z);
+  return FS_DONE;
+}
+
+/* --- what is seen from outside ------------------------------------------------------------------------------------- */
+
+/* A new start: z consistent with t, x, q, and the rates that belong to them. Where only q has jumped, the prediction of
+   the next stage keeps its slope. */
+static int fs_start(fs_instance *s, double t, const double *x, const double *z, const double *q) {
+  int jumped = s->started && fabs(t - s->t) <= 1e-9 * s->o.step
+      && memcmp(x, s->x, sizeof(double) * (size_t)s->m.states) == 0;
+  int ready, i, c, status;
+  s->count[FS_STARTS]++;
+  s->started = 0;
+  memcpy(s->q, q, sizeof(double) * (size_t)s->m.given);
+  memcpy(s->x, x, sizeof(double) * (size_t)s->m.states);
+  memcpy(s->z, z, sizeof(double) * (size_t)s->m.algebraics);
+  fs_remember_scale(s, z);
+  if ((status = fs_algebraics(s, t, s->x, s->z, &ready))) return status;
+  if (!ready && (status = fs_evaluate(s, t, s->x, s->z))) return status;
+  memcpy(s->rate, s->ode, sizeof(double) * (size_t)s->m.states);
+  for (i = 0; i < s->m.states; i++)
+    if (!isfinite(s->rate[i])) {
+      s->failed_time = t;
+      s->failed_row = s->m.algebraics + s->m.free_rates + i;
+      s->not_finite = 1;
+      return FS_STAGE;
+    }
+  memcpy(s->unknown, s->z, sizeof(double) * (size_t)s->m.algebraics);
+  for (i = 0; i < s->m.free_rates; i++) s->unknown[s->m.algebraics + i] = s->rate[s->m.free_rate[i]];
+  if (!jumped) s->pasts = 0;
+  fs_predict(s, t, s->move, s->n); /* what has jumped goes on from its new value with the slope it had */
+  for (i = 0; i < s->pasts; i++)
+    for (c = 0; c < s->n; c++) s->past[i][c] += s->unknown[c] - s->move[c];
+  if (!s->pasts) fs_keep(s, t, s->unknown);
+  s->t = t;
+  s->started = 1;
+  return FS_DONE;
+}
+
+/* A new start; z becomes consistent with t, x, q. */
+EXPORT int fs_consistent(fs_instance *s, double t, const double *x, double *z, const double *q) {
+  int status = fs_start(s, t, x, z, q);
+  if (status == FS_DONE) memcpy(z, s->z, sizeof(double) * (size_t)s->m.algebraics);
+  return status;
+}
+
+/* Values of a function of the model at a point, such as what a sampled part computes; `outputs` says whether it needs w. */
+EXPORT int fs_observe(fs_instance *s, fs_code function, int outputs, double t, const double *x, const double *z,
+                      const double *q, double *values) {
+  int status = FS_DONE;
+  if (outputs) {
+    memcpy(s->q, q, sizeof(double) * (size_t)s->m.given);
+    status = fs_evaluate(s, t, x, z);
+  }
+  if (status == FS_DONE) function(&t, x, z, q, s->w, values, 0, s->scratch);
+  return status;
+}
+
+/* Whether an instance stands at t, x, q, so that it goes on with its own rates. */
+static int fs_stands_at(const fs_instance *s, double t, const double *x, const double *q) {
+  return s->started && fabs(t - s->t) <= 1e-9 * s->o.step
+      && memcmp(x, s->x, sizeof(double) * (size_t)s->m.states) == 0
+      && memcmp(q, s->q, sizeof(double) * (size_t)s->m.given) == 0;
+}
+
+/* From t, x, z over `length` with equal steps of at most the longest one between `points` equidistant points; rows of
+   x and z at the points. *reached: points that were reached. Returns FS_DONE or why it stops. */
+EXPORT int fs_advance(fs_instance *s, double t, double length, int points, const double *x, const double *z,
+                      const double *q, double *x_rows, double *z_rows, int *reached) {
+  int nx = s->m.states, nz = s->m.algebraics, status, ready, p, i;
+  double interval = length / points, steps = ceil(interval / s->o.step * (1.0 - 1e-9));
+  double h = interval / (steps > 1.0 ? steps : 1.0);
+  *reached = 0;
+  if (!fs_stands_at(s, t, x, q) && (status = fs_start(s, t, x, z, q))) return status;
+  for (p = 0; p < points; p++) {
+    double from = t + length * p / points;
+    for (i = 0; i < steps || i == 0; i++)
+      if ((status = fs_step(s, from + i * h, h))) {
+        s->started = 0;
+        return status;
+      }
+    s->t = t + length * (p + 1) / points;
+    fs_predict(s, s->t, s->unknown, s->n);
+    memcpy(s->z, s->unknown, sizeof(double) * (size_t)nz);
+    if ((status = fs_algebraics(s, s->t, s->x, s->z, &ready))) {
+      s->started = 0;
+      return status;
+    }
+    memcpy(x_rows + (size_t)p * nx, s->x, sizeof(double) * (size_t)nx);
+    memcpy(z_rows + (size_t)p * nz, s->z, sizeof(double) * (size_t)nz);
+    *reached = p + 1;
+  }
+  return FS_DONE;
+}
+
+/* Time and row of the last failure: rows are alg, then the free rates, then all rates; and what went wrong there. */
+EXPORT void fs_failure(const fs_instance *s, double *t, int *row, int *not_finite, int *external) {
+  *t = s->failed_time;
+  *row = s->failed_row;
+  *not_finite = s->not_finite;
+  *external = s->failed_external;
+}
+
+/* Steps, evaluations, matrices of stages and of algebraic unknowns, starts, Jacobians of the externals so far. */
+EXPORT void fs_counts(const fs_instance *s, long long *counts) { memcpy(counts, s->count, sizeof(s->count)); }
+
+static double *fs_take(double *memory, size_t *used, size_t n) {
+  size_t here = *used;
+  *used += n;
+  return memory ? memory + here : 0;
+}
+
+/* Lay the arrays out in the memory; returns how many numbers they take. Without memory it only counts. */
+static size_t fs_lay(fs_instance *s, double *memory) {
+  size_t used = 0, *u = &used;
+  double *m = memory;
+  size_t nx = (size_t)s->m.states, nz = (size_t)s->m.algebraics, n = (size_t)s->n, ny = (size_t)s->m.inputs;
+  size_t nw = (size_t)s->m.outputs, real = 0, entries = 0;
+  int i;
+  for (i = 0; i < s->m.externals; i++) {
+    const fs_external *e = s->m.external + i;
+    entries += (size_t)e->entries;
+    if ((size_t)e->reals > real) real = (size_t)e->reals;
+  }
+  s->q = fs_take(m, u, (size_t)s->m.given);
+  s->y = fs_take(m, u, ny); s->y2 = fs_take(m, u, ny);
+  s->w = fs_take(m, u, nw); s->w2 = fs_take(m, u, nw);
+  s->ode = fs_take(m, u, nx); s->ode2 = fs_take(m, u, nx);
+  s->alg = fs_take(m, u, nz); s->alg2 = fs_take(m, u, nz);
+  s->scratch = fs_take(m, u, (size_t)s->m.scratch);
+  s->x = fs_take(m, u, nx); s->rate = fs_take(m, u, nx); s->xbar = fs_take(m, u, nx);
+  s->xf = fs_take(m, u, nx); s->xf2 = fs_take(m, u, nx); s->v = fs_take(m, u, nx); s->v2 = fs_take(m, u, nx);
+  s->z = fs_take(m, u, nz); s->zf = fs_take(m, u, nz); s->z_scale = fs_take(m, u, nz);
+  s->unknown = fs_take(m, u, n); s->move = fs_take(m, u, n); s->right = fs_take(m, u, n); s->weight = fs_take(m, u, n);
+  s->slope = fs_take(m, u, entries); s->real = fs_take(m, u, real);
+  for (i = 0; i < FS_HISTORY; i++) s->past[i] = fs_take(m, u, n);
+  s->stage.lu = fs_take(m, u, n * n); s->stage.row_scale = fs_take(m, u, n); s->stage.row_size = fs_take(m, u, n);
+  s->algebraic.lu = fs_take(m, u, nz * nz); s->algebraic.row_scale = fs_take(m, u, nz); s->algebraic.row_size = fs_take(m, u, nz);
+  return used;
+}
+
+/* An instance; null where there is no memory. The tables that the model points to must live as long. */
+EXPORT fs_instance *fs_create(const fs_model *model, const fs_options *options) {
+  fs_instance *s = calloc(1, sizeof(fs_instance));
+  double *memory;
+  size_t arguments = 2, results = 1, integers = 0;
+  int i;
+  if (!s) return 0;
+  s->m = *model;
+  s->o = *options;
+  s->n = model->algebraics + model->free_rates;
+  s->stage.n = s->n;
+  s->algebraic.n = model->algebraics;
+  for (i = 0; i < model->externals; i++) {
+    const fs_external *e = model->external + i;
+    if ((size_t)e->arguments > arguments) arguments = (size_t)e->arguments;
+    if ((size_t)e->results > results) results = (size_t)e->results;
+    if ((size_t)e->integers > integers) integers = (size_t)e->integers;
+  }
+  memory = calloc(fs_lay(s, 0) + 1, sizeof(double));
+  s->arg = calloc(arguments, sizeof(double *));
+  s->res = calloc(results, sizeof(double *));
+  s->integer = calloc(integers + 1, sizeof(fs_int));
+  s->stage.pivot = calloc((size_t)s->n + 1, sizeof(int));
+  s->algebraic.pivot = calloc((size_t)model->algebraics + 1, sizeof(int));
+  if (!memory || !s->arg || !s->res || !s->integer || !s->stage.pivot || !s->algebraic.pivot) {
+    free(memory); free(s->arg); free(s->res); free(s->integer); free(s->stage.pivot); free(s->algebraic.pivot); free(s);
+    return 0;
+  }
+  fs_lay(s, memory);
+  for (i = 0; i < model->algebraics; i++) s->z_scale[i] = model->z_nominal[i];
+  return s;
+}
+
+EXPORT void fs_free(fs_instance *s) {
+  if (!s) return;
+  free(s->q); /* the first of all arrays */
+  free(s->arg); free(s->res); free(s->integer); free(s->stage.pivot); free(s->algebraic.pivot);
+  free(s);
+}

@@ -1,0 +1,106 @@
+"""The fixed-step engine: generalized-alpha in compiled code; see fixed_step.c for the scheme and docs/solvers.md."""
+
+from __future__ import annotations
+
+import ctypes as c
+from collections.abc import Callable
+
+import numpy as np
+
+from fowtlib.language.errors import SimulationError
+from fowtlib.solving.evaluation import Evaluation
+from fowtlib.solving.failure import StepFailure, step_failure
+from fowtlib.solving.fixed_step_code import FixedStepCode, Options, runtime
+from fowtlib.solving.initial import consistent_algebraics
+
+NEWTON = 0.01  # of the tolerance: what the iterations leave adds up over the steps
+KEEP = 50  # steps over which a Newton matrix is kept, as long as it leads on
+PREDICTOR = 2  # degree of the polynomial through the last stages
+EXTERNAL = 3  # FS_EXTERNAL of fixed_step.c
+
+
+class FixedStep:
+    """Integrates over an interval with equal steps of at most `step`, with equidistant output points.
+
+    It goes on with its own rates where it stands at the point it is called from; anywhere else it starts anew.
+    """
+
+    def __init__(self, code: FixedStepCode, evaluation: Evaluation, step: float, tolerance: float,
+                 rho_inf: float, keep: int = KEEP, predictor: int = PREDICTOR):  # fmt: skip
+        self.code, self.evaluation = code, evaluation
+        self.attributes = {"solver": "fixed", "step": step, "rho_inf": rho_inf, "tolerance": tolerance}
+        self.advice = f"or take a shorter step (--step {500 * step:g}ms)"
+        self._library = runtime()
+        options = Options(step, rho_inf, NEWTON * tolerance, keep, predictor)
+        self._instance = self._library.fs_create(c.byref(code.table), c.byref(options))
+        if not self._instance:
+            raise MemoryError("no memory for the fixed-step engine")
+
+    def __del__(self):
+        if getattr(self, "_instance", None):
+            self._library.fs_free(self._instance)
+            self._instance = None
+
+    def advance(
+        self, t: float, length: float, points: int, x: np.ndarray, z: np.ndarray, q: np.ndarray
+    ) -> tuple[np.ndarray, np.ndarray]:
+        """States and algebraic unknowns (rows) at `points` equidistant times after t; StepFailure where it fails."""
+        self.code.raised.clear()
+        x, z, given = _numbers(x), _numbers(z), np.concatenate([q, self.evaluation.parameters])
+        xs, zs, reached = np.empty((points, len(x))), np.empty((points, len(z))), c.c_int()
+        status = self._library.fs_advance(
+            self._instance, t, length, points, x.ctypes.data, z.ctypes.data, given.ctypes.data, xs.ctypes.data,
+            zs.ctypes.data, c.byref(reached),
+        )  # fmt: skip
+        if status:
+            raise self._failure(status)
+        return xs, zs
+
+    def algebraics(self, t: float, x: np.ndarray, z: np.ndarray, q: np.ndarray) -> np.ndarray:
+        """Algebraic unknowns that satisfy the equations at the states; SimulationError where none are found."""
+        self.code.raised.clear()
+        x, new, given = _numbers(x), np.array(z, dtype=float), np.concatenate([q, self.evaluation.parameters])
+        status = self._library.fs_consistent(self._instance, t, x.ctypes.data, new.ctypes.data, given.ctypes.data)
+        return consistent_algebraics(self.evaluation, t, x, z, q) if status else new
+
+    def updater(self, sample: int) -> Callable[..., np.ndarray]:
+        """The new values of the discrete variables of a sampled part, as a function of t, x, z, q."""
+        function, outputs = self.code.address(f"sample_{sample}"), self.code.samples_need_outputs[sample]
+        count = len(self.code.dae.samples[sample].targets)
+
+        def update(t: float, x: np.ndarray, z: np.ndarray, q: np.ndarray) -> np.ndarray:
+            self.code.raised.clear()
+            x, z, given = _numbers(x), _numbers(z), np.concatenate([q, self.evaluation.parameters])
+            values = np.empty(count)
+            status = self._library.fs_observe(
+                self._instance, function, outputs, t, x.ctypes.data, z.ctypes.data, given.ctypes.data,
+                values.ctypes.data,
+            )  # fmt: skip
+            if status:
+                raise SimulationError(str(self._failure(status)))
+            return values
+
+        return update
+
+    def counts(self) -> dict[str, int]:
+        """What has been done so far: steps, evaluations of the equations, Newton matrices, starts."""
+        names = ("steps", "evaluations", "matrices", "algebraic_matrices", "starts", "slopes")
+        values = (c.c_longlong * len(names))()
+        self._library.fs_counts(self._instance, c.byref(values))
+        return dict(zip(names, values, strict=True))
+
+    def _failure(self, status: int) -> StepFailure:
+        if self.code.raised:
+            raise self.code.raised[-1]
+        t, row, not_finite, external = c.c_double(), c.c_int(), c.c_int(), c.c_int()
+        self._library.fs_failure(self._instance, c.byref(t), c.byref(row), c.byref(not_finite), c.byref(external))
+        dae = self.code.dae
+        if status == EXTERNAL:
+            item = dae.externals[self.code.external_order[external.value]]
+            name = item.function.name()
+            return StepFailure(f"the external function {name} of {item.path} fails at t = {t.value:.6g} s")
+        return StepFailure(step_failure(dae, self.code.reduction.free, t.value, row.value, bool(not_finite.value)))
+
+
+def _numbers(array: np.ndarray) -> np.ndarray:
+    return np.ascontiguousarray(array, dtype=float)

@@ -1,0 +1,254 @@
+"""The compiled functions of a FlatDAE for the fixed-step engine, and the tables that its C runtime reads.
+
+The tunable parameters stay arguments of the code (behind the inputs and discrete variables in q), so that a change of
+parameters finds the library again.
+"""
+
+from __future__ import annotations
+
+import ctypes as c
+from functools import cache
+from pathlib import Path
+from typing import Any
+
+import casadi as ca
+import numpy as np
+
+from fowtlib.flattening import FlatDAE
+from fowtlib.language.externals import LibraryFunction
+from fowtlib.language.native import compile_library
+from fowtlib.language.tables import SplineFunction
+from fowtlib.solving.c_code import PROLOGUE, c_function
+from fowtlib.solving.reduction import reduction
+
+DOUBLES, INTEGERS = c.POINTER(c.c_double), c.POINTER(c.c_int)
+CASADI = c.CFUNCTYPE(c.c_int, c.POINTER(DOUBLES), c.POINTER(DOUBLES), c.c_void_p, DOUBLES, c.c_int)
+
+OUT = ["first", "second", "scratch"]
+
+
+class Spline(c.Structure):
+    """fs_spline."""
+
+    _fields_ = [
+        ("arguments", c.c_int), ("outputs", c.c_int), ("count", c.c_int * 2), ("knots", DOUBLES * 2),
+        ("coefficients", DOUBLES), ("low", c.c_double * 2), ("high", c.c_double * 2), ("uniform", c.c_int),
+        ("periodic", c.c_int),
+    ]  # fmt: skip
+
+
+class External(c.Structure):
+    """fs_external."""
+
+    _fields_ = [
+        *((name, c.c_int) for name in ("inputs", "outputs", "first_input", "first_output")), ("colind", INTEGERS),
+        ("row", INTEGERS), ("entries", c.c_int), ("value", c.c_void_p), ("slope", c.c_void_p),
+        *((name, c.c_int) for name in ("value_memory", "slope_memory", "arguments", "results", "integers", "reals")),
+        ("spline", c.POINTER(Spline)),
+    ]  # fmt: skip
+
+
+class Model(c.Structure):
+    """fs_model."""
+
+    _fields_ = [
+        *((name, c.c_int) for name in ("states", "algebraics", "given", "inputs", "outputs", "externals", "levels",
+                                       "scratch")),
+        ("level_start", INTEGERS), ("external", c.POINTER(External)), ("level_inputs", c.POINTER(c.c_void_p)),
+        ("residual", c.c_void_p), ("free_rates", c.c_int), ("substituted", c.c_int), ("free_rate", INTEGERS),
+        ("order", INTEGERS), ("source", INTEGERS), ("x_nominal", DOUBLES), ("z_nominal", DOUBLES),
+    ]  # fmt: skip
+
+
+class Options(c.Structure):
+    """fs_options."""
+
+    _fields_ = [
+        ("step", c.c_double), ("rho_inf", c.c_double), ("tolerance", c.c_double), ("keep", c.c_int),
+        ("predictor", c.c_int),
+    ]  # fmt: skip
+
+
+@cache
+def runtime() -> c.CDLL:
+    """The compiled runtime of the engine, the same for all models."""
+    text = "".join((Path(__file__).parent / name).read_text(encoding="utf-8") for name in ("spline.c", "fixed_step.c"))
+    library = c.CDLL(str(compile_library(text, "fixed_step")))
+    pointer, number = c.c_void_p, c.c_double
+    signatures = {
+        "create": (pointer, [c.POINTER(Model), c.POINTER(Options)]),
+        "free": (None, [pointer]),
+        "consistent": (c.c_int, [pointer, number, *[pointer] * 3]),
+        "observe": (c.c_int, [pointer, pointer, c.c_int, number, *[pointer] * 4]),
+        "advance": (c.c_int, [pointer, number, number, c.c_int, *[pointer] * 6]),
+        "failure": (None, [pointer] * 5),
+        "counts": (None, [pointer] * 2),
+    }
+    for name, (result, arguments) in signatures.items():
+        function = getattr(library, f"fs_{name}")
+        function.restype, function.argtypes = result, arguments
+    return library
+
+
+class FixedStepCode:
+    """What the runtime needs of one model: compiled functions, externals and tables; made once for a plant."""
+
+    def __init__(self, dae: FlatDAE):
+        self.dae = dae
+        self.reduction = reduction(dae)
+        self.raised: list[Exception] = []  # by Python code inside of a step
+        self._alive: list[Any] = []  # what the tables point to
+        self.external_order = [k for level in dae.levels for k in level]
+        text, self.scratch = model_text(dae)
+        self.path = compile_library(text, "model", optimization="-O1")
+        self.library = c.CDLL(str(self.path))
+        self.table = self._model()
+        samples = [ca.Function("sample", [dae.w], [s.values], {"allow_free": True}) for s in dae.samples]
+        self.samples_need_outputs = [function.jac_sparsity(0, 0).nnz() > 0 for function in samples]
+
+    def doubles(self, values: Any) -> Any:
+        """A pointer to numbers that stay alive as long as the code."""
+        return self._kept(np.ascontiguousarray(values, dtype=float), DOUBLES)
+
+    def integers(self, values: Any) -> Any:
+        """The same for integers."""
+        return self._kept(np.ascontiguousarray(values, dtype=np.intc), INTEGERS)
+
+    def _kept(self, array: np.ndarray, kind: Any) -> Any:
+        self._alive.append(array)
+        return array.ctypes.data_as(kind)
+
+    def _model(self) -> Model:
+        dae, reduced = self.dae, self.reduction
+        externals = self._externals()
+        inputs = (c.c_void_p * max(len(dae.levels), 1))()
+        for level in range(len(dae.levels)):
+            inputs[level] = self.address(f"level_{level}")
+        self._alive += [externals, inputs]
+        starts = np.cumsum([0, *(len(level) for level in dae.levels)])
+        return Model(
+            states=dae.x.shape[0], algebraics=dae.z.shape[0], given=sum(v.shape[0] for v in (dae.u, dae.d, dae.p)),
+            inputs=sum(external.inputs.shape[0] for external in dae.externals), outputs=dae.w.shape[0],
+            externals=len(dae.externals), levels=len(dae.levels), scratch=self.scratch,
+            level_start=self.integers(starts), external=externals, level_inputs=inputs,
+            residual=self.address("model"), free_rates=len(reduced.free), substituted=len(reduced.order),
+            free_rate=self.integers(reduced.free), order=self.integers(reduced.order),
+            source=self.integers(reduced.source), x_nominal=self.doubles([s.nominal for s in dae.states]),
+            z_nominal=self.doubles([a.nominal for a in dae.algebraics]),
+        )  # fmt: skip
+
+    def address(self, name: str) -> int:
+        """Where a function of the generated code is."""
+        return c.cast(getattr(self.library, name), c.c_void_p).value
+
+    # --- externals -----------------------------------------------------------------------------------------------
+
+    def _externals(self) -> Any:
+        table = (External * max(len(self.external_order), 1))()
+        position = 0
+        for place, k in enumerate(self.external_order):
+            external = self.dae.externals[k]
+            entry = table[place]
+            entry.inputs, entry.outputs = external.inputs.shape[0], external.outputs.stop - external.outputs.start
+            entry.first_input, entry.first_output = position, external.outputs.start
+            position += entry.inputs
+            function = external.function
+            if isinstance(function, SplineFunction):
+                self._spline(entry, function)
+            elif isinstance(function, LibraryFunction):
+                self._from_library(entry, function)
+            else:
+                self._through_casadi(entry, function)
+        return table
+
+    def _pattern(self, entry: External, pattern: ca.Sparsity) -> None:
+        entry.colind, entry.row = self.integers(pattern.colind()), self.integers(pattern.row())
+        entry.entries = pattern.nnz()
+
+    def _spline(self, entry: External, function: SplineFunction) -> None:
+        data = function.data
+        self._pattern(entry, ca.Sparsity.dense(entry.outputs, entry.inputs))
+        spline = Spline(
+            arguments=len(data.knots), outputs=entry.outputs, coefficients=self.doubles(data.coefficients),
+            uniform=data.uniform, periodic=data.periodic,
+        )  # fmt: skip
+        for a, (knots, (low, high)) in enumerate(zip(data.knots, data.ranges, strict=True)):
+            spline.knots[a], spline.count[a] = self.doubles(knots), len(knots) - 4
+            spline.low[a], spline.high[a] = low, high
+        self._alive.append(spline)
+        entry.spline = c.pointer(spline)
+
+    def _from_library(self, entry: External, function: LibraryFunction) -> None:
+        """By the function pointers of CasADi's C interface; without jac_<name>, differences are taken."""
+        library = c.CDLL(str(function.path))
+        name = function.name()
+        sizes = [_work(library, name)]
+        entry.value, entry.value_memory = _symbol(library, name), _memory(library, name)
+        if hasattr(library, f"jac_{name}"):
+            slope = f"jac_{name}"
+            sizes.append(_work(library, slope))
+            entry.slope, entry.slope_memory = _symbol(library, slope), _memory(library, slope)
+            self._pattern(entry, function.jacobian().sparsity_out(0))
+        entry.arguments, entry.results, entry.integers, entry.reals = np.max(sizes, axis=0).tolist()
+        self._alive.append(library)
+
+    def _through_casadi(self, entry: External, function: ca.Function) -> None:
+        """Anything else is called back in Python: right, and slow."""
+        y = ca.MX.sym("y", entry.inputs)
+        jacobian = ca.Function("slope", [y], [ca.jacobian(ca.vec(function(y)), y)])
+        self._pattern(entry, jacobian.sparsity_out(0))
+        entry.value = self._callback(function, entry.inputs, dense=True)
+        entry.slope = self._callback(jacobian, entry.inputs, dense=False)
+
+    def _callback(self, function: ca.Function, inputs: int, dense: bool) -> int:
+        def call(arguments: Any, results: Any, integers: Any, reals: Any, memory: Any) -> int:
+            try:
+                value = function(np.ctypeslib.as_array(arguments[0], (inputs,)))
+                numbers = np.array(ca.densify(value) if dense else value.nonzeros(), dtype=float).ravel(order="F")
+                np.ctypeslib.as_array(results[0], (numbers.size,))[:] = numbers
+            except Exception as error:  # it cannot pass through the C code; the engine raises it
+                self.raised.append(error)
+                return 1
+            return 0
+
+        self._alive.append(CASADI(call))
+        return c.cast(self._alive[-1], c.c_void_p).value
+
+
+def model_text(dae: FlatDAE) -> tuple[str, int]:
+    """C text of the inputs of the externals, level by level, of samples and residual; their scratch memory."""
+    signature = ", ".join([f"const double *{n}" for n in "txzqw"] + [f"double *{n}" for n in OUT])
+    arguments = [dae.t, dae.x, dae.z, ca.vertcat(dae.u, dae.d, dae.p), dae.w]
+    parts = [
+        (f"level_{level}", [ca.vertcat(*[ca.vec(ca.densify(dae.externals[k].inputs)) for k in members])])
+        for level, members in enumerate(dae.levels)
+    ]
+    parts += [(f"sample_{k}", [sample.values]) for k, sample in enumerate(dae.samples)]
+    parts.append(("model", [dae.ode, dae.alg]))
+    texts, scratch = [PROLOGUE], 0
+    for name, expressions in parts:
+        function = ca.Function(name, arguments, [ca.densify(e) for e in expressions], {"cse": True})
+        text, size = c_function(function, f"{name}_code", list("txzqw"), OUT[: len(expressions)])
+        scratch = max(scratch, size)
+        second = ", second" if len(expressions) > 1 else ""
+        texts += [
+            text,
+            f"EXPORT void {name}({signature}) {{ {name}_code(t, x, z, q, w, first{second}, scratch); }}\n",
+        ]
+    return "".join(texts), scratch
+
+
+def _symbol(library: c.CDLL, name: str) -> int:
+    return c.cast(getattr(library, name), c.c_void_p).value
+
+
+def _work(library: c.CDLL, name: str) -> list[int]:
+    """Arguments, results, integers and reals that a function of CasADi's C interface needs as work."""
+    sizes = [c.c_longlong(2), c.c_longlong(1), c.c_longlong(0), c.c_longlong(0)]
+    if hasattr(library, f"{name}_work"):
+        getattr(library, f"{name}_work")(*(c.byref(size) for size in sizes))
+    return [size.value for size in sizes]
+
+
+def _memory(library: c.CDLL, name: str) -> int:
+    return getattr(library, f"{name}_checkout")() if hasattr(library, f"{name}_checkout") else 0
