@@ -17,8 +17,10 @@ if TYPE_CHECKING:
     from fowtlib.solving.results import Result
 
 PAGES = (".html", ".htm")
-EXAMPLES = """A result of a shipped model finds its model; with a model file of your own give both: MODEL --result FILE.
-The page needs no network: it may be sent by mail. An address may end in #t=12.5&view=side&theme=dark&play.
+EXAMPLES = """A result of a shipped model finds its model; with a model file of your own give
+both: MODEL --result FILE.
+The page needs no network: it may be sent by mail. An address may end in
+#t=12.5&view=side&theme=dark&play.
 
 examples:
   fowt view oc3_spar_rigid --open
