@@ -19,11 +19,10 @@ from pathlib import Path
 
 import numpy as np
 import verification_cases as cases
-from pages import fill
+from pages import Table, fill, markdown
 
 PAGE = Path(__file__).parent.parent / "docs" / "verification.md"
 FIGURES = PAGE.parent / "figures"
-Table = tuple[tuple[str, ...], list[tuple[object, ...]]]  # heads, rows
 SECTIONS: dict[str, Callable[[], Table]] = {}
 
 
@@ -326,14 +325,6 @@ def _outside(value: float, references: tuple[float, float]) -> str:
 
 def _percent(own: float, reference: float) -> str:
     return f"{100 * (own / reference - 1):+.2f} %"
-
-
-def markdown(table: Table) -> str:
-    """A table as text of the page."""
-    heads, rows = table
-    lines = [heads, tuple("---" for _ in heads), *rows]
-    cells = [[f"{cell:.5g}" if isinstance(cell, float) else str(cell) for cell in line] for line in lines]
-    return "\n".join(f"| {' | '.join(line)} |" for line in cells)
 
 
 def main(names: list[str]) -> int:

@@ -1,7 +1,7 @@
-"""Modes of a complete turbine with flexible tower and blades, by name, for docs/verification.md and tests/verification.
+"""Modes of a complete turbine with flexible tower and blades, by name, for docs/verification.md and its tests.
 
-A turbine without wind, its rotor held at azimuth 0 while it finds its rest. `locked` keeps the generator from turning, as
-NREL's published analyses do (J. Jonkman et al., NREL/TP-500-38060 (2009), table 9-1: rotor at rest, generator locked).
+A turbine without wind, its rotor held at azimuth 0 while it finds its rest. `locked` keeps the generator from turning,
+as NREL's published analyses do (J. Jonkman et al., NREL/TP-500-38060 (2009), table 9-1).
 """
 
 from __future__ import annotations
@@ -15,7 +15,7 @@ from scipy.linalg import block_diag, null_space
 
 import fowtlib as fw
 from fowtlib.components.mechanics.beam_division import divide
-from fowtlib.components.mechanics.beam_properties import read_beam
+from fowtlib.components.mechanics.beam_properties import BeamProperties, given_beam, read_beam
 from fowtlib.modelfile import data_path
 from fowtlib.solving.linear import LinearModel, Mode
 from fowtlib.solving.plant import Plant
@@ -28,10 +28,17 @@ MOTIONS = ("surge", "sway", "heave", "roll", "pitch", "yaw")
 VELOCITIES = ("velocity[0]", "velocity[1]", "velocity[2]", "angle_rates[0]", "angle_rates[1]", "angle_rates[2]")
 
 # Shape functions of FAST (coefficients of x^2 to x^6 of the relative height or span), as distributed with FAST:
-# OC3Hywind_ElastoDyn_Tower.dat and NRELOffshrBsline5MW_Blade.dat. FAST has no other bending than these.
+# OC3Hywind_ElastoDyn_Tower.dat, NRELOffshrBsline5MW_Onshore_ElastoDyn_Tower.dat, NRELOffshrBsline5MW_Blade.dat.
+# Its towers and blades bend in no other way.
 FAST_TOWER = {
-    "x": [(0.8689, 0.2205, -0.0908, 0.1167, -0.1154), (42.5859, -18.6419, -20.357, -23.2686, 20.6816)],
-    "y": [(0.834, 0.2216, -0.0571, 0.0934, -0.0918), (60.2285, -27.5868, -30.3887, -33.6738, 32.4208)],
+    "oc3_spar": {
+        "x": [(0.8689, 0.2205, -0.0908, 0.1167, -0.1154), (42.5859, -18.6419, -20.357, -23.2686, 20.6816)],
+        "y": [(0.834, 0.2216, -0.0571, 0.0934, -0.0918), (60.2285, -27.5868, -30.3887, -33.6738, 32.4208)],
+    },
+    "nrel5mw_land": {
+        "x": [(0.7004, 2.1963, -5.6202, 6.2275, -2.504), (-70.5319, -63.7623, 289.737, -176.513, 22.0706)],
+        "y": [(1.385, -1.7684, 3.0871, -2.2395, 0.5357), (-121.21, 184.415, -224.904, 298.536, -135.838)],
+    },
 }
 FAST_BLADE = {
     "x": [(0.0622, 1.7254, -3.2452, 4.7131, -2.2555), (-0.5809, 1.2067, -15.5349, 29.7347, -13.8255)],
@@ -58,7 +65,7 @@ def linear(name: str, tower_units: int, blade_units: int, locked: bool) -> Linea
 
 
 def part_of(path: str) -> str:
-    """What a state belongs to: a motion of the platform, a direction of tower or blades, the drive train, or nothing."""
+    """What a state belongs to: a motion of the platform, a direction of tower or blades, the drive train, or ""."""
     last = path.rpartition(".")[2]
     if path.startswith("platform.motion."):
         return last if last in MOTIONS else MOTIONS[VELOCITIES.index(last)]
@@ -77,7 +84,7 @@ def shares(mode: Mode) -> dict[str, float]:
 
 
 def blade_order(mode: Mode, direction: str) -> int:
-    """1 for the first bending of the blades, 2 for the second: changes of sign along the hinges of the leading blade."""
+    """1 for the first bending of the blades, 2 for the second: changes of sign along the leading blade."""
     angles: dict[str, dict[int, complex]] = {}
     for path, amplitude in mode.shape.items():
         hinge = re.search(rf"blade_(\d+)\.beam\.unit_(\d+)\.bending\.phi_{direction}$", path)
@@ -87,7 +94,7 @@ def blade_order(mode: Mode, direction: str) -> int:
     along = np.array([leading[i] for i in sorted(leading)])
     largest = along[np.argmax(abs(along))]
     real = (along / largest).real
-    real = real[abs(real) > 0.1]
+    real = real[abs(real) > 0.02]
     return 1 + int(np.sum(np.sign(real[1:]) != np.sign(real[:-1])))
 
 
@@ -117,8 +124,11 @@ def named(modes: list[Mode]) -> dict[str, list[Mode]]:
 
 def frequencies(name: str, tower_units: int, blade_units: int, locked: bool) -> dict[str, list[float]]:
     """Natural frequencies [Hz] by the names of `named`."""
-    modes = named(linear(name, tower_units, blade_units, locked).modes())
-    return {key: [mode.frequency_hz for mode in group] for key, group in modes.items()}
+    return _frequencies(linear(name, tower_units, blade_units, locked))
+
+
+def _frequencies(model: LinearModel) -> dict[str, list[float]]:
+    return {key: [float(mode.frequency_hz) for mode in group] for key, group in named(model.modes()).items()}
 
 
 @dataclass(frozen=True)
@@ -130,9 +140,8 @@ class Hinges:
     shapes: np.ndarray
 
     @classmethod
-    def of(cls, path: str, data: str, units: int, treatment: str, shapes: dict[str, list]) -> list[Hinges]:
+    def of(cls, path: str, beam: BeamProperties, units: int, treatment: str, shapes: dict[str, list]) -> list[Hinges]:
         """Both directions. A hinge turns by curvature times EI / k, since its moment is k times the angle."""
-        beam = read_beam(str(data_path(data)))
         chain = divide(beam, units, treatment)
         found = []
         for axis in "xy":
@@ -147,13 +156,15 @@ class Hinges:
         return found
 
 
-def with_fast_shapes(tower_units: int, blade_units: int, tower: bool, blades: bool) -> dict[str, list[float]]:
-    """Frequencies [Hz] of `oc3_spar` with locked generator when tower or blades bend in the shapes of FAST alone.
+def with_fast_shapes(
+    name: str, tower_units: int, blade_units: int, tower: bool = True, blades: bool = True
+) -> dict[str, list[float]]:
+    """Frequencies [Hz] of a turbine with locked generator when tower or blades bend in the shapes of FAST alone.
 
     Rates are A x + W f with moments f in the hinges. A change of the hinge damping gives W exactly. Moments that forbid
     every bending but the shapes make the constrained model. Its lowest modes cannot lie below those of the free one.
     """
-    plant, rest = turbine_at_rest("oc3_spar", tower_units, blade_units)
+    plant, rest = turbine_at_rest(name, tower_units, blade_units)
     damping = ("tower.damping_fore_aft", "turbine.assembly.damping_flapwise", "turbine.assembly.damping_edgewise")
     values = plant.parameter_values()
     free = plant.linearize(plant.initial_state(parameters=LOCK, base=rest), outputs=[])
@@ -161,10 +172,11 @@ def with_fast_shapes(tower_units: int, blade_units: int, tower: bool, blades: bo
     damped = plant.linearize(plant.initial_state(parameters=changed, base=rest), outputs=[])
     groups = []
     if tower:
-        groups += Hinges.of("tower.beam", "oc3_hywind/tower.csv", tower_units, "loaded_tip", FAST_TOWER)
+        beam = given_beam(plant.root.find("tower.beam"))
+        groups += Hinges.of("tower.beam", beam, tower_units, "loaded_tip", FAST_TOWER[name])
     for k in (1, 2, 3) if blades else ():
-        path, data = f"turbine.assembly.blade_{k}.beam", "nrel5mw/blade_structure.csv"
-        groups += Hinges.of(path, data, blade_units, "free_tip", FAST_BLADE)
+        beam = read_beam(str(data_path("nrel5mw/blade_structure.csv")))
+        groups += Hinges.of(f"turbine.assembly.blade_{k}.beam", beam, blade_units, "free_tip", FAST_BLADE)
     number = {path: i for i, path in enumerate(free.states)}
     angles = [path for group in groups for path in group.angles]
     at = [number[path] for path in angles]
@@ -175,22 +187,19 @@ def with_fast_shapes(tower_units: int, blade_units: int, tower: bool, blades: bo
     W = (A - damped.matrices["A"])[:, rates] / added
     N = block_diag(*[null_space(group.shapes.T) for group in groups])
     constrained = A - W @ N @ np.linalg.solve(N.T @ W[rates] @ N, N.T @ A[rates])
-    forbidden = np.zeros((2 * N.shape[1], len(A)))
-    forbidden[: N.shape[1], at], forbidden[N.shape[1] :, rates] = N.T, N.T
-    basis = null_space(forbidden)
-    small = LinearModel(
-        basis.T @ constrained @ basis, np.zeros((basis.shape[1], 0)), basis, np.zeros((len(A), 0)),
-        [f"q[{i}]" for i in range(basis.shape[1])], [], free.states, {},
+    kept = [i for i in range(len(A)) if i not in {*at, *rates}]
+    columns, labels = list(np.eye(len(A))[kept]), [free.states[i] for i in kept]
+    for group in groups:  # a shape goes by the name of a hinge, so that `part_of` knows whose it is
+        for k, shape in enumerate(group.shapes.T):
+            for place in (group.angles, [path.replace("phi_", "w_") for path in group.angles]):
+                column = np.zeros(len(A))
+                column[[number[path] for path in place]] = shape / np.abs(shape).max()
+                columns.append(column)
+                labels.append(place[k])
+    basis = np.array(columns).T
+    return _frequencies(
+        LinearModel(
+            np.linalg.pinv(basis) @ constrained @ basis, np.zeros((len(labels), 0)), basis, np.zeros((len(A), 0)),
+            labels, [], free.states, {},
+        )
     )  # fmt: skip
-    return {key: [mode.frequency_hz for mode in group] for key, group in named(_by_energy(small)).items()}
-
-
-def _by_energy(model: LinearModel) -> list[Mode]:
-    """Modes whose participation is the square of the amplitude of the rates (all rates here are angles per second)."""
-    found = []
-    for mode in model.modes():
-        size = {path: abs(a) ** 2 for path, a in mode.shape.items()}
-        total = sum(size.values())
-        shape = {path: size[path] / total for path in size}
-        found.append(Mode(mode.frequency_hz, mode.damping_ratio, mode.eigenvalue, mode.label, mode.shape, shape))
-    return found
