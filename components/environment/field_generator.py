@@ -36,6 +36,7 @@ Floats = NDArray[np.float64]
 LEAST_COHERENCE = 1e-3
 LARGEST_GRID = 20_000  # points; a block of the coherence matrix has (points / 4)^2 numbers
 BLOCK = 32 * 2**20  # bytes of the numbers that are worked on at a time, about
+CACHE = 2 * 2**20  # bytes of the coherence matrices of a few harmonics; beyond a cache they take twice the time
 
 
 def generate_field(
@@ -130,7 +131,7 @@ class _Turbulence:
         result = np.empty((components, grid.points, count), dtype=np.complex64)
         plane = PlaneCoherence(grid.rows, grid.columns, grid.dz, grid.dy, grid.speed, grid.hub_height)
         random = np.random.default_rng([self.seed, 0])
-        batch = max(1, BLOCK // (8 * (grid.points // 4 + 1) ** 2 * 4))
+        batch = max(1, min(BLOCK, CACHE) // (8 * (grid.points // 4 + 1) ** 2))
         for start in range(0, count, batch):
             self.told(start / count / 3, 1)
             f = self.frequency[start : min(start + batch, count)]

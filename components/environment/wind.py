@@ -104,15 +104,11 @@ class Wind(Component):
 
         A field needs no station: it knows u, v, w everywhere. One call for all nodes of a rotor costs the least.
         """
-        r = ca.SX(r)
-        if r.shape[0] != 3:
-            raise StructureError(f"the wind is wanted at positions {r.shape[0]} x {r.shape[1]}; give them as 3 x n.")
+        r = _positions(r)
         if self.kind == "field":
             world = m.rotation_z(self.direction)  # from the axes of the field
             return world @ field_velocity(_lookup(self), self.time, world.T @ r)
-        height = m.fmax(r[2, :] / _height(self, station), LOWEST_HEIGHT)
-        speed = self.base[station] * height**self.shear_exponent + self.fluctuation[station]
-        return m.vertcat(speed * m.cos(self.direction), speed * m.sin(self.direction), m.zeros(1, r.shape[1]))
+        return _along(self, r, station)
 
     def require(self, y_range: tuple[float, float], z_range: tuple[float, float], who: str) -> None:
         """ParameterError, which names `who`, where a field does not cover y_range and z_range [m].
@@ -155,6 +151,20 @@ def _arrows(wind: Wind) -> list[shapes.Drawn]:
     places = np.insert(wind.hubs, 0, 0.0, axis=1) - 30.0 * direction
     speeds = [join(wind.path, f"speed[{i}]") for i in range(len(places))]
     return [shapes.Arrow(place, direction, speed, 3.0) for place, speed in zip(places, speeds, strict=True)]
+
+
+def _positions(r: Any) -> ca.SX:
+    r = ca.SX(r)
+    if r.shape[0] != 3:
+        raise StructureError(f"the wind is wanted at positions {r.shape[0]} x {r.shape[1]}; give them as 3 x n.")
+    return r
+
+
+def _along(wind: Wind, r: ca.SX, station: int) -> ca.SX:
+    """Velocities (3, n) of a wind that has one speed over a station at each height."""
+    height = m.fmax(r[2, :] / _height(wind, station), LOWEST_HEIGHT)
+    speed = wind.base[station] * height**wind.shear_exponent + wind.fluctuation[station]
+    return m.vertcat(speed * m.cos(wind.direction), speed * m.sin(wind.direction), m.zeros(1, r.shape[1]))
 
 
 def _none(wind: Wind) -> tuple[Any, Any, list[Any]]:

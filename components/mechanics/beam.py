@@ -6,7 +6,7 @@ import math
 
 import numpy as np
 
-from fowtlib.components.mechanics.beam_division import TREATMENTS, Piece, divide, elastic_axis, pieces, section_axes
+from fowtlib.components.mechanics.beam_division import TREATMENTS, divide, elastic_axis, pieces, section_axes
 from fowtlib.components.mechanics.beam_properties import given_beam
 from fowtlib.components.mechanics.bodies import FixedTranslation, RigidBody
 from fowtlib.components.mechanics.connectors import Frame
@@ -212,53 +212,17 @@ class Beam(TwoFrames):
     )
 
     def build(self):
-        beam = given_beam(self)
-        parts = divide(beam, self.units, self.treatment)
-        frame, origin, carriers = self.frame_a, np.zeros(3), []
-        for piece in pieces(beam, parts, self.cuts):
-            if piece.hinge or piece.cut:
-                arm = f"arm_{piece.hinge}" if piece.hinge else f"to_cut_{piece.cut}"
-                joint = self._hinge(parts, piece.hinge) if piece.hinge else self.add(f"cut_{piece.cut}", LoadSensor())
-                self.connect(self._link(frame, piece.root - origin, arm), joint.frame_a)
-                frame, origin = joint.frame_b, piece.root
-            carriers.append((piece, frame, origin))
-            if piece.segment.end > piece.segment.start:
-                self.connect(frame, self.add(piece.name, self._body(piece, origin)).frame_a)
-        self.connect(self._link(frame, parts.tip - origin, "end"), self.frame_b)
+        parts = divide(given_beam(self), self.units, self.treatment)
+        carriers = _chain(self, parts)
+        _, frame, origin = carriers[-1]
+        self.connect(_link(self, frame, parts.tip - origin, "end"), self.frame_b)
         for k, given in enumerate(self.node_points):
-            point = elastic_axis(beam, float(given)) if np.ndim(given) == 0 else np.asarray(given, dtype=float)
-            if not -1e-9 <= point[2] <= beam.length + 1e-9:
-                raise ParameterError(f"node {k + 1} at {point[2]:g} m is off the beam of {beam.length:g} m.")
+            point = _on_the_beam(self, k, given)
             _, frame, origin = next((c for c in carriers if point[2] <= c[0].segment.end), carriers[-1])
-            self.connect(self._link(frame, point - origin, f"to_node_{k + 1}"), self.nodes[k])
-
-    def _hinge(self, parts, i):
-        return self.add(f"unit_{i}", BeamUnit(axes=parts.axes[i - 1], **self._elasticity(parts, i - 1)))
-
-    def _body(self, piece: Piece, origin):
-        segment = piece.segment
-        return BeamSegment(mass=segment.mass, inertia=segment.inertia, r_cm=segment.centre - origin)
+            self.connect(_link(self, frame, point - origin, f"to_node_{k + 1}"), self.nodes[k])
 
     def drawing(self):
         return [shapes.Tube(frame, axis, np.maximum(x, y), material="tower") for frame, axis, _, x, y in bodies(self)]
-
-    def _link(self, frame, r, name):
-        link = self.add(name, BeamLink(r=r))
-        self.connect(frame, link.frame_a)
-        return link.frame_b
-
-    def _elasticity(self, parts, i):
-        """Stiffness and damping of unit i."""
-        given = {"torsion": parts.torsion, "stretch": parts.stretch}
-        columns = {"stiffness_x": parts.stiffness_x, "stiffness_y": parts.stiffness_y}
-        for (name, values), column in zip(given.items(), ("torsional_stiffness", "axial_stiffness"), strict=True):
-            if getattr(self, name):
-                if values is None:
-                    raise ParameterError(f"{self.label}: {name} needs the {column} of the properties.")
-                columns[column] = values
-        stiffness = {name: self.stiffness_factor * float(values[i]) for name, values in columns.items()}
-        damping = {name: getattr(self, name) for name in ("damping_x", "damping_y", "damping")}
-        return {**stiffness, **damping, "torsion": self.torsion, "stretch": self.stretch}
 
     def equations(self):
         a, b, beam = self.frame_a, self.frame_b, given_beam(self)
@@ -271,6 +235,56 @@ class Beam(TwoFrames):
             eq(self.root_force, a.R.T @ a.f),
             eq(self.root_moment, a.R.T @ a.t),
         ]
+
+
+def _chain(beam, parts):
+    """Hinges, cuts and segments from root to tip; each piece with the frame that carries it and the frame's place."""
+    frame, origin, carriers = beam.frame_a, np.zeros(3), []
+    for piece in pieces(given_beam(beam), parts, beam.cuts):
+        if piece.hinge or piece.cut:
+            arm = f"arm_{piece.hinge}" if piece.hinge else f"to_cut_{piece.cut}"
+            joint = _hinge(beam, parts, piece.hinge) if piece.hinge else beam.add(f"cut_{piece.cut}", LoadSensor())
+            beam.connect(_link(beam, frame, piece.root - origin, arm), joint.frame_a)
+            frame, origin = joint.frame_b, piece.root
+        carriers.append((piece, frame, origin))
+        segment = piece.segment
+        if segment.end > segment.start:
+            body = BeamSegment(mass=segment.mass, inertia=segment.inertia, r_cm=segment.centre - origin)
+            beam.connect(frame, beam.add(piece.name, body).frame_a)
+    return carriers
+
+
+def _on_the_beam(beam, k, given):
+    """The place of node k, in the axes of the root."""
+    table = given_beam(beam)
+    point = elastic_axis(table, float(given)) if np.ndim(given) == 0 else np.asarray(given, dtype=float)
+    if not -1e-9 <= point[2] <= table.length + 1e-9:
+        raise ParameterError(f"node {k + 1} at {point[2]:g} m is off the beam of {table.length:g} m.")
+    return point
+
+
+def _hinge(beam, parts, i):
+    return beam.add(f"unit_{i}", BeamUnit(axes=parts.axes[i - 1], **_elasticity(beam, parts, i - 1)))
+
+
+def _link(beam, frame, r, name):
+    link = beam.add(name, BeamLink(r=r))
+    beam.connect(frame, link.frame_a)
+    return link.frame_b
+
+
+def _elasticity(beam, parts, i):
+    """Stiffness and damping of unit i."""
+    given = {"torsion": parts.torsion, "stretch": parts.stretch}
+    columns = {"stiffness_x": parts.stiffness_x, "stiffness_y": parts.stiffness_y}
+    for (name, values), column in zip(given.items(), ("torsional_stiffness", "axial_stiffness"), strict=True):
+        if getattr(beam, name):
+            if values is None:
+                raise ParameterError(f"{beam.label}: {name} needs the {column} of the properties.")
+            columns[column] = values
+    stiffness = {name: beam.stiffness_factor * float(values[i]) for name, values in columns.items()}
+    damping = {name: getattr(beam, name) for name in ("damping_x", "damping_y", "damping")}
+    return {**stiffness, **damping, "torsion": beam.torsion, "stretch": beam.stretch}
 
 
 def bodies(beam):

@@ -12,6 +12,11 @@ from fowtlib.components.turbine.start import controlled, start_point, unknown_st
 from fowtlib.language import Component, Matrix, RealInput, RealOutput, Scalar, Vector, eq, outer, param, part, port
 
 
+def _start(component: Component, name: str, value: object) -> None:
+    if name in component.parameters and not component.is_set(name):
+        setattr(component, name, value)
+
+
 class RotorNacelle(Component):
     """A turbine above its tower: rotor, gear, generator, controller, and the mass of rotor and nacelle as one body.
 
@@ -67,14 +72,9 @@ class RotorNacelle(Component):
             self.connect(a, b)
         if "yaw" in control.ports:
             self.connect(self.yaw, control.yaw)
-        self._start(rotor, "w_start", self.rotor_speed_start)
-        self._start(control, "pitch_start", self.blade_pitch_start)
-        self._start(control, "speed_start", self.gear_ratio * self.rotor_speed_start)
-
-    @staticmethod
-    def _start(component, name, value):
-        if name in component.parameters and not component.is_set(name):
-            setattr(component, name, value)
+        _start(rotor, "w_start", self.rotor_speed_start)
+        _start(control, "pitch_start", self.blade_pitch_start)
+        _start(control, "speed_start", self.gear_ratio * self.rotor_speed_start)
 
     def drawing(self):
         return [*outlines.housing(self.frame, self.rotor), *self.rotor.drawing()]

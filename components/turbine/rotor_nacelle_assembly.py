@@ -77,13 +77,15 @@ class RotorNacelleAssembly(Component):
                 self.connect(blade.nodes[i], self.nodes[k * len(self.node_points) + i])
 
     def equations(self):
-        found = []
-        for k in range(self.blades):
-            tip, pitch = getattr(self, f"blade_{k + 1}").tip_deflection, self.hub.pitch[k]
-            s, c = self.rotation * m.sin(pitch), m.cos(pitch)
-            found += [
-                eq(self.pitch_demand[k], self.blade_pitch + self.individual_pitch[k]),
-                eq(self.out_of_plane[k], c * tip[0] + s * tip[1]),
-                eq(self.in_plane[k], self.rotation * (c * tip[1] - s * tip[0])),
-            ]
-        return found
+        return [_of_blade(self, k) for k in range(self.blades)]
+
+
+def _of_blade(turbine, k):
+    """Pitch demand and tip displacement of blade k, whose axes pitch, resolved in axes that do not."""
+    tip, pitch = turbine.parts[f"blade_{k + 1}"].tip_deflection, turbine.hub.pitch[k]
+    s, c = turbine.rotation * m.sin(pitch), m.cos(pitch)
+    return [
+        eq(turbine.pitch_demand[k], turbine.blade_pitch + turbine.individual_pitch[k]),
+        eq(turbine.out_of_plane[k], c * tip[0] + s * tip[1]),
+        eq(turbine.in_plane[k], turbine.rotation * (c * tip[1] - s * tip[0])),
+    ]
