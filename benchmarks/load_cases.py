@@ -33,19 +33,19 @@ FIELD = "output/load_cases/kaimal_11.4.bts"
 FIELD_COMMAND = (
     f"fowt wind-field {FIELD} --speed 11.4 --class B --shear 0.14 --width 160 --height 160 --spacing 8 --time 1200"
 )
-SOLVER = "--tolerance 1e-4"
+IDAS, FIXED = "--tolerance 1e-4", "--solver fixed"
 COMMANDS = {
-    "steady": f"fowt run nrel5mw_land --wind steady:SPEED,shear=0 --time 90 {SOLVER}",
-    "turbulent": f"fowt run nrel5mw_land --wind field:{FIELD} --time 600 {SOLVER}",
+    "steady": f"fowt run nrel5mw_land --wind steady:SPEED,shear=0 --time 90 {FIXED}",
+    "turbulent": f"fowt run nrel5mw_land --wind field:{FIELD} --time 600 {FIXED}",
     "decay_surge": f"fowt decay oc3_spar --dof surge --offset 10 {VACUUM}",
     "decay_heave": f"fowt decay oc3_spar --dof heave --offset 5 --time 200 {VACUUM}",
     "decay_pitch": f"fowt decay oc3_spar --dof pitch --offset 10 --time 200 {VACUUM}",
-    "regular": f"fowt run oc3_spar --wind none --waves regular:H=6,T=10 {VACUUM} {STIFF_BLADES} --time 600 {SOLVER}",
+    "regular": f"fowt run oc3_spar --wind none --waves regular:H=6,T=10 {VACUUM} {STIFF_BLADES} --time 600 {IDAS}",
     "irregular": f"fowt run oc3_spar --wind none --waves jonswap:Hs=6,Tp=10,seed=1 {VACUUM} {STIFF_BLADES} --time 2000"
-    f" {SOLVER}",
-    "steady_and_regular": f"fowt run oc3_spar --wind steady:8 --waves regular:H=6,T=10 --time 600 {SOLVER}",
+    f" {IDAS}",
+    "steady_and_regular": f"fowt run oc3_spar --wind steady:8 --waves regular:H=6,T=10 --time 600 {FIXED}",
     "turbulent_and_irregular": f"fowt run oc3_spar --wind field:{FIELD} --waves jonswap:Hs=6,Tp=10,seed=1 --time 1000"
-    f" {SOLVER}",
+    f" {FIXED}",
 }
 SPEEDS = (3, 5, 7, 8, 9, 10, 11, 11.4, 12, 13, 15, 18, 21, 25)
 

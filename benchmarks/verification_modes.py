@@ -7,6 +7,7 @@ as NREL's published analyses do (J. Jonkman et al., NREL/TP-500-38060 (2009), ta
 from __future__ import annotations
 
 import re
+from collections.abc import Callable
 from dataclasses import dataclass
 from functools import lru_cache
 
@@ -24,6 +25,7 @@ from fowtlib.solving.state import State
 BEARING = "turbine.assembly.nacelle.bearing"
 HELD = {f"{BEARING}.phi": 0.0, f"{BEARING}.w": 0.0}
 LOCK = {"turbine.assembly.drivetrain.generator_inertia": 1e9}  # kg m^2 on the high speed shaft: it does not turn
+BLADE = ".blade_"
 MOTIONS = ("surge", "sway", "heave", "roll", "pitch", "yaw")
 VELOCITIES = ("velocity[0]", "velocity[1]", "velocity[2]", "angle_rates[0]", "angle_rates[1]", "angle_rates[2]")
 
@@ -69,7 +71,7 @@ def part_of(path: str) -> str:
     last = path.rpartition(".")[2]
     if path.startswith("platform.motion."):
         return last if last in MOTIONS else MOTIONS[VELOCITIES.index(last)]
-    if path.startswith("tower.") or ".blade_" in path:
+    if path.startswith("tower.") or BLADE in path:
         names = ("fore-aft", "side-side") if path.startswith("tower.") else ("flap", "edge")
         return f"{'tower' if path.startswith('tower.') else 'blade'} {names[last.endswith('y')]}"
     return "drivetrain" if "drivetrain" in path or path.startswith(BEARING) else ""
@@ -98,7 +100,14 @@ def blade_order(mode: Mode, direction: str) -> int:
     return 1 + int(np.sum(np.sign(real[1:]) != np.sign(real[:-1])))
 
 
-def named(modes: list[Mode]) -> dict[str, list[Mode]]:
+def shape_order(mode: Mode, direction: str) -> int:
+    """The same for a model in shape functions: which of them has the largest share; see `with_fast_shapes`."""
+    shares = mode.participation.items()
+    ours = {path: share for path, share in shares if BLADE in path and path.endswith(f"phi_{direction}")}
+    return int(re.search(r"unit_(\d+)", max(ours, key=ours.__getitem__))[1])
+
+
+def named(modes: list[Mode], order: Callable[[Mode, str], int] = blade_order) -> dict[str, list[Mode]]:
     """Modes by name, lowest first: "surge", "tower fore-aft 1", "blade flap 2", "drivetrain", ...
 
     A mode belongs to the part with the largest share. Modes of the tower count upward in frequency. The three modes of
@@ -106,14 +115,14 @@ def named(modes: list[Mode]) -> dict[str, list[Mode]]:
     """
     found: dict[str, list[Mode]] = {}
     for mode in modes:
-        if mode.eigenvalue.imag <= 0:
+        if mode.eigenvalue.imag <= 1e-3:  # no oscillation, or the free turn of the shaft
             continue
         parts = shares(mode)
         leading = max(parts, key=parts.__getitem__)
         if leading.startswith("tower"):
             leading += f" {1 + sum(name.startswith(leading) for name in found)}"
         elif leading.startswith("blade"):
-            leading += f" {blade_order(mode, 'x' if leading.endswith('flap') else 'y')}"
+            leading += f" {order(mode, 'x' if leading.endswith('flap') else 'y')}"
         if leading:
             found.setdefault(leading, []).append(mode)
     for motion in MOTIONS:  # a mode of the water's memory may be led by a motion
@@ -127,8 +136,8 @@ def frequencies(name: str, tower_units: int, blade_units: int, locked: bool) -> 
     return _frequencies(linear(name, tower_units, blade_units, locked))
 
 
-def _frequencies(model: LinearModel) -> dict[str, list[float]]:
-    return {key: [float(mode.frequency_hz) for mode in group] for key, group in named(model.modes()).items()}
+def _frequencies(model: LinearModel, order: Callable[[Mode, str], int] = blade_order) -> dict[str, list[float]]:
+    return {key: [float(mode.frequency_hz) for mode in group] for key, group in named(model.modes(), order).items()}
 
 
 @dataclass(frozen=True)
@@ -201,5 +210,6 @@ def with_fast_shapes(
         LinearModel(
             np.linalg.pinv(basis) @ constrained @ basis, np.zeros((len(labels), 0)), basis, np.zeros((len(A), 0)),
             labels, [], free.states, {},
-        )
+        ),
+        shape_order if blades else blade_order,
     )  # fmt: skip

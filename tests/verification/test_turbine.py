@@ -7,6 +7,7 @@ tower units and 6 blade units. docs/verification.md and docs/load_cases.md have 
 
 import numpy as np
 import pytest
+import verification_cases as cases
 import verification_modes as modes
 
 import fowtlib as fw
@@ -68,21 +69,8 @@ def test_drive_train_torsion(free, locked):
 @pytest.mark.parametrize("units", range(13))
 def test_blade_and_rotor_inertia(units):
     """17,740 kg, 363,231 kg m, 11,776,047 kg m^2 about the root; 38,759,227 kg m^2 of the coned rotor and its hub."""
-    segments = divide(read_beam(str(BLADE)), units, "free_tip").segments
-    mass = np.array([s.mass for s in segments])
-    z = np.array([s.centre[2] for s in segments])
-    across = np.array([s.inertia[0, 0] for s in segments])
-    flap = np.array([s.inertia[1, 1] for s in segments])
-    assert mass.sum() == pytest.approx(17740, rel=0.005)
-    assert mass @ z == pytest.approx(363231, rel=0.005)
-    about_root = ((across + flap) / 2 + mass * z**2).sum()  # the mean over the directions across
-    assert about_root == pytest.approx(11776047, rel=0.005)
-    shaft = np.array([np.cos(CONE), 0, np.sin(CONE)])  # its direction in the axes of the coned blade
-    rotor = 115926.0
-    for s in segments:
-        arm = s.centre + [0, 0, 1.5]
-        rotor += 3 * (shaft @ s.inertia @ shaft + s.mass * (arm @ arm - (arm @ shaft) ** 2))
-    assert rotor == pytest.approx(38759227, rel=0.005)
+    own = cases.rotor_masses(units)
+    assert own == pytest.approx((17740, 363231, 11776047, 38759227), rel=0.005)
 
 
 # --- steady operation ---
