@@ -19,11 +19,11 @@ from pathlib import Path
 
 import numpy as np
 import verification_cases as cases
-from pages import fill
+import verification_modes as turbine_modes
+from pages import Table, fill, markdown
 
 PAGE = Path(__file__).parent.parent / "docs" / "verification.md"
 FIGURES = PAGE.parent / "figures"
-Table = tuple[tuple[str, ...], list[tuple[object, ...]]]  # heads, rows
 SECTIONS: dict[str, Callable[[], Table]] = {}
 
 
@@ -200,6 +200,116 @@ def heave_in_long_waves() -> Table:
     return heads, [(0.004, own, limit, _percent(own, limit))]
 
 
+# Natural frequencies [Hz] of the complete turbine on the OC3 spar, thesis table 3.2: FAST v8, and the thesis with two
+# tower units and six blade units.
+TABLE_3_2 = {
+    "surge": (0.008, 0.008), "sway": (0.008, 0.008), "heave": (0.032, 0.0314), "roll": (0.034, 0.035),
+    "pitch": (0.034, 0.035), "yaw": (0.121, 0.122), "tower fore-aft 1": (0.473, 0.490),
+    "tower side-side 1": (0.457, 0.490), "drivetrain": (1.700, 1.667), "tower fore-aft 2": (3.751, 3.632),
+    "tower side-side 2": (4.258, 4.312), "blade flap 1": (0.666, 0.634), "blade flap 2": (1.920, 1.951),
+    "blade flap 3": (None, 4.204), "blade edge 1": (1.080, 1.126), "blade edge 2": (None, 4.144),
+}  # fmt: skip
+BENDING = ("tower fore-aft 1", "tower side-side 1", "blade flap 1", "blade edge 1", "blade flap 2", "tower fore-aft 2",
+           "tower side-side 2")  # fmt: skip
+FREE = ("drivetrain",)  # published free at both ends; the other modes with a locked generator
+
+
+@section
+def turbine_frequencies() -> Table:
+    """The sixteen frequencies of table 3.2: two tower and six blade units, and six and twelve."""
+    few, many = (_table_3_2(*units) for units in ((2, 6), (6, 12)))
+    rows = []
+    for name, (fast, thesis) in TABLE_3_2.items():
+        off = "" if fast is None else _percent(many[name], fast)
+        rows.append((name, few[name], many[name], fast or "", off, thesis, _percent(many[name], thesis)))
+    own = ("2 and 6 units [Hz]", "6 and 12 units [Hz]")
+    heads = ("mode", *own, "FAST [Hz]", "difference", "thesis [Hz]", "difference")
+    return heads, rows
+
+
+def _table_3_2(tower_units: int, blade_units: int) -> dict[str, float]:
+    """The lowest frequency of each name, the generator locked but for the torsion of the drive train."""
+    locked = turbine_modes.frequencies("oc3_spar", tower_units, blade_units, locked=True)
+    free = turbine_modes.frequencies("oc3_spar", tower_units, blade_units, locked=False)
+    return {name: (free if name in FREE else locked)[name][0] for name in TABLE_3_2}
+
+
+@section
+def beam_units() -> Table:
+    """Frequencies of the turbine on the OC3 spar over the numbers of tower and blade units, generator locked."""
+    rows = []
+    for units in ((1, 2), (2, 3), (2, 4), (2, 6), (3, 8), (4, 10), (6, 12)):
+        found = turbine_modes.frequencies("oc3_spar", *units, locked=True)
+        rows.append((f"{units[0]} and {units[1]}", *(found[name][0] if name in found else "" for name in BENDING)))
+    return ("tower and blade units", *(f"{name} [Hz]" for name in BENDING)), rows
+
+
+@section
+def locked_generator() -> Table:
+    """The two modes that know whether the generator turns."""
+    rows = []
+    for name, kind, published in (
+        ("oc3_spar", False, ("", "1.700 (FAST)")), ("oc3_spar", True, ("0.457 (FAST)", "")),
+        ("nrel5mw_land", False, ("", "")), ("nrel5mw_land", True, ("0.3120 (FAST), 0.3164 (ADAMS)", "0.6205, 0.6094")),
+    ):  # fmt: skip
+        found = turbine_modes.frequencies(name, 4, 8, locked=kind)
+        values = (found["tower side-side 1"][0], published[0], found["drivetrain"][0], published[1])
+        rows.append((name, "locked" if kind else "free", *values))
+    return ("model", "generator", "tower side-side 1 [Hz]", "published", "drivetrain [Hz]", "published"), rows
+
+
+# NREL/TP-500-38060, table 9-1: FAST and ADAMS; each name in the order of the frequency here.
+TABLE_9_1 = {
+    "tower fore-aft 1": [(0.3240, 0.3195)], "tower side-side 1": [(0.3120, 0.3164)], "drivetrain": [(0.6205, 0.6094)],
+    "blade flap 1": [(0.6664, 0.6296), (0.6675, 0.6686), (0.6993, 0.7019)],
+    "blade edge 1": [(1.0793, 1.0740), (1.0898, 1.0877)],
+    "blade flap 2": [(1.9223, 1.6507), (1.9337, 1.8558), (2.0205, 1.9601)],
+    "tower fore-aft 2": [(2.9003, 2.8590)], "tower side-side 2": [(2.9361, 2.9408)],
+}  # fmt: skip
+
+
+@section
+def land_frequencies() -> Table:
+    """The turbine on land, generator locked: own bending, bending in the shapes of FAST, FAST, ADAMS."""
+    free = turbine_modes.frequencies("nrel5mw_land", 6, 10, locked=True)
+    shapes = turbine_modes.with_fast_shapes("nrel5mw_land", 6, 10)
+    rows = []
+    for name, published in TABLE_9_1.items():
+        for i, (fast, adams) in enumerate(published):
+            own, same = free[name][i], shapes[name][i]
+            rows.append((name, own, _percent(own, adams), same, _percent(same, fast), f"{fast:.4f}", f"{adams:.4f}"))
+    heads = ("mode", "fowtlib [Hz]", "to ADAMS", "in the shapes of FAST [Hz]", "to FAST", "FAST [Hz]", "ADAMS [Hz]")
+    return heads, rows
+
+
+@section
+def fast_shapes() -> Table:
+    """The turbine on the OC3 spar, its tower or blades kept to the shapes with which FAST lets them bend."""
+    rows = [("every shape", turbine_modes.frequencies("oc3_spar", 6, 12, locked=True))]
+    for what, tower, blades in (
+        ("tower in two shapes each way", True, False),
+        ("blades in two shapes flapwise, one edgewise", False, True),
+        ("both", True, True),
+    ):
+        rows.append((what, turbine_modes.with_fast_shapes("oc3_spar", 6, 12, tower, blades)))
+    table = [(what, *(found[name][0] for name in BENDING)) for what, found in rows]
+    table.append(("FAST", *(f"{TABLE_3_2[name][0]:.3f}" for name in BENDING)))
+    return ("bending", *(f"{name} [Hz]" for name in BENDING)), table
+
+
+@section
+def masses() -> Table:
+    """Mass, first moment and inertia of the blade about its root, inertia of the rotor about the shaft."""
+    reference = (17740.0, 363231.0, 11776047.0, 38759227.0)
+    rows = []
+    for units in (0, 2, 4, 6, 8, 10, 12):
+        own = cases.rotor_masses(units)
+        pairs = [(f"{a:.0f}", _percent(a, b)) for a, b in zip(own, reference, strict=True)]
+        rows.append((units, *(text for pair in pairs for text in pair)))
+    heads = ("blade mass [kg]", "first moment [kg m]", "blade inertia [kg m^2]", "rotor inertia [kg m^2]")
+    return ("units", *(text for head in heads for text in (head, "to the definition"))), rows
+
+
 @section
 def two_rotor_rest() -> Table:
     """What holds the two-rotor spar at its published draft: upward forces [MN], and the heave that follows."""
@@ -326,14 +436,6 @@ def _outside(value: float, references: tuple[float, float]) -> str:
 
 def _percent(own: float, reference: float) -> str:
     return f"{100 * (own / reference - 1):+.2f} %"
-
-
-def markdown(table: Table) -> str:
-    """A table as text of the page."""
-    heads, rows = table
-    lines = [heads, tuple("---" for _ in heads), *rows]
-    cells = [[f"{cell:.5g}" if isinstance(cell, float) else str(cell) for cell in line] for line in lines]
-    return "\n".join(f"| {' | '.join(line)} |" for line in cells)
 
 
 def main(names: list[str]) -> int:

@@ -17,6 +17,8 @@ from fowtlib.components.aero import BladeAerodynamics, BladeElementRotor, RigidR
 from fowtlib.components.blocks import Constant
 from fowtlib.components.hydro.database import HydrodynamicDatabase
 from fowtlib.components.mechanics import WorldForce
+from fowtlib.components.mechanics.beam_division import divide
+from fowtlib.components.mechanics.beam_properties import read_beam
 from fowtlib.components.servo import TorqueLaw
 from fowtlib.components.turbine import SteadyTurbine
 from fowtlib.modelfile import data_path
@@ -275,3 +277,20 @@ def finer(blade: BladeAerodynamics, times: int) -> BladeAerodynamics:
     on = {name: np.interp(r, blade.radius, getattr(blade, name)) for name in ("chord", "twist", "curve", "sweep")}
     return replace(blade, radius=r, airfoil=[name for name in blade.airfoil for _ in range(times)],
                    length=np.diff(borders), **on)  # fmt: skip
+
+
+def rotor_masses(units: int) -> tuple[float, float, float, float]:
+    """Mass [kg], first moment [kg m], inertia [kg m^2] of the NREL blade about its root, and inertia of the rotor.
+
+    From the segments of a blade with so many units. About the root: the mean over the directions across the blade. The
+    rotor: three coned blades and the hub, about the shaft.
+    """
+    segments = divide(read_beam(str(data_path("nrel5mw/blade_structure.csv"))), units, "free_tip").segments
+    mass = np.array([s.mass for s in segments])
+    z = np.array([s.centre[2] for s in segments])
+    across = np.array([(s.inertia[0, 0] + s.inertia[1, 1]) / 2 for s in segments])
+    shaft, rotor = np.array([np.cos(PRECONE), 0.0, np.sin(PRECONE)]), 115926.0
+    for s in segments:
+        arm = s.centre + [0, 0, 1.5]
+        rotor += 3 * (shaft @ s.inertia @ shaft + s.mass * (arm @ arm - (arm @ shaft) ** 2))
+    return float(mass.sum()), float(mass @ z), float((across + mass * z**2).sum()), float(rotor)

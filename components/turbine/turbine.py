@@ -106,5 +106,5 @@ class Turbine(Component):
 @lru_cache(maxsize=8)
 def steady_table(rotor: BladeElementRotor, precone: float) -> CoefficientTable:
     """A coarse table of a rotor, for where a simulation starts."""
-    ratios, pitches = np.linspace(2.0, 14.0, 25), np.radians(np.linspace(-2.0, 28.0, 16))
+    ratios, pitches = np.linspace(2.0, 18.0, 33), np.radians(np.linspace(-2.0, 28.0, 16))
     return coefficient_table(rotor, ratios, pitches, precone=precone)
