@@ -1,7 +1,8 @@
 """Step 6: strong components in order; explicit solution, tearing, and one sequence of assignments.
 
 An unknown is assigned where its equation gives it with a constant factor. In a block that no sequence of assignments
-solves, some unknowns are torn: they stay algebraic unknowns of the flat DAE, with as many residuals. Accelerations of
+solves, some unknowns are torn. Up to three of them in linear equations, such as the moments of a joint with three axes,
+are solved by Cramer's rule; more stay algebraic unknowns of the flat DAE, with as many residuals. Accelerations of
 joints are torn first, so that a tree of bodies ends as the recursive Newton-Euler residual.
 """
 
@@ -18,6 +19,8 @@ from fowtlib.flattening import structure
 from fowtlib.flattening.incidence import Incidence
 from fowtlib.flattening.system import System, residuals, stacked
 from fowtlib.language.declarations import STATE_PREFERENCES
+
+LARGEST_EXPLICIT = 3  # torn unknowns of a linear block that are solved by Cramer's rule: those of a joint
 
 
 @dataclass
@@ -98,6 +101,9 @@ class Causalization:
     def _hidden(self, row: int, column: int) -> bool:
         return column in self.left[row][1] or column in self.right[row][1]
 
+    def _hidden_in(self, row: int) -> np.ndarray:
+        return np.concatenate([self.left[row][1], self.right[row][1]])
+
     def _factors(self, pairs: list[tuple[int, int]]) -> dict[tuple[int, int], ca.SX]:
         """d(lhs - rhs) / d unknown for the pairs, where that does not depend on the unknown."""
         if not pairs:
@@ -148,6 +154,23 @@ class Causalization:
     # --- blocks --------------------------------------------------------------------------------------------------
 
     def _torn_block(self, rows: np.ndarray, columns: np.ndarray) -> None:
+        """Tear a block, and solve what is left of it where that is linear and small."""
+        result = self.result
+        begin = len(result.sequence), len(result.torn), len(result.residuals)
+        self._tear_block(rows, columns)
+        torn = result.torn[begin[1] :]
+        inside = set(map(int, columns))
+        if len(torn) > LARGEST_EXPLICIT or any(inside & set(map(int, self._hidden_in(int(r)))) for r in rows):
+            return
+        unknowns = ca.vertcat(*[self.system.unknowns[k].symbol for k in torn])
+        residual = residuals([self.system.equations[r] for r in result.residuals[begin[2] :]])
+        inlined = _inlined(result.sequence[begin[0] :], residual)
+        solution = _linear_solution(inlined, unknowns)
+        if solution is not None:
+            result.sequence[begin[0] : begin[0]] = list(zip(unknowns.elements(), solution, strict=True))
+            del result.torn[begin[1] :], result.residuals[begin[2] :]
+
+    def _tear_block(self, rows: np.ndarray, columns: np.ndarray) -> None:
         inside = set(map(int, columns))
         open_rows = {int(r): {int(c) for c in self.rows[r] if int(c) in inside} for r in rows}
         rows_of: dict[int, set[int]] = {c: set() for c in inside}
@@ -291,3 +314,36 @@ class Causalization:
         for k in sorted(self._ready):
             self.result.sequence += self._definitions[k]
         self._ready.clear()
+
+
+def _inlined(sequence: list[tuple[ca.SX, ca.SX]], expression: ca.SX) -> ca.SX:
+    """An expression with the values of a sequence of assignments put in, each of which may need earlier ones."""
+    if not sequence:
+        return expression
+    symbols, values = (list(column) for column in zip(*sequence, strict=True))
+    return ca.substitute_inplace(symbols, values, [expression])[1][0]
+
+
+def _linear_solution(residual: ca.SX, unknowns: ca.SX) -> list[ca.SX] | None:
+    """Cramer's rule for at most three linear equations; none where they are not linear, or singular by their form."""
+    matrix = ca.jacobian(residual, unknowns)
+    if matrix.shape[0] != matrix.shape[1] or ca.depends_on(matrix, unknowns):
+        return None
+    determinant = _determinant(matrix)
+    if determinant.is_zero():
+        return None
+    right = -ca.substitute(residual, unknowns, ca.SX.zeros(unknowns.shape[0]))
+    solution = []
+    for k in range(unknowns.shape[0]):
+        replaced = ca.SX(matrix)
+        replaced[:, k] = right
+        solution.append(_determinant(replaced) / determinant)
+    return solution
+
+
+def _determinant(a: ca.SX) -> ca.SX:
+    if a.shape[0] == 1:
+        return a[0, 0]
+    if a.shape[0] == 2:
+        return a[0, 0] * a[1, 1] - a[0, 1] * a[1, 0]
+    return ca.dot(a[:, 0], ca.cross(a[:, 1], a[:, 2]))

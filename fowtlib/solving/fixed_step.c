@@ -78,7 +78,7 @@ typedef struct {
   fs_options o;
   int n;                /* unknowns of a stage: z, then the free rates */
   double *q, *y, *w, *y2, *w2, *ode, *alg, *ode2, *alg2, *scratch;
-  double *x, *rate, *xbar, *xf, *xf2, *v, *v2, *z, *zf, *unknown, *move, *right, *weight, *z_scale, *slope, *real;
+  double *x, *rate, *xbar, *xf, *xf2, *v, *v2, *z, *zf, *unknown, *move, *right, *weight, *z_scale, *slope, *real, *size, *least;
   double *past[FS_HISTORY], past_time[FS_HISTORY];
   double *moves[FS_ITERATIONS], lengths[FS_ITERATIONS]; /* the updates of an iteration, and their weighted squares */
   int pasts;
@@ -93,6 +93,8 @@ typedef struct {
 
 static const double FS_DIFFERENCE = 1e-6; /* of the scale of an unknown; the cube root of rounding is near */
 
+static const double FS_PART = 1e-3;        /* of a nominal value: the least size of a rate */
+static const double FS_MEMORY = 4000.0;    /* steps after which the size of a rate is forgotten */
 static const double FS_DISTRUST = 1.2;    /* by which a contraction that was not measured grows from step to step */
 static const double FS_LEAST_THETA = 1e-3; /* below it a measured contraction is luck */
 static const double FS_PRICE = 0.15;       /* of a column of a matrix, in evaluations */
@@ -286,20 +288,29 @@ static double fs_scale(double value, double nominal) {
   return size > nominal ? size : nominal;
 }
 
-/* 1 / scale of the unknowns of a stage: a rate counts by what it moves its state. */
-static void fs_weigh(fs_instance *s, double k) {
+/* 1 / scale of the unknowns of a stage. A rate counts by the largest it has been, which s->size remembers, and not by what
+   its state is: what an iteration leaves of a slow motion adds up over many steps, and slow motions have small rates. */
+static void fs_weigh(fs_instance *s) {
+  int i;
+  for (i = 0; i < s->n; i++) s->weight[i] = 1.0 / s->size[i];
+}
+
+/* Sizes for a start: of rates, and of algebraic unknowns that are rates, a small part of the nominal state; of the other
+   unknowns, whose errors become rates, a small part of their nominal value. */
+static void fs_size(fs_instance *s) {
   const fs_model *m = &s->m;
   int i;
-  for (i = 0; i < m->algebraics; i++) s->weight[i] = 0.0;
+  for (i = 0; i < m->algebraics; i++) s->size[i] = FS_PART * m->z_nominal[i];
   for (i = 0; i < m->substituted; i++)
-    if (m->source[i] < 0) {
-      double weight = k / fs_scale(s->x[m->order[i]], m->x_nominal[m->order[i]]);
-      if (weight > s->weight[-1 - m->source[i]]) s->weight[-1 - m->source[i]] = weight;
-    }
-  for (i = 0; i < m->algebraics; i++)
-    if (s->weight[i] == 0.0) s->weight[i] = 1.0 / s->z_scale[i];
-  for (i = 0; i < m->free_rates; i++)
-    s->weight[m->algebraics + i] = k / fs_scale(s->x[m->free_rate[i]], m->x_nominal[m->free_rate[i]]);
+    if (m->source[i] < 0) s->size[-1 - m->source[i]] = FS_PART * m->x_nominal[m->order[i]];
+  for (i = 0; i < m->free_rates; i++) s->size[m->algebraics + i] = FS_PART * m->x_nominal[m->free_rate[i]];
+  memcpy(s->least, s->size, sizeof(double) * (size_t)s->n);
+}
+
+/* What is larger counts at once; what was larger is forgotten within FS_MEMORY steps. */
+static void fs_remember_size(fs_instance *s, const double *unknown) {
+  int i;
+  for (i = 0; i < s->n; i++) s->size[i] = fs_scale(unknown[i], fs_scale(s->size[i] * (1.0 - 1.0 / FS_MEMORY), s->least[i]));
 }
 
 static void fs_remember_scale(fs_instance *s, const double *z) {
@@ -316,7 +327,7 @@ static int fs_stage_matrix(fs_instance *s, double t, double k) {
   if ((status = fs_slopes(s))) return status;
   for (c = 0; c < n; c++) {
     double kept = s->unknown[c], scale, step;
-    scale = c < nz ? s->z_scale[c] : fs_scale(kept, k * s->weight[c] > 0 ? k / s->weight[c] : 1.0);
+    scale = c < nz ? s->z_scale[c] : fs_scale(kept, fs_scale(s->x[m->free_rate[c - nz]], m->x_nominal[m->free_rate[c - nz]]));
     s->unknown[c] = kept + FS_DIFFERENCE * scale;
     step = s->unknown[c] - kept;
     fs_place(s, k, s->unknown, s->v2, s->xf2);
@@ -502,7 +513,7 @@ static int fs_step(fs_instance *s, double t, double h) {
   fs_matrix *a = &s->stage;
   int i, attempt, status = FS_STAGE;
   for (i = 0; i < s->m.states; i++) s->xbar[i] = s->x[i] + (af * h - k) * s->rate[i];
-  fs_weigh(s, k);
+  fs_weigh(s);
   if (a->age >= s->o.keep || fabs(k - a->k) > 0.2 * a->k) a->made = 0;
   /* the kept matrix; a new one at the prediction; a new one in every iteration, from the last stage */
   for (attempt = a->made ? 0 : 1; attempt < 3 && status; attempt++) {
@@ -522,6 +533,7 @@ static int fs_step(fs_instance *s, double t, double h) {
     s->rate[i] += change;
   }
   fs_remember_scale(s, s->unknown);
+  fs_remember_size(s, s->unknown);
   fs_keep(s, stage, s->unknown);
   return FS_DONE;
 }
@@ -724,6 +736,7 @@ static size_t fs_lay(fs_instance *s, double *memory) {
   s->xf = fs_take(m, u, nx); s->xf2 = fs_take(m, u, nx); s->v = fs_take(m, u, nx); s->v2 = fs_take(m, u, nx);
   s->z = fs_take(m, u, nz); s->zf = fs_take(m, u, nz); s->z_scale = fs_take(m, u, nz);
   s->unknown = fs_take(m, u, n); s->move = fs_take(m, u, n); s->right = fs_take(m, u, n); s->weight = fs_take(m, u, n);
+  s->size = fs_take(m, u, n); s->least = fs_take(m, u, n);
   s->slope = fs_take(m, u, entries); s->real = fs_take(m, u, real);
   for (i = 0; i < FS_HISTORY; i++) s->past[i] = fs_take(m, u, n);
   for (i = 0; i < FS_ITERATIONS; i++) s->moves[i] = fs_take(m, u, n);
@@ -762,6 +775,7 @@ EXPORT fs_instance *fs_create(const fs_model *model, const fs_options *options) 
   }
   fs_lay(s, memory);
   for (i = 0; i < model->algebraics; i++) s->z_scale[i] = model->z_nominal[i];
+  fs_size(s);
   return s;
 }
 

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import ctypes as c
+import os
 from collections.abc import Callable
 
 import numpy as np
@@ -13,7 +14,7 @@ from fowtlib.solving.failure import StepFailure, step_failure
 from fowtlib.solving.fixed_step_code import FixedStepCode, Options, runtime
 from fowtlib.solving.initial import consistent_algebraics
 
-NEWTON = 0.01  # of the tolerance: what the iterations leave adds up over the steps
+NEWTON = float(os.environ.get('NEWTON','100'))  # of the tolerance: what the iterations leave adds up over the steps
 KEEP = 50  # steps over which a Newton matrix is kept, as long as it leads on
 PREDICTOR = 2  # degree of the polynomial through the last stages
 EXTERNAL = 3  # FS_EXTERNAL of fixed_step.c

@@ -261,6 +261,8 @@ class Simulation:
                 raise self._chatter(i)
             if not low:
                 return 0.0
+        if indicator(length, i) > 0:  # it crosses so close to the end that integrating anew decides otherwise
+            return length
         accuracy = 1e-13 * max(1.0, self.t)
         root = float(brentq(indicator, low, length, args=(i,), xtol=accuracy, rtol=1e-14))
         while root < length and indicator(root, i) > 0:
