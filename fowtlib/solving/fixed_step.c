@@ -220,8 +220,22 @@ static int fs_factor(fs_matrix *a) {
   return FS_DONE;
 }
 
+/* a . b, in four sums that do not wait for each other. */
+static double fs_dot(const double *a, const double *b, int n) {
+  double s0 = 0.0, s1 = 0.0, s2 = 0.0, s3 = 0.0;
+  int i;
+  for (i = 0; i + 3 < n; i += 4) {
+    s0 += a[i] * b[i];
+    s1 += a[i + 1] * b[i + 1];
+    s2 += a[i + 2] * b[i + 2];
+    s3 += a[i + 3] * b[i + 3];
+  }
+  for (; i < n; i++) s0 += a[i] * b[i];
+  return (s0 + s1) + (s2 + s3);
+}
+
 static void fs_solve(const fs_matrix *a, double *b) {
-  int n = a->n, i, j;
+  int n = a->n, i;
   const double *lu = a->lu;
   for (i = 0; i < n; i++) b[i] *= a->row_scale[i];
   for (i = 0; i < n; i++)
@@ -230,18 +244,8 @@ static void fs_solve(const fs_matrix *a, double *b) {
       b[i] = b[a->pivot[i]];
       b[a->pivot[i]] = swap;
     }
-  for (i = 0; i < n; i++) {
-    double sum = b[i];
-    const double *row = lu + i * n;
-    for (j = 0; j < i; j++) sum -= row[j] * b[j];
-    b[i] = sum;
-  }
-  for (i = n - 1; i >= 0; i--) {
-    double sum = b[i];
-    const double *row = lu + i * n;
-    for (j = i + 1; j < n; j++) sum -= row[j] * b[j];
-    b[i] = sum / row[i];
-  }
+  for (i = 0; i < n; i++) b[i] -= fs_dot(lu + i * n, b, i);
+  for (i = n - 1; i >= 0; i--) b[i] = (b[i] - fs_dot(lu + i * n + i + 1, b + i + 1, n - i - 1)) / lu[i * n + i];
 }
 
 /* Scale the rows and factor. weight: 1 / scale of the unknowns. */
