@@ -1,7 +1,7 @@
 """The numbers of docs/verification.md.
 
 `make verification` computes all of them and writes them into the page, between the marks of each section;
-`python benchmarks/verification.py NAME ...` prints some. References:
+`python benchmarks/verification.py NAME ...` does so for some. References:
 
 - OC3: J. Jonkman, Definition of the Floating System for Phase IV of OC3, NREL/TP-500-47535 (2010); J. Jonkman and
   W. Musial, OC3 for IEA Wind Task 23, NREL/TP-5000-48191 (2010).
@@ -439,18 +439,15 @@ def _percent(own: float, reference: float) -> str:
 
 
 def main(names: list[str]) -> int:
-    """Print the chosen sections, or write all of them into the page."""
+    """Print the chosen sections, or all, and write them into the page."""
     unknown = [name for name in names if name not in SECTIONS]
     if unknown:
         print(f"unknown: {', '.join(unknown)}; there are {', '.join(SECTIONS)}", file=sys.stderr)
         return 2
-    page = PAGE.read_text()
     for name in names or SECTIONS:
         text = markdown(SECTIONS[name]())
         print(f"{name}\n\n{text}\n", flush=True)
-        page = fill(page, name, text)
-    if not names:
-        PAGE.write_text(page)
+        PAGE.write_text(fill(PAGE.read_text(), name, text))
     return 0
 
 

@@ -85,7 +85,7 @@ def steady_run(speed, tower_units, blade_units, time):
     conditions = {"wind.kind": "steady", "wind.mean_speed": speed, "wind.shear_exponent": 0.0,
                   "tower.units": tower_units, "turbine.assembly.blade_units": blade_units}  # fmt: skip
     result = fw.load("nrel5mw_land", set=conditions).compile().simulate(time, 0.1, tolerance=1e-4)
-    return {row.name: row.mean for row in result.statistics(discard=time - 15.0)}
+    return {name: row.mean for name, row in result.statistics(discard=time - 15.0).items()}
 
 
 @pytest.mark.parametrize("speed", STEADY)
