@@ -214,9 +214,11 @@ def irregular() -> Table:
         spectrum = spectra[name]
         inside = (spectrum.frequency >= low) & (spectrum.frequency <= high)
         peak = float(spectrum.frequency[inside][np.argmax(spectrum.density[inside])])
-        rows.append((name, motion, f"{low:g} to {high:g}", peak, published, np.sqrt(spectrum.moment(0, low, high))))
+        factor, unit = _readable(spectrum.unit)
+        std = factor * float(np.sqrt(spectrum.moment(0, low, high)))
+        rows.append((name, motion, f"{low:g} to {high:g}", peak, published, std, unit))
     pictures.spectra(spectra, FIGURES / "lc25_spectra.png")
-    heads = ("result", "peak of", "band [Hz]", "peak [Hz]", "thesis [Hz]", "standard deviation in the band")
+    heads = ("result", "peak of", "band [Hz]", "peak [Hz]", "thesis [Hz]", "standard deviation in the band", "unit")
     return heads, rows
 
 

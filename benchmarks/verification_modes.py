@@ -22,6 +22,7 @@ from fowtlib.solving.linear import LinearModel, Mode
 from fowtlib.solving.plant import Plant
 from fowtlib.solving.state import State
 
+Changes = tuple[tuple[str, object], ...]  # (parameter path, value)
 BEARING = "turbine.assembly.nacelle.bearing"
 HELD = {f"{BEARING}.phi": 0.0, f"{BEARING}.w": 0.0}
 LOCK = {"turbine.assembly.drivetrain.generator_inertia": 1e9}  # kg m^2 on the high speed shaft: it does not turn
@@ -50,20 +51,22 @@ FAST_BLADE = {
 
 
 @lru_cache(maxsize=2)
-def turbine_at_rest(name: str, tower_units: int, blade_units: int) -> tuple[Plant, State]:
-    """A shipped turbine with so many beam units in calm water and vacuum, and its rest."""
+def turbine_at_rest(name: str, tower_units: int, blade_units: int, changes: Changes = ()) -> tuple[Plant, State]:
+    """A shipped turbine with so many beam units and other changes in calm water and vacuum, and its rest."""
     calm = {"wind.kind": "none", "world.air_density": 0.0}
     if "sea" in fw.load(name).root.parts:
         calm["sea.spectrum"] = "still"
     units = {"tower.units": tower_units, "turbine.assembly.blade_units": blade_units}
-    plant = fw.load(name, set={**calm, **units}).compile()
+    plant = fw.load(name, set={**calm, **units, **dict(changes)}).compile()
     return plant, plant.equilibrium(hold=HELD)
 
 
 @lru_cache(maxsize=8)
-def linear(name: str, tower_units: int, blade_units: int, locked: bool, damping_factor: float = 1.0) -> LinearModel:
+def linear(
+    name: str, tower_units: int, blade_units: int, locked: bool, damping_factor: float = 1.0, changes: Changes = ()
+) -> LinearModel:
     """The linear model about rest, the generator free or locked, the damping of all hinges times a factor."""
-    plant, rest = turbine_at_rest(name, tower_units, blade_units)
+    plant, rest = turbine_at_rest(name, tower_units, blade_units, changes)
     values = plant.parameter_values()
     changed = {path: damping_factor * float(values[path]) for path in DAMPING if damping_factor != 1}
     changed |= LOCK if locked else {}
@@ -135,9 +138,11 @@ def named(modes: list[Mode], order: Callable[[Mode, str], int] = blade_order) ->
     return found
 
 
-def frequencies(name: str, tower_units: int, blade_units: int, locked: bool) -> dict[str, list[float]]:
+def frequencies(
+    name: str, tower_units: int, blade_units: int, locked: bool, changes: Changes = ()
+) -> dict[str, list[float]]:
     """Natural frequencies [Hz] by the names of `named`."""
-    return _frequencies(linear(name, tower_units, blade_units, locked))
+    return _frequencies(linear(name, tower_units, blade_units, locked, changes=changes))
 
 
 def _frequencies(model: LinearModel, order: Callable[[Mode, str], int] = blade_order) -> dict[str, list[float]]:
