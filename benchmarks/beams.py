@@ -13,6 +13,7 @@ import numpy as np
 from pages import fill
 from scipy.linalg import eigh
 
+import fowtlib as fw
 from fowtlib.components.mechanics import BeamProperties, read_beam
 from fowtlib.components.mechanics.beam_division import TREATMENTS, divide
 from fowtlib.modelfile import data_path
@@ -53,6 +54,30 @@ def table(title, beam, picked, names, reference_treatment, **head):
     return "\n".join(lines)
 
 
+SUPPORT = ("yaw", "side-side 1", "fore-aft 1", "side-side 2", "arms vertical", "fore-aft 2")
+
+
+def support_frequencies(tower, arm, top=1):
+    """First frequencies [Hz] of the two-rotor tower with 350 t at its tips, at rest under the weights."""
+    units = {"tower_units": tower, "arm_units": arm, "top_units": top}
+    plant = fw.load("two_rotor_support", set={f"support.{name}": n for name, n in units.items()}).compile()
+    modes = plant.linearize(plant.equilibrium()).modes()
+    return np.array([mode.frequency_hz for mode in modes if mode.damping_ratio < 1][: len(SUPPORT)])
+
+
+def support_table(finest=8):
+    """Errors of the two-rotor tower, in percent, against `finest` units everywhere."""
+    exact = support_frequencies(finest, finest, finest)
+    values = ", ".join(f"{name} {f:.4g}" for name, f in zip(SUPPORT, exact, strict=True))
+    lines = [f"Hz, with {finest} units in every member: {values}.", "",
+             f"| tower units | arm units | {' | '.join(SUPPORT)} |", "| --- " * (2 + len(SUPPORT)) + "|"]  # fmt: skip
+    for tower, arm in ((1, 1), (1, 2), (2, 2), (2, 3), (3, 3), (3, 4), (4, 6)):
+        cells = [f"{100 * error:+.2f} %" for error in support_frequencies(tower, arm) / exact - 1]
+        lines.append(f"| {tower} | {arm} | {' | '.join(cells)} |")
+        print(lines[-1], flush=True)
+    return "\n".join(lines)
+
+
 def main():
     """Print the tables, and write them."""
     uniform = BeamProperties.uniform(1.0, 1.0, 1.0)
@@ -68,9 +93,10 @@ def main():
         table("NREL 5 MW blade, clamped, at rest, Hz", blade, [0, 1, 2, 3, 4],
               ("flap 1", "edge 1", "flap 2", "edge 2", "flap 3"), "free_tip"),
     ])  # fmt: skip
-    print(text)
+    support = support_table()
+    print(text, support, sep="\n\n")
     if "--write" in sys.argv:
-        PAGE.write_text(fill(PAGE.read_text(), "convergence", text))
+        PAGE.write_text(fill(fill(PAGE.read_text(), "convergence", text), "two-rotor tower", support))
 
 
 if __name__ == "__main__":

@@ -34,13 +34,14 @@ def microseconds(function, *inputs, calls=200, repeats=8):
 
 def main():
     blade = read_blade(str(DATA / "blade_aerodynamics.csv"), str(DATA / "airfoils.csv"), 1.5, 63.0)
-    for name, skew in (("with skewed wake", {}), ("without", {"skew": 0.0})):
-        rotor = BladeElementRotor(blade, **skew)
+    variants = {"with skewed wake": {}, "without": {"skew": 0.0}, "dynamic inflow": {"dynamic_inflow": True}}
+    for name, options in variants.items():
+        rotor = BladeElementRotor(blade, **options)
         function = rotor.external.function
         jacobian = function.jacobian()
         print(name)
         for wind, pitch in ((8.0, 0.0), (18.0, 0.26)):
-            u = RigidRotor(rotor, np.radians(2.5), np.radians(5.0)).inputs([wind, 1.0, 0], 1.2, pitch)
+            u = RigidRotor(rotor, np.radians(2.5), np.radians(5.0)).inputs([wind, 1.0, 0], 1.2, pitch, induced=2.0)
             loads = function(u).full().ravel()
             start = time.process_time()
             bem_numpy.loads(rotor, u)

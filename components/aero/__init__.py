@@ -6,7 +6,9 @@ from fowtlib.components.aero.blade_aerodynamics import Airfoil, BladeAerodynamic
 from fowtlib.components.aero.blade_element_aerodynamics import BladeElementAerodynamics, node_points
 from fowtlib.components.aero.coefficient_rotor import CoefficientRotor
 from fowtlib.components.aero.coefficient_table import CoefficientTable, read_coefficients, write_coefficients
+from fowtlib.components.aero.dynamic_inflow import DynamicInflow
 from fowtlib.components.aero.rotor import Rotor
+from fowtlib.components.aero.tower_flow import TowerDrag, TowerPotentialFlow
 
 __all__ = [
     "Airfoil",
@@ -15,8 +17,11 @@ __all__ = [
     "BladeElementRotor",
     "CoefficientRotor",
     "CoefficientTable",
+    "DynamicInflow",
     "RigidRotor",
     "Rotor",
+    "TowerDrag",
+    "TowerPotentialFlow",
     "coefficient_table",
     "node_points",
     "read_airfoils",

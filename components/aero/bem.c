@@ -1,9 +1,12 @@
 /* Blade-element momentum (BEM) loads of one rotor, with their exact Jacobian.
  *
  * In front of this text components/aero/bem.py writes the data of one rotor: the macros NAME, EXPORT, BLADES, STATIONS,
- * SENSE, TIP_RADIUS, SKEW, SKEWED_WAKE, AXIAL_DRAG, TANGENTIAL_DRAG and the constant arrays chord, length, tip_loss,
- * hub_loss, upright_loss, most_lift, most_drag, lift_slope, zero_lift, polar, first_in, last_knot, knot, cubic, sparsity_in, sparsity_out, sparsity_jac. There is no state: every
- * call stands alone.
+ * SENSE, TIP_RADIUS, SKEW, SKEWED_WAKE, DYNAMIC_INFLOW, AXIAL_DRAG, TANGENTIAL_DRAG, and constant arrays:
+ * - of the stations: chord, length; tip_loss, hub_loss, the lesser of them least_loss, F at pi/2 upright_loss; polar,
+ *   its number, its largest |c_l| and |c_d| most_lift, most_drag, a line through its lift lift_slope, zero_lift;
+ * - of the polars: knot and cubic of all in a row, last_knot with a cubic, first_in (see airfoil);
+ * - sparsity_in, sparsity_out, sparsity_jac.
+ * There is no state: every call stands alone.
  *
  * Physics, per node (Ning 2014, Wind Energy 17:1327; Burton et al. 2011, section 3): e_x and e_t span the plane of the
  * blade section, e_t against the motion, e_x downwind. With the relative wind (Vx, Vt) before induction and the speed W
@@ -28,8 +31,8 @@ static const double pi = 3.14159265358979323846;
 static const double edge = 1e-6; /* the inflow angle stays this far from the rotor plane */
 
 /* Where the inputs lie in their column, and where each group starts among the non-zeros of the Jacobian. A column of a
- * node holds ROWS of them, a column of the hub those of every node, in the order of the outputs; the y axes are not used
- * and have none. The wake and the air density do not change the quasi-steady induced speed. */
+ * node holds ROWS of them, a column of the hub those of every node, in the order of the outputs; the y axes are not
+ * used and have none. The wake and the air density do not change the quasi-steady induced speed. */
 enum { POSITION = 0, ORIENTATION = 3 * NODES, VELOCITY = 12 * NODES, WIND = 15 * NODES, HUB = 18 * NODES };
 enum { HUB_POSITION = HUB, HUB_ORIENTATION = HUB + 3, HUB_VELOCITY = HUB + 12, DISK_WIND = HUB + 15,
        DENSITY = HUB + 18, INDUCED_SPEED = HUB + 19 };
@@ -55,13 +58,12 @@ static double smooth_step(double x, double *slope) {
     return x * x * (3 - 2 * x);
 }
 
-/* The first ones wanted of c_l, c_d, c_m at an angle of attack, and their slopes; returns the knot below the angle. first_in holds
- * for every degree from -180 the knot below its begin. */
+/* The first ones wanted of c_l, c_d, c_m at an angle of attack, and their slopes; returns the knot below the angle.
+ * first_in holds for every degree from -180 the knot below its begin. */
 static int airfoil(int station, double alpha, int wanted, double *value, double *slope) {
     if (!(alpha >= -pi && alpha < pi)) alpha -= 2 * pi * floor((alpha + pi) / (2 * pi));
-    int degree = (int)((alpha + pi) * (180 / pi)), low;
-    degree = degree < 0 ? 0 : degree > 359 ? 359 : degree; /* an angle that is no number must not lead astray */
-    low = first_in[360 * polar[station] + degree];
+    double degree = (alpha + pi) * (180 / pi); /* an angle that is no number must not lead astray */
+    int low = first_in[360 * polar[station] + (degree >= 0 ? degree < 359 ? (int)degree : 359 : 0)];
     while (knot[low + 1] <= alpha && low < last_knot[polar[station]]) low++;
     double x = alpha - knot[low];
     for (int i = 0; i < wanted; i++) {
@@ -107,7 +109,8 @@ static void balance(int station, double phi, double twist, double sigma, struct 
         double h = root + 5.0 / 3 - F, h_F = (k - 2.0 / 3 + F) / root - 1;
         h_k = F / root;
         b->A = 4 * F * square * h;
-        b->A_phi = 4 * F_phi * square * (h + F * h_F) + 8 * F * h * size * c + h_k * sigma * (cn_phi - cn * (F_log + 2 * cot));
+        b->A_phi = 4 * F_phi * square * (h + F * h_F) + 8 * F * h * size * c
+                   + h_k * sigma * (cn_phi - cn * (F_log + 2 * cot));
     } else {
         b->A = 4 * F * square + sigma * cn;
         b->A_phi = 4 * F_phi * square + 8 * F * size * c + sigma * cn_phi;
@@ -211,8 +214,8 @@ static double near_angle(double y, double x, double angle, double s, double c) {
 }
 
 /* Loads of a section per length and air density: along e_x, along e_t, and the nose-up moment; then the quasi-steady
- * induced speed against e_x. The inputs and their derivatives come in this order; skew is (d . s) / R of the wake below.
- * With dynamic inflow the induced speed is an input; what the skew adds and the swirl follow at once. */
+ * induced speed against e_x. The inputs and their derivatives come in this order; SKEWED is (d . s) / R of the wake
+ * below. With dynamic inflow the induced speed is an input; what the skew adds and the swirl follow at once. */
 enum { VX, VT, TWIST, RADIUS, SKEWED, ANGLE, INDUCED, NUMBERS };
 
 static void section(int station, const double *in, double *load, double (*slope)[NUMBERS]) {

@@ -27,9 +27,9 @@ class BladeElementRotor:
     Every element balances momentum and blade forces in its own annulus (Ning 2014) with the velocities of its own node;
     Prandtl's tip and hub loss, Buhl's high induction (2005), Pitt and Peters' skewed wake. There is no induction in a
     rotor that hardly turns (tip speed below the wind; it sets in smoothly up to twice that) nor without wind (below 2 %
-    of the tip speed). The tower's wake is part of the wind that is handed in. Dynamic stall would attach where the
-    coefficients are looked up (its states as inputs, as the induced speed is), induction between rotors as a further
-    part of the wind.
+    of the tip speed). What a tower does to the wind is part of the wind that is handed in. Dynamic stall would attach
+    where the coefficients are looked up (its states as inputs, as the induced speed is), induction between rotors as a
+    further part of the wind.
 
     blades: any number; sense 1: turns clockwise seen looking downwind, -1: the other way (mirrored blades).
     skew: factor of the skewed wake correction, 0 for none. axial_drag, tangential_drag: drag takes part in the

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Any
 
 import casadi as ca
@@ -11,6 +11,7 @@ import numpy as np
 
 from fowtlib.components.aero.bem import BladeElementRotor
 from fowtlib.components.aero.coefficient_table import CoefficientTable
+from fowtlib.language.errors import ParameterError
 
 
 @dataclass(frozen=True)
@@ -65,6 +66,8 @@ class RigidRotor:
 
     def quasi_steady(self, inputs: np.ndarray) -> np.ndarray:
         """Induced speed of the balance of momentum at every station, mean of the blades [m/s]; with dynamic inflow."""
+        if not self.rotor.dynamic_inflow:
+            raise ParameterError("the quasi-steady induced speed is an output of a rotor with dynamic_inflow only.")
         outputs = self.rotor.external.function(ca.DM(inputs)).full().ravel()
         return outputs[6 * self.rotor.nodes :].reshape(self.rotor.blades, -1).mean(axis=0)
 
@@ -84,7 +87,7 @@ class RigidRotor:
         inputs, n = self.inputs([1.0, 0, 0], speed, pitch, **more), self.rotor.nodes
         found = []
         for wind in winds:
-            inputs[15 * n : 18 * n : 3] = inputs[-4] = wind  # x of the wind at the nodes and of the disk wind
+            inputs[15 * n : 18 * n : 3] = inputs[18 * n + 15] = wind  # x of the wind at the nodes and of the disk wind
             found.append(self._along_the_shaft(inputs))
         return found
 
@@ -99,7 +102,8 @@ def coefficient_table(
     cos(precone). C_p = tip speed ratio C_q cos(precone). speed [rad/s] scales the wind, and the coefficients do not
     depend on it: the airfoils have no Reynolds number. progress(done, all) is called after each tip speed ratio.
     """
-    rigid, radius = RigidRotor(rotor, precone), rotor.blade.tip_radius
+    quasi_steady = replace(rotor, dynamic_inflow=False) if rotor.dynamic_inflow else rotor
+    rigid, radius = RigidRotor(quasi_steady, precone), rotor.blade.tip_radius
     R = radius * np.cos(precone)
     ratios, pitches = np.asarray(tip_speed_ratios, dtype=float), np.asarray(blade_pitch, dtype=float)
     values = np.empty((len(ratios), len(pitches), 2))

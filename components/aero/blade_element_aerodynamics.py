@@ -2,17 +2,21 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from functools import lru_cache
+from typing import Any
 
 import numpy as np
 
 from fowtlib.components.aero.bem import PITT_PETERS, BladeElementRotor
 from fowtlib.components.aero.blade_aerodynamics import BladeAerodynamics, read_blade
+from fowtlib.components.aero.dynamic_inflow import DynamicInflow
+from fowtlib.components.aero.tower_flow import TowerPotentialFlow
 from fowtlib.components.environment.wind import Wind
 from fowtlib.components.environment.world import World
 from fowtlib.components.mechanics import Frame
 from fowtlib.components.mechanics.rotations import axis_rotation, unit_axis
-from fowtlib.language import Component, RealOutput, Vector, der, eq, outer, param, port, var
+from fowtlib.language import Component, RealOutput, Vector, assert_, der, eq, outer, param, port, var
 from fowtlib.language import math as m
 from fowtlib.language.errors import ParameterError
 
@@ -25,7 +29,8 @@ class BladeElementAerodynamics(Component):
     Each node takes part with its own position, orientation and velocity, in the wind at its place. The frames in
     `nodes` are parallel to the pitched blade root when nothing bends, blade by blade from root to tip, and lie at the
     aerodynamic centres (`node_points`); the twist of the airfoils is added here. thrust, side and vertical force are
-    the sums over all nodes along the axes of the shaft: x downwind, not turning.
+    the sums over all nodes along the axes of the shaft: x downwind, not turning. With a TowerPotentialFlow in the model
+    the nodes meet the wind that the tower deflects; dynamic_inflow adds the part `inflow`, see DynamicInflow.
     """
 
     blade: str = param(doc="path of a CSV with the elements of the blade, see read_blade")
@@ -40,10 +45,12 @@ class BladeElementAerodynamics(Component):
     tangential_drag: bool = param(default=True, doc="drag takes part in the tangential induction")
     tip_loss: bool = param(default=True, doc="Prandtl's loss at the tip")
     hub_loss: bool = param(default=True, doc="Prandtl's loss at the hub")
+    dynamic_inflow: bool = param(default=False, doc="the induced speed follows the loads with a delay: DynamicInflow")
     station: int = param(default=0, min=0, doc="number of the wind's station at this rotor")
 
     world: World = outer(World)
     wind: Wind = outer(Wind)
+    tower: TowerPotentialFlow = outer(TowerPotentialFlow, optional=True)
     hub: Frame = port(doc="hub centre, turning with the rotor; x along the shaft, downwind")
     nodes: Frame = port(size=lambda self: self.rotor.nodes, doc="frames of the nodes, blade by blade from the root")
 
@@ -56,25 +63,25 @@ class BladeElementAerodynamics(Component):
 
     @property
     def rotor(self) -> BladeElementRotor:
-        """The rotor of the external function."""
+        """The rotor as quasi-steady theory has it, for steady operation."""
         if self.hub_radius is None:
             what = "the distance of the blade roots from the shaft"
             raise ParameterError(f"{self.label}.hub_radius has no value: {what}.")
         blade = (self.blade, self.airfoils, self.hub_radius, self.tip_radius, self.smooth_airfoils)
         return _rotor(blade, self.blades, self.rotation, tuple((name, getattr(self, name)) for name in OPTIONS))
 
+    def build(self):
+        if self.dynamic_inflow and self.hub_radius is not None:
+            b = self.rotor.blade
+            self.inflow = DynamicInflow(radius=b.radius.tolist(), length=b.length.tolist(), tip_radius=b.tip_radius)
+
     def equations(self):
-        rotor, hub, nodes = self.rotor, self.hub, list(self.nodes)
-        twist = [axis_rotation(unit_axis((0, 0, -self.rotation)), float(a)) for a in rotor.blade.twist]
-        turned = [node.R @ twist[i % len(twist)] for i, node in enumerate(nodes)]
-        wind = self.wind.velocity(m.horzcat(*[node.r for node in nodes]), self.station)
-        loads = rotor.external(
-            position=m.vertcat(*[node.r for node in nodes]), orientation=m.vertcat(*[m.vec(R) for R in turned]),
-            velocity=m.vertcat(*[der(node.r) for node in nodes]), wind=m.vec(wind), hub_position=hub.r,
-            hub_orientation=m.vec(hub.R), hub_velocity=der(hub.r), disk_wind=self.disk_wind,
-            air_density=self.world.air_density,
-        )["loads"]  # fmt: skip
-        given = [(loads[6 * i : 6 * i + 3], loads[6 * i + 3 : 6 * i + 6]) for i in range(len(nodes))]
+        hub, nodes = self.hub, list(self.nodes)
+        places = m.horzcat(*[node.r for node in nodes])
+        wind = self.wind.velocity(places, self.station)
+        outputs = _air(self, wind if self.tower is None else self.tower.around(wind, places))
+        loads = [outputs["loads"][i : i + 3] for i in range(0, 6 * len(nodes), 3)]
+        given = list(zip(loads[::2], loads[1::2], strict=True))
         about_hub = [m.cross(node.r - hub.r, f) + t for node, (f, t) in zip(nodes, given, strict=True)]
         shaft = hub.R[:, 0]
         return [
@@ -86,13 +93,43 @@ class BladeElementAerodynamics(Component):
             eq(self.thrust, m.dot(shaft, self.force)),
             eq(self.torque, self.rotation * m.dot(shaft, self.moment)),
             eq(self.aero_power, m.dot(self.moment, hub.w)),
+            _wake(self, outputs["quasi_steady"]) if self.dynamic_inflow else [],
+            assert_(self.tower.clearance(places) > 0, "a blade strikes the tower") if self.tower is not None else [],
         ]
+
+
+def _air(air: BladeElementAerodynamics, wind: Any) -> dict[str, Any]:
+    """What the external function says, with the wind (3, n) at the nodes."""
+    rotor, hub, nodes, more = air.rotor, air.hub, list(air.nodes), {}
+    twist = [axis_rotation(unit_axis((0, 0, -air.rotation)), float(angle)) for angle in rotor.blade.twist]
+    turned = [node.R @ twist[i % len(twist)] for i, node in enumerate(nodes)]
+    if air.dynamic_inflow:
+        rotor, more = _dynamic(rotor), {"induced": air.inflow.induced}
+    return rotor.external(
+        position=m.vertcat(*[node.r for node in nodes]), orientation=m.vertcat(*[m.vec(R) for R in turned]),
+        velocity=m.vertcat(*[der(node.r) for node in nodes]), wind=m.vec(wind), hub_position=hub.r,
+        hub_orientation=m.vec(hub.R), hub_velocity=der(hub.r), disk_wind=air.disk_wind,
+        air_density=air.world.air_density, **more,
+    )  # fmt: skip
+
+
+def _wake(air: BladeElementAerodynamics, quasi_steady: Any) -> list[Any]:
+    """What the wake is told: the mean over the blades, and the wind through the disk."""
+    n = len(air.inflow.radius)
+    mean = sum([quasi_steady[k * n : (k + 1) * n] for k in range(air.blades)]) / air.blades
+    through = m.dot(air.hub.R[:, 0], air.disk_wind - der(air.hub.r))
+    return [eq(air.inflow.quasi_steady, mean), eq(air.inflow.wind_speed, through)]
 
 
 @lru_cache(maxsize=16)
 def _rotor(blade: tuple, blades: int, rotation: int, options: tuple) -> BladeElementRotor:
     """The same object for the same rotor, so that its function is made once."""
     return BladeElementRotor(read_blade(*blade), blades, rotation, **dict(options))
+
+
+@lru_cache(maxsize=16)
+def _dynamic(rotor: BladeElementRotor) -> BladeElementRotor:
+    return replace(rotor, dynamic_inflow=True)
 
 
 def node_points(blade: BladeAerodynamics, rotation: int = 1) -> list[tuple[float, float, float]]:

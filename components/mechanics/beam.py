@@ -204,12 +204,8 @@ class Beam(TwoFrames):
     deflection: RealOutput = port(unit="m", shape=(3,), doc="displacement of frame_b, resolved in frame_a")
     root_force: RealOutput = port(unit="N", shape=(3,), doc="force of the root on the beam, resolved in frame_a")
     root_moment: RealOutput = port(unit="N*m", shape=(3,), doc="moment of the root on the beam, resolved in frame_a")
-    cut_force: RealOutput = port(
-        size="n_cuts", unit="N", shape=(3,), doc="force of the root side on the tip side of each cut, in cut_axes"
-    )
-    cut_moment: RealOutput = port(
-        size="n_cuts", unit="N*m", shape=(3,), doc="moment of the root side on the tip side, about the elastic axis"
-    )
+    cut_force: RealOutput = port(size="n_cuts", unit="N", shape=(3,), doc="force of the root side on the tip side")
+    cut_moment: RealOutput = port(size="n_cuts", unit="N*m", shape=(3,), doc="its moment, about the elastic axis")
 
     def build(self):
         parts = divide(given_beam(self), self.units, self.treatment)

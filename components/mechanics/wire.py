@@ -2,9 +2,11 @@
 
 from __future__ import annotations
 
+import math
+
 from fowtlib.components.environment.world import World
 from fowtlib.components.mechanics.interfaces import TwoFrames
-from fowtlib.language import RealOutput, Scalar, assert_, der, eq, outer, param, port, var
+from fowtlib.language import RealOutput, Scalar, assert_, der, eq, outer, param, port, shapes, var
 from fowtlib.language import math as m
 
 
@@ -54,3 +56,7 @@ class AxialWire(TwoFrames):
             assert_(self.distance > 1e-9, "the two ends of the wire meet, so its direction is undetermined"),
             [] if self.tension_only else assert_(self.tension > -1e-3 * self.slack_tension, pushing, level="warning"),
         ]
+
+    def drawing(self):
+        diameter = (4 * self.mass_per_length / (math.pi * 7850)) ** 0.5 or None  # of a bar of steel
+        return [shapes.link(self.frame_a, self.frame_b, diameter, "line")]

@@ -116,32 +116,38 @@ def stiffness(horizontal: float, vertical: float, line: Line) -> np.ndarray:
     return np.linalg.inv(np.array(ca.Function("flexibility", [H, V], [jacobian])(horizontal, vertical)))
 
 
-def profile(horizontal: float, vertical: float, line: Line, points: int = 100) -> dict[str, np.ndarray]:
+def profile(horizontal: Any, vertical: Any, line: Line, points: int = 100) -> dict[str, np.ndarray]:
     """Shape of a line with these fairlead tensions [N], from the anchor to the fairlead.
 
-    Returns arrays of `points` values: "arc_length" (unstretched), "x", "z" [m] and "tension" [N]. The excess length of
-    a slack line is drawn shortened on the seabed.
+    Returns arrays of `points` values: "arc_length" (unstretched), "x", "z" [m] and "tension" [N]; for tensions (n,)
+    arrays (n, points) of the last three. The excess length of a slack line is drawn shortened on the seabed.
     """
-    H, V, w, s = horizontal, vertical, line.weight, np.linspace(0.0, line.length, points)
-    V_anchor, grounded = max(V - w * line.length, 0.0), max(line.length - V / w, 0.0)
+    w, s = line.weight, np.linspace(0.0, line.length, points)
+    H, V = (np.asarray(value, dtype=float)[..., None] for value in (horizontal, vertical))
+    V_anchor, grounded = np.maximum(V - w * line.length, 0.0), np.maximum(line.length - V / w, 0.0)
     V_s = np.where(s < grounded, 0.0, V - w * (line.length - s))
     along = np.maximum(H - line.friction * w * np.maximum(grounded - s, 0.0), 0.0)
     tension = np.hypot(along, V_s)
     bow = H / w * (np.arcsinh(V_s / H) - np.arcsinh(V_anchor / H))
-    pulled = min(grounded, H / (w * max(line.friction, 1e-9)))
+    pulled = np.minimum(grounded, H / (w * max(line.friction, 1e-9)))
     u = np.clip(s - (grounded - pulled), 0.0, pulled)
     stretch = u * (H - line.friction * w * (pulled - u / 2)) + H * np.maximum(s - grounded, 0.0)
-    shortened = 1 - slack_length(H, line) / (grounded or line.length)
+    shortened = 1 - slack_length(H, line) / np.where(grounded > 0, grounded, line.length)
     x = np.minimum(s, grounded) * shortened + bow + stretch / line.axial_stiffness
     z = (np.hypot(H, V_s) - np.hypot(H, V_anchor)) / w + (V_s**2 - V_anchor**2) / (2 * w * line.axial_stiffness)
     return {"arc_length": s, "x": x, "z": z, "tension": tension}
 
 
 def profile_between(
-    anchor: Any, fairlead: Any, horizontal: float, vertical: float, line: Line, points: int = 100
+    anchor: Any, fairlead: Any, horizontal: Any, vertical: Any, line: Line, points: int = 100
 ) -> np.ndarray:
-    """Positions (points, 3) [m] along a line, world, from result values: anchor and fairlead positions and tensions."""
+    """Positions (points, 3) [m] along a line, world, from result values: anchor and fairlead positions and tensions.
+
+    From n moments, positions (n, 3) and tensions (n,), it gives (n, points, 3).
+    """
     start, end = np.asarray(anchor, dtype=float), np.asarray(fairlead, dtype=float)
     shape = profile(horizontal, vertical, line, points)
-    direction = (end - start)[:2] / max(np.hypot(*(end - start)[:2]), 1e-12)
-    return np.column_stack([start[:2] + shape["x"][:, None] * direction, start[2] + shape["z"]])
+    reach = (end - start)[..., None, :2]
+    direction = reach / np.maximum(np.linalg.norm(reach, axis=-1, keepdims=True), 1e-12)
+    plan = start[..., None, :2] + shape["x"][..., None] * direction
+    return np.concatenate([plan, (start[..., 2, None] + shape["z"])[..., None]], axis=-1)

@@ -74,7 +74,7 @@ class CatenaryLine(Component):
         length, stiffness, friction = numbers
 
         def form(at):
-            line = catenary.Line(length, at["weight"], stiffness, friction)
+            line = catenary.Line(length, at["weight"][0], stiffness, friction)  # the same at every moment
             return catenary.profile_between(at["anchor"], at["fairlead"], at["H"], at["V"], line, points=31)
 
         scalars = {"H": "horizontal_tension", "V": "vertical_tension", "weight": "weight"}

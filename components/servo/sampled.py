@@ -24,8 +24,8 @@ def _filtered(controller):
 class SampledTorqueController(TorqueController):
     """The torque law once in every sample, with the limit of the rate from sample to sample; it filters the speed.
 
-    Source: J. Jonkman et al., NREL/TP-500-38060 (2009), sections 7.1, 7.2 and 7.4. Every sample restarts the
-    integrator: the same control as TorqueController, much slower to simulate.
+    Source: J. Jonkman et al., NREL/TP-500-38060 (2009), sections 7.1, 7.2 and 7.4. With the solver idas
+    every sample is a restart, which is slow; the solver fixed steps from sample to sample.
     """
 
     period: float = param(default=0.0125, unit="s", min=1e-6, doc="sampling period")
@@ -52,7 +52,7 @@ class SampledPitchController(PitchController):
 
     In each sample: filter, integral of the speed error held where its part of the pitch reaches a limit, PI with the
     gain of the last pitch, limits. Source: J. Jonkman et al., NREL/TP-500-38060 (2009), sections 7.1, 7.3 and 7.4.
-    Every sample restarts the integrator: the same control as PitchController, much slower to simulate.
+    With the solver idas every sample is a restart, which is slow; the solver fixed steps from sample to sample.
     """
 
     period: float = param(default=0.0125, unit="s", min=1e-6, doc="sampling period")

@@ -11,7 +11,44 @@ from fowtlib.language import math as m
 from fowtlib.language.errors import ParameterError
 
 
-class Arm(Component):
+class ArmLoads(Component):
+    """Partial: frames, places and loads of an arm; see Arm for the signs."""
+
+    node_distances: Array = param(
+        default=(), unit="m", structural=True,
+        doc="frames along the arm: distance from the root of the tube"
+    )  # fmt: skip
+    n_nodes: int = param(default=lambda self: len(self.node_distances), min=0, doc="number of those frames")
+    cuts: Array = param(
+        default=(), unit="m", structural=True,
+        doc="places of section loads: distance from the root of the tube"
+    )  # fmt: skip
+    n_cuts: int = param(default=lambda self: len(self.cuts), min=0, doc="number of those cuts")
+
+    frame_a: Frame = port(doc="on the axis of the tower")
+    tip: Frame = port(doc="end of the arm, where a nacelle stands; parallel to frame_a while the arm is straight")
+    nodes: Frame = port(size="n_nodes", optional=True, doc="frames along the arm, parallel to those of the beam")
+    root_vertical_moment: RealOutput = port(unit="N*m", doc="vertical bending at the root of the tube")
+    root_horizontal_moment: RealOutput = port(unit="N*m", doc="horizontal bending at the root of the tube")
+    root_torsion: RealOutput = port(unit="N*m", doc="torsion at the root of the tube")
+    cut_vertical_moment: RealOutput = port(size="n_cuts", unit="N*m", doc="vertical bending at each cut")
+    cut_horizontal_moment: RealOutput = port(size="n_cuts", unit="N*m", doc="horizontal bending at each cut")
+    cut_torsion: RealOutput = port(size="n_cuts", unit="N*m", doc="torsion at each cut")
+    tip_displacement: RealOutput = port(unit="m", shape=(3,), doc="displacement of the tip, in the axes of frame_a")
+
+    def loads(self, beam, side):
+        """The moments, from those of the beam in its axes; side as arm_axes gives it."""
+        root, cuts = -beam.root_moment, [-beam.cut_moment[k] for k in range(self.n_cuts)]
+        return [
+            [eq(self.root_vertical_moment, -side * root[0]), eq(self.root_horizontal_moment, root[1])],
+            eq(self.root_torsion, side * root[2]),
+            [eq(self.cut_vertical_moment[k], -side * cut[0]) for k, cut in enumerate(cuts)],
+            [eq(self.cut_horizontal_moment[k], cut[1]) for k, cut in enumerate(cuts)],
+            [eq(self.cut_torsion[k], side * cut[2]) for k, cut in enumerate(cuts)],
+        ]
+
+
+class Arm(ArmLoads):
     """A flexible arm from a tower to a rotor, see Beam: a round tube that tapers, or a table of properties.
 
     frame_a is on the axis of the tower; the arm is rigid up to `root_radius`, where the tube begins. frame_a, the tip
@@ -38,27 +75,6 @@ class Arm(Component):
     torsion: bool = param(default=False, doc="with torsion")
     damping_horizontal: Scalar = param(default=0.003, unit="s", min=0, doc="damping over stiffness, horizontal")
     damping_vertical: Scalar = param(default=damping_horizontal, unit="s", min=0, doc="the same, vertical")
-    node_distances: Array = param(
-        default=(), unit="m", structural=True,
-        doc="frames along the arm: distance from the root of the tube"
-    )  # fmt: skip
-    n_nodes: int = param(default=lambda self: len(self.node_distances), min=0, doc="number of those frames")
-    cuts: Array = param(
-        default=(), unit="m", structural=True,
-        doc="places of section loads: distance from the root of the tube"
-    )  # fmt: skip
-    n_cuts: int = param(default=lambda self: len(self.cuts), min=0, doc="number of those cuts")
-
-    frame_a: Frame = port(doc="on the axis of the tower")
-    tip: Frame = port(doc="end of the arm, where a nacelle stands; parallel to frame_a while the arm is straight")
-    nodes: Frame = port(size="n_nodes", optional=True, doc="frames along the arm, parallel to those of the beam")
-    root_vertical_moment: RealOutput = port(unit="N*m", doc="vertical bending at the root of the tube")
-    root_horizontal_moment: RealOutput = port(unit="N*m", doc="horizontal bending at the root of the tube")
-    root_torsion: RealOutput = port(unit="N*m", doc="torsion at the root of the tube")
-    cut_vertical_moment: RealOutput = port(size="n_cuts", unit="N*m", doc="vertical bending at each cut")
-    cut_horizontal_moment: RealOutput = port(size="n_cuts", unit="N*m", doc="horizontal bending at each cut")
-    cut_torsion: RealOutput = port(size="n_cuts", unit="N*m", doc="torsion at each cut")
-    tip_displacement: RealOutput = port(unit="m", shape=(3,), doc="displacement of the tip, in the axes of frame_a")
 
     def build(self):
         to, (axes, _), length = np.ravel(self.to), arm_axes(self), arm_length(self)
@@ -84,15 +100,7 @@ class Arm(Component):
 
     def equations(self):
         axes, side = arm_axes(self)
-        root, cuts = -self.beam.root_moment, [-self.beam.cut_moment[k] for k in range(self.n_cuts)]
-        return [
-            [eq(self.root_vertical_moment, -side * root[0]), eq(self.root_horizontal_moment, root[1])],
-            eq(self.root_torsion, side * root[2]),
-            [eq(self.cut_vertical_moment[k], -side * cut[0]) for k, cut in enumerate(cuts)],
-            [eq(self.cut_horizontal_moment[k], cut[1]) for k, cut in enumerate(cuts)],
-            [eq(self.cut_torsion[k], side * cut[2]) for k, cut in enumerate(cuts)],
-            eq(self.tip_displacement, m.mtimes(axes, self.beam.deflection)),
-        ]
+        return [self.loads(self.beam, side), eq(self.tip_displacement, m.mtimes(axes, self.beam.deflection))]
 
 
 def arm_length(arm: Arm) -> float:

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from typing import Any
+
 from fowtlib.components.aero import CoefficientRotor, outlines, read_coefficients
 from fowtlib.components.environment.wind import Wind
 from fowtlib.components.environment.world import World
@@ -90,3 +92,9 @@ class RotorNacelle(Component):
         table = read_coefficients(rotor.coefficients, rotor.extended)
         sizes = {name: rotor.parameter_value(name) for name in ("radius", "precone", "tilt")}
         return SteadyTurbine(table, gear_ratio=self.parameter_value("gear_ratio"), **sizes, **controlled(self))
+
+
+def _start(component: Component, name: str, value: Any) -> None:
+    """Give a start value to a part that has it as a parameter and was not given one."""
+    if name in component.parameters and not component.is_set(name):
+        setattr(component, name, value)

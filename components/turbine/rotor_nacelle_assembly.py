@@ -26,10 +26,7 @@ class RotorNacelleAssembly(Component):
     blade_units: int = param(default=6, min=0, doc="beam units of a blade; 0: rigid")
     blade_treatment: str = param(default="free_tip", choices=("plain", "loaded_tip", "free_tip"), doc="see Beam")
     blade_torsion: bool = param(default=False, doc="blades with torsion")
-    blade_cuts: Array = param(
-        default=(), unit="m", structural=True,
-        doc="section loads of a blade, blade_1.cut_...: distance from the root"
-    )  # fmt: skip
+    blade_cuts: Array = param(default=(), unit="m", structural=True, doc="section loads of a blade: see FlexibleBlade")
     damping_flapwise: Scalar = param(default=0.003, unit="s", min=0, doc="damping over stiffness, flapwise")
     damping_edgewise: Scalar = param(default=damping_flapwise, unit="s", min=0, doc="damping over stiffness, edgewise")
     node_points: list = param(default=[], doc="aerodynamic nodes of a blade: distance from the root [m], or a point")
@@ -55,9 +52,8 @@ class RotorNacelleAssembly(Component):
             (self.nacelle, ("rotation", "rotor_speed_start")), (self.drivetrain, ("rotor_speed_start",)),
             (self.hub, ("rotation", "blades")),
         ):  # fmt: skip
-            for name in names:
-                if not component.is_set(name):
-                    setattr(component, name, getattr(self, name))
+            for name in (name for name in names if not component.is_set(name)):
+                setattr(component, name, getattr(self, name))
         for a, b in (
             (self.frame, self.nacelle.frame_a), (self.nacelle.hub, self.hub.frame),
             (self.nacelle.shaft, self.drivetrain.shaft), (self.yaw_command, self.nacelle.yaw_command),
@@ -66,10 +62,9 @@ class RotorNacelleAssembly(Component):
             self.connect(a, b)
         for k in range(self.blades):
             blade = FlexibleBlade(
-                properties=self.blade_properties, table=self.blade_table, units=self.blade_units,
+                properties=self.blade_properties, table=self.blade_table, units=self.blade_units, cuts=self.blade_cuts,
                 treatment=self.blade_treatment, torsion=self.blade_torsion, damping_flapwise=self.damping_flapwise,
                 damping_edgewise=self.damping_edgewise, node_points=self.node_points, mirrored=self.rotation < 0,
-                cuts=self.blade_cuts,
             )  # fmt: skip
             self.connect(self.hub.roots[k], self.add(f"blade_{k + 1}", blade).frame_a)
             self.connect(self.pitch_demand[k], self.hub.pitch_command[k])

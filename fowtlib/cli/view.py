@@ -68,7 +68,7 @@ def view(arguments: argparse.Namespace) -> int:
 def _played(arguments: argparse.Namespace, path: Path, alone: bool) -> Result:
     """The result, with the model that it came from."""
     import fowtlib as fw
-    from fowtlib.modelfile import models
+    from fowtlib.modelfile.files import shipped_models
     from fowtlib.solving import Result
 
     if path.suffix == ".csv":
@@ -77,7 +77,7 @@ def _played(arguments: argparse.Namespace, path: Path, alone: bool) -> Result:
     if result.raw is None or not result.raw.time.size:
         raise ModelError(f"{path}: the file holds no states, from which positions could be found.")
     name = result.attributes["model"]
-    if alone and name not in models():
+    if alone and name not in shipped_models():
         which = f"'{name}' is not a shipped model" if name else "it does not name its model"
         raise ModelError(f"{path}: {which}; give the model too: fowt view MODEL --result {path}")
     model = fw.load(name if alone else arguments.model, allow_python=arguments.allow_python)

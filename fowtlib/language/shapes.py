@@ -102,10 +102,10 @@ class Loft(Shape):
 
 @dataclass(frozen=True, eq=False)
 class Curve:
-    """A line in the world whose form changes: points(values) gives (n, 3), always the same n.
+    """A line in the world whose form changes: points(values) gives its n points at all moments, (n_time, n, 3).
 
-    of: what it depends on, by the names under which `points` finds it: a frame, whose position (3,) it gets, or the
-    path of a scalar variable.
+    of: what it depends on, by the names under which `points` finds it: a frame, whose position (n_time, 3) it gets, or
+    the path of a scalar variable (n_time,).
     """
 
     of: Mapping[str, Any]
@@ -149,7 +149,7 @@ Drawn = Shape | Curve | Arrow | Water
 
 def link(frame_a: Any, frame_b: Any, diameter: float | None = None, material: str = "rod") -> Curve:
     """A straight line between the origins of two frames: a spring, a cable, a slide."""
-    return Curve({"a": frame_a, "b": frame_b}, lambda at: np.array([at["a"], at["b"]]), diameter, material)
+    return Curve({"a": frame_a, "b": frame_b}, lambda at: np.stack([at["a"], at["b"]], axis=1), diameter, material)
 
 
 def rod(frame: Any, end: Any, diameter: float | None = None) -> list[Shape]:

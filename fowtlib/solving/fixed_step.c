@@ -55,7 +55,8 @@ typedef struct {
 typedef struct {
   double step;       /* longest step [s] */
   double rho_inf;    /* amplitude that is left of an infinitely fast oscillation after one step */
-  double tolerance;  /* of the Newton iteration, relative */
+  double tolerance;  /* of the Newton iteration of a stage, relative; what it leaves adds up over the steps */
+  double at_points;  /* the same for the algebraic unknowns at a point */
   int keep;          /* steps over which a Newton matrix is kept */
   int predictor;     /* degree of the polynomial through the last stages */
 } fs_options;
@@ -66,7 +67,8 @@ enum { FS_ITERATIONS = 12, FS_HISTORY = 3 };
 
 typedef struct {
   int n, made, age;
-  double k, theta;
+  int excess;        /* iterations beyond two per solution since it was made */
+  double k, theta;   /* what it was made for; the contraction of its iterations */
   double *lu, *row_scale, *row_size;
   int *pivot;
 } fs_matrix;
@@ -78,6 +80,7 @@ typedef struct {
   double *q, *y, *w, *y2, *w2, *ode, *alg, *ode2, *alg2, *scratch;
   double *x, *rate, *xbar, *xf, *xf2, *v, *v2, *z, *zf, *unknown, *move, *right, *weight, *z_scale, *slope, *real;
   double *past[FS_HISTORY], past_time[FS_HISTORY];
+  double *moves[FS_ITERATIONS], lengths[FS_ITERATIONS]; /* the updates of an iteration, and their weighted squares */
   int pasts;
   const double **arg;
   double **res;
@@ -91,6 +94,9 @@ typedef struct {
 static const double FS_DIFFERENCE = 1e-6; /* of the scale of an unknown; the cube root of rounding is near */
 
 static const double FS_DISTRUST = 1.2;    /* by which a contraction that was not measured grows from step to step */
+static const double FS_LEAST_THETA = 1e-3; /* below it a measured contraction is luck */
+static const double FS_PRICE = 0.15;       /* of a column of a matrix, in evaluations */
+static const double FS_ROUNDING = 1e-6;    /* updates that do not become smaller any more are accepted below this */
 
 /* --- evaluation ---------------------------------------------------------------------------------------------------- */
 
@@ -252,7 +258,7 @@ static int fs_finish(fs_matrix *a, const double *weight) {
   }
   status = fs_factor(a);
   a->made = status == FS_DONE;
-  a->age = 0;
+  a->age = a->excess = 0;
   a->theta = 0.1;
   return status;
 }
@@ -353,6 +359,31 @@ static double fs_norm(const double *move, const double *weight, int n) {
   return largest;
 }
 
+static double fs_product(const double *a, const double *b, const double *weight, int n) {
+  double sum = 0.0;
+  int i;
+  for (i = 0; i < n; i++) sum += a[i] * b[i] * weight[i] * weight[i];
+  return sum;
+}
+
+/* s->move, the update by the matrix alone, becomes that of Broyden's method, from the updates of the iterations before
+   it; C. T. Kelley (1995), Iterative Methods for Linear and Nonlinear Equations, SIAM, algorithm brsol. */
+static void fs_broyden(fs_instance *s, int n, int iteration) {
+  double *p = s->move, scale;
+  int i, j;
+  for (j = 0; j + 1 < iteration; j++) {
+    double factor = fs_product(s->moves[j], p, s->weight, n) / s->lengths[j];
+    for (i = 0; i < n; i++) p[i] += factor * s->moves[j + 1][i];
+  }
+  if (iteration > 0) {
+    scale = 1.0 - fs_product(s->moves[iteration - 1], p, s->weight, n) / s->lengths[iteration - 1];
+    if (scale > 0.2)
+      for (i = 0; i < n; i++) p[i] /= scale;
+  }
+  memcpy(s->moves[iteration], p, sizeof(double) * (size_t)n);
+  s->lengths[iteration] = fs_product(p, p, s->weight, n) + 1e-300;
+}
+
 /* Row that stands out: the first that is not finite, else the largest one, scaled. */
 static void fs_blame(fs_instance *s, double t, const fs_matrix *a, const double *residual, int n) {
   double largest = -1.0;
@@ -371,17 +402,29 @@ static void fs_blame(fs_instance *s, double t, const fs_matrix *a, const double 
   }
 }
 
-/* What of an update is left, by the contraction measured; negative while the iteration diverges. */
-static double fs_left(fs_matrix *a, double now, double before, int iteration) {
-  double theta;
+/* Whether an iteration has converged (1), goes on (0) or diverges (-1), by the sizes of its updates so far.
+
+   What an update leaves is theta / (1 - theta) of it, theta the contraction from one update to the next; before there are
+   two of them, the last one that was measured counts. An update within the tolerance is enough in any case, and one within
+   the rounding of the equations cannot become smaller. */
+static int fs_judge(const fs_matrix *a, const double *size, int iteration, double tolerance) {
+  double now = size[iteration], theta = a->theta;
+  if (!isfinite(now)) return -1;
   if (iteration > 0) {
-    theta = before > 0.0 ? now / before : 0.0;
-    if (!(theta < 1.0)) return -1.0;
-    a->theta = iteration == 1 || theta > a->theta ? theta : a->theta;
-    if (a->theta < 1e-4) a->theta = 1e-4;
+    theta = now / size[iteration - 1];
+    if (now > tolerance && !(theta < 2.0)) return now <= FS_ROUNDING ? 1 : -1;
+    theta = fmin(fmax(theta, FS_LEAST_THETA), 0.9);
   }
-  theta = a->theta;
-  return now * theta / (1.0 - theta);
+  return now <= tolerance || now * theta <= tolerance * (1.0 - theta);
+}
+
+/* After a success: a contraction that was measured counts for the next steps, and one that was not is trusted less. A new
+   matrix is due when the iterations it would have saved could have paid for it. */
+static void fs_trust(fs_matrix *a, const double *size, int iterations, int fresh, int keep) {
+  if (iterations == 1) a->theta = fmin(FS_DISTRUST * a->theta, 0.5);
+  else if (!fresh) a->theta = fmin(fmax(size[1] / size[0], FS_LEAST_THETA), 0.5);
+  if (iterations > 2) a->excess += iterations - 2;
+  if (a->excess > FS_PRICE * a->n) a->age = keep;
 }
 
 static void fs_residual_of_stage(fs_instance *s) {
@@ -394,8 +437,8 @@ static void fs_residual_of_stage(fs_instance *s) {
 /* Unknowns of a stage by modified Newton from s->unknown; the matrix is made anew where the kept one does not lead on. */
 static int fs_iterate_stage(fs_instance *s, double t, double k, int fresh) {
   fs_matrix *a = &s->stage;
-  int n = s->n, iteration, i, status;
-  double before = 0.0, now, left;
+  int n = s->n, iteration, i, status, verdict;
+  double size[FS_ITERATIONS];
   for (iteration = 0; iteration < FS_ITERATIONS; iteration++) {
     fs_place(s, k, s->unknown, s->v, s->xf);
     if ((status = fs_evaluate(s, t, s->xf, s->unknown))) return status;
@@ -411,19 +454,18 @@ static int fs_iterate_stage(fs_instance *s, double t, double k, int fresh) {
       }
       if (iteration > 0) a->theta = theta;
     }
-    for (i = 0; i < n; i++) s->move[i] = s->right[i];
+    for (i = 0; i < n; i++) s->move[i] = -s->right[i];
     fs_solve(a, s->move);
-    now = fs_norm(s->move, s->weight, n);
-    left = isfinite(now) ? fs_left(a, now, before, iteration) : -1.0;
-    if (left < 0.0) break;
-    for (i = 0; i < n; i++) s->unknown[i] -= s->move[i];
-    if (left <= s->o.tolerance) {
+    if (fresh < 2) fs_broyden(s, n, iteration);
+    size[iteration] = fs_norm(s->move, s->weight, n);
+    verdict = fs_judge(a, size, iteration, s->o.tolerance);
+    if (verdict < 0) break;
+    for (i = 0; i < n; i++) s->unknown[i] += s->move[i];
+    if (verdict) {
       fs_place(s, k, s->unknown, s->v, s->xf);
-      if (iteration > 0 && (iteration > 4 || a->theta > 0.25)) a->age = s->o.keep; /* a new one at the next step */
-      else if (iteration == 0) a->theta = fmin(FS_DISTRUST * a->theta, 0.5);
+      fs_trust(a, size, iteration + 1, fresh, s->o.keep);
       return FS_DONE;
     }
-    before = now;
   }
   fs_blame(s, t, a, s->right, n);
   return FS_STAGE;
@@ -489,8 +531,8 @@ static int fs_step(fs_instance *s, double t, double h) {
 /* Solve alg for z; `ode` belongs to the solution where ready comes back as 1. */
 static int fs_iterate_algebraic(fs_instance *s, double t, const double *x, double *z, int fresh, int *ready) {
   fs_matrix *a = &s->algebraic;
-  int n = a->n, iteration, i, status;
-  double before = 0.0, now, left;
+  int n = a->n, iteration, i, status, verdict;
+  double size[FS_ITERATIONS];
   *ready = 0;
   for (iteration = 0; iteration < FS_ITERATIONS; iteration++) {
     if ((status = fs_evaluate(s, t, x, z))) return status;
@@ -510,24 +552,23 @@ static int fs_iterate_algebraic(fs_instance *s, double t, const double *x, doubl
       if (iteration > 0) a->theta = theta;
     }
     for (i = 0; i < n; i++) {
-      s->move[i] = s->alg[i];
+      s->move[i] = -s->alg[i];
       s->weight[i] = 1.0 / s->z_scale[i];
     }
     fs_solve(a, s->move);
-    now = fs_norm(s->move, s->weight, n);
-    if (now <= 0.1 * s->o.tolerance) {
+    if (fresh < 2) fs_broyden(s, n, iteration);
+    size[iteration] = fs_norm(s->move, s->weight, n);
+    if (size[iteration] <= 0.1 * s->o.at_points) {
       *ready = 1;
       return FS_DONE;
     }
-    left = isfinite(now) ? fs_left(a, now, before, iteration) : -1.0;
-    if (left < 0.0) break;
-    for (i = 0; i < n; i++) z[i] -= s->move[i];
-    if (left <= s->o.tolerance) {
-      if (iteration > 0 && (iteration > 4 || a->theta > 0.25)) a->age = s->o.keep;
-      else if (iteration == 0) a->theta = fmin(FS_DISTRUST * a->theta, 0.5);
+    verdict = fs_judge(a, size, iteration, s->o.at_points);
+    if (verdict < 0) break;
+    for (i = 0; i < n; i++) z[i] += s->move[i];
+    if (verdict) {
+      fs_trust(a, size, iteration + 1, fresh, s->o.keep);
       return FS_DONE;
     }
-    before = now;
   }
   fs_blame(s, t, a, s->alg, n);
   return FS_ALGEBRAIC;
@@ -685,6 +726,7 @@ static size_t fs_lay(fs_instance *s, double *memory) {
   s->unknown = fs_take(m, u, n); s->move = fs_take(m, u, n); s->right = fs_take(m, u, n); s->weight = fs_take(m, u, n);
   s->slope = fs_take(m, u, entries); s->real = fs_take(m, u, real);
   for (i = 0; i < FS_HISTORY; i++) s->past[i] = fs_take(m, u, n);
+  for (i = 0; i < FS_ITERATIONS; i++) s->moves[i] = fs_take(m, u, n);
   s->stage.lu = fs_take(m, u, n * n); s->stage.row_scale = fs_take(m, u, n); s->stage.row_size = fs_take(m, u, n);
   s->algebraic.lu = fs_take(m, u, nz * nz); s->algebraic.row_scale = fs_take(m, u, nz); s->algebraic.row_size = fs_take(m, u, nz);
   return used;

@@ -31,7 +31,7 @@ class FixedStep:
         self.attributes = {"solver": "fixed", "step": step, "rho_inf": rho_inf, "tolerance": tolerance}
         self.advice = f"or take a shorter step (--step {500 * step:g}ms)"
         self._library = runtime()
-        options = Options(step, rho_inf, NEWTON * tolerance, keep, predictor)
+        options = Options(step, rho_inf, NEWTON * tolerance, tolerance, keep, predictor)
         self._instance = self._library.fs_create(c.byref(code.table), c.byref(options))
         if not self._instance:
             raise MemoryError("no memory for the fixed-step engine")

@@ -64,7 +64,8 @@ class Options(c.Structure):
     """fs_options."""
 
     _fields_ = [
-        ("step", c.c_double), ("rho_inf", c.c_double), ("tolerance", c.c_double), ("keep", c.c_int),
+        ("step", c.c_double), ("rho_inf", c.c_double), ("tolerance", c.c_double),
+        ("at_points", c.c_double), ("keep", c.c_int),
         ("predictor", c.c_int),
     ]  # fmt: skip
 

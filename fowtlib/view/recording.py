@@ -16,6 +16,7 @@ from fowtlib.language.errors import ModelError
 Observe = Callable[[Sequence[str]], np.ndarray]
 BLOCK = 360  # scalars observed together
 POSE, POINT, SCALAR = 7 * 4, 3 * 2, 4  # bytes of a pose, a point of a curve and a value in the file
+POINTS = 31  # of a curve, as many as a mooring line has, to guess the size of a file
 POSE_NAMES = (*(f"r[{i}]" for i in range(3)), *(f"R[{i},{j}]" for i in range(3) for j in range(3)))
 
 
@@ -64,7 +65,7 @@ class Cast:
 
     def bytes_per_moment(self, readings: int) -> float:
         """Size of one moment in the file, as base64."""
-        points = sum(31 for _ in self.curves)
+        points = POINTS * len(self.curves)
         raw = POSE * len(self.frames) + POINT * points + SCALAR * (readings + len(self.arrows) + 1)
         return raw * 4 / 3
 
@@ -101,8 +102,7 @@ class Cast:
             for key, source in curve.of.items():
                 one = isinstance(source, str)
                 columns[key] = next(values) if one else np.stack([next(values) for _ in range(3)], axis=1)
-            rows = (({key: column[t] for key, column in columns.items()}) for t in range(moments))
-            found.append(np.array([curve.points(row) for row in rows]))
+            found.append(curve.points(columns))
         return found
 
     def speeds(self, observe: Observe, moments: int) -> np.ndarray:

@@ -161,6 +161,7 @@ const SOLID = program(`
   in vec3 world, facing; out vec4 pixel;
   void main() {
     vec3 view = normalize(eye - world), n = normalize(facing);
+    if (dot(n, view) < -0.25) n = -n;  // the inside of an open skin; at an edge the sign is no news
     vec3 sun = normalize(vec3(-0.5, -0.6, 0.75));
     float shine = pow(max(dot(n, normalize(sun + view)), 0.0), 40.0);
     vec3 c = tint * (0.42 + 0.13 * n.z + 0.12 * dot(n, view) + 0.45 * max(dot(n, sun), 0.0)) + 0.12 * shine;
@@ -303,7 +304,7 @@ const ribbons = scene.curves.map((curve) => {
 const reach = Math.hypot(scene.whole.centre[0], scene.whole.centre[1]) + scene.whole.size / 2;
 const radius = Math.max(1.15 * reach, 1.5 * scene.bodies.size), STRIPS = 420;
 const level = water ? -water.depth : scene.whole.low;
-const spacing = 10 ** Math.round(Math.log10(radius / 4));
+const spacing = 10 ** Math.floor(Math.log10(radius / 2));
 const ground = vertices(GROUND, { corner: [new Float32Array([-1, -1, 1, -1, -1, 1, 1, 1]), 2] }, strip(1));
 const sea = water && (() => {
   const along = new Float32Array(4 * (STRIPS + 1));
@@ -316,6 +317,8 @@ const sea = water && (() => {
 })();
 
 function moveSea(t) {
+  if (sea.time === t) return;
+  sea.time = t;
   const step = 2 * radius / STRIPS, height = elevations(t, -radius, step, STRIPS + 1, 3 * step);
   for (let i = 0; i <= STRIPS; i++) {
     const before = Math.max(i - 1, 0), after = Math.min(i + 1, STRIPS);
@@ -326,6 +329,8 @@ function moveSea(t) {
 }
 
 function moveRibbon(ribbon, t) {
+  if (ribbon.time === t) return;
+  ribbon.time = t;
   const points = linePoints(ribbon.curve, t);
   for (let i = 0; i < ribbon.pieces; i++) {
     for (let corner = 0; corner < 4; corner++) {
@@ -351,8 +356,8 @@ function look(name) {
   const [azimuth, elevation, box, nearer = 1] = VIEWS[name], aspect = canvas.clientWidth / canvas.clientHeight;
   camera.azimuth = azimuth * Math.PI / 180;
   camera.elevation = elevation * Math.PI / 180;
-  camera.target = [...box.centre];
-  camera.distance = 1.04 * nearer * box.size / 2 / Math.sin(FIELD / 2) / Math.min(1, aspect);
+  camera.target = add(box.centre, [0, 0, elevation < 45 ? -0.01 * box.size : 0]);  // the bar covers the lower edge
+  camera.distance = 1.1 * nearer * box.size / 2 / Math.sin(FIELD / 2) / Math.min(1, aspect);
   if (followed) followed = pose(scene.follow, time)[0];
   stale = true;
 }
@@ -447,12 +452,17 @@ byId("slider").min = times[0];
 byId("slider").max = times[last];
 for (const value of SPEEDS) byId("speed").add(new Option(`${value} x`, value));
 const cells = scene.readings.map((item) => {
-  const row = byId("readings").firstElementChild.insertRow(), unitText = item.unit === "1" ? "" : item.unit.replaceAll("*", " ");
+  const row = byId("readings").firstElementChild.insertRow();
+  let unitText = item.unit === "1" ? "" : item.unit.replaceAll("*", " "), most = item.values.reduce((m, v) => Math.max(m, Math.abs(v)), 0);
+  if (most >= 1e6 && /^(N|W|J|Pa)\b/.test(unitText)) {
+    unitText = `M${unitText}`;
+    most /= 1e6;
+    item.values = item.values.map((v) => v / 1e6);
+  }
   row.title = item.about;
   row.insertCell().textContent = item.name.replaceAll("_", " ");
   const cell = row.insertCell();
   row.insertCell().textContent = unitText;
-  const most = item.values.reduce((m, v) => Math.max(m, Math.abs(v)), 0);
   const digits = most > 0 ? Math.min(Math.max(3 - Math.ceil(Math.log10(most)), 0), 3) : 2;
   return { cell, digits, values: item.values };
 });
@@ -546,7 +556,7 @@ function tick(now) {
 }
 
 // A link may name a moment and a view: #t=12.5&view=side&theme=dark&play&follow&dry&speed=5
-function follow(hash) {
+function obey(hash) {
   const wish = new URLSearchParams(hash.slice(1));
   setTheme(wish.get("theme") === "dark" || wish.get("theme") === "light" ? wish.get("theme") : theme);
   setWater(!wish.has("dry"));
@@ -557,8 +567,8 @@ function follow(hash) {
   setPlaying(wish.has("play"));
 }
 
-follow(location.hash);
-addEventListener("hashchange", () => follow(location.hash));
+obey(location.hash);
+addEventListener("hashchange", () => obey(location.hash));
 stale = false;
 render();
 tell();

@@ -5,6 +5,7 @@ from __future__ import annotations
 import base64
 import html
 import json
+import warnings
 import webbrowser
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
@@ -22,7 +23,7 @@ from fowtlib.view import meshes
 from fowtlib.view.plots import PANELS
 from fowtlib.view.recording import Cast, Observe, Reading, moments_of
 
-READINGS = 24, 8  # results beside the picture, at most: of a turbine, of anything else
+READINGS = 24, 8  # results beside the picture, at most: the usual ones of a turbine, else any
 ORDER = {name: rank for rank, name in enumerate(name for panel in PANELS for name in panel)}
 SIZE_LIMIT = 15e6  # bytes; of a longer run fewer moments a second are shown
 
@@ -100,8 +101,8 @@ def view(
     time = recording.time
     span = float(time[-1] - time[0])
     animation = Animation(target, time.size, (time.size - 1) / span if span else 0.0, len(text.encode()))
-    if show:
-        webbrowser.open(target.resolve().as_uri())
+    if show and not webbrowser.open(target.resolve().as_uri()):
+        warnings.warn(f"no browser was found; open {target} in one yourself.", stacklevel=2)
     return animation
 
 
@@ -178,7 +179,7 @@ def _of_model(model: Model, equilibrium: bool, parameters: Mapping[str, Any] | N
     result = Result([state.t], {}, attributes={"parameters": values}, raw=raw, observe=plant.observer(raw, parameters))
     readings = _readings(plant, result)
     title = model.title or model.name or type(model.root).__name__
-    status = "at its mean position" if equilibrium else "at the start"
+    status = "at its mean position." if equilibrium else "at the start."
     root = _with_values(model.root, values)
     return Recording(root, result.time, result.observe, readings, title, status)
 
@@ -197,13 +198,14 @@ def _readings(plant: Plant, result: Result) -> list[Reading]:
 
 
 def chosen(names: Iterable[str]) -> list[str]:
-    """The results to read: the usual ones of a floating turbine first."""
+    """The results to read: the usual ones of a floating turbine, or the first few of anything else."""
 
     def rank(name: str) -> int:
         return min((number for key, number in ORDER.items() if name.startswith(key)), default=len(ORDER))
 
     ranked = sorted(names, key=rank)
-    return ranked[: READINGS[0] if ranked and rank(ranked[0]) < len(ORDER) else READINGS[1]]
+    usual = [name for name in ranked if rank(name) < len(ORDER)]
+    return max(usual[: READINGS[0]], ranked[: READINGS[1]], key=len)
 
 
 def _with_values(root: Any, parameters: Mapping[str, Any]) -> Any:

@@ -9,7 +9,14 @@ import pytest
 from scipy.optimize import brentq
 
 import fowtlib as fw
-from fowtlib.components.aero import BladeElementRotor, RigidRotor, bem_numpy, coefficient_table, read_coefficients
+from fowtlib.components.aero import (
+    Airfoil,
+    BladeElementRotor,
+    RigidRotor,
+    bem_numpy,
+    coefficient_table,
+    read_coefficients,
+)
 from fowtlib.components.aero.bem_steady import _about
 from fowtlib.language import Scalar, der, eq, var
 from fowtlib.language.native import compiler
@@ -59,6 +66,22 @@ def test_c_and_numpy_agree(blade, options):
         u = random_inputs(rotor, generator)
         numpy = bem_numpy.loads(rotor, u)
         assert np.all(np.isfinite(numpy))
+        assert np.abs(c_loads(rotor, u) - numpy).max() < 1e-10 * np.abs(numpy).max()
+
+
+@needs_compiler
+@pytest.mark.parametrize("smooth", [True, False])
+def test_polars_with_uneven_angles(blade, smooth):
+    """Many angles within one degree and none for a quadrant: the C code looks them up by the degree."""
+    g = np.random.default_rng(3)
+    angle = np.sort(np.concatenate([[-np.pi, np.pi], g.uniform(-0.02, 0.3, 60), g.uniform(0.1, 0.12, 40), [-2.0]]))
+    drag = 0.01 + 1.2 * np.sin(angle) ** 2
+    values = np.column_stack([1.1 * np.sin(2 * angle + 0.1), drag, -0.2 * np.sin(angle)])
+    foil = Airfoil("uneven", angle, values, smooth)
+    rotor = BladeElementRotor(replace(blade, airfoil=["uneven"] * 17, airfoils={"uneven": foil}), skew=0.0)
+    for _ in range(10):
+        u = random_inputs(rotor, g)
+        numpy = bem_numpy.loads(rotor, u)
         assert np.abs(c_loads(rotor, u) - numpy).max() < 1e-10 * np.abs(numpy).max()
 
 

@@ -41,7 +41,7 @@ CASES = {
     ),
     "unknown_parameter": (
         "parts:\n  world: {class: World}\n  link: {class: FixedTranslation, r: [1, 0, 0], lenght: 2}\n",
-        "model.yaml:4: link: FixedTranslation has no parameter 'lenght'; there is 'r'.",
+        "model.yaml:4: link: FixedTranslation has no parameter 'lenght'; there are 'r' and 'diameter'.",
     ),
     "missing_parameter": (
         "parts:\n  body: {class: RigidBody, mass: 3 t}\n",
@@ -292,7 +292,7 @@ SETTINGS = {
         "x",
         "set: body.length: 'x' is neither a quantity nor a parameter; a length in m is expected, e.g. '853.87 m'.",
     ),
-    "body.a.q": (3, "set: body.a: FixedTranslation has no parameter 'q'; there is 'r'."),
+    "body.a.q": (3, "set: body.a: FixedTranslation has no parameter 'q'; there are 'r' and 'diameter'."),
     "body.c.r": (3, "set: body has no part 'c'; there are 'a' and 'b'."),
     "body.a": (3, "set: body.a is a part, not a parameter; give values to its parameters."),
     "world.": (3, "set: 'world.' is not the path of a parameter: a name, or names joined by dots."),

@@ -24,8 +24,8 @@ def tube(outer, wall):
 class Frame:
     """Euler-Bernoulli frame: six degrees of freedom a node, geometric stiffness, consistent mass, rotary inertia."""
 
-    def __init__(self):
-        self.points, self.fixed, self.terms = [], [], []
+    def __init__(self, axial_factor):
+        self.points, self.terms, self.axial_factor = [], [], axial_factor
 
     def node(self, point):
         self.points.append(np.array(point, dtype=float))
@@ -63,7 +63,8 @@ class Frame:
             K[block] += S @ (factor * E * inertia * bending + N * tension) @ S
             M[block] += S @ (density * A * h * mass + density * inertia * tension) @ S
         two, polar = np.array([[1, -1], [-1, 1]]), 2 * inertia
-        for dofs, k, m in (([2, 8], E * A / h, density * A * h), ([5, 11], SHEAR * polar / h, density * polar * h)):
+        stretch = self.axial_factor * E * A / h
+        for dofs, k, m in (([2, 8], stretch, density * A * h), ([5, 11], SHEAR * polar / h, density * polar * h)):
             block = np.ix_(dofs, dofs)
             K[block] += factor * k * two
             M[block] += m / 6 * np.array([[2, 1], [1, 2]])
@@ -90,8 +91,8 @@ class Frame:
         return np.sqrt(eigh(K[6:, 6:], M[6:, 6:], eigvals_only=True, subset_by_index=[0, 11])) / (2 * np.pi)
 
 
-def finite_elements(tension, gravity, head=350e3, elements=16):
-    """Frequencies [Hz]; axial forces from the weights and from the tension of the wires."""
+def finite_elements(tension, gravity, head=350e3, elements=16, axial_factor=1.0):
+    """Frequencies [Hz] and masses [kg]; axial forces from the weights and from the tension of the wires."""
     area = {name: np.mean([tube(D, t)[0] for D, t in zip(*np.linspace(*ends, 2001).T, strict=True)])
             for name, ends in {"tower": ((6.28, 0.03), (4.79, 0.0215)), "arm": ((4.79, 0.028), (1.79, 0.010)),
                                "top": ((3.29, 0.014), (3.29, 0.014))}.items()}  # fmt: skip
@@ -99,7 +100,7 @@ def finite_elements(tension, gravity, head=350e3, elements=16):
     mass = {name: DENSITY * area[name] * length for name, length in lengths.items()}
     wire = MASS * (SPAN / np.cos(np.pi / 6)) / (1 + tension / WIRE)
     above = 2 * head + 2 * mass["arm"] + mass["top"] + 2 * wire
-    frame = Frame()
+    frame = Frame(axial_factor)
     crown = frame.member(frame.node((0, 0, 10)), (0, 0, 90), (6.28, 4.79), (0.03, 0.0215), elements,
                          lambda x: -gravity * (above + (1 - x) * mass["tower"]))  # fmt: skip
     top = frame.member(crown, (0, 0, 90 + TOP), (3.29, 3.29), (0.014, 0.014), elements,
@@ -187,11 +188,15 @@ def test_frequencies_without_load():
 
 
 def test_frequencies_under_load(loaded):
-    """At rest under the weights, with the wires tight: geometric stiffness in the finite elements."""
+    """At rest under the weights, with the wires tight: geometric stiffness in the finite elements.
+
+    The beams of the model do not stretch; beside finite elements that do not either, the error is that of few units.
+    """
     plant, state = loaded
     found = [mode.frequency_hz for mode in plant.linearize(state).modes()]
-    exact, _ = finite_elements(float(state["wire_tension_left"]) * 1e3, G)
-    assert found[:6] == pytest.approx(exact[:6], rel=0.02)
+    tension = float(state["wire_tension_left"]) * 1e3
+    assert found[:6] == pytest.approx(finite_elements(tension, G)[0][:6], rel=0.02)
+    assert found[:6] == pytest.approx(finite_elements(tension, G, axial_factor=1e3)[0][:6], rel=0.01)
 
 
 TURBINES = """

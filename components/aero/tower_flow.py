@@ -1,0 +1,127 @@
+"""The tower in the wind: how it deflects the wind at the blades, and its own drag."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import casadi as ca
+
+from fowtlib.components.environment.wind import Wind
+from fowtlib.components.environment.world import World
+from fowtlib.components.mechanics import Frame
+from fowtlib.language import Component, Scalar, Vector, der, eq, outer, param, port, var
+from fowtlib.language import math as m
+from fowtlib.language.errors import ParameterError
+
+
+class TowerPotentialFlow(Component):
+    """The dam of a tower: plane potential flow around a cylinder of the local diameter, at the nodes of every rotor.
+
+    A rotor of blade elements in the same model finds it. The wind W across the tower axis becomes, at the distance d
+    (vector) from the nearest point of the axis, W (1 + R^2/d^2) - 2 R^2 d (d . W)/d^4 with the local radius R; upstream
+    that is W (1 - (D/2x)^2). AeroDyn has the same as TwrPotent = 1 (Moriarty and Hansen 2005, NREL/TP-500-36881). W is
+    the undisturbed wind of the node itself. Full from the lowest to the highest frame; beyond, it fades within one
+    local diameter. Inside of the tower it is bounded and means nothing, and a simulation in which a blade strikes the
+    tower stops there. Potential flow has no wake: for upwind rotors.
+
+    Connect `nodes` to frames along the axis, from the base to the top; straight lines between them.
+    """
+
+    diameters: list = param(doc="diameters of the tower [m] at the frames, two or more")
+
+    nodes: Frame = port(size=lambda self: len(self.diameters), doc="frames on the axis of the tower, base first")
+
+    def equations(self):
+        _check(self, self.diameters, "diameters", least=2)
+        return [[eq(node.f, m.zeros(3)), eq(node.t, m.zeros(3))] for node in self.nodes]
+
+    def around(self, wind: ca.SX, position: ca.SX) -> ca.SX:
+        """The disturbed wind (3, n, world) for the undisturbed one at positions (3, n); while flattening."""
+        points = [node.r for node in self.nodes]
+        columns = zip(ca.horzsplit(ca.SX(wind)), ca.horzsplit(ca.SX(position)), strict=True)
+        return m.horzcat(*[deflected_wind(w, r, points, self.diameters) for w, r in columns])
+
+    def clearance(self, position: ca.SX) -> ca.SX:
+        """Least distance [m] of positions (3, n) from the surface, of those between the base and the top."""
+        points, least = [node.r for node in self.nodes], ca.SX(float(max(self.diameters)))
+        for r in ca.horzsplit(ca.SX(position)):
+            away, diameter, beyond = _beside(r, points, self.diameters)
+            least = m.fmin(least, m.if_else(beyond > 0, least, m.norm(away) - diameter / 2))
+        return least
+
+
+class TowerDrag(Component):
+    """Drag of the wind on a tower: 0.5 rho C_d D |U| U per length, U the relative wind across the tower, at each frame.
+
+    Quasi-steady; the frames' own z axes point along the tower. A frame stands for `lengths` of the tower around it, so
+    that the lengths add up to the tower and frames lie in the middle of their parts. Source: Hansen (2015),
+    Aerodynamics of Wind Turbines, section on loads; C_d of a smooth tower 0.5 to 1.2 by its Reynolds number.
+    """
+
+    diameters: list = param(doc="diameters of the tower [m] at the frames")
+    lengths: list = param(doc="length of tower [m] that each frame stands for")
+    drag_coefficient: Scalar = param(default=1.0, min=0, doc="drag coefficient C_d by the diameter")
+    station: int = param(default=0, min=0, doc="number of the wind's station that the tower stands in")
+
+    world: World = outer(World)
+    wind: Wind = outer(Wind)
+    nodes: Frame = port(size=lambda self: len(self.diameters), doc="frames along the tower")
+
+    force: Vector = var(unit="N", doc="drag of the whole tower, world")
+
+    def equations(self):
+        _check(self, self.diameters, "diameters")
+        _check(self, self.lengths, "lengths")
+        if len(self.lengths) != len(self.diameters):
+            counts = f"{len(self.diameters)} diameters and {len(self.lengths)} lengths"
+            raise ParameterError(f"{self.label}: {counts}; give one for each frame.")
+        wind = self.wind.velocity(m.horzcat(*[node.r for node in self.nodes]), self.station)
+        forces = [self._drag(wind[:, k] - der(node.r), node.R[:, 2], k) for k, node in enumerate(self.nodes)]
+        return [
+            [[eq(node.f, -f), eq(node.t, m.zeros(3))] for node, f in zip(self.nodes, forces, strict=True)],
+            eq(self.force, sum(forces)),
+        ]
+
+    def _drag(self, relative: ca.SX, axis: ca.SX, k: int) -> ca.SX:
+        across = relative - axis * m.dot(axis, relative)
+        area = float(self.diameters[k]) * float(self.lengths[k])
+        # a speed of 1e-6 m/s keeps the slope of |U| U finite where there is no wind
+        return 0.5 * self.world.air_density * self.drag_coefficient * area * m.smooth_norm(across, 1e-6) * across
+
+
+def deflected_wind(wind: Any, position: Any, points: list[Any], diameters: list[float]) -> ca.SX:
+    """Wind (3) beside a tower with the diameters at the points of its axis, base first; see TowerPotentialFlow."""
+    away, diameter, beyond = _beside(position, points, diameters)
+    axis = _axis(points)
+    across = wind - axis * m.dot(axis, wind)
+    radius2 = diameter**2 / 4
+    distance2 = m.fmax(m.sumsqr(away), radius2)
+    height = m.fmin(beyond / diameter, 1)
+    fade = m.if_else(height > 0, 1 - height**2 * (3 - 2 * height), 1)
+    return wind + fade * radius2 / distance2 * (across - 2 * away * m.dot(away, across) / distance2)
+
+
+def _axis(points: list[Any]) -> ca.SX:
+    whole = points[-1] - points[0]
+    return whole / m.norm(whole)
+
+
+def _beside(position: Any, points: list[Any], diameters: list[float]) -> tuple[ca.SX, ca.SX, ca.SX]:
+    """Vector from the axis to a position, across the tower; local diameter; height above the top or below the base."""
+    base, axis = points[0], _axis(points)
+    height, heights = m.dot(axis, position - base), [m.dot(axis, point - base) for point in points]
+    nearest, diameter = base, ca.SX(float(diameters[0]))
+    for k in range(len(points) - 1):
+        share = m.fmin(m.fmax((height - heights[k]) / (heights[k + 1] - heights[k]), 0), 1)
+        nearest += share * (points[k + 1] - points[k])
+        diameter += share * (float(diameters[k + 1]) - float(diameters[k]))
+    away = position - nearest
+    return away - axis * m.dot(axis, away), diameter, m.fmax(-height, height - heights[-1])
+
+
+def _check(component: Component, values: list, name: str, least: int = 1) -> None:
+    if len(values) < least:
+        raise ParameterError(f"{component.label}.{name}: {least} or more are needed, one for each frame.")
+    for value in values:
+        if not float(value) > 0:
+            raise ParameterError(f"{component.label}.{name}: {value} is not a positive length in m.")
