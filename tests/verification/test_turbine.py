@@ -63,6 +63,15 @@ def test_drive_train_torsion(free, locked):
     assert locked["drivetrain"][0] == pytest.approx(0.6205, rel=0.04)
 
 
+def test_damping_of_the_platform_with_its_turbine():
+    """From 10 m and 10 deg: FAST 0.097 and 0.063 ([T], load case 2.3). Vacuum, rigid blades, flexible tower."""
+    calm = {**cases.CALM, "world.air_density": 0.0, "turbine.assembly.blade_units": 0}
+    plant = fw.load("oc3_spar", set=calm).compile()
+    for motion, fast, time in (("surge", 0.097, 400.0), ("pitch", 0.063, 120.0)):
+        decay = cases.free_decay(plant, motion, 10.0, duration=time, tolerance=1e-4)
+        assert decay.damping_ratio == pytest.approx(fast, rel=0.15)
+
+
 # --- masses, [D] tables 2-2 and 1-1 ---
 
 
