@@ -40,9 +40,10 @@ docs: $(STAMP)
 catalogue: $(STAMP)
 	$(BIN)/fowt parts --markdown > docs/catalogue.md
 
-# Compute every table of docs/verification.md and write it into the page.
+# Compute every table of docs/verification.md and docs/load_cases.md and write them into the pages.
 verification: $(STAMP)
 	$(BIN)/python benchmarks/verification.py
+	$(BIN)/python benchmarks/load_cases.py
 
 # Pin the newest packages that pyproject.toml allows: install them into a fresh environment and write down what came.
 lock:

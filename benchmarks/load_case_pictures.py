@@ -101,7 +101,8 @@ def spectra(found: Mapping[str, Any], path: Path) -> None:
         scale = SCALES.get(name, 1.0) ** 2
         axis.loglog(spectrum.frequency[shown], scale * spectrum.density[shown], color=INK, linewidth=1.0)
         unit = TITLES[name].partition("[")[2].rstrip("]")
-        axis.set_title(f"{TITLES[name].partition(' [')[0]} [({unit})^2/Hz]", fontsize=9, loc="left")
+        squared = f"({unit})^2" if " " in unit else f"{unit}^2"
+        axis.set_title(f"{TITLES[name].partition(' [')[0]} [{squared}/Hz]", fontsize=9, loc="left")
         axis.set_xlim(0.003, 1)
     for axis in axes[2:]:
         axis.set_xlabel("frequency [Hz]", fontsize=9)

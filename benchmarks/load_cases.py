@@ -34,13 +34,17 @@ FIELD_COMMAND = (
     f"fowt wind-field {FIELD} --speed 11.4 --class B --shear 0.14 --width 160 --height 160 --spacing 8 --time 1200"
 )
 IDAS, FIXED = "--tolerance 1e-4", "--solver fixed"
+OFFSETS = {"surge": (10.0, 600.0), "heave": (5.0, 200.0), "pitch": (10.0, 200.0)}  # m or deg, s
 COMMANDS = {
     "steady": f"fowt run nrel5mw_land --wind steady:SPEED,shear=0 --time 90 {FIXED}",
     "turbulent": f"fowt run nrel5mw_land --wind field:{FIELD} --time 600 {FIXED}",
-    "decay_surge": f"fowt decay oc3_spar --dof surge --offset 10 {VACUUM}",
-    "decay_heave": f"fowt decay oc3_spar --dof heave --offset 5 --time 200 {VACUUM}",
-    "decay_pitch": f"fowt decay oc3_spar --dof pitch --offset 10 --time 200 {VACUUM}",
+    **{
+        f"decay_{motion}": f"fowt decay oc3_spar --dof {motion} --offset {offset:g} --time {time:g} {VACUUM}"
+        for motion, (offset, time) in OFFSETS.items()
+    },
     "regular": f"fowt run oc3_spar --wind none --waves regular:H=6,T=10 {VACUUM} {STIFF_BLADES} --time 600 {IDAS}",
+    "regular_rigid": "fowt run oc3_spar --wind none --waves regular:H=6,T=10 --set tower.units=0"
+    f" {VACUUM} {STIFF_BLADES} --time 600 {IDAS}",
     "irregular": f"fowt run oc3_spar --wind none --waves jonswap:Hs=6,Tp=10,seed=1 {VACUUM} {STIFF_BLADES} --time 2000"
     f" {IDAS}",
     "steady_and_regular": f"fowt run oc3_spar --wind steady:8 --waves regular:H=6,T=10 --time 600 {FIXED}",
@@ -103,10 +107,20 @@ class SteadyPoint:
     @classmethod
     def of(cls, result: Result, last: float = 30.0) -> SteadyPoint:
         """The point that a run ends in."""
-        mean = {row.name: row.mean for row in result.statistics(discard=float(result.time[-1]) - last)}
+        mean = {name: row.mean for name, row in result.statistics(discard=float(result.time[-1]) - last).items()}
         tip = np.mean([mean[f"blade_tip_out_of_plane_{k}"] for k in (1, 2, 3)])
         names = ("rotor_speed", "blade_pitch", "generator_power", "thrust")
         return cls(*(mean[name] for name in names), float(tip), mean["tower_top_fore_aft_displacement"])
+
+
+@section
+def commands() -> Table:
+    """What the cases run."""
+    lines = [("LC 2.1", "steady"), ("LC 2.2", "turbulent"), *(("LC 2.3", f"decay_{m}") for m in OFFSETS),
+             ("LC 2.4", "regular"), ("LC 2.4, rigid tower", "regular_rigid"), ("LC 2.5", "irregular"),
+             ("LC 2.6", "steady_and_regular"), ("LC 2.7", "turbulent_and_irregular")]  # fmt: skip
+    rows = [("wind of LC 2.2, 2.7", f"`{FIELD_COMMAND}`"), *((case, f"`{COMMANDS[name]}`") for case, name in lines)]
+    return ("load case", "command"), rows
 
 
 @section
@@ -141,12 +155,10 @@ def turbulent() -> Table:
 def decay() -> Table:
     """LC 2.3: the platform let go from an offset."""
     published = {"surge": (0.097, 0.143), "heave": ("", ""), "pitch": (0.063, 0.088)}
-    offsets = {"surge": 10.0, "heave": 5.0, "pitch": 10.0}
-    times = {"surge": 600.0, "heave": 200.0, "pitch": 200.0}
     plant = fw.load("oc3_spar", set={**cases.CALM, "world.air_density": 0.0}).compile()
     rows, found = [], {}
     for motion, both in published.items():
-        one = cases.free_decay(plant, motion, offsets[motion], duration=times[motion])
+        one = cases.free_decay(plant, motion, OFFSETS[motion][0], duration=OFFSETS[motion][1])
         found[motion] = one
         first = analyse_decay(_first_cycles(one, 2))
         rows.append((motion, one.frequency, one.damping_ratio, first.damping_ratio, one.damping_at_zero,
@@ -165,18 +177,27 @@ def _first_cycles(decay: Decay, cycles: int) -> tuple[np.ndarray, np.ndarray]:
 @section
 def regular() -> Table:
     """LC 2.4: regular waves of 6 m and 10 s; platform and tower, no wind."""
-    result = result_of("regular")
+    result, rigid = result_of("regular"), result_of("regular_rigid")
     rao = linear_rao(fw.load("oc3_spar_rigid").with_parameters(cases.WITHOUT_DRAG), [0.1],
                      outputs=["surge", "heave", "pitch"])  # fmt: skip
     rows = []
     for name in ("surge", "heave", "pitch"):
-        amplitude = abs(harmonic_fit(result[name], 0.1, discard=400.0).amplitude)
-        expected = 3.0 * float(rao.amplitude(name)[0])
-        rows.append((name, result.unit(name), amplitude, expected, _percent(amplitude, expected)))
+        flexible, stiff = _amplitude(result, name), _amplitude(rigid, name)
+        linear = 3.0 * float(rao.amplitude(name)[0])
+        rows.append((name, result.unit(name), flexible, stiff, linear, _percent(stiff, linear)))
     names = ("wave_elevation", "surge", "heave", "pitch", "tower_top_fore_aft_displacement",
              "tower_base_fore_aft_moment")  # fmt: skip
     pictures.series(result, names, FIGURES / "lc24_regular.png", (400, 460))
-    return ("motion", "unit", "amplitude", "linear response of the rigid spar", "difference"), rows
+    heads = ("motion", "unit", "amplitude", "with a rigid tower", "linear, rigid, no drag", "difference of these two")
+    return heads, rows
+
+
+def _amplitude(result: Result, name: str) -> float:
+    """Amplitude at the 10 s of the waves; values half a period before and after take slow surge out."""
+    half = int(round(5.0 / (result.time[1] - result.time[0])))
+    values = np.asarray(result[name])
+    middle = (values[half:-half] - (values[2 * half :] + values[: -2 * half]) / 2) / 2
+    return harmonic_fit((result.time[half:-half], middle), 0.1, discard=400.0).amplitude
 
 
 @section
@@ -193,9 +214,11 @@ def irregular() -> Table:
         spectrum = spectra[name]
         inside = (spectrum.frequency >= low) & (spectrum.frequency <= high)
         peak = float(spectrum.frequency[inside][np.argmax(spectrum.density[inside])])
-        rows.append((name, motion, f"{low:g} to {high:g}", peak, published, np.sqrt(spectrum.moment(0, low, high))))
+        factor, unit = _readable(spectrum.unit)
+        std = factor * float(np.sqrt(spectrum.moment(0, low, high)))
+        rows.append((name, motion, f"{low:g} to {high:g}", peak, published, std, unit))
     pictures.spectra(spectra, FIGURES / "lc25_spectra.png")
-    heads = ("result", "peak of", "band [Hz]", "peak [Hz]", "thesis [Hz]", "standard deviation in the band")
+    heads = ("result", "peak of", "band [Hz]", "peak [Hz]", "thesis [Hz]", "standard deviation in the band", "unit")
     return heads, rows
 
 
@@ -224,7 +247,9 @@ def _statistics(name: str, names: Sequence[str], settle: float, picture: Path, w
     rows = []
     for item in names:
         row, factor, unit = found[item], *_readable(found[item].unit)
-        rows.append((item, unit, *(factor * value for value in (row.mean, row.std, row.min, row.max))))
+        values = np.array([row.mean, row.std, row.min, row.max])
+        values[np.abs(values) < 1e-9 * np.abs(values).max()] = 0.0
+        rows.append((item, unit, *(float(factor * value) for value in values)))
     pictures.series(result, names[:8], picture, window or (settle, float(result.time[-1])))
     return ("result", "unit", "mean", "standard deviation", "least", "largest"), rows
 

@@ -22,10 +22,12 @@ from fowtlib.solving.linear import LinearModel, Mode
 from fowtlib.solving.plant import Plant
 from fowtlib.solving.state import State
 
+Changes = tuple[tuple[str, object], ...]  # (parameter path, value)
 BEARING = "turbine.assembly.nacelle.bearing"
 HELD = {f"{BEARING}.phi": 0.0, f"{BEARING}.w": 0.0}
 LOCK = {"turbine.assembly.drivetrain.generator_inertia": 1e9}  # kg m^2 on the high speed shaft: it does not turn
 BLADE = ".blade_"
+DAMPING = ("tower.damping_fore_aft", "turbine.assembly.damping_flapwise", "turbine.assembly.damping_edgewise")
 MOTIONS = ("surge", "sway", "heave", "roll", "pitch", "yaw")
 VELOCITIES = ("velocity[0]", "velocity[1]", "velocity[2]", "angle_rates[0]", "angle_rates[1]", "angle_rates[2]")
 
@@ -49,21 +51,26 @@ FAST_BLADE = {
 
 
 @lru_cache(maxsize=2)
-def turbine_at_rest(name: str, tower_units: int, blade_units: int) -> tuple[Plant, State]:
-    """A shipped turbine with so many beam units in calm water and vacuum, and its rest."""
+def turbine_at_rest(name: str, tower_units: int, blade_units: int, changes: Changes = ()) -> tuple[Plant, State]:
+    """A shipped turbine with so many beam units and other changes in calm water and vacuum, and its rest."""
     calm = {"wind.kind": "none", "world.air_density": 0.0}
     if "sea" in fw.load(name).root.parts:
         calm["sea.spectrum"] = "still"
     units = {"tower.units": tower_units, "turbine.assembly.blade_units": blade_units}
-    plant = fw.load(name, set={**calm, **units}).compile()
+    plant = fw.load(name, set={**calm, **units, **dict(changes)}).compile()
     return plant, plant.equilibrium(hold=HELD)
 
 
-def linear(name: str, tower_units: int, blade_units: int, locked: bool) -> LinearModel:
-    """The linear model about rest, with the generator free or locked."""
-    plant, rest = turbine_at_rest(name, tower_units, blade_units)
-    state = plant.initial_state(parameters=LOCK, base=rest) if locked else rest
-    return plant.linearize(state, outputs=[])
+@lru_cache(maxsize=8)
+def linear(
+    name: str, tower_units: int, blade_units: int, locked: bool, damping_factor: float = 1.0, changes: Changes = ()
+) -> LinearModel:
+    """The linear model about rest, the generator free or locked, the damping of all hinges times a factor."""
+    plant, rest = turbine_at_rest(name, tower_units, blade_units, changes)
+    values = plant.parameter_values()
+    changed = {path: damping_factor * float(values[path]) for path in DAMPING if damping_factor != 1}
+    changed |= LOCK if locked else {}
+    return plant.linearize(plant.initial_state(parameters=changed, base=rest) if changed else rest, outputs=[])
 
 
 def part_of(path: str) -> str:
@@ -131,9 +138,11 @@ def named(modes: list[Mode], order: Callable[[Mode, str], int] = blade_order) ->
     return found
 
 
-def frequencies(name: str, tower_units: int, blade_units: int, locked: bool) -> dict[str, list[float]]:
+def frequencies(
+    name: str, tower_units: int, blade_units: int, locked: bool, changes: Changes = ()
+) -> dict[str, list[float]]:
     """Natural frequencies [Hz] by the names of `named`."""
-    return _frequencies(linear(name, tower_units, blade_units, locked))
+    return _frequencies(linear(name, tower_units, blade_units, locked, changes=changes))
 
 
 def _frequencies(model: LinearModel, order: Callable[[Mode, str], int] = blade_order) -> dict[str, list[float]]:
@@ -173,12 +182,9 @@ def with_fast_shapes(
     Rates are A x + W f with moments f in the hinges. A change of the hinge damping gives W exactly. Moments that forbid
     every bending but the shapes make the constrained model. Its lowest modes cannot lie below those of the free one.
     """
-    plant, rest = turbine_at_rest(name, tower_units, blade_units)
-    damping = ("tower.damping_fore_aft", "turbine.assembly.damping_flapwise", "turbine.assembly.damping_edgewise")
+    plant, _ = turbine_at_rest(name, tower_units, blade_units)
     values = plant.parameter_values()
-    free = plant.linearize(plant.initial_state(parameters=LOCK, base=rest), outputs=[])
-    changed = {**LOCK, **{path: 2 * float(values[path]) for path in damping}}
-    damped = plant.linearize(plant.initial_state(parameters=changed, base=rest), outputs=[])
+    free, damped = (linear(name, tower_units, blade_units, True, factor) for factor in (1.0, 2.0))
     groups = []
     if tower:
         beam = given_beam(plant.root.find("tower.beam"))
@@ -190,7 +196,7 @@ def with_fast_shapes(
     angles = [path for group in groups for path in group.angles]
     at = [number[path] for path in angles]
     rates = [number[path.replace("phi_", "w_")] for path in angles]
-    which = [damping[0] if path.startswith("tower") else damping[1 + path.endswith("y")] for path in angles]
+    which = [DAMPING[0] if path.startswith("tower") else DAMPING[1 + path.endswith("y")] for path in angles]
     added = np.array([float(values[path]) for path in which]) * np.concatenate([group.stiffness for group in groups])
     A = free.matrices["A"]
     W = (A - damped.matrices["A"])[:, rates] / added

@@ -72,9 +72,10 @@ def test_the_catalogue_is_up_to_date():
     assert written == catalogue.markdown(catalogue.classes()), "run `make catalogue`"
 
 
-def test_every_table_of_the_verification_has_its_command():
-    source = (ROOT / "benchmarks" / "verification.py").read_text()
+@pytest.mark.parametrize("name", ["verification", "load_cases"])
+def test_every_computed_table_has_its_command(name: str):
+    source = (ROOT / "benchmarks" / f"{name}.py").read_text()
     computed = re.findall(r"^@section\ndef (\w+)", source, re.M)
-    page = (ROOT / "docs" / "verification.md").read_text()
+    page = (ROOT / "docs" / f"{name}.md").read_text()
     filled = re.findall(r"<!-- begin (\w+) -->\n\|", page)
-    assert sorted(filled) == sorted(computed), "run `make verification`"
+    assert sorted(filled) == sorted(computed), f"run `python benchmarks/{name}.py`"
