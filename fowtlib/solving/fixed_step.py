@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import ctypes as c
-import os
 from collections.abc import Callable
 
 import numpy as np
@@ -14,7 +13,8 @@ from fowtlib.solving.failure import StepFailure, step_failure
 from fowtlib.solving.fixed_step_code import FixedStepCode, Options, runtime
 from fowtlib.solving.initial import consistent_algebraics
 
-NEWTON = float(os.environ.get('NEWTON','100'))  # of the tolerance: what the iterations leave adds up over the steps
+NEWTON = 300.0  # times the tolerance: what the iterations leave of a rate, relative to the largest it has been
+AT_POINTS = 30.0  # times the tolerance: the same of the algebraic unknowns at output points
 KEEP = 50  # steps over which a Newton matrix is kept, as long as it leads on
 PREDICTOR = 2  # degree of the polynomial through the last stages
 EXTERNAL = 3  # FS_EXTERNAL of fixed_step.c
@@ -32,7 +32,7 @@ class FixedStep:
         self.attributes = {"solver": "fixed", "step": step, "rho_inf": rho_inf, "tolerance": tolerance}
         self.advice = f"or take a shorter step (--step {500 * step:g}ms)"
         self._library = runtime()
-        options = Options(step, rho_inf, NEWTON * tolerance, tolerance, keep, predictor)
+        options = Options(step, rho_inf, NEWTON * tolerance, AT_POINTS * tolerance, keep, predictor)
         self._instance = self._library.fs_create(c.byref(code.table), c.byref(options))
         if not self._instance:
             raise MemoryError("no memory for the fixed-step engine")

@@ -352,14 +352,15 @@ class Simulation:
             return
         n = len(times)
         values = np.array(self.conditions(times[None], x.T, z.T, np.repeat(self.q[:, None], n, axis=1))).reshape(-1, n)
-        for k in range(n):
+        for k in np.flatnonzero((values == 0).any(axis=0)):
             for i in np.flatnonzero(values[:, k] == 0):
                 check = self.dae.checks[i]
+                if check.level == "warning" and int(i) in self.warned:
+                    continue
                 text = self._message(i, times[k], x[k], z[k])
                 if check.level == "warning":
-                    if i not in self.warned:
-                        self.warned[int(i)] = text
-                        warnings.warn(text, stacklevel=2)
+                    self.warned[int(i)] = text
+                    warnings.warn(text, stacklevel=2)
                     continue
                 last = self.rows[-1]
                 self.rows[-1] = tuple(part[: k + 1] for part in last)  # type: ignore[assignment]
