@@ -430,6 +430,7 @@ static int fs_judge(const fs_matrix *a, const double *size, int iteration, doubl
     if (now > tolerance && !(theta < 2.0)) return now <= FS_ROUNDING ? 1 : -1;
     theta = fmin(fmax(theta, FS_LEAST_THETA), 0.9);
   }
+  if (iteration == FS_ITERATIONS - 1 && now <= FS_ROUNDING) return 1;
   return now <= tolerance || now * theta <= tolerance * (1.0 - theta);
 }
 
