@@ -30,7 +30,8 @@ class BladeElementAerodynamics(Component):
     `nodes` are parallel to the pitched blade root when nothing bends, blade by blade from root to tip, and lie at the
     aerodynamic centres (`node_points`); the twist of the airfoils is added here. thrust, side and vertical force are
     the sums over all nodes along the axes of the shaft: x downwind, not turning. With a TowerPotentialFlow in the model
-    the nodes meet the wind that the tower deflects; dynamic_inflow adds the part `inflow`, see DynamicInflow.
+    the nodes meet the wind that the tower deflects; dynamic_inflow adds the part `inflow`, see DynamicInflow. A wind field
+    that does not cover the disk of tip_radius about the rotor's station is refused, see Wind.require.
     """
 
     blade: str = param(doc="path of a CSV with the elements of the blade, see read_blade")
@@ -78,6 +79,7 @@ class BladeElementAerodynamics(Component):
     def equations(self):
         hub, nodes = self.hub, list(self.nodes)
         places = m.horzcat(*[node.r for node in nodes])
+        self.wind.require_disk(self.tip_radius, self.station, f"the rotor of {self.label}")
         wind = self.wind.velocity(places, self.station)
         outputs = _air(self, wind if self.tower is None else self.tower.around(wind, places))
         loads = [outputs["loads"][i : i + 3] for i in range(0, 6 * len(nodes), 3)]

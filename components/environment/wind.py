@@ -119,6 +119,14 @@ class Wind(Component):
         if self.kind == "field":
             require_range(_lookup(self), y_range, z_range, who)
 
+    def require_disk(self, radius: float, station: int, who: str) -> None:
+        """The same for a rotor disk [m] about a station; ParameterError also where there is no such station."""
+        if self.kind == "field":
+            _height(self, station)
+            y, z = self.hubs[station].tolist()
+            about = f"{who}, of radius {radius:g} m about station {station} of the wind at ({y:g}, {z:g}) m,"
+            self.require((y - radius, y + radius), (z - radius, z + radius), about)
+
     @property
     def hubs(self) -> np.ndarray:
         """The stations as numbers, (n, 2)."""

@@ -10,7 +10,7 @@ import pytest
 import fowtlib as fw
 import fowtlib.models
 from fowtlib.components.aero import BladeElementAerodynamics, RigidRotor
-from fowtlib.components.environment import Wind, World
+from fowtlib.components.environment import Wind, World, generate_field
 from fowtlib.components.servo import BaselineController
 from fowtlib.components.support import RigidTower
 from fowtlib.components.turbine import Drivetrain, Hub, Nacelle, RotorNacelleAssembly, Turbine
@@ -111,3 +111,22 @@ def test_what_the_hub_radius_is_for():
     assert str(error.value) == (
         "BladeElementAerodynamics.hub_radius has no value: the distance of the blade roots from the shaft."
     )
+
+
+def test_a_wind_field_that_does_not_cover_the_rotor_is_refused(tmp_path):
+    """Hub at 90 m, radius 63 m: the disk reaches from -63 to 63 m and from 27 to 153 m."""
+    path, conditions = str(tmp_path / "small.bts"), {"wind.kind": "field", "turbine.assembly.blade_units": 0}
+    generate_field(path, mean_speed=11.4, width=160, height=100, columns=9, rows=6, duration=10, time_step=0.5)
+    with pytest.raises(ParameterError) as error:
+        fw.load("nrel5mw_land", set={**conditions, "wind.file": path}).compile()
+    assert str(error.value) == (
+        f"{path}: the wind field is too small: the rotor of turbine.aerodynamics, of radius 63 m about station 0 of the "
+        "wind at (0, 90) m, needs z = 27 to 153 m, and the field covers 40 to 140 m; make one at least 126 m wide, and "
+        "27 to 153 m high, and more for the motion of a floating platform."
+    )
+    large = str(tmp_path / "large.bts")
+    generate_field(large, mean_speed=11.4, width=160, height=130, columns=9, rows=6, duration=10, time_step=0.5)
+    model = fw.load("nrel5mw_land", set={**conditions, "wind.file": large, "tower.units": 0})
+    assert model.compile().initial_state()["turbine.aerodynamics.thrust"] > 0
+    with pytest.raises(ParameterError, match=r"station 1 of wind does not exist \(it has 1, counted from 0\)"):
+        model.with_parameters({"turbine.aerodynamics.station": 1}).compile()
