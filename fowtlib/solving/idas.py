@@ -90,7 +90,7 @@ class Idas:
             "suppress_algebraic": True,
             "max_num_steps": LIMIT,  # between two points of the grid
             "show_eval_warnings": False,
-            "linear_solver": "csparse",
+            "linear_solver": "qr",  # the LU of csparse hardly pivots, and loses the light tips of blades
             "first_time": 1e-6,  # IDACalcIC steps 1e-3 of this: short, so that its Newton matrix is that of alg alone
             **self.options,
         }
