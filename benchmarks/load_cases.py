@@ -33,7 +33,7 @@ FIELD = "output/load_cases/kaimal_11.4.bts"
 FIELD_COMMAND = (
     f"fowt wind-field {FIELD} --speed 11.4 --class B --shear 0.14 --width 160 --height 160 --spacing 8 --time 1200"
 )
-IDAS, FIXED = "--tolerance 1e-4", "--solver fixed"
+IDAS, FIXED = "--solver idas --tolerance 1e-4", "--solver fixed"
 OFFSETS = {"surge": (10.0, 600.0), "heave": (5.0, 200.0), "pitch": (10.0, 200.0)}  # m or deg, s
 COMMANDS = {
     "steady": f"fowt run nrel5mw_land --wind steady:SPEED,shear=0 --time 90 {FIXED}",

@@ -22,6 +22,7 @@ mean speed.
 
 examples:
   fowt eigen oc3_spar_rigid --wind none
+  fowt eigen oc3_spar --wind none       a rotor of blade elements stands
 """
 
 

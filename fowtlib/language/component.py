@@ -359,6 +359,8 @@ def _plain(field: Parameter, value: Any, where: str) -> Any:
     if not isinstance(value, wanted) or (wanted is int and isinstance(value, bool)):
         kinds = {int: "a whole number", float: "a number", str: "a text", bool: "true or false"}
         raise ParameterError(f"{where}: got {value!r}, and {kinds[wanted]} is expected ({field.doc}).")
+    if wanted is int and field.min is not None and value < field.min:  # now: build() counts with it
+        raise ParameterError(f"{where} = {value} is below its minimum {field.min:g} ({field.doc}).")
     return value
 
 

@@ -68,8 +68,21 @@ def equilibrium(evaluation: Evaluation, t: float, x: np.ndarray, z: np.ndarray, 
     values = _continuation(rates, slopes, np.concatenate([x[moving], z]), len(moving))
     solution = newton(rates, slopes, values, tolerance=1e-11)
     if not solution.converged:
+        _refuse_turning(evaluation, moving, values[: len(moving)] - x[moving])
         raise SimulationError(failure_text(dae, _renamed(solution, moving, dae), "no equilibrium found"))
     return unpack(solution.values)
+
+
+def _refuse_turning(evaluation: Evaluation, moving: list[int], way: np.ndarray) -> None:
+    """An error of its own where an angle that the equations depend on went round on its way."""
+    for k, change in zip(moving, way, strict=True):
+        state = evaluation.dae.states[k]
+        if state.unit == "rad" and abs(change) > 2 * np.pi:
+            raise SimulationError(
+                f"no equilibrium: {state.path} turns on and on, and the loads depend on this angle. Where this is the "
+                "azimuth of a rotor of blade elements, let the rotor stand (--wind none), hold it, or take the mean of "
+                "a simulation."
+            )
 
 
 def _continuation(rates: Residual, slopes: Jacobian, values: np.ndarray, nx: int, limit: int = 400) -> np.ndarray:

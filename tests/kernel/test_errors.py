@@ -143,6 +143,20 @@ def test_parameter_out_of_bounds():
     assert said(simulate, assembly(wheel=Inertia(inertia=2)), parameters={"wheel.inertia": "-2 kg*m^2"}) == text
 
 
+class Row(Component):
+    """Wheels in a row, made by build()."""
+
+    units: int = param(default=2, min=1, doc="number of wheels")
+
+    def build(self):
+        for k, mass in enumerate(np.full(self.units, 2.0)):
+            self.add(f"wheel_{k}", Inertia(inertia=mass))
+
+
+def test_count_out_of_bounds_is_found_before_parts_are_made():
+    assert said(Row, units=-1) == "Row.units = -1 is below its minimum 1 (number of wheels)."
+
+
 def test_wrong_unit():
     assert said(Inertia, inertia="2 kg") == (
         "Inertia.inertia: got '2 kg', which is a mass; "

@@ -217,7 +217,8 @@ class Loop(fw.Component):
 
 def test_a_sampled_controller_acts_between_the_steps():
     """One step per sample, written out: the command is held over a step that starts anew from x' = u - x."""
-    run = plant_of(Loop()).simulate(2.0, 0.05, solver="fixed", step=0.05, tolerance=TIGHT * 1e-9, outputs=["x", "u", "load"])
+    options = {"step": 0.05, "tolerance": TIGHT * 1e-9, "outputs": ["x", "u", "load"]}
+    run = plant_of(Loop()).simulate(2.0, 0.05, solver="fixed", **options)
     h, x, u, rows = 0.05, 1.0, 0.0, []
     step = amplification(np.array([[-1.0]]), h, RHO)
     for _ in range(41):

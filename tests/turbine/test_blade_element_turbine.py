@@ -120,9 +120,9 @@ def test_a_wind_field_that_does_not_cover_the_rotor_is_refused(tmp_path):
     with pytest.raises(ParameterError) as error:
         fw.load("nrel5mw_land", set={**conditions, "wind.file": path}).compile()
     assert str(error.value) == (
-        f"{path}: the wind field is too small: the rotor of turbine.aerodynamics, of radius 63 m about station 0 of the "
-        "wind at (0, 90) m, needs z = 27 to 153 m, and the field covers 40 to 140 m; make one at least 126 m wide, and "
-        "27 to 153 m high, and more for the motion of a floating platform."
+        f"{path}: the wind field is too small: the rotor of turbine.aerodynamics, of radius 63 m about station 0 of "
+        "the wind at (0, 90) m, needs z = 27 to 153 m, and the field covers 40 to 140 m; make one at least 126 m wide, "
+        "and 27 to 153 m high, and more for the motion of a floating platform."
     )
     large = str(tmp_path / "large.bts")
     generate_field(large, mean_speed=11.4, width=160, height=130, columns=9, rows=6, duration=10, time_step=0.5)
