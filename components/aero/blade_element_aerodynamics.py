@@ -12,7 +12,7 @@ from fowtlib.components.aero.bem import PITT_PETERS, BladeElementRotor
 from fowtlib.components.aero.blade_aerodynamics import BladeAerodynamics, read_blade
 from fowtlib.components.aero.dynamic_inflow import DynamicInflow
 from fowtlib.components.aero.tower_flow import TowerPotentialFlow
-from fowtlib.components.environment.wind import Wind
+from fowtlib.components.environment.wind import Wind, require_disk
 from fowtlib.components.environment.world import World
 from fowtlib.components.mechanics import Frame
 from fowtlib.components.mechanics.rotations import axis_rotation, unit_axis
@@ -79,7 +79,7 @@ class BladeElementAerodynamics(Component):
     def equations(self):
         hub, nodes = self.hub, list(self.nodes)
         places = m.horzcat(*[node.r for node in nodes])
-        self.wind.require_disk(self.tip_radius, self.station, f"the rotor of {self.label}")
+        require_disk(self.wind, self.tip_radius, self.station, f"the rotor of {self.label}")
         wind = self.wind.velocity(places, self.station)
         outputs = _air(self, wind if self.tower is None else self.tower.around(wind, places))
         loads = [outputs["loads"][i : i + 3] for i in range(0, 6 * len(nodes), 3)]

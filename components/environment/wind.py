@@ -119,14 +119,6 @@ class Wind(Component):
         if self.kind == "field":
             require_range(_lookup(self), y_range, z_range, who)
 
-    def require_disk(self, radius: float, station: int, who: str) -> None:
-        """The same for a rotor disk [m] about a station; ParameterError also where there is no such station."""
-        if self.kind == "field":
-            _height(self, station)
-            y, z = self.hubs[station].tolist()
-            about = f"{who}, of radius {radius:g} m about station {station} of the wind at ({y:g}, {z:g}) m,"
-            self.require((y - radius, y + radius), (z - radius, z + radius), about)
-
     @property
     def hubs(self) -> np.ndarray:
         """The stations as numbers, (n, 2)."""
@@ -159,6 +151,15 @@ def _arrows(wind: Wind) -> list[shapes.Drawn]:
     places = np.insert(wind.hubs, 0, 0.0, axis=1) - 30.0 * direction
     speeds = [join(wind.path, f"speed[{i}]") for i in range(len(places))]
     return [shapes.Arrow(place, direction, speed, 3.0) for place, speed in zip(places, speeds, strict=True)]
+
+
+def require_disk(wind: Wind, radius: float, station: int, who: str) -> None:
+    """As Wind.require, for a rotor disk [m] about a station; ParameterError also where there is no such station."""
+    if wind.kind == "field":
+        _height(wind, station)
+        y, z = wind.hubs[station].tolist()
+        about = f"{who}, of radius {radius:g} m about station {station} of the wind at ({y:g}, {z:g}) m,"
+        wind.require((y - radius, y + radius), (z - radius, z + radius), about)
 
 
 def _positions(r: Any) -> ca.SX:

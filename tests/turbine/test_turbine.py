@@ -122,7 +122,7 @@ def test_step_across_rated_wind():
     assert speed[-1] == pytest.approx(point.rotor_speed, rel=1e-5)
     assert float(result["turbine.blade_pitch"][-1]) == pytest.approx(point.blade_pitch, abs=1e-4)
     assert speed.max() < 1.2 * point.rotor_speed
-    assert float(result["turbine.blade_pitch"].min()) >= 0
+    assert float(result["turbine.blade_pitch"].min()) >= -1e-12  # rounding
     settled = speed[result["turbine.rotor_speed"].time.to_numpy() > 60]
     assert np.abs(settled / point.rotor_speed - 1).max() < 2e-3
 
@@ -154,7 +154,7 @@ def test_turbulent_wind_below_and_above_rated():
         plant = fw.load(onshore(wind, "kaimal", wind={"seed": 3}, rotor={"extended": True})).compile()
         result = plant.simulate(300.0, 0.5, outputs=RESULTS)
         assert float(result["turbine.generator_power"].mean()) == pytest.approx(power, rel=0.15)
-        assert float(result["turbine.blade_pitch"].min()) >= 0
+        assert float(result["turbine.blade_pitch"].min()) >= -1e-12  # rounding
         assert float(result["turbine.rotor_speed"].max()) < 1.25 * 12.1 * RPM
 
 
