@@ -2,21 +2,14 @@
 
 from __future__ import annotations
 
-from typing import Any
-
 from fowtlib.components.aero import CoefficientRotor, outlines, read_coefficients
 from fowtlib.components.environment.wind import Wind
 from fowtlib.components.environment.world import World
 from fowtlib.components.mechanics import Frame, IdealGear, RigidBody
 from fowtlib.components.servo import BaselineController, Generator
 from fowtlib.components.turbine.operating_point import SteadyTurbine
-from fowtlib.components.turbine.start import controlled, start_point, unknown_start
+from fowtlib.components.turbine.start import controlled, give_default, start_point, unknown_start
 from fowtlib.language import Component, Matrix, RealInput, RealOutput, Scalar, Vector, eq, outer, param, part, port
-
-
-def _start(component: Component, name: str, value: object) -> None:
-    if name in component.parameters and not component.is_set(name):
-        setattr(component, name, value)
 
 
 class RotorNacelle(Component):
@@ -74,9 +67,9 @@ class RotorNacelle(Component):
             self.connect(a, b)
         if "yaw" in control.ports:
             self.connect(self.yaw, control.yaw)
-        _start(rotor, "w_start", self.rotor_speed_start)
-        _start(control, "pitch_start", self.blade_pitch_start)
-        _start(control, "speed_start", self.gear_ratio * self.rotor_speed_start)
+        give_default(rotor, "w_start", self.rotor_speed_start)
+        give_default(control, "pitch_start", self.blade_pitch_start)
+        give_default(control, "speed_start", self.gear_ratio * self.rotor_speed_start)
 
     def drawing(self):
         return [*outlines.housing(self.frame, self.rotor), *self.rotor.drawing()]
@@ -92,9 +85,3 @@ class RotorNacelle(Component):
         table = read_coefficients(rotor.coefficients, rotor.extended)
         sizes = {name: rotor.parameter_value(name) for name in ("radius", "precone", "tilt")}
         return SteadyTurbine(table, gear_ratio=self.parameter_value("gear_ratio"), **sizes, **controlled(self))
-
-
-def _start(component: Component, name: str, value: Any) -> None:
-    """Give a start value to a part that has it as a parameter and was not given one."""
-    if name in component.parameters and not component.is_set(name):
-        setattr(component, name, value)

@@ -6,6 +6,7 @@ from fowtlib.components.mechanics import Frame
 from fowtlib.components.turbine.blade import FlexibleBlade
 from fowtlib.components.turbine.hub import Hub
 from fowtlib.components.turbine.nacelle import Drivetrain, Nacelle
+from fowtlib.components.turbine.start import give_default
 from fowtlib.language import Array, Component, RealInput, RealOutput, Scalar, eq, param, part, port
 from fowtlib.language import math as m
 
@@ -52,8 +53,8 @@ class RotorNacelleAssembly(Component):
             (self.nacelle, ("rotation", "rotor_speed_start")), (self.drivetrain, ("rotor_speed_start",)),
             (self.hub, ("rotation", "blades")),
         ):  # fmt: skip
-            for name in (name for name in names if not component.is_set(name)):
-                setattr(component, name, getattr(self, name))
+            for name in names:
+                give_default(component, name, getattr(self, name))
         for a, b in (
             (self.frame, self.nacelle.frame_a), (self.nacelle.hub, self.hub.frame),
             (self.nacelle.shaft, self.drivetrain.shaft), (self.yaw_command, self.nacelle.yaw_command),

@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING, Any, Protocol
 
 from fowtlib.components.servo import TorqueController, TorqueLaw
 from fowtlib.components.turbine.operating_point import STANDSTILL, OperatingPoint, SteadyTurbine
+from fowtlib.language import Component
 from fowtlib.language.errors import ModelError, ParameterError
 
 if TYPE_CHECKING:
@@ -37,6 +38,12 @@ def start_point(turbine: InTheWind, station: int) -> OperatingPoint:
         return steady.operating_point(float(mean))
     except ModelError as error:
         raise error.at(turbine.label) from None
+
+
+def give_default(component: Component, name: str, value: object) -> None:
+    """Set a parameter that the component has, and that nobody has given."""
+    if name in component.parameters and not component.is_set(name):
+        setattr(component, name, value)
 
 
 def controlled(turbine: Any) -> dict[str, Any]:

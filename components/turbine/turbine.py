@@ -20,7 +20,7 @@ from fowtlib.components.mechanics import Frame
 from fowtlib.components.servo import BaselineController
 from fowtlib.components.turbine.operating_point import SteadyTurbine
 from fowtlib.components.turbine.rotor_nacelle_assembly import RotorNacelleAssembly
-from fowtlib.components.turbine.start import controlled, start_point
+from fowtlib.components.turbine.start import controlled, give_default, start_point
 from fowtlib.language import Component, RealInput, RealOutput, Scalar, outer, param, part, port
 
 
@@ -79,8 +79,7 @@ class Turbine(Component):
             (body, "rotor_speed_start", self.rotor_speed_start), (control, "pitch_start", self.blade_pitch_start),
             (control, "speed_start", body.drivetrain.gear_ratio * self.rotor_speed_start),
         ):  # fmt: skip
-            if not component.is_set(name):
-                setattr(component, name, value)
+            give_default(component, name, value)
 
     def drawing(self):
         """The parts of the assembly, its blades with the chord of the aerodynamics."""

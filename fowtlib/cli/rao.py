@@ -10,7 +10,7 @@ from typing import Any
 
 from fowtlib.cli import loading, tables
 from fowtlib.cli.files import FIGURES, check_target, say_saved
-from fowtlib.cli.run import finite
+from fowtlib.cli.run import finite, numbers
 
 AT_REST = 1e-9  # amplitude per metre of wave below which a person is not shown a motion
 
@@ -37,16 +37,7 @@ def declare(commands: Any) -> None:
 
 def frequencies(text: str) -> list[float]:
     """`0.02:0.2:0.005`, both ends included, or single frequencies `0.05,0.1`; for argparse."""
-    import numpy as np
-
-    try:
-        if ":" in text:
-            first, last, step = map(float, text.split(":"))
-            values = first + step * np.arange(int((last - first) / step + 1 + 1e-9))
-        else:
-            values = np.array([float(word) for word in text.split(",")])
-    except (ValueError, ZeroDivisionError):
-        values = np.zeros(0)
+    values = numbers(text)
     if not len(values) or values.min() <= 0:
         raise argparse.ArgumentTypeError(f"'{text}' is not first:last:step in Hz, for example 0.02:0.2:0.005")
     return values.tolist()

@@ -14,6 +14,7 @@ from typing import TYPE_CHECKING, Any
 from fowtlib.cli import loading, tables
 from fowtlib.cli.files import FIGURES, check_target, say_saved
 from fowtlib.cli.progress import part_bar
+from fowtlib.cli.run import numbers
 from fowtlib.language.errors import ModelError, NotFoundError, did_you_mean
 
 if TYPE_CHECKING:
@@ -63,14 +64,7 @@ def grid(text: str) -> list[float]:
     """`-5:30:1`, both ends included, or single values `3,5,8`; for argparse."""
     import numpy as np
 
-    try:
-        if ":" in text:
-            first, last, step = map(float, text.split(":"))
-            values = first + step * np.arange(int((last - first) / step + 1 + 1e-9))
-        else:
-            values = np.array([float(word) for word in text.split(",")])
-    except (ValueError, ZeroDivisionError, OverflowError):
-        values = np.zeros(0)
+    values = numbers(text)
     if not len(values) or not np.all(np.isfinite(values)) or np.any(np.diff(values) <= 0):
         raise argparse.ArgumentTypeError(f"'{text}' is not first:last:step, for example {PITCHES}")
     return values.tolist()

@@ -13,6 +13,8 @@ from fowtlib.cli.progress import progress_bar
 from fowtlib.language.errors import ModelError, SimulationError
 
 if TYPE_CHECKING:
+    import numpy as np
+
     from fowtlib.solving.results import Result
 
 EXAMPLES = """examples:
@@ -46,6 +48,19 @@ def finite(text: str) -> float:
     if not math.isfinite(value):
         raise argparse.ArgumentTypeError(f"'{text}' is not a number")
     return value
+
+
+def numbers(text: str) -> np.ndarray:
+    """`0.02:0.2:0.005`, both ends included, or single values `3,5,8`; empty where the text says neither."""
+    import numpy as np
+
+    try:
+        if ":" in text:
+            first, last, step = map(float, text.split(":"))
+            return first + step * np.arange(int((last - first) / step + 1 + 1e-9))
+        return np.array([float(word) for word in text.split(",")])
+    except (ValueError, ZeroDivisionError, OverflowError):
+        return np.zeros(0)
 
 
 def positive(text: str) -> float:

@@ -61,18 +61,22 @@ class ExternalFunction:
             library = compile_library(source, name)
         elif source is not None:
             say_once(f"{name} runs as Python code, slowly: {NO_COMPILER}")
-        self.library = None if library is None else Path(library)
-        _explanations[name, self.library] = explain or str  # str() is empty
-        if self.library is not None:
-            self.function = _from_library(name, self.library)
+        if library is not None:
+            self.function = _from_library(name, Path(library))
         else:
             self.function = _Python(name, sizes, python, jacobian, sparsity)
+        _explanations[name, self.library] = explain or str  # str() is empty
         given = (self.function.numel_in(0), self.function.numel_out(0))
         if given != sizes:
             raise ParameterError(
                 f"external function {name}: {given[0]} inputs and {given[1]} outputs in its library, "
                 f"{sizes[0]} and {sizes[1]} declared."
             )
+
+    @property
+    def library(self) -> Path | None:
+        """The shared library of the function; None where it is Python."""
+        return self.function.path if isinstance(self.function, LibraryFunction) else None
 
     def __call__(self, **values: Any) -> dict[str, ca.SX]:
         for key in values:
