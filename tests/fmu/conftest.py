@@ -6,9 +6,10 @@ import re
 import subprocess
 import sys
 import zipfile
-from collections.abc import Mapping
-from functools import cache
+from collections.abc import Callable, Mapping
 from pathlib import Path
+
+import pytest
 
 from fowtlib.components.fmu.running import platform_folder
 from fowtlib.language.native import compiler
@@ -91,35 +92,61 @@ def description_3(step: str = 'stepSize="0.0125"') -> str:
 """
 
 
-@cache
-def library(version: int, folder: Path) -> Path:
+def _compile(version: int, folder: Path) -> bytes:
     """The compiled controller; functions that it does not have return an error."""
-    import fmpy
-
+    fmpy = pytest.importorskip("fmpy")
+    if not compiler():
+        pytest.skip("no C compiler")
     headers = Path(fmpy.__file__).parent / "c-code"
-    source = (HERE / "controller.c").read_text()
-    wanted = set(re.findall(rf"FMI{version}_Export\s+\w+TYPE\s+(\w+);",
-                            (headers / f"fmi{version}Functions.h").read_text()))  # fmt: skip
-    stubs = folder / f"stubs_{version}.c"
+    source, header = (HERE / "controller.c").read_text(), (headers / f"fmi{version}Functions.h").read_text()
+    wanted = set(re.findall(rf"FMI{version}_Export\s+\w+TYPE\s+(\w+);", header))
     defined = set(re.findall(rf"(?:^|\s)\**(fmi{version}\w+)\(", source))
+    stubs, target = folder / f"stubs_{version}.c", folder / f"controller_{version}{SUFFIX}"
     stubs.write_text("".join(f"int {name}(void) {{ return 3; }}\n" for name in sorted(wanted - defined)))
-    target = folder / f"controller_{version}.so"
-    command = [*compiler(), "-std=c11", "-O1", "-fPIC", "-shared", f"-DVERSION={version}", f"-I{headers}",
-               str(HERE / "controller.c"), str(stubs), "-o", str(target), "-lm"]  # fmt: skip
-    subprocess.run(command, check=True)
-    return target
+    options = ["-std=c11", "-O1", "-fPIC", "-shared", f"-DVERSION={version}", f"-I{headers}"]
+    subprocess.run([*compiler(), *options, HERE / "controller.c", stubs, "-o", target, "-lm"], check=True)
+    return target.read_bytes()
 
 
-def write(path: Path, files: Mapping[str, bytes | str]) -> Path:
-    """An archive with these files."""
-    with zipfile.ZipFile(path, "w", zipfile.ZIP_DEFLATED) as archive:
-        for name, content in files.items():
-            archive.writestr(name, content)
-    return path
+@pytest.fixture(scope="session")
+def fmu_files(tmp_path_factory) -> Callable[..., dict[str, bytes | str]]:
+    """The files of a good FMU of a version, 2 or 3, with another description where one is given."""
+    folder, libraries = tmp_path_factory.mktemp("libraries"), {}
+
+    def files(version: int = 2, description: str = "") -> dict[str, bytes | str]:
+        if version not in libraries:
+            libraries[version] = _compile(version, folder)
+        text = description or (description_2() if version == 2 else description_3())
+        place = f"binaries/{platform_folder(f'{version}.0')}/controller{SUFFIX}"
+        return {"modelDescription.xml": text, place: libraries[version]}
+
+    return files
 
 
-def contents(version: int, folder: Path, description: str = "") -> dict[str, bytes | str]:
-    """The files of a good FMU."""
-    text = description or (description_2() if version == 2 else description_3())
-    place = f"binaries/{platform_folder(f'{version}.0')}/controller{SUFFIX}"
-    return {"modelDescription.xml": text, place: library(version, folder).read_bytes()}
+@pytest.fixture(scope="session")
+def archive() -> Callable[[Path, Mapping[str, bytes | str]], Path]:
+    """Writes a zip archive of files."""
+
+    def write(path: Path, files: Mapping[str, bytes | str]) -> Path:
+        with zipfile.ZipFile(path, "w", zipfile.ZIP_DEFLATED) as target:
+            for name, content in files.items():
+                target.writestr(name, content)
+        return path
+
+    return write
+
+
+@pytest.fixture(scope="session")
+def fmu(fmu_files, archive, tmp_path_factory) -> Callable[..., str]:
+    """The path of an FMU of a version; `change` replaces one text of its description by another."""
+    folder, made = tmp_path_factory.mktemp("fmus"), {}
+
+    def make(version: int = 2, change: tuple[str, str] = ("", "")) -> str:
+        if (version, change) not in made:
+            text = description_2() if version == 2 else description_3()
+            assert change[0] in text
+            files = fmu_files(version, text.replace(*change) if change[0] else text)
+            made[version, change] = archive(folder / f"controller_{len(made)}.fmu", files)
+        return str(made[version, change])
+
+    return make
