@@ -5,7 +5,7 @@ from __future__ import annotations
 from fowtlib.components.fmu.archive import Archive
 from fowtlib.components.fmu.description import Description, read_description
 from fowtlib.components.fmu.running import FmuProcess, platform_folder
-from fowtlib.components.fmu.signals import FmuSignal, check_names, check_start, signals
+from fowtlib.components.fmu.signals import FmuSignal, check_names, check_ports, check_start, signals
 from fowtlib.language import Array, Component, RealInput, RealOutput, call, eq, param, port, sampled, var
 from fowtlib.language.errors import ModelError, ParameterError, one_of
 
@@ -38,8 +38,10 @@ class FMU(Component):
         self._content = self._archive.description()
         self._description = description = read_description(self._content, self._archive.path.name)
         _check_platform(self._archive, description)
-        for what in ("names", "units", "ignore"):
+        for what in ("names", "units"):
             check_names(description, getattr(self, what), what)
+        check_names(description, self.ignore, "ignore", list)
+        check_ports(self.names)
         self._start = check_start(description, self.start, self.units)
         self._step = _step(description, self.period)
         given = (self.start, self.names, self.units, self.ignore)

@@ -69,7 +69,7 @@ def signals(
                 f"the {causality} '{variable.name}' is of type {variable.kind} and cannot be a signal; "
                 "to leave it out, add it to 'ignore'."
             )
-        port = names.get(variable.name) or port_name(variable.name)
+        port = names.get(variable.name, port_name(variable.name))
         if port in found:
             raise ParameterError(
                 f"the {causality}s '{found[port].variable.name}' and '{variable.name}' would both be the port "
@@ -132,11 +132,23 @@ def _own(item: Any, scale: UnitScale, where: str) -> float:
     return value
 
 
-def check_names(description: Description, given: Iterable[str], what: str) -> None:
-    """Refuse a name that is no variable of the FMU."""
+def check_names(description: Description, given: Any, what: str, kind: type = dict) -> None:
+    """Refuse what is no mapping (or list), and names that are no variables of the FMU."""
+    if not isinstance(given, kind):
+        raise ParameterError(f"{what}: got {given!r}, and a {'mapping' if kind is dict else 'list'} is expected.")
     for name in given:
         if name not in description.variables:
-            raise ParameterError(f"{what}: there is no variable '{name}'{did_you_mean(name, description.variables)}")
+            hint = did_you_mean(str(name), description.variables)
+            raise ParameterError(f"{what}: there is no variable '{name}'{hint}")
+
+
+def check_ports(names: Mapping[str, Any]) -> None:
+    """Refuse names of ports that cannot be names."""
+    for variable, name in names.items():
+        if not isinstance(name, str) or not name.isidentifier() or name.startswith("_"):
+            raise ParameterError(
+                f"names: {variable}: {name!r} is not a name; use letters, digits and underscores, and a letter first."
+            )
 
 
 def check_start(description: Description, start: Mapping[str, Any], units: Mapping[str, str]) -> dict[str, list[Any]]:

@@ -73,9 +73,9 @@ class BladedController(Component):
     def build(self):
         _check(self)
         for name, number in self.measurements.items():
-            self.declare(name, RealInput, port(doc=f"record {number} of the controller"))
+            self.declare(str(name), RealInput, port(doc=f"record {number} of the controller"))
         for name, number in self.demands.items():
-            self.declare(name, RealOutput, port(doc=f"record {number} of the controller"))
+            self.declare(str(name), RealOutput, port(doc=f"record {number} of the controller"))
             self.declare(f"{name}_held", Scalar, var(discrete=True, start=0.0, doc="held until the next sample"))
 
     def equations(self):
@@ -114,11 +114,15 @@ def _check(controller: BladedController) -> None:
         raise ParameterError(f"output_root: there is no folder '{Path(root).absolute().parent}'.")
     if controller.blades > len(PITCH):
         raise ParameterError(f"blades: the Bladed interface has {len(PITCH)} at most, not {controller.blades}.")
+    for name in ("measurements", "demands", "records"):
+        if not isinstance(getattr(controller, name), dict):
+            raise ParameterError(f"{name}: got {getattr(controller, name)!r}, and a mapping is expected.")
     taken = {number: name for name, number in MEASURED.items()}
     for name, records in (
-        ("measurements", controller.measurements.values()), ("demands", controller.demands.values()),
+        ("measurements", controller.measurements.values()),
+        ("demands", controller.demands.values()),
         ("records", controller.records),
-    ):  # fmt: skip
+    ):
         for given in records:
             number = _record(given, name)
             if name != "demands" and number in taken:

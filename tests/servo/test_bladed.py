@@ -205,6 +205,7 @@ REFUSED = [
     ({"measurements": {"time": 2}}, "measurements: record 2 is set by the interface itself."),
     ({"measurements": {"azimuth": 1001}}, "azimuth is declared already"),
     ({"demands": {"x": "yaw"}}, "demands: 'yaw' is not the number of a record, 1 to 3300."),
+    ({"demands": [48]}, "demands: got [48], and a mapping is expected."),
     ({"records": {7: "much"}}, "records: record 7 is 'much', and a finite number is expected."),
 ]
 

@@ -87,26 +87,26 @@ def spar(folder: Path, wind: float, **start):
     return fw.load(folder / "spar.yaml").compile()
 
 
-# Rotor speed [rpm], blade pitch [deg], electrical power [kW]: steady state of the NREL 5 MW at 8 and 18 m/s,
-# NREL/TP-500-38060 (2009), figures 9-1 and 9-2 and table 7-1 (14.92 deg at 18 m/s).
-EXPECTED = {8: (9.16, 0.0, 1775), 18: (12.1, 14.92, 5000)}
+# Rotor speed [rpm], blade pitch [deg], electrical power [kW] of the NREL 5 MW. At 18 m/s rated speed and power, and the
+# pitch of NREL/TP-500-38060 (2009), table 7-1. At 8 m/s the best tip speed ratio 7.55 and power coefficient 0.482 of
+# its section 7.2 with an efficiency of 94.4 %: 9.155 rpm and 0.944 * 0.482 * 1.225/2 pi 63^2 8^3 W = 1779 kW.
+EXPECTED = {8: (9.155, 0.0, 1779), 18: (12.1, 14.92, 5000)}
 START = {
-    8: ({"speed": 9.16, "pitch": 0, "torque": 20.0}, {"platform.motion.surge": 11.4, "platform.motion.pitch": "2.63 deg"}),
-    18: ({"speed": 12.1, "pitch": 14.7, "torque": 43.09}, {"platform.motion.surge": 10.8, "platform.motion.pitch": "2.6 deg"}),
-}  # fmt: skip
+    8: ({"speed": 9.16, "pitch": 0, "torque": 20.0}, {"surge": 11.4, "pitch": "2.63 deg"}),
+    18: ({"speed": 12.1, "pitch": 14.7, "torque": 43.09}, {"surge": 10.8, "pitch": "2.6 deg"}),
+}
 
 
 @pytest.mark.parametrize("wind", [8, 18])
 def test_the_spar_runs_where_it_should(tmp_path, wind):
     floating_input(tmp_path)
-    at_start, states = START[wind]
+    at_start, motion = START[wind]
     plant = spar(tmp_path, wind, **at_start)
-    result = plant.simulate(100.0, 0.1, start=plant.initial_state(start=states))
-    late = result.dataset.sel(time=slice(60, None))
-    mean = {name: float(late[name].mean()) for name in ("rotor_speed", "blade_pitch", "generator_power")}
-    spread = {name: float(np.ptp(late[name].values)) for name in mean}
-    print(mean, spread, float(late["pitch"].mean()), float(np.ptp(late["pitch"].values)))
+    start = plant.initial_state(start={f"platform.motion.{name}": value for name, value in motion.items()})
+    late = plant.simulate(100.0, 0.1, start=start).dataset.sel(time=slice(60, None))
     speed, pitch, power = EXPECTED[wind]
-    assert mean["rotor_speed"] == pytest.approx(speed, rel=0.01)
-    assert mean["blade_pitch"] == pytest.approx(pitch, abs=0.4)
-    assert mean["generator_power"] == pytest.approx(power, rel=0.02)
+    assert float(late["rotor_speed"].mean()) == pytest.approx(speed, rel=0.01)
+    assert float(late["blade_pitch"].mean()) == pytest.approx(pitch, abs=0.3)
+    assert float(late["generator_power"].mean()) == pytest.approx(power, rel=0.02)
+    assert np.ptp(late["rotor_speed"].values) < 0.1  # rpm: it is steady
+    assert np.ptp(late["pitch"].values) < 0.3  # deg
