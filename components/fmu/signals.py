@@ -10,7 +10,7 @@ from typing import Any
 import numpy as np
 
 from fowtlib.components.fmu.description import INTEGERS, NUMBERS, REALS, Description, FmuVariable, UnitScale
-from fowtlib.language.errors import ParameterError, UnitError, did_you_mean
+from fowtlib.language.errors import ParameterError, SimulationError, UnitError, did_you_mean
 from fowtlib.language.unit_grammar import parse_unit
 from fowtlib.language.units import conversion, quantity, si_unit, to_si
 
@@ -36,12 +36,26 @@ class FmuSignal:
         own = (_rows(values, self.variable.shape) - self.scale.offset) / self.scale.factor
         if self.variable.kind == "Boolean":
             return [bool(value >= 0.5) for value in own]
-        return [round(value) for value in own] if self.variable.kind in INTEGERS else own.tolist()
+        return [self._whole(value) for value in own] if self.variable.kind in INTEGERS else own.tolist()
+
+    def _whole(self, value: float) -> int:
+        """The nearest whole number, if the type of the variable has it."""
+        low, high = whole_range(self.variable.kind)
+        number = round(float(value))
+        if not low <= number <= high:
+            raise SimulationError(f"the input '{self.variable.name}' is {number}, and {low} to {high} is possible")
+        return number
 
     def from_fmu(self, values: Iterable[float]) -> np.ndarray:
         """SI values, as a column (column by column of a matrix)."""
         si = self.scale.factor * np.array([float(value) for value in values]) + self.scale.offset
         return si.reshape(self.variable.shape).ravel(order="F")
+
+
+def whole_range(kind: str) -> tuple[int, int]:
+    """The smallest and the largest number of a type."""
+    bits = int(found[0]) if (found := re.findall(r"\d+$", kind)) else 32
+    return (0, 2**bits - 1) if kind.startswith("U") else (-(2 ** (bits - 1)), 2 ** (bits - 1) - 1)
 
 
 def _rows(values: np.ndarray, shape: tuple[int, ...]) -> np.ndarray:
@@ -118,8 +132,9 @@ def own_values(
         if not all(item in (True, False) for item in items):
             raise ParameterError(f"{where}: got {given!r}, and true or false is expected.")
         return [bool(item) for item in items]
-    if not all(isinstance(item, (int, float)) and float(item).is_integer() for item in items):
-        raise ParameterError(f"{where}: got {given!r}, and a whole number is expected.")
+    low, high = whole_range(variable.kind)
+    if not all(isinstance(item, (int, float)) and float(item).is_integer() and low <= item <= high for item in items):
+        raise ParameterError(f"{where}: got {given!r}, and a whole number from {low} to {high} is expected.")
     return [int(item) for item in items]
 
 

@@ -179,6 +179,15 @@ def test_numbers_that_are_no_reals_and_arrays(fmu):
     assert result["unit.array_out"].values[-1].tolist() == [[1, 4], [9, 16]]
 
 
+def test_a_whole_number_that_the_type_does_not_have(fmu):
+    model = fw.Assembly("large")
+    model.unit = FMU(file=fmu(3), start={"generator.speed": 0, "array_in": 0, "enabled": True})
+    model.mode = Constant(value=3e9)
+    model.connect(model.mode.y, model.unit.mode)
+    with pytest.raises(SimulationError, match="unit: the input 'mode' is 3000000000, and -2147483648 to 2147483647 is"):
+        fw.load(model).compile().simulate(0.1, 0.05)
+
+
 def test_start_values_are_in_the_unit_of_the_fmu_unless_they_carry_one(fmu):
     for given, expected in ((12.0, 12.0), ("12", 12.0), ("0.5 rad", np.degrees(0.5)), ("3 arcmin", 0.05)):
         unit = FMU(file=fmu(), start={"pitch[1]": given, "generator.speed": given if given == 12.0 else 1})
@@ -196,7 +205,8 @@ def test_an_open_input_is_an_error(fmu):
 REFUSED = [
     ({"start": {"k_q": 1}}, "start: there is no variable 'k_q'; did you mean 'k_p' or 'k_i'?"),
     ({"start": {"k_p": "1 m"}}, "start: k_p: got '1 m', which is a length; a number without a unit is expected"),
-    ({"start": {"mode": 1.5}}, "start: mode: got 1.5, and a whole number is expected."),
+    ({"start": {"mode": float("inf")}}, "start: mode: got inf, and a whole number from"),
+    ({"start": {"mode": 1.5}}, "start: mode: got 1.5, and a whole number from -2147483648 to 2147483647 is expected."),
     ({"start": {"enabled": 3}}, "start: enabled: got 3, and true or false is expected."),
     ({"start": {"k_p": [1, 2]}}, "start: k_p: got 2 values, and 1 are expected."),
     ({"names": {"torque": "mode_out"}}, "the outputs 'torque' and 'mode_out' would both be the port 'mode_out'"),
