@@ -73,7 +73,7 @@ typedef struct {
 
 enum { FS_DONE = 0, FS_STAGE = 1, FS_ALGEBRAIC = 2, FS_EXTERNAL = 3, FS_SINGULAR = 4 };
 enum { FS_STEPS, FS_EVALUATIONS, FS_MATRICES, FS_ALGEBRAIC_MATRICES, FS_STARTS, FS_SLOPES, FS_COUNTS };
-enum { FS_ITERATIONS = 12, FS_HISTORY = 3 };
+enum { FS_ITERATIONS = 12, FS_HISTORY = 3, FS_PAIRS = 24 };
 
 /* A matrix whose first unknowns, of which there are `light`, hardly couple: each appears in few rows. They are eliminated
    first, and what they leave in the factors is kept as lists; the rest is dense. */
@@ -81,6 +81,8 @@ typedef struct {
   int n, light, made, age;
   int excess;        /* iterations beyond two per solution since it was made */
   double k, theta;   /* what it was made for; the contraction of its iterations */
+  int pairs, oldest; /* what has been learnt since it was made: the inverse is followed by 1 + gain weighing' of each pair */
+  double *weighing[FS_PAIRS], *gain[FS_PAIRS];
   double *lu, *row_scale, *row_size, *value, *sorted;
   int *pivot, *list, *column; /* of row i beside its dense part: value[list[i]] to value[list[i + 1] - 1] and their columns */
 } fs_matrix;
@@ -92,7 +94,7 @@ typedef struct {
   double *q, *y, *w, *y2, *w2, *ode, *alg, *ode2, *alg2, *scratch, *scratch2;
   double *x, *rate, *xbar, *xf, *xf2, *v, *v2, *z, *zf, *unknown, *move, *right, *weight, *z_scale, *slope, *real, *size, *least;
   double *past[FS_HISTORY], past_time[FS_HISTORY];
-  double *moves[FS_ITERATIONS], lengths[FS_ITERATIONS]; /* the updates of an iteration, and their weighted squares */
+  double *before;       /* the update of the iteration before */
   int pasts;
   const double **arg;
   double **res;
@@ -108,7 +110,7 @@ static const double FS_DIFFERENCE = 1e-6; /* of the scale of an unknown; the cub
 static const double FS_PART = 1e-3;        /* of a nominal value: the least size of a rate */
 static const double FS_MEMORY = 4000.0;    /* steps after which the size of a rate is forgotten */
 static const double FS_DISTRUST = 1.2;    /* by which a contraction that was not measured grows from step to step */
-static const double FS_LEAST_THETA = 1e-3; /* below it a measured contraction is luck */
+static const double FS_LEAST_THETA = 1e-2; /* below it a measured contraction is luck */
 static const double FS_PRICE = 0.15;       /* of a column of a matrix, in evaluations */
 static const double FS_ROUNDING = 1e-6;    /* updates that do not become smaller any more are accepted below this */
 
@@ -338,7 +340,7 @@ static int fs_finish(fs_matrix *a, const double *weight) {
   }
   status = fs_factor(a);
   a->made = status == FS_DONE;
-  a->age = a->excess = 0;
+  a->age = a->excess = a->pairs = 0;
   a->theta = 0.1;
   return status;
 }
@@ -454,29 +456,29 @@ static double fs_norm(const double *move, const double *weight, int n) {
   return largest;
 }
 
-static double fs_product(const double *a, const double *b, const double *weight, int n) {
-  double sum = 0.0;
-  int i;
-  for (i = 0; i < n; i++) sum += a[i] * b[i] * weight[i] * weight[i];
-  return sum;
-}
-
-/* s->move, the update by the matrix alone, becomes that of Broyden's method, from the updates of the iterations before
-   it; C. T. Kelley (1995), Iterative Methods for Linear and Nonlinear Equations, SIAM, algorithm brsol. */
-static void fs_broyden(fs_instance *s, int n, int iteration) {
-  double *p = s->move, scale;
-  int i, j;
-  for (j = 0; j + 1 < iteration; j++) {
-    double factor = fs_product(s->moves[j], p, s->weight, n) / s->lengths[j];
-    for (i = 0; i < n; i++) p[i] += factor * s->moves[j + 1][i];
+/* s->move, the update by the matrix alone, becomes that of Broyden's method, from all updates since the matrix was made:
+   those of earlier steps too, as what an aged matrix lacks changes slowly. C. T. Kelley (1995), Iterative Methods for
+   Linear and Nonlinear Equations, SIAM, algorithm brsol, with the oldest of FS_PAIRS pairs given up for a new one. */
+static void fs_broyden(fs_instance *s, fs_matrix *a, int iteration) {
+  double *p = s->move, scale, square = 1e-300;
+  int n = a->n, i, j;
+  for (j = 0; j < a->pairs; j++) {
+    int pair = (a->oldest + j) % FS_PAIRS;
+    double factor = fs_dot(a->weighing[pair], p, n);
+    for (i = 0; i < n; i++) p[i] += factor * a->gain[pair][i];
   }
   if (iteration > 0) {
-    scale = 1.0 - fs_product(s->moves[iteration - 1], p, s->weight, n) / s->lengths[iteration - 1];
+    int pair = (a->oldest + a->pairs) % FS_PAIRS;
+    if (a->pairs < FS_PAIRS) a->pairs++;
+    else a->oldest = (a->oldest + 1) % FS_PAIRS;
+    for (i = 0; i < n; i++) square += s->before[i] * s->before[i] * s->weight[i] * s->weight[i];
+    for (i = 0; i < n; i++) a->weighing[pair][i] = s->before[i] * s->weight[i] * s->weight[i] / square;
+    scale = 1.0 - fs_dot(a->weighing[pair], p, n);
     if (scale > 0.2)
       for (i = 0; i < n; i++) p[i] /= scale;
+    memcpy(a->gain[pair], p, sizeof(double) * (size_t)n);
   }
-  memcpy(s->moves[iteration], p, sizeof(double) * (size_t)n);
-  s->lengths[iteration] = fs_product(p, p, s->weight, n) + 1e-300;
+  memcpy(s->before, p, sizeof(double) * (size_t)n);
 }
 
 /* Row that stands out: the first that is not finite, else the largest one, scaled. */
@@ -552,7 +554,7 @@ static int fs_iterate_stage(fs_instance *s, double t, double k, int fresh) {
     }
     for (i = 0; i < n; i++) s->move[i] = -s->right[i];
     fs_solve(a, s->move);
-    if (fresh < 2) fs_broyden(s, n, iteration);
+    if (fresh < 2) fs_broyden(s, a, iteration);
     size[iteration] = fs_norm(s->move, s->weight, n);
     verdict = fs_judge(a, size, iteration, s->o.tolerance);
     if (verdict < 0) break;
@@ -653,7 +655,7 @@ static int fs_iterate_algebraic(fs_instance *s, double t, const double *x, doubl
       s->weight[i] = 1.0 / s->z_scale[i];
     }
     fs_solve(a, s->move);
-    if (fresh < 2) fs_broyden(s, n, iteration);
+    if (fresh < 2) fs_broyden(s, a, iteration);
     size[iteration] = fs_norm(s->move, s->weight, n);
     if (size[iteration] <= 0.1 * s->o.at_points) {
       *ready = 1;
@@ -804,11 +806,16 @@ static size_t fs_beside(const fs_matrix *a) { return (size_t)a->light * (2 * (si
 
 static void fs_lay_matrix(fs_matrix *a, double *memory, size_t *used) {
   size_t n = (size_t)a->n;
+  int i;
   a->lu = fs_take(memory, used, n * n);
   a->value = fs_take(memory, used, fs_beside(a));
   a->row_scale = fs_take(memory, used, n);
   a->row_size = fs_take(memory, used, n);
   a->sorted = fs_take(memory, used, n);
+  for (i = 0; i < FS_PAIRS; i++) {
+    a->weighing[i] = fs_take(memory, used, n);
+    a->gain[i] = fs_take(memory, used, n);
+  }
 }
 
 /* Integers of a matrix: pivot, list and column in one piece. */
@@ -846,7 +853,7 @@ static size_t fs_lay(fs_instance *s, double *memory) {
   s->size = fs_take(m, u, n); s->least = fs_take(m, u, n);
   s->slope = fs_take(m, u, entries); s->real = fs_take(m, u, real);
   for (i = 0; i < FS_HISTORY; i++) s->past[i] = fs_take(m, u, n);
-  for (i = 0; i < FS_ITERATIONS; i++) s->moves[i] = fs_take(m, u, n);
+  s->before = fs_take(m, u, n);
   fs_lay_matrix(&s->stage, m, u);
   fs_lay_matrix(&s->algebraic, m, u);
   return used;
