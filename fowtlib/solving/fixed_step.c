@@ -747,6 +747,16 @@ EXPORT int fs_observe(fs_instance *s, fs_code function, int outputs, double t, c
   return status;
 }
 
+/* The same of a function that needs w, at many points: rows of x, z, q and of the `size` values. */
+EXPORT int fs_observe_rows(fs_instance *s, fs_code function, int rows, int size, const double *t, const double *x,
+                           const double *z, const double *q, double *values) {
+  int i, status = FS_DONE;
+  for (i = 0; i < rows && status == FS_DONE; i++)
+    status = fs_observe(s, function, 1, t[i], x + (size_t)i * (size_t)s->m.states, z + (size_t)i * (size_t)s->m.algebraics,
+                        q + (size_t)i * (size_t)s->m.given, values + (size_t)i * (size_t)size);
+  return status;
+}
+
 /* Whether an instance stands at t, x, q, so that it goes on with its own rates. */
 static int fs_stands_at(const fs_instance *s, double t, const double *x, const double *q) {
   return s->started && fabs(t - s->t) <= 1e-9 * s->o.step
