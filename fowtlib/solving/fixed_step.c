@@ -233,9 +233,9 @@ static void fs_move_back(fs_instance *s, const fs_moving *moving, int c) {
 /* Elimination of column c below its pivot row in the columns that `column` lists. */
 static void fs_eliminate(fs_matrix *a, int c, const int *column, int columns) {
   int n = a->n, i, j;
-  const double *top = a->lu + c * n;
+  const double *restrict top = a->lu + c * n;
   for (i = c + 1; i < n; i++) {
-    double *row = a->lu + i * n, factor = row[c];
+    double *restrict row = a->lu + i * n, factor = row[c];
     if (factor == 0.0) continue;
     factor /= top[c];
     row[c] = factor;

@@ -83,7 +83,7 @@ class Options(c.Structure):
 def runtime() -> c.CDLL:
     """The compiled runtime of the engine, the same for all models."""
     text = "".join((Path(__file__).parent / name).read_text(encoding="utf-8") for name in ("spline.c", "fixed_step.c"))
-    library = c.CDLL(str(compile_library(text, "fixed_step")))
+    library = c.CDLL(str(compile_library(text, "fixed_step", optimization="-O3")))
     pointer, number = c.c_void_p, c.c_double
     signatures = {
         "create": (pointer, [c.POINTER(Model), c.POINTER(Options)]),
