@@ -790,3 +790,42 @@ EXPORT void fs_free(fs_instance *s) {
   free(s->arg); free(s->res); free(s->integer); free(s->stage.pivot); free(s->algebraic.pivot);
   free(s);
 }
+
+/* --- an instance as one piece of memory ----------------------------------------------------------------------------
+
+   All arrays of numbers lie in one block, which fs_lay divides, so that a copy of the struct, the block and the pivots is
+   a copy of the whole state. Pointers are those of the instance that takes the copy; only `past` is in an order of its
+   own. */
+
+EXPORT size_t fs_image_size(const fs_instance *s) {
+  fs_instance copy = *s;
+  return sizeof copy + sizeof(double) * fs_lay(&copy, 0) + sizeof(int) * (size_t)(s->n + s->m.algebraics);
+}
+
+EXPORT void fs_save(const fs_instance *s, void *image) {
+  fs_instance copy = *s;
+  char *to = image;
+  size_t numbers = sizeof(double) * fs_lay(&copy, 0), pivots = sizeof(int) * (size_t)s->n;
+  memcpy(to, s, sizeof copy);
+  memcpy(to += sizeof copy, s->q, numbers);
+  memcpy(to += numbers, s->stage.pivot, pivots);
+  memcpy(to + pivots, s->algebraic.pivot, sizeof(int) * (size_t)s->m.algebraics);
+}
+
+/* From an image of an instance of the same model. */
+EXPORT void fs_restore(fs_instance *s, const void *image) {
+  fs_instance now = *s, saved;
+  const char *from = image;
+  size_t numbers, pivots = sizeof(int) * (size_t)s->n;
+  int i;
+  memcpy(&saved, from, sizeof saved);
+  *s = saved;
+  s->m = now.m;
+  s->arg = now.arg; s->res = now.res; s->integer = now.integer;
+  s->stage.pivot = now.stage.pivot; s->algebraic.pivot = now.algebraic.pivot;
+  numbers = sizeof(double) * fs_lay(s, now.q);
+  for (i = 0; i < FS_HISTORY; i++) s->past[i] = now.q + (saved.past[i] - saved.q);
+  memcpy(now.q, from += sizeof saved, numbers);
+  memcpy(s->stage.pivot, from += numbers, pivots);
+  memcpy(s->algebraic.pivot, from + pivots, sizeof(int) * (size_t)s->m.algebraics);
+}

@@ -239,6 +239,13 @@ def model_text(dae: FlatDAE) -> tuple[str, int]:
     return "".join(texts), scratch
 
 
+def library_sizes(function: LibraryFunction) -> tuple[list[int], bool]:
+    """Arguments, results, integers and reals that a function of a library and its Jacobian need; whether it has one."""
+    library, name = c.CDLL(str(function.path)), function.name()
+    names = [name] + [f"jac_{name}"] * hasattr(library, f"jac_{name}")
+    return np.max([_work(library, each) for each in names], axis=0).tolist(), len(names) > 1
+
+
 def _symbol(library: c.CDLL, name: str) -> int:
     return c.cast(getattr(library, name), c.c_void_p).value
 
