@@ -45,9 +45,6 @@ def model_description(
 class _Description:
     """What both versions share."""
 
-    number = "Float64"
-    unit_tag = "BaseUnit"
-
     def __init__(self, variables: Variables, heading: Heading, needs: Mapping[int, Sequence[int]]):
         self.variables, self.heading, self.needs = variables, heading, needs
         self.items = [v for v in variables.items if self._shown(v)]
@@ -111,7 +108,8 @@ class _Description:
             return {"causality": "parameter", "variability": "fixed"}
         causality = "output" if v.is_output else "local"
         variability = "discrete" if v.group == "discrete" else "continuous"
-        return {"causality": causality, "variability": variability, "initial": "exact" if v.group == "state" else "calculated"}
+        initial = "exact" if v.group == "state" else "calculated"
+        return {"causality": causality, "variability": variability, "initial": initial}
 
     def _quantity(self, v: Variable) -> dict[str, str]:
         """Type, unit, bounds and start."""
@@ -130,10 +128,6 @@ class _Description:
         if v.start is not None:
             out["start"] = repr(float(v.start))
         return out
-
-    def _types(self, root: et.Element) -> None:
-        raise NotImplementedError
-
 
 class _Two(_Description):
     """FMI 2.0."""
@@ -172,7 +166,8 @@ class _Two(_Description):
     def _types(self, root: et.Element) -> None:
         section = et.SubElement(root, "TypeDefinitions") if self._type_names() else None
         for unit in self._type_names():
-            et.SubElement(et.SubElement(section, "SimpleType", name=TYPES[unit]), "Real", quantity=TYPES[unit], unit=unit)
+            kind = et.SubElement(section, "SimpleType", name=TYPES[unit])
+            et.SubElement(kind, "Real", quantity=TYPES[unit], unit=unit)
 
     def _structure(self, section: et.Element, place: Mapping[int, int]) -> None:
         rates = self.variables.group("rate")
@@ -201,7 +196,8 @@ class _Three(_Description):
         }  # fmt: skip
         special = {
             "canHandleVariableCommunicationStepSize": "true", "providesIntermediateUpdate": "true",
-            "canReturnEarlyAfterIntermediateUpdate": "true", "fixedInternalStepSize": repr(self.variables.settings.step),
+            "canReturnEarlyAfterIntermediateUpdate": "true",
+            "fixedInternalStepSize": repr(self.variables.settings.step),
         }  # fmt: skip
         if "me" in h.kinds:
             et.SubElement(root, "ModelExchange", **common)

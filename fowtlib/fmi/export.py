@@ -79,10 +79,12 @@ def export_fmu(
             place = there.folder if version == "2" else there.tuple
             inside = f"binaries/{place}/{identifier}{there.ending}"
             if inside in binaries:
-                raise ParameterError(f"FMI 2.0 has one place for {item} and another platform asked for; take one of them.")
-            binaries[inside] = compile_binary(folder, sources.units, item, folder / item / f"{identifier}{there.ending}")
+                raise ParameterError(f"FMI 2.0 has one place for all kinds of Mac; leave '{item}' out.")
+            library = folder / item / f"{identifier}{there.ending}"
+            binaries[inside] = compile_binary(folder, sources.units, item, library)
         description = model_description(variables, heading, int(version), needs)
-        _write(target, description, sources, binaries, build_description(identifier, sources.units) if version == "3" else None)
+        build = build_description(identifier, sources.units) if version == "3" else None
+        _write(target, description, sources, binaries, build)
     return target
 
 
@@ -94,7 +96,7 @@ def _settings(plant: Plant, step: Any, rho_inf: float | None, tolerance: float |
     output = pick(None, "output_step", "s", 0.1)
     settings = Settings(
         step=pick(step, "step", "s", min(STEP, output)), rho_inf=pick(rho_inf, "rho_inf", "1", RHO_INF),
-        tolerance=pick(tolerance, "tolerance", "1", 1e-6), duration=pick(None, "duration", "s", 60.0),
+        tolerance=pick(tolerance, "tolerance", "1", 1e-6), duration=pick(None, "duration", "s", 600.0),
         output_step=output,
     )  # fmt: skip
     if not 0 < settings.step < np.inf:
@@ -131,7 +133,7 @@ def _token(sources: Sources, version: str, kind: str) -> str:
     digest = hashlib.sha256(f"{version}{kind}".encode())
     for name, text in sorted(sources.files.items()):
         digest.update(name.encode() + text.encode())
-    digest.update(sources.numbers.tobytes())
+    digest.update(sources.tables)
     return f"{{{uuid.UUID(bytes=digest.digest()[:16], version=5)}}}"
 
 
@@ -157,7 +159,7 @@ def _write(path: Path, description: bytes, sources: Sources, binaries: Mapping[s
         with tempfile.NamedTemporaryFile(dir=path.parent, suffix=".part", delete=False) as file:
             fresh = Path(file.name)
         try:
-            with zipfile.ZipFile(fresh, "w", zipfile.ZIP_DEFLATED) as archive:
+            with zipfile.ZipFile(fresh, "w", zipfile.ZIP_DEFLATED, compresslevel=9) as archive:
                 archive.writestr("modelDescription.xml", description)
                 for name, text in sources.files.items():
                     archive.writestr(f"sources/{name}", text)
@@ -165,7 +167,7 @@ def _write(path: Path, description: bytes, sources: Sources, binaries: Mapping[s
                     archive.writestr("sources/buildDescription.xml", build)
                 for inside, binary in binaries.items():
                     archive.write(binary, inside)
-                archive.writestr("resources/tables.bin", np.asarray(sources.numbers, "<f8").tobytes())
+                archive.writestr("resources/tables.bin", sources.tables)
                 for name, file_path in sources.resources.items():
                     archive.write(file_path, f"resources/{name}")
             fresh.chmod(0o666 & ~_umask())

@@ -337,7 +337,7 @@ FMI fmi2Status fmi2DoStep(fmi2Component c, fmi2Real t, fmi2Real h, fmi2Boolean n
   ALLOW(FMU_STEPPING, fmi2DoStep);
   (void)no_return;
   status = fmu_check_step(f, t, h);
-  if (status == FMU_OK) status = fmu_do_step(f, t + h, &stopped);
+  if (status == FMU_OK) status = fmu_do_step(f, h, &stopped);
   if (status >= FMU_DISCARD) f->now.phase = FMU_FAILED;
   return fmu_done(f, status >= FMU_DISCARD ? FMU_ERROR : status);
 }

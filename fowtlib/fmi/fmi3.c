@@ -409,7 +409,7 @@ FMI fmi3Status fmi3DoStep(fmi3Instance c, fmi3Float64 t, fmi3Float64 h, fmi3Bool
   (void)no_set_state;
   *event = *terminate = *early = false;
   status = fmu_check_step(f, t, h);
-  if (status == FMU_OK) status = fmu_do_step(f, t + h, &stopped);
+  if (status == FMU_OK) status = fmu_do_step(f, h, &stopped);
   *early = stopped && f->now.t < t + h - 1e-7 * h;
   *last = f->now.t;
   if (status >= FMU_DISCARD) f->now.phase = FMU_FAILED;

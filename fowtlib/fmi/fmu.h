@@ -15,7 +15,8 @@ typedef void (*fmu_forward_code)(const double *t, const double *x, const double 
 
 typedef struct { const char *path, *unit, *doc; double start, low, high; } fmu_quantity; /* low, high: infinite if none */
 typedef struct { const char *function, *path; } fmu_external_name;
-typedef struct { int spline, part; long long first; } fmu_stored; /* part: 0, 1 knots, 2 coefficients */
+typedef struct { long long first, count; int columns; } fmu_stored; /* a table of resources/tables.bin */
+typedef struct { int spline, part, table; } fmu_table_use; /* part: 0, 1 knots, 2 coefficients */
 typedef struct { const char *path; int states, discretes; const int *state, *discrete; fs_code action; } fmu_event;
 typedef struct { const char *path; int targets, needs_outputs; const int *target; fs_code update; } fmu_sample;
 typedef struct { const char *path, *message; int is_error, values; const char *const *names; } fmu_check;

@@ -4,7 +4,7 @@
    It does what simulation.py, initial.py and failure.py do for a run in Python, in the same order and with the same
    sentences. There are no globals; nothing is allocated after fmu_create but for saved states. */
 
-enum { SUBSTEPS = 4, CHATTER = 20, ROUNDS = 50, TEXT = 1500 };
+enum { SUBSTEPS = 4, STRETCH = 400, CHATTER = 20, ROUNDS = 50, TEXT = 1500 };
 
 #define AT_LEAST(n) ((n) > 0 ? (n) : 1)
 
@@ -21,6 +21,8 @@ typedef struct {
   long long samples_done[AT_LEAST(SAMPLES)];
   double period[AT_LEAST(SAMPLES)], offset[AT_LEAST(SAMPLES)];
   double reference_step;                /* an output step: the measure of what is soon */
+  double grid_start, grid_step;         /* communication points so far: equal steps from a start */
+  int grid_count;
   int phase, solved;                    /* solved: z belongs to t, x, q */
 } fmu_now;
 
@@ -374,7 +376,10 @@ static int fmu_initialise(fmu_instance *f) {
   for (i = 0; i < NZ; i++) n->z[i] = fmu_z_start[i];
   for (i = 0; i < ND; i++) n->q[NU + i] = values[NX + NZ + i];
   fmu_moved(f);
-  if ((i = fmu_start_values(f))) return i;
+  for (i = 0; i < NX; i++) changed |= n->x_given[i] && n->x[i] != fmu_states[i].start;
+  for (i = 0; i < NU; i++) changed |= n->q[i] != fmu_inputs[i].start;
+  changed |= n->t != START_TIME; /* the start that was exported is consistent */
+  if (changed && (i = fmu_start_values(f))) return i;
   n->solved = 1;
   clocks(&n->t, n->x, n->z, n->q, f->engine->w, clock, 0, f->scratch);
   for (i = 0; i < SAMPLES; i++) {
@@ -708,20 +713,45 @@ static int fmu_stretch(fmu_instance *f, double length) {
   return status ? fmu_failure(f) : FMU_OK;
 }
 
-/* To t_end, through samples and events; checks at the end. *stopped: an importer asked for an early return. */
-static int fmu_do_step(fmu_instance *f, double t_end, int *stopped) {
+/* The end of the communication step h, on the grid of the steps before it where it lies there.
+
+   An importer counts n h, or adds up h, and rounds in its own way. Rounded as a run in Python is (simulation.py, STRETCH
+   points at a time), the co-simulation repeats that run to the last digits, where the iterations of a step would else
+   leave differences of the size of their tolerance. */
+static double fmu_communication_point(fmu_now *n, double h, double *length) {
+  double end;
+  if (n->grid_count == STRETCH) {
+    n->grid_start += STRETCH * n->grid_step;
+    n->grid_count = 0;
+  }
+  end = n->grid_start + STRETCH * n->grid_step * (n->grid_count + 1) / STRETCH;
+  if (!(fabs(end - (n->t + h)) < 1e-9 * h && fabs(n->grid_step - h) < 1e-9 * h)) {
+    n->grid_start = n->t;
+    n->grid_step = h;
+    n->grid_count = 0;
+    end = n->t + h;
+  }
+  n->grid_count++;
+  *length = n->grid_step;
+  return end;
+}
+
+/* A communication step of length h, through samples and events; checks at the end. *stopped: an importer asked for an early return. */
+static int fmu_do_step(fmu_instance *f, double h, int *stopped) {
   fmu_now *n = &f->now;
-  double tiny = 1e-7 * (t_end - n->t);
-  int status, any, checked;
+  double length, t_end = fmu_communication_point(n, h, &length), begin = n->t, tiny = 1e-7 * length;
+  int status, any, checked, whole;
   *stopped = 0;
-  n->reference_step = t_end - n->t;
+  n->reference_step = length;
   while (n->t < t_end - tiny) {
     double next = fmu_next_sample(f), stop = fmin(next, t_end);
     if (f->intermediate && stop - n->t > n->solver[0] * (1 + 1e-9)) {
       double parts = ceil((stop - n->t) / n->solver[0] * (1 - 1e-9));
       stop = n->t + (stop - n->t) / parts;
     }
-    if ((status = fmu_stretch(f, stop - n->t))) return status;
+    whole = n->t == begin && stop == t_end;
+    if ((status = fmu_stretch(f, whole ? length : stop - n->t))) return status;
+    if (fabs(n->t - t_end) < tiny) n->t = t_end;
     if (fabs(n->t - next) < tiny && (status = fmu_sample_now(f, &any))) return status;
     if (f->intermediate && f->intermediate(f)) {
       *stopped = 1;
@@ -977,35 +1007,52 @@ static int fmu_create_engine(fmu_instance *f) {
   return f->engine ? FMU_OK : FMU_ERROR;
 }
 
-/* The tables of resources/tables.bin: little-endian numbers. */
+/* Numbers of a table from their bytes: first all lowest bytes, then all second ones, of the second differences along
+   each column, as whole numbers of 64 bits. They compress well, and come back to the last bit on any machine. */
+static void fmu_unpack(const unsigned char *bytes, const fmu_stored *table, double *numbers) {
+  long long rows = table->count / table->columns, i;
+  int c, k;
+  for (c = 0; c < table->columns; c++) {
+    unsigned long long value = 0, slope = 0;
+    for (i = 0; i < rows; i++) {
+      unsigned long long change = 0;
+      for (k = 0; k < 8; k++) change |= (unsigned long long)bytes[k * table->count + c * rows + i] << 8 * k;
+      slope += change;
+      value += slope;
+      memcpy(numbers + i * table->columns + c, &value, sizeof value);
+    }
+  }
+}
+
+/* The tables of resources/tables.bin. */
 static int fmu_read_tables(fmu_instance *f, const char *folder) {
   char path[4096];
   FILE *file;
+  unsigned char *bytes;
   size_t got = 0;
   int i;
-  static const union { unsigned one; char first; } order = {1};
   if (!STORED) return FMU_OK;
   snprintf(path, sizeof path, "%s/tables.bin", folder ? folder : "");
   f->stored = malloc(sizeof(double) * STORED);
-  file = folder && f->stored ? fopen(path, "rb") : 0;
+  bytes = malloc(sizeof(double) * STORED);
+  file = folder && f->stored && bytes ? fopen(path, "rb") : 0;
   if (file) {
-    got = fread(f->stored, sizeof(double), STORED, file);
+    got = fread(bytes, sizeof(double), STORED, file);
     fclose(file);
   }
+  for (i = 0; got == STORED && i < TABLES; i++)
+    fmu_unpack(bytes + 8 * fmu_tables[i].first, fmu_tables + i, f->stored + fmu_tables[i].first);
+  free(bytes);
   if (got != STORED) {
     fmu_tell(f, FMU_ERROR, "logStatusError", "%s: cannot read %s, with the tables of the model. The folder of the "
              "resources is given when an instance is made.", MODEL_NAME, path);
     return FMU_ERROR;
   }
-  for (i = 0; !order.first && i < (int)STORED; i++) {
-    char *c = (char *)(f->stored + i), k, swap;
-    for (k = 0; k < 4; k++) { swap = c[(int)k]; c[(int)k] = c[7 - k]; c[7 - k] = swap; }
-  }
-  for (i = 0; i < STORED_TABLES; i++) {
-    fs_spline *s = f->spline + fmu_stored_tables[i].spline;
-    const double *data = f->stored + fmu_stored_tables[i].first;
-    if (fmu_stored_tables[i].part == 2) s->coefficients = data;
-    else s->knots[fmu_stored_tables[i].part] = data;
+  for (i = 0; i < TABLE_USES; i++) {
+    fs_spline *s = f->spline + fmu_table_uses[i].spline;
+    const double *data = f->stored + fmu_tables[fmu_table_uses[i].table].first;
+    if (fmu_table_uses[i].part == 2) s->coefficients = data;
+    else s->knots[fmu_table_uses[i].part] = data;
   }
   return FMU_OK;
 }

@@ -91,11 +91,12 @@ class Variables:
         self._add_outputs(plant)
         self._begin("indicator")
         for i, event in enumerate(dae.events):
-            self._add("indicator", f"event_{i}", "1", f"{event.path or 'model'}: its event comes where this falls below zero")
+            doc = f"{event.path or 'model'}: its event comes where this falls below zero"
+            self._add("indicator", f"event_{i}", "1", doc)
         self._begin("solver")
         for name, value, unit, doc, low, high in (
             ("step", settings.step, "s", "longest step of the fixed-step engine in co-simulation", 1e-9, None),
-            ("rho_inf", settings.rho_inf, "1", "amplitude left of an infinitely fast oscillation after a step", 0.0, 1.0),
+            ("rho_inf", settings.rho_inf, "1", "what a step leaves of an infinitely fast oscillation", 0.0, 1.0),
             ("tolerance", settings.tolerance, "1", "tolerance of the iterations within a step", 1e-15, 0.1),
         ):  # fmt: skip
             self._add("solver", f"solver.{name}", unit, doc, start=value, low=low, high=high)
@@ -109,7 +110,7 @@ class Variables:
         self.items.append(Variable(name, len(self.items), group, unit, doc, display=display, **more))  # type: ignore[arg-type]
 
     def _add_outputs(self, plant: Plant) -> None:
-        """The results of the model; one that is there already, such as a state, becomes an output under its own name."""
+        """The results of the model; a state that is one becomes an output under its own name."""
         there = {item.name: i for i, item in enumerate(self.items)}
         for name, (path, unit, doc) in plant.outputs.items():
             expression = ca.densify(plant.dae.observe_expression(path))

@@ -92,13 +92,13 @@ class _Values:
                 if value is None:
                     body.append(f"  {expression}\n")
                     continue
-                here[value] = f"a{value}"
-                body.append(f"  const double a{value} = {expression};\n")
+                here[value] = f"a{len(body)}"
+                body.append(f"  const double {here[value]} = {expression};\n")
                 if last.get(value, number) > number:
                     if not free:
                         free, size = [size], size + 1
                     slot[value] = free.pop()
-                    body.append(f"  scratch[{slot[value]}] = a{value};\n")
+                    body.append(f"  scratch[{slot[value]}] = {here[value]};\n")
             free += [slot[value] for value, end in last.items() if end == number and value in slot]
             bodies.append("".join(body))
         return bodies, size
