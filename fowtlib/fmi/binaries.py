@@ -31,7 +31,7 @@ PLATFORMS = {
     "darwin": Platform("aarch64-macos", "darwin64", "aarch64-darwin", ".dylib"),
     "darwin64": Platform("x86_64-macos", "darwin64", "x86_64-darwin", ".dylib"),
 }
-"""By name: darwin is a Mac with an Apple processor, darwin64 with an Intel processor; FMI 2.0 has one place for both."""
+"""By name: darwin is a Mac with an Apple processor, darwin64 with an Intel one; both have one place in FMI 2.0."""
 
 FLAGS = ("-std=c11", "-fPIC", "-fvisibility=hidden", "-ffp-contract=off")
 

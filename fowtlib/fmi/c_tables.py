@@ -152,7 +152,8 @@ class Tables:
             _integers("fmu_source", r.source), _table("fs_code", "fmu_level_inputs", levels),
             "static const fs_model fmu_model = {.states = NX, .algebraics = NZ, .given = NQ, .inputs = NY, "
             f".outputs = NW, .externals = EXTERNALS, .levels = {len(dae.levels)}, .scratch = SCRATCH, "
-            ".level_start = fmu_level_start, .external = fmu_externals, .level_inputs = fmu_level_inputs, .residual = model, .free_rates = FREE_RATES, "
+            ".level_start = fmu_level_start, .external = fmu_externals, .level_inputs = fmu_level_inputs, "
+            ".residual = model, .free_rates = FREE_RATES, "
             f".substituted = {len(r.order)}, .free_rate = fmu_free_rate, .order = fmu_order, .source = fmu_source, "
             ".x_nominal = fmu_x_nominal, .z_nominal = fmu_z_nominal};\n",
         ])  # fmt: skip
