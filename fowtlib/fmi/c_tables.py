@@ -17,7 +17,8 @@ from fowtlib.language.errors import StructureError
 from fowtlib.language.externals import LibraryFunction
 from fowtlib.language.tables import SplineFunction
 from fowtlib.solving import fixed_step
-from fowtlib.solving.fixed_step_code import OUT, library_sizes
+from fowtlib.solving.c_code import Program
+from fowtlib.solving.fixed_step_code import OUT, library_sizes, moved_pieces
 from fowtlib.solving.initial import initial_matching
 from fowtlib.solving.reduction import reduction
 from fowtlib.solving.state import State
@@ -47,8 +48,10 @@ def column(values: Sequence[ca.SX]) -> ca.SX:
 class Tables:
     """The text of tables.h, and the long tables that go to the resources."""
 
-    def __init__(self, variables: Variables, start: State, scratch: int, identity: tuple[str, str]):
+    def __init__(self, variables: Variables, start: State, program: Program, scratch: int,
+                 identity: tuple[str, str]):  # fmt: skip
         self.variables, self.dae, self.start, self.scratch = variables, variables.plant.dae, start, scratch
+        self.program = program
         self.identity = identity
         self.lines: list[str] = []
         self.stored: list[tuple[np.ndarray, int]] = []  # long tables and their columns
@@ -73,11 +76,13 @@ class Tables:
         checked = ca.vertcat(*[c.condition for c in dae.checks], *[v for c in dae.checks for v in c.values.values()])
         used = ca.Function("c", [dae.w], [ca.densify(checked)], {"allow_free": True})
         told = sum(len(check.values) for check in dae.checks)
+        observed = [dae.observe_expression(path).numel() for path in variables.observed]
         sizes = {
             "NX": dae.x.shape[0], "NZ": dae.z.shape[0], "NU": dae.u.shape[0], "ND": dae.d.shape[0],
             "NP": dae.p.shape[0], "NQ": sum(v.shape[0] for v in (dae.u, dae.d, dae.p)), "NW": dae.w.shape[0],
             "NY": sum(e.inputs.shape[0] for e in dae.externals), "EXTERNALS": len(dae.externals),
             "SPLINES": len(self.splines), "OUTPUTS": len(variables.output_expressions), "EVENTS": len(dae.events),
+            "OBSERVED": sum(observed),
             "SAMPLES": len(dae.samples), "CHECKS": len(dae.checks), "MESSAGE_VALUES": told,
             "INITIALS": dae.initial_equations.shape[0], "SCRATCH": self.scratch,
             "STORED": sum(len(values) for values, _ in self.stored), "TABLES": len(self.stored),
@@ -109,6 +114,7 @@ class Tables:
             _doubles("fmu_x_nominal", [s.nominal for s in dae.states]),
             _doubles("fmu_z_nominal", [a.nominal for a in dae.algebraics]),
             _doubles("fmu_z_start", self.start.z), _integers("fmu_initial_row", kept),
+            _integers("fmu_output_place", variables.output_places),
             _integers("fmu_initial_state", states), *self.lines,
             _table("fs_external", "fmu_externals", entries), _table("fs_spline", "fmu_splines", self.splines),
             _integers("fmu_spline_of", self.spline_of), self._stored(),
@@ -120,14 +126,14 @@ class Tables:
 
     def _prototypes(self) -> str:
         dae = self.dae
-        plain = ["model", "outputs", "indicators", "checks", "starts", "clocks", "initials"]
+        plain = ["model", "observed", "indicators", "checks", "starts", "clocks", "initials"]
         plain += [f"level_{k}" for k in range(len(dae.levels))] + [f"sample_{k}" for k in range(len(dae.samples))]
         plain += [f"action_{k}" for k in range(len(dae.events))]
         moved = ["forward_model", "forward_outputs", "forward_initials"]
         forward = [f"forward_level_{k}" for k in range(len(dae.levels))]
-        results = ", ".join(f"double *{name}" for name in OUT)
+        results = ", ".join(f"double *{name}" for name in [*OUT, "scratch"])
         values, seeds = ", ".join(VALUES), ", ".join(SEEDS)
-        lines = [f"void {name}({values}, {results});\n" for name in plain]
+        lines = [f"void {name}({values}, {results});\n" for name in plain] + ["extern const fs_code pieces[];\n"]
         lines += [f"void {name}({values}, {seeds}, {results});\n" for name in moved + forward]
         lines.append(_table("fmu_forward_code", "fmu_forward_levels", forward))
         for name in libraries(dae):
@@ -147,13 +153,21 @@ class Tables:
         dae, r = self.dae, self.reduction
         starts = np.cumsum([0, *(len(level) for level in dae.levels)])
         levels = [f"level_{k}" for k in range(len(dae.levels))]
+        of_stage, at_point = self.program.masks
+        moving = (("fmu_stage", of_stage, dae.z.shape[0] + len(r.free)), ("fmu_point", at_point, dae.z.shape[0]))
+        lines = [_integers("fmu_piece_start", self.program.starts), _integers("fmu_place", self.program.places)]
+        for name, masks, unknowns in moving:
+            first, pieces = moved_pieces(self.program, len(dae.levels), masks, unknowns)
+            lines += [_integers(f"{name}_first", first), _integers(f"{name}_piece", pieces)]
         return "".join([
-            _integers("fmu_level_start", starts), _integers("fmu_free_rate", r.free), _integers("fmu_order", r.order),
-            _integers("fmu_source", r.source), _table("fs_code", "fmu_level_inputs", levels),
+            *lines, _integers("fmu_level_start", starts), _integers("fmu_free_rate", r.free),
+            _integers("fmu_order", r.order), _integers("fmu_source", r.source), _table("fs_code", "fmu_level_inputs", levels),
             "static const fs_model fmu_model = {.states = NX, .algebraics = NZ, .given = NQ, .inputs = NY, "
             f".outputs = NW, .externals = EXTERNALS, .levels = {len(dae.levels)}, .scratch = SCRATCH, "
             ".level_start = fmu_level_start, .external = fmu_externals, .level_inputs = fmu_level_inputs, "
-            ".residual = model, .free_rates = FREE_RATES, "
+            ".residual = model, .pieces = pieces, .piece_start = fmu_piece_start, .place = fmu_place, "
+            ".of_stage = {fmu_stage_first, fmu_stage_piece}, .at_point = {fmu_point_first, fmu_point_piece}, "
+            ".free_rates = FREE_RATES, "
             f".substituted = {len(r.order)}, .free_rate = fmu_free_rate, .order = fmu_order, .source = fmu_source, "
             ".x_nominal = fmu_x_nominal, .z_nominal = fmu_z_nominal};\n",
         ])  # fmt: skip

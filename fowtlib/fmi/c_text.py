@@ -9,15 +9,16 @@ from pathlib import Path
 import casadi as ca
 
 from fowtlib.flattening import FlatDAE
-from fowtlib.fmi.c_tables import SEEDS, VALUES, Tables, column, libraries
+from fowtlib.fmi.c_tables import Tables, column, libraries
 from fowtlib.fmi.variables import Variables
 from fowtlib.language.errors import CompilerError, StructureError
 from fowtlib.language.externals import LibraryFunction
 from fowtlib.language.native import EXPORT
 from fowtlib.language.tables import SplineFunction
 from fowtlib.solving import fixed_step
-from fowtlib.solving.c_code import c_function
+from fowtlib.solving.c_code import Program, c_program
 from fowtlib.solving.fixed_step_code import OUT, model_text
+from fowtlib.solving.reduction import reduction
 from fowtlib.solving.state import State
 
 
@@ -35,9 +36,9 @@ def c_sources(variables: Variables, start: State, interface: int, identity: tupl
     """All C text of an FMU; interface: 2 or 3; identity: name of the model and its token."""
     dae, sources = variables.plant.dae, Sources()
     refuse_python(dae)
-    functions, scratch = _functions(variables, dae)
+    functions, program, scratch = _functions(variables, dae)
     sources.files["model.c"] = "#define D const double\n" + functions.replace("  const double a", "  D a")
-    tables = Tables(variables, start, scratch, identity)
+    tables = Tables(variables, start, program, scratch, identity)
     sources.files["tables.h"] = tables.text()
     sources.tables = tables.packed()
     sources.resources = tables.resources
@@ -49,7 +50,7 @@ def c_sources(variables: Variables, start: State, interface: int, identity: tupl
             sources.files[name] = (folder / name).read_text(encoding="utf-8")
     includes = "".join(f'#include "{part}"\n' for part in parts)
     sources.files["fmu.c"] = f"#define EXPORT static\n{includes}"
-    sources.units = [("fmu.c", "-O2"), ("model.c", "-O1")]
+    sources.units = [("fmu.c", "-O3"), ("model.c", "-O1")]
     for number, path in enumerate(dict.fromkeys(libraries(dae).values())):
         sources.files[f"external_{number}.c"] = _source_of(path)
         sources.units.append((f"external_{number}.c", "-O2"))
@@ -76,10 +77,9 @@ def _source_of(path: Path) -> str:
     return "#define EXPORT\n" + source.read_text(encoding="utf-8").removeprefix(EXPORT)
 
 
-def _functions(variables: Variables, dae: FlatDAE) -> tuple[str, int]:
-    """C text of all functions of the model and of their derivatives along a direction; scratch memory they need."""
-    text, scratch = model_text(dae)
-    text = "#define EXPORT\n" + text
+def _functions(variables: Variables, dae: FlatDAE) -> tuple[str, Program, int]:
+    """C text of all functions and of their derivatives along a direction; the engine's program; scratch memory."""
+    text, program, scratch = model_text(dae, reduction(dae), variables.observed)
     q = ca.vertcat(dae.u, dae.d, dae.p)
     arguments = [dae.t, dae.x, dae.z, q, dae.w]
     checks = ca.vertcat(*[check.condition for check in dae.checks])
@@ -89,34 +89,28 @@ def _functions(variables: Variables, dae: FlatDAE) -> tuple[str, int]:
     clocks = column([*(s.period for s in dae.samples), *(s.offset for s in dae.samples)])
     initials = ca.densify(dae.initial_equations)
     plain: list[tuple[str, list[ca.SX]]] = [
-        ("outputs", [outputs]), ("indicators", [indicators]), ("checks", [checks, told]), ("starts", [starts]),
-        ("clocks", [clocks]), ("initials", [initials]),
+        ("indicators", [indicators]), ("checks", [checks, told]), ("starts", [starts]), ("clocks", [clocks]),
+        ("initials", [initials]),
         *((f"action_{k}", [e.state_values, e.discrete_values]) for k, e in enumerate(dae.events)),
     ]  # fmt: skip
-    signature = ", ".join([*VALUES, *(f"double *{name}" for name in OUT)])
-    for name, expressions in plain:
-        function = ca.Function(name, arguments, [ca.densify(e) for e in expressions], {"cse": True})
-        body, size = c_function(function, f"{name}_code", list("txzqw"), OUT[: len(expressions)])
-        scratch = max(scratch, size)
-        second = ", second" if len(expressions) > 1 else ""
-        text += f"{body}void {name}({signature}) {{ {name}_code(t, x, z, q, w, first{second}, scratch); }}\n"
     seeds = [ca.SX.sym(f"d{name}", value.shape[0]) for name, value in zip("xzqw", arguments[1:], strict=True)]
     moved: list[tuple[str, list[ca.SX]]] = [
         *((f"forward_level_{k}", [_level(dae, members)]) for k, members in enumerate(dae.levels)),
         ("forward_model", [dae.ode, dae.alg]), ("forward_outputs", [outputs, indicators]),
         ("forward_initials", [initials]),
     ]  # fmt: skip
-    signature = ", ".join([*VALUES, *SEEDS, *(f"double *{name}" for name in OUT)])
-    names = [*"txzqw", "dx", "dz", "dq", "dw"]
     along, direction = ca.vertcat(*arguments[1:]), ca.vertcat(*seeds)
-    for name, expressions in moved:
-        slopes = [ca.densify(ca.jtimes(ca.densify(e), along, direction)) for e in expressions]
-        function = ca.Function(name, [*arguments, *seeds], slopes, {"cse": True})
-        body, size = c_function(function, f"{name}_code", names, OUT[: len(slopes)])
-        scratch = max(scratch, size)
-        second = ", second" if len(slopes) > 1 else ""
-        text += f"{body}void {name}({signature}) {{ {name}_code({', '.join(names)}, first{second}, scratch); }}\n"
-    return text, scratch
+    slopes = [(name, [ca.jtimes(ca.densify(e), along, direction) for e in expressions]) for name, expressions in moved]
+    texts = ["#define EXPORT\n", text]
+    for inside, names, functions in (
+        (arguments, [*"txzqw"], plain), ([*arguments, *seeds], [*"txzqw", "dx", "dz", "dq", "dw"], slopes)
+    ):  # fmt: skip
+        for name, expressions in functions:
+            function = ca.Function(name, inside, [ca.densify(e) for e in expressions], {"cse": True})
+            alone = c_program(function, [(name, OUT[: len(expressions)])], names, OUT)
+            texts.append(alone.text)
+            scratch = max(scratch, alone.scratch)
+    return "".join(texts), program, scratch
 
 
 def _level(dae: FlatDAE, members: Sequence[int]) -> ca.SX:

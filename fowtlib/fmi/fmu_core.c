@@ -44,7 +44,7 @@ struct fmu_instance {
   char reason[TEXT];
   /* what follows from `now` */
   int evaluated, observed, linear;      /* w and ode; outputs; matrix of the algebraic unknowns */
-  double output[AT_LEAST(OUTPUTS)], indicator[AT_LEAST(EVENTS)], new_d[AT_LEAST(ND)], new_x[AT_LEAST(NX)];
+  double output[AT_LEAST(OBSERVED)], indicator[AT_LEAST(EVENTS)], new_d[AT_LEAST(ND)], new_x[AT_LEAST(NX)];
   double rows_x[SUBSTEPS * AT_LEAST(NX)], rows_z[SUBSTEPS * AT_LEAST(NZ)], try_x[AT_LEAST(NX)], try_z[AT_LEAST(NZ)];
   double condition[AT_LEAST(CHECKS)], message_value[AT_LEAST(MESSAGE_VALUES)];
   double scratch[AT_LEAST(SCRATCH)];
@@ -120,6 +120,12 @@ static int fmu_solve(fmu_instance *f) {
   return FMU_OK;
 }
 
+static int fmu_cannot_evaluate(fmu_instance *f, int status) {
+  fmu_reason(f, status);
+  fmu_tell(f, FMU_DISCARD, "logStatusDiscard", "%s: %s.", MODEL_NAME, f->reason);
+  return FMU_DISCARD;
+}
+
 /* The externals, ode and alg at the point. */
 static int fmu_evaluate(fmu_instance *f) {
   fmu_now *n = &f->now;
@@ -127,21 +133,18 @@ static int fmu_evaluate(fmu_instance *f) {
   if (status || f->evaluated) return status;
   memcpy(f->engine->q, n->q, sizeof(double) * NQ);
   status = fs_evaluate(f->engine, n->t, n->x, n->z);
-  if (status) {
-    fmu_reason(f, status);
-    fmu_tell(f, FMU_DISCARD, "logStatusDiscard", "%s: %s.", MODEL_NAME, f->reason);
-    return FMU_DISCARD;
-  }
+  if (status) return fmu_cannot_evaluate(f, status);
   f->evaluated = 1;
   return FMU_OK;
 }
 
 static int fmu_observe(fmu_instance *f) {
   fmu_now *n = &f->now;
-  int status = fmu_evaluate(f);
+  int status = fmu_solve(f);
   if (status || f->observed) return status;
-  outputs(&n->t, n->x, n->z, n->q, f->engine->w, f->output, 0, f->scratch);
-  f->observed = 1;
+  status = fs_observe(f->engine, observed, 1, n->t, n->x, n->z, n->q, f->output); /* at once after the equations */
+  if (status) return fmu_cannot_evaluate(f, status);
+  f->evaluated = f->observed = 1;
   return FMU_OK;
 }
 
@@ -877,7 +880,7 @@ static int fmu_get(fmu_instance *f, unsigned r, double *value) {
   else if (r < FIRST_DISCRETE) *value = n->q[NU + ND + r - FIRST_PARAMETER];
   else if (r < FIRST_OUTPUT) *value = n->q[NU + r - FIRST_DISCRETE];
   else if (r < FIRST_INDICATOR) {
-    if ((status = fmu_observe(f)) == FMU_OK) *value = f->output[r - FIRST_OUTPUT];
+    if ((status = fmu_observe(f)) == FMU_OK) *value = f->output[fmu_output_place[r - FIRST_OUTPUT]];
   } else if (r < FIRST_SOLVER) {
     double values[AT_LEAST(EVENTS)];
     if ((status = fmu_shown_indicators(f, values)) == FMU_OK) *value = values[r - FIRST_INDICATOR];

@@ -66,7 +66,9 @@ class Variables:
         dae, self.plant, self.settings = plant.dae, plant, settings
         self.items: list[Variable] = []
         self.first: dict[str, int] = {}
+        self.observed: list[str] = []  # paths of the results that are no states, with all their elements
         self.output_expressions: list[ca.SX] = []
+        self.output_places: list[int] = []  # of each output among the elements of `observed`
         self._begin("time")
         self._add("time", "time", "s", "time")
         self._begin("state")
@@ -111,12 +113,13 @@ class Variables:
 
     def _add_outputs(self, plant: Plant) -> None:
         """The results of the model; a state that is one becomes an output under its own name."""
-        there = {item.name: i for i, item in enumerate(self.items)}
+        there, total = {item.name: i for i, item in enumerate(self.items)}, 0
         for name, (path, unit, doc) in plant.outputs.items():
             expression = ca.densify(plant.dae.observe_expression(path))
             si = plant.describe(path)[0]
             elements = zip(element_names(name, expression.shape), ca.vec(expression).elements(), strict=True)
-            for element, value in elements:
+            before = len(self.output_expressions)
+            for place, (element, value) in enumerate(elements, total):
                 number = there.get(fmi_name(element))
                 if number is not None:
                     known = self.items[number]
@@ -125,6 +128,10 @@ class Variables:
                     continue
                 self._add("output", element, si, doc, display=unit if unit != si else "", is_output=True)
                 self.output_expressions.append(value)
+                self.output_places.append(place)
+            if len(self.output_expressions) > before:
+                self.observed.append(path)
+                total += expression.numel()
 
     def group(self, name: str) -> list[Variable]:
         """The variables of a group, in order."""
