@@ -161,7 +161,8 @@ class Tables:
             lines += [_integers(f"{name}_first", first), _integers(f"{name}_piece", pieces)]
         return "".join([
             *lines, _integers("fmu_level_start", starts), _integers("fmu_free_rate", r.free),
-            _integers("fmu_order", r.order), _integers("fmu_source", r.source), _table("fs_code", "fmu_level_inputs", levels),
+            _integers("fmu_order", r.order), _integers("fmu_source", r.source),
+            _table("fs_code", "fmu_level_inputs", levels),
             "static const fs_model fmu_model = {.states = NX, .algebraics = NZ, .given = NQ, .inputs = NY, "
             f".outputs = NW, .externals = EXTERNALS, .levels = {len(dae.levels)}, .scratch = SCRATCH, "
             ".level_start = fmu_level_start, .external = fmu_externals, .level_inputs = fmu_level_inputs, "
