@@ -150,16 +150,16 @@ class Check:
             return self.plant.simulate(duration, self._interval(), solver=solver, **options)
 
     def _compare(self, what: str, rows: np.ndarray, native: Any, within: float) -> None:
-        """The largest difference of any result, relative to the largest value of that result."""
+        """The largest difference of any result, relative to its largest value, which counts as 0.001 (SI) at least."""
         worst, where = -1.0, ""
         for name in self.names:
             path, unit, _ = self.plant.outputs[name]
             factor = from_si(1.0, self.plant.describe(path)[0], unit)
-            values = np.asarray(native[name])
+            values = np.asarray(native[name]) / factor
             elements = {name: values} if values.ndim == 1 else {f"{name}[{i}]": v for i, v in enumerate(values.T)}
-            scale = np.max(np.abs(values)) or 1.0
+            scale = max(np.max(np.abs(values)), 1e-3)
             for element, reference in elements.items():
-                difference = np.max(np.abs(rows[element] * factor - reference)) / scale
+                difference = np.max(np.abs(rows[element] - reference)) / scale
                 if not difference <= worst:  # also when it is not a number
                     worst, where = difference, element
         self._add(f"{what}, {rows['time'][-1]:g} s", f"{worst:.1e} ({where})", f"< {within:g}", bool(worst < within))

@@ -2,7 +2,6 @@
 
 from fowtlib.components.servo.baseline import BaselineController
 from fowtlib.components.servo.bladed import BladedController
-from fowtlib.components.servo.external_control import ExternalControl
 from fowtlib.components.servo.generator import Generator
 from fowtlib.components.servo.pitch_controller import FLOATING_GAINS, ONSHORE_GAINS, PitchController
 from fowtlib.components.servo.sampled import SampledPitchController, SampledTorqueController
@@ -14,7 +13,6 @@ __all__ = [
     "ONSHORE_GAINS",
     "BaselineController",
     "BladedController",
-    "ExternalControl",
     "Generator",
     "PitchController",
     "SampledPitchController",
