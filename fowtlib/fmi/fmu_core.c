@@ -1006,7 +1006,7 @@ static int fmu_create_engine(fmu_instance *f) {
                   POINT_FACTOR * fmu_solver[2].start, KEEP, PREDICTOR};
   fs_model m = fmu_model;
   m.external = f->external;
-  if (!f->co_simulation) o.at_points = 1e-9;
+  if (!f->co_simulation) o.at_points = 1e-13; /* an importer may take differences of the derivatives */
   f->engine = fs_create(&m, &o);
   return f->engine ? FMU_OK : FMU_ERROR;
 }
