@@ -13,7 +13,7 @@ import shutil
 import sys
 import time
 import warnings
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, fields
 from pathlib import Path
 from typing import Any
 
@@ -31,9 +31,6 @@ HERE = Path(__file__).parent
 BUILT = HERE / "built"
 LARGEST = 5e6
 """Bytes of an archive."""
-KEYS = {
-    "model", "fmi", "kind", "step", "wind", "waves", "set", "time", "same_within", "model_exchange", "expected", "about"
-}  # fmt: skip
 
 
 @dataclass
@@ -57,6 +54,7 @@ class Recipe:
     step: Any = None
     wind: str | None = None
     waves: str | None = None
+    inputs: list[str] = field(default_factory=list)
     set: dict[str, Any] = field(default_factory=dict)
     model_exchange: dict[str, float] | None = None
 
@@ -64,8 +62,9 @@ class Recipe:
     def read(cls, path: Path) -> Recipe:
         """The recipe of a file; a model file is named relative to it."""
         data = yaml.safe_load(path.read_text(encoding="utf-8"))
-        if unknown := set(data) - KEYS:
-            raise ModelError(f"{path}: a recipe has no '{sorted(unknown)[0]}'; it has {', '.join(sorted(KEYS))}.")
+        keys = {item.name for item in fields(cls)} - {"name"}
+        if unknown := set(data) - keys:
+            raise ModelError(f"{path}: a recipe has no '{sorted(unknown)[0]}'; it has {', '.join(sorted(keys))}.")
         if missing := {"model", "time", "same_within", "expected"} - set(data):
             raise ModelError(f"{path}: the recipe lacks '{sorted(missing)[0]}'.")
         if data["model"].endswith(".yaml"):
@@ -76,7 +75,7 @@ class Recipe:
         """The compiled model, with the wind, the waves and the parameters of the recipe."""
         settings = [f"{path}={value}" for path, value in self.set.items()]
         given = {"model": self.model, "wind": self.wind, "waves": self.waves}
-        return loading.load(argparse.Namespace(**given, settings=settings, allow_python=False)).compile()
+        return loading.load(argparse.Namespace(**given, settings=settings, allow_python=False)).compile(self.inputs)
 
     def build(self, folder: Path = BUILT, plant: Any = None) -> Path:
         """Export the model into the folder."""
@@ -188,7 +187,7 @@ def main(names: list[str]) -> int:
         print(f"{name}: building", flush=True)
         try:
             check = Check(Recipe.read(files[name])).run()
-        except Exception as error:  # noqa: BLE001 - one FMU that fails does not keep the others from being checked
+        except Exception as error:  # one FMU that fails does not keep the others from being checked
             print(f"  FAILED: {type(error).__name__}: {error}\n", flush=True)
             failed.append(name)
             continue

@@ -27,7 +27,7 @@ class ForceToPositionAdaptor(Component):
 
     frame: Frame = port(doc="the point, on the body")
     force: RealInput = port(
-        unit="N", shape=(3,), default=(0, 0, 0), doc="force of the missing part on the body, world; zero when unconnected"
+        unit="N", shape=(3,), default=(0, 0, 0), doc="force of the missing part on the body, world; else zero"
     )
     position: RealOutput = port(unit="m", shape=(3,), doc="position of the point, world")
     velocity: RealOutput = port(unit="m/s", shape=(3,), doc="velocity of the point, world")
@@ -48,7 +48,7 @@ class PositionToForceAdaptor(Component):
     Reference: Modelica.Mechanics.Translational.Components.GeneralPositionToForceAdaptor, here in space.
     """
 
-    position_start: Vector = param(default=(0, 0, 0), unit="m", structural=True, doc="position unless one is given, world")
+    position_start: Vector = param(default=(0, 0, 0), unit="m", structural=True, doc="position unless given, world")
 
     frame: Frame = port(doc="the point, on what is held by the missing body")
     position: RealInput = port(
