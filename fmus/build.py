@@ -88,14 +88,13 @@ class Check:
     """One FMU against its recipe; `rows` are what was looked at, as (what, found, expected, is it so)."""
 
     def __init__(self, recipe: Recipe, folder: Path = BUILT):
-        self.recipe, self.rows = recipe, []
-        self.plant = recipe.plant()
+        self.recipe, self.plant = recipe, recipe.plant()
         self.path = recipe.build(folder, self.plant)
-        self.names = list(self.plant.outputs)
+        self.rows: list[tuple[str, str, str, bool]] = []
 
     def run(self) -> Check:
         """All checks."""
-        recipe = self.recipe
+        recipe, self.rows = self.recipe, []
         problems = validate_fmu(str(self.path))
         self._add("valid", "; ".join(problems) or "yes", "yes", not problems)
         size = self.path.stat().st_size
@@ -132,7 +131,7 @@ class Check:
         return needed
 
     def _simulate(self, kind: str, duration: float) -> np.ndarray:
-        more = {"record_events": False, "relative_tolerance": 1e-7} if kind == "ModelExchange" else {}
+        more = {"record_events": False, "relative_tolerance": 1e-8} if kind == "ModelExchange" else {}
         wanted = [v.name for v in self.described.modelVariables if v.causality == "output"]
         return fmpy.simulate_fmu(
             self.unpacked, model_description=self.described, fmi_type=kind, stop_time=duration,
@@ -151,7 +150,7 @@ class Check:
     def _compare(self, what: str, rows: np.ndarray, native: Any, within: float) -> None:
         """The largest difference of any result, relative to its largest value, which counts as 0.001 (SI) at least."""
         worst, where = -1.0, ""
-        for name in self.names:
+        for name in self.plant.outputs:
             path, unit, _ = self.plant.outputs[name]
             factor = from_si(1.0, self.plant.describe(path)[0], unit)
             values = np.asarray(native[name]) / factor

@@ -1,12 +1,10 @@
 """A controller in Python drives the turbine of an FMU: every 12.5 ms it reads the speed and sets pitch and torque.
 
-The controller is that of the NREL 5-MW turbine on the OC3 spar: J. Jonkman et al., NREL/TP-500-38060 (2009), chapter 7,
-with the gains and the constant torque of NREL/TP-500-47535 (2010), section 6. Put your own in its place.
+It is that of the NREL 5-MW turbine (NREL/TP-500-38060, chapter 7, with a plain torque law) with the gains for the OC3
+spar (NREL/TP-500-47535, section 6). Put your own in its place.
 
 python fmus/external_controller.py      after `make fmus`; the picture is fmus/built/external_controller.png
 """
-
-from __future__ import annotations
 
 from math import exp, pi
 from pathlib import Path
@@ -18,8 +16,13 @@ from fmpy.simulation import instantiate_fmu
 
 BUILT = Path(__file__).parent / "built"
 PERIOD = 0.0125  # [s]
-OUTPUTS = {"generator_speed": (30 / pi, "rpm"), "turbine.blade_pitch": (180 / pi, "deg"),
-           "generator_power": (1e-3, "kW"), "pitch": (180 / pi, "deg")}  # fmt: skip
+COMMANDS = ["blade_pitch", "generator_torque"]
+OUTPUTS = {  # values in an FMU are SI
+    "generator_speed": ("generator [rpm]", 30 / pi),
+    "blade_pitch": ("blade pitch [deg]", 180 / pi),
+    "generator_power": ("power [MW]", 1e-6),
+    "pitch": ("platform pitch [deg]", 180 / pi),
+}
 
 
 class Controller:
@@ -53,9 +56,8 @@ def main(folder=BUILT, duration=120.0, picture="external_controller.png"):
     path = folder / "spar_open_control.fmu"
     described = fmpy.read_model_description(path)
     number = {v.name: v.valueReference for v in described.modelVariables}
-    commands = [number["turbine.blade_pitch"], number["turbine.generator_torque"]]
-    outputs = [number[name] for name in OUTPUTS]
-    fmu = instantiate_fmu(fmpy.extract(path), described, "CoSimulation")
+    commands, outputs = [number[f"turbine.{n}"] for n in COMMANDS], [number[n] for n in OUTPUTS]
+    fmu = instantiate_fmu(fmpy.extract(path, path.with_suffix("")), described, "CoSimulation")
     fmu.enterInitializationMode()
     fmu.exitInitializationMode()
     controller = Controller(*fmu.getFloat64([number["generator_speed"], *commands]))  # where the FMU starts
@@ -67,9 +69,9 @@ def main(folder=BUILT, duration=120.0, picture="external_controller.png"):
             fmu.doStep(currentCommunicationPoint=t, communicationStepSize=PERIOD)
     fmu.freeInstance()
     figure, axes = plt.subplots(len(OUTPUTS), 1, figsize=(8, 7), sharex=True, layout="constrained")
-    for axis, values, (name, (factor, unit)) in zip(axes, np.transpose(rows), OUTPUTS.items(), strict=True):
+    for axis, values, (label, factor) in zip(axes, np.transpose(rows), OUTPUTS.values(), strict=True):
         axis.plot(times, values * factor)
-        axis.set_ylabel(f"{name.split('.')[-1].replace('_', ' ')} [{unit}]".replace("pitch [", "pitch\n["))
+        axis.set_ylabel(label)
     axes[-1].set_xlabel("time [s]")
     figure.savefig(folder / picture, dpi=100)
     return times, np.array(rows)

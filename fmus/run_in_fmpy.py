@@ -3,8 +3,6 @@
 python fmus/run_in_fmpy.py      after `make fmus`; the picture is fmus/built/run_in_fmpy.png
 """
 
-from __future__ import annotations
-
 from math import pi
 from pathlib import Path
 

@@ -12,6 +12,7 @@ from fowtlib.language import (
     der,
     eq,
     fix_orientation,
+    input_rate,
     param,
     port,
 )
@@ -41,23 +42,24 @@ class ForceToPositionAdaptor(Component):
 
 
 class PositionToForceAdaptor(Component):
-    """The other side of a ForceToPositionAdaptor: takes the position of the point, gives the force on the missing body.
+    """The other side of a ForceToPositionAdaptor: takes position and velocity of the point, gives the force on it.
 
-    The axes of its frame stay those of the world, and no moment may act on it. What is held must need no velocity, such
-    as a CatenaryLine; a damper does: the position is known at single moments only.
+    The position is held from one exchange to the next; parts that need the velocity of the point, such as dampers, see
+    the input `velocity`, which is zero where nobody gives it. The axes of the frame stay those of the world, and no
+    moment may act on it.
     Reference: Modelica.Mechanics.Translational.Components.GeneralPositionToForceAdaptor, here in space.
     """
 
     position_start: Vector = param(default=(0, 0, 0), unit="m", structural=True, doc="position unless given, world")
 
     frame: Frame = port(doc="the point, on what is held by the missing body")
-    position: RealInput = port(
-        unit="m", shape=(3,), default=position_start, doc="position of the point, world"
-    )
+    position: RealInput = port(unit="m", shape=(3,), default=position_start, doc="position of the point, world")
+    velocity: RealInput = port(unit="m/s", shape=(3,), default=(0, 0, 0), doc="velocity of the point, world")
     force: RealOutput = port(unit="N", shape=(3,), doc="force of the parts here on the missing body, world")
 
     def equations(self):
         frame = self.frame
+        input_rate(self.position, self.velocity)
         return [
             eq(frame.r, self.position),
             fix_orientation(frame, m.eye(3), m.zeros(3)),
