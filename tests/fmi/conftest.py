@@ -31,7 +31,7 @@ from fowtlib.language import (
 from fowtlib.language import math as m
 from fowtlib.language.native import compiler
 
-collect_ignore = [] if importlib.util.find_spec("fmpy") and compiler() else ["test_fmu.py"]
+collect_ignore = [] if importlib.util.find_spec("fmpy") and compiler() else ["test_fmu.py", "test_recipes.py"]
 
 
 class Machine(fw.Component):
