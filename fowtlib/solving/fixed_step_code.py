@@ -89,6 +89,8 @@ def runtime() -> c.CDLL:
         "free": (None, [pointer]),
         "consistent": (c.c_int, [pointer, number, *[pointer] * 3]),
         "observe": (c.c_int, [pointer, pointer, c.c_int, number, *[pointer] * 4]),
+        "values": (c.c_int, [pointer, number, *[pointer] * 5]),
+        "derivatives": (c.c_int, [pointer, number, *[pointer] * 5]),
         "advance": (c.c_int, [pointer, number, number, c.c_int, *[pointer] * 6]),
         "failure": (None, [pointer] * 5),
         "counts": (None, [pointer] * 2),
