@@ -6,10 +6,13 @@ length; every call is a real restart, which is what jumps in inputs and discrete
 
 from __future__ import annotations
 
+import ctypes
 import re
 from collections.abc import Callable
 from contextlib import redirect_stderr
+from functools import cache
 from io import StringIO
+from pathlib import Path
 
 import casadi as ca
 import numpy as np
@@ -33,6 +36,15 @@ REASONS = {
 }
 
 
+@cache
+def _one_thread() -> None:
+    """Let CasADi's own OpenBLAS use one thread: shared among several, a few hundred rows take longer."""
+    for path in sorted(Path(ca.__file__).parent.glob("libcasadi-tp-openblas.*"))[:1]:
+        library = ctypes.CDLL(str(path))
+        if hasattr(library, "openblas_set_num_threads"):
+            library.openblas_set_num_threads(1)
+
+
 class Idas:
     """Integrates from a consistent point over an interval, with equidistant output points."""
 
@@ -45,7 +57,10 @@ class Idas:
         self.functions = compiled or evaluation
         self._handle = compiled.handle if compiled else np.zeros(0)
         # the sparse LU of csparse hardly pivots, and loses the light tips of blades
-        self._linear_solver = "lapacklu" if compiled and compiled.full and ca.has_linsol("lapacklu") else "qr"
+        self._linear_solver = "qr"
+        if compiled and compiled.full and ca.has_linsol("lapacklu"):
+            self._linear_solver = "lapacklu"
+            _one_thread()
         self.tolerance = tolerance
         self.options = options or {}
         self._integrators: dict[int, ca.Function] = {}
