@@ -3,9 +3,11 @@
 from __future__ import annotations
 
 import time
+from collections.abc import Sequence
 from typing import Any
 
 import casadi as ca
+import numpy as np
 
 from fowtlib.flattening.aliases import eliminate_aliases
 from fowtlib.flattening.causalization import Causal, Causalization
@@ -50,13 +52,15 @@ class _Assembler:
         table = [(e.path, system.text(e.lhs), system.text(e.rhs)) for e in written]
         self._fold_constant_orientations()
         self.replaced = self._eliminate_aliases()
-        live = self._live()
-        check_structure(system, live, Incidence(system))
-        reduction = IndexReduction(system, set(live))
+        incidence = Incidence(system)
+        rows = incidence.rows(residuals(system.equations))
+        live = self._live(rows)
+        check_structure(system, live, rows)
+        reduction = IndexReduction(system, set(live), incidence, rows)
         states = reduction.run()
         bases = set(live)
         everything = [j for j, v in enumerate(system.unknowns) if v.base in bases and j not in self.replaced]
-        causal = Causalization(system, states, everything).run()
+        causal = Causalization(system, states, everything, incidence).run()
         dae = self._build(states, causal, everything)
         dae.equation_table = table
         dae.stats |= {
@@ -120,12 +124,14 @@ class _Assembler:
             else:
                 setattr(owner, name, value)
 
-    def _live(self) -> list[int]:
-        """Unknowns that remain, without the potentials of open optional ports that no equation mentions."""
+    def _live(self, rows: Sequence[np.ndarray]) -> list[int]:
+        """Unknowns that remain, without the potentials of open optional ports that no equation mentions.
+
+        rows: numbers of the unknowns in each equation.
+        """
         system = self.system
-        incidence = Incidence(system)
-        rows = incidence.rows(residuals(system.equations))
-        used = {int(system.unknowns[j].base) for row in rows for j in row}
+        present = np.unique(np.concatenate(rows)) if rows else ()
+        used = {int(system.unknowns[j].base) for j in present}
         self.unused = [
             j for j, unknown in enumerate(system.unknowns)
             if unknown.order == 0 and j not in self.replaced and j not in used and unknown.declared.name == "?"

@@ -36,11 +36,11 @@ class Causal:
 class Causalization:
     """Orders the equations of a regular system of index one."""
 
-    def __init__(self, system: System, states: list[int], live: list[int]):
+    def __init__(self, system: System, states: list[int], live: list[int], incidence: Incidence):
         self.system = system
         self.states = set(states)
         self.unknowns = [j for j in live if j not in self.states]
-        self.incidence = Incidence(system)
+        self.incidence = incidence
         self.result = Causal()
 
     def run(self) -> Causal:

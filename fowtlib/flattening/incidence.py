@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterable
+
 import casadi as ca
 import numpy as np
 
@@ -23,7 +25,7 @@ class Incidence:
         direct, through = self.split(column)
         if not self._symbols:
             return direct
-        return [_union([own, *(self._closures[k] for k in via)]) for own, via in zip(direct, through, strict=True)]
+        return [_union([own, *self._shared(via)]) for own, via in zip(direct, through, strict=True)]
 
     def split(self, column: ca.SX) -> tuple[list[np.ndarray], list[np.ndarray]]:
         """Unknowns in the elements of a column themselves, and symbols of intermediates in them."""
@@ -33,6 +35,10 @@ class Incidence:
     def closure(self, symbol: int) -> np.ndarray:
         """Unknowns an intermediate symbol depends on."""
         return self._closures[symbol]
+
+    def _shared(self, symbols: np.ndarray) -> Iterable[np.ndarray]:
+        """Closures of symbols, each list once: the outputs of a call have the same."""
+        return {id(self._closures[k]): self._closures[k] for k in symbols}.values()
 
     @property
     def symbols(self) -> list[ca.SX]:
@@ -61,38 +67,44 @@ class Incidence:
         direct, through = self._pattern(ca.vertcat(*[item.inputs for item in fresh]))
         own: list[np.ndarray] = []
         via: list[np.ndarray] = []
+        group: list[int] = []  # of each symbol; the symbols of a group depend on the same
         position = 0
         for item in fresh:
             block = slice(position, position + item.inputs.shape[0])
             position = block.stop
             if item.function is None:  # each symbol stands for the input of the same number
+                group += range(len(own), len(own) + len(item.symbols))
                 own += direct[block]
                 via += through[block]
             else:
-                own += [_union(direct[block])] * len(item.symbols)
-                via += [_union(through[block])] * len(item.symbols)
-        self._closures = _transitive(self._closures, own, via, first)
+                group += [len(own)] * len(item.symbols)
+                own.append(_union(direct[block]))
+                via.append(_union(through[block]))
+        self._closures += _transitive(self._closures, own, via, group)
 
 
 def _transitive(
-    known: list[np.ndarray], own: list[np.ndarray], via: list[np.ndarray], first: int
+    known: list[np.ndarray], own: list[np.ndarray], via: list[np.ndarray], group: list[int]
 ) -> list[np.ndarray]:
-    """Closures of the symbols from number `first` on, after those that are known."""
-    closures: list[np.ndarray | None] = [*known, *([None] * len(own))]
-    for start in range(first, len(closures)):
+    """Closures of symbols by their groups: what these depend on themselves, and via symbols with numbers from 0 on."""
+    first, groups = len(known), np.array(group, int)
+    closures: list[np.ndarray | None] = [None] * len(own)
+    for start in range(len(own)):
         stack = [start]
         while stack:
             k = stack[-1]
             if closures[k] is not None:
                 stack.pop()
                 continue
-            missing = [j for j in via[k - first] if closures[j] is None]
+            inside = np.unique(groups[via[k][via[k] >= first] - first])
+            missing = [int(g) for g in inside if closures[g] is None]
             if missing:
                 stack.extend(missing)
                 continue
-            closures[k] = _union([own[k - first], *(closures[j] for j in via[k - first])])
+            parts = {id(known[j]): known[j] for j in via[k][via[k] < first]}  # symbols of a call share their closure
+            closures[k] = _union([own[k], *parts.values(), *(closures[g] for g in inside)])
             stack.pop()
-    return [closure if closure is not None else np.zeros(0, int) for closure in closures]
+    return [closures[g] for g in group]
 
 
 def _union(parts: list[np.ndarray]) -> np.ndarray:

@@ -14,6 +14,8 @@ import numpy as np
 
 from fowtlib.flattening import FlatDAE
 
+MANY = 300  # columns from which a sparse Jacobian is better than a directional one
+
 
 class Evaluation:
     """The functions of a FlatDAE with the parameters put in as numbers.
@@ -128,6 +130,36 @@ class Evaluation:
         total = by_columns + ca.mtimes(by_w, through)
         return ca.Function(name, arguments, ca.horzsplit(total, ends))
 
+    def directional_jacobian(self, name: str, rows: ca.SX, columns: ca.SX) -> ca.Function:
+        """`(t, x, z, q) -> d rows / d columns`, dense, column by column; the numbers are those of `torn_jacobian`.
+
+        Its expressions are the derivative along one direction, evaluated for each column. They are found in the time of
+        one column, and each evaluation costs more: for a Jacobian that is needed a few times.
+        """
+        rows = self.with_numbers([rows])[0]
+        n = columns.shape[0]
+        seed, w_seed = ca.SX.sym("seed", n), ca.SX.sym("w_seed", self.w.shape[0])
+
+        def along(label: str, expression: ca.SX) -> ca.Function:
+            """The derivative of an expression along n seeds at one point."""
+            slope = ca.jtimes(expression, ca.vertcat(columns, self.w), ca.vertcat(seed, w_seed))
+            one = ca.Function(f"{name}_{label}", [*self._arguments, self.w, seed, w_seed], [ca.densify(slope)])
+            return one.map(f"{name}_{label}_all", "serial", n, [0, 1, 2, 3, 4], [])
+
+        needed = self._needed([rows])
+        arguments, w, inputs = self._called(needed)
+        seeds, through = ca.MX(ca.DM.eye(n)), ca.MX(ca.DM.zeros(self.w.shape[0], n))
+        for level, group in enumerate(self.dae.levels):
+            members = [k for k in group if k in needed]
+            if not members:
+                continue
+            y = ca.vertcat(*[ca.vec(ca.densify(self._external_inputs[k])) for k in members])
+            dy = along(f"level_{level}", y)(*arguments, w, seeds, through)
+            ends = [0, *np.cumsum([inputs[k].numel() for k in members]).tolist()]
+            for k, dy_k in zip(members, ca.vertsplit(dy, ends), strict=True):
+                through = through + self._placed(k, ca.mtimes(self._externals[k].jacobian(inputs[k]), dy_k))
+        return ca.Function(name, arguments, [along("rows", rows)(*arguments, w, seeds, through)])
+
     def _placed(self, k: int, rows: ca.MX) -> ca.MX:
         """The rows of external k among those of all externals."""
         outputs = self.dae.externals[k].outputs
@@ -149,6 +181,19 @@ class Evaluation:
         by_x, by_z = full(*arguments)
         n = self.x.shape[0]
         return ca.Function("jacobian", arguments, [by_x[:n, :], by_z[:n, :], by_x[n:, :], by_z[n:, :]])
+
+    @property
+    def algebraic_jacobian(self) -> ca.Function:
+        """`(t, x, z, q) -> d alg/dz`: from `jacobian` where that is made already, or where the unknowns are many."""
+        return self._algebraic_slice if "jacobian" in vars(self) or self.z.shape[0] > MANY else self._algebraic_alone
+
+    @cached_property
+    def _algebraic_slice(self) -> ca.Function:
+        return self.jacobian.slice("algebraic_jacobian", [0, 1, 2, 3], [3])
+
+    @cached_property
+    def _algebraic_alone(self) -> ca.Function:
+        return self.directional_jacobian("algebraic_jacobian", self.dae.alg, self.z)
 
     def updater(self, sample: int) -> Callable[..., np.ndarray]:
         """The new values of the discrete variables of a sampled part, as a function of t, x, z, q."""
