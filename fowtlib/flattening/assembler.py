@@ -17,7 +17,7 @@ from fowtlib.flattening.incidence import Incidence
 from fowtlib.flattening.index_reduction import IndexReduction
 from fowtlib.flattening.instances import Instances, Statements
 from fowtlib.flattening.orientations import resolve_orientations
-from fowtlib.flattening.system import System, element_names, residuals, scalars
+from fowtlib.flattening.system import System, element_names, residuals, scalars, with_names
 from fowtlib.language.component import Component
 from fowtlib.language.equations import place
 from fowtlib.language.errors import StructureError
@@ -49,7 +49,8 @@ class _Assembler:
         system = self.system
         self.original = len(system.equations)
         written = system.equations if self.original <= 5000 else []
-        table = [(e.path, system.text(e.lhs), system.text(e.rhs)) for e in written]
+        written = [(e.path, e.lhs, e.rhs) for e in written]
+        names = system.written_names
         self._fold_constant_orientations()
         self.replaced = self._eliminate_aliases()
         incidence = Incidence(system)
@@ -62,7 +63,9 @@ class _Assembler:
         everything = [j for j, v in enumerate(system.unknowns) if v.base in bases and j not in self.replaced]
         causal = Causalization(system, states, everything, incidence).run()
         dae = self._build(states, causal, everything)
-        dae.equation_table = table
+        dae.write_equations = lambda: [
+            (path, with_names(left, names), with_names(right, names)) for path, left, right in written
+        ]
         dae.stats |= {
             "equations": self.original,
             "aliases": len(self.replaced),

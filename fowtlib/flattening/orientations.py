@@ -2,8 +2,10 @@
 
 from __future__ import annotations
 
+from collections import defaultdict
+from typing import Any
+
 import casadi as ca
-import networkx as nx
 
 from fowtlib.flattening.instances import Statements
 from fowtlib.flattening.system import Intermediate, System, scalars
@@ -11,9 +13,9 @@ from fowtlib.language.connectors import BoundPort
 from fowtlib.language.errors import ConnectionFault
 
 
-def resolve_orientations(system: System, statements: Statements) -> nx.MultiGraph:
-    """Define the rotation matrix of every frame from the roots outwards; returns the graph of the relations."""
-    graph = nx.MultiGraph()
+def resolve_orientations(system: System, statements: Statements) -> None:
+    """Define the rotation matrix of every frame from the roots outwards."""
+    neighbours: dict[int, dict[int, list[tuple[str, Any]]]] = defaultdict(lambda: defaultdict(list))
     matrices: dict[int, tuple[str, ca.SX, ca.SX]] = {}
     roots: dict[int, str] = {}
 
@@ -32,12 +34,13 @@ def resolve_orientations(system: System, statements: Statements) -> nx.MultiGrap
                 "one of them must leave it free."
             )
         roots[key] = path or "the model"
-        graph.add_node(key)
         _, R, w = matrices[key]
         _define(system, R, fixed.R, path)
         system.add_equation(w, fixed.w, path, fixed.source)
     for path, rotation in statements.rotations:
-        graph.add_edge(node(rotation.frame_a), node(rotation.frame_b), data=(path, rotation))
+        a, b = node(rotation.frame_a), node(rotation.frame_b)
+        for one, other in {(a, b), (b, a)}:
+            neighbours[one][other].append((path, rotation))
 
     done: set[int] = set()
     used: set[int] = set()
@@ -52,14 +55,14 @@ def resolve_orientations(system: System, statements: Statements) -> nx.MultiGrap
         while front:
             following = []
             for known in front:
-                for neighbour, edges in graph.adj[known].items():
-                    for attributes in edges.values():
-                        if neighbour in done or id(attributes["data"]) in used:
-                            continue
-                        used.add(id(attributes["data"]))
-                        _tree_edge(system, matrices, known, node, *attributes["data"])
-                        done.add(neighbour)
-                        following.append(neighbour)
+                for neighbour, relations in neighbours[known].items():
+                    if neighbour in done:
+                        continue
+                    path, rotation = relations[0]
+                    used.add(id(rotation))
+                    _tree_edge(system, known, node, path, rotation)
+                    done.add(neighbour)
+                    following.append(neighbour)
             front = following
     frames = {key: path for key, (path, _, _) in matrices.items()}
     frames |= {R.elements()[0].element_hash(): path for path, R in system.orientations}
@@ -69,11 +72,10 @@ def resolve_orientations(system: System, statements: Statements) -> nx.MultiGrap
             f"the orientation of {_some(loose)} is not tied to the world; "
             "join it by a joint, a fixed part or a FreeMotion to the World."
         )
-    for _, _, attributes in graph.edges(data=True):
-        if id(attributes["data"]) not in used:
-            _closing_edge(system, *attributes["data"])
-            system.loops.append(attributes["data"][0] or "the model")
-    return graph
+    for path, rotation in statements.rotations:
+        if id(rotation) not in used:
+            _closing_edge(system, path, rotation)
+            system.loops.append(path or "the model")
 
 
 def _some(paths: list[str]) -> str:
@@ -85,7 +87,7 @@ def _members(frame: BoundPort) -> tuple[ca.SX, ca.SX]:
     return getattr(frame, name), getattr(frame, member.angular_velocity)
 
 
-def _tree_edge(system, matrices, known, node, path, rotation) -> None:
+def _tree_edge(system, known, node, path, rotation) -> None:
     R_a, w_a = _members(rotation.frame_a)
     R_b, w_b = _members(rotation.frame_b)
     if node(rotation.frame_a) == known:
