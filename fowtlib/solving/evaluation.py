@@ -114,11 +114,12 @@ class Evaluation:
         if not needed:
             blocks = ca.horzsplit(ca.sparsify(ca.jacobian(rows, block_of)), ends)
             return ca.Function(name, self._arguments, blocks)
-        used = [k for group in self.dae.levels for k in group if k in needed]
-        pieces = [ca.jacobian(rows, block_of), ca.jacobian(rows, self.w)]
-        for k in used:
+        used, pieces = [], [ca.jacobian(rows, block_of), ca.jacobian(rows, self.w)]
+        for k in (k for group in self.dae.levels for k in group if k in needed):
             y = self._external_inputs[k]
-            pieces += [ca.jacobian(y, block_of), ca.jacobian(y, self.w)]
+            if ca.depends_on(y, ca.vertcat(block_of, self.w)):  # those of waves and wind depend on time only
+                used.append(k)
+                pieces += [ca.jacobian(y, block_of), ca.jacobian(y, self.w)]
         pieces = [ca.sparsify(piece) for piece in pieces]
         inner = ca.Function(f"{name}_pieces", [*self._arguments, self.w], pieces)
         arguments, w, inputs = self._called(needed)
@@ -137,12 +138,12 @@ class Evaluation:
         one column, and each evaluation costs more: for a Jacobian that is needed a few times.
         """
         rows = self.with_numbers([rows])[0]
-        n = columns.shape[0]
+        n, moving = columns.shape[0], ca.vertcat(columns, self.w)
         seed, w_seed = ca.SX.sym("seed", n), ca.SX.sym("w_seed", self.w.shape[0])
 
         def along(label: str, expression: ca.SX) -> ca.Function:
             """The derivative of an expression along n seeds at one point."""
-            slope = ca.jtimes(expression, ca.vertcat(columns, self.w), ca.vertcat(seed, w_seed))
+            slope = ca.jtimes(expression, moving, ca.vertcat(seed, w_seed))
             one = ca.Function(f"{name}_{label}", [*self._arguments, self.w, seed, w_seed], [ca.densify(slope)])
             return one.map(f"{name}_{label}_all", "serial", n, [0, 1, 2, 3, 4], [])
 
@@ -150,7 +151,7 @@ class Evaluation:
         arguments, w, inputs = self._called(needed)
         seeds, through = ca.MX(ca.DM.eye(n)), ca.MX(ca.DM.zeros(self.w.shape[0], n))
         for level, group in enumerate(self.dae.levels):
-            members = [k for k in group if k in needed]
+            members = [k for k in group if k in needed and ca.depends_on(self._external_inputs[k], moving)]
             if not members:
                 continue
             y = ca.vertcat(*[ca.vec(ca.densify(self._external_inputs[k])) for k in members])
