@@ -40,12 +40,22 @@ typedef struct {
 } fs_external;
 
 typedef struct {
+  const int *first, *piece; /* unknown c moves piece[first[c]] to piece[first[c + 1] - 1], in the order in which they run */
+} fs_moving;
+
+/* The model's code comes in pieces: running them all is the same as calling level_inputs and residual in order. Piece i
+   writes scratch[place[i]] to scratch[place[i + 1] - 1], which nothing else writes. */
+typedef struct {
   int states, algebraics, given, inputs, outputs; /* lengths of x, z, q, y, w */
   int externals, levels, scratch;
   const int *level_start;       /* externals of level l: level_start[l] to level_start[l + 1] - 1 */
   const fs_external *external;  /* ordered by level */
   const fs_code *level_inputs;  /* y of a level, from its first input on */
   fs_code residual;             /* ode, alg */
+  const fs_code *pieces;
+  const int *piece_start;       /* first piece of each level, then of the residual, then their count */
+  const int *place;
+  fs_moving of_stage, at_point; /* pieces that an unknown of a stage moves, and that z moves where x is held */
   int free_rates, substituted;
   const int *free_rate;         /* states whose rate is an unknown */
   const int *order, *source;    /* state order[i] has the rate x[source[i]], or z[-1 - source[i]] */
@@ -77,7 +87,7 @@ typedef struct {
   fs_model m;
   fs_options o;
   int n;                /* unknowns of a stage: z, then the free rates */
-  double *q, *y, *w, *y2, *w2, *ode, *alg, *ode2, *alg2, *scratch;
+  double *q, *y, *w, *y2, *w2, *ode, *alg, *ode2, *alg2, *scratch, *scratch2;
   double *x, *rate, *xbar, *xf, *xf2, *v, *v2, *z, *zf, *unknown, *move, *right, *weight, *z_scale, *slope, *real, *size, *least;
   double *past[FS_HISTORY], past_time[FS_HISTORY];
   double *moves[FS_ITERATIONS], lengths[FS_ITERATIONS]; /* the updates of an iteration, and their weighted squares */
@@ -157,36 +167,61 @@ static int fs_slopes(fs_instance *s) {
   return FS_DONE;
 }
 
-/* ode2 and alg2 beside the last evaluation: the externals move along their Jacobians. */
-static int fs_evaluate_beside(fs_instance *s, double t, const double *x, const double *z) {
+/* What fs_evaluate_beside needs: all that belongs to the last evaluation, twice. */
+static void fs_look_beside(fs_instance *s) {
+  const fs_model *m = &s->m;
+  memcpy(s->y2, s->y, sizeof(double) * (size_t)m->inputs);
+  memcpy(s->w2, s->w, sizeof(double) * (size_t)m->outputs);
+  memcpy(s->ode2, s->ode, sizeof(double) * (size_t)m->states);
+  memcpy(s->alg2, s->alg, sizeof(double) * (size_t)m->algebraics);
+  memcpy(s->scratch2, s->scratch, sizeof(double) * (size_t)m->scratch);
+}
+
+/* ode2 and alg2 where unknown c has moved from the last evaluation: the pieces that it moves, and the externals along
+   their Jacobians. */
+static int fs_evaluate_beside(fs_instance *s, double t, const double *x, const double *z, const fs_moving *moving, int c) {
   const fs_model *m = &s->m;
   const double *entries = s->slope;
+  const int *piece = moving->piece + moving->first[c], *end = moving->piece + moving->first[c + 1];
   int l, i, j, p;
-  memcpy(s->w2, s->w, sizeof(double) * (size_t)m->outputs);
   for (l = 0; l < m->levels; l++) {
-    const fs_external *e = m->external + m->level_start[l];
-    m->level_inputs[l](&t, x, z, s->q, s->w2, s->y2 + e->first_input, 0, s->scratch);
+    int moved = 0;
+    for (; piece < end && *piece < m->piece_start[l + 1]; piece++, moved = 1)
+      m->pieces[*piece](&t, x, z, s->q, s->w2, s->y2 + m->external[m->level_start[l]].first_input, 0, s->scratch2);
     for (i = m->level_start[l]; i < m->level_start[l + 1]; i++) {
-      double *w;
-      e = m->external + i;
-      w = s->w2 + e->first_output;
-      if (!e->colind) {
+      const fs_external *e = m->external + i;
+      double *w = s->w2 + e->first_output;
+      if (moved && !e->colind) {
         if (fs_value(s, e, s->y2 + e->first_input, w)) {
           s->failed_external = i;
           return FS_EXTERNAL;
         }
-        continue;
-      }
-      for (j = 0; j < e->inputs; j++) {
-        double dy = s->y2[e->first_input + j] - s->y[e->first_input + j];
-        if (dy != 0.0)
-          for (p = e->colind[j]; p < e->colind[j + 1]; p++) w[e->row[p]] += entries[p] * dy;
+      } else if (moved) {
+        for (j = 0; j < e->inputs; j++) {
+          double dy = s->y2[e->first_input + j] - s->y[e->first_input + j];
+          if (dy != 0.0)
+            for (p = e->colind[j]; p < e->colind[j + 1]; p++) w[e->row[p]] += entries[p] * dy;
+        }
       }
       entries += e->entries;
     }
   }
-  m->residual(&t, x, z, s->q, s->w2, s->ode2, s->alg2, s->scratch);
+  for (; piece < end; piece++) m->pieces[*piece](&t, x, z, s->q, s->w2, s->ode2, s->alg2, s->scratch2);
   return FS_DONE;
+}
+
+/* Back to the last evaluation. */
+static void fs_move_back(fs_instance *s, const fs_moving *moving, int c) {
+  const fs_model *m = &s->m;
+  int i;
+  for (i = moving->first[c]; i < moving->first[c + 1]; i++) {
+    int first = m->place[moving->piece[i]], count = m->place[moving->piece[i] + 1] - first;
+    memcpy(s->scratch2 + first, s->scratch + first, sizeof(double) * (size_t)count);
+  }
+  memcpy(s->y2, s->y, sizeof(double) * (size_t)m->inputs);
+  memcpy(s->w2, s->w, sizeof(double) * (size_t)m->outputs);
+  memcpy(s->ode2, s->ode, sizeof(double) * (size_t)m->states);
+  memcpy(s->alg2, s->alg, sizeof(double) * (size_t)m->algebraics);
 }
 
 /* --- dense linear algebra ------------------------------------------------------------------------------------------ */
@@ -329,18 +364,21 @@ static int fs_stage_matrix(fs_instance *s, double t, double k) {
   int n = s->n, nz = m->algebraics, c, i, status;
   s->count[FS_MATRICES]++;
   if ((status = fs_slopes(s))) return status;
+  fs_look_beside(s);
   for (c = 0; c < n; c++) {
     double kept = s->unknown[c], scale, step;
     scale = c < nz ? s->z_scale[c] : fs_scale(kept, fs_scale(s->x[m->free_rate[c - nz]], m->x_nominal[m->free_rate[c - nz]]));
     s->unknown[c] = kept + FS_DIFFERENCE * scale;
     step = s->unknown[c] - kept;
     fs_place(s, k, s->unknown, s->v2, s->xf2);
-    if ((status = fs_evaluate_beside(s, t, s->xf2, s->unknown))) return status;
+    status = fs_evaluate_beside(s, t, s->xf2, s->unknown, &m->of_stage, c);
     s->unknown[c] = kept;
+    if (status) return status;
     for (i = 0; i < nz; i++) a->lu[i * n + c] = (s->alg2[i] - s->alg[i]) / step;
     for (i = 0; i < m->free_rates; i++)
       a->lu[(nz + i) * n + c] = -(s->ode2[m->free_rate[i]] - s->ode[m->free_rate[i]]) / step;
     if (c >= nz) a->lu[c * n + c] += 1.0;
+    fs_move_back(s, &m->of_stage, c);
   }
   a->k = k;
   return fs_finish(a, s->weight);
@@ -351,15 +389,17 @@ static int fs_algebraic_matrix(fs_instance *s, double t, const double *x, double
   int n = a->n, c, i, status;
   s->count[FS_ALGEBRAIC_MATRICES]++;
   if ((status = fs_slopes(s))) return status;
+  fs_look_beside(s);
   for (c = 0; c < n; c++) {
     double kept = z[c], step;
     z[c] = kept + FS_DIFFERENCE * s->z_scale[c];
     step = z[c] - kept;
-    status = fs_evaluate_beside(s, t, x, z);
+    status = fs_evaluate_beside(s, t, x, z, &s->m.at_point, c);
     z[c] = kept;
     if (status) return status;
     for (i = 0; i < n; i++) a->lu[i * n + c] = (s->alg2[i] - s->alg[i]) / step;
     s->weight[c] = 1.0 / s->z_scale[c];
+    fs_move_back(s, &s->m.at_point, c);
   }
   return fs_finish(a, s->weight);
 }
@@ -736,7 +776,7 @@ static size_t fs_lay(fs_instance *s, double *memory) {
   s->w = fs_take(m, u, nw); s->w2 = fs_take(m, u, nw);
   s->ode = fs_take(m, u, nx); s->ode2 = fs_take(m, u, nx);
   s->alg = fs_take(m, u, nz); s->alg2 = fs_take(m, u, nz);
-  s->scratch = fs_take(m, u, (size_t)s->m.scratch);
+  s->scratch = fs_take(m, u, (size_t)s->m.scratch); s->scratch2 = fs_take(m, u, (size_t)s->m.scratch);
   s->x = fs_take(m, u, nx); s->rate = fs_take(m, u, nx); s->xbar = fs_take(m, u, nx);
   s->xf = fs_take(m, u, nx); s->xf2 = fs_take(m, u, nx); s->v = fs_take(m, u, nx); s->v2 = fs_take(m, u, nx);
   s->z = fs_take(m, u, nz); s->zf = fs_take(m, u, nz); s->z_scale = fs_take(m, u, nz);
