@@ -62,7 +62,6 @@ class Incidence:
         if not fresh:
             return
         self._seen = len(system.intermediates)
-        first = len(self._symbols)
         self._symbols = self._symbols + [symbol for item in fresh for symbol in item.symbols]
         direct, through = self._pattern(ca.vertcat(*[item.inputs for item in fresh]))
         own: list[np.ndarray] = []

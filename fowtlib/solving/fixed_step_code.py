@@ -7,6 +7,7 @@ parameters finds the library again.
 from __future__ import annotations
 
 import ctypes as c
+import json
 from functools import cache
 from pathlib import Path
 from typing import Any
@@ -18,7 +19,9 @@ from fowtlib.flattening import FlatDAE
 from fowtlib.language.externals import LibraryFunction
 from fowtlib.language.native import compile_library
 from fowtlib.language.tables import SplineFunction
+from fowtlib.solving import c_code
 from fowtlib.solving.c_code import PROLOGUE, Depends, Program, c_program
+from fowtlib.solving.kept import kept
 from fowtlib.solving.reduction import Reduction, reduction
 
 DOUBLES, INTEGERS = c.POINTER(c.c_double), c.POINTER(c.c_int)
@@ -108,7 +111,7 @@ class FixedStepCode:
         self.raised: list[Exception] = []  # by Python code inside of a step
         self._alive: list[Any] = []  # what the tables point to
         self.external_order = [k for level in dae.levels for k in level]
-        text, self.program, self.scratch = model_text(dae, self.reduction)
+        text, self.program, self.scratch = kept_text(dae, self.reduction)
         self.path = compile_library(text, "model", optimization="-O1")
         self.library = c.CDLL(str(self.path))
         self.table = self._model()
@@ -236,19 +239,52 @@ class FixedStepCode:
         return c.cast(self._alive[-1], c.c_void_p).value
 
 
+def kept_text(dae: FlatDAE, reduced: Reduction) -> tuple[str, Program, int]:
+    """What `model_text` returns, from the cache where these equations have been written before."""
+    function, inputs = _function(dae, {})
+    patterns = [_slope_pattern(external.function) for external in dae.externals]
+    structure = [
+        vars(reduced), dae.levels, [y.shape[0] for y in inputs], [sample.targets for sample in dae.samples],
+        [[external.outputs.start, external.outputs.stop, external.inputs.numel()] for external in dae.externals],
+        [pattern and [pattern.shape, pattern.colind(), pattern.row()] for pattern in patterns],
+    ]  # fmt: skip
+    samples = [ca.Function("sample", _arguments(dae), [ca.densify(sample.values)]) for sample in dae.samples]
+    sources = [Path(file).read_text(encoding="utf-8") for file in (__file__, c_code.__file__)]
+    parts = [ca.__version__, *sources, json.dumps(structure), *(item.serialize() for item in (function, *samples))]
+
+    def make() -> dict[str, Any]:
+        text, program, scratch = model_text(dae, reduced)
+        masks = [[hex(mask) for mask in some] for some in program.masks]
+        return {"text": text, "scratch": scratch, "program": {**vars(program), "text": "", "masks": masks}}
+
+    found = kept("text", parts, make)
+    program = found["program"]
+    program["masks"] = [[int(mask, 16) for mask in some] for some in program["masks"]]
+    return found["text"], Program(**program), found["scratch"]
+
+
+def _arguments(dae: FlatDAE) -> list[ca.SX]:
+    return [dae.t, dae.x, dae.z, ca.vertcat(dae.u, dae.d, dae.p), dae.w]
+
+
+def _function(dae: FlatDAE, options: dict[str, Any]) -> tuple[ca.Function, list[ca.SX]]:
+    """The inputs of the externals, level by level, and ode and alg as one function; the former as expressions too."""
+    inputs = [ca.vertcat(*[ca.vec(ca.densify(dae.externals[k].inputs)) for k in members]) for members in dae.levels]
+    results = [ca.densify(e) for e in [*inputs, dae.ode, dae.alg]]
+    return ca.Function("model", _arguments(dae), results, options), inputs
+
+
 def model_text(dae: FlatDAE, reduced: Reduction) -> tuple[str, Program, int]:
     """C text, its program of the inputs of the externals, level by level, and the residual, and its scratch memory.
 
     The text defines level_0, level_1, ..., model, and sample_0, ... for the sampled parts.
     """
-    arguments = [dae.t, dae.x, dae.z, ca.vertcat(dae.u, dae.d, dae.p), dae.w]
-    inputs = [ca.vertcat(*[ca.vec(ca.densify(dae.externals[k].inputs)) for k in members]) for members in dae.levels]
+    function, inputs = _function(dae, {"cse": True})
     sections = [(f"level_{level}", ["first"]) for level in range(len(inputs))] + [("model", ["first", "second"])]
-    function = ca.Function("model", arguments, [ca.densify(e) for e in [*inputs, dae.ode, dae.alg]], {"cse": True})
     program = c_program(function, sections, list("txzqw"), OUT, dependences(dae, reduced, inputs))
     texts, scratch = [PROLOGUE, program.text], program.scratch
     for k, sample in enumerate(dae.samples):
-        function = ca.Function("sample", arguments, [ca.densify(sample.values)], {"cse": True})
+        function = ca.Function("sample", _arguments(dae), [ca.densify(sample.values)], {"cse": True})
         alone = c_program(function, [(f"sample_{k}", ["first"])], list("txzqw"), OUT)
         texts.append(alone.text)
         scratch = max(scratch, alone.scratch)
