@@ -16,7 +16,7 @@ import casadi as ca
 import numpy as np
 
 from fowtlib.flattening import structure
-from fowtlib.flattening.incidence import Incidence
+from fowtlib.flattening.incidence import Incidence, union
 from fowtlib.flattening.system import System, residuals, stacked
 from fowtlib.language.declarations import STATE_PREFERENCES
 
@@ -51,7 +51,7 @@ class Causalization:
         self.position = position
         self.left = self._structure(stacked(equation.lhs for equation in system.equations))
         self.right = self._structure(stacked(equation.rhs for equation in system.equations))
-        self.rows = [np.union1d(a[0], b[0]) for a, b in zip(self.left, self.right, strict=True)]
+        self.rows = [union([a[0], b[0]]) for a, b in zip(self.left, self.right, strict=True)]
         self._await_intermediates()
         self._place_intermediates()
         blocks = structure.strong_components(self.rows, len(unknowns))
@@ -77,9 +77,9 @@ class Causalization:
             if not len(via):
                 structures.append((own, nothing))
                 continue
-            hidden = self.position[np.unique(np.concatenate([self.incidence.closure(k) for k in via]))]
+            hidden = self.position[union(self.incidence.closures(via))]
             hidden = hidden[hidden >= 0]
-            structures.append((np.union1d(own, hidden), hidden))
+            structures.append((union([own, hidden]), hidden))
         return structures
 
     # --- one equation, one unknown -------------------------------------------------------------------------------
@@ -299,7 +299,7 @@ class Causalization:
         for item in self.system.intermediates:
             n = len(item.symbols)
             if item.function is None:
-                needs = np.unique(np.concatenate([self.incidence.closure(k + i) for i in range(n)]))
+                needs = union(self.incidence.closures(range(k, k + n)))
                 columns = self.position[needs]
                 columns = columns[columns >= 0]
                 for column in columns:

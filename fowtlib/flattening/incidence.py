@@ -25,20 +25,16 @@ class Incidence:
         direct, through = self.split(column)
         if not self._symbols:
             return direct
-        return [_union([own, *self._shared(via)]) for own, via in zip(direct, through, strict=True)]
+        return [union([own, *self.closures(via)]) for own, via in zip(direct, through, strict=True)]
 
     def split(self, column: ca.SX) -> tuple[list[np.ndarray], list[np.ndarray]]:
         """Unknowns in the elements of a column themselves, and symbols of intermediates in them."""
         self._update()
         return self._pattern(column)
 
-    def closure(self, symbol: int) -> np.ndarray:
-        """Unknowns an intermediate symbol depends on."""
-        return self._closures[symbol]
-
-    def _shared(self, symbols: np.ndarray) -> Iterable[np.ndarray]:
-        """Closures of symbols, each list once: the outputs of a call have the same."""
-        return {id(self._closures[k]): self._closures[k] for k in symbols}.values()
+    def closures(self, symbols: Iterable[int]) -> list[np.ndarray]:
+        """Unknowns that intermediate symbols depend on, each list once: the outputs of a call have the same."""
+        return list({id(self._closures[k]): self._closures[k] for k in symbols}.values())
 
     @property
     def symbols(self) -> list[ca.SX]:
@@ -77,8 +73,8 @@ class Incidence:
                 via += through[block]
             else:
                 group += [len(own)] * len(item.symbols)
-                own.append(_union(direct[block]))
-                via.append(_union(through[block]))
+                own.append(union(direct[block]))
+                via.append(union(through[block]))
         self._closures += _transitive(self._closures, own, via, group)
 
 
@@ -101,17 +97,22 @@ def _transitive(
                 stack.extend(missing)
                 continue
             parts = {id(known[j]): known[j] for j in via[k][via[k] < first]}  # symbols of a call share their closure
-            closures[k] = _union([own[k], *parts.values(), *(closures[g] for g in inside)])
+            closures[k] = union([own[k], *parts.values(), *(closures[g] for g in inside)])
             stack.pop()
     return [closures[g] for g in group]
 
 
-def _union(parts: list[np.ndarray]) -> np.ndarray:
-    """Sorted numbers of sorted lists, each once."""
-    if len(parts) == 1:
-        return parts[0]
-    merged = np.sort(np.concatenate(parts)) if parts else np.zeros(0, int)
-    return merged[np.concatenate([[True], merged[1:] != merged[:-1]])] if merged.size else merged
+def union(parts: Iterable[np.ndarray]) -> np.ndarray:
+    """Sorted numbers of lists, sorted each and without repetitions, each number once."""
+    parts = [part for part in parts if part.size]
+    if len(parts) < 2:
+        return parts[0] if parts else np.zeros(0, int)
+    merged = np.concatenate(parts)
+    merged.sort()
+    first = np.empty(merged.size, bool)
+    first[0] = True
+    np.not_equal(merged[1:], merged[:-1], out=first[1:])
+    return merged[first]
 
 
 def _rows(sparsity: ca.Sparsity) -> list[np.ndarray]:
