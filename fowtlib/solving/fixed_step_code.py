@@ -17,11 +17,10 @@ import numpy as np
 
 from fowtlib.flattening import FlatDAE
 from fowtlib.language.externals import LibraryFunction
+from fowtlib.language.kept import kept, sources
 from fowtlib.language.native import compile_library
 from fowtlib.language.tables import SplineFunction
-from fowtlib.solving import c_code
 from fowtlib.solving.c_code import PROLOGUE, Depends, Program, c_program
-from fowtlib.solving.kept import kept
 from fowtlib.solving.reduction import Reduction, reduction
 
 DOUBLES, INTEGERS = c.POINTER(c.c_double), c.POINTER(c.c_int)
@@ -249,8 +248,8 @@ def kept_text(dae: FlatDAE, reduced: Reduction) -> tuple[str, Program, int]:
         [pattern and [pattern.shape, pattern.colind(), pattern.row()] for pattern in patterns],
     ]  # fmt: skip
     samples = [ca.Function("sample", _arguments(dae), [ca.densify(sample.values)]) for sample in dae.samples]
-    sources = [Path(file).read_text(encoding="utf-8") for file in (__file__, c_code.__file__)]
-    parts = [ca.__version__, *sources, json.dumps(structure), *(item.serialize() for item in (function, *samples))]
+    equations = [item.serialize() for item in (function, *samples)]
+    parts = [*sources(__name__, c_program.__module__), json.dumps(structure), *equations]
 
     def make() -> dict[str, Any]:
         text, program, scratch = model_text(dae, reduced)

@@ -5,26 +5,37 @@ from __future__ import annotations
 import hashlib
 import json
 import os
+import sys
 import tempfile
 from collections.abc import Callable, Iterable
+from functools import cache
+from importlib.metadata import version as version_of
 from pathlib import Path
 from typing import Any
+
+import numpy as np
 
 from fowtlib.language.native import cache_folder
 
 MOST = 40  # files of one name; the oldest go first
 
 
-def kept(name: str, parts: Iterable[str], make: Callable[[], Any]) -> Any:
+def kept(name: str, parts: Iterable[str | np.ndarray], make: Callable[[], Any]) -> Any:
     """What `make` returns (numbers, texts, lists and dictionaries with texts as keys), made anew for other parts.
 
-    parts: texts that determine the result, the source text of `make` among them. The files lie beside the compiled
-    libraries. One that is damaged is made again, and where nothing can be written nothing is kept.
+    parts: texts and arrays of numbers that determine the result; `sources` gives those of the code that makes it. The
+    files lie beside the compiled libraries. One that is damaged is made again, and where nothing can be written nothing
+    is kept. Arrays in what `make` returns become lists.
     """
     digest = hashlib.sha256()
     for part in parts:
-        content = part.encode()
-        digest.update(f"{len(content)} ".encode() + content)
+        if isinstance(part, np.ndarray):
+            if part.dtype.kind not in "fiucb":
+                raise TypeError("an array of numbers is expected")
+            digest.update(f"{part.dtype.str} {part.shape} ".encode() + part.tobytes())
+        else:
+            content = part.encode()
+            digest.update(f"{len(content)} ".encode() + content)
     path = cache_folder() / f"{name}_{digest.hexdigest()[:40]}.json"
     try:
         check, _, text = path.read_text(encoding="utf-8").partition("\n")
@@ -32,12 +43,23 @@ def kept(name: str, parts: Iterable[str], make: Callable[[], Any]) -> Any:
             return json.loads(text)
     except (OSError, ValueError):
         pass
-    value = make()
-    text = json.dumps(value)
+    text = json.dumps(make(), default=lambda value: value.tolist())
     _write(path, f"{_digest(text)}\n{text}")
     for old in sorted(path.parent.glob(f"{name}_*.json"), key=_age)[MOST:]:
         old.unlink(missing_ok=True)
-    return value
+    return json.loads(text)
+
+
+def sources(*modules: str) -> list[str]:
+    """Source texts of imported modules, and versions of the packages whose numbers they take."""
+    files = [Path(sys.modules[name].__file__).read_text(encoding="utf-8") for name in modules]
+    return [*files, *(version(name) for name in ("numpy", "scipy", "casadi"))]
+
+
+@cache
+def version(package: str) -> str:
+    """Version of an installed package."""
+    return version_of(package)
 
 
 def _digest(text: str) -> str:
