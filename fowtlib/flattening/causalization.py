@@ -233,19 +233,29 @@ class Causalization:
         residual = residuals([self.system.equations[r] for r in rows])
         jacobian = ca.jacobian(residual, ca.vertcat(*[self._symbol(c) for c in columns]))
         row_index, column_index = jacobian.sparsity().get_triplet()
-        known = self._parameter_numbers
-        constant, parametric = {}, {}
+        constant, changing = {}, {}
         for i, j, factor in zip(row_index, column_index, jacobian.nonzeros(), strict=True):
             pair = (rows[i], columns[j])
             if factor.is_constant():
                 if float(factor) != 0.0 and not self._hidden(*pair):
                     constant[pair] = factor
-            elif all(s.element_hash() in known for s in ca.symvar(factor)) and not self._hidden(*pair):
-                parametric[pair] = factor
+            elif not self._hidden(*pair):
+                changing[pair] = factor
+        parametric = self._of_parameters(changing)
         if parametric:
             values = self._parameter_values(list(parametric.values()))
             parametric = {pair: f for (pair, f), v in zip(parametric.items(), values, strict=True) if abs(v) > 0}
         return constant, parametric
+
+    def _of_parameters(self, factors: dict[tuple[int, int], ca.SX]) -> dict[tuple[int, int], ca.SX]:
+        """Those of the factors that depend on parameters only."""
+        column = ca.vertcat(*factors.values())
+        others = [s for s in ca.symvar(column) if s.element_hash() not in self._parameter_numbers]
+        if not others:
+            return factors
+        function = ca.Function("factors", [ca.vertcat(*others)], [column], {"allow_free": True})
+        moving = set(function.jac_sparsity(0, 0).get_triplet()[0])
+        return {pair: factor for k, (pair, factor) in enumerate(factors.items()) if k not in moving}
 
     @cached_property
     def _parameter_numbers(self) -> dict[int, float]:
