@@ -49,9 +49,9 @@ class Program:
     """C text of a function in sections, and what its pieces are.
 
     The text defines `void <section>(const double *<argument>, ..., double *<result>, ..., double *scratch)` for each
-    section, and an array `<last section>_pieces` of pointers to its pieces. scratch: numbers of memory that it needs.
-    starts: the first piece of each section, and their count. places: the first place in the scratch memory that each
-    piece writes, and their count. masks: unknowns on which each piece depends, for each of the dependences asked for.
+    section, and where it is asked for an array `pieces` of pointers to its pieces. scratch: numbers of memory that it
+    needs. starts: the first piece of each section, and their count. places: the first place in the scratch memory that
+    each piece writes, and their count. masks: unknowns on which each piece depends, for each of the dependences.
     """
 
     text: str
@@ -72,7 +72,7 @@ def c_program(
 
     sections: name, and the results of the function that it writes (in order, as the parameters they are written to).
     A value is computed in the first section that needs it. parameters: names of all result parameters. Pieces are made
-    by the first of the dependences.
+    by the first of the dependences, and there is a table of them where there are dependences.
     """
     values = _Values(function, arguments, [(s, r) for s, (_, results) in enumerate(sections) for r in results])
     pieces, starts = values.grouped(*dependences[:1])
@@ -81,13 +81,14 @@ def c_program(
     signature = ", ".join([*(f"const double *{a}" for a in arguments), *(f"double *{r}" for r in parameters)])
     signature += ", double *scratch"
     call = ", ".join([*arguments, *parameters, "scratch"])
-    name = sections[-1][0]
-    text = [f"static FS_PIECE void {name}_{k}({signature}) {{\n{body}}}\n" for k, body in enumerate(bodies)]
+    name = sections[0][0]
+    text = [f"static FS_PIECE void {name}_piece_{k}({signature}) {{\n{body}}}\n" for k, body in enumerate(bodies)]
     for s, (section, _) in enumerate(sections):
-        calls = "".join(f"  {name}_{k}({call});\n" for k in range(starts[s], starts[s + 1]))
+        calls = "".join(f"  {name}_piece_{k}({call});\n" for k in range(starts[s], starts[s + 1]))
         text.append(f"EXPORT void {section}({signature}) {{\n{calls}}}\n")
-    table = ", ".join([*(f"{name}_{k}" for k in range(len(bodies))), "0"])
-    text.append(f"EXPORT void (*const {name}_pieces[])({signature}) = {{{table}}};\n")
+    if dependences:
+        table = ", ".join([*(f"{name}_piece_{k}" for k in range(len(bodies))), "0"])
+        text.append(f"EXPORT void (*const pieces[])({signature}) = {{{table}}};\n")
     return Program("".join(text), places[-1], starts, places, masks)
 
 

@@ -8,6 +8,7 @@ from __future__ import annotations
 
 import ctypes as c
 import json
+from collections.abc import Sequence
 from functools import cache
 from pathlib import Path
 from typing import Any
@@ -84,13 +85,14 @@ class Options(c.Structure):
 def runtime() -> c.CDLL:
     """The compiled runtime of the engine, the same for all models."""
     text = "".join((Path(__file__).parent / name).read_text(encoding="utf-8") for name in ("spline.c", "fixed_step.c"))
-    library = c.CDLL(str(compile_library(text, "fixed_step")))
+    library = c.CDLL(str(compile_library(text, "fixed_step", optimization="-O3")))
     pointer, number = c.c_void_p, c.c_double
     signatures = {
         "create": (pointer, [c.POINTER(Model), c.POINTER(Options)]),
         "free": (None, [pointer]),
         "consistent": (c.c_int, [pointer, number, *[pointer] * 3]),
         "observe": (c.c_int, [pointer, pointer, c.c_int, number, *[pointer] * 4]),
+        "observe_rows": (c.c_int, [pointer, pointer, c.c_int, c.c_int, *[pointer] * 5]),
         "advance": (c.c_int, [pointer, number, number, c.c_int, *[pointer] * 6]),
         "failure": (None, [pointer] * 5),
         "counts": (None, [pointer] * 2),
@@ -102,15 +104,19 @@ def runtime() -> c.CDLL:
 
 
 class FixedStepCode:
-    """What the runtime needs of one model: compiled functions, externals and tables; made once for a plant."""
+    """What the runtime needs of one model: compiled functions, externals and tables; made once for a plant.
 
-    def __init__(self, dae: FlatDAE):
+    observed: paths of variables that can be rebuilt by compiled code, too; see `observe`.
+    """
+
+    def __init__(self, dae: FlatDAE, observed: Sequence[str] = ()):
         self.dae = dae
+        self.observed = list(observed)
         self.reduction = reduction(dae)
         self.raised: list[Exception] = []  # by Python code inside of a step
         self._alive: list[Any] = []  # what the tables point to
         self.external_order = [k for level in dae.levels for k in level]
-        text, self.program, self.scratch = kept_text(dae, self.reduction)
+        text, self.program, self.scratch = kept_text(dae, self.reduction, self.observed)
         self.path = compile_library(text, "model", optimization="-O1")
         self.library = c.CDLL(str(self.path))
         self.table = self._model()
@@ -144,7 +150,7 @@ class FixedStepCode:
             inputs=sum(external.inputs.shape[0] for external in dae.externals), outputs=dae.w.shape[0],
             externals=len(dae.externals), levels=len(dae.levels), scratch=self.scratch,
             level_start=self.integers(starts), external=externals, level_inputs=inputs,
-            residual=self.address("model"), pieces=self.address("model_pieces"),
+            residual=self.address("model"), pieces=self.address("pieces"),
             piece_start=self.integers(self.program.starts), place=self.integers(self.program.places),
             of_stage=self._moving(of_stage, unknowns), at_point=self._moving(at_point, dae.z.shape[0]),
             free_rates=len(reduced.free), substituted=len(reduced.order),
@@ -153,9 +159,26 @@ class FixedStepCode:
             z_nominal=self.doubles([a.nominal for a in dae.algebraics]),
         )  # fmt: skip
 
+    def observe(self, t: np.ndarray, x: np.ndarray, z: np.ndarray, q: np.ndarray) -> np.ndarray | None:
+        """The observed variables, all their elements in a row for each of t; None where an external function fails."""
+        size = sum(self.dae.observe_expression(path).numel() for path in self.observed)
+        rows = [np.ascontiguousarray(values, dtype=float) for values in (t, x, z, q)]
+        values = np.empty((len(t), size))
+        library = runtime()
+        instance = library.fs_create(c.byref(self.table), c.byref(Options(1.0, 0.0, 1.0, 1.0, 1, 0)))
+        if not instance:
+            raise MemoryError("no memory for the fixed-step engine")
+        try:
+            status = library.fs_observe_rows(instance, self.address("observed"), len(t), size,
+                                             *(row.ctypes.data for row in rows), values.ctypes.data)  # fmt: skip
+        finally:
+            library.fs_free(instance)
+        return None if status else values
+
     def _moving(self, masks: list[int], unknowns: int) -> Moving:
         """The pieces that depend on each unknown."""
-        pieces = [[piece for piece, mask in enumerate(masks) if mask >> k & 1] for k in range(unknowns)]
+        last = self.program.starts[len(self.dae.levels) + 1]  # behind the residual
+        pieces = [[piece for piece, mask in enumerate(masks[:last]) if mask >> k & 1] for k in range(unknowns)]
         first = np.cumsum([0, *map(len, pieces)])
         return Moving(self.integers(first), self.integers([piece for some in pieces for piece in some]))
 
@@ -238,9 +261,9 @@ class FixedStepCode:
         return c.cast(self._alive[-1], c.c_void_p).value
 
 
-def kept_text(dae: FlatDAE, reduced: Reduction) -> tuple[str, Program, int]:
+def kept_text(dae: FlatDAE, reduced: Reduction, observed: Sequence[str]) -> tuple[str, Program, int]:
     """What `model_text` returns, from the cache where these equations have been written before."""
-    function, inputs = _function(dae, {})
+    function, inputs = _function(dae, observed, {})
     patterns = [_slope_pattern(external.function) for external in dae.externals]
     structure = [
         vars(reduced), dae.levels, [y.shape[0] for y in inputs], [sample.targets for sample in dae.samples],
@@ -252,7 +275,7 @@ def kept_text(dae: FlatDAE, reduced: Reduction) -> tuple[str, Program, int]:
     parts = [*sources(__name__, c_program.__module__), json.dumps(structure), *equations]
 
     def make() -> dict[str, Any]:
-        text, program, scratch = model_text(dae, reduced)
+        text, program, scratch = model_text(dae, reduced, observed)
         masks = [[hex(mask) for mask in some] for some in program.masks]
         return {"text": text, "scratch": scratch, "program": {**vars(program), "text": "", "masks": masks}}
 
@@ -266,20 +289,23 @@ def _arguments(dae: FlatDAE) -> list[ca.SX]:
     return [dae.t, dae.x, dae.z, ca.vertcat(dae.u, dae.d, dae.p), dae.w]
 
 
-def _function(dae: FlatDAE, options: dict[str, Any]) -> tuple[ca.Function, list[ca.SX]]:
-    """The inputs of the externals, level by level, and ode and alg as one function; the former as expressions too."""
+def _function(dae: FlatDAE, observed: Sequence[str], options: dict[str, Any]) -> tuple[ca.Function, list[ca.SX]]:
+    """Inputs of the externals, level by level, ode, alg and variables as one function; the first as expressions too."""
     inputs = [ca.vertcat(*[ca.vec(ca.densify(dae.externals[k].inputs)) for k in members]) for members in dae.levels]
-    results = [ca.densify(e) for e in [*inputs, dae.ode, dae.alg]]
+    variables = ca.vertcat(*[ca.vec(dae.observe_expression(path)) for path in observed])
+    results = [ca.densify(e) for e in [*inputs, dae.ode, dae.alg, variables]]
     return ca.Function("model", _arguments(dae), results, options), inputs
 
 
-def model_text(dae: FlatDAE, reduced: Reduction) -> tuple[str, Program, int]:
+def model_text(dae: FlatDAE, reduced: Reduction, observed: Sequence[str]) -> tuple[str, Program, int]:
     """C text, its program of the inputs of the externals, level by level, and the residual, and its scratch memory.
 
-    The text defines level_0, level_1, ..., model, and sample_0, ... for the sampled parts.
+    The text defines level_0, level_1, ..., model; observed, which follows a call of these; and sample_0, ... for the
+    sampled parts, which stand alone.
     """
-    function, inputs = _function(dae, {"cse": True})
+    function, inputs = _function(dae, observed, {"cse": True})
     sections = [(f"level_{level}", ["first"]) for level in range(len(inputs))] + [("model", ["first", "second"])]
+    sections.append(("observed", ["first"]))
     program = c_program(function, sections, list("txzqw"), OUT, dependences(dae, reduced, inputs))
     texts, scratch = [PROLOGUE, program.text], program.scratch
     for k, sample in enumerate(dae.samples):

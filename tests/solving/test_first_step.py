@@ -99,9 +99,9 @@ def texts(tmp_path, monkeypatch):
     written = []
     original = fixed_step_code.model_text
 
-    def model_text(dae, reduced):
+    def model_text(dae, *more):
         written.append(dae.states[0].path)
-        return original(dae, reduced)
+        return original(dae, *more)
 
     monkeypatch.setattr(fixed_step_code, "model_text", model_text)
     return written
