@@ -38,7 +38,7 @@ class Engine(Protocol):
         """Algebraic unknowns that satisfy the equations at the states, after a jump."""
 
     def updater(self, sample: int) -> Callable[..., np.ndarray]:
-        """The new values of the discrete variables of a sampled part, as a function of t, x, z, q."""
+        """What a sampled part computes (see SampledUpdate.values), as a function of t, x, z, q."""
 
 
 def create_engine(plant: Plant, parameters: Any, solver: str, tolerance: float, output_step: float,

@@ -828,10 +828,12 @@ static void fs_lay_matrix(fs_matrix *a, double *memory, size_t *used) {
   }
 }
 
-/* Integers of a matrix: pivot, list and column in one piece. */
+/* Integers of a matrix: pivot, list and column in one piece; how many, and their memory. */
+static size_t fs_integers(const fs_matrix *a) { return 2 * (size_t)a->n + 1 + fs_beside(a); }
+
 static int fs_lay_integers(fs_matrix *a) {
   size_t n = (size_t)a->n;
-  a->pivot = calloc(2 * n + 1 + fs_beside(a), sizeof(int));
+  a->pivot = calloc(fs_integers(a), sizeof(int));
   if (!a->pivot) return 0;
   a->list = a->pivot + n;
   a->column = a->list + n + 1;
@@ -907,4 +909,46 @@ EXPORT void fs_free(fs_instance *s) {
   free(s->q); /* the first of all arrays */
   free(s->arg); free(s->res); free(s->integer); free(s->stage.pivot); free(s->algebraic.pivot);
   free(s);
+}
+
+/* --- an instance as one piece of memory ----------------------------------------------------------------------------
+
+   All arrays of numbers lie in one block, which fs_lay divides, and the integers of a matrix in another, so that a copy of
+   the struct and of these blocks is a copy of the whole state. Pointers are those of the instance that takes the copy;
+   only `past` is in an order of its own. */
+
+EXPORT size_t fs_image_size(const fs_instance *s) {
+  fs_instance copy = *s;
+  return sizeof copy + sizeof(double) * fs_lay(&copy, 0)
+      + sizeof(int) * (fs_integers(&s->stage) + fs_integers(&s->algebraic));
+}
+
+EXPORT void fs_save(const fs_instance *s, void *image) {
+  fs_instance copy = *s;
+  char *to = image;
+  size_t numbers = sizeof(double) * fs_lay(&copy, 0), integers = sizeof(int) * fs_integers(&s->stage);
+  memcpy(to, s, sizeof copy);
+  memcpy(to += sizeof copy, s->q, numbers);
+  memcpy(to += numbers, s->stage.pivot, integers);
+  memcpy(to + integers, s->algebraic.pivot, sizeof(int) * fs_integers(&s->algebraic));
+}
+
+/* From an image of an instance of the same model. */
+EXPORT void fs_restore(fs_instance *s, const void *image) {
+  fs_instance now = *s, saved;
+  const char *from = image;
+  size_t numbers, integers = sizeof(int) * fs_integers(&s->stage);
+  int i;
+  memcpy(&saved, from, sizeof saved);
+  *s = saved;
+  s->m = now.m;
+  s->arg = now.arg; s->res = now.res; s->integer = now.integer;
+  s->stage.pivot = now.stage.pivot; s->stage.list = now.stage.list; s->stage.column = now.stage.column;
+  s->algebraic.pivot = now.algebraic.pivot; s->algebraic.list = now.algebraic.list;
+  s->algebraic.column = now.algebraic.column;
+  numbers = sizeof(double) * fs_lay(s, now.q);
+  for (i = 0; i < FS_HISTORY; i++) s->past[i] = now.q + (saved.past[i] - saved.q);
+  memcpy(now.q, from += sizeof saved, numbers);
+  memcpy(s->stage.pivot, from += numbers, integers);
+  memcpy(s->algebraic.pivot, from + integers, sizeof(int) * fs_integers(&s->algebraic));
 }
