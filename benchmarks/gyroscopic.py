@@ -15,6 +15,7 @@ from scipy.signal import StateSpace, lsim
 import fowtlib as fw
 from fowtlib.components.mechanics import RigidBody
 from fowtlib.solving.plant import Plant
+from fowtlib.solving.state import State
 
 SPEED = 12.1 * np.pi / 30  # rad/s
 TURBINES = {"oc3_spar": ("turbine",), "two_rotor_spar": ("turbine_left", "turbine_right")}
@@ -28,11 +29,6 @@ class YawOscillator:
     inertia: float
     damping: float
     stiffness: float
-
-    @property
-    def frequency(self) -> float:
-        """Undamped natural frequency [Hz]."""
-        return float(np.sqrt(self.stiffness / self.inertia)) / (2 * np.pi)
 
     def response(self, time: np.ndarray, moment: np.ndarray) -> np.ndarray:
         """Yaw [rad] from rest under a moment [N m] at equally spaced times."""
@@ -58,20 +54,23 @@ class PitchDecay:
     expected: np.ndarray
 
 
-def plant_of(name: str, senses: tuple[int, ...], changes: dict[str, object] | None = None) -> Plant:
+def plant_of(name: str, senses: tuple[int, ...], blade_units: int = 0) -> Plant:
     """A shipped model in calm water and vacuum, its rotors turning freely, each in its sense (1: clockwise)."""
-    settings: dict[str, object] = {**cases.CALM, "world.air_density": 0.0, **(changes or {})}
+    settings: dict[str, object] = {**cases.CALM, "world.air_density": 0.0}
     if len(senses) > 1:
         settings["yaw_gain"] = 0.0
     for turbine, sense in zip(TURBINES[name], senses, strict=True):
         settings[f"{turbine}.assembly.rotation"] = sense
+        settings[f"{turbine}.assembly.blade_units"] = blade_units
         settings[f"{turbine}.control.torque.greatest_torque"] = 0.0
     return fw.load(name, set=settings).compile()
 
 
-def pitch_decay(name: str, senses: tuple[int, ...], offset: float = 5.0, duration: float = 120.0) -> PitchDecay:
+def pitch_decay(
+    name: str, senses: tuple[int, ...], offset: float = 5.0, duration: float = 120.0, blade_units: int = 0
+) -> PitchDecay:
     """The spar let go from a pitch angle [deg] off its rest, the rotors at 12.1 rpm."""
-    plant, turbines = plant_of(name, senses), TURBINES[name]
+    plant, turbines = plant_of(name, senses, blade_units), TURBINES[name]
     still = {f"{turbine}.{BEARING}.{state}": 0.0 for turbine in turbines for state in ("phi", "w")}
     rest = plant.equilibrium(hold=still)
     moved = {"platform.motion.pitch": float(rest["platform.motion.pitch"]) + np.radians(offset)}
@@ -83,27 +82,24 @@ def pitch_decay(name: str, senses: tuple[int, ...], offset: float = 5.0, duratio
     rate = np.mean([result.array(path)[:, 1] for path in rates], axis=0)
     spin = sum(senses) * cases.rotor_masses(0)[3] * SPEED
     moment = spin * np.cos(cases.TILT) * rate
-    expected = np.degrees(yaw_oscillator(name, plant).response(result.time, moment))
+    expected = np.degrees(yaw_oscillator(plant, rest).response(result.time, moment))
     return PitchDecay(result.time, result.array("pitch"), result.array("yaw"), rate, spin, moment, expected)
 
 
-def yaw_oscillator(name: str, plant: Plant) -> YawOscillator:
-    """Inertia of all bodies about the axis, the linear damping of the hull, the spring of delta lines and catenaries.
+def yaw_oscillator(plant: Plant, rest: State) -> YawOscillator:
+    """Inertia of all bodies about the axis, in numpy; frequency and damping of the yaw mode with the rotors at rest.
 
-    n lines with the horizontal tension H, the fairleads at the radius r and the anchors farther out by l resist yaw
-    with n H r (1 + r/l).
+    The tower and the arms of two rotors give way in yaw, which a sum of springs would leave out.
     """
-    mooring, state = plant.root.find("platform.mooring"), plant.initial_state()
     inertia = 0.0
     for body in plant.root.walk():
         if isinstance(body, RigidBody):
-            R = np.reshape(state[f"{body.path}.frame_a.R"], (3, 3))
-            place = np.ravel(state[f"{body.path}.frame_a.r"]) + R @ np.ravel(body.parameter_value("r_cm"))
+            R = np.reshape(rest[f"{body.path}.frame_a.R"], (3, 3))
+            place = np.ravel(rest[f"{body.path}.frame_a.r"]) - np.ravel(rest["platform.motion.frame_b.r"])
+            place = place + R @ np.ravel(body.parameter_value("r_cm"))
             own = R @ np.reshape(body.parameter_value("inertia"), (3, 3)) @ R.T
             inertia += body.parameter_value("mass") * float(place[0] ** 2 + place[1] ** 2) + float(own[2, 2])
-    heave = 0.0 if name == "oc3_spar" else dict(cases.two_rotor_balance())["heave of the model at rest [m]"]
-    _, lines = mooring.static_load((0, 0, heave))
-    r = mooring.parameter_value("fairlead_radius")
-    geometry = r * (1 + r / (mooring.parameter_value("anchor_radius") - r))
-    lines_stiffness = sum(line["horizontal"] for line in lines) * geometry
-    return YawOscillator(inertia, 1.3e7, mooring.parameter_value("yaw_stiffness") + lines_stiffness)
+    modes = [mode for mode in plant.linearize(rest, outputs=[]).modes() if np.isfinite(mode.period)]
+    yaw = max(modes, key=lambda mode: mode.participation["platform.motion.yaw"])
+    w = 2 * np.pi * yaw.frequency_hz
+    return YawOscillator(inertia, 2 * yaw.damping_ratio * w * inertia, w**2 * inertia)

@@ -1,4 +1,4 @@
-"""The two engines on the complete turbine: flexible tower and blades on the OC3 spar in steady wind and regular waves."""
+"""The two engines on the complete turbine: flexible tower and blades on the OC3 spar, steady wind, regular waves."""
 
 from __future__ import annotations
 
@@ -53,7 +53,7 @@ def test_statistics_are_the_same(runs):
 
 
 def test_what_is_left_is_the_error_of_the_step(runs):
-    """Free vibrations in the rotor plane, hardly damped, differ most, by up to 3 %; half the step leaves a quarter of it.
+    """Free vibrations in the rotor plane, hardly damped, differ most, by up to 3 %; half the step leaves a quarter.
 
     So it is the second-order error of `fixed` that is seen, and the two engines solve the same equations. (IDAS at
     1e-4, the tolerance of long runs, is farther off than that: up to half the standard deviation of the tower's
