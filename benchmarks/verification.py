@@ -429,8 +429,8 @@ def _draw_yaw(results: dict) -> None:
 def pitch_steps() -> Table:
     """Pitch steps of the Tjaereborg turbine with dynamic inflow."""
     _draw_pitch_steps(*pitch_step.steps())
-    heads = ("step [deg]", "torque before [kN m]", "at once", "settled", "overshoot [kN m]", "half of it left after [s]",
-             "a tenth after [s]", "the same in R/V")  # fmt: skip
+    heads = ("step [deg]", "torque before [kN m]", "at once", "settled", "overshoot [kN m]",
+             "half of it left after [s]", "a tenth after [s]", "the same in R/V")  # fmt: skip
     return heads, pitch_step.rows()
 
 
