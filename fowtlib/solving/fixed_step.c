@@ -40,12 +40,22 @@ typedef struct {
 } fs_external;
 
 typedef struct {
+  const int *first, *piece; /* unknown c moves piece[first[c]] to piece[first[c + 1] - 1], in the order in which they run */
+} fs_moving;
+
+/* The model's code comes in pieces: running them all is the same as calling level_inputs and residual in order. Piece i
+   writes scratch[place[i]] to scratch[place[i + 1] - 1], which nothing else writes. */
+typedef struct {
   int states, algebraics, given, inputs, outputs; /* lengths of x, z, q, y, w */
   int externals, levels, scratch;
   const int *level_start;       /* externals of level l: level_start[l] to level_start[l + 1] - 1 */
   const fs_external *external;  /* ordered by level */
   const fs_code *level_inputs;  /* y of a level, from its first input on */
   fs_code residual;             /* ode, alg */
+  const fs_code *pieces;
+  const int *piece_start;       /* first piece of each level, then of the residual, then their count */
+  const int *place;
+  fs_moving of_stage, at_point; /* pieces that an unknown of a stage moves, and that z moves where x is held */
   int free_rates, substituted;
   const int *free_rate;         /* states whose rate is an unknown */
   const int *order, *source;    /* state order[i] has the rate x[source[i]], or z[-1 - source[i]] */
@@ -63,24 +73,28 @@ typedef struct {
 
 enum { FS_DONE = 0, FS_STAGE = 1, FS_ALGEBRAIC = 2, FS_EXTERNAL = 3, FS_SINGULAR = 4 };
 enum { FS_STEPS, FS_EVALUATIONS, FS_MATRICES, FS_ALGEBRAIC_MATRICES, FS_STARTS, FS_SLOPES, FS_COUNTS };
-enum { FS_ITERATIONS = 12, FS_HISTORY = 3 };
+enum { FS_ITERATIONS = 12, FS_HISTORY = 3, FS_PAIRS = 24 };
 
+/* A matrix whose first unknowns, of which there are `light`, hardly couple: each appears in few rows. They are eliminated
+   first, and what they leave in the factors is kept as lists; the rest is dense. */
 typedef struct {
-  int n, made, age;
+  int n, light, made, age;
   int excess;        /* iterations beyond two per solution since it was made */
   double k, theta;   /* what it was made for; the contraction of its iterations */
-  double *lu, *row_scale, *row_size;
-  int *pivot;
+  int pairs, oldest; /* what has been learnt since it was made: the inverse is followed by 1 + gain weighing' of each pair */
+  double *weighing[FS_PAIRS], *gain[FS_PAIRS];
+  double *lu, *row_scale, *row_size, *value, *sorted;
+  int *pivot, *list, *column; /* of row i beside its dense part: value[list[i]] to value[list[i + 1] - 1] and their columns */
 } fs_matrix;
 
 typedef struct {
   fs_model m;
   fs_options o;
   int n;                /* unknowns of a stage: z, then the free rates */
-  double *q, *y, *w, *y2, *w2, *ode, *alg, *ode2, *alg2, *scratch;
+  double *q, *y, *w, *y2, *w2, *ode, *alg, *ode2, *alg2, *scratch, *scratch2;
   double *x, *rate, *xbar, *xf, *xf2, *v, *v2, *z, *zf, *unknown, *move, *right, *weight, *z_scale, *slope, *real, *size, *least;
   double *past[FS_HISTORY], past_time[FS_HISTORY];
-  double *moves[FS_ITERATIONS], lengths[FS_ITERATIONS]; /* the updates of an iteration, and their weighted squares */
+  double *before;       /* the update of the iteration before */
   int pasts;
   const double **arg;
   double **res;
@@ -96,7 +110,7 @@ static const double FS_DIFFERENCE = 1e-6; /* of the scale of an unknown; the cub
 static const double FS_PART = 1e-3;        /* of a nominal value: the least size of a rate */
 static const double FS_MEMORY = 4000.0;    /* steps after which the size of a rate is forgotten */
 static const double FS_DISTRUST = 1.2;    /* by which a contraction that was not measured grows from step to step */
-static const double FS_LEAST_THETA = 1e-3; /* below it a measured contraction is luck */
+static const double FS_LEAST_THETA = 1e-2; /* below it a measured contraction is luck */
 static const double FS_PRICE = 0.15;       /* of a column of a matrix, in evaluations */
 static const double FS_ROUNDING = 1e-6;    /* updates that do not become smaller any more are accepted below this */
 
@@ -157,48 +171,90 @@ static int fs_slopes(fs_instance *s) {
   return FS_DONE;
 }
 
-/* ode2 and alg2 beside the last evaluation: the externals move along their Jacobians. */
-static int fs_evaluate_beside(fs_instance *s, double t, const double *x, const double *z) {
+/* What fs_evaluate_beside needs: all that belongs to the last evaluation, twice. */
+static void fs_look_beside(fs_instance *s) {
+  const fs_model *m = &s->m;
+  memcpy(s->y2, s->y, sizeof(double) * (size_t)m->inputs);
+  memcpy(s->w2, s->w, sizeof(double) * (size_t)m->outputs);
+  memcpy(s->ode2, s->ode, sizeof(double) * (size_t)m->states);
+  memcpy(s->alg2, s->alg, sizeof(double) * (size_t)m->algebraics);
+  memcpy(s->scratch2, s->scratch, sizeof(double) * (size_t)m->scratch);
+}
+
+/* ode2 and alg2 where unknown c has moved from the last evaluation: the pieces that it moves, and the externals along
+   their Jacobians. */
+static int fs_evaluate_beside(fs_instance *s, double t, const double *x, const double *z, const fs_moving *moving, int c) {
   const fs_model *m = &s->m;
   const double *entries = s->slope;
+  const int *piece = moving->piece + moving->first[c], *end = moving->piece + moving->first[c + 1];
   int l, i, j, p;
-  memcpy(s->w2, s->w, sizeof(double) * (size_t)m->outputs);
   for (l = 0; l < m->levels; l++) {
-    const fs_external *e = m->external + m->level_start[l];
-    m->level_inputs[l](&t, x, z, s->q, s->w2, s->y2 + e->first_input, 0, s->scratch);
+    int moved = 0;
+    for (; piece < end && *piece < m->piece_start[l + 1]; piece++, moved = 1)
+      m->pieces[*piece](&t, x, z, s->q, s->w2, s->y2 + m->external[m->level_start[l]].first_input, 0, s->scratch2);
     for (i = m->level_start[l]; i < m->level_start[l + 1]; i++) {
-      double *w;
-      e = m->external + i;
-      w = s->w2 + e->first_output;
-      if (!e->colind) {
+      const fs_external *e = m->external + i;
+      double *w = s->w2 + e->first_output;
+      if (moved && !e->colind) {
         if (fs_value(s, e, s->y2 + e->first_input, w)) {
           s->failed_external = i;
           return FS_EXTERNAL;
         }
-        continue;
-      }
-      for (j = 0; j < e->inputs; j++) {
-        double dy = s->y2[e->first_input + j] - s->y[e->first_input + j];
-        if (dy != 0.0)
-          for (p = e->colind[j]; p < e->colind[j + 1]; p++) w[e->row[p]] += entries[p] * dy;
+      } else if (moved) {
+        for (j = 0; j < e->inputs; j++) {
+          double dy = s->y2[e->first_input + j] - s->y[e->first_input + j];
+          if (dy != 0.0)
+            for (p = e->colind[j]; p < e->colind[j + 1]; p++) w[e->row[p]] += entries[p] * dy;
+        }
       }
       entries += e->entries;
     }
   }
-  m->residual(&t, x, z, s->q, s->w2, s->ode2, s->alg2, s->scratch);
+  for (; piece < end; piece++) m->pieces[*piece](&t, x, z, s->q, s->w2, s->ode2, s->alg2, s->scratch2);
   return FS_DONE;
 }
 
-/* --- dense linear algebra ------------------------------------------------------------------------------------------ */
+/* Back to the last evaluation. */
+static void fs_move_back(fs_instance *s, const fs_moving *moving, int c) {
+  const fs_model *m = &s->m;
+  int i;
+  for (i = moving->first[c]; i < moving->first[c + 1]; i++) {
+    int first = m->place[moving->piece[i]], count = m->place[moving->piece[i] + 1] - first;
+    memcpy(s->scratch2 + first, s->scratch + first, sizeof(double) * (size_t)count);
+  }
+  memcpy(s->y2, s->y, sizeof(double) * (size_t)m->inputs);
+  memcpy(s->w2, s->w, sizeof(double) * (size_t)m->outputs);
+  memcpy(s->ode2, s->ode, sizeof(double) * (size_t)m->states);
+  memcpy(s->alg2, s->alg, sizeof(double) * (size_t)m->algebraics);
+}
 
-/* LU with partial pivoting on scaled rows, in place; returns FS_SINGULAR where there is no pivot. */
+/* --- linear algebra ------------------------------------------------------------------------------------------------ */
+
+/* Elimination of column c below its pivot row in the columns that `column` lists. */
+static void fs_eliminate(fs_matrix *a, int c, const int *column, int columns) {
+  int n = a->n, i, j;
+  const double *restrict top = a->lu + c * n;
+  for (i = c + 1; i < n; i++) {
+    double *restrict row = a->lu + i * n, factor = row[c];
+    if (factor == 0.0) continue;
+    factor /= top[c];
+    row[c] = factor;
+    if (column)
+      for (j = 0; j < columns; j++) row[column[j]] -= factor * top[column[j]];
+    else
+      for (j = c + 1; j < n; j++) row[j] -= factor * top[j];
+  }
+}
+
+/* LU with partial pivoting on scaled rows, in place; light unknowns have their pivots among their own rows. Returns
+   FS_SINGULAR where there is no pivot. */
 static int fs_factor(fs_matrix *a) {
-  int n = a->n, i, j, c;
+  int n = a->n, i, j, c, used = 0;
   double *lu = a->lu;
   for (c = 0; c < n; c++) {
-    int best = c;
+    int best = c, last = c < a->light ? a->light : n, columns = 0;
     double size = fabs(lu[c * n + c]);
-    for (i = c + 1; i < n; i++)
+    for (i = c + 1; i < last; i++)
       if (fabs(lu[i * n + c]) > size) { size = fabs(lu[i * n + c]); best = i; }
     a->pivot[c] = best;
     if (!(size > 0.0) || !isfinite(size)) return FS_SINGULAR;
@@ -208,15 +264,20 @@ static int fs_factor(fs_matrix *a) {
         lu[c * n + j] = lu[best * n + j];
         lu[best * n + j] = swap;
       }
-    for (i = c + 1; i < n; i++) {
-      double *row = lu + i * n, factor = row[c];
-      const double *top = lu + c * n;
-      if (factor == 0.0) continue;
-      factor /= top[c];
-      row[c] = factor;
-      for (j = c + 1; j < n; j++) row[j] -= factor * top[j];
-    }
+    if (c < a->light)
+      for (j = c + 1; j < n; j++)
+        if (lu[c * n + j] != 0.0) a->column[columns++] = j;
+    fs_eliminate(a, c, c < a->light ? a->column : 0, columns);
   }
+  for (i = 0; i < n; i++) {
+    a->list[i] = used;
+    for (j = 0; j < (i < a->light ? n : a->light); j++)
+      if (j != i && lu[i * n + j] != 0.0) {
+        a->column[used] = j;
+        a->value[used++] = lu[i * n + j];
+      }
+  }
+  a->list[n] = used;
   return FS_DONE;
 }
 
@@ -234,37 +295,52 @@ static double fs_dot(const double *a, const double *b, int n) {
   return (s0 + s1) + (s2 + s3);
 }
 
-static void fs_solve(const fs_matrix *a, double *b) {
-  int n = a->n, i;
+/* Unknown i of a matrix is number fs_place_of(i) of the caller's, whose light unknowns come last. */
+static int fs_place_of(const fs_matrix *a, int i) { return i < a->light ? a->n - a->light + i : i - a->light; }
+
+/* Solve in place; the caller's light unknowns come last. */
+static void fs_solve(const fs_matrix *a, double *right) {
+  int n = a->n, light = a->light, i, k;
   const double *lu = a->lu;
-  for (i = 0; i < n; i++) b[i] *= a->row_scale[i];
+  double *b = a->sorted;
+  for (i = 0; i < n; i++) b[i] = right[fs_place_of(a, i)] * a->row_scale[i];
   for (i = 0; i < n; i++)
     if (a->pivot[i] != i) {
       double swap = b[i];
       b[i] = b[a->pivot[i]];
       b[a->pivot[i]] = swap;
     }
-  for (i = 0; i < n; i++) b[i] -= fs_dot(lu + i * n, b, i);
-  for (i = n - 1; i >= 0; i--) b[i] = (b[i] - fs_dot(lu + i * n + i + 1, b + i + 1, n - i - 1)) / lu[i * n + i];
+  for (i = 0; i < n; i++) {
+    double sum = 0.0;
+    for (k = a->list[i]; k < a->list[i + 1] && a->column[k] < i; k++) sum += a->value[k] * b[a->column[k]];
+    b[i] -= i < light ? sum : sum + fs_dot(lu + i * n + light, b + light, i - light);
+  }
+  for (i = n - 1; i >= light; i--) b[i] = (b[i] - fs_dot(lu + i * n + i + 1, b + i + 1, n - i - 1)) / lu[i * n + i];
+  for (; i >= 0; i--) {
+    double sum = 0.0;
+    for (k = a->list[i + 1] - 1; k >= a->list[i] && a->column[k] > i; k--) sum += a->value[k] * b[a->column[k]];
+    b[i] = (b[i] - sum) / lu[i * n + i];
+  }
+  for (i = 0; i < n; i++) right[fs_place_of(a, i)] = b[i];
 }
 
-/* Scale the rows and factor. weight: 1 / scale of the unknowns. */
+/* Scale the rows and factor. weight: 1 / scale of the caller's unknowns. */
 static int fs_finish(fs_matrix *a, const double *weight) {
   int n = a->n, i, j, status;
   for (i = 0; i < n; i++) {
     double largest = 0.0, sum = 0.0;
     for (j = 0; j < n; j++) {
-      double part = fabs(a->lu[i * n + j]) / weight[j];
+      double part = fabs(a->lu[i * n + j]) / weight[fs_place_of(a, j)];
       if (part > largest) largest = part;
       sum += part;
     }
-    a->row_size[i] = sum;
+    a->row_size[fs_place_of(a, i)] = sum;
     a->row_scale[i] = largest > 0.0 && isfinite(largest) ? 1.0 / largest : 1.0;
     for (j = 0; j < n; j++) a->lu[i * n + j] *= a->row_scale[i];
   }
   status = fs_factor(a);
   a->made = status == FS_DONE;
-  a->age = a->excess = 0;
+  a->age = a->excess = a->pairs = 0;
   a->theta = 0.1;
   return status;
 }
@@ -326,21 +402,25 @@ static void fs_remember_scale(fs_instance *s, const double *z) {
 static int fs_stage_matrix(fs_instance *s, double t, double k) {
   const fs_model *m = &s->m;
   fs_matrix *a = &s->stage;
-  int n = s->n, nz = m->algebraics, c, i, status;
+  int n = s->n, nz = m->algebraics, c, i, place, status;
   s->count[FS_MATRICES]++;
   if ((status = fs_slopes(s))) return status;
+  fs_look_beside(s);
   for (c = 0; c < n; c++) {
     double kept = s->unknown[c], scale, step;
     scale = c < nz ? s->z_scale[c] : fs_scale(kept, fs_scale(s->x[m->free_rate[c - nz]], m->x_nominal[m->free_rate[c - nz]]));
     s->unknown[c] = kept + FS_DIFFERENCE * scale;
     step = s->unknown[c] - kept;
     fs_place(s, k, s->unknown, s->v2, s->xf2);
-    if ((status = fs_evaluate_beside(s, t, s->xf2, s->unknown))) return status;
+    status = fs_evaluate_beside(s, t, s->xf2, s->unknown, &m->of_stage, c);
     s->unknown[c] = kept;
-    for (i = 0; i < nz; i++) a->lu[i * n + c] = (s->alg2[i] - s->alg[i]) / step;
-    for (i = 0; i < m->free_rates; i++)
-      a->lu[(nz + i) * n + c] = -(s->ode2[m->free_rate[i]] - s->ode[m->free_rate[i]]) / step;
-    if (c >= nz) a->lu[c * n + c] += 1.0;
+    if (status) return status;
+    place = c < nz ? a->light + c : c - nz;
+    for (i = 0; i < nz; i++) a->lu[(a->light + i) * n + place] = (s->alg2[i] - s->alg[i]) / step;
+    for (i = 0; i < a->light; i++)
+      a->lu[i * n + place] = -(s->ode2[m->free_rate[i]] - s->ode[m->free_rate[i]]) / step;
+    if (c >= nz) a->lu[place * n + place] += 1.0;
+    fs_move_back(s, &m->of_stage, c);
   }
   a->k = k;
   return fs_finish(a, s->weight);
@@ -351,15 +431,17 @@ static int fs_algebraic_matrix(fs_instance *s, double t, const double *x, double
   int n = a->n, c, i, status;
   s->count[FS_ALGEBRAIC_MATRICES]++;
   if ((status = fs_slopes(s))) return status;
+  fs_look_beside(s);
   for (c = 0; c < n; c++) {
     double kept = z[c], step;
     z[c] = kept + FS_DIFFERENCE * s->z_scale[c];
     step = z[c] - kept;
-    status = fs_evaluate_beside(s, t, x, z);
+    status = fs_evaluate_beside(s, t, x, z, &s->m.at_point, c);
     z[c] = kept;
     if (status) return status;
     for (i = 0; i < n; i++) a->lu[i * n + c] = (s->alg2[i] - s->alg[i]) / step;
     s->weight[c] = 1.0 / s->z_scale[c];
+    fs_move_back(s, &s->m.at_point, c);
   }
   return fs_finish(a, s->weight);
 }
@@ -374,29 +456,29 @@ static double fs_norm(const double *move, const double *weight, int n) {
   return largest;
 }
 
-static double fs_product(const double *a, const double *b, const double *weight, int n) {
-  double sum = 0.0;
-  int i;
-  for (i = 0; i < n; i++) sum += a[i] * b[i] * weight[i] * weight[i];
-  return sum;
-}
-
-/* s->move, the update by the matrix alone, becomes that of Broyden's method, from the updates of the iterations before
-   it; C. T. Kelley (1995), Iterative Methods for Linear and Nonlinear Equations, SIAM, algorithm brsol. */
-static void fs_broyden(fs_instance *s, int n, int iteration) {
-  double *p = s->move, scale;
-  int i, j;
-  for (j = 0; j + 1 < iteration; j++) {
-    double factor = fs_product(s->moves[j], p, s->weight, n) / s->lengths[j];
-    for (i = 0; i < n; i++) p[i] += factor * s->moves[j + 1][i];
+/* s->move, the update by the matrix alone, becomes that of Broyden's method, from all updates since the matrix was made:
+   those of earlier steps too, as what an aged matrix lacks changes slowly. C. T. Kelley (1995), Iterative Methods for
+   Linear and Nonlinear Equations, SIAM, algorithm brsol, with the oldest of FS_PAIRS pairs given up for a new one. */
+static void fs_broyden(fs_instance *s, fs_matrix *a, int iteration) {
+  double *p = s->move, scale, square = 1e-300;
+  int n = a->n, i, j;
+  for (j = 0; j < a->pairs; j++) {
+    int pair = (a->oldest + j) % FS_PAIRS;
+    double factor = fs_dot(a->weighing[pair], p, n);
+    for (i = 0; i < n; i++) p[i] += factor * a->gain[pair][i];
   }
   if (iteration > 0) {
-    scale = 1.0 - fs_product(s->moves[iteration - 1], p, s->weight, n) / s->lengths[iteration - 1];
+    int pair = (a->oldest + a->pairs) % FS_PAIRS;
+    if (a->pairs < FS_PAIRS) a->pairs++;
+    else a->oldest = (a->oldest + 1) % FS_PAIRS;
+    for (i = 0; i < n; i++) square += s->before[i] * s->before[i] * s->weight[i] * s->weight[i];
+    for (i = 0; i < n; i++) a->weighing[pair][i] = s->before[i] * s->weight[i] * s->weight[i] / square;
+    scale = 1.0 - fs_dot(a->weighing[pair], p, n);
     if (scale > 0.2)
       for (i = 0; i < n; i++) p[i] /= scale;
+    memcpy(a->gain[pair], p, sizeof(double) * (size_t)n);
   }
-  memcpy(s->moves[iteration], p, sizeof(double) * (size_t)n);
-  s->lengths[iteration] = fs_product(p, p, s->weight, n) + 1e-300;
+  memcpy(s->before, p, sizeof(double) * (size_t)n);
 }
 
 /* Row that stands out: the first that is not finite, else the largest one, scaled. */
@@ -472,7 +554,7 @@ static int fs_iterate_stage(fs_instance *s, double t, double k, int fresh) {
     }
     for (i = 0; i < n; i++) s->move[i] = -s->right[i];
     fs_solve(a, s->move);
-    if (fresh < 2) fs_broyden(s, n, iteration);
+    if (fresh < 2) fs_broyden(s, a, iteration);
     size[iteration] = fs_norm(s->move, s->weight, n);
     verdict = fs_judge(a, size, iteration, s->o.tolerance);
     if (verdict < 0) break;
@@ -573,7 +655,7 @@ static int fs_iterate_algebraic(fs_instance *s, double t, const double *x, doubl
       s->weight[i] = 1.0 / s->z_scale[i];
     }
     fs_solve(a, s->move);
-    if (fresh < 2) fs_broyden(s, n, iteration);
+    if (fresh < 2) fs_broyden(s, a, iteration);
     size[iteration] = fs_norm(s->move, s->weight, n);
     if (size[iteration] <= 0.1 * s->o.at_points) {
       *ready = 1;
@@ -665,6 +747,16 @@ EXPORT int fs_observe(fs_instance *s, fs_code function, int outputs, double t, c
   return status;
 }
 
+/* The same of a function that needs w, at many points: rows of x, z, q and of the `size` values. */
+EXPORT int fs_observe_rows(fs_instance *s, fs_code function, int rows, int size, const double *t, const double *x,
+                           const double *z, const double *q, double *values) {
+  int i, status = FS_DONE;
+  for (i = 0; i < rows && status == FS_DONE; i++)
+    status = fs_observe(s, function, 1, t[i], x + (size_t)i * (size_t)s->m.states, z + (size_t)i * (size_t)s->m.algebraics,
+                        q + (size_t)i * (size_t)s->m.given, values + (size_t)i * (size_t)size);
+  return status;
+}
+
 /* Whether an instance stands at t, x, q, so that it goes on with its own rates. */
 static int fs_stands_at(const fs_instance *s, double t, const double *x, const double *q) {
   return s->started && fabs(t - s->t) <= 1e-9 * s->o.step
@@ -719,6 +811,33 @@ static double *fs_take(double *memory, size_t *used, size_t n) {
   return memory ? memory + here : 0;
 }
 
+/* How many numbers may stand beside the dense part of a matrix. */
+static size_t fs_beside(const fs_matrix *a) { return (size_t)a->light * (2 * (size_t)a->n - (size_t)a->light) + (size_t)a->n; }
+
+static void fs_lay_matrix(fs_matrix *a, double *memory, size_t *used) {
+  size_t n = (size_t)a->n;
+  int i;
+  a->lu = fs_take(memory, used, n * n);
+  a->value = fs_take(memory, used, fs_beside(a));
+  a->row_scale = fs_take(memory, used, n);
+  a->row_size = fs_take(memory, used, n);
+  a->sorted = fs_take(memory, used, n);
+  for (i = 0; i < FS_PAIRS; i++) {
+    a->weighing[i] = fs_take(memory, used, n);
+    a->gain[i] = fs_take(memory, used, n);
+  }
+}
+
+/* Integers of a matrix: pivot, list and column in one piece. */
+static int fs_lay_integers(fs_matrix *a) {
+  size_t n = (size_t)a->n;
+  a->pivot = calloc(2 * n + 1 + fs_beside(a), sizeof(int));
+  if (!a->pivot) return 0;
+  a->list = a->pivot + n;
+  a->column = a->list + n + 1;
+  return 1;
+}
+
 /* Lay the arrays out in the memory; returns how many numbers they take. Without memory it only counts. */
 static size_t fs_lay(fs_instance *s, double *memory) {
   size_t used = 0, *u = &used;
@@ -736,7 +855,7 @@ static size_t fs_lay(fs_instance *s, double *memory) {
   s->w = fs_take(m, u, nw); s->w2 = fs_take(m, u, nw);
   s->ode = fs_take(m, u, nx); s->ode2 = fs_take(m, u, nx);
   s->alg = fs_take(m, u, nz); s->alg2 = fs_take(m, u, nz);
-  s->scratch = fs_take(m, u, (size_t)s->m.scratch);
+  s->scratch = fs_take(m, u, (size_t)s->m.scratch); s->scratch2 = fs_take(m, u, (size_t)s->m.scratch);
   s->x = fs_take(m, u, nx); s->rate = fs_take(m, u, nx); s->xbar = fs_take(m, u, nx);
   s->xf = fs_take(m, u, nx); s->xf2 = fs_take(m, u, nx); s->v = fs_take(m, u, nx); s->v2 = fs_take(m, u, nx);
   s->z = fs_take(m, u, nz); s->zf = fs_take(m, u, nz); s->z_scale = fs_take(m, u, nz);
@@ -744,9 +863,9 @@ static size_t fs_lay(fs_instance *s, double *memory) {
   s->size = fs_take(m, u, n); s->least = fs_take(m, u, n);
   s->slope = fs_take(m, u, entries); s->real = fs_take(m, u, real);
   for (i = 0; i < FS_HISTORY; i++) s->past[i] = fs_take(m, u, n);
-  for (i = 0; i < FS_ITERATIONS; i++) s->moves[i] = fs_take(m, u, n);
-  s->stage.lu = fs_take(m, u, n * n); s->stage.row_scale = fs_take(m, u, n); s->stage.row_size = fs_take(m, u, n);
-  s->algebraic.lu = fs_take(m, u, nz * nz); s->algebraic.row_scale = fs_take(m, u, nz); s->algebraic.row_size = fs_take(m, u, nz);
+  s->before = fs_take(m, u, n);
+  fs_lay_matrix(&s->stage, m, u);
+  fs_lay_matrix(&s->algebraic, m, u);
   return used;
 }
 
@@ -761,6 +880,7 @@ EXPORT fs_instance *fs_create(const fs_model *model, const fs_options *options) 
   s->o = *options;
   s->n = model->algebraics + model->free_rates;
   s->stage.n = s->n;
+  s->stage.light = model->free_rates;
   s->algebraic.n = model->algebraics;
   for (i = 0; i < model->externals; i++) {
     const fs_external *e = model->external + i;
@@ -772,9 +892,7 @@ EXPORT fs_instance *fs_create(const fs_model *model, const fs_options *options) 
   s->arg = calloc(arguments, sizeof(double *));
   s->res = calloc(results, sizeof(double *));
   s->integer = calloc(integers + 1, sizeof(fs_int));
-  s->stage.pivot = calloc((size_t)s->n + 1, sizeof(int));
-  s->algebraic.pivot = calloc((size_t)model->algebraics + 1, sizeof(int));
-  if (!memory || !s->arg || !s->res || !s->integer || !s->stage.pivot || !s->algebraic.pivot) {
+  if (!memory || !s->arg || !s->res || !s->integer || !fs_lay_integers(&s->stage) || !fs_lay_integers(&s->algebraic)) {
     free(memory); free(s->arg); free(s->res); free(s->integer); free(s->stage.pivot); free(s->algebraic.pivot); free(s);
     return 0;
   }

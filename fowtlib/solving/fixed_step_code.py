@@ -7,6 +7,7 @@ parameters finds the library again.
 from __future__ import annotations
 
 import ctypes as c
+from collections.abc import Sequence
 from functools import cache
 from pathlib import Path
 from typing import Any
@@ -18,13 +19,13 @@ from fowtlib.flattening import FlatDAE
 from fowtlib.language.externals import LibraryFunction
 from fowtlib.language.native import compile_library
 from fowtlib.language.tables import SplineFunction
-from fowtlib.solving.c_code import PROLOGUE, c_function
-from fowtlib.solving.reduction import reduction
+from fowtlib.solving.c_code import PROLOGUE, Depends, Program, c_program
+from fowtlib.solving.reduction import Reduction, reduction
 
 DOUBLES, INTEGERS = c.POINTER(c.c_double), c.POINTER(c.c_int)
 CASADI = c.CFUNCTYPE(c.c_int, c.POINTER(DOUBLES), c.POINTER(DOUBLES), c.c_void_p, DOUBLES, c.c_int)
 
-OUT = ["first", "second", "scratch"]
+OUT = ["first", "second"]
 
 
 class Spline(c.Structure):
@@ -48,6 +49,12 @@ class External(c.Structure):
     ]  # fmt: skip
 
 
+class Moving(c.Structure):
+    """fs_moving."""
+
+    _fields_ = [("first", INTEGERS), ("piece", INTEGERS)]
+
+
 class Model(c.Structure):
     """fs_model."""
 
@@ -55,8 +62,10 @@ class Model(c.Structure):
         *((name, c.c_int) for name in ("states", "algebraics", "given", "inputs", "outputs", "externals", "levels",
                                        "scratch")),
         ("level_start", INTEGERS), ("external", c.POINTER(External)), ("level_inputs", c.POINTER(c.c_void_p)),
-        ("residual", c.c_void_p), ("free_rates", c.c_int), ("substituted", c.c_int), ("free_rate", INTEGERS),
-        ("order", INTEGERS), ("source", INTEGERS), ("x_nominal", DOUBLES), ("z_nominal", DOUBLES),
+        ("residual", c.c_void_p), ("pieces", c.c_void_p), ("piece_start", INTEGERS), ("place", INTEGERS),
+        ("of_stage", Moving), ("at_point", Moving), ("free_rates", c.c_int), ("substituted", c.c_int),
+        ("free_rate", INTEGERS), ("order", INTEGERS), ("source", INTEGERS), ("x_nominal", DOUBLES),
+        ("z_nominal", DOUBLES),
     ]  # fmt: skip
 
 
@@ -74,13 +83,14 @@ class Options(c.Structure):
 def runtime() -> c.CDLL:
     """The compiled runtime of the engine, the same for all models."""
     text = "".join((Path(__file__).parent / name).read_text(encoding="utf-8") for name in ("spline.c", "fixed_step.c"))
-    library = c.CDLL(str(compile_library(text, "fixed_step")))
+    library = c.CDLL(str(compile_library(text, "fixed_step", optimization="-O3")))
     pointer, number = c.c_void_p, c.c_double
     signatures = {
         "create": (pointer, [c.POINTER(Model), c.POINTER(Options)]),
         "free": (None, [pointer]),
         "consistent": (c.c_int, [pointer, number, *[pointer] * 3]),
         "observe": (c.c_int, [pointer, pointer, c.c_int, number, *[pointer] * 4]),
+        "observe_rows": (c.c_int, [pointer, pointer, c.c_int, c.c_int, *[pointer] * 5]),
         "advance": (c.c_int, [pointer, number, number, c.c_int, *[pointer] * 6]),
         "failure": (None, [pointer] * 5),
         "counts": (None, [pointer] * 2),
@@ -92,15 +102,19 @@ def runtime() -> c.CDLL:
 
 
 class FixedStepCode:
-    """What the runtime needs of one model: compiled functions, externals and tables; made once for a plant."""
+    """What the runtime needs of one model: compiled functions, externals and tables; made once for a plant.
 
-    def __init__(self, dae: FlatDAE):
+    observed: paths of variables that can be rebuilt by compiled code, too; see `observe`.
+    """
+
+    def __init__(self, dae: FlatDAE, observed: Sequence[str] = ()):
         self.dae = dae
+        self.observed = list(observed)
         self.reduction = reduction(dae)
         self.raised: list[Exception] = []  # by Python code inside of a step
         self._alive: list[Any] = []  # what the tables point to
         self.external_order = [k for level in dae.levels for k in level]
-        text, self.scratch = model_text(dae)
+        text, self.program, self.scratch = model_text(dae, self.reduction, self.observed)
         self.path = compile_library(text, "model", optimization="-O1")
         self.library = c.CDLL(str(self.path))
         self.table = self._model()
@@ -127,19 +141,47 @@ class FixedStepCode:
             inputs[level] = self.address(f"level_{level}")
         self._alive += [externals, inputs]
         starts = np.cumsum([0, *(len(level) for level in dae.levels)])
+        of_stage, at_point = self.program.masks
+        unknowns = dae.z.shape[0] + len(reduced.free)
         return Model(
             states=dae.x.shape[0], algebraics=dae.z.shape[0], given=sum(v.shape[0] for v in (dae.u, dae.d, dae.p)),
             inputs=sum(external.inputs.shape[0] for external in dae.externals), outputs=dae.w.shape[0],
             externals=len(dae.externals), levels=len(dae.levels), scratch=self.scratch,
             level_start=self.integers(starts), external=externals, level_inputs=inputs,
-            residual=self.address("model"), free_rates=len(reduced.free), substituted=len(reduced.order),
+            residual=self.address("model"), pieces=self.address("pieces"),
+            piece_start=self.integers(self.program.starts), place=self.integers(self.program.places),
+            of_stage=self._moving(of_stage, unknowns), at_point=self._moving(at_point, dae.z.shape[0]),
+            free_rates=len(reduced.free), substituted=len(reduced.order),
             free_rate=self.integers(reduced.free), order=self.integers(reduced.order),
             source=self.integers(reduced.source), x_nominal=self.doubles([s.nominal for s in dae.states]),
             z_nominal=self.doubles([a.nominal for a in dae.algebraics]),
         )  # fmt: skip
 
+    def observe(self, t: np.ndarray, x: np.ndarray, z: np.ndarray, q: np.ndarray) -> np.ndarray | None:
+        """The observed variables, all their elements in a row for each of t; None where an external function fails."""
+        size = sum(self.dae.observe_expression(path).numel() for path in self.observed)
+        rows = [np.ascontiguousarray(values, dtype=float) for values in (t, x, z, q)]
+        values = np.empty((len(t), size))
+        library = runtime()
+        instance = library.fs_create(c.byref(self.table), c.byref(Options(1.0, 0.0, 1.0, 1.0, 1, 0)))
+        if not instance:
+            raise MemoryError("no memory for the fixed-step engine")
+        try:
+            status = library.fs_observe_rows(instance, self.address("observed"), len(t), size,
+                                             *(row.ctypes.data for row in rows), values.ctypes.data)  # fmt: skip
+        finally:
+            library.fs_free(instance)
+        return None if status else values
+
+    def _moving(self, masks: list[int], unknowns: int) -> Moving:
+        """The pieces that depend on each unknown."""
+        last = self.program.starts[len(self.dae.levels) + 1]  # behind the residual
+        pieces = [[piece for piece, mask in enumerate(masks[:last]) if mask >> k & 1] for k in range(unknowns)]
+        first = np.cumsum([0, *map(len, pieces)])
+        return Moving(self.integers(first), self.integers([piece for some in pieces for piece in some]))
+
     def address(self, name: str) -> int:
-        """Where a function of the generated code is."""
+        """Where a function or table of the generated code is."""
         return c.cast(getattr(self.library, name), c.c_void_p).value
 
     # --- externals -----------------------------------------------------------------------------------------------
@@ -185,11 +227,12 @@ class FixedStepCode:
         name = function.name()
         sizes = [_work(library, name)]
         entry.value, entry.value_memory = _symbol(library, name), _memory(library, name)
-        if hasattr(library, f"jac_{name}"):
+        pattern = _slope_pattern(function)
+        if pattern is not None:
             slope = f"jac_{name}"
             sizes.append(_work(library, slope))
             entry.slope, entry.slope_memory = _symbol(library, slope), _memory(library, slope)
-            self._pattern(entry, function.jacobian().sparsity_out(0))
+            self._pattern(entry, pattern)
         entry.arguments, entry.results, entry.integers, entry.reals = np.max(sizes, axis=0).tolist()
         self._alive.append(library)
 
@@ -216,27 +259,67 @@ class FixedStepCode:
         return c.cast(self._alive[-1], c.c_void_p).value
 
 
-def model_text(dae: FlatDAE) -> tuple[str, int]:
-    """C text of the inputs of the externals, level by level, of samples and residual; their scratch memory."""
-    signature = ", ".join([f"const double *{n}" for n in "txzqw"] + [f"double *{n}" for n in OUT])
+def model_text(dae: FlatDAE, reduced: Reduction, observed: Sequence[str]) -> tuple[str, Program, int]:
+    """C text, its program of the inputs of the externals, level by level, and the residual, and its scratch memory.
+
+    The text defines level_0, level_1, ..., model; observed, which follows a call of these; and sample_0, ... for the
+    sampled parts, which stand alone.
+    """
     arguments = [dae.t, dae.x, dae.z, ca.vertcat(dae.u, dae.d, dae.p), dae.w]
-    parts = [
-        (f"level_{level}", [ca.vertcat(*[ca.vec(ca.densify(dae.externals[k].inputs)) for k in members])])
-        for level, members in enumerate(dae.levels)
-    ]
-    parts += [(f"sample_{k}", [sample.values]) for k, sample in enumerate(dae.samples)]
-    parts.append(("model", [dae.ode, dae.alg]))
-    texts, scratch = [PROLOGUE], 0
-    for name, expressions in parts:
-        function = ca.Function(name, arguments, [ca.densify(e) for e in expressions], {"cse": True})
-        text, size = c_function(function, f"{name}_code", list("txzqw"), OUT[: len(expressions)])
-        scratch = max(scratch, size)
-        second = ", second" if len(expressions) > 1 else ""
-        texts += [
-            text,
-            f"EXPORT void {name}({signature}) {{ {name}_code(t, x, z, q, w, first{second}, scratch); }}\n",
-        ]
-    return "".join(texts), scratch
+    inputs = [ca.vertcat(*[ca.vec(ca.densify(dae.externals[k].inputs)) for k in members]) for members in dae.levels]
+    sections = [(f"level_{level}", ["first"]) for level in range(len(inputs))] + [("model", ["first", "second"])]
+    sections.append(("observed", ["first"]))
+    variables = ca.vertcat(*[ca.vec(dae.observe_expression(path)) for path in observed])
+    results = [ca.densify(e) for e in [*inputs, dae.ode, dae.alg, variables]]
+    function = ca.Function("model", arguments, results, {"cse": True})
+    program = c_program(function, sections, list("txzqw"), OUT, dependences(dae, reduced, inputs))
+    texts, scratch = [PROLOGUE, program.text], program.scratch
+    for k, sample in enumerate(dae.samples):
+        function = ca.Function("sample", arguments, [ca.densify(sample.values)], {"cse": True})
+        alone = c_program(function, [(f"sample_{k}", ["first"])], list("txzqw"), OUT)
+        texts.append(alone.text)
+        scratch = max(scratch, alone.scratch)
+    return "".join(texts), program, scratch
+
+
+def dependences(dae: FlatDAE, reduced: Reduction, inputs: list[ca.SX]) -> tuple[Depends, Depends]:
+    """The unknowns of a stage, z and the free rates, on which x, z and w depend; and the same with x held."""
+    nz = dae.z.shape[0]
+    of_x = [0] * dae.x.shape[0]
+    for i, state in enumerate(reduced.free):
+        of_x[state] = 1 << (nz + i)
+    for state, source in zip(reduced.order, reduced.source, strict=True):
+        of_x[state] = of_x[source] if source >= 0 else 1 << (-1 - source)
+    of_z = [1 << k for k in range(nz)]
+
+    def depends(of_x: list[int]) -> Depends:
+        of_w = [0] * dae.w.shape[0]
+        for members, expression in zip(dae.levels, inputs, strict=True):
+            function = ca.Function("inputs", [dae.x, dae.z, dae.w], [expression], {"allow_free": True})
+            of_y = [0] * expression.shape[0]
+            for argument, known in enumerate((of_x, of_z, of_w)):
+                for row, column in zip(*function.jac_sparsity(0, argument).get_triplet(), strict=True):
+                    of_y[row] |= known[column]
+            first = 0
+            for k in members:
+                external = dae.externals[k]
+                size = external.inputs.numel()
+                pattern = _slope_pattern(external.function)
+                pattern = pattern or ca.Sparsity.dense(external.outputs.stop - external.outputs.start, size)
+                for row, column in zip(*pattern.get_triplet(), strict=True):
+                    of_w[external.outputs.start + row] |= of_y[first + column]
+                first += size
+        table = {1: of_x, 2: of_z, 4: of_w}
+        return lambda argument, element: table[argument][element] if argument in table else 0
+
+    return depends(of_x), depends([0] * len(of_x))
+
+
+def _slope_pattern(function: ca.Function) -> ca.Sparsity | None:
+    """Pattern of the Jacobian that the library of a function has; None where it has none, or is no library."""
+    if isinstance(function, LibraryFunction) and hasattr(c.CDLL(str(function.path)), f"jac_{function.name()}"):
+        return function.jacobian().sparsity_out(0)
+    return None
 
 
 def _symbol(library: c.CDLL, name: str) -> int:

@@ -29,15 +29,29 @@ class Observation:
             return []
         expressions = [ca.densify(self.plant.dae.observe_expression(path)) for path in paths]
         sizes, shapes = [e.numel() for e in expressions], [e.shape for e in expressions]
+        table = self._compiled(paths)
+        if table is None:
+            table = self._interpreted(expressions)
+        columns = np.split(table, np.cumsum(sizes)[:-1], axis=1)
+        return [_shaped(column, shape) for column, shape in zip(columns, shapes, strict=True)]
+
+    def _compiled(self, paths: Sequence[str]) -> np.ndarray | None:
+        """By the code of the fixed-step engine, where it has been made, for just these variables."""
+        code = self.plant.__dict__.get("fixed_step_code")
+        if code is None or code.observed != list(paths):
+            return None
+        t, x, z, q = self.arguments
+        parameters = np.repeat(self.evaluation.parameters[None], t.shape[1], axis=0)
+        return code.observe(t[0], x.T, z.T, np.concatenate([q.T, parameters], axis=1))
+
+    def _interpreted(self, expressions: Sequence[ca.SX]) -> np.ndarray:
         function = self.evaluation.function("observe", [ca.vertcat(*[ca.vec(e) for e in expressions])])
         n = self.arguments[0].shape[1]
         blocks = []
         for first in range(0, n, BLOCK):
             part = slice(first, min(first + BLOCK, n))
             blocks.append(np.array(function(*(a[:, part] for a in self.arguments))))
-        table = np.concatenate(blocks, axis=1).T
-        columns = np.split(table, np.cumsum(sizes)[:-1], axis=1)
-        return [_shaped(column, shape) for column, shape in zip(columns, shapes, strict=True)]
+        return np.concatenate(blocks, axis=1).T
 
     def values(self, names: Sequence[str]) -> np.ndarray:
         """Columns of scalars, (n_time, n); a single vector or matrix as (n_time, *shape)."""

@@ -111,7 +111,7 @@ class Plant:
         """The compiled functions of the solver "fixed"; the same for all values of tunable parameters."""
         from fowtlib.solving.fixed_step_code import FixedStepCode
 
-        return FixedStepCode(self.dae)
+        return FixedStepCode(self.dae, [path for path, _, _ in self.outputs.values()])
 
     def inputs(self, inputs: Values | None = None) -> np.ndarray:
         """Values of the inputs of the model: their defaults, with those given put in."""
