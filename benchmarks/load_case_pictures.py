@@ -116,7 +116,7 @@ def two_rotors(found: Mapping[Any, Any], path: Path) -> None:
     panels = (("yaw [deg]", ("yaw",)), ("pitch [deg]", ("pitch",)), ("surge [m]", ("surge",)),
               ("power [MW]", ("generator_power_left", "generator_power_right")))  # fmt: skip
     for column, (title, names) in enumerate(panels):
-        for row, (kind, word) in enumerate((("mean", "mean"), ("std", "standard deviation of"))):
+        for row, (kind, word) in enumerate((("mean", "mean"), ("std", "std. deviation of"))):
             axis = axes[4 * row + column]
             for name, color in zip(names, (INK, OTHER), strict=False):
                 scale = 1e-3 if "power" in name else 1.0

@@ -66,6 +66,6 @@ def table(found: dict[LoadCase, Statistics]) -> Table:
     """Mean and standard deviation of RESULTS after SETTLE in each case."""
     rows = []
     for case, statistics in found.items():
-        values = [f"{statistics[name].mean:.4g} and {statistics[name].std:.3g}" for name in RESULTS]
+        values = [f"{statistics[name].mean:.4g} and {statistics[name].std:.4g}" for name in RESULTS]
         rows.append((case.name, f"{case.speed:g}", f"{case.height:g}, {case.period:g}", *values))
     return HEADS, rows
