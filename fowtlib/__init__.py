@@ -29,7 +29,12 @@ def _view(*arguments: Any, **options: Any) -> Any:
     return importlib.import_module("fowtlib.view").view(*arguments, **options)
 
 
+def _export_fmu(*arguments: Any, **options: Any) -> Any:
+    return importlib.import_module("fowtlib.fmi").export_fmu(*arguments, **options)
+
+
 hand_in("view", _view)
+hand_in("export_fmu", _export_fmu)
 
 __all__ = [
     "Assembly",

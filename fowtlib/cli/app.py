@@ -14,10 +14,10 @@ import warnings
 from collections.abc import Sequence
 from typing import NoReturn
 
-from fowtlib.cli import decay, inspection, library, rao, rotor_table, run, stability, view, wind_field
+from fowtlib.cli import decay, export, inspection, library, rao, rotor_table, run, stability, view, wind_field
 from fowtlib.language.errors import ModelError, did_you_mean
 
-GROUPS = (run, view, inspection, stability, decay, rao, rotor_table, wind_field, library)
+GROUPS = (run, export, view, inspection, stability, decay, rao, rotor_table, wind_field, library)
 
 
 class Formatter(argparse.RawDescriptionHelpFormatter):

@@ -320,9 +320,8 @@ class _Assembler:
                 )
                 targets, column = ca.vertcat(targets, ca.vec(action.target)), ca.vertcat(column, value)
             _, _, numbers, _ = self._targets(path, sampled.assignments, [])
-            samples.append(
-                SampledUpdate(ca.SX(sampled.period), ca.SX(sampled.offset), numbers, ca.densify(column), path)
-            )
+            clock = ca.SX(sampled.period), ca.SX(sampled.offset)
+            samples.append(SampledUpdate(*clock, numbers, ca.densify(column), path, sampled.process))
         return _in_order(samples, self.system)
 
     def _checks(self, solved: dict[str, list[ca.SX]]) -> list[Check]:

@@ -9,6 +9,7 @@ import casadi as ca
 import numpy as np
 
 from fowtlib.flattening.system import Input, Parameter
+from fowtlib.language.equations import Process
 from fowtlib.language.errors import NotFoundError, did_you_mean
 
 
@@ -50,13 +51,18 @@ class Event:
 
 @dataclass(frozen=True)
 class SampledUpdate:
-    """Time event every `period` from `offset` on: discretes take the values."""
+    """Time event every `period` from `offset` on: discretes take the values.
+
+    With a `process` its outputs go to the targets instead, and `values` are its inputs. It is called once in every
+    sample, by the run of a simulation, not from inside of any function.
+    """
 
     period: ca.SX
     offset: ca.SX
     targets: list[int]
     values: ca.SX
     path: str
+    process: Process | None = None
 
 
 @dataclass(frozen=True)

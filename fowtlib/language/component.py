@@ -77,6 +77,8 @@ class Component:
     def _compose(self) -> None:
         """Make the declared parts, and those of build()."""
         self.parts, self.connections, self._composing = {}, [], True
+        for table in ("ports", "variables", "_declared"):  # what an earlier build() has declared
+            self.__dict__.pop(table, None)
         try:
             for name, declared in self.declared_parts.items():
                 given = self._given.get(name)
@@ -207,23 +209,40 @@ class Component:
         """Add a part under a name; returns it."""
         if not isinstance(component, Component):
             raise ParameterError(f"{self.label}.{name}: a part is a Component, not {component!r}.")
-        if not name.isidentifier():
-            raise ParameterError(f"{self.label}: '{name}' is not a name; use letters, digits and underscores.")
         if component._parent is not None and component._parent is not self:
             raise ParameterError(
                 f"{component.path} is a part already; make a second {type(component).__name__} instead."
             )
-        known = name in self.parameters or name in self.ports or name in self.variables or name in self.outers
-        if known:
-            raise ParameterError(f"{self.label}.{name} is declared already and cannot be a part.")
-        if hasattr(Component, name) or name in _OWN:
-            raise ParameterError(f"{self.label}: a part cannot be called '{name}', which every component has already.")
+        self._check_new(name, "part")
         component._parent, component._name = self, name
         self.parts[name] = component
         if self._composing and component not in self._given.values():
             for one in component.walk():
                 one._later.clear()  # what build() set, it sets again
         return component
+
+    def declare(self, name: str, annotation: type, field: Port | Variable) -> None:
+        """In build(): a port or variable that only this instance has, as where a file says which there are.
+
+        `self.declare("pitch", RealOutput, port(unit="rad"))` does what `pitch: RealOutput = port(unit="rad")` does in a
+        class body.
+        """
+        self._check_new(name, "port or variable")
+        field.name, field.owner, field.annotation = name, type(self), annotation
+        dimension(field.unit)
+        table = "ports" if isinstance(field, Port) else "variables"
+        object.__setattr__(self, table, {**getattr(self, table), name: field})
+        self._declared = {**self.__dict__.get("_declared", {}), name: field}
+
+    def _check_new(self, name: str, kind: str) -> None:
+        if not name.isidentifier() or name.startswith("_"):
+            raise ParameterError(f"{self.label}: '{name}' is not a name; use letters, digits and underscores.")
+        if any(name in table for table in (self.parameters, self.ports, self.variables, self.outers)):
+            raise ParameterError(f"{self.label}.{name} is declared already and cannot be a {kind}.")
+        if hasattr(Component, name) or name in _OWN:
+            raise ParameterError(
+                f"{self.label}: a {kind} cannot be called '{name}', which every component has already."
+            )
 
     def connect(self, a: PortReference, b: PortReference) -> None:
         """Join two ports of this component or of its parts."""
@@ -293,6 +312,8 @@ class Component:
             return parts[name]
         if name.startswith("_"):
             raise AttributeError(name)
+        if name in self.__dict__.get("_declared", {}):
+            return self._declared[name].__get__(self)
         known = [*parts, *self.parameters, *self.ports, *self.variables]
         raise UnknownAttribute(
             f"{self.label} has no part, port, parameter or variable '{name}'{did_you_mean(name, known)}"

@@ -1,7 +1,7 @@
 """What a floor above hands in, so that a method of a lower floor can offer it without importing upwards.
 
-`Model.view` and `Result.view` belong to the objects that users hold, and the pictures are made two floors above. The
-package fowtlib, which imports before any of its parts, hands the functions in.
+`Model.view`, `Result.view` and `Plant.export_fmu` belong to the objects that users hold, and pictures and FMUs are made
+on a floor above. The package fowtlib, which imports before any of its parts, hands the functions in.
 """
 
 from __future__ import annotations

@@ -151,7 +151,7 @@ class Evaluation:
         return ca.Function("jacobian", arguments, [by_x[:n, :], by_z[:n, :], by_x[n:, :], by_z[n:, :]])
 
     def updater(self, sample: int) -> Callable[..., np.ndarray]:
-        """The new values of the discrete variables of a sampled part, as a function of t, x, z, q."""
+        """What a sampled part computes (see SampledUpdate.values), as a function of t, x, z, q."""
         update = self.function("update", [self.dae.samples[sample].values])
         return lambda *point: np.array(update(*point)).ravel()
 

@@ -757,6 +757,43 @@ EXPORT int fs_observe_rows(fs_instance *s, fs_code function, int rows, int size,
   return status;
 }
 
+/* ode and alg at a point. */
+EXPORT int fs_values(fs_instance *s, double t, const double *x, const double *z, const double *q, double *ode, double *alg) {
+  int status;
+  memcpy(s->q, q, sizeof(double) * (size_t)s->m.given);
+  if ((status = fs_evaluate(s, t, x, z))) return status;
+  memcpy(ode, s->ode, sizeof(double) * (size_t)s->m.states);
+  memcpy(alg, s->alg, sizeof(double) * (size_t)s->m.algebraics);
+  return FS_DONE;
+}
+
+/* Their derivatives at a point, by differences: a column for each state, then for each algebraic unknown, ode before alg.
+   unknown[i] is the unknown of a stage that moves state i. */
+EXPORT int fs_derivatives(fs_instance *s, double t, const double *x, const double *z, const double *q, const int *unknown,
+                          double *columns) {
+  const fs_model *m = &s->m;
+  int nx = m->states, nz = m->algebraics, c, i, status;
+  memcpy(s->q, q, sizeof(double) * (size_t)m->given);
+  memcpy(s->xf2, x, sizeof(double) * (size_t)nx);
+  memcpy(s->zf, z, sizeof(double) * (size_t)nz);
+  if ((status = fs_evaluate(s, t, x, z)) || (status = fs_slopes(s))) return status;
+  fs_look_beside(s);
+  for (c = 0; c < nx + nz; c++, columns += nx + nz) {
+    const fs_moving *moving = c < nx ? &m->of_stage : &m->at_point;
+    double *at = c < nx ? s->xf2 + c : s->zf + c - nx, kept = *at, step;
+    int moved = c < nx ? unknown[c] : c - nx;
+    *at = kept + FS_DIFFERENCE * fs_scale(kept, c < nx ? m->x_nominal[c] : m->z_nominal[c - nx]);
+    step = *at - kept;
+    status = fs_evaluate_beside(s, t, s->xf2, s->zf, moving, moved);
+    *at = kept;
+    if (status) return status;
+    for (i = 0; i < nx; i++) columns[i] = (s->ode2[i] - s->ode[i]) / step;
+    for (i = 0; i < nz; i++) columns[nx + i] = (s->alg2[i] - s->alg[i]) / step;
+    fs_move_back(s, moving, moved);
+  }
+  return FS_DONE;
+}
+
 /* Whether an instance stands at t, x, q, so that it goes on with its own rates. */
 static int fs_stands_at(const fs_instance *s, double t, const double *x, const double *q) {
   return s->started && fabs(t - s->t) <= 1e-9 * s->o.step
@@ -828,10 +865,12 @@ static void fs_lay_matrix(fs_matrix *a, double *memory, size_t *used) {
   }
 }
 
-/* Integers of a matrix: pivot, list and column in one piece. */
+/* Integers of a matrix: pivot, list and column in one piece; how many, and their memory. */
+static size_t fs_integers(const fs_matrix *a) { return 2 * (size_t)a->n + 1 + fs_beside(a); }
+
 static int fs_lay_integers(fs_matrix *a) {
   size_t n = (size_t)a->n;
-  a->pivot = calloc(2 * n + 1 + fs_beside(a), sizeof(int));
+  a->pivot = calloc(fs_integers(a), sizeof(int));
   if (!a->pivot) return 0;
   a->list = a->pivot + n;
   a->column = a->list + n + 1;
@@ -907,4 +946,46 @@ EXPORT void fs_free(fs_instance *s) {
   free(s->q); /* the first of all arrays */
   free(s->arg); free(s->res); free(s->integer); free(s->stage.pivot); free(s->algebraic.pivot);
   free(s);
+}
+
+/* --- an instance as one piece of memory ----------------------------------------------------------------------------
+
+   All arrays of numbers lie in one block, which fs_lay divides, and the integers of a matrix in another, so that a copy of
+   the struct and of these blocks is a copy of the whole state. Pointers are those of the instance that takes the copy;
+   only `past` is in an order of its own. */
+
+EXPORT size_t fs_image_size(const fs_instance *s) {
+  fs_instance copy = *s;
+  return sizeof copy + sizeof(double) * fs_lay(&copy, 0)
+      + sizeof(int) * (fs_integers(&s->stage) + fs_integers(&s->algebraic));
+}
+
+EXPORT void fs_save(const fs_instance *s, void *image) {
+  fs_instance copy = *s;
+  char *to = image;
+  size_t numbers = sizeof(double) * fs_lay(&copy, 0), integers = sizeof(int) * fs_integers(&s->stage);
+  memcpy(to, s, sizeof copy);
+  memcpy(to += sizeof copy, s->q, numbers);
+  memcpy(to += numbers, s->stage.pivot, integers);
+  memcpy(to + integers, s->algebraic.pivot, sizeof(int) * fs_integers(&s->algebraic));
+}
+
+/* From an image of an instance of the same model. */
+EXPORT void fs_restore(fs_instance *s, const void *image) {
+  fs_instance now = *s, saved;
+  const char *from = image;
+  size_t numbers, integers = sizeof(int) * fs_integers(&s->stage);
+  int i;
+  memcpy(&saved, from, sizeof saved);
+  *s = saved;
+  s->m = now.m;
+  s->arg = now.arg; s->res = now.res; s->integer = now.integer;
+  s->stage.pivot = now.stage.pivot; s->stage.list = now.stage.list; s->stage.column = now.stage.column;
+  s->algebraic.pivot = now.algebraic.pivot; s->algebraic.list = now.algebraic.list;
+  s->algebraic.column = now.algebraic.column;
+  numbers = sizeof(double) * fs_lay(s, now.q);
+  for (i = 0; i < FS_HISTORY; i++) s->past[i] = now.q + (saved.past[i] - saved.q);
+  memcpy(now.q, from += sizeof saved, numbers);
+  memcpy(s->stage.pivot, from += numbers, integers);
+  memcpy(s->algebraic.pivot, from + integers, sizeof(int) * fs_integers(&s->algebraic));
 }

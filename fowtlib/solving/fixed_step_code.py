@@ -90,6 +90,8 @@ def runtime() -> c.CDLL:
         "free": (None, [pointer]),
         "consistent": (c.c_int, [pointer, number, *[pointer] * 3]),
         "observe": (c.c_int, [pointer, pointer, c.c_int, number, *[pointer] * 4]),
+        "values": (c.c_int, [pointer, number, *[pointer] * 5]),
+        "derivatives": (c.c_int, [pointer, number, *[pointer] * 5]),
         "observe_rows": (c.c_int, [pointer, pointer, c.c_int, c.c_int, *[pointer] * 5]),
         "advance": (c.c_int, [pointer, number, number, c.c_int, *[pointer] * 6]),
         "failure": (None, [pointer] * 5),
@@ -174,11 +176,8 @@ class FixedStepCode:
         return None if status else values
 
     def _moving(self, masks: list[int], unknowns: int) -> Moving:
-        """The pieces that depend on each unknown."""
-        last = self.program.starts[len(self.dae.levels) + 1]  # behind the residual
-        pieces = [[piece for piece, mask in enumerate(masks[:last]) if mask >> k & 1] for k in range(unknowns)]
-        first = np.cumsum([0, *map(len, pieces)])
-        return Moving(self.integers(first), self.integers([piece for some in pieces for piece in some]))
+        first, pieces = moved_pieces(self.program, len(self.dae.levels), masks, unknowns)
+        return Moving(self.integers(first), self.integers(pieces))
 
     def address(self, name: str) -> int:
         """Where a function or table of the generated code is."""
@@ -259,6 +258,13 @@ class FixedStepCode:
         return c.cast(self._alive[-1], c.c_void_p).value
 
 
+def moved_pieces(program: Program, levels: int, masks: list[int], unknowns: int) -> tuple[list[int], list[int]]:
+    """The pieces that depend on each unknown, one after the other, and where those of each unknown begin."""
+    last = program.starts[levels + 1]  # behind the residual
+    pieces = [[piece for piece, mask in enumerate(masks[:last]) if mask >> k & 1] for k in range(unknowns)]
+    return [0, *np.cumsum([*map(len, pieces)]).tolist()], [piece for some in pieces for piece in some]
+
+
 def model_text(dae: FlatDAE, reduced: Reduction, observed: Sequence[str]) -> tuple[str, Program, int]:
     """C text, its program of the inputs of the externals, level by level, and the residual, and its scratch memory.
 
@@ -320,6 +326,13 @@ def _slope_pattern(function: ca.Function) -> ca.Sparsity | None:
     if isinstance(function, LibraryFunction) and hasattr(c.CDLL(str(function.path)), f"jac_{function.name()}"):
         return function.jacobian().sparsity_out(0)
     return None
+
+
+def library_sizes(function: LibraryFunction) -> tuple[list[int], bool]:
+    """Arguments, results, integers and reals that a function of a library and its Jacobian need; whether it has one."""
+    library, name = c.CDLL(str(function.path)), function.name()
+    names = [name] + [f"jac_{name}"] * hasattr(library, f"jac_{name}")
+    return np.max([_work(library, each) for each in names], axis=0).tolist(), len(names) > 1
 
 
 def _symbol(library: c.CDLL, name: str) -> int:

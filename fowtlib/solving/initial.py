@@ -66,12 +66,27 @@ def initial_values(evaluation: Evaluation, t: float, x: np.ndarray, z: np.ndarra
     return unpack(solution.values)
 
 
+def initial_matching(dae: FlatDAE) -> tuple[list[int], list[int]]:
+    """The initial equations and, for each, the state whose start value gives way to it."""
+    if not dae.initial_equations.shape[0]:
+        return [], []
+    _, chosen, match = _matched_states(dae, set())
+    return list(range(len(match))), [chosen[k] for k in match]
+
+
 def _freed_states(dae: FlatDAE, given: set[int]) -> tuple[list[int], list[int]]:
     """The initial equations that hold, and the states whose start values give way to them.
 
     States of the component that writes an equation come first, then those without a start value; fixed ones never give
     way. An equation that only a state with a `given` value could satisfy is left out: the user's value counts more.
     """
+    n, chosen, match = _matched_states(dae, given)
+    kept = [r for r in range(n) if chosen[match[r]] not in given]
+    return kept, sorted(c for c in chosen if c not in given)
+
+
+def _matched_states(dae: FlatDAE, given: set[int]) -> tuple[int, list[int], np.ndarray]:
+    """How many initial equations there are, the states that give way, and which of these for each equation."""
     n = dae.initial_equations.shape[0]
     pattern = ca.Function("i", [dae.x, dae.z], [dae.initial_equations], {"allow_free": True})
     members: list[set[int]] = [set() for _ in range(n)]
@@ -101,8 +116,7 @@ def _freed_states(dae: FlatDAE, given: set[int]) -> tuple[list[int], list[int]]:
             + ", ".join(dae.initial_sources[:5])
             + ". Remove an initial equation, or the fixed=True of a state."
         )
-    kept = [r for r in range(n) if chosen[match[r]] not in given]
-    return kept, sorted(c for c in chosen if c not in given)
+    return n, chosen, match
 
 
 def failure_text(dae: FlatDAE, solution: NewtonResult, what: str) -> str:

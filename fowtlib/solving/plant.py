@@ -15,6 +15,7 @@ from fowtlib.language.declarations import join
 from fowtlib.language.errors import NotFoundError, ParameterError, SimulationError, did_you_mean
 from fowtlib.language.externals import refusals_explained
 from fowtlib.language.units import from_si, to_si
+from fowtlib.language.upstairs import handed_in
 from fowtlib.solving.engine import create_engine
 from fowtlib.solving.equilibrium import equilibrium
 from fowtlib.solving.evaluation import Evaluation
@@ -320,6 +321,11 @@ class Plant:
         scale = np.array(factors)[:, None] if factors else np.zeros((0, 1))
         C, D = (by_x[out] + by_z[out] @ dz[:, :nx]) * scale, (by_u[out] + by_z[out] @ dz[:, nx:]) * scale
         return LinearModel(A, B, C, D, [s.path for s in dae.states], labels, out_labels, units)
+
+    @refusals_explained()
+    def export_fmu(self, path: str | Path | None = None, **options: Any) -> Path:
+        """Write a Functional Mock-up Unit, `<name>.fmu` unless a path is given; see fowtlib.fmi.export_fmu."""
+        return handed_in("export_fmu")(self, path, **options)
 
     def _positions(self) -> dict[str, dict[str, tuple[int, int]]]:
         """First element and length of each input in u and of each parameter in p."""

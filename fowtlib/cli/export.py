@@ -1,0 +1,56 @@
+"""`fowt export`: a model as a Functional Mock-up Unit."""
+
+from __future__ import annotations
+
+import argparse
+from pathlib import Path
+from typing import Any
+
+from fowtlib.cli import loading
+from fowtlib.cli.files import check_target, say_saved
+from fowtlib.cli.run import positive
+
+EXAMPLES = """An FMU holds the model, its start values, the sources and a compiled library.
+Its parameters can be set by whoever runs it: a new length or gain needs no new
+export. The wind, the waves and --set are those of this command.
+
+examples:
+  fowt export oc3_spar_rigid
+  fowt export oc3_spar --fmi 2 --kind cs --wind steady:8 -o spar.fmu
+  fowt export oc3_spar --platforms linux64,win64
+"""
+
+
+def declare(commands: Any) -> None:
+    """Add the command of this module."""
+    parser = commands.add_parser("export", help="write a model as an FMU for other programs", epilog=EXAMPLES)
+    loading.declare(parser)
+    parser.add_argument("--fmi", default="3", metavar="VERSION", help="2 (FMI 2.0) or 3 (FMI 3.0); default: 3")
+    parser.add_argument(
+        "--kind", default="both", metavar="KIND",
+        help="me: the importer integrates; cs: the fixed-step solver inside; default: both",
+    )  # fmt: skip
+    parser.add_argument(
+        "--platforms", metavar="NAMES", help="linux64,win64,darwin; default: this machine's; others need ziglang"
+    )
+    parser.add_argument("--step", metavar="T", help="cs: step of the solver [s], or 12.5ms")
+    parser.add_argument("--tolerance", type=positive, metavar="RTOL", help="cs: of the solver, relative")
+    parser.add_argument("-o", "--output", type=Path, metavar="FILE", help="the archive, .fmu; default: MODEL.fmu")
+    parser.set_defaults(action=run)
+
+
+def run(arguments: argparse.Namespace) -> int:
+    """Compile the model, write the archive, and say how large it is."""
+    from fowtlib.cli.tables import console
+
+    check_target(arguments.output, (".fmu",))
+    platforms = arguments.platforms.split(",") if arguments.platforms is not None else None
+    screen = console(stderr=True)
+    with screen.status("model") as status:
+        plant = loading.load(arguments).compile()
+        path = plant.export_fmu(
+            arguments.output, fmi=arguments.fmi, kind=arguments.kind, platforms=platforms, step=arguments.step,
+            tolerance=arguments.tolerance, progress=status.update,
+        )  # fmt: skip
+    say_saved(path)
+    return 0

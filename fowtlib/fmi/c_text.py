@@ -1,0 +1,117 @@
+"""The C text of a model for an FMU: its functions, its tables, and the code of its external functions."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass, field
+from pathlib import Path
+
+import casadi as ca
+
+from fowtlib.flattening import FlatDAE
+from fowtlib.fmi.c_tables import Tables, column, libraries
+from fowtlib.fmi.variables import Variables
+from fowtlib.language.errors import CompilerError, StructureError
+from fowtlib.language.externals import LibraryFunction
+from fowtlib.language.native import EXPORT
+from fowtlib.language.tables import SplineFunction
+from fowtlib.solving import fixed_step
+from fowtlib.solving.c_code import Program, c_program
+from fowtlib.solving.fixed_step_code import OUT, model_text
+from fowtlib.solving.reduction import reduction
+from fowtlib.solving.state import State
+
+
+@dataclass
+class Sources:
+    """Files of the folder sources/, which of them are compiled with which optimization, and the resources."""
+
+    files: dict[str, str] = field(default_factory=dict)
+    units: list[tuple[str, str]] = field(default_factory=list)  # file, optimization
+    tables: bytes = b""
+    resources: dict[str, Path] = field(default_factory=dict)
+
+
+def c_sources(variables: Variables, start: State, interface: int, identity: tuple[str, str]) -> Sources:
+    """All C text of an FMU; interface: 2 or 3; identity: name of the model and its token."""
+    dae, sources = variables.plant.dae, Sources()
+    refuse_python(dae)
+    functions, program, scratch = _functions(variables, dae)
+    sources.files["model.c"] = "#define D const double\n" + functions.replace("  const double a", "  D a")
+    tables = Tables(variables, start, program, scratch, identity)
+    sources.files["tables.h"] = tables.text()
+    sources.tables = tables.packed()
+    sources.resources = tables.resources
+    solving, here = Path(fixed_step.__file__).parent, Path(__file__).parent
+    parts = ("spline.c", "fixed_step.c", "fmu.h", "tables.h", "fmu_core.c", f"fmi{interface}.c")
+    for name in parts:
+        if name != "tables.h":
+            folder = solving if name in ("spline.c", "fixed_step.c") else here
+            sources.files[name] = (folder / name).read_text(encoding="utf-8")
+    includes = "".join(f'#include "{part}"\n' for part in parts)
+    sources.files["fmu.c"] = f"#define EXPORT static\n{includes}"
+    sources.units = [("fmu.c", "-O3"), ("model.c", "-O1")]
+    for number, path in enumerate(dict.fromkeys(libraries(dae).values())):
+        sources.files[f"external_{number}.c"] = _source_of(path)
+        sources.units.append((f"external_{number}.c", "-O2"))
+    return sources
+
+
+def refuse_python(dae: FlatDAE) -> None:
+    """StructureError where a part of the model is Python code."""
+    for external in dae.externals:
+        if not isinstance(external.function, SplineFunction | LibraryFunction):
+            raise StructureError(
+                f"{external.path or 'the model'}: the external function {external.function.name()} is Python code, "
+                "which cannot go into an FMU. Give it a C source or a shared library with its source beside it."
+            )
+
+
+def _source_of(path: Path) -> str:
+    """The C text of a library, which lies beside it; what it exports is hidden inside of the FMU."""
+    source = path.with_suffix(".c")
+    if not source.is_file():
+        raise CompilerError(
+            f"the external function of the library {path} cannot go into an FMU: its source {source} is not there."
+        )
+    return "#define EXPORT\n" + source.read_text(encoding="utf-8").removeprefix(EXPORT)
+
+
+def _functions(variables: Variables, dae: FlatDAE) -> tuple[str, Program, int]:
+    """C text of all functions and of their derivatives along a direction; the engine's program; scratch memory."""
+    text, program, scratch = model_text(dae, reduction(dae), variables.observed)
+    q = ca.vertcat(dae.u, dae.d, dae.p)
+    arguments = [dae.t, dae.x, dae.z, q, dae.w]
+    checks = ca.vertcat(*[check.condition for check in dae.checks])
+    told = ca.vertcat(*[value for check in dae.checks for value in check.values.values()])
+    outputs, indicators = column(variables.output_expressions), column([e.indicator for e in dae.events])
+    starts = column([q.start for group in (dae.states, dae.algebraics, dae.discretes) for q in group])
+    clocks = column([*(s.period for s in dae.samples), *(s.offset for s in dae.samples)])
+    initials = ca.densify(dae.initial_equations)
+    plain: list[tuple[str, list[ca.SX]]] = [
+        ("indicators", [indicators]), ("checks", [checks, told]), ("starts", [starts]), ("clocks", [clocks]),
+        ("initials", [initials]),
+        *((f"action_{k}", [e.state_values, e.discrete_values]) for k, e in enumerate(dae.events)),
+    ]  # fmt: skip
+    seeds = [ca.SX.sym(f"d{name}", value.shape[0]) for name, value in zip("xzqw", arguments[1:], strict=True)]
+    moved: list[tuple[str, list[ca.SX]]] = [
+        *((f"forward_level_{k}", [_level(dae, members)]) for k, members in enumerate(dae.levels)),
+        ("forward_model", [dae.ode, dae.alg]), ("forward_outputs", [outputs, indicators]),
+        ("forward_initials", [initials]),
+    ]  # fmt: skip
+    along, direction = ca.vertcat(*arguments[1:]), ca.vertcat(*seeds)
+    slopes = [(name, [ca.jtimes(ca.densify(e), along, direction) for e in expressions]) for name, expressions in moved]
+    texts = ["#define EXPORT\n", text]
+    for inside, names, functions in (
+        (arguments, [*"txzqw"], plain), ([*arguments, *seeds], [*"txzqw", "dx", "dz", "dq", "dw"], slopes)
+    ):  # fmt: skip
+        for name, expressions in functions:
+            function = ca.Function(name, inside, [ca.densify(e) for e in expressions], {"cse": True})
+            alone = c_program(function, [(name, OUT[: len(expressions)])], names, OUT)
+            texts.append(alone.text)
+            scratch = max(scratch, alone.scratch)
+    return "".join(texts), program, scratch
+
+
+def _level(dae: FlatDAE, members: Sequence[int]) -> ca.SX:
+    return ca.vertcat(*[ca.vec(ca.densify(dae.externals[k].inputs)) for k in members])
