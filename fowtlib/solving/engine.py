@@ -83,6 +83,6 @@ def _step(step: float, output_step: float) -> float:
     if step > output_step * (1 + 1e-9):
         raise ParameterError(
             f"the step of the solver 'fixed', {step:g} s, is longer than the output step, {output_step:g} s. "
-            "Give a shorter step or a longer output step."
+            "Give a shorter step (--step) or a longer output step (--output-step)."
         )
     return step
