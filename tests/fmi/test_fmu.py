@@ -10,6 +10,7 @@ import math
 import zipfile
 from pathlib import Path
 
+import fmpy
 import numpy as np
 import pytest
 from fmpy.fmi1 import FMICallException
@@ -78,6 +79,24 @@ def test_model_structure_has_the_true_dependencies(unit):
     assert known["loop"] == {"machine.place", "machine.push"}
     assert known["height"] == {"machine.height"}
     assert known["command"] == set()
+
+
+def test_terminals_and_build_description_follow_their_schemas(spar_unit):
+    """FMI 3.0: the results and inputs of each part are one bus."""
+    from lxml import etree
+
+    schemas = Path(fmpy.__file__).parent / "schema" / "fmi3"
+    for schema, file in (
+        ("fmi3TerminalsAndIcons.xsd", "terminalsAndIcons/terminalsAndIcons.xml"),
+        ("fmi3BuildDescription.xsd", "sources/buildDescription.xml"),
+    ):
+        document = etree.parse(str(Path(spar_unit.folder, file)))
+        etree.XMLSchema(etree.parse(str(schemas / schema))).assertValid(document)
+    document = etree.parse(str(Path(spar_unit.folder, "terminalsAndIcons", "terminalsAndIcons.xml")))
+    buses = {bus.get("name"): [member.get("variableName") for member in bus] for bus in document.iter("Terminal")}
+    assert set(buses) == {"platform", "turbine", "sea", "wind"}
+    assert "surge" in buses["platform"] and "turbine.yaw" in buses["turbine"]
+    assert set().union(*buses.values()) <= spar_unit.reference.keys()
 
 
 def test_symbols_are_hidden(unit):
