@@ -32,6 +32,7 @@ LIBRARY_MAY_IMPORT = {
     "scipy",
     "casadi",  # only to make the Function that external() takes
     "capytaine",  # the optional pre-processor of hydrodynamic databases
+    "fmpy",  # the optional runner of FMUs, which are sampled parts
 }
 SLOW_OR_OPTIONAL = {"matplotlib", "yaml", "pandas", "pint", "xarray", "rich", "networkx", "capytaine", "fmpy"}
 LONGEST_COMPONENT = 60

@@ -1,6 +1,7 @@
-"""Control of the turbine: blade pitch, generator torque, yaw control by pitch, generator."""
+"""Control of the turbine: blade pitch, generator torque, yaw control by pitch, generator; libraries."""
 
 from fowtlib.components.servo.baseline import BaselineController
+from fowtlib.components.servo.bladed import BladedController
 from fowtlib.components.servo.generator import Generator
 from fowtlib.components.servo.pitch_controller import FLOATING_GAINS, ONSHORE_GAINS, PitchController
 from fowtlib.components.servo.sampled import SampledPitchController, SampledTorqueController
@@ -11,6 +12,7 @@ __all__ = [
     "FLOATING_GAINS",
     "ONSHORE_GAINS",
     "BaselineController",
+    "BladedController",
     "Generator",
     "PitchController",
     "SampledPitchController",

@@ -186,7 +186,7 @@ class _Check:
             for action in item.actions:
                 yield from ((path, pair) for pair in _pairs(item.source, action.target, action.value, _ASSIGNED))
         for path, item in written.sampled:
-            for action in item.assignments:
+            for action in item.assignments if item.process is None else ():
                 yield from ((path, pair) for pair in _pairs(item.source, action.target, action.value, _ASSIGNED))
         for path, item in written.assertions:
             yield path, _Pair(item.source, item.condition, None)

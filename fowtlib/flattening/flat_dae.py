@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import dataclass, field
 from functools import cached_property
 
@@ -9,6 +10,7 @@ import casadi as ca
 import numpy as np
 
 from fowtlib.flattening.system import Input, Parameter
+from fowtlib.language.equations import Process
 from fowtlib.language.errors import NotFoundError, did_you_mean
 
 
@@ -50,13 +52,18 @@ class Event:
 
 @dataclass(frozen=True)
 class SampledUpdate:
-    """Time event every `period` from `offset` on: discretes take the values."""
+    """Time event every `period` from `offset` on: discretes take the values.
+
+    With a `process` its outputs go to the targets instead, and `values` are its inputs. It is called once in every
+    sample, by the run of a simulation, not from inside of any function.
+    """
 
     period: ca.SX
     offset: ca.SX
     targets: list[int]
     values: ca.SX
     path: str
+    process: Process | None = None
 
 
 @dataclass(frozen=True)
@@ -102,9 +109,14 @@ class FlatDAE:
     events: list[Event] = field(default_factory=list)
     samples: list[SampledUpdate] = field(default_factory=list)
     checks: list[Check] = field(default_factory=list)
-    equation_table: list[tuple[str, str, str]] = field(default_factory=list)
+    write_equations: Callable[[], list[tuple[str, str, str]]] = list
     initial_sources: list[str] = field(default_factory=list)
     stats: dict[str, float] = field(default_factory=dict)
+
+    @cached_property
+    def equation_table(self) -> list[tuple[str, str, str]]:
+        """The equations as components wrote them: path of the component, text of the left and of the right side."""
+        return self.write_equations()
 
     @cached_property
     def state_number(self) -> dict[str, int]:

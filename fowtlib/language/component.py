@@ -67,6 +67,8 @@ class Component:
         self.connections: list[tuple[PortReference, PortReference, str]] = []
         self._given = {name: value for name, value in modifiers.items() if name in self.declared_parts}
         self._composed: tuple[int, int] | None = None
+        self._composing = False
+        self._later: set[str] = set()  # parameters set from outside, after this component was made
         for name, value in modifiers.items():
             if name not in self._given:
                 self._set(name, value)
@@ -74,11 +76,16 @@ class Component:
 
     def _compose(self) -> None:
         """Make the declared parts, and those of build()."""
-        self.parts, self.connections = {}, []
-        for name, declared in self.declared_parts.items():
-            given = self._given.get(name)
-            self.add(name, declared.component_class(**_bound(declared.modifiers, self)) if given is None else given)
-        self.build()
+        self.parts, self.connections, self._composing = {}, [], True
+        for table in ("ports", "variables", "_declared"):  # what an earlier build() has declared
+            self.__dict__.pop(table, None)
+        try:
+            for name, declared in self.declared_parts.items():
+                given = self._given.get(name)
+                self.add(name, declared.component_class(**_bound(declared.modifiers, self)) if given is None else given)
+            self.build()
+        finally:
+            self._composing = False
         self._composed = (len(self.parts), len(self.connections))
 
     # --- what authors override -----------------------------------------------------------------------------------
@@ -115,6 +122,8 @@ class Component:
             raise ParameterError(f"{self.label} has no parameter '{name}'{did_you_mean(name, self.parameters)}")
         was_set = name in self._values
         self._values[name] = self._checked(field, value)
+        if self._composed is not None and not any(one._composing for one in (self, *self.enclosing())):
+            self._later.add(name)
         if self._composed is not None and not (was_set and field.tunable):
             self._compose_again(name)
 
@@ -122,12 +131,33 @@ class Component:
         """A parameter that may decide about parts has changed after they were made."""
         if type(self).build is Component.build and not self.declared_parts:
             return
-        if self._composed != (len(self.parts), len(self.connections)):
-            raise ParameterError(
-                f"{self.label}.{name} cannot be changed any more, because parts were added to {self.label} by hand; "
-                f"give it to the constructor of {type(self).__name__}."
-            )
+        owned = [one for one in self.parts.values() if one not in self._given.values()]
+        made = [inner for one in owned for inner in one.walk()]
+        for one in (self, *made):
+            if one._composed != (len(one.parts), len(one.connections)):
+                raise ParameterError(
+                    f"{self.label}.{name} cannot be changed any more, because parts were added to {one.label} by hand; "
+                    f"give it to the constructor of {type(self).__name__}."
+                )
+        kept = [(one.path, one) for one in made if one._later]
         self._compose()
+        for path, old in kept:  # values that parts got from outside are not lost with the old parts
+            self._keep(path.removeprefix(f"{self.path}."), old, name)
+
+    def _keep(self, path: str, old: Component, cause: str) -> None:
+        """Give the part at a path the values that its predecessor got from outside."""
+        new: Component | None = self
+        for step in path.split("."):
+            new = new.parts.get(step) if new is not None else None
+        for name in sorted(old._later):
+            if new is None or name not in new.parameters:
+                raise ParameterError(
+                    f"{self.label}.{cause} decides how {self.label} is built, and with its new value there is no "
+                    f"'{path}.{name}', which was given a value before; set {cause} first."
+                )
+            setattr(new, name, old._values[name])
+            new._later.add(name)
+            new.origins.update({name: old.origins[name]} if name in old.origins else {})
 
     def _checked(self, field: Parameter, value: Any) -> Any:
         where = join(self.path or type(self).__name__, field.name)
@@ -179,20 +209,40 @@ class Component:
         """Add a part under a name; returns it."""
         if not isinstance(component, Component):
             raise ParameterError(f"{self.label}.{name}: a part is a Component, not {component!r}.")
-        if not name.isidentifier():
-            raise ParameterError(f"{self.label}: '{name}' is not a name; use letters, digits and underscores.")
         if component._parent is not None and component._parent is not self:
             raise ParameterError(
                 f"{component.path} is a part already; make a second {type(component).__name__} instead."
             )
-        known = name in self.parameters or name in self.ports or name in self.variables or name in self.outers
-        if known:
-            raise ParameterError(f"{self.label}.{name} is declared already and cannot be a part.")
-        if hasattr(Component, name) or name in _OWN:
-            raise ParameterError(f"{self.label}: a part cannot be called '{name}', which every component has already.")
+        self._check_new(name, "part")
         component._parent, component._name = self, name
         self.parts[name] = component
+        if self._composing and component not in self._given.values():
+            for one in component.walk():
+                one._later.clear()  # what build() set, it sets again
         return component
+
+    def declare(self, name: str, annotation: type, field: Port | Variable) -> None:
+        """In build(): a port or variable that only this instance has, as where a file says which there are.
+
+        `self.declare("pitch", RealOutput, port(unit="rad"))` does what `pitch: RealOutput = port(unit="rad")` does in a
+        class body.
+        """
+        self._check_new(name, "port or variable")
+        field.name, field.owner, field.annotation = name, type(self), annotation
+        dimension(field.unit)
+        table = "ports" if isinstance(field, Port) else "variables"
+        object.__setattr__(self, table, {**getattr(self, table), name: field})
+        self._declared = {**self.__dict__.get("_declared", {}), name: field}
+
+    def _check_new(self, name: str, kind: str) -> None:
+        if not name.isidentifier() or name.startswith("_"):
+            raise ParameterError(f"{self.label}: '{name}' is not a name; use letters, digits and underscores.")
+        if any(name in table for table in (self.parameters, self.ports, self.variables, self.outers)):
+            raise ParameterError(f"{self.label}.{name} is declared already and cannot be a {kind}.")
+        if hasattr(Component, name) or name in _OWN:
+            raise ParameterError(
+                f"{self.label}: a {kind} cannot be called '{name}', which every component has already."
+            )
 
     def connect(self, a: PortReference, b: PortReference) -> None:
         """Join two ports of this component or of its parts."""
@@ -262,6 +312,8 @@ class Component:
             return parts[name]
         if name.startswith("_"):
             raise AttributeError(name)
+        if name in self.__dict__.get("_declared", {}):
+            return self._declared[name].__get__(self)
         known = [*parts, *self.parameters, *self.ports, *self.variables]
         raise UnknownAttribute(
             f"{self.label} has no part, port, parameter or variable '{name}'{did_you_mean(name, known)}"

@@ -8,6 +8,7 @@ from dataclasses import dataclass, field
 from typing import Any, Protocol
 
 import casadi as ca
+import numpy as np
 
 from fowtlib.language.errors import StructureError
 
@@ -106,6 +107,33 @@ class Assign:
     is_reinit: bool = False
 
 
+class Session(Protocol):
+    """One run of a process: what it remembers from sample to sample lives here."""
+
+    def step(self, t: float, inputs: np.ndarray) -> np.ndarray:
+        """Outputs that hold from the sample at t [s] on, from the inputs at that instant; ModelError where it fails."""
+
+    def close(self) -> None:
+        """Free what the run has used; called once, also after a failure."""
+
+
+class Process(Protocol):
+    """Something with a memory that is not written as equations: a co-simulation FMU, the library of a controller."""
+
+    def start(self) -> Session:
+        """A fresh session, independent of all others; called once in a simulation, at the first sample."""
+
+
+@dataclass(slots=True)
+class Call:
+    """At a sample: `target` (discrete variables) takes the outputs of a process at `value`, its inputs."""
+
+    target: ca.SX
+    value: ca.SX
+    process: Process
+    is_reinit: bool = False
+
+
 @dataclass(slots=True)
 class When:
     """Actions at the instant at which a condition becomes true."""
@@ -117,12 +145,17 @@ class When:
 
 @dataclass(slots=True)
 class Sampled:
-    """Assignments at multiples of a period."""
+    """Assignments at multiples of a period, or one call of a process."""
 
     period: Any
     offset: Any
-    assignments: tuple[Assign, ...]
+    assignments: tuple[Assign | Call, ...]
     source: str
+
+    @property
+    def process(self) -> Process | None:
+        """The process that is called; None where there are assignments only."""
+        return next((item.process for item in self.assignments if isinstance(item, Call)), None)
 
 
 @dataclass(slots=True)
@@ -201,6 +234,21 @@ def assign(target: Any, value: Any) -> Assign:
     return Assign(*_pair(target, value))
 
 
+def call(target: Any, process: Process, inputs: Any) -> Call:
+    """In `sampled`, alone: the discrete variables `target` take the outputs of a process with a memory of its own.
+
+    It is called exactly once in every sample, between the steps of the solver, with the numbers of `inputs`. A list of
+    targets or of inputs is read as one column.
+    """
+    return Call(_joined(target), _joined(inputs), process)
+
+
+def _joined(items: Any) -> ca.SX:
+    if not isinstance(items, (list, tuple)):
+        return ca.vec(_column(items))
+    return ca.vertcat(*[ca.vec(_column(item)) for item in items]) if items else ca.SX(0, 1)
+
+
 def reinit(state: Any, value: Any) -> Assign:
     """In `when`: the state jumps to `value`."""
     return Assign(*_pair(state, value), is_reinit=True)
@@ -211,8 +259,13 @@ def when(condition: Any, *actions: Assign) -> When:
     return When(_column(condition), actions, source_line())
 
 
-def sampled(period: Any, *assignments: Assign, offset: Any = 0.0) -> Sampled:
-    """Assignments carried out every `period` seconds, in order; each sees the values assigned before it."""
+def sampled(period: Any, *assignments: Assign | Call, offset: Any = 0.0) -> Sampled:
+    """Assignments carried out every `period` seconds, in order; each sees the values assigned before it.
+
+    Instead of assignments it takes one `call` of a process.
+    """
+    if len(assignments) > 1 and any(isinstance(item, Call) for item in assignments):
+        raise StructureError("a sampled() with a call() has nothing else in it; write a second sampled().")
     return Sampled(period, offset, assignments, source_line())
 
 

@@ -65,9 +65,9 @@ class FixedStep:
         return consistent_algebraics(self.evaluation, t, x, z, q) if status else new
 
     def updater(self, sample: int) -> Callable[..., np.ndarray]:
-        """The new values of the discrete variables of a sampled part, as a function of t, x, z, q."""
+        """What a sampled part computes (see SampledUpdate.values), as a function of t, x, z, q."""
         function, outputs = self.code.address(f"sample_{sample}"), self.code.samples_need_outputs[sample]
-        count = len(self.code.dae.samples[sample].targets)
+        count = self.code.dae.samples[sample].values.numel()
 
         def update(t: float, x: np.ndarray, z: np.ndarray, q: np.ndarray) -> np.ndarray:
             self.code.raised.clear()

@@ -41,7 +41,7 @@ class FixedStepTwin:
         return consistent_algebraics(self.evaluation, t, x, z, q)
 
     def updater(self, sample: int) -> Callable[..., np.ndarray]:
-        """The new values of the discrete variables of a sampled part, as a function of t, x, z, q."""
+        """What a sampled part computes (see SampledUpdate.values), as a function of t, x, z, q."""
         return self.evaluation.updater(sample)
 
     def advance(

@@ -20,6 +20,7 @@ from fowtlib.solving.initial import consistent_algebraics
 from fowtlib.solving.interrupts import deferred_interrupt
 from fowtlib.solving.observation import Observation
 from fowtlib.solving.results import Observer, RawTrajectory, Result, parameter_hash
+from fowtlib.solving.sessions import Sessions
 from fowtlib.solving.state import State
 
 if TYPE_CHECKING:
@@ -44,6 +45,7 @@ class Simulation:
         self.resumed = resumed
         self.engine = engine
         self.evaluation = plant.evaluation(parameters)
+        self.sessions = Sessions(self.dae, resumed)
         self.names = list(plant.outputs) if outputs is None else list(outputs)
         self.t = start.t
         self.x, self.z, self.d, self.u = start.x.copy(), start.z.copy(), start.d.copy(), start.u.copy()
@@ -120,6 +122,8 @@ class Simulation:
             raise self._stopped(Interrupted(f"interrupted at t = {self.t:g} s.")) from None
         except SimulationError as error:
             raise self._stopped(error) from None
+        finally:
+            self.sessions.close()
         self.wall_time = clock.perf_counter() - began
         return self.result("finished.")
 
@@ -327,8 +331,9 @@ class Simulation:
         if not due:
             return
         for k in due:
-            self.d[self.dae.samples[k].targets] = self.updates[k](self.t, self.x, self.z, self.q)
+            sample, values = self.dae.samples[k], self.updates[k](self.t, self.x, self.z, self.q)
             offset, period, n = self.clocks[k]
+            self.d[sample.targets] = self.sessions.step(k, offset + n * period, values) if sample.process else values
             self.clocks[k] = (offset, period, n + 1)
         self.z = self.engine.algebraics(self.t, self.x, self.z, self.q)
         if self.dae.events:
