@@ -56,7 +56,7 @@ def chosen(names: Sequence[str] | None) -> list[str]:
 def compile_binary(folder: Path, units: Sequence[tuple[str, str]], name: str, out: Path) -> Path:
     """The shared library of the sources in `folder` for a platform; units: file and optimization."""
     command, windows = _command(name), PLATFORMS[name].ending == ".dll"
-    flags = FLAGS if windows else (*FLAGS, "-fPIC")  # a library of Windows is always movable, and clang refuses the option
+    flags = FLAGS if windows else (*FLAGS, "-fPIC")  # those of Windows are always movable
     objects = [folder / f"{unit}.{name}.o" for unit, _ in units]
 
     def compile_one(place: int) -> None:
