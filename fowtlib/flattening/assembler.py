@@ -7,16 +7,17 @@ from collections.abc import Sequence
 from typing import Any
 
 import casadi as ca
+import numpy as np
 
 from fowtlib.flattening.aliases import eliminate_aliases
 from fowtlib.flattening.causalization import Causal, Causalization
 from fowtlib.flattening.diagnosis import check_structure
-from fowtlib.flattening.flat_dae import Check, Event, External, FlatDAE, Quantity, SampledUpdate
+from fowtlib.flattening.flat_dae import Check, Event, External, FlatDAE, Quantity, Ring, SampledUpdate
 from fowtlib.flattening.incidence import Incidence
 from fowtlib.flattening.index_reduction import IndexReduction
 from fowtlib.flattening.instances import Instances, Statements
 from fowtlib.flattening.orientations import resolve_orientations
-from fowtlib.flattening.system import System, element_names, residuals, scalars
+from fowtlib.flattening.system import System, element_names, residuals, scalars, with_names
 from fowtlib.language.component import Component
 from fowtlib.language.equations import place
 from fowtlib.language.errors import StructureError
@@ -50,18 +51,23 @@ class _Assembler:
         system = self.system
         self.original = len(system.equations)
         written = system.equations if self.original <= 5000 else []
-        table = [(e.path, system.text(e.lhs), system.text(e.rhs)) for e in written]
+        written = [(e.path, e.lhs, e.rhs) for e in written]
+        names = system.written_names
         self._fold_constant_orientations()
         self.replaced = self._eliminate_aliases()
-        live = self._live()
-        check_structure(system, live, Incidence(system))
-        reduction = IndexReduction(system, set(live))
+        incidence = Incidence(system)
+        rows = incidence.rows(residuals(system.equations))
+        live = self._live(rows)
+        check_structure(system, live, rows)
+        reduction = IndexReduction(system, set(live), incidence, rows)
         states = reduction.run()
         bases = set(live)
         everything = [j for j, v in enumerate(system.unknowns) if v.base in bases and j not in self.replaced]
-        causal = Causalization(system, states, everything).run()
+        causal = Causalization(system, states, everything, incidence).run()
         dae = self._build(states, causal, everything)
-        dae.equation_table = table
+        dae.write_equations = lambda: [
+            (path, with_names(left, names), with_names(right, names)) for path, left, right in written
+        ]
         dae.stats |= {
             "equations": self.original,
             "aliases": len(self.replaced),
@@ -114,6 +120,7 @@ class _Assembler:
             slots += [(action, name) for action in when.actions for name in ("target", "value")]
         for _, sampled in statements.sampled:
             slots += [(action, name) for action in sampled.assignments for name in ("target", "value")]
+        slots += [(statement, "angle") for _, statement in statements.rings]
         slots += [(system.rates, key) for key in system.rates]
         slots += [(system.aliases, path) for path in system.aliases]
         values = [_get(owner, name) for owner, name in slots]
@@ -123,12 +130,14 @@ class _Assembler:
             else:
                 setattr(owner, name, value)
 
-    def _live(self) -> list[int]:
-        """Unknowns that remain, without the potentials of open optional ports that no equation mentions."""
+    def _live(self, rows: Sequence[np.ndarray]) -> list[int]:
+        """Unknowns that remain, without the potentials of open optional ports that no equation mentions.
+
+        rows: numbers of the unknowns in each equation.
+        """
         system = self.system
-        incidence = Incidence(system)
-        rows = incidence.rows(residuals(system.equations))
-        used = {int(system.unknowns[j].base) for row in rows for j in row}
+        present = np.unique(np.concatenate(rows)) if rows else ()
+        used = {int(system.unknowns[j].base) for j in present}
         self.unused = [
             j for j, unknown in enumerate(system.unknowns)
             if unknown.order == 0 and j not in self.replaced and j not in used and unknown.declared.name == "?"
@@ -162,6 +171,7 @@ class _Assembler:
             "indicators": [_indicator(path, when.condition) for path, when in self.statements.when],
             "actions": [action.value for _, when in self.statements.when for action in when.actions],
             "samples": [action.value for _, sampled in self.statements.sampled for action in sampled.assignments],
+            "rings": [statement.angle for _, statement in self.statements.rings],
             "aliases": list(system.aliases.values()),
             "replaced": [ca.SX(value) for value in self.replaced.values()],
         }
@@ -195,6 +205,8 @@ class _Assembler:
             initial_sources=[f"{path or 'the model'} ({place(statement.source)})"
                              for path, statement in self.statements.initial],
             events=self._events(states, solved), samples=self._samples(solved), checks=self._checks(solved),
+            rings=[Ring(angle, [part.path for part in statement.parts])
+                   for (_, statement), angle in zip(self.statements.rings, solved["rings"], strict=True)],
         )  # fmt: skip
 
     def _quantity(self, number: int) -> Quantity:
