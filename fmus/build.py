@@ -17,11 +17,15 @@ from dataclasses import dataclass, field, fields
 from pathlib import Path
 from typing import Any
 
-import fmpy
 import numpy as np
 import yaml
-from fmpy.simulation import instantiate_fmu
-from fmpy.validation import validate_fmu
+
+try:
+    import fmpy
+    from fmpy.simulation import instantiate_fmu
+    from fmpy.validation import validate_fmu
+except ModuleNotFoundError:
+    sys.exit("FMUs are checked by fmpy, which is missing: pip install '.[fmi]'")
 
 from fowtlib.cli import loading
 from fowtlib.language.errors import ModelError

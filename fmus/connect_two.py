@@ -1,9 +1,8 @@
 """Two FMUs run side by side: a spar with its turbine, and its mooring lines, cut apart at the fairleads.
 
-The spar gives place and velocity of its fairleads, the lines give the forces there, which are held from one exchange to
-the next. Forces for the start of a step come half a step late on average: the result is off in proportion to the step.
-Forces for its middle, seen ahead with the velocity, are hardly off; what is left is of the solver, which starts anew at
-every exchange. The whole spar as one FMU is the reference.
+Forces for the start of a step, held to the next exchange, come half a step late on average: the result is off in
+proportion to the step. Forces for its middle, seen ahead with the velocity, are hardly off; what is left is of the
+solver, which starts anew at every exchange. The whole spar as one FMU is the reference.
 
 python fmus/connect_two.py      after `make fmus`; the picture is fmus/built/connect_two.png
 """
@@ -37,7 +36,7 @@ class Unit:
         self.fmu.exitInitializationMode()
 
     def set(self, names, values):
-        self.fmu.setFloat64([self.numbers[name] for name in names], [float(value) for value in values])
+        self.fmu.setFloat64([self.numbers[name] for name in names], list(values))
 
     def get(self, names):
         return np.array(self.fmu.getFloat64([self.numbers[name] for name in names]))
@@ -45,8 +44,7 @@ class Unit:
 
 def coupled(folder, times, middle):
     """Surge [m] of the two FMUs; middle: the forces, which follow from the places at once, are those of mid-step."""
-    spar = Unit(folder / "spar_without_mooring.fmu", START | SETTINGS)
-    lines = Unit(folder / "mooring.fmu", SETTINGS)
+    spar, lines = Unit(folder / "spar_without_mooring.fmu", START | SETTINGS), Unit(folder / "mooring.fmu", SETTINGS)
     surge = [spar.get(["surge"])[0]]
     for t, step in zip(times, np.diff(times), strict=False):
         ahead = step / 2 * spar.get(of_fairleads("fairlead_velocity_{}")) if middle else 0.0
@@ -66,10 +64,8 @@ def main(folder=BUILT, duration=60.0, steps=(0.1, 0.05, 0.025, 0.0125), picture=
     found = {False: [], True: []}
     for middle, label in ((False, "force for the start of the step"), (True, "force for its middle")):
         for step in steps:
-            whole = fmpy.simulate_fmu(
-                folder / "spar_rigid.fmu", stop_time=duration, output_interval=step, fmi_type="CoSimulation",
-                start_values=START | SETTINGS, output=["surge"],
-            )  # fmt: skip
+            options = {"stop_time": duration, "output_interval": step, "fmi_type": "CoSimulation", "output": ["surge"]}
+            whole = fmpy.simulate_fmu(folder / "spar_rigid.fmu", start_values=START | SETTINGS, **options)
             difference = coupled(folder, np.linspace(0, duration, len(whole)), middle) - whole["surge"]
             found[middle].append(np.max(np.abs(difference)))
             print(f"{label:32} {1000 * step:6.2f} ms   surge off by {found[middle][-1]:.2e} m at most")
@@ -85,4 +81,4 @@ def main(folder=BUILT, duration=60.0, steps=(0.1, 0.05, 0.025, 0.0125), picture=
 
 
 if __name__ == "__main__":
-    main()
+    main() if BUILT.is_dir() else exit("There are no archives yet; make them: make fmus")

@@ -78,4 +78,4 @@ def main(folder=BUILT, duration=120.0, picture="external_controller.png"):
 
 
 if __name__ == "__main__":
-    main()
+    main() if BUILT.is_dir() else exit("There are no archives yet; make them: make fmus")

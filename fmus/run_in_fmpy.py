@@ -53,4 +53,4 @@ def main(folder=BUILT, duration=400.0, picture="run_in_fmpy.png"):
 
 
 if __name__ == "__main__":
-    main()
+    main() if BUILT.is_dir() else exit("There are no archives yet; make them: make fmus")

@@ -91,7 +91,7 @@ def test_every_archive_that_a_script_opens_has_a_recipe(name):
     text = (FMUS / f"{name}.py").read_text()
     opened = {word.split('"')[0] for word in text.split('folder / "')[1:]}
     assert opened and opened <= {f"{path.stem}.fmu" for path in RECIPES}
-    assert len(text.splitlines()) <= 90
+    assert len(text.splitlines()) < 90  # short enough to read
 
 
 @pytest.mark.parametrize(
