@@ -62,8 +62,8 @@ def refuse_python(dae: FlatDAE) -> None:
     for sample in dae.samples:
         if sample.process is not None:
             raise StructureError(
-                f"{sample.path or 'the model'}: what is called at its samples runs outside of the equations, and cannot "
-                "go into an FMU. Leave the part out, and give its outputs as inputs of the FMU (--input)."
+                f"{sample.path or 'the model'}: what is called at its samples runs outside of the equations, and "
+                "cannot go into an FMU. Leave the part out, and give its outputs as inputs of the FMU (--input)."
             )
     for external in dae.externals:
         if not isinstance(external.function, SplineFunction | LibraryFunction):
