@@ -22,6 +22,7 @@ from fowtlib.solving.fixed_step_code import OUT, library_sizes, moved_pieces
 from fowtlib.solving.initial import initial_matching
 from fowtlib.solving.reduction import reduction
 from fowtlib.solving.state import State
+from fowtlib.solving.symmetry import rings_of_unknowns
 
 LONG = 2000  # numbers of a table that goes to resources/ and not into the C text
 VALUES = [f"const double *{name}" for name in "txzqw"]
@@ -159,6 +160,16 @@ class Tables:
         for name, masks, unknowns in moving:
             first, pieces = moved_pieces(self.program, len(dae.levels), masks, unknowns)
             lines += [_integers(f"{name}_first", first), _integers(f"{name}_piece", pieces)]
+        rings = rings_of_unknowns(dae, r)
+        for k, ring in enumerate(rings):
+            lines.append(_integers(f"fmu_ring_{k}_unknown", np.ravel(ring.unknowns)))
+            lines.append(_integers(f"fmu_ring_{k}_row", np.ravel(ring.rows)))
+        rows = [
+            f"{{{ring.state}, {len(ring.unknowns[0])}, {len(ring.unknowns)}, {len(ring.rows)}, "
+            f"fmu_ring_{k}_unknown, fmu_ring_{k}_row}}"
+            for k, ring in enumerate(rings)
+        ]
+        lines.append(_table("fs_ring", "fmu_rings", rows))
         return "".join([
             *lines, _integers("fmu_level_start", starts), _integers("fmu_free_rate", r.free),
             _integers("fmu_order", r.order), _integers("fmu_source", r.source),
@@ -170,7 +181,8 @@ class Tables:
             ".of_stage = {fmu_stage_first, fmu_stage_piece}, .at_point = {fmu_point_first, fmu_point_piece}, "
             ".free_rates = FREE_RATES, "
             f".substituted = {len(r.order)}, .free_rate = fmu_free_rate, .order = fmu_order, .source = fmu_source, "
-            ".x_nominal = fmu_x_nominal, .z_nominal = fmu_z_nominal};\n",
+            ".x_nominal = fmu_x_nominal, .z_nominal = fmu_z_nominal, "
+            f".rings = {len(rings)}, .ring = fmu_rings}};\n",
         ])  # fmt: skip
 
     def _events(self) -> str:
