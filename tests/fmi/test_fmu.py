@@ -609,8 +609,8 @@ def test_a_process_at_samples_is_refused_by_path(tmp_path):
     with pytest.raises(ModelError) as refused:
         fw.load(root).compile().export_fmu(tmp_path / "x.fmu")
     assert str(refused.value) == (
-        "outside: what is called at its samples runs outside of the equations, and cannot go into an FMU. Leave the part "
-        "out, and give its outputs as inputs of the FMU (--input)."
+        "outside: what is called at its samples runs outside of the equations, and cannot go into an FMU. Leave the "
+        "part out, and give its outputs as inputs of the FMU (--input)."
     )
 
 
