@@ -140,9 +140,6 @@ class Tables:
         for name in libraries(dae):
             call = "(const double **arg, double **res, fs_int *iw, double *w, int mem);\n"
             lines.append(f"int {name}{call}int jac_{name}{call}")
-        reading = (e.function for e in self.dae.externals if getattr(e.function, "files", None))
-        for name in dict.fromkeys(function.name() for function in reading):
-            lines.append(f"int {name}_open(double, const char *, double);\nconst char *{name}_problem(void);\n")
         return "".join(lines)
 
     def _quantities(self, name: str, items: Sequence[Variable]) -> str:
@@ -284,19 +281,29 @@ class Tables:
         return _table("fmu_stored", "fmu_tables", rows)
 
     def _files(self) -> list[str]:
-        """The files that external functions read; they go to the resources."""
-        rows: dict[str, None] = {}
+        """The files that external functions read, which go to the resources; each with a function that opens it."""
+        found: dict[tuple[str, float], tuple[str, tuple[float | int, ...]]] = {}
         for external in self.dae.externals:
             function = external.function
             if not (isinstance(function, LibraryFunction) and function.files):
                 continue
-            number, name = float(external.inputs[0]), function.name()
-            path, value = function.files[number]
+            number = float(external.inputs[0])
+            path, values = function.files[number]
             inside = next((key for key, known in self.resources.items() if known == path), "")
             inside = inside or f"{len(self.resources)}_{path.name}"
             self.resources[inside] = path
-            rows[f"{{{_text(inside)}, {_number(number)}, {_number(value)}, {name}_open, {name}_problem}}"] = None
-        return list(rows)
+            found[function.name(), number] = inside, values
+        rows = []
+        for k, ((name, number), (inside, values)) in enumerate(found.items()):
+            kinds = "".join(f", {'int' if isinstance(value, int) else 'double'}" for value in values)
+            passed = "".join(f", {int(v) if isinstance(v, int) else _number(v)}" for v in values)
+            opened = f"{name}_open({_number(number)}, path{passed})"
+            self.lines.append(
+                f"int {name}_open(double, const char *{kinds});\nconst char *{name}_problem(void);\n"
+                f"static int fmu_open_{k}(const char *path) {{ return {opened}; }}\n"
+            )
+            rows.append(f"{{{_text(inside)}, fmu_open_{k}, {name}_problem}}")
+        return rows
 
 
 def _packed(values: np.ndarray, columns: int) -> bytes:
@@ -313,6 +320,8 @@ def _text(value: str) -> str:
 
 
 def _number(value: float) -> str:
+    if math.isnan(value):
+        return "NAN"
     if math.isinf(value):
         return "INFINITY" if value > 0 else "-INFINITY"
     return repr(float(value))

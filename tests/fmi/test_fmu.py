@@ -18,7 +18,7 @@ from fmpy.validation import validate_fmu
 
 import fowtlib as fw
 from fowtlib.components.environment import generate_field
-from fowtlib.language import ExternalFunction, Scalar, der, eq, param, var
+from fowtlib.language import ExternalFunction, Scalar, call, der, eq, param, sampled, var
 from fowtlib.language.errors import ModelError
 from fowtlib.language.units import from_si
 
@@ -113,8 +113,8 @@ def test_symbols_are_hidden(unit):
 def test_co_simulation_repeats_the_run(plant, unit):
     run = plant.simulate(3.0, tolerance=1e-9)
     rows = unit.simulate("cs", 3.0, 0.05, NAMES, start_values={"solver.tolerance": 1e-9})
-    for name in NAMES:
-        assert distance(plant, run, rows, name) < 1e-9, name
+    for name in NAMES:  # the loop is solved at output points to 30 times the tolerance
+        assert distance(plant, run, rows, name) < (3e-8 if name == "loop" else 1e-9), name
     assert rows["bounces"][-1] == 6  # sqrt(2/g) (1 + 2 (0.8 + ... + 0.8^5)) = 2.88 s
 
 
@@ -591,6 +591,26 @@ def test_python_code_is_refused_by_path(tmp_path):
     assert str(refused.value) == (
         "own: the external function square is Python code, which cannot go into an FMU. Give it a C source or a shared "
         "library with its source beside it."
+    )
+
+
+def test_a_process_at_samples_is_refused_by_path(tmp_path):
+    class Outside(fw.Component):
+        """Calls something with a memory of its own, which is never started here."""
+
+        x: Scalar = var(start=1.0, state="prefer", doc="x")
+        held: Scalar = var(discrete=True, doc="what it gives")
+
+        def equations(self):
+            return [eq(der(self.x), self.held - self.x), sampled(0.1, call(self.held, object(), self.x))]
+
+    root = fw.Assembly("a")
+    root.outside = Outside()
+    with pytest.raises(ModelError) as refused:
+        fw.load(root).compile().export_fmu(tmp_path / "x.fmu")
+    assert str(refused.value) == (
+        "outside: what is called at its samples runs outside of the equations, and cannot go into an FMU. Leave the "
+        "part out, and give its outputs as inputs of the FMU (--input)."
     )
 
 
