@@ -741,21 +741,24 @@ static int fs_algebraics(fs_instance *s, double t, const double *x, double *z, i
 
 /* --- what is seen from outside ------------------------------------------------------------------------------------- */
 
-/* A new start: z consistent with t, x, q, and the rates that belong to them. Where only q has jumped, the prediction of
-   the next stage keeps its slope. */
+/* A new start: z consistent with t, x, q, and the rates that belong to them. Where only q has jumped, the rates jump as
+   ode does: what they differ by from ode is of the order of the step and belongs to the scheme, which is of second order
+   with it alone. The prediction of the next stage keeps its slope. */
 static int fs_start(fs_instance *s, double t, const double *x, const double *z, const double *q) {
   int jumped = s->started && fabs(t - s->t) <= 1e-9 * s->o.step
       && memcmp(x, s->x, sizeof(double) * (size_t)s->m.states) == 0;
   int ready, i, c, status;
   s->count[FS_STARTS]++;
   s->started = 0;
+  if (jumped && (status = fs_evaluate(s, t, s->x, s->z))) return status;
+  for (i = 0; i < s->m.states; i++) s->v[i] = jumped ? s->rate[i] - s->ode[i] : 0.0; /* nothing below needs v */
   memcpy(s->q, q, sizeof(double) * (size_t)s->m.given);
   memcpy(s->x, x, sizeof(double) * (size_t)s->m.states);
   memcpy(s->z, z, sizeof(double) * (size_t)s->m.algebraics);
   fs_remember_scale(s, z);
   if ((status = fs_algebraics(s, t, s->x, s->z, &ready))) return status;
   if (!ready && (status = fs_evaluate(s, t, s->x, s->z))) return status;
-  memcpy(s->rate, s->ode, sizeof(double) * (size_t)s->m.states);
+  for (i = 0; i < s->m.states; i++) s->rate[i] = s->ode[i] + s->v[i];
   for (i = 0; i < s->m.states; i++)
     if (!isfinite(s->rate[i])) {
       s->failed_time = t;

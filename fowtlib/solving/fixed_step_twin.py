@@ -78,13 +78,20 @@ class FixedStepTwin:
         return z
 
     def _start(self, t: float, x: np.ndarray, z: np.ndarray, q: np.ndarray) -> None:
+        lag = self._lag(t, x)
         self.q, self.x = q.copy(), x.copy()
         self.z = self._consistent(t, x, z, q)
-        self.rate = np.array(self.evaluation.residual(t, x, self.z, q)[0]).ravel()
+        self.rate = np.array(self.evaluation.residual(t, x, self.z, q)[0]).ravel() + lag
         if not np.all(np.isfinite(self.rate)):
             first = int(np.flatnonzero(~np.isfinite(self.rate))[0])
             raise StepFailure(step_failure(self.dae, [], t, z.size + first, True))
         self.past = [(t, np.concatenate([self.z, self.rate[self.reduced.free]]))]
+
+    def _lag(self, t: float, x: np.ndarray) -> np.ndarray | float:
+        """What the rates differ by from the equations; it belongs to the scheme, and stays where only q has jumped."""
+        if self.stands is None or abs(t - self.stands[0]) > 1e-9 * self.step or not np.array_equal(x, self.stands[1]):
+            return 0.0
+        return self.rate - np.array(self.evaluation.residual(t, x, self.z, self.q)[0]).ravel()
 
     def _predict(self, t: float) -> np.ndarray:
         """The straight line through the last two stages."""
