@@ -1,7 +1,7 @@
 """Two FMUs run side by side: a spar with its turbine, and its mooring lines, cut apart at the fairleads.
 
 Forces for the start of a step, held to the next exchange, come half a step late on average: the result is off in
-proportion to the step. Forces for its middle, seen ahead with the velocity, are hardly off, in proportion to its square.
+proportion to the step. Forces for its middle, seen ahead with the velocity, are off in proportion to its square.
 The whole spar as one FMU is the reference.
 
 python fmus/connect_two.py      after `make fmus`; the picture is fmus/built/connect_two.png
