@@ -12,7 +12,7 @@ from numpy.typing import ArrayLike
 from fowtlib.components.environment.time_functions import progress, smooth_step, warn_of_repetition
 from fowtlib.components.environment.waves import WaveComponents, irregular_waves, regular_waves, still_water
 from fowtlib.components.environment.world import World
-from fowtlib.language import Component, RealOutput, eq, outer, param, port, shapes, time_series
+from fowtlib.language import Component, RealOutput, eq, open_input, outer, param, port, shapes, time_series
 from fowtlib.language import math as m
 from fowtlib.language.errors import ParameterError
 
@@ -31,10 +31,12 @@ class Sea(Component):
     is structural: waves are a fixed set of numbers when the model is built. A regular wave has a crest at the origin at
     t = 0. A JONSWAP sea repeats itself after `repetition_period` (a warning tells when a run is longer), see
     waves.irregular_waves for its frequencies, its cut-off and its random numbers. `build_up` lets the waves grow from
-    nothing after t = 0, so that a run can start from rest without a shock.
+    nothing after t = 0, so that a run can start from rest without a shock. With the spectrum "input" all that the parts
+    ask of the sea comes from outside of the model: the elevation, each wave load, the velocity of the water at each
+    point; a wave generator drives them.
     """
 
-    spectrum: str = param(default="still", choices=("still", "regular", "jonswap"), doc="kind of sea state")
+    spectrum: str = param(default="still", choices=("still", "regular", "jonswap", "input"), doc="kind of sea state")
     wave_height: float = param(default=None, unit="m", min=0, doc="regular waves: height from trough to crest")
     wave_period: float = param(default=None, unit="s", min=0, doc="regular waves: period")
     significant_wave_height: float = param(default=None, unit="m", min=0, doc="JONSWAP: Hs")
@@ -53,7 +55,7 @@ class Sea(Component):
         waves = self.components()
         _warn_of_breaking(self, waves)
         longer = [warn_of_repetition(self.time, waves.period, "sea")] if self.spectrum == "jonswap" else []
-        return [eq(self.elevation, self.signal(np.ones((len(waves), 1)), "wave elevation")), *longer]
+        return [eq(self.elevation, self.signal(np.ones((len(waves), 1)), "wave elevation", "m")), *longer]
 
     def drawing(self):
         waves = self.components()
@@ -63,7 +65,7 @@ class Sea(Component):
     def components(self) -> WaveComponents:
         """The harmonics of this sea as numbers."""
         depth, gravity = self.world.water_depth, self.world.gravity
-        if self.spectrum == "still":
+        if self.spectrum in ("still", "input"):
             return still_water(depth, self.heading)
         if self.spectrum == "regular":
             height, period = _given(self, "wave_height"), _given(self, "wave_period")
@@ -72,13 +74,15 @@ class Sea(Component):
         height, period = _given(self, "significant_wave_height"), _given(self, "peak_period")
         return _jonswap(height, period, depth, gravity=gravity, repetition_period=self.repetition_period, **options)
 
-    def signal(self, transfer: ArrayLike, name: str = "wave signal") -> ca.SX:
+    def signal(self, transfer: ArrayLike, name: str = "wave signal", unit: str = "1") -> ca.SX:
         """The time function of m quantities, a column of m, while the model is flattened.
 
         transfer: complex (n, m), per unit amplitude at the frequencies of `components()`, with exp(+i omega t):
         sum_k Re(a_k exp(i (omega_k t + phase_k)) transfer_k). Many components become a periodic cubic spline through
         the inverse FFT. Columns that are zero cost nothing.
         """
+        if self.spectrum == "input":
+            return open_input(name.replace(" ", "_"), np.shape(transfer)[1], unit, f"{name} from outside")
         waves = self.components()
         columns = waves.columns(transfer)
         size = np.max(np.abs(columns), axis=0, initial=0.0)
@@ -88,17 +92,25 @@ class Sea(Component):
             value[alive.tolist()] = _time_function(self, waves, columns[:, alive], name)
         return value
 
+    def loads(self, transfer: ArrayLike, name: str = "wave load") -> ca.SX:
+        """The time function of a force and a moment, a column of 6 [N, N m]; transfer: (n, 6), as for `signal`."""
+        if self.spectrum != "input":
+            return self.signal(transfer, name)
+        transfer = np.asarray(transfer)
+        force = self.signal(transfer[:, :3], f"{name} force", "N")
+        return m.vertcat(force, self.signal(transfer[:, 3:], f"{name} moment", "N*m"))
+
     def velocity(self, points: ArrayLike) -> ca.SX:
         """Velocity of the water (p x 3, world) at fixed `points` (p, 3) [m] with z <= 0; zero above the water level."""
-        return self._kinematics(self.components().velocity_transfer(points), "water velocity")
+        return self._kinematics(self.components().velocity_transfer(points), "water velocity", "m/s")
 
     def acceleration(self, points: ArrayLike) -> ca.SX:
         """Local acceleration of the water (p x 3, world) at fixed `points` (p, 3) [m]; zero above the water level."""
-        return self._kinematics(self.components().acceleration_transfer(points), "water acceleration")
+        return self._kinematics(self.components().acceleration_transfer(points), "water acceleration", "m/s^2")
 
-    def _kinematics(self, transfer: np.ndarray, name: str) -> ca.SX:
+    def _kinematics(self, transfer: np.ndarray, name: str, unit: str) -> ca.SX:
         n, points, _ = transfer.shape
-        value = self.signal(transfer.transpose(0, 2, 1).reshape(n, 3 * points), name)
+        value = self.signal(transfer.transpose(0, 2, 1).reshape(n, 3 * points), name, unit)
         return m.horzcat(value[:points], value[points : 2 * points], value[2 * points :])
 
 

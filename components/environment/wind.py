@@ -27,6 +27,7 @@ from fowtlib.language import (
     Scalar,
     assert_,
     eq,
+    open_input,
     param,
     port,
     shapes,
@@ -60,12 +61,14 @@ class Wind(Component):
     kaimal: normal turbulence model by class, or an intensity. What a series holds and loses: module turbulence.
     file: see wind_file.read_series; a run past the end of the series stops there.
     field: u, v, w in space and time from a .bts file, see field_lookup; mean speed and shear are those of the file.
+    input: the speed at each station comes from outside of the model; where nobody gives it, it is that of steady wind.
     The mean speed is tunable, but turbulence and the IEC gust are made for the speed that the model is compiled with.
     """
 
     kind: str = param(
-        default="none", choices=("none", "steady", "step", "gust", "kaimal", "file", "field"), doc="kind of wind"
-    )
+        default="none", choices=("none", "steady", "step", "gust", "kaimal", "file", "field", "input"),
+        doc="kind of wind",
+    )  # fmt: skip
     mean_speed: Scalar = param(default=0.0, unit="m/s", min=0, doc="mean speed V at reference_height")
     reference_height: float = param(default=90.0, unit="m", min=0, doc="height of mean_speed: the hub")
     stations: Array = param(default=((0, 90),), unit="m", structural=True, doc="(y, z) of each hub, one series each")
@@ -184,6 +187,12 @@ def _steady(wind: Wind) -> tuple[Any, Any, list[Any]]:
     return _sheared(wind, wind.mean_speed), 0, []
 
 
+def _input(wind: Wind) -> tuple[Any, Any, list[Any]]:
+    mean, exponent = (float(wind.parameter_value(name)) for name in ("mean_speed", "shear_exponent"))
+    speeds = mean * (wind.hubs[:, 1] / wind.reference_height) ** exponent
+    return open_input("speed_input", len(speeds), "m/s", "wind speed at each station", speeds), 0, []
+
+
 def _step(wind: Wind) -> tuple[Any, Any, list[Any]]:
     change = smooth_step(progress(wind.time, wind.start_time, wind.step_duration))
     mean = wind.mean_speed + (wind.step_speed - wind.mean_speed) * change
@@ -224,6 +233,7 @@ def _field(wind: Wind) -> tuple[Any, Any, list[Any]]:
 
 _TIME_FUNCTIONS = {
     "none": _none, "steady": _steady, "step": _step, "gust": _gust, "kaimal": _kaimal, "file": _file, "field": _field,
+    "input": _input,
 }  # fmt: skip
 
 

@@ -201,7 +201,7 @@ class WaveExcitation(PlatformLoad):
         if len(waves):
             transfer = database.excitation_at(waves.omega, waves.heading) * waves.elevation_transfer(self.position)
         scale = self.world.water_density / database.rho
-        load = scale * self.sea.signal(transfer, "wave load")
+        load = scale * self.sea.loads(transfer)
         return [
             eq(self.force, load[:3] + self.extra_force),
             eq(self.moment, load[3:] + self.extra_moment),

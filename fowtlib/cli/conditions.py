@@ -191,6 +191,7 @@ WIND = Condition(
         ),
         "file": Kind({"file": Key("file", "path", required=True)}, bare="file"),
         "field": Kind({"file": Key("file", "path", required=True)}, bare="file"),
+        "input": Kind({"speed": Key("mean_speed", "m/s"), **_SHEAR}, bare="speed"),
     },
 )
 
@@ -212,5 +213,6 @@ WAVES = Condition(
                 **_HEADING,
             }
         ),
+        "input": Kind({}),
     },
 )

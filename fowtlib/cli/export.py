@@ -12,12 +12,15 @@ from fowtlib.cli.run import positive
 
 EXAMPLES = """An FMU holds the model, its start values, the sources and a compiled library.
 Its parameters can be set by whoever runs it: a new length or gain needs no new
-export. The wind, the waves and --set are those of this command.
+export. The wind, the waves and --set are those of this command; --wind input,
+--waves input and --input leave them, or a controller, to the importer.
 
 examples:
   fowt export oc3_spar_rigid
   fowt export oc3_spar --fmi 2 --kind cs --wind steady:8 -o spar.fmu
   fowt export oc3_spar --platforms linux64,win64
+  fowt export oc3_spar --wind input:8 --waves input \\
+      --input turbine.blade_pitch --input turbine.generator_torque
 """
 
 
@@ -25,6 +28,10 @@ def declare(commands: Any) -> None:
     """Add the command of this module."""
     parser = commands.add_parser("export", help="write a model as an FMU for other programs", epilog=EXAMPLES)
     loading.declare(parser)
+    parser.add_argument(
+        "--input", dest="inputs", metavar="PATH", action="append", default=[],
+        help="a signal that the importer gives, such as turbine.blade_pitch; may be repeated",
+    )  # fmt: skip
     parser.add_argument("--fmi", default="3", metavar="VERSION", help="2 (FMI 2.0) or 3 (FMI 3.0); default: 3")
     parser.add_argument(
         "--kind", default="both", metavar="KIND",
@@ -47,7 +54,7 @@ def run(arguments: argparse.Namespace) -> int:
     platforms = arguments.platforms.split(",") if arguments.platforms is not None else None
     screen = console(stderr=True)
     with screen.status("model") as status:
-        plant = loading.load(arguments).compile()
+        plant = loading.load(arguments).compile(arguments.inputs)
         path = plant.export_fmu(
             arguments.output, fmi=arguments.fmi, kind=arguments.kind, platforms=platforms, step=arguments.step,
             tolerance=arguments.tolerance, progress=status.update,

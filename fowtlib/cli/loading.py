@@ -11,7 +11,7 @@ from fowtlib.language.errors import ParameterError
 if TYPE_CHECKING:
     from fowtlib import Model
 
-CONSTANT_WIND = ("none", "steady")
+CONSTANT_WIND = ("none", "steady", "input")
 
 
 def declare(parser: argparse.ArgumentParser, *, wind: bool = True, waves: bool = True) -> None:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import time
+from collections.abc import Sequence
 from typing import Any
 
 import casadi as ca
@@ -21,13 +22,15 @@ from fowtlib.language.equations import place
 from fowtlib.language.errors import StructureError
 
 
-def flatten(root: Component) -> FlatDAE:
+def flatten(root: Component, opened: Sequence[str] = ()) -> FlatDAE:
     """Flatten the model below `root`.
 
+    opened: paths of signal ports whose signal comes from outside of the model in place of the output that drives it;
+    that output goes on being computed, and nobody hears it.
     Raises ModelError subclasses that say by path what is wrong: parameters, connections, structure.
     """
     started = time.perf_counter()
-    with Instances(root) as instances:
+    with Instances(root, opened) as instances:
         instances.collect()
         resolve_orientations(instances.system, instances.statements)
         if instances.system.equations and not instances.system.unknowns:

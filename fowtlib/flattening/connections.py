@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections import defaultdict
+from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Any
 
@@ -14,7 +15,7 @@ from fowtlib.language.component import Component
 from fowtlib.language.connectors import Member, RealInput, RealOutput, Signal
 from fowtlib.language.declarations import Port, PortReference, Variable, join
 from fowtlib.language.equations import place
-from fowtlib.language.errors import ConnectionFault
+from fowtlib.language.errors import ConnectionFault, NotFoundError, did_you_mean, one_of
 from fowtlib.language.units import dimension, to_si
 
 
@@ -126,15 +127,25 @@ class Connections:
 
     # --- symbols -------------------------------------------------------------------------------------------------
 
-    def symbols(self, system: System, root: Component) -> list[dict[str, Any]]:
-        """Members of every port as expressions; the sums of flows go into the system as equations."""
+    def symbols(self, system: System, root: Component, opened: Sequence[str] = ()) -> list[dict[str, Any]]:
+        """Members of every port as expressions; the sums of flows go into the system as equations.
+
+        opened: paths of signals that come from outside of the model in place of what drives them.
+        """
+        wanted = dict.fromkeys(opened, False)
         members: list[dict[str, Any]] = [{} for _ in self.nodes]
         for group in self._groups():
             if group[0].is_signal:
-                self._signal(system, root, group, members)
+                path = next((node.path for node in group if node.path in wanted), "")
+                wanted |= {path: True} if path else {}
+                self._signal(system, root, group, members, path)
             else:
                 self._potentials(system, group, members)
         self._flows(system, members)
+        for path, found in wanted.items():
+            if not found:
+                signals = [node.path for node in self.nodes if node.is_signal]
+                raise NotFoundError(f"there is no signal '{path}'{did_you_mean(path, signals)}")
         return members
 
     def _groups(self) -> list[list[PortNode]]:
@@ -209,7 +220,8 @@ class Connections:
                     total = sum((sign * members[k][name] for k, sign in signs), start=ca.SX(0))
                     system.add_equation(total, ca.SX(*total.shape), path, "sum of the flows of a connection")
 
-    def _signal(self, system: System, root: Component, group: list[PortNode], members: list[dict[str, Any]]) -> None:
+    def _signal(self, system: System, root: Component, group: list[PortNode], members: list[dict[str, Any]],
+                opened: str = "") -> None:  # fmt: skip
         drivers = [node for node in group if _drives(node, root)]
         if not drivers:  # an output that its composite writes itself, and that its own parts read
             drivers = [node for node in group if issubclass(node.field.annotation, RealOutput)]
@@ -223,12 +235,31 @@ class Connections:
             declared = _variable(first.field.unit, first.field.doc)
             for element, name in zip(scalars(symbol), element_names(first.path, symbol.shape), strict=True):
                 system.add_unknown(element, name, declared)
+            if opened:
+                group = self._opened(system, group, first, symbol, members, opened)
+                symbol, first = members[group[0].number]["signal"], group[0]
         else:
             self._open_input(system, root, group, first, symbol)
         for node in group:
             members[node.number]["signal"] = symbol
             if node is not first:
                 system.add_alias(node.path, symbol, node.field.unit, node.field.doc)
+
+    @staticmethod
+    def _opened(system: System, group: list[PortNode], driver: PortNode, symbol: ca.SX, members: list[dict[str, Any]],
+                path: str) -> list[PortNode]:  # fmt: skip
+        """The signal at `path` becomes an input of the model; the driver keeps its own, which nobody hears."""
+        rest = [node for node in group if node is not driver]
+        if path == driver.path:
+            readers = one_of([node.path for node in rest]) if rest else "a port that reads it"
+            raise ConnectionFault(f"{path} drives this signal; to give it from outside, name {readers} instead.")
+        node = next(node for node in rest if node.path == path)
+        members[driver.number]["signal"] = symbol
+        given = ca.SX.sym(path, *symbol.shape)
+        members[node.number]["signal"] = given
+        values = np.zeros(given.numel())
+        system.inputs[path] = Input(path, given, node.field.unit, node.field.doc, values, driver.path)
+        return [node, *(other for other in rest if other is not node)]
 
     @staticmethod
     def _open_input(system: System, root: Component, group: list[PortNode], first: PortNode, symbol: ca.SX) -> None:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Iterable
+from collections.abc import Iterable, Sequence
 from dataclasses import dataclass, field
 from typing import Any
 
@@ -37,8 +37,9 @@ class Statements:
 class Instances:
     """The bound component tree. Use as a context: the components give symbols inside, and values again afterwards."""
 
-    def __init__(self, root: Component):
+    def __init__(self, root: Component, opened: Sequence[str] = ()):
         self.root = root
+        self.opened = opened
         self.system = System()
         self.components = list(root.walk())
         self.statements = Statements()
@@ -169,7 +170,7 @@ class Instances:
     # --- ports ---------------------------------------------------------------------------------------------------
 
     def _bind_ports(self, bindings: list[dict[str, Any]]) -> None:
-        symbols = self.connections.symbols(self.system, self.root)
+        symbols = self.connections.symbols(self.system, self.root, self.opened)
         for node in self.connections.nodes:
             members = symbols[node.number]
             if issubclass(node.field.annotation, Signal):

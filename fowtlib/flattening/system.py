@@ -11,7 +11,7 @@ from typing import Any
 import casadi as ca
 import numpy as np
 
-from fowtlib.language.declarations import Variable
+from fowtlib.language.declarations import Variable, join
 from fowtlib.language.equations import Assertion
 from fowtlib.language.errors import StructureError
 
@@ -129,6 +129,8 @@ class Input:
     unit: str
     doc: str
     default: np.ndarray
+    driver: str = ""
+    """The output that drove the signal before it was opened by name; see `flatten`."""
 
 
 class System:
@@ -213,6 +215,17 @@ class System:
             self._external_of[symbol.element_hash()] = len(self.intermediates)
         self.intermediates.append(Intermediate(symbols, inputs, function, self.current_path))
         return ca.reshape(outputs, function.size1_out(0), function.size2_out(0))
+
+    def open_input(self, name: str, size: int, unit: str, doc: str, default: Any) -> ca.SX:
+        """An input of the whole model, asked for by the part whose equations are being written."""
+        path = first = join(self.current_path, name)
+        number = 2
+        while path in self.inputs:
+            path, number = f"{first}_{number}", number + 1
+        symbol = ca.SX.sym(path, size)
+        value = np.broadcast_to(np.asarray(default, dtype=float), (size,))
+        self.inputs[path] = Input(path, symbol, unit, doc, value)
+        return symbol
 
     def check_range(self, value: ca.SX, low: float, high: float, name: str, argument: str, message: str = "") -> None:
         """Stop the simulation where a table is left: one check for all elements of a column.

@@ -429,7 +429,8 @@ static int fmu_check_point(fmu_instance *f) {
   int i, first = 0, status, result = FMU_OK;
   char text[TEXT];
   if (!CHECKS) return FMU_OK;
-  if ((status = CHECKS_NEED_OUTPUTS ? fmu_evaluate(f) : fmu_solve(f))) return status;
+  /* where the externals are called anyway, the outputs are made with them, for they are usually read next */
+  if ((status = CHECKS_NEED_OUTPUTS ? fmu_observe(f) : fmu_solve(f))) return status;
   checks(&n->t, n->x, n->z, n->q, f->engine->w, f->condition, f->message_value, f->scratch);
   for (i = 0; i < CHECKS; first += fmu_checks[i++].values) {
     if (f->condition[i] != 0.0 || (n->warned[i] && !fmu_checks[i].is_error)) continue;
@@ -1005,7 +1006,7 @@ static int fmu_create_engine(fmu_instance *f) {
                   POINT_FACTOR * fmu_solver[2].start, KEEP, PREDICTOR};
   fs_model m = fmu_model;
   m.external = f->external;
-  if (!f->co_simulation) o.at_points = 1e-9;
+  if (!f->co_simulation) o.at_points = 1e-13; /* an importer may take differences of the derivatives */
   f->engine = fs_create(&m, &o);
   return f->engine ? FMU_OK : FMU_ERROR;
 }

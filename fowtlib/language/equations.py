@@ -53,6 +53,14 @@ def der(expression: Any) -> ca.SX:
     return active().derivative(_column(expression))
 
 
+def open_input(name: str, size: int, unit: str, doc: str, default: Any = 0.0) -> ca.SX:
+    """A column of `size` signals that come from outside of the whole model: its input `<path of the part>.<name>`.
+
+    default: values [unit] where nobody gives any. A name that the part has given already gets a number behind it.
+    """
+    return active().open_input(name, size, unit, doc, default)
+
+
 def external(function: ca.Function, inputs: Any) -> ca.SX:
     """Outputs of `function` (a CasADi Function of one dense column, giving one dense column) at `inputs`.
 

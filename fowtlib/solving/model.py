@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import copy
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import Any
@@ -41,10 +41,17 @@ class Model:
     name: str = ""
     rebuild: Any = field(default=None, repr=False)
 
-    def compile(self) -> Plant:
-        """Flatten the model; raises ModelError subclasses that say by path what is wrong."""
-        dae = flatten(self.root)
-        return Plant(dae, self.outputs, name=self.name, title=self.title, settings=self.settings, root=self.root)
+    def compile(self, inputs: Sequence[str] = ()) -> Plant:
+        """Flatten the model; raises ModelError subclasses that say by path what is wrong.
+
+        inputs: paths of signals, such as "turbine.blade_pitch", that become inputs of the plant. What drove them, a
+        controller, goes on by itself unheard; what it gives at the start is the value of the input where nobody gives
+        another.
+        """
+        dae = flatten(self.root, inputs)
+        plant = Plant(dae, self.outputs, name=self.name, title=self.title, settings=self.settings, root=self.root)
+        plant.start_opened_inputs()
+        return plant
 
     def check(self) -> ModelReport:
         """Flatten the model and check the dimensions of its equations; the report says what was found."""

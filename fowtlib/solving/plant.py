@@ -126,6 +126,15 @@ class Plant:
             )
         return np.concatenate(list(values.values())) if values else np.zeros(0)
 
+    def start_opened_inputs(self) -> None:
+        """Inputs that a part of the model drove before take its value at the start."""
+        opened = [item for item in self.dae.inputs.values() if item.driver]
+        if not opened:
+            return
+        state = self.initial_state()
+        for item in opened:
+            item.default = np.ravel(np.asarray(self._observe_state(item.driver, state), dtype=float), order="F")
+
     @refusals_explained()
     def initial_state(self, parameters: Values | None = None, start: Values | None = None, inputs: Values | None = None,
                       t: float = 0.0, base: State | None = None) -> State:  # fmt: skip

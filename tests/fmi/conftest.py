@@ -226,17 +226,29 @@ def unit(request, plant, tmp_path_factory):
 
 
 @pytest.fixture
-def instance(unit):
+def instance_of():
     """Makes instances, and frees them."""
     made = []
 
-    def make(kind="cs", **options):
+    def make(unit, kind="cs", **options):
         made.append(Instance(unit, kind, options))
         return made[-1]
 
     yield make
     for each in made:
         each.close()
+
+
+@pytest.fixture
+def instance(unit, instance_of):
+    """Makes instances of the machine."""
+    return lambda kind="cs", **options: instance_of(unit, kind, **options)
+
+
+@pytest.fixture(scope="session")
+def spar_unit(spar, as_unit):
+    """The rigid spar as an FMU."""
+    return as_unit(spar)
 
 
 @pytest.fixture(scope="session")
