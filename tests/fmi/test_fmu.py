@@ -273,6 +273,17 @@ def test_saved_state_of_another_kind_is_refused(instance):
         one.of_bytes(data[:-8])
 
 
+def test_spoilt_bytes_of_a_saved_state_are_refused(instance):
+    one = instance().begin()
+    data = one.bytes_of(one.save())
+    for place in (50, len(data) // 2, len(data) - 1):
+        spoilt = bytearray(data)
+        spoilt[place] ^= 1
+        with pytest.raises(FMICallException):
+            one.of_bytes(bytes(spoilt))
+        assert one.said[-1][1] == "machine: the bytes of the saved state are spoilt."
+
+
 def test_two_instances_side_by_side_equal_each_alone(instance):
     alone = [instance().begin(machine__gravity=g).run(NAMES, 20, 0.05) for g in (9.81, 5.0)]
     a, b = instance().begin(machine__gravity=9.81), instance().begin(machine__gravity=5.0)
@@ -451,6 +462,32 @@ def test_steps_that_cannot_be(instance, step):
     with pytest.raises(FMICallException):
         one.step(0.0, step)
     assert one.said[-1][1].endswith("cannot be done; it must be above zero.")
+
+
+@pytest.mark.parametrize(
+    ("step", "message"),
+    [
+        (1e300, "a communication step of 1e+300 s cannot be done: it takes more than 1e+09 steps of the engine, which "
+         "are 0.01 s long (parameter solver.step)."),
+        (1e-300, "a communication step of 1e-300 s at t = 0.05 s cannot be done: the time would stay where it is, by "
+         "rounding."),
+    ],
+)  # fmt: skip
+def test_steps_without_an_end(instance, step, message):
+    one = instance().begin()
+    one.step(0.0, 0.05)
+    with pytest.raises(FMICallException):
+        one.step(0.05, step)
+    assert one.said[-1][1] == message
+
+
+@pytest.mark.parametrize("kind", ["cs", "me"])
+def test_times_that_cannot_be(instance, kind):
+    one = instance(kind)
+    for t in (math.nan, -math.inf, 1e17):
+        with pytest.raises(FMICallException):
+            one.begin(t)
+        assert one.said[-1][1] == f"startTime = {t:g} s cannot be; a time lies between -1e+10 and 1e+10 s."
 
 
 def test_a_step_begins_where_the_last_one_ended(instance):
