@@ -107,3 +107,45 @@ def spectra(found: Mapping[str, Any], path: Path) -> None:
     for axis in axes[2:]:
         axis.set_xlabel("frequency [Hz]", fontsize=9)
     _save(figure, path)
+
+
+def two_rotors(found: Mapping[Any, Any], path: Path) -> None:
+    """Mean values, and below them standard deviations, over the wind speed of the cases."""
+    figure, axes = _axes(2, 4, (10.0, 4.6))
+    speeds = [case.speed for case in found]
+    panels = (("yaw [deg]", ("yaw",)), ("pitch [deg]", ("pitch",)), ("surge [m]", ("surge",)),
+              ("power [MW]", ("generator_power_left", "generator_power_right")))  # fmt: skip
+    for column, (title, names) in enumerate(panels):
+        for row, (kind, word) in enumerate((("mean", "mean"), ("std", "std. deviation of"))):
+            axis = axes[4 * row + column]
+            for name, color in zip(names, (INK, OTHER), strict=False):
+                scale = 1e-3 if "power" in name else 1.0
+                values = [scale * getattr(statistics[name], kind) for statistics in found.values()]
+                label = name.rpartition("_")[2] if len(names) > 1 else None
+                axis.plot(speeds, values, color=color, linewidth=1.3, marker=".", markersize=5, label=label)
+            if len(names) > 1:
+                axis.legend(frameon=False, fontsize=8)
+            axis.set_title(f"{word} {title}", fontsize=9, loc="left")
+            axis.set_xlim(4, 26)
+            if row:
+                axis.set_ylim(bottom=0)
+                axis.set_xlabel("wind speed [m/s]", fontsize=9)
+    _save(figure, path)
+
+
+def gyroscopic(found: Mapping[str, Any], path: Path) -> None:
+    """Pitch of each decay above, yaw and that of the oscillator below."""
+    figure, axes = _axes(2, len(found), (2.6 * len(found), 4.2))
+    for column, (name, run) in enumerate(found.items()):
+        above, below = axes[column], axes[len(found) + column]
+        above.plot(run.time, run.pitch, color=INK, linewidth=1.0)
+        above.set_title(name, fontsize=8, loc="left")
+        below.plot(run.time, run.yaw, color=INK, linewidth=1.2, label="model")
+        below.plot(run.time, run.expected, "--", color=OTHER, linewidth=1.0, label="one oscillator")
+        below.set_xlabel("time [s]", fontsize=9)
+        above.set_ylim(-5.5, 5.5)
+        below.set_ylim((-1, 1) if name == "oc3_spar" or column == 1 else (-6, 6))
+    axes[0].set_ylabel("pitch [deg]", fontsize=9)
+    axes[len(found)].set_ylabel("yaw [deg]", fontsize=9)
+    axes[len(found)].legend(frameon=False, fontsize=8)
+    _save(figure, path)

@@ -1,9 +1,9 @@
-"""The numbers and pictures of docs/load_cases.md: the complete turbine in load cases LC 2.1 to LC 2.7 of the thesis.
+"""The numbers and pictures of docs/load_cases.md: complete turbines in load cases LC 2.1 to 2.7 and LC 1.1 to 1.8.
 
 `python benchmarks/load_cases.py` runs every case by the command that the page prints, and writes tables and pictures;
 `python benchmarks/load_cases.py NAME ...` does so for some; `--keep` reads results of an earlier run from output/.
 
-Thesis: O. El Beshbichi, PhD thesis, University of Stavanger (2023), chapter 3, table 3.3. FAST in steady wind: NREL's
+Thesis: O. El Beshbichi, PhD thesis, University of Stavanger (2023), tables 3.3 and 4.9. FAST in steady wind: NREL's
 table of power and force on the shaft of this turbine, NREL/turbine-models, Offshore/NREL_5MW_126_RWT.csv.
 """
 
@@ -16,8 +16,10 @@ from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
+import gyroscopic as spinning
 import load_case_pictures as pictures
 import numpy as np
+import two_rotor_load_cases as two
 import verification_cases as cases
 from pages import Table, fill, markdown
 
@@ -50,6 +52,7 @@ COMMANDS = {
     "steady_and_regular": f"fowt run oc3_spar --wind steady:8 --waves regular:H=6,T=10 --time 600 {FIXED}",
     "turbulent_and_irregular": f"fowt run oc3_spar --wind field:{FIELD} --waves jonswap:Hs=6,Tp=10,seed=1 --time 1000"
     f" {FIXED}",
+    **{case.key: case.command(f"output/load_cases/{case.key}.bts") for case in two.KAIMAL},
 }
 SPEEDS = (3, 5, 7, 8, 9, 10, 11, 11.4, 12, 13, 15, 18, 21, 25)
 
@@ -119,7 +122,10 @@ def commands() -> Table:
     lines = [("LC 2.1", "steady"), ("LC 2.2", "turbulent"), *(("LC 2.3", f"decay_{m}") for m in OFFSETS),
              ("LC 2.4", "regular"), ("LC 2.4, rigid tower", "regular_rigid"), ("LC 2.5", "irregular"),
              ("LC 2.6", "steady_and_regular"), ("LC 2.7", "turbulent_and_irregular")]  # fmt: skip
+    wide = two.KAIMAL[3]
+    lines += [(f"LC {case.name}", case.key) for case in two.KAIMAL]
     rows = [("wind of LC 2.2, 2.7", f"`{FIELD_COMMAND}`"), *((case, f"`{COMMANDS[name]}`") for case, name in lines)]
+    rows.insert(-len(two.KAIMAL), (f"wind of LC {wide.name}", f"`{wide.field_command(_field_of(wide))}`"))
     return ("load case", "command"), rows
 
 
@@ -252,6 +258,49 @@ def _statistics(name: str, names: Sequence[str], settle: float, picture: Path, w
         rows.append((item, unit, *(float(factor * value) for value in values)))
     pictures.series(result, names[:8], picture, window or (settle, float(result.time[-1])))
     return ("result", "unit", "mean", "standard deviation", "least", "largest"), rows
+
+
+@section
+def two_rotors() -> Table:
+    """LC 1.1 to LC 1.8: two complete turbines on one spar in turbulent wind and irregular waves."""
+    found = {}
+    for case in two.KAIMAL:
+        field = ROOT / _field_of(case)
+        if not (keep and (RUNS / f"{case.key}_fowt.nc").exists()):
+            RUNS.mkdir(parents=True, exist_ok=True)
+            execute(case.field_command(_field_of(case)))
+        found[case] = result_of(case.key).statistics(discard=two.SETTLE)
+        field.unlink(missing_ok=True)  # 90 MB
+    pictures.two_rotors(found, FIGURES / "lc1_two_rotors.png")
+    return two.table(found)
+
+
+def _field_of(case: two.LoadCase) -> str:
+    return f"output/load_cases/{case.key}.bts"
+
+
+@section
+def gyroscopic() -> Table:
+    """Pitch decay with turning rotors, and the yaw that follows."""
+    runs = {
+        "oc3_spar": ("oc3_spar", (1,)), "the same, counter-clockwise": ("oc3_spar", (-1,)),
+        "two_rotor_spar, both clockwise": ("two_rotor_spar", (1, 1)),
+        "the same, one of each": ("two_rotor_spar", (1, -1)),
+    }  # fmt: skip
+    rows, found = [], {}
+    for name, (model, senses) in runs.items():
+        found[name] = one = spinning.pitch_decay(model, senses)
+        largest = [float(np.abs(values).max()) for values in (one.rate, one.moment, one.yaw, one.expected)]
+        error = np.sqrt(np.mean((one.yaw - one.expected) ** 2)) / one.yaw.std()
+        rows.append((
+            name, one.spin / 1e6, np.degrees(largest[0]), largest[1] / 1e6, f"{largest[2]:.2g}" if not one.spin
+            else largest[2], largest[3], f"{100 * error:.1f} %" if one.spin else "",
+        ))  # fmt: skip
+    pictures.gyroscopic(found, FIGURES / "gyroscopic_yaw.png")
+    heads = ("model", "spin I Omega [MN m s]", "largest pitch rate of the nacelles [deg/s]",
+             "largest gyroscopic moment [MN m]", "largest yaw [deg]", "of the oscillator [deg]",
+             "difference over 120 s")  # fmt: skip
+    return heads, rows
 
 
 def _readable(unit: str) -> tuple[float, str]:

@@ -18,6 +18,7 @@ from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
+import pitch_step
 import verification_cases as cases
 import verification_modes as turbine_modes
 from pages import Table, fill, markdown
@@ -422,6 +423,27 @@ def _draw_yaw(results: dict) -> None:
     axis.spines[["top", "right"]].set_visible(False)
     axis.legend(frameon=False, ncols=2, loc="upper right")
     figure.savefig(_figure("two_rotor_yaw.png"), dpi=120)
+
+
+@section
+def pitch_steps() -> Table:
+    """Pitch steps of the Tjaereborg turbine with dynamic inflow."""
+    _draw_pitch_steps(*pitch_step.steps())
+    heads = ("step [deg]", "torque before [kN m]", "at once", "settled", "overshoot [kN m]",
+             "half of it left after [s]", "a tenth after [s]", "the same in R/V")  # fmt: skip
+    return heads, pitch_step.rows()
+
+
+def _draw_pitch_steps(time: np.ndarray, torque: np.ndarray) -> None:
+    from matplotlib.figure import Figure
+
+    figure = Figure(figsize=(7.0, 2.8), layout="constrained")
+    axis = figure.subplots()
+    axis.plot(time, torque, color="#0b5394", linewidth=1.2)
+    axis.set(xlabel="time [s]", ylabel="rotor torque [kN m]", xlim=(0, 62), ylim=(0, 400))
+    axis.grid(color="#d9d9d9", linewidth=0.6)
+    axis.spines[["top", "right"]].set_visible(False)
+    figure.savefig(_figure("tjaereborg_pitch_steps.png"), dpi=120)
 
 
 def _figure(name: str) -> Path:

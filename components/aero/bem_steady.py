@@ -73,23 +73,24 @@ class RigidRotor:
 
     def thrust_and_torque(self, wind: Any, speed: float, pitch: Any = 0.0, **more: Any) -> tuple[float, float]:
         """Thrust along the rotor normal [N], torque that drives the shaft [N m]."""
-        return self._along_the_shaft(self.inputs(wind, speed, pitch, **more))
+        thrust, torque = self._along_the_shaft(self.inputs(wind, speed, pitch, **more)[:, None])[0]
+        return float(thrust), float(torque)
 
-    def _along_the_shaft(self, inputs: np.ndarray) -> tuple[float, float]:
+    def _along_the_shaft(self, inputs: np.ndarray) -> np.ndarray:
+        """Thrust and torque for each column of inputs, which have the nodes and the hub at the same places."""
         n, start = self.rotor.nodes, 18 * self.rotor.nodes
-        loads, arm = self.loads(inputs), inputs[: 3 * n].reshape(n, 3) - inputs[start : start + 3]
-        moment = np.cross(arm, loads[:, :3]) + loads[:, 3:]
+        loads = self.rotor.external.function(ca.DM(inputs)).full()[: 6 * n].T.reshape(-1, n, 6)
+        arm = inputs[: 3 * n, 0].reshape(n, 3) - inputs[start : start + 3, 0]
+        moment = (np.cross(arm, loads[..., :3]) + loads[..., 3:]).sum(axis=1)
         normal = self.hub_axes()[:, 0]
-        return float(normal @ loads[:, :3].sum(axis=0)), float(self.rotor.sense * normal @ moment.sum(axis=0))
+        return np.stack([loads[..., :3].sum(axis=1) @ normal, self.rotor.sense * moment @ normal], axis=1)
 
-    def sweep(self, winds: np.ndarray, speed: float, pitch: float, **more: Any) -> list[tuple[float, float]]:
-        """Thrust and torque in several uniform winds [m/s] along x, at the same rotor speed and pitch."""
-        inputs, n = self.inputs([1.0, 0, 0], speed, pitch, **more), self.rotor.nodes
-        found = []
-        for wind in winds:
-            inputs[15 * n : 18 * n : 3] = inputs[18 * n + 15] = wind  # x of the wind at the nodes and of the disk wind
-            found.append(self._along_the_shaft(inputs))
-        return found
+    def sweep(self, winds: np.ndarray, speed: float, pitch: float, **more: Any) -> np.ndarray:
+        """Thrust and torque, (n, 2), in n uniform winds [m/s] along x, at the same rotor speed and pitch."""
+        n = self.rotor.nodes
+        inputs = np.repeat(self.inputs([1.0, 0, 0], speed, pitch, **more)[:, None], len(winds), axis=1)
+        inputs[15 * n : 18 * n : 3] = inputs[18 * n + 15] = winds  # x of the wind at the nodes and of the disk wind
+        return self._along_the_shaft(inputs)
 
 
 def coefficient_table(
@@ -110,7 +111,7 @@ def coefficient_table(
     winds = speed * radius / ratios
     pressures = 0.5 * np.pi * R**2 * winds**2
     for j, pitch in enumerate(pitches):
-        loads = np.array(rigid.sweep(winds, speed, float(pitch), air_density=1.0))
+        loads = rigid.sweep(winds, speed, float(pitch), air_density=1.0)
         values[:, j] = loads / np.stack([pressures, pressures * R], axis=1)
         if progress is not None:
             progress(j + 1, len(pitches))

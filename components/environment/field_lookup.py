@@ -1,9 +1,10 @@
-"""Wind at points and times from a full-field file: frozen turbulence, trilinear interpolation. Plain numpy.
+"""Wind at points and times from a full-field file: frozen turbulence, linear or cubic interpolation. Plain numpy.
 
 The field moves along x with its mean speed U (Taylor's hypothesis): at time t the point (x, y, z) sees the plane of the
 field's time t + (shift - x)/U. As in OpenFAST's InflowWind the shift is half the width of a field that ends, so that a
 turbine may move upwind at t = 0, and nothing for a periodic one. Between time steps, rows and columns the speed is
-interpolated linearly: continuous, with a derivative that jumps there. Only the numbers around the points are decoded.
+interpolated linearly, continuous, with a derivative that jumps there; or by the cubic convolution of Keys (1981), with
+a continuous derivative. Only the numbers around the points are decoded.
 """
 
 from __future__ import annotations
@@ -21,20 +22,32 @@ _UNITS = {"y": "m", "z": "m", "time": "s"}
 _MARGIN = 1e-6  # of a cell: rounding of positions and of the header's float32
 
 
+SAMPLES = {"linear": 2, "cubic": 4}
+"""Samples in each direction that a value comes from, by the kind of interpolation."""
+
+
 class FieldLookup:
     """Velocities of a WindField, and their derivatives.
 
+    interpolation: "linear" or "cubic" along y, z and time. Cubic is the convolution of R. G. Keys (1981), IEEE Trans.
+    Acoust. Speech Signal Process. 29, 1153-1160, with a = -1/2; at an edge it goes on by a parabola, as there.
     covers: the first and last y [m], z [m] and, unless the field is periodic, time of the field [s].
     """
 
-    def __init__(self, field: WindField, shift: float | None = None):
-        grid = field.grid
-        if grid.rows < 2 or grid.columns < 2:
+    def __init__(self, field: WindField, shift: float | None = None, interpolation: str = "linear"):
+        grid, least = field.grid, SAMPLES[interpolation]
+        instead = ", or linear interpolation" if least > 2 else ""
+        if grid.rows < least or grid.columns < least:
             raise ParameterError(
                 f"{field.path}: {grid.columns} x {grid.rows} points cannot be interpolated; "
-                "a wind field needs 2 columns and 2 rows at least."
+                f"a wind field needs {least} columns and {least} rows at least{instead}."
             )
-        self.field, self.grid = field, grid
+        if grid.steps < least:
+            raise ParameterError(
+                f"{field.path}: {grid.steps} time steps cannot be interpolated; "
+                f"a wind field needs {least} at least{instead}."
+            )
+        self.field, self.grid, self.interpolation, self.count = field, grid, interpolation, least
         self._plane = np.asarray(field.plane)  # the same memory, without the overhead of np.memmap at every access
         width = (grid.columns - 1) * grid.dy
         self.shift = (0.0 if grid.periodic else width / 2) if shift is None else float(shift)
@@ -53,35 +66,30 @@ class FieldLookup:
     def evaluate(self, points: ArrayLike, time: ArrayLike) -> tuple[Floats, Floats]:
         """Velocities (n, 3) and d velocity / d (x, y, z, t) (n, 3, 4); beyond the edge the values of the edge."""
         cells = [
-            _cell(axis == "time" and self.grid.periodic, n, *rest)
+            _cell(axis == "time" and self.grid.periodic, n, *rest, self.count)
             for axis, n, *rest in zip(AXES, *self._cells(points, time), strict=True)
         ]
         (y, along_y, slope_y), (z, along_z, slope_z), (t, along_t, slope_t) = cells
         stored = self._plane[t[:, :, None, None], z[:, None, :, None], y[:, None, None, :]]
-        corners = self.field.speeds(stored)  # (n, time, z, y, component), two of each
-        now, change = _between(corners, along_t)
-        here, upwards = _between(now, along_z)
-        velocity, sideways = _between(here, along_y)
-        rate = np.empty((len(velocity), 3, 4))
-        rate[..., 1] = sideways * slope_y
-        rate[..., 2] = _between(upwards, along_y)[0] * slope_z
-        rate[..., 3] = _between(_between(change, along_z)[0], along_y)[0] * slope_t
+        about = self.field.speeds(stored)  # (n, time, z, y, component)
+        now, here = _sum(about, along_t), _sum(_sum(about, along_t), along_z)
+        rate = np.empty((len(about), 3, 4))
+        rate[..., 1] = _sum(here, slope_y)
+        rate[..., 2] = _sum(_sum(now, slope_z), along_y)
+        rate[..., 3] = _sum(_sum(_sum(about, slope_t), along_z), along_y)
         rate[..., 0] = -rate[..., 3] / self.grid.speed
-        return velocity, rate
+        return _sum(here, along_y), rate
 
     def mean(self, y: float, z: float) -> float:
         """Mean over the field's time of u [m/s] at (y, z)."""
         points = np.array([[0.0, y, z]])
         self._check(*self._cells(points, 0.0)[:2], axes=("y", "z"))
         grid = self.grid
-        column = min(max(int((y - self.covers["y"][0]) / grid.dy), 0), grid.columns - 2)
-        row = min(max(int((z - grid.bottom) / grid.dz), 0), grid.rows - 2)
-        s, t = (y - self.covers["y"][0]) / grid.dy - column, (z - grid.bottom) / grid.dz - row
-        corner = row * grid.columns + column
-        points = [corner, corner + 1, corner + grid.columns, corner + grid.columns + 1]
-        total = sum(block[:, points, 0].sum(axis=0, dtype=float) for _, block in self.field.blocks())
-        corners = total.reshape(2, 2) / grid.steps
-        stored = np.array([1 - t, t]) @ corners @ np.array([1 - s, s])
+        cells = list(zip(*self._cells(points, 0.0), strict=True))[:2]
+        (columns, along_y, _), (rows, along_z, _) = (_cell(False, *cell, self.count) for cell in cells)
+        about = (rows[0][:, None] * grid.columns + columns[0]).ravel()
+        total = sum(block[:, about, 0].sum(axis=0, dtype=float) for _, block in self.field.blocks())
+        stored = along_z[0] @ total.reshape(len(rows[0]), -1) @ along_y[0] / grid.steps
         return float((stored - grid.offset[0]) / grid.slope[0])
 
     def field_time(self, x: ArrayLike, time: ArrayLike) -> Floats:
@@ -113,15 +121,33 @@ class FieldLookup:
                 )
 
 
-def _cell(wraps: bool, n: int, position: Floats, per_unit: float) -> tuple[NDArray[np.int64], Floats, Floats]:
-    """Samples about a position in cells (points, 2), part of the way between them, cells per unit (0 outside)."""
+def _cell(
+    wraps: bool, n: int, position: Floats, per_unit: float, count: int
+) -> tuple[NDArray[np.int64], Floats, Floats]:
+    """Samples about a position in cells, their weights and the derivatives of these (0 outside), (points, count)."""
     inside = np.mod(position, n) if wraps else np.clip(position, 0, n - 1)
     low = np.minimum(np.floor(np.nan_to_num(inside)).astype(int), n - (1 if wraps else 2))
-    slope = np.where(wraps | (position == inside), per_unit, 0.0)
-    return np.stack([low, (low + 1) % n], axis=1), inside - low, slope[:, None]
+    part = (inside - low)[:, None]
+    samples = low[:, None] + np.arange(count) - (count // 2 - 1)
+    if count == 2:
+        weights, slopes = np.hstack([1 - part, part]), np.tile([-1.0, 1.0], (len(part), 1))
+    else:
+        weights, slopes = _keys(part - np.arange(-1, 3))
+    slopes = slopes * np.where(wraps | (position == inside), per_unit, 0.0)[:, None]
+    for one in (weights, slopes) if count == 4 and not wraps else ():
+        below, above = np.where(samples < 0, one, 0)[:, :1], np.where(samples >= n, one, 0)[:, 3:]
+        one += below * [-1, 3, -3, 1] + above * [1, -3, 3, -1]  # what is beyond an edge goes on by a parabola
+    return samples % n, weights, slopes
 
 
-def _between(pairs: Floats, part: Floats) -> tuple[Floats, Floats]:
-    """Interpolated values and differences of pairs (points, 2, ...) along their second direction."""
-    change = pairs[:, 1] - pairs[:, 0]
-    return pairs[:, 0] + part.reshape(-1, *[1] * (change.ndim - 1)) * change, change
+def _keys(away: Floats) -> tuple[Floats, Floats]:
+    """Weights of samples that are `away` cells from a position, Keys (1981), equation (15), and their derivatives."""
+    s = np.abs(away)
+    weights = np.where(s <= 1, (1.5 * s - 2.5) * s**2 + 1, ((2.5 - 0.5 * s) * s - 4) * s + 2)
+    slopes = np.where(s <= 1, (4.5 * s - 5) * s, (5 - 1.5 * s) * s - 4)
+    return weights, slopes * np.sign(away)
+
+
+def _sum(samples: Floats, weights: Floats) -> Floats:
+    """Samples (points, n, ...) times their weights (points, n), added up."""
+    return np.einsum("pn...,pn->p...", samples, weights)

@@ -28,7 +28,7 @@ from fowtlib.language.native import compiler
 Version = tuple[int, int]
 """Time of the last change [ns] and size [bytes] of a file; (0, 0) of one that is not there."""
 
-_known: dict[float, tuple[str, float, Version]] = {}  # path, shift and version of a file by its handle, for NumPy
+_known: dict[float, tuple[str, float, str, Version]] = {}  # what a handle stands for, see field_handle; for NumPy
 _refused: list[str] = []
 
 
@@ -41,23 +41,23 @@ def file_version(path: str) -> Version:
     return status.st_mtime_ns, status.st_size
 
 
-def open_field(path: str, shift: float | None) -> FieldLookup:
+def open_field(path: str, shift: float | None, interpolation: str = "linear") -> FieldLookup:
     """The look-up of a `.bts` file; the same object as long as the file does not change."""
-    return _open(path, shift, file_version(path))
+    return _open(path, shift, interpolation, file_version(path))
 
 
 @lru_cache(maxsize=8)
-def _open(path: str, shift: float | None, version: Version) -> FieldLookup:
-    return FieldLookup(read_field(path), shift)
+def _open(path: str, shift: float | None, interpolation: str, version: Version) -> FieldLookup:
+    return FieldLookup(read_field(path), shift, interpolation)
 
 
 def field_handle(lookup: FieldLookup) -> float:
-    """The number under which `field_function` knows a file, its version and its shift.
+    """The number under which `field_function` knows a file, its version, its shift and its interpolation.
 
     It comes from these alone: a model that is used where its file was not made known finds no other file instead.
     """
     path = os.path.abspath(lookup.field.path)
-    identity = path, lookup.shift, file_version(path)
+    identity = path, lookup.shift, lookup.interpolation, file_version(path)
     digest = hashlib.sha256(repr(identity).encode()).digest()
     handle = float(int.from_bytes(digest[:6], "little"))  # 48 bits: exact in a double
     _known[handle] = identity
@@ -74,9 +74,10 @@ def field_function(lookup: FieldLookup, points: int) -> ExternalFunction:
     if function.library is not None:
         handle, path = field_handle(lookup), os.path.abspath(lookup.field.path)
         if _symbol(function, "_open", ctypes.c_int)(
-            ctypes.c_double(handle), os.fsencode(path), ctypes.c_double(lookup.shift)
+            ctypes.c_double(handle), os.fsencode(path), ctypes.c_double(lookup.shift), lookup.interpolation == "cubic"
         ):
             raise ParameterError(_problem_in_c(function))
+        function.function.files[handle] = Path(path), lookup.shift
     return function
 
 
@@ -137,10 +138,10 @@ def _problem_in_python() -> str:
 
 def _twin(handle: float) -> FieldLookup:
     """The look-up in NumPy of a handle; an error where the file has changed, as in C."""
-    path, shift, version = _known[handle]
+    path, shift, interpolation, version = _known[handle]
     now = file_version(path)
     if now == version:
-        return _open(path, shift, version)
+        return _open(path, shift, interpolation, version)
     reason = "has changed since the model was compiled; compile it again"
     if now == (0, 0):
         reason = f"cannot be read any more: {os.strerror(2)}"

@@ -1,15 +1,16 @@
 /* Wind at points from TurbSim .bts files: the look-up of field_lookup.py in C11, with CasADi's C interface.
 
    One library, made for FIELD_NAME, say wind, and FIELD_POINTS points, serves any number of files. A file is made known
-   once by wind_open(handle, path, shift), with a number of the caller's choice as its handle; shift [m] is the x of the
-   first plane at t = 0, NaN for half the width, or nothing for a periodic field. Then wind and jac_wind can be called.
+   once by wind_open(handle, path, shift, cubic), with a number of the caller's choice as its handle; shift [m] is the x
+   of the first plane at t = 0, NaN for half the width, or nothing for a periodic field; cubic says how it is interpolated.
+   Then wind and jac_wind can be called.
 
    Input: handle, time [s], then x, y, z [m] of each point. Output: u, v, w [m/s] of each point. The Jacobian is sparse:
    a point depends on its own three coordinates and the time. Beyond the edge the value of the edge is returned; the
    caller checks the range. Where a file cannot be read, or has changed since it was made known, a call returns 1, and
    wind_problem() says why, once.
 
-   Memory: no file is held as a whole. Blocks of time steps, as int16, are read where they are needed into a pool of at
+   Memory: no file is held as a whole. Blocks of time steps, as float, are read where they are needed into a pool of at
    most BLOCKS x about BLOCK_BYTES, which all files share; the one that was not used for longest makes room. The file is
    open only while a block is read, so that it can be deleted, a process forked. Not for several threads at a time. */
 
@@ -39,19 +40,19 @@ typedef long long int casadi_int;
 enum { INPUTS = 2 + 3 * FIELD_POINTS, OUTPUTS = 3 * FIELD_POINTS, HEADER = 70, PERIODIC = 8, ENDING = 7 };
 enum { BLOCKS = 32, BLOCK_BYTES = 1 << 18 };
 
-/* A file that was made known. stride: stored numbers of one time step; `place` of a block in the pool, or -1; seen: the
-   run in which it was last looked at. */
+/* A file that was made known. samples: 2 or 4 in each direction, about a point; stride: stored numbers of one time step;
+   `place` of a block in the pool, or -1; seen: the run in which it was last looked at. */
 typedef struct {
     double handle, half_width, bottom, shift, per_dy, per_dz, per_dt, per_speed, per_slope[3], offset[3];
     char *path;
-    int rows, columns, steps, periodic, steps_of_block, *place;
+    int rows, columns, steps, periodic, samples, steps_of_block, *place;
     unsigned seen;
     long long stride, data, size, modified;
 } Field;
 
-/* A block: steps_of_block + 1 time steps, so that a step and the next one are always side by side. */
+/* A block: steps_of_block + samples - 1 time steps, so that a step and those behind it are always side by side. */
 static struct {
-    int16_t *numbers;
+    float *numbers;
     size_t room;
     Field *field;
     int block;
@@ -135,7 +136,7 @@ static int read_header(Field *f, FILE *file) {
         if (!isfinite(slope) || !isfinite(f->offset[i]) || slope == 0) return 1;
     }
     if (kind != PERIODIC && kind != ENDING) return 1;
-    if (f->rows < 2 || f->columns < 2 || f->steps < 2 || tower < 0 || length < 0) return 1;
+    if (f->rows < f->samples || f->columns < f->samples || f->steps < f->samples || tower < 0 || length < 0) return 1;
     if (!(dz > 0 && dy > 0 && dt > 0 && speed > 0 && isfinite(f->bottom))) return 1;
     f->half_width = 0.5 * (f->columns - 1) * dy;
     f->per_dz = 1 / dz, f->per_dy = 1 / dy, f->per_dt = 1 / dt, f->per_speed = 1 / speed;
@@ -149,7 +150,7 @@ static void forget(Field *f) {
 }
 
 /* Makes a file known; 0, or 1 with a problem. A handle that is known already is not looked at again. */
-EXPORT int OF(_open)(double handle, const char *path, double shift) {
+EXPORT int OF(_open)(double handle, const char *path, double shift, int cubic) {
     for (int i = 0; i < known; i++)
         if (fields[i]->handle == handle) return 0;
     Field *f = calloc(1, sizeof *f), **more = realloc(fields, (size_t)(known + 1) * sizeof *fields);
@@ -162,10 +163,11 @@ EXPORT int OF(_open)(double handle, const char *path, double shift) {
     strcpy(f->path, path);
     FILE *file = open_file(path);
     int bad = !file ? refuse(f, "cannot be read: ", strerror(errno)) : 0;
+    f->samples = cubic ? 4 : 2;
     if (file && read_header(f, file)) bad = refuse(f, "is damaged", "");
     if (file) fclose(file);
     if (!bad) {
-        const long long steps = BLOCK_BYTES / (2 * f->stride);
+        const long long steps = BLOCK_BYTES / (4 * f->stride);
         f->steps_of_block = steps < 1 ? 1 : steps > f->steps ? f->steps : (int)steps;
         const int blocks = (f->steps - 1) / f->steps_of_block + 1;
         f->place = malloc((size_t)blocks * sizeof *f->place);
@@ -221,10 +223,14 @@ static int find_field(double handle) {
     return 0;
 }
 
-static int read_steps(Field *f, FILE *file, long long first, long long count, int16_t *into) {
+static int read_steps(Field *f, FILE *file, long long first, long long count, float *into) {
     const size_t wanted = (size_t)(count * f->stride);
-    if (SEEK(file, f->data + 2 * first * f->stride, SEEK_SET) || fread(into, 2, wanted, file) < wanted) return 1;
-    for (size_t i = 0; i < wanted; i++) into[i] = number((const unsigned char *)into + 2 * i);
+    const unsigned char *stored = (const unsigned char *)(into + wanted) - 2 * wanted; /* the later half of the room */
+    if (SEEK(file, f->data + 2 * first * f->stride, SEEK_SET) || fread((void *)stored, 2, wanted, file) < wanted) return 1;
+    for (size_t i = 0; i < wanted; i++) { /* one number is written where the ones before it were read */
+        const float value = number(stored + 2 * i);
+        memcpy(into + i, &value, sizeof value);
+    }
     return 0;
 }
 
@@ -233,7 +239,7 @@ static int load(Field *f, int block) {
     int k = 0;
     for (int i = 1; i < BLOCKS; i++)
         if (pool[i].used < pool[k].used) k = i;
-    const size_t room = (size_t)((f->steps_of_block + 1) * f->stride);
+    const size_t room = (size_t)((f->steps_of_block + f->samples - 1) * f->stride);
     if (pool[k].field) pool[k].field->place[pool[k].block] = -1;
     pool[k].field = NULL;
     if (pool[k].room < room) {
@@ -243,12 +249,13 @@ static int load(Field *f, int block) {
         if (!pool[k].numbers) return refuse(f, "has no memory left", "");
     }
     const long long first = (long long)block * f->steps_of_block, left = f->steps - first;
-    const long long count = left > f->steps_of_block ? f->steps_of_block + 1 : left;
+    const long long own = left < f->steps_of_block ? left : f->steps_of_block, wanted = own + f->samples - 1;
+    const long long count = wanted < left ? wanted : left;
     FILE *file = unchanged(f);
     if (!file) return 1;
     int bad = read_steps(f, file, first, count, pool[k].numbers);
-    if (!bad && count == left && f->periodic) /* behind the last step comes the first */
-        bad = read_steps(f, file, 0, 1, pool[k].numbers + count * f->stride);
+    if (!bad && count < wanted && f->periodic) /* behind the last step comes the first */
+        bad = read_steps(f, file, 0, wanted - count, pool[k].numbers + count * f->stride);
     if (bad) refuse(f, "cannot be read: ", ferror(file) ? strerror(errno) : "it ends too early");
     fclose(file);
     if (bad) return 1;
@@ -259,16 +266,37 @@ static int load(Field *f, int block) {
 
 /* --- interpolation ------------------------------------------------------------------------------------------------ */
 
-/* Cell and weight along one direction: `position` in cells of n samples; slope is 0 beyond an edge. */
+/* Two or four samples are a constant wherever this is used, and the loops over them are written out. */
+#define ALWAYS static inline __attribute__((always_inline))
+#if defined(__GNUC__) && !defined(__clang__)
+#define UNROLLED _Pragma("GCC unroll 12")
+#else
+#define UNROLLED
+#endif
+
+/* Along one direction: the first of the samples about a position, their weights, and the derivatives of these. */
 typedef struct {
-    int low;
-    double weight, slope;
+    int first;
+    double weight[4], slope[4];
 } Cell;
 
-static inline Cell cell(double position, int n, int wraps, double per_unit) {
-    Cell c = {0, position, per_unit};
+/* A sample beyond the edge continues the three inside of it by a parabola: from its place `beyond` in the order of the
+   samples, where they go in the direction `inwards`, its weight moves to them. */
+static void at_edge(double *weight, int beyond, int inwards) {
+    weight[beyond + inwards] += 3 * weight[beyond];
+    weight[beyond + 2 * inwards] -= 3 * weight[beyond];
+    weight[beyond + 3 * inwards] += weight[beyond];
+    for (int i = beyond; i >= 0 && i < 3 && inwards > 0; i++) weight[i] = weight[i + 1];
+    for (int i = beyond; i > 0 && i <= 3 && inwards < 0; i--) weight[i] = weight[i - 1];
+    weight[inwards > 0 ? 3 : 0] = 0;
+}
+
+/* `position` in cells of n samples; slopes are 0 beyond an edge. Linear, or the cubic convolution of R. G. Keys (1981),
+   IEEE Trans. Acoust. Speech Signal Process. 29, 1153-1160, with a = -1/2. */
+ALWAYS Cell cell(double position, int n, int wraps, double per_unit, const int samples) {
+    Cell c = {0};
     if (isnan(position) || (wraps && isinf(position))) {
-        c.weight = NAN;
+        for (int i = 0; i < samples; i++) c.weight[i] = c.slope[i] = NAN;
         return c;
     }
     double inside = position;
@@ -276,18 +304,34 @@ static inline Cell cell(double position, int n, int wraps, double per_unit) {
         inside = position - n * floor(position / n);
     } else if (!(position >= 0 && position <= n - 1)) {
         inside = position < 0 ? 0 : n - 1;
-        c.slope = 0;
+        per_unit = 0;
     }
-    const int last = wraps ? n - 1 : n - 2;
-    c.low = inside < last ? (int)inside : last;
-    c.weight = inside - c.low;
+    const int last = wraps ? n - 1 : n - 2, low = inside < last ? (int)inside : last;
+    const double s = inside - low;
+    if (samples == 2) {
+        c.first = low;
+        c.weight[0] = 1 - s, c.weight[1] = s;
+        c.slope[0] = -per_unit, c.slope[1] = per_unit;
+        return c;
+    }
+    c.weight[0] = 0.5 * s * (s * (2 - s) - 1), c.slope[0] = 0.5 * per_unit * (s * (4 - 3 * s) - 1);
+    c.weight[1] = 0.5 * (s * s * (3 * s - 5) + 2), c.slope[1] = 0.5 * per_unit * s * (9 * s - 10);
+    c.weight[2] = 0.5 * s * (s * (4 - 3 * s) + 1), c.slope[2] = 0.5 * per_unit * (s * (8 - 9 * s) + 1);
+    c.weight[3] = 0.5 * s * s * (s - 1), c.slope[3] = 0.5 * per_unit * s * (3 * s - 2);
+    c.first = low > 0 ? low - 1 : wraps ? n - 1 : 0;
+    if (!wraps && low == 0) {
+        at_edge(c.weight, 0, 1), at_edge(c.slope, 0, 1);
+    } else if (!wraps && low == n - 2) {
+        c.first = n - 4;
+        at_edge(c.weight, 3, -1), at_edge(c.slope, 3, -1);
+    }
     return c;
 }
 
 /* The look-up in progress: the field, and the block of the last point, which is mostly that of the next one too. */
 typedef struct {
     Field f;
-    const int16_t *numbers;
+    const float *numbers;
     int first;
 } Look;
 
@@ -298,21 +342,87 @@ static int start(double handle, Look *look) {
     return 0;
 }
 
-/* Cells of a point, and the stored numbers at its corner below, to starboard, before; NULL with a problem. */
-static inline const int16_t *corner(Look *look, double time, const double *r, Cell *y, Cell *z, Cell *t) {
+/* Cells of a point, and the first of the stored numbers about it; NULL with a problem. */
+ALWAYS const float *corner(Look *look, double time, const double *r, Cell *y, Cell *z, Cell *t, const int samples) {
     const Field *f = &look->f;
     const double tau = time + (f->shift - r[0]) * f->per_speed;
-    *y = cell((r[1] + f->half_width) * f->per_dy, f->columns, 0, f->per_dy);
-    *z = cell((r[2] - f->bottom) * f->per_dz, f->rows, 0, f->per_dz);
-    *t = cell(tau * f->per_dt, f->steps, f->periodic, f->per_dt);
-    if (!look->numbers || t->low < look->first || t->low >= look->first + f->steps_of_block) {
-        const int block = t->low / f->steps_of_block;
+    *y = cell((r[1] + f->half_width) * f->per_dy, f->columns, 0, f->per_dy, samples);
+    *z = cell((r[2] - f->bottom) * f->per_dz, f->rows, 0, f->per_dz, samples);
+    *t = cell(tau * f->per_dt, f->steps, f->periodic, f->per_dt, samples);
+    if (!look->numbers || t->first < look->first || t->first >= look->first + f->steps_of_block) {
+        const int block = t->first / f->steps_of_block;
         if (f->place[block] < 0 && load(current, block)) return NULL;
         pool[f->place[block]].used = ++calls;
         look->numbers = pool[f->place[block]].numbers;
         look->first = block * f->steps_of_block;
     }
-    return look->numbers + (t->low - look->first) * f->stride + 3 * ((long long)z->low * f->columns + y->low);
+    return look->numbers + (t->first - look->first) * f->stride + 3 * ((long long)z->first * f->columns + y->first);
+}
+
+/* Velocities at all points. */
+ALWAYS int velocities(Look *look, const double *column, double *out, const int samples) {
+    const double *r = column + 2;
+    for (int p = 0; p < FIELD_POINTS; p++, r += 3, out += 3) {
+        Cell y, z, t;
+        const float *slice = corner(look, column[1], r, &y, &z, &t, samples);
+        if (!slice) return 1;
+        double line[12] = {0}; /* u, v, w of the columns about the point, at its height and time */
+        for (int i = 0; i < samples; i++, slice += look->f.stride) {
+            const float *row = slice;
+            UNROLLED
+            for (int k = 0; k < samples; k++, row += 3 * look->f.columns) {
+                const double weight = t.weight[i] * z.weight[k];
+                UNROLLED
+                for (int j = 0; j < 3 * samples; j++) line[j] += weight * row[j];
+            }
+        }
+        for (int i = 0; i < 3; i++) {
+            double sum = -look->f.offset[i];
+            UNROLLED
+            for (int k = 0; k < samples; k++) sum += y.weight[k] * line[3 * k + i];
+            out[i] = sum * look->f.per_slope[i];
+        }
+    }
+    return 0;
+}
+
+/* Compressed columns: nothing by the handle; the time moves all outputs, x, y and z of a point its own three. */
+ALWAYS int derivatives(Look *look, const double *column, double *by_time, double *own, const int samples) {
+    const double *r = column + 2;
+    for (int p = 0; p < FIELD_POINTS; p++, r += 3, by_time += 3, own += 9) {
+        Cell y, z, t;
+        const float *slice = corner(look, column[1], r, &y, &z, &t, samples);
+        if (!slice) return 1;
+        double line[12] = {0}, rise[12] = {0}, rate[12] = {0};
+        for (int i = 0; i < samples; i++, slice += look->f.stride) {
+            const float *row = slice;
+            UNROLLED
+            for (int k = 0; k < samples; k++, row += 3 * look->f.columns) {
+                const double here = t.weight[i] * z.weight[k];
+                const double upwards = t.weight[i] * z.slope[k], later = t.slope[i] * z.weight[k];
+                UNROLLED
+                for (int j = 0; j < 3 * samples; j++) {
+                    line[j] += here * row[j];
+                    rise[j] += upwards * row[j];
+                    rate[j] += later * row[j];
+                }
+            }
+        }
+        for (int i = 0; i < 3; i++) {
+            double change = 0, sideways = 0, up = 0;
+            UNROLLED
+            for (int k = 0; k < samples; k++) {
+                change += y.weight[k] * rate[3 * k + i];
+                sideways += y.slope[k] * line[3 * k + i];
+                up += y.weight[k] * rise[3 * k + i];
+            }
+            by_time[i] = change * look->f.per_slope[i];
+            own[i] = -by_time[i] * look->f.per_speed;
+            own[3 + i] = sideways * look->f.per_slope[i];
+            own[6 + i] = up * look->f.per_slope[i];
+        }
+    }
+    return 0;
 }
 
 EXPORT int FIELD_NAME(const double **arg, double **res, casadi_int *iw, double *w, int mem) {
@@ -320,55 +430,16 @@ EXPORT int FIELD_NAME(const double **arg, double **res, casadi_int *iw, double *
     Look look;
     if (!res[0]) return 0;
     if (!arg[0] || start(arg[0][0], &look)) return 1;
-    const double *r = arg[0] + 2;
-    double *out = res[0];
-    for (int p = 0; p < FIELD_POINTS; p++, r += 3, out += 3) {
-        Cell y, z, t;
-        const int16_t *now = corner(&look, arg[0][1], r, &y, &z, &t);
-        if (!now) return 1;
-        const int16_t *next = now + look.f.stride, *over = now + 3 * look.f.columns, *then = next + 3 * look.f.columns;
-        double side[6]; /* u, v, w on the starboard side of the cell, and on the other */
-        for (int j = 0; j < 6; j++) {
-            const double below = now[j] + t.weight * (next[j] - now[j]);
-            const double above = over[j] + t.weight * (then[j] - over[j]);
-            side[j] = below + z.weight * (above - below);
-        }
-        for (int i = 0; i < 3; i++)
-            out[i] = (side[i] + y.weight * (side[3 + i] - side[i]) - look.f.offset[i]) * look.f.per_slope[i];
-    }
-    return 0;
+    return look.f.samples == 2 ? velocities(&look, arg[0], res[0], 2) : velocities(&look, arg[0], res[0], 4);
 }
 
-/* Compressed columns: nothing by the handle; the time moves all outputs, x, y and z of a point its own three. */
 EXPORT int JACOBIAN()(const double **arg, double **res, casadi_int *iw, double *w, int mem) {
     (void)iw, (void)w, (void)mem;
     Look look;
     if (!res[0]) return 0;
     if (!arg[0] || start(arg[0][0], &look)) return 1;
-    const double *r = arg[0] + 2;
-    double *by_time = res[0], *own = res[0] + OUTPUTS;
-    for (int p = 0; p < FIELD_POINTS; p++, r += 3, by_time += 3, own += 9) {
-        Cell y, z, t;
-        const int16_t *now = corner(&look, arg[0][1], r, &y, &z, &t);
-        if (!now) return 1;
-        const int16_t *next = now + look.f.stride, *over = now + 3 * look.f.columns, *then = next + 3 * look.f.columns;
-        double side[6], rise[6], rate[6];
-        for (int j = 0; j < 6; j++) {
-            const double change = next[j] - now[j], change_over = then[j] - over[j];
-            const double below = now[j] + t.weight * change;
-            rise[j] = over[j] + t.weight * change_over - below;
-            side[j] = below + z.weight * rise[j];
-            rate[j] = change + z.weight * (change_over - change);
-        }
-        for (int i = 0; i < 3; i++) {
-            const double unit = look.f.per_slope[i];
-            by_time[i] = (rate[i] + y.weight * (rate[3 + i] - rate[i])) * t.slope * unit;
-            own[i] = -by_time[i] * look.f.per_speed;
-            own[3 + i] = (side[3 + i] - side[i]) * y.slope * unit;
-            own[6 + i] = (rise[i] + y.weight * (rise[3 + i] - rise[i])) * z.slope * unit;
-        }
-    }
-    return 0;
+    double *own = res[0] + OUTPUTS;
+    return look.f.samples == 2 ? derivatives(&look, arg[0], res[0], own, 2) : derivatives(&look, arg[0], res[0], own, 4);
 }
 
 /* --- CasADi's interface: see "Using externally-defined functions" in its manual ----------------------------------- */

@@ -89,6 +89,7 @@ class Wind(Component):
     repetition_period: float = param(default=4096.0, unit="s", min=0, doc="kaimal: period of the realisation")
     file: str = param(default="", doc="file: CSV with time [s] and speed [m/s] of each station; field: .bts file")
     field_shift: float = param(default=None, unit="m", doc="field: x of its first plane at t = 0, see field_lookup")
+    interpolation: str = param(default="linear", choices=("linear", "cubic"), doc="field: between its points, in time")
 
     speed: RealOutput = port(unit="m/s", shape=_per_station, doc="undisturbed speed at each station")
     base: Array = var(unit="m/s", shape=_per_station, doc="sheared part of the speed at each station")
@@ -266,7 +267,7 @@ def _read(wind: Wind) -> WindSeries:
 def _lookup(wind: Wind) -> FieldLookup:
     if not wind.file:
         raise ParameterError(f"{wind.label}.file has no value; a wind of kind 'field' needs the path of a .bts file.")
-    return open_field(wind.file, wind.field_shift)
+    return open_field(wind.file, wind.field_shift, wind.interpolation)
 
 
 def _series(wind: Wind, series: WindSeries, name: str) -> Any:

@@ -29,7 +29,7 @@ from fowtlib.components.environment.sea import Sea
 from fowtlib.components.environment.waves import wave_number
 from fowtlib.components.environment.world import World
 from fowtlib.components.hydro.database import HydrodynamicDatabase
-from fowtlib.components.hydro.radiation_identification import RadiationModel, identify_radiation
+from fowtlib.components.hydro.radiation_identification import RadiationModel, kept_radiation
 from fowtlib.components.mechanics.connectors import Frame
 from fowtlib.language import Array, Component, Scalar, Vector, der, eq, outer, param, port, var
 from fowtlib.language import math as m
@@ -235,4 +235,4 @@ def _database(path: str, changed: float) -> HydrodynamicDatabase:
 @lru_cache(maxsize=8)
 def _radiation(path: str, changed: float, order: int, passive: bool) -> RadiationModel:
     data = _database(path, changed)
-    return identify_radiation(data.omega, data.B, data.A, data.A_inf, order=order, passive=passive)
+    return kept_radiation(data.omega, data.B, data.A, data.A_inf, order=order, passive=passive)

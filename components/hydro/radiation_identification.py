@@ -24,7 +24,8 @@ Taghipour, Perez and Moan, Ocean Engineering 35 (2008) 684-705; Lawson and Hanso
 
 from __future__ import annotations
 
-from dataclasses import dataclass, field
+from dataclasses import asdict, dataclass, field
+from typing import Any
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -34,6 +35,7 @@ from scipy.sparse.csgraph import connected_components
 
 from fowtlib.components.hydro.errors import HydrodynamicDataError
 from fowtlib.components.hydro.retardation import added_mass_from_kernel, bandwidth, retardation_kernel
+from fowtlib.language.kept import kept, sources
 
 Floats = NDArray[np.float64]
 
@@ -177,6 +179,27 @@ def identify_radiation(omega: ArrayLike, damping: ArrayLike, added_mass: ArrayLi
         row += len(a)
     entries = _report(omega, damping, added_mass, added_mass_infinite, time, K * np.outer(scale, scale), used, A, B, C)
     return RadiationModel(A, B, C, entries, tuple(groups), skipped)
+
+
+def kept_radiation(omega: Floats, damping: Floats, added_mass: Floats, added_mass_infinite: Floats, *, order: int,
+                   passive: bool) -> RadiationModel:  # fmt: skip
+    """`identify_radiation`, from the cache where it has been asked for the same before."""
+    arrays = omega, damping, added_mass, added_mass_infinite
+
+    def make() -> dict[str, Any]:
+        return asdict(identify_radiation(*arrays, order=order, passive=passive))
+
+    code = sources(__name__, retardation_kernel.__module__)
+    found = kept("radiation", [*code, f"{order} {passive}", *map(np.asarray, arrays)], make)
+    m = damping.shape[1]
+    A, B, C = (np.array(found[name], dtype=float) for name in "ABC")
+    return RadiationModel(
+        A.reshape(len(A), len(A)), B.reshape(len(A), m), C.reshape(m, len(A)),
+        tuple(EntryFit(**entry) for entry in found["entries"]),
+        tuple(GroupFit(**{**g, "motions": tuple(g["motions"]), "hankel": np.array(g["hankel"])})
+              for g in found["groups"]),
+        tuple((i, j) for i, j in found["skipped"]),
+    )  # fmt: skip
 
 
 def hankel_singular_values(kernel: ArrayLike) -> Floats:

@@ -62,9 +62,9 @@ class Division:
     tip: np.ndarray
 
 
-def elastic_axis(beam: BeamProperties, s: float) -> np.ndarray:
-    """Point of the elastic axis at the distance s from the root, in the axes of the root."""
-    return np.array([beam.at("reference_x", s), beam.at("reference_y", s), s])
+def elastic_axis(beam: BeamProperties, s: Any) -> np.ndarray:
+    """Point of the elastic axis at the distance s from the root, in the axes of the root; a row for each of several."""
+    return np.stack([beam.at("reference_x", s), beam.at("reference_y", s), s], axis=-1)
 
 
 @lru_cache(maxsize=64)
@@ -180,26 +180,25 @@ def _gauss_points(s: np.ndarray, weight: np.ndarray, length: float, n: int) -> n
     return (nodes + 1) / 2 * length
 
 
-def section_axes(beam: BeamProperties, s: float) -> np.ndarray:
-    """Columns x', y', z' at s: z' along the elastic axis, x' and y' the principal axes of bending."""
+def section_axes(beam: BeamProperties, s: Any) -> np.ndarray:
+    """Columns x', y', z' at s: z' along the elastic axis, x' and y' the principal axes of bending; (n, 3, 3) for n."""
     step = 1e-6 * beam.length
-    a, b = max(s - step, 0.0), min(s + step, beam.length)
-    tangent = elastic_axis(beam, b) - elastic_axis(beam, a)
-    tangent /= np.linalg.norm(tangent)
-    twist = float(beam.at("twist", s))
-    x = np.array([np.cos(twist), -np.sin(twist), 0.0])
-    x -= tangent * (x @ tangent)
-    x /= np.linalg.norm(x)
-    return np.column_stack([x, np.cross(tangent, x), tangent])
+    tangent = elastic_axis(beam, np.minimum(s + step, beam.length)) - elastic_axis(beam, np.maximum(s - step, 0.0))
+    tangent /= np.linalg.norm(tangent, axis=-1, keepdims=True)
+    twist = np.asarray(beam.at("twist", s))
+    x = np.stack([np.cos(twist), -np.sin(twist), 0.0 * twist], axis=-1)
+    x -= tangent * (x * tangent).sum(axis=-1, keepdims=True)
+    x /= np.linalg.norm(x, axis=-1, keepdims=True)
+    return np.stack([x, np.cross(tangent, x), tangent], axis=-1)
 
 
 def _segment(beam: BeamProperties, a: float, b: float) -> Segment:
     """Mass, centre and inertia of the beam between a and b."""
     s, w = _quadrature(beam, a, b, pieces=2)
     mass = w * beam.at("mass_per_length", s)
-    axes = np.array([section_axes(beam, si) for si in s])
+    axes = section_axes(beam, s)
     offset = np.stack([beam.at("centre_of_mass_x", s), beam.at("centre_of_mass_y", s), 0 * s], axis=1)
-    r = np.array([elastic_axis(beam, si) for si in s]) + np.einsum("nij,nj->ni", axes, offset)
+    r = elastic_axis(beam, s) + np.einsum("nij,nj->ni", axes, offset)
     total = mass.sum()
     centre = mass @ r / total if total > 0 else r.mean(axis=0)
     arm = r - centre

@@ -165,9 +165,10 @@ def read_beam(path: str) -> BeamProperties:
     """
     try:
         with open(path, newline="") as file:
-            rows = list(csv.DictReader(line for line in file if not line.startswith("#")))
+            lines = [(k, line) for k, line in enumerate(file, 1) if not line.startswith("#")]
     except OSError as error:
         raise ModelError(f"the properties of a beam cannot be read: {error.strerror}: {path}") from None
+    rows = list(csv.DictReader(line for _, line in lines))
     if len(rows) < 2:
         raise ModelError(f"{path}: a beam needs two stations or more.")
     unknown = [name for name in rows[0] if name not in COLUMNS]
@@ -181,6 +182,13 @@ def read_beam(path: str) -> BeamProperties:
     if missing:
         columns = [column for column, name in COLUMNS.items() if name == missing[0]]
         raise ModelError(f"{path}: the column {' or '.join(columns)} is missing.")
+    falls = np.flatnonzero(~(np.diff(table["z"]) > 0))
+    if falls.size:
+        last, first = (f"{table['z'][falls[0] + k]:g} m" for k in (0, 1))
+        place = [k for k, line in lines if line.strip()][falls[0] + 2]
+        raise ModelError(
+            f"{path}:{place}: the stations of a beam must increase from root to tip; {last} is followed by {first}."
+        )
     if "twist" in table:
         table["twist"] = np.radians(table["twist"])
     outer, wall = table.pop("outer_diameter", None), table.pop("wall_thickness", None)

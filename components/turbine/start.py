@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import fields
+from functools import lru_cache
 from typing import TYPE_CHECKING, Any, Protocol
 
 from fowtlib.components.servo import TorqueController, TorqueLaw
@@ -35,9 +36,15 @@ def start_point(turbine: InTheWind, station: int) -> OperatingPoint:
         mean = wind.parameter_value("mean_speed") * height**shear
     steady = turbine.steady_turbine()
     try:
-        return steady.operating_point(float(mean))
+        return _operating_point(steady, float(mean))
     except ModelError as error:
         raise error.at(turbine.label) from None
+
+
+@lru_cache(maxsize=16)
+def _operating_point(steady: SteadyTurbine, wind_speed: float) -> OperatingPoint:
+    """Remembered, because every start value of a turbine asks for it."""
+    return steady.operating_point(wind_speed)
 
 
 def give_default(component: Component, name: str, value: object) -> None:

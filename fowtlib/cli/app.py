@@ -7,6 +7,7 @@ inside fowtlib or a component, 130 stopped by Ctrl-C.
 from __future__ import annotations
 
 import argparse
+import gc
 import sys
 import textwrap
 import traceback
@@ -88,6 +89,7 @@ def main(argv: Sequence[str] | None = None) -> int:
         return 2
     if rest:
         commands[arguments.command].unknown(rest)
+    gc.set_threshold(200_000)  # a model is a million objects that stay: looking through them again and again costs 6 %
     with warnings.catch_warnings():
         warnings.showwarning = _warn
         return _carry_out(arguments)

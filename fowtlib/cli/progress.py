@@ -15,9 +15,13 @@ def progress_bar(begin: float = 0.0) -> Iterator[Report]:
 
     Without a terminal nothing is shown. `begin` is the simulated time at the start of a resumed run.
     """
-    from rich.progress import BarColumn, Progress, TextColumn, TimeRemainingColumn
-
     from fowtlib.cli.tables import console
+
+    screen = console(stderr=True)
+    if not screen.is_terminal:
+        yield lambda t, t_end: None
+        return
+    from rich.progress import BarColumn, Progress, TextColumn, TimeRemainingColumn
 
     columns = (
         TextColumn("simulating"),
@@ -26,8 +30,7 @@ def progress_bar(begin: float = 0.0) -> Iterator[Report]:
         TextColumn("{task.fields[factor]}"),
         TimeRemainingColumn(),
     )
-    screen = console(stderr=True)
-    bar = Progress(*columns, console=screen, disable=not screen.is_terminal, transient=True)
+    bar = Progress(*columns, console=screen, transient=True)
     with bar:
         task = bar.add_task("", total=None, completed=0.0, factor="", visible=False)
         started = time.perf_counter()

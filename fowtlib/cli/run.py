@@ -29,6 +29,9 @@ def declare(commands: Any) -> None:
     parser = commands.add_parser("run", help="simulate a model over time", epilog=EXAMPLES)
     loading.declare(parser)
     parser.add_argument("--time", type=positive, metavar="S", help="end time [s]; default: the model file's")
+    parser.add_argument(
+        "--output-step", type=positive, metavar="S", help="time between results [s]; default: the model file's"
+    )
     parser.add_argument("--output", type=Path, metavar="FILE", help="save the results: .nc (resumable), .csv or .outb")
     parser.add_argument("--plot", type=Path, metavar="FILE", help="draw the results: .png, .svg or .pdf")
     parser.add_argument("--solver", default=None, help="idas or fixed; default: the model file's, or idas")
@@ -83,8 +86,8 @@ def run(arguments: argparse.Namespace) -> int:
     earlier = Result.open(arguments.resume) if arguments.resume else None
     model = loading.load(arguments)
     plant = model.compile()
-    options = {"t_end": arguments.time, "solver": arguments.solver, "step": arguments.step}
-    options["tolerance"] = arguments.tolerance
+    options = {"t_end": arguments.time, "output_step": arguments.output_step, "solver": arguments.solver}
+    options |= {"step": arguments.step, "tolerance": arguments.tolerance}
     try:
         with progress_bar(earlier.time[-1] if earlier else 0.0) as report:
             later = plant.simulate(start=earlier, progress=report, **options)

@@ -7,6 +7,7 @@ from collections.abc import Sequence
 from typing import Any
 
 import casadi as ca
+import numpy as np
 
 from fowtlib.flattening.aliases import eliminate_aliases
 from fowtlib.flattening.causalization import Causal, Causalization
@@ -16,7 +17,7 @@ from fowtlib.flattening.incidence import Incidence
 from fowtlib.flattening.index_reduction import IndexReduction
 from fowtlib.flattening.instances import Instances, Statements
 from fowtlib.flattening.orientations import resolve_orientations
-from fowtlib.flattening.system import System, element_names, residuals, scalars
+from fowtlib.flattening.system import System, element_names, residuals, scalars, with_names
 from fowtlib.language.component import Component
 from fowtlib.language.equations import place
 from fowtlib.language.errors import StructureError
@@ -50,18 +51,23 @@ class _Assembler:
         system = self.system
         self.original = len(system.equations)
         written = system.equations if self.original <= 5000 else []
-        table = [(e.path, system.text(e.lhs), system.text(e.rhs)) for e in written]
+        written = [(e.path, e.lhs, e.rhs) for e in written]
+        names = system.written_names
         self._fold_constant_orientations()
         self.replaced = self._eliminate_aliases()
-        live = self._live()
-        check_structure(system, live, Incidence(system))
-        reduction = IndexReduction(system, set(live))
+        incidence = Incidence(system)
+        rows = incidence.rows(residuals(system.equations))
+        live = self._live(rows)
+        check_structure(system, live, rows)
+        reduction = IndexReduction(system, set(live), incidence, rows)
         states = reduction.run()
         bases = set(live)
         everything = [j for j, v in enumerate(system.unknowns) if v.base in bases and j not in self.replaced]
-        causal = Causalization(system, states, everything).run()
+        causal = Causalization(system, states, everything, incidence).run()
         dae = self._build(states, causal, everything)
-        dae.equation_table = table
+        dae.write_equations = lambda: [
+            (path, with_names(left, names), with_names(right, names)) for path, left, right in written
+        ]
         dae.stats |= {
             "equations": self.original,
             "aliases": len(self.replaced),
@@ -123,12 +129,14 @@ class _Assembler:
             else:
                 setattr(owner, name, value)
 
-    def _live(self) -> list[int]:
-        """Unknowns that remain, without the potentials of open optional ports that no equation mentions."""
+    def _live(self, rows: Sequence[np.ndarray]) -> list[int]:
+        """Unknowns that remain, without the potentials of open optional ports that no equation mentions.
+
+        rows: numbers of the unknowns in each equation.
+        """
         system = self.system
-        incidence = Incidence(system)
-        rows = incidence.rows(residuals(system.equations))
-        used = {int(system.unknowns[j].base) for row in rows for j in row}
+        present = np.unique(np.concatenate(rows)) if rows else ()
+        used = {int(system.unknowns[j].base) for j in present}
         self.unused = [
             j for j, unknown in enumerate(system.unknowns)
             if unknown.order == 0 and j not in self.replaced and j not in used and unknown.declared.name == "?"

@@ -16,7 +16,7 @@ import casadi as ca
 import numpy as np
 
 from fowtlib.flattening import structure
-from fowtlib.flattening.incidence import Incidence
+from fowtlib.flattening.incidence import Incidence, union
 from fowtlib.flattening.system import System, residuals, stacked
 from fowtlib.language.declarations import STATE_PREFERENCES
 
@@ -36,11 +36,11 @@ class Causal:
 class Causalization:
     """Orders the equations of a regular system of index one."""
 
-    def __init__(self, system: System, states: list[int], live: list[int]):
+    def __init__(self, system: System, states: list[int], live: list[int], incidence: Incidence):
         self.system = system
         self.states = set(states)
         self.unknowns = [j for j in live if j not in self.states]
-        self.incidence = Incidence(system)
+        self.incidence = incidence
         self.result = Causal()
 
     def run(self) -> Causal:
@@ -51,7 +51,7 @@ class Causalization:
         self.position = position
         self.left = self._structure(stacked(equation.lhs for equation in system.equations))
         self.right = self._structure(stacked(equation.rhs for equation in system.equations))
-        self.rows = [np.union1d(a[0], b[0]) for a, b in zip(self.left, self.right, strict=True)]
+        self.rows = [union([a[0], b[0]]) for a, b in zip(self.left, self.right, strict=True)]
         self._await_intermediates()
         self._place_intermediates()
         blocks = structure.strong_components(self.rows, len(unknowns))
@@ -77,9 +77,9 @@ class Causalization:
             if not len(via):
                 structures.append((own, nothing))
                 continue
-            hidden = self.position[np.unique(np.concatenate([self.incidence.closure(k) for k in via]))]
+            hidden = self.position[union(self.incidence.closures(via))]
             hidden = hidden[hidden >= 0]
-            structures.append((np.union1d(own, hidden), hidden))
+            structures.append((union([own, hidden]), hidden))
         return structures
 
     # --- one equation, one unknown -------------------------------------------------------------------------------
@@ -233,19 +233,29 @@ class Causalization:
         residual = residuals([self.system.equations[r] for r in rows])
         jacobian = ca.jacobian(residual, ca.vertcat(*[self._symbol(c) for c in columns]))
         row_index, column_index = jacobian.sparsity().get_triplet()
-        known = self._parameter_numbers
-        constant, parametric = {}, {}
+        constant, changing = {}, {}
         for i, j, factor in zip(row_index, column_index, jacobian.nonzeros(), strict=True):
             pair = (rows[i], columns[j])
             if factor.is_constant():
                 if float(factor) != 0.0 and not self._hidden(*pair):
                     constant[pair] = factor
-            elif all(s.element_hash() in known for s in ca.symvar(factor)) and not self._hidden(*pair):
-                parametric[pair] = factor
+            elif not self._hidden(*pair):
+                changing[pair] = factor
+        parametric = self._of_parameters(changing)
         if parametric:
             values = self._parameter_values(list(parametric.values()))
             parametric = {pair: f for (pair, f), v in zip(parametric.items(), values, strict=True) if abs(v) > 0}
         return constant, parametric
+
+    def _of_parameters(self, factors: dict[tuple[int, int], ca.SX]) -> dict[tuple[int, int], ca.SX]:
+        """Those of the factors that depend on parameters only."""
+        column = ca.vertcat(*factors.values())
+        others = [s for s in ca.symvar(column) if s.element_hash() not in self._parameter_numbers]
+        if not others:
+            return factors
+        function = ca.Function("factors", [ca.vertcat(*others)], [column], {"allow_free": True})
+        moving = set(function.jac_sparsity(0, 0).get_triplet()[0])
+        return {pair: factor for k, (pair, factor) in enumerate(factors.items()) if k not in moving}
 
     @cached_property
     def _parameter_numbers(self) -> dict[int, float]:
@@ -299,7 +309,7 @@ class Causalization:
         for item in self.system.intermediates:
             n = len(item.symbols)
             if item.function is None:
-                needs = np.unique(np.concatenate([self.incidence.closure(k + i) for i in range(n)]))
+                needs = union(self.incidence.closures(range(k, k + n)))
                 columns = self.position[needs]
                 columns = columns[columns >= 0]
                 for column in columns:

@@ -2,12 +2,13 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
+
 import casadi as ca
 import numpy as np
 
 from fowtlib.flattening import structure
-from fowtlib.flattening.incidence import Incidence
-from fowtlib.flattening.system import FlatEquation, System, Unknown, residuals
+from fowtlib.flattening.system import FlatEquation, System, Unknown
 from fowtlib.language.equations import place
 from fowtlib.language.errors import StructureError
 
@@ -15,11 +16,13 @@ SHOWN = 12  # unknowns or equations listed
 FEW = 3  # equations that are shown with the eliminated ones they meet through
 
 
-def check_structure(system: System, live: list[int], incidence: Incidence) -> list[np.ndarray]:
-    """Match equations and unknowns, a variable and its derivatives counting as one; report what does not fit."""
+def check_structure(system: System, live: list[int], rows: Sequence[np.ndarray]) -> None:
+    """Match equations and unknowns, a variable and its derivatives counting as one; report what does not fit.
+
+    rows: numbers of the unknowns in each equation.
+    """
     base_position = {number: k for k, number in enumerate(live)}
     base_of = np.array([base_position.get(unknown.base, -1) for unknown in system.unknowns])
-    rows = incidence.rows(residuals(system.equations))
     collapsed = []
     for row in rows:
         members = np.unique(base_of[row]) if len(row) else row
@@ -27,7 +30,6 @@ def check_structure(system: System, live: list[int], incidence: Incidence) -> li
     coarse = structure.dulmage_mendelsohn(collapsed, len(live))
     if not coarse.is_regular:
         raise StructureError(_report(system, live, coarse))
-    return rows
 
 
 def _report(system: System, live: list[int], coarse: structure.Coarse) -> str:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import dataclass, field
 from functools import cached_property
 
@@ -108,9 +109,14 @@ class FlatDAE:
     events: list[Event] = field(default_factory=list)
     samples: list[SampledUpdate] = field(default_factory=list)
     checks: list[Check] = field(default_factory=list)
-    equation_table: list[tuple[str, str, str]] = field(default_factory=list)
+    write_equations: Callable[[], list[tuple[str, str, str]]] = list
     initial_sources: list[str] = field(default_factory=list)
     stats: dict[str, float] = field(default_factory=dict)
+
+    @cached_property
+    def equation_table(self) -> list[tuple[str, str, str]]:
+        """The equations as components wrote them: path of the component, text of the left and of the right side."""
+        return self.write_equations()
 
     @cached_property
     def state_number(self) -> dict[str, int]:

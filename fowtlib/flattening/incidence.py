@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterable
+
 import casadi as ca
 import numpy as np
 
@@ -23,16 +25,16 @@ class Incidence:
         direct, through = self.split(column)
         if not self._symbols:
             return direct
-        return [_union([own, *(self._closures[k] for k in via)]) for own, via in zip(direct, through, strict=True)]
+        return [union([own, *self.closures(via)]) for own, via in zip(direct, through, strict=True)]
 
     def split(self, column: ca.SX) -> tuple[list[np.ndarray], list[np.ndarray]]:
         """Unknowns in the elements of a column themselves, and symbols of intermediates in them."""
         self._update()
         return self._pattern(column)
 
-    def closure(self, symbol: int) -> np.ndarray:
-        """Unknowns an intermediate symbol depends on."""
-        return self._closures[symbol]
+    def closures(self, symbols: Iterable[int]) -> list[np.ndarray]:
+        """Unknowns that intermediate symbols depend on, each list once: the outputs of a call have the same."""
+        return list({id(self._closures[k]): self._closures[k] for k in symbols}.values())
 
     @property
     def symbols(self) -> list[ca.SX]:
@@ -56,51 +58,61 @@ class Incidence:
         if not fresh:
             return
         self._seen = len(system.intermediates)
-        first = len(self._symbols)
         self._symbols = self._symbols + [symbol for item in fresh for symbol in item.symbols]
         direct, through = self._pattern(ca.vertcat(*[item.inputs for item in fresh]))
         own: list[np.ndarray] = []
         via: list[np.ndarray] = []
+        group: list[int] = []  # of each symbol; the symbols of a group depend on the same
         position = 0
         for item in fresh:
             block = slice(position, position + item.inputs.shape[0])
             position = block.stop
             if item.function is None:  # each symbol stands for the input of the same number
+                group += range(len(own), len(own) + len(item.symbols))
                 own += direct[block]
                 via += through[block]
             else:
-                own += [_union(direct[block])] * len(item.symbols)
-                via += [_union(through[block])] * len(item.symbols)
-        self._closures = _transitive(self._closures, own, via, first)
+                group += [len(own)] * len(item.symbols)
+                own.append(union(direct[block]))
+                via.append(union(through[block]))
+        self._closures += _transitive(self._closures, own, via, group)
 
 
 def _transitive(
-    known: list[np.ndarray], own: list[np.ndarray], via: list[np.ndarray], first: int
+    known: list[np.ndarray], own: list[np.ndarray], via: list[np.ndarray], group: list[int]
 ) -> list[np.ndarray]:
-    """Closures of the symbols from number `first` on, after those that are known."""
-    closures: list[np.ndarray | None] = [*known, *([None] * len(own))]
-    for start in range(first, len(closures)):
+    """Closures of symbols by their groups: what these depend on themselves, and via symbols with numbers from 0 on."""
+    first, groups = len(known), np.array(group, int)
+    closures: list[np.ndarray | None] = [None] * len(own)
+    for start in range(len(own)):
         stack = [start]
         while stack:
             k = stack[-1]
             if closures[k] is not None:
                 stack.pop()
                 continue
-            missing = [j for j in via[k - first] if closures[j] is None]
+            inside = np.unique(groups[via[k][via[k] >= first] - first])
+            missing = [int(g) for g in inside if closures[g] is None]
             if missing:
                 stack.extend(missing)
                 continue
-            closures[k] = _union([own[k - first], *(closures[j] for j in via[k - first])])
+            parts = {id(known[j]): known[j] for j in via[k][via[k] < first]}  # symbols of a call share their closure
+            closures[k] = union([own[k], *parts.values(), *(closures[g] for g in inside)])
             stack.pop()
-    return [closure if closure is not None else np.zeros(0, int) for closure in closures]
+    return [closures[g] for g in group]
 
 
-def _union(parts: list[np.ndarray]) -> np.ndarray:
-    """Sorted numbers of sorted lists, each once."""
-    if len(parts) == 1:
-        return parts[0]
-    merged = np.sort(np.concatenate(parts)) if parts else np.zeros(0, int)
-    return merged[np.concatenate([[True], merged[1:] != merged[:-1]])] if merged.size else merged
+def union(parts: Iterable[np.ndarray]) -> np.ndarray:
+    """Sorted numbers of lists, sorted each and without repetitions, each number once."""
+    parts = [part for part in parts if part.size]
+    if len(parts) < 2:
+        return parts[0] if parts else np.zeros(0, int)
+    merged = np.concatenate(parts)
+    merged.sort()
+    first = np.empty(merged.size, bool)
+    first[0] = True
+    np.not_equal(merged[1:], merged[:-1], out=first[1:])
+    return merged[first]
 
 
 def _rows(sparsity: ca.Sparsity) -> list[np.ndarray]:

@@ -6,6 +6,8 @@ Comput. 14 (1993) 677. All equations that an unmatched equation reaches are diff
 
 from __future__ import annotations
 
+from collections.abc import Sequence
+
 import casadi as ca
 import numpy as np
 
@@ -19,11 +21,11 @@ from fowtlib.language.errors import StructureError
 class IndexReduction:
     """Differentiates the equations that constrain states, and chooses the states."""
 
-    def __init__(self, system: System, live: set[int]):
+    def __init__(self, system: System, live: set[int], incidence: Incidence, rows: Sequence[np.ndarray]):
         self.system = system
         self.live = live
-        self.incidence = Incidence(system)
-        self.rows: list[np.ndarray] = []
+        self.incidence = incidence
+        self.rows = list(rows)
         self.steps = 0
 
     def run(self) -> list[int]:
@@ -40,7 +42,6 @@ class IndexReduction:
 
     def _pantelides(self) -> None:
         system = self.system
-        self._update_rows()
         while True:
             active_rows = [i for i, equation in enumerate(system.equations) if equation.rate < 0]
             columns = [j for j in self._all() if system.unknowns[j].rate < 0]
@@ -92,14 +93,13 @@ class IndexReduction:
     def _select_states(self) -> list[int]:
         """Dummy derivatives, order by order; the unknowns with a derivative that is not a dummy are the states."""
         system = self.system
-        base_rows = self._base_rows()
         equation_before = {equation.rate: i for i, equation in enumerate(system.equations) if equation.rate >= 0}
         self.unknown_before = {unknown.rate: j for j, unknown in enumerate(system.unknowns) if unknown.rate >= 0}
         dummies: set[int] = set()
         rows = [i for i in self.active_rows if system.equations[i].order > 0]
         columns = [j for j in self.columns if system.unknowns[j].order > 0]
         while rows:
-            chosen = self._choose(rows, columns, base_rows)
+            chosen = self._choose(rows, columns)
             dummies.update(chosen)
             rows = [equation_before[i] for i in rows if system.equations[i].order > 1]
             columns = [self.unknown_before[j] for j in chosen if system.unknowns[j].order > 1]
@@ -108,15 +108,7 @@ class IndexReduction:
             if system.unknowns[j].rate >= 0 and system.unknowns[j].rate not in dummies
         ]  # fmt: skip
 
-    def _base_rows(self) -> dict[int, set[tuple[int, int]]]:
-        """For each undifferentiated equation: the (base, order) of the unknowns in it."""
-        unknowns = self.system.unknowns
-        return {
-            i: {(unknowns[j].base, unknowns[j].order) for j in self.rows[i]}
-            for i, equation in enumerate(self.system.equations) if equation.order == 0
-        }  # fmt: skip
-
-    def _choose(self, rows: list[int], columns: list[int], base_rows: dict[int, set[tuple[int, int]]]) -> list[int]:
+    def _choose(self, rows: list[int], columns: list[int]) -> list[int]:
         """One dummy for each differentiated equation, those least wished as states first."""
         from scipy.sparse.csgraph import min_weight_full_bipartite_matching
 
@@ -126,7 +118,8 @@ class IndexReduction:
         for i in rows:
             equation = system.equations[i]
             # d e^(c) / d x^(d) = d e / d x^(d - c): the same entry at every order
-            members = ((base, order + equation.order) for base, order in base_rows[equation.base])
+            undifferentiated = (system.unknowns[j] for j in self.rows[equation.base])
+            members = ((unknown.base, unknown.order + equation.order) for unknown in undifferentiated)
             entries.append(sorted(position[member] for member in members if member in position))
         incidence = structure.matrix([np.array(entry, int) for entry in entries], len(columns)).astype(float)
         incidence.data = np.array([self._weight(columns[k]) for k in incidence.indices])

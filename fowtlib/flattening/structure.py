@@ -51,6 +51,8 @@ def dulmage_mendelsohn(rows: Rows, columns: int) -> Coarse:
     row_of = np.full(columns, -1)
     row_of[match[match >= 0]] = np.flatnonzero(match >= 0)
     free_rows, free_columns = np.flatnonzero(match < 0), np.flatnonzero(row_of < 0)
+    if not len(free_rows) and not len(free_columns):
+        return Coarse(*[np.zeros(0, int)] * 6)
     over_rows, over_columns = reachable(rows, row_of, free_rows)
     transposed: list[list[int]] = [[] for _ in range(columns)]
     for i, row in enumerate(rows):

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Iterable, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from functools import cached_property
 from typing import Any
@@ -36,6 +36,11 @@ def element_names(path: str, shape: tuple[int, ...]) -> list[str]:
     if len(shape) == 1 or shape[1] == 1:
         return [f"{path}[{i}]" for i in range(shape[0])]
     return [f"{path}[{i},{j}]" for j in range(shape[1]) for i in range(shape[0])]
+
+
+def with_names(expression: ca.SX, names: Mapping[str, str]) -> str:
+    """The text of an expression, its symbols called by these names."""
+    return _TOKEN.sub(lambda token: names.get(token[0], token[0]), str(expression))
 
 
 @dataclass(slots=True)
@@ -183,10 +188,10 @@ class System:
 
     def text(self, expression: ca.SX) -> str:
         """An expression with the elements of arrays called by their paths: `body.r[0]`."""
-        return _TOKEN.sub(lambda token: self._written_names.get(token[0], token[0]), str(expression))
+        return with_names(expression, self.written_names)
 
     @cached_property
-    def _written_names(self) -> dict[str, str]:
+    def written_names(self) -> dict[str, str]:
         """Path of each element of an array by the name that CasADi gave its symbol, which is `r_0` for `r[0]`."""
         named = [(item.symbol, item.path) for item in (*self.unknowns, *self.discretes)]
         for group in (self.parameters, self.inputs):

@@ -33,7 +33,7 @@ PLATFORMS = {
 }
 """By name: darwin is a Mac with an Apple processor, darwin64 with an Intel one; both have one place in FMI 2.0."""
 
-FLAGS = ("-std=c11", "-fPIC", "-fvisibility=hidden", "-ffp-contract=off")
+FLAGS = ("-std=c11", "-fvisibility=hidden", "-ffp-contract=off")
 
 
 def host() -> str:
@@ -55,17 +55,17 @@ def chosen(names: Sequence[str] | None) -> list[str]:
 
 def compile_binary(folder: Path, units: Sequence[tuple[str, str]], name: str, out: Path) -> Path:
     """The shared library of the sources in `folder` for a platform; units: file and optimization."""
-    command = _command(name)
+    command, windows = _command(name), PLATFORMS[name].ending == ".dll"
+    flags = FLAGS if windows else (*FLAGS, "-fPIC")  # those of Windows are always movable
     objects = [folder / f"{unit}.{name}.o" for unit, _ in units]
 
     def compile_one(place: int) -> None:
         unit, optimization = units[place]
-        _run([*command, *FLAGS, optimization, "-c", str(folder / unit), "-o", str(objects[place])], unit)
+        _run([*command, *flags, optimization, "-c", str(folder / unit), "-o", str(objects[place])], unit)
 
     with ThreadPoolExecutor(2) as pool:
         list(pool.map(compile_one, range(len(units))))
     out.parent.mkdir(parents=True, exist_ok=True)
-    windows = PLATFORMS[name].ending == ".dll"
     extra = ["-s"] if windows or name == "linux64" else []
     _run([*command, "-shared", *extra, *map(str, objects), "-o", str(out), *([] if windows else ["-lm"])], out.name)
     for path in objects:

@@ -139,6 +139,9 @@ class Tables:
         for name in libraries(dae):
             call = "(const double **arg, double **res, fs_int *iw, double *w, int mem);\n"
             lines.append(f"int {name}{call}int jac_{name}{call}")
+        reading = (e.function for e in self.dae.externals if getattr(e.function, "files", None))
+        for name in dict.fromkeys(function.name() for function in reading):
+            lines.append(f"int {name}_open(double, const char *, double);\nconst char *{name}_problem(void);\n")
         return "".join(lines)
 
     def _quantities(self, name: str, items: Sequence[Variable]) -> str:
@@ -269,7 +272,19 @@ class Tables:
         return _table("fmu_stored", "fmu_tables", rows)
 
     def _files(self) -> list[str]:
-        return []
+        """The files that external functions read; they go to the resources."""
+        rows: dict[str, None] = {}
+        for external in self.dae.externals:
+            function = external.function
+            if not (isinstance(function, LibraryFunction) and function.files):
+                continue
+            number, name = float(external.inputs[0]), function.name()
+            path, value = function.files[number]
+            inside = next((key for key, known in self.resources.items() if known == path), "")
+            inside = inside or f"{len(self.resources)}_{path.name}"
+            self.resources[inside] = path
+            rows[f"{{{_text(inside)}, {_number(number)}, {_number(value)}, {name}_open, {name}_problem}}"] = None
+        return list(rows)
 
 
 def _packed(values: np.ndarray, columns: int) -> bytes:

@@ -247,6 +247,25 @@ def build_description(identifier: str, units: Iterable[tuple[str, str]]) -> byte
     return _bytes(root)
 
 
+def terminals(variables: Variables) -> bytes:
+    """The text of terminalsAndIcons.xml of FMI 3.0: the inputs and outputs of each part of the model as one bus."""
+    root = et.Element("fmiTerminalsAndIcons", fmiVersion="3.0")
+    section = et.SubElement(root, "Terminals")
+    buses: dict[str, et.Element] = {}
+    for item in variables.items:
+        if item.group != "input" and not item.is_output:
+            continue
+        part = item.path.partition(".")[0]
+        if part not in buses:
+            text = f"inputs and outputs of the part {part}"
+            buses[part] = et.SubElement(section, "Terminal", name=part, matchingRule="bus", description=text)
+        member = item.name.removeprefix(f"{part}.")
+        et.SubElement(
+            buses[part], "TerminalMemberVariable", variableName=item.name, memberName=member, variableKind="signal"
+        )
+    return _bytes(root)
+
+
 def _doc(variable: Variable) -> dict[str, str]:
     return {"description": variable.doc} if variable.doc and variable.doc != variable.name else {}
 

@@ -19,7 +19,7 @@ import numpy as np
 from fowtlib.fmi.binaries import PLATFORMS, chosen, compile_binary
 from fowtlib.fmi.c_text import Sources, c_sources, refuse_python
 from fowtlib.fmi.dependencies import dependencies
-from fowtlib.fmi.description import KINDS, Heading, build_description, model_description
+from fowtlib.fmi.description import KINDS, Heading, build_description, model_description, terminals
 from fowtlib.fmi.variables import Settings, Variables
 from fowtlib.language.errors import ModelError, ParameterError, did_you_mean
 from fowtlib.language.units import to_si
@@ -83,8 +83,11 @@ def export_fmu(
             library = folder / item / f"{identifier}{there.ending}"
             binaries[inside] = compile_binary(folder, sources.units, item, library)
         description = model_description(variables, heading, int(version), needs)
-        build = build_description(identifier, sources.units) if version == "3" else None
-        _write(target, description, sources, binaries, build)
+        more = {}
+        if version == "3":
+            more["sources/buildDescription.xml"] = build_description(identifier, sources.units)
+            more["terminalsAndIcons/terminalsAndIcons.xml"] = terminals(variables)
+        _write(target, {"modelDescription.xml": description, **more}, sources, binaries)
     return target
 
 
@@ -153,18 +156,17 @@ def checked_target(path: Path) -> Path:
     return path
 
 
-def _write(path: Path, description: bytes, sources: Sources, binaries: Mapping[str, Path], build: bytes | None) -> None:
+def _write(path: Path, texts: Mapping[str, bytes], sources: Sources, binaries: Mapping[str, Path]) -> None:
     """The archive, whole or not at all."""
     try:
         with tempfile.NamedTemporaryFile(dir=path.parent, suffix=".part", delete=False) as file:
             fresh = Path(file.name)
         try:
             with zipfile.ZipFile(fresh, "w", zipfile.ZIP_DEFLATED, compresslevel=9) as archive:
-                archive.writestr("modelDescription.xml", description)
+                for name, written in texts.items():
+                    archive.writestr(name, written)
                 for name, text in sources.files.items():
                     archive.writestr(f"sources/{name}", text)
-                if build is not None:
-                    archive.writestr("sources/buildDescription.xml", build)
                 for inside, binary in binaries.items():
                     archive.write(binary, inside)
                 archive.writestr("resources/tables.bin", sources.tables)

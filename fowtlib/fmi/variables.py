@@ -28,7 +28,7 @@ _PLAIN = re.compile(r"[A-Za-z_]\w*(\[\d+(,\d+)*\])?(\.[A-Za-z_]\w*(\[\d+(,\d+)*\
 
 @dataclass(frozen=True)
 class Variable:
-    """A scalar of an FMU. `of`: for a derivative, the number of its state."""
+    """A scalar of an FMU. of: the number of the state of a derivative; path: in the model, of inputs and outputs."""
 
     name: str
     reference: int
@@ -42,6 +42,7 @@ class Variable:
     display: str = ""
     of: int = -1
     is_output: bool = False
+    path: str = ""
 
     def with_start(self, value: float) -> Variable:
         """The same with another start value."""
@@ -80,7 +81,7 @@ class Variables:
             self._add("rate", name, _rate(quantity.unit), f"rate of {quantity.path}", of=self.first["state"] + i)
         self._begin("input")
         for name, unit, doc, value in _inputs(dae):
-            self._add("input", name, unit, doc, start=value)
+            self._add("input", name, unit, doc, start=value, path=name)
         self._begin("parameter")
         for item in dae.parameters.values():
             names = element_names(item.path, item.symbol.shape)
@@ -124,9 +125,9 @@ class Variables:
                 if number is not None:
                     known = self.items[number]
                     if known.group in ("state", "discrete"):
-                        self.items[number] = replace(known, is_output=True)
+                        self.items[number] = replace(known, is_output=True, path=path)
                     continue
-                self._add("output", element, si, doc, display=unit if unit != si else "", is_output=True)
+                self._add("output", element, si, doc, display=unit if unit != si else "", is_output=True, path=path)
                 self.output_expressions.append(value)
                 self.output_places.append(place)
             if len(self.output_expressions) > before:

@@ -67,6 +67,8 @@ class Component:
         self.connections: list[tuple[PortReference, PortReference, str]] = []
         self._given = {name: value for name, value in modifiers.items() if name in self.declared_parts}
         self._composed: tuple[int, int] | None = None
+        self._composing = False
+        self._later: set[str] = set()  # parameters set from outside, after this component was made
         for name, value in modifiers.items():
             if name not in self._given:
                 self._set(name, value)
@@ -74,13 +76,16 @@ class Component:
 
     def _compose(self) -> None:
         """Make the declared parts, and those of build()."""
-        self.parts, self.connections = {}, []
+        self.parts, self.connections, self._composing = {}, [], True
         for table in ("ports", "variables", "_declared"):  # what an earlier build() has declared
             self.__dict__.pop(table, None)
-        for name, declared in self.declared_parts.items():
-            given = self._given.get(name)
-            self.add(name, declared.component_class(**_bound(declared.modifiers, self)) if given is None else given)
-        self.build()
+        try:
+            for name, declared in self.declared_parts.items():
+                given = self._given.get(name)
+                self.add(name, declared.component_class(**_bound(declared.modifiers, self)) if given is None else given)
+            self.build()
+        finally:
+            self._composing = False
         self._composed = (len(self.parts), len(self.connections))
 
     # --- what authors override -----------------------------------------------------------------------------------
@@ -117,6 +122,8 @@ class Component:
             raise ParameterError(f"{self.label} has no parameter '{name}'{did_you_mean(name, self.parameters)}")
         was_set = name in self._values
         self._values[name] = self._checked(field, value)
+        if self._composed is not None and not any(one._composing for one in (self, *self.enclosing())):
+            self._later.add(name)
         if self._composed is not None and not (was_set and field.tunable):
             self._compose_again(name)
 
@@ -124,12 +131,33 @@ class Component:
         """A parameter that may decide about parts has changed after they were made."""
         if type(self).build is Component.build and not self.declared_parts:
             return
-        if self._composed != (len(self.parts), len(self.connections)):
-            raise ParameterError(
-                f"{self.label}.{name} cannot be changed any more, because parts were added to {self.label} by hand; "
-                f"give it to the constructor of {type(self).__name__}."
-            )
+        owned = [one for one in self.parts.values() if one not in self._given.values()]
+        made = [inner for one in owned for inner in one.walk()]
+        for one in (self, *made):
+            if one._composed != (len(one.parts), len(one.connections)):
+                raise ParameterError(
+                    f"{self.label}.{name} cannot be changed any more, because parts were added to {one.label} by hand; "
+                    f"give it to the constructor of {type(self).__name__}."
+                )
+        kept = [(one.path, one) for one in made if one._later]
         self._compose()
+        for path, old in kept:  # values that parts got from outside are not lost with the old parts
+            self._keep(path.removeprefix(f"{self.path}."), old, name)
+
+    def _keep(self, path: str, old: Component, cause: str) -> None:
+        """Give the part at a path the values that its predecessor got from outside."""
+        new: Component | None = self
+        for step in path.split("."):
+            new = new.parts.get(step) if new is not None else None
+        for name in sorted(old._later):
+            if new is None or name not in new.parameters:
+                raise ParameterError(
+                    f"{self.label}.{cause} decides how {self.label} is built, and with its new value there is no "
+                    f"'{path}.{name}', which was given a value before; set {cause} first."
+                )
+            setattr(new, name, old._values[name])
+            new._later.add(name)
+            new.origins.update({name: old.origins[name]} if name in old.origins else {})
 
     def _checked(self, field: Parameter, value: Any) -> Any:
         where = join(self.path or type(self).__name__, field.name)
@@ -188,6 +216,9 @@ class Component:
         self._check_new(name, "part")
         component._parent, component._name = self, name
         self.parts[name] = component
+        if self._composing and component not in self._given.values():
+            for one in component.walk():
+                one._later.clear()  # what build() set, it sets again
         return component
 
     def declare(self, name: str, annotation: type, field: Port | Variable) -> None:

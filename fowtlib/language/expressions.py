@@ -115,9 +115,9 @@ def call(function: Callable[..., Any], name: str, *arguments: Any) -> Any:
 
 def is_expression(value: Any) -> bool:
     """True where `value` or a member of it depends on parameters."""
-    if isinstance(value, Arithmetic):
-        return True
-    return isinstance(value, (list, tuple)) and any(is_expression(item) for item in value)
+    if not isinstance(value, (list, tuple)):
+        return isinstance(value, Arithmetic)
+    return any(is_expression(item) for item in value if type(item) is not float)
 
 
 def evaluate(value: Any, lookup: Lookup | None = None, combine: Callable[[list[Any]], Any] | None = None) -> Any:

@@ -50,9 +50,13 @@ def create_engine(plant: Plant, parameters: Any, solver: str, tolerance: float, 
         for key, value in given.items():
             if value is not None:
                 raise ParameterError(f"{key} is an option of the solver 'fixed'; the solver 'idas' has none like it.")
+        from fowtlib.solving.compiled_functions import CompiledFunctions, worth_compiling
         from fowtlib.solving.idas import Idas
 
-        return Idas(plant.evaluation(parameters), tolerance)
+        evaluation, compiled = plant.evaluation(parameters), None
+        if worth_compiling(plant.dae):
+            compiled = CompiledFunctions(plant.fixed_step_code, evaluation.parameters)
+        return Idas(evaluation, tolerance, compiled=compiled)
 
     def chosen(key: str, unit: str, default: float) -> float:
         value = settings.get(key, default) if given.get(key) is None else given[key]
@@ -79,6 +83,6 @@ def _step(step: float, output_step: float) -> float:
     if step > output_step * (1 + 1e-9):
         raise ParameterError(
             f"the step of the solver 'fixed', {step:g} s, is longer than the output step, {output_step:g} s. "
-            "Give a shorter step or a longer output step."
+            "Give a shorter step (--step) or a longer output step (--output-step)."
         )
     return step

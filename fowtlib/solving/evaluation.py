@@ -14,6 +14,8 @@ import numpy as np
 
 from fowtlib.flattening import FlatDAE
 
+MANY = 300  # columns from which a sparse Jacobian is better than a directional one
+
 
 class Evaluation:
     """The functions of a FlatDAE with the parameters put in as numbers.
@@ -112,11 +114,12 @@ class Evaluation:
         if not needed:
             blocks = ca.horzsplit(ca.sparsify(ca.jacobian(rows, block_of)), ends)
             return ca.Function(name, self._arguments, blocks)
-        used = [k for group in self.dae.levels for k in group if k in needed]
-        pieces = [ca.jacobian(rows, block_of), ca.jacobian(rows, self.w)]
-        for k in used:
+        used, pieces = [], [ca.jacobian(rows, block_of), ca.jacobian(rows, self.w)]
+        for k in (k for group in self.dae.levels for k in group if k in needed):
             y = self._external_inputs[k]
-            pieces += [ca.jacobian(y, block_of), ca.jacobian(y, self.w)]
+            if ca.depends_on(y, ca.vertcat(block_of, self.w)):  # those of waves and wind depend on time only
+                used.append(k)
+                pieces += [ca.jacobian(y, block_of), ca.jacobian(y, self.w)]
         pieces = [ca.sparsify(piece) for piece in pieces]
         inner = ca.Function(f"{name}_pieces", [*self._arguments, self.w], pieces)
         arguments, w, inputs = self._called(needed)
@@ -127,6 +130,36 @@ class Evaluation:
             through = through + self._placed(k, ca.mtimes(self._externals[k].jacobian(inputs[k]), dy))
         total = by_columns + ca.mtimes(by_w, through)
         return ca.Function(name, arguments, ca.horzsplit(total, ends))
+
+    def directional_jacobian(self, name: str, rows: ca.SX, columns: ca.SX) -> ca.Function:
+        """`(t, x, z, q) -> d rows / d columns`, dense, column by column; the numbers are those of `torn_jacobian`.
+
+        Its expressions are the derivative along one direction, evaluated for each column. They are found in the time of
+        one column, and each evaluation costs more: for a Jacobian that is needed a few times.
+        """
+        rows = self.with_numbers([rows])[0]
+        n, moving = columns.shape[0], ca.vertcat(columns, self.w)
+        seed, w_seed = ca.SX.sym("seed", n), ca.SX.sym("w_seed", self.w.shape[0])
+
+        def along(label: str, expression: ca.SX) -> ca.Function:
+            """The derivative of an expression along n seeds at one point."""
+            slope = ca.jtimes(expression, moving, ca.vertcat(seed, w_seed))
+            one = ca.Function(f"{name}_{label}", [*self._arguments, self.w, seed, w_seed], [ca.densify(slope)])
+            return one.map(f"{name}_{label}_all", "serial", n, [0, 1, 2, 3, 4], [])
+
+        needed = self._needed([rows])
+        arguments, w, inputs = self._called(needed)
+        seeds, through = ca.MX(ca.DM.eye(n)), ca.MX(ca.DM.zeros(self.w.shape[0], n))
+        for level, group in enumerate(self.dae.levels):
+            members = [k for k in group if k in needed and ca.depends_on(self._external_inputs[k], moving)]
+            if not members:
+                continue
+            y = ca.vertcat(*[ca.vec(ca.densify(self._external_inputs[k])) for k in members])
+            dy = along(f"level_{level}", y)(*arguments, w, seeds, through)
+            ends = [0, *np.cumsum([inputs[k].numel() for k in members]).tolist()]
+            for k, dy_k in zip(members, ca.vertsplit(dy, ends), strict=True):
+                through = through + self._placed(k, ca.mtimes(self._externals[k].jacobian(inputs[k]), dy_k))
+        return ca.Function(name, arguments, [along("rows", rows)(*arguments, w, seeds, through)])
 
     def _placed(self, k: int, rows: ca.MX) -> ca.MX:
         """The rows of external k among those of all externals."""
@@ -149,6 +182,19 @@ class Evaluation:
         by_x, by_z = full(*arguments)
         n = self.x.shape[0]
         return ca.Function("jacobian", arguments, [by_x[:n, :], by_z[:n, :], by_x[n:, :], by_z[n:, :]])
+
+    @property
+    def algebraic_jacobian(self) -> ca.Function:
+        """`(t, x, z, q) -> d alg/dz`: from `jacobian` where that is made already, or where the unknowns are many."""
+        return self._algebraic_slice if "jacobian" in vars(self) or self.z.shape[0] > MANY else self._algebraic_alone
+
+    @cached_property
+    def _algebraic_slice(self) -> ca.Function:
+        return self.jacobian.slice("algebraic_jacobian", [0, 1, 2, 3], [3])
+
+    @cached_property
+    def _algebraic_alone(self) -> ca.Function:
+        return self.directional_jacobian("algebraic_jacobian", self.dae.alg, self.z)
 
     def updater(self, sample: int) -> Callable[..., np.ndarray]:
         """What a sampled part computes (see SampledUpdate.values), as a function of t, x, z, q."""

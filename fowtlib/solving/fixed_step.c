@@ -757,6 +757,43 @@ EXPORT int fs_observe_rows(fs_instance *s, fs_code function, int rows, int size,
   return status;
 }
 
+/* ode and alg at a point. */
+EXPORT int fs_values(fs_instance *s, double t, const double *x, const double *z, const double *q, double *ode, double *alg) {
+  int status;
+  memcpy(s->q, q, sizeof(double) * (size_t)s->m.given);
+  if ((status = fs_evaluate(s, t, x, z))) return status;
+  memcpy(ode, s->ode, sizeof(double) * (size_t)s->m.states);
+  memcpy(alg, s->alg, sizeof(double) * (size_t)s->m.algebraics);
+  return FS_DONE;
+}
+
+/* Their derivatives at a point, by differences: a column for each state, then for each algebraic unknown, ode before alg.
+   unknown[i] is the unknown of a stage that moves state i. */
+EXPORT int fs_derivatives(fs_instance *s, double t, const double *x, const double *z, const double *q, const int *unknown,
+                          double *columns) {
+  const fs_model *m = &s->m;
+  int nx = m->states, nz = m->algebraics, c, i, status;
+  memcpy(s->q, q, sizeof(double) * (size_t)m->given);
+  memcpy(s->xf2, x, sizeof(double) * (size_t)nx);
+  memcpy(s->zf, z, sizeof(double) * (size_t)nz);
+  if ((status = fs_evaluate(s, t, x, z)) || (status = fs_slopes(s))) return status;
+  fs_look_beside(s);
+  for (c = 0; c < nx + nz; c++, columns += nx + nz) {
+    const fs_moving *moving = c < nx ? &m->of_stage : &m->at_point;
+    double *at = c < nx ? s->xf2 + c : s->zf + c - nx, kept = *at, step;
+    int moved = c < nx ? unknown[c] : c - nx;
+    *at = kept + FS_DIFFERENCE * fs_scale(kept, c < nx ? m->x_nominal[c] : m->z_nominal[c - nx]);
+    step = *at - kept;
+    status = fs_evaluate_beside(s, t, s->xf2, s->zf, moving, moved);
+    *at = kept;
+    if (status) return status;
+    for (i = 0; i < nx; i++) columns[i] = (s->ode2[i] - s->ode[i]) / step;
+    for (i = 0; i < nz; i++) columns[nx + i] = (s->alg2[i] - s->alg[i]) / step;
+    fs_move_back(s, moving, moved);
+  }
+  return FS_DONE;
+}
+
 /* Whether an instance stands at t, x, q, so that it goes on with its own rates. */
 static int fs_stands_at(const fs_instance *s, double t, const double *x, const double *q) {
   return s->started && fabs(t - s->t) <= 1e-9 * s->o.step

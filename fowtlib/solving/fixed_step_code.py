@@ -7,6 +7,7 @@ parameters finds the library again.
 from __future__ import annotations
 
 import ctypes as c
+import json
 from collections.abc import Sequence
 from functools import cache
 from pathlib import Path
@@ -17,6 +18,7 @@ import numpy as np
 
 from fowtlib.flattening import FlatDAE
 from fowtlib.language.externals import LibraryFunction
+from fowtlib.language.kept import kept, sources
 from fowtlib.language.native import compile_library
 from fowtlib.language.tables import SplineFunction
 from fowtlib.solving.c_code import PROLOGUE, Depends, Program, c_program
@@ -90,6 +92,8 @@ def runtime() -> c.CDLL:
         "free": (None, [pointer]),
         "consistent": (c.c_int, [pointer, number, *[pointer] * 3]),
         "observe": (c.c_int, [pointer, pointer, c.c_int, number, *[pointer] * 4]),
+        "values": (c.c_int, [pointer, number, *[pointer] * 5]),
+        "derivatives": (c.c_int, [pointer, number, *[pointer] * 5]),
         "observe_rows": (c.c_int, [pointer, pointer, c.c_int, c.c_int, *[pointer] * 5]),
         "advance": (c.c_int, [pointer, number, number, c.c_int, *[pointer] * 6]),
         "failure": (None, [pointer] * 5),
@@ -114,7 +118,7 @@ class FixedStepCode:
         self.raised: list[Exception] = []  # by Python code inside of a step
         self._alive: list[Any] = []  # what the tables point to
         self.external_order = [k for level in dae.levels for k in level]
-        text, self.program, self.scratch = model_text(dae, self.reduction, self.observed)
+        text, self.program, self.scratch = kept_text(dae, self.reduction, self.observed)
         self.path = compile_library(text, "model", optimization="-O1")
         self.library = c.CDLL(str(self.path))
         self.table = self._model()
@@ -256,6 +260,42 @@ class FixedStepCode:
         return c.cast(self._alive[-1], c.c_void_p).value
 
 
+def kept_text(dae: FlatDAE, reduced: Reduction, observed: Sequence[str]) -> tuple[str, Program, int]:
+    """What `model_text` returns, from the cache where these equations have been written before."""
+    function, inputs = _function(dae, observed, {})
+    patterns = [_slope_pattern(external.function) for external in dae.externals]
+    structure = [
+        vars(reduced), dae.levels, [y.shape[0] for y in inputs], [sample.targets for sample in dae.samples],
+        [[external.outputs.start, external.outputs.stop, external.inputs.numel()] for external in dae.externals],
+        [pattern and [pattern.shape, pattern.colind(), pattern.row()] for pattern in patterns],
+    ]  # fmt: skip
+    samples = [ca.Function("sample", _arguments(dae), [ca.densify(sample.values)]) for sample in dae.samples]
+    equations = [item.serialize() for item in (function, *samples)]
+    parts = [*sources(__name__, c_program.__module__), json.dumps(structure), *equations]
+
+    def make() -> dict[str, Any]:
+        text, program, scratch = model_text(dae, reduced, observed)
+        masks = [[hex(mask) for mask in some] for some in program.masks]
+        return {"text": text, "scratch": scratch, "program": {**vars(program), "text": "", "masks": masks}}
+
+    found = kept("text", parts, make)
+    program = found["program"]
+    program["masks"] = [[int(mask, 16) for mask in some] for some in program["masks"]]
+    return found["text"], Program(**program), found["scratch"]
+
+
+def _arguments(dae: FlatDAE) -> list[ca.SX]:
+    return [dae.t, dae.x, dae.z, ca.vertcat(dae.u, dae.d, dae.p), dae.w]
+
+
+def _function(dae: FlatDAE, observed: Sequence[str], options: dict[str, Any]) -> tuple[ca.Function, list[ca.SX]]:
+    """Inputs of the externals, level by level, ode, alg and variables as one function; the first as expressions too."""
+    inputs = [ca.vertcat(*[ca.vec(ca.densify(dae.externals[k].inputs)) for k in members]) for members in dae.levels]
+    variables = ca.vertcat(*[ca.vec(dae.observe_expression(path)) for path in observed])
+    results = [ca.densify(e) for e in [*inputs, dae.ode, dae.alg, variables]]
+    return ca.Function("model", _arguments(dae), results, options), inputs
+
+
 def moved_pieces(program: Program, levels: int, masks: list[int], unknowns: int) -> tuple[list[int], list[int]]:
     """The pieces that depend on each unknown, one after the other, and where those of each unknown begin."""
     last = program.starts[levels + 1]  # behind the residual
@@ -269,17 +309,13 @@ def model_text(dae: FlatDAE, reduced: Reduction, observed: Sequence[str]) -> tup
     The text defines level_0, level_1, ..., model; observed, which follows a call of these; and sample_0, ... for the
     sampled parts, which stand alone.
     """
-    arguments = [dae.t, dae.x, dae.z, ca.vertcat(dae.u, dae.d, dae.p), dae.w]
-    inputs = [ca.vertcat(*[ca.vec(ca.densify(dae.externals[k].inputs)) for k in members]) for members in dae.levels]
+    function, inputs = _function(dae, observed, {"cse": True})
     sections = [(f"level_{level}", ["first"]) for level in range(len(inputs))] + [("model", ["first", "second"])]
     sections.append(("observed", ["first"]))
-    variables = ca.vertcat(*[ca.vec(dae.observe_expression(path)) for path in observed])
-    results = [ca.densify(e) for e in [*inputs, dae.ode, dae.alg, variables]]
-    function = ca.Function("model", arguments, results, {"cse": True})
     program = c_program(function, sections, list("txzqw"), OUT, dependences(dae, reduced, inputs))
     texts, scratch = [PROLOGUE, program.text], program.scratch
     for k, sample in enumerate(dae.samples):
-        function = ca.Function("sample", arguments, [ca.densify(sample.values)], {"cse": True})
+        function = ca.Function("sample", _arguments(dae), [ca.densify(sample.values)], {"cse": True})
         alone = c_program(function, [(f"sample_{k}", ["first"])], list("txzqw"), OUT)
         texts.append(alone.text)
         scratch = max(scratch, alone.scratch)

@@ -6,14 +6,18 @@ length; every call is a real restart, which is what jumps in inputs and discrete
 
 from __future__ import annotations
 
+import ctypes
 import re
 from collections.abc import Callable
 from contextlib import redirect_stderr
+from functools import cache
 from io import StringIO
+from pathlib import Path
 
 import casadi as ca
 import numpy as np
 
+from fowtlib.solving.compiled_functions import CompiledFunctions
 from fowtlib.solving.evaluation import Evaluation
 from fowtlib.solving.failure import StepFailure
 from fowtlib.solving.initial import consistent_algebraics
@@ -32,14 +36,31 @@ REASONS = {
 }
 
 
+@cache
+def _one_thread() -> None:
+    """Let CasADi's own OpenBLAS use one thread: shared among several, a few hundred rows take longer."""
+    for path in sorted(Path(ca.__file__).parent.glob("libcasadi-tp-openblas.*"))[:1]:
+        library = ctypes.CDLL(str(path))
+        if hasattr(library, "openblas_set_num_threads"):
+            library.openblas_set_num_threads(1)
+
+
 class Idas:
     """Integrates from a consistent point over an interval, with equidistant output points."""
 
     name = "idas"
     advice = "or try another tolerance (--tolerance 1e-8)"
 
-    def __init__(self, evaluation: Evaluation, tolerance: float, options: dict | None = None):
+    def __init__(self, evaluation: Evaluation, tolerance: float, options: dict | None = None,
+                 compiled: CompiledFunctions | None = None):  # fmt: skip
         self.evaluation = evaluation
+        self.functions = compiled or evaluation
+        self._handle = compiled.handle if compiled else np.zeros(0)
+        # the sparse LU of csparse hardly pivots, and loses the light tips of blades
+        self._linear_solver = "qr"
+        if compiled and compiled.full and ca.has_linsol("lapacklu"):
+            self._linear_solver = "lapacklu"
+            _one_thread()
         self.tolerance = tolerance
         self.options = options or {}
         self._integrators: dict[int, ca.Function] = {}
@@ -69,7 +90,7 @@ class Idas:
             self._integrators[points] = self._create(points)
         with redirect_stderr(StringIO()):  # SUNDIALS says there what the caller says better
             try:
-                result = self._integrators[points](x0=x, z0=z, p=np.concatenate([[t, length], q]))
+                result = self._integrators[points](x0=x, z0=z, p=np.concatenate([[t, length], q, self._handle]))
             except RuntimeError as error:
                 found = re.search(r'returned "(IDA_\w+)"', str(error))
                 if not found:
@@ -90,7 +111,7 @@ class Idas:
             "suppress_algebraic": True,
             "max_num_steps": LIMIT,  # between two points of the grid
             "show_eval_warnings": False,
-            "linear_solver": "qr",  # the LU of csparse hardly pivots, and loses the light tips of blades
+            "linear_solver": self._linear_solver,
             "first_time": 1e-6,  # IDACalcIC steps 1e-3 of this: short, so that its Newton matrix is that of alg alone
             **self.options,
         }
@@ -100,7 +121,7 @@ class Idas:
         """The DAE in s, with t_a, h and q as parameters; the right-hand side carries its own Jacobian."""
         if self._problem is not None:
             return self._problem
-        residual, jacobian = self.evaluation.residual, self.evaluation.jacobian
+        residual, jacobian = self.functions.residual, self.functions.jacobian
         s = ca.MX.sym("s")
         x, z = (ca.MX.sym(n, residual.size1_in(i)) for i, n in ((1, "x"), (2, "z")))
         p = ca.MX.sym("p", 2 + residual.size1_in(3))

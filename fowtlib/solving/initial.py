@@ -9,7 +9,7 @@ from scipy import sparse
 from fowtlib.flattening import FlatDAE
 from fowtlib.flattening.structure import matching
 from fowtlib.language.errors import SimulationError
-from fowtlib.solving.evaluation import Evaluation
+from fowtlib.solving.evaluation import MANY, Evaluation
 from fowtlib.solving.newton import NewtonResult, newton
 
 
@@ -24,11 +24,9 @@ def consistent_algebraics(evaluation: Evaluation, t: float, x: np.ndarray, z: np
     """Algebraic unknowns that satisfy the equations at the given states; SimulationError where none are found."""
     if not z.size:
         return z
-    residual, jacobian = evaluation.residual, evaluation.jacobian
+    residual, jacobian = evaluation.residual, evaluation.algebraic_jacobian
     solution = newton(
-        lambda values: np.array(residual(t, x, values, q)[1]).ravel(),
-        lambda values: csc(jacobian(t, x, values, q)[3]),
-        z,
+        lambda values: np.array(residual(t, x, values, q)[1]).ravel(), lambda values: csc(jacobian(t, x, values, q)), z
     )
     if not solution.converged:
         raise SimulationError(failure_text(evaluation.dae, solution, f"no consistent start values at t = {t:g} s"))
@@ -44,7 +42,11 @@ def initial_values(evaluation: Evaluation, t: float, x: np.ndarray, z: np.ndarra
     kept, free = _freed_states(dae, given)
     rows = ca.vertcat(dae.alg, dae.initial_equations[kept])
     function = evaluation.function("initial", [rows])
-    slopes = evaluation.torn_jacobian("initial_jacobian", rows, [evaluation.x, evaluation.z])
+    columns = ca.vertcat(evaluation.x[free], evaluation.z)
+    if columns.shape[0] > MANY:
+        slopes = evaluation.torn_jacobian("initial_jacobian", rows, [columns])
+    else:
+        slopes = evaluation.directional_jacobian("initial_jacobian", rows, columns)
 
     def unpack(values: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
         states = x.copy()
@@ -54,11 +56,7 @@ def initial_values(evaluation: Evaluation, t: float, x: np.ndarray, z: np.ndarra
     def residual(values: np.ndarray) -> np.ndarray:
         return np.array(function(t, *unpack(values), q)).ravel()
 
-    def jacobian(values: np.ndarray) -> sparse.csc_matrix:
-        by_x, by_z = slopes(t, *unpack(values), q)
-        return sparse.csc_matrix(sparse.hstack([csc(by_x)[:, free], csc(by_z)]))
-
-    solution = newton(residual, jacobian, np.concatenate([x[free], z]))
+    solution = newton(residual, lambda values: csc(slopes(t, *unpack(values), q)), np.concatenate([x[free], z]))
     if not solution.converged:
         raise SimulationError(
             failure_text(dae, solution, "the initial equations have no solution near the start values")

@@ -16,7 +16,7 @@ import numpy as np
 from fowtlib.language.errors import ModelError
 from fowtlib.solving.openfast_channels import Named, channel_of, result_of, unique
 from fowtlib.solving.outb import Channels, read_outb, write_outb
-from fowtlib.solving.results import RawTrajectory, Result
+from fowtlib.solving.results import RawTrajectory, Result, dimensions
 
 _FORMAT = "fowtlib result 1"
 _RAW = "raw_"  # prefix of the solver's arrays in the file
@@ -73,28 +73,49 @@ def _write_whole(path: Path, write: Callable[[Path], None]) -> None:
 
 
 def _write_netcdf(result: Result, path: Path) -> None:
-    dataset = result.dataset.assign_attrs(format=_FORMAT, result_names=json.dumps(result.names))
+    from scipy.io import netcdf_file
+
+    attributes = {**result.plain_attributes, "format": _FORMAT, "result_names": json.dumps(result.names)}
     raw = result.raw
     if raw is not None:
-        for key in "xzd":
-            if not getattr(raw, key).size:  # the format has no empty arrays
-                continue
-            dataset[_RAW + key] = (("raw_time", f"raw_{key}_index"), getattr(raw, key))
-            dataset[_RAW + key].attrs["long_name"] = f"{key} of the solver; columns as in the attribute raw_names"
-        dataset[_RAW + "time"] = (("raw_time",), raw.time, {"units": "s", "long_name": "time of the solver's rows"})
-        for key, values in raw.memory.items():
-            values = np.asarray(values, dtype=float)
-            dims = tuple(f"{_MEMORY}{key}_{i}" for i in range(values.ndim))
-            dataset[_MEMORY + key] = (dims, values)
         names = {"x": raw.x_names, "z": raw.z_names, "d": raw.d_names}
-        dataset.attrs |= {"raw_names": json.dumps(names), "parameter_hash": raw.parameter_hash}
-    attributes = {key: _attribute(value) for key, value in dataset.attrs.items()}
-    dataset.assign_attrs(attributes).to_netcdf(path, engine="scipy", format="NETCDF3_64BIT")
+        attributes |= {"raw_names": json.dumps(names), "parameter_hash": raw.parameter_hash}
+    with netcdf_file(path, "w", version=2) as file:
+        _set_attributes(file, attributes)
+        _add(file, "time", ("time",), result.time, units="s", long_name="time")
+        for name in result.names:
+            values = result.array(name)
+            about = {"units": result.unit(name), "long_name": result.long_name(name)}
+            _add(file, name, dimensions(values), values, **about)
+        if raw is None:
+            return
+        for key in "xzd":
+            if getattr(raw, key).size:  # the format has no empty arrays
+                about = {"long_name": f"{key} of the solver; columns as in the attribute raw_names"}
+                _add(file, _RAW + key, ("raw_time", f"raw_{key}_index"), getattr(raw, key), **about)
+        _add(file, _RAW + "time", ("raw_time",), raw.time, units="s", long_name="time of the solver's rows")
+        for key, memory in raw.memory.items():
+            values = np.asarray(memory, dtype=float)
+            _add(file, _MEMORY + key, tuple(f"{_MEMORY}{key}_{i}" for i in range(values.ndim)), values)
 
 
-def _attribute(value: Any) -> Any:
-    """Text and numbers are all that an attribute can hold."""
-    return value if isinstance(value, (str, int, float)) and not isinstance(value, bool) else str(value)
+def _add(file: Any, name: str, dims: tuple[str, ...], values: np.ndarray, **attributes: str) -> None:
+    """Write a variable, and the dimensions that are new."""
+    for dim, size in zip(dims, np.shape(values), strict=True):
+        if dim not in file.dimensions:
+            file.createDimension(dim, size)
+    variable = file.createVariable(name, "d", dims)
+    variable[...] = values
+    _set_attributes(variable, attributes)
+
+
+def _set_attributes(owner: Any, attributes: dict[str, Any]) -> None:
+    """Text, as UTF-8, and numbers are all that an attribute can hold."""
+    for key, value in attributes.items():
+        if isinstance(value, (int, float)) and not isinstance(value, bool):
+            setattr(owner, key, np.float64(value) if isinstance(value, float) else np.int32(value))
+        else:
+            setattr(owner, key, str(value).encode())
 
 
 def _read_netcdf(path: Path) -> Result:

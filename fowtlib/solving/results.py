@@ -234,8 +234,7 @@ class Result:
         import xarray
 
         values = self.array(name)
-        ways = zip(("row", "column", "layer"), values.shape[1:], strict=False)
-        dims = ("time", *(f"{way}_{size}" for way, size in ways))
+        dims = dimensions(values)
         time = xarray.Variable("time", self.time, {"units": "s", "long_name": "time"})
         attrs = {"units": self.unit(name), "long_name": self.long_name(name)}
         return xarray.DataArray(values, {"time": time}, dims, name, attrs)
@@ -308,9 +307,14 @@ class Result:
         import xarray
 
         time = xarray.Variable("time", self.time, {"units": "s", "long_name": "time"})
-        attrs = {**self.attributes, "parameters": json.dumps(_plain(self.attributes["parameters"]))}
-        attrs["structure"] = json.dumps(self.attributes["structure"])
-        return xarray.Dataset({name: self[name].variable for name in self._values}, {"time": time}, attrs)
+        variables = {name: self[name].variable for name in self._values}
+        return xarray.Dataset(variables, {"time": time}, self.plain_attributes)
+
+    @property
+    def plain_attributes(self) -> dict[str, Any]:
+        """The attributes with parameters and structure as JSON text."""
+        texts = {"parameters": _plain(self.attributes["parameters"]), "structure": self.attributes["structure"]}
+        return self.attributes | {key: json.dumps(value) for key, value in texts.items()}
 
     def to_pandas(self) -> pandas.DataFrame:
         """A table with time [s] as index and one column per scalar result or element ("line.force[2]")."""
@@ -478,6 +482,12 @@ class Result:
         if plant is not None and result.raw is not None:
             result.attach(plant.observer(result.raw, result.attributes["parameters"]))
         return result
+
+
+def dimensions(values: np.ndarray) -> tuple[str, ...]:
+    """Names of the dimensions of a series of scalars, vectors or matrices."""
+    ways = zip(("row", "column", "layer"), values.shape[1:], strict=False)
+    return ("time", *(f"{way}_{size}" for way, size in ways))
 
 
 def _plain(parameters: Mapping[str, Any]) -> dict[str, Any]:

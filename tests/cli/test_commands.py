@@ -45,6 +45,12 @@ def test_run_prints_statistics_and_saves(capsys):
     assert row["mean"] == pytest.approx(result.statistics()["pitch"].mean, rel=1e-3)
 
 
+def test_the_step_of_the_results_can_be_chosen(capsys):
+    assert main(["run", "pendulum", "--time", "2", "--output-step", "0.5", "--output", "run.csv"]) == 0
+    times = [float(row[0]) for row in csv.reader(Path("run.csv").read_text().splitlines()[1:]) if row[0][0].isdigit()]
+    assert times == pytest.approx([0, 0.5, 1.0, 1.5, 2.0])
+
+
 def test_run_writes_csv(capsys):
     assert main(["run", "pendulum", "--time", "1", "--output", "r.csv", "--tolerance", "1e-8", "--solver", "idas"]) == 0
     rows = list(csv.reader(Path("r.csv").read_text().splitlines()))

@@ -68,7 +68,8 @@ REGULAR = "regular:H=..,T=..[,heading=..]"
         (
             WIND,
             "",
-            "--wind: unknown kind ''; there are 'none', 'steady', 'step', 'gust', 'kaimal', 'file' and 'field'.",
+            "--wind: unknown kind ''; there are 'none', 'steady', 'step', 'gust', 'kaimal', 'file', 'field' and "
+            "'input'.",
         ),
         (WIND, "steady", "--wind: 'steady' needs 'speed'; write steady:SPEED[,shear=..][,direction=..]"),
         (WIND, "steady:fast", f"--wind: speed: got 'fast'; {SPEED}"),

@@ -40,11 +40,13 @@ def in_numpy(lookup, points, monkeypatch):
 
 @needs_compiler
 @pytest.mark.filterwarnings("ignore:.*runs as Python code")
+@pytest.mark.parametrize("interpolation", ["linear", "cubic"])
 @pytest.mark.parametrize(("periodic", "shift"), [(True, None), (False, None), (True, 17.0)])
-def test_twins(tmp_path, monkeypatch, periodic, shift):
-    """The field has three blocks of 256 kB; times and positions lie within and beyond its edges."""
+def test_twins(tmp_path, monkeypatch, periodic, shift, interpolation):
+    """The field has seven blocks of 256 kB; times and positions lie within and beyond its edges."""
     random = np.random.default_rng(6)
-    lookup = FieldLookup(random_field(tmp_path / "a.bts", periodic=periodic, tower_points=2, description="any"), shift)
+    field = random_field(tmp_path / "a.bts", periodic=periodic, tower_points=2, description="any")
+    lookup = FieldLookup(field, shift, interpolation)
     function, twin = field_function(lookup, POINTS), in_numpy(lookup, POINTS, monkeypatch)
     assert function.library is not None
     assert twin.library is None
@@ -52,12 +54,13 @@ def test_twins(tmp_path, monkeypatch, periodic, shift):
     assert slope.sparsity_out(0) == twin_slope.sparsity_out(0)
     assert slope.sparsity_out(0).nnz() == 3 * POINTS * 4
     low, high = [-30, -30, 70] * POINTS, [30, 30, 110] * POINTS
-    times = [*random.uniform(-20, 1520, 300), -0.1, 0.0, 1499.8, 1499.9, 1500.0, 1e6]
+    times = [*random.uniform(-20, 1520, 300), -0.1, 0.0, 0.1, 1499.6, 1499.8, 1499.9, 1500.0, 1e6]
     for time in times:
         column = np.concatenate([[field_handle(lookup), time], random.uniform(low, high)])
-        np.testing.assert_allclose(function.function(column).full(), twin.function(column).full(), atol=1e-9)
+        accuracy = {"rtol": 0, "atol": 1e-12 if time < 1e5 else 1e-9}  # rounding of the time in cells
+        np.testing.assert_allclose(function.function(column).full(), twin.function(column).full(), **accuracy)
         found, expected = (ca.densify(f(column, 0)).full() for f in (slope, twin_slope))
-        np.testing.assert_allclose(found, expected, atol=1e-8)
+        np.testing.assert_allclose(found, expected, **accuracy)
 
 
 @needs_compiler
@@ -92,9 +95,9 @@ def test_called_by_pointer_from_c(tmp_path):
     assert problem() == b""
     opened = getattr(library, f"{name}_open")
     missing = os.fsencode(tmp_path / "none.bts")
-    assert opened(ctypes.c_double(7.0), missing, ctypes.c_double(np.nan)) == 1
+    assert opened(ctypes.c_double(7.0), missing, ctypes.c_double(np.nan), 0) == 1
     assert problem() == missing + b": the wind field cannot be read: No such file or directory"
-    assert opened(ctypes.c_double(7.0), os.fsencode(field.path), ctypes.c_double(np.nan)) == 0
+    assert opened(ctypes.c_double(7.0), os.fsencode(field.path), ctypes.c_double(np.nan), 0) == 0
     for prefix, count, inputs in (("", 3 * POINTS, 1), ("jac_", 12 * POINTS, 2)):
         sizes = [ctypes.c_longlong(-1) for _ in range(4)]
         assert getattr(library, f"{prefix}{name}_work")(*map(ctypes.byref, sizes)) == 0

@@ -25,6 +25,11 @@ def lookups(tmp_path_factory):
     return FieldLookup(periodic), FieldLookup(ending)
 
 
+@pytest.fixture(scope="module")
+def cubic(lookups):
+    return tuple(FieldLookup(lookup.field, interpolation="cubic") for lookup in lookups)
+
+
 def inside(n=200, time=(-30.0, 60.0)):
     low, high = np.array([-20, -24, 75, time[0]]), np.array([30, 24, 105, time[1]])
     sample = np.random.default_rng(4).uniform(low, high, (n, 4))
@@ -47,10 +52,11 @@ def test_against_scipy(lookups):
         np.testing.assert_allclose(lookup.velocity(points, t), expected, atol=1e-11)
 
 
-def test_derivatives(lookups):
-    """Central differences in the cells: the interpolation is of second degree at most along each direction."""
+@pytest.mark.parametrize("interpolation", ["linear", "cubic"])
+def test_derivatives(lookups, interpolation):
+    """Central differences in the cells."""
     points, time = inside()
-    lookup, h = lookups[0], 1e-5
+    lookup, h = FieldLookup(lookups[0].field, interpolation=interpolation), 1e-5
     rate = lookup.evaluate(points, time)[1]
     for i in range(4):
         shift = np.zeros(4)
@@ -68,13 +74,75 @@ def test_taylor(lookups):
     np.testing.assert_allclose(lookups[0].velocity(points, time + 30), lookups[0].velocity(points, time), atol=1e-10)
 
 
-def test_the_points_of_the_grid_and_its_edges(lookups):
-    for lookup in lookups:
+def test_the_points_of_the_grid_and_its_edges(lookups, cubic):
+    for lookup in (*lookups, *cubic):
         y, z = (side.ravel() for side in np.meshgrid(GRID.y, GRID.z))
         points = np.column_stack([np.full(20, lookup.shift), y, z])
         for k in (0, 7, 39):
             decoded = lookup.field.speeds(lookup.field.plane[k]).reshape(20, 3)
             np.testing.assert_allclose(lookup.velocity(points, 0.25 * k), decoded, atol=1e-12)
+
+
+def polynomial(powers, time, z, y):
+    """A sum of products of powers up to `powers` of time, z and y, in lengths of the order of the field."""
+    s, u, v = time / 5 - 1, (np.asarray(z) - 90) / 15, np.asarray(y) / 24
+    random = np.random.default_rng(7)
+    return sum(
+        random.uniform(-1, 1, 3) * (s**i * u**j * v**k)[..., None]
+        for i in range(powers + 1) for j in range(powers + 1) for k in range(powers + 1)
+    )  # fmt: skip
+
+
+@pytest.mark.parametrize(("interpolation", "powers"), [("linear", 0), ("linear", 1), ("cubic", 1), ("cubic", 2)])
+def test_polynomials_are_reproduced(tmp_path, interpolation, powers):
+    """Keys (1981): cubic convolution is exact for second powers, also in the cells at the edges; linear for first ones.
+
+    What is left is the rounding to int16, of the values and, by 1/dt = 4 per second, of the slopes.
+    """
+    grid = replace(GRID, periodic=False)
+    values = polynomial(powers, *np.meshgrid(np.arange(40) * 0.25, grid.z, grid.y, indexing="ij"))
+    lookup = FieldLookup(write_field(tmp_path / "a.bts", grid, values), interpolation=interpolation)
+    random = np.random.default_rng(8)
+    time, z, y = random.uniform(0, 9.75, 500), random.uniform(75, 105, 500), random.uniform(-24, 24, 500)
+    points, step = np.column_stack([np.full(500, lookup.shift), y, z]), np.ptp(values) / 65535
+    velocity, rate = lookup.evaluate(points, time)
+    np.testing.assert_allclose(velocity, polynomial(powers, time, z, y), atol=2 * step)
+    h = 1e-4
+    slopes = [
+        (polynomial(powers, *(place + h * way)) - polynomial(powers, *(place - h * way))) / (2 * h)
+        for way in np.eye(3)[..., None] for place in [np.stack([time, z, y])]
+    ]  # fmt: skip
+    for axis, slope in zip((3, 2, 1), slopes, strict=True):
+        np.testing.assert_allclose(rate[..., axis], slope, atol=16 * step)
+
+
+def test_slopes_at_the_borders_of_cells(lookups, cubic):
+    """From one cell to the next the slope jumps with linear interpolation, and not with cubic."""
+    places = np.array([[0.0, 0.0, 90.0, 1.0], [0.0, 12.0, 95.0, 1.1], [0.0, 5.0, 85.0, 2.3], [0.0, 7.0, 91.0, 0.0]])
+    for lookup, jumps in ((lookups[0], True), (cubic[0], False)):
+        for axis, place in zip((1, 1, 2, 3), places, strict=True):
+            aside = 1e-9 * np.eye(4)[axis]
+            ends = [lookup.evaluate([at[:3]], at[3]) for at in (place - aside, place + aside)]
+            np.testing.assert_allclose(ends[0][0], ends[1][0], atol=1e-7)
+            assert (np.abs(ends[0][1][0, :, axis] - ends[1][1][0, :, axis]).max() > 1e-3) == jumps
+
+
+def test_what_interpolation_leaves_of_the_variance(tmp_path):
+    """Of white noise, midway between the samples of one direction, linear leaves 1/2, Keys 2 (9^2 + 1)/16^2 = 0.641."""
+    grid = replace(GRID, rows=20, columns=20, steps=400)
+    noise = write_field(tmp_path / "a.bts", grid, np.random.default_rng(9).normal(size=(400, 20, 20, 3)))
+    y, z = (side.ravel() for side in np.meshgrid(grid.y, grid.z))
+    points = np.column_stack([np.zeros(400), y, z])
+    for interpolation, share in (("linear", 0.5), ("cubic", 164 / 256)):
+        lookup = FieldLookup(noise, interpolation=interpolation)
+        values = np.concatenate([lookup.velocity(points, 0.25 * k + 0.125) for k in range(100)])
+        assert values.var() == pytest.approx(share, rel=0.02)
+
+
+def test_mean_of_a_cubic_field(cubic):
+    """It is the mean of what is looked up at the time steps."""
+    points = np.tile([0.0, 5.0, 83.0], (40, 1))
+    assert cubic[0].mean(5.0, 83.0) == pytest.approx(cubic[0].velocity(points, np.arange(40) * 0.25)[:, 0].mean())
 
 
 def test_mean(lookups):
@@ -100,17 +168,31 @@ def test_a_field_that_is_too_small(lookups, which, point, time, message):
         lookup.velocity([(0, 0, 90), point], time)
 
 
-def test_beyond_the_edge_an_iteration_finds_the_value_of_the_edge(lookups):
-    velocity, rate = lookups[0].evaluate([(0, 40, 90), (0, 24, 90)], 1.0)
-    np.testing.assert_allclose(velocity[0], velocity[1])
-    assert not rate[0, :, 1].any()
-    assert rate[0, :, 2].any()
+def test_beyond_the_edge_an_iteration_finds_the_value_of_the_edge(lookups, cubic):
+    for lookup in (lookups[0], cubic[0]):
+        velocity, rate = lookup.evaluate([(0, 40, 90), (0, 24, 90)], 1.0)
+        np.testing.assert_allclose(velocity[0], velocity[1])
+        assert not rate[0, :, 1].any()
+        assert rate[0, :, 2].any()
 
 
 def test_a_plane_of_one_column(tmp_path):
     field = write_field(tmp_path / "a.bts", replace(GRID, columns=1), SPEEDS[:, :, :1])
     with pytest.raises(ModelError, match="1 x 4 points cannot be interpolated; a wind field needs 2 columns and 2"):
         FieldLookup(field)
+
+
+def test_too_few_points_for_cubic_interpolation(tmp_path):
+    field = write_field(tmp_path / "a.bts", replace(GRID, columns=3), SPEEDS[:, :, :3])
+    with pytest.raises(ModelError) as error:
+        FieldLookup(field, interpolation="cubic")
+    assert str(error.value) == (
+        f"{field.path}: 3 x 4 points cannot be interpolated; a wind field needs 4 columns and 4 rows at least, or "
+        "linear interpolation."
+    )
+    field = write_field(tmp_path / "b.bts", replace(GRID, steps=3), SPEEDS[:3])
+    with pytest.raises(ModelError, match="3 time steps cannot be interpolated; a wind field needs 4 at least, or"):
+        FieldLookup(field, interpolation="cubic")
 
 
 def test_a_position_that_is_no_number_gives_none(lookups):

@@ -238,7 +238,7 @@ def test_wind_from_a_file(tmp_path):
         (
             {"spectrum": "pierson"},
             {},
-            "sea.spectrum = 'pierson' is not one of still, regular, jonswap (kind of sea state).",
+            "sea.spectrum = 'pierson' is not one of still, regular, jonswap, input (kind of sea state).",
         ),
         (
             {},

@@ -10,12 +10,14 @@ import math
 import zipfile
 from pathlib import Path
 
+import fmpy
 import numpy as np
 import pytest
 from fmpy.fmi1 import FMICallException
 from fmpy.validation import validate_fmu
 
 import fowtlib as fw
+from fowtlib.components.environment import generate_field
 from fowtlib.language import ExternalFunction, Scalar, der, eq, param, var
 from fowtlib.language.errors import ModelError
 from fowtlib.language.units import from_si
@@ -77,6 +79,24 @@ def test_model_structure_has_the_true_dependencies(unit):
     assert known["loop"] == {"machine.place", "machine.push"}
     assert known["height"] == {"machine.height"}
     assert known["command"] == set()
+
+
+def test_terminals_and_build_description_follow_their_schemas(spar_unit):
+    """FMI 3.0: the results and inputs of each part are one bus."""
+    from lxml import etree
+
+    schemas = Path(fmpy.__file__).parent / "schema" / "fmi3"
+    for schema, file in (
+        ("fmi3TerminalsAndIcons.xsd", "terminalsAndIcons/terminalsAndIcons.xml"),
+        ("fmi3BuildDescription.xsd", "sources/buildDescription.xml"),
+    ):
+        document = etree.parse(str(Path(spar_unit.folder, file)))
+        etree.XMLSchema(etree.parse(str(schemas / schema))).assertValid(document)
+    document = etree.parse(str(Path(spar_unit.folder, "terminalsAndIcons", "terminalsAndIcons.xml")))
+    buses = {bus.get("name"): [member.get("variableName") for member in bus] for bus in document.iter("Terminal")}
+    assert set(buses) == {"platform", "turbine", "sea", "wind"}
+    assert "surge" in buses["platform"] and "turbine.yaw" in buses["turbine"]
+    assert set().union(*buses.values()) <= spar_unit.reference.keys()
 
 
 def test_symbols_are_hidden(unit):
@@ -182,9 +202,9 @@ def test_inputs_that_a_user_opens(driven):
     assert units["platform.water.waves.wave_load_moment"] == ("N*m", 3)
     assert units["platform.drag.water_velocity"][0] == "m/s"
     assert (units["turbine.blade_pitch"], units["turbine.generator_torque"]) == (("rad", 1), ("N*m", 1))
-    closed = fw.load("oc3_spar_rigid").with_parameters({"wind.kind": "steady", "wind.mean_speed": 9.0}).compile()
-    torque = closed.initial_state()["turbine.generator_torque"]
-    assert inputs["turbine.generator_torque"].default == pytest.approx([torque])  # what the controller gives at the start
+    closed = fw.load("oc3_spar_rigid").with_parameters({"wind.kind": "steady", "wind.mean_speed": 9.0})
+    torque = closed.compile().initial_state()["turbine.generator_torque"]  # what the controller gives at the start
+    assert inputs["turbine.generator_torque"].default == pytest.approx([torque])
     assert inputs["wind.speed_input"].default == pytest.approx([9.0])
 
 
@@ -203,10 +223,10 @@ def test_an_importer_drives_wind_waves_and_commands(driven, driven_unit, instanc
     one.set(**given)
     names = ["surge", "rotor_speed", "blade_pitch", "wind_speed", "wave_elevation", "generator_torque"]
     rows = one.run(names, 30, 0.1)
-    inputs = {**given, "platform.water.waves.wave_load_force": [1e6, 0, 0]}
-    del inputs["platform.water.waves.wave_load_force[0]"]
-    start = driven.initial_state()  # begun before the inputs were given: the states of the filters are those of the start
-    run = driven.simulate(3.0, start=dict(zip([s.path for s in driven.dae.states], start.x, strict=True)), inputs=inputs)
+    inputs = {name: value for name, value in given.items() if "[" not in name}
+    inputs["platform.water.waves.wave_load_force"] = [1e6, 0, 0]
+    start = zip([s.path for s in driven.dae.states], driven.initial_state().x, strict=True)
+    run = driven.simulate(3.0, start=dict(start), inputs=inputs)  # begun before the inputs were given
     for k, name in enumerate(names):
         assert rows[:, k] == pytest.approx(in_si(driven, run, name)[1:], rel=1e-6), name
     assert rows[-1, 2:] == pytest.approx([0.05, 12.0, 1.5, 3e4])
@@ -232,6 +252,23 @@ def test_a_signal_that_cannot_be_opened():
         with pytest.raises(ModelError) as refused:
             model.compile([path])
         assert str(refused.value) == message
+
+
+def test_a_wind_field_travels_in_the_archive(as_unit, tmp_path):
+    """The file of the field lies in the resources, and is not needed where it came from."""
+    path = tmp_path / "gusty wind.bts"
+    generate_field(
+        path, mean_speed=9.0, width=160.0, height=160.0, columns=9, rows=9, duration=30.0, time_step=0.2, seed=2
+    )
+    model = fw.load("oc3_spar_rigid").with_parameters({"wind.kind": "field", "wind.file": str(path)})
+    plant = model.compile()
+    unit = as_unit(plant)
+    run = plant.simulate(5.0)
+    path.unlink()
+    rows = unit.simulate("cs", 5.0, 0.1, ["surge", "rotor_speed", "wind_speed"])
+    for name in ("surge", "rotor_speed", "wind_speed"):
+        assert distance(plant, run, rows, name) < 1e-8, name
+    assert np.std(rows["wind_speed"]) > 0.1
 
 
 # --- states that are saved ------------------------------------------------------------------------------------------

@@ -10,7 +10,11 @@ from scipy import linalg
 
 from fowtlib.components.hydro.database import HydrodynamicDatabase
 from fowtlib.components.hydro.errors import HydrodynamicDataError
-from fowtlib.components.hydro.radiation_identification import hankel_singular_values, identify_radiation
+from fowtlib.components.hydro.radiation_identification import (
+    hankel_singular_values,
+    identify_radiation,
+    kept_radiation,
+)
 from fowtlib.components.hydro.retardation import added_mass_from_kernel, retardation_kernel
 
 OC3 = Path(__file__).parents[2] / "models" / "data" / "oc3_hywind" / "hydrodynamics.nc"
@@ -170,3 +174,21 @@ def test_oc3_kernel_at_time_zero_is_the_integral_of_the_damping(spar):
     kernel = retardation_kernel(spar.omega, spar.B[:, 0, 0], [0.0])
     integral = np.trapezoid(spar.B[:, 0, 0], spar.omega) + spar.B[-1, 0, 0] * spar.omega[-1] / 2
     assert kernel[0] == pytest.approx(2 / np.pi * integral, rel=2e-3)
+
+
+def test_a_kept_model_is_the_identified_one_to_the_last_digit(spar, tmp_path, monkeypatch):
+    monkeypatch.setenv("FOWTLIB_CACHE", str(tmp_path))
+    arrays = spar.omega, spar.B, spar.A, spar.A_inf
+    fresh = identify_radiation(*arrays, order=3)
+    models = [kept_radiation(*arrays, order=3, passive=True) for _ in range(2)]
+    assert len(list(tmp_path.iterdir())) == 1
+    for model in models:
+        for name in "ABC":
+            assert np.array_equal(getattr(model, name), getattr(fresh, name))
+        assert str(model) == str(fresh) and model.entries == fresh.entries and model.skipped == fresh.skipped
+        assert all(np.array_equal(a.hankel, b.hankel) for a, b in zip(model.groups, fresh.groups, strict=True))
+    kept_radiation(*arrays, order=2, passive=True)
+    kept_radiation(spar.omega, spar.B * (1 + 1e-15), *arrays[2:], order=3, passive=True)
+    assert len(list(tmp_path.iterdir())) == 3
+    none = kept_radiation(spar.omega, 0 * spar.B, *arrays[2:], order=3, passive=True)
+    assert (none.A.shape, none.B.shape, none.C.shape) == ((0, 0), (0, 6), (6, 0))

@@ -369,6 +369,14 @@ def test_mistakes(tmp_path):
         cantilever(None)
     with pytest.raises(ModelError, match="cannot be read: No such file"):
         read_beam(str(tmp_path / "missing.csv"))
+    path = tmp_path / "beam.csv"
+    heads = "z_m,mass_per_length_kg_per_m,bending_stiffness_fore_aft_N_m2,bending_stiffness_side_side_N_m2"
+    path.write_text(f"# a beam\n{heads}\n0,1,1,1\n\n2,1,1,1\n# between\n1,1,1,1\n")
+    with pytest.raises(ModelError) as error:
+        read_beam(str(path))
+    assert str(error.value) == (
+        f"{path}:7: the stations of a beam must increase from root to tip; 2 m is followed by 1 m."
+    )
     with pytest.raises(ParameterError, match="node 1 at 1.5 m is off the beam"):
         cantilever(node_points=[1.5])
     with pytest.raises(ParameterError, match="wall of a tube"):

@@ -488,7 +488,7 @@ def test_an_equation_that_is_not_finite_is_named():
         (
             {"step": "0.2 s"},
             "the step of the solver 'fixed', 0.2 s, is longer than the output step, 0.1 s. "
-            "Give a shorter step or a longer output step.",
+            "Give a shorter step (--step) or a longer output step (--output-step).",
         ),
         ({"step": "2 m"}, "step: got '2 m', which is a length; a time in s is expected, e.g. '12.5 s'."),
         ({"rho_inf": 1.2}, "rho_inf is 1.2; it must lie between 0 and 1, usually 0.7 to 0.9."),
