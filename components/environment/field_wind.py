@@ -77,7 +77,7 @@ def field_function(lookup: FieldLookup, points: int) -> ExternalFunction:
             ctypes.c_double(handle), os.fsencode(path), ctypes.c_double(lookup.shift), lookup.interpolation == "cubic"
         ):
             raise ParameterError(_problem_in_c(function))
-        function.function.files[handle] = Path(path), lookup.shift
+        function.function.files[handle] = Path(path), lookup.shift, int(lookup.interpolation == "cubic")
     return function
 
 

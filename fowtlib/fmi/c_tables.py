@@ -141,7 +141,7 @@ class Tables:
             lines.append(f"int {name}{call}int jac_{name}{call}")
         reading = (e.function for e in self.dae.externals if getattr(e.function, "files", None))
         for name in dict.fromkeys(function.name() for function in reading):
-            lines.append(f"int {name}_open(double, const char *, double);\nconst char *{name}_problem(void);\n")
+            lines.append(f"int {name}_open(double, const char *, double, int);\nconst char *{name}_problem(void);\n")
         return "".join(lines)
 
     def _quantities(self, name: str, items: Sequence[Variable]) -> str:
@@ -279,11 +279,12 @@ class Tables:
             if not (isinstance(function, LibraryFunction) and function.files):
                 continue
             number, name = float(external.inputs[0]), function.name()
-            path, value = function.files[number]
+            path, value, kind = function.files[number]
             inside = next((key for key, known in self.resources.items() if known == path), "")
             inside = inside or f"{len(self.resources)}_{path.name}"
             self.resources[inside] = path
-            rows[f"{{{_text(inside)}, {_number(number)}, {_number(value)}, {name}_open, {name}_problem}}"] = None
+            told = f"{_text(inside)}, {_number(number)}, {_number(value)}, {kind}"
+            rows[f"{{{told}, {name}_open, {name}_problem}}"] = None
         return list(rows)
 
 
@@ -301,6 +302,8 @@ def _text(value: str) -> str:
 
 
 def _number(value: float) -> str:
+    if math.isnan(value):
+        return "NAN"
     if math.isinf(value):
         return "INFINITY" if value > 0 else "-INFINITY"
     return repr(float(value))

@@ -1054,6 +1054,19 @@ static void fmu_unpack(const unsigned char *bytes, const fmu_stored *table, doub
   }
 }
 
+/* A file to be read; the path is in UTF-8 on all platforms. (The header of Windows takes words such as `near`.) */
+#ifdef _WIN32
+__declspec(dllimport) int __stdcall MultiByteToWideChar(unsigned, unsigned long, const char *, int, wchar_t *, int);
+#endif
+static FILE *fmu_open_file(const char *path) {
+#ifdef _WIN32
+  wchar_t wide[4096];
+  return MultiByteToWideChar(65001, 0, path, -1, wide, 4096) ? _wfopen(wide, L"rb") : 0;
+#else
+  return fopen(path, "rb");
+#endif
+}
+
 /* The tables of resources/tables.bin. */
 static int fmu_read_tables(fmu_instance *f, const char *folder) {
   char path[4096];
@@ -1065,7 +1078,7 @@ static int fmu_read_tables(fmu_instance *f, const char *folder) {
   snprintf(path, sizeof path, "%s/tables.bin", folder ? folder : "");
   f->stored = malloc(sizeof(double) * STORED);
   bytes = malloc(sizeof(double) * STORED);
-  file = folder && f->stored && bytes ? fopen(path, "rb") : 0;
+  file = folder && f->stored && bytes ? fmu_open_file(path) : 0;
   if (file) {
     got = fread(bytes, sizeof(double), STORED, file);
     fclose(file);
@@ -1112,7 +1125,7 @@ static fmu_instance *fmu_create(fmu_instance *f, const char *name, const char *f
   }
   for (i = 0; i < FILES; i++) {
     snprintf(path, sizeof path, "%s/%s", folder ? folder : "", fmu_files[i].file);
-    if (fmu_files[i].open(fmu_files[i].handle, path, fmu_files[i].shift)) {
+    if (fmu_files[i].open(fmu_files[i].handle, path, fmu_files[i].shift, fmu_files[i].kind)) {
       fmu_tell(f, FMU_ERROR, "logStatusError", "%s.", fmu_files[i].problem ? fmu_files[i].problem() : path);
       fmu_free(f);
       return 0;

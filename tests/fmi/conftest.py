@@ -31,7 +31,8 @@ from fowtlib.language import (
 from fowtlib.language import math as m
 from fowtlib.language.native import compiler
 
-collect_ignore = [] if importlib.util.find_spec("fmpy") and compiler() else ["test_fmu.py"]
+NEEDS_FMPY = ["test_fmu.py", "test_platforms.py", "test_any_calls.py"]
+collect_ignore = [] if importlib.util.find_spec("fmpy") and compiler() else NEEDS_FMPY
 
 
 class Machine(fw.Component):
