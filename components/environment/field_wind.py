@@ -73,11 +73,12 @@ def field_function(lookup: FieldLookup, points: int) -> ExternalFunction:
     function = _function(points, compiler())
     if function.library is not None:
         handle, path = field_handle(lookup), os.path.abspath(lookup.field.path)
+        cubic = int(lookup.interpolation == "cubic")
         if _symbol(function, "_open", ctypes.c_int)(
-            ctypes.c_double(handle), os.fsencode(path), ctypes.c_double(lookup.shift), lookup.interpolation == "cubic"
+            ctypes.c_double(handle), os.fsencode(path), ctypes.c_double(lookup.shift), cubic
         ):
             raise ParameterError(_problem_in_c(function))
-        function.function.files[handle] = Path(path), lookup.shift, int(lookup.interpolation == "cubic")
+        function.function.files[handle] = Path(path), (float(lookup.shift), cubic)
     return function
 
 

@@ -7,7 +7,7 @@ from fowtlib.components.turbine.blade import FlexibleBlade
 from fowtlib.components.turbine.hub import Hub
 from fowtlib.components.turbine.nacelle import Drivetrain, Nacelle
 from fowtlib.components.turbine.start import give_default
-from fowtlib.language import Array, Component, RealInput, RealOutput, Scalar, eq, param, part, port
+from fowtlib.language import Array, Component, RealInput, RealOutput, Scalar, eq, param, part, port, ring
 from fowtlib.language import math as m
 
 
@@ -73,7 +73,12 @@ class RotorNacelleAssembly(Component):
                 self.connect(blade.nodes[i], self.nodes[k * len(self.node_points) + i])
 
     def equations(self):
-        return [_of_blade(self, k) for k in range(self.blades)]
+        numbers = range(1, self.blades + 1)
+        return [
+            *(_of_blade(self, k) for k in range(self.blades)),
+            ring(self.nacelle.azimuth, [self.parts[f"blade_{k}"] for k in numbers]),
+            ring(self.nacelle.azimuth, [self.hub.parts[f"bearing_{k}"] for k in numbers]),
+        ]
 
 
 def _of_blade(turbine, k):

@@ -77,6 +77,14 @@ class Check:
     path: str
 
 
+@dataclass(frozen=True)
+class Ring:
+    """Paths of parts that are alike, at equal angles around an axis around which they have turned by an angle."""
+
+    angle: ca.SX
+    parts: list[str]
+
+
 @dataclass
 class FlatDAE:
     """Semi-explicit DAE of index one, torn at the external functions.
@@ -109,6 +117,7 @@ class FlatDAE:
     events: list[Event] = field(default_factory=list)
     samples: list[SampledUpdate] = field(default_factory=list)
     checks: list[Check] = field(default_factory=list)
+    rings: list[Ring] = field(default_factory=list)
     write_equations: Callable[[], list[tuple[str, str, str]]] = list
     initial_sources: list[str] = field(default_factory=list)
     stats: dict[str, float] = field(default_factory=dict)

@@ -22,6 +22,7 @@ from fowtlib.solving.fixed_step_code import OUT, library_sizes, moved_pieces
 from fowtlib.solving.initial import initial_matching
 from fowtlib.solving.reduction import reduction
 from fowtlib.solving.state import State
+from fowtlib.solving.symmetry import rings_of_unknowns
 
 LONG = 2000  # numbers of a table that goes to resources/ and not into the C text
 VALUES = [f"const double *{name}" for name in "txzqw"]
@@ -139,9 +140,6 @@ class Tables:
         for name in libraries(dae):
             call = "(const double **arg, double **res, fs_int *iw, double *w, int mem);\n"
             lines.append(f"int {name}{call}int jac_{name}{call}")
-        reading = (e.function for e in self.dae.externals if getattr(e.function, "files", None))
-        for name in dict.fromkeys(function.name() for function in reading):
-            lines.append(f"int {name}_open(double, const char *, double, int);\nconst char *{name}_problem(void);\n")
         return "".join(lines)
 
     def _quantities(self, name: str, items: Sequence[Variable]) -> str:
@@ -162,6 +160,16 @@ class Tables:
         for name, masks, unknowns in moving:
             first, pieces = moved_pieces(self.program, len(dae.levels), masks, unknowns)
             lines += [_integers(f"{name}_first", first), _integers(f"{name}_piece", pieces)]
+        rings = rings_of_unknowns(dae, r)
+        for k, ring in enumerate(rings):
+            lines.append(_integers(f"fmu_ring_{k}_unknown", np.ravel(ring.unknowns)))
+            lines.append(_integers(f"fmu_ring_{k}_row", np.ravel(ring.rows)))
+        rows = [
+            f"{{{ring.state}, {len(ring.unknowns[0])}, {len(ring.unknowns)}, {len(ring.rows)}, "
+            f"fmu_ring_{k}_unknown, fmu_ring_{k}_row}}"
+            for k, ring in enumerate(rings)
+        ]
+        lines.append(_table("fs_ring", "fmu_rings", rows))
         return "".join([
             *lines, _integers("fmu_level_start", starts), _integers("fmu_free_rate", r.free),
             _integers("fmu_order", r.order), _integers("fmu_source", r.source),
@@ -173,7 +181,8 @@ class Tables:
             ".of_stage = {fmu_stage_first, fmu_stage_piece}, .at_point = {fmu_point_first, fmu_point_piece}, "
             ".free_rates = FREE_RATES, "
             f".substituted = {len(r.order)}, .free_rate = fmu_free_rate, .order = fmu_order, .source = fmu_source, "
-            ".x_nominal = fmu_x_nominal, .z_nominal = fmu_z_nominal};\n",
+            ".x_nominal = fmu_x_nominal, .z_nominal = fmu_z_nominal, "
+            f".rings = {len(rings)}, .ring = fmu_rings}};\n",
         ])  # fmt: skip
 
     def _events(self) -> str:
@@ -272,20 +281,29 @@ class Tables:
         return _table("fmu_stored", "fmu_tables", rows)
 
     def _files(self) -> list[str]:
-        """The files that external functions read; they go to the resources."""
-        rows: dict[str, None] = {}
+        """The files that external functions read, which go to the resources; each with a function that opens it."""
+        found: dict[tuple[str, float], tuple[str, tuple[float | int, ...]]] = {}
         for external in self.dae.externals:
             function = external.function
             if not (isinstance(function, LibraryFunction) and function.files):
                 continue
-            number, name = float(external.inputs[0]), function.name()
-            path, value, kind = function.files[number]
+            number = float(external.inputs[0])
+            path, values = function.files[number]
             inside = next((key for key, known in self.resources.items() if known == path), "")
             inside = inside or f"{len(self.resources)}_{path.name}"
             self.resources[inside] = path
-            told = f"{_text(inside)}, {_number(number)}, {_number(value)}, {kind}"
-            rows[f"{{{told}, {name}_open, {name}_problem}}"] = None
-        return list(rows)
+            found[function.name(), number] = inside, values
+        rows = []
+        for k, ((name, number), (inside, values)) in enumerate(found.items()):
+            kinds = "".join(f", {'int' if isinstance(value, int) else 'double'}" for value in values)
+            passed = "".join(f", {int(v) if isinstance(v, int) else _number(v)}" for v in values)
+            opened = f"{name}_open({_number(number)}, path{passed})"
+            self.lines.append(
+                f"int {name}_open(double, const char *{kinds});\nconst char *{name}_problem(void);\n"
+                f"static int fmu_open_{k}(const char *path) {{ return {opened}; }}\n"
+            )
+            rows.append(f"{{{_text(inside)}, fmu_open_{k}, {name}_problem}}")
+        return rows
 
 
 def _packed(values: np.ndarray, columns: int) -> bytes:

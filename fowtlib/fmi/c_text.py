@@ -67,7 +67,13 @@ def c_sources(variables: Variables, start: State, interface: int, identity: tupl
 
 
 def refuse_python(dae: FlatDAE) -> None:
-    """StructureError where a part of the model is Python code."""
+    """StructureError where a part of the model is Python code, or a process of its own."""
+    for sample in dae.samples:
+        if sample.process is not None:
+            raise StructureError(
+                f"{sample.path or 'the model'}: what is called at its samples runs outside of the equations, and "
+                "cannot go into an FMU. Leave the part out, and give its outputs as inputs of the FMU (--input)."
+            )
     for external in dae.externals:
         if not isinstance(external.function, SplineFunction | LibraryFunction):
             raise StructureError(

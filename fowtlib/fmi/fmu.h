@@ -20,9 +20,7 @@ typedef struct { int spline, part, table; } fmu_table_use; /* part: 0, 1 knots, 
 typedef struct { const char *path; int states, discretes; const int *state, *discrete; fs_code action; } fmu_event;
 typedef struct { const char *path; int targets, needs_outputs; const int *target; fs_code update; } fmu_sample;
 typedef struct { const char *path, *message; int is_error, values; const char *const *names; } fmu_check;
-typedef struct { const char *file; double handle, shift; int kind;
-                 int (*open)(double, const char *, double, int);
-                 const char *(*problem)(void); } fmu_file;
+typedef struct { const char *file; int (*open)(const char *path); const char *(*problem)(void); } fmu_file;
 
 /* Severity of a message, and the outcome of a call. */
 enum { FMU_OK, FMU_WARNING, FMU_DISCARD, FMU_ERROR };

@@ -1125,7 +1125,7 @@ static fmu_instance *fmu_create(fmu_instance *f, const char *name, const char *f
   }
   for (i = 0; i < FILES; i++) {
     snprintf(path, sizeof path, "%s/%s", folder ? folder : "", fmu_files[i].file);
-    if (fmu_files[i].open(fmu_files[i].handle, path, fmu_files[i].shift, fmu_files[i].kind)) {
+    if (fmu_files[i].open(path)) {
       fmu_tell(f, FMU_ERROR, "logStatusError", "%s.", fmu_files[i].problem ? fmu_files[i].problem() : path);
       fmu_free(f);
       return 0;

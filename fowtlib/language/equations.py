@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import sys
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field
 from typing import Any, Protocol
 
@@ -190,6 +190,15 @@ class FixedOrientation:
     source: str
 
 
+@dataclass(slots=True)
+class Ring:
+    """Parts that are copies of each other, at equal angles around an axis, and the angle by which they have turned."""
+
+    angle: ca.SX
+    parts: list[Any]
+    source: str
+
+
 def _column(value: Any) -> ca.SX:
     if isinstance(value, ca.SX):
         return value if value.is_dense() else ca.densify(value)
@@ -290,6 +299,17 @@ def fix_orientation(frame: Any, R: Any, w: Any) -> FixedOrientation:
     return FixedOrientation(frame, _column(R), _column(w), source_line())
 
 
-Statement = Equation | Initial | When | Sampled | Assertion | Rotation | FixedOrientation
+def ring(angle: Any, parts: Sequence[Any]) -> Ring:
+    """The parts are alike and stand in a ring: the next one is the last, turned on by 1 / len(parts) of a turn.
+
+    `angle` is the angle by which all of them have turned around the axis, positive towards the next part. It is no
+    equation but a hint for solvers: what couples such a ring to the rest of a model turns with it, and a solver that
+    keeps a Newton matrix over many steps can turn the matrix too (`fixed`; it needs three parts or more, and an angle
+    that is a state). A wrong hint costs time and no accuracy.
+    """
+    return Ring(_column(angle), list(parts), source_line())
+
+
+Statement = Equation | Initial | When | Sampled | Assertion | Rotation | FixedOrientation | Ring
 Statements = list[Any]
 Function = Callable[..., Any]

@@ -43,6 +43,13 @@ typedef struct {
   const int *first, *piece; /* unknown c moves piece[first[c]] to piece[first[c + 1] - 1], in the order in which they run */
 } fs_moving;
 
+/* Parts that are alike and stand in a ring, which has turned by the state: for each of their unknowns, and of their rows,
+   its numbers in all parts. */
+typedef struct {
+  int state, parts, unknowns, rows;
+  const int *unknown, *row;
+} fs_ring;
+
 /* The model's code comes in pieces: running them all is the same as calling level_inputs and residual in order. Piece i
    writes scratch[place[i]] to scratch[place[i + 1] - 1], which nothing else writes. */
 typedef struct {
@@ -60,6 +67,8 @@ typedef struct {
   const int *free_rate;         /* states whose rate is an unknown */
   const int *order, *source;    /* state order[i] has the rate x[source[i]], or z[-1 - source[i]] */
   const double *x_nominal, *z_nominal;
+  int rings;
+  const fs_ring *ring;
 } fs_model;
 
 typedef struct {
@@ -73,7 +82,7 @@ typedef struct {
 
 enum { FS_DONE = 0, FS_STAGE = 1, FS_ALGEBRAIC = 2, FS_EXTERNAL = 3, FS_SINGULAR = 4 };
 enum { FS_STEPS, FS_EVALUATIONS, FS_MATRICES, FS_ALGEBRAIC_MATRICES, FS_STARTS, FS_SLOPES, FS_COUNTS };
-enum { FS_ITERATIONS = 12, FS_HISTORY = 3, FS_PAIRS = 24 };
+enum { FS_ITERATIONS = 12, FS_HISTORY = 3, FS_PAIRS = 24, FS_PARTS = 16 };
 
 /* A matrix whose first unknowns, of which there are `light`, hardly couple: each appears in few rows. They are eliminated
    first, and what they leave in the factors is kept as lists; the rest is dense. */
@@ -84,6 +93,7 @@ typedef struct {
   int pairs, oldest; /* what has been learnt since it was made: the inverse is followed by 1 + gain weighing' of each pair */
   double *weighing[FS_PAIRS], *gain[FS_PAIRS];
   double *lu, *row_scale, *row_size, *value, *sorted;
+  double *angle;     /* of the rings, when it was made */
   int *pivot, *list, *column; /* of row i beside its dense part: value[list[i]] to value[list[i + 1] - 1] and their columns */
 } fs_matrix;
 
@@ -525,6 +535,37 @@ static void fs_trust(fs_matrix *a, const double *size, int iterations, int fresh
   if (a->excess > FS_PRICE * a->n) a->age = keep;
 }
 
+/* Turn what belongs to rings, unknowns or rows, from where they were when the matrix was made to where they are with x
+   (sign 1), or back (-1). The parts of a ring feel what moves its axis as a constant, a cosine and a sine of their angle;
+   so the cosine and the sine turn into each other, and all else of them stays: with it the matrix is as good as on the
+   day it was made, because that in the axes of the ring hardly changes. */
+static void fs_turn(const fs_instance *s, const fs_matrix *a, const double *x, double *v, int rows, double sign) {
+  int r, i, j, k;
+  for (r = 0; r < s->m.rings; r++) {
+    const fs_ring *ring = s->m.ring + r;
+    const int *number = rows ? ring->row : ring->unknown;
+    double angle = sign * (x[ring->state] - a->angle[r]), each = 8.0 * atan(1.0) / ring->parts;
+    double g[FS_PARTS], old[FS_PARTS];
+    if (ring->parts > FS_PARTS) continue;
+    for (k = 0; k < ring->parts; k++) g[k] = (k == 0) + 2.0 / ring->parts * (cos(angle + each * k) - cos(each * k));
+    for (i = 0; i < (rows ? ring->rows : ring->unknowns); i++, number += ring->parts) {
+      if (number[0] >= a->n) continue; /* a rate, of which the matrix at a point knows nothing */
+      for (j = 0; j < ring->parts; j++) {
+        old[j] = v[number[j]];
+        v[number[j]] = 0.0;
+      }
+      for (j = 0; j < ring->parts; j++)
+        for (k = 0; k < ring->parts; k++) v[number[j]] += g[(j - k + ring->parts) % ring->parts] * old[k];
+    }
+  }
+}
+
+/* The matrix is that of x. */
+static void fs_remember_angles(const fs_instance *s, fs_matrix *a, const double *x) {
+  int r;
+  for (r = 0; r < s->m.rings; r++) a->angle[r] = x[s->m.ring[r].state];
+}
+
 static void fs_residual_of_stage(fs_instance *s) {
   int i;
   memcpy(s->right, s->alg, sizeof(double) * (size_t)s->m.algebraics);
@@ -551,13 +592,16 @@ static int fs_iterate_stage(fs_instance *s, double t, double k, int fresh) {
         return status;
       }
       if (iteration > 0) a->theta = theta;
+      fs_remember_angles(s, a, s->xf);
     }
     for (i = 0; i < n; i++) s->move[i] = -s->right[i];
+    fs_turn(s, a, s->xf, s->move, 1, -1.0);
     fs_solve(a, s->move);
     if (fresh < 2) fs_broyden(s, a, iteration);
     size[iteration] = fs_norm(s->move, s->weight, n);
     verdict = fs_judge(a, size, iteration, s->o.tolerance);
     if (verdict < 0) break;
+    fs_turn(s, a, s->xf, s->move, 0, 1.0);
     for (i = 0; i < n; i++) s->unknown[i] += s->move[i];
     if (verdict) {
       fs_place(s, k, s->unknown, s->v, s->xf);
@@ -649,11 +693,13 @@ static int fs_iterate_algebraic(fs_instance *s, double t, const double *x, doubl
         return status;
       }
       if (iteration > 0) a->theta = theta;
+      fs_remember_angles(s, a, x);
     }
     for (i = 0; i < n; i++) {
       s->move[i] = -s->alg[i];
       s->weight[i] = 1.0 / s->z_scale[i];
     }
+    fs_turn(s, a, x, s->move, 1, -1.0);
     fs_solve(a, s->move);
     if (fresh < 2) fs_broyden(s, a, iteration);
     size[iteration] = fs_norm(s->move, s->weight, n);
@@ -663,6 +709,7 @@ static int fs_iterate_algebraic(fs_instance *s, double t, const double *x, doubl
     }
     verdict = fs_judge(a, size, iteration, s->o.at_points);
     if (verdict < 0) break;
+    fs_turn(s, a, x, s->move, 0, 1.0);
     for (i = 0; i < n; i++) z[i] += s->move[i];
     if (verdict) {
       fs_trust(a, size, iteration + 1, fresh, s->o.keep);
@@ -851,7 +898,7 @@ static double *fs_take(double *memory, size_t *used, size_t n) {
 /* How many numbers may stand beside the dense part of a matrix. */
 static size_t fs_beside(const fs_matrix *a) { return (size_t)a->light * (2 * (size_t)a->n - (size_t)a->light) + (size_t)a->n; }
 
-static void fs_lay_matrix(fs_matrix *a, double *memory, size_t *used) {
+static void fs_lay_matrix(fs_matrix *a, size_t rings, double *memory, size_t *used) {
   size_t n = (size_t)a->n;
   int i;
   a->lu = fs_take(memory, used, n * n);
@@ -859,6 +906,7 @@ static void fs_lay_matrix(fs_matrix *a, double *memory, size_t *used) {
   a->row_scale = fs_take(memory, used, n);
   a->row_size = fs_take(memory, used, n);
   a->sorted = fs_take(memory, used, n);
+  a->angle = fs_take(memory, used, rings);
   for (i = 0; i < FS_PAIRS; i++) {
     a->weighing[i] = fs_take(memory, used, n);
     a->gain[i] = fs_take(memory, used, n);
@@ -903,8 +951,8 @@ static size_t fs_lay(fs_instance *s, double *memory) {
   s->slope = fs_take(m, u, entries); s->real = fs_take(m, u, real);
   for (i = 0; i < FS_HISTORY; i++) s->past[i] = fs_take(m, u, n);
   s->before = fs_take(m, u, n);
-  fs_lay_matrix(&s->stage, m, u);
-  fs_lay_matrix(&s->algebraic, m, u);
+  fs_lay_matrix(&s->stage, (size_t)s->m.rings, m, u);
+  fs_lay_matrix(&s->algebraic, (size_t)s->m.rings, m, u);
   return used;
 }
 

@@ -23,6 +23,7 @@ from fowtlib.language.native import compile_library
 from fowtlib.language.tables import SplineFunction
 from fowtlib.solving.c_code import PROLOGUE, Depends, Program, c_program
 from fowtlib.solving.reduction import Reduction, reduction
+from fowtlib.solving.symmetry import rings_of_unknowns
 
 DOUBLES, INTEGERS = c.POINTER(c.c_double), c.POINTER(c.c_int)
 CASADI = c.CFUNCTYPE(c.c_int, c.POINTER(DOUBLES), c.POINTER(DOUBLES), c.c_void_p, DOUBLES, c.c_int)
@@ -57,6 +58,14 @@ class Moving(c.Structure):
     _fields_ = [("first", INTEGERS), ("piece", INTEGERS)]
 
 
+class Ring(c.Structure):
+    """fs_ring."""
+
+    _fields_ = [
+        *((name, c.c_int) for name in ("state", "parts", "unknowns", "rows")), ("unknown", INTEGERS), ("row", INTEGERS),
+    ]  # fmt: skip
+
+
 class Model(c.Structure):
     """fs_model."""
 
@@ -67,7 +76,7 @@ class Model(c.Structure):
         ("residual", c.c_void_p), ("pieces", c.c_void_p), ("piece_start", INTEGERS), ("place", INTEGERS),
         ("of_stage", Moving), ("at_point", Moving), ("free_rates", c.c_int), ("substituted", c.c_int),
         ("free_rate", INTEGERS), ("order", INTEGERS), ("source", INTEGERS), ("x_nominal", DOUBLES),
-        ("z_nominal", DOUBLES),
+        ("z_nominal", DOUBLES), ("rings", c.c_int), ("ring", c.POINTER(Ring)),
     ]  # fmt: skip
 
 
@@ -147,6 +156,13 @@ class FixedStepCode:
         starts = np.cumsum([0, *(len(level) for level in dae.levels)])
         of_stage, at_point = self.program.masks
         unknowns = dae.z.shape[0] + len(reduced.free)
+        rings = rings_of_unknowns(dae, reduced)
+        table = (Ring * max(len(rings), 1))(*(
+            Ring(r.state, len(r.unknowns[0]), len(r.unknowns), len(r.rows), self.integers(np.ravel(r.unknowns)),
+                 self.integers(np.ravel(r.rows)))
+            for r in rings
+        ))  # fmt: skip
+        self._alive.append(table)
         return Model(
             states=dae.x.shape[0], algebraics=dae.z.shape[0], given=sum(v.shape[0] for v in (dae.u, dae.d, dae.p)),
             inputs=sum(external.inputs.shape[0] for external in dae.externals), outputs=dae.w.shape[0],
@@ -158,7 +174,7 @@ class FixedStepCode:
             free_rates=len(reduced.free), substituted=len(reduced.order),
             free_rate=self.integers(reduced.free), order=self.integers(reduced.order),
             source=self.integers(reduced.source), x_nominal=self.doubles([s.nominal for s in dae.states]),
-            z_nominal=self.doubles([a.nominal for a in dae.algebraics]),
+            z_nominal=self.doubles([a.nominal for a in dae.algebraics]), rings=len(rings), ring=table,
         )  # fmt: skip
 
     def observe(self, t: np.ndarray, x: np.ndarray, z: np.ndarray, q: np.ndarray) -> np.ndarray | None:

@@ -18,7 +18,7 @@ from fmpy.validation import validate_fmu
 
 import fowtlib as fw
 from fowtlib.components.environment import generate_field
-from fowtlib.language import ExternalFunction, Scalar, der, eq, param, var
+from fowtlib.language import ExternalFunction, Scalar, call, der, eq, param, sampled, var
 from fowtlib.language.errors import ModelError
 from fowtlib.language.units import from_si
 
@@ -628,6 +628,26 @@ def test_python_code_is_refused_by_path(tmp_path):
     assert str(refused.value) == (
         "own: the external function square is Python code, which cannot go into an FMU. Give it a C source or a shared "
         "library with its source beside it."
+    )
+
+
+def test_a_process_at_samples_is_refused_by_path(tmp_path):
+    class Outside(fw.Component):
+        """Calls something with a memory of its own, which is never started here."""
+
+        x: Scalar = var(start=1.0, state="prefer", doc="x")
+        held: Scalar = var(discrete=True, doc="what it gives")
+
+        def equations(self):
+            return [eq(der(self.x), self.held - self.x), sampled(0.1, call(self.held, object(), self.x))]
+
+    root = fw.Assembly("a")
+    root.outside = Outside()
+    with pytest.raises(ModelError) as refused:
+        fw.load(root).compile().export_fmu(tmp_path / "x.fmu")
+    assert str(refused.value) == (
+        "outside: what is called at its samples runs outside of the equations, and cannot go into an FMU. Leave the "
+        "part out, and give its outputs as inputs of the FMU (--input)."
     )
 
 

@@ -1,0 +1,53 @@
+"""Unknowns and equations of parts that stand in a ring, such as the blades of a rotor; see `ring` of the language."""
+
+from __future__ import annotations
+
+from collections import defaultdict
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+from fowtlib.flattening import FlatDAE
+from fowtlib.solving.reduction import Reduction
+
+
+@dataclass(frozen=True)
+class RingOfUnknowns:
+    """What the unknowns of an implicit step have of a ring of parts.
+
+    state: the number of the state that is its angle. unknowns, rows: the same unknown, or equation, of each part, in
+    the order of the parts. Unknowns are z and then the free rates; equations are alg and then those of the rates.
+    """
+
+    state: int
+    unknowns: list[list[int]]
+    rows: list[list[int]]
+
+
+def rings_of_unknowns(dae: FlatDAE, reduced: Reduction) -> list[RingOfUnknowns]:
+    """Found by the paths; rings whose angle is no state, and with less than three parts, are of no use and left out."""
+    numbers = {dae.x[i].element_hash(): i for i in range(dae.x.shape[0])}
+    rates = [dae.states[i].path for i in reduced.free]
+    unknowns = [quantity.path for quantity in dae.algebraics] + rates
+    rows = list(dae.residual_paths) + rates
+    found: dict[int, RingOfUnknowns] = {}
+    for ring in dae.rings:
+        state = numbers.get(ring.angle.element_hash())
+        if state is not None and len(ring.parts) > 2:
+            known = found.setdefault(state, RingOfUnknowns(state, [], []))
+            if not known.unknowns or len(known.unknowns[0]) == len(ring.parts):
+                known.unknowns.extend(_counterparts(unknowns, ring.parts))
+                known.rows.extend(_counterparts(rows, ring.parts))
+    return [ring for ring in found.values() if ring.unknowns]
+
+
+def _counterparts(paths: Sequence[str], parts: Sequence[str]) -> list[list[int]]:
+    """Numbers of the paths that are the same but for the part, in all of the parts; equal ones in their order."""
+    of_part: list[dict[tuple[str, int], int]] = [{} for _ in parts]
+    for numbers, part in zip(of_part, parts, strict=True):
+        seen: dict[str, int] = defaultdict(int)
+        for i, path in enumerate(paths):
+            before, inside, after = path.partition(f"{part}.")
+            if inside and before in ("", "der("):
+                numbers[f"{before}|{after}", seen[path]] = i
+                seen[path] += 1
+    return [[numbers[key] for numbers in of_part] for key in of_part[0] if all(key in n for n in of_part)]
