@@ -75,6 +75,7 @@ static void fmu_path_of_uri(const char *uri, char *path, size_t size) {
   else if (!strncmp(uri, "file://localhost/", 17)) uri += 16;
   else if (!strncmp(uri, "file:/", 6)) uri += 5;
 #ifdef _WIN32
+  if (uri[0] == '/' && uri[1] == '/' && uri[2] && uri[3] == ':') uri++; /* file://C:/ is often met */
   if (uri[0] == '/' && uri[1] && uri[2] == ':') uri++;
 #endif
   for (; *uri && used + 1 < size; used++) {

@@ -1,6 +1,6 @@
 """Any sequence of calls with any values, through fmpy: an answer or an error with a sentence, never a crash.
 
-hostile.c does the same in C, with pointers and saved states; here hypothesis looks for the shortest sequence that fails.
+hostile.c does the same in C, with pointers and saved states; hypothesis looks for the shortest sequence that fails.
 """
 
 from __future__ import annotations

@@ -333,6 +333,18 @@ def test_two_instances_side_by_side_equal_each_alone(instance):
     assert np.array_equal(np.array(rows)[:, 1], alone[1])
 
 
+def test_instances_in_two_threads_equal_each_alone(instance):
+    """Each thread has its own instance; the calls of fmpy leave Python's lock, so that they run at the same time."""
+    from concurrent.futures import ThreadPoolExecutor
+
+    given = (9.81, 5.0)
+    alone = [instance().begin(machine__gravity=g).run(NAMES, 60, 0.05) for g in given]
+    begun = [instance().begin(machine__gravity=g) for g in given]
+    with ThreadPoolExecutor(2) as pool:
+        rows = list(pool.map(lambda one: one.run(NAMES, 60, 0.05), begun))
+    assert all(np.array_equal(a, b) for a, b in zip(rows, alone, strict=True))
+
+
 def test_reset_is_a_new_instance(instance):
     one = instance().begin(machine__gravity=5.0)
     first = one.run(NAMES, 10, 0.05)

@@ -85,7 +85,7 @@ def read_pe(data):
 
 
 def trie(data, start):
-    """The names of an export trie: a node is the size of its data, the data, and edges with the place of their nodes."""
+    """The names of an export trie: a node has data, led by their size, and edges with the places of other nodes."""
 
     def number(at):
         value = shift = 0
