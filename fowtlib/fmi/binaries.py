@@ -57,9 +57,13 @@ def chosen(names: Sequence[str] | None) -> list[str]:
     return list(dict.fromkeys(names or [host()]))
 
 
-def require_compilers(names: Sequence[str]) -> None:
-    """CompilerError where this machine cannot compile for a platform."""
-    for name in names:
+def require_platforms(names: Sequence[str], version: str) -> None:
+    """CompilerError where this machine cannot compile for a platform, ParameterError where two share one place."""
+    folders = [PLATFORMS[name].folder for name in names]
+    for number, name in enumerate(names):
+        if version == "2" and folders[number] in folders[:number]:
+            other = names[folders.index(folders[number])]
+            raise ParameterError(f"FMI 2.0 has one place for '{other}' and '{name}'; choose one of them, or FMI 3.0.")
         _command(name, PLATFORMS[name].targets[0])
 
 

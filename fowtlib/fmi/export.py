@@ -16,7 +16,7 @@ from typing import Any
 import casadi as ca
 import numpy as np
 
-from fowtlib.fmi.binaries import chosen, compile_platform, host, require_compilers
+from fowtlib.fmi.binaries import chosen, compile_platform, host, require_platforms
 from fowtlib.fmi.c_text import Sources, c_sources, refuse_python
 from fowtlib.fmi.dependencies import dependencies
 from fowtlib.fmi.description import KINDS, Heading, build_description, model_description, terminals
@@ -53,7 +53,7 @@ def export_fmu(
     names, told = chosen(platforms), progress or (lambda what: None)
     target = checked_target(Path(path or f"{_identifier(plant.name or 'model')}.fmu"))
     refuse_python(plant.dae)
-    require_compilers(names)
+    require_platforms(names, version)
     told("start values")
     state = plant.initial_state(parameters, start)
     variables = Variables(plant, state, _settings(plant, step, rho_inf, tolerance))
@@ -76,10 +76,7 @@ def export_fmu(
         binaries: dict[str, Path] = {}
         for item in names:
             told(f"library for {item}" + (", which takes minutes the first time" if item != host() else ""))
-            made = compile_platform(folder, sources.units, item, identifier, version)
-            if not binaries.keys().isdisjoint(made):
-                raise ParameterError(f"FMI 2.0 has one place for all kinds of Linux; leave '{item}' out.")
-            binaries.update(made)
+            binaries.update(compile_platform(folder, sources.units, item, identifier, version))
         description = model_description(variables, heading, int(version), needs)
         more = {}
         if version == "3":

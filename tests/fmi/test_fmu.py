@@ -539,6 +539,21 @@ def test_times_that_cannot_be(instance, kind):
         assert one.said[-1][1] == f"startTime = {t:g} s cannot be; a time lies between -1e+10 and 1e+10 s."
 
 
+@pytest.mark.parametrize(
+    ("period", "message"),
+    [
+        (0.0, "machine: the period of a sampled part is 0 s; it must be above zero."),
+        (1e-12, "machine: a sampled part has the period 1e-12 s and the offset 0 s; the period must be at least 1e-09 "
+         "s, and the offset lie between -1e+10 and 1e+10 s."),
+    ],
+)  # fmt: skip
+def test_periods_without_an_end(instance, period, message):
+    one = instance()
+    with pytest.raises(FMICallException):
+        one.begin(machine__period=period)
+    assert one.said[-1][1] == message
+
+
 def test_a_step_begins_where_the_last_one_ended(instance):
     one = instance().begin()
     one.step(0.0, 0.05)
@@ -619,6 +634,43 @@ def test_intermediate_points_and_early_return(unit):
     fmu.freeInstance()
 
 
+def test_calls_within_a_communication_step(as_unit, plant):
+    """FMI 3.0: an intermediate update reads variables, and does not pull the instance away from under the step."""
+    from fmpy.simulation import instantiate_fmu
+
+    unit, told, refused = as_unit(plant), [], set()
+
+    def update(environment, t, may_set, may_get, finished, may_return, asked, when):
+        for name, action in {
+            "fmi3Reset": fmu.reset, "fmi3Terminate": fmu.terminate, "fmi3GetFMUState": fmu.getFMUState,
+            "fmi3SetFloat64": lambda: fmu.setFloat64([unit.reference["machine.push"]], [1.0]),
+        }.items():  # fmt: skip
+            try:
+                action()
+            except FMICallException:
+                refused.add(name)
+        fmu.fmi3FreeInstance(fmu.component)
+
+    fmu = instantiate_fmu(
+        unit.folder, unit.described, "CoSimulation", early_return_allowed=True, intermediate_update=update,
+        logger=lambda *w: told.append(w[-1].decode()),
+    )  # fmt: skip
+    fmu.enterInitializationMode()
+    fmu.exitInitializationMode()
+    fmu.doStep(0.0, 0.05)
+    assert refused == {"fmi3Reset", "fmi3Terminate", "fmi3GetFMUState", "fmi3SetFloat64"}
+    assert set(told) == {f"{name} cannot be called now." for name in [*refused, "fmi3FreeInstance"]}
+    options = {"early_return_allowed": True, "intermediate_update": lambda *_: None}
+    alone = instantiate_fmu(unit.folder, unit.described, "CoSimulation", **options)
+    alone.enterInitializationMode()
+    alone.exitInitializationMode()
+    alone.doStep(0.0, 0.05)
+    place = [unit.reference["place"]]
+    assert fmu.getFloat64(place) == alone.getFloat64(place)
+    fmu.freeInstance()
+    alone.freeInstance()
+
+
 # --- what cannot be exported ----------------------------------------------------------------------------------------
 
 
@@ -668,6 +720,8 @@ def test_a_process_at_samples_is_refused_by_path(tmp_path):
     [
         ({"fmi": "1"}, "there is no FMI version '1'; there are '2' and '3'."),
         ({"kind": "sc"}, "there is no kind of FMU 'sc'; did you mean 'cs'?"),
+        ({"fmi": 2, "platforms": ["linux64", "linux-arm64"]},
+         "FMI 2.0 has one place for 'linux64' and 'linux-arm64'; choose one of them, or FMI 3.0."),
         ({"platforms": ["linux32"]}, "there is no platform 'linux32'; did you mean 'linux64'?"),
         ({"step": 0}, "the step of the engine is 0 s; it must be above zero, usually 0.01 s."),
         ({"tolerance": 2}, "the tolerance is 2; it must lie between 0 and 0.1, usually 1e-6."),
