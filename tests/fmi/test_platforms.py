@@ -183,9 +183,10 @@ def test_no_order_of_calls_and_no_value_breaks_an_instance(unit, tmp_path):
     """hostile.c: wrong orders, odd values, spoilt saved states; under the sanitizers where the compiler has them."""
     probe = tmp_path / "probe.c"
     probe.write_text("int main(void) { return 0; }\n")
-    there = subprocess.run([*compiler(), *SANITIZERS, str(probe), "-o", str(probe.with_suffix(""))], capture_output=True)
+    built = str(probe.with_suffix(""))
+    there = subprocess.run([*compiler(), *SANITIZERS, str(probe), "-o", built], capture_output=True)
     if there.returncode == 0:
-        there = subprocess.run([str(probe.with_suffix(""))], capture_output=True)  # some kernels do not run it
+        there = subprocess.run([built], capture_output=True)  # some kernels do not run it
     sources = Path(unit.folder, "sources")
     command = [*compiler(), "-std=c11", "-O1", *(SANITIZERS if there.returncode == 0 else []), f"-I{sources}"]
     program = [str(HERE / "hostile.c"), str(sources / "model.c"), "-o", str(tmp_path / "hostile"), "-lm"]
