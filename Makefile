@@ -1,13 +1,13 @@
 # make run     make the environment, simulate the OC3 spar in wind and waves, draw a picture
 # make test    make the environment, run the tests
-# make setup lint bench docs catalogue verification lock clean: see below
+# make setup lint bench docs catalogue verification fmus lock clean: see below
 
 PYTHON ?= python3
 VENV   := .venv
 BIN    := $(VENV)/bin
 STAMP  := $(VENV)/.made-from-lock
 
-.PHONY: setup run test lint bench docs catalogue verification lock clean
+.PHONY: setup run test lint bench docs catalogue verification fmus lock clean
 
 setup: $(STAMP)
 
@@ -45,6 +45,10 @@ verification: $(STAMP)
 	$(BIN)/python benchmarks/verification.py
 	$(BIN)/python benchmarks/load_cases.py
 
+# Build the FMUs of fmus/recipes into fmus/built and check each one; `fmus/build.py NAME` does one.
+fmus: $(STAMP)
+	$(BIN)/python fmus/build.py
+
 # Pin the newest packages that pyproject.toml allows: install them into a fresh environment and write down what came.
 lock:
 	rm -rf build/lock-venv
@@ -55,4 +59,4 @@ lock:
 	rm -rf build/lock-venv
 
 clean:
-	rm -rf $(VENV) build dist site output *.egg-info .pytest_cache .ruff_cache
+	rm -rf $(VENV) build dist site output fmus/built *.egg-info .pytest_cache .ruff_cache

@@ -3,6 +3,7 @@
 # The connectors come first: World (in the environment) has a Frame, and the bodies need World.
 from fowtlib.components.mechanics.connectors import Flange, Frame  # isort: skip
 from fowtlib.components.environment.world import World
+from fowtlib.components.mechanics.adaptors import ForceToPositionAdaptor, PositionToForceAdaptor
 from fowtlib.components.mechanics.beam import AxialSpring, Beam, BeamTurn, BeamUnit, BendingHinge, TorsionHinge
 from fowtlib.components.mechanics.beam_properties import BeamProperties, read_beam
 from fowtlib.components.mechanics.bodies import Fixed, FixedRotation, FixedTranslation, PointMass, RigidBody
@@ -50,6 +51,7 @@ __all__ = [
     "FixedRotation",
     "FixedTranslation",
     "Flange",
+    "ForceToPositionAdaptor",
     "Frame",
     "FreeMotion",
     "IdealGear",
@@ -58,6 +60,7 @@ __all__ = [
     "PlanarLoopRevolute",
     "PointMass",
     "PositionSensor",
+    "PositionToForceAdaptor",
     "Prismatic",
     "RelativeSensor",
     "Revolute",

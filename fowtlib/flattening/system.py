@@ -232,6 +232,11 @@ class System:
         self.inputs[path] = Input(path, symbol, unit, doc, value)
         return symbol
 
+    def set_input_rate(self, signal: ca.SX, rate: ca.SX) -> None:
+        """What the derivative of a signal from outside of the model is, in place of zero."""
+        for element, value in zip(scalars(signal), scalars(ca.densify(rate)), strict=True):
+            self.rates[element.element_hash()] = value
+
     def check_range(self, value: ca.SX, low: float, high: float, name: str, argument: str, message: str = "") -> None:
         """Stop the simulation where a table is left: one check for all elements of a column.
 

@@ -61,6 +61,14 @@ def open_input(name: str, size: int, unit: str, doc: str, default: Any = 0.0) ->
     return active().open_input(name, size, unit, doc, default)
 
 
+def input_rate(signal: Any, rate: Any) -> None:
+    """Say how fast a signal changes where it is an input of the model, which otherwise counts as held: der() gives it.
+
+    Where the signal is driven by an output of the model, der() is that of the output, and this says nothing.
+    """
+    active().set_input_rate(ca.SX(signal), ca.SX(rate))
+
+
 def external(function: ca.Function, inputs: Any) -> ca.SX:
     """Outputs of `function` (a CasADi Function of one dense column, giving one dense column) at `inputs`.
 
