@@ -38,7 +38,7 @@ def declare(commands: Any) -> None:
         help="me: the importer integrates; cs: the fixed-step solver inside; default: both",
     )  # fmt: skip
     parser.add_argument(
-        "--platforms", metavar="NAMES", help="linux64,win64,darwin; default: this machine's; others need ziglang"
+        "--platforms", metavar="NAMES", help="linux64,win64,darwin,linux-arm64; default: this machine's"
     )
     parser.add_argument("--step", metavar="T", help="cs: step of the solver [s], or 12.5ms")
     parser.add_argument("--tolerance", type=positive, metavar="RTOL", help="cs: of the solver, relative")

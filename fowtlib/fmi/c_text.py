@@ -21,6 +21,15 @@ from fowtlib.solving.fixed_step_code import OUT, model_text
 from fowtlib.solving.reduction import reduction
 from fowtlib.solving.state import State
 
+HIDDEN = """#if defined(__GNUC__) && !defined(_WIN32)
+#define EXPORT __attribute__((visibility("hidden")))
+#else
+#define EXPORT
+#endif
+"""
+"""What stands behind EXPORT is hidden from other libraries, whatever the flags of who compiles the sources: a function
+named `starts` or `wind` could else be taken from another library of the same process."""
+
 
 @dataclass
 class Sources:
@@ -80,7 +89,7 @@ def _source_of(path: Path) -> str:
         raise CompilerError(
             f"the external function of the library {path} cannot go into an FMU: its source {source} is not there."
         )
-    return "#define EXPORT\n" + source.read_text(encoding="utf-8").removeprefix(EXPORT)
+    return HIDDEN + source.read_text(encoding="utf-8").removeprefix(EXPORT)
 
 
 def _functions(variables: Variables, dae: FlatDAE) -> tuple[str, Program, int]:
@@ -107,7 +116,7 @@ def _functions(variables: Variables, dae: FlatDAE) -> tuple[str, Program, int]:
     ]  # fmt: skip
     along, direction = ca.vertcat(*arguments[1:]), ca.vertcat(*seeds)
     slopes = [(name, [ca.jtimes(ca.densify(e), along, direction) for e in expressions]) for name, expressions in moved]
-    texts = ["#define EXPORT\n", text]
+    texts = [HIDDEN, text]
     for inside, names, functions in (
         (arguments, [*"txzqw"], plain), ([*arguments, *seeds], [*"txzqw", "dx", "dz", "dq", "dw"], slopes)
     ):  # fmt: skip

@@ -137,7 +137,7 @@ class _Two(_Description):
         root = self._root(fmiVersion="2.0", guid=h.token, numberOfEventIndicators=str(len(v.group("indicator"))))
         common = {
             "modelIdentifier": h.identifier, "canGetAndSetFMUstate": "true", "canSerializeFMUstate": "true",
-            "providesDirectionalDerivative": "true",
+            "canNotUseMemoryManagementFunctions": "true", "providesDirectionalDerivative": "true",
         }  # fmt: skip
         for kind, tag, special in (
             ("me", "ModelExchange", {}), ("cs", "CoSimulation", {"canHandleVariableCommunicationStepSize": "true"}),
@@ -237,11 +237,14 @@ class _Three(_Description):
 
 
 def build_description(identifier: str, units: Iterable[tuple[str, str]]) -> bytes:
-    """The text of sources/buildDescription.xml of FMI 3.0; units: files that are compiled, with their optimization."""
+    """The text of sources/buildDescription.xml of FMI 3.0; units: files that are compiled, with their optimization.
+
+    All files stand in one set, because importers are known that build the first set only.
+    """
     root = et.Element("fmiBuildDescription", fmiVersion="3.0")
     build = et.SubElement(root, "BuildConfiguration", modelIdentifier=identifier)
-    for name, optimization in units:
-        files = et.SubElement(build, "SourceFileSet", language="C11", compilerOptions=optimization)
+    files = et.SubElement(build, "SourceFileSet", language="C11", compilerOptions="-O2 -ffp-contract=off")
+    for name, _ in units:
         et.SubElement(files, "SourceFile", name=name)
     et.SubElement(build, "Library", name="m")
     return _bytes(root)

@@ -16,7 +16,7 @@ from typing import Any
 import casadi as ca
 import numpy as np
 
-from fowtlib.fmi.binaries import PLATFORMS, chosen, compile_binary
+from fowtlib.fmi.binaries import chosen, compile_platform, host, require_platforms
 from fowtlib.fmi.c_text import Sources, c_sources, refuse_python
 from fowtlib.fmi.dependencies import dependencies
 from fowtlib.fmi.description import KINDS, Heading, build_description, model_description, terminals
@@ -39,7 +39,7 @@ def export_fmu(
 
     fmi: the version of the standard, "2" (2.0) or "3" (3.0).
     kind: "me" (model exchange: the importer integrates), "cs" (co-simulation: the fixed-step engine inside), "both".
-    platforms: of the compiled library, "linux64", "win64", "darwin"; this machine's without any.
+    platforms: of the compiled library, "linux64", "win64", "darwin", "linux-arm64"; this machine's without any.
     parameters, start: as for Plant.initial_state; they become the start values of the FMU.
     step [s], rho_inf, tolerance: of the engine; the model's own unless given.
     progress: is told what is being done.
@@ -53,6 +53,7 @@ def export_fmu(
     names, told = chosen(platforms), progress or (lambda what: None)
     target = checked_target(Path(path or f"{_identifier(plant.name or 'model')}.fmu"))
     refuse_python(plant.dae)
+    require_platforms(names, version)
     told("start values")
     state = plant.initial_state(parameters, start)
     variables = Variables(plant, state, _settings(plant, step, rho_inf, tolerance))
@@ -72,16 +73,10 @@ def export_fmu(
         folder = Path(scratch)
         for file, text in sources.files.items():
             (folder / file).write_text(text, encoding="utf-8")
-        binaries = {}
+        binaries: dict[str, Path] = {}
         for item in names:
-            told(f"library for {item}")
-            there = PLATFORMS[item]
-            place = there.folder if version == "2" else there.tuple
-            inside = f"binaries/{place}/{identifier}{there.ending}"
-            if inside in binaries:
-                raise ParameterError(f"FMI 2.0 has one place for all kinds of Mac; leave '{item}' out.")
-            library = folder / item / f"{identifier}{there.ending}"
-            binaries[inside] = compile_binary(folder, sources.units, item, library)
+            told(f"library for {item}" + (", which takes minutes the first time" if item != host() else ""))
+            binaries.update(compile_platform(folder, sources.units, item, identifier, version))
         description = model_description(variables, heading, int(version), needs)
         more = {}
         if version == "3":

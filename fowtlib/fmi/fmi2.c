@@ -31,14 +31,19 @@ typedef struct {
 #define FMI __attribute__((visibility("default")))
 #endif
 
+/* An instance as FMI 2.0 sees it. */
+typedef struct {
+  fmu_instance core; /* first, so that a pointer to one is a pointer to the other */
+  fmi2CallbackFunctions functions; /* a copy: those of the importer may be gone after fmi2Instantiate */
+} fmu_instance2;
+
 static const fmi2Status fmu_status[] = {fmi2OK, fmi2Warning, fmi2Discard, fmi2Error};
-static const fmi2CallbackFunctions *fmu_functions(const fmu_instance *f) { return f->callback; }
 
 /* A % in a message would be taken for a form by the logger. */
 static void fmu_to_logger(fmu_instance *f, int severity, const char *category, const char *text) {
-  const fmi2CallbackFunctions *functions = fmu_functions(f);
+  const fmi2CallbackFunctions *functions = &((fmu_instance2 *)f)->functions;
   char escaped[2 * TEXT], *to = escaped;
-  if (!functions || !functions->logger || (severity == FMU_OK && !f->logging)) return;
+  if (!functions->logger || (severity == FMU_OK && !f->logging)) return;
   for (; *text && to < escaped + sizeof escaped - 3; text++) {
     if (*text == '%') *to++ = '%';
     *to++ = *text;
@@ -61,11 +66,7 @@ static fmu_instance *fmu_allowed(fmi2Component c, int phases, const char *functi
   fmu_instance *f = fmu_allowed(c, phases, #function); \
   if (!f) return fmi2Error
 
-/* The outcome of a call; after an error only the state can be read, and the instance reset or freed. */
-static fmi2Status fmu_done(fmu_instance *f, int status) {
-  (void)f;
-  return fmu_status[status];
-}
+static fmi2Status fmu_done(int status) { return fmu_status[status]; }
 
 /* The path of a file: URI, in place of the URI. */
 static void fmu_path_of_uri(const char *uri, char *path, size_t size) {
@@ -74,6 +75,7 @@ static void fmu_path_of_uri(const char *uri, char *path, size_t size) {
   else if (!strncmp(uri, "file://localhost/", 17)) uri += 16;
   else if (!strncmp(uri, "file:/", 6)) uri += 5;
 #ifdef _WIN32
+  if (uri[0] == '/' && uri[1] == '/' && uri[2] && uri[3] == ':') uri++; /* file://C:/ is often met */
   if (uri[0] == '/' && uri[1] && uri[2] == ':') uri++;
 #endif
   for (; *uri && used + 1 < size; used++) {
@@ -85,8 +87,6 @@ static void fmu_path_of_uri(const char *uri, char *path, size_t size) {
   }
   path[used] = 0;
 }
-
-enum { ALIVE = 255, READABLE = ALIVE, SETTABLE = FMU_INSTANTIATED | FMU_INITIALIZING | FMU_RUNNING };
 
 FMI const char *fmi2GetTypesPlatform(void) { return "default"; }
 FMI const char *fmi2GetVersion(void) { return "2.0"; }
@@ -101,17 +101,18 @@ FMI fmi2Status fmi2SetDebugLogging(fmi2Component c, fmi2Boolean on, size_t count
 
 FMI fmi2Component fmi2Instantiate(fmi2String name, fmi2Type type, fmi2String token, fmi2String location,
                                   const fmi2CallbackFunctions *functions, fmi2Boolean visible, fmi2Boolean logging) {
-  fmu_instance *f = calloc(1, sizeof *f);
+  fmu_instance2 *f2 = calloc(1, sizeof *f2);
+  fmu_instance *f = &f2->core;
   char folder[4000] = "";
   (void)visible;
-  if (!f) return 0;
-  f->callback = (void *)functions;
+  if (!f2) return 0;
+  if (functions) f2->functions = *functions;
   f->tell = fmu_to_logger;
   f->logging = logging;
   if (location) fmu_path_of_uri(location, folder, sizeof folder);
   if (!token || strcmp(token, MODEL_TOKEN)) {
     fmu_tell(f, FMU_ERROR, "logStatusError", "%s: the guid is not that of this model description.", MODEL_NAME);
-    free(f);
+    free(f2);
     return 0;
   }
   return fmu_create(f, name, location ? folder : 0, type == fmi2CoSimulation);
@@ -123,7 +124,7 @@ FMI fmi2Status fmi2SetupExperiment(fmi2Component c, fmi2Boolean tolerance_define
                                    fmi2Boolean stop_defined, fmi2Real stop) {
   ALLOW(FMU_INSTANTIATED, fmi2SetupExperiment);
   (void)tolerance_defined, (void)tolerance, (void)stop_defined, (void)stop;
-  if (!isfinite(start)) return fmu_refuse_value(f, "startTime", start, "is not a finite number"), fmi2Error;
+  if (fmu_refuse_time(f, "startTime", start)) return fmi2Error;
   f->now.t = f->now.t_start = start;
   fmu_moved(f);
   return fmi2OK;
@@ -143,28 +144,28 @@ FMI fmi2Status fmi2ExitInitializationMode(fmi2Component c) {
   f->now.phase = f->co_simulation ? FMU_STEPPING : FMU_EVENTS;
   if (status == FMU_OK) status = fmu_begin(f);
   if (status >= FMU_DISCARD) f->now.phase = FMU_FAILED;
-  return fmu_done(f, status == FMU_DISCARD ? FMU_ERROR : status);
+  return fmu_done(status == FMU_DISCARD ? FMU_ERROR : status);
 }
 
 FMI fmi2Status fmi2Terminate(fmi2Component c) {
-  ALLOW(FMU_RUNNING, fmi2Terminate);
+  ALLOW(FMU_RUNNING & AT_REST, fmi2Terminate);
   f->now.phase = FMU_TERMINATED;
   return fmi2OK;
 }
 
 FMI fmi2Status fmi2Reset(fmi2Component c) {
-  ALLOW(ALIVE, fmi2Reset);
-  return fmu_done(f, fmu_reset(f));
+  ALLOW(AT_REST, fmi2Reset);
+  return fmu_done(fmu_reset(f));
 }
 
 FMI fmi2Status fmi2GetReal(fmi2Component c, const fmi2ValueReference r[], size_t count, fmi2Real values[]) {
-  ALLOW(READABLE, fmi2GetReal);
-  return fmu_done(f, fmu_get_all(f, r, count, values));
+  ALLOW(ALIVE, fmi2GetReal);
+  return fmu_done(fmu_get_all(f, r, count, values));
 }
 
 FMI fmi2Status fmi2SetReal(fmi2Component c, const fmi2ValueReference r[], size_t count, const fmi2Real values[]) {
   ALLOW(SETTABLE, fmi2SetReal);
-  return fmu_done(f, fmu_set_all(f, r, count, values));
+  return fmu_done(fmu_set_all(f, r, count, values));
 }
 
 /* There are only variables of type Real. */
@@ -184,7 +185,7 @@ NO_VARIABLES(fmi2SetString, const fmi2String)
 /* --- saved states -------------------------------------------------------------------------------------------------- */
 
 FMI fmi2Status fmi2GetFMUstate(fmi2Component c, fmi2FMUstate *state) {
-  ALLOW(ALIVE, fmi2GetFMUstate);
+  ALLOW(AT_REST, fmi2GetFMUstate);
   if (!*state) *state = malloc(fmu_saved_size(f));
   if (!*state) return fmi2Error;
   fmu_save(f, *state);
@@ -192,12 +193,13 @@ FMI fmi2Status fmi2GetFMUstate(fmi2Component c, fmi2FMUstate *state) {
 }
 
 FMI fmi2Status fmi2SetFMUstate(fmi2Component c, fmi2FMUstate state) {
-  ALLOW(ALIVE, fmi2SetFMUstate);
-  return state ? fmu_done(f, fmu_restore(f, state, fmu_saved_size(f))) : fmi2Error;
+  ALLOW(AT_REST, fmi2SetFMUstate);
+  return state ? fmu_done(fmu_restore(f, state)) : fmi2Error;
 }
 
 FMI fmi2Status fmi2FreeFMUstate(fmi2Component c, fmi2FMUstate *state) {
   (void)c;
+  if (!state) return fmi2OK;
   free(*state);
   *state = 0;
   return fmi2OK;
@@ -212,25 +214,19 @@ FMI fmi2Status fmi2SerializedFMUstateSize(fmi2Component c, fmi2FMUstate state, s
 
 FMI fmi2Status fmi2SerializeFMUstate(fmi2Component c, fmi2FMUstate state, fmi2Byte bytes[], size_t size) {
   ALLOW(ALIVE, fmi2SerializeFMUstate);
-  if (!state || size < fmu_saved_size(f)) return fmi2Error;
-  memcpy(bytes, state, fmu_saved_size(f));
-  return fmi2OK;
+  return fmu_done(fmu_to_bytes(f, state, (char *)bytes, size));
 }
 
 FMI fmi2Status fmi2DeSerializeFMUstate(fmi2Component c, const fmi2Byte bytes[], size_t size, fmi2FMUstate *state) {
   ALLOW(ALIVE, fmi2DeSerializeFMUstate);
-  if (size != fmu_saved_size(f)) return fmu_status[fmu_restore(f, bytes, size)];
-  if (!*state) *state = malloc(size);
-  if (!*state) return fmi2Error;
-  memcpy(*state, bytes, size);
-  return fmi2OK;
+  return fmu_done(fmu_from_bytes(f, (const char *)bytes, size, state));
 }
 
 FMI fmi2Status fmi2GetDirectionalDerivative(fmi2Component c, const fmi2ValueReference unknown[], size_t unknowns,
                                             const fmi2ValueReference known[], size_t knowns, const fmi2Real seed[],
                                             fmi2Real sensitivity[]) {
   ALLOW(FMU_INITIALIZING | FMU_RUNNING | FMU_TERMINATED, fmi2GetDirectionalDerivative);
-  return fmu_done(f, fmu_derivative(f, unknown, unknowns, known, knowns, seed, sensitivity));
+  return fmu_done(fmu_derivative(f, unknown, unknowns, known, knowns, seed, sensitivity));
 }
 
 /* --- model exchange ------------------------------------------------------------------------------------------------ */
@@ -251,7 +247,7 @@ FMI fmi2Status fmi2NewDiscreteStates(fmi2Component c, fmi2EventInfo *info) {
   info->valuesOfContinuousStatesChanged = changed;
   info->nextEventTimeDefined = isfinite(next);
   info->nextEventTime = isfinite(next) ? next : 0.0;
-  return fmu_done(f, status);
+  return fmu_done(status);
 }
 
 FMI fmi2Status fmi2EnterContinuousTimeMode(fmi2Component c) {
@@ -264,12 +260,12 @@ FMI fmi2Status fmi2CompletedIntegratorStep(fmi2Component c, fmi2Boolean final, f
   ALLOW(FMU_CONTINUOUS, fmi2CompletedIntegratorStep);
   (void)final;
   *enter = *terminate = 0;
-  return fmu_done(f, fmu_completed(f));
+  return fmu_done(fmu_completed(f));
 }
 
 FMI fmi2Status fmi2SetTime(fmi2Component c, fmi2Real time) {
   ALLOW(FMU_CONTINUOUS | FMU_EVENTS, fmi2SetTime);
-  if (!isfinite(time)) return fmu_refuse_value(f, "time", time, "is not a finite number"), fmi2Error;
+  if (fmu_refuse_time(f, "time", time)) return fmi2Error;
   if (time != f->now.t) {
     f->now.t = time;
     fmu_moved(f);
@@ -279,7 +275,7 @@ FMI fmi2Status fmi2SetTime(fmi2Component c, fmi2Real time) {
 
 FMI fmi2Status fmi2SetContinuousStates(fmi2Component c, const fmi2Real x[], size_t count) {
   ALLOW(FMU_CONTINUOUS | FMU_EVENTS, fmi2SetContinuousStates);
-  return fmu_done(f, fmu_set_states(f, x, count));
+  return fmu_done(fmu_set_states(f, x, count));
 }
 
 FMI fmi2Status fmi2GetDerivatives(fmi2Component c, fmi2Real values[], size_t count) {
@@ -288,12 +284,12 @@ FMI fmi2Status fmi2GetDerivatives(fmi2Component c, fmi2Real values[], size_t cou
   if (count != NX) return fmi2Error;
   status = fmu_evaluate(f);
   if (status == FMU_OK) memcpy(values, f->engine->ode, sizeof(double) * NX);
-  return fmu_done(f, status);
+  return fmu_done(status);
 }
 
 FMI fmi2Status fmi2GetEventIndicators(fmi2Component c, fmi2Real values[], size_t count) {
   ALLOW(FMU_INITIALIZING | FMU_CONTINUOUS | FMU_EVENTS | FMU_TERMINATED, fmi2GetEventIndicators);
-  return count == EVENTS ? fmu_done(f, EVENTS ? fmu_shown_indicators(f, values) : FMU_OK) : fmi2Error;
+  return count == EVENTS ? fmu_done(EVENTS ? fmu_shown_indicators(f, values) : FMU_OK) : fmi2Error;
 }
 
 FMI fmi2Status fmi2GetContinuousStates(fmi2Component c, fmi2Real x[], size_t count) {
@@ -302,7 +298,7 @@ FMI fmi2Status fmi2GetContinuousStates(fmi2Component c, fmi2Real x[], size_t cou
   if (count != NX) return fmi2Error;
   if (f->now.phase == FMU_INITIALIZING) status = fmu_solve(f);
   memcpy(x, f->now.x, sizeof(double) * NX);
-  return fmu_done(f, status);
+  return fmu_done(status);
 }
 
 FMI fmi2Status fmi2GetNominalsOfContinuousStates(fmi2Component c, fmi2Real values[], size_t count) {
@@ -339,7 +335,7 @@ FMI fmi2Status fmi2DoStep(fmi2Component c, fmi2Real t, fmi2Real h, fmi2Boolean n
   status = fmu_check_step(f, t, h);
   if (status == FMU_OK) status = fmu_do_step(f, h, &stopped);
   if (status >= FMU_DISCARD) f->now.phase = FMU_FAILED;
-  return fmu_done(f, status >= FMU_DISCARD ? FMU_ERROR : status);
+  return fmu_done(status >= FMU_DISCARD ? FMU_ERROR : status);
 }
 
 FMI fmi2Status fmi2CancelStep(fmi2Component c) {

@@ -56,7 +56,6 @@ static fmu_instance *fmu_allowed(fmi3Instance c, int phases, const char *functio
 
 static fmi3Status fmu_done(int status) { return fmu_status[status]; }
 
-enum { ALIVE = 255, SETTABLE = FMU_INSTANTIATED | FMU_INITIALIZING | FMU_RUNNING };
 enum { BEFORE_AND_IN_CONTINUOUS = FMU_INITIALIZING | FMU_CONTINUOUS | FMU_EVENTS | FMU_TERMINATED };
 
 FMI const char *fmi3GetVersion(void) { return "3.0"; }
@@ -135,13 +134,15 @@ FMI fmi3Instance fmi3InstantiateScheduledExecution(fmi3String name, fmi3String t
   return 0;
 }
 
-FMI void fmi3FreeInstance(fmi3Instance c) { fmu_free(c); }
+FMI void fmi3FreeInstance(fmi3Instance c) {
+  if (c && fmu_allowed(c, AT_REST, "fmi3FreeInstance")) fmu_free(c);
+}
 
 FMI fmi3Status fmi3EnterInitializationMode(fmi3Instance c, fmi3Boolean tolerance_defined, fmi3Float64 tolerance,
                                            fmi3Float64 start, fmi3Boolean stop_defined, fmi3Float64 stop) {
   ALLOW(FMU_INSTANTIATED, fmi3EnterInitializationMode);
   (void)tolerance_defined, (void)tolerance, (void)stop_defined, (void)stop;
-  if (!isfinite(start)) return fmu_done(fmu_refuse_value(f, "startTime", start, "is not a finite number"));
+  if (fmu_refuse_time(f, "startTime", start)) return fmi3Error;
   f->now.t = f->now.t_start = start;
   f->now.phase = FMU_INITIALIZING;
   fmu_moved(f);
@@ -165,13 +166,13 @@ FMI fmi3Status fmi3EnterEventMode(fmi3Instance c) {
 }
 
 FMI fmi3Status fmi3Terminate(fmi3Instance c) {
-  ALLOW(FMU_RUNNING, fmi3Terminate);
+  ALLOW(FMU_RUNNING & AT_REST, fmi3Terminate);
   f->now.phase = FMU_TERMINATED;
   return fmi3OK;
 }
 
 FMI fmi3Status fmi3Reset(fmi3Instance c) {
-  ALLOW(ALIVE, fmi3Reset);
+  ALLOW(AT_REST, fmi3Reset);
   return fmu_done(fmu_reset(f));
 }
 
@@ -263,7 +264,7 @@ REFUSED(fmi3ActivateModelPartition, "there is no scheduled execution.", fmi3Inst
 /* --- saved states -------------------------------------------------------------------------------------------------- */
 
 FMI fmi3Status fmi3GetFMUState(fmi3Instance c, fmi3FMUState *state) {
-  ALLOW(ALIVE, fmi3GetFMUState);
+  ALLOW(AT_REST, fmi3GetFMUState);
   if (!*state) *state = malloc(fmu_saved_size(f));
   if (!*state) return fmi3Error;
   fmu_save(f, *state);
@@ -271,12 +272,13 @@ FMI fmi3Status fmi3GetFMUState(fmi3Instance c, fmi3FMUState *state) {
 }
 
 FMI fmi3Status fmi3SetFMUState(fmi3Instance c, fmi3FMUState state) {
-  ALLOW(ALIVE, fmi3SetFMUState);
-  return state ? fmu_done(fmu_restore(f, state, fmu_saved_size(f))) : fmi3Error;
+  ALLOW(AT_REST, fmi3SetFMUState);
+  return state ? fmu_done(fmu_restore(f, state)) : fmi3Error;
 }
 
 FMI fmi3Status fmi3FreeFMUState(fmi3Instance c, fmi3FMUState *state) {
   (void)c;
+  if (!state) return fmi3OK;
   free(*state);
   *state = 0;
   return fmi3OK;
@@ -291,18 +293,12 @@ FMI fmi3Status fmi3SerializedFMUStateSize(fmi3Instance c, fmi3FMUState state, si
 
 FMI fmi3Status fmi3SerializeFMUState(fmi3Instance c, fmi3FMUState state, fmi3Byte bytes[], size_t size) {
   ALLOW(ALIVE, fmi3SerializeFMUState);
-  if (!state || size < fmu_saved_size(f)) return fmi3Error;
-  memcpy(bytes, state, fmu_saved_size(f));
-  return fmi3OK;
+  return fmu_done(fmu_to_bytes(f, state, (char *)bytes, size));
 }
 
 FMI fmi3Status fmi3DeserializeFMUState(fmi3Instance c, const fmi3Byte bytes[], size_t size, fmi3FMUState *state) {
   ALLOW(ALIVE, fmi3DeserializeFMUState);
-  if (size != fmu_saved_size(f)) return fmu_done(fmu_restore(f, (const char *)bytes, size));
-  if (!*state) *state = malloc(size);
-  if (!*state) return fmi3Error;
-  memcpy(*state, bytes, size);
-  return fmi3OK;
+  return fmu_done(fmu_from_bytes(f, (const char *)bytes, size, state));
 }
 
 FMI fmi3Status fmi3GetDirectionalDerivative(fmi3Instance c, const fmi3ValueReference unknown[], size_t unknowns,
@@ -345,7 +341,7 @@ FMI fmi3Status fmi3CompletedIntegratorStep(fmi3Instance c, fmi3Boolean final, fm
 
 FMI fmi3Status fmi3SetTime(fmi3Instance c, fmi3Float64 time) {
   ALLOW(FMU_CONTINUOUS | FMU_EVENTS, fmi3SetTime);
-  if (!isfinite(time)) return fmu_done(fmu_refuse_value(f, "time", time, "is not a finite number"));
+  if (fmu_refuse_time(f, "time", time)) return fmi3Error;
   if (time != f->now.t) {
     f->now.t = time;
     fmu_moved(f);

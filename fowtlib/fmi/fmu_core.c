@@ -6,6 +6,10 @@
 
 enum { SUBSTEPS = 4, STRETCH = 400, CHATTER = 20, ROUNDS = 50, TEXT = 1500 };
 
+static const double LATEST = 1e10; /* s, three hundred years; a double counts microseconds there */
+static const double MOST_STEPS = 1e9; /* of the engine in a communication step */
+static const double SHORTEST_PERIOD = 1e-9; /* s, of a sampled part */
+
 #define AT_LEAST(n) ((n) > 0 ? (n) : 1)
 
 /* Everything that changes while an instance lives, apart from the engine; copied as a whole into a saved state. */
@@ -40,7 +44,6 @@ struct fmu_instance {
   char *name;
   int logging;
   void (*tell)(fmu_instance *f, int severity, const char *category, const char *text);
-  void *callback;
   char reason[TEXT];
   /* what follows from `now` */
   int evaluated, observed, linear;      /* w and ode; outputs; matrix of the algebraic unknowns */
@@ -392,6 +395,12 @@ static int fmu_initialise(fmu_instance *f) {
     if (!(n->period[i] > 0.0)) {
       fmu_tell(f, FMU_ERROR, "logStatusError", "%s: the period of a sampled part is %g s; it must be above zero.",
                fmu_samples[i].path, n->period[i]);
+      return FMU_ERROR;
+    }
+    if (n->period[i] < SHORTEST_PERIOD || !(fabs(n->offset[i]) <= LATEST)) {
+      fmu_tell(f, FMU_ERROR, "logStatusError", "%s: a sampled part has the period %g s and the offset %g s; the period must "
+               "be at least %g s, and the offset lie between %g and %g s.", fmu_samples[i].path, n->period[i], n->offset[i],
+               SHORTEST_PERIOD, -LATEST, LATEST);
       return FMU_ERROR;
     }
     if (n->t > n->offset[i]) n->samples_done[i] = (long long)ceil((n->t - n->offset[i]) / n->period[i] - 1e-9);
@@ -766,12 +775,22 @@ static int fmu_do_step(fmu_instance *f, double h, int *stopped) {
   return checked == FMU_WARNING ? FMU_OK : checked; /* it has been told */
 }
 
-/* Whether a communication step can begin here. */
+/* Whether a communication step can begin here, and end in a time that a person would wait for. */
 static int fmu_check_step(fmu_instance *f, double t, double h) {
   double near = 1e-6 * fabs(h) + 1e-9 * fabs(t);
   if (!isfinite(t) || !isfinite(h) || h <= 0.0) {
     fmu_tell(f, FMU_ERROR, "logStatusError", "a communication step of %g s at t = %g s cannot be done; it must be above "
              "zero.", h, t);
+    return FMU_ERROR;
+  }
+  if (h > MOST_STEPS * f->now.solver[0]) {
+    fmu_tell(f, FMU_ERROR, "logStatusError", "a communication step of %g s cannot be done: it takes more than %g steps of "
+             "the engine, which are %g s long (parameter solver.step).", h, MOST_STEPS, f->now.solver[0]);
+    return FMU_ERROR;
+  }
+  if (t + h == t) {
+    fmu_tell(f, FMU_ERROR, "logStatusError", "a communication step of %g s at t = %g s cannot be done: the time would stay "
+             "where it is, by rounding.", h, t);
     return FMU_ERROR;
   }
   if (fabs(t - f->now.t) > near) {
@@ -791,6 +810,13 @@ static int fmu_shown_indicators(fmu_instance *f, double *values) {
   if (status || (status = fmu_indicators_at(f, f->now.t, f->now.x, f->now.z, values))) return status;
   for (i = 0; i < EVENTS; i++) values[i] += f->now.bias[i];
   return FMU_OK;
+}
+
+/* Refuse a time that is no number, or so far away that a step would be lost in rounding. */
+static int fmu_refuse_time(fmu_instance *f, const char *what, double t) {
+  if (fabs(t) <= LATEST) return FMU_OK;
+  fmu_tell(f, FMU_ERROR, "logStatusError", "%s = %g s cannot be; a time lies between %g and %g s.", what, t, -LATEST, LATEST);
+  return FMU_ERROR;
 }
 
 static double fmu_margin(const fmu_now *n, int i) { return fmax(1e-10 * n->largest[i], 1e-13); }
@@ -1028,6 +1054,19 @@ static void fmu_unpack(const unsigned char *bytes, const fmu_stored *table, doub
   }
 }
 
+/* A file to be read; the path is in UTF-8 on all platforms. (The header of Windows takes words such as `near`.) */
+#ifdef _WIN32
+__declspec(dllimport) int __stdcall MultiByteToWideChar(unsigned, unsigned long, const char *, int, wchar_t *, int);
+#endif
+static FILE *fmu_open_file(const char *path) {
+#ifdef _WIN32
+  wchar_t wide[4096];
+  return MultiByteToWideChar(65001, 0, path, -1, wide, 4096) ? _wfopen(wide, L"rb") : 0;
+#else
+  return fopen(path, "rb");
+#endif
+}
+
 /* The tables of resources/tables.bin. */
 static int fmu_read_tables(fmu_instance *f, const char *folder) {
   char path[4096];
@@ -1039,7 +1078,7 @@ static int fmu_read_tables(fmu_instance *f, const char *folder) {
   snprintf(path, sizeof path, "%s/tables.bin", folder ? folder : "");
   f->stored = malloc(sizeof(double) * STORED);
   bytes = malloc(sizeof(double) * STORED);
-  file = folder && f->stored && bytes ? fopen(path, "rb") : 0;
+  file = folder && f->stored && bytes ? fmu_open_file(path) : 0;
   if (file) {
     got = fread(bytes, sizeof(double), STORED, file);
     fclose(file);
@@ -1098,32 +1137,83 @@ static fmu_instance *fmu_create(fmu_instance *f, const char *name, const char *f
 
 /* As just created. */
 static int fmu_reset(fmu_instance *f) {
-  fs_free(f->engine);
-  if (fmu_create_engine(f)) return FMU_ERROR;
+  fs_instance *before = f->engine;
+  if (fmu_create_engine(f)) {
+    f->engine = before;
+    return FMU_ERROR;
+  }
+  fs_free(before);
   fmu_reset_values(f);
   return FMU_OK;
 }
 
-/* --- saved states: the identity of the model, then `now`, then the engine ------------------------------------------- */
+/* --- saved states: the identity of the model, a sum, then `now`, then the engine ------------------------------------ */
 
-static size_t fmu_saved_size(const fmu_instance *f) { return 40 + sizeof(fmu_now) + fs_image_size(f->engine); }
+enum { IDENTITY = 40, HEAD = IDENTITY + 8 };
 
+static size_t fmu_saved_size(const fmu_instance *f) { return HEAD + sizeof(fmu_now) + fs_image_size(f->engine); }
+
+/* What is saved without asking for its bytes has no sum; it does not leave the memory. */
 static void fmu_save(const fmu_instance *f, char *to) {
-  memset(to, 0, 40);
-  memcpy(to, MODEL_TOKEN, strlen(MODEL_TOKEN) < 39 ? strlen(MODEL_TOKEN) : 39);
-  to[39] = (char)f->co_simulation;
-  memcpy(to + 40, &f->now, sizeof f->now);
-  fs_save(f->engine, to + 40 + sizeof f->now);
+  memset(to, 0, HEAD);
+  memcpy(to, MODEL_TOKEN, strlen(MODEL_TOKEN) < IDENTITY - 1 ? strlen(MODEL_TOKEN) : IDENTITY - 1);
+  to[IDENTITY - 1] = (char)f->co_simulation;
+  memcpy(to + HEAD, &f->now, sizeof f->now);
+  fs_save(f->engine, to + HEAD + sizeof f->now);
 }
 
-static int fmu_restore(fmu_instance *f, const char *from, size_t size) {
-  if (size != fmu_saved_size(f) || strncmp(from, MODEL_TOKEN, 38) || from[39] != (char)f->co_simulation) {
-    fmu_tell(f, FMU_ERROR, "logStatusError", "%s: the saved state is of another model or another kind of instance.",
-             MODEL_NAME);
+/* The sum of all bytes behind the head, FNV-1a of 64 bits by eight bytes at a time: finds spoilt bytes. */
+static unsigned long long fmu_sum(const char *bytes, size_t size) {
+  unsigned long long sum = 14695981039346656037ull, part;
+  size_t i;
+  for (i = HEAD; i < size; i += sizeof part) {
+    part = 0;
+    memcpy(&part, bytes + i, size - i < sizeof part ? size - i : sizeof part);
+    sum = (sum ^ part) * 1099511628211ull;
+    sum ^= sum >> 32;
+  }
+  return sum;
+}
+
+/* A saved state as bytes for a file or another process. */
+static int fmu_to_bytes(fmu_instance *f, const void *state, char *bytes, size_t size) {
+  size_t needed = fmu_saved_size(f);
+  unsigned long long sum;
+  if (!state || size < needed) {
+    fmu_tell(f, FMU_ERROR, "logStatusError", "%s: a saved state takes %zu bytes.", MODEL_NAME, needed);
     return FMU_ERROR;
   }
-  memcpy(&f->now, from + 40, sizeof f->now);
-  fs_restore(f->engine, from + 40 + sizeof f->now);
+  memcpy(bytes, state, needed);
+  sum = fmu_sum(bytes, needed);
+  memcpy(bytes + IDENTITY, &sum, sizeof sum);
+  return FMU_OK;
+}
+
+static int fmu_foreign(fmu_instance *f) {
+  fmu_tell(f, FMU_ERROR, "logStatusError", "%s: the saved state is of another model or another kind of instance.",
+           MODEL_NAME);
+  return FMU_ERROR;
+}
+
+/* A saved state from bytes, into memory of its own unless *state has some. */
+static int fmu_from_bytes(fmu_instance *f, const char *bytes, size_t size, void **state) {
+  unsigned long long sum;
+  if (size != fmu_saved_size(f) || strncmp(bytes, MODEL_TOKEN, IDENTITY - 2)) return fmu_foreign(f);
+  memcpy(&sum, bytes + IDENTITY, sizeof sum);
+  if (sum != fmu_sum(bytes, size)) {
+    fmu_tell(f, FMU_ERROR, "logStatusError", "%s: the bytes of the saved state are spoilt.", MODEL_NAME);
+    return FMU_ERROR;
+  }
+  if (!*state) *state = malloc(size);
+  if (!*state) return FMU_ERROR;
+  memcpy(*state, bytes, size);
+  return FMU_OK;
+}
+
+static int fmu_restore(fmu_instance *f, const char *from) {
+  if (strncmp(from, MODEL_TOKEN, IDENTITY - 2) || from[IDENTITY - 1] != (char)f->co_simulation) return fmu_foreign(f);
+  memcpy(&f->now, from + HEAD, sizeof f->now);
+  fs_restore(f->engine, from + HEAD + sizeof f->now);
   f->evaluated = f->observed = f->linear = 0;
   return FMU_OK;
 }

@@ -37,7 +37,13 @@ OPERATIONS = {
 }  # fmt: skip
 
 
-PROLOGUE = "#include <math.h>\n#define FS_PIECE __attribute__((noinline))\n"
+PROLOGUE = """#include <math.h>
+#ifdef __GNUC__
+#define FS_PIECE __attribute__((noinline))
+#else
+#define FS_PIECE
+#endif
+"""
 """In front of the text of `c_program`."""
 
 Depends = Callable[[int, int], int]

@@ -310,6 +310,17 @@ def test_saved_state_of_another_kind_is_refused(instance):
         one.of_bytes(data[:-8])
 
 
+def test_spoilt_bytes_of_a_saved_state_are_refused(instance):
+    one = instance().begin()
+    data = one.bytes_of(one.save())
+    for place in (50, len(data) // 2, len(data) - 1):
+        spoilt = bytearray(data)
+        spoilt[place] ^= 1
+        with pytest.raises(FMICallException):
+            one.of_bytes(bytes(spoilt))
+        assert one.said[-1][1] == "machine: the bytes of the saved state are spoilt."
+
+
 def test_two_instances_side_by_side_equal_each_alone(instance):
     alone = [instance().begin(machine__gravity=g).run(NAMES, 20, 0.05) for g in (9.81, 5.0)]
     a, b = instance().begin(machine__gravity=9.81), instance().begin(machine__gravity=5.0)
@@ -320,6 +331,18 @@ def test_two_instances_side_by_side_equal_each_alone(instance):
         rows.append([a.get(*NAMES), b.get(*NAMES)])
     assert np.array_equal(np.array(rows)[:, 0], alone[0])
     assert np.array_equal(np.array(rows)[:, 1], alone[1])
+
+
+def test_instances_in_two_threads_equal_each_alone(instance):
+    """Each thread has its own instance; the calls of fmpy leave Python's lock, so that they run at the same time."""
+    from concurrent.futures import ThreadPoolExecutor
+
+    given = (9.81, 5.0)
+    alone = [instance().begin(machine__gravity=g).run(NAMES, 60, 0.05) for g in given]
+    begun = [instance().begin(machine__gravity=g) for g in given]
+    with ThreadPoolExecutor(2) as pool:
+        rows = list(pool.map(lambda one: one.run(NAMES, 60, 0.05), begun))
+    assert all(np.array_equal(a, b) for a, b in zip(rows, alone, strict=True))
 
 
 def test_reset_is_a_new_instance(instance):
@@ -490,6 +513,47 @@ def test_steps_that_cannot_be(instance, step):
     assert one.said[-1][1].endswith("cannot be done; it must be above zero.")
 
 
+@pytest.mark.parametrize(
+    ("step", "message"),
+    [
+        (1e300, "a communication step of 1e+300 s cannot be done: it takes more than 1e+09 steps of the engine, which "
+         "are 0.01 s long (parameter solver.step)."),
+        (1e-300, "a communication step of 1e-300 s at t = 0.05 s cannot be done: the time would stay where it is, by "
+         "rounding."),
+    ],
+)  # fmt: skip
+def test_steps_without_an_end(instance, step, message):
+    one = instance().begin()
+    one.step(0.0, 0.05)
+    with pytest.raises(FMICallException):
+        one.step(0.05, step)
+    assert one.said[-1][1] == message
+
+
+@pytest.mark.parametrize("kind", ["cs", "me"])
+def test_times_that_cannot_be(instance, kind):
+    one = instance(kind)
+    for t in (math.nan, -math.inf, 1e17):
+        with pytest.raises(FMICallException):
+            one.begin(t)
+        assert one.said[-1][1] == f"startTime = {t:g} s cannot be; a time lies between -1e+10 and 1e+10 s."
+
+
+@pytest.mark.parametrize(
+    ("period", "message"),
+    [
+        (0.0, "machine: the period of a sampled part is 0 s; it must be above zero."),
+        (1e-12, "machine: a sampled part has the period 1e-12 s and the offset 0 s; the period must be at least 1e-09 "
+         "s, and the offset lie between -1e+10 and 1e+10 s."),
+    ],
+)  # fmt: skip
+def test_periods_without_an_end(instance, period, message):
+    one = instance()
+    with pytest.raises(FMICallException):
+        one.begin(machine__period=period)
+    assert one.said[-1][1] == message
+
+
 def test_a_step_begins_where_the_last_one_ended(instance):
     one = instance().begin()
     one.step(0.0, 0.05)
@@ -570,6 +634,43 @@ def test_intermediate_points_and_early_return(unit):
     fmu.freeInstance()
 
 
+def test_calls_within_a_communication_step(as_unit, plant):
+    """FMI 3.0: an intermediate update reads variables, and does not pull the instance away from under the step."""
+    from fmpy.simulation import instantiate_fmu
+
+    unit, told, refused = as_unit(plant), [], set()
+
+    def update(environment, t, may_set, may_get, finished, may_return, asked, when):
+        for name, action in {
+            "fmi3Reset": fmu.reset, "fmi3Terminate": fmu.terminate, "fmi3GetFMUState": fmu.getFMUState,
+            "fmi3SetFloat64": lambda: fmu.setFloat64([unit.reference["machine.push"]], [1.0]),
+        }.items():  # fmt: skip
+            try:
+                action()
+            except FMICallException:
+                refused.add(name)
+        fmu.fmi3FreeInstance(fmu.component)
+
+    fmu = instantiate_fmu(
+        unit.folder, unit.described, "CoSimulation", early_return_allowed=True, intermediate_update=update,
+        logger=lambda *w: told.append(w[-1].decode()),
+    )  # fmt: skip
+    fmu.enterInitializationMode()
+    fmu.exitInitializationMode()
+    fmu.doStep(0.0, 0.05)
+    assert refused == {"fmi3Reset", "fmi3Terminate", "fmi3GetFMUState", "fmi3SetFloat64"}
+    assert set(told) == {f"{name} cannot be called now." for name in [*refused, "fmi3FreeInstance"]}
+    options = {"early_return_allowed": True, "intermediate_update": lambda *_: None}
+    alone = instantiate_fmu(unit.folder, unit.described, "CoSimulation", **options)
+    alone.enterInitializationMode()
+    alone.exitInitializationMode()
+    alone.doStep(0.0, 0.05)
+    place = [unit.reference["place"]]
+    assert fmu.getFloat64(place) == alone.getFloat64(place)
+    fmu.freeInstance()
+    alone.freeInstance()
+
+
 # --- what cannot be exported ----------------------------------------------------------------------------------------
 
 
@@ -619,6 +720,8 @@ def test_a_process_at_samples_is_refused_by_path(tmp_path):
     [
         ({"fmi": "1"}, "there is no FMI version '1'; there are '2' and '3'."),
         ({"kind": "sc"}, "there is no kind of FMU 'sc'; did you mean 'cs'?"),
+        ({"fmi": 2, "platforms": ["linux64", "linux-arm64"]},
+         "FMI 2.0 has one place for 'linux64' and 'linux-arm64'; choose one of them, or FMI 3.0."),
         ({"platforms": ["linux32"]}, "there is no platform 'linux32'; did you mean 'linux64'?"),
         ({"step": 0}, "the step of the engine is 0 s; it must be above zero, usually 0.01 s."),
         ({"tolerance": 2}, "the tolerance is 2; it must lie between 0 and 0.1, usually 1e-6."),
