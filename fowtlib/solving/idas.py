@@ -7,6 +7,7 @@ length; every call is a real restart, which is what jumps in inputs and discrete
 from __future__ import annotations
 
 import ctypes
+import os
 import re
 from collections.abc import Callable
 from contextlib import redirect_stderr
@@ -39,8 +40,11 @@ REASONS = {
 @cache
 def _one_thread() -> None:
     """Let CasADi's own OpenBLAS use one thread: shared among several, a few hundred rows take longer."""
-    for path in sorted(Path(ca.__file__).parent.glob("libcasadi-tp-openblas.*"))[:1]:
-        library = ctypes.CDLL(str(path))
+    for path in Path(ca.__file__).parent.glob("libcasadi-tp-openblas.*"):  # the same library under several names
+        try:
+            library = ctypes.CDLL(str(path), mode=getattr(os, "RTLD_NOLOAD", 0) | ctypes.DEFAULT_MODE)
+        except OSError:  # not the name that was loaded
+            continue
         if hasattr(library, "openblas_set_num_threads"):
             library.openblas_set_num_threads(1)
 
