@@ -154,6 +154,15 @@ class FlatDAE:
         return groups
 
     @cached_property
+    def level_inputs(self) -> list[ca.SX]:
+        """Inputs of the externals of each level, one after the other in a dense column."""
+        return [ca.vertcat(*[ca.vec(ca.densify(self.externals[k].inputs)) for k in group]) for group in self.levels]
+
+    def needs_outputs(self, expression: ca.SX) -> bool:
+        """Whether an expression depends on outputs of the externals."""
+        return ca.Function("needs", [self.w], [expression], {"allow_free": True}).jac_sparsity(0, 0).nnz() > 0
+
+    @cached_property
     def names(self) -> list[str]:
         """Paths of all variables: scalars, and arrays as a whole."""
         arrays = dict.fromkeys(name.rpartition("[")[0] for name in self.observed if name.endswith("]"))

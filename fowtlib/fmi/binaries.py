@@ -5,7 +5,6 @@ from __future__ import annotations
 import importlib.util
 import platform
 import struct
-import subprocess
 import sys
 from collections.abc import Sequence
 from concurrent.futures import ThreadPoolExecutor
@@ -13,7 +12,7 @@ from dataclasses import dataclass
 from pathlib import Path
 
 from fowtlib.language.errors import CompilerError, ParameterError, did_you_mean
-from fowtlib.language.native import NO_COMPILER, compiler
+from fowtlib.language.native import NO_COMPILER, compiler, run_compiler
 
 
 @dataclass(frozen=True)
@@ -93,13 +92,13 @@ def _compile(folder: Path, units: Sequence[tuple[str, str]], name: str, target: 
 
     def compile_one(place: int) -> None:
         unit, optimization = units[place]
-        _run([*command, *flags, optimization, "-c", str(folder / unit), "-o", str(objects[place])], unit)
+        run_compiler([*command, *flags, optimization, "-c", str(folder / unit), "-o", str(objects[place])], unit)
 
     with ThreadPoolExecutor(2) as pool:
         list(pool.map(compile_one, range(len(units))))
     out.parent.mkdir(parents=True, exist_ok=True)
     extra = {".so": ["-s", "-lm"], ".dll": ["-s"], ".dylib": []}[ending]
-    _run([*command, "-shared", *map(str, objects), "-o", str(out), *extra], out.name)
+    run_compiler([*command, "-shared", *map(str, objects), "-o", str(out), *extra], out.name)
     for path in objects:
         path.unlink()
     return out
@@ -136,11 +135,3 @@ def _command(name: str, target: str) -> list[str]:
         "pip install 'fowtlib[compiler]'. Without it there is only this machine's own platform, "
         f"{host()}."
     )
-
-
-def _run(command: list[str], name: str) -> None:
-    run = subprocess.run(command, capture_output=True, text=True)
-    if run.returncode:
-        lines = [line for line in run.stderr.splitlines() if line.strip()]
-        first = next((line for line in lines if "error" in line), lines[0] if lines else "no message")
-        raise CompilerError(f"{name}: its C code does not compile: {first}")

@@ -73,9 +73,7 @@ class Tables:
         entries = self._externals()
         files = self._files()
         kept, states = initial_matching(dae)
-        needs = ca.Function("i", [dae.w], [column([e.indicator for e in dae.events])], {"allow_free": True})
         checked = ca.vertcat(*[c.condition for c in dae.checks], *[v for c in dae.checks for v in c.values.values()])
-        used = ca.Function("c", [dae.w], [ca.densify(checked)], {"allow_free": True})
         told = sum(len(check.values) for check in dae.checks)
         observed = [dae.observe_expression(path).numel() for path in variables.observed]
         sizes = {
@@ -89,8 +87,8 @@ class Tables:
             "STORED": sum(len(values) for values, _ in self.stored), "TABLES": len(self.stored),
             "TABLE_USES": len(self.uses), "FILES": len(files), "FREE_RATES": len(self.reduction.free),
             "KEEP": fixed_step.KEEP, "PREDICTOR": fixed_step.PREDICTOR,
-            "INDICATORS_NEED_OUTPUTS": int(needs.jac_sparsity(0, 0).nnz() > 0),
-            "CHECKS_NEED_OUTPUTS": int(used.jac_sparsity(0, 0).nnz() > 0),
+            "INDICATORS_NEED_OUTPUTS": int(dae.needs_outputs(column([e.indicator for e in dae.events]))),
+            "CHECKS_NEED_OUTPUTS": int(dae.needs_outputs(checked)),
         }  # fmt: skip
         first = {f"FIRST_{group.upper()}": variables.first[group] for group in variables.first if group != "time"}
         settings = variables.settings
@@ -198,8 +196,7 @@ class Tables:
         lines, rows = [], []
         for k, sample in enumerate(self.dae.samples):
             lines.append(_integers(f"fmu_sample_{k}_d", sample.targets))
-            pattern = ca.Function("s", [self.dae.w], [sample.values], {"allow_free": True}).jac_sparsity(0, 0)
-            sizes = f"{len(sample.targets)}, {int(pattern.nnz() > 0)}"
+            sizes = f"{len(sample.targets)}, {int(self.dae.needs_outputs(sample.values))}"
             rows.append(f"{{{_text(sample.path)}, {sizes}, fmu_sample_{k}_d, sample_{k}}}")
         return "".join(lines) + _table("fmu_sample", "fmu_samples", rows)
 

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
 
@@ -17,7 +16,7 @@ from fowtlib.language.native import EXPORT
 from fowtlib.language.tables import SplineFunction
 from fowtlib.solving import fixed_step
 from fowtlib.solving.c_code import Program, c_program
-from fowtlib.solving.fixed_step_code import OUT, model_text
+from fowtlib.solving.fixed_step_code import OUT, kept_text
 from fowtlib.solving.reduction import reduction
 from fowtlib.solving.state import State
 
@@ -94,7 +93,7 @@ def _source_of(path: Path) -> str:
 
 def _functions(variables: Variables, dae: FlatDAE) -> tuple[str, Program, int]:
     """C text of all functions and of their derivatives along a direction; the engine's program; scratch memory."""
-    text, program, scratch = model_text(dae, reduction(dae), variables.observed)
+    text, program, scratch = kept_text(dae, reduction(dae), variables.observed)
     q = ca.vertcat(dae.u, dae.d, dae.p)
     arguments = [dae.t, dae.x, dae.z, q, dae.w]
     checks = ca.vertcat(*[check.condition for check in dae.checks])
@@ -110,7 +109,7 @@ def _functions(variables: Variables, dae: FlatDAE) -> tuple[str, Program, int]:
     ]  # fmt: skip
     seeds = [ca.SX.sym(f"d{name}", value.shape[0]) for name, value in zip("xzqw", arguments[1:], strict=True)]
     moved: list[tuple[str, list[ca.SX]]] = [
-        *((f"forward_level_{k}", [_level(dae, members)]) for k, members in enumerate(dae.levels)),
+        *((f"forward_level_{k}", [inputs]) for k, inputs in enumerate(dae.level_inputs)),
         ("forward_model", [dae.ode, dae.alg]), ("forward_outputs", [outputs, indicators]),
         ("forward_initials", [initials]),
     ]  # fmt: skip
@@ -126,7 +125,3 @@ def _functions(variables: Variables, dae: FlatDAE) -> tuple[str, Program, int]:
             texts.append(alone.text)
             scratch = max(scratch, alone.scratch)
     return "".join(texts), program, scratch
-
-
-def _level(dae: FlatDAE, members: Sequence[int]) -> ca.SX:
-    return ca.vertcat(*[ca.vec(ca.densify(dae.externals[k].inputs)) for k in members])

@@ -84,7 +84,7 @@ def compile_library(text: str, name: str, *, optimization: str = "-O2") -> Path:
         with tempfile.TemporaryDirectory(dir=library.parent) as folder:
             source, fresh = Path(folder) / "source.c", Path(folder) / library.name
             source.write_text(EXPORT + text, encoding="utf-8")
-            _run([*command, *flags, str(source), "-o", str(fresh), "-lm"], name)
+            run_compiler([*command, *flags, str(source), "-o", str(fresh), "-lm"], name)
             os.replace(source, library.with_suffix(".c"))
             os.replace(fresh, library)  # at once: another process sees a whole library or none
     except OSError as error:
@@ -100,7 +100,8 @@ def _version(command: tuple[str, ...]) -> str:
     return subprocess.run([*command, "--version"], capture_output=True, text=True).stdout
 
 
-def _run(command: list[str], name: str) -> None:
+def run_compiler(command: list[str], name: str) -> None:
+    """Run a command of a compiler; CompilerError with its first words of error, behind the name of what is compiled."""
     run = subprocess.run(command, capture_output=True, text=True)
     if run.returncode:
         lines = [line for line in run.stderr.splitlines() if line.strip()]

@@ -57,7 +57,7 @@ class CompiledFunctions:
         body = (Path(__file__).parent / "compiled_functions.c").read_text(encoding="utf-8")
         path = compile_library(head + body, "functions")
         self._library, self._runtime = c.CDLL(str(path)), runtime()
-        self._unknown = np.ascontiguousarray(unknown_of_states(code), dtype=np.intc)
+        self._unknown = np.array(code.reduction.unknown_of_states(len(dae.algebraics)), dtype=np.intc)
         options = Options(1.0, 1.0, 1.0, 1.0, 1, 1)
         self._instance = self._runtime.fs_create(c.byref(code.table), c.byref(options))
         if not self._instance:
@@ -81,17 +81,6 @@ class CompiledFunctions:
         if getattr(self, "_instance", None):
             self._runtime.fs_free(self._instance)
         self._number, self._instance = -1, None
-
-
-def unknown_of_states(code: FixedStepCode) -> list[int]:
-    """The unknown of a stage, in z and the free rates behind it, that moves each state."""
-    reduced = code.reduction
-    unknown = [0] * len(code.dae.states)
-    for i, state in enumerate(reduced.free):
-        unknown[state] = len(code.dae.algebraics) + i
-    for state, source in zip(reduced.order, reduced.source, strict=True):
-        unknown[state] = unknown[source] if source >= 0 else -1 - source
-    return unknown
 
 
 def jacobian_patterns(dae: FlatDAE) -> list[ca.Sparsity]:

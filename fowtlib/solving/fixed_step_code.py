@@ -131,8 +131,7 @@ class FixedStepCode:
         self.path = compile_library(text, "model", optimization="-O1")
         self.library = c.CDLL(str(self.path))
         self.table = self._model()
-        samples = [ca.Function("sample", [dae.w], [s.values], {"allow_free": True}) for s in dae.samples]
-        self.samples_need_outputs = [function.jac_sparsity(0, 0).nnz() > 0 for function in samples]
+        self.samples_need_outputs = [dae.needs_outputs(sample.values) for sample in dae.samples]
 
     def doubles(self, values: Any) -> Any:
         """A pointer to numbers that stay alive as long as the code."""
@@ -278,10 +277,10 @@ class FixedStepCode:
 
 def kept_text(dae: FlatDAE, reduced: Reduction, observed: Sequence[str]) -> tuple[str, Program, int]:
     """What `model_text` returns, from the cache where these equations have been written before."""
-    function, inputs = _function(dae, observed, {})
+    function = _function(dae, observed, {})
     patterns = [_slope_pattern(external.function) for external in dae.externals]
     structure = [
-        vars(reduced), dae.levels, [y.shape[0] for y in inputs], [sample.targets for sample in dae.samples],
+        vars(reduced), dae.levels, [y.shape[0] for y in dae.level_inputs], [sample.targets for sample in dae.samples],
         [[external.outputs.start, external.outputs.stop, external.inputs.numel()] for external in dae.externals],
         [pattern and [pattern.shape, pattern.colind(), pattern.row()] for pattern in patterns],
     ]  # fmt: skip
@@ -304,12 +303,11 @@ def _arguments(dae: FlatDAE) -> list[ca.SX]:
     return [dae.t, dae.x, dae.z, ca.vertcat(dae.u, dae.d, dae.p), dae.w]
 
 
-def _function(dae: FlatDAE, observed: Sequence[str], options: dict[str, Any]) -> tuple[ca.Function, list[ca.SX]]:
-    """Inputs of the externals, level by level, ode, alg and variables as one function; the first as expressions too."""
-    inputs = [ca.vertcat(*[ca.vec(ca.densify(dae.externals[k].inputs)) for k in members]) for members in dae.levels]
+def _function(dae: FlatDAE, observed: Sequence[str], options: dict[str, Any]) -> ca.Function:
+    """Inputs of the externals, level by level, ode, alg and variables as one function."""
     variables = ca.vertcat(*[ca.vec(dae.observe_expression(path)) for path in observed])
-    results = [ca.densify(e) for e in [*inputs, dae.ode, dae.alg, variables]]
-    return ca.Function("model", _arguments(dae), results, options), inputs
+    results = [ca.densify(e) for e in [*dae.level_inputs, dae.ode, dae.alg, variables]]
+    return ca.Function("model", _arguments(dae), results, options)
 
 
 def moved_pieces(program: Program, levels: int, masks: list[int], unknowns: int) -> tuple[list[int], list[int]]:
@@ -325,10 +323,10 @@ def model_text(dae: FlatDAE, reduced: Reduction, observed: Sequence[str]) -> tup
     The text defines level_0, level_1, ..., model; observed, which follows a call of these; and sample_0, ... for the
     sampled parts, which stand alone.
     """
-    function, inputs = _function(dae, observed, {"cse": True})
-    sections = [(f"level_{level}", ["first"]) for level in range(len(inputs))] + [("model", ["first", "second"])]
+    function = _function(dae, observed, {"cse": True})
+    sections = [(f"level_{level}", ["first"]) for level in range(len(dae.levels))] + [("model", ["first", "second"])]
     sections.append(("observed", ["first"]))
-    program = c_program(function, sections, list("txzqw"), OUT, dependences(dae, reduced, inputs))
+    program = c_program(function, sections, list("txzqw"), OUT, dependences(dae, reduced))
     texts, scratch = [PROLOGUE, program.text], program.scratch
     for k, sample in enumerate(dae.samples):
         function = ca.Function("sample", _arguments(dae), [ca.densify(sample.values)], {"cse": True})
@@ -338,19 +336,15 @@ def model_text(dae: FlatDAE, reduced: Reduction, observed: Sequence[str]) -> tup
     return "".join(texts), program, scratch
 
 
-def dependences(dae: FlatDAE, reduced: Reduction, inputs: list[ca.SX]) -> tuple[Depends, Depends]:
+def dependences(dae: FlatDAE, reduced: Reduction) -> tuple[Depends, Depends]:
     """The unknowns of a stage, z and the free rates, on which x, z and w depend; and the same with x held."""
     nz = dae.z.shape[0]
-    of_x = [0] * dae.x.shape[0]
-    for i, state in enumerate(reduced.free):
-        of_x[state] = 1 << (nz + i)
-    for state, source in zip(reduced.order, reduced.source, strict=True):
-        of_x[state] = of_x[source] if source >= 0 else 1 << (-1 - source)
+    of_x = [1 << unknown for unknown in reduced.unknown_of_states(nz)]
     of_z = [1 << k for k in range(nz)]
 
     def depends(of_x: list[int]) -> Depends:
         of_w = [0] * dae.w.shape[0]
-        for members, expression in zip(dae.levels, inputs, strict=True):
+        for members, expression in zip(dae.levels, dae.level_inputs, strict=True):
             function = ca.Function("inputs", [dae.x, dae.z, dae.w], [expression], {"allow_free": True})
             of_y = [0] * expression.shape[0]
             for argument, known in enumerate((of_x, of_z, of_w)):

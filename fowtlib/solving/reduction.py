@@ -19,6 +19,15 @@ class Reduction:
     order: list[int]
     source: list[int]
 
+    def unknown_of_states(self, algebraics: int) -> list[int]:
+        """The unknown that moves each state, through its rate; the free rates stand behind the algebraic unknowns."""
+        unknown = [0] * (len(self.free) + len(self.order))
+        for i, state in enumerate(self.free):
+            unknown[state] = algebraics + i
+        for state, source in zip(self.order, self.source, strict=True):
+            unknown[state] = unknown[source] if source >= 0 else -1 - source
+        return unknown
+
 
 def reduction(dae: FlatDAE) -> Reduction:
     """Found by the form of the rows alone; of states that are each other's rates in a ring, one stays free."""

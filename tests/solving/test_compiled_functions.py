@@ -10,7 +10,7 @@ from fowtlib.language import Array, ExternalFunction, Scalar, der, eq, param, ta
 from fowtlib.language import math as m
 from fowtlib.language.native import compiler
 from fowtlib.solving import compiled_functions
-from fowtlib.solving.compiled_functions import CompiledFunctions, jacobian_patterns, unknown_of_states, worth_compiling
+from fowtlib.solving.compiled_functions import CompiledFunctions, jacobian_patterns, worth_compiling
 from fowtlib.solving.fixed_step_code import FixedStepCode
 from fowtlib.solving.idas import Idas
 
@@ -159,7 +159,7 @@ def test_an_external_that_refuses_is_noticed(plant):
 def test_which_unknown_moves_a_state(plant):
     """A position is moved by the rate of its speed: itself an unknown, or an algebraic one."""
     code, states = plant.fixed_step_code, [state.path for state in plant.dae.states]
-    unknown = dict(zip(states, unknown_of_states(code), strict=True))
+    unknown = dict(zip(states, code.reduction.unknown_of_states(len(code.dae.algebraics)), strict=True))
     assert unknown["q[0]"] == unknown["v[0]"]
     assert unknown["q[1]"] == unknown["v[1]"]
     assert len(set(unknown.values())) == 3
