@@ -6,9 +6,9 @@ import math
 from pathlib import Path
 
 from fowtlib.components.servo.bladed_library import LENGTH, PITCH, TORQUE, BladedProcess
+from fowtlib.components.servo.turbine_controller import TurbineController
 from fowtlib.language import (
     Array,
-    Component,
     RealInput,
     RealOutput,
     Scalar,
@@ -29,7 +29,7 @@ MEASURED = {
 _OWN = {1, 2, 3, 10, 14, 15, 28, 35, 49, 50, 51, 61, 129}  # records that are not for the user
 
 
-class BladedController(Component):
+class BladedController(TurbineController):
     """Blade pitch and generator torque by a controller library with the Bladed interface (DISCON), such as ROSCO.
 
     The library is called once every `period`, in a process of its own, with what is measured at that instant; its
@@ -54,7 +54,6 @@ class BladedController(Component):
     pitch_start: Scalar = param(default=0.0, unit="rad", doc="blade pitch before the first call")
     torque_start: Scalar = param(default=0.0, unit="N*m", doc="torque before the first call")
 
-    generator_speed: RealInput = port(unit="rad/s", doc="generator speed")
     rotor_speed: RealInput = port(unit="rad/s", doc="rotor speed")
     wind_speed: RealInput = port(unit="m/s", doc="wind speed at the hub, as an anemometer shows it")
     yaw: RealInput = port(default=0.0, unit="rad", doc="yaw angle of the nacelle in the world")

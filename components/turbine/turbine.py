@@ -17,7 +17,7 @@ from fowtlib.components.aero import (
 from fowtlib.components.environment.wind import Wind
 from fowtlib.components.environment.world import World
 from fowtlib.components.mechanics import Frame
-from fowtlib.components.servo import BaselineController
+from fowtlib.components.servo import BaselineController, TurbineController
 from fowtlib.components.turbine.operating_point import SteadyTurbine
 from fowtlib.components.turbine.rotor_nacelle_assembly import RotorNacelleAssembly
 from fowtlib.components.turbine.start import controlled, give_default, start_point
@@ -56,7 +56,7 @@ class Turbine(Component):
 
     assembly: RotorNacelleAssembly = part(RotorNacelleAssembly)
     aerodynamics: BladeElementAerodynamics = part(BladeElementAerodynamics)
-    control: BaselineController = part(BaselineController)
+    control: TurbineController = part(BaselineController)
 
     def build(self):
         body, air, control = self.assembly, self.aerodynamics, self.control

@@ -132,7 +132,7 @@ class Instances:
                 return ca.vertcat(*[ca.transpose(ca.SX(item)) for item in items])
             return np.asarray(items)
 
-        return expressions.evaluate(value, lambda leaf: self._parameter(leaf.component, leaf.name), combine)
+        return expressions.evaluate(value, lambda leaf: self._parameter(leaf.component.current, leaf.name), combine)
 
     # --- variables -----------------------------------------------------------------------------------------------
 

@@ -181,10 +181,30 @@ class PortReference:
 
 
 class Part(Field):
-    """Declaration of a part that every instance of the class has."""
+    """Declaration of a part that every instance of the class has.
+
+    Another may take its place: of the class that the annotation names, or with the same ports.
+    """
+
+    names: dict[str, Any] = {}  # what the annotation may name
 
     def __init__(self, component_class: type, modifiers: dict[str, Any], doc: str):
         self.component_class, self.modifiers, self.doc = component_class, modifiers, doc
+
+    def make(self, owner: Any) -> Any:
+        """The part as the class declares it, for one instance of the class."""
+        return self.component_class(**{name: owner.resolve(value) for name, value in self.modifiers.items()})
+
+    @property
+    def base(self) -> type:
+        """The class within which the part may be replaced: that of the annotation, else the declared one."""
+        if isinstance(self.annotation, str):
+            try:
+                self.annotation = eval(self.annotation, self.names)
+            except NameError:  # imported for type checkers only
+                self.annotation = None
+        found = self.annotation
+        return found if isinstance(found, type) and issubclass(self.component_class, found) else self.component_class
 
     def __get__(self, component: Any, owner: type | None = None) -> Any:
         return self if component is None else component.parts[self.name]
