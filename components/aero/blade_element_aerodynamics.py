@@ -16,7 +16,7 @@ from fowtlib.components.environment.wind import Wind, require_disk
 from fowtlib.components.environment.world import World
 from fowtlib.components.mechanics import Frame
 from fowtlib.components.mechanics.rotations import axis_rotation, unit_axis
-from fowtlib.language import Component, RealOutput, Vector, assert_, der, eq, outer, param, port, var
+from fowtlib.language import Component, Number, RealOutput, Vector, assert_, der, eq, outer, param, port, var
 from fowtlib.language import math as m
 from fowtlib.language.errors import ParameterError
 
@@ -37,11 +37,11 @@ class BladeElementAerodynamics(Component):
     blade: str = param(doc="path of a CSV with the elements of the blade, see read_blade")
     airfoils: str = param(doc="path of a CSV with the airfoils, see read_airfoils")
     smooth_airfoils: bool = param(default=True, doc="monotone cubics between the angles of the airfoils, else lines")
-    hub_radius: float = param(default=None, unit="m", min=0, doc="distance of the blade roots from the shaft")
-    tip_radius: float = param(unit="m", min=0, doc="distance of the tips from the shaft, along the unconed blade")
+    hub_radius: Number = param(default=None, unit="m", min=0, doc="distance of the blade roots from the shaft")
+    tip_radius: Number = param(unit="m", min=0, doc="distance of the tips from the shaft, along the unconed blade")
     blades: int = param(default=3, min=1, doc="number of blades")
     rotation: int = param(default=1, choices=(1, -1), doc="1: clockwise seen from upwind, -1: counter-clockwise")
-    skew: float = param(default=PITT_PETERS, min=0, doc="factor of the skewed wake, 0: none; see BladeElementRotor")
+    skew: Number = param(default=PITT_PETERS, min=0, doc="factor of the skewed wake, 0: none; see BladeElementRotor")
     axial_drag: bool = param(default=True, doc="drag takes part in the axial induction")
     tangential_drag: bool = param(default=True, doc="drag takes part in the tangential induction")
     tip_loss: bool = param(default=True, doc="Prandtl's loss at the tip")

@@ -12,7 +12,7 @@ from numpy.typing import ArrayLike
 from fowtlib.components.environment.time_functions import progress, smooth_step, warn_of_repetition
 from fowtlib.components.environment.waves import WaveComponents, irregular_waves, regular_waves, still_water
 from fowtlib.components.environment.world import World
-from fowtlib.language import Component, RealOutput, eq, open_input, outer, param, port, shapes, time_series
+from fowtlib.language import Component, Number, RealOutput, eq, open_input, outer, param, port, shapes, time_series
 from fowtlib.language import math as m
 from fowtlib.language.errors import ParameterError
 
@@ -37,16 +37,16 @@ class Sea(Component):
     """
 
     spectrum: str = param(default="still", choices=("still", "regular", "jonswap", "input"), doc="kind of sea state")
-    wave_height: float = param(default=None, unit="m", min=0, doc="regular waves: height from trough to crest")
-    wave_period: float = param(default=None, unit="s", min=0, doc="regular waves: period")
-    significant_wave_height: float = param(default=None, unit="m", min=0, doc="JONSWAP: Hs")
-    peak_period: float = param(default=None, unit="s", min=0, doc="JONSWAP: Tp")
-    gamma: float = param(default=None, min=1, doc="JONSWAP: peak factor; without a value by DNV-RP-C205, 3.5.5.5")
-    heading: float = param(default=0.0, unit="rad", doc="direction in which the waves travel, from x towards y")
+    wave_height: Number = param(default=None, unit="m", min=0, doc="regular waves: height from trough to crest")
+    wave_period: Number = param(default=None, unit="s", min=0, doc="regular waves: period")
+    significant_wave_height: Number = param(default=None, unit="m", min=0, doc="JONSWAP: Hs")
+    peak_period: Number = param(default=None, unit="s", min=0, doc="JONSWAP: Tp")
+    gamma: Number = param(default=None, min=1, doc="JONSWAP: peak factor; without a value by DNV-RP-C205, 3.5.5.5")
+    heading: Number = param(default=0.0, unit="rad", doc="direction in which the waves travel, from x towards y")
     seed: int = param(default=1, min=0, doc="JONSWAP: number of the realisation")
     random_amplitudes: bool = param(default=True, doc="JONSWAP: Gaussian sea; false: random phases only")
-    repetition_period: float = param(default=4096.0, unit="s", min=0, doc="JONSWAP: period of the realisation")
-    build_up: float = param(default=0.0, unit="s", min=0, doc="time in which the waves grow from nothing")
+    repetition_period: Number = param(default=4096.0, unit="s", min=0, doc="JONSWAP: period of the realisation")
+    build_up: Number = param(default=0.0, unit="s", min=0, doc="time in which the waves grow from nothing")
 
     world: World = outer(World)
     elevation: RealOutput = port(unit="m", doc="elevation of the water at the origin")
@@ -57,7 +57,7 @@ class Sea(Component):
         longer = [warn_of_repetition(self.time, waves.period, "sea")] if self.spectrum == "jonswap" else []
         return [eq(self.elevation, self.signal(np.ones((len(waves), 1)), "wave elevation", "m")), *longer]
 
-    def drawing(self):
+    def drawing(self) -> shapes.Drawing:
         waves = self.components()
         harmonics = (waves.omega, waves.amplitude, waves.phase, waves.wave_number)
         return [shapes.Water(self.world.water_depth, *harmonics, heading=self.heading, build_up=self.build_up)]

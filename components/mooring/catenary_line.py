@@ -5,7 +5,20 @@ from __future__ import annotations
 from fowtlib.components.environment.world import World
 from fowtlib.components.mechanics.connectors import Frame
 from fowtlib.components.mooring import catenary
-from fowtlib.language import Component, Scalar, Vector, assert_, eq, fix_orientation, outer, param, port, shapes, var
+from fowtlib.language import (
+    Component,
+    Number,
+    Scalar,
+    Vector,
+    assert_,
+    eq,
+    fix_orientation,
+    outer,
+    param,
+    port,
+    shapes,
+    var,
+)
 from fowtlib.language import math as m
 from fowtlib.language.declarations import join
 from fowtlib.language.errors import ParameterError
@@ -25,7 +38,7 @@ class CatenaryLine(Component):
     axial_stiffness: Scalar = param(unit="N", min=0, doc="axial stiffness EA")
     mass_per_length: Scalar = param(default=0.0, unit="kg/m", min=0, doc="mass per length in air")
     diameter: Scalar = param(default=0.0, unit="m", min=0, doc="diameter of a bar that displaces the same water")
-    weight_per_length: float = param(default=None, unit="N/m", min=0, doc="weight in water, instead of mass, diameter")
+    weight_per_length: Number = param(default=None, unit="N/m", min=0, doc="weight in water, instead of mass, diameter")
     friction: Scalar = param(default=0.0, min=0, doc="friction coefficient of the seabed")
     anchor_position: Vector = param(default=(0, 0, 0), unit="m", doc="anchor, world; unless a frame is its anchor")
 
@@ -69,7 +82,7 @@ class CatenaryLine(Component):
             assert_(self.tension < 0.05 * self.axial_stiffness, "the line is stretched by more than 5 %", "warning"),
         ]
 
-    def drawing(self):
+    def drawing(self) -> shapes.Drawing:
         numbers = (self.parameter_value(name) for name in ("length", "axial_stiffness", "friction"))
         length, stiffness, friction = numbers
 

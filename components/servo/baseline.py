@@ -9,7 +9,7 @@ from fowtlib.components.servo.pitch_controller import PitchController
 from fowtlib.components.servo.sampled import SampledPitchController, SampledTorqueController
 from fowtlib.components.servo.torque_controller import TorqueController
 from fowtlib.components.servo.turbine_controller import TurbineController
-from fowtlib.language import RealInput, Scalar, param, port
+from fowtlib.language import Number, RealInput, Scalar, param, port
 
 PITCH = ("proportional_gain", "integral_gain", "rated_speed", "yaw_gain", "pitch_start")
 
@@ -32,7 +32,7 @@ class BaselineController(TurbineController):
         default="constant_torque", choices=("constant_torque", "constant_power"), doc="what is held above rated speed"
     )
     filter_frequency: Scalar = param(default=0.25, unit="Hz", min=0, doc="corner of the speed filter, single pole")
-    sample_period: float = param(default=None, unit="s", min=1e-6, doc="sampling period; without it continuous control")
+    sample_period: Number = param(default=None, unit="s", min=1e-6, doc="sampling period; without it continuous")
     pitch_start: Scalar = param(default=0.0, unit="rad", doc="initial blade pitch")
     speed_start: Scalar = param(default=0.0, unit="rad/s", doc="sampled: initial generator speed")
 

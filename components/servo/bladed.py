@@ -7,18 +7,7 @@ from pathlib import Path
 
 from fowtlib.components.servo.bladed_library import LENGTH, PITCH, TORQUE, BladedProcess
 from fowtlib.components.servo.turbine_controller import TurbineController
-from fowtlib.language import (
-    Array,
-    RealInput,
-    RealOutput,
-    Scalar,
-    call,
-    eq,
-    param,
-    port,
-    sampled,
-    var,
-)
+from fowtlib.language import Array, Number, RealInput, RealOutput, Scalar, call, eq, param, port, sampled, var
 from fowtlib.language.errors import ParameterError
 
 # Record of the swap array of each input.
@@ -44,10 +33,10 @@ class BladedController(TurbineController):
     input_file: str = param(default="", doc="path of its input file, such as DISCON.IN; the library runs in its folder")
     procedure: str = param(default="DISCON", doc="name of the procedure in the library")
     output_root: str = param(default="", doc="start of the paths of the files it writes; by default they are deleted")
-    period: float = param(default=0.0125, unit="s", min=1e-6, doc="time between two calls")
+    period: Number = param(default=0.0125, unit="s", min=1e-6, doc="time between two calls")
     blades: int = param(default=3, min=1, doc="number of blades, 1 to 3")
     individual: bool = param(default=False, doc="pitch of each blade from records 42 to 44, not of all from record 45")
-    efficiency: float = param(default=1.0, min=0, max=1, doc="electrical over mechanical power, for record 15")
+    efficiency: Number = param(default=1.0, min=0, max=1, doc="electrical over mechanical power, for record 15")
     measurements: dict = param(default={}, doc="further inputs: name of the port and number of its record, from 1")
     demands: dict = param(default={}, doc="further outputs: name of the port and number of its record")
     records: dict = param(default={}, doc="records that stay at a value: number and value")

@@ -10,6 +10,7 @@ from fowtlib.components.servo import BaselineController, Generator, TurbineContr
 from fowtlib.components.turbine.operating_point import SteadyTurbine
 from fowtlib.components.turbine.start import controlled, give_default, start_point, unknown_start
 from fowtlib.language import Component, Matrix, RealInput, RealOutput, Scalar, Vector, eq, outer, param, part, port
+from fowtlib.language.shapes import Drawing
 
 
 class RotorNacelle(Component):
@@ -71,7 +72,7 @@ class RotorNacelle(Component):
         give_default(control, "pitch_start", self.blade_pitch_start)
         give_default(control, "speed_start", self.gear_ratio * self.rotor_speed_start)
 
-    def drawing(self):
+    def drawing(self) -> Drawing:
         return [*outlines.housing(self.frame, self.rotor), *self.rotor.drawing()]
 
     def equations(self):

@@ -22,6 +22,7 @@ from fowtlib.components.turbine.operating_point import SteadyTurbine
 from fowtlib.components.turbine.rotor_nacelle_assembly import RotorNacelleAssembly
 from fowtlib.components.turbine.start import controlled, give_default, start_point
 from fowtlib.language import Component, RealInput, RealOutput, Scalar, outer, param, part, port
+from fowtlib.language.shapes import Drawing
 
 
 def _start_of(name: str) -> Callable[[Turbine], float]:
@@ -81,7 +82,7 @@ class Turbine(Component):
         ):  # fmt: skip
             give_default(component, name, value)
 
-    def drawing(self):
+    def drawing(self) -> Drawing:
         """The parts of the assembly, its blades with the chord of the aerodynamics."""
         body, blade = self.assembly, self.aerodynamics.rotor.blade
         ends = [blade.hub_radius, *blade.radius, blade.tip_radius] - np.float64(blade.hub_radius)

@@ -22,13 +22,12 @@ from fowtlib.language.declarations import (
     join,
     outer,
     param,
-    part,
     port,
     var,
 )
 from fowtlib.language.equations import active
 from fowtlib.language.errors import NotFoundError, ParameterError, UnitError, did_you_mean
-from fowtlib.language.shapes import Drawn
+from fowtlib.language.shapes import Drawing
 from fowtlib.language.units import dimension, to_si
 
 
@@ -36,7 +35,7 @@ class UnknownAttribute(NotFoundError, AttributeError):
     """A name that a component does not have."""
 
 
-@dataclass_transform(kw_only_default=True, field_specifiers=(param, part, port, var, outer))
+@dataclass_transform(kw_only_default=True, field_specifiers=(param, port, var, outer))  # a part has a default
 class Component(Composite):
     """A class of model parts: parameters, ports, variables, `equations()`.
 
@@ -80,7 +79,7 @@ class Component(Composite):
         """The statements of this component; called once, while the model is flattened."""
         return []
 
-    def drawing(self) -> list[Drawn]:
+    def drawing(self) -> Drawing:
         """What pictures show of this component: see fowtlib.language.shapes. By default, what they show of its parts.
 
         Called outside of flattening: numbers come from `parameter_value`.

@@ -11,7 +11,7 @@ from __future__ import annotations
 from collections.abc import Iterator
 from typing import TYPE_CHECKING, Any
 
-from fowtlib.language.connectors import RealInput
+from fowtlib.language.connectors import Connector, RealInput, Signal
 from fowtlib.language.declarations import Part, Port, PortReference, Variable, join
 from fowtlib.language.equations import source_line
 from fowtlib.language.errors import ConnectionFault, NotFoundError, ParameterError, did_you_mean, one_of
@@ -21,6 +21,7 @@ if TYPE_CHECKING:
     from fowtlib.language.component import Component
 
 OWN_NAMES = {"origins", "parts", "connections"}
+AnyPort = PortReference | Connector | Signal  # what a port is outside of equations, and how it is declared
 _NOTHING: Any = object()
 
 
@@ -74,9 +75,10 @@ class Composite:
                 self._later.add(name)
         return component
 
-    def connect(self, a: PortReference, b: PortReference) -> None:
+    def connect(self, a: AnyPort, b: AnyPort) -> None:
         """Join two ports of this component or of its parts."""
-        for end in (a, b):
+        ends: list[Any] = [a, b]
+        for end in ends:
             if not isinstance(end, PortReference):
                 raise ConnectionFault(f"{self.label}: connect() joins two ports, and {end!r} is not a port.")
             if end.component is not self and self not in end.component.enclosing():
@@ -85,7 +87,7 @@ class Composite:
                     "connect it where it belongs, after the part was added."
                 )
             check_there(end)
-        self.connections.append((a, b, source_line()))
+        self.connections.append((ends[0], ends[1], source_line()))
 
     def declare(self, name: str, annotation: type, field: Port | Variable) -> None:
         """In build(): a port or variable that only this instance has, as where a file says which there are.

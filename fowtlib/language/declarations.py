@@ -6,14 +6,12 @@ parameter gives its value or a reference to it, a port gives a reference for `co
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, Literal
 
 from fowtlib.language.expressions import Arithmetic, ParameterReference
 
 if TYPE_CHECKING:
-    import casadi as ca
-
-    Scalar = Vector = Matrix = Array = ca.SX
+    from fowtlib.language.typed import Array, Matrix, Number, Scalar, Vector
 else:
 
     class Scalar:
@@ -27,6 +25,8 @@ else:
 
     class Array:
         """Real numbers of the declared shape."""
+
+    Number = float  # one real number that is no symbol; an editor and a type checker accept a text with a unit for it
 
 
 SHAPES: dict[type, tuple[int, ...] | None] = {Scalar: (), Vector: (3,), Matrix: (3, 3), Array: None}
@@ -220,6 +220,9 @@ class Outer(Field):
         return component.find_outer(self)
 
 
+# `init` tells type checkers that the constructor does not take the field; it has no other meaning (PEP 681).
+
+
 def param(default: Any = REQUIRED, *, unit: str = "1", doc: str = "", min: Any = None, max: Any = None,
           shape: Any = None, structural: bool = False, choices: Any = None) -> Any:  # fmt: skip
     """Declare a parameter, in SI `unit`; annotated Scalar, Vector, Matrix or Array it is tunable unless `structural`.
@@ -232,7 +235,7 @@ def param(default: Any = REQUIRED, *, unit: str = "1", doc: str = "", min: Any =
 
 def var(*, unit: str = "1", doc: str = "", hint: str = "", shape: Any = None, start: Any = None,
         fixed: bool | None = None, state: str = "default", nominal: Any = None, min: Any = None, max: Any = None,
-        discrete: bool = False) -> Any:  # fmt: skip
+        discrete: bool = False, init: Literal[False] = False) -> Any:  # fmt: skip
     """Declare an unknown. `state` is the wish to be a state: never, avoid, default, prefer, always.
 
     `hint` is what to look at when the variable comes out undetermined; `discrete` variables change only at events and
@@ -242,7 +245,7 @@ def var(*, unit: str = "1", doc: str = "", hint: str = "", shape: Any = None, st
 
 
 def port(*, size: Any = None, optional: bool = False, doc: str = "", unit: str = "1", shape: Any = None,
-         default: Any = None) -> Any:  # fmt: skip
+         default: Any = None, init: Literal[False] = False) -> Any:  # fmt: skip
     """Declare a connector; its class is the annotation. `size` makes an array of ports.
 
     For signals: `unit`, `shape`, and `default`, the value of an input that nothing drives (None: it must be connected).
@@ -255,7 +258,8 @@ def part(component_class: type, *, doc: str = "", **modifiers: Any) -> Any:
     return Part(component_class, modifiers, doc)
 
 
-def outer(component_class: type | None = None, *, optional: bool = False, doc: str = "") -> Any:
+def outer(component_class: type | None = None, *, optional: bool = False, doc: str = "",
+          init: Literal[False] = False) -> Any:  # fmt: skip
     """Declare a use of the nearest part of this class in an enclosing component."""
     return Outer(component_class, optional, doc)
 
