@@ -29,8 +29,8 @@ class BladeElementAerodynamics(Component):
     Each node takes part with its own position, orientation and velocity, in the wind at its place. The frames in
     `nodes` are parallel to the pitched blade root when nothing bends, blade by blade from root to tip, and lie at the
     aerodynamic centres (`node_points`); the twist of the airfoils is added here. thrust, side and vertical force are
-    the sums over all nodes along the axes of the shaft: x downwind, not turning. With a TowerPotentialFlow in the model
-    the nodes meet the wind that the tower deflects; dynamic_inflow adds the part `inflow`, see DynamicInflow. A wind
+    the sums over all nodes along the axes of the shaft: x downwind, not turning. The nodes meet the wind that every
+    TowerPotentialFlow of the model deflects; dynamic_inflow adds the part `inflow`, see DynamicInflow. A wind
     field that does not cover the disk of tip_radius about the rotor's station is refused, see Wind.require.
     """
 
@@ -51,7 +51,7 @@ class BladeElementAerodynamics(Component):
 
     world: World = outer(World)
     wind: Wind = outer(Wind)
-    tower: TowerPotentialFlow = outer(TowerPotentialFlow, optional=True)
+    towers: list[TowerPotentialFlow] = outer(TowerPotentialFlow, many=True)
     hub: Frame = port(doc="hub centre, turning with the rotor; x along the shaft, downwind")
     nodes: Frame = port(size=lambda self: self.rotor.nodes, doc="frames of the nodes, blade by blade from the root")
 
@@ -81,7 +81,7 @@ class BladeElementAerodynamics(Component):
         places = m.horzcat(*[node.r for node in nodes])
         require_disk(self.wind, self.tip_radius, self.station, f"the rotor of {self.label}")
         wind = self.wind.velocity(places, self.station)
-        outputs = _air(self, wind if self.tower is None else self.tower.around(wind, places))
+        outputs = _air(self, wind + sum(tower.around(wind, places) - wind for tower in self.towers))
         loads = [outputs["loads"][i : i + 3] for i in range(0, 6 * len(nodes), 3)]
         given = list(zip(loads[::2], loads[1::2], strict=True))
         about_hub = [m.cross(node.r - hub.r, f) + t for node, (f, t) in zip(nodes, given, strict=True)]
@@ -96,7 +96,7 @@ class BladeElementAerodynamics(Component):
             eq(self.torque, self.rotation * m.dot(shaft, self.moment)),
             eq(self.aero_power, m.dot(self.moment, hub.w)),
             _wake(self, outputs["quasi_steady"]) if self.dynamic_inflow else [],
-            assert_(self.tower.clearance(places) > 0, "a blade strikes the tower") if self.tower is not None else [],
+            [assert_(tower.clearance(places) > 0, "a blade strikes the tower") for tower in self.towers],
         ]
 
 

@@ -26,7 +26,7 @@ from fowtlib.language.declarations import (
     var,
 )
 from fowtlib.language.equations import active
-from fowtlib.language.errors import NotFoundError, ParameterError, UnitError, did_you_mean
+from fowtlib.language.errors import NotFoundError, ParameterError, UnitError, did_you_mean, one_of
 from fowtlib.language.shapes import Drawing
 from fowtlib.language.units import dimension, to_si
 
@@ -167,19 +167,35 @@ class Component(Composite):
 
     # --- what is around -------------------------------------------------------------------------------------------
 
-    def find_outer(self, field: Outer) -> Component | None:
-        """The nearest part of the field's class in an enclosing component."""
-        component_class = field.component_class or field.annotation
+    def find_outer(self, field: Outer) -> Any:
+        """The nearest part of the field's class in an enclosing component; of a collection, all those of the model.
+
+        Raises ParameterError where there is none, or where two are equally near.
+        """
+        wanted = field.component_class or field.annotation
+        if field.many:
+            return self._find_all(wanted)
         for enclosing in self.enclosing():
-            for candidate in enclosing.parts.values():
-                if isinstance(candidate, component_class) and candidate is not self:
-                    return candidate
+            found = [part for part in enclosing.parts.values() if isinstance(part, wanted) and part is not self]
+            if len(found) > 1:
+                raise ParameterError(
+                    f"{self.label} needs one {wanted.__name__} as its '{field.name}', and there are "
+                    f"{one_of([part.path for part in found], 'and')}; leave one, or put each beside what belongs to it."
+                )
+            if found:
+                return found[0]
         if field.optional:
             return None
         raise ParameterError(
-            f"{self.path or type(self).__name__} needs a {component_class.__name__}: "
+            f"{self.path or type(self).__name__} needs a {wanted.__name__}: "
             f"declare one in the model, for example under the name '{field.name}'."
         )
+
+    def _find_all(self, wanted: type) -> list[Component]:
+        """All components of a class in the whole model, but for this one, its parts and what it is a part of."""
+        around = list(self.enclosing())
+        left_out = {id(one) for one in (*around, *self.walk())}
+        return [one for one in (around or [self])[-1].walk() if isinstance(one, wanted) and id(one) not in left_out]
 
     def port_size(self, field: Port) -> int | None:
         """Number of ports of an array of ports; None for a single port."""

@@ -211,10 +211,10 @@ class Part(Field):
 
 
 class Outer(Field):
-    """Declaration of a component that is found in an enclosing component (Modelica's inner and outer)."""
+    """Declaration of a component that is found in an enclosing component (Modelica's inner and outer), or of all."""
 
-    def __init__(self, component_class: type | None, optional: bool, doc: str):
-        self.component_class, self.optional, self.doc = component_class, optional, doc
+    def __init__(self, component_class: type | None, optional: bool, many: bool, doc: str):
+        self.component_class, self.optional, self.many, self.doc = component_class, optional, many, doc
 
     def outside(self, component: Any) -> Any:
         return component.find_outer(self)
@@ -258,10 +258,16 @@ def part(component_class: type, *, doc: str = "", **modifiers: Any) -> Any:
     return Part(component_class, modifiers, doc)
 
 
-def outer(component_class: type | None = None, *, optional: bool = False, doc: str = "",
+def outer(component_class: type | None = None, *, optional: bool = False, many: bool = False, doc: str = "",
           init: Literal[False] = False) -> Any:  # fmt: skip
-    """Declare a use of the nearest part of this class in an enclosing component."""
-    return Outer(component_class, optional, doc)
+    """Declare a use of the nearest part of this class in an enclosing component; two equally near are an error.
+
+    many: all components of the class in the whole model, in the order of the tree, perhaps none:
+    `towers: list[TowerFlow] = outer(TowerFlow, many=True)`. A collection finds its members; no user keeps a list.
+    """
+    if many and component_class is None:
+        raise ValueError("outer(many=True) needs the class of its members: outer(TowerFlow, many=True)")
+    return Outer(component_class, optional, many, doc)
 
 
 def join(path: str, name: str) -> str:
