@@ -367,7 +367,7 @@ def test_mistakes(tmp_path):
         cantilever(torsion=True)
     with pytest.raises(ParameterError, match="Beam: give properties, the path"):
         cantilever(None)
-    with pytest.raises(ModelError, match="cannot be read: No such file"):
+    with pytest.raises(ModelError, match="cannot read the properties of a beam: No such file"):
         read_beam(str(tmp_path / "missing.csv"))
     path = tmp_path / "beam.csv"
     heads = "z_m,mass_per_length_kg_per_m,bending_stiffness_fore_aft_N_m2,bending_stiffness_side_side_N_m2"
