@@ -74,7 +74,7 @@ _COMMON = {
 _AMBIGUOUS = (
     (r"(k|kilo|M|mega|m)?tons?", "1000 kg, 907 kg or 1016 kg", "'t', 'short_ton' or 'long_ton'"),
     (r"mts?", "a metric ton or a thousandth of one", "'t' or 'kg'"),
-    (r"k?(tonf|tons?_force|force_tons?)", "the weight of 1000 kg, 907 kg or 1016 kg", "'kN', or 'tf' for that of 1000 kg"),
+    (r"k?(tonf|tons?_force|force_tons?)", "the weight of 1000 kg, 907 kg or 1016 kg", "'kN' or 'tf' (of 1000 kg)"),
     (r"dwt", "a deadweight tonnage or a pennyweight", "'t' or 'kg'"),
     (r"cwts?|hundredweights?", "100 lb or 112 lb", "'kg' or 'lb'"),
     (r"miles?|mi", "1609 m or 1852 m", "'nmi' for the nautical one, or 'km'"),

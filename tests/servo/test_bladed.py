@@ -194,12 +194,12 @@ def test_a_library_taken_from_those_beside_it(tmp_path):
     wheel = tmp_path / "wheel"
     (wheel / "libs").mkdir(parents=True)
     (wheel / "lib").mkdir()
-    (wheel / "needed.c").write_text("double gain(void) { return 2.0; }\n")
+    (wheel / "needed.c").write_text("double gain() { return 2.0; }\n")
     build = [*compiler(), "-O1", "-fPIC", "-shared"]
     needed = wheel / "libs" / "libneeded_by_discon.so"
     subprocess.run([*build, str(wheel / "needed.c"), "-o", str(needed)], check=True)
     source = wheel / "discon.c"
-    source.write_text("double gain(void);\nvoid DISCON(float *r, int *fail, char *a, char *b, char *c) { r[46] = gain(); }\n")
+    source.write_text("double gain();\nvoid DISCON(float *r, int *fail, char *a, char *b, char *c) {r[46] = gain();}\n")
     target = wheel / "lib" / "libdiscon.so"
     beside = [f"-L{needed.parent}", "-lneeded_by_discon", "-Wl,-rpath,$ORIGIN/../libs"]
     subprocess.run([*build, str(source), "-o", str(target), *beside], check=True)
