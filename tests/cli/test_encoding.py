@@ -17,8 +17,10 @@ from fowtlib.cli.app import main
 COMMANDS = [
     ["--help"], ["run", "--help"], ["tree", "M"], ["check", "M"], ["equations", "M"], ["equations", "M", "--csv"],
     ["parameters", "M"], ["parameters", "M", "--json"], ["equilibrium", "M"], ["eigen", "M"],
-    ["run", "M", "--time", "1"], ["run", "M", "--time", "1", "--csv"], ["decay", "M", "--dof", "höhe", "--offset", "5", "--time", "20"],
-    ["models"], ["parts"], ["parts", "--json"], ["parts", "--markdown"], ["parts", "RigidBody"], ["schema"], ["view", "M"],
+    ["run", "M", "--time", "1"], ["run", "M", "--time", "1", "--csv"],
+    ["decay", "M", "--dof", "höhe", "--offset", "5", "--time", "20"],
+    ["models"], ["parts"], ["parts", "--json"], ["parts", "--markdown"], ["parts", "RigidBody"],
+    ["schema"], ["view", "M"],
     ["export", "M", "--kind", "me"],
 ]  # fmt: skip
 
