@@ -13,8 +13,6 @@ from fowtlib.solving.functions import AtParameters
 if TYPE_CHECKING:
     from fowtlib.solving.plant import Plant
 
-BLOCK = 2000  # points of time evaluated together
-
 
 class Observation:
     """Rebuilds variables of the model along a trajectory."""
@@ -23,7 +21,7 @@ class Observation:
         self, plant: Plant, at: AtParameters, t: np.ndarray, x: np.ndarray, z: np.ndarray, u: np.ndarray, d: np.ndarray
     ):
         self.plant, self.at = plant, at
-        self.arguments = (t[None], x.T, z.T, np.concatenate([u, d], axis=1).T)
+        self.arguments = (t, x, z, np.concatenate([u, d], axis=1))
 
     def arrays(self, paths: Sequence[str]) -> list[np.ndarray]:
         """One array (n_time, *shape) for each path."""
@@ -33,7 +31,7 @@ class Observation:
         sizes, shapes = [e.numel() for e in expressions], [e.shape for e in expressions]
         table = self._compiled(paths)
         if table is None:
-            table = self._interpreted(paths)
+            table = self.at.along(self.at.functions.observed(paths), *self.arguments)
         columns = np.split(table, np.cumsum(sizes)[:-1], axis=1)
         return [_shaped(column, shape) for column, shape in zip(columns, shapes, strict=True)]
 
@@ -43,16 +41,8 @@ class Observation:
         if code is None or code.observed != list(paths):
             return None
         t, x, z, q = self.arguments
-        return code.observe(t[0], x.T, z.T, self.at.whole(q).T)
-
-    def _interpreted(self, paths: Sequence[str]) -> np.ndarray:
-        function = self.at.functions.observed(paths)
-        n = self.arguments[0].shape[1]
-        blocks = []
-        for first in range(0, n, BLOCK):
-            part = slice(first, min(first + BLOCK, n))
-            blocks.append(np.array(self.at.call(function, *(a[:, part] for a in self.arguments))))
-        return np.concatenate(blocks, axis=1).T
+        parameters = np.repeat(self.at.parameters[None], len(t), axis=0)
+        return code.observe(t, x, z, np.concatenate([q, parameters], axis=1))
 
     def values(self, names: Sequence[str]) -> np.ndarray:
         """Columns of scalars, (n_time, n); a single vector or matrix as (n_time, *shape)."""

@@ -210,12 +210,12 @@ class Run:
         """First point at which an armed indicator is not positive any more."""
         if not len(times):
             return None
-        q = np.repeat(self.q[:, None], len(times), axis=1)
-        values = np.array(self.at.call(self.at.functions.indicators, times[None], x.T, z.T, q)).reshape(-1, len(times))
+        q = np.repeat(self.q[None], len(times), axis=0)
+        values = self.at.along(self.at.functions.indicators, times, x, z, q)
         for k in range(len(times)):
-            if np.any(self.armed & (values[:, k] <= 0)):
+            if np.any(self.armed & (values[k] <= 0)):
                 return k
-            self.armed = values[:, k] > 0
+            self.armed = values[k] > 0
         return None
 
     def _event(self, times: np.ndarray, x: np.ndarray, z: np.ndarray, k: int) -> None:
@@ -347,10 +347,9 @@ class Run:
         if not self.dae.checks:
             return
         n = len(times)
-        q = np.repeat(self.q[:, None], n, axis=1)
-        values = np.array(self.at.call(self.at.functions.conditions, times[None], x.T, z.T, q)).reshape(-1, n)
-        for k in np.flatnonzero((values == 0).any(axis=0)):
-            for i in np.flatnonzero(values[:, k] == 0):
+        values = self.at.along(self.at.functions.conditions, times, x, z, np.repeat(self.q[None], n, axis=0))
+        for k in np.flatnonzero((values == 0).any(axis=1)):
+            for i in np.flatnonzero(values[k] == 0):
                 check = self.dae.checks[i]
                 if check.level == "warning" and int(i) in self.warned:
                     continue
