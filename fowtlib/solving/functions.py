@@ -29,8 +29,9 @@ class Functions:
     They are made when first asked for, and hold no number that a run may change: other values of parameters need no
     other functions. `at` gives them with the parameters put in.
 
-    zeros: numbers of parameters in p that are zero, and what they multiply is left out: a quarter of the operations of
-    a turbine, whose parts stand on one axis. `at` chooses them, and makes others where one of them is zero no longer.
+    zeros: numbers of tunable parameters in p that are zero, and what they multiply is left out: a fifth of the
+    operations of two turbines, whose parts stand on straight lines. `at` chooses them, and makes other functions where
+    one of them is zero no longer.
     """
 
     def __init__(self, dae: FlatDAE, zeros: frozenset[int] = frozenset()):
@@ -43,10 +44,11 @@ class Functions:
 
     def at(self, parameters: np.ndarray) -> AtParameters:
         """The functions at values of p, without those parameters that have been zero in all runs so far."""
-        zeros = frozenset(np.flatnonzero(np.asarray(parameters) == 0).tolist())
+        tunable = sum(item.symbol.numel() for item in self.dae.parameters.values())
+        zeros = frozenset(np.flatnonzero(np.asarray(parameters)[:tunable] == 0).tolist())
         if self._lean is None or not self._lean.zeros <= zeros:
             self._lean = Functions(self.dae, zeros & self._lean.zeros if self._lean else zeros)
-        return AtParameters(self._lean, parameters)
+        return AtParameters(self._lean, parameters, self)
 
     def once(self, key: Hashable, make: Callable[[], Made]) -> Made:
         """What `make` returns, made for the first that asks for it by this key."""
@@ -285,10 +287,13 @@ class Functions:
 
 
 class AtParameters:
-    """Functions with the parameters put in: of t, x, z, and q = [u; d]."""
+    """Functions with the parameters put in: of t, x, z, and q = [u; d].
 
-    def __init__(self, functions: Functions, parameters: np.ndarray):
-        self.functions, self.dae = functions, functions.dae
+    general: the functions in which all parameters are symbols, also those that are zero.
+    """
+
+    def __init__(self, functions: Functions, parameters: np.ndarray, general: Functions):
+        self.functions, self.dae, self.general = functions, functions.dae, general
         self.parameters = np.ascontiguousarray(parameters, dtype=float)
 
     def whole(self, q: np.ndarray) -> np.ndarray:
