@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import time
 from collections.abc import Sequence
+from dataclasses import replace
 from typing import Any
 
 import casadi as ca
@@ -37,8 +38,7 @@ def flatten(root: Component, opened: Sequence[str] = ()) -> FlatDAE:
         if instances.system.equations and not instances.system.unknowns:
             raise StructureError("the model has equations but no unknowns.")
         dae = _Assembler(instances.system, instances.statements).run()
-    dae.stats["flattening_time"] = time.perf_counter() - started
-    return dae
+    return replace(dae, stats={**dae.stats, "flattening_time": time.perf_counter() - started})
 
 
 class _Assembler:
@@ -65,17 +65,18 @@ class _Assembler:
         everything = [j for j, v in enumerate(system.unknowns) if v.base in bases and j not in self.replaced]
         causal = Causalization(system, states, everything, incidence).run()
         dae = self._build(states, causal, everything)
-        dae.write_equations = lambda: [
-            (path, with_names(left, names), with_names(right, names)) for path, left, right in written
-        ]
-        dae.stats |= {
+
+        def write_equations() -> list[tuple[str, str, str]]:
+            return [(path, with_names(left, names), with_names(right, names)) for path, left, right in written]
+
+        counts = {
             "equations": self.original,
             "aliases": len(self.replaced),
             "differentiated": len(system.equations) - sum(e.order == 0 for e in system.equations),
             "blocks": len(causal.blocks),
             "largest_block": max(causal.blocks, default=0),
         }
-        return dae
+        return replace(dae, write_equations=write_equations, stats=counts)
 
     def _eliminate_aliases(self) -> dict[int, ca.SX]:
         """Eliminate until no equation is an alias: a quantity found to be a number may uncover further ones."""

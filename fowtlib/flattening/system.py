@@ -87,7 +87,7 @@ def residuals(equations: Sequence[FlatEquation]) -> ca.SX:
     return stacked(equation.lhs for equation in equations) - stacked(equation.rhs for equation in equations)
 
 
-@dataclass(slots=True)
+@dataclass(frozen=True, slots=True)
 class Parameter:
     """A tunable parameter: value in SI units, `symbol` of the same shape."""
 
@@ -125,7 +125,7 @@ class Intermediate:
         return element_names(self.matrix, (3, 3))
 
 
-@dataclass(slots=True)
+@dataclass(frozen=True, slots=True)
 class Input:
     """An input of the whole model: a signal that nothing drives."""
 

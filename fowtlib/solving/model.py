@@ -8,7 +8,9 @@ from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import Any
 
-from fowtlib.flattening import flatten
+import numpy as np
+
+from fowtlib.flattening import FlatDAE, flatten
 from fowtlib.flattening.dimensions import check_dimensions
 from fowtlib.language.component import Component
 from fowtlib.language.errors import ParameterError, did_you_mean
@@ -48,9 +50,17 @@ class Model:
         another.
         """
         dae = flatten(self.root, inputs)
-        plant = Plant(dae, self.outputs, name=self.name, title=self.title, settings=self.settings, root=self.root)
-        plant.start_opened_inputs()
-        return plant
+        plant = self._plant(dae)
+        driven = {path: item for path, item in dae.inputs.items() if item.driver}
+        if not driven:
+            return plant
+        start = plant.initial_state()
+        values = {path: np.ravel(start[item.driver], order="F") for path, item in driven.items()}
+        defaults = {path: replace(item, default=values.get(path, item.default)) for path, item in dae.inputs.items()}
+        return self._plant(replace(dae, inputs=defaults))
+
+    def _plant(self, dae: FlatDAE) -> Plant:
+        return Plant(dae, self.outputs, name=self.name, title=self.title, settings=self.settings, root=self.root)
 
     def check(self) -> ModelReport:
         """Flatten the model and check the dimensions of its equations; the report says what was found."""

@@ -259,7 +259,7 @@ def test_mistakes_are_told(swing, tmp_path):
         fw.view(swing, tmp_path / "no.pdf")
     with pytest.raises(ModelError, match=r"^view: 0 moments per second cannot be shown"):
         fw.view(swing, tmp_path / "no.html", rate=0)
-    with pytest.raises(ModelError, match=r"^view: a Model or a Result can be drawn, not a str\.$"):
+    with pytest.raises(ModelError, match=r"^view: a Model, a Plant or a Result can be drawn, not a str\.$"):
         view("oc3_spar_rigid", tmp_path / "no.html")
     with pytest.raises(ModelError, match=r"a shape is made of structure, .*, not of 'cheese'\."):
         shapes.Ball(None, material="cheese")
