@@ -9,7 +9,7 @@ from functools import cached_property
 import casadi as ca
 import numpy as np
 
-from fowtlib.flattening.system import Input, Parameter
+from fowtlib.flattening.system import Bound, BoundParameter, Input, Parameter
 from fowtlib.language.equations import Process
 from fowtlib.language.errors import NotFoundError, did_you_mean
 
@@ -90,7 +90,9 @@ class FlatDAE:
     """Semi-explicit DAE of index one, torn at the external functions.
 
     der(x) = ode, 0 = alg, both SX expressions of (t, x, z, u, d, p, w); w are the outputs of the externals, whose
-    inputs are expressions of the same symbols. `observed` gives every variable of the model by path.
+    inputs are expressions of the same symbols. `observed` gives every variable of the model by path. p holds the
+    tunable `parameters`, then the numbers that are computed when a run starts, `bound`; only these depend on the
+    `bound_parameters`.
     """
 
     t: ca.SX
@@ -118,6 +120,8 @@ class FlatDAE:
     samples: list[SampledUpdate] = field(default_factory=list)
     checks: list[Check] = field(default_factory=list)
     rings: list[Ring] = field(default_factory=list)
+    bound: dict[str, Bound] = field(default_factory=dict)
+    bound_parameters: dict[str, BoundParameter] = field(default_factory=dict)
     write_equations: Callable[[], list[tuple[str, str, str]]] = list
     initial_sources: list[str] = field(default_factory=list)
     stats: dict[str, float] = field(default_factory=dict)

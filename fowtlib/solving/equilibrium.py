@@ -17,7 +17,9 @@ def time_dependence(evaluation: Evaluation) -> list[str]:
     dae = evaluation.dae
     rows = ca.vertcat(dae.ode, dae.alg)
     needed = evaluation._needed([rows])
-    paths = [dae.externals[k].path for k in sorted(needed) if ca.depends_on(dae.externals[k].inputs, dae.t)]
+    steady = evaluation.binding.steady if evaluation.binding is not None else ()
+    moving = [dae.externals[k] for k in sorted(needed) if ca.depends_on(dae.externals[k].inputs, dae.t)]
+    paths = [external.path for external in moving if ca.vec(external.inputs)[0].element_hash() not in steady]
     if ca.depends_on(rows, dae.t):
         names = [s.path for s in dae.states]
         for k, row in enumerate(ca.vertsplit(dae.ode)):

@@ -8,6 +8,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Sequence
 from functools import cached_property
+from typing import Any
 
 import casadi as ca
 import numpy as np
@@ -27,6 +28,7 @@ class Evaluation:
     def __init__(self, dae: FlatDAE, parameters: np.ndarray, kept: Sequence[int] = ()):
         self.dae = dae
         self.parameters = parameters
+        self.binding: Any = None  # what the numbers came from, and the data behind their handles
         self.t, self.x, self.z, self.w = dae.t, dae.x, dae.z, dae.w
         self.q = ca.vertcat(dae.u, dae.d, *[dae.p[i] for i in kept])
         self._fixed = [i for i in range(parameters.size) if i not in set(kept)]

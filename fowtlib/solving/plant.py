@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import copy
 from collections.abc import Callable, Mapping, Sequence
 from functools import cached_property
 from pathlib import Path
@@ -11,11 +12,12 @@ import casadi as ca
 import numpy as np
 
 from fowtlib.flattening import FlatDAE
-from fowtlib.language.declarations import join
+from fowtlib.language.component import Component
 from fowtlib.language.errors import NotFoundError, ParameterError, SimulationError, did_you_mean
 from fowtlib.language.externals import refusals_explained
 from fowtlib.language.units import from_si, to_si
 from fowtlib.language.upstairs import handed_in
+from fowtlib.solving.binding import Binding, Bindings, structural_values
 from fowtlib.solving.engine import create_engine
 from fowtlib.solving.equilibrium import equilibrium
 from fowtlib.solving.evaluation import Evaluation
@@ -41,14 +43,19 @@ class Plant:
         self.dae = dae
         self.name = name
         self.title = title
-        self.root = root
+        self.root = copy.deepcopy(root)  # what is done to the model later is no part of this
+        self._bindings = Bindings(dae, self.root)
         self.settings = dict(settings or {})
         self._declared = dict(outputs or {})
         self.outputs = {name: self._output(name, item) for name, item in self._declared.items()} or {
             quantity.path: (quantity.path, quantity.unit, quantity.doc) for quantity in dae.states
         }
         self._evaluations: dict[bytes, Evaluation] = {}
-        self.structure = structural_values(root)
+
+    @cached_property
+    def structure(self) -> dict[str, Any]:
+        """Structural and bound parameters of all parts; see structural_values."""
+        return structural_values(self.root)
 
     @property
     def stats(self) -> dict[str, float]:
@@ -78,33 +85,21 @@ class Plant:
 
     def parameter_values(self, parameters: Values | None = None) -> dict[str, np.ndarray]:
         """Values of all tunable parameters in SI, with those given put in."""
-        values = {path: item.value for path, item in self.dae.parameters.items()}
-        for path, value in (parameters or {}).items():
-            if path not in values:
-                raise ParameterError(
-                    f"there is no tunable parameter '{path}'{did_you_mean(path, values)} "
-                    "A structural or dependent parameter is changed in the model, before compile()."
-                )
-            item = self.dae.parameters[path]
-            numbers = np.asarray(to_si(value, item.unit, path), dtype=float)
-            for bound, outside, word in (
-                (item.min, item.min is not None and np.any(numbers < item.min), "below its minimum"),
-                (item.max, item.max is not None and np.any(numbers > item.max), "above its maximum"),
-            ):
-                if outside:
-                    raise ParameterError(f"{path} = {value} is {word} {bound:g} {item.unit} ({item.doc}).")
-            values[path] = np.broadcast_to(numbers, item.value.shape)
-        return values
+        return dict(self.binding(parameters).values)
+
+    def binding(self, parameters: Values | None = None) -> Binding:
+        """What a run with these parameters takes in; see fowtlib.solving.binding.bind."""
+        return self._bindings(parameters)
 
     def evaluation(self, parameters: Values | None = None) -> Evaluation:
         """The numeric functions at parameter values; kept for the next call with the same values."""
-        values = self.parameter_values(parameters)
-        vector = np.concatenate([np.ravel(v, order="F") for v in values.values()]) if values else np.zeros(0)
-        key = vector.tobytes()
+        binding = self.binding(parameters)
+        key = binding.p.tobytes()
         if key not in self._evaluations:
             if len(self._evaluations) >= 4:
                 self._evaluations.pop(next(iter(self._evaluations)))
-            self._evaluations[key] = Evaluation(self.dae, vector)
+            self._evaluations[key] = Evaluation(self.dae, binding.p)
+            self._evaluations[key].binding = binding  # its data stay known as long as the functions are used
         return self._evaluations[key]
 
     @cached_property
@@ -223,7 +218,8 @@ class Plant:
             raise SimulationError("the result is of another model: its states are not those of this one.")
         u = np.repeat(self.inputs()[None], len(raw.time), axis=0)
         observation = Observation(self, self.evaluation(parameters), raw.time, raw.x, raw.z, u, raw.d)
-        return Observer(observation.values, self.describe, self.dae.names, self.root)
+        root = self.binding(parameters).root
+        return Observer(observation.values, self.describe, self.dae.names, root)
 
     # --- uses ----------------------------------------------------------------------------------------------------
 
@@ -234,6 +230,7 @@ class Plant:
         output_step: float | str | None = None,
         *,
         start: State | Result | Values | None = None,
+        parts: Mapping[str, Component] | None = None,
         solver: str | None = None,
         step: float | str | None = None,
         tolerance: float | None = None,
@@ -250,8 +247,14 @@ class Plant:
         amplitude at each step. Arguments left out come from the model file, else t_end 600 s, output_step 0.1 s, solver
         "idas", step 12.5 ms, tolerance 1e-6, rho_inf 0.8. Raises SimulationError; its attribute `result` holds what was
         computed.
+
+        parameters: by path, tunable and bound ones. parts: by path, components that take the place of others of their
+        family for this run, as in `parts={"wind": SteadyWind(mean_speed=8)}`; nothing is flattened or compiled anew.
         """
         from fowtlib.solving.simulation import Simulation
+
+        if parts:
+            parameters = {**parts, **(parameters or {})}
 
         def chosen(value: Any, key: str, default: Any) -> Any:
             return self.settings.get(key, default) if value is None else value
@@ -271,7 +274,8 @@ class Plant:
             chosen(solver, "solver", "idas"), relative, interval, {"step": step, "rho_inf": rho_inf}, self.settings,
         )  # fmt: skip
         if isinstance(start, Result):
-            start.check_resumable(self.parameter_values(parameters), self.structure)
+            binding = self.binding(parameters)
+            start.check_resumable(binding.values, binding.structure)
             state = self.resume_point(start.final, parameters, inputs)
         elif isinstance(start, State):
             parameters = start.parameters if parameters is None else parameters
@@ -305,8 +309,7 @@ class Plant:
                 known = [*positions["inputs"], *positions["parameters"]]
                 raise NotFoundError(f"there is no input or tunable parameter '{path}'{did_you_mean(path, known)}")
             labels += [path] if count == 1 else [f"{path}[{i}]" for i in range(count)]
-        values = self.parameter_values(state.parameters)
-        vector = np.concatenate([np.ravel(v, order="F") for v in values.values()]) if values else np.zeros(0)
+        vector = self.binding(state.parameters).p
         evaluation = Evaluation(dae, vector, kept) if kept else self.evaluation(state.parameters)
         rows, factors, out_labels, units = [], [], [], {}
         for name in names:
@@ -348,26 +351,3 @@ class Plant:
 
     def __repr__(self) -> str:
         return f"<Plant {self.title or self.name}: {self.dae!r}>"
-
-
-def structural_values(root: Any) -> dict[str, Any]:
-    """The structural parameters of all parts by path, ready for JSON; a file by its name, wherever it lies."""
-    parts = root.walk() if root is not None else ()
-    return {
-        join(part.path, name): _plain(part.parameter_value(name))
-        for part in parts
-        for name, field in part.parameters.items()
-        if not field.tunable
-    }
-
-
-def _plain(value: Any) -> Any:
-    if isinstance(value, str):
-        return Path(value).name if Path(value).is_absolute() else value
-    if isinstance(value, np.ndarray | np.generic):
-        return value.tolist()
-    if isinstance(value, list | tuple):
-        return [_plain(item) for item in value]
-    if isinstance(value, dict):
-        return {str(key): _plain(item) for key, item in value.items()}
-    return value if value is None or isinstance(value, bool | int | float) else type(value).__name__

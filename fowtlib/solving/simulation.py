@@ -42,6 +42,7 @@ class Simulation:
                  resumed: bool = False):  # fmt: skip
         self.plant, self.dae = plant, plant.dae
         self.parameters = parameters
+        self.binding = plant.binding(parameters)
         self.resumed = resumed
         self.engine = engine
         self.evaluation = plant.evaluation(parameters)
@@ -140,7 +141,8 @@ class Simulation:
             passed = round((self.rows[-1][0][-1] - self.t_start) / step)
             next_output = min(self.t_start + (passed + 1) * step, t_end)
             next_sample = min((o + k * p for o, p, k in self.clocks), default=np.inf)
-            stop = min(next_sample, t_end)
+            next_break = next((t for t in self.binding.breaks if t > self.t + tiny), np.inf)
+            stop = min(next_sample, next_break, t_end)
             on_grid = abs(self.t - (self.t_start + passed * step)) < tiny
             points = min(int((stop - self.t) / step + 1e-7), STRETCH) if on_grid else 0
             if points:
@@ -374,7 +376,7 @@ class Simulation:
 
     def _message(self, i: int, t: float, x: np.ndarray, z: np.ndarray) -> str:
         check = self.dae.checks[i]
-        text = check.message
+        text = self.binding.words(check.message)
         for name, expression in check.values.items():
             value = float(self.evaluation.function("value", [expression])(t, x, z, self.q))
             text = text.replace("{" + name + "}", f"{value:.6g}")
@@ -411,7 +413,7 @@ class Simulation:
         for name, path, series in zip(self.names, paths, observe.arrays(paths), strict=True):
             values[name] = from_si(series, self.plant.describe(path)[0], units[name])
             self._warn_of_gaps(name, t, series)
-        numbers = self.plant.parameter_values(self.parameters)
+        numbers = self.binding.values
         raw = RawTrajectory(
             t, x, z, d, tuple(q.path for q in self.dae.states), tuple(q.path for q in self.dae.algebraics),
             tuple(q.path for q in self.dae.discretes), parameter_hash(numbers),
@@ -422,11 +424,11 @@ class Simulation:
             **self.engine.attributes,
             "status": status,
             "parameters": {path: value.tolist() for path, value in numbers.items()},
-            "structure": self.plant.structure,
+            "structure": self.binding.structure,
             "wall_time": self.wall_time,
             "warnings": "\n".join(self.warned.values()),
         }
-        observer = Observer(observe.values, self.plant.describe, self.dae.names, self.plant.root)
+        observer = Observer(observe.values, self.plant.describe, self.dae.names, self.binding.root)
         return Result(t, values, units, docs, attributes, raw, observer)
 
 
