@@ -108,7 +108,8 @@ class Series:
         """`before` (m,), then for `duration` [s] something else, then `after` (m,).
 
         With s from 0 to 1 in between, that is the sum of polynomial[i] s^i, rows of (m,), and of Re(a exp(i omega s))
-        for harmonics (omega, a), a (m,) complex. A solver stops at the start and at the end.
+        for harmonics (omega, a), a (m,) complex. A solver stops at the start and at the end;
+        the signals should be continuous there.
         """
         if not (math.isfinite(duration) and duration > 0 and math.isfinite(start)):
             raise ParameterError(f"a transition of {duration:g} s from {start:g} s on cannot be.")
