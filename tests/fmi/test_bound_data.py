@@ -2,6 +2,7 @@
 
 import numpy as np
 import pytest
+from fmpy.fmi1 import FMICallException
 
 import fowtlib as fw
 from fowtlib.language import Scalar, Series, at_start, der, eq, param, run_time_series, var
