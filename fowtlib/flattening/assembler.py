@@ -158,7 +158,7 @@ class _Assembler:
         z = _column([unknowns[j].symbol for j in causal.torn])
         d = _column([item.symbol for item in system.discretes])
         u = _column([ca.vec(item.symbol) for item in system.inputs.values()])
-        p = _column([ca.vec(item.symbol) for item in system.parameters.values()])
+        p = _column([ca.vec(item.symbol) for group in (system.parameters, system.bound) for item in group.values()])
         calls = [item for item in system.intermediates if item.function is not None]
         w = _column([symbol for item in calls for symbol in item.symbols])
 
@@ -197,7 +197,8 @@ class _Assembler:
             ode=_column(solved["ode"]), alg=_column(solved["alg"]),
             states=[self._quantity(j) for j in states], algebraics=[self._quantity(j) for j in causal.torn],
             discretes=[self._discrete(item) for item in system.discretes],
-            inputs=system.inputs, parameters=system.parameters, externals=_externals(calls, solved["inputs"]),
+            inputs=system.inputs, parameters=system.parameters, bound=system.bound,
+            bound_parameters=system.bound_parameters, externals=_externals(calls, solved["inputs"]),
             observed=observed, units=units, docs=docs,
             residual_paths=[self._residual_path(i) for i in causal.residuals],
             initial_equations=_column([ca.vec(e) for e in solved["initial"]]),

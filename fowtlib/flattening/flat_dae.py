@@ -11,7 +11,7 @@ from typing import Any
 import casadi as ca
 import numpy as np
 
-from fowtlib.flattening.system import Input, Parameter
+from fowtlib.flattening.system import Bound, BoundParameter, Input, Parameter
 from fowtlib.language.equations import Process
 from fowtlib.language.errors import NotFoundError, did_you_mean
 
@@ -113,7 +113,9 @@ class FlatDAE:
     """Semi-explicit DAE of index one, torn at the external functions; a value that nothing changes once it is made.
 
     der(x) = ode, 0 = alg, both SX expressions of (t, x, z, u, d, p, w); w are the outputs of the externals, whose
-    inputs are expressions of the same symbols. `observed` gives every variable of the model by path.
+    inputs are expressions of the same symbols. `observed` gives every variable of the model by path. p holds the
+    tunable `parameters`, then the numbers that are computed when a run starts, `bound`; only these depend on the
+    `bound_parameters`.
     """
 
     t: ca.SX
@@ -141,6 +143,8 @@ class FlatDAE:
     samples: tuple[SampledUpdate, ...] = ()
     checks: tuple[Check, ...] = ()
     rings: tuple[Ring, ...] = ()
+    bound: Mapping[str, Bound] = field(default_factory=dict)
+    bound_parameters: Mapping[str, BoundParameter] = field(default_factory=dict)
     write_equations: Callable[[], list[tuple[str, str, str]]] = list
     initial_sources: tuple[str, ...] = ()
     stats: Mapping[str, float] = field(default_factory=dict)

@@ -20,8 +20,23 @@ class Flattener(Protocol):
 
     def external(self, function: ca.Function, inputs: ca.SX) -> ca.SX: ...
 
+    def at_start(self, numbers: AtStart) -> ca.SX: ...
+
     @property
     def time(self) -> ca.SX: ...
+
+
+@dataclass(slots=True)
+class AtStart:
+    """Numbers that are computed when a run starts; see fowtlib.language.run_time.at_start."""
+
+    name: str
+    size: int
+    unit: str
+    doc: str
+    compute: Callable[[Any], Any]
+    of: Any = None
+    functions: tuple[Any, ...] = ()
 
 
 _active: list[Flattener] = []

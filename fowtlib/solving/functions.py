@@ -14,6 +14,7 @@ import casadi as ca
 import numpy as np
 
 from fowtlib.flattening import FlatDAE
+from fowtlib.solving.binding import Binding
 
 MANY = 300  # columns from which a sparse Jacobian is better than a directional one
 SHORT = {"cse": True}  # common subexpressions once: parameters as arguments leave more of them
@@ -42,13 +43,13 @@ class Functions:
         self._externals = [_Differentiable(external.function) for external in dae.externals]
         self._made: dict[Hashable, Any] = {}
 
-    def at(self, parameters: np.ndarray) -> AtParameters:
-        """The functions at values of p, without those parameters that have been zero in all runs so far."""
+    def at(self, binding: Binding) -> AtParameters:
+        """The functions at what a run takes in, without those parameters that have been zero in all runs so far."""
         tunable = sum(item.symbol.numel() for item in self.dae.parameters.values())
-        zeros = frozenset(np.flatnonzero(np.asarray(parameters)[:tunable] == 0).tolist())
+        zeros = frozenset(np.flatnonzero(binding.p[:tunable] == 0).tolist())
         if self._lean is None or not self._lean.zeros <= zeros:
             self._lean = Functions(self.dae, zeros & self._lean.zeros if self._lean else zeros)
-        return AtParameters(self._lean, parameters, self)
+        return AtParameters(self._lean, binding, self)
 
     def once(self, key: Hashable, make: Callable[[], Made]) -> Made:
         """What `make` returns, made for the first that asks for it by this key."""
@@ -289,12 +290,13 @@ class Functions:
 class AtParameters:
     """Functions with the parameters put in: of t, x, z, and q = [u; d].
 
+    binding: what the parameters came from; its data stay known as long as the functions are used.
     general: the functions in which all parameters are symbols, also those that are zero.
     """
 
-    def __init__(self, functions: Functions, parameters: np.ndarray, general: Functions):
-        self.functions, self.dae, self.general = functions, functions.dae, general
-        self.parameters = np.ascontiguousarray(parameters, dtype=float)
+    def __init__(self, functions: Functions, binding: Binding, general: Functions):
+        self.functions, self.dae, self.general, self.binding = functions, functions.dae, general, binding
+        self.parameters = np.ascontiguousarray(binding.p, dtype=float)
 
     def whole(self, q: np.ndarray) -> np.ndarray:
         """[u; d; p] of [u; d]."""

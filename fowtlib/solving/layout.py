@@ -28,30 +28,6 @@ class Layout:
 
     # --- what a user gives by path -------------------------------------------------------------------------------
 
-    def parameter_values(self, given: Values | None = None) -> dict[str, np.ndarray]:
-        """Values of all tunable parameters in SI, with those given put in."""
-        values = {path: item.value.copy() for path, item in self.dae.parameters.items()}
-        for path, value in (given or {}).items():
-            if path not in values:
-                raise ParameterError(
-                    f"there is no tunable parameter '{path}'{did_you_mean(path, values)} "
-                    "A structural or dependent parameter is changed in the model, before compile()."
-                )
-            item = self.dae.parameters[path]
-            numbers = np.asarray(to_si(value, item.unit, path), dtype=float)
-            for bound, outside, word in (
-                (item.min, item.min is not None and np.any(numbers < item.min), "below its minimum"),
-                (item.max, item.max is not None and np.any(numbers > item.max), "above its maximum"),
-            ):
-                if outside:
-                    raise ParameterError(f"{path} = {value} is {word} {bound:g} {item.unit} ({item.doc}).")
-            values[path] = np.broadcast_to(numbers, item.value.shape)
-        return values
-
-    def parameters(self, values: Mapping[str, np.ndarray]) -> np.ndarray:
-        """The vector p of the values of all parameters; a matrix column by column."""
-        return _joined([np.ravel(values[path], order="F") for path in self.p])
-
     def inputs(self, given: Values | None = None) -> np.ndarray:
         """The vector u: the defaults of the inputs, with those given put in."""
         values = {path: item.default for path, item in self.dae.inputs.items()}

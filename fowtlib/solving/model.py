@@ -87,11 +87,18 @@ class Model:
         if self.rebuild is not None:
             return self.rebuild(values)
         root = copy.deepcopy(self.root)
-        for path, value in sorted(values.items(), key=lambda item: item[0].count(".")):  # a part before what is in it
+
+        def order(path: str) -> tuple[int, bool]:
+            """A part before what is in it, and its kind before what only this kind has."""
+            family = root.find(path.rpartition(".")[0]).family
+            return path.count("."), family is None or path.rpartition(".")[2] != family.selector
+
+        for path, value in sorted(values.items(), key=lambda item: order(item[0])):
             owner, _, name = path.rpartition(".")
             component = root.find(owner)
             if name not in component.parameters:
-                known = did_you_mean(name, component.parameters)
-                raise ParameterError(f"{component.label} has no parameter '{name}'{known}")
+                hint = component.family.hint(name) if component.family is not None else ""
+                hint = hint or did_you_mean(name, component.parameters)
+                raise ParameterError(f"{component.label} has no parameter '{name}'{hint}")
             setattr(component, name, value)
         return replace(self, root=root)

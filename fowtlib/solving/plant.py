@@ -2,14 +2,17 @@
 
 from __future__ import annotations
 
+import copy
 from collections.abc import Callable, Mapping, Sequence
 from typing import Any
 
 import numpy as np
 
 from fowtlib.flattening import FlatDAE
+from fowtlib.language.component import Component
 from fowtlib.language.errors import SimulationError
 from fowtlib.language.externals import refusals_explained
+from fowtlib.solving.binding import Binding, Bindings
 from fowtlib.solving.engines import FixedStepCode, create_engine
 from fowtlib.solving.equilibrium import equilibrium
 from fowtlib.solving.functions import AtParameters, Functions
@@ -21,7 +24,6 @@ from fowtlib.solving.outputs import Outputs
 from fowtlib.solving.results import Observer, RawTrajectory, Result
 from fowtlib.solving.run import About, Run, duration_settings
 from fowtlib.solving.state import State
-from fowtlib.solving.structure import structural_values
 
 
 class Plant:
@@ -32,10 +34,11 @@ class Plant:
 
     def __init__(self, dae: FlatDAE, outputs: Mapping[str, Any] | None = None, *, name: str = "", title: str = "",
                  settings: Mapping[str, Any] | None = None, root: Any = None):  # fmt: skip
-        self.dae, self.name, self.title, self.root = dae, name, title, root
+        self.dae, self.name, self.title = dae, name, title
+        self.root = copy.deepcopy(root)  # what is done to the model later is no part of this
+        self._bindings = Bindings(dae, self.root)
         self.settings = dict(settings or {})
         self.layout, self.outputs, self.functions = Layout(dae), Outputs(dae, outputs), Functions(dae)
-        self.structure = structural_values(root)
         self._code: FixedStepCode | None = None
 
     @property
@@ -56,11 +59,15 @@ class Plant:
 
     def parameter_values(self, parameters: Values | None = None) -> dict[str, np.ndarray]:
         """Values of all tunable parameters in SI, with those given put in."""
-        return self.layout.parameter_values(parameters)
+        return {path: value.copy() for path, value in self.binding(parameters).values.items()}
+
+    def binding(self, parameters: Values | None = None) -> Binding:
+        """What a run with these parameters takes in; see fowtlib.solving.binding.bind."""
+        return self._bindings(parameters)
 
     def at(self, parameters: Values | None = None) -> AtParameters:
         """The numeric functions at parameter values."""
-        return self.functions.at(self.layout.parameters(self.parameter_values(parameters)))
+        return self.functions.at(self.binding(parameters))
 
     @refusals_explained()
     def initial_state(self, parameters: Values | None = None, start: Values | None = None, inputs: Values | None = None,
@@ -90,6 +97,7 @@ class Plant:
         output_step: float | str | None = None,
         *,
         start: State | Result | Values | None = None,
+        parts: Mapping[str, Component] | None = None,
         solver: str | None = None,
         step: float | str | None = None,
         tolerance: float | None = None,
@@ -106,17 +114,21 @@ class Plant:
         amplitude at each step. Arguments left out come from the model file, else t_end 600 s, output_step 0.1 s, solver
         "idas", step 12.5 ms, tolerance 1e-6, rho_inf 0.8. Raises SimulationError; its attribute `result` holds what was
         computed.
+
+        parameters: by path, tunable and bound ones. parts: by path, components that take the place of others of their
+        family for this run, as in `parts={"wind": SteadyWind(mean_speed=8)}`; nothing is flattened or compiled anew.
         """
         if isinstance(start, State) and parameters is None:
             parameters = start.parameters
+        if parts:
+            parameters = {**(parameters or {}), **parts}
         end, interval, relative = duration_settings(t_end, output_step, tolerance, self.settings)
         engine = create_engine(
             self.at(parameters), lambda: self.fixed_step_code, solver, relative, interval,
             {"step": step, "rho_inf": rho_inf}, self.settings,
         )  # fmt: skip
-        values = self.parameter_values(parameters)
-        about = About(self.name, self.title, self.structure, values, self.root)
-        state = self._start(start, parameters, inputs, values)
+        about = About(self.name, self.title, self.binding(parameters))
+        state = self._start(start, parameters, inputs, about.binding)
         names = list(self.outputs) if outputs is None else outputs
         run = Run(engine, state, self.outputs, names, about, isinstance(start, Result), lambda: self._code)
         return run.run(end, interval, progress)
@@ -139,10 +151,10 @@ class Plant:
         return Observer(observation.values, self.describe, self.dae.names, self.root)
 
     def _start(self, start: State | Result | Values | None, parameters: Values | None, inputs: Values | None,
-               values: Mapping[str, np.ndarray]) -> State:  # fmt: skip
+               binding: Binding) -> State:  # fmt: skip
         """The state from which a simulation starts."""
         if isinstance(start, Result):
-            start.check_resumable(values, self.structure)
+            start.check_resumable(binding.values, binding.structure)
             point = start.final
             x, z, d = self.layout.vectors(point.x, point.z, point.d)
             return self._state(point.time, x, z, d, self.layout.inputs(inputs), parameters)

@@ -5,8 +5,8 @@ from __future__ import annotations
 import sys
 import time as clock
 import warnings
-from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass, field
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
@@ -14,6 +14,7 @@ from scipy.optimize import brentq
 
 from fowtlib.language.errors import ParameterError, SimulationError
 from fowtlib.language.units import to_si
+from fowtlib.solving.binding import Binding
 from fowtlib.solving.engines import Engine
 from fowtlib.solving.engines.fixed_step_code import FixedStepCode
 from fowtlib.solving.failure import StepFailure, integration_failure
@@ -37,17 +38,14 @@ class Interrupted(SimulationError):
 
 @dataclass(frozen=True)
 class About:
-    """What a result says of the model and of the values in the run.
+    """What a run is of, for its result.
 
-    name, title: of the model; structure: its structural parameters; parameters: values of the tunable ones by path, SI;
-    root: the component tree.
+    name, title: of the model; binding: what the run takes in.
     """
 
-    name: str = ""
-    title: str = ""
-    structure: Mapping[str, Any] = field(default_factory=dict)
-    parameters: Mapping[str, np.ndarray] = field(default_factory=dict)
-    root: Any = None
+    name: str
+    title: str
+    binding: Binding
 
 
 def duration_settings(t_end: Any, output_step: Any, tolerance: Any, settings: Values) -> tuple[float, float, float]:
@@ -76,7 +74,7 @@ class Run:
                  resumed: bool = False, code: Callable[[], FixedStepCode | None] = lambda: None):  # fmt: skip
         self.engine, self.at, self.dae = engine, engine.at, engine.at.dae
         self.outputs, self.names, self.about, self.code = outputs, list(names), about, code
-        self.resumed = resumed
+        self.binding, self.resumed = about.binding, resumed
         self.sessions = Sessions(self.dae, resumed)
         self.t = start.t
         self.x, self.z, self.d, self.u = start.x.copy(), start.z.copy(), start.d.copy(), start.u.copy()
@@ -159,7 +157,8 @@ class Run:
             passed = round((self.rows[-1][0][-1] - self.t_start) / step)
             next_output = min(self.t_start + (passed + 1) * step, t_end)
             next_sample = min((o + k * p for o, p, k in self.clocks), default=np.inf)
-            stop = min(next_sample, t_end)
+            next_break = next((t for t in self.binding.breaks if t > self.t + tiny), np.inf)
+            stop = min(next_sample, next_break, t_end)
             on_grid = abs(self.t - (self.t_start + passed * step)) < tiny
             points = min(int((stop - self.t) / step + 1e-7), STRETCH) if on_grid else 0
             if points:
@@ -398,7 +397,7 @@ class Run:
 
     def _message(self, i: int, t: float, x: np.ndarray, z: np.ndarray) -> str:
         check = self.dae.checks[i]
-        text = check.message
+        text = self.binding.words(check.message)
         told = np.array(self.at.call(self.at.functions.told(i), t, x, z, self.q)).ravel() if check.values else ()
         for name, value in zip(check.values, told, strict=True):
             text = text.replace("{" + name + "}", f"{value:.6g}")
@@ -429,7 +428,7 @@ class Run:
         for name, series in zip(entries, observe.arrays([entry.path for entry in entries.values()]), strict=True):
             values[name] = self.outputs.shown(name, series)
             self._warn_of_gaps(name, t, series)
-        about, numbers = self.about, self.about.parameters
+        about, numbers = self.about, self.binding.values
         raw = RawTrajectory(
             t, x, z, d, tuple(q.path for q in self.dae.states), tuple(q.path for q in self.dae.algebraics),
             tuple(q.path for q in self.dae.discretes), parameter_hash(numbers),
@@ -440,11 +439,11 @@ class Run:
             **self.engine.attributes,
             "status": status,
             "parameters": {path: value.tolist() for path, value in numbers.items()},
-            "structure": dict(about.structure),
+            "structure": dict(self.binding.structure),
             "wall_time": self.wall_time,
             "warnings": "\n".join(self.warned.values()),
         }
-        observer = Observer(observe.values, self.outputs.describe, self.dae.names, about.root)
+        observer = Observer(observe.values, self.outputs.describe, self.dae.names, self.binding.root)
         units, docs = ({name: getattr(entry, of) for name, entry in entries.items()} for of in ("unit", "doc"))
         return Result(t, values, units, docs, attributes, raw, observer)
 

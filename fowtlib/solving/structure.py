@@ -1,4 +1,4 @@
-"""The structural parameters of a model, by which two runs are known to be of the same one."""
+"""The structural and bound parameters of a model, by which two runs are known to be of the same one."""
 
 from __future__ import annotations
 
@@ -11,7 +11,7 @@ from fowtlib.language.declarations import join
 
 
 def structural_values(root: Any) -> dict[str, Any]:
-    """The structural parameters of all parts by path, ready for JSON; a file by its name, wherever it lies."""
+    """The structural and bound parameters of all parts by path, ready for JSON; a file by its name, not its place."""
     parts = root.walk() if root is not None else ()
     return {
         join(part.path, name): _plain(part.parameter_value(name))

@@ -64,7 +64,7 @@ def test_what_is_asked_of_a_plant_changes_nothing(plant):
 
 def test_packing_by_path(plant):
     layout = Layout(plant.dae)
-    p = layout.parameters(layout.parameter_values({"weights": [[1.0, 5.0], [6.0, 4.0]], "time_constant": "1 min"}))
+    p = plant.binding({"weights": [[1.0, 5.0], [6.0, 4.0]], "time_constant": "1 min"}).p
     assert p[layout.p["time_constant"]] == 60.0
     np.testing.assert_array_equal(p[layout.p["weights"]], [1.0, 6.0, 5.0, 4.0])  # column by column
     np.testing.assert_array_equal(layout.inputs(), [0.5])
@@ -78,7 +78,7 @@ def test_packing_by_path(plant):
     with pytest.raises(ParameterError, match=r"^'y\[3\]' is not a state .* did you mean 'y\[0\]'"):
         layout.put({"y[3]": 3.0}, x, z, d)
     with pytest.raises(ParameterError, match=r"time_constant = 0.01 is below its minimum 0.1 s"):
-        layout.parameter_values({"time_constant": 0.01})
+        plant.binding({"time_constant": 0.01})
 
 
 def test_a_weighted_sum_by_hand(plant):
