@@ -58,12 +58,11 @@ class CatenaryLine(Component):
     rise: Scalar = var(unit="m", doc="height of the fairlead above the anchor")
 
     def equations(self):
-        fairlead, reach = self.fairlead, _reach(self)
+        fairlead, reach = self.fairlead, self.fairlead.r - self.anchor.r
         lateral, heaped = catenary.heap(self.coordinate, self, m)
         H, V = lateral * self.distance, self.lift * catenary.scales(self, m)[0]
-        V_anchor, grounded = catenary.ends(H, V, self, m)
+        (V_anchor, grounded), left = catenary.ends(H, V, self, m), 1 - catenary.held_back(H, V, self, m)
         plan = m.vertcat(reach[0], reach[1])
-        at_anchor = 1 - catenary.held_back(H, V, self, m)
         return [
             eq(self.weight, _weight(self)),
             eq(self.clearance, m.fmax(self.anchor.r[2] + self.world.water_depth - LEVEL, 0)),
@@ -74,20 +73,18 @@ class CatenaryLine(Component):
             eq(self.horizontal_tension, H),
             eq(self.vertical_tension, V),
             eq(self.tension, m.sqrt(H**2 + V**2)),
-            eq(self.anchor_tension, m.sqrt((H * at_anchor) ** 2 + V_anchor**2)),
+            eq(self.anchor_tension, m.sqrt((H * left) ** 2 + V_anchor**2)),
             eq(self.seabed_length, grounded),
             [eq(fairlead.f, m.vertcat(lateral * plan, V)), eq(fairlead.t, m.zeros(3))],
-            _hold_anchor(self, m.vertcat(-lateral * at_anchor * plan, -V_anchor)),
+            _hold_anchor(self, m.vertcat(-lateral * left * plan, -V_anchor)),
             *_limits(self, V_anchor),
         ]
 
     def drawing(self):
-        numbers = (self.parameter_value(name) for name in ("length", "axial_stiffness", "friction"))
-        length, stiffness, friction = numbers
+        length, *more = (self.parameter_value(name) for name in ("length", "axial_stiffness", "friction"))
 
         def form(at):
-            weight, clearance = at["weight"][0], at["clearance"][0]  # at every moment the same, or nearly
-            line = catenary.Line(length, weight, stiffness, friction, clearance)
+            line = catenary.Line(length, at["weight"][0], *more, at["clearance"][..., None])  # weight: always the same
             return catenary.profile_between(at["anchor"], at["fairlead"], at["H"], at["V"], line, points=31)
 
         scalars = {"H": "horizontal_tension", "V": "vertical_tension", "weight": "weight",
@@ -95,11 +92,6 @@ class CatenaryLine(Component):
         of = {key: join(self.path, name) for key, name in scalars.items()}
         diameter = self.parameter_value("diameter")
         return [shapes.Curve({**of, "anchor": self.anchor, "fairlead": self.fairlead}, form, diameter or None)]
-
-
-def _reach(line):
-    """From the anchor to the fairlead, world."""
-    return line.fairlead.r - line.anchor.r
 
 
 def _start(line):
