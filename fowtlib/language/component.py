@@ -212,6 +212,8 @@ class Component:
         where = join(self.path or type(self).__name__, field.name)
         if expressions.is_expression(value):
             return value
+        if value is None and field.default is None:
+            return None
         if field.annotation in SHAPES:
             return to_si(value, field.unit, where)
         if field.annotation in (int, float, str, bool):

@@ -301,11 +301,14 @@ def sampled(period: Any, *assignments: Assign | Call, offset: Any = 0.0) -> Samp
     return Sampled(period, offset, assignments, source_line())
 
 
-def assert_(condition: Any, message: str, level: str = "error") -> Assertion:
-    """Checked at every output point: "error" stops the simulation there, "warning" is said once."""
+def assert_(condition: Any, message: str, level: str = "error", **values: Any) -> Assertion:
+    """Checked at every output point: "error" stops the simulation there, "warning" is said once.
+
+    values: scalars that are put into the message where it has their name in braces.
+    """
     if level not in ("error", "warning"):
         raise StructureError(f"assert_(level={level!r}): choose 'error' or 'warning'.")
-    return Assertion(_column(condition), message, level, source_line())
+    return Assertion(_column(condition), message, level, source_line(), {k: _column(v) for k, v in values.items()})
 
 
 def rotation(frame_a: Any, frame_b: Any, R_rel: Any, w_rel: Any) -> Rotation:
