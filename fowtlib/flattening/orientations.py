@@ -8,6 +8,7 @@ import networkx as nx
 from fowtlib.flattening.instances import Statements
 from fowtlib.flattening.system import Intermediate, System, scalars
 from fowtlib.language.connectors import BoundPort
+from fowtlib.language.equations import Assertion
 from fowtlib.language.errors import ConnectionFault
 
 
@@ -71,7 +72,7 @@ def resolve_orientations(system: System, statements: Statements) -> nx.MultiGrap
         )
     for _, _, attributes in graph.edges(data=True):
         if id(attributes["data"]) not in used:
-            _closing_edge(system, *attributes["data"])
+            statements.assertions.append(_closing_edge(system, *attributes["data"]))
             system.loops.append(attributes["data"][0] or "the model")
     return graph
 
@@ -95,13 +96,18 @@ def _tree_edge(system, matrices, known, node, path, rotation) -> None:
     system.add_equation(w_b, w_a + R_a @ rotation.w_rel, path, rotation.source)
 
 
-def _closing_edge(system, path, rotation) -> None:
-    """Three independent equations for R_b = R_a @ R_rel: the skew part of their quotient is zero."""
+def _closing_edge(system, path, rotation) -> tuple[str, Assertion]:
+    """Three independent equations for R_b = R_a @ R_rel: the skew part of their quotient is zero.
+
+    So it is, too, where the quotient is half a turn about some axis, which is no closed loop: that is checked.
+    """
     quotient = _members(rotation.frame_b)[0].T @ _members(rotation.frame_a)[0] @ rotation.R_rel
     residual = 0.5 * ca.vertcat(
         quotient[2, 1] - quotient[1, 2], quotient[0, 2] - quotient[2, 0], quotient[1, 0] - quotient[0, 1]
     )
     system.add_equation(residual, ca.SX(3, 1), path, rotation.source)
+    message = "its two frames meet turned by half a turn: give the joints of this loop start angles nearer to the place"
+    return path, Assertion(ca.trace(quotient) > 0, message, "error", rotation.source)
 
 
 def _define(system: System, R: ca.SX, value: ca.SX, path: str) -> None:
