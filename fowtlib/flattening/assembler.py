@@ -35,8 +35,6 @@ def flatten(root: Component, opened: Sequence[str] = ()) -> FlatDAE:
     with Instances(root, opened) as instances:
         instances.collect()
         resolve_orientations(instances.system, instances.statements)
-        if instances.system.equations and not instances.system.unknowns:
-            raise StructureError("the model has equations but no unknowns.")
         dae = _Assembler(instances.system, instances.statements).run()
     return replace(dae, stats={**dae.stats, "flattening_time": time.perf_counter() - started})
 
@@ -134,6 +132,8 @@ class _Assembler:
     def _live(self, rows: Sequence[np.ndarray]) -> list[int]:
         """Unknowns that remain, without the potentials of open optional ports that no equation mentions.
 
+        An output that no equation mentions stays, for the structure check to find.
+
         rows: numbers of the unknowns in each equation.
         """
         system = self.system
@@ -142,6 +142,7 @@ class _Assembler:
         self.unused = [
             j for j, unknown in enumerate(system.unknowns)
             if unknown.order == 0 and j not in self.replaced and j not in used and unknown.declared.name == "?"
+            and j not in system.signals
         ]  # fmt: skip
         unused = set(self.unused)
         return [

@@ -43,6 +43,7 @@ class Instances:
         self.opened = opened
         self.system = System()
         self.components = list(root.walk())
+        self.system.places = {item.path: item.origins[""] for item in self.components if "" in item.origins}
         self.statements = Statements()
         self._parameters: dict[tuple[int, str], Any] = {}
 
@@ -208,6 +209,12 @@ class Instances:
             statements.FixedOrientation: self.statements.fixed_orientations,
             statements.Ring: self.statements.rings,
         }
+        if isinstance(statement, statements.Assign):
+            word, home = ("reinit()", "when()") if statement.is_reinit else ("assign()", "when() or sampled()")
+            what = f"{word} stands alone in equations(), which does not say when to carry it out"
+            raise StructureError(f"{component.label}: {what}; put it into a {home}.")
+        if isinstance(statement, statements.Sampled):
+            self._check_targets(path, statement)
         if type(statement) not in lists:
             what = "an expression" if isinstance(statement, ca.SX) else repr(statement)
             raise StructureError(
@@ -215,6 +222,17 @@ class Instances:
                 "which is not an equation; write eq(left, right), not left == right."
             )
         lists[type(statement)].append((path, statement))
+
+    def _check_targets(self, path: str, sampled: statements.Sampled) -> None:
+        """A sampled part sets discrete variables only."""
+        for action in sampled.assignments:
+            for target in scalars(action.target):
+                number = self.system.number.get(target.element_hash())
+                if number is not None:
+                    name = self.system.unknowns[number].path
+                    raise StructureError(
+                        f"{path or 'the model'}: assign() cannot set {name}; declare it with var(discrete=True)."
+                    )
 
 
 def check_parameters(component: Component) -> None:

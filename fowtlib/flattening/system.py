@@ -165,6 +165,15 @@ class Input:
     """The output that drove the signal before it was opened by name; see `flatten`."""
 
 
+@dataclass(slots=True)
+class Loop:
+    """A ring of parts with orientations: paths of the parts, the one that closes it first; how many turn or move."""
+
+    parts: list[str]
+    turning: int
+    moving: int
+
+
 class System:
     """Equations over symbols, and d/dt of any expression of them."""
 
@@ -183,11 +192,19 @@ class System:
         self.aliases: dict[str, ca.SX] = {}
         self.alias_units: dict[str, tuple[str, str]] = {}
         self.orientations: list[tuple[str, ca.SX]] = []  # of connected frames, by the path of one of them
-        self.loops: list[str] = []  # paths of the components that close a loop of orientations
+        self.signals: set[int] = set()  # numbers of the unknowns that are outputs of components
+        self.loops: list[Loop] = []
+        self.places: dict[str, str] = {}  # file and line of components that stand in a model file
         self.eliminated: list[FlatEquation] = []
         self.range_checks: list[tuple[str, Assertion]] = []
         self.current_path = ""
         self._external_of: dict[int, int] = {}
+
+    def placed(self, path: str) -> str:
+        """`file.yaml:12: ` of the nearest component at or above a path that stands in a model file, or nothing."""
+        while path and path not in self.places:
+            path = path.rpartition(".")[0]
+        return f"{self.places[path]}: " if path in self.places else ""
 
     # --- building ------------------------------------------------------------------------------------------------
 

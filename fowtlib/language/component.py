@@ -101,7 +101,7 @@ class Component:
         self._name = ""
         self._binding: dict[str, Any] | None = None
         self._values: dict[str, Any] = {}
-        self.origins: dict[str, str] = {}
+        self.origins: dict[str, str] = {}  # file and line of each given value, and under "" of the component itself
         self.parts: dict[str, Component] = {}
         self.connections: list[tuple[PortReference, PortReference, str]] = []
         self._given = {name: value for name, value in modifiers.items() if name in self.declared_parts}

@@ -62,6 +62,7 @@ class Assembler:
         check_required(made, values, path, place)
         with building(place, path or name, base):
             component = made(**values)
+        component.origins[""] = str(place)
         remember(component, layers, path)
         for part, part_layers in inner.items():
             if part in component.parts and part not in replaced and not has_base(part_layers):
