@@ -80,7 +80,7 @@ class BladeElementAerodynamics(Component):
         hub, nodes = self.hub, list(self.nodes)
         places = m.horzcat(*[node.r for node in nodes])
         require_disk(self.wind, self.tip_radius, self.station, f"the rotor of {self.label}")
-        wind = self.wind.velocity(places, self.station)
+        wind = self.wind.velocity(places, self.station, reach="plane")
         outputs = _air(self, wind if self.tower is None else self.tower.around(wind, places))
         loads = [outputs["loads"][i : i + 3] for i in range(0, 6 * len(nodes), 3)]
         given = list(zip(loads[::2], loads[1::2], strict=True))
