@@ -111,7 +111,7 @@ def _air(air: BladeElementAerodynamics, wind: Any) -> dict[str, Any]:
         position=m.vertcat(*[node.r for node in nodes]), orientation=m.vertcat(*[m.vec(R) for R in turned]),
         velocity=m.vertcat(*[der(node.r) for node in nodes]), wind=m.vec(wind), hub_position=hub.r,
         hub_orientation=m.vec(hub.R), hub_velocity=der(hub.r), disk_wind=air.disk_wind,
-        air_density=air.world.air_density, **more,
+        air_density=air.world.air_density, chord=rotor.blade.chord, **more,
     )  # fmt: skip
 
 
