@@ -10,6 +10,8 @@ import sys
 from collections.abc import Iterable, Sequence
 from typing import Any
 
+from fowtlib.cli.encoding import is_unicode
+
 Row = Sequence[Any]
 MOST_NUMBERS = 9  # of an array that is shown to a person in full
 
@@ -36,7 +38,7 @@ def show(arguments: argparse.Namespace, columns: Sequence[str], rows: Iterable[R
 
 def show_json(value: Any) -> None:
     """Print a value as JSON; numbers that JSON lacks (nan, inf) become null."""
-    print(json.dumps(_plain(value), indent=2, ensure_ascii=False))
+    print(json.dumps(_plain(value), indent=2, ensure_ascii=not is_unicode(sys.stdout)))
 
 
 def rounded(value: Any, size: float) -> Any:

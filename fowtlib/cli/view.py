@@ -45,6 +45,8 @@ def declare(commands: Any) -> None:
 
 def view(arguments: argparse.Namespace) -> int:
     """Write the page, say what is in it, and open it where wanted."""
+    from fowtlib.view import view as draw
+
     check_target(arguments.output, PAGES)
     path: Path | None = arguments.result
     alone = path is None and Path(arguments.model).suffix in RESULTS
@@ -54,13 +56,13 @@ def view(arguments: argparse.Namespace) -> int:
     options = {"path": target, "rate": arguments.rate, "show": arguments.open}
     if path is None:
         model = loading.load_at_rest(arguments) if arguments.equilibrium else loading.load(arguments)
-        made = model.view(equilibrium=arguments.equilibrium, **options)
+        made = draw(model, equilibrium=arguments.equilibrium, **options)
     else:
         given = [name for name in ("wind", "waves") if getattr(arguments, name)] + ["set"] * bool(arguments.settings)
         if given or arguments.equilibrium:
             what = f"--{given[0]}" if given else "--equilibrium"
             raise ModelError(f"{what} changes a model; a result is shown as it was computed.")
-        made = _played(arguments, path, alone).view(**options)
+        made = draw(_played(arguments, path, alone), **options)
     print(f"saved {made}", file=sys.stderr)
     return 0
 

@@ -57,7 +57,7 @@ class Recording:
 
 
 def view(
-    subject: Model | Result,
+    subject: Model | Plant | Result,
     path: str | Path | None = None,
     *,
     equilibrium: bool = False,
@@ -66,7 +66,7 @@ def view(
     size_limit: float = SIZE_LIMIT,
     show: bool = False,
 ) -> Animation:
-    """Draw a model at its start, or play a result, in one HTML file: `model.view(path)`, `result.view(path)`.
+    """Draw a model at its start, or play a result, in one HTML file: `fw.view(model)`, `fw.view(result, path)`.
 
     path         the file, .html; None: the name of the model, in the current folder
     equilibrium  a model: at its mean position instead of its start; in constant wind and still water
@@ -87,11 +87,11 @@ def view(
         most = max(2, int(size_limit / cast.bytes_per_moment(len(names))))
         recording = _of_result(subject, root, names, moments_of(subject.time, rate, most))
         name = subject.attributes["model"]
-    elif isinstance(subject, Model):
+    elif isinstance(subject, Model | Plant):
         recording = _of_model(subject, equilibrium, parameters)
         cast, name = Cast(recording.root.drawing()), subject.name
     else:
-        raise ModelError(f"view: a Model or a Result can be drawn, not a {type(subject).__name__}.")
+        raise ModelError(f"view: a Model, a Plant or a Result can be drawn, not a {type(subject).__name__}.")
     target = _target(path if path is not None else f"{name or 'model'}.html")
     text = page(scene(cast, recording))
     try:
@@ -169,8 +169,8 @@ def _of_result(result: Result, root: Any, names: list[str], numbers: np.ndarray)
     return Recording(root, result.time[numbers], observe, readings, title, status)
 
 
-def _of_model(model: Model, equilibrium: bool, parameters: Mapping[str, Any] | None) -> Recording:
-    plant = model.compile()
+def _of_model(model: Model | Plant, equilibrium: bool, parameters: Mapping[str, Any] | None) -> Recording:
+    plant = model if isinstance(model, Plant) else model.compile()
     state = plant.equilibrium(parameters) if equilibrium else plant.initial_state(parameters)
     groups = (plant.dae.states, plant.dae.algebraics, plant.dae.discretes)
     names = [tuple(quantity.path for quantity in group) for group in groups]

@@ -22,6 +22,26 @@ CASES = {
         "!fowtlib: 2\n",
         "model.yaml:1: got 'fowtlib: 2'; this version of the program reads 'fowtlib: 1'.",
     ),
+    "version_in_quotes": (
+        '!fowtlib: "1"\n',
+        "model.yaml:1: write 'fowtlib: 1', without quotes: the version is a number.",
+    ),
+    "version_in_other_quotes": (
+        "!fowtlib: '1 '\n",
+        "model.yaml:1: write 'fowtlib: 1', without quotes: the version is a number.",
+    ),
+    "other_version_in_quotes": (
+        '!fowtlib: "2"\n',
+        "model.yaml:1: got 'fowtlib: 2'; this version of the program reads 'fowtlib: 1'.",
+    ),
+    "version_true": (
+        "!fowtlib: true\n",
+        "model.yaml:1: got true or false behind 'fowtlib:'; this version of the program reads 'fowtlib: 1'.",
+    ),
+    "version_list": (
+        "!fowtlib: [1]\n",
+        "model.yaml:1: got a list behind 'fowtlib:'; this version of the program reads 'fowtlib: 1'.",
+    ),
     "not_a_mapping": (
         "!- a\n",
         "model.yaml:1: a model file is a mapping; its first line is 'fowtlib: 1', not a list.",
