@@ -233,9 +233,13 @@ enum { SPIN, SPANWISE, CHORD, VX, VT, TWIST, RADIUS, SKEWED, ANGLE, INDUCED, NUM
  * that is parked or slow, with its tips slower than the relative wind less what the turning adds to it, from any side, and
  * all with tips twice as fast; none without wind along the axis, and all from 0.02 of the speed of the tips on; none where
  * the wind across turns the flow over a section round, and all from a quarter of the speed of its turning on. */
-static int share_of(const double *in, double *share, double *slope) {
+static int share_of(const double *in, double per_r, double *share, double *slope) {
     double Vx = in[VX], across = in[VT] - in[SPIN], along = in[SPANWISE], up, down, turn;
-    double tip_speed = fabs(in[SPIN]) * TIP_RADIUS / in[RADIUS], wind = sqrt(Vx * Vx + across * across + along * along);
+    double tip_speed = fabs(in[SPIN]) * TIP_RADIUS * per_r, wind = Vx * Vx + across * across + along * along;
+    *share = 1;
+    if (4 * wind <= tip_speed * tip_speed && fabs(Vx) >= 0.02 * tip_speed && 4 * in[VT] * in[SPIN] >= in[SPIN] * in[SPIN])
+        return CHORD; /* as nearly always, without roots and quotients */
+    wind = sqrt(wind);
     double axial = tip_speed > fabs(Vx) ? fabs(Vx) / tip_speed : 1, ratio = tip_speed > wind ? wind / tip_speed : 1;
     double forward = in[SPIN] != 0 ? 4 * in[VT] / in[SPIN] : 0, round = smooth_step(forward, &turn);
     double rise = smooth_step(axial / 0.02, &up), fall = smooth_step(2 - 2 * ratio, &down);
@@ -247,7 +251,7 @@ static int share_of(const double *in, double *share, double *slope) {
     slope[VT] = by_ratio * across * per_square + by_forward / in[VT];
     slope[SPANWISE] = by_ratio * along * per_square;
     slope[SPIN] = -(by_axial + by_ratio + by_forward) / in[SPIN] - by_ratio * across * per_square;
-    slope[RADIUS] = (by_axial + by_ratio) / in[RADIUS];
+    slope[RADIUS] = (by_axial + by_ratio) * per_r;
     return SPIN;
 }
 
@@ -256,7 +260,7 @@ static int section(int station, const double *in, double *load, double (*slope)[
     double sigma = BLADES / (2 * pi) * chord * per_r;
     double given = DYNAMIC_INFLOW ? in[INDUCED] : 0, U = Vx - given, T = Vt, induced = 0;
     double dU[NUMBERS] = {[VX] = 1, [INDUCED] = -1}, dT[NUMBERS] = {[VT] = 1}, dinduced[NUMBERS] = {0};
-    int begin = share_of(in, &share, share_slope);
+    int begin = share_of(in, per_r, &share, share_slope);
     struct balance b = {.s = 0, .c = 1};
     double phi = 0;
     int free = 1;
@@ -315,8 +319,15 @@ static int section(int station, const double *in, double *load, double (*slope)[
     if (!slope) return begin;
     double along_alpha = speed * (d[0] * T + d[1] * U), across_alpha = speed * (d[1] * T - d[0] * U);
     double u = speed > 0 ? U / speed : 0, t = speed > 0 ? T / speed : 0, turn = speed > 0 ? 1 / speed : 0;
-    for (int j = begin; j < NUMBERS; j++) {
+    for (int j = CHORD; j < NUMBERS; j++) {
         double dspeed = u * dU[j] + t * dT[j], dalpha = (t * dU[j] - u * dT[j]) * turn - (j == TWIST);
+        slope[0][j] = half * (dspeed * along + speed * (v[0] * dT[j] + v[1] * dU[j]) + along_alpha * dalpha);
+        slope[1][j] = half * (dspeed * across + speed * (v[1] * dT[j] - v[0] * dU[j]) + across_alpha * dalpha);
+        slope[2][j] = half * chord * speed * (2 * dspeed * v[2] + speed * d[2] * dalpha);
+        slope[3][j] = dinduced[j];
+    }
+    for (int j = begin; j < CHORD; j++) {
+        double dspeed = u * dU[j] + t * dT[j], dalpha = (t * dU[j] - u * dT[j]) * turn;
         slope[0][j] = half * (dspeed * along + speed * (v[0] * dT[j] + v[1] * dU[j]) + along_alpha * dalpha);
         slope[1][j] = half * (dspeed * across + speed * (v[1] * dT[j] - v[0] * dU[j]) + across_alpha * dalpha);
         slope[2][j] = half * chord * speed * (2 * dspeed * v[2] + speed * d[2] * dalpha);
@@ -369,6 +380,16 @@ static void put(int i, double sign, const double *out, int rows, double *at) {
     if (rows > 6) at[6 * NODES + i] = sign * out[6];
 }
 
+/* The slopes of the outputs of a node by its number j, from those of the section. */
+static inline void outputs_of(double (*slope)[NUMBERS], int j, double scale, const double *ex, const double *et,
+                              const double *z, double *of) {
+    for (int k = 0; k < 3; k++) {
+        of[k] = scale * (slope[0][j] * ex[k] + slope[1][j] * et[k]);
+        of[3 + k] = scale * SENSE * slope[2][j] * z[k];
+    }
+    if (DYNAMIC_INFLOW) of[ROWS - 1] = slope[3][j];
+}
+
 /* Loads of one node into f, and its part of the Jacobian into jac when that is not null. */
 static void node(int i, const double *u, const struct wake *wake, double *f, double *jac) {
     const double *x = u + ORIENTATION + 9 * i, *z = x + 6, *n = u + HUB_ORIENTATION;
@@ -389,7 +410,7 @@ static void node(int i, const double *u, const struct wake *wake, double *f, dou
     in[TWIST] = atan2(p, q), in[RADIUS] = sqrt(dot(d, d) - along * along);
     in[SKEWED] = dot(d, wake->s) / TIP_RADIUS, in[ANGLE] = wake->chi;
     in[INDUCED] = DYNAMIC_INFLOW ? u[INDUCED_SPEED + station] : 0;
-    int begin = section(station, in, load, jac ? slope : NULL);
+    int begin = section(station, in, load, jac ? slope : NULL), partial = begin == SPIN;
     if (!jac) {
         for (int k = 0; k < 3; k++) {
             f[6 * i + k] = scale * (load[0] * ex[k] + load[1] * et[k]);
@@ -400,13 +421,8 @@ static void node(int i, const double *u, const struct wake *wake, double *f, dou
     }
 
     double of[NUMBERS][ROWS], out[ROWS], change[NUMBERS] = {0}, per_radius = 1 / in[RADIUS], turn = 1 / (p * p + q * q);
-    for (int j = begin; j < NUMBERS; j++) {
-        for (int k = 0; k < 3; k++) {
-            of[j][k] = scale * (slope[0][j] * ex[k] + slope[1][j] * et[k]);
-            of[j][3 + k] = scale * SENSE * slope[2][j] * z[k];
-        }
-        if (DYNAMIC_INFLOW) of[j][ROWS - 1] = slope[3][j];
-    }
+    for (int j = CHORD; j < NUMBERS; j++) outputs_of(slope, j, scale, ex, et, z, of[j]);
+    for (int j = begin; j < CHORD; j++) outputs_of(slope, j, scale, ex, et, z, of[j]);
     double *own = jac + ROWS * 3 * i, *axis = jac + NZ_ORIENTATION + ROWS * 6 * i;
     for (int k = 0; k < 3; k++) {
         int hub = ROWS * NODES * k;
@@ -415,9 +431,11 @@ static void node(int i, const double *u, const struct wake *wake, double *f, dou
         change[RADIUS] = (d[k] - along * n[k]) * per_radius, change[SKEWED] = wake->s[k] / TIP_RADIUS;
         column(of, change, RADIUS, SKEWED, position);
         put(i, -1, position, ROWS, jac + NZ_HUB_POSITION + hub);
-        change[VX] = ex[k], change[VT] = et[k], change[SPIN] = 0, change[SPANWISE] = z[k];
-        column(of, change, begin == SPIN ? SPIN : VX, VT, wind);
-        for (int row = 0; row < ROWS; row++) velocity[row] = -wind[row] - (begin == SPIN ? et[k] * of[SPIN][row] : 0);
+        change[VX] = ex[k], change[VT] = et[k];
+        column(of, change, VX, VT, wind);
+        for (int row = 0; row < ROWS && partial; row++) wind[row] += z[k] * of[SPANWISE][row];
+        for (int row = 0; row < ROWS; row++) velocity[row] = -wind[row];
+        for (int row = 0; row < ROWS && partial; row++) velocity[row] -= et[k] * of[SPIN][row];
         change[TWIST] = (-et[k] * q - ex[k] * p) * turn;
         column(of, change, TWIST, TWIST, axis + ROWS * k);
 
@@ -430,11 +448,14 @@ static void node(int i, const double *u, const struct wake *wake, double *f, dou
             if (of_z) cross(ey, unit, extra);
             for (int j = 0; j < 3; j++) dex[j] += extra[j];
             change[VX] = dot(v, dex), change[VT] = dot(v, det);
-            change[SPIN] = dot(turning, det), change[SPANWISE] = of_z ? v[k] : 0;
             change[TWIST] = (-dot(x, det) * q - dot(x, dex) * p) * turn;
             change[RADIUS] = -along * d[k] * per_radius, change[ANGLE] = wake->chi_n[k];
             change[SKEWED] = (d[0] * wake->s_n[0][k] + d[1] * wake->s_n[1][k] + d[2] * wake->s_n[2][k]) / TIP_RADIUS;
-            column(of, change, begin == SPIN ? SPIN : VX, of_z ? TWIST : ANGLE, out);
+            column(of, change, VX, of_z ? TWIST : ANGLE, out);
+            if (partial) {
+                double by_spin = dot(turning, det), by_span = of_z ? v[k] : 0;
+                for (int row = 0; row < ROWS; row++) out[row] += by_spin * of[SPIN][row] + by_span * of[SPANWISE][row];
+            }
             for (int j = 0; j < 3; j++) out[j] += scale * (load[0] * dex[j] + load[1] * det[j]);
             if (of_z) {
                 out[3 + k] += scale * SENSE * load[2];
@@ -451,7 +472,7 @@ static void node(int i, const double *u, const struct wake *wake, double *f, dou
             column(of, change, SKEWED, ANGLE, out);
             put(i, 1, out, 6, jac + NZ_DISK_WIND + 6 * NODES * k);
         }
-        for (int row = 0; row < ROWS && begin == SPIN; row++) out[row] -= et[k] * of[SPIN][row];
+        for (int row = 0; row < ROWS && partial; row++) out[row] -= et[k] * of[SPIN][row];
         put(i, -1, out, ROWS, jac + NZ_HUB_VELOCITY + hub);
         jac[NZ_DENSITY + 6 * i + k] = length[station] * (load[0] * ex[k] + load[1] * et[k]);
         jac[NZ_DENSITY + 6 * i + 3 + k] = length[station] * SENSE * load[2] * z[k];
