@@ -17,7 +17,7 @@ from run import OC3_CONDITIONS, PAGE
 
 import fowtlib as fw
 from fowtlib.solving import simulation
-from fowtlib.solving.idas import Idas
+from fowtlib.solving.engines.idas import Idas
 
 DURATION = 1000.0
 BATCH = 500  # evaluations of a function at once, to time one

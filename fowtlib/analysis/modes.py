@@ -1,9 +1,10 @@
 """Natural modes with the names that people use: platform pitch, 1st tower fore-aft, 1st blade flap collective.
 
-A component says what its coordinates are called in a mode by the class attribute ``mode_names``: a pattern of the path
-of a state below it (``beam.*.phi_x``; an index is written behind a dot) -> a name, in which ``{part}`` stands for the
-name of the part and ``{parent}`` for that of the part around it. States that only remember, of a filter, a controller or
-the radiated waves, have no such name; ``memory`` of their part says what they are. The part nearest to the root decides.
+A component says what its coordinates are called in a mode by the class attribute ``mode_names``: a pattern of the
+path of a state below it (``beam.*.phi_x``; an index is written behind a dot) -> a name, in which ``{part}`` stands for
+the name of the part and ``{parent}`` for that of the part around it. States that only remember, of a filter, a
+controller or the radiated waves, have no such name; ``memory`` of their part says what they are. The part nearest to
+the root decides.
 
 A mode is called after the coordinates that take the largest part in it (participation: left times right eigenvector),
 such that no name is given to more modes than it has coordinates: of two nearly equal modes one is surge, the other
@@ -34,7 +35,7 @@ HARMONICS = ("collective", "cosine", "sine")
 
 @dataclass(frozen=True)
 class NaturalMode:
-    """A mode by its number and its name. Those that oscillate and are motions have the numbers 1, 2, ...; then the rest.
+    """A mode by its number and its name. The motions that oscillate have the numbers 1, 2, ...; then comes the rest.
 
     frequency [Hz] is the undamped one; `shares` of the names (their sum is 1); `shape`: complex amplitude of each
     state, 1 at the largest; motion: False for a mode of filters, controllers or radiated waves alone.
@@ -97,7 +98,8 @@ def natural_modes(plant: Any, state: Any = None, *, parameters: Mapping[str, Any
     if state is None:
         state = plant.equilibrium(parameters)
     modes = plant.linearize(state, outputs=[]).modes()
-    rings = [_Ring(list(ring.parts), _angle(plant, ring.angle, state)) for ring in plant.dae.rings if len(ring.parts) > 1]
+    circles = (ring for ring in plant.dae.rings if len(ring.parts) > 1)
+    rings = [_Ring(list(ring.parts), _angle(plant, ring.angle, state)) for ring in circles]
     coordinates = _coordinates(plant, rings)
     fastest = max((abs(mode.eigenvalue) for mode in modes), default=0.0)
     modes = [mode for mode in modes if abs(mode.eigenvalue) > STANDING * fastest]

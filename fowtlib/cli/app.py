@@ -116,7 +116,7 @@ def _carry_out(arguments: argparse.Namespace) -> int:
 
 def _status(error: ModelError) -> int:
     """130 for a simulation that Ctrl-C stopped, 2 for a mistake."""
-    simulation = sys.modules.get("fowtlib.solving.simulation")  # imported only by a command that needs it
+    simulation = sys.modules.get("fowtlib.solving.run")  # imported only by a command that needs it
     return 130 if simulation and isinstance(error, simulation.Interrupted) else 2
 
 

@@ -50,6 +50,7 @@ def declare(commands: Any) -> None:
 def run(arguments: argparse.Namespace) -> int:
     """Compile the model, write the archive, and say how large it is."""
     from fowtlib.cli.tables import console
+    from fowtlib.fmi import export_fmu
 
     check_target(arguments.output, (".fmu",))
     platforms = arguments.platforms.split(",") if arguments.platforms is not None else None
@@ -57,8 +58,8 @@ def run(arguments: argparse.Namespace) -> int:
     with screen.status("model") as status:
         model = loading.load(arguments)
         plant = model.compile(arguments.inputs)
-        path = plant.export_fmu(
-            arguments.output, fmi=arguments.fmi, kind=arguments.kind, platforms=platforms, step=arguments.step,
+        path = export_fmu(
+            plant, arguments.output, fmi=arguments.fmi, kind=arguments.kind, platforms=platforms, step=arguments.step,
             tolerance=arguments.tolerance, progress=status.update,
         )  # fmt: skip
     if conditions := weather(model, arguments):

@@ -51,7 +51,7 @@ def load(arguments: argparse.Namespace) -> Model:
 
 
 def load_at_rest(arguments: argparse.Namespace) -> tuple[Model, str]:
-    """The same in the mean of its wind and waves, for what is asked about a mean position; and the line that says so."""
+    """The same in the mean of its wind and waves, for what is asked about a mean position; and a line that says so."""
     model = load(arguments)
     values: dict[str, Any] = {}
     if WAVES.part in model.root.parts:

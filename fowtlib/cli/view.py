@@ -48,6 +48,8 @@ def declare(commands: Any) -> None:
 
 def view(arguments: argparse.Namespace) -> int:
     """Write the page, say what is in it, and open it where wanted."""
+    from fowtlib.view import view as draw
+
     check_target(arguments.output, PAGES)
     path: Path | None = arguments.result
     alone = path is None and Path(arguments.model).suffix in RESULTS
@@ -63,7 +65,7 @@ def view(arguments: argparse.Namespace) -> int:
         if given:
             what = f"--{given[0]}"
             raise ModelError(f"{what} changes a model; a result is shown as it was computed.")
-        made = _played(arguments, path, alone).view(**options)
+        made = draw(_played(arguments, path, alone), **options)
     print(f"saved {made}", file=sys.stderr)
     return 0
 
@@ -77,7 +79,9 @@ def _of_model(arguments: argparse.Namespace, options: Mapping[str, Any]) -> Any:
         conditions = weather(model, arguments)
     if conditions:
         print(conditions)
-    return model.view(equilibrium=arguments.equilibrium, mode=arguments.mode, **options)
+    from fowtlib.view import view as draw
+
+    return draw(model, equilibrium=arguments.equilibrium, mode=arguments.mode, **options)
 
 
 def _played(arguments: argparse.Namespace, path: Path, alone: bool) -> Result:

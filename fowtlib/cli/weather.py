@@ -30,7 +30,8 @@ def weather(model: Model, arguments: argparse.Namespace, mean_of: Model | None =
             continue
         text = _form(condition, model.root.parts[condition.part])
         before = _form(condition, mean_of.root.parts[condition.part]) if mean_of is not None else text
-        whose = "given" if getattr(arguments, word, None) else "the model's" if before == text else "mean of the model's"
+        own = "the model's" if before == text else "mean of the model's"
+        whose = "given" if getattr(arguments, word, None) else own
         pieces.append(f"{word} {text} ({whose})")
     return ", ".join(pieces)
 

@@ -16,13 +16,13 @@ from fowtlib.fmi.variables import Variable, Variables
 from fowtlib.language.errors import StructureError
 from fowtlib.language.externals import LibraryFunction
 from fowtlib.language.tables import SplineFunction
-from fowtlib.solving import fixed_step
-from fowtlib.solving.c_code import Program
-from fowtlib.solving.fixed_step_code import OUT, library_sizes, moved_pieces
+from fowtlib.solving.engines import fixed_step
+from fowtlib.solving.engines.c_text import Program
+from fowtlib.solving.engines.fixed_step_code import OUT, library_sizes, moved_pieces
+from fowtlib.solving.engines.reduction import reduction
+from fowtlib.solving.engines.symmetry import rings_of_unknowns
 from fowtlib.solving.initial import initial_matching
-from fowtlib.solving.reduction import reduction
 from fowtlib.solving.state import State
-from fowtlib.solving.symmetry import rings_of_unknowns
 
 LONG = 2000  # numbers of a table that goes to resources/ and not into the C text
 VALUES = [f"const double *{name}" for name in "txzqw"]

@@ -22,13 +22,15 @@ from fowtlib.fmi.dependencies import dependencies
 from fowtlib.fmi.description import KINDS, Heading, build_description, model_description, terminals
 from fowtlib.fmi.variables import Settings, Variables
 from fowtlib.language.errors import ModelError, ParameterError, did_you_mean
+from fowtlib.language.externals import refusals_explained
 from fowtlib.language.units import to_si
-from fowtlib.solving.engine import RHO_INF, STEP
+from fowtlib.solving.engines.base import RHO_INF, STEP
 from fowtlib.solving.plant import Plant
 
 VERSIONS = ("2", "3")
 
 
+@refusals_explained()
 def export_fmu(
     plant: Plant, path: str | Path | None = None, *, fmi: str | int = "3", kind: str = "both",
     platforms: Sequence[str] | None = None, parameters: Mapping[str, Any] | None = None,

@@ -12,7 +12,6 @@ from fowtlib.flattening import flatten
 from fowtlib.flattening.dimensions import check_dimensions
 from fowtlib.language.component import Component
 from fowtlib.language.errors import ParameterError, did_you_mean
-from fowtlib.language.upstairs import handed_in
 from fowtlib.solving.check import ModelReport
 from fowtlib.solving.plant import Plant
 
@@ -72,10 +71,6 @@ class Model:
 
         draw(self.root, "")
         return "\n".join(lines)
-
-    def view(self, path: str | Path | None = None, **options: Any) -> Any:
-        """Write a picture in 3-D as one HTML file for the browser; see fowtlib.view.view."""
-        return handed_in("view")(self, path, **options)
 
     def with_parameters(self, values: Mapping[str, Any]) -> Model:
         """The same model with parameters changed by path, structural ones too."""

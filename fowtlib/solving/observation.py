@@ -3,10 +3,12 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 import casadi as ca
 import numpy as np
+
+from fowtlib.solving.functions import AtParameters
 
 if TYPE_CHECKING:
     from fowtlib.solving.plant import Plant
@@ -18,9 +20,9 @@ class Observation:
     """Rebuilds variables of the model along a trajectory."""
 
     def __init__(
-        self, plant: Plant, evaluation: Any, t: np.ndarray, x: np.ndarray, z: np.ndarray, u: np.ndarray, d: np.ndarray
+        self, plant: Plant, at: AtParameters, t: np.ndarray, x: np.ndarray, z: np.ndarray, u: np.ndarray, d: np.ndarray
     ):
-        self.plant, self.evaluation = plant, evaluation
+        self.plant, self.at = plant, at
         self.arguments = (t[None], x.T, z.T, np.concatenate([u, d], axis=1).T)
 
     def arrays(self, paths: Sequence[str]) -> list[np.ndarray]:
@@ -31,7 +33,7 @@ class Observation:
         sizes, shapes = [e.numel() for e in expressions], [e.shape for e in expressions]
         table = self._compiled(paths)
         if table is None:
-            table = self._interpreted(expressions)
+            table = self._interpreted(paths)
         columns = np.split(table, np.cumsum(sizes)[:-1], axis=1)
         return [_shaped(column, shape) for column, shape in zip(columns, shapes, strict=True)]
 
@@ -41,16 +43,15 @@ class Observation:
         if code is None or code.observed != list(paths):
             return None
         t, x, z, q = self.arguments
-        parameters = np.repeat(self.evaluation.parameters[None], t.shape[1], axis=0)
-        return code.observe(t[0], x.T, z.T, np.concatenate([q.T, parameters], axis=1))
+        return code.observe(t[0], x.T, z.T, self.at.whole(q).T)
 
-    def _interpreted(self, expressions: Sequence[ca.SX]) -> np.ndarray:
-        function = self.evaluation.function("observe", [ca.vertcat(*[ca.vec(e) for e in expressions])])
+    def _interpreted(self, paths: Sequence[str]) -> np.ndarray:
+        function = self.at.functions.observed(paths)
         n = self.arguments[0].shape[1]
         blocks = []
         for first in range(0, n, BLOCK):
             part = slice(first, min(first + BLOCK, n))
-            blocks.append(np.array(function(*(a[:, part] for a in self.arguments))))
+            blocks.append(np.array(self.at.call(function, *(a[:, part] for a in self.arguments))))
         return np.concatenate(blocks, axis=1).T
 
     def values(self, names: Sequence[str]) -> np.ndarray:

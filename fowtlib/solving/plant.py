@@ -15,17 +15,16 @@ from fowtlib.language.declarations import join
 from fowtlib.language.errors import NotFoundError, ParameterError, SimulationError, did_you_mean
 from fowtlib.language.externals import refusals_explained
 from fowtlib.language.units import from_si, to_si
-from fowtlib.language.upstairs import handed_in
-from fowtlib.solving.engine import create_engine
+from fowtlib.solving.engines.choice import create_engine
 from fowtlib.solving.equilibrium import equilibrium
-from fowtlib.solving.evaluation import Evaluation
+from fowtlib.solving.functions import AtParameters, Functions
 from fowtlib.solving.initial import consistent_algebraics, initial_values
 from fowtlib.solving.linear import LinearModel
 from fowtlib.solving.results import Continuation, Observer, RawTrajectory, Result
 from fowtlib.solving.state import State
 
 if TYPE_CHECKING:
-    from fowtlib.solving.fixed_step_code import FixedStepCode
+    from fowtlib.solving.engines.fixed_step_code import FixedStepCode
 
 Values = Mapping[str, Any]
 
@@ -47,7 +46,7 @@ class Plant:
         self.outputs = {name: self._output(name, item) for name, item in self._declared.items()} or {
             quantity.path: (quantity.path, quantity.unit, quantity.doc) for quantity in dae.states
         }
-        self._evaluations: dict[bytes, Evaluation] = {}
+        self.functions = Functions(dae)
         self.structure = structural_values(root)
 
     @property
@@ -96,21 +95,15 @@ class Plant:
             values[path] = np.broadcast_to(numbers, item.value.shape)
         return values
 
-    def evaluation(self, parameters: Values | None = None) -> Evaluation:
-        """The numeric functions at parameter values; kept for the next call with the same values."""
+    def at(self, parameters: Values | None = None) -> AtParameters:
+        """The numeric functions at parameter values."""
         values = self.parameter_values(parameters)
-        vector = np.concatenate([np.ravel(v, order="F") for v in values.values()]) if values else np.zeros(0)
-        key = vector.tobytes()
-        if key not in self._evaluations:
-            if len(self._evaluations) >= 4:
-                self._evaluations.pop(next(iter(self._evaluations)))
-            self._evaluations[key] = Evaluation(self.dae, vector)
-        return self._evaluations[key]
+        return self.functions.at(np.concatenate([np.ravel(v, order="F") for v in values.values()] or [np.zeros(0)]))
 
     @cached_property
     def fixed_step_code(self) -> FixedStepCode:
         """The compiled functions of the solver "fixed"; the same for all values of tunable parameters."""
-        from fowtlib.solving.fixed_step_code import FixedStepCode
+        from fowtlib.solving.engines.fixed_step_code import FixedStepCode
 
         return FixedStepCode(self.dae, [path for path, _, _ in self.outputs.values()])
 
@@ -143,8 +136,8 @@ class Plant:
         start: values of states (SI or with unit) in place of their start values; of an algebraic unknown, a guess.
         base: a state to change by `start`, instead of the start values.
         """
-        evaluation = self.evaluation(parameters)
-        x, z, d, _ = evaluation.start_values()
+        at = self.at(parameters)
+        x, z, d = at.start_values()
         if base is not None:
             x, z, d = base.x.copy(), base.z.copy(), base.d.copy()
             t = base.t
@@ -169,9 +162,9 @@ class Plant:
                 )
         q = np.concatenate([u, d])
         if base is not None:
-            z = consistent_algebraics(evaluation, t, x, z, q)
+            z = consistent_algebraics(at, t, x, z, q)
         else:
-            x, z = initial_values(evaluation, t, x, z, q, given)
+            x, z = initial_values(at, t, x, z, q, given)
         return self._state(t, x, z, d, u, parameters)
 
     @refusals_explained()
@@ -181,7 +174,7 @@ class Plant:
         state = self.initial_state(parameters, {**(start or {}), **(hold or {})}, inputs)
         held = {self.dae.state_number[path] for path in hold or {}}
         q = np.concatenate([state.u, state.d])
-        x, z = equilibrium(self.evaluation(parameters), state.t, state.x, state.z, q, held)
+        x, z = equilibrium(self.at(parameters), state.t, state.x, state.z, q, held)
         return self._state(state.t, x, z, state.d, state.u, parameters)
 
     def _state(
@@ -194,8 +187,9 @@ class Plant:
         if name in self.outputs and self._declared:
             path, unit, _ = self.outputs[name]
             return np.asarray(from_si(self._observe_state(path, state), self.describe(path)[0], unit))
-        function = self.evaluation(state.parameters).function("observe", [self.dae.observe_expression(name)])
-        return np.array(function(state.t, state.x, state.z, np.concatenate([state.u, state.d])))
+        at, q = self.at(state.parameters), np.concatenate([state.u, state.d])
+        values = np.array(at.call(at.functions.observed([name]), state.t, state.x, state.z, q))
+        return values.reshape(self.dae.observe_expression(name).shape, order="F")
 
     def resume_point(self, continuation: Continuation, parameters: Values | None, inputs: Values | None) -> State:
         """The state at the end of an earlier result."""
@@ -222,7 +216,7 @@ class Plant:
         if raw.x_names != tuple(q.path for q in self.dae.states):
             raise SimulationError("the result is of another model: its states are not those of this one.")
         u = np.repeat(self.inputs()[None], len(raw.time), axis=0)
-        observation = Observation(self, self.evaluation(parameters), raw.time, raw.x, raw.z, u, raw.d)
+        observation = Observation(self, self.at(parameters), raw.time, raw.x, raw.z, u, raw.d)
         return Observer(observation.values, self.describe, self.dae.names, self.root)
 
     # --- uses ----------------------------------------------------------------------------------------------------
@@ -251,7 +245,7 @@ class Plant:
         "idas", step 12.5 ms, tolerance 1e-6, rho_inf 0.8. Raises SimulationError; its attribute `result` holds what was
         computed.
         """
-        from fowtlib.solving.simulation import Simulation
+        from fowtlib.solving.run import Run
 
         def chosen(value: Any, key: str, default: Any) -> Any:
             return self.settings.get(key, default) if value is None else value
@@ -267,7 +261,8 @@ class Plant:
         if not 0 < relative < 1:
             raise ParameterError(f"the tolerance is {relative:g}; it must lie between 0 and 1, usually 1e-4 to 1e-9.")
         engine = create_engine(
-            self, start.parameters if isinstance(start, State) and parameters is None else parameters,
+            self.at(start.parameters if isinstance(start, State) and parameters is None else parameters),
+            lambda: self.fixed_step_code,
             chosen(solver, "solver", "idas"), relative, interval, {"step": step, "rho_inf": rho_inf}, self.settings,
         )  # fmt: skip
         if isinstance(start, Result):
@@ -279,7 +274,7 @@ class Plant:
             state = start if same else self.initial_state(parameters, None, inputs, base=start)
         else:
             state = self.initial_state(parameters, start, inputs)
-        simulation = Simulation(self, state, engine, parameters, outputs, isinstance(start, Result))
+        simulation = Run(self, state, engine, parameters, outputs, isinstance(start, Result))
         return simulation.run(end, interval, progress)
 
     @refusals_explained()
@@ -291,7 +286,6 @@ class Plant:
         dae = self.dae
         names = list(self.outputs) if outputs is None else list(outputs)
         positions = self._positions()
-        kept: list[int] = []
         columns, labels = [], []
         for path in inputs:
             if path in positions["inputs"]:
@@ -299,15 +293,11 @@ class Plant:
                 columns += [dae.u[i] for i in range(first, first + count)]
             elif path in positions["parameters"]:
                 first, count = positions["parameters"][path]
-                kept += range(first, first + count)
                 columns += [dae.p[i] for i in range(first, first + count)]
             else:
                 known = [*positions["inputs"], *positions["parameters"]]
                 raise NotFoundError(f"there is no input or tunable parameter '{path}'{did_you_mean(path, known)}")
             labels += [path] if count == 1 else [f"{path}[{i}]" for i in range(count)]
-        values = self.parameter_values(state.parameters)
-        vector = np.concatenate([np.ravel(v, order="F") for v in values.values()]) if values else np.zeros(0)
-        evaluation = Evaluation(dae, vector, kept) if kept else self.evaluation(state.parameters)
         rows, factors, out_labels, units = [], [], [], {}
         for name in names:
             path, unit, _ = self.outputs[name] if name in self.outputs else (name, self.describe(name)[0], "")
@@ -319,9 +309,13 @@ class Plant:
             out_labels += fresh
             units |= dict.fromkeys(fresh, unit)
         u = ca.vertcat(*columns) if columns else ca.SX(0, 1)
-        slopes = evaluation.torn_jacobian("linear", ca.vertcat(dae.ode, dae.alg, *rows), [dae.x, dae.z, u])
-        q = np.concatenate([state.u, state.d, vector[kept]])
-        by_x, by_z, by_u = (np.array(ca.densify(block)) for block in slopes(state.t, state.x, state.z, q))
+        slopes = self.functions.once(
+            ("linear", tuple(labels), tuple(names)),
+            lambda: self.functions.torn_jacobian("linear", ca.vertcat(dae.ode, dae.alg, *rows), [dae.x, dae.z, u]),
+        )
+        q = np.concatenate([state.u, state.d])
+        blocks = self.at(state.parameters).call(slopes, state.t, state.x, state.z, q)
+        by_x, by_z, by_u = (np.array(ca.densify(block)) for block in blocks)
         nx, nz = dae.x.shape[0], dae.z.shape[0]
         ode, alg, out = slice(0, nx), slice(nx, nx + nz), slice(nx + nz, None)
         by_xu = np.hstack([by_x[alg], by_u[alg]])
@@ -330,11 +324,6 @@ class Plant:
         scale = np.array(factors)[:, None] if factors else np.zeros((0, 1))
         C, D = (by_x[out] + by_z[out] @ dz[:, :nx]) * scale, (by_u[out] + by_z[out] @ dz[:, nx:]) * scale
         return LinearModel(A, B, C, D, [s.path for s in dae.states], labels, out_labels, units)
-
-    @refusals_explained()
-    def export_fmu(self, path: str | Path | None = None, **options: Any) -> Path:
-        """Write a Functional Mock-up Unit, `<name>.fmu` unless a path is given; see fowtlib.fmi.export_fmu."""
-        return handed_in("export_fmu")(self, path, **options)
 
     def _positions(self) -> dict[str, dict[str, tuple[int, int]]]:
         """First element and length of each input in u and of each parameter in p."""

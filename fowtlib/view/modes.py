@@ -43,7 +43,7 @@ def played(plant: Any, states: Sequence[Any], time: np.ndarray) -> Result:
 
 
 def mode_states(plant: Any, cast: Cast, mode: NaturalMode, state: Any) -> list[Any]:
-    """States x + a Re(shape exp(i phi)) over one turn of phi, first and last alike; unknowns of the model follow them."""
+    """States x + a Re(shape exp(i phi)) over one turn of phi, first and last alike; the unknowns follow them."""
     shape = np.array([mode.shape[s.path] for s in plant.dae.states])
     angles = np.array([s.unit == "rad" for s in plant.dae.states])
     shape[[s.unit.endswith("/s") for s in plant.dae.states]] = 0.0  # a picture has no speeds

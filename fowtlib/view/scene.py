@@ -59,7 +59,7 @@ class Recording:
 
 
 def view(
-    subject: Model | Result,
+    subject: Model | Plant | Result,
     path: str | Path | None = None,
     *,
     equilibrium: bool = False,
@@ -69,7 +69,7 @@ def view(
     size_limit: float = SIZE_LIMIT,
     show: bool = False,
 ) -> Animation:
-    """Draw a model at its start, or play a result, in one HTML file: `model.view(path)`, `result.view(path)`.
+    """Draw a model at its start, or play a result, in one HTML file: `fw.view(model)`, `fw.view(result, path)`.
 
     path         the file, .html; None: the name of the model, in the current folder
     equilibrium  a model: at its mean position instead of its start; in constant wind and still water
@@ -92,14 +92,11 @@ def view(
         most = max(2, int(size_limit / cast.bytes_per_moment(len(names))))
         recording = _of_result(subject, root, names, moments_of(subject.time, rate, most))
         name = subject.attributes["model"]
-    elif isinstance(subject, Model):
-        if mode is None:
-            recording = _of_model(subject, equilibrium, parameters)
-        else:
-            recording = _of_mode(subject, mode, parameters)
+    elif isinstance(subject, Model | Plant):
+        recording = _of_mode(subject, mode, parameters) if mode else _of_model(subject, equilibrium, parameters)
         cast, name = Cast(recording.root.drawing()), subject.name
     else:
-        raise ModelError(f"view: a Model or a Result can be drawn, not a {type(subject).__name__}.")
+        raise ModelError(f"view: a Model, a Plant or a Result can be drawn, not a {type(subject).__name__}.")
     target = _target(path if path is not None else f"{name or 'model'}.html")
     text = page(scene(cast, recording))
     try:
@@ -179,8 +176,8 @@ def _of_result(result: Result, root: Any, names: list[str], numbers: np.ndarray)
     return Recording(root, result.time[numbers], observe, readings, title, status)
 
 
-def _of_model(model: Model, equilibrium: bool, parameters: Mapping[str, Any] | None) -> Recording:
-    plant = model.compile()
+def _of_model(model: Model | Plant, equilibrium: bool, parameters: Mapping[str, Any] | None) -> Recording:
+    plant = model if isinstance(model, Plant) else model.compile()
     state = plant.equilibrium(parameters) if equilibrium else plant.initial_state(parameters)
     result = played(plant, [state], np.array([state.t]))
     status = "at its mean position." if equilibrium else "at the start."
@@ -188,8 +185,8 @@ def _of_model(model: Model, equilibrium: bool, parameters: Mapping[str, Any] | N
     return Recording(root, result.time, result.observe, _readings(plant, result), _title(model), status)
 
 
-def _of_mode(model: Model, number: int, parameters: Mapping[str, Any] | None) -> Recording:
-    plant = model.compile()
+def _of_mode(model: Model | Plant, number: int, parameters: Mapping[str, Any] | None) -> Recording:
+    plant = model if isinstance(model, Plant) else model.compile()
     state = plant.equilibrium(parameters)
     mode = mode_of(plant, number, state)
     root = _with_values(model.root, plant.parameter_values(parameters))
@@ -202,7 +199,7 @@ def _of_mode(model: Model, number: int, parameters: Mapping[str, Any] | None) ->
     return Recording(root, result.time, result.observe, _readings(plant, result), _title(model), status, loop=True)
 
 
-def _title(model: Model) -> str:
+def _title(model: Model | Plant) -> str:
     return model.title or model.name or type(model.root).__name__
 
 

@@ -222,7 +222,7 @@ def plant():
 def unit(request, plant, tmp_path_factory):
     """The machine as an FMU of FMI 2.0 and of FMI 3.0."""
     path = tmp_path_factory.mktemp("fmu") / f"machine_{request.param}.fmu"
-    made = Unit(plant.export_fmu(path, fmi=request.param), request.param)
+    made = Unit(fw.export_fmu(plant, path, fmi=request.param), request.param)
     yield made
     made.close()
 
@@ -266,7 +266,7 @@ def as_unit(tmp_path_factory):
 
     def make(plant, version="3", **options):
         path = tmp_path_factory.mktemp("fmu") / "model.fmu"
-        made.append(Unit(plant.export_fmu(path, fmi=version, **options), version))
+        made.append(Unit(fw.export_fmu(plant, path, fmi=version, **options), version))
         return made[-1]
 
     yield make

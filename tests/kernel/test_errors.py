@@ -499,7 +499,7 @@ def test_what_was_computed_survives_a_failure():
 
 
 def test_ctrl_c_keeps_what_was_computed():
-    from fowtlib.solving.simulation import Interrupted
+    from fowtlib.solving.run import Interrupted
 
     def stop(t, t_end):
         if t >= 50:

@@ -1,4 +1,4 @@
-"""Numeric functions of a FlatDAE at given parameter values, torn at its external functions.
+"""Numeric functions of a FlatDAE, made once and for all values of its parameters, torn at its external functions.
 
 The chain rule through the externals is assembled here in scalar symbols, with the Jacobians of the externals as inputs:
 building the Jacobian through the whole graph instead is many times slower.
@@ -6,8 +6,9 @@ building the Jacobian through the whole graph instead is many times slower.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Hashable, Sequence
 from functools import cached_property
+from typing import Any, TypeVar
 
 import casadi as ca
 import numpy as np
@@ -15,35 +16,42 @@ import numpy as np
 from fowtlib.flattening import FlatDAE
 
 MANY = 300  # columns from which a sparse Jacobian is better than a directional one
+MOST = 64  # things made on demand that are held at once; the one that was not used for longest goes first
+
+Made = TypeVar("Made")
 
 
-class Evaluation:
-    """The functions of a FlatDAE with the parameters put in as numbers.
+class Functions:
+    """The functions of a FlatDAE. Arguments of all of them, unless said otherwise: t, x, z, and q = [u; d; p].
 
-    Arguments of all of them: t, x, z, and q, the inputs followed by the discrete variables, followed by the parameters
-    whose numbers `kept` names: these stay symbols.
+    They are made when first asked for, and hold no number that a run may change: other values of parameters need no
+    other functions. `at` gives them with the parameters put in.
     """
 
-    def __init__(self, dae: FlatDAE, parameters: np.ndarray, kept: Sequence[int] = ()):
+    def __init__(self, dae: FlatDAE):
         self.dae = dae
-        self.parameters = parameters
         self.t, self.x, self.z, self.w = dae.t, dae.x, dae.z, dae.w
-        self.q = ca.vertcat(dae.u, dae.d, *[dae.p[i] for i in kept])
-        self._fixed = [i for i in range(parameters.size) if i not in set(kept)]
+        self.q = ca.vertcat(dae.u, dae.d, dae.p)
         self._externals = [_Differentiable(external.function) for external in dae.externals]
+        self._made: dict[Hashable, Any] = {}
+
+    def at(self, parameters: np.ndarray) -> AtParameters:
+        """The functions at values of p."""
+        return AtParameters(self, parameters)
+
+    def once(self, key: Hashable, make: Callable[[], Made]) -> Made:
+        """What `make` returns, made for the first that asks for it by this key."""
+        made = self._made.pop(key) if key in self._made else make()
+        self._made[key] = made  # the last one used is the last to go
+        if len(self._made) > MOST:
+            del self._made[next(iter(self._made))]
+        return made
 
     # --- building blocks -----------------------------------------------------------------------------------------
 
-    def with_numbers(self, expressions: Sequence[ca.SX]) -> list[ca.SX]:
-        """Expressions with the parameter values put in."""
-        if not self._fixed or not expressions:
-            return list(expressions)
-        values = ca.SX(ca.DM(self.parameters[self._fixed]))
-        return ca.substitute(list(expressions), [self.dae.p[self._fixed]], [values])
-
     @cached_property
     def _external_inputs(self) -> list[ca.SX]:
-        return self.with_numbers([external.inputs for external in self.dae.externals])
+        return [external.inputs for external in self.dae.externals]
 
     @property
     def _arguments(self) -> list[ca.SX]:
@@ -71,18 +79,18 @@ class Evaluation:
 
     def function(self, name: str, expressions: Sequence[ca.SX], names: Sequence[str] = ()) -> ca.Function:
         """`(t, x, z, q) -> expressions`, calling the external functions that they need."""
-        numeric = self.with_numbers(expressions)
-        labels = list(names) or [f"o{i}" for i in range(len(numeric))]
-        inner = ca.Function(name, [*self._arguments, self.w], numeric, ["t", "x", "z", "q", "w"], labels)
-        needed = self._needed(numeric)
+        columns = list(expressions)
+        labels = list(names) or [f"o{i}" for i in range(len(columns))]
+        inner = ca.Function(name, [*self._arguments, self.w], columns, ["t", "x", "z", "q", "w"], labels)
+        needed = self.needed(columns)
         if not needed:
-            return ca.Function(name, self._arguments, numeric, ["t", "x", "z", "q"], labels, {"allow_free": False})
+            return ca.Function(name, self._arguments, columns, ["t", "x", "z", "q"], labels, {"allow_free": False})
         arguments, w, _ = self._called(needed)
         values = inner(*arguments, w)
         values = list(values) if isinstance(values, (list, tuple)) else [values]
         return ca.Function(name, arguments, values, ["t", "x", "z", "q"], labels)
 
-    def _needed(self, expressions: Sequence[ca.SX]) -> set[int]:
+    def needed(self, expressions: Sequence[ca.SX]) -> set[int]:
         """Externals whose outputs the expressions depend on, directly or through other externals."""
         if not self.dae.externals:
             return set()
@@ -107,10 +115,9 @@ class Evaluation:
         The partial derivatives are expressions of scalars; their products with the Jacobians of the externals are
         sparse matrix products, because written out as scalars those of a rotor are a million operations.
         """
-        rows = self.with_numbers([rows])[0]
         block_of = ca.vertcat(*columns)
         ends = [0, *np.cumsum([c.shape[0] for c in columns]).tolist()]
-        needed = self._needed([rows])
+        needed = self.needed([rows])
         if not needed:
             blocks = ca.horzsplit(ca.sparsify(ca.jacobian(rows, block_of)), ends)
             return ca.Function(name, self._arguments, blocks)
@@ -137,7 +144,6 @@ class Evaluation:
         Its expressions are the derivative along one direction, evaluated for each column. They are found in the time of
         one column, and each evaluation costs more: for a Jacobian that is needed a few times.
         """
-        rows = self.with_numbers([rows])[0]
         n, moving = columns.shape[0], ca.vertcat(columns, self.w)
         seed, w_seed = ca.SX.sym("seed", n), ca.SX.sym("w_seed", self.w.shape[0])
 
@@ -147,7 +153,7 @@ class Evaluation:
             one = ca.Function(f"{name}_{label}", [*self._arguments, self.w, seed, w_seed], [ca.densify(slope)])
             return one.map(f"{name}_{label}_all", "serial", n, [0, 1, 2, 3, 4], [])
 
-        needed = self._needed([rows])
+        needed = self.needed([rows])
         arguments, w, inputs = self._called(needed)
         seeds, through = ca.MX(ca.DM.eye(n)), ca.MX(ca.DM.zeros(self.w.shape[0], n))
         for level, group in enumerate(self.dae.levels):
@@ -196,22 +202,104 @@ class Evaluation:
     def _algebraic_alone(self) -> ca.Function:
         return self.directional_jacobian("algebraic_jacobian", self.dae.alg, self.z)
 
+    @cached_property
+    def operations(self) -> int:
+        """Scalar operations of ode and alg, without those of the external functions."""
+        equations = ca.vertcat(self.dae.ode, self.dae.alg)
+        return ca.Function("equations", ca.symvar(equations), [equations]).n_instructions()
+
+    @cached_property
+    def indicators(self) -> ca.Function:
+        """`(t, x, z, q) -> indicators of the events`."""
+        return self.function("indicators", [ca.vertcat(*[event.indicator for event in self.dae.events])])
+
+    @cached_property
+    def actions(self) -> list[ca.Function]:
+        """For each event `(t, x, z, q) -> values of its states, values of its discrete variables`."""
+        return [self.function("action", [e.state_values, e.discrete_values]) for e in self.dae.events]
+
+    @cached_property
+    def updates(self) -> list[ca.Function]:
+        """For each sampled part `(t, x, z, q) -> what it computes` (see SampledUpdate.values)."""
+        return [self.function("update", [sample.values]) for sample in self.dae.samples]
+
+    @cached_property
+    def conditions(self) -> ca.Function:
+        """`(t, x, z, q) -> conditions of the checks`, 0 where one is broken."""
+        return self.function("conditions", [ca.vertcat(*[check.condition for check in self.dae.checks])])
+
+    def told(self, check: int) -> ca.Function:
+        """`(t, x, z, q) -> values in the message of a check`."""
+        values = list(self.dae.checks[check].values.values())
+        return self.once(("told", check), lambda: self.function("told", [ca.vertcat(*values)]))
+
+    def observed(self, paths: Sequence[str]) -> ca.Function:
+        """`(t, x, z, q) -> all elements of variables`, those of a matrix column by column."""
+
+        def make() -> ca.Function:
+            return self.function("observe", [ca.vertcat(*[ca.vec(self.dae.observe_expression(p)) for p in paths])])
+
+        return self.once(("observed", *paths), make)
+
+    @cached_property
+    def start(self) -> ca.Function:
+        """`p -> start values of x, z and d`."""
+        columns = [ca.vertcat(*[q.start for q in group]) if group else ca.SX(0, 1)
+                   for group in (self.dae.states, self.dae.algebraics, self.dae.discretes)]  # fmt: skip
+        return ca.Function("start", [self.dae.p], columns)
+
+    @cached_property
+    def clocks(self) -> ca.Function:
+        """`p -> periods, offsets` of the sampled parts."""
+        samples = self.dae.samples
+        columns = [ca.vertcat(*[s.period for s in samples]), ca.vertcat(*[s.offset for s in samples])]
+        return ca.Function("clocks", [self.dae.p], columns)
+
+
+class AtParameters:
+    """Functions with the parameters put in: of t, x, z, and q = [u; d]."""
+
+    def __init__(self, functions: Functions, parameters: np.ndarray):
+        self.functions, self.dae = functions, functions.dae
+        self.parameters = np.ascontiguousarray(parameters, dtype=float)
+
+    def whole(self, q: np.ndarray) -> np.ndarray:
+        """[u; d; p] of [u; d]: of one column, or of one for each point of time."""
+        q = np.asarray(q, dtype=float)
+        if q.ndim < 2:
+            return np.concatenate([q, self.parameters])
+        return np.vstack([q, np.broadcast_to(self.parameters[:, None], (self.parameters.size, q.shape[1]))])
+
+    def call(self, function: ca.Function, t: Any, x: Any, z: Any, q: Any) -> Any:
+        """Values of one of the functions."""
+        return function(t, x, z, self.whole(q))
+
+    def residual(self, t: Any, x: Any, z: Any, q: Any) -> tuple[ca.DM, ca.DM]:
+        """Values of ode and alg."""
+        return self.functions.residual(t, x, z, self.whole(q))
+
+    def jacobian(self, t: Any, x: Any, z: Any, q: Any) -> tuple[ca.DM, ca.DM, ca.DM, ca.DM]:
+        """D ode/dx, d ode/dz, d alg/dx, d alg/dz."""
+        return self.functions.jacobian(t, x, z, self.whole(q))
+
+    def algebraic_jacobian(self, t: Any, x: Any, z: Any, q: Any) -> ca.DM:
+        """D alg/dz."""
+        return self.functions.algebraic_jacobian(t, x, z, self.whole(q))
+
     def updater(self, sample: int) -> Callable[..., np.ndarray]:
         """What a sampled part computes (see SampledUpdate.values), as a function of t, x, z, q."""
-        update = self.function("update", [self.dae.samples[sample].values])
-        return lambda *point: np.array(update(*point)).ravel()
+        update = self.functions.updates[sample]
+        return lambda *point: np.array(self.call(update, *point)).ravel()
 
-    def start_values(self) -> tuple[np.ndarray, np.ndarray, np.ndarray, np.ndarray]:
-        """Start values of x, z and d, and the default of u."""
-        dae = self.dae
-        columns = [ca.vertcat(*[q.start for q in group]) if group else ca.SX(0, 1)
-                   for group in (dae.states, dae.algebraics, dae.discretes)]  # fmt: skip
-        values = [
-            np.array(value, dtype=float).ravel()
-            for value in ca.Function("start", [], self.with_numbers(columns)).call([])
-        ]
-        inputs = [item.default for item in dae.inputs.values()]
-        return (*values, np.concatenate(inputs) if inputs else np.zeros(0))
+    def start_values(self) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+        """Start values of x, z and d."""
+        x, z, d = (np.array(value, dtype=float).ravel() for value in self.functions.start(self.parameters))
+        return x, z, d
+
+    def clocks(self) -> list[tuple[float, float]]:
+        """Period and offset of each sampled part [s]."""
+        periods, offsets = (np.array(column).ravel().tolist() for column in self.functions.clocks(self.parameters))
+        return list(zip(periods, offsets, strict=True))
 
 
 class _Differentiable:

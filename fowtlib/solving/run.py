@@ -8,13 +8,12 @@ import warnings
 from collections.abc import Callable, Sequence
 from typing import TYPE_CHECKING, Any
 
-import casadi as ca
 import numpy as np
 from scipy.optimize import brentq
 
 from fowtlib.language.errors import SimulationError
 from fowtlib.language.units import from_si
-from fowtlib.solving.engine import Engine
+from fowtlib.solving.engines.base import Engine
 from fowtlib.solving.failure import StepFailure, integration_failure
 from fowtlib.solving.initial import consistent_algebraics
 from fowtlib.solving.interrupts import deferred_interrupt
@@ -35,7 +34,7 @@ class Interrupted(SimulationError):
     """Ctrl-C during a simulation; `result` holds what was computed."""
 
 
-class Simulation:
+class Run:
     """One run of a plant from a state."""
 
     def __init__(self, plant: Plant, start: State, engine: Engine, parameters: Any, outputs: Sequence[str] | None,
@@ -44,7 +43,7 @@ class Simulation:
         self.parameters = parameters
         self.resumed = resumed
         self.engine = engine
-        self.evaluation = plant.evaluation(parameters)
+        self.at = engine.at
         self.sessions = Sessions(self.dae, resumed)
         self.names = list(plant.outputs) if outputs is None else list(outputs)
         self.t = start.t
@@ -53,15 +52,10 @@ class Simulation:
         self.warned: dict[int, str] = {}
         self._prepare_events()
         self._prepare_samples(start.t)
-        self._prepare_checks()
 
     # --- preparation ---------------------------------------------------------------------------------------------
 
     def _prepare_events(self) -> None:
-        events = self.dae.events
-        if events:
-            self.indicators = self.evaluation.function("indicators", [ca.vertcat(*[e.indicator for e in events])])
-            self.actions = [self.evaluation.function("action", [e.state_values, e.discrete_values]) for e in events]
         self.last_event: dict[int, float] = {}
         self.returns: dict[int, int] = {}
         self.just_fired: set[int] = set()
@@ -69,11 +63,9 @@ class Simulation:
 
     def _prepare_samples(self, t: float) -> None:
         samples = self.dae.samples
-        numbers = self.evaluation.with_numbers([ca.vertcat(s.period, s.offset) for s in samples])
         self.updates = [self.engine.updater(k) for k in range(len(samples))]
         self.clocks: list[tuple[float, float, int]] = []
-        for sample, number in zip(samples, numbers, strict=True):
-            period, offset = (float(v) for v in ca.Function("clock", [], [number]).call([])[0].full().ravel())
+        for sample, (period, offset) in zip(samples, self.at.clocks(), strict=True):
             if not period > 0:
                 raise SimulationError(
                     f"{sample.path}: the period of a sampled part is {period:g} s; it must be above zero."
@@ -86,11 +78,6 @@ class Simulation:
         if passed <= 0 and not self.resumed:
             return 0
         return max(0, int(np.floor(passed + 1e-9)) + 1 if self.resumed else int(np.ceil(passed - 1e-9)))
-
-    def _prepare_checks(self) -> None:
-        checks = self.dae.checks
-        if checks:
-            self.conditions = self.evaluation.function("checks", [ca.vertcat(*[c.condition for c in checks])])
 
     @property
     def q(self) -> np.ndarray:
@@ -207,21 +194,24 @@ class Simulation:
         """A model without states: algebraic unknowns at each point."""
         z, rows = self.z, []
         for k in range(points):
-            z = consistent_algebraics(self.evaluation, self.t + (k + 1) * length / points, self.x, z, self.q)
+            z = consistent_algebraics(self.at, self.t + (k + 1) * length / points, self.x, z, self.q)
             rows.append(z)
         return np.zeros((points, 0)), np.array(rows).reshape(points, -1)
 
     # --- events --------------------------------------------------------------------------------------------------
 
+    def _indicators(self, t: float, x: np.ndarray, z: np.ndarray) -> np.ndarray:
+        return np.array(self.at.call(self.at.functions.indicators, t, x, z, self.q)).ravel()
+
     def _indicator_values(self) -> np.ndarray:
-        return np.array(self.indicators(self.t, self.x, self.z, self.q)).ravel()
+        return self._indicators(self.t, self.x, self.z)
 
     def _first_crossing(self, times: np.ndarray, x: np.ndarray, z: np.ndarray) -> int | None:
         """First point at which an armed indicator is not positive any more."""
         if not len(times):
             return None
         q = np.repeat(self.q[:, None], len(times), axis=1)
-        values = np.array(self.indicators(times[None], x.T, z.T, q)).reshape(-1, len(times))
+        values = np.array(self.at.call(self.at.functions.indicators, times[None], x.T, z.T, q)).reshape(-1, len(times))
         for k in range(len(times)):
             if np.any(self.armed & (values[:, k] <= 0)):
                 return k
@@ -233,7 +223,7 @@ class Simulation:
         length = times[k] - (times[k - 1] if k else self.t)
         if k:
             self.t, self.x, self.z = float(times[k - 1]), x[k - 1].copy(), z[k - 1].copy()
-        after = np.array(self.indicators(times[k], x[k], z[k], self.q)).ravel()
+        after = self._indicators(times[k], x[k], z[k])
         candidates = np.flatnonzero(self.armed & (after <= 0))
 
         def state_at(h: float) -> tuple[np.ndarray, np.ndarray]:
@@ -246,7 +236,7 @@ class Simulation:
 
         def indicator(h: float, i: int) -> float:
             xs, zs = state_at(h)
-            return float(np.array(self.indicators(self.t + h, xs, zs, self.q)).ravel()[i])
+            return float(self._indicators(self.t + h, xs, zs)[i])
 
         instants = {int(i): self._instant(int(i), indicator, length) for i in candidates}
         first = min(instants.values())
@@ -282,12 +272,12 @@ class Simulation:
         if np.all(self.armed):
             return
         h = 1e-3 * self.step / SUBSTEPS
-        x = self.x + h * np.array(self.evaluation.residual(self.t, self.x, self.z, self.q)[0]).ravel()
+        x = self.x + h * np.array(self.at.residual(self.t, self.x, self.z, self.q)[0]).ravel()
         try:
-            z = consistent_algebraics(self.evaluation, self.t + h, x, self.z, self.q)
+            z = consistent_algebraics(self.at, self.t + h, x, self.z, self.q)
         except SimulationError:
             return
-        then = np.array(self.indicators(self.t + h, x, z, self.q)).ravel()
+        then = self._indicators(self.t + h, x, z)
         self.armed |= (then > 0) & (then > now)
 
     def _count(self, due: set[int]) -> None:
@@ -314,7 +304,8 @@ class Simulation:
             x, d = self.x.copy(), self.d.copy()
             for i in sorted(due):
                 event = self.dae.events[i]
-                on_states, on_discretes = self.actions[i](self.t, self.x, self.z, self.q)
+                action = self.at.functions.actions[i]
+                on_states, on_discretes = self.at.call(action, self.t, self.x, self.z, self.q)
                 x[event.state_targets] = np.array(on_states).ravel()
                 d[event.discrete_targets] = np.array(on_discretes).ravel()
             self.x, self.d = x, d
@@ -356,7 +347,8 @@ class Simulation:
         if not self.dae.checks:
             return
         n = len(times)
-        values = np.array(self.conditions(times[None], x.T, z.T, np.repeat(self.q[:, None], n, axis=1))).reshape(-1, n)
+        q = np.repeat(self.q[:, None], n, axis=1)
+        values = np.array(self.at.call(self.at.functions.conditions, times[None], x.T, z.T, q)).reshape(-1, n)
         for k in np.flatnonzero((values == 0).any(axis=0)):
             for i in np.flatnonzero(values[:, k] == 0):
                 check = self.dae.checks[i]
@@ -375,8 +367,8 @@ class Simulation:
     def _message(self, i: int, t: float, x: np.ndarray, z: np.ndarray) -> str:
         check = self.dae.checks[i]
         text = check.message
-        for name, expression in check.values.items():
-            value = float(self.evaluation.function("value", [expression])(t, x, z, self.q))
+        told = np.array(self.at.call(self.at.functions.told(i), t, x, z, self.q)).ravel() if check.values else ()
+        for name, value in zip(check.values, told, strict=True):
             text = text.replace("{" + name + "}", f"{value:.6g}")
         text = text.rstrip(".")
         return f"{check.path or self.plant.name or 'model'}: {text} (t = {t:g} s)."
@@ -384,9 +376,7 @@ class Simulation:
     def _failure(self) -> SimulationError:
         """The error at the last good point."""
         return SimulationError(
-            integration_failure(
-                self.evaluation, self.t, self.x, self.z, self.q, self.step, self.reason, self.engine.advice
-            )
+            integration_failure(self.at, self.t, self.x, self.z, self.q, self.step, self.reason, self.engine.advice)
         )
 
     def _warn_of_gaps(self, name: str, t: np.ndarray, series: np.ndarray) -> None:
@@ -401,7 +391,7 @@ class Simulation:
     def result(self, status: str) -> Result:
         """What has been computed, as a Result."""
         t, x, z, d = (np.concatenate([row[i] for row in self.rows]) for i in range(4))
-        observe = Observation(self.plant, self.evaluation, t, x, z, np.repeat(self.u[None], len(t), axis=0), d)
+        observe = Observation(self.plant, self.at, t, x, z, np.repeat(self.u[None], len(t), axis=0), d)
         values, units, docs = {}, {}, {}
         paths = []
         for name in self.names:
