@@ -172,6 +172,8 @@ class Radiation(PlatformLoad):
     radiation_identification; str(radiation.model()) reports the fit.
     """
 
+    memory = "radiated waves"
+
     database: str = param(doc="file of a HydrodynamicDatabase")
     order: int = param(default=4, min=2, doc="states per motion (surge, sway, ...); coupled motions share theirs")
     passive: bool = param(default=True, doc="never feeds energy to the body; false: a little closer to the damping")
