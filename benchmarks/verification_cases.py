@@ -128,7 +128,7 @@ def two_rotor_balance() -> list[tuple[str, float]]:
     root = fw.load("two_rotor_spar_rigid").root
     data = HydrodynamicDatabase.read(root.find("platform.water").database)
     buoyancy = data.rho * data.g * data.volume
-    weight = -data.g * sum(mass for mass, _, _ in _bodies(root))
+    weight = -data.g * sum(mass for mass, _, _ in bodies(root))
     lines = root.find("platform.mooring").static_load()[0][2]
     rest = float(calm_plant("two_rotor_spar_rigid").equilibrium()["heave"])
     return [
@@ -172,7 +172,7 @@ def surge_pitch(model: Model, heave: float = 0.0) -> SurgePitch:
     behind, _ = mooring.static_load((-step, 0, heave))
     spring = (behind[0] - ahead[0]) / (2 * step)
     mass, moment, inertia, weight = np.sum(
-        [(m, m * z, iyy + m * (x * x + z * z), m * g * z) for m, (x, _, z), iyy in _bodies(root)], axis=0
+        [(m, m * z, iyy + m * (x * x + z * z), m * g * z) for m, (x, _, z), iyy in bodies(root)], axis=0
     )
     added = data.A[0]
     M = np.array([[mass + added[0, 0], moment + added[0, 4]], [moment + added[4, 0], inertia + added[4, 4]]])
@@ -182,7 +182,7 @@ def surge_pitch(model: Model, heave: float = 0.0) -> SurgePitch:
     return SurgePitch(M, K, 2 * np.pi / slow, 2 * np.pi / fast)
 
 
-def _bodies(root: Any) -> list[tuple[float, np.ndarray, float]]:
+def bodies(root: Any) -> list[tuple[float, np.ndarray, float]]:
     """(mass, place of the centre of mass, inertia about y) of the bodies of the two shipped models."""
     places = {"platform.hull": None, "platform.structure": None, "tower": None, "turbine": "tower_to_hub",
               "turbine_left": "arm_left", "turbine_right": "arm_right"}  # fmt: skip

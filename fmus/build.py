@@ -27,6 +27,7 @@ try:
 except ModuleNotFoundError:
     sys.exit("FMUs are checked by fmpy, which is missing: pip install '.[fmi]'")
 
+import fowtlib as fw
 from fowtlib.cli import loading
 from fowtlib.language.errors import ModelError
 from fowtlib.language.units import from_si, to_si
@@ -85,7 +86,7 @@ class Recipe:
         """Export the model into the folder."""
         folder.mkdir(exist_ok=True)
         path = folder / f"{self.name}.fmu"
-        return (plant or self.plant()).export_fmu(path, fmi=self.fmi, kind=self.kind, step=self.step)
+        return fw.export_fmu(plant or self.plant(), path, fmi=self.fmi, kind=self.kind, step=self.step)
 
 
 class Check:

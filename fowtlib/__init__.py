@@ -6,15 +6,18 @@ import importlib
 from typing import TYPE_CHECKING, Any
 
 from fowtlib.language import Assembly, Component, ModelError
-from fowtlib.language.upstairs import hand_in
 
 if TYPE_CHECKING:
+    from fowtlib.fmi import export_fmu
     from fowtlib.modelfile import load
     from fowtlib.solving import LinearModel, Mode, Model, Output, Plant, Result, State
+    from fowtlib.view import view
 
 # imported when first used, so that `import fowtlib` stays fast
 _LATER = {
+    "export_fmu": "fowtlib.fmi",
     "load": "fowtlib.modelfile",
+    "view": "fowtlib.view",
     **dict.fromkeys(("LinearModel", "Mode", "Model", "Output", "Plant", "Result", "State"), "fowtlib.solving"),
 }
 
@@ -24,17 +27,6 @@ def __getattr__(name: str) -> Any:
         return getattr(importlib.import_module(_LATER[name]), name)
     raise AttributeError(f"module 'fowtlib' has no attribute '{name}'")
 
-
-def _view(*arguments: Any, **options: Any) -> Any:
-    return importlib.import_module("fowtlib.view").view(*arguments, **options)
-
-
-def _export_fmu(*arguments: Any, **options: Any) -> Any:
-    return importlib.import_module("fowtlib.fmi").export_fmu(*arguments, **options)
-
-
-hand_in("view", _view)
-hand_in("export_fmu", _export_fmu)
 
 __all__ = [
     "Assembly",
@@ -47,5 +39,7 @@ __all__ = [
     "Plant",
     "Result",
     "State",
+    "export_fmu",
     "load",
+    "view",
 ]

@@ -33,8 +33,9 @@ class CoefficientRotor(Rotor):
     cutoff_frequency: Scalar = param(default=0.0033, unit="Hz", min=0, doc="-3 dB frequency of the filter")
     lowest_wind: Scalar = param(default=0.5, unit="m/s", min=0, doc="least speed the tip speed ratio is divided by")
     wind_start: Scalar = param(
-        default=lambda self: self.wind.mean_at(self.station), unit="m/s", doc="filtered wind at the start"
-    )
+        default=lambda self: self.wind.mean_at(self.station) * m.cos(self.wind.direction) * m.cos(self.tilt),
+        unit="m/s", doc="filtered wind at the start; its default takes the frame as turned along x",
+    )  # fmt: skip
 
     world: World = outer(World)
     wind: Wind = outer(Wind)

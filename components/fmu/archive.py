@@ -38,12 +38,14 @@ class Archive:
         if total > MOST_UNPACKED:
             sizes = f"{total / 1e9:.3g} GB, more than the limit of {MOST_UNPACKED / 1e9:g} GB"
             raise self.broken(f"unpacked it has {sizes}")
-        seen: set[str] = set()
+        folders: dict[str, bool] = {}  # by name; one may be listed again and again, as `cmake -E tar` does
         for entry in entries:
             self._check(entry)
-            if entry.filename.lower() in seen:
-                raise self.broken(f"it has two entries '{entry.filename}'")
-            seen.add(entry.filename.lower())
+            name, folder = entry.filename.lower().rstrip("/"), entry.is_dir()
+            if name in folders and not (folder and folders[name]):
+                what = "two entries" if folder == folders[name] else "a folder and a file"
+                raise self.broken(f"it has {what} '{entry.filename}'")
+            folders[name] = folder
         self.names = [entry.filename for entry in entries]
 
     def broken(self, why: str) -> ModelError:

@@ -1,18 +1,35 @@
 """Loads of the water that are linear in the motion of a platform: hydrostatics, added mass, damping, radiation, waves.
 
 All of them act on a Frame at the reference point of the platform: on its axis, at the still water level when at rest.
-Matrices have the order surge, sway, heave, roll, pitch, yaw and refer to that point. Forces and moments are resolved in
-the world, moments are about the origin of the frame where it is now.
+Matrices have the order surge, sway, heave, roll, pitch, yaw and refer to that point; moments are about the origin of
+the frame where it is now.
 
-Added mass, damping and radiation are properties of the hull and refer to its axes: a spar that leans turns about its
-own axis as freely as an upright one. In the axes of the world, as HydroDyn has them, a mean pitch of 5 deg would give
-the yaw of the OC3 spar the inertia A44 sin^2(5 deg) = 2.9e8 kg m^2 of water, more than its bodies have. Wave loads and
-stiffness refer to the axes of the world.
+One set of axes for all that is linear in motion and waves (added mass, radiation, damping, excitation): forces and
+velocities along the vertical and along the horizontal axes that have turned with the yaw of the hull; moments and
+angular velocities about the axes of the hull. The power of a load is the product of these components with these rates
+exactly, so that radiation that is passive in the data is passive here.
 
-Displacement: the origin against its place at rest, the tilt about x and y of the frame's z axis, and the yaw of its
-x axis. The tilt is that of the vertical seen from the world, atan2(-R23, R33) and atan2(R13, R33): equal to roll and
-pitch without yaw, and still right for a platform that has yawed, whose roll and pitch axes have turned. HydroDyn takes
-the angles of a small rotation from R as well; the two agree to first order.
+- Forces stay horizontal and vertical because the data are those of an upright hull: a load that leans with the
+  oscillating hull is of second order in the wave, where other terms of the same size (pressure at the displaced hull,
+  square of the velocity, wetted surface: J.A. Pinkster, 1980) are not known. A part of the sum is worse than none: in
+  waves of 6 m and 10 s the product of pitch with A11 surge'' pushes the OC3 spar to a mean heave of -0.046 m, that of
+  pitch with X1 by +0.077 m, both together by +0.031 m. All three grow with the square of the wave height; here they
+  are not. Nor may one lean without the other: with added mass in axes of the hull and excitation in those of the
+  world, the mean pitch at 8 m/s moved the phase of heave by 7 deg.
+- Moments turn with the hull, because a spar that leans turns about its own axis as freely as an upright one. About the
+  axes of the world, as HydroDyn has them, a mean pitch of 5 deg would give the yaw of the OC3 spar the inertia
+  A44 sin^2(5 deg) = 2.9e8 kg m^2 of water, more than its bodies have. The moment of the waves leans likewise: the
+  roll moment that beam waves exert on a hull that pitches is about the axis about which the water resists.
+
+What a mean lean changes of the loads themselves is not in the data of an upright hull. By strips, the whole load on a
+leaned spar stands normal to its axis, which adds -pitch x surge to its heave (5 deg and 1 m: 0.09 m); data of the hull
+in its mean position hold that. The excitation is for a hull whose mean yaw is zero; of a round one it is for any.
+
+Displacement: the origin against its place at rest, the slope of the frame's z axis towards x and y (positive as pitch
+and roll are), and the yaw of its x axis, in the heading axes. Stiffness belongs to the waterplane, which stays
+horizontal and turns with the yaw: so does its load. The slope is the tangent of the tilt: of a hull with vertical
+walls the moment of the waterplane grows as sin(tilt) (1 + tan^2(tilt) / 2), which is the tangent up to the third power
+(K.J. Rawson and E.C. Tupper, Basic Ship Theory, the wall-sided formula).
 
 A port's f and t are positive into the component, so what the water gives to the platform has a minus sign in front.
 """
@@ -44,21 +61,27 @@ class PlatformLoad(Component):
         """Velocity and angular velocity (6,), world."""
         return m.vertcat(der(self.frame.r), self.frame.w)
 
-    def in_hull(self, motion):
-        """A velocity or acceleration (6,), world, resolved in the axes of the hull."""
-        R = self.frame.R
-        return m.vertcat(R.T @ motion[:3], R.T @ motion[3:])
+    def heading_axes(self):
+        """Axes (3, 3, world) that are upright and have turned about the vertical with the yaw of the frame's x axis."""
+        forward, aside = self.frame.R[0, 0], self.frame.R[1, 0]
+        length = m.sqrt(forward**2 + aside**2)
+        c, s = forward / length, aside / length
+        return m.vertcat(m.horzcat(c, -s, 0), m.horzcat(s, c, 0), m.horzcat(0, 0, 1))
 
-    def push_in_hull(self, load):
-        """The water gives `load` (6,), resolved in the axes of the hull, to the platform."""
-        R = self.frame.R
-        return self.push(m.vertcat(R @ load[:3], R @ load[3:]))
+    def in_own_axes(self, motion):
+        """A velocity or acceleration (6,), world, with its first half in the heading axes, its second in the hull's."""
+        return m.vertcat(self.heading_axes().T @ motion[:3], self.frame.R.T @ motion[3:])
+
+    def push_in_own_axes(self, load):
+        """The water gives `load` to the platform: force in the heading axes, moment in the axes of the hull."""
+        return self.push(m.vertcat(self.heading_axes() @ load[:3], self.frame.R @ load[3:]))
 
     def displacement(self, position):
-        """Displacement (3,) from `position`, tilt about x and y, yaw (6,), world."""
-        r, R = self.frame.r, self.frame.R
-        tilt = m.vertcat(m.atan2(-R[1, 2], R[2, 2]), m.atan2(R[0, 2], R[2, 2]))
-        return m.vertcat(r - position, tilt, m.atan2(R[1, 0], R[0, 0]))
+        """Displacement (3,) from `position`, slope about x and y, yaw (6,), in the heading axes."""
+        axes, R = self.heading_axes(), self.frame.R
+        upward = axes.T @ R[:, 2]
+        slope = m.vertcat(-upward[1], upward[0]) / upward[2]
+        return m.vertcat(axes.T @ (self.frame.r - position), slope, m.atan2(R[1, 0], R[0, 0]))
 
     def push(self, load):
         """The water gives `load` (6,) to the platform."""
@@ -79,9 +102,9 @@ class Hydrostatics(PlatformLoad):
 
     volume: Scalar = param(unit="m^3", min=0, doc="displaced volume at rest")
     centre_of_buoyancy: Vector = param(unit="m", doc="centre of that volume, resolved in the frame")
-    stiffness: Array = param(shape=(6, 6), structural=True, doc="C_w, without buoyancy moments, SI")
+    stiffness: Array = param(shape=(6, 6), doc="C_w, without buoyancy moments, SI")
     reference_density: Number = param(default=1025.0, unit="kg/m^3", min=0, doc="water density rho_0 of C_w")
-    position: Vector = param(default=(0, 0, 0), unit="m", structural=True, doc="place of the frame at rest, world")
+    position: Vector = param(default=(0, 0, 0), unit="m", doc="place of the frame at rest, world")
 
     world: World = outer(World)
 
@@ -90,7 +113,9 @@ class Hydrostatics(PlatformLoad):
     def equations(self):
         lift = m.vertcat(0, 0, self.buoyancy)
         scale = self.world.water_density / self.reference_density
-        restoring = -scale * m.mtimes(self.stiffness, self.displacement(self.position))
+        axes = self.heading_axes()
+        load = -scale * m.mtimes(self.stiffness, self.displacement(self.position))
+        restoring = m.vertcat(axes @ load[:3], axes @ load[3:])
         return [
             eq(self.buoyancy, self.world.water_density * self.world.gravity * self.volume),
             self.push(restoring + m.vertcat(lift, m.cross(self.frame.R @ self.centre_of_buoyancy, lift))),
@@ -112,32 +137,32 @@ def waterplane_stiffness(database: HydrodynamicDatabase) -> NDArray[np.float64]:
 class AddedMass(PlatformLoad):
     """Inertia of the water that moves with the body at once: f, t = rho/rho_0 A q'', with A at infinite frequency.
 
-    It stands in the mass matrix of the platform, like the mass of a body. Axes of the hull; linear, so without the
-    gyroscopic terms.
+    It stands in the mass matrix of the platform, like the mass of a body. Axes of the module; linear, so without the
+    gyroscopic terms of a yawing hull.
     Source: W.E. Cummins, Schiffstechnik 9 (1962) 101-109.
     """
 
-    matrix: Array = param(shape=(6, 6), structural=True, doc="added mass at infinite frequency, SI")
+    matrix: Array = param(shape=(6, 6), doc="added mass at infinite frequency, SI")
     reference_density: Number = param(default=1025.0, unit="kg/m^3", min=0, doc="water density rho_0 of the matrix")
 
     world: World = outer(World)
 
     def equations(self):
         scale = self.world.water_density / self.reference_density
-        return self.push_in_hull(-scale * m.mtimes(self.matrix, self.in_hull(der(self.velocity()))))
+        return self.push_in_own_axes(-scale * m.mtimes(self.matrix, self.in_own_axes(der(self.velocity()))))
 
 
 class LinearDamping(PlatformLoad):
-    """A load -B q' against the velocity, axes of the hull: diagonal, plus a full `matrix`."""
+    """A load -B q' against the velocity, axes of the module: diagonal, plus a full `matrix`."""
 
     translation: Vector = param(default=(0, 0, 0), unit="N*s/m", doc="damping of surge, sway, heave")
     rotation: Vector = param(default=(0, 0, 0), unit="N*m*s/rad", doc="damping of roll, pitch, yaw")
-    matrix: Array = param(default=np.zeros((6, 6)), shape=(6, 6), structural=True, doc="damping matrix, SI")
+    matrix: Array = param(default=np.zeros((6, 6)), shape=(6, 6), doc="damping matrix, SI")
 
     def equations(self):
-        velocity = self.in_hull(self.velocity())
+        velocity = self.in_own_axes(self.velocity())
         diagonal = m.vertcat(self.translation * velocity[:3], self.rotation * velocity[3:])
-        return self.push_in_hull(-diagonal - m.mtimes(self.matrix, velocity))
+        return self.push_in_own_axes(-diagonal - m.mtimes(self.matrix, velocity))
 
 
 class Radiation(PlatformLoad):
@@ -147,6 +172,8 @@ class Radiation(PlatformLoad):
     radiation_identification; str(radiation.model()) reports the fit.
     """
 
+    memory = "radiated waves"
+
     database: str = param(doc="file of a HydrodynamicDatabase")
     order: int = param(default=4, min=2, doc="states per motion (surge, sway, ...); coupled motions share theirs")
     passive: bool = param(default=True, doc="never feeds energy to the body; false: a little closer to the damping")
@@ -154,7 +181,7 @@ class Radiation(PlatformLoad):
     world: World = outer(World)
 
     x: Array = var(shape=lambda self: (self.model().states,), doc="states of the radiation model")
-    force: Vector = var(unit="N", doc="radiation force on the platform, axes of the hull")
+    force: Vector = var(unit="N", doc="radiation force on the platform, axes turned with its yaw")
     moment: Vector = var(unit="N*m", doc="radiation moment on the platform, axes of the hull")
 
     def model(self) -> RadiationModel:
@@ -165,10 +192,10 @@ class Radiation(PlatformLoad):
         model = self.model()
         scale = self.world.water_density / read_database(self.database).rho
         load = m.vertcat(self.force, self.moment)
-        statements = [eq(load, -scale * m.mtimes(model.C, self.x)), self.push_in_hull(load)]
+        statements = [eq(load, -scale * m.mtimes(model.C, self.x)), self.push_in_own_axes(load)]
         if model.states:
             statements.append(
-                eq(der(self.x), m.mtimes(model.A, self.x) + m.mtimes(model.B, self.in_hull(self.velocity())))
+                eq(der(self.x), m.mtimes(model.A, self.x) + m.mtimes(model.B, self.in_own_axes(self.velocity())))
             )
         return statements
 
@@ -178,7 +205,7 @@ class WaveExcitation(PlatformLoad):
 
     It acts on the platform at rest: motion changes neither its size nor its phase. `position` moves the phase with the
     waves. `extra_force` and `extra_moment` are the inputs of linear models; with `wave_transfer` they give response
-    amplitude operators.
+    amplitude operators. The moment leans with the hull.
     Source: J.N. Newman, Marine Hydrodynamics (1977), 6.18.
     """
 
@@ -187,13 +214,13 @@ class WaveExcitation(PlatformLoad):
     database: str = param(doc="file of a HydrodynamicDatabase")
     position: Vector = param(default=(0, 0, 0), unit="m", structural=True, doc="place of the frame at rest, world")
     extra_force: Vector = param(default=(0, 0, 0), unit="N", doc="force added to that of the waves, world")
-    extra_moment: Vector = param(default=(0, 0, 0), unit="N*m", doc="moment added to that of the waves, world")
+    extra_moment: Vector = param(default=(0, 0, 0), unit="N*m", doc="moment added to that of the waves, leaning too")
 
     world: World = outer(World)
     sea: Sea = outer(Sea)
 
     force: Vector = var(unit="N", doc="wave force on the platform, world")
-    moment: Vector = var(unit="N*m", doc="wave moment on the platform, world")
+    moment: Vector = var(unit="N*m", doc="wave moment on the platform, world axes leant as the hull")
 
     def equations(self):
         database, waves = read_database(self.database), self.sea.components()
@@ -205,7 +232,7 @@ class WaveExcitation(PlatformLoad):
         return [
             eq(self.force, load[:3] + self.extra_force),
             eq(self.moment, load[3:] + self.extra_moment),
-            self.push(m.vertcat(self.force, self.moment)),
+            self.push(m.vertcat(self.force, self.frame.R @ self.heading_axes().T @ self.moment)),
         ]
 
     def wave_transfer(self, omega, heading):

@@ -80,7 +80,7 @@ class BladedSession:
         threading.Thread(target=self._watch, daemon=True).start()
         try:
             self.asked = time.monotonic()
-            self._answer("loading")
+            self._answer("loaded")
         except BaseException:
             self.close()
             raise
@@ -144,10 +144,18 @@ class BladedSession:
         self.asked = None
         self.swap = np.frombuffer(content, np.float32).copy()
         if flag < 0:
-            raise SimulationError(f"the controller library reports an error: {message or self._last_words()}")
+            raise SimulationError(self._refusal(what, message or self._last_words()))
         if flag > 0 and message not in self.warned:
             self.warned.add(message)
             warnings.warn(f"the controller library says: {message or 'no message'}", stacklevel=3)
+
+    def _refusal(self, what: str, message: str) -> str:
+        """What the library says against a call; or the system, against loading it."""
+        if what != "loaded":
+            return f"the controller library reports an error: {message}"
+        beside = "; a library that was unpacked from a wheel finds those it needs beside it: leave it in its folder"
+        hint = beside if "cannot open shared object" in message or "Library not loaded" in message else ""
+        return f"the controller library cannot be loaded: {message}{hint}."
 
     def _death(self, what: str) -> str:
         waited = self.asked is not None and time.monotonic() - self.asked > PATIENCE

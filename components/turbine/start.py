@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from dataclasses import fields
 from functools import lru_cache
+from math import cos
 from typing import TYPE_CHECKING, Any, Protocol
 
 from fowtlib.components.servo import TorqueController, TorqueLaw
@@ -26,7 +27,10 @@ class InTheWind(Protocol):
 
 
 def start_point(turbine: InTheWind, station: int) -> OperatingPoint:
-    """Steady operation in the mean wind of the rotor's station; standstill without wind."""
+    """Steady operation in the mean wind of the rotor's station, as far as it blows along the shaft.
+
+    The frame of the turbine counts as turned along x. Standstill without wind, and in wind from the side or behind.
+    """
     wind = turbine.wind
     if wind.kind == "none":
         return STANDSTILL
@@ -34,9 +38,12 @@ def start_point(turbine: InTheWind, station: int) -> OperatingPoint:
     if wind.kind not in ("file", "field"):
         height, shear = wind.hubs[station, 1] / wind.reference_height, wind.parameter_value("shear_exponent")
         mean = wind.parameter_value("mean_speed") * height**shear
+    along = float(mean) * cos(wind.parameter_value("direction"))
+    if along <= 1e-12 * abs(mean):  # a direction of 90 deg is no round number
+        return STANDSTILL
     steady = turbine.steady_turbine()
     try:
-        return _operating_point(steady, float(mean))
+        return _operating_point(steady, along)
     except ModelError as error:
         raise error.at(turbine.label) from None
 

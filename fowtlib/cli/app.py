@@ -16,6 +16,7 @@ from collections.abc import Sequence
 from typing import NoReturn
 
 from fowtlib.cli import decay, export, inspection, library, rao, rotor_table, run, stability, view, wind_field
+from fowtlib.cli.encoding import write_what_can_be_written
 from fowtlib.language.errors import ModelError, did_you_mean
 
 GROUPS = (run, export, view, inspection, stability, decay, rao, rotor_table, wind_field, library)
@@ -77,6 +78,7 @@ def parser() -> tuple[Parser, dict[str, Parser]]:
 
 def main(argv: Sequence[str] | None = None) -> int:
     """Run one command; the exit status."""
+    write_what_can_be_written()
     top, commands = parser()
     arguments, rest = top.parse_known_args(argv)
     if arguments.version:
@@ -114,7 +116,7 @@ def _carry_out(arguments: argparse.Namespace) -> int:
 
 def _status(error: ModelError) -> int:
     """130 for a simulation that Ctrl-C stopped, 2 for a mistake."""
-    simulation = sys.modules.get("fowtlib.solving.simulation")  # imported only by a command that needs it
+    simulation = sys.modules.get("fowtlib.solving.run")  # imported only by a command that needs it
     return 130 if simulation and isinstance(error, simulation.Interrupted) else 2
 
 

@@ -249,6 +249,8 @@ class Causalization:
 
     def _of_parameters(self, factors: dict[tuple[int, int], ca.SX]) -> dict[tuple[int, int], ca.SX]:
         """Those of the factors that depend on parameters only."""
+        if not factors:
+            return {}
         column = ca.vertcat(*factors.values())
         others = [s for s in ca.symvar(column) if s.element_hash() not in self._parameter_numbers]
         if not others:
@@ -302,27 +304,26 @@ class Causalization:
 
     def _await_intermediates(self) -> None:
         """For each orientation the number of unknowns it waits for; outputs of externals stay symbols."""
-        self._definitions: list[list[tuple[ca.SX, ca.SX]]] = []
+        self._definitions: list[tuple[ca.SX, ca.SX]] = []
         self._missing: list[int] = []
         self._waiting: dict[int, list[int]] = defaultdict(list)
         k = 0
         for item in self.system.intermediates:
             n = len(item.symbols)
-            if item.function is None:
-                needs = union(self.incidence.closures(range(k, k + n)))
-                columns = self.position[needs]
-                columns = columns[columns >= 0]
-                for column in columns:
-                    self._waiting[int(column)].append(len(self._definitions))
-                self._missing.append(len(columns))
-                self._definitions.append(list(zip(item.symbols, item.inputs.elements(), strict=True)))
+            if item.function is None:  # element by element: an equation may need one row of a matrix, known first
+                for e, definition in enumerate(zip(item.symbols, item.inputs.elements(), strict=True)):
+                    columns = self.position[union(self.incidence.closures([k + e]))]
+                    columns = columns[columns >= 0]
+                    for column in columns:
+                        self._waiting[int(column)].append(len(self._definitions))
+                    self._missing.append(len(columns))
+                    self._definitions.append(definition)
             k += n
         self._ready = [k for k, missing in enumerate(self._missing) if not missing]
 
     def _place_intermediates(self) -> None:
         """Define the orientations of which everything is known, in their own order (from the roots outwards)."""
-        for k in sorted(self._ready):
-            self.result.sequence += self._definitions[k]
+        self.result.sequence += [self._definitions[k] for k in sorted(self._ready)]
         self._ready.clear()
 
 

@@ -6,16 +6,18 @@ Comput. 14 (1993) 677. All equations that an unmatched equation reaches are diff
 
 from __future__ import annotations
 
+import warnings
 from collections.abc import Sequence
 
 import casadi as ca
 import numpy as np
 
 from fowtlib.flattening import structure
-from fowtlib.flattening.incidence import Incidence
+from fowtlib.flattening.constraints import StartPoint, choose, is_singular_place, undetermined
+from fowtlib.flattening.incidence import Incidence, union
 from fowtlib.flattening.system import FlatEquation, System, residuals
 from fowtlib.language.declarations import STATE_PREFERENCES
-from fowtlib.language.errors import StructureError
+from fowtlib.language.errors import StructureError, one_of
 
 
 class IndexReduction:
@@ -27,11 +29,14 @@ class IndexReduction:
         self.incidence = incidence
         self.rows = list(rows)
         self.steps = 0
+        self.redundant: list[tuple[int, StartPoint]] = []  # undifferentiated constraints that repeat others
 
     def run(self) -> list[int]:
         """Numbers of the states; afterwards the equations determine all other unknowns."""
         self._pantelides()
-        return self._select_states()
+        states = self._select_states()
+        self._release(set(states))
+        return states
 
     # --- Pantelides ----------------------------------------------------------------------------------------------
 
@@ -120,8 +125,8 @@ class IndexReduction:
             # d e^(c) / d x^(d) = d e / d x^(d - c): the same entry at every order
             undifferentiated = (system.unknowns[j] for j in self.rows[equation.base])
             members = ((unknown.base, unknown.order + equation.order) for unknown in undifferentiated)
-            entries.append(sorted(position[member] for member in members if member in position))
-        incidence = structure.matrix([np.array(entry, int) for entry in entries], len(columns)).astype(float)
+            entries.append(np.array(sorted(position[member] for member in members if member in position), int))
+        incidence = structure.matrix(entries, len(columns)).astype(float)
         incidence.data = np.array([self._weight(columns[k]) for k in incidence.indices])
         try:
             _, chosen = min_weight_full_bipartite_matching(incidence)
@@ -133,12 +138,176 @@ class IndexReduction:
                 + "; they may be redundant, as the "
                 "out-of-plane constraints of a planar loop are (close it with a PlanarLoopRevolute)."
             ) from None
-        return [columns[k] for k in chosen]
+        return self._by_derivatives(rows, columns, entries, chosen)
+
+    def _by_derivatives(
+        self, rows: list[int], columns: list[int], entries: list[np.ndarray], chosen: np.ndarray
+    ) -> list[int]:
+        """The choice by the derivatives at the start, for the constraints that do not follow one from another."""
+        tied = _tied(entries, chosen)
+        if not len(tied):
+            return [columns[k] for k in chosen]
+        bases = [self.system.equations[rows[i]].base for i in tied]
+        point = StartPoint(self.system, [self.system.equations[i] for i in bases])
+        if not point.is_known:
+            return [columns[k] for k in chosen]
+        candidates = union([entries[i] for i in tied])
+        matrix, places = self._derivatives(point, [rows[i] for i in tied], [columns[k] for k in candidates])
+        choice = choose(matrix, [self._wish(columns[k]) for k in candidates])
+        if all(self.system.equations[i].order == 1 for i in rows):  # the last level
+            self._check_always(matrix, [rows[i] for i in tied], [columns[k] for k in candidates], choice.columns)
+        if choice.redundant:
+            redundant = [rows[tied[i]] for i in choice.redundant]
+            self._drop(point, redundant, places)
+            rows[:] = [i for i in rows if i not in redundant]
+        others = np.setdiff1d(np.arange(len(entries)), tied)
+        return [columns[k] for k in [*chosen[others], *candidates[choice.columns]]]
+
+    def _check_always(self, matrix: np.ndarray, rows: list[int], columns: list[int], chosen: list[int]) -> None:
+        """A state that its author insists on, where another one is free and only the place of the start forbids it."""
+        below = [self.system.unknowns[self.unknown_before[j]] for j in columns]
+        insisted = [unknown.declared.state == "always" for unknown in below]
+        lost = [k for k in chosen if insisted[k]]
+        free = [k for k in range(len(columns)) if not insisted[k] and k not in set(chosen)]
+        if lost and free:
+            constraints = self._owners([rows[i] for i in np.flatnonzero(matrix[:, lost[0]])])
+            raise StructureError(
+                f"{below[lost[0]].path} is declared to be a state (state='always'), and at the start the constraint of "
+                f"{constraints} does not tell by it how the loop moves on (a dead point). Start it elsewhere, or make "
+                f"{below[free[0]].path} the state (state='always', as in a Crank)."
+            )
+
+    def _owners(self, numbers: Sequence[int]) -> str:
+        return one_of(sorted({self.system.equations[i].path or "the model" for i in numbers}), "and")
+
+    def _derivatives(self, point: StartPoint, rows: list[int], columns: list[int]) -> tuple[np.ndarray, list[int]]:
+        """Derivatives of the constraints by the unknowns below the columns; and the places of those in the point."""
+        system = self.system
+        _, jacobian = point.values(point.assembled[0])
+        place = {(system.unknowns[j].base, system.unknowns[j].order): k for k, j in enumerate(point.unknowns)}
+        matrix, used = np.zeros((len(rows), len(columns))), set()
+        for k, j in enumerate(columns):
+            for n, i in enumerate(rows):
+                below = place.get((system.unknowns[j].base, system.unknowns[j].order - system.equations[i].order))
+                if below is not None:
+                    matrix[n, k] = jacobian[n, below]
+                    used.add(below)
+        return matrix, sorted(used)
 
     def _weight(self, number: int) -> float:
-        """Cost of making a derivative a dummy: high where the unknown below it is wished as a state."""
+        """Cost of making a derivative a dummy; the number makes it unique."""
+        return self._wish(number) + 1e-6 * number
+
+    # --- constraints that repeat others --------------------------------------------------------------------------
+
+    def _drop(self, point: StartPoint, rows: list[int], places: list[int]) -> None:
+        """Take note of redundant constraints, or say why they cannot be left out."""
+        paths = self._owners(rows)
+        if not point.assembled[1]:
+            raise StructureError(
+                f"the parts of a closed loop do not meet at the start, however its joints turn: the constraint of "
+                f"{paths} stays open. Check the lengths and the places of the parts in the loop."
+            )
+        if is_singular_place(point, places):
+            moving = sorted({self.system.unknowns[j].path for j in self._wished(point)})
+            raise StructureError(
+                f"at the start the constraint of {paths} does not say how the loop moves on (a dead point: parts in "
+                f"line). Start it a little away from there: other start values for {one_of(moving)}."
+            )
+        self.redundant += [(self.system.equations[i].base, point) for i in rows]
+
+    def _wished(self, point: StartPoint) -> list[int]:
+        """Coordinates that are wished as states, in constraints of positions."""
+        wished = STATE_PREFERENCES.index("prefer")
+        unknowns = [self.system.unknowns[j] for j in point.unknowns]
+        able = [
+            not u.order and "/s" not in u.declared.unit and STATE_PREFERENCES.index(u.declared.state) >= wished
+            for u in unknowns
+        ]  # fmt: skip
+        _, jacobian = point.values(point.assembled[0] + 0.1)  # away from the place where derivatives vanish
+        moved = np.any(jacobian[point.positional] != 0, axis=0)
+        return [j for j, a, b in zip(point.unknowns, able, moved, strict=True) if a and b]
+
+    def _release(self, states: set[int]) -> None:
+        """Leave out the redundant constraints; the loads that only they could tell are zero."""
+        if not self.redundant:
+            return
+        system = self.system
+        bases = {base for base, _ in self.redundant}
+        kept = [i for i, equation in enumerate(system.equations) if equation.base not in bases]
+        columns = [j for j in self._all() if j not in states]
+        position = np.full(len(system.unknowns), -1)
+        position[columns] = np.arange(len(columns))
+        rows = [row[row >= 0] for row in (position[self.rows[i]] for i in kept)]
+        coarse = structure.dulmage_mendelsohn(rows, len(columns))
+        open_columns = [columns[k] for k in coarse.under_columns]
+        open_rows = [system.equations[kept[i]] for i in coarse.under_rows]
+        directions = undetermined(system, open_rows, open_columns, self.redundant[0][1])
+        loads = self._loads(directions, open_columns)
+        for (base, _), load in zip(self.redundant, loads, strict=True):
+            old = system.equations[base]
+            symbol = system.unknowns[load].symbol
+            system.equations[base] = FlatEquation(symbol, ca.SX(0), old.path, old.source, base=base)
+        system.equations = [
+            equation for equation in system.equations if not (equation.order and equation.base in bases)
+        ]
+        owners = self._owners([base for base, _ in self.redundant])
+        names = one_of(sorted(system.unknowns[load].path for load in loads), "and")
+        warnings.warn(
+            f"the parts of a closed loop hold each other more often than they need to (at {owners}): the motion is "
+            f"right, but how the loads share is not known for rigid parts; {names} is taken as zero. "
+            "To know it, put a spring or one more freedom into the loop.",
+            stacklevel=2,
+        )
+
+    def _loads(self, directions: np.ndarray, columns: list[int]) -> list[int]:
+        """One load for each direction in which loads are not determined, that with the largest part in it."""
+        unknowns = self.system.unknowns
+        count = len(self.redundant)
+        able = [not unknowns[j].order and unknowns[j].rate < 0 for j in columns]
+        motion = np.max(np.abs(directions[:, [not a for a in able]]), initial=0.0)
+        if len(directions) != count or motion > 1e-6:
+            paths = self._owners([base for base, _ in self.redundant])
+            raise StructureError(
+                f"the constraints of {paths} are redundant, and without them the motion or more than "
+                "their own loads would be undetermined; a part in the loop may lack a mass."
+            )
+        chosen: list[int] = []
+        rest = directions.copy()
+        for _ in range(count):
+            sizes = np.linalg.norm(rest, axis=0) * able
+            k = int(np.argmax(sizes >= 0.9 * np.max(sizes)))
+            direction = rest[:, k] / np.linalg.norm(rest[:, k])
+            rest -= np.outer(direction, direction @ rest)
+            chosen.append(columns[k])
+        return chosen
+
+    # --- wishes --------------------------------------------------------------------------------------------------
+
+    def _wish(self, number: int) -> float:
+        """How much it is wished that a derivative be no dummy: high where the unknown below it is a wished state."""
         unknown = self.system.unknowns[number]
         preference = STATE_PREFERENCES.index(unknown.declared.state)
         below = self.system.unknowns[self.unknown_before[number]]
         given = max(below.start_rank, int(bool(unknown.declared.fixed)))
-        return 10.0 ** (2 * preference) * 2**given * (1 + 0.01 / unknown.order) + 1e-6 * number
+        return 10.0 ** (2 * preference) * 2**given * (1 + 0.01 / unknown.order)
+
+
+def _tied(entries: list[np.ndarray], chosen: np.ndarray) -> np.ndarray:
+    """Rows that only several columns together fulfil (closed loops), and those that lead to them."""
+    row_of = {int(k): i for i, k in enumerate(chosen)}
+    local = [np.array(sorted(row_of[int(k)] for k in entry if int(k) in row_of), int) for entry in entries]
+
+    def leading_to(rows: set[int]) -> set[int]:
+        found, front = set(rows), rows
+        while front:
+            front = {int(i) for row in front for i in local[row]} - found
+            found |= front
+        return found
+
+    blocks = structure.strong_components(local, len(local))
+    found = leading_to({int(i) for rows, _ in blocks if len(rows) > 1 for i in rows})
+    columns = {int(k) for row in found for k in entries[row]}
+    # the speed of a joint stands beside the derivative of its angle: which of the two is the state is chosen here too
+    beside = {i for i, entry in enumerate(entries) if len(entry) == 2 and columns & {*map(int, entry)}}
+    return np.array(sorted(leading_to(found | beside)), int)

@@ -14,10 +14,10 @@ from fowtlib.language.errors import CompilerError, StructureError
 from fowtlib.language.externals import LibraryFunction
 from fowtlib.language.native import EXPORT
 from fowtlib.language.tables import SplineFunction
-from fowtlib.solving import fixed_step
-from fowtlib.solving.c_code import Program, c_program
-from fowtlib.solving.fixed_step_code import OUT, kept_text
-from fowtlib.solving.reduction import reduction
+from fowtlib.solving.engines import fixed_step
+from fowtlib.solving.engines.c_text import Program, c_program
+from fowtlib.solving.engines.fixed_step_code import OUT, kept_text
+from fowtlib.solving.engines.reduction import reduction
 from fowtlib.solving.state import State
 
 HIDDEN = """#if defined(__GNUC__) && !defined(_WIN32)

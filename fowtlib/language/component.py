@@ -4,8 +4,10 @@ from __future__ import annotations
 
 import inspect
 import sys
-from collections.abc import Callable, Iterator
-from typing import Any, dataclass_transform
+from collections.abc import Callable, Iterator, Sequence
+from contextlib import contextmanager
+from contextvars import ContextVar
+from typing import Any, Self, dataclass_transform
 
 import numpy as np
 
@@ -26,9 +28,23 @@ from fowtlib.language.declarations import (
     var,
 )
 from fowtlib.language.equations import active
-from fowtlib.language.errors import NotFoundError, ParameterError, UnitError, did_you_mean, one_of
+from fowtlib.language.errors import NotFoundError, ParameterError, StructureError, UnitError, did_you_mean, one_of
+from fowtlib.language.families import Family
 from fowtlib.language.shapes import Drawing
 from fowtlib.language.units import dimension, to_si
+
+_reads: ContextVar[set[tuple[str, str]] | None] = ContextVar("reads", default=None)
+
+
+@contextmanager
+def parameters_read() -> Iterator[set[tuple[str, str]]]:
+    """The parameters whose values are asked for in between: path of the component, and name."""
+    found: set[tuple[str, str]] = set()
+    token = _reads.set(found)
+    try:
+        yield found
+    finally:
+        _reads.reset(token)
 
 
 class UnknownAttribute(NotFoundError, AttributeError):
@@ -49,19 +65,40 @@ class Component(Composite):
     declared_parts: dict[str, Part] = {}
     outers: dict[str, Outer] = {}
 
-    def __init_subclass__(cls, **kwargs: Any) -> None:
+    family: Family | None = None
+
+    def __init_subclass__(
+        cls, *, selector: str = "", kind: str = "", shared: Sequence[str] = (), **kwargs: Any
+    ) -> None:
         super().__init_subclass__(**kwargs)
         _resolve_annotations(cls, sys._getframe(1).f_locals)
-        for kind, table in _TABLES.items():
-            own = {name: value for name, value in vars(cls).items() if isinstance(value, kind)}
+        for field_class, table in _TABLES.items():
+            own = {name: value for name, value in vars(cls).items() if isinstance(value, field_class)}
             setattr(cls, table, {**getattr(cls, table), **own})
+        if selector:
+            cls.family = Family(cls, selector, tuple(shared))
+        elif kind:
+            if cls.family is None:
+                raise TypeError(f"{cls.__name__}: kind={kind!r}, but no class above it has a selector")
+            cls.family.add(kind, cls)
+
+    def __new__(cls, *_: Any, **modifiers: Any) -> Self:
+        """`Wind(kind="steady")` makes an object of the class of that kind."""
+        family = cls.family
+        chosen = family.chosen(cls, modifiers) if family is not None else cls
+        return object.__new__(chosen)
 
     def __init__(self, **modifiers: Any):
         self._binding: dict[str, Any] | None = None
         self._values: dict[str, Any] = {}
-        self.origins: dict[str, str] = {}
+        self.origins: dict[str, str] = {}  # file and line of each given value, and under "" of the component itself
         given = {name: value for name, value in modifiers.items() if self._is_part(name, value)}
         self._start(given)
+        if self.family is not None:
+            own = self.family.kind_of(type(self))
+            kind_given = modifiers.pop(self.family.selector, None) is not None
+            if own is not None and (kind_given or own != self.family.field.default):
+                self._values[self.family.selector] = own
         for name, value in modifiers.items():
             if name not in given:
                 self._set(name, value)
@@ -102,17 +139,26 @@ class Component(Composite):
     def _set(self, name: str, value: Any) -> None:
         here = self.current
         if here is not self:
-            return here._set(name, value)
+            here._set(name, value)
+            return
+        if self.family is not None and name == self.family.selector:
+            if self._composed:
+                self._note(name)
+            self.family.turn(self, value)
+            return
         field = self.parameters.get(name)
         if field is None:
-            raise ParameterError(f"{self.label} has no parameter '{name}'{did_you_mean(name, self.parameters)}")
+            hint = self.family.hint(name) if self.family is not None else ""
+            hint = hint or did_you_mean(name, self.parameters)
+            raise ParameterError(f"{self.label} has no parameter '{name}'{hint}")
         value, before = self._checked(field, value), dict(self._values)
         if self._composed:
-            self._note(name, value)
+            self._note(name)
         self._values[name] = value
-        if self._composed and not (name in before and field.tunable):
+        decides = not (field.tunable or field.bound)
+        if self._composed and (decides or name not in before):
             try:
-                self._compose_again(name, structural=not field.tunable)
+                self._compose_again(name, decides)
             except BaseException:
                 self._values = before
                 self._compose()
@@ -122,6 +168,8 @@ class Component(Composite):
         where = join(self.path or type(self).__name__, field.name)
         if expressions.is_expression(value):
             return value
+        if value is None and field.default is None:
+            return None
         if field.annotation in SHAPES:
             return to_si(value, field.unit, where)
         if field.annotation in (int, float, str, bool):
@@ -130,8 +178,14 @@ class Component(Composite):
 
     def parameter_value(self, name: str) -> Any:
         """The value a parameter has now, in SI units; an error where a required one is missing."""
+        field = self.parameters[name]
+        if field.bound and self._binding is not None:
+            raise StructureError(self._binding[name].reason)
+        reads = _reads.get()
+        if reads is not None:
+            reads.add((self.path, name))
         value = self.parameter_binding(name)
-        if self.parameters[name].annotation in SHAPES:
+        if field.annotation in SHAPES:
             if value is None:
                 return None
             value = np.asarray(expressions.evaluate(value, combine=_stack), dtype=float)

@@ -34,6 +34,7 @@ class Composite:
     variables: dict[str, Variable]
     declared_parts: dict[str, Part]
     outers: dict[str, Any]
+    family: Any
     label: str
     path: str
     origins: dict[str, str]
@@ -234,6 +235,9 @@ class Composite:
         """Take over what the predecessor at this place got from outside: values and parts, at any depth."""
         if not any(one._later for one in old.walk()):
             return
+        family = self.family
+        if family is not None and family.selector in old._later:
+            family.turn(self, old._values[family.selector])
         for name in sorted(old._later):
             if name in old.parts:
                 kind = self._given if name in old._given else self._added
@@ -288,8 +292,8 @@ class Composite:
                     taken.append((one, name))
         return taken
 
-    def _note(self, name: str, value: Any) -> None:
-        """Before a parameter changes after composition: who sets it. Refuses to overrule what a user gave."""
+    def _note(self, name: str) -> None:
+        """Before a parameter changes after composition: remember who sets it."""
         owner = next((one for one in self.enclosing() if one._composing), None)
         if owner is None:
             self._by_owner.pop(name, None)

@@ -68,6 +68,25 @@ _COMMON = {
     "Nm": _TORQUE, "kNm": Unit(1e3) * _TORQUE, "MNm": Unit(1e6) * _TORQUE,
 }  # fmt: skip
 
+# Names that stand for two sizes of one kind of quantity, so that no check of the dimension would find a mistake: as a
+# pattern of the name, what they may mean, and how each meaning is written. ("lb" and "kt" are not among them: where
+# the other meaning of those is meant, a force or a mass, the dimension is wrong.)
+_AMBIGUOUS = (
+    (r"(k|kilo|M|mega|m)?tons?", "1000 kg, 907 kg or 1016 kg", "'t', 'short_ton' or 'long_ton'"),
+    (r"mts?", "a metric ton or a thousandth of one", "'t' or 'kg'"),
+    (r"k?(tonf|tons?_force|force_tons?)", "the weight of 1000 kg, 907 kg or 1016 kg", "'kN' or 'tf' (of 1000 kg)"),
+    (r"dwt", "a deadweight tonnage or a pennyweight", "'t' or 'kg'"),
+    (r"cwts?|hundredweights?", "100 lb or 112 lb", "'kg' or 'lb'"),
+    (r"miles?|mi", "1609 m or 1852 m", "'nmi' for the nautical one, or 'km'"),
+    (r"nms?", "a nautical mile or a nanometre", "'nmi' or 'm'; a torque is in 'Nm'"),
+    (r"fms?", "a fathom or a femtometre", "'fathom' or 'm'"),
+    (r"gals?|gallons?", "3.785 or 4.546 litres", "'m^3', 'US_liquid_gallon' or 'imperial_gallon'"),
+    (r"barrels?|bbls?", "of oil, US or imperial", "'m^3', 'oil_barrel' or 'imperial_barrel'"),
+    (r"quarts?|qts?|pints?|cups?|fluid_ounces?|floz|gills?", "a US or an imperial one", "'m^3' or 'L'"),
+    (r"k?(hp|horsepower)", "735.5 W or 745.7 W", "'kW', or 'metric_horsepower' for the smaller one"),
+    (r"cps|counts_per_second", "cycles or counts in a second", "'Hz' or '1/s'"),
+)
+
 _TOKEN = re.compile(r"\s*(?:(\*\*|[*/^()·]|-)|(\d+(?:\.\d+)?)|([^\W\d]\w*|%|°))")
 
 
@@ -138,7 +157,13 @@ def _exponent(tokens: list[str], text: str) -> tuple[Fraction, list[str]]:
 
 
 def _named(name: str) -> Unit:
-    return _SI.get(name) or _COMMON.get(name) or _from_pint(name)
+    known = _SI.get(name) or _COMMON.get(name)
+    if known:
+        return known
+    for pattern, meanings, instead in _AMBIGUOUS:
+        if re.fullmatch(pattern, name):
+            raise UnitError(f"'{name}' is ambiguous ({meanings}); write {instead}.")
+    return _from_pint(name)
 
 
 @cache

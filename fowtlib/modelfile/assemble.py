@@ -16,7 +16,9 @@ from fowtlib.modelfile.layers import (
     declared_parameters,
     given_values,
     has_base,
+    kind_first,
     make_class,
+    of_kind,
     parameter_value,
     parts_of,
     remember,
@@ -48,6 +50,7 @@ class Assembler:
         """The component that the layers describe, the most important first; `usual` is its class if they give none."""
         depth = len(self.used)
         base, layers = self._base(layers, path) if has_base(layers) or not usual else (usual, layers)
+        base, layers = of_kind(base, layers, path)
         declared = declared_parameters(layers, base, path)
         made = make_class(base, declared, layers)
         values = given_values(layers, made, declared, path)
@@ -62,6 +65,7 @@ class Assembler:
         check_required(made, values, path, place)
         with building(place, path or name, base):
             component = made(**values)
+        component.origins[""] = str(place)
         remember(component, layers, path)
         for part, part_layers in inner.items():
             if part in component.parts and part not in replaced and not has_base(part_layers):
@@ -147,9 +151,9 @@ class Assembler:
 
     def _change(self, component: Component, layers: list[Layer], path: str) -> None:
         """Parameters of a part that a class has made."""
-        kind = type(component)
         for layer in reversed(layers):
-            for name, value in layer.spec.values.items():
+            for name, value in kind_first(type(component), layer.spec.values):
+                kind = type(component)
                 read = parameter_value(layer, kind, name, value, path, [*component.parts])
                 with building(value.place, path, kind):
                     setattr(component, name, read)

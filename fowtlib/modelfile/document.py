@@ -52,10 +52,13 @@ def _check_version(items: dict[str, Node], place: Place) -> None:
         instead = closest("fowtlib", items)
         hint = f" ('{instead[0]}' is not that key)" if instead else ""
         raise place.error(f"the key 'fowtlib' is missing{hint}; a model file begins with 'fowtlib: {VERSION}'.")
-    if items["fowtlib"].value != VERSION:
-        given = items["fowtlib"].plain()
-        place = items["fowtlib"].place
-        raise place.error(f"got 'fowtlib: {given}'; this version of the program reads 'fowtlib: {VERSION}'.")
+    node = items["fowtlib"]
+    if node.quoted and node.value.strip() == str(VERSION):
+        raise node.place.error(f"write 'fowtlib: {VERSION}', without quotes: the version is a number.")
+    if isinstance(node.value, bool) or node.value != VERSION:
+        shown = isinstance(node.value, (int, float, str)) and not isinstance(node.value, bool)
+        given = f"'fowtlib: {node.value}'" if shown else f"{node.kind} behind 'fowtlib:'"
+        raise node.place.error(f"got {given}; this version of the program reads 'fowtlib: {VERSION}'.")
 
 
 def _settings(node: Node) -> dict[str, float | str]:

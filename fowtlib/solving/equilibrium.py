@@ -6,18 +6,21 @@ import casadi as ca
 import numpy as np
 from scipy import sparse
 
+from fowtlib.flattening import FlatDAE
 from fowtlib.language.errors import SimulationError
-from fowtlib.solving.evaluation import Evaluation
+from fowtlib.solving.functions import AtParameters, Functions
 from fowtlib.solving.initial import csc, failure_text
 from fowtlib.solving.newton import Jacobian, Residual, newton, solve
 
 
-def time_dependence(evaluation: Evaluation) -> list[str]:
+def time_dependence(at: AtParameters) -> list[str]:
     """Paths of what makes the equations depend on time: components with time functions, or the equations themselves."""
-    dae = evaluation.dae
+    dae = at.dae
     rows = ca.vertcat(dae.ode, dae.alg)
-    needed = evaluation._needed([rows])
-    paths = [dae.externals[k].path for k in sorted(needed) if ca.depends_on(dae.externals[k].inputs, dae.t)]
+    needed = at.functions.needed([rows])
+    moving = [dae.externals[k] for k in sorted(needed) if ca.depends_on(dae.externals[k].inputs, dae.t)]
+    steady = at.binding.steady
+    paths = [external.path for external in moving if ca.vec(external.inputs)[0].element_hash() not in steady]
     if ca.depends_on(rows, dae.t):
         names = [s.path for s in dae.states]
         for k, row in enumerate(ca.vertsplit(dae.ode)):
@@ -31,7 +34,7 @@ def time_dependence(evaluation: Evaluation) -> list[str]:
     return list(dict.fromkeys(paths))
 
 
-def equilibrium(evaluation: Evaluation, t: float, x: np.ndarray, z: np.ndarray, q: np.ndarray,
+def equilibrium(at: AtParameters, t: float, x: np.ndarray, z: np.ndarray, q: np.ndarray,
                 held: set[int]) -> tuple[np.ndarray, np.ndarray]:  # fmt: skip
     """Solve ode = 0 and alg = 0 for the states that anything depends on, except the `held` ones.
 
@@ -39,17 +42,17 @@ def equilibrium(evaluation: Evaluation, t: float, x: np.ndarray, z: np.ndarray, 
     Kelley and D. E. Keyes, SIAM J. Numer. Anal. 35 (1998) 508); Newton finishes. Ignorable coordinates, such as the
     angle of a turning shaft, keep their value.
     """
-    dae = evaluation.dae
-    sources = time_dependence(evaluation)
+    dae = at.dae
+    sources = time_dependence(at)
     if sources:
         raise SimulationError(
             f"no equilibrium: the equations depend on time through {', '.join(sources[:4])}. "
             "Take still water and steady wind (--waves still, --wind steady:8)."
         )
     nx = x.size
-    pattern = _pattern(evaluation)
+    pattern = _pattern(at.functions)
     moving = [k for k in range(nx) if pattern[:, k].any() and k not in held]
-    residual, jacobian = evaluation.residual, evaluation.jacobian
+    residual, jacobian = at.residual, at.jacobian
 
     def unpack(values: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
         states = x.copy()
@@ -68,15 +71,15 @@ def equilibrium(evaluation: Evaluation, t: float, x: np.ndarray, z: np.ndarray, 
     values = _continuation(rates, slopes, np.concatenate([x[moving], z]), len(moving))
     solution = newton(rates, slopes, values, tolerance=1e-11)
     if not solution.converged:
-        _refuse_turning(evaluation, moving, values[: len(moving)] - x[moving])
+        _refuse_turning(dae, moving, values[: len(moving)] - x[moving])
         raise SimulationError(failure_text(dae, _renamed(solution, moving, dae), "no equilibrium found"))
     return unpack(solution.values)
 
 
-def _refuse_turning(evaluation: Evaluation, moving: list[int], way: np.ndarray) -> None:
+def _refuse_turning(dae: FlatDAE, moving: list[int], way: np.ndarray) -> None:
     """An error of its own where an angle that the equations depend on went round on its way."""
     for k, change in zip(moving, way, strict=True):
-        state = evaluation.dae.states[k]
+        state = dae.states[k]
         if state.unit == "rad" and abs(change) > 2 * np.pi:
             raise SimulationError(
                 f"no equilibrium: {state.path} turns on and on, and the loads depend on this angle. Where this is the "
@@ -130,10 +133,10 @@ def _implicit_euler(
     return values if last < 1e-4 else None
 
 
-def _pattern(evaluation: Evaluation) -> np.ndarray:
+def _pattern(functions: Functions) -> np.ndarray:
     """Whether an equation depends on each state."""
-    nx = evaluation.x.shape[0]
-    by_x, _, alg_x, _ = (evaluation.jacobian.sparsity_out(i) for i in range(4))
+    nx = functions.x.shape[0]
+    by_x, _, alg_x, _ = (functions.jacobian.sparsity_out(i) for i in range(4))
     used = np.zeros((2, nx), bool)
     used[0, list(by_x.get_triplet()[1])] = True
     used[1, list(alg_x.get_triplet()[1])] = True

@@ -2,11 +2,10 @@
 
 from __future__ import annotations
 
-import casadi as ca
 import numpy as np
 
 from fowtlib.flattening import FlatDAE
-from fowtlib.solving.evaluation import Evaluation
+from fowtlib.solving.functions import AtParameters
 
 REACHES = (0.0, 1e-9, 1e-6, 1e-4, 1e-2, 0.1, 0.3, 1.0)  # looks ahead of the last good point, in output steps
 
@@ -15,19 +14,19 @@ class StepFailure(Exception):
     """An engine cannot go on; the text is the reason."""
 
 
-def integration_failure(evaluation: Evaluation, t: float, x: np.ndarray, z: np.ndarray, q: np.ndarray, step: float,
+def integration_failure(at: AtParameters, t: float, x: np.ndarray, z: np.ndarray, q: np.ndarray, step: float,
                         reason: str, advice: str) -> str:  # fmt: skip
     """Why no step leads on from the last good point: what is not finite there or ahead, or what changes fastest."""
     where = f"the integration fails after t = {t:.6g} s"
-    ode = np.array(evaluation.residual(t, x, z, q)[0]).ravel()
+    ode = np.array(at.residual(t, x, z, q)[0]).ravel()
     for reach in REACHES:
         h = reach * step
-        name = not_finite(evaluation, t + h, x + h * ode if h else x, z, q)
+        name = not_finite(at, t + h, x + h * ode if h else x, z, q)
         if name:
             return f"{where}: {name} is not a finite number. Check the parameters, start values and limits there."
         if not np.all(np.isfinite(ode)):
             break
-    states = evaluation.dae.states
+    states = at.dae.states
     rates = np.abs(ode) / (1e-6 + np.abs(x))
     fastest = f"the fastest change is der({states[int(np.argmax(rates))].path})" if rates.size else "nothing changes"
     return (
@@ -45,14 +44,14 @@ def step_failure(dae: FlatDAE, free: list[int], t: float, row: int, not_finite: 
     return f"the equations of the step at t = {t:.6g} s are not solved, furthest of all that of {name}"
 
 
-def not_finite(evaluation: Evaluation, t: float, x: np.ndarray, z: np.ndarray, q: np.ndarray) -> str:
+def not_finite(at: AtParameters, t: float, x: np.ndarray, z: np.ndarray, q: np.ndarray) -> str:
     """The variable, or the equation, that is the first in the order of computation not to be a finite number."""
-    dae = evaluation.dae
-    ode, alg = (np.array(value).ravel() for value in evaluation.residual(t, x, z, q))
+    dae = at.dae
+    ode, alg = (np.array(value).ravel() for value in at.residual(t, x, z, q))
     if np.all(np.isfinite(ode)) and np.all(np.isfinite(alg)):
         return ""
     names = [name for name, value in dae.observed.items() if not value.is_constant()]
-    values = evaluation.function("observed", [ca.vertcat(*[dae.observed[name] for name in names])])(t, x, z, q)
+    values = at.call(at.functions.observed(names), t, x, z, q)
     bad = np.flatnonzero(~np.isfinite(np.array(values).ravel()))
     if len(bad):
         name = names[bad[0]]

@@ -9,8 +9,10 @@ from scipy import sparse
 from fowtlib.flattening import FlatDAE
 from fowtlib.flattening.structure import matching
 from fowtlib.language.errors import SimulationError
-from fowtlib.solving.evaluation import MANY, Evaluation
+from fowtlib.solving.functions import MANY, AtParameters, Functions
+from fowtlib.solving.layout import Layout, Values
 from fowtlib.solving.newton import NewtonResult, newton
+from fowtlib.solving.state import State
 
 
 def csc(value: ca.DM) -> sparse.csc_matrix:
@@ -20,33 +22,41 @@ def csc(value: ca.DM) -> sparse.csc_matrix:
     )
 
 
-def consistent_algebraics(evaluation: Evaluation, t: float, x: np.ndarray, z: np.ndarray, q: np.ndarray) -> np.ndarray:
+def consistent_algebraics(at: AtParameters, t: float, x: np.ndarray, z: np.ndarray, q: np.ndarray) -> np.ndarray:
     """Algebraic unknowns that satisfy the equations at the given states; SimulationError where none are found."""
     if not z.size:
         return z
-    residual, jacobian = evaluation.residual, evaluation.algebraic_jacobian
+    residual, jacobian = at.residual, at.algebraic_jacobian
     solution = newton(
         lambda values: np.array(residual(t, x, values, q)[1]).ravel(), lambda values: csc(jacobian(t, x, values, q)), z
     )
     if not solution.converged:
-        raise SimulationError(failure_text(evaluation.dae, solution, f"no consistent start values at t = {t:g} s"))
+        raise SimulationError(failure_text(at.dae, solution, f"no consistent start values at t = {t:g} s"))
     return solution.values
 
 
-def initial_values(evaluation: Evaluation, t: float, x: np.ndarray, z: np.ndarray, q: np.ndarray,
+def start_point(at: AtParameters, layout: Layout, u: np.ndarray, start: Values, t: float,
+                base: State | None) -> tuple[float, np.ndarray, np.ndarray, np.ndarray]:  # fmt: skip
+    """The consistent t, x, z and d with start values by path put in; of `base`, if there is one, and these changed."""
+    x, z, d = at.start_values() if base is None else (base.x.copy(), base.z.copy(), base.d.copy())
+    given = layout.put(start, x, z, d)
+    q = np.concatenate([u, d])
+    if base is not None:
+        return base.t, x, consistent_algebraics(at, base.t, x, z, q), d
+    x, z = initial_values(at, t, x, z, q, given)
+    return t, x, z, d
+
+
+def initial_values(at: AtParameters, t: float, x: np.ndarray, z: np.ndarray, q: np.ndarray,
                    given: set[int]) -> tuple[np.ndarray, np.ndarray]:  # fmt: skip
     """X and z at the start; `given` are the numbers of states whose value the user fixed for this run."""
-    dae = evaluation.dae
+    dae = at.dae
     if not dae.initial_equations.shape[0]:
-        return x, consistent_algebraics(evaluation, t, x, z, q)
-    kept, free = _freed_states(dae, given)
-    rows = ca.vertcat(dae.alg, dae.initial_equations[kept])
-    function = evaluation.function("initial", [rows])
-    columns = ca.vertcat(evaluation.x[free], evaluation.z)
-    if columns.shape[0] > MANY:
-        slopes = evaluation.torn_jacobian("initial_jacobian", rows, [columns])
-    else:
-        slopes = evaluation.directional_jacobian("initial_jacobian", rows, columns)
+        return x, consistent_algebraics(at, t, x, z, q)
+    kept, free = at.functions.once(("freed", frozenset(given)), lambda: _freed_states(dae, given))
+    function, slopes = at.functions.once(
+        ("initial", tuple(kept), tuple(free)), lambda: _initial_functions(at.functions, kept, free)
+    )
 
     def unpack(values: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
         states = x.copy()
@@ -54,14 +64,31 @@ def initial_values(evaluation: Evaluation, t: float, x: np.ndarray, z: np.ndarra
         return states, values[len(free) :]
 
     def residual(values: np.ndarray) -> np.ndarray:
-        return np.array(function(t, *unpack(values), q)).ravel()
+        return np.array(at.call(function, t, *unpack(values), q)).ravel()
 
-    solution = newton(residual, lambda values: csc(slopes(t, *unpack(values), q)), np.concatenate([x[free], z]))
+    def jacobian(values: np.ndarray) -> sparse.csc_matrix:
+        return csc(at.call(slopes, t, *unpack(values), q))
+
+    solution = newton(residual, jacobian, np.concatenate([x[free], z]))
     if not solution.converged:
         raise SimulationError(
             failure_text(dae, solution, "the initial equations have no solution near the start values")
         )
     return unpack(solution.values)
+
+
+def _initial_functions(functions: Functions, kept: list[int], free: list[int]) -> tuple[ca.Function, ca.Function]:
+    """Residual of alg and the initial equations that hold, and its slopes by the free states and z."""
+    dae = functions.dae
+    rows = ca.vertcat(dae.alg, dae.initial_equations[kept])
+    columns = ca.vertcat(dae.x[free], dae.z)
+    many = columns.shape[0] > MANY
+    slopes = (
+        functions.torn_jacobian("initial_jacobian", rows, [columns])
+        if many
+        else functions.directional_jacobian("initial_jacobian", rows, columns)
+    )
+    return functions.function("initial", [rows]), slopes
 
 
 def initial_matching(dae: FlatDAE) -> tuple[list[int], list[int]]:

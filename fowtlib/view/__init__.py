@@ -1,5 +1,9 @@
 """Pictures of models and results: figures, and animations in 3-D."""
 
+import sys
+from types import ModuleType
+from typing import Any
+
 from fowtlib.view.plots import plot_decay, plot_modes, plot_rao, plot_result, plot_spectra, save_figure
 from fowtlib.view.rotor import plot_rotor
 from fowtlib.view.scene import Animation, view
@@ -15,3 +19,13 @@ __all__ = [
     "save_figure",
     "view",
 ]
+
+
+class _Room(ModuleType):
+    """Python names a package in its parent when it is imported; this one goes on being the function `fowtlib.view`."""
+
+    def __call__(self, *arguments: Any, **options: Any) -> Animation:
+        return view(*arguments, **options)
+
+
+sys.modules[__name__].__class__ = _Room

@@ -688,7 +688,7 @@ def test_python_code_is_refused_by_path(tmp_path):
     root = fw.Assembly("a")
     root.own = Own()
     with pytest.raises(ModelError) as refused:
-        fw.load(root).compile().export_fmu(tmp_path / "x.fmu")
+        fw.export_fmu(fw.load(root).compile(), tmp_path / "x.fmu")
     assert str(refused.value) == (
         "own: the external function square is Python code, which cannot go into an FMU. Give it a C source or a shared "
         "library with its source beside it."
@@ -708,7 +708,7 @@ def test_a_process_at_samples_is_refused_by_path(tmp_path):
     root = fw.Assembly("a")
     root.outside = Outside()
     with pytest.raises(ModelError) as refused:
-        fw.load(root).compile().export_fmu(tmp_path / "x.fmu")
+        fw.export_fmu(fw.load(root).compile(), tmp_path / "x.fmu")
     assert str(refused.value) == (
         "outside: what is called at its samples runs outside of the equations, and cannot go into an FMU. Leave the "
         "part out, and give its outputs as inputs of the FMU (--input)."
@@ -729,7 +729,7 @@ def test_a_process_at_samples_is_refused_by_path(tmp_path):
 )
 def test_wrong_options_are_named(plant, tmp_path, options, message):
     with pytest.raises(ModelError) as refused:
-        plant.export_fmu(tmp_path / "x.fmu", **options)
+        fw.export_fmu(plant, tmp_path / "x.fmu", **options)
     assert str(refused.value) == message
     assert not list(tmp_path.iterdir())
 
@@ -741,17 +741,17 @@ def test_wrong_targets_are_named(plant, tmp_path):
          "choose another one."),
     ):  # fmt: skip
         with pytest.raises(ModelError) as refused:
-            plant.export_fmu(path)
+            fw.export_fmu(plant, path)
         assert str(refused.value) == message
 
 
 def test_no_compiler_names_the_extra_that_helps(plant, tmp_path, monkeypatch):
-    plant.evaluation()
+    plant.at()
     monkeypatch.setenv("FOWTLIB_CC", "no-such-compiler")
     monkeypatch.setattr("importlib.util.find_spec", lambda name: None)
     with pytest.raises(ModelError, match=r"an FMU holds a compiled library, and no C compiler.*fowtlib\[compiler\]"):
-        plant.export_fmu(tmp_path / "x.fmu")
+        fw.export_fmu(plant, tmp_path / "x.fmu")
     monkeypatch.delenv("FOWTLIB_CC")
     with pytest.raises(ModelError, match=r"a library for win64 .* pip install 'fowtlib\[compiler\]'"):
-        plant.export_fmu(tmp_path / "x.fmu", platforms=["win64"])
+        fw.export_fmu(plant, tmp_path / "x.fmu", platforms=["win64"])
     assert not list(tmp_path.iterdir())

@@ -206,7 +206,7 @@ def archive(request, tmp_path_factory):
     folder = tmp_path_factory.mktemp("other") / "Jürgen 50%"
     path = folder.parent / "spar.fmu"
     plant = fw.load("oc3_spar_rigid").compile()
-    plant.export_fmu(path, fmi=request.param, kind="cs", platforms=["linux64", "win64", "darwin"])
+    fw.export_fmu(plant, path, fmi=request.param, kind="cs", platforms=["linux64", "win64", "darwin"])
     zipfile.ZipFile(path).extractall(folder)
     return request.param, folder
 

@@ -65,6 +65,32 @@ def test_entries_of_one_name(tmp_path):
         Archive(path)
 
 
+FOLDERS = [("extra/", "extra/"), ("a/", "a/x", "a/", "A/"), ("a/b/", "a/", "a/b/", "a/b/c")]
+
+
+@pytest.mark.filterwarnings("ignore:Duplicate name")
+@pytest.mark.parametrize("names", FOLDERS)
+def test_a_folder_that_is_listed_again(tmp_path, good, names):
+    """As `cmake -E tar` lists them; a folder holds nothing that could differ."""
+    with zipfile.ZipFile(io.BytesIO(good)) as old, zipfile.ZipFile(tmp_path / "twice.fmu", "w") as new:
+        for item in old.infolist():
+            new.writestr(item, old.read(item))
+        for name in names:
+            new.writestr(*entry(name, b"" if name.endswith("/") else b"x"))
+    assert len(FMU(file=str(tmp_path / "twice.fmu")).ports) == 11
+    (tmp_path / "to").mkdir()
+    Archive(tmp_path / "twice.fmu").unpack(tmp_path / "to")
+    for name in names:
+        assert name == "A/" or (tmp_path / "to" / name).exists()
+
+
+@pytest.mark.parametrize("names", [("a", "a/"), ("a/", "a"), ("A/", "a")])
+def test_a_folder_with_the_name_of_a_file(tmp_path, names):
+    path = written(tmp_path / "both.fmu", *(entry(name, b"") for name in names))
+    with pytest.raises(ModelError, match="it has a folder and a file '" + names[1]):
+        Archive(path)
+
+
 def test_an_encrypted_entry(tmp_path):
     path = written(tmp_path / "secret.fmu", entry("a.txt"))
     content = bytearray(path.read_bytes())

@@ -14,7 +14,7 @@ from fowtlib.components.blocks import Constant
 from fowtlib.components.fmu import FMU
 from fowtlib.language import Component, RealInput, RealOutput, Scalar, der, eq, param, port, var
 from fowtlib.language.errors import ModelError, ParameterError, SimulationError
-from fowtlib.solving.simulation import Interrupted
+from fowtlib.solving.run import Interrupted
 
 VERSIONS = (2, 3)
 PITCH, ROTOR, TORQUE = 0.12, 1.267, 43093.55

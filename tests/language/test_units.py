@@ -125,6 +125,59 @@ def test_messages(value, unit, message):
     assert str(error.value) == message
 
 
+@pytest.mark.parametrize(
+    ("text", "unit", "meanings"),
+    [
+        ("350 ton", "kg", "'ton' is ambiguous (1000 kg, 907 kg or 1016 kg); write 't', 'short_ton' or 'long_ton'."),
+        ("350 tons", "kg", "'tons' is ambiguous"),
+        ("0.35 kton", "kg", "'kton' is ambiguous"),
+        ("35 ton*m^2", "kg*m^2", "'ton' is ambiguous"),
+        ("350 mt", "kg", "'mt' is ambiguous (a metric ton or a thousandth of one)"),
+        ("5000 dwt", "kg", "'dwt' is ambiguous"),
+        ("120 tonf", "N", "'tonf' is ambiguous"),
+        ("120 ton_force", "N", "'ton_force' is ambiguous"),
+        ("3 miles", "m", "'miles' is ambiguous (1609 m or 1852 m); write 'nmi'"),
+        ("3 nm", "m", "'nm' is ambiguous (a nautical mile or a nanometre)"),
+        ("20 fm", "m", "'fm' is ambiguous"),
+        ("900 gal", "m^3", "'gal' is ambiguous (3.785 or 4.546 litres)"),
+        ("900 gal/min", "m^3/s", "'gal' is ambiguous"),
+        ("2 bbl", "m^3", "'bbl' is ambiguous"),
+        ("3 pints", "m^3", "'pints' is ambiguous"),
+        ("7000 hp", "W", "'hp' is ambiguous (735.5 W or 745.7 W); write 'kW'"),
+        ("2 cps", "rad/s", "'cps' is ambiguous"),
+    ],
+)
+def test_a_name_with_two_sizes_is_refused(text, unit, meanings):
+    with pytest.raises(UnitError) as error:
+        to_si(text, unit, where="mass")
+    assert str(error.value).startswith(f"mass: got '{text}'; {meanings}")
+    with pytest.raises(UnitError, match="is ambiguous"):
+        from_si(1.0, unit, text.partition(" ")[2])
+
+
+@pytest.mark.parametrize(
+    ("text", "unit", "value"),
+    [
+        ("350 t", "kg", 350e3),
+        ("350 tonnes", "kg", 350e3),
+        ("1 short_ton", "kg", 907.18474),
+        ("1 long_ton", "kg", 1016.0469088),
+        ("2 tf", "N", 2 * 9806.65),
+        ("3 nmi", "m", 5556.0),
+        ("1 fathom", "m", 1.8288),
+        ("1 US_liquid_gallon", "m^3", 3.785411784e-3),
+        ("1 imperial_gallon", "m^3", 4.54609e-3),
+        ("1 oil_barrel", "m^3", 0.158987294928),
+        ("1 imperial_barrel", "m^3", 0.16365924),
+        ("1 metric_horsepower", "W", 735.49875),
+        ("10 lb", "kg", 4.5359237),
+        ("2 kt", "m/s", 2 * 1852 / 3600),
+    ],
+)
+def test_the_names_that_are_proposed_instead(text, unit, value):
+    assert to_si(text, unit) == pytest.approx(value, rel=3e-6)  # a fathom is one of the survey in pint
+
+
 def test_declared_units_are_si():
     for unit in DECLARED:
         check_si(unit)

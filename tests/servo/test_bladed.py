@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import os
+import shutil
 import subprocess
 import sys
 import tempfile
@@ -187,11 +188,34 @@ def test_an_input_file_it_cannot_read(library, tmp_path):
         run(model)
 
 
+@pytest.mark.skipif(sys.platform != "linux", reason="how Linux finds the libraries that a library needs")
+def test_a_library_taken_from_those_beside_it(tmp_path):
+    """Built as in a wheel, with its needs found relative to itself; it loads where it is and says why not elsewhere."""
+    wheel = tmp_path / "wheel"
+    (wheel / "libs").mkdir(parents=True)
+    (wheel / "lib").mkdir()
+    (wheel / "needed.c").write_text("double gain() { return 2.0; }\n")
+    build = [*compiler(), "-O1", "-fPIC", "-shared"]
+    needed = wheel / "libs" / "libneeded_by_discon.so"
+    subprocess.run([*build, str(wheel / "needed.c"), "-o", str(needed)], check=True)
+    source = wheel / "discon.c"
+    source.write_text("double gain();\nvoid DISCON(float *r, int *fail, char *a, char *b, char *c) {r[46] = gain();}\n")
+    target = wheel / "lib" / "libdiscon.so"
+    beside = [f"-L{needed.parent}", "-lneeded_by_discon", "-Wl,-rpath,$ORIGIN/../libs"]
+    subprocess.run([*build, str(source), "-o", str(target), *beside], check=True)
+    run(turbine(str(target), tmp_path))
+    shutil.copy(target, tmp_path)
+    with pytest.raises(SimulationError) as caught:
+        run(turbine(str(tmp_path / "libdiscon.so"), tmp_path))
+    assert "cannot be loaded: libneeded_by_discon.so" in str(caught.value)
+    assert "leave it in its folder" in str(caught.value)
+
+
 def test_a_file_that_is_no_library(library, tmp_path):
     (tmp_path / "no.so").write_bytes(b"no library")
-    with pytest.raises(SimulationError, match="control: the controller library reports an error: .*no.so"):
+    with pytest.raises(SimulationError, match=r"control: the controller library cannot be loaded: .*no\.so"):
         run(turbine(str(tmp_path / "no.so"), tmp_path))
-    with pytest.raises(SimulationError, match="control: the controller library reports an error: .*REGULATE"):
+    with pytest.raises(SimulationError, match="control: the controller library cannot be loaded: .*REGULATE"):
         run(turbine(library, tmp_path, procedure="REGULATE"))
 
 

@@ -87,6 +87,25 @@ def spar(folder: Path, wind: float, **start):
     return fw.load(folder / "spar.yaml").compile()
 
 
+def test_the_recipe_of_the_documentation_runs(tmp_path, monkeypatch):
+    """docs/importing.md, with its files where it puts them; the values of the NREL 5 MW at 13 m/s.
+
+    NREL/TP-500-38060 (2009), table 7-1: 12.1 rpm, 6.60 deg, 5000 kW; ROSCO's rigid turbine needs a little less pitch.
+    """
+    page = (Path(__file__).parents[2] / "docs" / "importing.md").read_text(encoding="utf-8")
+    text = re.search(r'```yaml title="land_with_rosco.yaml"\n(.*?)```', page, re.S)[1]
+    copied = re.search(r"^cp (\S+) (\S+) \.$", page, re.M)
+    monkeypatch.chdir(tmp_path)
+    (tmp_path / "rosco_wheel").symlink_to(FOLDER)
+    for name in copied.groups():
+        shutil.copy(name, tmp_path)
+    Path("land_with_rosco.yaml").write_text(text, encoding="utf-8")
+    late = fw.load("land_with_rosco.yaml").compile().simulate(30.0, 0.5).dataset.isel(time=-1)
+    assert float(late["rotor_speed"]) == pytest.approx(12.1, rel=0.002)
+    assert float(late["pitch"]) == pytest.approx(6.43, abs=0.05)
+    assert float(late["power"]) == pytest.approx(5000, rel=0.002)
+
+
 # Rotor speed [rpm], blade pitch [deg], electrical power [kW] of the NREL 5 MW. At 18 m/s rated speed and power, and the
 # pitch of NREL/TP-500-38060 (2009), table 7-1. At 8 m/s the best tip speed ratio 7.55 and power coefficient 0.482 of
 # its section 7.2 with an efficiency of 94.4 %: 9.155 rpm and 0.944 * 0.482 * 1.225/2 pi 63^2 8^3 W = 1779 kW.

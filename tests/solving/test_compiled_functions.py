@@ -9,10 +9,10 @@ import fowtlib as fw
 from fowtlib.language import Array, ExternalFunction, Scalar, der, eq, param, table1d, var
 from fowtlib.language import math as m
 from fowtlib.language.native import compiler
-from fowtlib.solving import compiled_functions
-from fowtlib.solving.compiled_functions import CompiledFunctions, jacobian_patterns, worth_compiling
-from fowtlib.solving.fixed_step_code import FixedStepCode
-from fowtlib.solving.idas import Idas
+from fowtlib.solving.engines import compiled as compiled_functions
+from fowtlib.solving.engines.compiled import CompiledFunctions, jacobian_patterns, worth_compiling
+from fowtlib.solving.engines.fixed_step_code import FixedStepCode
+from fowtlib.solving.engines.idas import Idas
 
 pytestmark = pytest.mark.skipif(not compiler(), reason="needs a C compiler")
 
@@ -66,8 +66,13 @@ def plant():
     return fw.load(Chain()).compile()
 
 
-def functions(plant, **parameters):
-    return CompiledFunctions(plant.fixed_step_code, plant.evaluation(parameters).parameters)
+def functions(plant):
+    return CompiledFunctions(plant.fixed_step_code)
+
+
+def given(plant, compiled, **parameters):
+    """What the compiled functions take as q: the parameters and the number of the instance."""
+    return np.concatenate([plant.at(parameters).parameters, compiled.handle])
 
 
 def some_points(plant, count=20):
@@ -79,33 +84,37 @@ def some_points(plant, count=20):
 @pytest.mark.parametrize("stiffness", [2.0, 7.0])
 def test_values_and_jacobian(plant, stiffness):
     """The Jacobian is exact up to the error of differences."""
-    parameters = {"stiffness": stiffness}
-    evaluation, compiled = plant.evaluation(parameters), functions(plant, **parameters)
+    at, compiled = plant.at({"stiffness": stiffness}), functions(plant)
     assert len(plant.dae.algebraics) == 1
     for t, x, z in some_points(plant):
-        q = compiled.handle
-        for own, other in zip(compiled.residual(t, x, z, q), evaluation.residual(t, x, z, []), strict=True):
+        q = given(plant, compiled, stiffness=stiffness)
+        for own, other in zip(compiled.residual(t, x, z, q), at.residual(t, x, z, []), strict=True):
             np.testing.assert_allclose(own.full(), other.full(), rtol=1e-12, atol=1e-12)
-        for own, other in zip(compiled.jacobian(t, x, z, q), evaluation.jacobian(t, x, z, []), strict=True):
+        for own, other in zip(compiled.jacobian(t, x, z, q), at.jacobian(t, x, z, []), strict=True):
             np.testing.assert_allclose(own.full(), other.full(), rtol=1e-4, atol=1e-4)
             assert own.sparsity() == other.sparsity()
 
 
-def test_two_instances_have_their_own_parameters(plant):
-    one, two = functions(plant, stiffness=2.0), functions(plant, stiffness=3.0)
+def test_parameters_are_arguments_and_an_instance_gives_its_number_back(plant):
+    one, two = functions(plant), functions(plant)
     t, x, z = next(some_points(plant))
-    ends = [np.array(f.residual(t, x, z, f.handle)[0]).ravel() for f in (one, two, one)]
+    points = [(f, given(plant, f, stiffness=k)) for f, k in ((one, 2.0), (one, 3.0), (two, 3.0), (one, 2.0))]
+    ends = [np.array(f.residual(t, x, z, q)[0]).ravel() for f, q in points]
     assert np.abs(ends[0] - ends[1]).max() > 0.01
-    np.testing.assert_array_equal(ends[0], ends[2])
+    np.testing.assert_array_equal(ends[0], ends[3])
+    np.testing.assert_array_equal(ends[1], ends[2])
+    slopes = [np.array(f.jacobian(t, x, z, q)[0].full()) for f, q in points]
+    assert np.abs(slopes[0] - slopes[1]).max() > 0.01
+    np.testing.assert_array_equal(slopes[0], slopes[3])
     number = two.handle[0]
-    del two
-    assert functions(plant, stiffness=4.0).handle[0] == number
+    del two, points
+    assert functions(plant).handle[0] == number
 
 
 def test_a_run(plant):
-    state, evaluation, compiled = plant.initial_state(), plant.evaluation(), functions(plant)
+    state, at, compiled = plant.initial_state(), plant.at(), functions(plant)
     runs = []
-    for engine in (Idas(evaluation, 1e-9), Idas(evaluation, 1e-9, compiled=compiled)):
+    for engine in (Idas(at, 1e-9), Idas(at, 1e-9, compiled=compiled)):
         runs.append(engine.advance(0.0, 10.0, 50, state.x, state.z, np.zeros(0)))
     for own, other in zip(*runs, strict=True):
         np.testing.assert_allclose(own, other, atol=1e-6)
@@ -113,7 +122,7 @@ def test_a_run(plant):
 
 def test_what_simulate_takes(plant, monkeypatch):
     """Small models are interpreted; where equations are many, they are compiled, and the results are the same."""
-    assert not worth_compiling(plant.dae)
+    assert not worth_compiling(plant.functions)
     expected = plant.simulate(5.0, solver="idas", tolerance=1e-9)
     made = []
     monkeypatch.setattr(compiled_functions, "OPERATIONS", (10, 1000))
@@ -123,7 +132,7 @@ def test_what_simulate_takes(plant, monkeypatch):
     assert "model" in made
     np.testing.assert_allclose(found.array("q"), expected.array("q"), atol=1e-6)
     monkeypatch.setenv("FOWTLIB_CC", "no-such-compiler")
-    assert not worth_compiling(fresh.dae)
+    assert not worth_compiling(fresh.functions)
 
 
 _address = FixedStepCode.address
@@ -140,20 +149,20 @@ def test_an_external_in_python_is_not_called_from_compiled_code(monkeypatch):
             return [eq(der(self.x), decay(x=self.x)["rate"])]
 
     monkeypatch.setattr(compiled_functions, "OPERATIONS", (0, 1000))
-    dae = fw.load(Slow()).compile().dae
-    assert not worth_compiling(dae)
+    assert not worth_compiling(fw.load(Slow()).compile().functions)
 
 
 def test_an_external_that_refuses_is_noticed(plant):
     """At a position for which the external gives no value; at the next point it does again."""
     compiled, names = functions(plant), [state.path for state in plant.dae.states]
     t, x, z = next(some_points(plant))
-    expected = np.array(compiled.residual(t, x, z, compiled.handle)[0])
+    q = given(plant, compiled)
+    expected = np.array(compiled.residual(t, x, z, q)[0])
     far = np.where(np.array(names) == "q[1]", 200.0, x)
     for function in (compiled.residual, compiled.jacobian):
         with pytest.raises(RuntimeError, match="Evaluation failed"):
-            function(t, far, z, compiled.handle)
-    np.testing.assert_array_equal(np.array(compiled.residual(t, x, z, compiled.handle)[0]), expected)
+            function(t, far, z, q)
+    np.testing.assert_array_equal(np.array(compiled.residual(t, x, z, q)[0]), expected)
 
 
 def test_which_unknown_moves_a_state(plant):

@@ -10,9 +10,9 @@ import fowtlib as fw
 from fowtlib.language import ExternalFunction, Scalar, der, eq, initial, param, table1d, time_series, var
 from fowtlib.language import math as m
 from fowtlib.language.native import compiler
-from fowtlib.solving import evaluation as evaluations
-from fowtlib.solving import fixed_step_code
+from fowtlib.solving import functions as solving_functions
 from fowtlib.solving import initial as start_values
+from fowtlib.solving.engines import fixed_step_code
 
 GRID = np.linspace(-3.0, 3.0, 25)
 
@@ -47,33 +47,34 @@ def plant():
 
 
 def test_along_directions_the_jacobian_is_the_torn_one(plant):
-    evaluation, dae = plant.evaluation(), plant.dae
+    functions, dae = plant.functions, plant.dae
     assert len(dae.levels) == 2  # an external takes the output of another
     rows = ca.vertcat(dae.ode, dae.alg, dae.initial_equations)
-    columns = ca.vertcat(evaluation.x, evaluation.z)
-    point = (0.7, [0.3, 0.5], [0.2], [])
-    along = np.array(evaluation.directional_jacobian("along", rows, columns)(*point))
-    torn = np.array(ca.densify(evaluation.torn_jacobian("torn", rows, [columns])(*point)))
+    columns = ca.vertcat(functions.x, functions.z)
+    point = (0.7, [0.3, 0.5], [0.2], plant.at().parameters)
+    along = np.array(functions.directional_jacobian("along", rows, columns)(*point))
+    torn = np.array(ca.densify(functions.torn_jacobian("torn", rows, [columns])(*point)))
     assert along.shape == torn.shape == (rows.shape[0], columns.shape[0])
     assert np.abs(torn).max() > 0.1
     np.testing.assert_allclose(along, torn, rtol=1e-13, atol=1e-15)
 
 
 def test_the_jacobian_along_directions_is_that_of_differences(plant):
-    evaluation = plant.evaluation()
-    slopes = np.array(evaluation.directional_jacobian("along", plant.dae.alg, evaluation.z)(0.7, [0.3, 0.5], [0.2], []))
+    functions, at = plant.functions, plant.at()
+    point = (0.7, [0.3, 0.5], [0.2], at.parameters)
+    slopes = np.array(functions.directional_jacobian("along", plant.dae.alg, plant.dae.z)(*point))
     h = 1e-5
-    above, below = (float(evaluation.residual(0.7, [0.3, 0.5], [0.2 + d], [])[1]) for d in (h, -h))
+    above, below = (float(at.residual(0.7, [0.3, 0.5], [0.2 + d], [])[1]) for d in (h, -h))
     assert slopes[0, 0] == pytest.approx((above - below) / (2 * h), rel=1e-8)
-    assert np.array_equal(slopes, np.array(evaluation.algebraic_jacobian(0.7, [0.3, 0.5], [0.2], [])))
-    evaluation.jacobian  # noqa: B018  made now: it serves from here on
-    again = np.array(ca.densify(evaluation.algebraic_jacobian(0.7, [0.3, 0.5], [0.2], [])))
+    assert np.array_equal(slopes, np.array(at.algebraic_jacobian(0.7, [0.3, 0.5], [0.2], [])))
+    functions.jacobian  # noqa: B018  made now: it serves from here on
+    again = np.array(ca.densify(at.algebraic_jacobian(0.7, [0.3, 0.5], [0.2], [])))
     np.testing.assert_allclose(slopes, again, rtol=1e-13)
 
 
 def test_many_unknowns_start_where_few_do(plant, monkeypatch):
     few = plant.initial_state()
-    monkeypatch.setattr(evaluations, "MANY", 0)
+    monkeypatch.setattr(solving_functions, "MANY", 0)
     monkeypatch.setattr(start_values, "MANY", 0)
     many = fw.load(Chained()).compile().initial_state()
     np.testing.assert_allclose([*few.x, *few.z], [*many.x, *many.z], rtol=1e-12)

@@ -35,9 +35,9 @@ from fowtlib.language import (
 )
 from fowtlib.language import math as m
 from fowtlib.language.native import compiler
-from fowtlib.solving.fixed_step import FixedStep
-from fowtlib.solving.fixed_step_twin import FixedStepTwin
-from fowtlib.solving.reduction import reduction
+from fowtlib.solving.engines.fixed_step import FixedStep
+from fowtlib.solving.engines.reduction import reduction
+from fowtlib.solving.engines.twin import FixedStepTwin
 
 pytestmark = pytest.mark.skipif(not compiler(), reason="needs a C compiler")
 RHO = 0.8
@@ -52,10 +52,10 @@ TIGHT = 1e-4  # the compiled iteration ends at 300 times its tolerance, the twin
 
 def engines(plant, step, tolerance=1e-8, rho_inf=RHO):
     """The compiled engine, its twin, and the point they start from: t, x, z, q."""
-    state, evaluation = plant.initial_state(), plant.evaluation()
+    state, at = plant.initial_state(), plant.at()
     both = [
-        FixedStep(plant.fixed_step_code, evaluation, step, TIGHT * tolerance, rho_inf),
-        FixedStepTwin(evaluation, step, tolerance, rho_inf),
+        FixedStep(plant.fixed_step_code, at, step, TIGHT * tolerance, rho_inf),
+        FixedStepTwin(at, step, tolerance, rho_inf),
     ]
     return *both, (state.x, state.z, np.concatenate([state.u, state.d]))
 
@@ -426,7 +426,7 @@ def test_externals_of_all_kinds_give_the_same(kind, dragged):
     }[kind]
     plant = plant_of(Dragged(drag=drag(**given)))
     assert [len(level) for level in plant.dae.levels] == [1, 1]
-    compiled = FixedStep(plant.fixed_step_code, plant.evaluation(), 0.01, TIGHT * 1e-8, RHO)
+    compiled = FixedStep(plant.fixed_step_code, plant.at(), 0.01, TIGHT * 1e-8, RHO)
     x, z = np.array([1.0, 0.0]), np.zeros(1)
     assert [q.path for q in plant.dae.states] == ["x", "v"]
     found, _ = compiled.advance(0.0, 3.0, 20, x, z, np.zeros(0))

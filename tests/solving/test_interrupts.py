@@ -9,7 +9,7 @@ import pytest
 import fowtlib as fw
 from fowtlib.language import Scalar, der, eq, var
 from fowtlib.solving.interrupts import deferred_interrupt
-from fowtlib.solving.simulation import Interrupted
+from fowtlib.solving.run import Interrupted
 
 
 @pytest.fixture(autouse=True)

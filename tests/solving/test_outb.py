@@ -11,9 +11,9 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from fowtlib.language.errors import ModelError
-from fowtlib.solving.openfast_channels import CHANNELS, channel_of, result_of
-from fowtlib.solving.outb import Channels, read_outb, write_outb
 from fowtlib.solving.results import Result
+from fowtlib.solving.results.openfast import CHANNELS, channel_of, result_of
+from fowtlib.solving.results.outb import Channels, read_outb, write_outb
 
 TIME = np.linspace(2.0, 12.0, 101)
 

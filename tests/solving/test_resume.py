@@ -7,7 +7,7 @@ import pytest
 
 import fowtlib as fw
 from fowtlib.language import ModelError, Scalar, assign, der, eq, param, sampled, var
-from fowtlib.solving.simulation import Interrupted
+from fowtlib.solving.run import Interrupted
 
 
 class Counter(fw.Component):

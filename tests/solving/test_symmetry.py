@@ -8,9 +8,9 @@ import pytest
 import fowtlib as fw
 from fowtlib.language import Component, Scalar, der, eq, ring, var
 from fowtlib.language.native import compiler
-from fowtlib.solving.engine import create_engine
-from fowtlib.solving.reduction import reduction
-from fowtlib.solving.symmetry import rings_of_unknowns
+from fowtlib.solving.engines import create_engine
+from fowtlib.solving.engines.reduction import reduction
+from fowtlib.solving.engines.symmetry import rings_of_unknowns
 
 WIND = {"wind.kind": "steady", "wind.mean_speed": 9.0}
 needs_compiler = pytest.mark.skipif(not compiler(), reason="needs a C compiler")
@@ -42,7 +42,7 @@ def test_the_matrix_that_turns_leads_to_the_same_motion_with_less_work(plant):
     rings = table.rings
     for hint in (rings, 0):
         table.rings = hint
-        engine = create_engine(plant, None, "fixed", 1e-6, 0.1, {"step": 0.0125}, {})
+        engine = create_engine(plant.at(), lambda: plant.fixed_step_code, "fixed", 1e-6, 0.1, {"step": 0.0125}, {})
         table.rings = rings
         x, _ = engine.advance(0.0, 8.0, 80, start.x, start.z, np.concatenate([start.u, start.d]))
         runs[bool(hint)] = x, engine.counts()["evaluations"]

@@ -221,3 +221,44 @@ def test_rate_of_the_pitch_loop():
     assert len(loop) == 1
     assert 0.35 < abs(loop[0]) < 0.75
     assert 0.3 < -loop[0].real / abs(loop[0]) < 0.9
+
+
+@pytest.mark.parametrize(("direction", "thrust"), [(60, 120.3e3), (30, 292e3), (-75, None)])
+def test_yawed_wind_starts_at_the_wind_along_the_shaft(direction, thrust):
+    """Filter, rotor speed and thrust start where they stay: a steady wind of V cos(direction) cos(tilt)."""
+    wind, tilt = {"direction": f"{direction} deg"}, np.radians(5.0)
+    model = onshore(8.0, wind=wind, rotor={"tilt": "5 deg", "extended": True})
+    plant = fw.load(model).compile()
+    along = 8.0 * np.cos(np.radians(direction))
+    result = plant.simulate(60.0, 10.0, outputs=[*RESULTS, "turbine.rotor.mean_wind", "turbine.rotor.normal_wind"])
+    for name in ("mean_wind", "normal_wind"):
+        assert result[f"turbine.rotor.{name}"].to_numpy() == pytest.approx(along * np.cos(tilt), rel=1e-9)
+    table = read_coefficients(CSV, True)
+    steady = SteadyTurbine(table, 63.0, TorqueLaw(), 97.0, precone=np.radians(2.5), tilt=tilt).operating_point(along)
+    assert start_point(model.turbine, 0).thrust == pytest.approx(steady.thrust, rel=1e-9)
+    assert result["turbine.rotor_speed"].to_numpy() == pytest.approx(steady.rotor_speed, rel=1e-6)
+    assert result["turbine.thrust"].to_numpy() == pytest.approx(steady.thrust, rel=1e-6)
+    if thrust is not None:
+        assert steady.thrust == pytest.approx(thrust, rel=0.01)
+
+
+@pytest.mark.parametrize(("speed", "direction"), [(0, 0), (8, 90), (8, 180), (8, -120)])
+def test_no_wind_along_the_shaft_starts_at_standstill(speed, direction):
+    plant = fw.load(onshore(speed, wind={"direction": f"{direction} deg"}, rotor={"extended": True})).compile()
+    state = plant.initial_state()
+    assert float(state["turbine.rotor_speed"]) == 0
+    assert float(state["turbine.blade_pitch"]) == 0
+    along = speed * np.cos(np.radians(direction))
+    assert float(state["turbine.rotor.mean_wind"]) == pytest.approx(along, abs=1e-12)
+
+
+def test_shipped_spar_in_yawed_wind_and_in_none():
+    """`fowt run oc3_spar_rigid --wind steady:8,direction=60` starts in 8 cos(60 deg) cos(5 deg) m/s; at 0 it stands."""
+    model = fw.load("oc3_spar_rigid")
+    model.root.wind = Wind(kind="steady", mean_speed=8.0, direction="60 deg")
+    state = model.compile().initial_state()
+    assert float(state["turbine.rotor.mean_wind"]) == pytest.approx(3.985, abs=1e-3)
+    assert float(state["turbine.thrust"]) == pytest.approx(120.3e3, rel=0.01)
+    model = fw.load("oc3_spar_rigid")
+    model.root.wind = Wind(kind="steady", mean_speed=0.0)
+    assert float(model.compile().initial_state()["turbine.rotor_speed"]) == 0

@@ -7,6 +7,7 @@ states hold in tests/hydro/test_radiation_identification.py, single lines in tes
 
 import numpy as np
 import pytest
+import verification_by_hand as by_hand
 import verification_cases as cases
 
 import fowtlib as fw
@@ -61,10 +62,22 @@ def test_a_round_spar_moves_alike_across(modes):
         assert modes[across].frequency_hz == pytest.approx(modes[along].frequency_hz, rel=1e-3)
 
 
-def test_damping_of_free_decays_lies_near_fast(decays):
-    """Decays from 10 m and 10 deg, [T] load case 2.3: surge FAST 0.097 and Modelica 0.143, pitch 0.063 and 0.088."""
-    assert decays["surge"].damping_ratio == pytest.approx(0.097, rel=0.15)
-    assert decays["pitch"].damping_ratio == pytest.approx(0.063, rel=0.15)
+@pytest.mark.parametrize(("motion", "hertz"), [("surge", 0.00807), ("pitch", 0.0335)])
+def test_damping_of_every_half_cycle_agrees_with_an_independent_integration(decays, motion, hertz):
+    """From 10 m and 10 deg, against two coupled oscillators with drag by slices, in plain scipy.
+
+    [T] load case 2.3 has one number for the whole of a decay: surge FAST 0.097 and Modelica 0.143, pitch 0.063 and
+    0.088. It depends on how many cycles are counted, because drag is quadratic: here the first half cycle has 0.121 in
+    surge and the eighth 0.071.
+    """
+    spar = by_hand.SurgeAndPitch(fw.load("oc3_spar_rigid"), 2 * np.pi * hertz)
+    offset = {"surge": (OFFSETS["surge"], 0.0), "pitch": (0.0, OFFSETS["pitch"])}[motion]
+    own = dict(zip(("surge", "pitch"), spar.decay(*offset, duration=5.0 / hertz), strict=True))[motion]
+    run = decays[motion]
+    assert run.damping.size >= 8
+    assert run.damping[:8] == pytest.approx(own.damping[:8], rel=0.04)
+    assert run.amplitude[:8] == pytest.approx(own.amplitude[:8], rel=0.02)
+    assert run.damping_ratio == pytest.approx(own.damping_ratio, rel=0.015)
 
 
 def test_surge_and_pitch_agree_with_an_independent_computation(modes):
@@ -102,7 +115,13 @@ def test_linear_response_is_that_of_runs_in_regular_waves():
     assert np.abs(runs.response / linear.response - 1).max() < 5e-3
 
 
-def test_mean_surge_of_load_case_5_1():
-    """8 m/s and regular waves of 6 m: codes in OC3 between 8.37 m and 15.10 m ([T] chapter 2)."""
-    surge = cases.oc3_load_case_5_1()["surge"]
-    assert 8.4 < surge.mean < 15.1
+def test_mean_surge_and_pitch_of_load_case_5_1():
+    """8 m/s and regular waves of 6 m: the mean is that of the spar under its mean thrust, by an independent balance.
+
+    Codes in OC3 lie between 8.37 m and 15.10 m ([T] chapter 2), because their thrusts differ.
+    """
+    run = cases.oc3_load_case_5_1()
+    spar = by_hand.SurgeAndPitch(fw.load("oc3_spar_rigid"), 0.0)
+    surge, pitch = spar.pushed(1e3 * run["thrust"].mean, cases.TILT, (-5.0191, cases.HUB_HEIGHT))
+    assert run["surge"].mean == pytest.approx(surge, rel=0.02)
+    assert run["pitch"].mean == pytest.approx(np.degrees(pitch), rel=0.02)

@@ -15,6 +15,7 @@ from matplotlib.image import imread
 from scipy.spatial.transform import Rotation
 
 import fowtlib as fw
+from fowtlib.analysis.modes import natural_modes
 from fowtlib.cli import main
 from fowtlib.components.blocks import Constant
 from fowtlib.components.environment import World
@@ -130,7 +131,7 @@ def test_moments_are_thinned_evenly_and_keep_both_ends():
 
 
 def test_the_page_is_complete_and_asks_for_nothing(swing, tmp_path):
-    made = swing.view(tmp_path / "swing.html")
+    made = fw.view(swing, tmp_path / "swing.html")
     text = made.path.read_text()
     assert not re.search(r"https?:|//cdn|\bsrc=|<link|@import|\bimport\(|fetch\(|XMLHttpRequest", text)
     assert made.size == made.path.stat().st_size and made.moments == 41 and made.rate == pytest.approx(20)
@@ -139,7 +140,7 @@ def test_the_page_is_complete_and_asks_for_nothing(swing, tmp_path):
 
 
 def test_frames_lines_and_readings_agree_with_the_result(swing, tmp_path):
-    scene = scene_of(swing.view(tmp_path / "swing.html").path)
+    scene = scene_of(fw.view(swing, tmp_path / "swing.html").path)
     assert unpacked(scene["time"], "<f8") == pytest.approx(swing.time)
     for name, pose in poses_of(scene).items():
         assert pose[:, :3] == pytest.approx(swing.array(f"{name}.r"), abs=1e-6)
@@ -156,19 +157,49 @@ def test_frames_lines_and_readings_agree_with_the_result(swing, tmp_path):
 
 def test_a_model_is_drawn_at_its_start_and_at_rest(tmp_path):
     model = fw.load(pendulum())
-    scene = scene_of(model.view(tmp_path / "start.html").path)
+    scene = scene_of(fw.view(model, tmp_path / "start.html").path)
     end = poses_of(scene)["rod_2.frame_a"][0, :3]
     assert end == pytest.approx([-np.sin(np.radians(40)), 0, -np.cos(np.radians(40))], abs=1e-6)
-    rest = scene_of(model.view(tmp_path / "rest.html", equilibrium=True).path)
+    rest = scene_of(fw.view(model, tmp_path / "rest.html", equilibrium=True).path)
     state = model.compile().equilibrium()
     assert poses_of(rest)["rod_2.frame_a"][0, :3] == pytest.approx(np.ravel(state["rod_2.frame_a.r"]), abs=1e-6)
     assert "at its mean position." in rest["status"]
 
 
+def test_a_mode_moves_as_its_shape_says(tmp_path):
+    """One period, first and last moment alike; the bobs move in the ratio of the mode, about the place of rest."""
+    model = fw.load(pendulum())
+    plant = model.compile()
+    rest = plant.equilibrium()
+    for mode in natural_modes(plant, rest):
+        page = fw.view(model, tmp_path / "mode.html", mode=mode.number).path
+        scene = scene_of(page)
+        assert scene["loop"] and scene["status"].startswith(f"mode {mode.number}, {mode.name}: {mode.frequency:.4g} Hz")
+        poses = poses_of(scene)
+        angles = {}
+        for name, frame in (("upper", "rod_1.frame_a"), ("lower", "rod_2.frame_a")):
+            quaternion = poses[frame][:, 3:]
+            angles[name] = 2 * np.arctan2(quaternion[:, 1], quaternion[:, 3])
+        np.testing.assert_allclose(angles["upper"][0], angles["upper"][-1], atol=1e-6)
+        moved = {name: values - values.mean() for name, values in angles.items()}
+        first, second = mode.shape["upper.phi"], mode.shape["upper.phi"] + mode.shape["lower.phi"]
+        assert np.ptp(moved["lower"]) / np.ptp(moved["upper"]) == pytest.approx(abs(second / first), rel=1e-4)
+        assert (moved["lower"] @ moved["upper"] > 0) == ((second / first).real > 0)
+    with pytest.raises(ModelError, match=r"the model has no oscillating mode 3; there are 1 to 2, see `fowt eigen`\."):
+        fw.view(model, tmp_path / "mode.html", mode=3)
+
+
+def test_the_camera_does_not_look_along_a_mooring_line(spar, tmp_path):
+    scene = scene_of(fw.view(spar[1], tmp_path / "spar.html").path)
+    for azimuth in scene["azimuths"].values():
+        for line in (60, 180, 300):
+            assert abs((azimuth - line + 90) % 180 - 90) >= 20 - 1e-9
+
+
 def test_changed_parameters_change_the_drawing(tmp_path):
     plant = fw.load(pendulum()).compile()
     result = plant.simulate(0.2, 0.1, parameters={"rod_1.r": (0, 0, -3)})
-    scene = scene_of(result.view(tmp_path / "long.html").path)
+    scene = scene_of(fw.view(result, tmp_path / "long.html").path)
     rod = next(m for m in scene["meshes"] if scene["frames"][m["frame"]] == "rod_1.frame_a")
     assert unpacked(rod["points"], "<f4").reshape(-1, 3)[:, 2].min() == pytest.approx(-3)
 
@@ -176,7 +207,7 @@ def test_changed_parameters_change_the_drawing(tmp_path):
 def test_the_spar_is_drawn_where_it_is(spar, tmp_path):
     """Hub, blade tips by the azimuth, fairlead and anchor of a line, hull: against the definition of OC3."""
     _, result = spar
-    scene = scene_of(result.view(tmp_path / "spar.html").path)
+    scene = scene_of(fw.view(result, tmp_path / "spar.html").path)
     poses = poses_of(scene)
     assert poses["turbine.frame"][:, :3] == pytest.approx(result.array("turbine.frame.r"), abs=1e-4)
     assert poses["turbine.frame"][0, :3] == pytest.approx([-5, 0, 90], abs=1e-4)  # NREL/TP-500-38060, table 1-1
@@ -211,7 +242,7 @@ def test_the_spar_is_drawn_where_it_is(spar, tmp_path):
 
 def test_the_sea_is_that_of_the_result(spar, tmp_path):
     _, result = spar
-    water = scene_of(result.view(tmp_path / "spar.html").path)["water"]
+    water = scene_of(fw.view(result, tmp_path / "spar.html").path)["water"]
     omega, amplitude, phase = (unpacked(water[name], "<f8") for name in ("omega", "amplitude", "phase"))
     waves = amplitude * np.cos(np.outer(result.time, omega) + phase)
     assert waves.sum(axis=1) == pytest.approx(result.array("wave_elevation"), abs=1e-6)
@@ -220,8 +251,8 @@ def test_the_sea_is_that_of_the_result(spar, tmp_path):
 
 def test_a_small_file_shows_fewer_moments(spar, tmp_path):
     _, result = spar
-    whole = result.view(tmp_path / "whole.html")
-    small = result.view(tmp_path / "small.html", size_limit=5e3)
+    whole = fw.view(result, tmp_path / "whole.html")
+    small = fw.view(result, tmp_path / "small.html", size_limit=5e3)
     assert whole.moments == 21 and 2 <= small.moments < 12 and small.size < whole.size
 
 
@@ -252,14 +283,14 @@ def test_mistakes_are_told(swing, tmp_path):
     empty = fw.Assembly("numbers")
     empty.source = Constant(value=1.0)
     with pytest.raises(ModelError, match=r"^the model has no part with a form: bodies, .* anything with a frame\.$"):
-        fw.load(empty).view(tmp_path / "no.html")
+        fw.view(fw.load(empty), tmp_path / "no.html")
     with pytest.raises(ModelError, match=r"^this result does not know its model: open it with the compiled model"):
-        Result([0.0, 1.0], {"x": [0, 1]}).view(tmp_path / "no.html")
+        fw.view(Result([0.0, 1.0], {"x": [0, 1]}), tmp_path / "no.html")
     with pytest.raises(ModelError, match=r"no.pdf: a view is saved as \.html, not as '\.pdf'\.$"):
-        swing.view(tmp_path / "no.pdf")
+        fw.view(swing, tmp_path / "no.pdf")
     with pytest.raises(ModelError, match=r"^view: 0 moments per second cannot be shown"):
-        swing.view(tmp_path / "no.html", rate=0)
-    with pytest.raises(ModelError, match=r"^view: a Model or a Result can be drawn, not a str\.$"):
+        fw.view(swing, tmp_path / "no.html", rate=0)
+    with pytest.raises(ModelError, match=r"^view: a Model, a Plant or a Result can be drawn, not a str\.$"):
         view("oc3_spar_rigid", tmp_path / "no.html")
     with pytest.raises(ModelError, match=r"a shape is made of structure, .*, not of 'cheese'\."):
         shapes.Ball(None, material="cheese")
@@ -324,7 +355,7 @@ def chromium(page: Path, tmp_path: Path, *options: str, part: str = "") -> str:
 def test_the_browser_shows_what_the_result_says(spar, tmp_path):
     """Poses, lines and waves as the page's own program computes them between moments; the picture is not empty."""
     _, result = spar
-    page = result.view(tmp_path / "spar.html").path
+    page = fw.view(result, tmp_path / "spar.html").path
     asked = tmp_path / "asked.html"
     question = """<script>
       const hub = scene.frames.indexOf("turbine.frame"), t = 1.23;

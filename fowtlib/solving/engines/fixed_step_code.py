@@ -21,9 +21,9 @@ from fowtlib.language.externals import LibraryFunction
 from fowtlib.language.kept import kept, sources
 from fowtlib.language.native import compile_library
 from fowtlib.language.tables import SplineFunction
-from fowtlib.solving.c_code import PROLOGUE, Depends, Program, c_program
-from fowtlib.solving.reduction import Reduction, reduction
-from fowtlib.solving.symmetry import rings_of_unknowns
+from fowtlib.solving.engines.c_text import PROLOGUE, Depends, Program, c_program
+from fowtlib.solving.engines.reduction import Reduction, reduction
+from fowtlib.solving.engines.symmetry import rings_of_unknowns
 
 DOUBLES, INTEGERS = c.POINTER(c.c_double), c.POINTER(c.c_int)
 CASADI = c.CFUNCTYPE(c.c_int, c.POINTER(DOUBLES), c.POINTER(DOUBLES), c.c_void_p, DOUBLES, c.c_int)

@@ -10,10 +10,10 @@ from collections.abc import Callable
 import numpy as np
 
 from fowtlib.language.errors import SimulationError
-from fowtlib.solving.evaluation import Evaluation
+from fowtlib.solving.engines.reduction import reduction
 from fowtlib.solving.failure import StepFailure, step_failure
+from fowtlib.solving.functions import AtParameters
 from fowtlib.solving.initial import consistent_algebraics
-from fowtlib.solving.reduction import reduction
 
 NEWTON = 0.01  # of the tolerance
 KEEP = 20  # steps over which a Newton matrix is kept
@@ -23,8 +23,8 @@ ITERATIONS = 12
 class FixedStepTwin:
     """The contract of FixedStep, without compiled code."""
 
-    def __init__(self, evaluation: Evaluation, step: float, tolerance: float, rho_inf: float):
-        self.evaluation, self.dae, self.step = evaluation, evaluation.dae, step
+    def __init__(self, at: AtParameters, step: float, tolerance: float, rho_inf: float):
+        self.at, self.dae, self.step = at, at.dae, step
         self.tolerance = NEWTON * tolerance
         self.alpha_m, self.alpha_f = 0.5 * (3 - rho_inf) / (1 + rho_inf), 1 / (1 + rho_inf)
         self.gamma = 0.5 + self.alpha_m - self.alpha_f
@@ -38,11 +38,11 @@ class FixedStepTwin:
 
     def algebraics(self, t: float, x: np.ndarray, z: np.ndarray, q: np.ndarray) -> np.ndarray:
         """Algebraic unknowns that satisfy the equations at the states; SimulationError where none are found."""
-        return consistent_algebraics(self.evaluation, t, x, z, q)
+        return consistent_algebraics(self.at, t, x, z, q)
 
     def updater(self, sample: int) -> Callable[..., np.ndarray]:
         """What a sampled part computes (see SampledUpdate.values), as a function of t, x, z, q."""
-        return self.evaluation.updater(sample)
+        return self.at.updater(sample)
 
     def advance(
         self, t: float, length: float, points: int, x: np.ndarray, z: np.ndarray, q: np.ndarray
@@ -70,7 +70,7 @@ class FixedStepTwin:
 
     def _consistent(self, t: float, x: np.ndarray, z: np.ndarray, q: np.ndarray) -> np.ndarray:
         try:
-            z = consistent_algebraics(self.evaluation, t, x, z, q)
+            z = consistent_algebraics(self.at, t, x, z, q)
         except SimulationError as error:
             self.stands = None
             raise StepFailure(str(error)) from None
@@ -81,7 +81,7 @@ class FixedStepTwin:
         lag = self._lag(t, x)
         self.q, self.x = q.copy(), x.copy()
         self.z = self._consistent(t, x, z, q)
-        self.rate = np.array(self.evaluation.residual(t, x, self.z, q)[0]).ravel() + lag
+        self.rate = np.array(self.at.residual(t, x, self.z, q)[0]).ravel() + lag
         if not np.all(np.isfinite(self.rate)):
             first = int(np.flatnonzero(~np.isfinite(self.rate))[0])
             raise StepFailure(step_failure(self.dae, [], t, z.size + first, True))
@@ -91,7 +91,7 @@ class FixedStepTwin:
         """What the rates differ by from the equations; it belongs to the scheme, and stays where only q has jumped."""
         if self.stands is None or abs(t - self.stands[0]) > 1e-9 * self.step or not np.array_equal(x, self.stands[1]):
             return 0.0
-        return self.rate - np.array(self.evaluation.residual(t, x, self.z, self.q)[0]).ravel()
+        return self.rate - np.array(self.at.residual(t, x, self.z, self.q)[0]).ravel()
 
     def _predict(self, t: float) -> np.ndarray:
         """The straight line through the last two stages."""
@@ -110,7 +110,7 @@ class FixedStepTwin:
 
     def _matrix(self, t: float, x: np.ndarray, z: np.ndarray, k: float) -> np.ndarray:
         """The slopes of (alg, v - ode of the free rates) by (z, free rates)."""
-        blocks = self.evaluation.jacobian(t, x, z, self.q)
+        blocks = self.at.jacobian(t, x, z, self.q)
         ode_x, ode_z, alg_x, alg_z = (np.array(block.full()) for block in blocks)
         nz, free = z.size, self.reduced.free
         v = np.zeros((x.size, nz + len(free)))
@@ -149,7 +149,7 @@ class FixedStepTwin:
         weight = self._weight(k)
         for _ in range(ITERATIONS):
             v, x = self._placed(xbar, k, unknown)
-            ode, alg = (np.array(part).ravel() for part in self.evaluation.residual(t, x, unknown[:nz], self.q))
+            ode, alg = (np.array(part).ravel() for part in self.at.residual(t, x, unknown[:nz], self.q))
             residual = np.concatenate([alg, v[self.reduced.free] - ode[self.reduced.free]])
             bad = np.flatnonzero(~np.isfinite(residual))
             if len(bad):

@@ -7,7 +7,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 
 from fowtlib.flattening import FlatDAE
-from fowtlib.solving.reduction import Reduction
+from fowtlib.solving.engines.reduction import Reduction
 
 
 @dataclass(frozen=True)

@@ -18,43 +18,41 @@ from fowtlib.flattening import FlatDAE
 from fowtlib.language.externals import LibraryFunction
 from fowtlib.language.native import compile_library, compiler
 from fowtlib.language.tables import SplineFunction
-from fowtlib.solving.fixed_step_code import FixedStepCode, Options, runtime
+from fowtlib.solving.engines.fixed_step_code import FixedStepCode, Options, runtime
+from fowtlib.solving.functions import Functions
 
 OPERATIONS = (5_000, 200_000)  # of the equations: below, compiling takes longer than most runs, and above, too long
 FULL = 0.1  # share of entries in a Jacobian: with more, the sparse factors fill up and cost more than those of LAPACK
 UNKNOWNS = 1000  # at most: the Jacobian is made by full columns
 
 
-def worth_compiling(dae: FlatDAE) -> bool:
+def worth_compiling(functions: Functions) -> bool:
     """Whether IDAS should have compiled equations: many of them, with a compiler, and no external in Python."""
+    dae = functions.dae
     if not compiler() or not dae.states or len(dae.states) + len(dae.algebraics) > UNKNOWNS:
         return False
     if not all(isinstance(external.function, LibraryFunction | SplineFunction) for external in dae.externals):
         return False
-    equations = ca.vertcat(dae.ode, dae.alg)
-    count = ca.Function("equations", ca.symvar(equations), [equations]).n_instructions()
-    return OPERATIONS[0] < count < OPERATIONS[1]
+    return OPERATIONS[0] < functions.operations < OPERATIONS[1]
 
 
 class CompiledFunctions:
-    """`residual` and `jacobian` as those of an Evaluation, with `handle` behind the discrete variables in q.
+    """`residual` and `jacobian` as those of Functions, with `handle` behind the parameters in q.
 
     full: whether so many entries of the Jacobian can be other than zero that it is better factored as a full matrix.
     """
 
-    def __init__(self, code: FixedStepCode, parameters: np.ndarray):
+    def __init__(self, code: FixedStepCode):
         dae, self._code = code.dae, code
         patterns = jacobian_patterns(dae)
-        sizes = {
-            "STATES": dae.x.shape[0], "ALGEBRAICS": dae.z.shape[0], "GIVEN": dae.u.shape[0] + dae.d.shape[0],
-            "PARAMETERS": dae.p.shape[0],
-        }  # fmt: skip
+        given = sum(column.shape[0] for column in (dae.u, dae.d, dae.p))
+        sizes = {"STATES": dae.x.shape[0], "ALGEBRAICS": dae.z.shape[0], "GIVEN": given}
         names = ("ode_x", "ode_z", "alg_x", "alg_z")
         head = "".join(f"#define {name} {size}\n" for name, size in sizes.items()) + "".join(
             f"static const long long int {name}[] = {{{', '.join(map(str, _stored(pattern)))}}};\n"
             for name, pattern in zip(names, patterns, strict=True)
         )
-        body = (Path(__file__).parent / "compiled_functions.c").read_text(encoding="utf-8")
+        body = (Path(__file__).parent / "compiled.c").read_text(encoding="utf-8")
         path = compile_library(head + body, "functions")
         self._library, self._runtime = c.CDLL(str(path)), runtime()
         self._unknown = np.array(code.reduction.unknown_of_states(len(dae.algebraics)), dtype=np.intc)
@@ -62,11 +60,10 @@ class CompiledFunctions:
         self._instance = self._runtime.fs_create(c.byref(code.table), c.byref(options))
         if not self._instance:
             raise MemoryError("no memory for the compiled equations")
-        numbers = np.ascontiguousarray(parameters)
-        self._library.dae_bind.argtypes = 5 * [c.c_void_p]
+        self._library.dae_bind.argtypes = 4 * [c.c_void_p]
         self._number = self._library.dae_bind(
             self._instance, c.cast(self._runtime.fs_values, c.c_void_p),
-            c.cast(self._runtime.fs_derivatives, c.c_void_p), self._unknown.ctypes.data, numbers.ctypes.data,
+            c.cast(self._runtime.fs_derivatives, c.c_void_p), self._unknown.ctypes.data,
         )  # fmt: skip
         if self._number < 0:
             raise MemoryError("no memory for the compiled equations")

@@ -14,9 +14,9 @@ from typing import Any
 import numpy as np
 
 from fowtlib.language.errors import ModelError
-from fowtlib.solving.openfast_channels import Named, channel_of, result_of, unique
-from fowtlib.solving.outb import Channels, read_outb, write_outb
-from fowtlib.solving.results import RawTrajectory, Result, dimensions
+from fowtlib.solving.results.data import RawTrajectory, Stored, dimensions
+from fowtlib.solving.results.openfast import Named, channel_of, result_of, unique
+from fowtlib.solving.results.outb import Channels, read_outb, write_outb
 
 _FORMAT = "fowtlib result 1"
 _RAW = "raw_"  # prefix of the solver's arrays in the file
@@ -24,21 +24,21 @@ _MEMORY = "raw_memory_"
 _HEADER = re.compile(r"^(?P<name>.*\S)\s*\[(?P<unit>[^\[\]]*)\]$")
 
 
-def save(result: Result, path: Path) -> Path:
-    """Write ``result`` to ``path`` by its ending; the file is replaced in one step, after it has been written whole."""
+def save(stored: Stored, path: Path) -> Path:
+    """Write a result to ``path`` by its ending; the file is replaced in one step, after it has been written whole."""
     writers = {".nc": _write_netcdf, ".csv": _write_csv, ".outb": _write_openfast}
     if path.suffix not in writers:
         ending = path.suffix or "no ending"
         raise ModelError(f"{path}: a result is saved as .nc (netCDF), .csv or .outb (OpenFAST), not as '{ending}'.")
     if not path.parent.is_dir():
         raise ModelError(f"{path}: the folder {path.parent} does not exist. Make it first, or choose another one.")
-    if not result.time.size:
+    if not stored.time.size:
         raise ModelError(f"{path}: the result is empty, there is nothing to save.")
-    _write_whole(path, lambda temporary: writers[path.suffix](result, temporary))
+    _write_whole(path, lambda temporary: writers[path.suffix](stored, temporary))
     return path
 
 
-def read(path: Path) -> Result:
+def read(path: Path) -> Stored:
     """Read a file that ``save`` wrote, or the binary output of OpenFAST."""
     readers = {".nc": _read_netcdf, ".csv": _read_csv, ".outb": _read_openfast}
     if path.suffix not in readers:
@@ -72,20 +72,19 @@ def _write_whole(path: Path, write: Callable[[Path], None]) -> None:
 # -- netCDF -----------------------------------------------------------------------------------------------------------
 
 
-def _write_netcdf(result: Result, path: Path) -> None:
+def _write_netcdf(stored: Stored, path: Path) -> None:
     from scipy.io import netcdf_file
 
-    attributes = {**result.plain_attributes, "format": _FORMAT, "result_names": json.dumps(result.names)}
-    raw = result.raw
+    attributes = {**stored.plain_attributes, "format": _FORMAT, "result_names": json.dumps(list(stored.values))}
+    raw = stored.raw
     if raw is not None:
         names = {"x": raw.x_names, "z": raw.z_names, "d": raw.d_names}
         attributes |= {"raw_names": json.dumps(names), "parameter_hash": raw.parameter_hash}
     with netcdf_file(path, "w", version=2) as file:
         _set_attributes(file, attributes)
-        _add(file, "time", ("time",), result.time, units="s", long_name="time")
-        for name in result.names:
-            values = result.array(name)
-            about = {"units": result.unit(name), "long_name": result.long_name(name)}
+        _add(file, "time", ("time",), stored.time, units="s", long_name="time")
+        for name, values in stored.values.items():
+            about = {"units": stored.units[name], "long_name": stored.long_names[name]}
             _add(file, name, dimensions(values), values, **about)
         if raw is None:
             return
@@ -118,7 +117,7 @@ def _set_attributes(owner: Any, attributes: dict[str, Any]) -> None:
             setattr(owner, key, str(value).encode())
 
 
-def _read_netcdf(path: Path) -> Result:
+def _read_netcdf(path: Path) -> Stored:
     import xarray
 
     try:
@@ -147,7 +146,7 @@ def _read_netcdf(path: Path) -> Result:
                 if str(key).startswith(_MEMORY)
             },
         )
-    return Result(
+    return Stored(
         dataset["time"].values,
         {name: dataset[name].values for name in names},
         {name: dataset[name].attrs["units"] for name in names},
@@ -160,19 +159,19 @@ def _read_netcdf(path: Path) -> Result:
 # -- CSV --------------------------------------------------------------------------------------------------------------
 
 
-def _write_csv(result: Result, path: Path) -> None:
-    names, columns = ["time"], [result.time]
-    for name, values in result.columns():
+def _write_csv(stored: Stored, path: Path) -> None:
+    names, units, columns = ["time"], ["s"], [stored.time]
+    for name, unit, values in stored.columns():
         names.append(name)
+        units.append(unit)
         columns.append(values)
-    units = ["s", *(result.unit(name) for name in names[1:])]
     with path.open("w", newline="", encoding="utf-8") as file:
         heads = [f"{name} [{'-' if unit in ('', '1') else unit}]" for name, unit in zip(names, units, strict=True)]
         csv.writer(file, lineterminator="\n").writerow(heads)
         np.savetxt(file, np.column_stack(columns), fmt="%.10g", delimiter=",")
 
 
-def _read_csv(path: Path) -> Result:
+def _read_csv(path: Path) -> Stored:
     with path.open(newline="", encoding="utf-8") as file:
         heads = next(csv.reader(file), [])
         try:
@@ -188,30 +187,29 @@ def _read_csv(path: Path) -> Result:
     names = [match["name"] for match in matches]
     values = {name: rows[:, i] for i, name in enumerate(names) if i > 0}
     units = {match["name"]: "1" if match["unit"] == "-" else match["unit"] for match in matches[1:]}
-    return Result(rows[:, 0], values, units, attributes={"status": f"read from {path.name}."})
+    return Stored(rows[:, 0], values, units, attributes={"status": f"read from {path.name}."})
 
 
 # -- OpenFAST ---------------------------------------------------------------------------------------------------------
 
 
-def _write_openfast(result: Result, path: Path) -> None:
+def _write_openfast(stored: Stored, path: Path) -> None:
     """Every scalar series under the name of its channel; see openfast_channels and outb."""
     names, units, columns = [], [], []
-    for name, values in result.columns():
-        unit = result.unit(name)
+    for name, unit, values in stored.columns():
         channel = channel_of(name, unit)
         if channel.name != unique(channel.name, names):  # the second of its kind keeps its own name
             channel = Named(unique(name, names), unit)
         names.append(channel.name)
         units.append("-" if channel.unit in ("", "1") else re.sub(r"[* ]+", "-", channel.unit))
         columns.append(values * channel.factor % 360.0 if channel.turns else values * channel.factor)
-    about = result.attributes
+    about = stored.attributes
     what = about.get("title") or about.get("model") or "a model"
     description = f"fowtlib {about['fowtlib_version']}: {what}; {about['date']}"
-    write_outb(path, Channels(result.time, tuple(names), tuple(units), np.column_stack(columns), description))
+    write_outb(path, Channels(stored.time, tuple(names), tuple(units), np.column_stack(columns), description))
 
 
-def _read_openfast(path: Path) -> Result:
+def _read_openfast(path: Path) -> Stored:
     """Channels whose results are known get the name and the unit of the result, the others keep theirs."""
     channels = read_outb(path)
     values, units = {}, {}
@@ -220,4 +218,4 @@ def _read_openfast(path: Path) -> Result:
         known = result.name if result.name not in values else unique(name, values)
         values[known], units[known] = column * result.factor, result.unit
     attributes = {"title": channels.description, "status": f"read from {path.name}."}
-    return Result(channels.time, values, units, attributes=attributes)
+    return Stored(channels.time, values, units, attributes=attributes)

@@ -8,9 +8,9 @@ from collections.abc import Callable
 import numpy as np
 
 from fowtlib.language.errors import SimulationError
-from fowtlib.solving.evaluation import Evaluation
+from fowtlib.solving.engines.fixed_step_code import FixedStepCode, Options, runtime
 from fowtlib.solving.failure import StepFailure, step_failure
-from fowtlib.solving.fixed_step_code import FixedStepCode, Options, runtime
+from fowtlib.solving.functions import AtParameters
 from fowtlib.solving.initial import consistent_algebraics
 
 NEWTON = 200.0  # times the tolerance: what the iterations leave of a rate, relative to the largest it has been
@@ -26,9 +26,9 @@ class FixedStep:
     It goes on with its own rates where it stands at the point it is called from; anywhere else it starts anew.
     """
 
-    def __init__(self, code: FixedStepCode, evaluation: Evaluation, step: float, tolerance: float,
+    def __init__(self, code: FixedStepCode, at: AtParameters, step: float, tolerance: float,
                  rho_inf: float, keep: int = KEEP, predictor: int = PREDICTOR):  # fmt: skip
-        self.code, self.evaluation = code, evaluation
+        self.code, self.at = code, at
         self.attributes = {"solver": "fixed", "step": step, "rho_inf": rho_inf, "tolerance": tolerance}
         self.advice = f"or take a shorter step (--step {500 * step:g}ms)"
         self._library = runtime()
@@ -47,7 +47,7 @@ class FixedStep:
     ) -> tuple[np.ndarray, np.ndarray]:
         """States and algebraic unknowns (rows) at `points` equidistant times after t; StepFailure where it fails."""
         self.code.raised.clear()
-        x, z, given = _numbers(x), _numbers(z), np.concatenate([q, self.evaluation.parameters])
+        x, z, given = _numbers(x), _numbers(z), self.at.whole(q)
         xs, zs, reached = np.empty((points, len(x))), np.empty((points, len(z))), c.c_int()
         status = self._library.fs_advance(
             self._instance, t, length, points, x.ctypes.data, z.ctypes.data, given.ctypes.data, xs.ctypes.data,
@@ -60,9 +60,9 @@ class FixedStep:
     def algebraics(self, t: float, x: np.ndarray, z: np.ndarray, q: np.ndarray) -> np.ndarray:
         """Algebraic unknowns that satisfy the equations at the states; SimulationError where none are found."""
         self.code.raised.clear()
-        x, new, given = _numbers(x), np.array(z, dtype=float), np.concatenate([q, self.evaluation.parameters])
+        x, new, given = _numbers(x), np.array(z, dtype=float), self.at.whole(q)
         status = self._library.fs_consistent(self._instance, t, x.ctypes.data, new.ctypes.data, given.ctypes.data)
-        return consistent_algebraics(self.evaluation, t, x, z, q) if status else new
+        return consistent_algebraics(self.at, t, x, z, q) if status else new
 
     def updater(self, sample: int) -> Callable[..., np.ndarray]:
         """What a sampled part computes (see SampledUpdate.values), as a function of t, x, z, q."""
@@ -71,7 +71,7 @@ class FixedStep:
 
         def update(t: float, x: np.ndarray, z: np.ndarray, q: np.ndarray) -> np.ndarray:
             self.code.raised.clear()
-            x, z, given = _numbers(x), _numbers(z), np.concatenate([q, self.evaluation.parameters])
+            x, z, given = _numbers(x), _numbers(z), self.at.whole(q)
             values = np.empty(count)
             status = self._library.fs_observe(
                 self._instance, function, outputs, t, x.ctypes.data, z.ctypes.data, given.ctypes.data,

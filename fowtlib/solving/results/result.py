@@ -2,16 +2,13 @@
 
 A ``Result`` holds the chosen variables with unit and long name, the raw trajectory of the solver (states, algebraic and
 discrete variables), and the run's attributes. Any other variable of the model is rebuilt from the raw trajectory by an
-``Observer`` that the compiled model hands in; nothing here knows a model or a solver. File formats: result_files.py.
+``Observer`` that the compiled model hands in; nothing here knows a model or a solver. File formats: files.py.
 """
 
 from __future__ import annotations
 
-import hashlib
-import json
 import re
-from collections.abc import Callable, Collection, Iterator, Mapping, Sequence
-from dataclasses import dataclass, field
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from datetime import UTC, datetime
 from importlib import metadata
 from pathlib import Path
@@ -19,8 +16,18 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from fowtlib.language.errors import ModelError, NotFoundError, SimulationError, did_you_mean
-from fowtlib.language.upstairs import handed_in
+from fowtlib.language.errors import NotFoundError, SimulationError, did_you_mean
+from fowtlib.solving.results.data import (
+    Continuation,
+    Observer,
+    RawTrajectory,
+    Stored,
+    dimensions,
+    parameter_hash,
+    plain,
+)
+from fowtlib.solving.results.files import read, save
+from fowtlib.solving.results.statistics import Statistics, summarise
 
 if TYPE_CHECKING:
     import pandas
@@ -30,155 +37,6 @@ if TYPE_CHECKING:
 
 _INDEXED = re.compile(r"^(?P<name>.+)\[(?P<index>\d+(?:\s*,\s*\d+)*)\]$")
 _SAME_TIME = 1e-9  # relative distance below which two points of time are the same output point
-_SHOWN_ROWS = 40
-
-
-def parameter_hash(parameters: Mapping[str, Any]) -> str:
-    """Fingerprint of parameter values by name; equal fingerprints mean that a run may be continued."""
-    plain = {n: v if isinstance(v, str) else np.asarray(v, dtype=float).tolist() for n, v in parameters.items()}
-    return hashlib.sha256(json.dumps(plain, sort_keys=True).encode()).hexdigest()[:16]
-
-
-@dataclass(frozen=True)
-class RawTrajectory:
-    """What the solver computed, on the output grid: rows are points of time, columns are scalar unknowns.
-
-    ``memory`` holds whatever else the solver must remember to go on from the last row (accelerations of a multistep
-    method, the state of a clock). It is kept in the file, and its meaning is the solver's own business.
-    """
-
-    time: np.ndarray
-    x: np.ndarray
-    z: np.ndarray
-    d: np.ndarray
-    x_names: tuple[str, ...] = ()
-    z_names: tuple[str, ...] = ()
-    d_names: tuple[str, ...] = ()
-    parameter_hash: str = ""
-    memory: Mapping[str, np.ndarray] = field(default_factory=dict)
-
-    def __post_init__(self) -> None:
-        object.__setattr__(self, "time", np.atleast_1d(np.asarray(self.time, dtype=float)))
-        for key in ("x", "z", "d"):
-            rows = np.asarray(getattr(self, key), dtype=float)
-            rows = rows.reshape(self.time.size, -1) if rows.size else np.zeros((self.time.size, 0))
-            object.__setattr__(self, key, rows)
-            names = tuple(getattr(self, f"{key}_names")) or tuple(f"{key}[{i}]" for i in range(rows.shape[1]))
-            if len(names) != rows.shape[1]:
-                raise ValueError(f"raw trajectory: {len(names)} names for {rows.shape[1]} columns of {key}")
-            object.__setattr__(self, f"{key}_names", names)
-
-    def row(self, index: int) -> Continuation:
-        """The point of time ``index`` as something to start from."""
-        x, z, d = (dict(zip(getattr(self, f"{k}_names"), getattr(self, k)[index].tolist(), strict=True)) for k in "xzd")
-        last = index in (-1, self.time.size - 1)
-        return Continuation(float(self.time[index]), x, z, d, self.parameter_hash, self.memory if last else {})
-
-    def followed_by(self, later: RawTrajectory, skip: int) -> RawTrajectory:
-        """Append the rows of ``later`` without its first ``skip`` ones."""
-        for key in ("x_names", "z_names", "d_names"):
-            if getattr(self, key) != getattr(later, key):
-                raise SimulationError("these two results come from different models: their unknowns are not the same.")
-        joined = {k: np.concatenate([getattr(self, k), getattr(later, k)[skip:]]) for k in ("time", "x", "z", "d")}
-        return RawTrajectory(
-            **joined,
-            x_names=self.x_names,
-            z_names=self.z_names,
-            d_names=self.d_names,
-            parameter_hash=later.parameter_hash,
-            memory=later.memory,
-        )
-
-
-@dataclass(frozen=True)
-class Continuation:
-    """A point of time to start from: time [s], and the values of x, z and d by name [SI]."""
-
-    time: float
-    x: Mapping[str, float]
-    z: Mapping[str, float]
-    d: Mapping[str, float]
-    parameter_hash: str = ""
-    memory: Mapping[str, np.ndarray] = field(default_factory=dict)
-
-
-@dataclass(frozen=True)
-class Observer:
-    """How a compiled model rebuilds variables that were not chosen as results.
-
-    values(names) gives an array (n_time, len(names)), or (n_time, *shape) for a single vector or matrix;
-    describe(name) gives (unit, long name); names are all paths that may be asked for; root is the component tree.
-    """
-
-    values: Callable[[Sequence[str]], np.ndarray]
-    describe: Callable[[str], tuple[str, str]] = lambda name: ("1", name)
-    names: Collection[str] = ()
-    root: Component | None = None
-
-
-@dataclass(frozen=True)
-class Summary:
-    """Mean, standard deviation, minimum, maximum and root mean square of one series, in its own unit."""
-
-    name: str
-    unit: str
-    mean: float
-    std: float
-    min: float
-    max: float
-    rms: float
-
-
-class Statistics(Mapping[str, Summary]):
-    """Summaries by name; prints as a table, and ``to_pandas()`` gives it as one."""
-
-    def __init__(self, rows: Sequence[Summary], first: float, last: float) -> None:
-        self._rows = {row.name: row for row in rows}
-        self.first, self.last = first, last
-
-    def __getitem__(self, name: str) -> Summary:
-        if name not in self._rows:
-            raise NotFoundError(f"there is no result '{name}'{did_you_mean(name, self._rows, list_up_to=30)}")
-        return self._rows[name]
-
-    def __iter__(self) -> Iterator[str]:
-        return iter(self._rows)
-
-    def __len__(self) -> int:
-        return len(self._rows)
-
-    def to_pandas(self) -> pandas.DataFrame:
-        import pandas
-
-        return pandas.DataFrame([vars(row) for row in self._rows.values()]).set_index("name")
-
-    def __repr__(self) -> str:
-        shown = list(self._rows.values())[:_SHOWN_ROWS]
-        width = max([len(row.name) for row in shown] + [4])
-        unit_width = max([len(row.unit) for row in shown] + [4])
-        heads = "".join(f"{head:>12}" for head in ("mean", "std", "min", "max"))
-        lines = [f"{'name':<{width}} {'unit':<{unit_width}}{heads}"]
-        for row in shown:
-            numbers = "".join(f"{value:>12.5g}" for value in (row.mean, row.std, row.min, row.max))
-            lines.append(f"{row.name:<{width}} {_shown_unit(row.unit):<{unit_width}}{numbers}")
-        if len(self) > len(shown):
-            lines.append(f"... and {len(self) - len(shown)} more")
-        return "\n".join(lines)
-
-
-def _shown_unit(unit: str) -> str:
-    return "-" if unit in ("", "1") else unit
-
-
-def _time_weights(time: np.ndarray) -> np.ndarray:
-    """Weights of the samples in a mean over time: equal on a uniform grid, trapezoidal on any other."""
-    steps = np.diff(time)
-    if time.size < 3 or np.ptp(steps) <= 1e-6 * abs(steps[0]):
-        return np.full(time.size, 1.0 / time.size)
-    weights = np.zeros(time.size)
-    weights[:-1] += 0.5 * steps
-    weights[1:] += 0.5 * steps
-    return weights / weights.sum()
 
 
 class Result:
@@ -308,13 +166,12 @@ class Result:
 
         time = xarray.Variable("time", self.time, {"units": "s", "long_name": "time"})
         variables = {name: self[name].variable for name in self._values}
-        return xarray.Dataset(variables, {"time": time}, self.plain_attributes)
+        return xarray.Dataset(variables, {"time": time}, self.stored.plain_attributes)
 
     @property
-    def plain_attributes(self) -> dict[str, Any]:
-        """The attributes with parameters and structure as JSON text."""
-        texts = {"parameters": _plain(self.attributes["parameters"]), "structure": self.attributes["structure"]}
-        return self.attributes | {key: json.dumps(value) for key, value in texts.items()}
+    def stored(self) -> Stored:
+        """What a file of this result holds."""
+        return Stored(self.time, self._values, self._units, self._long_names, self.attributes, self.raw)
 
     def to_pandas(self) -> pandas.DataFrame:
         """A table with time [s] as index and one column per scalar result or element ("line.force[2]")."""
@@ -326,31 +183,11 @@ class Result:
 
     def columns(self) -> Iterator[tuple[str, np.ndarray]]:
         """Every scalar series: the results as they are, vectors and matrices element by element."""
-        for name, values in self._values.items():
-            if values.ndim == 1:
-                yield name, values
-                continue
-            for index in np.ndindex(*values.shape[1:]):
-                yield f"{name}[{','.join(map(str, index))}]", values[(slice(None), *index)]
+        return ((name, values) for name, _, values in self.stored.columns())
 
     def statistics(self, discard: float = 0.0) -> Statistics:
         """Summary of every series without the first ``discard`` seconds (the field's usual choice: 400 s of 4000 s)."""
-        keep = self.time >= self.time[0] + discard if self.time.size else np.zeros(0, dtype=bool)
-        if not keep.any():
-            raise ModelError(
-                f"statistics: discarding {discard:g} s leaves nothing of a result of {self.duration:g} s. "
-                "Discard less, or simulate longer."
-            )
-        time = self.time[keep]
-        weights = _time_weights(time)
-        rows = []
-        for name, values in self.columns():
-            part = values[keep]
-            mean = float(weights @ part)
-            std = float(np.sqrt(weights @ (part - mean) ** 2))
-            rms = float(np.sqrt(weights @ part**2))
-            rows.append(Summary(name, self.unit(name), mean, std, float(part.min()), float(part.max()), rms))
-        return Statistics(rows, float(time[0]), float(time[-1]))
+        return summarise(self.time, self.stored.columns(), discard)
 
     def __repr__(self) -> str:
         what = self.attributes.get("title") or self.attributes.get("model") or "a model"
@@ -380,10 +217,6 @@ class Result:
         self.root  # noqa: B018  the error for a result without a model
         return np.asarray(self._observer.values(list(names)), dtype=float).reshape(self.time.size, len(names))
 
-    def view(self, path: str | Path | None = None, **options: Any) -> Any:
-        """Write an animation in 3-D as one HTML file for the browser; see fowtlib.view.view."""
-        return handed_in("view")(self, path, **options)
-
     def keep(self, *names: str) -> Result:
         """Store observed variables, so that they are saved too. Returns this result."""
         for name in names:
@@ -409,7 +242,7 @@ class Result:
         same_structure = structure is None or not earlier or earlier == structure
         if same_structure and (not final.parameter_hash or final.parameter_hash == parameter_hash(parameters)):
             return
-        old, new = _plain(self.attributes["parameters"]), _plain(parameters)
+        old, new = plain(self.attributes["parameters"]), plain(parameters)
         changed = [n for n in sorted({*old, *new}) if old.get(n) != new.get(n)]
         if not same_structure:
             old, new = {**old, **earlier}, {**new, **structure}
@@ -461,12 +294,10 @@ class Result:
     def save(self, path: str | Path) -> Path:
         """Write netCDF (.nc: everything, resumable), CSV (.csv: the series, 10 digits) or OpenFAST's output (.outb).
 
-        An .outb file has 16 bits for a number, the names of OpenFAST's channels (see openfast_channels) and evenly
+        An .outb file has 16 bits for a number, the names of OpenFAST's channels (see openfast.py) and evenly
         spaced times only. Never leaves half a file.
         """
-        from fowtlib.solving.result_files import save
-
-        return save(self, Path(path))
+        return save(self.stored, Path(path))
 
     @staticmethod
     def open(path: str | Path, plant: Any = None) -> Result:
@@ -476,23 +307,10 @@ class Result:
 
         plant is anything with ``observer(raw, parameters) -> Observer``: the raw trajectory and the run's parameters.
         """
-        from fowtlib.solving.result_files import read
-
-        result = read(Path(path))
+        result = Result(**vars(read(Path(path))))
         if plant is not None and result.raw is not None:
             result.attach(plant.observer(result.raw, result.attributes["parameters"]))
         return result
-
-
-def dimensions(values: np.ndarray) -> tuple[str, ...]:
-    """Names of the dimensions of a series of scalars, vectors or matrices."""
-    ways = zip(("row", "column", "layer"), values.shape[1:], strict=False)
-    return ("time", *(f"{way}_{size}" for way, size in ways))
-
-
-def _plain(parameters: Mapping[str, Any]) -> dict[str, Any]:
-    """Parameter values as numbers and lists, ready for JSON."""
-    return {name: value if isinstance(value, str) else np.asarray(value).tolist() for name, value in parameters.items()}
 
 
 def _version() -> str:

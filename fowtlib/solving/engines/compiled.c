@@ -1,8 +1,8 @@
 /* Residual and Jacobian of a flat DAE with CasADi's C interface, by the runtime of the fixed-step engine.
 
-   In front of this text stand STATES, ALGEBRAICS, GIVEN (inputs and discrete variables), PARAMETERS and the patterns
-   ode_x, ode_z, alg_x, alg_z in CasADi's form. Arguments of both functions: t, x, z, and inputs and discrete variables
-   followed by the number that dae_bind gave for an instance of the engine and values of the parameters. */
+   In front of this text stand STATES, ALGEBRAICS, GIVEN (inputs, discrete variables and parameters) and the patterns
+   ode_x, ode_z, alg_x, alg_z in CasADi's form. Arguments of both functions: t, x, z, and what is given followed by the
+   number that dae_bind gave for an instance of the engine. */
 
 #include <stdlib.h>
 #include <string.h>
@@ -20,19 +20,18 @@ typedef struct {
     const int *unknown;
     int known;                                  /* columns are the derivatives at the point */
     double point[1 + UNKNOWNS + GIVEN];
-    double ode[STATES + 1], alg[ALGEBRAICS + 1], q[GIVEN + PARAMETERS + 1], columns[UNKNOWNS * UNKNOWNS];
+    double ode[STATES + 1], alg[ALGEBRAICS + 1], q[GIVEN + 1], columns[UNKNOWNS * UNKNOWNS];
 } Bound;
 
 static Bound *bound[HIGHEST];
 
 /* The number of an instance, or -1 where there is no room for another one; `unknown` has to live as long. */
-EXPORT int dae_bind(void *instance, Values values, Derivatives derivatives, const int *unknown, const double *parameters) {
+EXPORT int dae_bind(void *instance, Values values, Derivatives derivatives, const int *unknown) {
     for (int i = 0; i < HIGHEST; i++) {
         if (bound[i]) continue;
         if (!(bound[i] = calloc(1, sizeof(Bound)))) return -1;
         bound[i]->instance = instance, bound[i]->values = values, bound[i]->derivatives = derivatives;
         bound[i]->unknown = unknown;
-        memcpy(bound[i]->q + GIVEN, parameters, PARAMETERS * sizeof(double));
         return i;
     }
     return -1;

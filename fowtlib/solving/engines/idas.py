@@ -18,9 +18,9 @@ from pathlib import Path
 import casadi as ca
 import numpy as np
 
-from fowtlib.solving.compiled_functions import CompiledFunctions
-from fowtlib.solving.evaluation import Evaluation
+from fowtlib.solving.engines.compiled import CompiledFunctions
 from fowtlib.solving.failure import StepFailure
+from fowtlib.solving.functions import AtParameters
 from fowtlib.solving.initial import consistent_algebraics
 
 LIMIT = 100_000
@@ -55,10 +55,10 @@ class Idas:
     name = "idas"
     advice = "or try another tolerance (--tolerance 1e-8)"
 
-    def __init__(self, evaluation: Evaluation, tolerance: float, options: dict | None = None,
+    def __init__(self, at: AtParameters, tolerance: float, options: dict | None = None,
                  compiled: CompiledFunctions | None = None):  # fmt: skip
-        self.evaluation = evaluation
-        self.functions = compiled or evaluation
+        self.at = at
+        self.functions = compiled or at.functions
         self._handle = compiled.handle if compiled else np.zeros(0)
         # the sparse LU of csparse hardly pivots, and loses the light tips of blades
         self._linear_solver = "qr"
@@ -67,8 +67,6 @@ class Idas:
             _one_thread()
         self.tolerance = tolerance
         self.options = options or {}
-        self._integrators: dict[int, ca.Function] = {}
-        self._problem: dict[str, ca.MX] | None = None
 
     @property
     def attributes(self) -> dict[str, float | str]:
@@ -77,11 +75,11 @@ class Idas:
 
     def algebraics(self, t: float, x: np.ndarray, z: np.ndarray, q: np.ndarray) -> np.ndarray:
         """Algebraic unknowns that satisfy the equations at the states, after a jump."""
-        return consistent_algebraics(self.evaluation, t, x, z, q)
+        return consistent_algebraics(self.at, t, x, z, q)
 
     def updater(self, sample: int) -> Callable[..., np.ndarray]:
         """What a sampled part computes (see SampledUpdate.values), as a function of t, x, z, q."""
-        return self.evaluation.updater(sample)
+        return self.at.updater(sample)
 
     def advance(
         self, t: float, length: float, points: int, x: np.ndarray, z: np.ndarray, q: np.ndarray
@@ -90,11 +88,11 @@ class Idas:
         nx, nz = len(x), len(z)
         if nx == 0:
             raise RuntimeError("a model without states is not integrated")
-        if points not in self._integrators:
-            self._integrators[points] = self._create(points)
+        integrator = self.integrator(points)
+        given = np.concatenate([[t, length], self.at.whole(q), self._handle])
         with redirect_stderr(StringIO()):  # SUNDIALS says there what the caller says better
             try:
-                result = self._integrators[points](x0=x, z0=z, p=np.concatenate([[t, length], q, self._handle]))
+                result = integrator(x0=x, z0=z, p=given)
             except RuntimeError as error:
                 found = re.search(r'returned "(IDA_\w+)"', str(error))
                 if not found:
@@ -106,9 +104,14 @@ class Idas:
             raise StepFailure("the solution is not finite")
         return xf, zf
 
+    def integrator(self, points: int) -> ca.Function:
+        """The integrator to that many output points; made once for all runs with these settings."""
+        settings = (points, self.tolerance, self._linear_solver, repr(self.options))
+        return self.at.functions.once(("idas", self.functions, settings), lambda: self._create(points))
+
     def _create(self, points: int) -> ca.Function:
         grid = [(k + 1) / points for k in range(points)]
-        nominal = [state.nominal for state in self.evaluation.dae.states]
+        nominal = [state.nominal for state in self.at.dae.states]
         options = {
             "reltol": self.tolerance,
             "abstol": self.tolerance * min(nominal, default=1.0),
@@ -119,12 +122,11 @@ class Idas:
             "first_time": 1e-6,  # IDACalcIC steps 1e-3 of this: short, so that its Newton matrix is that of alg alone
             **self.options,
         }
-        return ca.integrator("idas", "idas", self._normalised(), 0, grid, options)
+        problem = self.at.functions.once(("problem", self.functions), self._normalised)
+        return ca.integrator("idas", "idas", problem, 0, grid, options)
 
     def _normalised(self) -> dict[str, ca.MX]:
         """The DAE in s, with t_a, h and q as parameters; the right-hand side carries its own Jacobian."""
-        if self._problem is not None:
-            return self._problem
         residual, jacobian = self.functions.residual, self.functions.jacobian
         s = ca.MX.sym("s")
         x, z = (ca.MX.sym(n, residual.size1_in(i)) for i, n in ((1, "x"), (2, "z")))
@@ -139,5 +141,4 @@ class Idas:
         rhs = ca.Function("rhs", [s, x, z, p], [h * ode, alg], ["s", "x", "z", "p"], ["ode", "alg"],
                           {"custom_jacobian": jac, "never_inline": True, "jac_penalty": 0})  # fmt: skip
         ode_value, alg_value = rhs(s, x, z, p)
-        self._problem = {"t": s, "x": x, "z": z, "p": p, "ode": ode_value, "alg": alg_value}
-        return self._problem
+        return {"t": s, "x": x, "z": z, "p": p, "ode": ode_value, "alg": alg_value}

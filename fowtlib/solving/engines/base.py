@@ -1,0 +1,38 @@
+"""What the run of a simulation needs of an engine, and the settings that a user leaves out."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from typing import Protocol
+
+import numpy as np
+
+from fowtlib.solving.functions import AtParameters
+
+SOLVERS = ("idas", "fixed")
+STEP, RHO_INF = 0.0125, 0.8
+
+
+class Engine(Protocol):
+    """What the run of a simulation needs of an engine; StepFailure where it cannot go on."""
+
+    at: AtParameters
+    """The functions of the model at the parameters of the run."""
+
+    advice: str
+    """What to try where it fails; the end of a sentence."""
+
+    @property
+    def attributes(self) -> dict[str, float | str]:
+        """What a result says about its solver."""
+
+    def advance(
+        self, t: float, length: float, points: int, x: np.ndarray, z: np.ndarray, q: np.ndarray
+    ) -> tuple[np.ndarray, np.ndarray]:
+        """States and algebraic unknowns (rows) at `points` equidistant times after t."""
+
+    def algebraics(self, t: float, x: np.ndarray, z: np.ndarray, q: np.ndarray) -> np.ndarray:
+        """Algebraic unknowns that satisfy the equations at the states, after a jump."""
+
+    def updater(self, sample: int) -> Callable[..., np.ndarray]:
+        """What a sampled part computes (see SampledUpdate.values), as a function of t, x, z, q."""
