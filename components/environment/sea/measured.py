@@ -70,6 +70,7 @@ class MeasuredSea(Sea, kind="record"):
 
     def warn(self) -> None:
         """Of a band that leaves a part of the record out."""
+        self.components()  # an error of the record comes first
         spilled = self.record().share_outside(*self._band(), self.taper)
         if spilled > SPILLED:
             low, high = (value / (2 * np.pi) for value in self._band())
