@@ -61,23 +61,23 @@ class CatenaryLine(Component):
         fairlead, reach = self.fairlead, self.fairlead.r - self.anchor.r
         lateral, heaped = catenary.heap(self.coordinate, self, m)
         H, V = lateral * self.distance, self.lift * catenary.scales(self, m)[0]
-        (V_anchor, grounded), left = catenary.ends(H, V, self, m), 1 - catenary.held_back(H, V, self, m)
-        plan = m.vertcat(reach[0], reach[1])
+        line, plan = catenary.state(H, V, self, m), m.vertcat(reach[0], reach[1])
+        left = 1 - m.fmin(line.held, 1)  # of the horizontal tension, at the anchor
         return [
             eq(self.weight, _weight(self)),
             eq(self.clearance, m.fmax(self.anchor.r[2] + self.world.water_depth - LEVEL, 0)),
             eq(self.distance, m.smooth_norm(plan, 1e-5 * self.length)),
             eq(self.rise, reach[2]),
-            eq(grounded * (1 - heaped) + H * catenary.flexibility(H, V, self, m), self.distance),
-            eq(catenary.height(H, V, self, m), self.rise),
+            eq(line.grounded * (1 - heaped) + H * line.flexibility, self.distance),
+            eq(line.height, self.rise),
             eq(self.horizontal_tension, H),
             eq(self.vertical_tension, V),
             eq(self.tension, m.sqrt(H**2 + V**2)),
-            eq(self.anchor_tension, m.sqrt((H * left) ** 2 + V_anchor**2)),
-            eq(self.seabed_length, grounded),
+            eq(self.anchor_tension, m.sqrt((H * left) ** 2 + line.anchor**2)),
+            eq(self.seabed_length, line.grounded),
             [eq(fairlead.f, m.vertcat(lateral * plan, V)), eq(fairlead.t, m.zeros(3))],
-            _hold_anchor(self, m.vertcat(-lateral * left * plan, -V_anchor)),
-            *_limits(self, V_anchor),
+            _hold_anchor(self, m.vertcat(-lateral * left * plan, -line.anchor)),
+            *_limits(self, line.anchor),
         ]
 
     def drawing(self):
