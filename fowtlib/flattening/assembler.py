@@ -197,7 +197,7 @@ class _Assembler:
             states=[self._quantity(j) for j in states], algebraics=[self._quantity(j) for j in causal.torn],
             discretes=[self._discrete(item) for item in system.discretes],
             inputs=system.inputs, parameters=system.parameters, externals=_externals(calls, solved["inputs"]),
-            observed=observed, units=units, docs=docs,
+            dependents=system.dependents, observed=observed, units=units, docs=docs,
             residual_paths=[self._residual_path(i) for i in causal.residuals],
             initial_equations=_column([ca.vec(e) for e in solved["initial"]]),
             initial_paths=[path for (path, _), e in zip(self.statements.initial, solved["initial"], strict=True)

@@ -148,6 +148,7 @@ class System:
         self.intermediates: list[Intermediate] = []
         self.discretes: list[Discrete] = []
         self.parameters: dict[str, Parameter] = {}
+        self.dependents: dict[str, Parameter] = {}
         self.inputs: dict[str, Input] = {}
         self.number: dict[int, int] = {}
         self.rates: dict[int, ca.SX] = {}

@@ -16,6 +16,7 @@ from fowtlib.language.errors import NotFoundError, ParameterError, SimulationErr
 from fowtlib.language.externals import refusals_explained
 from fowtlib.language.units import from_si, to_si
 from fowtlib.language.upstairs import handed_in
+from fowtlib.solving.checks import check_state
 from fowtlib.solving.engine import create_engine
 from fowtlib.solving.equilibrium import equilibrium
 from fowtlib.solving.evaluation import Evaluation
@@ -94,6 +95,8 @@ class Plant:
                 if outside:
                     raise ParameterError(f"{path} = {value} is {word} {bound:g} {item.unit} ({item.doc}).")
             values[path] = np.broadcast_to(numbers, item.value.shape)
+        if parameters:
+            self.dae.check_dependents(np.concatenate([np.ravel(v, order="F") for v in values.values()]))
         return values
 
     def evaluation(self, parameters: Values | None = None) -> Evaluation:
@@ -182,7 +185,9 @@ class Plant:
         held = {self.dae.state_number[path] for path in hold or {}}
         q = np.concatenate([state.u, state.d])
         x, z = equilibrium(self.evaluation(parameters), state.t, state.x, state.z, q, held)
-        return self._state(state.t, x, z, state.d, state.u, parameters)
+        found = self._state(state.t, x, z, state.d, state.u, parameters)
+        check_state(self.evaluation(parameters), found, self.name)
+        return found
 
     def _state(
         self, t: float, x: np.ndarray, z: np.ndarray, d: np.ndarray, u: np.ndarray, parameters: Values | None
@@ -289,6 +294,7 @@ class Plant:
         All states are kept; algebraic unknowns are eliminated.
         """
         dae = self.dae
+        check_state(self.evaluation(state.parameters), state, self.name, warn=False)
         names = list(self.outputs) if outputs is None else list(outputs)
         positions = self._positions()
         kept: list[int] = []
