@@ -31,7 +31,7 @@ class CatenaryLine(Component):
 
     length: Scalar = param(unit="m", min=0, doc="unstretched length")
     axial_stiffness: Scalar = param(unit="N", min=0, doc="axial stiffness EA")
-    mass_per_length: Scalar = param(default=0.0, unit="kg/m", min=0, doc="mass per length in air")
+    mass_per_length: Scalar = param(default=None, unit="kg/m", min=0, doc="mass per length in air")
     diameter: Scalar = param(default=0.0, unit="m", min=0, doc="diameter of a bar that displaces the same water")
     weight_per_length: Scalar = param(
         default=None, unit="N/m", doc="weight in water, instead of mass, diameter; negative: the line floats up"
@@ -132,8 +132,8 @@ def _limits(line, V_anchor):
 
 def _weight(line):
     """Weight in water per length, given or from mass and diameter."""
-    given = line.parameter_value("weight_per_length") is not None
-    if given == line.is_set("mass_per_length"):
+    given, by_mass = (line.parameter_value(name) is not None for name in ("weight_per_length", "mass_per_length"))
+    if given == by_mass:
         raise ParameterError(
             f"{line.label} needs its weight once: give mass_per_length and diameter, or weight_per_length (in water)."
         )
