@@ -21,7 +21,7 @@ TREE = """examples:
 EQUATIONS = """examples:
   fowt equations oc3_spar_rigid platform.motion
 """
-PARAMETERS = """A structural parameter decides how the model is built; the others are tunable.
+PARAMETERS = """A structural parameter decides how the model is built, and says why; the others are tunable.
 
 examples:
   fowt parameters oc3_spar_rigid
@@ -85,16 +85,17 @@ def show_parameters(arguments: argparse.Namespace) -> int:
     for part in loading.load(arguments).root.walk():
         for name, field in part.parameters.items():
             kind = "tunable" if field.tunable else "structural"
-            rows.append((join(part.path, name), part.parameter_value(name), field.unit, kind, field.doc))
+            row = (join(part.path, name), part.parameter_value(name), field.unit, kind, field.doc, field.why_structural)
+            rows.append(row)
     if arguments.form:
-        tables.show(arguments, ("parameter", "value", "unit", "kind", "what it is"), rows)
+        tables.show(arguments, ("parameter", "value", "unit", "kind", "what it is", "why structural"), rows)
         return 0
     width = tables.console().width
-    for path, value, unit, kind, doc in rows:
+    for path, value, unit, _, doc, why in rows:
         plain = isinstance(value, (str, bool)) or unit == "1"
         value = tables.cell(value) or "(no value)"
         text = value if plain or value == "(no value)" else f"{value} {unit}"
         print(f"{path} = {text}")
-        sentence = doc if kind == "tunable" else f"{doc} (structural)"
+        sentence = f"{doc} (structural: {why})" if why else doc
         print(textwrap.fill(sentence, width, initial_indent="    ", subsequent_indent="    "))
     return 0
