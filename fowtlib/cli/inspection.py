@@ -21,7 +21,8 @@ TREE = """examples:
 EQUATIONS = """examples:
   fowt equations oc3_spar_rigid platform.motion
 """
-PARAMETERS = """A structural parameter decides how the model is built, and says why; the others are tunable.
+PARAMETERS = """A structural parameter decides how the model is built, and says why;
+the others are tunable.
 
 examples:
   fowt parameters oc3_spar_rigid

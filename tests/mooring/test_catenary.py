@@ -250,6 +250,34 @@ def test_against_moorpy(place, expected):
     assert float(now.grounded) == pytest.approx(expected[3], abs=0.02)
 
 
+# Elastic catenaries without friction that others solved: x, z, line, and what is known of H, V, tensions at the ends
+# [kN]. Chains in three depths of the MoorDyn tests (FloatingArrayDesign; OrcaFlex has 991.6, 2065.4 and 5232.6 kN at
+# the fairlead), the flexible jumper of Lowe and Langley (2006) without its bending, a chain of MoorDyn, the OC4 line.
+CHAIN = catenary.weight_in_water(390.0, 0.252)
+JUMPER = catenary.weight_in_water(165.0, 0.396, 9.807, 1000.0)
+PUBLISHED = [
+    ((400, 50, Line(410, CHAIN, 1.674e9)), {"tension": 1001.7, "anchor": 835.6}),
+    ((700, 200, Line(760, CHAIN, 1.674e9)), {"tension": 2070.1, "anchor": 1406.2}),
+    ((1500, 600, Line(1700, CHAIN, 1.674e9)), {"tension": 5236.2, "anchor": 3247.3}),
+    ((100, 50, Line(170, JUMPER, 5e8, clearance=45)), {"H": 11.47, "V": 45.72, "V_anchor": -24.03}),
+    ((1600, 600, Line(1800, catenary.weight_in_water(286.56, 0.216), 1.22976e9)),
+     {"H": 2380.9, "V": 3015.7, "tension": 3842.3}),
+    ((796.732, 186, Line(835.35, catenary.weight_in_water(113.35, 0.0766), 753.6e6)),
+     {"H": 907.8, "V": 631.3, "tension": 1105.7, "grounded": 0.2429}),
+]  # fmt: skip
+
+
+@pytest.mark.parametrize(("place", "expected"), PUBLISHED)
+def test_published_lines(place, expected):
+    H, V = fairlead_tension(*place)
+    now = catenary.state(H, V, place[2])
+    values = {
+        "H": H, "V": V, "tension": np.hypot(H, V), "anchor": np.hypot(H, now.anchor), "V_anchor": float(now.anchor),
+        "grounded": float(now.grounded),
+    }  # fmt: skip
+    assert {name: values[name] / 1e3 for name in expected} == pytest.approx(expected, rel=1e-3)
+
+
 def test_a_vertical_line_has_the_stiffness_of_a_string():
     """(T - w L / 2) / length, through zero offset without a corner; along it, E A / L."""
     line = Line(199.4, 1000, 1.5e9)
