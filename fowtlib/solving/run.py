@@ -15,6 +15,7 @@ from scipy.optimize import brentq
 from fowtlib.language.errors import ParameterError, SimulationError
 from fowtlib.language.units import to_si
 from fowtlib.solving.binding import Binding
+from fowtlib.solving.checks import broken
 from fowtlib.solving.engines import Engine
 from fowtlib.solving.engines.fixed_step_code import FixedStepCode
 from fowtlib.solving.failure import StepFailure, integration_failure
@@ -385,7 +386,7 @@ class Run:
                 check = self.dae.checks[i]
                 if check.level == "warning" and int(i) in self.warned:
                     continue
-                text = self._message(i, times[k], x[k], z[k])
+                text = f"{broken(self.at, i, self.about.name, times[k], x[k], z[k], self.q)} (t = {times[k]:g} s)."
                 if check.level == "warning":
                     self.warned[int(i)] = text
                     warnings.warn(text, stacklevel=2)
@@ -394,15 +395,6 @@ class Run:
                 self.rows[-1] = tuple(part[: k + 1] for part in last)  # type: ignore[assignment]
                 self.t, self.x, self.z = float(times[k]), x[k], z[k]
                 raise SimulationError(text)
-
-    def _message(self, i: int, t: float, x: np.ndarray, z: np.ndarray) -> str:
-        check = self.dae.checks[i]
-        text = self.binding.words(check.message)
-        told = np.array(self.at.call(self.at.functions.told(i), t, x, z, self.q)).ravel() if check.values else ()
-        for name, value in zip(check.values, told, strict=True):
-            text = text.replace("{" + name + "}", f"{value:.6g}")
-        text = text.rstrip(".")
-        return f"{check.path or self.about.name or 'model'}: {text} (t = {t:g} s)."
 
     def _failure(self) -> SimulationError:
         """The error at the last good point."""
