@@ -23,7 +23,7 @@ FADES = {"below": 2.0, "above": 10.5, "pitch": np.radians(20.0)}
 ABOUT = (
     "NREL 5 MW rotor: steady coefficients over tip speed ratio and blade pitch, rigid blades, also parked and idling.",
     "Inside of tip speed ratio 2 to 14.5 and pitch -5 to 30 deg: rotor_coefficients.csv. Outside: fowtlib's blade-",
-    "element momentum theory (no induction below tip speed ratio 1); the difference at the border fades, see SOURCES.md.",
+    "element momentum theory (no induction below tip speed ratio 1); the difference at the border fades (SOURCES.md).",
 )
 
 
