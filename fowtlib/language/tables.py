@@ -66,8 +66,9 @@ def table2d(u: Any, v: Any, x_grid: Any, y_grid: Any, values: Any, *, name: str 
     knots_y, along_y = _interpolating(y, np.moveaxis(along_x, 1, 0))
     function = _spline(name, [knots_x, knots_y], np.moveaxis(along_y, 0, 1), [(x[0], x[-1]), (y[0], y[-1])])
     for value, grid, argument in ((u, x, arguments[0]), (v, y, arguments[1])):
-        left = f"table left at its edge: {name} at {argument} = {{value}}, and the table covers {grid[0]:g} to {grid[-1]:g}"
-        active().check_range(value, grid[0], grid[-1], name, argument, f"{left}; {remedy}." if remedy else "")
+        left = f"table left at its edge: {name} at {argument} = {{value}}, and the table covers "
+        told = f"{left}{grid[0]:g} to {grid[-1]:g}; {remedy}." if remedy else ""
+        active().check_range(value, grid[0], grid[-1], name, argument, told)
     return external(function, ca.vertcat(u, v))
 
 
