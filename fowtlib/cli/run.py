@@ -99,7 +99,7 @@ def run(arguments: argparse.Namespace) -> int:
     if arguments.output:
         _save(result, arguments.output)
     if arguments.plot:
-        from fowtlib.view.plots import plot_result
+        from fowtlib.solving.results.plots import plot_result
 
         plot_result(result, path=arguments.plot)
     tables.say(arguments, weather(model, arguments))

@@ -54,7 +54,7 @@ def show_equilibrium(arguments: argparse.Namespace) -> int:
 
 def show_modes(arguments: argparse.Namespace) -> int:
     """Print the modes of the linear model at the equilibrium, slowest first."""
-    from fowtlib.analysis.modes import natural_modes
+    from fowtlib.solving.modes import natural_modes
 
     check_target(arguments.table, TABLES)
     check_target(arguments.plot, FIGURES)
@@ -64,7 +64,7 @@ def show_modes(arguments: argparse.Namespace) -> int:
     tables.say(arguments, conditions)
     tables.show(arguments, ("mode", "motion", "frequency [Hz]", "period [s]", "damping ratio"), rows)
     if arguments.plot:
-        from fowtlib.view.plots import plot_modes
+        from fowtlib.solving.results.plots import plot_modes
 
         plot_modes(modes, path=arguments.plot)
     say_saved(arguments.plot)

@@ -7,7 +7,7 @@ from typing import Any
 
 import numpy as np
 
-from fowtlib.analysis.modes import NaturalMode, natural_modes
+from fowtlib.solving.modes import NaturalMode, natural_modes
 from fowtlib.language.errors import ModelError
 from fowtlib.solving import Result
 from fowtlib.solving.results import RawTrajectory

@@ -15,7 +15,7 @@ from matplotlib.image import imread
 from scipy.spatial.transform import Rotation
 
 import fowtlib as fw
-from fowtlib.analysis.modes import natural_modes
+from fowtlib.solving.modes import natural_modes
 from fowtlib.cli import main
 from fowtlib.components.blocks import Constant
 from fowtlib.components.environment import World
