@@ -106,7 +106,7 @@ def _played(arguments: argparse.Namespace, path: Path, alone: bool) -> Result:
 
 def _as_it_was(model: Model, result: Result, path: Path) -> Model:
     """The model with the parameters of the run; an error that names the first one which cannot be set again."""
-    from fowtlib.solving.plant import structural_values
+    from fowtlib.solving.structure import structural_values
 
     then, numbers = result.attributes["structure"], result.attributes["parameters"]
     now = structural_values(model.root)

@@ -61,6 +61,7 @@ class Connections:
     def __init__(self, components: list[Component]):
         self.nodes: list[PortNode] = []
         self._number: dict[tuple[int, str, int | None], int] = {}
+        self._places: dict[int, str] = {}  # of the first connection of each port
         for i, component in enumerate(components):
             for field in component.ports.values():
                 size = component.port_size(field)
@@ -76,17 +77,17 @@ class Connections:
         for component in components:
             for a, b, source in component.connections:
                 try:
-                    self._connect(component, a, b)
+                    self._connect(component, a, b, place(source))
                 except ConnectionFault as error:
                     raise error.at(place(source)) from None
         for node in self.nodes:
             if not (node.connected or node.field.optional or node.is_signal or node.component is root):
-                raise ConnectionFault(
+                raise _at_part(node, ConnectionFault(
                     f"{node.path} is not connected: {node.field.doc or 'a required port'}. "
                     f"Connect a {node.field.annotation.__name__} to it."
-                )
+                ))  # fmt: skip
 
-    def _connect(self, owner: Component, a: PortReference, b: PortReference) -> None:
+    def _connect(self, owner: Component, a: PortReference, b: PortReference, at: str) -> None:
         ends = []
         for reference in (a, b):
             size = reference.component.port_size(reference.field)
@@ -102,6 +103,7 @@ class Connections:
             inside = node.component is owner
             faces.append(2 * node.number + int(inside))
             node.connected = True
+            self._places.setdefault(node.number, at)
             node.connected_inside |= inside
         self.flow_sets.union(*faces)
 
@@ -226,15 +228,16 @@ class Connections:
         if not drivers:  # an output that its composite writes itself, and that its own parts read
             drivers = [node for node in group if issubclass(node.field.annotation, RealOutput)]
         if len(drivers) > 1:
-            names = " and ".join(node.path for node in drivers)
+            names = " and ".join(self._with_place(node) for node in drivers)
             raise ConnectionFault(f"two outputs drive one signal: {names}. Connect one of them, or add a Sum between.")
         first = drivers[0] if drivers else group[0]
+        self._check_direction(group, first)
         shape = _two(first.component.shape(first.field))
         symbol = ca.SX.sym(first.path, *shape)
         if drivers and issubclass(first.field.annotation, RealOutput):
             declared = _variable(first.field.unit, first.field.doc)
             for element, name in zip(scalars(symbol), element_names(first.path, symbol.shape), strict=True):
-                system.add_unknown(element, name, declared)
+                system.signals.add(system.add_unknown(element, name, declared))
             if opened:
                 group = self._opened(system, group, first, symbol, members, opened)
                 symbol, first = members[group[0].number]["signal"], group[0]
@@ -244,6 +247,21 @@ class Connections:
             members[node.number]["signal"] = symbol
             if node is not first:
                 system.add_alias(node.path, symbol, node.field.unit, node.field.doc)
+
+    def _with_place(self, node: PortNode) -> str:
+        """The path of a port with the place where it is connected."""
+        at = self._places.get(node.number)
+        return f"{node.path} ({at})" if at else node.path
+
+    def _check_direction(self, group: list[PortNode], driver: PortNode) -> None:
+        """An input of a composite hands a signal inwards: what is inside of it must not drive it."""
+        for node in group:
+            inward = issubclass(node.field.annotation, RealInput) and node is not driver
+            if inward and node.component in driver.component.enclosing():
+                raise ConnectionFault(
+                    f"{self._with_place(node)} is an input, and {driver.path} inside of it drives it; "
+                    "make it an output (RealOutput), or connect it the other way."
+                )
 
     @staticmethod
     def _opened(system: System, group: list[PortNode], driver: PortNode, symbol: ca.SX, members: list[dict[str, Any]],
@@ -271,10 +289,10 @@ class Connections:
             if node.field.optional:
                 defaults = [node]
             else:
-                raise ConnectionFault(
+                raise _at_part(node, ConnectionFault(
                     f"{node.path} is not connected: {node.field.doc or 'a required input'} [{node.field.unit}]. "
                     "Connect an output to it."
-                )
+                ))  # fmt: skip
         source = at_top[0] if at_top else defaults[0]
         default = 0.0
         if defaults and defaults[0].field.default is not None:
@@ -310,6 +328,14 @@ class SignedSets:
             return False
         self.parent[b], self.sign[b] = a, sign * sign_a * sign_b
         return True
+
+
+def _at_part(node: PortNode, fault: ConnectionFault) -> ConnectionFault:
+    """The fault with the place in a model file where the part of the port stands, if there is one."""
+    for component in (node.component, *node.component.enclosing()):
+        if "" in component.origins:
+            return fault.at(component.origins[""])
+    return fault
 
 
 def _drives(node: PortNode, root: Component) -> bool:

@@ -1,4 +1,4 @@
-"""Constraints at the start: where the coordinates lie that fulfil them, and how each constraint moves with each of them.
+"""Constraints at the start: where the coordinates that fulfil them lie, and how each constraint moves with each one.
 
 A structural choice of states sees which coordinates a constraint contains, not whether it moves with them: of the three
 position equations of a bar between two ball joints none moves with its spin, although the spin stands in all of them.

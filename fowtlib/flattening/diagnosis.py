@@ -8,7 +8,7 @@ import casadi as ca
 import numpy as np
 
 from fowtlib.flattening import structure
-from fowtlib.flattening.system import FlatEquation, System, Unknown
+from fowtlib.flattening.system import FlatEquation, Loop, System, Unknown, scalars
 from fowtlib.language.equations import place
 from fowtlib.language.errors import StructureError
 
@@ -123,10 +123,7 @@ def _count(n: int, word: str) -> str:
 def _likely_cause(system: System, live: list[int], coarse: structure.Coarse) -> str:
     missing, surplus = len(coarse.unmatched_columns), len(coarse.unmatched_rows)
     if missing == surplus and system.loops:
-        return (
-            f"Likely cause: the loop that {_names(system.loops)} closes constrains the same motion twice, "
-            "as the hinges of a planar loop do out of its plane; make one of its hinges a PlanarLoopRevolute."
-        )
+        return f"Likely cause: {_loops(system.loops)}"
     if missing and surplus:
         return (
             "Likely cause: something is prescribed twice in one place and left open in another, "
@@ -138,9 +135,58 @@ def _likely_cause(system: System, live: list[int], coarse: structure.Coarse) -> 
             f"Likely cause: {_names(owners)} {'lacks' if len(owners) == 1 else 'lack'} an equation or a connection; "
             "a body that nothing holds needs a joint, an output needs an equation."
         )
-    owners = sorted({system.equations[i].path or "the model" for i in coarse.over_rows})
+    for i in coarse.over_rows:
+        cause = _without_unknown(system, system.equations[i])
+        if cause:
+            return f"Likely cause: {cause}"
+    members = _with_eliminated(system, [system.equations[i] for i in coarse.over_rows])
+    owners = sorted({equation.path or "the model" for equation in members})
     verb = "prescribes a quantity twice" if len(owners) == 1 else "prescribe the same quantity"
     return f"Likely cause: {_names(owners)} {verb}; remove one of the equations or connections."
+
+
+def _without_unknown(system: System, equation: FlatEquation) -> str:
+    """Why an equation has nothing to determine: what it contains is given already."""
+    keys = {symbol.element_hash() for symbol in _symbols(equation)}
+    if any(key in system.number for key in keys):
+        return ""
+    for item in system.inputs.values():
+        if keys & {symbol.element_hash() for symbol in scalars(item.symbol)}:
+            return (
+                f"{item.path} is an input that nothing is connected to, so that its value comes from outside of the "
+                "model and no equation can set it; connect an output to it, such as a Constant, "
+                "or let its component declare it as an output (RealOutput) or a variable."
+            )
+    for item in system.discretes:
+        if item.symbol.element_hash() in keys:
+            return (
+                f"{item.path} is discrete and changes by assign() in a sampled() or when() only, not by an equation; "
+                "declare it without discrete=True, or assign it."
+            )
+    return f"the equation of {equation.path or 'the model'} contains no unknown; remove it, or make it an assert_()."
+
+
+def _loops(loops: list[Loop]) -> str:
+    """What is wrong with closed loops that hold something twice."""
+    rigid = [loop for loop in loops if not loop.turning and not loop.moving]
+    if rigid:
+        parts = rigid[0].parts
+        who = f"{_names(parts[:-1])} and {parts[-1]} are rigid and join" if len(parts) > 1 else f"{parts[0]} joins"
+        return (
+            f"{who} the same frames, so that what they carry is held twice; drop one of them, "
+            "or give it a joint or a spring."
+        )
+    closing = _names([loop.parts[0] for loop in loops])
+    if not any(loop.turning for loop in loops):
+        return (
+            f"no part of the loop that {closing} closes turns, so that its orientation is held twice; "
+            "put a joint that turns (a Spherical, or a Revolute) into it."
+        )
+    return (
+        f"the loop that {closing} closes constrains the same motion twice, "
+        "as the hinges of a planar loop do out of its plane; make one of its hinges a PlanarLoopRevolute, "
+        "or a ball joint (Spherical) where they are not parallel."
+    )
 
 
 def _owner(path: str) -> str:

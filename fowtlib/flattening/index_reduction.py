@@ -154,7 +154,8 @@ class IndexReduction:
         candidates = union([entries[i] for i in tied])
         matrix, places = self._derivatives(point, [rows[i] for i in tied], [columns[k] for k in candidates])
         choice = choose(matrix, [self._wish(columns[k]) for k in candidates])
-        self._check_always(bases, candidates, columns, choice.columns)
+        if all(self.system.equations[i].order == 1 for i in rows):  # the last level
+            self._check_always(matrix, [rows[i] for i in tied], [columns[k] for k in candidates], choice.columns)
         if choice.redundant:
             redundant = [rows[tied[i]] for i in choice.redundant]
             self._drop(point, redundant, places)
@@ -162,19 +163,18 @@ class IndexReduction:
         others = np.setdiff1d(np.arange(len(entries)), tied)
         return [columns[k] for k in [*chosen[others], *candidates[choice.columns]]]
 
-    def _check_always(self, bases: list[int], candidates: np.ndarray, columns: list[int], chosen: list[int]) -> None:
+    def _check_always(self, matrix: np.ndarray, rows: list[int], columns: list[int], chosen: list[int]) -> None:
         """A state that its author insists on, where another one is free and only the place of the start forbids it."""
-        unknowns = self.system.unknowns
-        always = STATE_PREFERENCES.index("always")
-        preference = [STATE_PREFERENCES.index(unknowns[columns[k]].declared.state) for k in candidates]
-        lost = [k for k in chosen if preference[k] == always]
-        free = [k for k in range(len(candidates)) if k not in set(chosen) and preference[k] < always]
+        below = [self.system.unknowns[self.unknown_before[j]] for j in columns]
+        insisted = [unknown.declared.state == "always" for unknown in below]
+        lost = [k for k in chosen if insisted[k]]
+        free = [k for k in range(len(columns)) if not insisted[k] and k not in set(chosen)]
         if lost and free:
-            state, other = (unknowns[unknowns[columns[candidates[k[0]]]].base].path for k in (lost, free))
+            constraints = self._owners([rows[i] for i in np.flatnonzero(matrix[:, lost[0]])])
             raise StructureError(
-                f"{state} is declared to be a state (state='always'), and at the start the constraint of "
-                f"{self._owners(bases)} does not tell by it how the loop moves on (a dead point). "
-                f"Start it elsewhere, or let {other} be the state (a Crank)."
+                f"{below[lost[0]].path} is declared to be a state (state='always'), and at the start the constraint of "
+                f"{constraints} does not tell by it how the loop moves on (a dead point). Start it elsewhere, or make "
+                f"{below[free[0]].path} the state (state='always', as in a Crank)."
             )
 
     def _owners(self, numbers: Sequence[int]) -> str:
@@ -205,24 +205,28 @@ class IndexReduction:
         paths = self._owners(rows)
         if not point.assembled[1]:
             raise StructureError(
-                f"the parts of a closed loop do not meet at the start, whichever way its joints turn: the constraint of "
+                f"the parts of a closed loop do not meet at the start, however its joints turn: the constraint of "
                 f"{paths} stays open. Check the lengths and the places of the parts in the loop."
             )
         if is_singular_place(point, places):
             moving = sorted({self.system.unknowns[j].path for j in self._wished(point)})
             raise StructureError(
                 f"at the start the constraint of {paths} does not say how the loop moves on (a dead point: parts in "
-                f"line). Start it a little away from there: other start values for {one_of(moving, 'or')}."
+                f"line). Start it a little away from there: other start values for {one_of(moving)}."
             )
         self.redundant += [(self.system.equations[i].base, point) for i in rows]
 
     def _wished(self, point: StartPoint) -> list[int]:
-        unknowns = self.system.unknowns
+        """Coordinates that are wished as states, in constraints of positions."""
         wished = STATE_PREFERENCES.index("prefer")
-        return [
-            j for j in point.unknowns
-            if not unknowns[j].order and STATE_PREFERENCES.index(unknowns[j].declared.state) >= wished
+        unknowns = [self.system.unknowns[j] for j in point.unknowns]
+        able = [
+            not u.order and "/s" not in u.declared.unit and STATE_PREFERENCES.index(u.declared.state) >= wished
+            for u in unknowns
         ]  # fmt: skip
+        _, jacobian = point.values(point.assembled[0] + 0.1)  # away from the place where derivatives vanish
+        moved = np.any(jacobian[point.positional] != 0, axis=0)
+        return [j for j, a, b in zip(point.unknowns, able, moved, strict=True) if a and b]
 
     def _release(self, states: set[int]) -> None:
         """Leave out the redundant constraints; the loads that only they could tell are zero."""
@@ -244,7 +248,9 @@ class IndexReduction:
             old = system.equations[base]
             symbol = system.unknowns[load].symbol
             system.equations[base] = FlatEquation(symbol, ca.SX(0), old.path, old.source, base=base)
-        system.equations = [equation for equation in system.equations if not (equation.order and equation.base in bases)]
+        system.equations = [
+            equation for equation in system.equations if not (equation.order and equation.base in bases)
+        ]
         owners = self._owners([base for base, _ in self.redundant])
         names = one_of(sorted(system.unknowns[load].path for load in loads), "and")
         warnings.warn(

@@ -20,8 +20,23 @@ class Flattener(Protocol):
 
     def external(self, function: ca.Function, inputs: ca.SX) -> ca.SX: ...
 
+    def at_start(self, numbers: AtStart) -> ca.SX: ...
+
     @property
     def time(self) -> ca.SX: ...
+
+
+@dataclass(slots=True)
+class AtStart:
+    """Numbers that are computed when a run starts; see fowtlib.language.run_time.at_start."""
+
+    name: str
+    size: int
+    unit: str
+    doc: str
+    compute: Callable[[Any], Any]
+    of: Any = None
+    functions: tuple[Any, ...] = ()
 
 
 _active: list[Flattener] = []
@@ -273,7 +288,29 @@ def reinit(state: Any, value: Any) -> Assign:
 
 def when(condition: Any, *actions: Assign) -> When:
     """`actions` at the instant at which `condition` (a < b or a > b) becomes true."""
-    return When(_column(condition), actions, source_line())
+    return When(_column(condition), _actions("when", actions, Assign), source_line())
+
+
+def _actions(statement: str, items: Sequence[Any], kinds: Any) -> tuple[Any, ...]:
+    """What stands in a when() or sampled(), lists of it opened; refused where it is no assignment."""
+    found: list[Any] = []
+    for item in items:
+        if isinstance(item, (list, tuple)):
+            found += _actions(statement, item, kinds)
+        elif isinstance(item, kinds):
+            found.append(item)
+        elif isinstance(item, Equation):
+            raise StructureError(
+                f"{statement}() takes no equations: at such an instant a variable is given a value, and keeps it; "
+                "write assign(target, value) in place of eq(target, value)."
+            )
+        else:
+            what = "call()" if isinstance(item, Call) else f"{item!r}"
+            raise StructureError(
+                f"{statement}() takes assignments, assign(target, value), and {what if len(what) < 60 else 'this'} "
+                "is none."
+            )
+    return tuple(found)
 
 
 def sampled(period: Any, *assignments: Assign | Call, offset: Any = 0.0) -> Sampled:
@@ -281,16 +318,24 @@ def sampled(period: Any, *assignments: Assign | Call, offset: Any = 0.0) -> Samp
 
     Instead of assignments it takes one `call` of a process.
     """
+    assignments = _actions("sampled", assignments, (Assign, Call))
+    if not assignments:
+        raise StructureError("sampled() has nothing to do: give it an assign(target, value), or several.")
+    if any(isinstance(item, Assign) and item.is_reinit for item in assignments):
+        raise StructureError("sampled() cannot make a state jump; write reinit() in a when().")
     if len(assignments) > 1 and any(isinstance(item, Call) for item in assignments):
         raise StructureError("a sampled() with a call() has nothing else in it; write a second sampled().")
     return Sampled(period, offset, assignments, source_line())
 
 
-def assert_(condition: Any, message: str, level: str = "error") -> Assertion:
-    """Checked at every output point: "error" stops the simulation there, "warning" is said once."""
+def assert_(condition: Any, message: str, level: str = "error", **values: Any) -> Assertion:
+    """Checked at every output point: "error" stops the simulation there, "warning" is said once.
+
+    values: scalars that are put into the message where it has their name in braces.
+    """
     if level not in ("error", "warning"):
         raise StructureError(f"assert_(level={level!r}): choose 'error' or 'warning'.")
-    return Assertion(_column(condition), message, level, source_line())
+    return Assertion(_column(condition), message, level, source_line(), {k: _column(v) for k, v in values.items()})
 
 
 def rotation(frame_a: Any, frame_b: Any, R_rel: Any, w_rel: Any) -> Rotation:

@@ -16,8 +16,11 @@ import fowtlib as fw
 from fowtlib.components.blocks import Constant, Gain, Sine, Sum
 from fowtlib.components.mechanics import (
     AngleSource,
+    FixedRotation,
     FixedTranslation,
+    FreeMotion,
     Inertia,
+    Prismatic,
     Revolute,
     RigidBody,
     TorqueSource,
@@ -187,7 +190,8 @@ def test_two_outputs_on_one_signal():
         ("one.y", "gain.u"), ("two.y", "gain.u"), one=Constant(value=1), two=Constant(value=2), gain=Gain(gain=1)
     )
     assert said(check, model) == (
-        "two outputs drive one signal: one.y and two.y. Connect one of them, or add a Sum between."
+        "two outputs drive one signal: one.y (model.connect(*ends)) and two.y (model.connect(*ends)). "
+        "Connect one of them, or add a Sum between."
     )
 
 
@@ -393,8 +397,54 @@ def test_redundant_planar_loop():
     assert first.startswith("the model is singular: ")
     assert last == (
         "Likely cause: the loop that rod_1 closes constrains the same motion twice, as the hinges of a planar loop do "
-        "out of its plane; make one of its hinges a PlanarLoopRevolute."
+        "out of its plane; make one of its hinges a PlanarLoopRevolute, or a ball joint (Spherical) where they are "
+        "not parallel."
     )
+
+
+def held(*links):
+    """A body that several rigid links hold to the world."""
+    body = RigidBody(mass=5, inertia=np.eye(3))
+    parts = {f"l{k}": link for k, link in enumerate(links, 1)}
+    pairs = [(f"{name}.frame_{side}", port) for name in parts for side, port in (("a", "world.frame"), ("b", "end"))]
+    end = "l1.frame_b"
+    pairs = [(a, end if b == "end" else b) for a, b in pairs if (a, b) != (end, "end")]
+    return assembly(*pairs, (end, "b.frame_a"), world=World(), b=body, **parts)
+
+
+@pytest.mark.parametrize(
+    ("model", "cause"),
+    [
+        (
+            lambda: held(FixedTranslation(r=(1, 0, 0)), FixedTranslation(r=(1, 0, 0))),
+            "l2 and l1 are rigid and join the same frames, so that what they carry is held twice; drop one of them, "
+            "or give it a joint or a spring.",
+        ),
+        (
+            lambda: held(FixedTranslation(r=(1, 0, 0)), FixedRotation(angle=0.0, r=(1, 0, 0))),
+            "l2 and l1 are rigid and join the same frames, so that what they carry is held twice; drop one of them, "
+            "or give it a joint or a spring.",
+        ),
+        (
+            lambda: held(Prismatic(), FixedTranslation(r=(1, 0, 0))),
+            "no part of the loop that l2 closes turns, so that its orientation is held twice; put a joint that turns "
+            "(a Spherical, or a Revolute) into it.",
+        ),
+        (
+            lambda: assembly(
+                ("world.frame", "m.frame_a"), ("m.frame_b", "a.frame_a"), ("m.frame_b", "b.frame_a"),
+                ("m.frame_b", "c.frame_a"), ("a.frame_b", "d.frame_a"), ("d.frame_b", "b.frame_b"),
+                world=World(), m=FreeMotion(), c=RigidBody(mass=1, inertia=np.eye(3)),
+                a=FixedTranslation(r=(1, 0, 0)), b=FixedTranslation(r=(1, 1, 0)), d=FixedTranslation(r=(0, 1, 0)),
+            ),
+            "d, a and b are rigid and join the same frames, so that what they carry is held twice; drop one of them, "
+            "or give it a joint or a spring.",
+        ),
+    ],
+    ids=["two links", "link and rotation", "slide and link", "triangle afloat"],
+)  # fmt: skip
+def test_a_body_that_is_held_twice(model, cause):
+    assert said(check, model()).splitlines()[-1] == f"Likely cause: {cause}"
 
 
 # --- initial values -----------------------------------------------------------------------------------------------
@@ -531,6 +581,103 @@ def test_broken_assertion():
 
 
 # --- events and samples -------------------------------------------------------------------------------------------
+
+
+def test_what_stands_in_sampled_and_when():
+    for name, statement in (
+        ("sampled", lambda s: sampled(0.1, eq(s.held, s.x))),
+        ("sampled", lambda s: sampled(0.1, assign(s.held, s.x), [eq(s.held, 2 * s.x)])),
+        ("when", lambda s: when(s.x < 0, eq(s.held, s.x))),
+    ):
+        text = said(check, case(statement))
+        assert text.startswith("c (") and text.endswith(
+            f": {name}() takes no equations: at such an instant a variable is given a value, and keeps it; "
+            "write assign(target, value) in place of eq(target, value)."
+        )
+    assert said(check, case(lambda s: sampled(0.1))).endswith(
+        "sampled() has nothing to do: give it an assign(target, value), or several."
+    )
+    assert said(check, case(lambda s: sampled(0.1, s.held + 1))).endswith(
+        "sampled() takes assignments, assign(target, value), and SX((c.held+1)) is none."
+    )
+    assert said(check, case(lambda s: sampled(0.1, reinit(s.x, 1)))).endswith(
+        "sampled() cannot make a state jump; write reinit() in a when()."
+    )
+    assert said(check, case(lambda s: assign(s.held, s.x))) == (
+        "c: assign() stands alone in equations(), which does not say when to carry it out; "
+        "put it into a when() or sampled()."
+    )
+    model = case(lambda s: sampled(0.1, [assign(s.held, s.x)]))  # a list of them will do
+    assert simulate(model, 0.5)["c.held"].values[-1] < 1
+
+
+def test_equations_that_set_what_is_given():
+    """A signal that comes from outside, set inside; a discrete variable; parameters only; an output nobody sets."""
+    for model in (assembly(c=SetsItsInput()), assembly(c=SetsTheInputOfItsPart())):
+        assert (
+            said(check, model)
+            .splitlines()[-1]
+            .endswith(
+                ".u is an input that nothing is connected to, so that its value comes from outside of the model and no "
+                "equation can set it; connect an output to it, such as a Constant, or let its component declare it as "
+                "an output (RealOutput) or a variable."
+            )
+        )
+    assert said(check, case(lambda s: eq(s.held, 2.0))).splitlines()[-1] == (
+        "Likely cause: c.held is discrete and changes by assign() in a sampled() or when() only, not by an equation; "
+        "declare it without discrete=True, or assign it."
+    )
+    assert said(check, case(lambda s: eq(s.stiffness, 2.0))).splitlines()[-1] == (
+        "Likely cause: the equation of c contains no unknown; remove it, or make it an assert_()."
+    )
+    model = assembly(c=SetsItsInput(), g=Constant(value=1.0))
+    model.connect(model.g.y, model.c.u)  # now it is heard twice
+    assert said(check, model).splitlines()[-1].startswith("Likely cause: c, g prescribe the same quantity")
+    assert said(check, assembly(c=Silent())).splitlines()[1:3] == [
+        "Under-determined: 1 equation is missing for this unknown:", "  c.y (what nobody sets)",
+    ]  # fmt: skip
+    assert said(check, assembly(c=DrivesItsInput())) == (
+        "c.u (self.connect(self.constant.y, self.u)) is an input, and c.constant.y inside of it drives it; "
+        "make it an output (RealOutput), or connect it the other way."
+    )
+
+
+class SetsItsInput(Component):
+    u: RealInput = port(default=0.0, doc="signal")
+
+    def equations(self):
+        return [eq(self.u, 3.0)]
+
+
+class WithDefault(Component):
+    u: RealInput = port(default=0.0, doc="signal")
+    y: RealOutput = port(doc="twice the signal")
+
+    def equations(self):
+        return [eq(self.y, 2 * self.u)]
+
+
+class SetsTheInputOfItsPart(Component):
+    def build(self):
+        self.add("part", WithDefault())
+
+    def equations(self):
+        return [eq(self.part.u, 3.0)]
+
+
+class Silent(Component):
+    y: RealOutput = port(doc="what nobody sets")
+
+    def build(self):
+        self.add("constant", Constant(value=1.0))
+
+
+class DrivesItsInput(Component):
+    u: RealInput = port(default=0.0, doc="signal")
+
+    def build(self):
+        self.add("constant", Constant(value=1.0))
+        self.connect(self.constant.y, self.u)
 
 
 def test_targets_of_events():

@@ -2,9 +2,12 @@
 
 from __future__ import annotations
 
+from pathlib import Path
+
 import pytest
 
-from fowtlib.language.errors import ModelFileError
+import fowtlib as fw
+from fowtlib.language.errors import ConnectionFault, ModelFileError
 from fowtlib.modelfile import load
 
 # what stands below "fowtlib: 1" (a "!" in front: the whole file), and the message
@@ -15,8 +18,7 @@ CASES = {
     ),
     "misspelt_version": (
         "!fowtlb: 1\n",
-        "model.yaml:1: the key 'fowtlib' is missing ('fowtlb' is not that key); a model file begins with "
-        "'fowtlib: 1'.",
+        "model.yaml:1: the key 'fowtlib' is missing ('fowtlb' is not that key); a model file begins with 'fowtlib: 1'.",
     ),
     "other_version": (
         "!fowtlib: 2\n",
@@ -48,8 +50,7 @@ CASES = {
     ),
     "unknown_key": (
         "ouputs: {}\n",
-        "model.yaml:2: 'ouputs' is not a key of a model file; did you mean 'outputs'? A part needs 'class' or "
-        "'use'.",
+        "model.yaml:2: 'ouputs' is not a key of a model file; did you mean 'outputs'? A part needs 'class' or 'use'.",
     ),
     "part_without_class_at_the_top": (
         "wrold: {water_depth: 3}\n",
@@ -175,8 +176,7 @@ CASES = {
         "model.yaml:6: 'world' is a part, not a port; did you mean 'world.frame'?",
     ),
     "unknown_part_in_a_connection": (
-        "parts:\n  world: {class: World}\n  b: {class: PointMass, mass: 1}\nconnect:\n  - [world.frame, "
-        "bb.frame_a]\n",
+        "parts:\n  world: {class: World}\n  b: {class: PointMass, mass: 1}\nconnect:\n  - [world.frame, bb.frame_a]\n",
         "model.yaml:6: 'bb': the model has no part 'bb'; did you mean 'b'?",
     ),
     "index_too_large": (
@@ -299,6 +299,47 @@ def test_message(case, definitions):
     with pytest.raises(ModelFileError) as error:
         load(path)
     assert str(error.value) == message
+
+
+# found when the parts are put together
+CONNECTIONS = {
+    "part_not_connected": (
+        "world: {class: World}\nparts:\n  link: {class: FixedTranslation, r: [1, 0, 0]}\n"
+        "connect:\n  - [world.frame, link.frame_a]\n",
+        "model.yaml:4: link.frame_b is not connected: side towards the tips. Connect a Frame to it.",
+    ),
+    "input_not_connected": (
+        "parts:\n  inner:\n    parts:\n      gain: {class: Gain, gain: 2}\n",
+        "model.yaml:5: inner.gain.u is not connected: input [1]. Connect an output to it.",
+    ),
+    "two_outputs": (
+        "parts:\n  a: {class: Constant, value: 1}\n  b: {class: Constant, value: 1}\n  g: {class: Gain, gain: 1}\n"
+        "connect:\n  - [a.y, g.u]\n  - [b.y, g.u]\n",
+        "two outputs drive one signal: a.y (model.yaml:7) and b.y (model.yaml:8). "
+        "Connect one of them, or add a Sum between.",
+    ),
+    "loose_ring": (
+        "world: {class: World}\nparts:\n  l: {class: FixedTranslation, r: [1, 0, 0]}\n"
+        "  k: {class: FixedTranslation, r: [1, 0, 0]}\n"
+        "connect:\n  - [k.frame_b, l.frame_a]\n  - [k.frame_a, l.frame_b]\n",
+        "model.yaml:4: the orientation of l.frame_a, l.frame_b is not tied to the world; "
+        "join it by a joint, a fixed part or a FreeMotion to the World.",
+    ),
+    "fixed_twice": (
+        "world: {class: World}\nparts:\n  l: {class: FixedTranslation, r: [1, 0, 0]}\n  k: {class: Fixed}\n"
+        "connect:\n  - [world.frame, l.frame_a]\n  - [k.frame, l.frame_b]\n",
+        "model.yaml:5: the orientation of k.frame is fixed by k, and so is that of a frame that it is joined to; "
+        "one of them must leave it free.",
+    ),
+}
+
+
+@pytest.mark.parametrize("case", CONNECTIONS)
+def test_message_about_a_connection(case, write):
+    text, message = CONNECTIONS[case]
+    with pytest.raises(ConnectionFault) as error:
+        fw.load(write(f"fowtlib: 1\n{text}")).compile()
+    assert str(error.value).replace(f"{Path.cwd().name}/", "") == message
 
 
 SETTINGS = {
