@@ -26,9 +26,11 @@ import numpy as np
 from fowtlib.analysis.harmonics import harmonic_fit
 from fowtlib.analysis.plants import calm, checked_frequencies, chosen_outputs, compiled, refuse_unstable, shown_unit
 from fowtlib.language.errors import ModelError, did_you_mean
+from fowtlib.solving.results.html import table
 
 if TYPE_CHECKING:
     import xarray
+    from matplotlib.figure import Figure
 
 
 _SHOWN = 20
@@ -96,6 +98,17 @@ class Rao:
         except OSError as error:
             raise ModelError(f"{path}: cannot be written: {error.strerror}.") from error
         return path
+
+    def plot(self, path: str | Path | None = None, **options: Any) -> Figure:
+        """Amplitude and phase over frequency; options of fowtlib.view.plot_rao."""
+        from fowtlib.solving.results.plots import plot_rao
+
+        return plot_rao(self, path, **options)
+
+    def _repr_html_(self) -> str:
+        heads = ("frequency [Hz]", *(f"{n} [{u}]" for n, u in zip(self.outputs, self.units, strict=True)))
+        rows = [(float(f), *map(float, row)) for f, row in zip(self.frequency, np.abs(self.response), strict=True)]
+        return table(heads, rows, f"response to waves, {self.method}, heading {np.degrees(self.heading):g} deg")
 
     def __repr__(self) -> str:
         widths = [max(12, len(f"{name} [{unit}]") + 2) for name, unit in zip(self.outputs, self.units, strict=True)]

@@ -22,7 +22,6 @@ from fnmatch import fnmatchcase
 from typing import Any
 
 import numpy as np
-from scipy.optimize import linear_sum_assignment
 
 from fowtlib.language.errors import NotFoundError
 
@@ -268,6 +267,8 @@ def _room(coordinates: Sequence[_Coordinate], rings: Sequence[_Ring]) -> dict[st
 
 def _assigned(named: Sequence[_Named], room: Mapping[str, int]) -> dict[int, str]:
     """The name of each mode such that the sum of the shares is largest and no name is given too often."""
+    from scipy.optimize import linear_sum_assignment
+
     places = [name for name, count in room.items() for _ in range(count)]
     if not named or not places:
         return {}

@@ -18,9 +18,9 @@ import numpy as np
 from fowtlib.language import shapes
 from fowtlib.language.errors import ModelError
 from fowtlib.solving import Model, Plant, Result
+from fowtlib.solving.results.plots import PANELS
 from fowtlib.view import meshes
 from fowtlib.view.modes import CYCLE, mode_of, mode_states, played
-from fowtlib.solving.results.plots import PANELS
 from fowtlib.view.recording import Cast, Observe, Reading, moments_of
 
 READINGS = 24, 8  # results beside the picture, at most: the usual ones of a turbine, else any
