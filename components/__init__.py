@@ -1,4 +1,4 @@
-"""The library of parts, in packages (`fowtlib.components.mooring.CatenaryLine`), each imported when it is first used."""
+"""The library of parts, in packages (`fowtlib.components.mooring.CatenaryLine`), each imported when first used."""
 
 from __future__ import annotations
 
