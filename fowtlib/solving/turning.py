@@ -31,6 +31,7 @@ if TYPE_CHECKING:
 AZIMUTHS = 6  # of a revolution: 1P to 5P have no mean, and those of three blades go round alike
 GEARED = 1e-3  # of the largest: the torque of an angle that turns with the rotor
 STEPS = 80
+NEWTON, CLOSE = 8, 1e-4  # iterations of a step, and how well it is solved
 ITERATIONS = 20
 SETTLED = 1e-7  # last step over 1 + value
 
@@ -152,7 +153,7 @@ class _Average:
         z, point = self.z[number], (self.t, x)
         for _ in range(ITERATIONS):
             ode, alg = (np.array(value).ravel() for value in self.at.residual(*point, z, self.q))
-            _, xz, _, zz = (np.array(block) for block in self.at.jacobian(*point, z, self.q))
+            xx, xz, zx, zz = (np.array(block) for block in self.at.jacobian(*point, z, self.q))
             step = np.zeros(z.size)
             step[o] = -np.linalg.solve(zz[np.ix_(r, o)], alg[r])
             step[a] = -np.linalg.solve(xz[np.ix_(v, a)], ode[v] + xz[np.ix_(v, o)] @ step[o])
@@ -163,7 +164,6 @@ class _Average:
             raise SimulationError("the unknowns of a turned rotor do not settle")
         self.z[number] = z
         ode, alg = (np.array(value).ravel() for value in self.at.residual(*point, z, self.q))
-        xx, xz, zx, zz = (np.array(block) for block in self.at.jacobian(*point, z, self.q))
         by_x = np.zeros((z.size, x.size))
         by_x[o] = -np.linalg.solve(zz[np.ix_(r, o)], zx[r])
         by_x[a] = -np.linalg.solve(xz[np.ix_(v, a)], xx[v] + xz[np.ix_(v, o)] @ by_x[o])
@@ -173,31 +173,42 @@ class _Average:
 
 def _settled(average: _Average, x: np.ndarray) -> np.ndarray:
     """States at which the mean rates vanish."""
-    x, length, size = x.copy(), 0.2, np.inf
+    x, length = x.copy(), 0.5
     rates, slopes = average.at_state(x)
-    identity = np.eye(len(average.free))
     for _ in range(STEPS):
-        step = np.linalg.lstsq(identity / length - slopes, rates, rcond=1e-14)[0]
-        trial = x.copy()
-        trial[average.free] += step
         try:
-            after = average.at_state(trial)
+            after = _implicit_euler(average, x, rates, slopes, length)
         except (SimulationError, np.linalg.LinAlgError):
-            after = (np.full(1, np.nan),) * 2
-        if not np.all(np.isfinite(after[0])):
+            after = None
+        if after is None:
             length /= 4
             if length < 1e-6:
                 break
             continue
-        x, (rates, slopes) = trial, after
-        import os
-        if os.environ.get('DBG'): print(length, float(np.max(np.abs(step) / (1 + np.abs(x[average.free])))), average.at.dae.states[average.free[int(np.argmax(np.abs(step)))]].path, np.abs(rates).max())
-        size = float(np.max(np.abs(step) / (1 + np.abs(x[average.free]))))
-        if length > 1e4 and size < SETTLED:
+        moved = float(np.max(np.abs(after[0] - x) / (1 + np.abs(after[0]))))
+        x, rates, slopes = after
+        if length > 1e4 and moved < SETTLED:
             return x
-        length = min(2 * length, 1e6)
+        length = min(3 * length, 1e6)
     states = average.at.dae.states
-    worst = states[average.free[int(np.argmax(np.abs(rates)))]].path if np.all(np.isfinite(rates)) else "everything"
+    worst = states[average.free[int(np.argmax(np.abs(rates)))]].path
     raise SimulationError(
-        f"no mean state found: {worst} does not settle. Start from another state, or take the mean of a simulation."
+        f"no mean state found: {worst} does not settle. Start from other values, or take the mean of a simulation."
     )
+
+
+def _implicit_euler(average: _Average, before: np.ndarray, rates: np.ndarray, slopes: np.ndarray,
+                    length: float) -> tuple[np.ndarray, np.ndarray, np.ndarray] | None:  # fmt: skip
+    """States, mean rates and slopes one step later; None where Newton does not settle."""
+    free, identity, x, last = average.free, np.eye(len(average.free)), before.copy(), np.inf
+    for _ in range(NEWTON):
+        step = np.linalg.lstsq(identity / length - slopes, rates - (x - before)[free] / length, rcond=1e-14)[0]
+        size = float(np.max(np.abs(step) / (1 + np.abs(x[free]))))
+        if not np.isfinite(size) or size > 2 * last:
+            return None
+        x[free] += step
+        rates, slopes = average.at_state(x)
+        last = size
+        if size < CLOSE:
+            return x, rates, slopes
+    return None
