@@ -33,7 +33,18 @@ if TYPE_CHECKING:
     )
     from fowtlib.fmi import export_fmu
     from fowtlib.modelfile import dump, load
-    from fowtlib.solving import LinearModel, Mode, Model, NaturalMode, Output, Plant, Result, State, natural_modes
+    from fowtlib.solving import (
+        LinearModel,
+        Mode,
+        Model,
+        NaturalMode,
+        Output,
+        Plant,
+        Result,
+        State,
+        mean_state,
+        natural_modes,
+    )
     from fowtlib.view import view
 
     __version__: str
@@ -45,7 +56,8 @@ _LATER = {
     "view": "fowtlib.view",
     **dict.fromkeys(("dump", "load"), "fowtlib.modelfile"),
     **dict.fromkeys(
-        ("LinearModel", "Mode", "Model", "NaturalMode", "Output", "Plant", "Result", "State", "natural_modes"),
+        ("LinearModel", "Mode", "Model", "NaturalMode", "Output", "Plant", "Result", "State", "mean_state",
+         "natural_modes"),
         "fowtlib.solving",
     ),
     **dict.fromkeys(
@@ -95,6 +107,7 @@ __all__ = [
     "harmonic_fit",
     "linear_rao",
     "load",
+    "mean_state",
     "natural_modes",
     "normalized_maxima",
     "over_seeds",

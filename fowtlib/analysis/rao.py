@@ -26,6 +26,7 @@ import numpy as np
 from fowtlib.analysis.harmonics import harmonic_fit
 from fowtlib.analysis.plants import calm, checked_frequencies, chosen_outputs, compiled, refuse_unstable, shown_unit
 from fowtlib.language.errors import ModelError, did_you_mean
+from fowtlib.solving import mean_state
 from fowtlib.solving.results.html import table
 
 if TYPE_CHECKING:
@@ -152,7 +153,7 @@ def linear_rao(
 
     model    a compiled model, used as it is; or a model, which is first put into still water without wind
     outputs  result names; None takes the six motions as far as the model has them, else all results
-    state    point of linearisation; None takes the equilibrium with these ``parameters``
+    state    point of linearisation; None takes the mean state with these ``parameters``
     """
     plant = compiled(model)
     inputs = wave_inputs(model.root if hasattr(model, "root") else plant.root)
@@ -163,7 +164,7 @@ def linear_rao(
     frequency = None if frequencies is None else checked_frequencies(frequencies)
     names = chosen_outputs(plant, outputs)
     if state is None:
-        state = plant.equilibrium(parameters=parameters)
+        state = mean_state(plant, parameters)
     linear = plant.linearize(state, inputs=[path for paths, _ in inputs for path in paths], outputs=names)
     refuse_unstable(linear)
     if frequency is None:

@@ -6,5 +6,17 @@ from fowtlib.solving.modes import NaturalMode, natural_modes
 from fowtlib.solving.plant import Plant
 from fowtlib.solving.results import Result
 from fowtlib.solving.state import State
+from fowtlib.solving.turning import mean_state
 
-__all__ = ["LinearModel", "Mode", "Model", "NaturalMode", "Output", "Plant", "Result", "State", "natural_modes"]
+__all__ = [
+    "LinearModel",
+    "Mode",
+    "Model",
+    "NaturalMode",
+    "Output",
+    "Plant",
+    "Result",
+    "State",
+    "mean_state",
+    "natural_modes",
+]

@@ -1,14 +1,14 @@
 """The mean state of a model whose rotors turn: nothing changes on the average over a revolution.
 
-A rotor of blade elements has no equilibrium: its loads depend on its azimuth. With x = y + psi s, where psi is the azimuth
-and s the direction in which the rotor and what is geared to it turn, the rates f(x) are averaged over equally spaced
-azimuths, and y is sought at which the mean of f - s dpsi/dt vanishes. This is the harmonic balance of order zero: the
-platform, the tower, the mean of each blade and the controller are those of the steady operation, and what goes round with
-the blades, such as their sagging edgewise, has a mean of zero. Several rotors turn at their own speeds, and are averaged
-together, at equal azimuths.
+A rotor of blade elements has no equilibrium: its loads depend on its azimuth. With x = y + psi s, where psi is the
+azimuth and s the direction in which the rotor and what is geared to it turn, the rates f(x) are averaged over equally
+spaced azimuths, and y is sought at which the mean of f - s dpsi/dt vanishes. This is the harmonic balance of order
+zero: the platform, the tower, the mean of each blade and the controller are those of the steady operation, and what
+goes round with the blades, such as their sagging edgewise, has a mean of zero. Several rotors turn at their own speeds,
+and are averaged together.
 
-The way there is that of the equilibrium: linearly implicit Euler steps of growing length (pseudo-transient continuation,
-C. T. Kelley and D. E. Keyes, SIAM J. Numer. Anal. 35 (1998) 508).
+The way there is that of the equilibrium: implicit Euler steps of growing length (pseudo-transient continuation, C. T.
+Kelley and D. E. Keyes, SIAM J. Numer. Anal. 35 (1998) 508).
 """
 
 from __future__ import annotations

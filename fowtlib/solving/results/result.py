@@ -191,14 +191,14 @@ class Result:
         """Summary of every series without the first ``discard`` seconds (the field's usual choice: 400 s of 4000 s)."""
         return summarise(self.time, self.stored.columns(), discard)
 
-    def plot(self, path: str | Path | None = None, *names: str) -> Figure:
+    def plot(self, path: str | Path | None = None, *names: str, discard: float = 0.0) -> Figure:
         """Figure of the usual series, or of those named, also any variable of the model; written to ``path`` if given.
 
-        In a notebook the figure shows itself.
+        Without the first ``discard`` seconds. In a notebook the figure shows itself.
         """
         from fowtlib.solving.results.plots import plot_result
 
-        return plot_result(self, names or None, path)
+        return plot_result(self, names or None, path, discard=discard)
 
     def _repr_html_(self) -> str:
         rows = [(row.name, row.unit, row.mean, row.std, row.min, row.max) for row in self.statistics().values()]
