@@ -24,8 +24,9 @@ run: $(STAMP)
 	$(BIN)/fowt run oc3_spar_rigid --time 300 --wind kaimal:11.4,class=B,seed=1 --waves jonswap:Hs=6,Tp=10,seed=1 \
 		--output output/oc3_spar_rigid.nc --plot output/oc3_spar_rigid.png
 
+# TESTS: further words for pytest, such as TESTS="-k mooring"
 test: $(STAMP)
-	$(BIN)/python -m pytest -n auto
+	$(BIN)/python -m pytest -n auto $(TESTS)
 
 lint: $(STAMP)
 	$(BIN)/ruff check .

@@ -16,7 +16,7 @@ from pages import fill
 from run import OC3_CONDITIONS, PAGE
 
 import fowtlib as fw
-from fowtlib.solving import simulation
+from fowtlib.solving.engines import choice
 from fowtlib.solving.engines.idas import Idas
 
 DURATION = 1000.0
@@ -35,10 +35,10 @@ class TimedIdas(Idas):
         created = self.spent["create"]
         result = super().advance(t, length, points, x, z, q)
         self.spent["advance"] += time.perf_counter() - began - (self.spent["create"] - created)
-        stats = self._integrators[points].stats()
+        stats = self.integrator(points).stats()
         for name in ("nsteps", "n_call_daeF", "n_call_jacF", "t_wall_daeF", "t_wall_jacF", "netfails"):
             self.spent[name] += stats[name]
-        self.point, TimedIdas.last = (t, x, z, q), self
+        self.point, TimedIdas.last = (t, x, z, self.at.whole(q)), self
         return result
 
     def _create(self, points):
@@ -63,7 +63,7 @@ def evaluation_time(function: ca.Function, *arguments) -> float:
 def profile() -> str:
     """Two tables: the run, and one evaluation of the equations."""
     plant = fw.load("oc3_spar_rigid").with_parameters(OC3_CONDITIONS).compile()
-    simulation.Idas = TimedIdas
+    choice.Idas = TimedIdas
     began = time.perf_counter()
     plant.simulate(DURATION, output_step=0.1, solver="idas", tolerance=1e-6)
     total = time.perf_counter() - began
@@ -90,11 +90,11 @@ def profile() -> str:
 
 def one_evaluation(engine: TimedIdas) -> list[str]:
     """What one residual and one Jacobian are made of."""
-    evaluation, point = engine.evaluation, engine.point
-    residual = evaluation_time(evaluation.residual, *point)
+    functions, point = engine.at.functions, engine.point
+    residual = evaluation_time(functions.residual, *point)
     lines = ["| evaluation | time [microseconds] |", "| --- | --- |", f"| residual | {1e6 * residual:.1f} |"]
     rest = residual
-    for external in evaluation.dae.externals:
+    for external in functions.dae.externals:
         function = external.function
         inputs = [np.zeros(function.size_in(i)) for i in range(function.n_in())]
         inputs[0] = np.resize([7.0, 0.05] if "coefficient" in function.name() else [123.4], function.size_in(0))
@@ -102,7 +102,7 @@ def one_evaluation(engine: TimedIdas) -> list[str]:
         rest -= spent
         lines.append(f"| of which {function.name().replace('_', ' ')} | {1e6 * spent:.1f} |")
     lines.append(f"| of which all other equations | {1e6 * rest:.1f} |")
-    lines.append(f"| Jacobian | {1e6 * evaluation_time(evaluation.jacobian, *point):.1f} |")
+    lines.append(f"| Jacobian | {1e6 * evaluation_time(functions.jacobian, *point):.1f} |")
     return lines
 
 

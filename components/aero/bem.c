@@ -2,7 +2,7 @@
  *
  * In front of this text components/aero/bem.py writes the data of one rotor: the macros NAME, EXPORT, BLADES, STATIONS,
  * SENSE, TIP_RADIUS, SKEW, SKEWED_WAKE, DYNAMIC_INFLOW, AXIAL_DRAG, TANGENTIAL_DRAG, and constant arrays:
- * - of the stations: chord, length; tip_loss, hub_loss, the lesser of them least_loss, F at pi/2 upright_loss; polar,
+ * - of the stations: length; tip_loss, hub_loss, the lesser of them least_loss, F at pi/2 upright_loss; polar,
  *   its number, its largest |c_l| and |c_d| most_lift, most_drag, a line through its lift lift_slope, zero_lift;
  * - of the polars: knot and cubic of all in a row, last_knot with a cubic, first_in (see airfoil);
  * - sparsity_in, sparsity_out, sparsity_jac.
@@ -15,7 +15,10 @@
  *     Vt / W = Y = cos(phi) - sigma c_t / (4 F |sin(phi)|)
  * and h = 1 / (1 - a): 1 + k by momentum theory, and for k > 2/3 Buhl's (2005, NREL/TP-500-36834) empirical line, which
  * is h = sqrt(2 F k - F (4/3 - F)) + 5/3 - F as well. Multiplied by 4 F |sin(phi)| both stay bounded, A and B below,
- * and Vt A(phi) = Vx B(phi) is Ning's residual without its poles. */
+ * and Vt A(phi) = Vx B(phi) is Ning's residual without its poles.
+ *
+ * At a tip F goes to 0. The axial induction has a limit on Buhl's line, but the swirl would grow as 1/F, and the load of
+ * a section with it without bound. Below 0.1, some centimetres from the tip, the F of the swirl is therefore held. */
 
 #include <math.h>
 #include <stddef.h>
@@ -28,18 +31,20 @@ typedef long long int casadi_int;
 #define JOIN(a, b) JOIN_(a, b)
 
 static const double pi = 3.14159265358979323846;
+static const double held_loss = 0.1; /* below, the F of the swirl goes to half of this, by a parabola */
 static const double edge = 1e-6; /* the inflow angle stays this far from the rotor plane */
 
 /* Where the inputs lie in their column, and where each group starts among the non-zeros of the Jacobian. A column of a
- * node holds ROWS of them, a column of the hub those of every node, in the order of the outputs; the y axes are not
- * used and have none. The wake and the air density do not change the quasi-steady induced speed. */
+ * node holds ROWS of them, a column of the hub those of every node and one of a station those of its nodes, in the order
+ * of the outputs; the y axes are not used and have none. The wake and the air density do not change the quasi-steady
+ * induced speed. */
 enum { POSITION = 0, ORIENTATION = 3 * NODES, VELOCITY = 12 * NODES, WIND = 15 * NODES, HUB = 18 * NODES };
 enum { HUB_POSITION = HUB, HUB_ORIENTATION = HUB + 3, HUB_VELOCITY = HUB + 12, DISK_WIND = HUB + 15,
-       DENSITY = HUB + 18, INDUCED_SPEED = HUB + 19 };
+       DENSITY = HUB + 18, CHORD_LENGTH = HUB + 19, INDUCED_SPEED = CHORD_LENGTH + STATIONS };
 enum { NZ_POSITION = 0, NZ_ORIENTATION = 3 * ROWS * NODES, NZ_VELOCITY = 9 * ROWS * NODES, NZ_WIND = 12 * ROWS * NODES,
        NZ_HUB_POSITION = 15 * ROWS * NODES, NZ_HUB_NORMAL = 18 * ROWS * NODES, NZ_HUB_VELOCITY = 21 * ROWS * NODES,
-       NZ_DISK_WIND = NZ_HUB_VELOCITY + 18 * NODES, NZ_DENSITY = NZ_HUB_VELOCITY + (SKEWED_WAKE ? 36 * NODES : 0),
-       NZ_INDUCED_SPEED = NZ_DENSITY + 6 * NODES };
+       NZ_DISK_WIND = NZ_HUB_VELOCITY + 3 * ROWS * NODES, NZ_DENSITY = NZ_DISK_WIND + (SKEWED_WAKE ? 18 * NODES : 0),
+       NZ_CHORD = NZ_DENSITY + 6 * NODES, NZ_INDUCED_SPEED = NZ_CHORD + ROWS * NODES };
 
 static double dot(const double *a, const double *b) { return a[0] * b[0] + a[1] * b[1] + a[2] * b[2]; }
 
@@ -90,7 +95,7 @@ static double loss(double f, double cot, double *log_slope) {
 }
 
 /* A and B of the head of this file at phi, with their derivatives by phi, twist and solidity; F and its derivative.
- * piece tells the smooth pieces apart: the knot of the polar, and on which side of k = 2/3. */
+ * piece tells the smooth pieces apart: the knot of the polar, and on which side of k = 2/3 and of the held F. */
 struct balance { double s, c, F, F_phi, A, B, A_phi, B_phi, A_twist, A_sigma, B_twist, B_sigma; int piece; };
 
 static void balance(int station, double phi, double twist, double sigma, struct balance *b) {
@@ -103,7 +108,12 @@ static void balance(int station, double phi, double twist, double sigma, struct 
     double ct_drag = TANGENTIAL_DRAG * v[1], dt = TANGENTIAL_DRAG * d[1];
     double cn = v[0] * c + ca * s, cn_alpha = d[0] * c + da * s, cn_phi = cn_alpha - v[0] * s + ca * c;
     double ct = v[0] * s - ct_drag * c, ct_alpha = d[0] * s - dt * c, ct_phi = ct_alpha + v[0] * c + ct_drag * s;
-    int high = 3 * side * sigma * cn > 8 * F * s * s;
+    int high = 3 * side * sigma * cn > 8 * F * s * s, low_loss = F < held_loss;
+    double part = 1, part_phi = 0, square_sum = held_loss * held_loss + F * F; /* F over that of the swirl */
+    if (low_loss) {
+        part = 2 * held_loss * F / square_sum;
+        part_phi = 2 * held_loss * (held_loss * held_loss - F * F) / (square_sum * square_sum) * F_phi;
+    }
     if (high) {
         double k = side * sigma * cn / (4 * F * s * s), root = sqrt(2 * F * k - F * (4.0 / 3 - F));
         double h = root + 5.0 / 3 - F, h_F = (k - 2.0 / 3 + F) / root - 1;
@@ -116,10 +126,10 @@ static void balance(int station, double phi, double twist, double sigma, struct 
         b->A_phi = 4 * F_phi * square + 8 * F * size * c + sigma * cn_phi;
     }
     b->A_twist = -h_k * sigma * cn_alpha, b->A_sigma = h_k * cn;
-    b->B = 4 * F * c * size - sigma * ct;
-    b->B_phi = 4 * F_phi * c * size + 4 * F * side * (c * c - s * s) - sigma * ct_phi;
-    b->B_twist = sigma * ct_alpha, b->B_sigma = -ct;
-    b->s = s, b->c = c, b->F = F, b->F_phi = F_phi, b->piece = 2 * low + high;
+    b->B = 4 * F * c * size - sigma * ct * part;
+    b->B_phi = 4 * F_phi * c * size + 4 * F * side * (c * c - s * s) - sigma * (ct_phi * part + ct * part_phi);
+    b->B_twist = sigma * ct_alpha * part, b->B_sigma = -ct * part;
+    b->s = s, b->c = c, b->F = F, b->F_phi = F_phi, b->piece = 4 * low + 2 * high + low_loss;
 }
 
 /* Where to look first: the root for a straight line of lift, no drag, and sin(phi) = phi = tan(phi) in the airfoil. */
@@ -149,7 +159,7 @@ static double finish(double Vx, double Vt, double alpha, double per_step, double
     double bend = (Vt * second[0] - Vx * second[1]) * per_slope, turn = (Vt * third[0] - Vx * third[1]) * per_slope;
     if (!(fabs(d * bend) < 1e-3)) return 0;
     d *= 1 - d * (bend - d * (2 * bend * bend - turn));
-    int low = b->piece / 2;
+    int low = b->piece / 4;
     if (!(alpha + d >= knot[low] && alpha + d < knot[low + 1])) return 0;
     double s = b->s, c = b->c, half = d * d / 2, sine = d - d * half / 3;
     b->A += ((third[0] * d + second[0]) * d + b->A_phi) * d;
@@ -214,25 +224,49 @@ static double near_angle(double y, double x, double angle, double s, double c) {
 }
 
 /* Loads of a section per length and air density: along e_x, along e_t, and the nose-up moment; then the quasi-steady
- * induced speed against e_x. The inputs and their derivatives come in this order; SKEWED is (d . s) / R of the wake
- * below. With dynamic inflow the induced speed is an input; what the skew adds and the swirl follow at once. */
-enum { VX, VT, TWIST, RADIUS, SKEWED, ANGLE, INDUCED, NUMBERS };
+ * induced speed against e_x. The inputs and their derivatives come in this order. SPIN is the part of Vt from the turning
+ * of the rotor, SPANWISE the relative wind along the blade, SKEWED is (d . s) / R of the wake below. With dynamic inflow
+ * the induced speed is an input; what the skew adds and the swirl follow at once. Returns the first input that counts. */
+enum { SPIN, SPANWISE, CHORD, VX, VT, TWIST, RADIUS, SKEWED, ANGLE, INDUCED, NUMBERS };
 
-static void section(int station, const double *in, double *load, double (*slope)[NUMBERS]) {
-    double Vx = in[VX], Vt = in[VT], r = in[RADIUS], per_r = 1 / r;
-    double sigma = BLADES / (2 * pi) * chord[station] * per_r;
+/* The share of the induction, with its slopes by SPIN to RADIUS; returns the first of these that is not 0. None in a rotor
+ * that is parked or slow, with its tips slower than the relative wind less what the turning adds to it, from any side, and
+ * all with tips twice as fast; none without wind along the axis, and all from 0.02 of the speed of the tips on; none where
+ * the wind across turns the flow over a section round, and all from a quarter of the speed of its turning on. */
+static int share_of(const double *in, double per_r, double *share, double *slope) {
+    double Vx = in[VX], across = in[VT] - in[SPIN], along = in[SPANWISE], up, down, turn;
+    double tip_speed = fabs(in[SPIN]) * TIP_RADIUS * per_r, wind = Vx * Vx + across * across + along * along;
+    *share = 1;
+    if (4 * wind <= tip_speed * tip_speed && fabs(Vx) >= 0.02 * tip_speed && 4 * in[VT] * in[SPIN] >= in[SPIN] * in[SPIN])
+        return CHORD; /* as nearly always, without roots and quotients */
+    wind = sqrt(wind);
+    double axial = tip_speed > fabs(Vx) ? fabs(Vx) / tip_speed : 1, ratio = tip_speed > wind ? wind / tip_speed : 1;
+    double forward = in[SPIN] != 0 ? 4 * in[VT] / in[SPIN] : 0, round = smooth_step(forward, &turn);
+    double rise = smooth_step(axial / 0.02, &up), fall = smooth_step(2 - 2 * ratio, &down);
+    *share = rise * fall * round;
+    if (*share == 0 || (up == 0 && down == 0 && turn == 0)) return CHORD;
+    double by_axial = up / 0.02 * fall * round * axial, by_ratio = -2 * rise * down * round * ratio;
+    double by_forward = rise * fall * turn * forward, per_square = 1 / (wind * wind);
+    slope[VX] = by_axial / Vx + by_ratio * Vx * per_square;
+    slope[VT] = by_ratio * across * per_square + by_forward / in[VT];
+    slope[SPANWISE] = by_ratio * along * per_square;
+    slope[SPIN] = -(by_axial + by_ratio + by_forward) / in[SPIN] - by_ratio * across * per_square;
+    slope[RADIUS] = (by_axial + by_ratio) * per_r;
+    return SPIN;
+}
+
+static int section(int station, const double *in, double *load, double (*slope)[NUMBERS]) {
+    double Vx = in[VX], Vt = in[VT], r = in[RADIUS], per_r = 1 / r, chord = in[CHORD], share, share_slope[NUMBERS] = {0};
+    double sigma = BLADES / (2 * pi) * chord * per_r;
     double given = DYNAMIC_INFLOW ? in[INDUCED] : 0, U = Vx - given, T = Vt, induced = 0;
     double dU[NUMBERS] = {[VX] = 1, [INDUCED] = -1}, dT[NUMBERS] = {[VT] = 1}, dinduced[NUMBERS] = {0};
-
-    /* The share of the induction: none above 1 (parked, slow) and at 0 (no wind), all of it from 0.02 to 0.5. */
-    double tip_speed = fabs(Vt) * TIP_RADIUS * per_r, ratio = tip_speed > fabs(Vx) ? fabs(Vx) / tip_speed : 1, up, down;
-    double rise = smooth_step(ratio / 0.02, &up), fall = smooth_step(2 - 2 * ratio, &down), share = rise * fall;
+    int begin = share_of(in, per_r, &share, share_slope);
     struct balance b = {.s = 0, .c = 1};
     double phi = 0;
     int free = 1;
     if (share > 0) {
         free = solve(station, Vx, Vt, in[TWIST], sigma, slope != NULL, &phi, &b);
-        if (Vx * b.A + Vt * b.B <= 0) share = 0; /* the root of the opposite direction */
+        if (Vx * b.A + Vt * b.B <= 0) share = 0, begin = CHORD; /* the root of the opposite direction */
     }
     if (share > 0) {
         double s = b.s, c = b.c, V2 = Vx * Vx + Vt * Vt, N = b.A * b.A + b.B * b.B;
@@ -248,43 +282,59 @@ static void section(int station, const double *in, double *load, double (*slope)
         double yaw = !DYNAMIC_INFLOW + SKEW * T0 * in[SKEWED];
         induced = share * axial, U = Vx - given - induced * yaw, T = Vt + share * swirl;
         if (slope) {
-            double R_phi = Vt * b.A_phi - Vx * b.B_phi, share_ratio = (up / 0.02 * fall - 2 * rise * down) * ratio;
+            double R_phi = Vt * b.A_phi - Vx * b.B_phi, solidity = -sigma * per_r, per_chord = sigma / chord;
             double by_phi = free && R_phi != 0 ? -1 / R_phi : 0, twist_A = Vt * b.A_twist - Vx * b.B_twist;
-            double solidity = -sigma * per_r, sigma_A = Vt * b.A_sigma - Vx * b.B_sigma, a_in = a > 0 && a < 1;
-            double dVx[4] = {1}, dVt[4] = {0, 1}, W_phi = b.F_phi / b.F + c / s, A_phi = b.A_phi, B_phi = b.B_phi;
-            double dA[4] = {0, 0, b.A_twist, b.A_sigma * solidity}, dB[4] = {0, 0, b.B_twist, b.B_sigma * solidity};
-            double residual[4] = {-b.B, b.A, twist_A, sigma_A * solidity};
-            double speed[4] = {Vx / V2, Vt / V2}, log_ratio[4] = {1 / Vx, -1 / Vt, 0, per_r};
-            for (int j = 0; j < 4; j++) {
-                double dphi = residual[j] * by_phi, A = dA[j] + A_phi * dphi, B = dB[j] + B_phi * dphi;
-                double dW = W * (W_phi * dphi + speed[j] - (b.A * A + b.B * B) / N);
-                double daxial = dVx[j] - dW * s - W * c * dphi, dswirl = dW * c - W * s * dphi - dVt[j];
-                double da = a_in * (daxial - a * dVx[j]) / Vx, dshare = share_ratio * log_ratio[j];
+            double sigma_A = Vt * b.A_sigma - Vx * b.B_sigma, a_in = a > 0 && a < 1;
+            double W_phi = b.F_phi / b.F + c / s, A_phi = b.A_phi, B_phi = b.B_phi;
+            enum { COUNT = RADIUS - CHORD + 1 }; /* chord, Vx, Vt, twist, radius */
+            double dVx[COUNT] = {0, 1}, dVt[COUNT] = {0, 0, 1}, speed[COUNT] = {0, Vx / V2, Vt / V2};
+            double dA[COUNT] = {b.A_sigma * per_chord, 0, 0, b.A_twist, b.A_sigma * solidity};
+            double dB[COUNT] = {b.B_sigma * per_chord, 0, 0, b.B_twist, b.B_sigma * solidity};
+            double residual[COUNT] = {sigma_A * per_chord, -b.B, b.A, twist_A, sigma_A * solidity};
+            for (int i = 0; i < COUNT; i++) {
+                int j = CHORD + i;
+                double dphi = residual[i] * by_phi, A = dA[i] + A_phi * dphi, B = dB[i] + B_phi * dphi;
+                double dW = W * (W_phi * dphi + speed[i] - (b.A * A + b.B * B) / N), dshare = share_slope[j];
+                double daxial = dVx[i] - dW * s - W * c * dphi, dswirl = dW * c - W * s * dphi - dVt[i];
+                double da = a_in * (daxial - a * dVx[i]) / Vx;
                 dinduced[j] = dshare * axial + share * daxial;
-                dU[j] = dVx[j] - dinduced[j] * yaw - induced * SKEW * in[SKEWED] * T_a * da;
-                dT[j] = dVt[j] + dshare * swirl + share * dswirl;
+                dU[j] = dVx[i] - dinduced[j] * yaw - induced * SKEW * in[SKEWED] * T_a * da;
+                dT[j] = dVt[i] + dshare * swirl + share * dswirl;
+            }
+            for (int j = begin; j < CHORD; j++) {
+                dinduced[j] = share_slope[j] * axial;
+                dU[j] = -dinduced[j] * yaw, dT[j] = share_slope[j] * swirl;
             }
             dU[SKEWED] = -induced * SKEW * T0;
             dU[ANGLE] = -induced * SKEW * in[SKEWED] * T_chi;
         }
     }
-    double square = U * U + T * T, speed = sqrt(square), v[3], d[3], half = chord[station] / 2;
+    double square = U * U + T * T, speed = sqrt(square), v[3], d[3], half = chord / 2;
     airfoil(station, near_angle(U, T, phi, b.s, b.c) - in[TWIST], 3, v, d);
     double along = v[0] * T + v[1] * U, across = v[1] * T - v[0] * U;
     load[0] = half * speed * along;
     load[1] = half * speed * across;
-    load[2] = half * chord[station] * square * v[2];
+    load[2] = half * chord * square * v[2];
     load[3] = induced;
-    if (!slope) return;
+    if (!slope) return begin;
     double along_alpha = speed * (d[0] * T + d[1] * U), across_alpha = speed * (d[1] * T - d[0] * U);
     double u = speed > 0 ? U / speed : 0, t = speed > 0 ? T / speed : 0, turn = speed > 0 ? 1 / speed : 0;
-    for (int j = 0; j < NUMBERS; j++) {
+    for (int j = CHORD; j < NUMBERS; j++) {
         double dspeed = u * dU[j] + t * dT[j], dalpha = (t * dU[j] - u * dT[j]) * turn - (j == TWIST);
         slope[0][j] = half * (dspeed * along + speed * (v[0] * dT[j] + v[1] * dU[j]) + along_alpha * dalpha);
         slope[1][j] = half * (dspeed * across + speed * (v[1] * dT[j] - v[0] * dU[j]) + across_alpha * dalpha);
-        slope[2][j] = half * chord[station] * speed * (2 * dspeed * v[2] + speed * d[2] * dalpha);
+        slope[2][j] = half * chord * speed * (2 * dspeed * v[2] + speed * d[2] * dalpha);
         slope[3][j] = dinduced[j];
     }
+    for (int j = begin; j < CHORD; j++) {
+        double dspeed = u * dU[j] + t * dT[j], dalpha = (t * dU[j] - u * dT[j]) * turn;
+        slope[0][j] = half * (dspeed * along + speed * (v[0] * dT[j] + v[1] * dU[j]) + along_alpha * dalpha);
+        slope[1][j] = half * (dspeed * across + speed * (v[1] * dT[j] - v[0] * dU[j]) + across_alpha * dalpha);
+        slope[2][j] = half * chord * speed * (2 * dspeed * v[2] + speed * d[2] * dalpha);
+        slope[3][j] = dinduced[j];
+    }
+    for (int i = 0; i < 3; i++) slope[i][CHORD] += (i == 2 ? 2 : 1) * load[i] / chord;
+    return begin;
 }
 
 /* The skewed wake: angle chi of the relative wind at the disk to the rotor normal n, the vector s = chi times the
@@ -330,24 +380,37 @@ static void put(int i, double sign, const double *out, int rows, double *at) {
     if (rows > 6) at[6 * NODES + i] = sign * out[6];
 }
 
+/* The slopes of the outputs of a node by its number j, from those of the section. */
+static inline void outputs_of(double (*slope)[NUMBERS], int j, double scale, const double *ex, const double *et,
+                              const double *z, double *of) {
+    for (int k = 0; k < 3; k++) {
+        of[k] = scale * (slope[0][j] * ex[k] + slope[1][j] * et[k]);
+        of[3 + k] = scale * SENSE * slope[2][j] * z[k];
+    }
+    if (DYNAMIC_INFLOW) of[ROWS - 1] = slope[3][j];
+}
+
 /* Loads of one node into f, and its part of the Jacobian into jac when that is not null. */
 static void node(int i, const double *u, const struct wake *wake, double *f, double *jac) {
     const double *x = u + ORIENTATION + 9 * i, *z = x + 6, *n = u + HUB_ORIENTATION;
     int station = i % STATIONS;
-    double v[3], d[3], c[3], ey[3], ex[3], et[3], in[NUMBERS], load[4], slope[4][NUMBERS];
+    double v[3], d[3], c[3], turning[3], ey[3], ex[3], et[3], in[NUMBERS], load[4], slope[4][NUMBERS];
     for (int k = 0; k < 3; k++) {
         v[k] = u[WIND + 3 * i + k] - u[VELOCITY + 3 * i + k];
         d[k] = u[POSITION + 3 * i + k] - u[HUB_POSITION + k];
+        turning[k] = u[HUB_VELOCITY + k] - u[VELOCITY + 3 * i + k];
     }
     cross(z, n, c);
     double size = sqrt(dot(c, c)), per_size = 1 / size, along = dot(d, n);
     for (int k = 0; k < 3; k++) ey[k] = c[k] * per_size, et[k] = SENSE * ey[k];
     cross(ey, z, ex);
     double p = -dot(x, et), q = dot(x, ex), density = u[DENSITY], scale = density * length[station];
-    in[VX] = dot(v, ex), in[VT] = dot(v, et), in[TWIST] = atan2(p, q), in[RADIUS] = sqrt(dot(d, d) - along * along);
+    in[VX] = dot(v, ex), in[VT] = dot(v, et), in[SPIN] = dot(turning, et), in[SPANWISE] = dot(v, z);
+    in[CHORD] = u[CHORD_LENGTH + station];
+    in[TWIST] = atan2(p, q), in[RADIUS] = sqrt(dot(d, d) - along * along);
     in[SKEWED] = dot(d, wake->s) / TIP_RADIUS, in[ANGLE] = wake->chi;
     in[INDUCED] = DYNAMIC_INFLOW ? u[INDUCED_SPEED + station] : 0;
-    section(station, in, load, jac ? slope : NULL);
+    int begin = section(station, in, load, jac ? slope : NULL), partial = begin == SPIN;
     if (!jac) {
         for (int k = 0; k < 3; k++) {
             f[6 * i + k] = scale * (load[0] * ex[k] + load[1] * et[k]);
@@ -358,16 +421,11 @@ static void node(int i, const double *u, const struct wake *wake, double *f, dou
     }
 
     double of[NUMBERS][ROWS], out[ROWS], change[NUMBERS] = {0}, per_radius = 1 / in[RADIUS], turn = 1 / (p * p + q * q);
-    for (int j = 0; j < NUMBERS; j++) {
-        for (int k = 0; k < 3; k++) {
-            of[j][k] = scale * (slope[0][j] * ex[k] + slope[1][j] * et[k]);
-            of[j][3 + k] = scale * SENSE * slope[2][j] * z[k];
-        }
-        if (DYNAMIC_INFLOW) of[j][ROWS - 1] = slope[3][j];
-    }
+    for (int j = CHORD; j < NUMBERS; j++) outputs_of(slope, j, scale, ex, et, z, of[j]);
+    for (int j = begin; j < CHORD; j++) outputs_of(slope, j, scale, ex, et, z, of[j]);
     double *own = jac + ROWS * 3 * i, *axis = jac + NZ_ORIENTATION + ROWS * 6 * i;
     for (int k = 0; k < 3; k++) {
-        int hub = ROWS * NODES * k, wake_column = 6 * NODES * k;
+        int hub = ROWS * NODES * k;
         double *position = own + NZ_POSITION + ROWS * k, *velocity = own + NZ_VELOCITY + ROWS * k;
         double *wind = own + NZ_WIND + ROWS * k;
         change[RADIUS] = (d[k] - along * n[k]) * per_radius, change[SKEWED] = wake->s[k] / TIP_RADIUS;
@@ -375,7 +433,9 @@ static void node(int i, const double *u, const struct wake *wake, double *f, dou
         put(i, -1, position, ROWS, jac + NZ_HUB_POSITION + hub);
         change[VX] = ex[k], change[VT] = et[k];
         column(of, change, VX, VT, wind);
+        for (int row = 0; row < ROWS && partial; row++) wind[row] += z[k] * of[SPANWISE][row];
         for (int row = 0; row < ROWS; row++) velocity[row] = -wind[row];
+        for (int row = 0; row < ROWS && partial; row++) velocity[row] -= et[k] * of[SPIN][row];
         change[TWIST] = (-et[k] * q - ex[k] * p) * turn;
         column(of, change, TWIST, TWIST, axis + ROWS * k);
 
@@ -392,6 +452,10 @@ static void node(int i, const double *u, const struct wake *wake, double *f, dou
             change[RADIUS] = -along * d[k] * per_radius, change[ANGLE] = wake->chi_n[k];
             change[SKEWED] = (d[0] * wake->s_n[0][k] + d[1] * wake->s_n[1][k] + d[2] * wake->s_n[2][k]) / TIP_RADIUS;
             column(of, change, VX, of_z ? TWIST : ANGLE, out);
+            if (partial) {
+                double by_spin = dot(turning, det), by_span = of_z ? v[k] : 0;
+                for (int row = 0; row < ROWS; row++) out[row] += by_spin * of[SPIN][row] + by_span * of[SPANWISE][row];
+            }
             for (int j = 0; j < 3; j++) out[j] += scale * (load[0] * dex[j] + load[1] * det[j]);
             if (of_z) {
                 out[3 + k] += scale * SENSE * load[2];
@@ -400,17 +464,22 @@ static void node(int i, const double *u, const struct wake *wake, double *f, dou
                 put(i, 1, out, ROWS, jac + NZ_HUB_NORMAL + hub);
             }
         }
+        for (int row = 0; row < ROWS; row++) out[row] = 0;
         if (SKEWED_WAKE) {
             change[ANGLE] = wake->chi_wind[k];
             change[SKEWED] =
                 (d[0] * wake->s_wind[0][k] + d[1] * wake->s_wind[1][k] + d[2] * wake->s_wind[2][k]) / TIP_RADIUS;
             column(of, change, SKEWED, ANGLE, out);
-            put(i, 1, out, 6, jac + NZ_DISK_WIND + wake_column);
-            put(i, -1, out, 6, jac + NZ_HUB_VELOCITY + wake_column);
+            put(i, 1, out, 6, jac + NZ_DISK_WIND + 6 * NODES * k);
         }
+        for (int row = 0; row < ROWS && partial; row++) out[row] -= et[k] * of[SPIN][row];
+        put(i, -1, out, ROWS, jac + NZ_HUB_VELOCITY + hub);
         jac[NZ_DENSITY + 6 * i + k] = length[station] * (load[0] * ex[k] + load[1] * et[k]);
         jac[NZ_DENSITY + 6 * i + 3 + k] = length[station] * SENSE * load[2] * z[k];
     }
+    double *by_chord = jac + NZ_CHORD + ROWS * BLADES * station;
+    for (int row = 0; row < 6; row++) by_chord[6 * (i / STATIONS) + row] = of[CHORD][row];
+    if (DYNAMIC_INFLOW) by_chord[6 * BLADES + i / STATIONS] = of[CHORD][6];
     if (DYNAMIC_INFLOW) put(i / STATIONS, 1, of[INDUCED], 6, jac + NZ_INDUCED_SPEED + 6 * BLADES * station);
 }
 

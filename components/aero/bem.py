@@ -26,8 +26,10 @@ class BladeElementRotor:
 
     Every element balances momentum and blade forces in its own annulus (Ning 2014) with the velocities of its own node;
     Prandtl's tip and hub loss, Buhl's high induction (2005), Pitt and Peters' skewed wake. There is no induction in a
-    rotor that hardly turns (tip speed below the wind; it sets in smoothly up to twice that) nor without wind (below 2 %
-    of the tip speed). What a tower does to the wind is part of the wind that is handed in. Dynamic stall would attach
+    rotor that stands or hardly turns, whatever side the wind is from (tip speed of the rotation below the relative wind
+    at the blade without it; it sets in smoothly up to twice that), nor without wind (below 2 % of the tip speed). In
+    the last centimetres before a tip, where Prandtl's factor is below 0.1, the swirl no longer grows as one over it.
+    What a tower does to the wind is part of the wind that is handed in. Dynamic stall would attach
     where the coefficients are looked up (its states as inputs, as the induced speed is), induction between rotors as a
     further part of the wind.
 
@@ -40,8 +42,8 @@ class BladeElementRotor:
     Inputs, all in the world, n nodes blade by blade from root to tip: position (3n), orientation (9n, columns of each
     matrix: x downwind and normal to the chord, z along the blade to the tip, y = z x x), velocity (3n), wind at the
     nodes (3n); hub_position, hub_orientation (x along the shaft, downwind), hub_velocity, disk_wind: the wind averaged
-    over the disk or at the hub, for the skew; air_density; with dynamic inflow induced (stations): speed [m/s] against
-    the normal of the sections. A node sits at the aerodynamic centre.
+    over the disk or at the hub, for the skew; air_density; chord (stations) [m] of all blades; with dynamic inflow
+    induced (stations): speed [m/s] against the normal of the sections. A node sits at the aerodynamic centre.
     Outputs: loads (6n): force [N] and moment about the node [N m] of each node; with dynamic inflow quasi_steady (n):
     the induced speed of the balance of momentum [m/s].
     """
@@ -70,7 +72,7 @@ class BladeElementRotor:
         """Names and lengths of the inputs."""
         n = self.nodes
         return {"position": 3 * n, "orientation": 9 * n, "velocity": 3 * n, "wind": 3 * n, "hub_position": 3,
-                "hub_orientation": 9, "hub_velocity": 3, "disk_wind": 3, "air_density": 1,
+                "hub_orientation": 9, "hub_velocity": 3, "disk_wind": 3, "air_density": 1, "chord": n // self.blades,
                 **({"induced": len(self.blade.radius)} if self.dynamic_inflow else {})}  # fmt: skip
 
     @property
@@ -100,7 +102,8 @@ class BladeElementRotor:
         columns = [own[i] for i in range(n) for _ in range(3)]
         columns += [own[i] if axis != 1 else nobody for i in range(n) for axis in range(3) for _ in range(3)]
         columns += 2 * [own[i] for i in range(n) for _ in range(3)]
-        columns += 6 * [everything] + 6 * [nobody] + 6 * [loads if self.skew else nobody] + [loads]
+        columns += 6 * [everything] + 6 * [nobody] + 3 * [everything] + 3 * [loads if self.skew else nobody] + [loads]
+        columns += [np.sort(np.concatenate(own[k::stations])) for k in range(stations)]
         columns += at_station if self.dynamic_inflow else []
         starts = np.cumsum([0, *map(len, columns)])
         return ca.Sparsity(len(everything), len(columns), starts.tolist(), np.concatenate(columns).tolist())
@@ -137,7 +140,7 @@ class BladeElementRotor:
         shapes = {"sparsity_in": [sum(self.inputs.values()), 1, 1],
                   "sparsity_out": [sum(self.outputs.values()), 1, 1],
                   "sparsity_jac": [*pattern.shape, *pattern.colind(), *pattern.row()]}  # fmt: skip
-        numbers = {"chord": b.chord, "length": b.length, "tip_loss": tip, "hub_loss": hub,
+        numbers = {"length": b.length, "tip_loss": tip, "hub_loss": hub,
                    "least_loss": np.minimum(tip, hub), "upright_loss": upright,
                    "most_lift": most[:, 0], "most_drag": most[:, 1],
                    "lift_slope": lift_lines[:, 0], "zero_lift": lift_lines[:, 1],

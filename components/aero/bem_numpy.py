@@ -15,28 +15,34 @@ if TYPE_CHECKING:
 
 Loads = Callable[[np.ndarray], np.ndarray]
 EDGE = 1e-6
+LEAST_SWIRL_LOSS = 0.1
+"""Below this factor of the tip and hub loss the swirl no longer grows as one over it, see bem.c."""
 
 
 def loads(rotor: BladeElementRotor, inputs: np.ndarray) -> np.ndarray:
     """Outputs for the inputs of BladeElementRotor, each as one column."""
     parts = np.split(np.asarray(inputs, dtype=float), np.cumsum(list(rotor.inputs.values()))[:-1])
     n = rotor.nodes
-    position, velocity, wind = (parts[k].reshape(n, 3) for k in (0, 2, 3))
-    axes = parts[1].reshape(n, 3, 3)  # a row of this is a column of the matrix: an axis
+    part = dict(zip(rotor.inputs, parts, strict=True))
+    position, velocity, wind = (part[name].reshape(n, 3) for name in ("position", "velocity", "wind"))
+    axes = part["orientation"].reshape(n, 3, 3)  # a row of this is a column of the matrix: an axis
     chordwise_normal, span = axes[:, 0], axes[:, 2]
-    normal = parts[5][:3]
-    skew_wind = parts[7] - parts[6]
+    normal = part["hub_orientation"][:3]
+    skew_wind = part["disk_wind"] - part["hub_velocity"]
 
     tangent = rotor.sense * _unit(np.cross(span, normal))  # to the trailing edge
     downwind = np.cross(rotor.sense * tangent, span)
     relative = wind - velocity
-    arm = position - parts[4]
+    arm = position - part["hub_position"]
     radius = np.sqrt(_dot(arm, arm) - (arm @ normal) ** 2)
     twist = np.arctan2(-_dot(chordwise_normal, tangent), _dot(chordwise_normal, downwind))
-    section = _Sections(rotor, _dot(relative, downwind), _dot(relative, tangent), twist, radius)
-    given = np.tile(parts[9], rotor.blades) if rotor.dynamic_inflow else None
+    spin = _dot(part["hub_velocity"] - velocity, tangent)
+    chord = np.tile(part["chord"], rotor.blades)
+    section = _Sections(rotor, _dot(relative, downwind), _dot(relative, tangent), twist, radius, chord)
+    section.turning(spin, relative - spin[:, None] * tangent, radius)
+    given = np.tile(part["induced"], rotor.blades) if rotor.dynamic_inflow else None
     axial, tangential, moment, induced = section.loads(_skew(rotor, skew_wind, normal, arm), given)
-    scale = (parts[8] * np.tile(rotor.blade.length, rotor.blades))[:, None]
+    scale = (part["air_density"] * np.tile(rotor.blade.length, rotor.blades))[:, None]
     force = axial[:, None] * downwind + tangential[:, None] * tangent
     result = np.hstack([scale * force, scale * rotor.sense * moment[:, None] * span]).ravel()
     return np.append(result, induced) if rotor.dynamic_inflow else result
@@ -96,12 +102,11 @@ def _skew(rotor: BladeElementRotor, wind: np.ndarray, normal: np.ndarray, arm: n
 class _Sections:
     """All elements of a rotor at one state: the balance of momentum and blade forces."""
 
-    def __init__(self, rotor: BladeElementRotor, Vx: np.ndarray, Vt: np.ndarray, twist: np.ndarray, r: np.ndarray):
+    def __init__(self, rotor: BladeElementRotor, Vx: np.ndarray, Vt: np.ndarray, twist: np.ndarray, r: np.ndarray,
+                 chord: np.ndarray):  # fmt: skip
         blade, B = rotor.blade, rotor.blades
-        self.rotor, self.Vx, self.Vt, self.twist = rotor, Vx, Vt, twist
-        self.chord = np.tile(blade.chord, B)
+        self.rotor, self.Vx, self.Vt, self.twist, self.chord = rotor, Vx, Vt, twist, chord
         self.sigma = B * self.chord / (2 * np.pi * r)
-        self.tip_speed = np.abs(Vt) * blade.tip_radius / r
         self.tip, self.hub = (np.tile(loss, B) for loss in rotor.losses)
         self.side = np.where(Vx < 0, -1.0, 1.0)
         used = sorted(set(blade.airfoil))
@@ -110,6 +115,13 @@ class _Sections:
         self.knots = np.concatenate([foil.angle[:-1] for foil in foils])
         self.shifted = np.concatenate([foil.angle[:-1] + 10.0 * k for k, foil in enumerate(foils)])
         self.cubics = np.concatenate([foil.cubics for foil in foils])
+
+    def turning(self, spin: np.ndarray, wind: np.ndarray, r: np.ndarray) -> None:
+        """The share of the induction, by the speed of the rotation at the nodes and the relative wind without it."""
+        tip_speed = np.maximum(np.abs(spin) * self.rotor.blade.tip_radius / r, 1e-300)
+        slow = np.minimum(np.linalg.norm(wind, axis=1) / tip_speed, 1)
+        forward = np.divide(self.Vt, spin, out=np.zeros_like(spin), where=spin != 0)
+        self.share = _smooth(np.abs(self.Vx) / tip_speed / 0.02) * _smooth(2 - 2 * slow) * _smooth(4 * forward)
 
     def coefficients(self, angle: np.ndarray) -> tuple[np.ndarray, ...]:
         """c_l, c_d, c_m of all elements."""
@@ -128,7 +140,8 @@ class _Sections:
         for distance in (self.tip, self.hub):
             F *= np.maximum(2 / np.pi * np.arccos(np.exp(-distance / np.abs(s))), 1e-4)
         k = self.side * self.sigma * cn / (4 * F * s**2)
-        swirl = self.sigma * ct / (4 * F * np.abs(s) * c)
+        held = np.where(F < LEAST_SWIRL_LOSS, (LEAST_SWIRL_LOSS + F**2 / LEAST_SWIRL_LOSS) / 2, F)
+        swirl = self.sigma * ct / (4 * held * np.abs(s) * c)
         high = np.maximum(k, 2 / 3)
         g1, g2, g3 = 2 * F * high - (10 / 9 - F), 2 * F * high - F * (4 / 3 - F), 2 * F * high - (25 / 9 - 2 * F)
         near = np.abs(g3) < 1e-6
@@ -161,8 +174,7 @@ class _Sections:
         Last the quasi-steady induced speed; where one is given it takes its place, but for the part of the skew.
         """
         Vx, Vt = self.Vx, self.Vt
-        ratio = np.abs(Vx) / np.maximum(self.tip_speed, 1e-300)
-        share = _smooth(ratio / 0.02) * _smooth(2 - 2 * np.minimum(ratio, 1))
+        share = self.share
         axial, swirl, yaw = np.zeros_like(Vx), np.zeros_like(Vx), np.ones_like(Vx)
         if np.any(share > 0):
             phi = self.angle()

@@ -80,7 +80,7 @@ class BladeElementAerodynamics(Component):
         hub, nodes = self.hub, list(self.nodes)
         places = m.horzcat(*[node.r for node in nodes])
         require_disk(self.wind, self.tip_radius, self.station, f"the rotor of {self.label}")
-        wind = self.wind.velocity(places, self.station)
+        wind = self.wind.velocity(places, self.station, reach="plane")
         outputs = _air(self, wind if self.tower is None else self.tower.around(wind, places))
         loads = [outputs["loads"][i : i + 3] for i in range(0, 6 * len(nodes), 3)]
         given = list(zip(loads[::2], loads[1::2], strict=True))
@@ -111,7 +111,7 @@ def _air(air: BladeElementAerodynamics, wind: Any) -> dict[str, Any]:
         position=m.vertcat(*[node.r for node in nodes]), orientation=m.vertcat(*[m.vec(R) for R in turned]),
         velocity=m.vertcat(*[der(node.r) for node in nodes]), wind=m.vec(wind), hub_position=hub.r,
         hub_orientation=m.vec(hub.R), hub_velocity=der(hub.r), disk_wind=air.disk_wind,
-        air_density=air.world.air_density, **more,
+        air_density=air.world.air_density, chord=rotor.blade.chord, **more,
     )  # fmt: skip
 
 

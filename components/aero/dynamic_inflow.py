@@ -30,6 +30,8 @@ class DynamicInflow(Component):
     and the blades meet the same air in turn. Starts in the steady state.
     """
 
+    memory = "dynamic inflow"
+
     radius: list = param(doc="radii of the stations [m]")
     length: list = param(doc="lengths of the elements at the stations [m], weights of the mean induction")
     tip_radius: float = param(unit="m", min=0, doc="radius R of the tips")

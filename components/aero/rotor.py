@@ -18,6 +18,8 @@ class Rotor(Component):
     A subclass writes thrust and torque; the mass of the rotor belongs to the body.
     """
 
+    mode_names = {"phi": "rotor rotation", "w": "rotor rotation"}
+
     inertia: Scalar = param(unit="kg*m^2", min=0, doc="moment of inertia about the shaft")
     tilt: Scalar = param(default=0.0, unit="rad", doc="shaft tilt, positive when the upwind end points up")
     sense: int = param(default=1, choices=(1, -1), doc="1: turns clockwise seen looking downwind, -1: the other way")

@@ -56,6 +56,9 @@ class TowerDrag(Component):
     Quasi-steady; the frames' own z axes point along the tower. A frame stands for `lengths` of the tower around it, so
     that the lengths add up to the tower and frames lie in the middle of their parts. Source: Hansen (2015),
     Aerodynamics of Wind Turbines, section on loads; C_d of a smooth tower 0.5 to 1.2 by its Reynolds number.
+
+    In a wind field the points of its tower serve below its plane; below them, or without them below the plane, the wind
+    falls linearly to nothing at z = 0, as InflowWind has it.
     """
 
     diameters: list = param(doc="diameters of the tower [m] at the frames")
@@ -75,7 +78,7 @@ class TowerDrag(Component):
         if len(self.lengths) != len(self.diameters):
             counts = f"{len(self.diameters)} diameters and {len(self.lengths)} lengths"
             raise ParameterError(f"{self.label}: {counts}; give one for each frame.")
-        wind = self.wind.velocity(m.horzcat(*[node.r for node in self.nodes]), self.station)
+        wind = self.wind.velocity(m.horzcat(*[node.r for node in self.nodes]), self.station, reach="ground")
         forces = [self._drag(wind[:, k] - der(node.r), node.R[:, 2], k) for k, node in enumerate(self.nodes)]
         return [
             [[eq(node.f, -f), eq(node.t, m.zeros(3))] for node, f in zip(self.nodes, forces, strict=True)],

@@ -5,6 +5,9 @@ field's time t + (shift - x)/U. As in OpenFAST's InflowWind the shift is half th
 turbine may move upwind at t = 0, and nothing for a periodic one. Between time steps, rows and columns the speed is
 interpolated linearly, continuous, with a derivative that jumps there; or by the cubic convolution of Keys (1981), with
 a continuous derivative. Only the numbers around the points are decoded.
+
+Below the plane the points of the tower serve, where the file has them: linear in z from the middle of the lowest row
+down, whatever y is, as in InflowWind.
 """
 
 from __future__ import annotations
@@ -31,7 +34,8 @@ class FieldLookup:
 
     interpolation: "linear" or "cubic" along y, z and time. Cubic is the convolution of R. G. Keys (1981), IEEE Trans.
     Acoust. Speech Signal Process. 29, 1153-1160, with a = -1/2; at an edge it goes on by a parabola, as there.
-    covers: the first and last y [m], z [m] and, unless the field is periodic, time of the field [s].
+    covers: the first and last y [m], z [m] and, unless the field is periodic, time [s] of its plane; lowest: z [m] of
+    the lowest tower point, or of the plane.
     """
 
     def __init__(self, field: WindField, shift: float | None = None, interpolation: str = "linear"):
@@ -48,10 +52,12 @@ class FieldLookup:
                 f"a wind field needs {least} at least{instead}."
             )
         self.field, self.grid, self.interpolation, self.count = field, grid, interpolation, least
-        self._plane = np.asarray(field.plane)  # the same memory, without the overhead of np.memmap at every access
+        # the same memory, without the overhead of np.memmap at every access
+        self._plane, self._tower = np.asarray(field.plane), np.asarray(field.tower)
         width = (grid.columns - 1) * grid.dy
         self.shift = (0.0 if grid.periodic else width / 2) if shift is None else float(shift)
         self.covers = {"y": (-width / 2, width / 2), "z": (grid.bottom, grid.bottom + (grid.rows - 1) * grid.dz)}
+        self.lowest = grid.bottom - grid.tower_points * grid.dz
         if not grid.periodic:
             self.covers["time"] = (0.0, grid.duration)
 
@@ -78,19 +84,58 @@ class FieldLookup:
         rate[..., 2] = _sum(_sum(now, slope_z), along_y)
         rate[..., 3] = _sum(_sum(_sum(about, slope_t), along_z), along_y)
         rate[..., 0] = -rate[..., 3] / self.grid.speed
-        return _sum(here, along_y), rate
+        velocity, heights = _sum(here, along_y), np.asarray(points, dtype=float).reshape(-1, 3)[:, 2]
+        below = heights < self.grid.bottom if self.grid.tower_points else np.zeros(len(rate), dtype=bool)
+        if np.any(below):
+            velocity[below], rate[below] = self._in_tower(heights[below], *(x[below] for x in (t, along_t, slope_t)))
+        return velocity, rate
+
+    def _in_tower(self, z: Floats, t: NDArray[np.int64], along_t: Floats, slope_t: Floats) -> tuple[Floats, Floats]:
+        """As `evaluate`, at heights z (n,) below the plane, with the samples in time and their weights."""
+        grid = self.grid
+        depth = (grid.bottom - z) / grid.dz
+        k = np.minimum(depth.astype(int), grid.tower_points - 1)
+        part = np.minimum(depth - k, 1)[:, None]
+        upper, lower = self._line(t, k), self._line(t, k + 1)
+        down, along_z = _sum(lower - upper, along_t), np.hstack([1 - part, part])
+        rate = np.zeros((len(z), 3, 4))
+        here = np.stack([upper, lower], axis=1)
+        rate[..., 2] = -down / grid.dz * (depth < grid.tower_points)[:, None]
+        rate[..., 3] = _sum(_sum(here, along_z), slope_t)
+        rate[..., 0] = -rate[..., 3] / grid.speed
+        return _sum(_sum(here, along_z), along_t), rate
+
+    def _line(self, t: NDArray[np.int64], k: NDArray[np.int64]) -> Floats:
+        """Speeds (n, samples, 3) at time steps (n, samples) in point k (n,) of the tower; 0: above it, the plane."""
+        middle = slice((self.grid.columns - 1) // 2, self.grid.columns // 2 + 1)
+        plane = self._plane[t, 0, middle].mean(axis=2)
+        return self.field.speeds(np.where((k > 0)[:, None, None], self._tower[t, k[:, None] - 1], plane))
 
     def mean(self, y: float, z: float) -> float:
         """Mean over the field's time of u [m/s] at (y, z)."""
         points = np.array([[0.0, y, z]])
         self._check(*self._cells(points, 0.0)[:2], axes=("y", "z"))
         grid = self.grid
+        below = z < grid.bottom and grid.tower_points
+        about, weights = self._tower_weights(z) if below else self._plane_weights(points)
+        total = sum(block[:, about, 0].sum(axis=0, dtype=float) for _, block in self.field.blocks())
+        return float((weights @ total / grid.steps - grid.offset[0]) / grid.slope[0])
+
+    def _plane_weights(self, points: Floats) -> tuple[NDArray[np.int64], Floats]:
+        """Numbers and weights of the stored points about one in the plane."""
         cells = list(zip(*self._cells(points, 0.0), strict=True))[:2]
         (columns, along_y, _), (rows, along_z, _) = (_cell(False, *cell, self.count) for cell in cells)
-        about = (rows[0][:, None] * grid.columns + columns[0]).ravel()
-        total = sum(block[:, about, 0].sum(axis=0, dtype=float) for _, block in self.field.blocks())
-        stored = along_z[0] @ total.reshape(len(rows[0]), -1) @ along_y[0] / grid.steps
-        return float((stored - grid.offset[0]) / grid.slope[0])
+        about = rows[0][:, None] * self.grid.columns + columns[0]
+        return about.ravel(), np.outer(along_z[0], along_y[0]).ravel()
+
+    def _tower_weights(self, z: float) -> tuple[NDArray[np.int64], Floats]:
+        """Numbers and weights of the stored points about one below the plane."""
+        grid = self.grid
+        depth = (grid.bottom - z) / grid.dz
+        k = min(int(depth), grid.tower_points - 1)
+        part, tower = min(depth - k, 1.0), grid.rows * grid.columns
+        above = [(grid.columns - 1) // 2, grid.columns // 2] if k == 0 else [tower + k - 1] * 2
+        return np.array([*above, tower + k]), np.array([(1 - part) / 2, (1 - part) / 2, part])
 
     def field_time(self, x: ArrayLike, time: ArrayLike) -> Floats:
         """Time of the field [s] that position x [m] sees at `time` [s]."""
@@ -109,12 +154,13 @@ class FieldLookup:
         for axis, n, position in zip(AXES, cells, place, strict=True):
             if axis not in self.covers or axis not in axes:
                 continue
-            outside = ~((position >= -_MARGIN) & (position <= n - 1 + _MARGIN))
+            first = -self.grid.tower_points if axis == "z" else 0
+            outside = ~((position >= first - _MARGIN) & (position <= n - 1 + _MARGIN))
             if np.any(outside):
                 i = int(np.argmax(outside))
                 low, high = self.covers[axis]
                 value, unit = low + position[i] * (high - low) / (n - 1), _UNITS[axis]
-                remedy = "a longer" if axis == "time" else "a larger"
+                low, remedy = self.lowest if axis == "z" else low, "a longer" if axis == "time" else "a larger"
                 raise ParameterError(
                     f"{self.field.path}: the wind field is too small: point {i} is at {axis} = {value:g} {unit}, and "
                     f"the field covers {low:g} to {high:g} {unit}; use {remedy} field."

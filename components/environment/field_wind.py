@@ -150,21 +150,27 @@ def _twin(handle: float) -> FieldLookup:
     raise RuntimeError(_refused[0])
 
 
-def field_velocity(lookup: FieldLookup, time: Any, positions: Any) -> Any:
+def field_velocity(lookup: FieldLookup, time: Any, positions: Any, reach: str = "tower") -> Any:
     """Velocities (3, n) at `positions` (3, n), both along the axes of the field; while flattening.
 
-    A run in which one of the points leaves the field stops there.
+    reach: down to the lowest row of the "plane", to the lowest point of the "tower", or to the "ground", to which the
+    wind below both falls linearly to nothing. A run in which one of the points leaves this range stops there.
     """
     positions = ca.densify(ca.SX(positions))  # fixed points are numbers
-    points, grid = positions.shape[1], lookup.grid
+    points, grid, lowest, fall = positions.shape[1], lookup.grid, lookup.lowest, 1.0
+    if reach == "ground":
+        fall = m.fmax(m.fmin(positions[2, :] / lowest, 1), 0) if lowest > 0 else 1.0
+        positions = m.vertcat(positions[:2, :], m.fmax(positions[2, :], lowest))
     places = {"y": positions[1, :], "z": positions[2, :]}
     if not grid.periodic:
         places["time"] = time + (lookup.shift - positions[0, :]) / grid.speed
     for axis, (low, high) in lookup.covers.items():
+        low = lowest if axis == "z" and reach != "plane" else low
         active().check_range(places[axis].T, low, high, "", axis, _outside(lookup, axis, low, high, points))
     function = field_function(lookup, points)
     result = function(field=field_handle(lookup), time=time, positions=positions)["velocities"]
-    return m.horzcat(*[result[3 * i : 3 * i + 3] for i in range(points)])
+    velocities = m.horzcat(*[result[3 * i : 3 * i + 3] for i in range(points)])
+    return velocities * ca.repmat(fall, 3, 1) if reach == "ground" and lowest > 0 else velocities
 
 
 def _outside(lookup: FieldLookup, axis: str, low: float, high: float, points: int) -> str:

@@ -6,8 +6,8 @@
    Then wind and jac_wind can be called.
 
    Input: handle, time [s], then x, y, z [m] of each point. Output: u, v, w [m/s] of each point. The Jacobian is sparse:
-   a point depends on its own three coordinates and the time. Beyond the edge the value of the edge is returned; the
-   caller checks the range. Where a file cannot be read, or has changed since it was made known, a call returns 1, and
+   a point depends on its own three coordinates and the time. Below the plane the points of the tower serve, linear in
+   z, whatever y is. Beyond the edge the value of the edge is returned; the caller checks the range. Where a file cannot be read, or has changed since it was made known, a call returns 1, and
    wind_problem() says why, once.
 
    Memory: no file is held as a whole. Blocks of time steps, as float, are read where they are needed into a pool of at
@@ -45,7 +45,7 @@ enum { BLOCKS = 32, BLOCK_BYTES = 1 << 18 };
 typedef struct {
     double handle, half_width, bottom, shift, per_dy, per_dz, per_dt, per_speed, per_slope[3], offset[3];
     char *path;
-    int rows, columns, steps, periodic, samples, steps_of_block, *place;
+    int rows, columns, tower, steps, periodic, samples, steps_of_block, *place;
     unsigned seen;
     long long stride, data, size, modified;
 } Field;
@@ -125,9 +125,9 @@ static int read_header(Field *f, FILE *file) {
     unsigned char h[HEADER];
     if (status_of(file, &f->size, &f->modified) || fread(h, 1, HEADER, file) < HEADER) return 1;
     const int kind = number(h);
-    const long long tower = whole(h + 10), length = whole(h + 66);
+    const long long length = whole(h + 66);
     f->periodic = kind == PERIODIC;
-    f->rows = whole(h + 2), f->columns = whole(h + 6), f->steps = whole(h + 14);
+    f->rows = whole(h + 2), f->columns = whole(h + 6), f->tower = whole(h + 10), f->steps = whole(h + 14);
     const double dz = real(h + 18), dy = real(h + 22), dt = real(h + 26), speed = real(h + 30);
     f->bottom = real(h + 38);
     for (int i = 0; i < 3; i++) {
@@ -136,11 +136,11 @@ static int read_header(Field *f, FILE *file) {
         if (!isfinite(slope) || !isfinite(f->offset[i]) || slope == 0) return 1;
     }
     if (kind != PERIODIC && kind != ENDING) return 1;
-    if (f->rows < f->samples || f->columns < f->samples || f->steps < f->samples || tower < 0 || length < 0) return 1;
+    if (f->rows < f->samples || f->columns < f->samples || f->steps < f->samples || f->tower < 0 || length < 0) return 1;
     if (!(dz > 0 && dy > 0 && dt > 0 && speed > 0 && isfinite(f->bottom))) return 1;
     f->half_width = 0.5 * (f->columns - 1) * dy;
     f->per_dz = 1 / dz, f->per_dy = 1 / dy, f->per_dt = 1 / dt, f->per_speed = 1 / speed;
-    f->stride = 3 * ((long long)f->rows * f->columns + tower);
+    f->stride = 3 * ((long long)f->rows * f->columns + f->tower);
     f->data = HEADER + length;
     return (f->size - f->data) / (2 * f->stride) < f->steps;
 }
@@ -359,6 +359,35 @@ ALWAYS const float *corner(Look *look, double time, const double *r, Cell *y, Ce
     return look->numbers + (t->first - look->first) * f->stride + 3 * ((long long)z->first * f->columns + y->first);
 }
 
+/* Below the plane, from the stored numbers of the first time step: out, and unless it is NULL by_time and own. The point
+   above is one of the tower or, from the lowest row, the middle of the plane; y has no part. */
+static void in_tower(const Field *f, const float *slice, const Cell *t, double z, double *out, double *by_time, double *own) {
+    const double depth = (f->bottom - z) * f->per_dz, held = depth < f->tower ? depth : f->tower;
+    const int k = held < f->tower ? (int)held : f->tower - 1;
+    const double part = held - k, per_dz = depth < f->tower ? f->per_dz : 0;
+    const long long tower = (long long)f->rows * f->columns, above = tower + k - 1;
+    const long long left = 3 * (k ? above : (f->columns - 1) / 2), right = 3 * (k ? above : f->columns / 2);
+    for (int i = 0; i < 3; i++) {
+        double sum = -f->offset[i], change = 0, up = 0;
+        for (int j = 0; j < f->samples; j++) {
+            const float *now = slice + j * f->stride + i;
+            const double upper = 0.5 * ((double)now[left] + now[right]), lower = now[3 * (tower + k)];
+            const double here = upper + part * (lower - upper);
+            sum += t->weight[j] * here, change += t->slope[j] * here, up += t->weight[j] * (upper - lower);
+        }
+        if (out) out[i] = sum * f->per_slope[i];
+        if (!by_time) continue;
+        by_time[i] = change * f->per_slope[i];
+        own[i] = -by_time[i] * f->per_speed, own[3 + i] = 0, own[6 + i] = up * per_dz * f->per_slope[i];
+    }
+}
+
+/* Where a point lies below the plane of a field that has a tower, the stored numbers of its first time step. */
+ALWAYS const float *beside_tower(const Field *f, const float *slice, double height, const Cell *y, const Cell *z) {
+    if (!(f->tower && height < f->bottom)) return NULL;
+    return slice - 3 * ((long long)z->first * f->columns + y->first);
+}
+
 /* Velocities at all points. */
 ALWAYS int velocities(Look *look, const double *column, double *out, const int samples) {
     const double *r = column + 2;
@@ -366,6 +395,11 @@ ALWAYS int velocities(Look *look, const double *column, double *out, const int s
         Cell y, z, t;
         const float *slice = corner(look, column[1], r, &y, &z, &t, samples);
         if (!slice) return 1;
+        const float *first = beside_tower(&look->f, slice, r[2], &y, &z);
+        if (first) {
+            in_tower(&look->f, first, &t, r[2], out, NULL, NULL);
+            continue;
+        }
         double line[12] = {0}; /* u, v, w of the columns about the point, at its height and time */
         for (int i = 0; i < samples; i++, slice += look->f.stride) {
             const float *row = slice;
@@ -393,6 +427,11 @@ ALWAYS int derivatives(Look *look, const double *column, double *by_time, double
         Cell y, z, t;
         const float *slice = corner(look, column[1], r, &y, &z, &t, samples);
         if (!slice) return 1;
+        const float *first = beside_tower(&look->f, slice, r[2], &y, &z);
+        if (first) {
+            in_tower(&look->f, first, &t, r[2], NULL, by_time, own);
+            continue;
+        }
         double line[12] = {0}, rise[12] = {0}, rate[12] = {0};
         for (int i = 0; i < samples; i++, slice += look->f.stride) {
             const float *row = slice;

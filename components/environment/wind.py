@@ -103,15 +103,17 @@ class Wind(Component):
     def drawing(self):
         return [] if self.kind == "none" else _arrows(self)
 
-    def velocity(self, r: ca.SX, station: int = 0) -> ca.SX:
+    def velocity(self, r: ca.SX, station: int = 0, reach: str = "tower") -> ca.SX:
         """Wind velocities (3, n, world) at n positions r (3, n, world), with the series of a station; while flattening.
 
-        A field needs no station: it knows u, v, w everywhere. One call for all nodes of a rotor costs the least.
+        A field needs no station: it knows u, v, w everywhere. One call for all nodes of a rotor costs the least. reach:
+        how far down a field serves, to the lowest row of its "plane", the lowest point of its "tower", or the "ground",
+        with a wind that falls linearly to nothing from there; see field_lookup.
         """
         r = _positions(r)
         if self.kind == "field":
             world = m.rotation_z(self.direction)  # from the axes of the field
-            return world @ field_velocity(_lookup(self), self.time, world.T @ r)
+            return world @ field_velocity(_lookup(self), self.time, world.T @ r, reach)
         return _along(self, r, station)
 
     def require(self, y_range: tuple[float, float], z_range: tuple[float, float], who: str) -> None:

@@ -10,6 +10,7 @@ from scipy.interpolate import Akima1DInterpolator, CubicSpline
 from scipy.io import netcdf_file
 
 from fowtlib.components.hydro import wamit
+from fowtlib.components.hydro.conventions import check_conventions
 from fowtlib.components.hydro.errors import HydrodynamicDataError
 
 _MODES = ("surge", "sway", "heave", "roll", "pitch", "yaw")
@@ -55,7 +56,8 @@ class HydrodynamicDatabase:
     source              one line on the origin of the data
 
     Checked when made: shapes, finite numbers, A and B symmetric within 5 % of sqrt(M_ii M_jj), no negative damping on
-    the diagonal (0.1 % of the mode's maximum is forgiven). Raises HydrodynamicDataError. The arrays are read-only.
+    the diagonal (0.1 % of the mode's maximum is forgiven). Data from files and from the panel method must have the
+    limit of long waves besides (module conventions). Raises HydrodynamicDataError. The arrays are read-only.
 
     Source: Newman, Marine Hydrodynamics (1977), chapter 6; Falnes, Ocean Waves and Oscillating Systems (2002), ch. 5.
     """
@@ -104,7 +106,7 @@ class HydrodynamicDatabase:
     @classmethod
     def from_wamit(cls, stem: str | Path, *, volume: float, centre_of_buoyancy, rho: float, g: float,
                    water_depth: float, length: float = 1.0, source: str = "") -> HydrodynamicDatabase:
-        """Read `stem`.1, `stem`.3 and `stem`.hst (see the module wamit for their conventions).
+        """Read `stem`.1, `stem`.3 and `stem`.hst (see the module wamit for their conventions, which are checked).
 
         volume [m^3] and centre_of_buoyancy [m] stand in the .out file of WAMIT only; length [m] is ULEN of the run.
         """
@@ -120,10 +122,11 @@ class HydrodynamicDatabase:
                 f"{stem}.3: its periods ({_range(excitation.omega)}) are not those of {stem}.1 "
                 f"({_range(radiation.omega)}); both must come from the same WAMIT run")
         C = wamit.read_hydrostatics(stem + ".hst", rho=rho, g=g, length=length)
-        return cls(omega=radiation.omega, heading=excitation.heading, A=radiation.A, B=radiation.B,
+        data = cls(omega=radiation.omega, heading=excitation.heading, A=radiation.A, B=radiation.B,
                    A_inf=radiation.A_inf, A_zero=radiation.A_zero, X=excitation.X, C=C, volume=volume,
                    centre_of_buoyancy=centre_of_buoyancy, rho=rho, g=g, water_depth=water_depth,
                    source=source or f"WAMIT {Path(stem).name}")
+        return data._checked(stem)
 
     @classmethod
     def read(cls, path: str | Path) -> HydrodynamicDatabase:
@@ -144,9 +147,18 @@ class HydrodynamicDatabase:
         fields = {attribute: data.get(name) for name, (attribute, *_) in _VARIABLES.items()}
         fields["X"] = data["excitation_real"] + 1j * data["excitation_imaginary"]
         try:
-            return cls(**fields, source=source.decode() if isinstance(source, bytes) else str(source))
+            data = cls(**fields, source=source.decode() if isinstance(source, bytes) else str(source))
         except HydrodynamicDataError as error:
             raise HydrodynamicDataError(f"{path}: {error}") from None
+        return data._checked(path)
+
+    def _checked(self, place: str | Path) -> HydrodynamicDatabase:
+        """The same, once its conventions are known to be right. Raises HydrodynamicDataError with its place."""
+        try:
+            check_conventions(self)
+        except HydrodynamicDataError as error:
+            raise HydrodynamicDataError(f"{place}: {error}") from None
+        return self
 
     def write(self, path: str | Path) -> None:
         """Write a netCDF file (format 3, no further library needed) that `read` reads; units are attributes."""

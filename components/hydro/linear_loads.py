@@ -102,9 +102,9 @@ class Hydrostatics(PlatformLoad):
 
     volume: Scalar = param(unit="m^3", min=0, doc="displaced volume at rest")
     centre_of_buoyancy: Vector = param(unit="m", doc="centre of that volume, resolved in the frame")
-    stiffness: Array = param(shape=(6, 6), structural=True, doc="C_w, without buoyancy moments, SI")
+    stiffness: Array = param(shape=(6, 6), doc="C_w, without buoyancy moments, SI")
     reference_density: float = param(default=1025.0, unit="kg/m^3", min=0, doc="water density rho_0 of C_w")
-    position: Vector = param(default=(0, 0, 0), unit="m", structural=True, doc="place of the frame at rest, world")
+    position: Vector = param(default=(0, 0, 0), unit="m", doc="place of the frame at rest, world")
 
     world: World = outer(World)
 
@@ -142,7 +142,7 @@ class AddedMass(PlatformLoad):
     Source: W.E. Cummins, Schiffstechnik 9 (1962) 101-109.
     """
 
-    matrix: Array = param(shape=(6, 6), structural=True, doc="added mass at infinite frequency, SI")
+    matrix: Array = param(shape=(6, 6), doc="added mass at infinite frequency, SI")
     reference_density: float = param(default=1025.0, unit="kg/m^3", min=0, doc="water density rho_0 of the matrix")
 
     world: World = outer(World)
@@ -157,7 +157,7 @@ class LinearDamping(PlatformLoad):
 
     translation: Vector = param(default=(0, 0, 0), unit="N*s/m", doc="damping of surge, sway, heave")
     rotation: Vector = param(default=(0, 0, 0), unit="N*m*s/rad", doc="damping of roll, pitch, yaw")
-    matrix: Array = param(default=np.zeros((6, 6)), shape=(6, 6), structural=True, doc="damping matrix, SI")
+    matrix: Array = param(default=np.zeros((6, 6)), shape=(6, 6), doc="damping matrix, SI")
 
     def equations(self):
         velocity = self.in_own_axes(self.velocity())
@@ -171,6 +171,8 @@ class Radiation(PlatformLoad):
     The model is identified from the damping of the database while the model is flattened (0.1 s), see
     radiation_identification; str(radiation.model()) reports the fit.
     """
+
+    memory = "radiated waves"
 
     database: str = param(doc="file of a HydrodynamicDatabase")
     order: int = param(default=4, min=2, doc="states per motion (surge, sway, ...); coupled motions share theirs")

@@ -36,7 +36,7 @@ class MorisonDrag(Component):
     points: Array = param(unit="m", structural=True, doc="points (n, 3) along the axis, resolved in the frame")
     diameters: Array = param(unit="m", min=0, doc="diameter at each point")
     drag_coefficient: Scalar = param(min=0, doc="C_d across the axis, on the diameter")
-    end_drag: Array = param(default=(0, 0), structural=True, doc="C_e of the first and the last point, on the area")
+    end_drag: Array = param(default=(0, 0), shape=(2,), min=0, doc="C_e of the first and the last point, on the area")
     slices: int = param(default=12, min=1, doc="quadrature points on the whole member")
     position: Vector = param(default=(0, 0, 0), unit="m", structural=True, doc="place of the frame at rest, world")
 
@@ -49,13 +49,13 @@ class MorisonDrag(Component):
 
     def equations(self):
         try:
-            wet = member_quadrature(self.points, self.slices, self.end_drag, self.position[2])
+            wet = member_quadrature(self.points, self.slices, self.position[2])
         except ValueError as error:
             raise ParameterError(f"{self.label}.points: {error}") from None
         diameters = m.mtimes(wet.weights, self.diameters)
         half = self.world.water_density / 2
         across = half * self.drag_coefficient * diameters * wet.lengths
-        along = half * m.pi / 4 * diameters**2 * wet.end_drag
+        along = half * m.pi / 4 * diameters**2 * m.mtimes(wet.ends, self.end_drag)
         still = m.zeros(len(wet.places), 3)
         water = self.sea.velocity(wet.places + self.position) if self.sea is not None else still
         force, moment, R, v = m.zeros(3), m.zeros(3), self.frame.R, der(self.frame.r)
@@ -77,20 +77,21 @@ class MorisonDrag(Component):
 class Quadrature:
     """Sections of a member under water: where its drag is evaluated.
 
-    places (k, 3) [m], axes (k, 3), lengths (k,) [m] that a section stands for, end_drag (k,) and weights (k, n), which
-    give the diameters of the sections from those of the points.
+    places (k, 3) [m], axes (k, 3), lengths (k,) [m] that a section stands for, ends (k, 2): 1 where it is the first or
+    the last point, and weights (k, n), which give the diameters of the sections from those of the points.
     """
 
     places: Floats
     axes: Floats
     lengths: Floats
-    end_drag: Floats
+    ends: Floats
     weights: Floats
 
 
-def member_quadrature(points: ArrayLike, slices: int, end_drag: ArrayLike = (0, 0), height: float = 0.0) -> Quadrature:
-    """Gauss points on the wet part of a member through `points` (n, 3), whose frame is `height` above the still water.
+def member_quadrature(points: ArrayLike, slices: int, height: float = 0.0) -> Quadrature:
+    """Gauss points on the wet part of a member through `points` (n, 3), and its ends that are wet.
 
+    height: of its frame above the still water [m].
     Raises ValueError for a member without length or above the water.
     """
     points = np.asarray(points, dtype=float)
@@ -107,7 +108,7 @@ def member_quadrature(points: ArrayLike, slices: int, end_drag: ArrayLike = (0, 
     counts = np.where(roots > 0, np.maximum(2, np.rint(slices * roots / roots.sum())), 0).astype(int)
     places, axes, portions, ends, weights = [], [], [], [], []
 
-    def section(piece: int, s: float, length: float, end: float) -> None:
+    def section(piece: int, s: float, length: float, end: tuple[float, float] = (0.0, 0.0)) -> None:
         places.append(points[piece] + s * steps[piece])
         axes.append(steps[piece] / lengths[piece])
         portions.append(length)
@@ -117,10 +118,10 @@ def member_quadrature(points: ArrayLike, slices: int, end_drag: ArrayLike = (0, 
     for piece, (count, (low, high)) in enumerate(zip(counts, wet, strict=True)):
         if count:
             for x, w in zip(*np.polynomial.legendre.leggauss(count), strict=True):
-                section(piece, low + (high - low) * (1 + x) / 2, w / 2 * (high - low) * lengths[piece], 0.0)
-    for point, piece, s, coefficient in ((0, 0, 0.0, end_drag[0]), (-1, len(steps) - 1, 1.0, end_drag[1])):
-        if coefficient and points[point, 2] + height <= 0:
-            section(piece, s, 0.0, float(coefficient))
+                section(piece, low + (high - low) * (1 + x) / 2, w / 2 * (high - low) * lengths[piece])
+    for point, piece, s, end in ((0, 0, 0.0, (1.0, 0.0)), (-1, len(steps) - 1, 1.0, (0.0, 1.0))):
+        if points[point, 2] + height <= 0:
+            section(piece, s, 0.0, end)
     return Quadrature(*(np.array(column) for column in (places, axes, portions, ends, weights)))
 
 

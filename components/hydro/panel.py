@@ -24,6 +24,7 @@ from dataclasses import replace
 import numpy as np
 
 from fowtlib.components.hydro import panel_mesh
+from fowtlib.components.hydro.conventions import check_conventions
 from fowtlib.components.hydro.database import HydrodynamicDatabase
 from fowtlib.components.hydro.errors import HydrodynamicDataError, MissingExtraError
 from fowtlib.components.hydro.panel_mesh import Column, Pontoon
@@ -106,8 +107,10 @@ def compute(
         volume=volume, centre_of_buoyancy=buoyancy, rho=rho, g=g, water_depth=water_depth,
         source=source or f"Capytaine {cpt.__version__}, {len(panels)} panels",
     )
-    return replace(database, **{name: (M + np.swapaxes(M, -1, -2)) / 2 for name, M in
-                                (("A", A), ("B", B), ("A_inf", A_inf), ("A_zero", A_zero))})
+    database = replace(database, **{name: (M + np.swapaxes(M, -1, -2)) / 2 for name, M in
+                                    (("A", A), ("B", B), ("A_inf", A_inf), ("A_zero", A_zero))})
+    check_conventions(database)
+    return database
 
 
 @contextlib.contextmanager

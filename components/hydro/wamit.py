@@ -21,6 +21,8 @@ level.
 The matrix of .hst contains buoyancy and waterplane terms only if the WAMIT run had no mass (as the files that OpenFAST
 uses); the weight belongs to the rigid bodies here.
 
+A heading in the first line (NUMHDR = 1) and a byte order mark are skipped.
+
 Pairs (I, J) that WAMIT leaves out by symmetry are zero, but a pair must be there for every period or for none. All
 results are in SI units, in the order of rising omega [rad/s] and heading [rad].
 
@@ -172,14 +174,28 @@ def read_hydrostatics(path: str | Path, *, rho: float, g: float, length: float =
 
 def _lines(path: Path) -> Iterator[tuple[int, list[str]]]:
     try:
-        text = path.read_text(encoding="utf-8")
+        text = path.read_text(encoding="utf-8-sig")  # with or without a byte order mark
     except UnicodeDecodeError:
         raise _error(path, None, "this is not a text file") from None
     except OSError as error:
         raise _error(path, None, f"cannot be read: {error.strerror or error}") from None
     for number, line in enumerate(text.split("\n"), start=1):
-        if words := line.split():
+        words = line.split()
+        if words and not (number == 1 and _header(words)):
             yield number, words
+
+
+def _header(words: list[str]) -> bool:
+    """Whether a first line is a heading (NUMHDR = 1 of WAMIT): half of its words or more are no numbers."""
+    return sum(_is_number(word) for word in words) <= len(words) / 2
+
+
+def _is_number(word: str) -> bool:
+    try:
+        float(word.replace("D", "E").replace("d", "e"))
+    except ValueError:
+        return False
+    return True
 
 
 def _number(path: Path, line: int, word: str) -> float:

@@ -36,6 +36,12 @@ class FreeMotion(TwoFrames):
     Reference: Modelica.Mechanics.MultiBody.Joints.FreeMotion; H. Goldstein, Classical Mechanics, appendix A (xyz).
     """
 
+    mode_names = {
+        **{name: f"{{parent}} {name}" for name in ("surge", "sway", "heave", "roll", "pitch", "yaw")},
+        **{f"velocity.{i}": f"{{parent}} {name}" for i, name in enumerate(("surge", "sway", "heave"))},
+        **{f"angle_rates.{i}": f"{{parent}} {name}" for i, name in enumerate(("roll", "pitch", "yaw"))},
+    }
+
     surge_start: Scalar = param(default=0.0, unit="m", doc="initial surge")
     sway_start: Scalar = param(default=0.0, unit="m", doc="initial sway")
     heave_start: Scalar = param(default=0.0, unit="m", doc="initial heave")

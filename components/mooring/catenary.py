@@ -1,18 +1,25 @@
-"""Elastic catenary over a flat seabed: the equations, a solver and the shape of the line, in NumPy.
+"""Elastic catenary, free or over a flat seabed: the equations, a solver and the shape of the line, in NumPy.
 
-The component CatenaryLine uses `span` with CasADi expressions; tests, pre-processing and plots use the rest.
+The component CatenaryLine uses `ends`, `flexibility` and `height` with CasADi expressions; tests, pre-processing and
+plots use the rest.
 
-The line lies in a vertical plane with the anchor at the origin, x towards the fairlead, z up; the seabed is z = 0. At
-the fairlead it has the tensions H (horizontal) and V (vertical: the weight of what hangs). With w the weight in water
-per length, L the unstretched length, V_a = max(V - w L, 0) the vertical pull on the anchor, B = max(L - V/w, 0) the
-length on the seabed and A the part of B that carries tension against the friction coefficient mu,
+The line lies in a vertical plane with its anchor at the origin, x towards the fairlead, z up; the seabed lies the
+clearance D >= 0 below the anchor. At the fairlead the line has the tensions H (horizontal) and V (vertical, positive:
+the line pulls down), at the anchor V_a (positive: the line pulls up). With w the weight in water per length, of either
+sign, L the unstretched length, B the length on the seabed and l = L - B what hangs, V - V_a = w l. With T and T_a the
+tensions at both ends of what hangs,
 
-    x = B + H/w [asinh(V/H) - asinh(V_a/H)] + [H (L - B) + H A - mu w A^2 / 2] / EA
-    z = [sqrt(H^2 + V^2) - sqrt(H^2 + V_a^2)] / w + (V^2 - V_a^2) / (2 w EA)
+    x = B + stretch of B + H l [2 artanh(u) / (u (T + T_a)) + 1 / EA],   u = w l / (T + T_a)
+    z = l (V + V_a) [1 / (T + T_a) + 1 / (2 EA)]
 
-holds on the seabed and lifted off it: the two cases meet with continuous first derivatives where the line lifts off.
-The code writes V |V| for V^2, so that a negative V, which an iteration may try, is no second solution.
-Source: J. Jonkman, NREL/TP-500-41958 (2007), eq. 2-35 to 2-38, where the two cases are written separately.
+This is the textbook catenary: artanh(u) is half of asinh(V/H) - asinh(V_a/H), and (V^2 - V_a^2) / (T + T_a) is T - T_a.
+Written so, nothing divides by w or by H: a line without weight in water is the straight elastic line, a line that
+floats is an arch, and a vertical line has the lateral stiffness H / x = 1 / (l [...]).
+
+The line touches the seabed where its lowest point would lie deeper than D: then V_a = -P, the pull of what hangs from
+the anchor to the seabed, T_P - H + P^2 / (2 EA) = w D, and B = L - (V + P) / w. For an anchor on the seabed D = P = 0.
+Friction holds a line on the seabed that lies towards its anchor (D = 0) and takes its tension up.
+Source: J. Jonkman, NREL/TP-500-41958 (2007), eq. 2-35 to 2-38, for D = 0 and w > 0.
 """
 
 from __future__ import annotations
@@ -25,17 +32,24 @@ import numpy as np
 from fowtlib.language.errors import ModelError
 
 SLACKNESS = 1e-3
-"""Horizontal tension, as a share of the line's weight, below which a line counts as slack; see `slack_length`."""
+"""Square root of the lateral stiffness, in weight over length, of a line of which half lies in a heap; see `heap`."""
+
+LIGHT = 1e-6
+"""Weight in water, as a share of the axial stiffness, below which a line counts as one without weight; see `scales`."""
 
 
 @dataclass(frozen=True)
 class Line:
-    """A mooring line: unstretched length [m], weight in water [N/m], axial stiffness EA [N], seabed friction [-]."""
+    """Unstretched length [m], weight in water [N/m], axial stiffness EA [N], seabed friction [-], clearance [m].
+
+    The clearance is the height of the anchor above the seabed; math.inf where there is no seabed.
+    """
 
     length: float
     weight: float
     axial_stiffness: float
     friction: float = 0.0
+    clearance: float = 0.0
 
 
 def weight_in_water(mass_per_length: Any, diameter: Any, gravity: Any = 9.80665, water_density: Any = 1025.0) -> Any:
@@ -43,64 +57,165 @@ def weight_in_water(mass_per_length: Any, diameter: Any, gravity: Any = 9.80665,
     return (mass_per_length - water_density * np.pi / 4 * diameter**2) * gravity
 
 
+# --- the equations, for numbers and expressions -----------------------------------------------------------------------
+
+
+def scales(line: Any, xp: Any = np) -> tuple[Any, Any, Any]:
+    """Forces [N]: the one by which tensions of the line are measured, the least tension, the share of a light line.
+
+    The first is the weight in water; for a line whose weight is less than LIGHT of its stiffness, LIGHT of its
+    stiffness. The least tension is added to the others by squares and keeps all derivatives finite where a line carries
+    nothing: 1e-8 of the weight; of a light line 0.3 LIGHT of the stiffness, which makes up for the shape that such a
+    line has no weight to take.
+    """
+    weight, floor = line.weight * line.length, LIGHT * line.axial_stiffness
+    light = floor**3 / (floor**2 + weight**2)
+    return xp.abs(weight) + light, 1e-8 * xp.abs(weight) + 0.3 * light, light
+
+
+def ends(horizontal: Any, vertical: Any, line: Any, xp: Any = np) -> tuple[Any, Any]:
+    """Vertical tension V_a at the anchor [N] and length B on the seabed [m]; see the module docstring."""
+    w, length, stiffness, V = line.weight, line.length, line.axial_stiffness, vertical
+    tiny, sinks = scales(line, xp)[1], w > 0
+    heavy = _if(xp, sinks, w, scales(line, xp)[0] / length)  # what does not sink touches no seabed
+    T = xp.sqrt(horizontal**2 + tiny**2)
+    drop = 2 * stiffness * heavy * xp.fmin(line.clearance, 10 * length)
+    rise = drop / (xp.sqrt((stiffness + T) ** 2 + drop) + stiffness + T)  # T_P - T
+    P = xp.sqrt(rise * (2 * T + rise) + (0.01 * tiny) ** 2) - 0.01 * tiny
+    free = V - w * length
+    below = xp.fmin(V, 0)  # only an iteration tries a fairlead under the seabed
+    V_anchor = _if(xp, sinks, xp.fmax(free, below - P), free)
+    return V_anchor, _if(xp, sinks, xp.fmax(length - (V - below + P) / heavy, 0), 0)
+
+
+def flexibility(horizontal: Any, vertical: Any, line: Any, xp: Any = np) -> Any:
+    """What the horizontal tension draws out of a line, per newton [m/N]; the length on the seabed is not part of it."""
+    V_anchor, grounded = ends(horizontal, vertical, line, xp)
+    held = _friction(horizontal, grounded, line, xp)
+    stretched = grounded * _if(xp, held < 1, 1 - held / 2, 0.5 / xp.fmax(held, 1))
+    hanging = (line.length - grounded) * _slope(horizontal, V_anchor, vertical, line, xp)
+    return hanging + stretched / line.axial_stiffness
+
+
+def height(horizontal: Any, vertical: Any, line: Any, xp: Any = np) -> Any:
+    """Height of the fairlead above the anchor [m]."""
+    V_anchor, grounded = ends(horizontal, vertical, line, xp)
+    rise = _rise(horizontal, V_anchor, vertical, line.length - grounded, line, xp)
+    # a fairlead under the seabed, which an iteration may try: goes on falling, so that it is no second solution
+    tiny = scales(line, xp)[1]
+    least = xp.sqrt(horizontal**2 + tiny**2)
+    return rise + grounded * xp.fmin(vertical, 0) * (1 / least + 1 / (2 * line.axial_stiffness))
+
+
+def held_back(horizontal: Any, vertical: Any, line: Any, xp: Any = np) -> Any:
+    """Share of the horizontal tension at the fairlead that the friction of the seabed takes, from 0 to 1."""
+    return xp.fmin(_friction(horizontal, ends(horizontal, vertical, line, xp)[1], line, xp), 1)
+
+
 def span(horizontal: Any, vertical: Any, line: Any, xp: Any = np) -> tuple[Any, Any]:
-    """Distances (x, z) [m] from anchor to fairlead for the fairlead tensions H > 0 and V [N]; see the module docstring.
+    """Distances (x, z) [m] from anchor to fairlead for fairlead tensions H >= 0 and V [N]; see the module docstring.
 
     `line` has the attributes of Line; `xp` is the mathematics of the arguments: numpy, or fowtlib.language.math.
     """
-    length, w, stiffness = line.length, line.weight, line.axial_stiffness
-    H, V = horizontal, vertical
-    V_anchor, grounded = xp.fmax(V - w * length, 0), xp.fmax(length - V / w, 0)
-    pulled = xp.fmin(grounded, H / (w * xp.fmax(line.friction, 1e-9)))
-    T, T_anchor = xp.sqrt(H**2 + V**2), xp.sqrt(H**2 + V_anchor**2)
-    asinh = getattr(xp, "asinh", np.arcsinh)
-    bow = H / w * (asinh(V / H) - asinh(V_anchor / H))
-    stretch = (H * (length - grounded + pulled) - line.friction * w * pulled**2 / 2) / stiffness
-    height = (V * xp.abs(V) - V_anchor**2) / w * (1 / (T + T_anchor) + 1 / (2 * stiffness))
-    return grounded + bow + stretch, height
+    grounded = ends(horizontal, vertical, line, xp)[1]
+    x = grounded + horizontal * flexibility(horizontal, vertical, line, xp)
+    return x, height(horizontal, vertical, line, xp)
 
 
-def tension_from(coordinate: Any, line: Any, xp: Any = np) -> Any:
-    """Horizontal tension H > 0 [N] of any real coordinate p, where p = H / (w L) - slack_length / L."""
-    return line.weight * line.length * (coordinate + xp.sqrt(coordinate**2 + 4 * SLACKNESS**2)) / 2
+def heap(coordinate: Any, line: Any, xp: Any = np) -> tuple[Any, Any]:
+    """Lateral stiffness k = H / x > 0 [N/m] of any real coordinate p, and the share of B that is heaped up.
 
-
-def slack_length(horizontal: Any, line: Any) -> Any:
-    """The excess of line [m] heaped up on the seabed, which makes H > 0 for every position of the fairlead.
-
-    A line with length to spare hangs vertically: H = 0, and no catenary reaches the fairlead. The exact statement,
-    H >= 0, slack >= 0, H slack = 0, is replaced by H slack = SLACKNESS^2 w L^2 (the log barrier of optimisation).
-    The span of a line in service changes by a few millimetres (1e-6 w L^2 / H), and the horizontal pull of a slack line
-    stays below SLACKNESS of its weight.
+    A line with length to spare hangs vertically: H = 0, and no catenary reaches the fairlead, because the excess lies
+    in a heap on the seabed. The exact statement, k >= 0, share >= 0, k share = 0, is replaced by
+    share = k0 / (k + k0), k0 = SLACKNESS^2 F / L with the force F of `scales`: a line in service loses some millimetres
+    of its span (1e-6 w B x / H), and a slack line pulls with 1e-6 of its weight. p = k L / F - share: a number that is
+    in proportion to the tension of a taut line, and to the length that a slack one has to spare. Because the share is
+    one of B, the force of a line on the seabed has a potential to about 1e-5 only.
     """
-    return SLACKNESS**2 * line.weight * line.length**2 / horizontal
+    force, least = scales(line, xp)[0], SLACKNESS**2
+    ratio = (coordinate - least + xp.sqrt((coordinate + least) ** 2 + 4 * least)) / 2
+    return ratio * force / line.length, ratio - coordinate
+
+
+def reached(horizontal: Any, vertical: Any, line: Any, xp: Any = np) -> Any:
+    """Horizontal distance x [m] from anchor to fairlead, as in `span`, less what is heaped up on the seabed.
+
+    With k = H / x in the share of `heap`, a quadratic equation for x.
+    """
+    grounded, H = ends(horizontal, vertical, line, xp)[1], horizontal
+    least = SLACKNESS**2 * scales(line, xp)[0] / line.length
+    drawn = H * flexibility(H, vertical, line, xp)
+    half = (H - least * drawn) / 2
+    return H * (drawn + grounded) / (half + xp.sqrt(half**2 + least * H * (drawn + grounded)))
+
+
+def _if(xp: Any, condition: Any, then: Any, otherwise: Any) -> Any:
+    return getattr(xp, "if_else", np.where)(condition, then, otherwise)
+
+
+def _friction(horizontal: Any, grounded: Any, line: Any, xp: Any) -> Any:
+    """What friction could hold over the horizontal tension; none where the line does not lie towards its anchor."""
+    least = xp.sqrt(horizontal**2 + scales(line, xp)[1] ** 2)
+    return _if(xp, line.clearance > 0, 0, line.friction * line.weight * grounded / least)
+
+
+def _slope(horizontal: Any, V_start: Any, V_end: Any, line: Any, xp: Any) -> Any:
+    """Horizontal distance per unstretched length and newton [1/N] of a hanging piece with these end tensions."""
+    square = horizontal**2 + scales(line, xp)[1] ** 2
+    T_start, T_end = xp.sqrt(square + V_start**2), xp.sqrt(square + V_end**2)
+    total, change = T_start + T_end, xp.abs(V_end - V_start)
+    u, sign = change / total, _if(xp, V_end < V_start, -1, 1)
+
+    def less(T: Any, V: Any) -> Any:  # T - V, without the loss of digits where both are large
+        return _if(xp, V > 0, square / (T + xp.abs(V)), T + xp.abs(V))
+
+    small, large = xp.fmin(u, 0.1) ** 2, xp.fmax(u, 0.1)
+    series = 1 / 15
+    for k in (13, 11, 9, 7, 5, 3, 1):
+        series = 1 / k + small * series
+    log = xp.log((total + change) / (less(T_end, sign * V_end) + less(T_start, -sign * V_start)))
+    return 2 * _if(xp, u < 0.1, series, log / (2 * large)) / total + 1 / line.axial_stiffness
+
+
+def _rise(horizontal: Any, V_start: Any, V_end: Any, length: Any, line: Any, xp: Any) -> Any:
+    """Height [m] that a hanging piece of this unstretched length gains."""
+    square = horizontal**2 + scales(line, xp)[1] ** 2
+    total = xp.sqrt(square + V_start**2) + xp.sqrt(square + V_end**2)
+    return length * (V_start + V_end) * (1 / total + 1 / (2 * line.axial_stiffness))
+
+
+# --- numbers ----------------------------------------------------------------------------------------------------------
 
 
 def fairlead_tension(x: float, z: float, line: Line) -> tuple[float, float]:
-    """Fairlead tensions (H, V) [N] of a line whose fairlead is x > 0 away from and z > 0 above its anchor [m].
+    """Fairlead tensions (H, V) [N] of a line whose fairlead is x >= 0 away from and z above its anchor [m].
 
     Both spans increase with their tension, so that two nested bracketed searches find the only solution, however far
-    from any estimate. Raises ModelError for a fairlead that is not above the seabed or at an undefined distance.
+    from any estimate. Raises ModelError for a fairlead that is under the seabed or at an undefined distance.
     """
     from scipy.optimize import brentq
 
-    if not (x > 0 and z > 0):
-        raise ModelError(f"the fairlead is at x = {x} m, z = {z} m from the anchor; a catenary needs both above 0.")
+    if not (x >= 0 and z > -line.clearance):
+        raise ModelError(
+            f"the fairlead is at x = {x} m, z = {z} m from the anchor, and the seabed is {line.clearance} m below the "
+            "anchor; a catenary needs x not below 0, and a fairlead above the seabed."
+        )
+    force = float(scales(line)[0])
 
     def rising_root(function: Any, low: float, step: float) -> float:
+        while function(low) > 0:
+            low, step = low - step, 2 * step
+        step = force
         while function(low + step) < 0:
             low, step = low + step, 2 * step
-        return brentq(function, low, low + step, xtol=1e-14 * line.weight * line.length, rtol=1e-14)
-
-    weight = line.weight * line.length
+        return brentq(function, low, low + step, xtol=1e-14 * force, rtol=1e-14)
 
     def vertical(horizontal: float) -> float:
-        return rising_root(lambda V: span(horizontal, V, line)[1] - z, 0.0, weight)
+        return rising_root(lambda V: float(height(horizontal, V, line)) - z, 0.0, force)
 
-    def excess(horizontal: float) -> float:
-        return span(horizontal, vertical(horizontal), line)[0] - slack_length(horizontal, line) - x
-
-    horizontal = rising_root(excess, 1e-9 * weight, weight)
+    if x == 0:
+        return 0.0, vertical(0.0)
+    horizontal = rising_root(lambda H: float(reached(H, vertical(H), line)) - x, 1e-30 * force, force)
     return horizontal, vertical(horizontal)
 
 
@@ -111,9 +226,9 @@ def stiffness(horizontal: float, vertical: float, line: Line) -> np.ndarray:
     from fowtlib.language import math as m
 
     H, V = ca.SX.sym("H"), ca.SX.sym("V")
-    x, z = span(H, V, line, m)
-    jacobian = ca.jacobian(ca.vertcat(x - slack_length(H, line), z), ca.vertcat(H, V))
-    return np.linalg.inv(np.array(ca.Function("flexibility", [H, V], [jacobian])(horizontal, vertical)))
+    jacobian = ca.jacobian(ca.vertcat(reached(H, V, line, m), height(H, V, line, m)), ca.vertcat(H, V))
+    numbers = max(horizontal, 1e-12 * float(scales(line)[0])), vertical
+    return np.linalg.inv(np.array(ca.Function("flexibility", [H, V], [jacobian])(*numbers)))
 
 
 def profile(horizontal: Any, vertical: Any, line: Line, points: int = 100) -> dict[str, np.ndarray]:
@@ -124,18 +239,22 @@ def profile(horizontal: Any, vertical: Any, line: Line, points: int = 100) -> di
     """
     w, s = line.weight, np.linspace(0.0, line.length, points)
     H, V = (np.asarray(value, dtype=float)[..., None] for value in (horizontal, vertical))
-    V_anchor, grounded = np.maximum(V - w * line.length, 0.0), np.maximum(line.length - V / w, 0.0)
-    V_s = np.where(s < grounded, 0.0, V - w * (line.length - s))
-    along = np.maximum(H - line.friction * w * np.maximum(grounded - s, 0.0), 0.0)
-    tension = np.hypot(along, V_s)
-    bow = H / w * (np.arcsinh(V_s / H) - np.arcsinh(V_anchor / H))
-    pulled = np.minimum(grounded, H / (w * max(line.friction, 1e-9)))
-    u = np.clip(s - (grounded - pulled), 0.0, pulled)
-    stretch = u * (H - line.friction * w * (pulled - u / 2)) + H * np.maximum(s - grounded, 0.0)
-    shortened = 1 - slack_length(H, line) / np.where(grounded > 0, grounded, line.length)
-    x = np.minimum(s, grounded) * shortened + bow + stretch / line.axial_stiffness
-    z = (np.hypot(H, V_s) - np.hypot(H, V_anchor)) / w + (V_s**2 - V_anchor**2) / (2 * w * line.axial_stiffness)
-    return {"arc_length": s, "x": x, "z": z, "tension": tension}
+    V_anchor, grounded = ends(H, V, line)
+    touch = np.where(grounded > 0, np.maximum(-V_anchor, 0) / (w if w > 0 else 1), 0.0)
+    lying = np.clip(s - touch, 0.0, grounded)
+    hanging = s - lying
+    V_s = V_anchor + w * hanging
+    held = _friction(H, grounded, line, np)
+    left = H * np.maximum(1 - held * (1 - lying / np.where(grounded > 0, grounded, 1.0)), 0.0)
+    pulled = grounded / np.maximum(held, 1)
+    u = np.clip(lying - (grounded - pulled), 0.0, pulled)
+    least = np.where(grounded > 0, held / np.where(grounded > 0, grounded, 1.0), 0.0)  # friction over H, per length
+    stretch = H * u * (1 - least * (pulled - u / 2)) / line.axial_stiffness
+    excess = span(H, V, line)[0] - reached(H, V, line)
+    shortened = 1 - excess / np.where(grounded > 0, grounded, line.length)
+    x = lying * shortened + stretch + H * hanging * _slope(H, V_anchor, V_s, line, np)
+    z = _rise(H, V_anchor, V_s, hanging, line, np)
+    return {"arc_length": s, "x": x, "z": z, "tension": np.hypot(left, V_s)}
 
 
 def profile_between(

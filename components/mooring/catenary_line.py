@@ -10,35 +10,47 @@ from fowtlib.language import math as m
 from fowtlib.language.declarations import join
 from fowtlib.language.errors import ParameterError
 
+LEVEL = 0.01
+"""Height [m] above or below the seabed up to which an end of a line lies on it."""
+
 
 class CatenaryLine(Component):
-    """Quasi-static elastic catenary from an anchor on the seabed to a fairlead; taut, slack, grounded or lifted.
+    """Quasi-static elastic catenary from an anchor to a fairlead: taut, slack, on the seabed, lifted or in mid-water.
 
-    Equations: fowtlib.components.mooring.catenary (Jonkman, NREL/TP-500-41958, 2007, section 2.6). Two algebraic
-    unknowns: the vertical tension, and a coordinate p = H / (w L) - slack / L of the horizontal one that keeps it
-    positive; Newton finds them from one fixed start. The line pulls its fairlead towards the anchor and down.
-    Valid for a flat seabed at the level of the anchor and a fairlead above it; no line dynamics, current or bending.
-    A slack line hangs vertically, its excess lies on the seabed, and it warns.
+    Equations: fowtlib.components.mooring.catenary (Jonkman, NREL/TP-500-41958, 2007, section 2.6, and lines that touch
+    no seabed, float or have no weight in water). Two algebraic unknowns, of the size of 1: the vertical tension over
+    the weight, and a coordinate of the lateral stiffness H / x, which is finite for a vertical line too; Newton finds
+    them from one fixed start. The line pulls its fairlead towards the anchor and, where it is heavy, down.
+    The seabed is flat and lies World.water_depth deep; the line touches it where it hangs down to it. An anchor within
+    1 cm of it lies on it, and friction acts on the line that lies towards it; of an anchor in mid-water the line hangs,
+    and friction is left out. No line dynamics, current or bending. A slack line hangs vertically, its excess lies on
+    the seabed, and it warns. Errors: an end below the seabed; a stretch beyond greatest_strain, up to which EA is taken
+    as constant; a line that would float at the surface. Warnings: half of greatest_strain; a tension above the breaking
+    load, where one is given.
     """
 
     length: Scalar = param(unit="m", min=0, doc="unstretched length")
     axial_stiffness: Scalar = param(unit="N", min=0, doc="axial stiffness EA")
     mass_per_length: Scalar = param(default=0.0, unit="kg/m", min=0, doc="mass per length in air")
     diameter: Scalar = param(default=0.0, unit="m", min=0, doc="diameter of a bar that displaces the same water")
-    weight_per_length: float = param(default=None, unit="N/m", min=0, doc="weight in water, instead of mass, diameter")
+    weight_per_length: Scalar = param(
+        default=None, unit="N/m", doc="weight in water, instead of mass, diameter; negative: the line floats up"
+    )
     friction: Scalar = param(default=0.0, min=0, doc="friction coefficient of the seabed")
     anchor_position: Vector = param(default=(0, 0, 0), unit="m", doc="anchor, world; unless a frame is its anchor")
+    greatest_strain: Scalar = param(default=0.1, min=0, doc="stretch per length up to which EA is constant")
+    breaking_load: Scalar = param(default=None, unit="N", min=0, doc="tension above which the line warns")
 
     world: World = outer(World)
     fairlead: Frame = port(doc="upper end")
     anchor: Frame = port(optional=True, doc="lower end, when the anchor is part of a body")
 
     weight: Scalar = var(unit="N/m", doc="weight in water per length")
-    coordinate: Scalar = var(start=1.0, doc="positive: horizontal tension over weight; negative: slack over length")
-    vertical_tension: Scalar = var(
-        unit="N", start=lambda self: 0.6 * self.length * _weight(self), doc="vertical tension at the fairlead"
-    )
+    clearance: Scalar = var(unit="m", doc="height of the anchor above the seabed; 0: it lies there")
+    coordinate: Scalar = var(start=1.0, doc="positive: lateral stiffness in w; negative: share of the line in a heap")
+    lift: Scalar = var(start=lambda self: _start(self), doc="vertical tension over weight of the line")
     horizontal_tension: Scalar = var(unit="N", doc="horizontal tension at the fairlead")
+    vertical_tension: Scalar = var(unit="N", doc="vertical tension at the fairlead; positive: the line pulls down")
     tension: Scalar = var(unit="N", doc="tension at the fairlead")
     anchor_tension: Scalar = var(unit="N", doc="tension at the anchor")
     seabed_length: Scalar = var(unit="m", doc="length of line on the seabed")
@@ -46,57 +58,87 @@ class CatenaryLine(Component):
     rise: Scalar = var(unit="m", doc="height of the fairlead above the anchor")
 
     def equations(self):
-        H, V, fairlead, reach = self.horizontal_tension, self.vertical_tension, self.fairlead, _reach(self)
-        pull = catenary.tension_from(self.coordinate, self, m)
-        x, z = catenary.span(pull, V, self, m)
-        plan, direction = m.vertcat(reach[0], reach[1]), m.vertcat(reach[0], reach[1]) / self.distance
-        H_anchor = m.fmax(H - self.friction * self.weight * self.seabed_length, 0)
-        V_anchor = m.fmax(V - self.weight * self.length, 0)
+        fairlead, reach = self.fairlead, self.fairlead.r - self.anchor.r
+        lateral, heaped = catenary.heap(self.coordinate, self, m)
+        H, V = lateral * self.distance, self.lift * catenary.scales(self, m)[0]
+        (V_anchor, grounded), left = catenary.ends(H, V, self, m), 1 - catenary.held_back(H, V, self, m)
+        plan = m.vertcat(reach[0], reach[1])
         return [
             eq(self.weight, _weight(self)),
-            eq(self.distance, m.smooth_norm(plan, 1e-6 * self.length)),
+            eq(self.clearance, m.fmax(self.anchor.r[2] + self.world.water_depth - LEVEL, 0)),
+            eq(self.distance, m.smooth_norm(plan, 1e-5 * self.length)),
             eq(self.rise, reach[2]),
-            eq(x - catenary.slack_length(pull, self), self.distance),
-            eq(z, self.rise),
-            eq(H, pull),
+            eq(grounded * (1 - heaped) + H * catenary.flexibility(H, V, self, m), self.distance),
+            eq(catenary.height(H, V, self, m), self.rise),
+            eq(self.horizontal_tension, H),
+            eq(self.vertical_tension, V),
             eq(self.tension, m.sqrt(H**2 + V**2)),
-            eq(self.anchor_tension, m.sqrt(H_anchor**2 + V_anchor**2)),
-            eq(self.seabed_length, m.fmax(self.length - V / self.weight, 0)),
-            [eq(fairlead.f, m.vertcat(H * direction, V)), eq(fairlead.t, m.zeros(3))],
-            _hold_anchor(self, m.vertcat(-H_anchor * direction, -V_anchor)),
-            assert_(self.rise > 0, "the fairlead is below its anchor, so that the line would cross the seabed"),
-            assert_(self.coordinate > 0, "the line is slack: it hangs vertically, its excess on the seabed", "warning"),
-            assert_(self.tension < 0.05 * self.axial_stiffness, "the line is stretched by more than 5 %", "warning"),
+            eq(self.anchor_tension, m.sqrt((H * left) ** 2 + V_anchor**2)),
+            eq(self.seabed_length, grounded),
+            [eq(fairlead.f, m.vertcat(lateral * plan, V)), eq(fairlead.t, m.zeros(3))],
+            _hold_anchor(self, m.vertcat(-lateral * left * plan, -V_anchor)),
+            *_limits(self, V_anchor),
         ]
 
     def drawing(self):
-        numbers = (self.parameter_value(name) for name in ("length", "axial_stiffness", "friction"))
-        length, stiffness, friction = numbers
+        length, *more = (self.parameter_value(name) for name in ("length", "axial_stiffness", "friction"))
 
         def form(at):
-            line = catenary.Line(length, at["weight"][0], stiffness, friction)  # the same at every moment
+            line = catenary.Line(length, at["weight"][0], *more, at["clearance"][..., None])  # weight: always the same
             return catenary.profile_between(at["anchor"], at["fairlead"], at["H"], at["V"], line, points=31)
 
-        scalars = {"H": "horizontal_tension", "V": "vertical_tension", "weight": "weight"}
+        scalars = {"H": "horizontal_tension", "V": "vertical_tension", "weight": "weight",
+                   "clearance": "clearance"}  # fmt: skip
         of = {key: join(self.path, name) for key, name in scalars.items()}
         diameter = self.parameter_value("diameter")
         return [shapes.Curve({**of, "anchor": self.anchor, "fairlead": self.fairlead}, form, diameter or None)]
 
 
-def _reach(line):
-    """From the anchor to the fairlead, world."""
-    return line.fairlead.r - line.anchor.r
+def _start(line):
+    """Start value of the lift: 0.6 of the weight."""
+    weight, stiffness = _weight(line), line.axial_stiffness
+    plain = catenary.Line(line.length, weight, stiffness)
+    return 0.6 * weight * line.length / catenary.scales(plain, m)[0]
+
+
+def _limits(line, V_anchor):
+    """What the equations hold for."""
+    depth, anchor, fairlead = line.world.water_depth, line.anchor.r[2], line.fairlead.r[2]
+    strain, least = m.fmax(line.tension, line.anchor_tension) / line.axial_stiffness, catenary.scales(line, m)[2]
+    # a line that floats is an arch, where it pulls up at both ends
+    peak = (m.sqrt(line.horizontal_tension**2 + V_anchor**2) - line.horizontal_tension) / m.fmax(-line.weight, 1e-9)
+    arched = m.if_else(line.weight < 0, m.fmin(V_anchor, -line.vertical_tension), 0) > 0
+    floats = m.if_else(arched, anchor + peak > m.fmax(m.fmax(anchor, fairlead), 0), 0)
+    breaking = [] if line.breaking_load is None else [
+        assert_(line.tension < line.breaking_load, "the tension of {tension} N is above the breaking load", "warning",
+                tension=line.tension)
+    ]  # fmt: skip
+    return [
+        assert_(anchor > -depth - LEVEL, "the anchor is at {z} m, below the seabed at {seabed} m (World.water_depth)",
+                z=anchor, seabed=-depth),
+        assert_(fairlead > -depth - LEVEL, "the fairlead is at {z} m, below the seabed at {seabed} m",
+                z=fairlead, seabed=-depth),
+        assert_(strain < line.greatest_strain, "the line is stretched by {strain} of its length; its axial stiffness "
+                "is taken as constant up to greatest_strain = {limit}", strain=strain, limit=line.greatest_strain),
+        assert_(m.logic_not(floats), "the line rises to the surface between its ends; a line that floats there is not "
+                "modelled"),
+        assert_(line.coordinate > 0, "the line is slack: it hangs vertically, its excess on the seabed", "warning"),
+        assert_(line.tension >= 2 * least, "the line is slack, and has no weight in water to hang by", "warning"),
+        assert_(strain < line.greatest_strain / 2, "the line is stretched by {strain} of its length, more than half of "
+                "greatest_strain", "warning", strain=strain),
+        *breaking,
+    ]  # fmt: skip
 
 
 def _weight(line):
     """Weight in water per length, given or from mass and diameter."""
-    given = line.weight_per_length
-    if (given is not None) == line.is_set("mass_per_length"):
+    given = line.parameter_value("weight_per_length") is not None
+    if given == line.is_set("mass_per_length"):
         raise ParameterError(
             f"{line.label} needs its weight once: give mass_per_length and diameter, or weight_per_length (in water)."
         )
-    if given is not None:
-        return given
+    if given:
+        return line.weight_per_length
     return catenary.weight_in_water(line.mass_per_length, line.diameter, line.world.gravity, line.world.water_density)
 
 
@@ -106,4 +148,10 @@ def _hold_anchor(line, load):
         return [eq(line.anchor.f, load), eq(line.anchor.t, m.zeros(3))]
     if not line.is_set("anchor_position"):
         raise ParameterError(f"{line.label} has no anchor: give anchor_position, or connect a frame to its anchor.")
+    z, seabed = float(line.parameter_value("anchor_position")[2]), -float(line.world.parameter_value("water_depth"))
+    if z < seabed - LEVEL:
+        raise ParameterError(
+            f"{line.label} has its anchor at z = {z:g} m, below the seabed: World.water_depth is {-seabed:g} m. "
+            "Change the depth of one to that of the other; an anchor above the seabed ends the line in mid-water."
+        )
     return [eq(line.anchor.r, line.anchor_position), fix_orientation(line.anchor, m.eye(3), m.zeros(3))]

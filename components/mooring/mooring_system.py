@@ -16,7 +16,10 @@ from fowtlib.language import Array, Component, Scalar, param, port
 from fowtlib.language import math as m
 from fowtlib.language.errors import ParameterError
 
-LINE_PROPERTIES = ("length", "axial_stiffness", "mass_per_length", "diameter", "friction")
+LINE_PROPERTIES = (
+    "length", "axial_stiffness", "mass_per_length", "diameter", "weight_per_length", "friction", "greatest_strain",
+    "breaking_load",
+)  # fmt: skip
 
 
 class MooringSystem(Component):
@@ -24,21 +27,25 @@ class MooringSystem(Component):
 
     Layout: `headings` (the directions of the lines seen from above, counter-clockwise from x) with fairlead radius and
     depth and anchor radius; or explicit lists of `fairleads` (in the body's frame) and `anchors` (world). A property of
-    the lines is one number, or one for each line. `yaw_stiffness` adds a YawSpring.
+    the lines is one number, or one for each line. `yaw_stiffness` adds a YawSpring. How many lines there are is fixed
+    when the model is built; all numbers may be changed afterwards.
     """
 
-    headings: Array = param(default=(), unit="rad", structural=True, doc="direction of each line")
+    headings: Array = param(default=None, unit="rad", doc="direction of each line")
     fairlead_radius: Scalar = param(default=0.0, unit="m", doc="distance of the fairleads from the centreline")
     fairlead_depth: Scalar = param(default=0.0, unit="m", doc="depth of the fairleads below the origin of the frame")
     anchor_radius: Scalar = param(default=0.0, unit="m", doc="distance of the anchors from the centreline")
     anchor_depth: Scalar = param(default=0.0, unit="m", doc="depth of the anchors below the still water level")
-    fairleads: Array = param(default=(), unit="m", structural=True, doc="fairleads (n, 3), resolved in the frame")
-    anchors: Array = param(default=(), unit="m", structural=True, doc="anchors (n, 3), world")
+    fairleads: Array = param(default=None, unit="m", doc="fairleads (n, 3), resolved in the frame")
+    anchors: Array = param(default=None, unit="m", doc="anchors (n, 3), world")
     length: Array = param(unit="m", min=0, doc="unstretched length")
     axial_stiffness: Array = param(unit="N", min=0, doc="axial stiffness EA")
-    mass_per_length: Array = param(unit="kg/m", min=0, doc="mass per length in air")
+    mass_per_length: Array = param(default=None, unit="kg/m", min=0, doc="mass per length in air")
     diameter: Array = param(default=0.0, unit="m", min=0, doc="diameter of a bar that displaces the same water")
+    weight_per_length: Array = param(default=None, unit="N/m", doc="weight in water, instead of mass and diameter")
     friction: Array = param(default=0.0, min=0, doc="friction coefficient of the seabed")
+    greatest_strain: Array = param(default=0.1, min=0, doc="stretch per length up to which EA is constant")
+    breaking_load: Array = param(default=None, unit="N", min=0, doc="tension above which a line warns")
     yaw_stiffness: Scalar = param(default=0.0, unit="N*m/rad", min=0, doc="yaw stiffness of the delta lines")
 
     frame: Frame = port(doc="frame of the body, on the centreline")
@@ -46,7 +53,7 @@ class MooringSystem(Component):
     def build(self):
         for i, (fairlead, anchor) in enumerate(self.layout()):
             arm = self.add(f"fairlead_{i + 1}", FixedTranslation(r=fairlead))
-            properties = {name: self._of_line(name, i) for name in LINE_PROPERTIES}
+            properties = {name: self._of_line(name, i) for name in LINE_PROPERTIES if self._has(name)}
             line = self.add(f"line_{i + 1}", CatenaryLine(anchor_position=anchor, **properties))
             self.connect(self.frame, arm.frame_a)
             self.connect(arm.frame_b, line.fairlead)
@@ -59,7 +66,8 @@ class MooringSystem(Component):
 
     def layout(self) -> list[tuple[Any, Any]]:
         """Fairlead (in the frame of the body) and anchor (world) of each line."""
-        if len(self.headings) and not (len(self.fairleads) or len(self.anchors)):
+        headings, fairleads, anchors = (self._count(name) for name in ("headings", "fairleads", "anchors"))
+        if headings and not (fairleads or anchors):
             for name in ("fairlead_radius", "fairlead_depth", "anchor_radius", "anchor_depth"):
                 if not self.is_set(name):
                     raise ParameterError(f"{self.label}.{name} is needed with headings: {self.parameters[name].doc}")
@@ -68,14 +76,21 @@ class MooringSystem(Component):
                     m.vertcat(self.fairlead_radius * c, self.fairlead_radius * s, -self.fairlead_depth),
                     m.vertcat(self.anchor_radius * c, self.anchor_radius * s, -self.anchor_depth),
                 )
-                for c, s in zip(np.cos(self.headings), np.sin(self.headings), strict=True)
+                for c, s in ((m.cos(self.headings[i]), m.sin(self.headings[i])) for i in range(headings))
             ]
-        fairleads, anchors = np.atleast_2d(self.fairleads), np.atleast_2d(self.anchors)
-        if len(self.headings) or fairleads.shape != anchors.shape or fairleads.shape[1] != 3:
+        points = {np.shape(self.parameter_value(name)) for name in ("fairleads", "anchors")}
+        if headings or points != {(fairleads, 3)}:
             raise ParameterError(
                 f"{self.label} needs its layout once: give headings, or fairleads and anchors, lists of as many points."
             )
-        return list(zip(fairleads, anchors, strict=True))
+        ends = (self.fairleads, self.anchors)
+        return [tuple(m.vertcat(*(end[i, k] for k in range(3))) for end in ends) for i in range(fairleads)]
+
+    def _has(self, name: str) -> bool:
+        return self.parameter_value(name) is not None
+
+    def _count(self, name: str) -> int:
+        return len(np.atleast_1d(self.parameter_value(name))) if self._has(name) else 0
 
     def _of_line(self, name: str, i: int) -> Any:
         value, shape = getattr(self, name), np.shape(self.parameter_value(name))
@@ -92,11 +107,14 @@ class MooringSystem(Component):
         """
         force, states = np.zeros(3), []
         for i, (fairlead, anchor) in enumerate(self.layout()):
-            values = {name: float(np.asarray(self._of_line(name, i))) for name in LINE_PROPERTIES}
-            w = catenary.weight_in_water(values["mass_per_length"], values["diameter"], gravity, water_density)
+            values = {name: float(np.asarray(self._of_line(name, i))) for name in LINE_PROPERTIES if self._has(name)}
+            w = values.get("weight_per_length")
+            if w is None:
+                w = catenary.weight_in_water(values["mass_per_length"], values["diameter"], gravity, water_density)
             line = catenary.Line(values["length"], w, values["axial_stiffness"], values["friction"])
             reach = np.array([float(a) + b - float(c) for a, b, c in zip(fairlead, position, anchor, strict=True)])
-            H, V = catenary.fairlead_tension(float(np.hypot(reach[0], reach[1])), reach[2], line)
-            force -= [*(H * reach[:2] / np.hypot(reach[0], reach[1])), V]
-            states.append({"horizontal": H, "vertical": V, "seabed_length": max(line.length - V / w, 0.0)})
+            distance = float(np.hypot(reach[0], reach[1]))
+            H, V = catenary.fairlead_tension(distance, reach[2], line)
+            force -= [*(H * reach[:2] / max(distance, 1e-12)), V]
+            states.append({"horizontal": H, "vertical": V, "seabed_length": float(catenary.ends(H, V, line)[1])})
         return force, states

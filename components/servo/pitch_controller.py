@@ -24,6 +24,8 @@ class PitchController(Component):
     left one, looking downwind. Source: O. El Beshbichi, thesis, Univ. of Stavanger (2023), eq. 4.11-4.12, gain 1.5.
     """
 
+    memory = "controller"
+
     proportional_gain: Scalar = param(unit="s", doc="K_P at zero pitch")
     integral_gain: Scalar = param(doc="K_I at zero pitch")
     doubling_pitch: Scalar = param(default=0.1099965, unit="rad", min=0, doc="pitch at which the gains are halved")

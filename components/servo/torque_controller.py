@@ -16,6 +16,8 @@ class TorqueController(Component):
     table 7-2), with the constant torque of its OC3-Hywind version (NREL/TP-500-47535, 2010, section 6).
     """
 
+    memory = "controller"
+
     cut_in_speed: Scalar = param(default="670 rpm", unit="rad/s", doc="generator speed below which there is no torque")
     region_2_speed: Scalar = param(default="871 rpm", unit="rad/s", doc="generator speed at which region 2 starts")
     region_3_speed: Scalar = param(default="1161.963 rpm", unit="rad/s", doc="generator speed at which region 3 starts")

@@ -58,6 +58,8 @@ class Arm(ArmLoads):
     the arm, in the sense of a thrust above it. Thus arms to both sides have equal loads under equal weight and thrust.
     """
 
+    mode_names = {"*_x": "arm horizontal", "*_y": "arm vertical", "*.twisting.*": "arm torsion"}
+
     to: Vector = param(unit="m", structural=True, doc="the tip, from frame_a, resolved in frame_a")
     root_radius: float = param(default=0.0, unit="m", min=0, doc="where the tube begins, from frame_a along the arm")
     diameters: Array = param(

@@ -69,6 +69,8 @@ class FlexibleTower(Tower):
     Two units with `treatment: loaded_tip` are within 0.4 % for the first two bending modes of the OC3 tower.
     """
 
+    mode_names = {"*_x": "{part} fore-aft", "*_y": "{part} side-side", "*.twisting.*": "{part} torsion"}
+
     properties: str = param(default="", doc="path of a CSV with the properties, see read_beam")
     table: object = param(default=None, doc="the properties as BeamProperties, instead of a path")
     heights: Array = param(default=(), unit="m", structural=True, doc="heights of the stations, base first")

@@ -42,6 +42,8 @@ class FlexibleBlade(Blade):
     not with its structural twist. Data: a CSV as models/data/nrel5mw/blade_structure.csv.
     """
 
+    mode_names = {"*_x": "blade flap", "*_y": "blade edge", "*.twisting.*": "blade torsion"}
+
     properties: str = param(default="", doc="path of a CSV with the properties, see read_beam")
     table: object = param(default=None, doc="the properties as BeamProperties, instead of a path")
     units: int = param(default=6, min=0, doc="number of beam units; 0: rigid")

@@ -35,6 +35,8 @@ class Hub(Component):
     Masses of the NREL 5 MW: NREL/TP-500-38060, table 4-1.
     """
 
+    mode_names = {"bearing_*": "blade pitch drive"}
+
     blades: int = param(default=3, min=1, doc="number of blades")
     rotation: int = param(default=1, choices=(1, -1), doc="1: clockwise seen from upwind, -1: counter-clockwise")
     precone: Scalar = param(default=0.0, unit="rad", doc="cone angle, tips upwind")

@@ -41,6 +41,8 @@ class Nacelle(Component):
     Example: NREL/TP-500-38060, table 4-1.
     """
 
+    mode_names = {"yaw.*": "nacelle yaw drive", "bearing.*": "rotor rotation"}
+
     mass: Scalar = param(default=0.0, unit="kg", min=0, doc="mass, without hub and blades")
     centre_of_mass: Vector = param(default=(0, 0, 0), unit="m", doc="from the tower top, resolved in the nacelle")
     inertia: Matrix = param(
@@ -111,6 +113,8 @@ class Drivetrain(Component):
     The spring starts without twist and the generator at the speed of the rotor. Values of the NREL 5 MW: stiffness
     8.676e8 N m/rad, damping 6.215e6 N m s/rad, ratio 97 (NREL/TP-500-38060, table 5-1).
     """
+
+    mode_names = {"*": "drivetrain torsion"}
 
     gear_ratio: Scalar = param(min=0, doc="generator speed over rotor speed")
     stiffness: Scalar = param(unit="N*m/rad", min=0, doc="torsional stiffness, on the low speed side")

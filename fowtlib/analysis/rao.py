@@ -32,6 +32,8 @@ if TYPE_CHECKING:
 
 
 _SHOWN = 20
+SPREAD = np.array([-8, -5, -3, -1.5, -0.7, 0, 0.7, 1.5, 3, 5, 8])  # half-widths about a resonance
+LOWEST, HIGHEST, COUNT = 0.01, 0.3, 59  # of the frequencies taken by default: each 0.005 Hz
 
 
 @dataclass(frozen=True)
@@ -124,7 +126,7 @@ def wave_inputs(root: Any) -> list[tuple[list[str], Callable[[np.ndarray, float]
 
 def linear_rao(
     model: Any,
-    frequencies: Sequence[float] | np.ndarray,
+    frequencies: Sequence[float] | np.ndarray | None = None,
     *,
     outputs: Sequence[str] | None = None,
     heading: float = 0.0,
@@ -132,6 +134,8 @@ def linear_rao(
     parameters: Mapping[str, Any] | None = None,
 ) -> Rao:
     """Response operator of the linear model, at ``frequencies`` [Hz] and a wave ``heading`` [rad].
+
+    Without frequencies those of ``wave_frequencies``: the waves of the sea, closer near the natural modes.
 
     model    a compiled model, used as it is; or a model, which is first put into still water without wind
     outputs  result names; None takes the six motions as far as the model has them, else all results
@@ -143,15 +147,36 @@ def linear_rao(
         raise ModelError(
             "no part of this model feels the waves (such as a WaveExcitation), so there is no response to them."
         )
-    frequency = checked_frequencies(frequencies)
+    frequency = None if frequencies is None else checked_frequencies(frequencies)
     names = chosen_outputs(plant, outputs)
     if state is None:
         state = plant.equilibrium(parameters=parameters)
     linear = plant.linearize(state, inputs=[path for paths, _ in inputs for path in paths], outputs=names)
     refuse_unstable(linear)
+    if frequency is None:
+        frequency = wave_frequencies(linear, [transfer for _, transfer in inputs], heading)
     load = np.hstack([np.asarray(transfer(2.0 * np.pi * frequency, heading)) for _, transfer in inputs])
     response = np.einsum("foi,fi->fo", linear.frequency_response(2.0 * np.pi * frequency), load)
     return Rao(frequency, tuple(names), response, per_metre(plant, names), heading, "linear")
+
+
+def wave_frequencies(linear: Any, transfers: Sequence[Any], heading: float) -> np.ndarray:
+    """Frequencies [Hz] for a response operator: 0.01 to 0.3 Hz, and round the modes that answer to waves.
+
+    From 3.3 s to 100 s of period, as far as there are wave loads; more of them within eight half-widths of each
+    resonance with a damping ratio below 0.2.
+    """
+    points = [np.linspace(LOWEST, HIGHEST, COUNT)]
+    for mode in linear.modes():
+        damping = max(mode.damping_ratio, 1e-3)
+        if LOWEST < mode.frequency_hz < HIGHEST and damping < 0.2 and mode.eigenvalue.imag > 0:
+            points.append(mode.frequency_hz * (1 + damping * SPREAD))
+    frequency = np.sort(np.concatenate(points))
+    frequency = frequency[(frequency >= LOWEST) & (frequency <= HIGHEST)]
+    frequency = frequency[np.diff(frequency, prepend=0.0) > 1e-6 * frequency]
+    loads = np.hstack([np.asarray(transfer(2 * np.pi * frequency, heading)) for transfer in transfers])
+    felt = np.abs(loads).any(axis=1)
+    return frequency[felt] if felt.any() else frequency
 
 
 def simulated_rao(

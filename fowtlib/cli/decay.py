@@ -7,14 +7,15 @@ from pathlib import Path
 from typing import Any
 
 from fowtlib.cli import loading, tables
-from fowtlib.cli.files import FIGURES, check_target, say_saved
+from fowtlib.cli.files import FIGURES, TABLES, check_target, say_saved
 from fowtlib.cli.progress import progress_bar
 from fowtlib.cli.run import finite, positive
 
-EXAMPLES = """Still water; without --wind no wind.
+EXAMPLES = """About the mean position: in still water, and in the wind of --wind or of the
+model, at its mean speed.
 
 examples:
-  fowt decay oc3_spar_rigid --dof surge --offset 10 --plot surge.png
+  fowt decay oc3_spar_rigid --wind none --dof surge --offset 10 --plot surge.png
 """
 
 
@@ -35,7 +36,9 @@ def show_decay(arguments: argparse.Namespace) -> int:
     from fowtlib.analysis import free_decay
 
     check_target(arguments.plot, FIGURES)
-    plant = loading.load_at_rest(arguments, wind="none").compile()
+    check_target(arguments.table, TABLES)
+    model, conditions = loading.load_at_rest(arguments)
+    plant = model.compile()
     with progress_bar() as report:
         decay = free_decay(plant, arguments.dof, arguments.offset, duration=arguments.time, progress=report)
     if arguments.plot:
@@ -51,6 +54,7 @@ def show_decay(arguments: argparse.Namespace) -> int:
         ("damping ratio at zero amplitude", decay.damping_at_zero, "1"),
         ("damping ratio per amplitude", decay.damping_slope, f"1/{unit}"),
     ]
+    tables.say(arguments, conditions)
     tables.show(arguments, ("quantity", "value", "unit"), rows, f"free decay of {arguments.dof}")
     say_saved(arguments.plot)
     return 0

@@ -9,6 +9,7 @@ from typing import Any
 from fowtlib.cli import loading
 from fowtlib.cli.files import check_target, say_saved
 from fowtlib.cli.run import positive
+from fowtlib.cli.weather import weather
 
 EXAMPLES = """An FMU holds the model, its start values, the sources and a compiled library.
 Its parameters can be set by whoever runs it: a new length or gain needs no new
@@ -55,10 +56,13 @@ def run(arguments: argparse.Namespace) -> int:
     platforms = arguments.platforms.split(",") if arguments.platforms is not None else None
     screen = console(stderr=True)
     with screen.status("model") as status:
-        plant = loading.load(arguments).compile(arguments.inputs)
+        model = loading.load(arguments)
+        plant = model.compile(arguments.inputs)
         path = export_fmu(
             plant, arguments.output, fmi=arguments.fmi, kind=arguments.kind, platforms=platforms, step=arguments.step,
             tolerance=arguments.tolerance, progress=status.update,
         )  # fmt: skip
+    if conditions := weather(model, arguments):
+        print(conditions)
     say_saved(path)
     return 0

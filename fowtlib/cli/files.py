@@ -9,6 +9,7 @@ from pathlib import Path
 from fowtlib.language.errors import ModelError, one_of
 
 RESULTS = (".nc", ".csv", ".outb")
+TABLES = (".csv", ".json")
 FIGURES = (".png", ".svg", ".pdf")
 
 

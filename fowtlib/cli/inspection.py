@@ -71,9 +71,11 @@ def show_equations(arguments: argparse.Namespace) -> int:
     table = model.compile().dae.equation_table
     inside = [row for row in table if not arguments.path or f"{row[0]}.".startswith(f"{arguments.path}.")]
     rows = [(part, f"{left} = {right}") for part, left, right in inside]
+    columns = ("part", "equation")
     if arguments.form:
-        tables.show(arguments, ("part", "equation"), rows)
+        tables.show(arguments, columns, rows)
         return 0
+    tables.save(arguments, columns, rows)
     for part, equations in itertools.groupby(rows, key=lambda row: row[0]):
         print(part or "the model", *(equation for _, equation in equations), sep="\n    ")
     return 0
@@ -86,9 +88,11 @@ def show_parameters(arguments: argparse.Namespace) -> int:
         for name, field in part.parameters.items():
             kind = "tunable" if field.tunable else "structural"
             rows.append((join(part.path, name), part.parameter_value(name), field.unit, kind, field.doc))
+    columns = ("parameter", "value", "unit", "kind", "what it is")
     if arguments.form:
-        tables.show(arguments, ("parameter", "value", "unit", "kind", "what it is"), rows)
+        tables.show(arguments, columns, rows)
         return 0
+    tables.save(arguments, columns, rows)
     width = tables.console().width
     for path, value, unit, kind, doc in rows:
         plain = isinstance(value, (str, bool)) or unit == "1"

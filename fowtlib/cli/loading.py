@@ -6,6 +6,7 @@ import argparse
 from typing import TYPE_CHECKING, Any
 
 from fowtlib.cli.conditions import WAVES, WIND, Condition, settings
+from fowtlib.cli.weather import weather
 from fowtlib.language.errors import ParameterError
 
 if TYPE_CHECKING:
@@ -49,11 +50,8 @@ def load(arguments: argparse.Namespace) -> Model:
     return model.with_parameters(values) if values else model
 
 
-def load_at_rest(arguments: argparse.Namespace, wind: str = "") -> Model:
-    """The same in still water and constant wind, for what is asked about a mean position.
-
-    wind: the kind of wind where the command line gives none; without it, the model's own at its mean speed.
-    """
+def load_at_rest(arguments: argparse.Namespace) -> tuple[Model, str]:
+    """The same in the mean of its wind and waves, for what is asked about a mean position; and a line that says so."""
     model = load(arguments)
     values: dict[str, Any] = {}
     if WAVES.part in model.root.parts:
@@ -62,11 +60,10 @@ def load_at_rest(arguments: argparse.Namespace, wind: str = "") -> Model:
         kind = model.root.parts[WIND.part].kind
         if arguments.wind and kind not in CONSTANT_WIND:
             raise ParameterError(f"--wind: '{kind}' changes in time; give none or {WIND.form('steady')} here.")
-        if not arguments.wind and wind:
-            values |= WIND.parse(wind)
-        elif kind not in CONSTANT_WIND:
+        if kind not in CONSTANT_WIND:
             values["wind.kind"] = "steady"
-    return model.with_parameters(values) if values else model
+    calm = model.with_parameters(values) if values else model
+    return calm, weather(calm, arguments, model)
 
 
 def _require_part(model: Model, condition: Condition) -> None:

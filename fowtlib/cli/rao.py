@@ -9,16 +9,17 @@ from pathlib import Path
 from typing import Any
 
 from fowtlib.cli import loading, tables
-from fowtlib.cli.files import FIGURES, check_target, say_saved
+from fowtlib.cli.files import FIGURES, TABLES, check_target, say_saved
 from fowtlib.cli.run import finite, numbers
 
 AT_REST = 1e-9  # amplitude per metre of wave below which a person is not shown a motion
 
-EXAMPLES = """About the equilibrium; without --wind no wind.
+EXAMPLES = """About the mean position, in the wind of --wind or of the model, at its mean
+speed. Without --frequencies every 0.005 Hz, closer near the natural modes.
 
 examples:
-  fowt rao oc3_spar_rigid --frequencies 0.02:0.2:0.005 --plot rao.png
-  fowt rao oc3_spar_rigid --frequencies 0.05,0.1 --heading 30
+  fowt rao oc3_spar_rigid --plot rao.png
+  fowt rao oc3_spar_rigid --wind none --frequencies 0.05,0.1 --heading 30
 """
 
 
@@ -28,7 +29,7 @@ def declare(commands: Any) -> None:
     parser = commands.add_parser("rao", help=text, epilog=EXAMPLES)
     loading.declare(parser, waves=False)
     form = "first:last:step"
-    parser.add_argument("--frequencies", type=frequencies, required=True, metavar=form, help="wave frequencies [Hz]")
+    parser.add_argument("--frequencies", type=frequencies, metavar=form, help="wave frequencies [Hz]")
     parser.add_argument("--heading", type=finite, default=0.0, metavar="DEG", help="heading of the waves; default: 0")
     parser.add_argument("--plot", type=Path, metavar="FILE", help="draw the response: .png, .svg or .pdf")
     tables.declare(parser)
@@ -48,20 +49,24 @@ def show_rao(arguments: argparse.Namespace) -> int:
     from fowtlib.analysis import linear_rao
 
     check_target(arguments.plot, FIGURES)
-    plant = loading.load_at_rest(arguments, wind="none").compile()
+    check_target(arguments.table, TABLES)
+    model, conditions = loading.load_at_rest(arguments)
+    plant = model.compile()
     rao = linear_rao(plant, arguments.frequencies, heading=math.radians(arguments.heading))
     silent = [f for f, row in zip(rao.frequency, rao.response, strict=True) if not row.any()]
     if silent:
         warnings.warn(f"no wave load from {min(silent):g} Hz on: the hydrodynamic data end below.", stacklevel=1)
     moving = [name for name in rao.outputs if rao.amplitude(name).max() > AT_REST]
     if arguments.plot:
+        about = ": ".join(filter(None, (model.title or model.name, conditions.partition(", waves")[0])))
         from fowtlib.view.plots import plot_rao
 
-        plot_rao(rao, path=arguments.plot, outputs=moving)
+        plot_rao(rao, path=arguments.plot, outputs=moving, title=about)
     names = rao.outputs if arguments.form else moving
     heads = [(f"{name} [{rao.unit(name)}]", f"{name} phase [deg]") for name in names]
     series = [rao.frequency, *(values for name in names for values in (rao.amplitude(name), rao.phase(name)))]
     columns = ("frequency [Hz]", *(head for pair in heads for head in pair))
+    tables.say(arguments, conditions)
     tables.show(arguments, columns, [list(map(float, row)) for row in zip(*series, strict=True)])
     say_saved(arguments.plot)
     return 0

@@ -53,10 +53,10 @@ def declare(commands: Any) -> None:
     ):
         parser.add_argument(option, type=grid, default=default, metavar=form, help=f"{what}; default: {default}")
     parser.add_argument("--turbine", metavar="PATH", help="which turbine; default: the first of the model")
-    parser.add_argument("--output", type=Path, metavar="FILE", help="save the coefficients: .csv")
+    tables.add_output(parser, "output", "save the coefficients: .csv")
     parser.add_argument("--curve", type=Path, metavar="FILE", help="save the steady operation: .csv")
     parser.add_argument("--plot", type=Path, metavar="FILE", help="draw both: .png, .svg or .pdf")
-    tables.declare(parser)
+    tables.declare(parser, output=False)
     parser.set_defaults(action=show_rotor_table)
 
 

@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING, Any
 from fowtlib.cli import loading, tables
 from fowtlib.cli.files import FIGURES, RESULTS, check_target, say_saved
 from fowtlib.cli.progress import progress_bar
+from fowtlib.cli.weather import weather
 from fowtlib.language.errors import ModelError, SimulationError
 
 if TYPE_CHECKING:
@@ -32,13 +33,13 @@ def declare(commands: Any) -> None:
     parser.add_argument(
         "--output-step", type=positive, metavar="S", help="time between results [s]; default: the model file's"
     )
-    parser.add_argument("--output", type=Path, metavar="FILE", help="save the results: .nc (resumable), .csv or .outb")
+    tables.add_output(parser, "output", "save the results: .nc (resumable), .csv or .outb")
     parser.add_argument("--plot", type=Path, metavar="FILE", help="draw the results: .png, .svg or .pdf")
     parser.add_argument("--solver", default=None, help="idas or fixed; default: the model file's, or idas")
     parser.add_argument("--step", metavar="T", help="step of the solver fixed [s], or 12.5ms")
     parser.add_argument("--tolerance", type=positive, metavar="RTOL", help="relative; default: the model file's")
     parser.add_argument("--resume", type=Path, metavar="FILE", help="go on from the end of an earlier result (.nc)")
-    tables.declare(parser)
+    tables.declare(parser, output=False)
     parser.set_defaults(action=run)
 
 
@@ -101,6 +102,7 @@ def run(arguments: argparse.Namespace) -> int:
         from fowtlib.view.plots import plot_result
 
         plot_result(result, path=arguments.plot)
+    tables.say(arguments, weather(model, arguments))
     _show(arguments, result, later)
     say_saved(arguments.output, arguments.plot)
     return 0

@@ -3,26 +3,25 @@
 from __future__ import annotations
 
 import argparse
-from collections.abc import Mapping
-from typing import TYPE_CHECKING, Any
+from pathlib import Path
+from typing import Any
 
 from fowtlib.cli import loading, tables
+from fowtlib.cli.files import FIGURES, TABLES, check_target, say_saved
 
-if TYPE_CHECKING:
-    from fowtlib import Mode
-
-STANDING = 1e-7  # of the fastest eigenvalue: a motion that nothing holds, zero twice and split by rounding
-EQUILIBRIUM = """Still water. Without --wind the model's own wind at its mean speed.
+EQUILIBRIUM = """In still water, and in the wind of --wind or of the model, at its mean speed.
 
 examples:
   fowt equilibrium oc3_spar_rigid --wind steady:8
 """
-EIGEN = """About the equilibrium in still water. Without --wind the model's own wind at its
-mean speed.
+EIGEN = """About the mean position: in still water, and in the wind of --wind or of the
+model, at its mean speed. A mode is named after the motion that takes the
+largest part in it.
 
 examples:
   fowt eigen oc3_spar_rigid --wind none
   fowt eigen oc3_spar --wind none       a rotor of blade elements stands
+  fowt view oc3_spar --wind none --mode 7
 """
 
 
@@ -30,8 +29,11 @@ def declare(commands: Any) -> None:
     """Add the commands of this module."""
     equilibrium = commands.add_parser("equilibrium", help="the mean position in steady wind", epilog=EQUILIBRIUM)
     equilibrium.set_defaults(action=show_equilibrium)
-    text = "natural frequencies, damping ratios, and which motion each mode is"
+    text = "natural modes by name: frequency, period, damping ratio"
     eigen = commands.add_parser("eigen", help=text, epilog=EIGEN)
+    eigen.add_argument("--all", action="store_true", help="also the modes of filters, controllers and radiated waves, "
+                       "and what does not oscillate")  # fmt: skip
+    eigen.add_argument("--plot", type=Path, metavar="FILE", help="draw frequencies and damping: .png, .svg or .pdf")
     eigen.set_defaults(action=show_modes)
     for parser in (equilibrium, eigen):
         loading.declare(parser, waves=False)
@@ -40,30 +42,30 @@ def declare(commands: Any) -> None:
 
 def show_equilibrium(arguments: argparse.Namespace) -> int:
     """Print the results of the model at its equilibrium."""
-    plant = loading.load_at_rest(arguments).compile()
+    check_target(arguments.table, TABLES)
+    model, conditions = loading.load_at_rest(arguments)
+    plant = model.compile()
     state = plant.equilibrium()
     rows = [(name, tables.rounded(state[name], 1.0), unit) for name, (_, unit, _) in plant.outputs.items()]
+    tables.say(arguments, conditions)
     tables.show(arguments, ("result", "value", "unit"), rows)
     return 0
 
 
 def show_modes(arguments: argparse.Namespace) -> int:
-    """Print the oscillating modes of the linear model at the equilibrium, slowest first."""
-    plant = loading.load_at_rest(arguments).compile()
-    modes = plant.linearize(plant.equilibrium()).modes()
-    least = STANDING * max((abs(mode.eigenvalue) for mode in modes), default=0.0)
-    oscillating = [mode for mode in modes if mode.eigenvalue.imag > least]
-    names = {path: name for name, (path, _, _) in plant.outputs.items()}
-    rows = [(m.frequency_hz, 1 / m.frequency_hz, m.damping_ratio, motion_of(m, names)) for m in oscillating]
-    tables.show(arguments, ("frequency [Hz]", "period [s]", "damping ratio", "motion"), rows)
+    """Print the modes of the linear model at the equilibrium, slowest first."""
+    from fowtlib.analysis.modes import natural_modes
+
+    check_target(arguments.table, TABLES)
+    check_target(arguments.plot, FIGURES)
+    model, conditions = loading.load_at_rest(arguments)
+    modes = [mode for mode in natural_modes(model.compile()) if arguments.all or (mode.motion and mode.oscillates)]
+    rows = [(mode.number, mode.name, mode.frequency, mode.period, mode.damping_ratio) for mode in modes]
+    tables.say(arguments, conditions)
+    tables.show(arguments, ("mode", "motion", "frequency [Hz]", "period [s]", "damping ratio"), rows)
+    if arguments.plot:
+        from fowtlib.view.plots import plot_modes
+
+        plot_modes(modes, path=arguments.plot)
+    say_saved(arguments.plot)
     return 0
-
-
-def motion_of(mode: Mode, names: Mapping[str, str]) -> str:
-    """What a person calls a mode: the result that takes the largest part in it, else the state that does.
-
-    names: of the results by the path of their variable. A coordinate and its rate share a mode about equally.
-    """
-    share = {name: mode.participation.get(path, 0.0) for path, name in names.items()}
-    most = max(share, key=share.__getitem__, default="")
-    return most if most and share[most] > 0.5 * max(mode.participation.values()) else mode.label

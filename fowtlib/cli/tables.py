@@ -8,24 +8,41 @@ import json
 import math
 import sys
 from collections.abc import Iterable, Sequence
+from pathlib import Path
 from typing import Any
 
 from fowtlib.cli.encoding import is_unicode
+from fowtlib.cli.files import TABLES, check_target, say_saved
 
 Row = Sequence[Any]
 MOST_NUMBERS = 9  # of an array that is shown to a person in full
 
 
-def declare(parser: argparse.ArgumentParser) -> None:
-    """Add `--json` and `--csv`."""
+def declare(parser: argparse.ArgumentParser, output: bool = True) -> None:
+    """Add `--json` and `--csv`; and `--output` of the table, unless the command has one for something larger."""
+    if output:
+        add_output(parser, "table", "save the table: .csv or .json")
     form = parser.add_mutually_exclusive_group()
     form.add_argument("--json", dest="form", action="store_const", const="json", help="print JSON for machines")
     form.add_argument("--csv", dest="form", action="store_const", const="csv", help="print CSV for machines")
     parser.set_defaults(form="")
 
 
+def add_output(parser: argparse.ArgumentParser, dest: str, text: str) -> None:
+    """Add `-o FILE`, `--output FILE`, alike in every command."""
+    parser.add_argument("-o", "--output", dest=dest, type=Path, metavar="FILE", help=text)
+
+
+def say(arguments: argparse.Namespace, line: str) -> None:
+    """Print a line above the answer; beside it, on stderr, where the answer is for machines."""
+    if line:
+        print(line, file=sys.stderr if arguments.form else sys.stdout)
+
+
 def show(arguments: argparse.Namespace, columns: Sequence[str], rows: Iterable[Row], title: str = "") -> None:
     """Print rows in the form that the user asked for; in JSON each row is an object with the columns as keys."""
+    rows = [list(row) for row in rows]
+    save(arguments, columns, rows)
     if arguments.form == "json":
         show_json([dict(zip(columns, map(_plain, row), strict=True)) for row in rows])
     elif arguments.form == "csv":
@@ -34,6 +51,23 @@ def show(arguments: argparse.Namespace, columns: Sequence[str], rows: Iterable[R
         writer.writerows([_plain(value) for value in row] for row in rows)
     else:
         _show_rich(columns, list(rows), title)
+
+
+def save(arguments: argparse.Namespace, columns: Sequence[str], rows: Sequence[Row]) -> None:
+    """Write a table into the file of `--output`, .csv or .json by its ending; without one do nothing."""
+    path: Path | None = getattr(arguments, "table", None)
+    if path is None:
+        return
+    check_target(path, TABLES)
+    with path.open("w", encoding="utf-8", newline="") as file:
+        if path.suffix == ".json":
+            json.dump([dict(zip(columns, map(_plain, row), strict=True)) for row in rows], file, indent=2,
+                      ensure_ascii=False)  # fmt: skip
+        else:
+            writer = csv.writer(file, lineterminator="\n")
+            writer.writerow(columns)
+            writer.writerows([_plain(value) for value in row] for row in rows)
+    say_saved(path)
 
 
 def show_json(value: Any) -> None:

@@ -4,12 +4,14 @@ from __future__ import annotations
 
 import argparse
 import sys
+from collections.abc import Mapping
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from fowtlib.cli import loading
 from fowtlib.cli.files import RESULTS, check_target
 from fowtlib.cli.run import positive
+from fowtlib.cli.weather import weather
 from fowtlib.language.errors import ModelError
 
 if TYPE_CHECKING:
@@ -38,6 +40,7 @@ def declare(commands: Any) -> None:
     parser.add_argument("--result", type=Path, metavar="FILE", help="play this result (.nc) of MODEL")
     parser.add_argument("-o", "--output", type=Path, metavar="FILE", help="the page: .html; default: the model's name")
     parser.add_argument("--equilibrium", action="store_true", help="a model: at its mean position, not at its start")
+    parser.add_argument("--mode", type=int, metavar="N", help="a model: moving in the mode N of `fowt eigen`")
     parser.add_argument("--rate", type=positive, metavar="N", help="moments per second; default: 10 or more")
     parser.add_argument("--open", action="store_true", help="open the page in the browser")
     parser.set_defaults(action=view)
@@ -55,16 +58,30 @@ def view(arguments: argparse.Namespace) -> int:
     target = arguments.output or Path(f"{path.stem if path else Path(arguments.model).stem}.html")
     options = {"path": target, "rate": arguments.rate, "show": arguments.open}
     if path is None:
-        model = loading.load_at_rest(arguments) if arguments.equilibrium else loading.load(arguments)
-        made = draw(model, equilibrium=arguments.equilibrium, **options)
+        made = _of_model(arguments, options)
     else:
         given = [name for name in ("wind", "waves") if getattr(arguments, name)] + ["set"] * bool(arguments.settings)
-        if given or arguments.equilibrium:
-            what = f"--{given[0]}" if given else "--equilibrium"
+        given += [name for name in ("equilibrium", "mode") if getattr(arguments, name)]
+        if given:
+            what = f"--{given[0]}"
             raise ModelError(f"{what} changes a model; a result is shown as it was computed.")
         made = draw(_played(arguments, path, alone), **options)
     print(f"saved {made}", file=sys.stderr)
     return 0
+
+
+def _of_model(arguments: argparse.Namespace, options: Mapping[str, Any]) -> Any:
+    """The picture of a model at its start, at its mean position, or moving in one of its modes."""
+    if arguments.equilibrium or arguments.mode:
+        model, conditions = loading.load_at_rest(arguments)
+    else:
+        model = loading.load(arguments)
+        conditions = weather(model, arguments)
+    if conditions:
+        print(conditions)
+    from fowtlib.view import view as draw
+
+    return draw(model, equilibrium=arguments.equilibrium, mode=arguments.mode, **options)
 
 
 def _played(arguments: argparse.Namespace, path: Path, alone: bool) -> Result:
@@ -89,7 +106,7 @@ def _played(arguments: argparse.Namespace, path: Path, alone: bool) -> Result:
 
 def _as_it_was(model: Model, result: Result, path: Path) -> Model:
     """The model with the parameters of the run; an error that names the first one which cannot be set again."""
-    from fowtlib.solving.plant import structural_values
+    from fowtlib.solving.structure import structural_values
 
     then, numbers = result.attributes["structure"], result.attributes["parameters"]
     now = structural_values(model.root)

@@ -6,6 +6,7 @@ import gc
 import time
 from collections.abc import Iterator, Sequence
 from contextlib import contextmanager
+from dataclasses import replace
 from typing import Any
 
 import casadi as ca
@@ -37,8 +38,7 @@ def flatten(root: Component, opened: Sequence[str] = ()) -> FlatDAE:
         instances.collect()
         resolve_orientations(instances.system, instances.statements)
         dae = _Assembler(instances.system, instances.statements).run()
-    dae.stats["flattening_time"] = time.perf_counter() - started
-    return dae
+    return replace(dae, stats={**dae.stats, "flattening_time": time.perf_counter() - started})
 
 
 @contextmanager
@@ -77,17 +77,18 @@ class _Assembler:
         everything = [j for j, v in enumerate(system.unknowns) if v.base in bases and j not in self.replaced]
         causal = Causalization(system, states, everything, incidence).run()
         dae = self._build(states, causal, everything)
-        dae.write_equations = lambda: [
-            (path, with_names(left, names), with_names(right, names)) for path, left, right in written
-        ]
-        dae.stats |= {
+
+        def write_equations() -> list[tuple[str, str, str]]:
+            return [(path, with_names(left, names), with_names(right, names)) for path, left, right in written]
+
+        counts = {
             "equations": self.original,
             "aliases": len(self.replaced),
             "differentiated": len(system.equations) - sum(e.order == 0 for e in system.equations),
             "blocks": len(causal.blocks),
             "largest_block": max(causal.blocks, default=0),
         }
-        return dae
+        return replace(dae, write_equations=write_equations, stats=counts)
 
     def _eliminate_aliases(self) -> dict[int, ca.SX]:
         """Eliminate until no equation is an alias: a quantity found to be a number may uncover further ones."""
@@ -172,7 +173,7 @@ class _Assembler:
         z = _column([unknowns[j].symbol for j in causal.torn])
         d = _column([item.symbol for item in system.discretes])
         u = _column([ca.vec(item.symbol) for item in system.inputs.values()])
-        p = _column([ca.vec(item.symbol) for item in system.parameters.values()])
+        p = _column([ca.vec(item.symbol) for group in (system.parameters, system.bound) for item in group.values()])
         calls = [item for item in system.intermediates if item.function is not None]
         w = _column([symbol for item in calls for symbol in item.symbols])
 
@@ -211,7 +212,8 @@ class _Assembler:
             ode=_column(solved["ode"]), alg=_column(solved["alg"]),
             states=[self._quantity(j) for j in states], algebraics=[self._quantity(j) for j in causal.torn],
             discretes=[self._discrete(item) for item in system.discretes],
-            inputs=system.inputs, parameters=system.parameters, externals=_externals(calls, solved["inputs"]),
+            inputs=system.inputs, parameters=system.parameters, bound=system.bound,
+            bound_parameters=system.bound_parameters, externals=_externals(calls, solved["inputs"]),
             observed=observed, units=units, docs=docs,
             residual_paths=[self._residual_path(i) for i in causal.residuals],
             initial_equations=_column([ca.vec(e) for e in solved["initial"]]),

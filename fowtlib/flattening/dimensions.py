@@ -141,9 +141,9 @@ class _Check:
             table[item.symbol.element_hash()] = _per_time(dimension(item.declared.unit), item.order)
         for item in system.discretes:
             table[item.symbol.element_hash()] = dimension(item.declared.unit)
-        for group in (system.parameters, system.inputs):
+        for group in (system.parameters, system.bound, system.inputs):
             for item in group.values():
-                _enter(table, item.symbol, dimension(item.unit))
+                _enter(table, item.symbol, dimension(item.unit) if item.unit else None)
         for item in system.intermediates:
             for symbol in item.symbols:
                 table[symbol.element_hash()] = NONE if item.function is None else None
@@ -351,7 +351,7 @@ def _data_numbers(component: Component) -> Numbers:
     found = set(_written_numbers(component))
     for owner in (component, *_outer_parts(component)):
         for name, declared in owner.parameters.items():
-            if declared.tunable or declared.annotation in (int, bool):
+            if declared.tunable or declared.bound or declared.annotation in (int, bool):
                 continue
             if declared.annotation is not float:
                 return None

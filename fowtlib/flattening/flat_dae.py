@@ -2,16 +2,27 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
 from functools import cached_property
+from types import MappingProxyType
+from typing import Any
 
 import casadi as ca
 import numpy as np
 
-from fowtlib.flattening.system import Input, Parameter
+from fowtlib.flattening.system import Bound, BoundParameter, Input, Parameter
 from fowtlib.language.equations import Process
 from fowtlib.language.errors import NotFoundError, did_you_mean
+
+
+def _freeze(item: Any) -> None:
+    """Make tuples of the lists of a frozen dataclass, and read-only views of copies of its dictionaries."""
+    for name, value in vars(item).items():
+        if isinstance(value, list):
+            object.__setattr__(item, name, tuple(value))
+        elif isinstance(value, dict):
+            object.__setattr__(item, name, MappingProxyType(dict(value)))
 
 
 @dataclass(frozen=True)
@@ -43,11 +54,14 @@ class Event:
     """State event: when `indicator` becomes negative, targets (numbers of states or discretes) take the values."""
 
     indicator: ca.SX
-    state_targets: list[int]
+    state_targets: tuple[int, ...]
     state_values: ca.SX
-    discrete_targets: list[int]
+    discrete_targets: tuple[int, ...]
     discrete_values: ca.SX
     path: str
+
+    def __post_init__(self) -> None:
+        _freeze(self)
 
 
 @dataclass(frozen=True)
@@ -60,10 +74,13 @@ class SampledUpdate:
 
     period: ca.SX
     offset: ca.SX
-    targets: list[int]
+    targets: tuple[int, ...]
     values: ca.SX
     path: str
     process: Process | None = None
+
+    def __post_init__(self) -> None:
+        _freeze(self)
 
 
 @dataclass(frozen=True)
@@ -73,8 +90,11 @@ class Check:
     condition: ca.SX
     message: str
     level: str
-    values: dict[str, ca.SX]
+    values: Mapping[str, ca.SX]
     path: str
+
+    def __post_init__(self) -> None:
+        _freeze(self)
 
 
 @dataclass(frozen=True)
@@ -82,15 +102,20 @@ class Ring:
     """Paths of parts that are alike, at equal angles around an axis around which they have turned by an angle."""
 
     angle: ca.SX
-    parts: list[str]
+    parts: tuple[str, ...]
+
+    def __post_init__(self) -> None:
+        _freeze(self)
 
 
-@dataclass
+@dataclass(frozen=True, repr=False)
 class FlatDAE:
-    """Semi-explicit DAE of index one, torn at the external functions.
+    """Semi-explicit DAE of index one, torn at the external functions; a value that nothing changes once it is made.
 
     der(x) = ode, 0 = alg, both SX expressions of (t, x, z, u, d, p, w); w are the outputs of the externals, whose
-    inputs are expressions of the same symbols. `observed` gives every variable of the model by path.
+    inputs are expressions of the same symbols. `observed` gives every variable of the model by path. p holds the
+    tunable `parameters`, then the numbers that are computed when a run starts, `bound`; only these depend on the
+    `bound_parameters`.
     """
 
     t: ca.SX
@@ -102,35 +127,35 @@ class FlatDAE:
     w: ca.SX
     ode: ca.SX
     alg: ca.SX
-    states: list[Quantity]
-    algebraics: list[Quantity]
-    discretes: list[Quantity]
-    inputs: dict[str, Input]
-    parameters: dict[str, Parameter]
-    externals: list[External]
-    observed: dict[str, ca.SX]
-    units: dict[str, str]
-    docs: dict[str, str]
-    residual_paths: list[str]
+    states: tuple[Quantity, ...]
+    algebraics: tuple[Quantity, ...]
+    discretes: tuple[Quantity, ...]
+    inputs: Mapping[str, Input]
+    parameters: Mapping[str, Parameter]
+    externals: tuple[External, ...]
+    observed: Mapping[str, ca.SX]
+    units: Mapping[str, str]
+    docs: Mapping[str, str]
+    residual_paths: tuple[str, ...]
     initial_equations: ca.SX
-    initial_paths: list[str]
-    events: list[Event] = field(default_factory=list)
-    samples: list[SampledUpdate] = field(default_factory=list)
-    checks: list[Check] = field(default_factory=list)
-    rings: list[Ring] = field(default_factory=list)
+    initial_paths: tuple[str, ...]
+    events: tuple[Event, ...] = ()
+    samples: tuple[SampledUpdate, ...] = ()
+    checks: tuple[Check, ...] = ()
+    rings: tuple[Ring, ...] = ()
+    bound: Mapping[str, Bound] = field(default_factory=dict)
+    bound_parameters: Mapping[str, BoundParameter] = field(default_factory=dict)
     write_equations: Callable[[], list[tuple[str, str, str]]] = list
-    initial_sources: list[str] = field(default_factory=list)
-    stats: dict[str, float] = field(default_factory=dict)
+    initial_sources: tuple[str, ...] = ()
+    stats: Mapping[str, float] = field(default_factory=dict)
+
+    def __post_init__(self) -> None:
+        _freeze(self)
 
     @cached_property
     def equation_table(self) -> list[tuple[str, str, str]]:
         """The equations as components wrote them: path of the component, text of the left and of the right side."""
         return self.write_equations()
-
-    @cached_property
-    def state_number(self) -> dict[str, int]:
-        """Position of each state by path."""
-        return {quantity.path: i for i, quantity in enumerate(self.states)}
 
     @cached_property
     def levels(self) -> list[list[int]]:

@@ -11,12 +11,12 @@ import casadi as ca
 import numpy as np
 
 from fowtlib.flattening.connections import Connections
-from fowtlib.flattening.system import Parameter, System, element_names, scalars
+from fowtlib.flattening.system import BoundParameter, Parameter, System, element_names, scalars
 from fowtlib.language import declarations, expressions
 from fowtlib.language import equations as statements
 from fowtlib.language.component import Component, UnknownAttribute
 from fowtlib.language.connectors import BoundPort, Signal
-from fowtlib.language.declarations import SHAPES, Variable, join
+from fowtlib.language.declarations import SHAPES, Variable, Withheld, join
 from fowtlib.language.errors import ModelError, ParameterError, StructureError
 from fowtlib.language.faults import author_line, reason
 from fowtlib.language.units import to_si
@@ -50,7 +50,7 @@ class Instances:
     def __enter__(self) -> Instances:
         self.connections = Connections(self.components)
         for component in self.components:
-            self._check_parameters(component)
+            check_parameters(component)
         bindings = [self._bind(component) for component in self.components]
         self._bind_ports(bindings)
         for component, binding in zip(self.components, bindings, strict=True):
@@ -63,41 +63,6 @@ class Instances:
 
     # --- parameters ----------------------------------------------------------------------------------------------
 
-    def _check_parameters(self, component: Component) -> None:
-        for name, declared in component.parameters.items():
-            value = component.parameter_value(name)
-            if value is None:
-                continue
-            where = _where(component, name)
-            if declared.choices is not None and value not in declared.choices:
-                allowed = ", ".join(map(str, declared.choices))
-                raise ParameterError(f"{where} = {value!r} is not one of {allowed} ({declared.doc}).")
-            if declared.annotation in SHAPES:
-                shape = component.shape(declared)
-                if np.shape(value) != shape and not (np.size(value) == int(np.prod(shape)) and len(shape) < 2):
-                    raise ParameterError(
-                        f"{where} has shape {_shape(np.shape(value))}, and "
-                        f"{_shape(shape) if shape else 'one number'} is expected ({declared.doc})."
-                    )
-            if isinstance(value, (int, float, np.ndarray)) and not isinstance(value, bool):
-                self._check_bounds(where, declared, value)
-
-    @staticmethod
-    def _check_bounds(where: str, declared: Any, value: Any) -> None:
-        unit = "" if declared.unit == "1" else f" {declared.unit}"
-        numbers = np.asarray(value)
-        if numbers.dtype.kind not in "fiu":
-            return
-        if not np.all(np.isfinite(numbers)):
-            raise ParameterError(f"{where} is not a finite number: {value} ({declared.doc}).")
-        for bound, is_outside, word in (
-            (declared.min, np.any(numbers < declared.min) if declared.min is not None else False, "below its minimum"),
-            (declared.max, np.any(numbers > declared.max) if declared.max is not None else False, "above its maximum"),
-        ):
-            if is_outside:
-                worst = numbers.min() if word.startswith("below") else numbers.max()
-                raise ParameterError(f"{where} = {worst:g}{unit} is {word} {bound:g}{unit} ({declared.doc}).")
-
     def _parameter(self, component: Component, name: str) -> Any:
         """The symbol of a tunable parameter, the expression of a dependent one, the value of a structural one."""
         key = (id(component), name)
@@ -105,7 +70,9 @@ class Instances:
             return self._parameters[key]
         declared = component.parameters[name]
         value = component.parameter_binding(name)
-        if not declared.tunable or value is None:
+        if declared.bound:
+            bound = self._withheld(component, declared)
+        elif not declared.tunable or value is None:
             bound = component.parameter_value(name) if value is not None else None
         else:
             bound = self._evaluate(value) if expressions.is_expression(value) else None
@@ -116,6 +83,17 @@ class Instances:
                 bound = self._tunable(component, declared, shape)
         self._parameters[key] = bound
         return bound
+
+    def _withheld(self, component: Component, declared: Any) -> Withheld:
+        """A bound parameter, for which equations() must not ask."""
+        path = join(component.path, declared.name)
+        self.system.bound_parameters[path] = BoundParameter(
+            path, component.path, declared.name, declared.unit, declared.doc
+        )
+        return Withheld(
+            f"{path} is bound when a run starts, and no equation can depend on its value now; take numbers that follow "
+            "from it by at_start(...) or run_time_series(...)."
+        )
 
     def _tunable(self, component: Component, declared: Any, shape: tuple[int, ...]) -> ca.SX:
         """The symbol of an independent parameter."""
@@ -133,7 +111,13 @@ class Instances:
                 return ca.vertcat(*[ca.transpose(ca.SX(item)) for item in items])
             return np.asarray(items)
 
-        return expressions.evaluate(value, lambda leaf: self._parameter(leaf.component, leaf.name), combine)
+        def leaf(reference: Any) -> Any:
+            found = self._parameter(reference.component, reference.name)
+            if isinstance(found, Withheld):
+                raise ParameterError(found.reason)
+            return found
+
+        return expressions.evaluate(value, leaf, combine)
 
     # --- variables -----------------------------------------------------------------------------------------------
 
@@ -249,6 +233,50 @@ class Instances:
                     raise StructureError(
                         f"{path or 'the model'}: assign() cannot set {name}; declare it with var(discrete=True)."
                     )
+
+
+def check_parameters(component: Component) -> None:
+    """ParameterError where a value is missing, or is not what the parameter was declared to be."""
+    for name, declared in component.parameters.items():
+        value = component.parameter_value(name)
+        if value is None:
+            continue
+        where = _where(component, name)
+        if not (declared.bound or declared.tunable):
+            for leaf in expressions.leaves(component.parameter_binding(name)):
+                if leaf.component.parameters[leaf.name].bound:
+                    raise ParameterError(
+                        f"{where} decides how the model is built, and cannot depend on {leaf!r}, which is bound when a "
+                        "run starts."
+                    )
+        if declared.choices is not None and value not in declared.choices:
+            allowed = ", ".join(map(str, declared.choices))
+            raise ParameterError(f"{where} = {value!r} is not one of {allowed} ({declared.doc}).")
+        if declared.annotation in SHAPES:
+            shape = component.shape(declared)
+            if np.shape(value) != shape and not (np.size(value) == int(np.prod(shape)) and len(shape) < 2):
+                raise ParameterError(
+                    f"{where} has shape {_shape(np.shape(value))}, and "
+                    f"{_shape(shape) if shape else 'one number'} is expected ({declared.doc})."
+                )
+        if isinstance(value, (int, float, np.ndarray)) and not isinstance(value, bool):
+            _check_bounds(where, declared, value)
+
+
+def _check_bounds(where: str, declared: Any, value: Any) -> None:
+    unit = "" if declared.unit == "1" else f" {declared.unit}"
+    numbers = np.asarray(value)
+    if numbers.dtype.kind not in "fiu":
+        return
+    if not np.all(np.isfinite(numbers)):
+        raise ParameterError(f"{where} is not a finite number: {value} ({declared.doc}).")
+    for bound, is_outside, word in (
+        (declared.min, np.any(numbers < declared.min) if declared.min is not None else False, "below its minimum"),
+        (declared.max, np.any(numbers > declared.max) if declared.max is not None else False, "above its maximum"),
+    ):
+        if is_outside:
+            worst = numbers.min() if word.startswith("below") else numbers.max()
+            raise ParameterError(f"{where} = {worst:g}{unit} is {word} {bound:g}{unit} ({declared.doc}).")
 
 
 def _parameters_in(value: Any) -> Iterable[declarations.Parameter]:

@@ -3,8 +3,8 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Iterable, Mapping, Sequence
-from dataclasses import dataclass
+from collections.abc import Callable, Iterable, Mapping, Sequence
+from dataclasses import dataclass, replace
 from functools import cached_property
 from typing import Any
 
@@ -12,7 +12,7 @@ import casadi as ca
 import numpy as np
 
 from fowtlib.language.declarations import Variable, join
-from fowtlib.language.equations import Assertion
+from fowtlib.language.equations import Assertion, AtStart
 from fowtlib.language.errors import StructureError
 
 _TOKEN = re.compile(r"[A-Za-z_][\w.\[\]]*")
@@ -87,7 +87,7 @@ def residuals(equations: Sequence[FlatEquation]) -> ca.SX:
     return stacked(equation.lhs for equation in equations) - stacked(equation.rhs for equation in equations)
 
 
-@dataclass(slots=True)
+@dataclass(frozen=True, slots=True)
 class Parameter:
     """A tunable parameter: value in SI units, `symbol` of the same shape."""
 
@@ -98,6 +98,33 @@ class Parameter:
     doc: str
     min: float | None
     max: float | None
+
+
+@dataclass(frozen=True)
+class Bound:
+    """Numbers computed when a run starts, by `compute` of the component at `owner`; in p behind the tunable ones.
+
+    functions: external functions to which the data behind a handle, its first number, are to be made known.
+    """
+
+    path: str
+    owner: str
+    symbol: ca.SX
+    unit: str
+    doc: str
+    compute: Callable[[Any], Any]
+    functions: tuple[Any, ...] = ()
+
+
+@dataclass(frozen=True)
+class BoundParameter:
+    """A parameter that is read when a run starts: declared so by the component at `owner`."""
+
+    path: str
+    owner: str
+    name: str
+    unit: str
+    doc: str
 
 
 @dataclass(slots=True)
@@ -125,7 +152,7 @@ class Intermediate:
         return element_names(self.matrix, (3, 3))
 
 
-@dataclass(slots=True)
+@dataclass(frozen=True, slots=True)
 class Input:
     """An input of the whole model: a signal that nothing drives."""
 
@@ -157,6 +184,8 @@ class System:
         self.intermediates: list[Intermediate] = []
         self.discretes: list[Discrete] = []
         self.parameters: dict[str, Parameter] = {}
+        self.bound: dict[str, Bound] = {}
+        self.bound_parameters: dict[str, BoundParameter] = {}
         self.inputs: dict[str, Input] = {}
         self.number: dict[int, int] = {}
         self.rates: dict[int, ca.SX] = {}
@@ -211,7 +240,7 @@ class System:
     def written_names(self) -> dict[str, str]:
         """Path of each element of an array by the name that CasADi gave its symbol, which is `r_0` for `r[0]`."""
         named = [(item.symbol, item.path) for item in (*self.unknowns, *self.discretes)]
-        for group in (self.parameters, self.inputs):
+        for group in (self.parameters, self.bound, self.inputs):
             for item in group.values():
                 named += zip(scalars(item.symbol), element_names(item.path, item.symbol.shape), strict=True)
         for intermediate in self.intermediates:
@@ -249,25 +278,47 @@ class System:
         self.inputs[path] = Input(path, symbol, unit, doc, value)
         return symbol
 
+    def at_start(self, wanted: AtStart) -> ca.SX:
+        """Symbols of numbers that are computed when a run starts."""
+        owner = self.current_path if wanted.of is None else wanted.of.path
+        path = first = join(owner, wanted.name)
+        if wanted.of is not None and path in self.bound:
+            there = self.bound[path]
+            new = tuple(function for function in wanted.functions if function not in there.functions)
+            self.bound[path] = replace(there, functions=there.functions + new)
+            return there.symbol
+        number = 2
+        while path in self.bound:
+            path, number = f"{first}_{number}", number + 1
+        symbol = ca.SX.sym(path, wanted.size)
+        self.bound[path] = Bound(path, owner, symbol, wanted.unit, wanted.doc, wanted.compute, wanted.functions)
+        return symbol
+
     def set_input_rate(self, signal: ca.SX, rate: ca.SX) -> None:
         """What the derivative of a signal from outside of the model is, in place of zero."""
         for element, value in zip(scalars(signal), scalars(ca.densify(rate)), strict=True):
             self.rates[element.element_hash()] = value
 
-    def check_range(self, value: ca.SX, low: float, high: float, name: str, argument: str, message: str = "") -> None:
+    def check_range(self, value: ca.SX, low: Any, high: Any, name: str, argument: str, message: str = "") -> None:
         """Stop the simulation where a table is left: one check for all elements of a column.
 
-        In a message, {value} is the element that is the farthest outside, and {number} its number, counted from 1.
+        low, high: numbers, or symbols of `at_start`, infinite where there is no end.
+        In a message, {value} is the element that is the farthest outside, {number} its number, counted from 1; {low}
+        and {high} are the ends.
         """
         column = ca.vec(ca.densify(ca.SX(value)))
         least, most, margin = ca.mmin(column), ca.mmax(column), 1e-9 * (high - low)
         inside = ca.logic_and(least >= low - margin, most <= high + margin)
         worst = ca.if_else(low - least > most - high, least, most)
-        values = {"value": worst}
+        values = {"value": worst, "low": ca.SX(low), "high": ca.SX(high)}
         if "{number}" in message:
             matches = [ca.if_else(column[i] == worst, i + 1, 0) for i in range(column.shape[0])]
             values["number"] = ca.mmax(ca.vertcat(*matches))
-        text = f"table left at its edge: {name} at {argument} = {{value}}, and the table covers {low:g} to {high:g}."
+        text = f"table left at its edge: {name} at {argument} = {{value}}, and the table covers {{low}} to {{high}}."
+        for end in ("low", "high"):
+            if values[end].is_constant():
+                text, message = (words.replace(f"{{{end}}}", f"{float(values[end]):g}") for words in (text, message))
+                del values[end]
         self.range_checks.append((self.current_path, Assertion(inside, message or text, "error", "", values)))
 
     # --- differentiation -----------------------------------------------------------------------------------------

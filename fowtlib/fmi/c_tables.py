@@ -52,6 +52,7 @@ class Tables:
     def __init__(self, variables: Variables, start: State, program: Program, scratch: int,
                  identity: tuple[str, str]):  # fmt: skip
         self.variables, self.dae, self.start, self.scratch = variables, variables.plant.dae, start, scratch
+        self.binding = variables.plant.binding(start.parameters)
         self.program = program
         self.identity = identity
         self.lines: list[str] = []
@@ -71,6 +72,7 @@ class Tables:
         """Tables.h."""
         dae, variables = self.dae, self.variables
         entries = self._externals()
+        bound = self.binding.p[sum(item.symbol.numel() for item in dae.parameters.values()) :]
         files = self._files()
         kept, states = initial_matching(dae)
         checked = ca.vertcat(*[c.condition for c in dae.checks], *[v for c in dae.checks for v in c.values.values()])
@@ -78,7 +80,8 @@ class Tables:
         observed = [dae.observe_expression(path).numel() for path in variables.observed]
         sizes = {
             "NX": dae.x.shape[0], "NZ": dae.z.shape[0], "NU": dae.u.shape[0], "ND": dae.d.shape[0],
-            "NP": dae.p.shape[0], "NQ": sum(v.shape[0] for v in (dae.u, dae.d, dae.p)), "NW": dae.w.shape[0],
+            "NP": dae.p.shape[0] - bound.size, "BOUND": bound.size, "BREAKS": len(self.binding.breaks),
+            "NQ": sum(v.shape[0] for v in (dae.u, dae.d, dae.p)), "NW": dae.w.shape[0],
             "NY": sum(e.inputs.shape[0] for e in dae.externals), "EXTERNALS": len(dae.externals),
             "SPLINES": len(self.splines), "OUTPUTS": len(variables.output_expressions), "EVENTS": len(dae.events),
             "OBSERVED": sum(observed),
@@ -109,6 +112,7 @@ class Tables:
             self._quantities("fmu_inputs", variables.group("input")),
             self._quantities("fmu_parameters", variables.group("parameter")),
             self._quantities("fmu_solver", variables.group("solver")),
+            _doubles("fmu_bound", bound), _doubles("fmu_breaks", self.binding.breaks),
             _texts("fmu_rows", rows), _texts("fmu_initial_paths", dae.initial_paths),
             _doubles("fmu_x_nominal", [s.nominal for s in dae.states]),
             _doubles("fmu_z_nominal", [a.nominal for a in dae.algebraics]),
@@ -205,7 +209,7 @@ class Tables:
         for k, check in enumerate(self.dae.checks):
             lines.append(_texts(f"fmu_check_{k}", list(check.values)))
             is_error = int(check.level != "warning")
-            message = _text(check.message.rstrip("."))
+            message = _text(self.binding.words(check.message).rstrip("."))
             rows.append(f"{{{_text(check.path)}, {message}, {is_error}, {len(check.values)}, fmu_check_{k}}}")
         return "".join(lines) + _table("fmu_check", "fmu_checks", rows)
 
@@ -286,10 +290,12 @@ class Tables:
                 continue
             number = float(external.inputs[0])
             path, values = function.files[number]
-            inside = next((key for key, known in self.resources.items() if known == path), "")
-            inside = inside or f"{len(self.resources)}_{path.name}"
-            self.resources[inside] = path
-            found[function.name(), number] = inside, values
+            found[function.name(), number] = self._resource(path), values
+        for record in self.dae.bound.values():
+            source = self.binding.sources.get(record.path)
+            for function in record.functions if source is not None else ():
+                path, values = source.file_for(function)
+                found[function.name, float(source.numbers[0])] = self._resource(path), values
         rows = []
         for k, ((name, number), (inside, values)) in enumerate(found.items()):
             kinds = "".join(f", {'int' if isinstance(value, int) else 'double'}" for value in values)
@@ -301,6 +307,13 @@ class Tables:
             )
             rows.append(f"{{{_text(inside)}, fmu_open_{k}, {name}_problem}}")
         return rows
+
+    def _resource(self, path: Path) -> str:
+        """The name of a file among the resources."""
+        inside = next((key for key, known in self.resources.items() if known == path), "")
+        inside = inside or f"{len(self.resources)}_{path.name}"
+        self.resources[inside] = path
+        return inside
 
 
 def _packed(values: np.ndarray, columns: int) -> bytes:

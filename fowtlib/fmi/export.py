@@ -20,6 +20,7 @@ from fowtlib.fmi.binaries import chosen, compile_platform, host, require_platfor
 from fowtlib.fmi.c_text import Sources, c_sources, refuse_python
 from fowtlib.fmi.dependencies import dependencies
 from fowtlib.fmi.description import KINDS, Heading, build_description, model_description, terminals
+from fowtlib.fmi.guards import guarded
 from fowtlib.fmi.variables import Settings, Variables
 from fowtlib.language.errors import ModelError, ParameterError, did_you_mean
 from fowtlib.language.externals import refusals_explained
@@ -58,6 +59,7 @@ def export_fmu(
     require_platforms(names, version)
     told("start values")
     state = plant.initial_state(parameters, start)
+    plant = guarded(plant, plant.binding(parameters))
     variables = Variables(plant, state, _settings(plant, step, rho_inf, tolerance))
     if parameters:
         _put_parameters(variables, plant.parameter_values(parameters))

@@ -15,7 +15,7 @@ static const double SHORTEST_PERIOD = 1e-9; /* s, of a sampled part */
 /* Everything that changes while an instance lives, apart from the engine; copied as a whole into a saved state. */
 typedef struct {
   double t, t_start;
-  double x[AT_LEAST(NX)], z[AT_LEAST(NZ)], q[AT_LEAST(NQ)]; /* q: inputs, discrete variables, parameters */
+  double x[AT_LEAST(NX)], z[AT_LEAST(NZ)], q[AT_LEAST(NQ)]; /* q: inputs, discrete, parameters, bound numbers */
   double solver[3];                     /* step, rho_inf, tolerance */
   char x_given[AT_LEAST(NX)];           /* states that were set before the end of the initialisation */
   char warned[AT_LEAST(CHECKS)];
@@ -525,9 +525,12 @@ static int fmu_act(fmu_instance *f, char *due) {
   return fmu_arm(f);
 }
 
+/* The next sample, or the next instant at which a solver has to stop because of what the wind or the waves do. */
 static double fmu_next_sample(const fmu_instance *f) {
-  double next = INFINITY;
+  double next = INFINITY, now = f->now.t;
   int i;
+  for (i = 0; i < BREAKS; i++)
+    if (fmu_breaks[i] > now + 1e-9 * (1.0 + fabs(now))) next = fmin(next, fmu_breaks[i]);
   for (i = 0; i < SAMPLES; i++) next = fmin(next, f->now.offset[i] + f->now.samples_done[i] * f->now.period[i]);
   return next;
 }
@@ -1021,6 +1024,7 @@ static void fmu_reset_values(fmu_instance *f) {
   for (i = 0; i < NZ; i++) n->z[i] = fmu_z_start[i];
   for (i = 0; i < NU; i++) n->q[i] = fmu_inputs[i].start;
   for (i = 0; i < NP; i++) n->q[NU + ND + i] = fmu_parameters[i].start;
+  for (i = 0; i < BOUND; i++) n->q[NU + ND + NP + i] = fmu_bound[i];
   for (i = 0; i < 3; i++) n->solver[i] = fmu_solver[i].start;
   n->reference_step = OUTPUT_STEP;
   n->phase = FMU_INSTANTIATED;

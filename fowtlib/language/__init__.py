@@ -23,6 +23,8 @@ from fowtlib.language.equations import (
 )
 from fowtlib.language.errors import ModelError
 from fowtlib.language.externals import ExternalFunction
+from fowtlib.language.run_time import at_start, run_time_series
+from fowtlib.language.series import Series
 from fowtlib.language.tables import table1d, table2d, time_series
 
 __all__ = [
@@ -36,9 +38,11 @@ __all__ = [
     "RealInput",
     "RealOutput",
     "Scalar",
+    "Series",
     "Vector",
     "assert_",
     "assign",
+    "at_start",
     "call",
     "der",
     "eq",
@@ -58,6 +62,7 @@ __all__ = [
     "reinit",
     "ring",
     "rotation",
+    "run_time_series",
     "sampled",
     "shapes",
     "table1d",

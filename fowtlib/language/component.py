@@ -4,7 +4,9 @@ from __future__ import annotations
 
 import inspect
 import sys
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterator, Sequence
+from contextlib import contextmanager
+from contextvars import ContextVar
 from typing import Any, dataclass_transform
 
 import numpy as np
@@ -27,9 +29,30 @@ from fowtlib.language.declarations import (
     var,
 )
 from fowtlib.language.equations import active, source_line
-from fowtlib.language.errors import ConnectionFault, NotFoundError, ParameterError, UnitError, did_you_mean
+from fowtlib.language.errors import (
+    ConnectionFault,
+    NotFoundError,
+    ParameterError,
+    StructureError,
+    UnitError,
+    did_you_mean,
+)
+from fowtlib.language.families import Family
 from fowtlib.language.shapes import Drawn
 from fowtlib.language.units import dimension, to_si
+
+_reads: ContextVar[set[tuple[str, str]] | None] = ContextVar("reads", default=None)
+
+
+@contextmanager
+def parameters_read() -> Iterator[set[tuple[str, str]]]:
+    """The parameters whose values are asked for in between: path of the component, and name."""
+    found: set[tuple[str, str]] = set()
+    token = _reads.set(found)
+    try:
+        yield found
+    finally:
+        _reads.reset(token)
 
 
 class UnknownAttribute(NotFoundError, AttributeError):
@@ -50,12 +73,28 @@ class Component:
     declared_parts: dict[str, Part] = {}
     outers: dict[str, Outer] = {}
 
-    def __init_subclass__(cls, **kwargs: Any) -> None:
+    family: Family | None = None
+
+    def __init_subclass__(
+        cls, *, selector: str = "", kind: str = "", shared: Sequence[str] = (), **kwargs: Any
+    ) -> None:
         super().__init_subclass__(**kwargs)
         _resolve_annotations(cls, sys._getframe(1).f_locals)
-        for kind, table in _TABLES.items():
-            own = {name: value for name, value in vars(cls).items() if isinstance(value, kind)}
+        for field_class, table in _TABLES.items():
+            own = {name: value for name, value in vars(cls).items() if isinstance(value, field_class)}
             setattr(cls, table, {**getattr(cls, table), **own})
+        if selector:
+            cls.family = Family(cls, selector, tuple(shared))
+        elif kind:
+            if cls.family is None:
+                raise TypeError(f"{cls.__name__}: kind={kind!r}, but no class above it has a selector")
+            cls.family.add(kind, cls)
+
+    def __new__(cls, *_: Any, **modifiers: Any) -> Component:
+        """`Wind(kind="steady")` makes an object of the class of that kind."""
+        family = cls.family
+        chosen = family.chosen(cls, modifiers) if family is not None else cls
+        return object.__new__(chosen)
 
     def __init__(self, **modifiers: Any):
         self._parent: Component | None = None
@@ -68,6 +107,11 @@ class Component:
         self._given = {name: value for name, value in modifiers.items() if name in self.declared_parts}
         self._composed: tuple[int, int] | None = None
         self._composing = False
+        if self.family is not None:
+            own = self.family.kind_of(type(self))
+            given = modifiers.pop(self.family.selector, None) is not None
+            if own is not None and (given or own != self.family.field.default):
+                self._values[self.family.selector] = own
         self._later: set[str] = set()  # parameters set from outside, after this component was made
         for name, value in modifiers.items():
             if name not in self._given:
@@ -117,14 +161,19 @@ class Component:
             raise ParameterError(f"{self.label}.{field.name} is not a parameter and cannot be set.")
 
     def _set(self, name: str, value: Any) -> None:
+        if self.family is not None and name == self.family.selector:
+            self.family.turn(self, value)
+            return
         field = self.parameters.get(name)
         if field is None:
-            raise ParameterError(f"{self.label} has no parameter '{name}'{did_you_mean(name, self.parameters)}")
+            hint = self.family.hint(name) if self.family is not None else ""
+            hint = hint or did_you_mean(name, self.parameters)
+            raise ParameterError(f"{self.label} has no parameter '{name}'{hint}")
         was_set = name in self._values
         self._values[name] = self._checked(field, value)
         if self._composed is not None and not any(one._composing for one in (self, *self.enclosing())):
             self._later.add(name)
-        if self._composed is not None and not (was_set and field.tunable):
+        if self._composed is not None and not (was_set and (field.tunable or field.bound)):
             self._compose_again(name)
 
     def _compose_again(self, name: str) -> None:
@@ -163,6 +212,8 @@ class Component:
         where = join(self.path or type(self).__name__, field.name)
         if expressions.is_expression(value):
             return value
+        if value is None and field.default is None:
+            return None
         if field.annotation in SHAPES:
             return to_si(value, field.unit, where)
         if field.annotation in (int, float, str, bool):
@@ -171,8 +222,14 @@ class Component:
 
     def parameter_value(self, name: str) -> Any:
         """The value a parameter has now, in SI units; an error where a required one is missing."""
+        field = self.parameters[name]
+        if field.bound and self._binding is not None:
+            raise StructureError(self._binding[name].reason)
+        reads = _reads.get()
+        if reads is not None:
+            reads.add((self.path, name))
         value = self.parameter_binding(name)
-        if self.parameters[name].annotation in SHAPES:
+        if field.annotation in SHAPES:
             if value is None:
                 return None
             value = np.asarray(expressions.evaluate(value, combine=_stack), dtype=float)

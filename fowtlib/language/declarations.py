@@ -8,6 +8,7 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING, Any
 
+from fowtlib.language.errors import StructureError
 from fowtlib.language.expressions import Arithmetic, ParameterReference
 
 if TYPE_CHECKING:
@@ -27,6 +28,13 @@ else:
 
     class Array:
         """Real numbers of the declared shape."""
+
+
+class Withheld:
+    """Stands for a parameter that equations() must not see."""
+
+    def __init__(self, reason: str):
+        self.reason = reason
 
 
 SHAPES: dict[type, tuple[int, ...] | None] = {Scalar: (), Vector: (3,), Matrix: (3, 3), Array: None}
@@ -57,7 +65,10 @@ class Field:
             return self
         binding = component.__dict__.get("_binding")
         if binding is not None:
-            return binding[self.name]
+            value = binding[self.name]
+            if isinstance(value, Withheld):
+                raise StructureError(value.reason)
+            return value
         return self.outside(component)
 
     def __set__(self, component: Any, value: Any) -> None:
@@ -68,23 +79,24 @@ class Parameter(Field, Arithmetic):
     """Declaration of a parameter; arithmetic on it in the class body makes modifiers of parts."""
 
     def __init__(
-        self, default: Any, unit: str, doc: str, minimum: Any, maximum: Any, shape: Any, structural: bool, choices: Any
-    ):
+        self, default: Any, unit: str, doc: str, minimum: Any, maximum: Any, shape: Any, structural: bool, choices: Any,
+        bound: bool = False,
+    ):  # fmt: skip
         self.default, self.unit, self.doc = default, unit, doc
         self.min, self.max, self.shape, self.choices = minimum, maximum, shape, choices
-        self.structural = structural
+        self.structural, self.bound = structural, bound
 
     @property
     def tunable(self) -> bool:
         """A symbol of the flat model, changed without flattening again."""
-        return not self.structural and self.annotation in SHAPES
+        return not self.structural and not self.bound and self.annotation in SHAPES
 
     @property
     def required(self) -> bool:
         return self.default is REQUIRED
 
     def outside(self, component: Any) -> Any:
-        if self.tunable:
+        if self.tunable or (self.bound and self.annotation in SHAPES):
             return ParameterReference(component, self.name)
         return component.parameter_value(self.name)
 
@@ -201,13 +213,18 @@ class Outer(Field):
 
 
 def param(default: Any = REQUIRED, *, unit: str = "1", doc: str = "", min: Any = None, max: Any = None,
-          shape: Any = None, structural: bool = False, choices: Any = None) -> Any:  # fmt: skip
+          shape: Any = None, structural: bool = False, choices: Any = None, bound: bool = False) -> Any:  # fmt: skip
     """Declare a parameter, in SI `unit`; annotated Scalar, Vector, Matrix or Array it is tunable unless `structural`.
+
+    A `bound` one is read when a run starts: a text, a file, a seed, a choice, a number that data are computed from. It
+    changes no equation, and equations() cannot see it; the functions given to `at_start` and `run_time_series` can.
 
     `default`, like any modifier, may be a number, a sequence, a string with a unit, another parameter of the class
     body, arithmetic on those, or a function of the component. Without a default the parameter is required.
     """
-    return Parameter(default, unit, doc, min, max, shape, structural, choices)
+    if structural and bound:
+        raise ValueError("a parameter is structural (it decides about parts and equations) or bound, not both")
+    return Parameter(default, unit, doc, min, max, shape, structural, choices, bound)
 
 
 def var(*, unit: str = "1", doc: str = "", hint: str = "", shape: Any = None, start: Any = None,

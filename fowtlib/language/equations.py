@@ -20,8 +20,23 @@ class Flattener(Protocol):
 
     def external(self, function: ca.Function, inputs: ca.SX) -> ca.SX: ...
 
+    def at_start(self, numbers: AtStart) -> ca.SX: ...
+
     @property
     def time(self) -> ca.SX: ...
+
+
+@dataclass(slots=True)
+class AtStart:
+    """Numbers that are computed when a run starts; see fowtlib.language.run_time.at_start."""
+
+    name: str
+    size: int
+    unit: str
+    doc: str
+    compute: Callable[[Any], Any]
+    of: Any = None
+    functions: tuple[Any, ...] = ()
 
 
 _active: list[Flattener] = []
@@ -313,11 +328,14 @@ def sampled(period: Any, *assignments: Assign | Call, offset: Any = 0.0) -> Samp
     return Sampled(period, offset, assignments, source_line())
 
 
-def assert_(condition: Any, message: str, level: str = "error") -> Assertion:
-    """Checked at every output point: "error" stops the simulation there, "warning" is said once."""
+def assert_(condition: Any, message: str, level: str = "error", **values: Any) -> Assertion:
+    """Checked at every output point: "error" stops the simulation there, "warning" is said once.
+
+    values: scalars that are put into the message where it has their name in braces.
+    """
     if level not in ("error", "warning"):
         raise StructureError(f"assert_(level={level!r}): choose 'error' or 'warning'.")
-    return Assertion(_column(condition), message, level, source_line())
+    return Assertion(_column(condition), message, level, source_line(), {k: _column(v) for k, v in values.items()})
 
 
 def rotation(frame_a: Any, frame_b: Any, R_rel: Any, w_rel: Any) -> Rotation:

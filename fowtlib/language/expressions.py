@@ -8,7 +8,7 @@ the parameter symbols, so that a changed parameter reaches every part that depen
 from __future__ import annotations
 
 import operator
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
 from typing import Any
 
 import numpy as np
@@ -118,6 +118,18 @@ def is_expression(value: Any) -> bool:
     if not isinstance(value, (list, tuple)):
         return isinstance(value, Arithmetic)
     return any(is_expression(item) for item in value if type(item) is not float)
+
+
+def leaves(value: Any) -> Iterator[Any]:
+    """The parameters that an expression depends on."""
+    if isinstance(value, Expression):
+        for argument in value.arguments:
+            yield from leaves(argument)
+    elif isinstance(value, Arithmetic):
+        yield value
+    elif isinstance(value, (list, tuple)) and is_expression(value):
+        for item in value:
+            yield from leaves(item)
 
 
 def evaluate(value: Any, lookup: Lookup | None = None, combine: Callable[[list[Any]], Any] | None = None) -> Any:

@@ -73,6 +73,9 @@ class ExternalFunction:
                 f"{sizes[0]} and {sizes[1]} declared."
             )
 
+    def __deepcopy__(self, memo: Any) -> ExternalFunction:
+        return self  # it has no state of its own
+
     @property
     def library(self) -> Path | None:
         """The shared library of the function; None where it is Python."""
@@ -111,6 +114,9 @@ class LibraryFunction(ca.Function):
         self.path = path
         self.files: dict[float, tuple[Path, tuple[float | int, ...]]] = {}
 
+    def __deepcopy__(self, memo: Any) -> LibraryFunction:
+        return self
+
 
 @contextmanager
 def refusals_explained() -> Iterator[None]:
@@ -146,6 +152,9 @@ class _Python(ca.Callback):
         self.sparsity = sparsity or ca.Sparsity.dense(sizes[1], sizes[0])
         self._derivative: _PythonJacobian | None = None
         self.construct(name, {} if jacobian else {"enable_fd": True})
+
+    def __deepcopy__(self, memo: Any) -> _Python:
+        return self
 
     def get_n_in(self) -> int:
         return 1

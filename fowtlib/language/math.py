@@ -27,6 +27,7 @@ sqrt, exp, log = _delayed("sqrt", ca.sqrt), _delayed("exp", ca.exp), _delayed("l
 abs = _delayed("abs", ca.fabs)
 fmin, fmax = _delayed("fmin", ca.fmin), _delayed("fmax", ca.fmax)
 if_else = _delayed("if_else", ca.if_else)
+logic_not = _delayed("logic_not", ca.logic_not)
 sign, floor = _delayed("sign", ca.sign), _delayed("floor", ca.floor)
 
 pi = float(ca.pi)

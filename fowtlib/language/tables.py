@@ -78,7 +78,7 @@ def time_series(
     n = len(samples)
     if n < 4:
         raise ParameterError(f"{name}: a time series needs 4 samples or more, and {n} are given.")
-    coefficients = _cardinal_periodic(samples) if periodic else _cardinal(samples)
+    coefficients = cardinal_periodic(samples) if periodic else cardinal(samples)
     knots = t0 + dt * np.arange(-3, len(coefficients) + 1)
     end = t0 + dt * (n if periodic else n - 1)
     time = ca.MX.sym("t")
@@ -130,7 +130,7 @@ def _monotone(x: np.ndarray, y: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
     return knots, np.concatenate([y[:1], inner, y[-1:]])
 
 
-def _cardinal(samples: np.ndarray) -> np.ndarray:
+def cardinal(samples: np.ndarray) -> np.ndarray:
     """Coefficients c of the uniform cubic B-spline: (c[j-1] + 4 c[j] + c[j+1]) / 6 = sample; no end curvature."""
     from scipy.linalg import solve_banded
 
@@ -144,7 +144,8 @@ def _cardinal(samples: np.ndarray) -> np.ndarray:
     return np.concatenate([[2 * inner[0] - inner[1]], inner, [2 * inner[-1] - inner[-2]]])
 
 
-def _cardinal_periodic(samples: np.ndarray) -> np.ndarray:
+def cardinal_periodic(samples: np.ndarray) -> np.ndarray:
+    """The same of samples that repeat themselves, with one coefficient before them and two behind."""
     n = len(samples)
     kernel = (4 + 2 * np.cos(2 * np.pi * np.arange(n // 2 + 1) / n)) / 6
     inner = np.fft.irfft(np.fft.rfft(samples, axis=0) / kernel[:, None], n, axis=0)

@@ -15,7 +15,9 @@ from fowtlib.modelfile.layers import (
     declared_parameters,
     given_values,
     has_base,
+    kind_first,
     make_class,
+    of_kind,
     parameter_value,
     parts_of,
     remember,
@@ -47,6 +49,7 @@ class Assembler:
         """The component that the layers describe, the most important first; `usual` is its class if they give none."""
         depth = len(self.used)
         base, layers = self._base(layers, path) if has_base(layers) or not usual else (usual, layers)
+        base, layers = of_kind(base, layers, path)
         declared = declared_parameters(layers, base, path)
         made = make_class(base, declared, layers)
         values = given_values(layers, made, declared, path)
@@ -145,13 +148,13 @@ class Assembler:
 
     def _change(self, component: Component, layers: list[Layer], path: str) -> None:
         """Parameters of a part that a class has made."""
-        kind = type(component)
         for layer in reversed(layers):
-            for name, value in layer.spec.values.items():
+            for name, value in kind_first(type(component), layer.spec.values):
+                kind = type(component)
                 field = kind.parameters.get(name)
                 read = parameter_value(layer, kind, name, value, path, [*component.parts])
                 composed = kind.build is not Component.build or kind.declared_parts
-                if field is not None and not field.tunable and composed:
+                if field is not None and not (field.tunable or field.bound) and composed:
                     raise value.place.error(
                         f"{path}.{name} decides how the part is built, which its owner has done already; "
                         f"replace the part: {path.rpartition('.')[2]}: {{class: {kind.__name__}, ...}}."

@@ -2,9 +2,9 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Collection, Iterator, Mapping
 from contextlib import contextmanager
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Any
 
 from fowtlib.language import expressions
@@ -49,6 +49,40 @@ def parts_of(layers: list[Layer]) -> dict[str, list[Layer]]:
             inner = Layer(spec, Scope(layer.scope.folder, {}, parent=layer.scope))
             found.setdefault(name, []).insert(0, inner)
     return found
+
+
+def of_kind(base: type[Component], layers: list[Layer], path: str) -> tuple[type[Component], list[Layer]]:
+    """The class of the kind that the layers name, for a class that has kinds.
+
+    Where a layer names a kind, what those below it say of parameters that this kind does not have belongs to another
+    kind, and is left out.
+    """
+    family = base.family
+    if family is None or base is not family.base:
+        return base, layers
+    for i, layer in enumerate(layers):
+        value = layer.spec.values.get(family.selector)
+        if value is None:
+            continue
+        named = layer.reader().read(value, family.field, join(path, family.selector))
+        try:
+            chosen = family.class_of(named, join(path, family.selector))
+        except ModelError as error:
+            raise value.place.error(str(error)) from None
+        others = family.parameters.keys() - chosen.parameters.keys()
+        return chosen, [*layers[: i + 1], *(_without(layer, others) for layer in layers[i + 1 :])]
+    return family.class_of(family.field.default, join(path, family.selector)), layers
+
+
+def _without(layer: Layer, names: Collection[str]) -> Layer:
+    values = {name: value for name, value in layer.spec.values.items() if name not in names}
+    return Layer(replace(layer.spec, values=values), layer.scope)
+
+
+def kind_first(kind: type[Component], values: Mapping[str, Value]) -> list[tuple[str, Value]]:
+    """Values in the order in which they can be set: the kind decides which others there are."""
+    selector = kind.family.selector if kind.family is not None else None
+    return sorted(values.items(), key=lambda item: item[0] != selector)
 
 
 def declared_parameters(layers: list[Layer], base: type[Component], path: str) -> dict[str, Parameter]:
@@ -139,7 +173,8 @@ def parameter_value(layer: Layer, kind: type[Component], name: str, value: Value
         has = f"{known.__name__} has" if known is not Assembly else "it has"
         if name in parts:
             raise value.place.error(f"{join(path, name)} is a part, not a parameter; give values to its parameters.")
-        hint = did_you_mean(name, [*kind.parameters, *parts])
+        hint = kind.family.hint(name) if kind.family is not None else ""
+        hint = hint or did_you_mean(name, [*kind.parameters, *parts])
         raise value.place.error(f"{path or 'the model'}: {has} no parameter '{name}'{hint}")
     result = layer.reader().read(value, field, join(path, name))
     if not field.tunable:

@@ -122,10 +122,12 @@ def _is_class(name: str) -> Schema:
 
 
 def _class(item: type[Component]) -> Schema:
-    required = [field.name for field in item.parameters.values() if field.required]
+    family = item.family
+    parameters = family.parameters if family is not None and item is family.base else item.parameters
+    required = [field.name for field in parameters.values() if field.required]
     return {
         "description": (inspect.getdoc(item) or "").partition("\n\n")[0],
-        "properties": {**_KEYS, **{name: _parameter(field) for name, field in item.parameters.items()}},
+        "properties": {**_KEYS, **{name: _parameter(field) for name, field in parameters.items()}},
         "required": required,
         "additionalProperties": False,
     }

@@ -62,7 +62,7 @@ class _Writer:
             connections = component.connections
         else:
             _check_in_catalogue(component, known)
-            entries["class"] = known.__name__
+            entries["class"] = _class_name(known)
             names = [name for name in component._values if name in known.parameters and name not in leave_out]
             entries |= {name: self._value(component, name) for name in names}
             fresh = known(**_parts_given(component), **{name: component._values[name] for name in names})
@@ -186,6 +186,12 @@ def _changed(part: Component, twin: Component, top: Component, fresh_top: Compon
         for name, value in part._values.items()
         if name not in twin._values or not _same(value, top, twin._values[name], fresh_top)
     ]
+
+
+def _class_name(known: type[Component]) -> str:
+    """What a file calls a class: a kind of a family goes by the name of the family."""
+    family = known.family
+    return family.base.__name__ if family is not None and known in family.kinds.values() else known.__name__
 
 
 def _parts_given(component: Component) -> dict[str, Component]:

@@ -13,12 +13,14 @@ from fowtlib.solving.initial import csc, failure_text
 from fowtlib.solving.newton import Jacobian, Residual, newton, solve
 
 
-def time_dependence(functions: Functions) -> list[str]:
+def time_dependence(at: AtParameters) -> list[str]:
     """Paths of what makes the equations depend on time: components with time functions, or the equations themselves."""
-    dae = functions.dae
+    dae = at.dae
     rows = ca.vertcat(dae.ode, dae.alg)
-    needed = functions.needed([rows])
-    paths = [dae.externals[k].path for k in sorted(needed) if ca.depends_on(dae.externals[k].inputs, dae.t)]
+    needed = at.functions.needed([rows])
+    moving = [dae.externals[k] for k in sorted(needed) if ca.depends_on(dae.externals[k].inputs, dae.t)]
+    steady = at.binding.steady
+    paths = [external.path for external in moving if ca.vec(external.inputs)[0].element_hash() not in steady]
     if ca.depends_on(rows, dae.t):
         names = [s.path for s in dae.states]
         for k, row in enumerate(ca.vertsplit(dae.ode)):
@@ -41,7 +43,7 @@ def equilibrium(at: AtParameters, t: float, x: np.ndarray, z: np.ndarray, q: np.
     angle of a turning shaft, keep their value.
     """
     dae = at.dae
-    sources = time_dependence(at.functions)
+    sources = time_dependence(at)
     if sources:
         raise SimulationError(
             f"no equilibrium: the equations depend on time through {', '.join(sources[:4])}. "

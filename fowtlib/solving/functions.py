@@ -14,8 +14,11 @@ import casadi as ca
 import numpy as np
 
 from fowtlib.flattening import FlatDAE
+from fowtlib.solving.binding import Binding
 
 MANY = 300  # columns from which a sparse Jacobian is better than a directional one
+SHORT = {"cse": True}  # common subexpressions once: parameters as arguments leave more of them
+POINTS = (100, 10, 1)  # at which a function is evaluated in one call
 MOST = 64  # things made on demand that are held at once; the one that was not used for longest goes first
 
 Made = TypeVar("Made")
@@ -26,18 +29,27 @@ class Functions:
 
     They are made when first asked for, and hold no number that a run may change: other values of parameters need no
     other functions. `at` gives them with the parameters put in.
+
+    zeros: numbers of tunable parameters in p that are zero, and what they multiply is left out: a fifth of the
+    operations of two turbines, whose parts stand on straight lines. `at` chooses them, and makes other functions where
+    one of them is zero no longer.
     """
 
-    def __init__(self, dae: FlatDAE):
-        self.dae = dae
+    def __init__(self, dae: FlatDAE, zeros: frozenset[int] = frozenset()):
+        self.dae, self.zeros = dae, zeros
+        self._lean: Functions | None = None
         self.t, self.x, self.z, self.w = dae.t, dae.x, dae.z, dae.w
         self.q = ca.vertcat(dae.u, dae.d, dae.p)
         self._externals = [_Differentiable(external.function) for external in dae.externals]
         self._made: dict[Hashable, Any] = {}
 
-    def at(self, parameters: np.ndarray) -> AtParameters:
-        """The functions at values of p."""
-        return AtParameters(self, parameters)
+    def at(self, binding: Binding) -> AtParameters:
+        """The functions at what a run takes in, without those parameters that have been zero in all runs so far."""
+        tunable = sum(item.symbol.numel() for item in self.dae.parameters.values())
+        zeros = frozenset(np.flatnonzero(binding.p[:tunable] == 0).tolist())
+        if self._lean is None or not self._lean.zeros <= zeros:
+            self._lean = Functions(self.dae, zeros & self._lean.zeros if self._lean else zeros)
+        return AtParameters(self._lean, binding, self)
 
     def once(self, key: Hashable, make: Callable[[], Made]) -> Made:
         """What `make` returns, made for the first that asks for it by this key."""
@@ -47,11 +59,29 @@ class Functions:
             del self._made[next(iter(self._made))]
         return made
 
+    def along(self, function: ca.Function, points: int) -> ca.Function:
+        """`(t, x, z, [u; d], p) -> values of a function` at that many points, one column of each but p for a point."""
+
+        def make() -> ca.Function:
+            columns = [ca.MX.sym(n, v.shape[0]) for n, v in zip("txz", self._arguments, strict=False)]
+            given, p = ca.MX.sym("given", self.q.shape[0] - self.dae.p.shape[0]), ca.MX.sym("p", self.dae.p.shape[0])
+            inputs = [*columns, given, p]
+            one = ca.Function("one", inputs, [ca.densify(function(*columns, ca.vertcat(given, p)))])
+            return one.map(f"along_{points}", "serial", points, [4], [])
+
+        return self.once(("along", function.__hash__(), points), make)
+
     # --- building blocks -----------------------------------------------------------------------------------------
 
     @cached_property
     def _external_inputs(self) -> list[ca.SX]:
-        return [external.inputs for external in self.dae.externals]
+        return self._without_zeros([external.inputs for external in self.dae.externals])
+
+    def _without_zeros(self, expressions: Sequence[ca.SX]) -> list[ca.SX]:
+        if not self.zeros or not expressions:
+            return list(expressions)
+        places = sorted(self.zeros)
+        return ca.substitute(list(expressions), [self.dae.p[places]], [ca.SX.zeros(len(places))])
 
     @property
     def _arguments(self) -> list[ca.SX]:
@@ -68,9 +98,8 @@ class Functions:
             members = [k for k in group if needed is None or k in needed]
             if not members:
                 continue
-            function = ca.Function(
-                f"inputs_{level}", [*self._arguments, self.w], [self._external_inputs[k] for k in members]
-            )
+            inside = [self._external_inputs[k] for k in members]
+            function = ca.Function(f"inputs_{level}", [*self._arguments, self.w], inside, SHORT)
             values = function(*arguments, ca.vertcat(*outputs) if outputs else ca.MX(0, 1))
             for k, y in zip(members, values if isinstance(values, (list, tuple)) else [values], strict=True):
                 inputs[k] = y
@@ -79,12 +108,12 @@ class Functions:
 
     def function(self, name: str, expressions: Sequence[ca.SX], names: Sequence[str] = ()) -> ca.Function:
         """`(t, x, z, q) -> expressions`, calling the external functions that they need."""
-        columns = list(expressions)
+        columns = self._without_zeros(expressions)
         labels = list(names) or [f"o{i}" for i in range(len(columns))]
-        inner = ca.Function(name, [*self._arguments, self.w], columns, ["t", "x", "z", "q", "w"], labels)
+        inner = ca.Function(name, [*self._arguments, self.w], columns, ["t", "x", "z", "q", "w"], labels, SHORT)
         needed = self.needed(columns)
         if not needed:
-            return ca.Function(name, self._arguments, columns, ["t", "x", "z", "q"], labels, {"allow_free": False})
+            return ca.Function(name, self._arguments, columns, ["t", "x", "z", "q"], labels, SHORT)
         arguments, w, _ = self._called(needed)
         values = inner(*arguments, w)
         values = list(values) if isinstance(values, (list, tuple)) else [values]
@@ -115,6 +144,7 @@ class Functions:
         The partial derivatives are expressions of scalars; their products with the Jacobians of the externals are
         sparse matrix products, because written out as scalars those of a rotor are a million operations.
         """
+        rows = self._without_zeros([rows])[0]
         block_of = ca.vertcat(*columns)
         ends = [0, *np.cumsum([c.shape[0] for c in columns]).tolist()]
         needed = self.needed([rows])
@@ -144,6 +174,7 @@ class Functions:
         Its expressions are the derivative along one direction, evaluated for each column. They are found in the time of
         one column, and each evaluation costs more: for a Jacobian that is needed a few times.
         """
+        rows = self._without_zeros([rows])[0]
         n, moving = columns.shape[0], ca.vertcat(columns, self.w)
         seed, w_seed = ca.SX.sym("seed", n), ca.SX.sym("w_seed", self.w.shape[0])
 
@@ -257,22 +288,37 @@ class Functions:
 
 
 class AtParameters:
-    """Functions with the parameters put in: of t, x, z, and q = [u; d]."""
+    """Functions with the parameters put in: of t, x, z, and q = [u; d].
 
-    def __init__(self, functions: Functions, parameters: np.ndarray):
-        self.functions, self.dae = functions, functions.dae
-        self.parameters = np.ascontiguousarray(parameters, dtype=float)
+    binding: what the parameters came from; its data stay known as long as the functions are used.
+    general: the functions in which all parameters are symbols, also those that are zero.
+    """
+
+    def __init__(self, functions: Functions, binding: Binding, general: Functions):
+        self.functions, self.dae, self.general, self.binding = functions, functions.dae, general, binding
+        self.parameters = np.ascontiguousarray(binding.p, dtype=float)
 
     def whole(self, q: np.ndarray) -> np.ndarray:
-        """[u; d; p] of [u; d]: of one column, or of one for each point of time."""
-        q = np.asarray(q, dtype=float)
-        if q.ndim < 2:
-            return np.concatenate([q, self.parameters])
-        return np.vstack([q, np.broadcast_to(self.parameters[:, None], (self.parameters.size, q.shape[1]))])
+        """[u; d; p] of [u; d]."""
+        return np.concatenate([q, self.parameters])
 
     def call(self, function: ca.Function, t: Any, x: Any, z: Any, q: Any) -> Any:
         """Values of one of the functions."""
         return function(t, x, z, self.whole(q))
+
+    def along(self, function: ca.Function, t: np.ndarray, x: np.ndarray, z: np.ndarray, q: np.ndarray) -> np.ndarray:
+        """Values of one of the functions at many points: rows of the arguments and of what it returns are points."""
+        n, columns = len(t), (t[None], x.T, z.T, q.T)
+        blocks, first = [], 0
+        for size in POINTS:
+            count = (n - first) // size
+            if count:
+                at_once = self.functions.along(function, size)
+            for _ in range(count):
+                part = slice(first, first + size)
+                blocks.append(np.array(at_once(*(column[:, part] for column in columns), self.parameters)))
+                first += size
+        return np.concatenate(blocks, axis=1).T if blocks else np.zeros((0, function.size1_out(0)))
 
     def residual(self, t: Any, x: Any, z: Any, q: Any) -> tuple[ca.DM, ca.DM]:
         """Values of ode and alg."""

@@ -10,7 +10,9 @@ from fowtlib.flattening import FlatDAE
 from fowtlib.flattening.structure import matching
 from fowtlib.language.errors import SimulationError
 from fowtlib.solving.functions import MANY, AtParameters, Functions
+from fowtlib.solving.layout import Layout, Values
 from fowtlib.solving.newton import NewtonResult, newton
+from fowtlib.solving.state import State
 
 
 def csc(value: ca.DM) -> sparse.csc_matrix:
@@ -31,6 +33,18 @@ def consistent_algebraics(at: AtParameters, t: float, x: np.ndarray, z: np.ndarr
     if not solution.converged:
         raise SimulationError(failure_text(at.dae, solution, f"no consistent start values at t = {t:g} s"))
     return solution.values
+
+
+def start_point(at: AtParameters, layout: Layout, u: np.ndarray, start: Values, t: float,
+                base: State | None) -> tuple[float, np.ndarray, np.ndarray, np.ndarray]:  # fmt: skip
+    """The consistent t, x, z and d with start values by path put in; of `base`, if there is one, and these changed."""
+    x, z, d = at.start_values() if base is None else (base.x.copy(), base.z.copy(), base.d.copy())
+    given = layout.put(start, x, z, d)
+    q = np.concatenate([u, d])
+    if base is not None:
+        return base.t, x, consistent_algebraics(at, base.t, x, z, q), d
+    x, z = initial_values(at, t, x, z, q, given)
+    return t, x, z, d
 
 
 def initial_values(at: AtParameters, t: float, x: np.ndarray, z: np.ndarray, q: np.ndarray,

@@ -6,7 +6,14 @@ from collections.abc import Sequence
 from dataclasses import dataclass, field
 from typing import TYPE_CHECKING
 
+import casadi as ca
 import numpy as np
+
+from fowtlib.flattening.system import element_names
+from fowtlib.solving.functions import AtParameters
+from fowtlib.solving.layout import Layout
+from fowtlib.solving.outputs import Outputs
+from fowtlib.solving.state import State
 
 if TYPE_CHECKING:
     import xarray
@@ -108,3 +115,42 @@ class LinearModel:
 
     def __repr__(self) -> str:
         return f"<LinearModel: {len(self.states)} states, {len(self.inputs)} inputs, {len(self.outputs)} outputs>"
+
+
+def linearize(at: AtParameters, layout: Layout, outputs: Outputs, state: State, inputs: Sequence[str],
+              names: Sequence[str]) -> LinearModel:  # fmt: skip
+    """The linear model at a state, from inputs or tunable parameters by path to results or variables.
+
+    All states are kept; the algebraic unknowns are eliminated by the implicit function theorem.
+    """
+    dae = at.dae
+    columns: list[ca.SX] = []
+    labels: list[str] = []
+    for path in inputs:
+        symbols, fresh = layout.symbols(path)
+        columns += symbols
+        labels += fresh
+    rows, factors, shown, units = [], [], [], {}
+    for name in names:
+        expression = ca.vec(dae.observe_expression(outputs.entry(name).path))
+        fresh = element_names(name, expression.shape)
+        rows.append(expression)
+        factors += [outputs.factor(name)] * len(fresh)
+        shown += fresh
+        units |= dict.fromkeys(fresh, outputs.entry(name).unit)
+
+    def make() -> ca.Function:
+        u = ca.vertcat(*columns) if columns else ca.SX(0, 1)
+        return at.general.torn_jacobian("linear", ca.vertcat(dae.ode, dae.alg, *rows), [dae.x, dae.z, u])
+
+    slopes = at.general.once(("linear", tuple(labels), tuple(names)), make)
+    blocks = at.call(slopes, state.t, state.x, state.z, np.concatenate([state.u, state.d]))
+    by_x, by_z, by_u = (np.array(ca.densify(block)) for block in blocks)
+    nx, nz = dae.x.shape[0], dae.z.shape[0]
+    ode, alg, out = slice(0, nx), slice(nx, nx + nz), slice(nx + nz, None)
+    by_xu = np.hstack([by_x[alg], by_u[alg]])
+    dz = -np.linalg.solve(by_z[alg], by_xu) if nz else by_xu
+    A, B = by_x[ode] + by_z[ode] @ dz[:, :nx], by_u[ode] + by_z[ode] @ dz[:, nx:]
+    scale = np.array(factors).reshape(-1, 1)
+    C, D = (by_x[out] + by_z[out] @ dz[:, :nx]) * scale, (by_u[out] + by_z[out] @ dz[:, nx:]) * scale
+    return LinearModel(A, B, C, D, list(layout.x), labels, shown, units)

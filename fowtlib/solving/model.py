@@ -8,7 +8,9 @@ from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import Any
 
-from fowtlib.flattening import flatten
+import numpy as np
+
+from fowtlib.flattening import FlatDAE, flatten
 from fowtlib.flattening.dimensions import check_dimensions
 from fowtlib.language.component import Component
 from fowtlib.language.errors import ParameterError, did_you_mean
@@ -48,9 +50,17 @@ class Model:
         another.
         """
         dae = flatten(self.root, inputs)
-        plant = Plant(dae, self.outputs, name=self.name, title=self.title, settings=self.settings, root=self.root)
-        plant.start_opened_inputs()
-        return plant
+        plant = self._plant(dae)
+        driven = {path: item for path, item in dae.inputs.items() if item.driver}
+        if not driven:
+            return plant
+        start = plant.initial_state()
+        values = {path: np.ravel(start[item.driver], order="F") for path, item in driven.items()}
+        defaults = {path: replace(item, default=values.get(path, item.default)) for path, item in dae.inputs.items()}
+        return self._plant(replace(dae, inputs=defaults))
+
+    def _plant(self, dae: FlatDAE) -> Plant:
+        return Plant(dae, self.outputs, name=self.name, title=self.title, settings=self.settings, root=self.root)
 
     def check(self) -> ModelReport:
         """Flatten the model and check the dimensions of its equations; the report says what was found."""
@@ -77,11 +87,18 @@ class Model:
         if self.rebuild is not None:
             return self.rebuild(values)
         root = copy.deepcopy(self.root)
-        for path, value in sorted(values.items(), key=lambda item: item[0].count(".")):  # a part before what is in it
+
+        def order(path: str) -> tuple[int, bool]:
+            """A part before what is in it, and its kind before what only this kind has."""
+            family = root.find(path.rpartition(".")[0]).family
+            return path.count("."), family is None or path.rpartition(".")[2] != family.selector
+
+        for path, value in sorted(values.items(), key=lambda item: order(item[0])):
             owner, _, name = path.rpartition(".")
             component = root.find(owner)
             if name not in component.parameters:
-                known = did_you_mean(name, component.parameters)
-                raise ParameterError(f"{component.label} has no parameter '{name}'{known}")
+                hint = component.family.hint(name) if component.family is not None else ""
+                hint = hint or did_you_mean(name, component.parameters)
+                raise ParameterError(f"{component.label} has no parameter '{name}'{hint}")
             setattr(component, name, value)
         return replace(self, root=root)

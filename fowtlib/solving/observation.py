@@ -1,58 +1,54 @@
-"""Variables of a model along a trajectory: every eliminated variable is rebuilt from the states."""
+"""Variables of a model at a state and along a trajectory: every eliminated variable is rebuilt from the states."""
 
 from __future__ import annotations
 
 from collections.abc import Sequence
-from typing import TYPE_CHECKING
 
 import casadi as ca
 import numpy as np
 
+from fowtlib.solving.engines.fixed_step_code import FixedStepCode
 from fowtlib.solving.functions import AtParameters
+from fowtlib.solving.state import State
 
-if TYPE_CHECKING:
-    from fowtlib.solving.plant import Plant
 
-BLOCK = 2000  # points of time evaluated together
+def observed(at: AtParameters, path: str, state: State) -> np.ndarray:
+    """A variable at a state, SI, as a matrix."""
+    function = at.functions.observed([path])
+    values = np.array(at.call(function, state.t, state.x, state.z, np.concatenate([state.u, state.d])))
+    return values.reshape(at.dae.observe_expression(path).shape, order="F")
 
 
 class Observation:
-    """Rebuilds variables of the model along a trajectory."""
+    """Rebuilds variables of the model along a trajectory: t (n,), and x, z, d with a row for each, u of all times.
 
-    def __init__(
-        self, plant: Plant, at: AtParameters, t: np.ndarray, x: np.ndarray, z: np.ndarray, u: np.ndarray, d: np.ndarray
-    ):
-        self.plant, self.at = plant, at
-        self.arguments = (t[None], x.T, z.T, np.concatenate([u, d], axis=1).T)
+    code: the compiled functions of the fixed-step engine, where they have been made; they give the variables that they
+    were made for.
+    """
+
+    def __init__(self, at: AtParameters, t: np.ndarray, x: np.ndarray, z: np.ndarray, u: np.ndarray, d: np.ndarray,
+                 code: FixedStepCode | None = None):  # fmt: skip
+        self.at, self.code = at, code
+        self.arguments = (t, x, z, np.concatenate([np.repeat(u[None], len(t), axis=0), d], axis=1))
 
     def arrays(self, paths: Sequence[str]) -> list[np.ndarray]:
         """One array (n_time, *shape) for each path."""
         if not paths:
             return []
-        expressions = [ca.densify(self.plant.dae.observe_expression(path)) for path in paths]
+        expressions = [ca.densify(self.at.dae.observe_expression(path)) for path in paths]
         sizes, shapes = [e.numel() for e in expressions], [e.shape for e in expressions]
         table = self._compiled(paths)
         if table is None:
-            table = self._interpreted(paths)
+            table = self.at.along(self.at.functions.observed(paths), *self.arguments)
         columns = np.split(table, np.cumsum(sizes)[:-1], axis=1)
         return [_shaped(column, shape) for column, shape in zip(columns, shapes, strict=True)]
 
     def _compiled(self, paths: Sequence[str]) -> np.ndarray | None:
-        """By the code of the fixed-step engine, where it has been made, for just these variables."""
-        code = self.plant.__dict__.get("fixed_step_code")
-        if code is None or code.observed != list(paths):
+        if self.code is None or self.code.observed != list(paths):
             return None
         t, x, z, q = self.arguments
-        return code.observe(t[0], x.T, z.T, self.at.whole(q).T)
-
-    def _interpreted(self, paths: Sequence[str]) -> np.ndarray:
-        function = self.at.functions.observed(paths)
-        n = self.arguments[0].shape[1]
-        blocks = []
-        for first in range(0, n, BLOCK):
-            part = slice(first, min(first + BLOCK, n))
-            blocks.append(np.array(self.at.call(function, *(a[:, part] for a in self.arguments))))
-        return np.concatenate(blocks, axis=1).T
+        parameters = np.repeat(self.at.parameters[None], len(t), axis=0)
+        return self.code.observe(t, x, z, np.concatenate([q, parameters], axis=1))
 
     def values(self, names: Sequence[str]) -> np.ndarray:
         """Columns of scalars, (n_time, n); a single vector or matrix as (n_time, *shape)."""

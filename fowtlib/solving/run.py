@@ -6,24 +6,26 @@ import sys
 import time as clock
 import warnings
 from collections.abc import Callable, Sequence
-from typing import TYPE_CHECKING, Any
+from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 from scipy.optimize import brentq
 
-from fowtlib.language.errors import SimulationError
-from fowtlib.language.units import from_si
-from fowtlib.solving.engines.base import Engine
+from fowtlib.language.errors import ParameterError, SimulationError
+from fowtlib.language.units import to_si
+from fowtlib.solving.binding import Binding
+from fowtlib.solving.engines import Engine
+from fowtlib.solving.engines.fixed_step_code import FixedStepCode
 from fowtlib.solving.failure import StepFailure, integration_failure
 from fowtlib.solving.initial import consistent_algebraics
 from fowtlib.solving.interrupts import deferred_interrupt
+from fowtlib.solving.layout import Values
 from fowtlib.solving.observation import Observation
+from fowtlib.solving.outputs import Outputs
 from fowtlib.solving.results import Observer, RawTrajectory, Result, parameter_hash
 from fowtlib.solving.sessions import Sessions
 from fowtlib.solving.state import State
-
-if TYPE_CHECKING:
-    from fowtlib.solving.plant import Plant
 
 STRETCH = 400  # output points between two looks at the clock and at Ctrl-C
 SUBSTEPS = 4  # points per output step at which state events are looked for
@@ -34,18 +36,46 @@ class Interrupted(SimulationError):
     """Ctrl-C during a simulation; `result` holds what was computed."""
 
 
-class Run:
-    """One run of a plant from a state."""
+@dataclass(frozen=True)
+class About:
+    """What a run is of, for its result.
 
-    def __init__(self, plant: Plant, start: State, engine: Engine, parameters: Any, outputs: Sequence[str] | None,
-                 resumed: bool = False):  # fmt: skip
-        self.plant, self.dae = plant, plant.dae
-        self.parameters = parameters
-        self.resumed = resumed
-        self.engine = engine
-        self.at = engine.at
+    name, title: of the model; binding: what the run takes in.
+    """
+
+    name: str
+    title: str
+    binding: Binding
+
+
+def duration_settings(t_end: Any, output_step: Any, tolerance: Any, settings: Values) -> tuple[float, float, float]:
+    """The end [s], the output step [s] and the tolerance of a run: as given, else the model's, else the defaults."""
+    end, interval, relative = (
+        float(to_si(settings.get(key, default) if value is None else value, unit, key))
+        for value, key, default, unit in (
+            (t_end, "duration", 600.0, "s"),
+            (output_step, "output_step", 0.1, "s"),
+            (tolerance, "tolerance", 1e-6, "1"),
+        )
+    )
+    if not 0 < relative < 1:
+        raise ParameterError(f"the tolerance is {relative:g}; it must lie between 0 and 1, usually 1e-4 to 1e-9.")
+    return end, interval, relative
+
+
+class Run:
+    """One run from a state, with an engine that knows the model and its parameters.
+
+    names: the results to give. resumed: whether the state is the end of another run, whose samples are done. code: the
+    compiled functions that rebuild variables, where they have been made.
+    """
+
+    def __init__(self, engine: Engine, start: State, outputs: Outputs, names: Sequence[str], about: About,
+                 resumed: bool = False, code: Callable[[], FixedStepCode | None] = lambda: None):  # fmt: skip
+        self.engine, self.at, self.dae = engine, engine.at, engine.at.dae
+        self.outputs, self.names, self.about, self.code = outputs, list(names), about, code
+        self.binding, self.resumed = about.binding, resumed
         self.sessions = Sessions(self.dae, resumed)
-        self.names = list(plant.outputs) if outputs is None else list(outputs)
         self.t = start.t
         self.x, self.z, self.d, self.u = start.x.copy(), start.z.copy(), start.d.copy(), start.u.copy()
         self.rows: list[tuple[np.ndarray, np.ndarray, np.ndarray, np.ndarray]] = []
@@ -127,7 +157,8 @@ class Run:
             passed = round((self.rows[-1][0][-1] - self.t_start) / step)
             next_output = min(self.t_start + (passed + 1) * step, t_end)
             next_sample = min((o + k * p for o, p, k in self.clocks), default=np.inf)
-            stop = min(next_sample, t_end)
+            next_break = next((t for t in self.binding.breaks if t > self.t + tiny), np.inf)
+            stop = min(next_sample, next_break, t_end)
             on_grid = abs(self.t - (self.t_start + passed * step)) < tiny
             points = min(int((stop - self.t) / step + 1e-7), STRETCH) if on_grid else 0
             if points:
@@ -210,12 +241,12 @@ class Run:
         """First point at which an armed indicator is not positive any more."""
         if not len(times):
             return None
-        q = np.repeat(self.q[:, None], len(times), axis=1)
-        values = np.array(self.at.call(self.at.functions.indicators, times[None], x.T, z.T, q)).reshape(-1, len(times))
+        q = np.repeat(self.q[None], len(times), axis=0)
+        values = self.at.along(self.at.functions.indicators, times, x, z, q)
         for k in range(len(times)):
-            if np.any(self.armed & (values[:, k] <= 0)):
+            if np.any(self.armed & (values[k] <= 0)):
                 return k
-            self.armed = values[:, k] > 0
+            self.armed = values[k] > 0
         return None
 
     def _event(self, times: np.ndarray, x: np.ndarray, z: np.ndarray, k: int) -> None:
@@ -306,8 +337,8 @@ class Run:
                 event = self.dae.events[i]
                 action = self.at.functions.actions[i]
                 on_states, on_discretes = self.at.call(action, self.t, self.x, self.z, self.q)
-                x[event.state_targets] = np.array(on_states).ravel()
-                d[event.discrete_targets] = np.array(on_discretes).ravel()
+                x[list(event.state_targets)] = np.array(on_states).ravel()
+                d[list(event.discrete_targets)] = np.array(on_discretes).ravel()
             self.x, self.d = x, d
             self.z = self.engine.algebraics(self.t, self.x, self.z, self.q)
             after = self._indicator_values()
@@ -324,7 +355,8 @@ class Run:
         for k in due:
             sample, values = self.dae.samples[k], self.updates[k](self.t, self.x, self.z, self.q)
             offset, period, n = self.clocks[k]
-            self.d[sample.targets] = self.sessions.step(k, offset + n * period, values) if sample.process else values
+            assigned = self.sessions.step(k, offset + n * period, values) if sample.process else values
+            self.d[list(sample.targets)] = assigned
             self.clocks[k] = (offset, period, n + 1)
         self.z = self.engine.algebraics(self.t, self.x, self.z, self.q)
         if self.dae.events:
@@ -347,10 +379,9 @@ class Run:
         if not self.dae.checks:
             return
         n = len(times)
-        q = np.repeat(self.q[:, None], n, axis=1)
-        values = np.array(self.at.call(self.at.functions.conditions, times[None], x.T, z.T, q)).reshape(-1, n)
-        for k in np.flatnonzero((values == 0).any(axis=0)):
-            for i in np.flatnonzero(values[:, k] == 0):
+        values = self.at.along(self.at.functions.conditions, times, x, z, np.repeat(self.q[None], n, axis=0))
+        for k in np.flatnonzero((values == 0).any(axis=1)):
+            for i in np.flatnonzero(values[k] == 0):
                 check = self.dae.checks[i]
                 if check.level == "warning" and int(i) in self.warned:
                     continue
@@ -366,12 +397,12 @@ class Run:
 
     def _message(self, i: int, t: float, x: np.ndarray, z: np.ndarray) -> str:
         check = self.dae.checks[i]
-        text = check.message
+        text = self.binding.words(check.message)
         told = np.array(self.at.call(self.at.functions.told(i), t, x, z, self.q)).ravel() if check.values else ()
         for name, value in zip(check.values, told, strict=True):
             text = text.replace("{" + name + "}", f"{value:.6g}")
         text = text.rstrip(".")
-        return f"{check.path or self.plant.name or 'model'}: {text} (t = {t:g} s)."
+        return f"{check.path or self.about.name or 'model'}: {text} (t = {t:g} s)."
 
     def _failure(self) -> SimulationError:
         """The error at the last good point."""
@@ -391,32 +422,29 @@ class Run:
     def result(self, status: str) -> Result:
         """What has been computed, as a Result."""
         t, x, z, d = (np.concatenate([row[i] for row in self.rows]) for i in range(4))
-        observe = Observation(self.plant, self.at, t, x, z, np.repeat(self.u[None], len(t), axis=0), d)
-        values, units, docs = {}, {}, {}
-        paths = []
-        for name in self.names:
-            path, unit, doc = self.plant.outputs.get(name) or (name, *self.plant.describe(name))
-            paths.append(path)
-            units[name], docs[name] = unit, doc
-        for name, path, series in zip(self.names, paths, observe.arrays(paths), strict=True):
-            values[name] = from_si(series, self.plant.describe(path)[0], units[name])
+        observe = Observation(self.at, t, x, z, self.u, d, self.code())
+        entries = {name: self.outputs.entry(name) for name in self.names}
+        values = {}
+        for name, series in zip(entries, observe.arrays([entry.path for entry in entries.values()]), strict=True):
+            values[name] = self.outputs.shown(name, series)
             self._warn_of_gaps(name, t, series)
-        numbers = self.plant.parameter_values(self.parameters)
+        about, numbers = self.about, self.binding.values
         raw = RawTrajectory(
             t, x, z, d, tuple(q.path for q in self.dae.states), tuple(q.path for q in self.dae.algebraics),
             tuple(q.path for q in self.dae.discretes), parameter_hash(numbers),
         )  # fmt: skip
         attributes = {
-            "model": self.plant.name,
-            "title": self.plant.title,
+            "model": about.name,
+            "title": about.title,
             **self.engine.attributes,
             "status": status,
             "parameters": {path: value.tolist() for path, value in numbers.items()},
-            "structure": self.plant.structure,
+            "structure": dict(self.binding.structure),
             "wall_time": self.wall_time,
             "warnings": "\n".join(self.warned.values()),
         }
-        observer = Observer(observe.values, self.plant.describe, self.dae.names, self.plant.root)
+        observer = Observer(observe.values, self.outputs.describe, self.dae.names, self.binding.root)
+        units, docs = ({name: getattr(entry, of) for name, entry in entries.items()} for of in ("unit", "doc"))
         return Result(t, values, units, docs, attributes, raw, observer)
 
 

@@ -9,6 +9,7 @@ and depend on no other part of the toolkit.
 from __future__ import annotations
 
 import re
+import textwrap
 from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -37,6 +38,9 @@ PANELS: tuple[tuple[str, ...], ...] = (
     ("thrust",),
     ("fairlead_tension",),
 )
+# The least range of an axis: a part of the value, and an amount by its unit; smaller changes are not magnified.
+LEAST_RANGE = 0.02
+LEAST_RANGES = {"m": 0.1, "deg": 0.1, "rad": 0.002, "rpm": 0.1, "m/s": 0.1, "1": 1e-3, "-": 1e-3}
 COLORS = ("#0b5394", "#d1651b", "#2f7d4f", "#8a3d8f", "#b8860b", "#4d4d4d", "#1a9ba1", "#c2385a")
 INK, GRID = "#222222", "#d9d9d9"
 _STYLE = {
@@ -134,15 +138,19 @@ def plot_rao(
     outputs: Sequence[str] | None = None,
     phase: bool = True,
     logarithmic: bool | None = None,
+    title: str = "",
 ) -> Figure:
     """Response per metre of wave over frequency, amplitude and phase side by side, one row per output.
 
     raos         one response operator, or several to compare; those of fewer than 40 frequencies are drawn with markers
-    logarithmic  scale of the amplitude; None takes it where a resonance would hide the rest
+    logarithmic  scale of all amplitudes; None takes it where a resonance would hide the rest of one of them
+    title        what the response is of, above the figure
     """
     raos = [raos] if hasattr(raos, "response") else list(raos)
     shown = list(outputs or dict.fromkeys(name for rao in raos for name in rao.outputs))
     columns = 2 if phase else 1
+    if logarithmic is None:
+        logarithmic = any(_hides(rao.amplitude(name)) for rao in raos for name in rao.outputs if name in shown)
     with _style():
         figure = _figure(4.6 * columns + 0.4, 0.8 + 1.7 * len(shown))
         axes = figure.subplots(len(shown), columns, sharex=True, squeeze=False)
@@ -156,8 +164,7 @@ def plot_rao(
             row[0].set_title(name.replace("_", " "))
             row[0].set_ylabel(f"amplitude [{having[0][1].unit(name)}]")
             everything = np.concatenate([rao.amplitude(name) for _, rao in having])
-            hidden = everything.max() > 30.0 * np.median(everything) > 0.0
-            if hidden if logarithmic is None else logarithmic:
+            if logarithmic and everything.any():
                 row[0].set_yscale("log")
                 row[0].set_ylim(bottom=max(1e-4 * everything.max(), 0.7 * everything[everything > 0].min()))
             else:
@@ -170,9 +177,9 @@ def plot_rao(
         if len(raos) > 1:
             axes[0][0].legend(loc="best")
         headings = sorted({round(float(np.degrees(rao.heading)), 6) for rao in raos})
-        if len(headings) == 1:
-            title = f"Response to waves of heading {headings[0]:g} deg"
-            figure.suptitle(title, x=0.01, ha="left", fontsize=11, fontweight="bold")
+        of = f"Response to waves of heading {headings[0]:g} deg" if len(headings) == 1 else "Response to waves"
+        head = "\n".join(textwrap.wrap(f"{title}: {of}" if title else of, 46 * columns))
+        figure.suptitle(head, x=0.01, ha="left", fontsize=10.5, fontweight="bold")
     return save_figure(figure, path)
 
 
@@ -219,14 +226,20 @@ def plot_spectra(
 
 
 def plot_modes(modes: Sequence[Any], path: str | Path | None = None) -> Figure:
-    """Natural frequencies and damping ratios of the oscillating modes as bars, the lowest frequency on top."""
-    modes = [mode for mode in modes if mode.frequency_hz > 0 and abs(mode.damping_ratio) < 1 - 1e-9]
-    modes = sorted(modes, key=lambda mode: mode.frequency_hz)
+    """Natural frequencies and damping ratios of the oscillating modes as bars, the lowest frequency on top.
+
+    modes  of ``linear.modes()``, or with their names of ``natural_modes(plant)``
+    """
+    modes = [mode for mode in modes if _frequency(mode) > 0 and abs(mode.damping_ratio) < 1 - 1e-9]
+    modes = sorted(modes, key=_frequency)
     if not modes:
         raise ModelError("there is nothing to plot: the linear model has no oscillating mode.")
     rows = np.arange(len(modes))
-    labels = _last_words([mode.label or f"mode {i + 1}" for i, mode in enumerate(modes)])
-    frequency = np.array([mode.frequency_hz for mode in modes])
+    if all(hasattr(mode, "name") for mode in modes):
+        labels = [f"{mode.name}  {mode.number}" for mode in modes]
+    else:
+        labels = _last_words([mode.label or f"mode {i + 1}" for i, mode in enumerate(modes)])
+    frequency = np.array([_frequency(mode) for mode in modes])
     damping = np.array([100.0 * mode.damping_ratio for mode in modes])
     with _style():
         figure = _figure(8.0, 1.1 + 0.32 * len(modes))
@@ -244,6 +257,11 @@ def plot_modes(modes: Sequence[Any], path: str | Path | None = None) -> Figure:
             axis.grid(visible=False, axis="y")
             axis.tick_params(axis="y", length=0)
     return save_figure(figure, path)
+
+
+def _frequency(mode: Any) -> float:
+    """Undamped frequency [Hz] of a mode, named or not."""
+    return mode.frequency if hasattr(mode, "frequency") else mode.frequency_hz
 
 
 def save_figure(figure: Figure, path: str | Path | None, *, dpi: int = 150) -> Figure:
@@ -265,6 +283,11 @@ def save_figure(figure: Figure, path: str | Path | None, *, dpi: int = 150) -> F
 
 
 # -- inside -----------------------------------------------------------------------------------------------------------
+
+
+def _hides(amplitude: np.ndarray) -> bool:
+    """True where a resonance is so high that a linear scale would show nothing else."""
+    return bool(amplitude.max() > 30.0 * np.median(amplitude) > 0.0)
 
 
 def _style() -> Any:
@@ -304,16 +327,20 @@ def _panels(result: Any, names: Sequence[str] | None) -> list[tuple[str, list[st
 def _draw_series(axis: Axes, result: Any, title: str, members: Sequence[str]) -> None:
     for index, name in enumerate(members):
         width = 1.1 if result.time.size < 8000 else 0.7
-        axis.plot(result.time, result.array(name), color=_color(index), label=_short(name, members), linewidth=width)
+        dashes = (None, (4, 1.5), (1.5, 1.0))[index] if index < 3 else (6, 1, 1, 1)  # one line does not hide another
+        axis.plot(
+            result.time, result.array(name), color=_color(index), label=_short(name, members), linewidth=width,
+            dashes=dashes or (None, None),
+        )  # fmt: skip
     unit = _unit(result.unit(members[0]))
     axis.set_title(f"{title.replace('_', ' ')} [{unit}]")
     if len(members) > 1:
         axis.legend(loc="upper right", bbox_to_anchor=(1.0, 1.2), ncols=len(members), borderpad=0.0, handlelength=1.2)
     flat = np.concatenate([result.array(name) for name in members])
-    middle, size = float(flat.mean()), float(np.ptp(flat))
-    if size < 1e-6 * max(1.0, abs(middle)):  # a constant: no magnified rounding errors
-        half = 0.05 * max(1.0, abs(middle))
-        axis.set_ylim(middle - half, middle + half)
+    middle, size = float(flat.min() + np.ptp(flat) / 2), float(np.ptp(flat))
+    least = max(LEAST_RANGE * abs(middle), LEAST_RANGES.get(result.unit(members[0]), 0.0), 1e-12)
+    if size < least:  # what hardly moves looks so
+        axis.set_ylim(middle - least / 2, middle + least / 2)
     axis.ticklabel_format(axis="y", useOffset=False)
 
 

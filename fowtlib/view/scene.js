@@ -347,8 +347,8 @@ function moveRibbon(ribbon, t) {
 const FIELD = 36 * Math.PI / 180;
 const camera = { target: [0, 0, 0], distance: 1, azimuth: 0, elevation: 0 };
 const VIEWS = {  // azimuth and elevation [deg] of the viewer seen from the target, what fills the window, how much nearer
-  start: [-128, 9, scene.bodies], front: [180, 2, scene.bodies], side: [-90, 2, scene.bodies],
-  top: [-90, 89.9, scene.bodies], all: [-118, 16, scene.whole, 0.75],
+  start: [scene.azimuths.start, 9, scene.bodies], front: [180, 2, scene.bodies], side: [-90, 2, scene.bodies],
+  top: [-90, 89.9, scene.bodies], all: [scene.azimuths.all, 16, scene.whole, 0.75],
 };
 let followed = null;
 
@@ -467,7 +467,17 @@ const cells = scene.readings.map((item) => {
   return { cell, digits, values: item.values };
 });
 
+// The directions of the world in the corner: x downwind, y to port, z up; those that point away are drawn first.
+const AXES = [["x", [1, 0, 0]], ["y", [0, 1, 0]], ["z", [0, 0, 1]]];
+function showAxes() {
+  const { back, right, up } = axesOfCamera(), along = (a, b) => a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
+  const drawn = AXES.map(([name, axis]) => ({ name, x: 26 * along(axis, right), y: -26 * along(axis, up), near: along(axis, back) }));
+  byId("axes").innerHTML = drawn.sort((a, b) => a.near - b.near).map(({ name, x, y }) =>
+    `<g class="${name}"><line x2="${x.toFixed(1)}" y2="${y.toFixed(1)}"/><text x="${(1.32 * x).toFixed(1)}" y="${(1.32 * y).toFixed(1)}">${name}</text></g>`).join("");
+}
+
 function tell() {
+  showAxes();
   for (const item of cells) item.cell.textContent = valueAt(item.values, time).toFixed(item.digits).replace(/^-(0\.?0*)$/, "$1");
   byId("time").textContent = `${time.toFixed(1)} / ${times[last].toFixed(0)} s`;
   byId("slider").value = time;
@@ -547,7 +557,8 @@ addEventListener("resize", () => { stale = true; });
 let before = null;
 function tick(now) {
   if (playing && before !== null) {
-    setTime(time + speed * Math.min(now - before, 250) / 1000);
+    const next = time + speed * Math.min(now - before, 250) / 1000;
+    setTime(scene.loop && next >= times[last] ? times[0] + (next - times[last]) % (times[last] - times[0]) : next);
     if (time >= times[last]) setPlaying(false);
   }
   before = now;
@@ -564,7 +575,7 @@ function obey(hash) {
   if (Number.isFinite(parseFloat(wish.get("t")))) setTime(parseFloat(wish.get("t")));
   look(wish.get("view") in VIEWS ? wish.get("view") : "start");
   setFollow(wish.has("follow"));
-  setPlaying(wish.has("play"));
+  setPlaying(wish.has("play") || (scene.loop && !wish.has("t")));
 }
 
 obey(location.hash);

@@ -18,13 +18,14 @@ import numpy as np
 from fowtlib.language import shapes
 from fowtlib.language.errors import ModelError
 from fowtlib.solving import Model, Plant, Result
-from fowtlib.solving.results import RawTrajectory
 from fowtlib.view import meshes
+from fowtlib.view.modes import CYCLE, mode_of, mode_states, played
 from fowtlib.view.plots import PANELS
 from fowtlib.view.recording import Cast, Observe, Reading, moments_of
 
 READINGS = 24, 8  # results beside the picture, at most: the usual ones of a turbine, else any
 ORDER = {name: rank for rank, name in enumerate(name for panel in PANELS for name in panel)}
+CLEAR = 20.0  # degrees between the camera and a mooring line
 SIZE_LIMIT = 15e6  # bytes; of a longer run fewer moments a second are shown
 
 
@@ -54,6 +55,7 @@ class Recording:
     readings: list[Reading]
     title: str
     status: str
+    loop: bool = False
 
 
 def view(
@@ -61,6 +63,7 @@ def view(
     path: str | Path | None = None,
     *,
     equilibrium: bool = False,
+    mode: int | None = None,
     parameters: Mapping[str, Any] | None = None,
     rate: float | None = None,
     size_limit: float = SIZE_LIMIT,
@@ -70,6 +73,8 @@ def view(
 
     path         the file, .html; None: the name of the model, in the current folder
     equilibrium  a model: at its mean position instead of its start; in constant wind and still water
+    mode         a model: moving in the natural mode of this number, see fowtlib.analysis.natural_modes; one period is
+                 shown again and again in 3 s, the largest displacement is 8 % of the size of the bodies
     parameters   a model: values of tunable parameters, as for `plant.initial_state`
     rate         a result: moments shown for each simulated second, at most as many as the result has; between them the
                  browser interpolates. None: 10, of a run shorter than 60 s more. To keep the file below size_limit
@@ -88,7 +93,7 @@ def view(
         recording = _of_result(subject, root, names, moments_of(subject.time, rate, most))
         name = subject.attributes["model"]
     elif isinstance(subject, Model | Plant):
-        recording = _of_model(subject, equilibrium, parameters)
+        recording = _of_mode(subject, mode, parameters) if mode else _of_model(subject, equilibrium, parameters)
         cast, name = Cast(recording.root.drawing()), subject.name
     else:
         raise ModelError(f"view: a Model, a Plant or a Result can be drawn, not a {type(subject).__name__}.")
@@ -123,6 +128,8 @@ def scene(cast: Cast, recording: Recording) -> dict[str, Any]:
     return {
         "title": recording.title,
         "status": recording.status,
+        "loop": recording.loop,
+        "azimuths": _azimuths(lines),
         "time": _packed(recording.time, "<f8"),
         "frames": cast.names,
         "poses": _packed(poses, "<f4"),
@@ -172,16 +179,44 @@ def _of_result(result: Result, root: Any, names: list[str], numbers: np.ndarray)
 def _of_model(model: Model | Plant, equilibrium: bool, parameters: Mapping[str, Any] | None) -> Recording:
     plant = model if isinstance(model, Plant) else model.compile()
     state = plant.equilibrium(parameters) if equilibrium else plant.initial_state(parameters)
-    groups = (plant.dae.states, plant.dae.algebraics, plant.dae.discretes)
-    names = [tuple(quantity.path for quantity in group) for group in groups]
-    raw = RawTrajectory(np.array([state.t]), state.x[None], state.z[None], state.d[None], *names)
-    values = plant.parameter_values(parameters)
-    result = Result([state.t], {}, attributes={"parameters": values}, raw=raw, observe=plant.observer(raw, parameters))
-    readings = _readings(plant, result)
-    title = model.title or model.name or type(model.root).__name__
+    result = played(plant, [state], np.array([state.t]))
     status = "at its mean position." if equilibrium else "at the start."
-    root = _with_values(model.root, values)
-    return Recording(root, result.time, result.observe, readings, title, status)
+    root = _with_values(model.root, plant.parameter_values(parameters))
+    return Recording(root, result.time, result.observe, _readings(plant, result), _title(model), status)
+
+
+def _of_mode(model: Model | Plant, number: int, parameters: Mapping[str, Any] | None) -> Recording:
+    plant = model if isinstance(model, Plant) else model.compile()
+    state = plant.equilibrium(parameters)
+    mode = mode_of(plant, number, state)
+    root = _with_values(model.root, plant.parameter_values(parameters))
+    states = mode_states(plant, Cast(root.drawing()), mode, state)
+    result = played(plant, states, np.linspace(0.0, CYCLE, len(states)))
+    status = (
+        f"mode {mode.number}, {mode.name}: {mode.frequency:.4g} Hz, period {mode.period:.4g} s, damping ratio "
+        f"{100 * mode.damping_ratio:.3g} %. Exaggerated; one period in {CYCLE:g} s."
+    )
+    return Recording(root, result.time, result.observe, _readings(plant, result), _title(model), status, loop=True)
+
+
+def _title(model: Model | Plant) -> str:
+    return model.title or model.name or type(model.root).__name__
+
+
+def _azimuths(lines: Iterable[np.ndarray]) -> dict[str, float]:
+    """From where the camera looks in the first view and in that of everything [deg], not along a mooring line."""
+    ends = [line[0, -1, :2] - line[0, 0, :2] for line in lines]
+    longest = max((float(np.hypot(*end)) for end in ends), default=0.0)
+    along = np.array([np.degrees(np.arctan2(end[1], end[0])) for end in ends if np.hypot(*end) > 0.5 * longest > 0])
+
+    def apart(azimuth: float) -> float:
+        return float(np.min(np.abs((along - azimuth + 90) % 180 - 90), initial=90.0))
+
+    def free(wanted: float) -> float:
+        near = sorted((wanted + turn for turn in range(-45, 46)), key=lambda azimuth: abs(azimuth - wanted))
+        return next((azimuth for azimuth in near if apart(azimuth) >= CLEAR), max(near, key=apart))
+
+    return {"start": free(-128.0), "all": free(-118.0)}
 
 
 def _readings(plant: Plant, result: Result) -> list[Reading]:

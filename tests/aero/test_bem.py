@@ -6,6 +6,7 @@ from pathlib import Path
 import casadi as ca
 import numpy as np
 import pytest
+from scipy.interpolate import PchipInterpolator
 from scipy.optimize import brentq
 
 import fowtlib as fw
@@ -99,7 +100,7 @@ def test_jacobian_is_that_of_the_loads(blade, options):
     rotor, generator = BladeElementRotor(blade, **options), np.random.default_rng(2)
     jacobian = rotor.external.function.jacobian()
     assert jacobian.sparsity_out(0) == rotor.sparsity
-    assert jacobian.nnz_out(0) == rotor.nodes * (6 * (15 + (13 if rotor.skew else 7)) + 27 * rotor.dynamic_inflow)
+    assert jacobian.nnz_out(0) == rotor.nodes * (6 * (15 + (14 if rotor.skew else 11)) + 31 * rotor.dynamic_inflow)
     for _ in range(8):
         u = random_inputs(rotor, generator)
         exact = jacobian(u, 0).full()
@@ -176,7 +177,8 @@ def test_a_turned_rotor_in_a_turned_wind_has_turned_loads(rotor):
     u, n = random_inputs(rotor, np.random.default_rng(4)), rotor.nodes
     turn = _about("z", 0.7) @ _about("y", -0.4) @ _about("x", 0.3)
     turned = u.copy()
-    turned[:-1] = (u[:-1].reshape(-1, 3) @ turn.T).ravel()  # positions, axes, velocities: all are vectors
+    vectors = slice(0, 18 * n + 18)  # positions, axes, velocities
+    turned[vectors] = (u[vectors].reshape(-1, 3) @ turn.T).ravel()
     turned[: 3 * n] += np.tile([3.0, 4.0, 5.0], n)
     turned[18 * n : 18 * n + 3] += [3.0, 4.0, 5.0]
     loads = c_loads(rotor, u).reshape(-1, 3) @ turn.T
@@ -220,6 +222,62 @@ def test_parked_blade_has_no_induction(rotor):
     loads = rigid.loads(rigid.inputs([20.0, 0, 0], 0.0, air_density=1.225))[:17]
     drag = [_foil(blade, name, np.pi / 2 - twist)[1] for name, twist in zip(blade.airfoil, blade.twist, strict=True)]
     assert loads[:, 0] == pytest.approx(0.5 * 1.225 * 20**2 * blade.chord * blade.length * drag, rel=1e-9)
+
+
+def polars_alone(rotor, inputs, wind, air_density=1.225):
+    """Force (3) of the polars at the geometric angle of the relative wind."""
+    blade, n = rotor.blade, len(rotor.blade.radius)
+    axes, total = inputs[9 * n : 36 * n].reshape(3 * n, 3, 3), np.zeros(3)
+    for k, ((x, y, z), velocity) in enumerate(zip(axes, inputs[36 * n : 45 * n].reshape(-1, 3), strict=True)):
+        foil, relative = blade.airfoils[blade.airfoil[k % n]], wind - velocity
+        flow = relative - (relative @ z) * z
+        angle, speed = np.arctan2(flow @ x, flow @ y), np.linalg.norm(flow)
+        lift, drag, _ = PchipInterpolator(foil.angle, foil.coefficients)(angle)
+        along = flow / speed
+        up = np.cross(z, along) * np.sign(np.cross(z, y) @ x)
+        total += air_density / 2 * speed**2 * blade.chord[k % n] * blade.length[k % n] * (lift * up + drag * along)
+    return total
+
+
+@needs_compiler
+@pytest.mark.parametrize(
+    ("pitch", "yaw", "rpm", "axis", "right"),
+    [
+        (90, 60, 0.0, 1, 576e3), (90, 30, 0.0, 1, 551.3e3), (0, 30, 0.0, 0, 1121e3), (90, 0, 0.0, 0, 92.9e3),
+        (90, 90, 0.0, 1, None), (90, -50, 0.0, 1, None), (90, 150, 0.0, 1, None), (82, 40, 0.2, 1, None),
+        (90, 90, 0.2, 1, None),
+    ],
+)  # fmt: skip
+def test_a_parked_or_idling_rotor_in_yawed_wind_has_no_induction(rotor, pitch, yaw, rpm, axis, right):
+    """50 m/s: loads are those of the polars alone, also idling at 0.2 rpm, 1.3 m/s at the tips."""
+    rigid = RigidRotor(rotor)
+    wind = 50 * np.array([np.cos(np.radians(yaw)), np.sin(np.radians(yaw)), 0])
+    inputs = rigid.inputs(wind, rpm * RPM, np.radians(pitch), 0.3)
+    found, alone = rigid.loads(inputs)[:, :3].sum(axis=0), polars_alone(rotor, inputs, wind)
+    assert found == pytest.approx(alone, abs=1e-9 * np.abs(alone).max())
+    if right is not None:
+        assert found[axis] == pytest.approx(right, rel=2e-3)
+
+
+@pytest.mark.parametrize(("wind", "rpm", "pitch"), [(8.0, 9.16, 0.0), (18.0, 12.1, 14.9), (10.0, 12.1, 0.0)])
+def test_the_load_at_the_tip_has_a_limit(blade, wind, rpm, pitch):
+    """Per length, of a last element ever nearer to the tip: it settles, and does not exceed that at 0.5 m."""
+    loads = []
+    for distance in (0.5, 1e-1, 1e-2, 1e-3, 1e-4, 1e-5, 1e-6, 1e-7):
+        radius = blade.radius.copy()
+        radius[-1] = 63.0 - distance
+        rigid = RigidRotor(BladeElementRotor(replace(blade, radius=radius)))
+        inputs = rigid.inputs([wind, 0, 0], rpm * RPM, np.radians(pitch))
+        loads.append(bem_numpy.loads(rigid.rotor, inputs)[:102].reshape(17, 6)[-1, :2] / blade.length[-1])
+    loads = np.array(loads)
+    assert np.all(np.diff(loads[:, 0]) < 0)
+    steps = np.abs(np.diff(loads, axis=0)).max(axis=1)
+    assert np.all(steps[4:] < 0.5 * steps[3:-1])
+    assert np.abs(loads).max(axis=0) == pytest.approx(np.abs(loads[0]))
+    if compiler():
+        assert c_loads(rigid.rotor, inputs) == pytest.approx(bem_numpy.loads(rigid.rotor, inputs), rel=1e-9, abs=1e-6)
+        exact = rigid.rotor.external.function.jacobian()(inputs, 0).full()
+        assert np.abs(exact - bem_numpy.jacobian(rigid.rotor, inputs, 1e-9)).max() < 1e-3 * np.abs(exact).max()
 
 
 @needs_compiler

@@ -213,8 +213,43 @@ def test_decay_gives_period_and_damping(capsys):
 def test_tables_as_csv(capsys):
     assert main(["eigen", "pendulum", "--csv"]) == 0
     head, row = csv.reader(io.StringIO(capsys.readouterr().out))
-    assert head == ["frequency [Hz]", "period [s]", "damping ratio", "motion"]
-    assert float(row[0]) == pytest.approx(FREQUENCY)
+    assert head == ["mode", "motion", "frequency [Hz]", "period [s]", "damping ratio"]
+    assert float(row[2]) == pytest.approx(FREQUENCY)
+
+
+@pytest.mark.parametrize("command", ["eigen", "equilibrium", "parameters", "equations"])
+def test_every_table_goes_into_a_file(capsys, command):
+    assert main([command, "pendulum", "-o", "table.csv"]) == 0
+    capsys.readouterr()
+    assert main([command, "pendulum", "--output", "table.json", "--json"]) == 0
+    shown = capsys.readouterr()
+    rows = json.loads(shown.out)
+    assert shown.err == "saved table.json\n"
+    assert json.loads(Path("table.json").read_text(encoding="utf-8")) == rows
+    head, *lines = csv.reader(Path("table.csv").read_text(encoding="utf-8").splitlines())
+    assert head == list(rows[0]) and len(lines) == len(rows)
+    assert main([command, "pendulum", "-o", "table.txt"]) == 2
+    assert "the file must end in '.csv' or '.json'" in capsys.readouterr().err
+
+
+@pytest.mark.parametrize(
+    ("options", "line"),
+    [
+        (["run", "--time", "0.2"], "wind kaimal:11.4,class=B,seed=1 (the model's), waves jonswap:Hs=6,Tp=10,seed=1"),
+        (["run", "--time", "0.2", "--wind", "steady:8,direction=20"],
+         "wind steady:8,direction=20 (given), waves jonswap:Hs=6,Tp=10,seed=1 (the model's)"),
+        (["run", "--time", "0.2", "--set", "sea.spectrum=still"], "wind kaimal:11.4,class=B,seed=1 (the model's), "
+         "waves still (the model's)"),
+        (["equilibrium"], "wind steady:11.4 (mean of the model's), waves still (mean of the model's)"),
+        (["eigen", "--wind", "none"], "wind none (given), waves still (mean of the model's)"),
+        (["rao", "--frequencies", "0.1"], "wind steady:11.4 (mean of the model's), waves still (mean of the model's)"),
+        (["decay", "--dof", "yaw", "--offset", "2", "--time", "60"], "wind steady:11.4 (mean of the model's), waves"),
+    ],
+)  # fmt: skip
+def test_the_first_line_says_wind_and_waves(capsys, monkeypatch, options, line):
+    monkeypatch.undo()
+    assert main([options[0], "oc3_spar_rigid", *options[1:]]) == 0
+    assert capsys.readouterr().out.splitlines()[0].startswith(line)
 
 
 def test_rao_needs_a_part_that_feels_waves(capsys):

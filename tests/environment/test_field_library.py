@@ -43,7 +43,7 @@ def in_numpy(lookup, points, monkeypatch):
 @pytest.mark.parametrize("interpolation", ["linear", "cubic"])
 @pytest.mark.parametrize(("periodic", "shift"), [(True, None), (False, None), (True, 17.0)])
 def test_twins(tmp_path, monkeypatch, periodic, shift, interpolation):
-    """The field has seven blocks of 256 kB; times and positions lie within and beyond its edges."""
+    """The field has seven blocks of 256 kB; times and places lie within and beyond its edges, and beside its tower."""
     random = np.random.default_rng(6)
     field = random_field(tmp_path / "a.bts", periodic=periodic, tower_points=2, description="any")
     lookup = FieldLookup(field, shift, interpolation)
@@ -53,7 +53,7 @@ def test_twins(tmp_path, monkeypatch, periodic, shift, interpolation):
     slope, twin_slope = function.function.jacobian(), twin.function.jacobian()
     assert slope.sparsity_out(0) == twin_slope.sparsity_out(0)
     assert slope.sparsity_out(0).nnz() == 3 * POINTS * 4
-    low, high = [-30, -30, 70] * POINTS, [30, 30, 110] * POINTS
+    low, high = [-30, -30, 45] * POINTS, [30, 30, 110] * POINTS
     times = [*random.uniform(-20, 1520, 300), -0.1, 0.0, 0.1, 1499.6, 1499.8, 1499.9, 1500.0, 1e6]
     for time in times:
         column = np.concatenate([[field_handle(lookup), time], random.uniform(low, high)])
@@ -200,6 +200,6 @@ def test_a_file_that_changes_during_a_run(tmp_path):
 @needs_compiler
 @pytest.mark.skipif(sys.platform == "win32", reason="a path of another code page")
 def test_a_path_with_blanks_and_umlauts(tmp_path):
-    lookup = FieldLookup(random_field(tmp_path / "Böen \"1\".bts"))
+    lookup = FieldLookup(random_field(tmp_path / 'Böen "1".bts'))
     value = field_function(lookup, 1).function([field_handle(lookup), 2.0, 0, 1, 90]).full().ravel()
     np.testing.assert_allclose(value, lookup.velocity([(0, 1, 90)], 2.0)[0], atol=1e-12)

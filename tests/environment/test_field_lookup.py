@@ -199,3 +199,31 @@ def test_a_position_that_is_no_number_gives_none(lookups):
     velocity, _ = lookups[0].evaluate([(np.nan, 0, 90), (0, 0, 90)], 1.0)
     assert np.isnan(velocity[0]).all()
     assert np.isfinite(velocity[1]).all()
+
+
+@pytest.mark.parametrize("columns", [5, 4])
+def test_tower_points(tmp_path, columns):
+    """Below the plane: linear between the middle of the lowest row and the tower points, whatever y is."""
+    random, grid = np.random.default_rng(7), replace(GRID, tower_points=3, columns=columns)
+    speeds = random.normal((8, 0, 0), (1, 0.8, 0.5), (40, 4, columns, 3))
+    tower = random.normal((5, 0, 0), (1, 0.8, 0.5), (40, 3, 3))
+    lookup = FieldLookup(write_field(tmp_path / "a.bts", grid, speeds, tower))
+    middle = speeds[:, 0, 2] if columns == 5 else speeds[:, 0, 1:3].mean(axis=1)
+    line = np.concatenate([middle[:, None], tower], axis=1)
+    z, y, steps = random.uniform(45, 75, 50), random.uniform(-18, 18, 50), random.integers(0, 40, 50)
+    points = np.column_stack([np.zeros(50), y, z])
+    expected = [
+        [np.interp(-h, [-75, -65, -55, -45], line[i, :, c]) for c in range(3)] for h, i in zip(z, steps, strict=True)
+    ]
+    np.testing.assert_allclose(lookup.velocity(points, steps * 0.25), expected, atol=2e-4)
+    for kind in ("linear", "cubic"):
+        smooth, times = FieldLookup(lookup.field, interpolation=kind), random.uniform(0, 10, 50)
+        rate, h = smooth.evaluate(points, times)[1], 1e-5
+        for k, move in enumerate(np.eye(3) * h):
+            difference = smooth.evaluate(points + move, times)[0] - smooth.evaluate(points - move, times)[0]
+            np.testing.assert_allclose(rate[..., k], difference / (2 * h), atol=1e-6)
+        later, before = (smooth.evaluate(points, times + d)[0] for d in (h, -h))
+        np.testing.assert_allclose(rate[..., 3], (later - before) / (2 * h), atol=1e-6)
+    assert lookup.mean(10.0, 60.0) == pytest.approx((tower[:, 0, 0].mean() + tower[:, 1, 0].mean()) / 2, abs=1e-3)
+    with pytest.raises(ModelError, match=r"point 0 is at z = 44 m, and the field covers 45 to 105 m"):
+        lookup.velocity([[0, 0, 44.0]], 0.0)

@@ -11,7 +11,7 @@ import pytest
 
 import fowtlib as fw
 import fowtlib.models
-from fowtlib.components.aero import CoefficientRotor
+from fowtlib.components.aero import CoefficientRotor, TowerDrag
 from fowtlib.components.blocks import Constant
 from fowtlib.components.environment import FieldGrid, Wind, World, write_field
 from fowtlib.components.environment.field_lookup import FieldLookup
@@ -202,3 +202,28 @@ def test_mistakes(fields, tmp_path):
     (tmp_path / "broken.bts").write_bytes(Path(path).read_bytes()[:-10])
     with pytest.raises(ModelError, match="broken.bts: truncated"):
         simulate(drifting(str(tmp_path / "broken.bts")))
+
+
+@pytest.mark.parametrize("tower_points", [1, 2, 0])
+def test_a_tower_below_the_plane(tmp_path, tower_points):
+    """Drag at 5, 20, 60 m: by the tower points at 15 and 0 m, else by what falls linearly to nothing at the ground."""
+    z, heights = 30 + 15.0 * np.arange(9), [5.0, 20.0, 60.0]
+    plane = np.zeros((20, 9, 9, 3))
+    plane[..., 0] = 8 * (z[:, None] / 90) ** 0.2
+    tower = np.zeros((20, tower_points, 3))
+    tower[..., 0] = [5.59, 3.0][:tower_points]
+    grid = FieldGrid(9, 9, 20, 15, 15, 0.1, 8, 90, 30, tower_points=tower_points)
+    write_field(tmp_path / "a.bts", grid, plane, tower)
+    model = fw.Assembly("tower")
+    model.world, model.wind = World(), Wind(kind="field", file=str(tmp_path / "a.bts"))
+    model.drag = TowerDrag(diameters=[6, 6, 5], lengths=[10, 20, 40])
+    for k, height in enumerate(heights):
+        point = model.add(f"point_{k}", Fixed(r=(3, 7, height)))
+        model.connect(point.frame, model.drag.nodes[k])
+    known = {1: ([0, 15, *z], [0, 5.59, *plane[0, :, 0, 0]]), 2: ([0, 15, *z], [3, 5.59, *plane[0, :, 0, 0]])}
+    speed = np.interp(heights, *known.get(tower_points, ([0, *z], [0, *plane[0, :, 0, 0]])))
+    state = fw.load(model).compile().initial_state()
+    expected = 0.5 * 1.225 * np.array([60, 120, 200]) * speed**2
+    found = [-float(np.ravel(state[f"drag.nodes[{k}].f"])[0]) for k in range(3)]
+    assert found == pytest.approx(expected, rel=1e-3)
+    assert np.ravel(state["drag.force"])[0] == pytest.approx(sum(expected), rel=1e-3)

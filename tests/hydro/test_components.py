@@ -351,7 +351,7 @@ def test_quadrature_covers_the_wet_part_exactly():
     assert wet.lengths.sum() == pytest.approx(20 + 15)
     assert wet.places[:, 2].max() < 5.0
     np.testing.assert_allclose(wet.weights.sum(axis=1), 1.0)
-    assert not wet.end_drag.any()
+    np.testing.assert_array_equal(wet.places[wet.ends.any(axis=1)], [[0, 0, -30]])  # the other end is dry
 
 
 def test_a_member_above_the_water_is_a_mistake():

@@ -100,3 +100,34 @@ def test_an_equilibrium_and_start_values_make_no_function_again(made):
     state = plant.equilibrium({"stiffness": 0.5}, start={"x": 0.5})
     assert made == []
     assert state["x"] == pytest.approx(1.0, abs=1e-9)
+
+
+def test_a_parameter_that_was_zero_and_is_no_longer(made):
+    """What it multiplies was left out; the functions are made again once, and serve both from then on."""
+    plant = fw.load(Everything(friction=0.0)).compile()
+    none = plant.simulate(1.0, 0.1)["x"].values
+    made.clear()
+    some = plant.simulate(1.0, 0.1, parameters={"friction": 0.8})["x"].values
+    assert made
+    made.clear()
+    np.testing.assert_allclose(plant.simulate(1.0, 0.1)["x"].values, none, rtol=1e-6)
+    less = plant.simulate(1.0, 0.1, parameters={"friction": 0.4})["x"].values
+    assert not made
+    fresh = fw.load(Everything(friction=0.8)).compile().simulate(1.0, 0.1)["x"].values
+    np.testing.assert_allclose(some, fresh, rtol=1e-12)
+    assert np.abs(some - less).max() > 1e-4 < np.abs(less - none).max()
+    state = fw.load(Everything(friction=0.0)).compile().initial_state()
+    slope = plant.linearize(state, ["friction"], ["drag"]).matrices["D"]
+    assert slope[0, 0] == pytest.approx(0.4)  # the speed at the start, where there is no drag yet
+
+
+@pytest.mark.parametrize("points", [1, 9, 10, 99, 100, 237])
+def test_many_points_are_one_after_the_other(points):
+    plant = fw.load(Everything()).compile()
+    at, random = plant.at(), np.random.default_rng(3)
+    t, x, z, q = (random.normal(size=(points, k) if k else points) for k in (0, 2, 1, 2))
+    function = plant.functions.observed(["der(v)", "drag", "x"])
+    values = at.along(function, t, x, z, q)
+    assert values.shape == (points, 3)
+    for row, point in zip(values, zip(t, x, z, q, strict=True), strict=True):
+        np.testing.assert_allclose(row, np.array(at.call(function, *point)).ravel(), rtol=1e-14)

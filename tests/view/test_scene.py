@@ -15,6 +15,7 @@ from matplotlib.image import imread
 from scipy.spatial.transform import Rotation
 
 import fowtlib as fw
+from fowtlib.analysis.modes import natural_modes
 from fowtlib.cli import main
 from fowtlib.components.blocks import Constant
 from fowtlib.components.environment import World
@@ -165,6 +166,36 @@ def test_a_model_is_drawn_at_its_start_and_at_rest(tmp_path):
     assert "at its mean position." in rest["status"]
 
 
+def test_a_mode_moves_as_its_shape_says(tmp_path):
+    """One period, first and last moment alike; the bobs move in the ratio of the mode, about the place of rest."""
+    model = fw.load(pendulum())
+    plant = model.compile()
+    rest = plant.equilibrium()
+    for mode in natural_modes(plant, rest):
+        page = fw.view(model, tmp_path / "mode.html", mode=mode.number).path
+        scene = scene_of(page)
+        assert scene["loop"] and scene["status"].startswith(f"mode {mode.number}, {mode.name}: {mode.frequency:.4g} Hz")
+        poses = poses_of(scene)
+        angles = {}
+        for name, frame in (("upper", "rod_1.frame_a"), ("lower", "rod_2.frame_a")):
+            quaternion = poses[frame][:, 3:]
+            angles[name] = 2 * np.arctan2(quaternion[:, 1], quaternion[:, 3])
+        np.testing.assert_allclose(angles["upper"][0], angles["upper"][-1], atol=1e-6)
+        moved = {name: values - values.mean() for name, values in angles.items()}
+        first, second = mode.shape["upper.phi"], mode.shape["upper.phi"] + mode.shape["lower.phi"]
+        assert np.ptp(moved["lower"]) / np.ptp(moved["upper"]) == pytest.approx(abs(second / first), rel=1e-4)
+        assert (moved["lower"] @ moved["upper"] > 0) == ((second / first).real > 0)
+    with pytest.raises(ModelError, match=r"the model has no oscillating mode 3; there are 1 to 2, see `fowt eigen`\."):
+        fw.view(model, tmp_path / "mode.html", mode=3)
+
+
+def test_the_camera_does_not_look_along_a_mooring_line(spar, tmp_path):
+    scene = scene_of(fw.view(spar[1], tmp_path / "spar.html").path)
+    for azimuth in scene["azimuths"].values():
+        for line in (60, 180, 300):
+            assert abs((azimuth - line + 90) % 180 - 90) >= 20 - 1e-9
+
+
 def test_changed_parameters_change_the_drawing(tmp_path):
     plant = fw.load(pendulum()).compile()
     result = plant.simulate(0.2, 0.1, parameters={"rod_1.r": (0, 0, -3)})
@@ -259,7 +290,7 @@ def test_mistakes_are_told(swing, tmp_path):
         fw.view(swing, tmp_path / "no.pdf")
     with pytest.raises(ModelError, match=r"^view: 0 moments per second cannot be shown"):
         fw.view(swing, tmp_path / "no.html", rate=0)
-    with pytest.raises(ModelError, match=r"^view: a Model or a Result can be drawn, not a str\.$"):
+    with pytest.raises(ModelError, match=r"^view: a Model, a Plant or a Result can be drawn, not a str\.$"):
         view("oc3_spar_rigid", tmp_path / "no.html")
     with pytest.raises(ModelError, match=r"a shape is made of structure, .*, not of 'cheese'\."):
         shapes.Ball(None, material="cheese")

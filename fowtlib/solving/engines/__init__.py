@@ -2,5 +2,6 @@
 
 from fowtlib.solving.engines.base import Engine
 from fowtlib.solving.engines.choice import create_engine
+from fowtlib.solving.engines.fixed_step_code import FixedStepCode
 
-__all__ = ["Engine", "create_engine"]
+__all__ = ["Engine", "FixedStepCode", "create_engine"]

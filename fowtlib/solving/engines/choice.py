@@ -18,12 +18,13 @@ from fowtlib.solving.engines.twin import FixedStepTwin
 from fowtlib.solving.functions import AtParameters
 
 
-def create_engine(at: AtParameters, code: Callable[[], FixedStepCode], solver: str, tolerance: float,
+def create_engine(at: AtParameters, code: Callable[[], FixedStepCode], solver: str | None, tolerance: float,
                   output_step: float, given: Mapping[str, Any], settings: Mapping[str, Any]) -> Engine:  # fmt: skip
-    """The engine of that name; its `step` and `rho_inf` are given for this run, else the model's, else the defaults.
+    """The engine of that name (None: the model's); its `step` and `rho_inf` as given, else the model's, else defaults.
 
     code: gives the compiled functions of the model, and is called where they are needed only.
     """
+    solver = settings.get("solver", "idas") if solver is None else solver
     if solver not in SOLVERS:
         raise ParameterError(f"there is no solver '{solver}'{did_you_mean(str(solver), SOLVERS)}")
     if solver == "idas":

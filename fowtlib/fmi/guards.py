@@ -1,0 +1,51 @@
+"""Checks that an archive has on top of those of its model: what was computed for it must still be true in a run."""
+
+from __future__ import annotations
+
+import copy
+from dataclasses import replace
+
+import casadi as ca
+import numpy as np
+
+from fowtlib.flattening.flat_dae import Check, FlatDAE
+from fowtlib.flattening.system import element_names, scalars
+from fowtlib.solving.binding import Binding
+from fowtlib.solving.plant import Plant
+
+
+def guarded(plant: Plant, binding: Binding) -> Plant:
+    """The plant with checks of the parameters for whose values the archive holds data.
+
+    Numbers that a model takes in when a run starts, a series of turbulence, are constants of the archive. A parameter
+    that they were computed from can be changed by an importer, and they would not follow.
+    """
+    dae, checks = plant.dae, []
+    made: dict[str, str] = {}
+    for record in dae.bound.values():
+        if binding.reads.get(record.path) and _in_equations(dae, record.symbol):
+            made |= dict.fromkeys(sorted(binding.reads[record.path]), record.path)
+    for path, user in made.items():
+        item, value = dae.parameters[path], np.ravel(binding.values[path], order="F")
+        names = element_names(path, item.symbol.shape)
+        for name, symbol, number in zip(names, scalars(item.symbol), value, strict=True):
+            unit = "" if item.unit == "1" else f" {item.unit}"
+            message = (
+                f"{name} is {{value}}{unit}, and this FMU holds data that were computed for {number:g}{unit} ({user}); "
+                "export it with the new value."
+            )
+            near = ca.fabs(symbol - number) <= 1e-9 * (1 + abs(number))
+            checks.append(Check(near, message, "error", {"value": symbol}, ""))
+    if not checks:
+        return plant
+    changed = copy.copy(plant)
+    changed.dae = replace(dae, checks=(*dae.checks, *checks))
+    return changed
+
+
+def _in_equations(dae: FlatDAE, symbol: ca.SX) -> bool:
+    """Whether equations, events or samples depend on symbols, and not start values alone."""
+    used = [dae.ode, dae.alg, *(ca.vec(external.inputs) for external in dae.externals)]
+    used += [e for event in dae.events for e in (event.indicator, event.state_values, event.discrete_values)]
+    used += [e for sample in dae.samples for e in (sample.values, sample.period, sample.offset)]
+    return ca.depends_on(ca.vertcat(*map(ca.vec, used)), symbol)

@@ -1,0 +1,74 @@
+"""What a model takes in when a run starts: numbers and time series, computed then and not while it is flattened.
+
+A model is flattened and compiled once; a seed, a file, a kind of wind change neither. `at_start` gives symbols whose
+numbers are computed at the start of each run, from the component that stands in the model then.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from typing import Any, Protocol
+
+import casadi as ca
+
+from fowtlib.language.equations import AtStart, active
+from fowtlib.language.errors import StructureError
+from fowtlib.language.externals import ExternalFunction
+from fowtlib.language.series import Series, series_function
+
+
+class Source(Protocol):
+    """Data that equations find by a number: what `compute` of `at_start` may return in place of numbers."""
+
+    @property
+    def numbers(self) -> tuple[float, ...]:
+        """The numbers that the equations get; the first is the handle, under which the functions know the data."""
+
+    def open_in(self, function: ExternalFunction) -> Any:
+        """Make the data known to a function; they stay known as long as what is returned here lives."""
+
+    def file_for(self, function: ExternalFunction) -> Any:
+        """File, and further arguments, with which `<name>_open(handle, file, ...)` of a library finds the data."""
+
+
+def at_start(name: str, size: int = 1, unit: str = "1", doc: str = "", compute: Callable[[Any], Any] = float, *,
+             of: Any = None, functions: tuple[ExternalFunction, ...] = ()) -> ca.SX:  # fmt: skip
+    """A column of `size` numbers that are computed when a run starts; constant in the run. Inside equations() only.
+
+    `compute(component)` returns them: a number, a sequence of numbers, or a `Source`, whose data are then made known to
+    the external `functions` that take its handle (None: a handle of 0, and zeros). The component is the one that stands
+    at this place when the run starts, with the parameter values of the run, tunable and bound ones:
+    `component.parameter_value("seed")`. It may be another one than is flattened now: `compute` must not hold one of
+    these.
+
+    unit: of all the numbers; "" where they have different ones.
+    of: the component that is given to `compute`, where that is not the one whose equations are written. Numbers of that
+    component asked for again by the same name are the same symbols, and `compute` counts the first time only.
+    """
+    for cell in getattr(compute, "__closure__", None) or ():
+        try:
+            held = cell.cell_contents
+        except ValueError:  # not assigned yet
+            continue
+        if hasattr(held, "_binding") and hasattr(held, "parameter_value"):
+            raise StructureError(
+                f"at_start('{name}'): its function uses {held.label} of the model that is being flattened; use the "
+                "component that it is given, which stands there when a run starts."
+            )
+    return active().at_start(AtStart(name, size, unit, doc, compute, of, tuple(functions)))
+
+
+def run_time_series(time: Any, size: int, name: str, compute: Callable[[Any], Series | None], *,
+                    of: Any = None, message: str = "") -> ca.SX:  # fmt: skip
+    """A column of `size` signals of time, from the Series that `compute(component)` returns when a run starts.
+
+    None stands for zeros. A run past the ends of a series that does not repeat itself stops there, with `message`, in
+    which {value} is the time, {low} and {high} are the ends, and {path of a bound parameter} is its value. See
+    `at_start` for the component, and for `of`.
+    """
+    function = series_function(size)
+    handle, low, high = ca.vertsplit(
+        at_start(f"{name} handle", 3, "", f"{name}: handle, first and last time", compute, of=of, functions=(function,))
+    )
+    active().check_range(time, low, high, name, "time", message)
+    return function(handle=handle, time=time)["values"]

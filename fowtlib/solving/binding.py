@@ -1,0 +1,326 @@
+"""What one run takes in: the values of its parameters, and all that is computed from them when it starts.
+
+The flat model has symbols for the tunable parameters, and for the numbers that components compute at the start. A run
+gives values to the first, puts bound parameters and replaced parts on a copy of the component tree, and lets the
+components at their places compute the second.
+"""
+
+from __future__ import annotations
+
+import copy
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+from functools import cached_property
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from fowtlib.flattening import FlatDAE
+from fowtlib.flattening.instances import check_parameters
+from fowtlib.flattening.system import Bound
+from fowtlib.language.component import Component, parameters_read
+from fowtlib.language.declarations import join
+from fowtlib.language.errors import ModelError, ParameterError, did_you_mean
+from fowtlib.language.units import to_si
+from fowtlib.solving.structure import structural_values
+
+Values = Mapping[str, Any]
+
+
+@dataclass(frozen=True)
+class Binding:
+    """The values of one run.
+
+    p: all entries of the vector of that name of the flat model; values: the tunable parameters by path.
+    root: the component tree of the run; None where the model has none.
+    breaks: instants at which a solver has to stop and start again.
+    sources: data behind handles by the path of their numbers; reads: the tunable parameters that numbers were computed
+    from, by the same paths. steady: the handles, by the hashes of their symbols, whose data are the same at all times.
+    """
+
+    p: np.ndarray
+    values: dict[str, np.ndarray]
+    root: Component | None
+    breaks: tuple[float, ...] = ()
+    sources: dict[str, Any] = field(default_factory=dict)
+    reads: dict[str, frozenset[str]] = field(default_factory=dict)
+    steady: frozenset[int] = frozenset()
+    held: tuple[Any, ...] = field(default=(), repr=False)
+
+    @cached_property
+    def structure(self) -> dict[str, Any]:
+        """Structural and bound parameters of all parts; see structural_values."""
+        return structural_values(self.root)
+
+    def words(self, message: str) -> str:
+        """A message with the values of bound parameters put in for their paths in braces, as in {wind.file}."""
+        if self.root is None or "{" not in message:
+            return message
+        for part in self.root.walk():
+            for name, declared in part.parameters.items():
+                key = "{" + join(part.path, name) + "}"
+                if declared.bound and key in message:
+                    message = message.replace(key, str(part.parameter_value(name)))
+        return message
+
+
+class Bindings:
+    """The bindings of a compiled model; the last ones are kept, and used again for equal values and unchanged files."""
+
+    KEPT = 8
+
+    def __init__(self, dae: FlatDAE, root: Component | None):
+        self.dae, self.root = dae, root
+        self._kept: dict[Any, tuple[Binding, dict[str, Any]]] = {}
+
+    def __call__(self, parameters: Values | None = None) -> Binding:
+        """The binding of these values; see `bind`."""
+        key = tuple(sorted((path, _content(value)) for path, value in (parameters or {}).items()))
+        found = self._kept.pop(key, None)
+        if found is None or any(_stamp(path) != stamp for path, stamp in found[1].items()):
+            binding = bind(self.dae, self.root, parameters)
+            found = binding, {path: _stamp(path) for path in _files(binding.root)}
+        self._kept[key] = found
+        while len(self._kept) > self.KEPT:
+            del self._kept[next(iter(self._kept))]
+        return found[0]
+
+
+def bind(dae: FlatDAE, root: Component | None, parameters: Values | None = None) -> Binding:
+    """The binding of a run.
+
+    parameters: by path the values of tunable and of bound parameters, SI or with unit, or a component that takes the
+    place of the part at the path, of the same family (what it was not given, it takes from that part).
+    Raises ParameterError where there is no such parameter, a value is out of its bounds, or a part has other equations.
+    """
+    given = dict(parameters or {})
+    if root is None:
+        values = {path: item.value for path, item in dae.parameters.items()}
+        values |= {path: _tunable(dae, path, value) for path, value in given.items()}
+        return Binding(_vector(values, []), values, None)
+    tree = copy.deepcopy(root) if given else root
+    changed = _put_parts(tree, {path: given.pop(path) for path in list(given) if isinstance(given[path], Component)})
+    changed |= _put_bound(dae, tree, given)
+    values = {path: item.value for path, item in dae.parameters.items()}
+    for path in sorted(given):
+        values[path] = _tunable(dae, path, given[path])
+        owner, _, name = path.rpartition(".")
+        tree.find(owner)._values[name] = values[path] if values[path].shape else float(values[path])
+    if changed:
+        for path in changed:
+            check_parameters(tree.find(path))
+        for path in values:  # those that were computed from what is changed now
+            if path not in given:
+                owner, _, name = path.rpartition(".")
+                now = np.asarray(tree.find(owner).parameter_value(name), dtype=float)
+                values[path] = np.broadcast_to(now, values[path].shape)
+    return _computed(dae, tree, values)
+
+
+def _tunable(dae: FlatDAE, path: str, value: Any) -> np.ndarray:
+    """The value of a tunable parameter in SI, within its bounds."""
+    if path not in dae.parameters:
+        known = [*dae.parameters, *dae.bound_parameters]
+        raise ParameterError(
+            f"there is no tunable parameter '{path}'{did_you_mean(path, known)} "
+            "A structural or dependent parameter is changed in the model, before compile()."
+        )
+    item = dae.parameters[path]
+    numbers = np.asarray(to_si(value, item.unit, path), dtype=float)
+    for bound, outside, word in (
+        (item.min, item.min is not None and np.any(numbers < item.min), "below its minimum"),
+        (item.max, item.max is not None and np.any(numbers > item.max), "above its maximum"),
+    ):
+        if outside:
+            raise ParameterError(f"{path} = {value} is {word} {bound:g} {item.unit} ({item.doc}).")
+    return np.broadcast_to(numbers, item.value.shape)
+
+
+# --- what is put on the tree --------------------------------------------------------------------------------------
+
+
+def _put_bound(dae: FlatDAE, tree: Component, given: dict[str, Any]) -> set[str]:
+    """Take the bound parameters out of `given` and set them; the paths of their components."""
+    chosen: list[tuple[bool, str, Component, str]] = []
+    for path in given:
+        if path in dae.parameters:
+            continue
+        owner, _, name = path.rpartition(".")
+        component = _found(tree, owner)
+        if component is None:
+            continue
+        family = component.family
+        declared = (family.parameters if family is not None else component.parameters).get(name)
+        if declared is not None and declared.bound:
+            chosen.append((family is None or name != family.selector, path, component, name))
+    for _, path, component, name in sorted(chosen, key=lambda item: item[:2]):  # kinds first
+        family, before = component.family, type(component)
+        component._set(name, given.pop(path))
+        if type(component) is not before:
+            _same_equations(path.rpartition(".")[0], before, type(component), family)
+    return {component.path for _, _, component, _ in chosen}
+
+
+def _put_parts(tree: Component, parts: dict[str, Component]) -> set[str]:
+    """Put parts in the places of others; the paths where that was done."""
+    for path, given in sorted(parts.items()):
+        old = _found(tree, path)
+        if old is None or not path:
+            known = [part.path for part in tree.walk() if part.path]
+            raise ParameterError(f"there is no part '{path}' to be replaced{did_you_mean(path, known)}")
+        family = old.family
+        if family is None or not isinstance(given, family.base):
+            wanted = f"a {family.base.__name__}" if family is not None else "the part it was compiled with"
+            raise ParameterError(
+                f"{path}: a {type(given).__name__} cannot take the place of a {type(old).__name__} in a compiled "
+                f"model, where only {wanted} fits; replace it in the model, before compile()."
+            )
+        _same_equations(path, type(old), type(given), family)
+        new = _alone(given)
+        for name, value in old._values.items():
+            if name in new.parameters and name not in new._values:
+                new._values[name] = value
+                if name in old.origins:
+                    new.origins[name] = old.origins[name]
+        for name, declared in new.parameters.items():
+            if declared.bound or declared.tunable:
+                continue
+            before, now = old.parameter_value(name), new.parameter_value(name)
+            if not np.array_equal(np.asarray(before, dtype=object), np.asarray(now, dtype=object)):
+                raise ParameterError(
+                    f"{path}.{name} decides about the equations: the model is compiled with {before}, and the "
+                    f"{type(given).__name__} has {now}. Change it in the model, before compile()."
+                )
+        new._parent, new._name = old._parent, old._name
+        old._parent.parts[old._name] = new
+    return set(parts)
+
+
+def _same_equations(path: str, old: type, new: type, family: Any) -> None:
+    for cls in (old, new):
+        reason = family.own_equations(cls)
+        if reason and cls is not (new if cls is old else old):
+            raise ParameterError(
+                f"{path}: a {new.__name__} cannot take the place of a {old.__name__} when a run starts, because "
+                f"{cls.__name__} has {reason} of its own, other equations; choose it in the model, before compile()."
+            )
+
+
+def _alone(component: Component) -> Component:
+    """A copy of a component without the model that it may be part of."""
+    return copy.deepcopy(component, {id(component._parent): None} if component._parent is not None else None)
+
+
+def _found(tree: Component, path: str) -> Component | None:
+    component: Component | None = tree
+    for name in path.split(".") if path else ():
+        component = component.parts.get(name) if component is not None else None
+    return component
+
+
+# --- what is computed ---------------------------------------------------------------------------------------------
+
+
+def _computed(dae: FlatDAE, tree: Component, values: dict[str, np.ndarray]) -> Binding:
+    numbers, held, breaks = [], [], []
+    sources: dict[str, Any] = {}
+    reads: dict[str, frozenset[str]] = {}
+    steady: set[int] = set()
+    for item in dae.bound.values():
+        with parameters_read() as read:
+            found = _numbers(item, tree.find(item.owner))
+        paths = (join(owner, name) for owner, name in read)
+        reads[item.path] = frozenset(path for path in paths if path in dae.parameters)
+        if item.functions and (isinstance(found, np.ndarray) or getattr(found, "steady", False)):
+            steady.add(item.symbol[0].element_hash())
+        if isinstance(found, np.ndarray):
+            numbers.append(found)
+            continue
+        sources[item.path] = found
+        held += [found, *(found.open_in(function) for function in item.functions)]
+        breaks += getattr(found, "breaks", ())
+        numbers.append(np.asarray(found.numbers, dtype=float))
+    instants = tuple(sorted(set(breaks)))
+    p, known = _vector(values, numbers), tuple(held)
+    return Binding(p, values, tree, instants, sources, reads, frozenset(steady), known)
+
+
+def _numbers(item: Bound, component: Component) -> Any:
+    """What a component computes for a place in p: numbers, or a source of them."""
+    size = item.symbol.numel()
+    try:
+        found = item.compute(component)
+        if found is None:
+            return _nothing(item)
+        if hasattr(found, "numbers"):
+            _fit(item, found, size)
+            return found
+        array = np.ravel(np.asarray(found, dtype=float))
+    except ModelError as error:
+        raise error.at(item.owner or type(component).__name__) if item.owner not in str(error) else error from None
+    if array.size != size:
+        raise ParameterError(f"{item.path}: {array.size} numbers were computed at the start, and {size} are expected.")
+    if np.any(np.isnan(array)):
+        raise ParameterError(f"{item.path}: what was computed at the start is not a number.")
+    return array
+
+
+def _nothing(item: Bound) -> np.ndarray:
+    """Numbers where there are no data: a handle of 0, and no ends."""
+    numbers = np.zeros(item.symbol.numel())
+    if item.functions and numbers.size == 3:
+        numbers[1:] = -np.inf, np.inf
+    return numbers
+
+
+def _fit(item: Bound, source: Any, size: int) -> None:
+    if len(source.numbers) != size:
+        raise ParameterError(f"{item.path}: {len(source.numbers)} numbers instead of {size}.")
+    for function in item.functions:
+        outputs = sum(function.outputs.values())
+        if hasattr(source, "size") and source.size != outputs:
+            raise ParameterError(f"{item.path}: a series of {source.size} signals, where {outputs} are expected.")
+
+
+def _vector(values: Mapping[str, np.ndarray], numbers: list[np.ndarray]) -> np.ndarray:
+    parts = [*(np.ravel(value, order="F") for value in values.values()), *numbers]
+    return np.concatenate(parts) if parts else np.zeros(0)
+
+
+# --- what is the same as before -----------------------------------------------------------------------------------
+
+
+def _content(value: Any) -> Any:
+    """Something that is equal for equal values."""
+    if isinstance(value, Component):
+        own = {name: item for name, item in vars(value).items() if name not in _PLAIN_STATE}
+        if own or value.parts:
+            return object()  # it has a state of its own, which may change
+        return type(value), tuple(sorted((name, _content(item)) for name, item in value._values.items()))
+    if isinstance(value, np.ndarray):
+        return "array", value.shape, value.dtype.str, value.tobytes()
+    if isinstance(value, (list, tuple)):
+        return tuple(_content(item) for item in value)
+    return type(value).__name__, repr(value)
+
+
+_PLAIN_STATE = frozenset(vars(Component()))
+
+
+def _files(root: Component | None) -> list[str]:
+    """Files that bound parameters name."""
+    found = []
+    for part in root.walk() if root is not None else ():
+        for name, declared in part.parameters.items():
+            if declared.bound and declared.annotation is str and (value := part.parameter_value(name)):
+                found.append(str(value))
+    return [path for path in dict.fromkeys(found) if _stamp(path) is not None]
+
+
+def _stamp(path: str) -> tuple[int, int] | None:
+    try:
+        status = Path(path).stat()
+    except (OSError, ValueError):
+        return None
+    return status.st_mtime_ns, status.st_size

@@ -1,0 +1,89 @@
+"""A flat model and a compiled plant are values: what is asked of them changes nothing."""
+
+from __future__ import annotations
+
+from dataclasses import FrozenInstanceError, replace
+
+import numpy as np
+import pytest
+
+import fowtlib as fw
+from fowtlib.language import Array, RealInput, Scalar, der, eq, param, port, var
+from fowtlib.language.errors import ParameterError
+from fowtlib.solving.layout import Layout
+
+
+class Filter(fw.Component):
+    """Two filters of one input, weighted by a matrix."""
+
+    u: RealInput = port(default=0.5, doc="what is filtered")
+    time_constant: Scalar = param(default=2.0, unit="s", min=0.1, doc="time constant")
+    weights: Array = param(default=[[1.0, 2.0], [3.0, 4.0]], shape=(2, 2), doc="weights")
+    y: Array = var(unit="1", shape=(2,), start=[0.1, 0.2], doc="filtered")
+    sum: Array = var(unit="1", shape=(2,), doc="weighted")
+
+    def equations(self):
+        return [
+            eq(self.time_constant * der(self.y[0]), self.u - self.y[0]),
+            eq(self.time_constant * der(self.y[1]), self.y[0] - self.y[1]),
+            eq(self.sum, self.weights @ self.y),
+        ]
+
+
+@pytest.fixture
+def plant():
+    return fw.load(Filter()).compile()
+
+
+def test_a_flat_model_cannot_be_changed(plant):
+    dae = plant.dae
+    with pytest.raises(FrozenInstanceError):
+        dae.ode = dae.x
+    for table in (dae.inputs, dae.parameters, dae.observed, dae.units, dae.docs, dae.stats):
+        with pytest.raises(TypeError):
+            table["y"] = 0
+    for items in (dae.states, dae.algebraics, dae.externals, dae.events, dae.residual_paths):
+        assert isinstance(items, tuple)
+    with pytest.raises(FrozenInstanceError):
+        dae.parameters["time_constant"].value = 3.0
+    other = replace(dae, stats={})
+    assert other.stats == {}
+    assert dae.stats["equations"] > 0
+
+
+def test_what_is_asked_of_a_plant_changes_nothing(plant):
+    before = plant.parameter_values()
+    before["time_constant"][...] = 99.0
+    first = plant.simulate(1.0, 0.5)["y[0]"].values
+    plant.simulate(1.0, 0.5, parameters={"time_constant": 5.0}, inputs={"u": 3.0})
+    plant.equilibrium({"time_constant": 5.0})
+    plant.linearize(plant.initial_state(), ["weights"])
+    np.testing.assert_array_equal(plant.simulate(1.0, 0.5)["y[0]"].values, first)
+    assert plant.parameter_values()["time_constant"] == 2.0
+
+
+def test_packing_by_path(plant):
+    layout = Layout(plant.dae)
+    p = plant.binding({"weights": [[1.0, 5.0], [6.0, 4.0]], "time_constant": "1 min"}).p
+    assert p[layout.p["time_constant"]] == 60.0
+    np.testing.assert_array_equal(p[layout.p["weights"]], [1.0, 6.0, 5.0, 4.0])  # column by column
+    np.testing.assert_array_equal(layout.inputs(), [0.5])
+    np.testing.assert_array_equal(layout.inputs({"u": 2}), [2.0])
+    symbols, labels = layout.symbols("weights")
+    assert [str(s) for s in symbols] == [str(plant.dae.p[i]) for i in range(*layout.p["weights"].indices(9))]
+    assert labels == [f"weights[{i}]" for i in range(4)]
+    x, z, d = np.zeros(2), np.zeros(len(layout.z)), np.zeros(0)
+    assert layout.put({"y[1]": 3.0}, x, z, d) == {layout.x["y[1]"]}
+    assert x[layout.x["y[1]"]] == 3.0
+    with pytest.raises(ParameterError, match=r"^'y\[3\]' is not a state .* did you mean 'y\[0\]'"):
+        layout.put({"y[3]": 3.0}, x, z, d)
+    with pytest.raises(ParameterError, match=r"time_constant = 0.01 is below its minimum 0.1 s"):
+        plant.binding({"time_constant": 0.01})
+
+
+def test_a_weighted_sum_by_hand(plant):
+    state = plant.initial_state({"weights": [[1.0, 5.0], [6.0, 4.0]]})
+    np.testing.assert_allclose(state["sum"], [1.1, 1.4])
+    slopes = plant.linearize(state, ["weights", "u"], ["sum"])
+    assert slopes.inputs == ["weights[0]", "weights[1]", "weights[2]", "weights[3]", "u"]
+    np.testing.assert_allclose(slopes.matrices["D"], [[0.1, 0, 0.2, 0, 0], [0, 0.1, 0, 0.2, 0]], atol=1e-15)
