@@ -98,6 +98,8 @@ class Instances:
 
     def _tunable(self, component: Component, declared: Any, shape: tuple[int, ...]) -> ca.SX:
         """The symbol of an independent parameter."""
+        if not np.prod(shape):  # an empty list of something optional
+            return ca.SX(*_two(shape))
         path = join(component.path, declared.name)
         symbol = ca.SX.sym(path, *_two(shape))
         value = np.broadcast_to(np.asarray(component.parameter_value(declared.name), dtype=float), shape)
@@ -121,6 +123,13 @@ class Instances:
             return np.asarray(items)
 
         def leaf(reference: Any) -> Any:
+            if isinstance(reference, expressions.StartNumbers):
+                return self.system.at_start(
+                    statements.AtStart(
+                        reference.name, reference.size, "", "computed when a run starts", reference.compute,
+                        reference.component,
+                    )
+                )  # fmt: skip
             found = self._parameter(reference.component.current, reference.name)
             if isinstance(found, Withheld):
                 raise ParameterError(found.reason)

@@ -12,6 +12,7 @@ import numpy as np
 
 from fowtlib.flattening.system import element_names
 from fowtlib.language.errors import ModelError
+from fowtlib.solving.binding import start_slopes
 from fowtlib.solving.functions import AtParameters
 from fowtlib.solving.layout import Layout
 from fowtlib.solving.outputs import Outputs
@@ -149,15 +150,21 @@ def linearize(at: AtParameters, layout: Layout, outputs: Outputs, state: State, 
               names: Sequence[str]) -> LinearModel:  # fmt: skip
     """The linear model at a state, from inputs or tunable parameters by path to results or variables.
 
+    What is computed from a parameter when a run starts counts with it, by central differences (start_slopes).
     All states are kept; the algebraic unknowns are eliminated by the implicit function theorem.
     """
     dae = at.dae
     columns: list[ca.SX] = []
     labels: list[str] = []
+    through: list[tuple[slice, str, np.ndarray]] = []  # columns of a parameter, numbers computed from it, their slopes
     for path in inputs:
         symbols, fresh = layout.symbols(path)
+        place = slice(len(columns), len(columns) + len(symbols))
+        if path in layout.p:
+            through += [(place, name, slope) for name, slope in start_slopes(dae, at.binding, path).items()]
         columns += symbols
         labels += fresh
+    computed = list(dict.fromkeys(name for _, name, _ in through))
     rows, factors, shown, units = [], [], [], {}
     for name in names:
         expression = ca.vec(dae.observe_expression(outputs.entry(name).path))
@@ -168,12 +175,18 @@ def linearize(at: AtParameters, layout: Layout, outputs: Outputs, state: State, 
         units |= dict.fromkeys(fresh, outputs.entry(name).unit)
 
     def make() -> ca.Function:
-        u = ca.vertcat(*columns) if columns else ca.SX(0, 1)
+        u = ca.vertcat(*columns, *(dae.bound[name].symbol for name in computed)) if columns else ca.SX(0, 1)
         return at.general.torn_jacobian("linear", ca.vertcat(dae.ode, dae.alg, *rows), [dae.x, dae.z, u])
 
-    slopes = at.general.once(("linear", tuple(labels), tuple(names)), make)
+    slopes = at.general.once(("linear", tuple(labels), tuple(computed), tuple(names)), make)
     blocks = at.call(slopes, state.t, state.x, state.z, np.concatenate([state.u, state.d]))
-    by_x, by_z, by_u = (np.array(ca.densify(block)) for block in blocks)
+    by_x, by_z, by_all = (np.array(ca.densify(block)) for block in blocks)
+    by_u, first = by_all[:, : len(columns)], len(columns)
+    for name in computed:
+        last = first + dae.bound[name].symbol.numel()
+        for place, _, slope in (item for item in through if item[1] == name):
+            by_u[:, place] += by_all[:, first:last] @ slope
+        first = last
     nx, nz = dae.x.shape[0], dae.z.shape[0]
     ode, alg, out = slice(0, nx), slice(nx, nx + nz), slice(nx + nz, None)
     by_xu = np.hstack([by_x[alg], by_u[alg]])
