@@ -1,6 +1,6 @@
 """The sea state of a model, one class for each kind: what a new kind needs is a class in this folder."""
 
-# isort: off  the kinds in the order in which they are shown to people
+# isort: off
 from fowtlib.components.environment.sea.base import Sea
 from fowtlib.components.environment.sea.still import StillSea
 from fowtlib.components.environment.sea.regular import RegularWaves
