@@ -8,6 +8,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from fowtlib.language.data_files import text_of
 from fowtlib.language.errors import ParameterError
 
 Floats = NDArray[np.float64]
@@ -46,12 +47,7 @@ def read_series(path: str, stations: int, *, what: str = "wind file", quantity: 
     """
     rows: list[list[float]] = []
     lines: list[int] = []
-    try:
-        with open(path, encoding="utf-8-sig") as file:
-            text = file.read().splitlines()
-    except (OSError, UnicodeDecodeError) as error:
-        reason = error.strerror if isinstance(error, OSError) else "not a text file"
-        raise ParameterError(f"{path}: cannot read the {what}: {reason}") from None
+    text = text_of(path, f"the {what}").split("\n")
     header = False
     for line, content in enumerate(text, start=1):
         content = content.strip()

@@ -48,7 +48,7 @@ from fowtlib.components.environment.world import World
 from fowtlib.components.hydro.database import HydrodynamicDatabase
 from fowtlib.components.hydro.radiation_identification import RadiationModel, kept_radiation
 from fowtlib.components.mechanics.connectors import Frame
-from fowtlib.language import Array, Component, Scalar, Vector, der, eq, outer, param, port, var
+from fowtlib.language import Array, Component, Number, Scalar, Vector, der, eq, outer, param, port, var
 from fowtlib.language import math as m
 
 
@@ -103,7 +103,7 @@ class Hydrostatics(PlatformLoad):
     volume: Scalar = param(unit="m^3", min=0, doc="displaced volume at rest")
     centre_of_buoyancy: Vector = param(unit="m", doc="centre of that volume, resolved in the frame")
     stiffness: Array = param(shape=(6, 6), doc="C_w, without buoyancy moments, SI")
-    reference_density: float = param(default=1025.0, unit="kg/m^3", min=0, doc="water density rho_0 of C_w")
+    reference_density: Number = param(default=1025.0, unit="kg/m^3", min=0, doc="water density rho_0 of C_w")
     position: Vector = param(default=(0, 0, 0), unit="m", doc="place of the frame at rest, world")
 
     world: World = outer(World)
@@ -143,7 +143,7 @@ class AddedMass(PlatformLoad):
     """
 
     matrix: Array = param(shape=(6, 6), doc="added mass at infinite frequency, SI")
-    reference_density: float = param(default=1025.0, unit="kg/m^3", min=0, doc="water density rho_0 of the matrix")
+    reference_density: Number = param(default=1025.0, unit="kg/m^3", min=0, doc="water density rho_0 of the matrix")
 
     world: World = outer(World)
 

@@ -5,7 +5,19 @@ from __future__ import annotations
 from fowtlib.components.environment.world import World
 from fowtlib.components.mechanics.connectors import Frame
 from fowtlib.components.mooring import catenary
-from fowtlib.language import Component, Scalar, Vector, assert_, eq, fix_orientation, outer, param, port, shapes, var
+from fowtlib.language import (
+    Component,
+    Scalar,
+    Vector,
+    assert_,
+    eq,
+    fix_orientation,
+    outer,
+    param,
+    port,
+    shapes,
+    var,
+)
 from fowtlib.language import math as m
 from fowtlib.language.declarations import join
 from fowtlib.language.errors import ParameterError
@@ -80,7 +92,7 @@ class CatenaryLine(Component):
             *_limits(self, V_anchor),
         ]
 
-    def drawing(self):
+    def drawing(self) -> shapes.Drawing:
         length, *more = (self.parameter_value(name) for name in ("length", "axial_stiffness", "friction"))
 
         def form(at):

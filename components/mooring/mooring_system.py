@@ -15,6 +15,7 @@ from fowtlib.components.mooring.yaw_spring import YawSpring
 from fowtlib.language import Array, Component, Scalar, param, port
 from fowtlib.language import math as m
 from fowtlib.language.errors import ParameterError
+from fowtlib.language.shapes import Drawing
 
 LINE_PROPERTIES = (
     "length", "axial_stiffness", "mass_per_length", "diameter", "weight_per_length", "friction", "greatest_strain",
@@ -61,7 +62,7 @@ class MooringSystem(Component):
             self.yaw_spring = YawSpring(stiffness=self.yaw_stiffness)
             self.connect(self.frame, self.yaw_spring.frame)
 
-    def drawing(self):
+    def drawing(self) -> Drawing:
         return [shape for part in self.parts.values() if isinstance(part, CatenaryLine) for shape in part.drawing()]
 
     def layout(self) -> list[tuple[Any, Any]]:

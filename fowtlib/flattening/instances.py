@@ -112,7 +112,7 @@ class Instances:
             return np.asarray(items)
 
         def leaf(reference: Any) -> Any:
-            found = self._parameter(reference.component, reference.name)
+            found = self._parameter(reference.component.current, reference.name)
             if isinstance(found, Withheld):
                 raise ParameterError(found.reason)
             return found

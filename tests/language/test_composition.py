@@ -85,15 +85,13 @@ def test_a_value_whose_part_vanishes_is_an_error():
     )
 
 
-def test_a_part_added_by_hand_to_an_inner_part_is_not_lost_without_a_word():
+def test_a_part_added_by_hand_to_an_inner_part_outlives_a_new_composition():
     bed = Bed()
-    bed.row.leaf_1.add("own", Leaf())
-    with pytest.raises(ParameterError) as error:
-        bed.count = 4
-    assert str(error.value) == (
-        "Bed.count cannot be changed any more, because parts were added to row.leaf_1 by hand; "
-        "give it to the constructor of Bed."
-    )
+    bed.row.leaf_1.add("own", Leaf(offset=7.0))
+    bed.count = 4
+    assert list(bed.row.parts) == ["leaf_1", "leaf_2", "leaf_3", "leaf_4"]
+    assert offset(bed.row.leaf_1.own) == 7.0
+    assert fw.load(bed).compile().initial_state()["row.leaf_1.own.x"] == pytest.approx(8.0)
 
 
 def test_limits_of_a_controller_reach_the_turbine():

@@ -13,6 +13,7 @@ from fowtlib.components.environment.waves import WaveComponents, still_water
 from fowtlib.components.environment.world import World
 from fowtlib.language import (
     Component,
+    Number,
     RealOutput,
     Series,
     assert_,
@@ -45,10 +46,10 @@ class Sea(Component, selector="spectrum", shared=("signal", "loads", "velocity",
     """
 
     spectrum: str = param(default="still", bound=True, doc="kind of sea state")
-    heading: float = param(
+    heading: Number = param(
         default=0.0, unit="rad", bound=True, doc="direction in which the waves travel, from x towards y"
     )
-    build_up: float = param(default=0.0, unit="s", min=0, bound=True, doc="time in which the waves grow from nothing")
+    build_up: Number = param(default=0.0, unit="s", min=0, bound=True, doc="time in which the waves grow from nothing")
 
     world: World = outer(World)
     elevation: RealOutput = port(unit="m", doc="elevation of the water at the origin")
@@ -60,7 +61,7 @@ class Sea(Component, selector="spectrum", shared=("signal", "loads", "velocity",
         elevation = self.signal(lambda waves: np.ones((len(waves), 1)), 1, "wave elevation", "m")
         return [eq(self.elevation, elevation), warning]
 
-    def drawing(self):
+    def drawing(self) -> shapes.Drawing:
         waves = self.components()
         harmonics = (waves.omega, waves.amplitude, waves.phase, waves.wave_number)
         return [shapes.Water(self.world.water_depth, *harmonics, heading=waves.heading, build_up=self.build_up)]

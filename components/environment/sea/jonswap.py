@@ -10,7 +10,7 @@ from numpy.typing import ArrayLike
 
 from fowtlib.components.environment.sea.base import Sea
 from fowtlib.components.environment.waves import WaveComponents, irregular_waves, jonswap
-from fowtlib.language import param
+from fowtlib.language import Number, param
 
 _realisation = lru_cache(maxsize=8)(irregular_waves)
 
@@ -21,14 +21,14 @@ class JonswapSea(Sea, kind="jonswap"):
     A warning tells when a run is longer. Frequencies, cut-off and random numbers: see waves.irregular_waves.
     """
 
-    significant_wave_height: float = param(default=None, unit="m", min=0, bound=True, doc="JONSWAP: Hs")
-    peak_period: float = param(default=None, unit="s", min=0, bound=True, doc="JONSWAP: Tp")
-    gamma: float = param(
+    significant_wave_height: Number = param(default=None, unit="m", min=0, bound=True, doc="JONSWAP: Hs")
+    peak_period: Number = param(default=None, unit="s", min=0, bound=True, doc="JONSWAP: Tp")
+    gamma: Number = param(
         default=None, min=1, bound=True, doc="JONSWAP: peak factor; without a value by DNV-RP-C205, 3.5.5.5"
     )
     seed: int = param(default=1, min=0, bound=True, doc="JONSWAP: number of the realisation")
     random_amplitudes: bool = param(default=True, bound=True, doc="JONSWAP: Gaussian sea; false: random phases only")
-    repetition_period: float = param(
+    repetition_period: Number = param(
         default=4096.0, unit="s", min=0, bound=True, doc="JONSWAP: period of the realisation"
     )
 

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import warnings
 from functools import lru_cache
-from pathlib import Path
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -12,7 +11,7 @@ from numpy.typing import ArrayLike
 from fowtlib.components.environment.sea.base import Sea
 from fowtlib.components.environment.sea.record import WaveRecord, read_record, record_waves
 from fowtlib.components.environment.waves import WaveComponents
-from fowtlib.language import Vector, param
+from fowtlib.language import Number, Vector, param
 
 SPILLED = 0.01  # share of the record's variance outside of the band that is worth a warning
 
@@ -27,16 +26,16 @@ class MeasuredSea(Sea, kind="record"):
     """
 
     file: str = param(default="", bound=True, doc="record: CSV file with time [s] and elevation [m]")
-    start: float = param(default=None, unit="s", bound=True, doc="record: its time at t = 0; else its first")
+    start: Number = param(default=None, unit="s", bound=True, doc="record: its time at t = 0; else its first")
     gauge: Vector = param(default=(0, 0, 0), unit="m", bound=True, doc="record: where it was measured; z is not used")
-    lowest_frequency: float = param(
+    lowest_frequency: Number = param(
         default=2 * np.pi * 0.02, unit="rad/s", min=0, bound=True, doc="record: slower waves are left out"
     )
-    highest_frequency: float = param(
+    highest_frequency: Number = param(
         default=2 * np.pi * 0.5, unit="rad/s", min=0, bound=True, doc="record: faster waves are left out"
     )
-    taper: float = param(default=10.0, unit="s", min=0, bound=True, doc="record: length of the ramp at each end")
-    padding: float = param(default=60.0, unit="s", min=0, bound=True, doc="record: still water behind it")
+    taper: Number = param(default=10.0, unit="s", min=0, bound=True, doc="record: length of the ramp at each end")
+    padding: Number = param(default=60.0, unit="s", min=0, bound=True, doc="record: still water behind it")
 
     def components(self) -> WaveComponents:
         record, world = self.record(), self.world
@@ -49,12 +48,7 @@ class MeasuredSea(Sea, kind="record"):
 
     def record(self) -> WaveRecord:
         """What was measured."""
-        file = self.given("file")
-        try:
-            changed = Path(file).stat().st_mtime_ns
-        except OSError:
-            changed = 0
-        return _record(file, changed)
+        return read_record(self.given("file"))
 
     def longest_run(self) -> float:
         record, start = self.record(), self.parameter_value("start")
@@ -84,5 +78,4 @@ class MeasuredSea(Sea, kind="record"):
         return self.lowest_frequency, self.highest_frequency
 
 
-_record = lru_cache(maxsize=4)(lambda file, changed: read_record(file))
 _components = lru_cache(maxsize=8)(record_waves)

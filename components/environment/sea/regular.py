@@ -8,16 +8,16 @@ import numpy as np
 
 from fowtlib.components.environment.sea.base import Sea
 from fowtlib.components.environment.waves import WaveComponents, regular_waves
-from fowtlib.language import param
+from fowtlib.language import Number, param
 
 
 class RegularWaves(Sea, kind="regular"):
     """One harmonic, with a crest at the origin at t = 0."""
 
-    wave_height: float = param(
+    wave_height: Number = param(
         default=None, unit="m", min=0, bound=True, doc="regular waves: height from trough to crest"
     )
-    wave_period: float = param(default=None, unit="s", min=0, bound=True, doc="regular waves: period")
+    wave_period: Number = param(default=None, unit="s", min=0, bound=True, doc="regular waves: period")
 
     def components(self) -> WaveComponents:
         height, period, world = self.given("wave_height"), self.given("wave_period"), self.world
