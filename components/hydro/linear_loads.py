@@ -157,12 +157,13 @@ class LinearDamping(PlatformLoad):
 
     translation: Vector = param(default=(0, 0, 0), unit="N*s/m", doc="damping of surge, sway, heave")
     rotation: Vector = param(default=(0, 0, 0), unit="N*m*s/rad", doc="damping of roll, pitch, yaw")
-    matrix: Array = param(default=np.zeros((6, 6)), shape=(6, 6), doc="damping matrix, SI")
+    matrix: Array = param(default=None, shape=(6, 6), doc="damping matrix, SI; without a value: none")
 
     def equations(self):
         velocity = self.in_own_axes(self.velocity())
         diagonal = m.vertcat(self.translation * velocity[:3], self.rotation * velocity[3:])
-        return self.push_in_own_axes(-diagonal - m.mtimes(self.matrix, velocity))
+        coupled = m.mtimes(self.matrix, velocity) if self.matrix is not None else 0
+        return self.push_in_own_axes(-diagonal - coupled)
 
 
 class Radiation(PlatformLoad):
