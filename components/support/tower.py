@@ -5,8 +5,8 @@ from __future__ import annotations
 from functools import lru_cache
 
 from fowtlib.components.mechanics import Beam, BeamProperties, FixedTranslation, Frame, RigidBody, TwoFrames
-from fowtlib.components.mechanics.beam_properties import given_beam
-from fowtlib.language import Array, Number, RealOutput, Scalar, eq, param, port, shapes
+from fowtlib.components.mechanics.beam_properties import given_beam, read_beam
+from fowtlib.language import Array, Data, Number, RealOutput, Scalar, data, eq, param, port, shapes
 from fowtlib.language import math as m
 from fowtlib.language.errors import ParameterError
 
@@ -71,7 +71,7 @@ class FlexibleTower(Tower):
 
     mode_names = {"*_x": "{part} fore-aft", "*_y": "{part} side-side", "*.twisting.*": "{part} torsion"}
 
-    properties: str = param(default="", doc="path of a CSV with the properties, see read_beam")
+    properties: Data[BeamProperties] = data(read_beam, default=None, doc="CSV with the properties, see read_beam")
     table: object = param(default=None, doc="the properties as BeamProperties, instead of a path")
     heights: Array = param(default=(), unit="m", structural=True, doc="heights of the stations, base first")
     diameters: Array = param(default=(), unit="m", structural=True, doc="outer diameters at the heights")

@@ -3,7 +3,20 @@
 from fowtlib.language import math, shapes
 from fowtlib.language.component import Assembly, Component
 from fowtlib.language.connectors import Connector, RealInput, RealOutput, flow, orientation, potential
-from fowtlib.language.declarations import Array, Matrix, Number, Scalar, Vector, outer, param, part, port, var
+from fowtlib.language.declarations import (
+    Array,
+    Data,
+    Matrix,
+    Number,
+    Scalar,
+    Vector,
+    data,
+    outer,
+    param,
+    part,
+    port,
+    var,
+)
 from fowtlib.language.equations import (
     assert_,
     assign,
@@ -32,6 +45,7 @@ __all__ = [
     "Assembly",
     "Component",
     "Connector",
+    "Data",
     "ExternalFunction",
     "Matrix",
     "ModelError",
@@ -45,6 +59,7 @@ __all__ = [
     "assign",
     "at_start",
     "call",
+    "data",
     "der",
     "eq",
     "external",
