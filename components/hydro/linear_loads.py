@@ -41,6 +41,7 @@ from pathlib import Path
 
 import numpy as np
 from numpy.typing import NDArray
+from scipy.interpolate import Akima1DInterpolator
 
 from fowtlib.components.environment.sea import Sea
 from fowtlib.components.environment.waves import wave_number
@@ -48,7 +49,21 @@ from fowtlib.components.environment.world import World
 from fowtlib.components.hydro.database import HydrodynamicDatabase
 from fowtlib.components.hydro.radiation_identification import RadiationModel, kept_radiation
 from fowtlib.components.mechanics.connectors import Frame
-from fowtlib.language import Array, Component, Number, Scalar, Vector, der, eq, outer, param, port, var
+from fowtlib.language import (
+    Array,
+    Component,
+    Number,
+    Scalar,
+    StateSpace,
+    Vector,
+    der,
+    eq,
+    linear_operator,
+    outer,
+    param,
+    port,
+    var,
+)
 from fowtlib.language import math as m
 
 
@@ -169,7 +184,8 @@ class Radiation(PlatformLoad):
     """Memory of the waves that the body has made: x' = A x + B q', load = -rho/rho_0 C x, at rest at the start.
 
     The model is identified from the damping of the database while the model is flattened (0.1 s), see
-    radiation_identification; str(radiation.model()) reports the fit.
+    radiation_identification; str(radiation.model()) reports the fit. At frequencies (response amplitude operators) the
+    load is that of the database itself, A(omega) and B(omega).
     """
 
     memory = "radiated waves"
@@ -190,14 +206,35 @@ class Radiation(PlatformLoad):
 
     def equations(self):
         model = self.model()
-        scale = self.world.water_density / read_database(self.database).rho
-        load = m.vertcat(self.force, self.moment)
-        statements = [eq(load, -scale * m.mtimes(model.C, self.x)), self.push_in_own_axes(load)]
-        if model.states:
-            statements.append(
-                eq(der(self.x), m.mtimes(model.A, self.x) + m.mtimes(model.B, self.in_own_axes(self.velocity())))
-            )
-        return statements
+        data = read_database(self.database)
+        load, realized = m.vertcat(self.force, self.moment), StateSpace(model.A, model.B, model.C)
+        return [
+            linear_operator(
+                load, self.in_own_axes(self.velocity()), RadiationTransfer(data, realized), realized, self.x,
+                scale=-self.world.water_density / data.rho,
+            ),
+            self.push_in_own_axes(load),
+        ]  # fmt: skip
+
+
+class RadiationTransfer:
+    """H = B(omega) + i omega (A(omega) - A_inf) of a database, complex (n, 6, 6): load -H q' for exp(+i omega t).
+
+    Between the frequencies of the data by Akima's interpolation; outside of them, where the data say nothing, that of
+    the realization. Source: T.F. Ogilvie, 5th Symposium on Naval Hydrodynamics (1964).
+    """
+
+    def __init__(self, data: HydrodynamicDatabase, realization: StateSpace):
+        self.range, self.realization = (data.omega[0], data.omega[-1]), realization
+        damping = Akima1DInterpolator(data.omega, data.B, method="akima")
+        added = Akima1DInterpolator(data.omega, data.A - data.A_inf, method="akima")
+        self.known = lambda omega: damping(omega) + 1j * omega[:, None, None] * added(omega)
+
+    def __call__(self, omega: np.ndarray) -> np.ndarray:
+        transfer = np.array(self.realization.transfer(omega))
+        inside = (omega >= self.range[0]) & (omega <= self.range[1])
+        transfer[inside] = self.known(omega[inside])
+        return transfer
 
 
 class WaveExcitation(PlatformLoad):

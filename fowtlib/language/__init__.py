@@ -36,6 +36,7 @@ from fowtlib.language.equations import (
 )
 from fowtlib.language.errors import ModelError
 from fowtlib.language.externals import ExternalFunction
+from fowtlib.language.operators import StateSpace, linear_operator
 from fowtlib.language.run_time import at_start, run_time_series
 from fowtlib.language.series import Series
 from fowtlib.language.tables import table1d, table2d, time_series
@@ -53,6 +54,7 @@ __all__ = [
     "RealInput",
     "RealOutput",
     "Scalar",
+    "StateSpace",
     "Series",
     "Vector",
     "assert_",
@@ -67,6 +69,7 @@ __all__ = [
     "flow",
     "initial",
     "input_rate",
+    "linear_operator",
     "math",
     "open_input",
     "orientation",
