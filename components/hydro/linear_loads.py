@@ -52,10 +52,12 @@ from fowtlib.components.mechanics.connectors import Frame
 from fowtlib.language import (
     Array,
     Component,
+    Data,
     Number,
     Scalar,
     StateSpace,
     Vector,
+    data,
     der,
     eq,
     linear_operator,
@@ -65,6 +67,13 @@ from fowtlib.language import (
     var,
 )
 from fowtlib.language import math as m
+from fowtlib.language.data_files import remembered
+
+
+@remembered()
+def read_database(path: str | Path) -> HydrodynamicDatabase:
+    """HydrodynamicDatabase.read; the same object while the content of the file is the same."""
+    return HydrodynamicDatabase.read(path)
 
 
 class PlatformLoad(Component):
@@ -190,7 +199,7 @@ class Radiation(PlatformLoad):
 
     memory = "radiated waves"
 
-    database: str = param(doc="file of a HydrodynamicDatabase")
+    database: Data[HydrodynamicDatabase] = data(read_database, doc="file of a HydrodynamicDatabase, or one itself")
     order: int = param(default=4, min=2, doc="states per motion (surge, sway, ...); coupled motions share theirs")
     passive: bool = param(default=True, doc="never feeds energy to the body; false: a little closer to the damping")
 
@@ -202,16 +211,16 @@ class Radiation(PlatformLoad):
 
     def model(self) -> RadiationModel:
         """The identified state-space model, with its report."""
-        return _radiation(self.database, Path(self.database).stat().st_mtime, self.order, self.passive)
+        return _radiation(self.database, self.order, self.passive)
 
     def equations(self):
         model = self.model()
-        data = read_database(self.database)
+        known = self.database
         load, realized = m.vertcat(self.force, self.moment), StateSpace(model.A, model.B, model.C)
         return [
             linear_operator(
-                load, self.in_own_axes(self.velocity()), RadiationTransfer(data, realized), realized, self.x,
-                scale=-self.world.water_density / data.rho,
+                load, self.in_own_axes(self.velocity()), RadiationTransfer(known, realized), realized, self.x,
+                scale=-self.world.water_density / known.rho,
             ),
             self.push_in_own_axes(load),
         ]  # fmt: skip
@@ -248,7 +257,7 @@ class WaveExcitation(PlatformLoad):
 
     wave_inputs = ("extra_force", "extra_moment")
 
-    database: str = param(doc="file of a HydrodynamicDatabase")
+    database: Data[HydrodynamicDatabase] = data(read_database, doc="file of a HydrodynamicDatabase, or one itself")
     position: Vector = param(default=(0, 0, 0), unit="m", structural=True, doc="place of the frame at rest, world")
     extra_force: Vector = param(default=(0, 0, 0), unit="N", doc="force added to that of the waves, world")
     extra_moment: Vector = param(default=(0, 0, 0), unit="N*m", doc="moment added to that of the waves, leaning too")
@@ -260,7 +269,7 @@ class WaveExcitation(PlatformLoad):
     moment: Vector = var(unit="N*m", doc="wave moment on the platform, world axes leant as the hull")
 
     def equations(self):
-        database, waves = read_database(self.database), self.sea.components()
+        database, waves = self.database, self.sea.components()
         transfer = np.zeros((len(waves), 6), dtype=complex)
         if len(waves):
             transfer = database.excitation_at(waves.omega, waves.heading) * waves.elevation_transfer(self.position)
@@ -274,7 +283,7 @@ class WaveExcitation(PlatformLoad):
 
     def wave_transfer(self, omega, heading):
         """Complex load (n, 6) per unit wave amplitude, at circular frequencies [rad/s] and a heading [rad]."""
-        database = read_database(self.database)
+        database = self.database
         k = wave_number(omega, self.world.water_depth, self.world.gravity)
         x, y, _ = np.asarray(self.position, dtype=float)
         phase = np.exp(-1j * k * (x * np.cos(heading) + y * np.sin(heading)))
@@ -282,21 +291,6 @@ class WaveExcitation(PlatformLoad):
         return scale * database.excitation_at(np.asarray(omega), heading) * phase[:, None]
 
 
-def read_database(path: str | Path) -> HydrodynamicDatabase:
-    """HydrodynamicDatabase.read, remembered while the file is the same."""
-    try:
-        changed = Path(path).stat().st_mtime
-    except OSError:
-        return HydrodynamicDatabase.read(path)
-    return _database(str(path), changed)
-
-
 @lru_cache(maxsize=8)
-def _database(path: str, changed: float) -> HydrodynamicDatabase:
-    return HydrodynamicDatabase.read(path)
-
-
-@lru_cache(maxsize=8)
-def _radiation(path: str, changed: float, order: int, passive: bool) -> RadiationModel:
-    data = _database(path, changed)
+def _radiation(data: HydrodynamicDatabase, order: int, passive: bool) -> RadiationModel:
     return kept_radiation(data.omega, data.B, data.A, data.A_inf, order=order, passive=passive)
