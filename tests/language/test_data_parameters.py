@@ -101,9 +101,9 @@ def test_results_of_a_shipped_model_name_its_tables():
     files = files_of(plant.root)
     assert {path.rpartition(".")[2] for path in files} >= {"coefficients", "database"}
     data_of = plant.simulate(0.1).attributes["data"]
-    table = data_path("nrel5mw/rotor_coefficients.csv")
+    table = data_path("nrel5mw/rotor_coefficients_whole.csv")
     digest = hashlib.sha256(table.read_bytes()).hexdigest()
-    assert data_of["turbine.rotor.coefficients"] == f"rotor_coefficients.csv sha256:{digest}"
+    assert data_of["turbine.rotor.coefficients"] == f"rotor_coefficients_whole.csv sha256:{digest}"
 
 
 def test_fmus_bring_the_files(csv, tmp_path):
@@ -122,15 +122,15 @@ def test_fmus_bring_the_files(csv, tmp_path):
 
 
 def test_a_rotor_from_a_table_and_from_its_file():
-    path = str(data_path("nrel5mw/rotor_coefficients.csv"))
-    table = read_coefficients(path, True)
+    path = str(data_path("nrel5mw/rotor_coefficients_whole.csv"))
+    table = read_coefficients(path)
     states = []
     for given in (path, table):
         model = fw.load("oc3_spar_rigid", set={"wind.kind": "steady", "wind.mean_speed": 12.0})
         model.root.turbine.rotor.coefficients = given
         states.append(model.compile().initial_state()["turbine.thrust"])
     assert states[0] == states[1]
-    assert "data:nrel5mw/rotor_coefficients.csv" in dump(fw.load("oc3_spar_rigid"))
+    assert "data:nrel5mw/rotor_coefficients_whole.csv" in dump(fw.load("oc3_spar_rigid"))
 
 
 def test_a_blade_from_an_object():
