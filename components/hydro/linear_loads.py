@@ -44,7 +44,7 @@ from numpy.typing import NDArray
 from scipy.interpolate import Akima1DInterpolator
 
 from fowtlib.components.environment.sea import Sea
-from fowtlib.components.environment.waves import wave_number
+from fowtlib.components.environment.waves import WaveComponents, wave_number
 from fowtlib.components.environment.world import World
 from fowtlib.components.hydro.database import HydrodynamicDatabase
 from fowtlib.components.hydro.radiation_identification import RadiationModel, kept_radiation
@@ -258,7 +258,7 @@ class WaveExcitation(PlatformLoad):
     wave_inputs = ("extra_force", "extra_moment")
 
     database: Data[HydrodynamicDatabase] = data(read_database, doc="file of a HydrodynamicDatabase, or one itself")
-    position: Vector = param(default=(0, 0, 0), unit="m", structural=True, doc="place of the frame at rest, world")
+    position: Vector = param(default=(0, 0, 0), unit="m", bound=True, doc="place of the frame at rest, world")
     extra_force: Vector = param(default=(0, 0, 0), unit="N", doc="force added to that of the waves, world")
     extra_moment: Vector = param(default=(0, 0, 0), unit="N*m", doc="moment added to that of the waves, leaning too")
 
@@ -269,12 +269,8 @@ class WaveExcitation(PlatformLoad):
     moment: Vector = var(unit="N*m", doc="wave moment on the platform, world axes leant as the hull")
 
     def equations(self):
-        database, waves = self.database, self.sea.components()
-        transfer = np.zeros((len(waves), 6), dtype=complex)
-        if len(waves):
-            transfer = database.excitation_at(waves.omega, waves.heading) * waves.elevation_transfer(self.position)
-        scale = self.world.water_density / database.rho
-        load = scale * self.sea.loads(transfer)
+        scale = self.world.water_density / self.database.rho
+        load = scale * self.sea.loads(_excitation, of=self)
         return [
             eq(self.force, load[:3] + self.extra_force),
             eq(self.moment, load[3:] + self.extra_moment),
@@ -285,10 +281,16 @@ class WaveExcitation(PlatformLoad):
         """Complex load (n, 6) per unit wave amplitude, at circular frequencies [rad/s] and a heading [rad]."""
         database = self.database
         k = wave_number(omega, self.world.water_depth, self.world.gravity)
-        x, y, _ = np.asarray(self.position, dtype=float)
+        x, y, _ = np.asarray(self.parameter_value("position"), dtype=float)
         phase = np.exp(-1j * k * (x * np.cos(heading) + y * np.sin(heading)))
         scale = self.world.parameter_value("water_density") / database.rho
         return scale * database.excitation_at(np.asarray(omega), heading) * phase[:, None]
+
+
+def _excitation(waves: WaveComponents, part: WaveExcitation) -> NDArray[np.complex128]:
+    """Load (n, 6) per unit amplitude of the waves of a run."""
+    load = part.database.excitation_at(waves.omega, waves.heading)
+    return load * waves.elevation_transfer(part.parameter_value("position"))
 
 
 @lru_cache(maxsize=8)

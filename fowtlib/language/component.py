@@ -111,9 +111,6 @@ class Component(Composite):
 
     # --- what authors override -----------------------------------------------------------------------------------
 
-    def build(self) -> None:
-        """Add parts and connections (composites only)."""
-
     def equations(self) -> list[Any]:
         """The statements of this component; called once, while the model is flattened."""
         return []
@@ -194,7 +191,11 @@ class Component(Composite):
         if field.annotation in SHAPES:
             if value is None:
                 return None
-            value = np.asarray(expressions.evaluate(value, combine=_stack), dtype=float)
+            try:
+                value = np.asarray(expressions.evaluate(value, combine=_stack), dtype=float)
+            except ZeroDivisionError:
+                doc = self.parameters[name].doc
+                raise ParameterError(f"{join(self.path, name)} is not a finite number: {value!r} ({doc}).") from None
             return value.item() if SHAPES[self.parameters[name].annotation] == () and value.size == 1 else value
         if expressions.is_expression(value):
             return _plain(self.parameters[name], expressions.evaluate(value), join(self.path, name))
