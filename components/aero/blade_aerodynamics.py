@@ -115,6 +115,16 @@ class BladeAerodynamics:
             object.__setattr__(self, name, array)
         self._check(radius, n)
 
+    def fitting(self, label: str, airfoils: Any, **radii: float | None) -> BladeAerodynamics:
+        """The blade itself, for a part that says something about it too; ParameterError where that is another thing."""
+        if airfoils is not None and airfoils is not self.airfoils:
+            raise ParameterError(f"{label}.airfoils: the blade that is given has airfoils of its own.")
+        for name, given in radii.items():
+            own = getattr(self, name)
+            if given is not None and abs(own - given) > 1e-9 * abs(given):
+                raise ParameterError(f"{label}.{name} is {given:g} m, and that of the blade {own:g} m.")
+        return self
+
     def _half_way(self, radius: np.ndarray) -> np.ndarray:
         return np.diff(np.concatenate([[self.hub_radius], (radius[1:] + radius[:-1]) / 2, [self.tip_radius]]))
 

@@ -33,8 +33,8 @@ from fowtlib.language import (
     var,
 )
 from fowtlib.language import math as m
-from fowtlib.language.errors import ParameterError
 
+OF_BLADE = ("airfoils", "hub_radius", "tip_radius", "smooth_airfoils")  # what read_blade takes
 OPTIONS = ("skew", "axial_drag", "tangential_drag", "tip_loss", "hub_loss")
 
 
@@ -49,13 +49,8 @@ class BladeElementAerodynamics(Component):
     field that does not cover the disk of tip_radius about the rotor's station is refused, see Wind.require.
     """
 
-    blade: Data[BladeAerodynamics] = data(
-        read_blade, using=("airfoils", "hub_radius", "tip_radius", "smooth_airfoils"),
-        doc="CSV with the elements of the blade, see read_blade; or a blade with its airfoils, as it is",
-    )  # fmt: skip
-    airfoils: Data[Mapping] = data(
-        read_airfoils, default=None, using=("smooth_airfoils",), doc="CSV with the airfoils, see read_airfoils"
-    )
+    blade: Data[BladeAerodynamics] = data(read_blade, using=OF_BLADE, doc="CSV of its elements, see read_blade")
+    airfoils: Data[Mapping] = data(read_airfoils, default=None, using=OF_BLADE[-1:], doc="CSV, see read_airfoils")
     smooth_airfoils: bool = param(default=True, doc="monotone cubics between the angles of the airfoils, else lines")
     hub_radius: Number = param(default=None, unit="m", min=0, doc="distance of the blade roots from the shaft")
     tip_radius: Number = param(unit="m", min=0, doc="distance of the tips from the shaft, along the unconed blade")
@@ -85,13 +80,7 @@ class BladeElementAerodynamics(Component):
     @property
     def rotor(self) -> BladeElementRotor:
         """The rotor as quasi-steady theory has it, for steady operation."""
-        blade = self.blade
-        if not isinstance(self.parameter_binding("blade"), str) and self.is_set("airfoils"):
-            raise ParameterError(f"{self.label}.airfoils: the blade that is given has airfoils of its own.")
-        for name in ("hub_radius", "tip_radius"):
-            if (given := getattr(self, name)) is not None and abs(getattr(blade, name) - given) > 1e-9 * given:
-                of_blade = f"that of the blade {getattr(blade, name):g} m"
-                raise ParameterError(f"{self.label}.{name} is {given:g} m, and {of_blade}.")
+        blade = self.blade.fitting(self.label, self.airfoils, hub_radius=self.hub_radius, tip_radius=self.tip_radius)
         return _rotor(blade, self.blades, self.rotation, tuple((name, getattr(self, name)) for name in OPTIONS))
 
     def build(self):
