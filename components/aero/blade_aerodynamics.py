@@ -5,7 +5,7 @@ from __future__ import annotations
 import csv
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
-from functools import lru_cache
+from functools import cached_property, lru_cache
 from typing import Any
 
 import numpy as np
@@ -64,7 +64,7 @@ class Airfoil:
     def _wrong(self, row: int, message: str) -> ParameterError:
         return ParameterError(f"airfoil {self.name}: {message}", where=_place(self.where, self.lines, row))
 
-    @property
+    @cached_property
     def cubics(self) -> np.ndarray:
         """Coefficients by power of (angle - knot): (n - 1, 3, 4)."""
         from scipy.interpolate import PchipInterpolator
