@@ -67,6 +67,7 @@ class ExternalFunction:
             self.function = _from_library(name, Path(library))
         else:
             self.function = _Python(name, sizes, python, jacobian, sparsity)
+            self.function.stands_in = source is not None
         _explanations[name, self.library] = explain or str  # str() is empty
         given = (self.function.numel_in(0), self.function.numel_out(0))
         if given != sizes:
@@ -99,6 +100,11 @@ class ExternalFunction:
         result = external(self.function, ca.vertcat(*columns))
         ends = np.cumsum([0, *self.outputs.values()]).tolist()
         return dict(zip(self.outputs, ca.vertsplit(ca.vec(result), ends), strict=True))
+
+
+def runs_as_python(function: ca.Function) -> bool:
+    """Whether Python code stands in for the C code of an external function, for want of a compiler."""
+    return getattr(function, "stands_in", False)
 
 
 class LibraryFunction(ca.Function):
