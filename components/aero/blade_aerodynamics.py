@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
+from functools import cached_property
 from typing import Any
 
 import numpy as np
@@ -63,7 +64,7 @@ class Airfoil:
     def _wrong(self, row: int, message: str) -> ParameterError:
         return ParameterError(f"airfoil {self.name}: {message}", where=_place(self.where, self.lines, row))
 
-    @property
+    @cached_property
     def cubics(self) -> np.ndarray:
         """Coefficients by power of (angle - knot): (n - 1, 3, 4)."""
         from scipy.interpolate import PchipInterpolator
