@@ -77,11 +77,11 @@ class BladeElementAerodynamics(Component):
             self.inflow = DynamicInflow(radius=b.radius.tolist(), length=b.length.tolist(), tip_radius=b.tip_radius)
 
     def equations(self):
-        hub, nodes = self.hub, list(self.nodes)
+        hub, nodes, tower = self.hub, list(self.nodes), self.tower if self.tower and self.tower.active else None
         places = m.horzcat(*[node.r for node in nodes])
         require_disk(self.wind, self.tip_radius, self.station, f"the rotor of {self.label}")
         wind = self.wind.velocity(places, self.station, reach="plane")
-        outputs = _air(self, wind if self.tower is None else self.tower.around(wind, places))
+        outputs = _air(self, wind if tower is None else tower.around(wind, places))
         loads = [outputs["loads"][i : i + 3] for i in range(0, 6 * len(nodes), 3)]
         given = list(zip(loads[::2], loads[1::2], strict=True))
         about_hub = [m.cross(node.r - hub.r, f) + t for node, (f, t) in zip(nodes, given, strict=True)]
@@ -96,7 +96,7 @@ class BladeElementAerodynamics(Component):
             eq(self.torque, self.rotation * m.dot(shaft, self.moment)),
             eq(self.aero_power, m.dot(self.moment, hub.w)),
             _wake(self, outputs["quasi_steady"]) if self.dynamic_inflow else [],
-            assert_(self.tower.clearance(places) > 0, "a blade strikes the tower") if self.tower is not None else [],
+            assert_(tower.clearance(places) > 0, "a blade strikes the tower") if tower is not None else [],
         ]
 
 

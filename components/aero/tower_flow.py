@@ -28,6 +28,7 @@ class TowerPotentialFlow(Component):
     """
 
     diameters: list = param(doc="diameters of the tower [m] at the frames, two or more")
+    active: bool = param(default=True, doc="false: the wind passes as if there were no tower")
 
     nodes: Frame = port(size=lambda self: len(self.diameters), doc="frames on the axis of the tower, base first")
 
@@ -37,6 +38,8 @@ class TowerPotentialFlow(Component):
 
     def around(self, wind: ca.SX, position: ca.SX) -> ca.SX:
         """The disturbed wind (3, n, world) for the undisturbed one at positions (3, n); while flattening."""
+        if not self.active:
+            return ca.SX(wind)
         points = [node.r for node in self.nodes]
         columns = zip(ca.horzsplit(ca.SX(wind)), ca.horzsplit(ca.SX(position)), strict=True)
         return m.horzcat(*[deflected_wind(w, r, points, self.diameters) for w, r in columns])
@@ -64,6 +67,7 @@ class TowerDrag(Component):
     diameters: list = param(doc="diameters of the tower [m] at the frames")
     lengths: list = param(doc="length of tower [m] that each frame stands for")
     drag_coefficient: Scalar = param(default=1.0, min=0, doc="drag coefficient C_d by the diameter")
+    active: bool = param(default=True, doc="false: no drag")
     station: int = param(default=0, min=0, doc="number of the wind's station that the tower stands in")
 
     world: World = outer(World)
@@ -78,12 +82,15 @@ class TowerDrag(Component):
         if len(self.lengths) != len(self.diameters):
             counts = f"{len(self.diameters)} diameters and {len(self.lengths)} lengths"
             raise ParameterError(f"{self.label}: {counts}; give one for each frame.")
-        wind = self.wind.velocity(m.horzcat(*[node.r for node in self.nodes]), self.station, reach="ground")
-        forces = [self._drag(wind[:, k] - der(node.r), node.R[:, 2], k) for k, node in enumerate(self.nodes)]
+        forces = self._forces() if self.active else [m.zeros(3) for _ in self.nodes]
         return [
             [[eq(node.f, -f), eq(node.t, m.zeros(3))] for node, f in zip(self.nodes, forces, strict=True)],
             eq(self.force, sum(forces)),
         ]
+
+    def _forces(self) -> list[ca.SX]:
+        wind = self.wind.velocity(m.horzcat(*[node.r for node in self.nodes]), self.station, reach="ground")
+        return [self._drag(wind[:, k] - der(node.r), node.R[:, 2], k) for k, node in enumerate(self.nodes)]
 
     def _drag(self, relative: ca.SX, axis: ca.SX, k: int) -> ca.SX:
         across = relative - axis * m.dot(axis, relative)
