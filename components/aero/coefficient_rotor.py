@@ -10,6 +10,7 @@ from fowtlib.components.environment.wind import Wind
 from fowtlib.components.environment.world import World
 from fowtlib.language import RealOutput, Scalar, assert_, der, eq, outer, param, port, table2d, var
 from fowtlib.language import math as m
+from fowtlib.language.shapes import Drawing
 
 
 class CoefficientRotor(Rotor):
@@ -56,7 +57,7 @@ class CoefficientRotor(Rotor):
             self.connect(self.normal_wind, self.low_pass.u)
             self.connect(self.low_pass.y, self.mean_wind)
 
-    def drawing(self):
+    def drawing(self) -> Drawing:
         angles = (self.parameter_value(name) for name in ("tilt", "precone"))
         return outlines.typical_rotor(self, self.parameter_value("radius"), *angles)
 

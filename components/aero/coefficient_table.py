@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import csv
 from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import lru_cache
@@ -11,6 +10,7 @@ from typing import Any
 
 import numpy as np
 
+from fowtlib.language.data_files import cells_of, lines_of, remembered
 from fowtlib.language.errors import ModelError
 
 COLUMNS = ("tip_speed_ratio", "blade_pitch_deg", "thrust_coefficient", "torque_coefficient")
@@ -83,21 +83,17 @@ def _splines(table: CoefficientTable) -> tuple[Any, Any]:
     return tuple(RectBivariateSpline(table.tip_speed_ratio, table.blade_pitch, c) for c in (table.thrust, table.torque))
 
 
-@lru_cache(maxsize=8)
+@remembered()
 def read_coefficients(path: str, extended: bool = False) -> CoefficientTable:
     """Read a CSV with the columns tip_speed_ratio, blade_pitch_deg, thrust_coefficient, torque_coefficient.
 
     Lines that start with # are comments, other columns (power_coefficient) are not read, rows may come in any order,
     and every pair of a tip speed ratio and a pitch angle must be there once. Raises ModelError with path and line.
     """
-    try:
-        with open(path, newline="", encoding="utf-8") as file:
-            lines = [(number, line) for number, line in enumerate(file, 1) if line.strip() and line[0] != "#"]
-    except OSError as error:
-        raise ModelError(f"cannot read the rotor coefficients {path}: {error.strerror}.") from None
+    lines = lines_of(path, "the rotor coefficients", ModelError)
     if not lines:
         raise ModelError(f"{path}: no rotor coefficients; the columns {', '.join(COLUMNS)} are needed.")
-    header = [name.strip() for name in next(csv.reader([lines[0][1]]))]
+    header = cells_of(lines[0][1])
     missing = [name for name in COLUMNS if name not in header]
     if missing:
         raise ModelError(f"{path}:{lines[0][0]}: column {missing[0]} is missing; there are {', '.join(header)}.")
@@ -131,7 +127,7 @@ def write_coefficients(path: str | Path, table: CoefficientTable, precone: float
 
 
 def _numbers(path: str, number: int, line: str, header: list[str]) -> list[float]:
-    cells = dict(zip(header, next(csv.reader([line])), strict=False))
+    cells = dict(zip(header, cells_of(line), strict=False))
     try:
         return [float(cells[name]) for name in COLUMNS]
     except (KeyError, ValueError):

@@ -36,13 +36,13 @@ class TowerPotentialFlow(Component):
         _check(self, self.diameters, "diameters", least=2)
         return [[eq(node.f, m.zeros(3)), eq(node.t, m.zeros(3))] for node in self.nodes]
 
-    def around(self, wind: ca.SX, position: ca.SX) -> ca.SX:
-        """The disturbed wind (3, n, world) for the undisturbed one at positions (3, n); while flattening."""
+    def change(self, wind: ca.SX, position: ca.SX) -> ca.SX:
+        """What the tower adds to the undisturbed wind (3, n, world) at positions (3, n); while flattening."""
         if not self.active:
-            return ca.SX(wind)
+            return ca.SX.zeros(*ca.SX(wind).shape)
         points = [node.r for node in self.nodes]
         columns = zip(ca.horzsplit(ca.SX(wind)), ca.horzsplit(ca.SX(position)), strict=True)
-        return m.horzcat(*[deflected_wind(w, r, points, self.diameters) for w, r in columns])
+        return m.horzcat(*[_deflection(w, r, points, self.diameters) for w, r in columns])
 
     def clearance(self, position: ca.SX) -> ca.SX:
         """Least distance [m] of positions (3, n) from the surface, of those between the base and the top."""
@@ -101,6 +101,10 @@ class TowerDrag(Component):
 
 def deflected_wind(wind: Any, position: Any, points: list[Any], diameters: list[float]) -> ca.SX:
     """Wind (3) beside a tower with the diameters at the points of its axis, base first; see TowerPotentialFlow."""
+    return wind + _deflection(wind, position, points, diameters)
+
+
+def _deflection(wind: Any, position: Any, points: list[Any], diameters: list[float]) -> ca.SX:
     away, diameter, beyond = _beside(position, points, diameters)
     axis = _axis(points)
     across = wind - axis * m.dot(axis, wind)
@@ -108,7 +112,7 @@ def deflected_wind(wind: Any, position: Any, points: list[Any], diameters: list[
     distance2 = m.fmax(m.sumsqr(away), radius2)
     height = m.fmin(beyond / diameter, 1)
     fade = m.if_else(height > 0, 1 - height**2 * (3 - 2 * height), 1)
-    return wind + fade * radius2 / distance2 * (across - 2 * away * m.dot(away, across) / distance2)
+    return fade * radius2 / distance2 * (across - 2 * away * m.dot(away, across) / distance2)
 
 
 def _axis(points: list[Any]) -> ca.SX:

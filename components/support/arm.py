@@ -6,7 +6,7 @@ import numpy as np
 
 from fowtlib.components.mechanics import Beam, BeamTurn, FixedTranslation, Frame
 from fowtlib.components.support.tower import tube_or_table
-from fowtlib.language import Array, Component, RealOutput, Scalar, Vector, eq, param, port
+from fowtlib.language import Array, Component, Number, RealOutput, Scalar, Vector, eq, param, port
 from fowtlib.language import math as m
 from fowtlib.language.errors import ParameterError
 
@@ -61,15 +61,15 @@ class Arm(ArmLoads):
     mode_names = {"*_x": "arm horizontal", "*_y": "arm vertical", "*.twisting.*": "arm torsion"}
 
     to: Vector = param(unit="m", structural=True, doc="the tip, from frame_a, resolved in frame_a")
-    root_radius: float = param(default=0.0, unit="m", min=0, doc="where the tube begins, from frame_a along the arm")
+    root_radius: Number = param(default=0.0, unit="m", min=0, doc="where the tube begins, from frame_a along the arm")
     diameters: Array = param(
         default=(), unit="m", structural=True,
         doc="outer diameters at equal distances from root to tip, linear between"
     )  # fmt: skip
     wall_thicknesses: Array = param(default=(), unit="m", structural=True, doc="wall thicknesses at the same places")
-    density: float = param(default=8500.0, unit="kg/m^3", min=0, doc="density of the wall, with paint, bolts, flanges")
-    young_modulus: float = param(default=210e9, unit="Pa", min=0, doc="Young's modulus of the wall")
-    shear_modulus: float = param(default=80.8e9, unit="Pa", min=0, doc="shear modulus of the wall")
+    density: Number = param(default=8500.0, unit="kg/m^3", min=0, doc="density of the wall, with paint, bolts, flanges")
+    young_modulus: Number = param(default=210e9, unit="Pa", min=0, doc="Young's modulus of the wall")
+    shear_modulus: Number = param(default=80.8e9, unit="Pa", min=0, doc="shear modulus of the wall")
     properties: str = param(default="", doc="path of a CSV with the properties, see read_beam; x is horizontal")
     table: object = param(default=None, doc="the properties as BeamProperties, instead of a path")
     units: int = param(default=4, min=0, doc="number of beam units; 0: rigid")

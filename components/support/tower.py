@@ -6,7 +6,7 @@ from functools import lru_cache
 
 from fowtlib.components.mechanics import Beam, BeamProperties, FixedTranslation, Frame, RigidBody, TwoFrames
 from fowtlib.components.mechanics.beam_properties import given_beam
-from fowtlib.language import Array, RealOutput, Scalar, eq, param, port, shapes
+from fowtlib.language import Array, Number, RealOutput, Scalar, eq, param, port, shapes
 from fowtlib.language import math as m
 from fowtlib.language.errors import ParameterError
 
@@ -76,9 +76,9 @@ class FlexibleTower(Tower):
     heights: Array = param(default=(), unit="m", structural=True, doc="heights of the stations, base first")
     diameters: Array = param(default=(), unit="m", structural=True, doc="outer diameters at the heights")
     wall_thicknesses: Array = param(default=(), unit="m", structural=True, doc="wall thicknesses at the heights")
-    density: float = param(default=8500.0, unit="kg/m^3", min=0, doc="density of the wall, with paint, bolts, flanges")
-    young_modulus: float = param(default=210e9, unit="Pa", min=0, doc="Young's modulus of the wall")
-    shear_modulus: float = param(default=80.8e9, unit="Pa", min=0, doc="shear modulus of the wall")
+    density: Number = param(default=8500.0, unit="kg/m^3", min=0, doc="density of the wall, with paint, bolts, flanges")
+    young_modulus: Number = param(default=210e9, unit="Pa", min=0, doc="Young's modulus of the wall")
+    shear_modulus: Number = param(default=80.8e9, unit="Pa", min=0, doc="shear modulus of the wall")
     cuts: Array = param(default=(), unit="m", structural=True, doc="places of section loads: height above the base")
     n_cuts: int = param(default=lambda self: len(self.cuts), min=0, doc="number of those cuts")
     units: int = param(default=4, min=0, doc="number of beam units; 0: rigid")
@@ -145,7 +145,7 @@ class RigidTower(Tower):
     def equations(self):
         return self.loads(m.zeros(3))
 
-    def drawing(self):
+    def drawing(self) -> shapes.Drawing:
         """A tube with the mean diameter of a thin wall, from the inertia about its axis; a rod where that is zero."""
         height, mass, inertia = (self.parameter_value(name) for name in ("height", "mass", "axial_inertia"))
         diameter = 2 * (inertia / mass) ** 0.5 if inertia and mass else None

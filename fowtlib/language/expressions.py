@@ -165,4 +165,4 @@ def rebind(value: Any, component: Any) -> Any:
 def _number(leaf: Any) -> Any:
     if not isinstance(leaf, ParameterReference):
         raise TypeError(f"{leaf!r} has no value outside of an instance")
-    return leaf.component.parameter_value(leaf.name)
+    return leaf.component.current.parameter_value(leaf.name)

@@ -4,15 +4,18 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass, field
+from pathlib import Path
 from typing import TYPE_CHECKING
 
 import casadi as ca
 import numpy as np
 
 from fowtlib.flattening.system import element_names
+from fowtlib.language.errors import ModelError
 from fowtlib.solving.functions import AtParameters
 from fowtlib.solving.layout import Layout
 from fowtlib.solving.outputs import Outputs
+from fowtlib.solving.results.html import table
 from fowtlib.solving.state import State
 
 if TYPE_CHECKING:
@@ -112,6 +115,31 @@ class LinearModel:
                 )
             )
         return sorted(modes, key=lambda mode: mode.frequency_hz)
+
+    def save(self, path: str | Path) -> Path:
+        """Write A, B, C, D and the names of states, inputs and outputs as .mat (MATLAB 5) or .npz (NumPy)."""
+        from scipy.io import savemat
+
+        path = Path(path)
+        names = {"states": self.states, "inputs": self.inputs, "outputs": self.outputs}
+        names["output_units"] = [self.units.get(name, "1") for name in self.outputs]
+        content = {**self.matrices, **{key: np.array(value, dtype=object) for key, value in names.items()}}
+        plain = {**self.matrices, **{key: np.array(value, dtype=str) for key, value in names.items()}}
+        try:
+            if path.suffix == ".mat":
+                savemat(path, content)
+            elif path.suffix == ".npz":
+                np.savez(path, **plain)
+            else:
+                ending = path.suffix or "no ending"
+                raise ModelError(f"{path}: a linear model is saved as .mat or .npz, not as '{ending}'.")
+        except OSError as error:
+            raise ModelError(f"{path}: cannot be written: {error.strerror}.") from error
+        return path
+
+    def _repr_html_(self) -> str:
+        rows = [(mode.label, mode.frequency_hz, mode.damping_ratio) for mode in self.modes()]
+        return table(("state that takes part most", "frequency [Hz]", "damping ratio"), rows, repr(self)[1:-1])
 
     def __repr__(self) -> str:
         return f"<LinearModel: {len(self.states)} states, {len(self.inputs)} inputs, {len(self.outputs)} outputs>"
