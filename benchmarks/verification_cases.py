@@ -283,6 +283,32 @@ def finer(blade: BladeAerodynamics, times: int) -> BladeAerodynamics:
                    length=np.diff(borders), **on)  # fmt: skip
 
 
+def coarser(blade: BladeAerodynamics) -> BladeAerodynamics:
+    """The same blade with each two elements from the tip on as one, in its middle; the airfoil is that of the outer."""
+    borders = blade.hub_radius + np.concatenate([[0], np.cumsum(blade.length)])
+    borders[-1] = blade.tip_radius
+    kept = np.sort(np.concatenate([np.arange(len(blade.length), 0, -2), [0]]))
+    r = (borders[kept][1:] + borders[kept][:-1]) / 2
+    on = {name: np.interp(r, blade.radius, getattr(blade, name)) for name in ("chord", "twist", "curve", "sweep")}
+    foils = [blade.airfoil[k - 1] for k in kept[1:]]
+    return replace(blade, radius=r, airfoil=foils, length=np.diff(borders[kept]), **on)
+
+
+def line_loads(times: float, kind: str, wind: float = 9.0, speed: float = 1.0789) -> tuple[float, float, float]:
+    """Thrust [kN], torque [kN m] and flapwise moment at the root of one blade [kN m], of the rigid rotor without tilt.
+
+    times: elements for one of the published blade, 0.5 or a whole number; kind: see BladeElementRotor.line_loads.
+    """
+    blade = nrel5mw_blade()
+    made = coarser(blade) if times < 1 else finer(blade, int(times))
+    rigid = RigidRotor(BladeElementRotor(made, line_loads=kind), PRECONE)
+    inputs = rigid.inputs([wind, 0, 0], speed)
+    loads, stations = rigid.loads(inputs), len(made.radius)
+    thrust, torque = rigid.thrust_and_torque([wind, 0, 0], speed)
+    moment = loads[:stations, :3] @ [np.cos(PRECONE), 0, np.sin(PRECONE)] @ (made.radius - made.hub_radius)
+    return thrust / 1e3, torque / 1e3, float(moment) / 1e3
+
+
 def rotor_masses(units: int) -> tuple[float, float, float, float]:
     """Mass [kg], first moment [kg m], inertia [kg m^2] of the NREL blade about its root, and inertia of the rotor.
 

@@ -42,7 +42,7 @@ def loads(rotor: BladeElementRotor, inputs: np.ndarray) -> np.ndarray:
     section.turning(spin, relative - spin[:, None] * tangent, radius)
     given = np.tile(part["induced"], rotor.blades) if rotor.dynamic_inflow else None
     axial, tangential, moment, induced = section.loads(_skew(rotor, skew_wind, normal, arm), given)
-    scale = (part["air_density"] * np.tile(rotor.blade.length, rotor.blades))[:, None]
+    scale = (part["air_density"] * np.tile(rotor.lengths, rotor.blades))[:, None]
     force = axial[:, None] * downwind + tangential[:, None] * tangent
     result = np.hstack([scale * force, scale * rotor.sense * moment[:, None] * span]).ravel()
     return np.append(result, induced) if rotor.dynamic_inflow else result

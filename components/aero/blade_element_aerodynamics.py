@@ -8,7 +8,7 @@ from typing import Any
 
 import numpy as np
 
-from fowtlib.components.aero.bem import PITT_PETERS, BladeElementRotor
+from fowtlib.components.aero.bem import LINE_LOADS, PITT_PETERS, BladeElementRotor
 from fowtlib.components.aero.blade_aerodynamics import BladeAerodynamics, read_blade
 from fowtlib.components.aero.dynamic_inflow import DynamicInflow
 from fowtlib.components.aero.tower_flow import TowerPotentialFlow
@@ -20,7 +20,7 @@ from fowtlib.language import Component, Number, RealOutput, Vector, assert_, der
 from fowtlib.language import math as m
 from fowtlib.language.errors import ParameterError
 
-OPTIONS = ("skew", "axial_drag", "tangential_drag", "tip_loss", "hub_loss")
+OPTIONS = ("skew", "axial_drag", "tangential_drag", "tip_loss", "hub_loss", "line_loads")
 
 
 class BladeElementAerodynamics(Component):
@@ -46,6 +46,10 @@ class BladeElementAerodynamics(Component):
     tangential_drag: bool = param(default=True, doc="drag takes part in the tangential induction")
     tip_loss: bool = param(default=True, doc="Prandtl's loss at the tip")
     hub_loss: bool = param(default=True, doc="Prandtl's loss at the hub")
+    line_loads: str = param(
+        default="elements", choices=LINE_LOADS,
+        doc="loads per length times the elements, or straight lines from node to node and to zero at the ends"
+    )  # fmt: skip
     dynamic_inflow: bool = param(default=False, doc="the induced speed follows the loads with a delay: DynamicInflow")
     station: int = param(default=0, min=0, doc="number of the wind's station at this rotor")
 
