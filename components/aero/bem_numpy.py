@@ -43,7 +43,7 @@ def loads(rotor: BladeElementRotor, inputs: np.ndarray) -> np.ndarray:
     section.turning(spin, relative - spin[:, None] * tangent, radius)
     given = np.tile(part["induced"], rotor.blades) if rotor.dynamic_inflow else None
     axial, tangential, moment, induced = section.loads(_skew(rotor, skew_wind, normal, arm), given)
-    scale = (part["air_density"] * np.tile(rotor.blade.length, rotor.blades))[:, None]
+    scale = (part["air_density"] * np.tile(rotor.lengths, rotor.blades))[:, None]
     force = axial[:, None] * downwind + tangential[:, None] * tangent
     result = np.hstack([scale * force, scale * rotor.sense * moment[:, None] * span]).ravel()
     return np.append(result, induced) if rotor.dynamic_inflow else result
@@ -112,7 +112,8 @@ def _root(function: Loads, low: np.ndarray, high: np.ndarray) -> np.ndarray:
             xi, phi = (x1 - x2) / (x3 - x2), (f1 - f2) / (f3 - f2)
             curved = f1 / (f2 - f1) * f3 / (f2 - f3) + (x3 - x1) / (x2 - x1) * f1 / (f3 - f1) * f2 / (f3 - f2)
             share = np.where((phi**2 < xi) & ((1 - phi) ** 2 < 1 - xi), curved, 0.5)
-            share = np.clip(np.where(np.isfinite(share), share, 0.5), np.minimum(least, 0.5), 1 - np.minimum(least, 0.5))
+            least = np.minimum(least, 0.5)
+            share = np.clip(np.where(np.isfinite(share), share, 0.5), least, 1 - least)
     return np.where(f1 == 0, x1, best)
 
 

@@ -9,7 +9,7 @@ from typing import Any
 
 import numpy as np
 
-from fowtlib.components.aero.bem import PITT_PETERS, BladeElementRotor
+from fowtlib.components.aero.bem import LINE_LOADS, PITT_PETERS, BladeElementRotor
 from fowtlib.components.aero.blade_aerodynamics import BladeAerodynamics, read_airfoils, read_blade
 from fowtlib.components.aero.dynamic_inflow import DynamicInflow
 from fowtlib.components.aero.tower_flow import TowerPotentialFlow
@@ -35,7 +35,7 @@ from fowtlib.language import (
 from fowtlib.language import math as m
 
 OF_BLADE = ("airfoils", "hub_radius", "tip_radius", "smooth_airfoils")  # what read_blade takes
-OPTIONS = ("skew", "axial_drag", "tangential_drag", "tip_loss", "hub_loss")
+OPTIONS = ("skew", "axial_drag", "tangential_drag", "tip_loss", "hub_loss", "line_loads")
 
 
 class BladeElementAerodynamics(Component):
@@ -61,6 +61,10 @@ class BladeElementAerodynamics(Component):
     tangential_drag: bool = param(default=True, doc="drag takes part in the tangential induction")
     tip_loss: bool = param(default=True, doc="Prandtl's loss at the tip")
     hub_loss: bool = param(default=True, doc="Prandtl's loss at the hub")
+    line_loads: str = param(
+        default="elements", choices=LINE_LOADS,
+        doc="loads per length times the elements, or straight lines from node to node and to zero at the ends"
+    )  # fmt: skip
     dynamic_inflow: bool = param(default=False, doc="the induced speed follows the loads with a delay: DynamicInflow")
     station: int = param(default=0, min=0, doc="number of the wind's station at this rotor")
 
@@ -89,11 +93,11 @@ class BladeElementAerodynamics(Component):
             self.inflow = DynamicInflow(radius=b.radius.tolist(), length=b.length.tolist(), tip_radius=b.tip_radius)
 
     def equations(self):
-        hub, nodes = self.hub, list(self.nodes)
+        hub, nodes, towers = self.hub, list(self.nodes), [tower for tower in self.towers if tower.active]
         places = m.horzcat(*[node.r for node in nodes])
         require_disk(self.wind, self.tip_radius, self.station, f"the rotor of {self.label}")
         wind = self.wind.velocity(places, self.station, reach="plane")
-        outputs = _air(self, wind + sum(tower.around(wind, places) - wind for tower in self.towers))
+        outputs = _air(self, wind + sum(tower.change(wind, places) for tower in towers))
         loads = [outputs["loads"][i : i + 3] for i in range(0, 6 * len(nodes), 3)]
         given = list(zip(loads[::2], loads[1::2], strict=True))
         about_hub = [m.cross(node.r - hub.r, f) + t for node, (f, t) in zip(nodes, given, strict=True)]
@@ -108,7 +112,7 @@ class BladeElementAerodynamics(Component):
             eq(self.torque, self.rotation * m.dot(shaft, self.moment)),
             eq(self.aero_power, m.dot(self.moment, hub.w)),
             _wake(self, outputs["quasi_steady"]) if self.dynamic_inflow else [],
-            [assert_(tower.clearance(places) > 0, "a blade strikes the tower") for tower in self.towers],
+            [assert_(tower.clearance(places) > 0, "a blade strikes the tower") for tower in towers],
         ]
 
 
