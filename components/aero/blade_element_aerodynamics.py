@@ -16,7 +16,7 @@ from fowtlib.components.environment.wind import Wind, require_disk
 from fowtlib.components.environment.world import World
 from fowtlib.components.mechanics import Frame
 from fowtlib.components.mechanics.rotations import axis_rotation, unit_axis
-from fowtlib.language import Component, RealOutput, Vector, assert_, der, eq, outer, param, port, var
+from fowtlib.language import Component, RealOutput, Vector, assert_, at_start, der, eq, outer, param, port, var
 from fowtlib.language import math as m
 from fowtlib.language.errors import ParameterError
 
@@ -79,7 +79,7 @@ class BladeElementAerodynamics(Component):
     def equations(self):
         hub, nodes = self.hub, list(self.nodes)
         places = m.horzcat(*[node.r for node in nodes])
-        require_disk(self.wind, self.tip_radius, self.station, f"the rotor of {self.label}")
+        at_start("place in the wind", doc="a wind field that is too small is refused", compute=_require_wind)
         wind = self.wind.velocity(places, self.station)
         outputs = _air(self, wind if self.tower is None else self.tower.around(wind, places))
         loads = [outputs["loads"][i : i + 3] for i in range(0, 6 * len(nodes), 3)]
@@ -98,6 +98,12 @@ class BladeElementAerodynamics(Component):
             _wake(self, outputs["quasi_steady"]) if self.dynamic_inflow else [],
             assert_(self.tower.clearance(places) > 0, "a blade strikes the tower") if self.tower is not None else [],
         ]
+
+
+def _require_wind(air: BladeElementAerodynamics) -> float:
+    """Where the wind does not reach all of the rotor, an error."""
+    require_disk(air.wind, air.tip_radius, air.station, f"the rotor of {air.label}")
+    return 1.0
 
 
 def _air(air: BladeElementAerodynamics, wind: Any) -> dict[str, Any]:

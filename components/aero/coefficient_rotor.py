@@ -8,7 +8,7 @@ from fowtlib.components.aero.rotor import Rotor
 from fowtlib.components.blocks import ButterworthLowPass
 from fowtlib.components.environment.wind import Wind
 from fowtlib.components.environment.world import World
-from fowtlib.language import RealOutput, Scalar, der, eq, outer, param, port, table2d, var
+from fowtlib.language import RealOutput, Scalar, at_start, der, eq, outer, param, port, table2d, var
 from fowtlib.language import math as m
 
 
@@ -67,19 +67,19 @@ class CoefficientRotor(Rotor):
             eq(self.relative_wind, self.normal_wind - m.dot(n, der(hub))),
             eq(self.thrust, pressure * self.thrust_coefficient),
             eq(self.torque, pressure * R * self.torque_coefficient),
-            self.still_air() if self.wind.kind == "none" else self.coefficients_in(m.dot(n, der(hub))),
+            self.coefficients_in(m.dot(n, der(hub))),
         ]
-
-    def still_air(self):
-        return [eq(x, 0) for x in (self.tip_speed_ratio, self.thrust_coefficient, self.torque_coefficient)]
 
     def coefficients_in(self, hub_velocity):
         """Tip speed ratio and coefficients, for the velocity of the hub along the rotor normal."""
         speed = self.mean_wind - hub_velocity
         table, names = read_coefficients(self.coefficients, self.extended), ("tip speed ratio", "blade pitch [rad]")
         grid = (table.tip_speed_ratio, table.blade_pitch, table.values)
-        C = table2d(self.tip_speed_ratio, self.blade_pitch, *grid, name=f"coefficients of {self.path}", arguments=names)
+        air = at_start("air", doc="0 without any wind, else 1", compute=lambda rotor: rotor.wind.kind != "none")
+        places = zip((self.tip_speed_ratio, self.blade_pitch), grid, strict=False)
+        inside = [air * value + (1 - air) * float(edges[0]) for value, edges in places]  # no air: anywhere in the table
+        C = table2d(*inside, *grid, name=f"coefficients of {self.path}", arguments=names)
         return [
-            eq(self.tip_speed_ratio, self.w * self.radius / m.fmax(speed, self.lowest_wind)),
-            [eq(self.thrust_coefficient, C[0]), eq(self.torque_coefficient, C[1])],
+            eq(self.tip_speed_ratio, air * self.w * self.radius / m.fmax(speed, self.lowest_wind)),
+            [eq(self.thrust_coefficient, air * C[0]), eq(self.torque_coefficient, air * C[1])],
         ]

@@ -7,13 +7,31 @@ from fowtlib.components.environment.field_generator import generate_field
 from fowtlib.components.environment.sea import Sea
 from fowtlib.components.environment.turbulence import kaimal, kaimal_series, normal_turbulence, operating_gust
 from fowtlib.components.environment.waves import WaveComponents, irregular_waves, jonswap, regular_waves, wave_number
-from fowtlib.components.environment.wind import Wind
+from fowtlib.components.environment.wind import (
+    FieldWind,
+    GustWind,
+    InputWind,
+    KaimalWind,
+    NoWind,
+    SeriesWind,
+    SteadyWind,
+    StepWind,
+    Wind,
+)
 from fowtlib.components.environment.wind_file import WindSeries, read_series
 from fowtlib.components.environment.world import World
 
 __all__ = [
     "FieldGrid",
+    "FieldWind",
+    "GustWind",
+    "InputWind",
+    "KaimalWind",
+    "NoWind",
     "Sea",
+    "SeriesWind",
+    "SteadyWind",
+    "StepWind",
     "WaveComponents",
     "Wind",
     "WindField",

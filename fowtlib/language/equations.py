@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import sys
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field
 from typing import Any, Protocol
 
@@ -301,11 +301,17 @@ def sampled(period: Any, *assignments: Assign | Call, offset: Any = 0.0) -> Samp
     return Sampled(period, offset, assignments, source_line())
 
 
-def assert_(condition: Any, message: str, level: str = "error") -> Assertion:
-    """Checked at every output point: "error" stops the simulation there, "warning" is said once."""
+def assert_(
+    condition: Any, message: str, level: str = "error", values: Mapping[str, Any] | None = None
+) -> Assertion:
+    """Checked at every output point: "error" stops the simulation there, "warning" is said once.
+
+    values: scalars whose numbers are put into the message for their names in braces, as in {depth}.
+    """
     if level not in ("error", "warning"):
         raise StructureError(f"assert_(level={level!r}): choose 'error' or 'warning'.")
-    return Assertion(_column(condition), message, level, source_line())
+    shown = {name: _column(value) for name, value in (values or {}).items()}
+    return Assertion(_column(condition), message, level, source_line(), shown)
 
 
 def rotation(frame_a: Any, frame_b: Any, R_rel: Any, w_rel: Any) -> Rotation:

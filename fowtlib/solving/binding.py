@@ -90,7 +90,8 @@ def bind(dae: FlatDAE, root: Component | None, parameters: Values | None = None)
     """The binding of a run.
 
     parameters: by path the values of tunable and of bound parameters, SI or with unit, or a component that takes the
-    place of the part at the path, of the same family (what it was not given, it takes from that part).
+    place of the part at the path, of the same family (what it was not given, it takes from that part, as far as all
+    kinds have it).
     Raises ParameterError where there is no such parameter, a value is out of its bounds, or a part has other equations.
     """
     given = dict(parameters or {})
@@ -106,9 +107,9 @@ def bind(dae: FlatDAE, root: Component | None, parameters: Values | None = None)
         values[path] = _tunable(dae, path, given[path])
         owner, _, name = path.rpartition(".")
         tree.find(owner)._values[name] = values[path] if values[path].shape else float(values[path])
-    if changed:
-        for path in changed:
-            check_parameters(tree.find(path))
+    for path in changed:
+        check_parameters(tree.find(path))
+    if tree is not root:
         for path in values:  # those that were computed from what is changed now
             if path not in given:
                 owner, _, name = path.rpartition(".")
@@ -177,8 +178,9 @@ def _put_parts(tree: Component, parts: dict[str, Component]) -> set[str]:
             )
         _same_equations(path, type(old), type(given), family)
         new = _alone(given)
+        common = new.parameters if type(new) is type(old) else family.base.parameters
         for name, value in old._values.items():
-            if name in new.parameters and name not in new._values:
+            if name in common and name not in new._values:
                 new._values[name] = value
                 if name in old.origins:
                     new.origins[name] = old.origins[name]
