@@ -13,6 +13,7 @@ from fowtlib.flattening.dimensions import check_dimensions
 from fowtlib.language.component import Component
 from fowtlib.language.errors import ParameterError, did_you_mean
 from fowtlib.language.upstairs import handed_in
+from fowtlib.solving.binding import bind
 from fowtlib.solving.check import ModelReport
 from fowtlib.solving.plant import Plant
 
@@ -50,6 +51,7 @@ class Model:
         """
         dae = flatten(self.root, inputs)
         plant = Plant(dae, self.outputs, name=self.name, title=self.title, settings=self.settings, root=self.root)
+        plant.binding()  # a mistake in the data of the model is found now, and not at the first run
         plant.start_opened_inputs()
         return plant
 
@@ -57,7 +59,9 @@ class Model:
         """Flatten the model and check the dimensions of its equations; the report says what was found."""
         dimensions = check_dimensions(self.root)
         title = self.title or self.name or "model"
-        return ModelReport(title, sum(1 for _ in self.root.walk()) - 1, flatten(self.root), dimensions)
+        dae = flatten(self.root)
+        bind(dae, self.root)
+        return ModelReport(title, sum(1 for _ in self.root.walk()) - 1, dae, dimensions)
 
     def tree(self) -> str:
         """The component tree as text: names and classes."""

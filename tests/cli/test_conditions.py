@@ -95,11 +95,12 @@ def test_a_mistake_in_a_condition_is_named(condition, text, message):
 def test_the_kinds_and_parameters_are_those_of_the_parts():
     for condition, part in ((WIND, Wind), (WAVES, Sea)):
         assert tuple(condition.kinds) == part.parameters[condition.selector].choices
-        for kind in condition.kinds.values():
+        for name, kind in condition.kinds.items():
+            parameters = (part if part.family is None else part.family.kinds[name]).parameters
             for key in kind.keys.values():
-                assert key.parameter in part.parameters
+                assert key.parameter in parameters
                 if key.choices:
-                    assert key.choices == part.parameters[key.parameter].choices
+                    assert key.choices == parameters[key.parameter].choices
 
 
 def test_settings_are_numbers_lists_or_text():
