@@ -10,12 +10,14 @@ from fowtlib.language.upstairs import hand_in
 
 if TYPE_CHECKING:
     from fowtlib.modelfile import load
-    from fowtlib.solving import LinearModel, Mode, Model, Output, Plant, Result, State
+    from fowtlib.solving import Conditions, LinearModel, Mode, Model, Output, Plant, Result, State
 
 # imported when first used, so that `import fowtlib` stays fast
 _LATER = {
     "load": "fowtlib.modelfile",
-    **dict.fromkeys(("LinearModel", "Mode", "Model", "Output", "Plant", "Result", "State"), "fowtlib.solving"),
+    **dict.fromkeys(
+        ("Conditions", "LinearModel", "Mode", "Model", "Output", "Plant", "Result", "State"), "fowtlib.solving"
+    ),
 }
 
 
@@ -39,6 +41,7 @@ hand_in("export_fmu", _export_fmu)
 __all__ = [
     "Assembly",
     "Component",
+    "Conditions",
     "LinearModel",
     "Mode",
     "Model",

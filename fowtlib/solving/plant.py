@@ -18,6 +18,7 @@ from fowtlib.language.externals import refusals_explained
 from fowtlib.language.units import from_si, to_si
 from fowtlib.language.upstairs import handed_in
 from fowtlib.solving.binding import Binding, Bindings, structural_values
+from fowtlib.solving.conditions import Conditions
 from fowtlib.solving.engine import create_engine
 from fowtlib.solving.equilibrium import equilibrium
 from fowtlib.solving.evaluation import Evaluation
@@ -239,6 +240,7 @@ class Plant:
         inputs: Values | None = None,
         outputs: Sequence[str] | None = None,
         progress: Callable[[float, float], None] | bool = False,
+        conditions: Conditions | None = None,
     ) -> Result:
         """Simulate to `t_end` [s] and give the outputs every `output_step` [s].
 
@@ -250,11 +252,15 @@ class Plant:
 
         parameters: by path, tunable and bound ones. parts: by path, components that take the place of others of their
         family for this run, as in `parts={"wind": SteadyWind(mean_speed=8)}`; nothing is flattened or compiled anew.
+        conditions: all of this as one value; what is given beside it counts more.
         """
         from fowtlib.solving.simulation import Simulation
 
-        if parts:
-            parameters = {**parts, **(parameters or {})}
+        given = Conditions(parts or {}, parameters or {}, inputs, start, t_end, output_step, None, outputs)
+        chosen_here = given.over(conditions)
+        t_end, output_step, outputs = chosen_here.duration, chosen_here.output_step, chosen_here.outputs
+        start, inputs = chosen_here.start, chosen_here.inputs
+        parameters = chosen_here.values or (None if parameters is None else {})  # None: those of a state to start from
 
         def chosen(value: Any, key: str, default: Any) -> Any:
             return self.settings.get(key, default) if value is None else value
@@ -284,7 +290,7 @@ class Plant:
         else:
             state = self.initial_state(parameters, start, inputs)
         simulation = Simulation(self, state, engine, parameters, outputs, isinstance(start, Result))
-        return simulation.run(end, interval, progress)
+        return simulation.run(end, interval, progress, chosen_here.discard or 0.0)
 
     @refusals_explained()
     def linearize(self, state: State, inputs: Sequence[str] = (), outputs: Sequence[str] | None = None) -> LinearModel:

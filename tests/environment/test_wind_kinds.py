@@ -115,6 +115,14 @@ def test_parts_take_the_place_of_the_wind(solver, files):
         np.testing.assert_array_equal(found["wind.speed"], expected["wind.speed"])
 
 
+def test_a_kind_that_is_derived_from_another_one():
+    wind = Wind(kind="kaimal", mean_speed=9, seed=3)
+    wind.kind = "steady"
+    assert type(wind) is SteadyWind
+    wind.kind = "gust"
+    assert (type(wind), wind.parameter_value("mean_speed")) == (GustWind, 9)
+
+
 def test_wind_from_outside_is_another_model():
     plant = model().compile()
     with pytest.raises(ModelError, match=r"wind: .* InputWind has speeds\(\) of its own, other equations"):
