@@ -115,6 +115,22 @@ def test_parts_take_the_place_of_the_wind(solver, files):
         np.testing.assert_array_equal(found["wind.speed"], expected["wind.speed"])
 
 
+@pytest.mark.parametrize(
+    ("wind", "made_for_it"),
+    [
+        ({"kind": "steady"}, False),
+        ({"kind": "step", "step_speed": 11.0}, False),
+        ({"kind": "gust"}, True),
+        ({"kind": "gust", "gust_speed": 3.0}, False),
+        ({"kind": "kaimal"}, True),
+    ],
+)
+def test_what_is_made_for_a_mean_speed(wind, made_for_it):
+    """What an FMU has to guard: data computed from the speed; the speed itself stays a symbol."""
+    reads = model(**wind, mean_speed=9.0).compile().binding().reads
+    assert any("wind.mean_speed" in paths for paths in reads.values()) == made_for_it
+
+
 def test_a_kind_that_is_derived_from_another_one():
     wind = Wind(kind="kaimal", mean_speed=9, seed=3)
     wind.kind = "steady"

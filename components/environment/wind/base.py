@@ -121,10 +121,14 @@ class Wind(Component, selector="kind", shared=("speeds", "velocity")):
         """The stations as numbers, (n, 2)."""
         return np.asarray(self.parameter_value("stations"))
 
-    def given_speed(self) -> float:
-        """The mean speed [m/s], for a kind that needs it: an error where nobody has given one."""
+    def require_speed(self) -> None:
+        """ParameterError where nobody has given the mean speed, for a kind that needs it."""
         if not self.is_set("mean_speed"):
             raise ParameterError(f"{self.label}.mean_speed has no value; a wind of kind '{self.kind}' needs it.")
+
+    def given_speed(self) -> float:
+        """The mean speed [m/s] as a number, for data that are made for it; see `require_speed`."""
+        self.require_speed()
         return float(self.parameter_value("mean_speed"))
 
 

@@ -11,5 +11,5 @@ class SteadyWind(Wind, kind="steady"):
 
     def mean_series(self) -> Series | None:
         """The whole mean speed."""
-        self.given_speed()
+        self.require_speed()
         return Series.constant([1.0, 0.0])

@@ -20,7 +20,7 @@ class StepWind(Wind, kind="step"):
 
     def mean_series(self) -> Series | None:
         """The share of the mean speed falls to nothing, and the other speed rises."""
-        self.given_speed()
+        self.require_speed()
         change = np.outer(SMOOTH, [-1.0, self.step_speed])
         change[0] += [1.0, 0.0]
         after = [0.0, self.step_speed]
