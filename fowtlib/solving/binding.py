@@ -180,7 +180,7 @@ def _put_parts(tree: Component, parts: dict[str, Component]) -> set[str]:
         new = _alone(given)
         common = new.parameters if type(new) is type(old) else family.base.parameters
         for name, value in old._values.items():
-            if name in common and name not in new._values:
+            if name in common and name not in new._values and name != family.selector:
                 new._values[name] = value
                 if name in old.origins:
                     new.origins[name] = old.origins[name]
@@ -287,6 +287,23 @@ def _fit(item: Bound, source: Any, size: int) -> None:
 def _vector(values: Mapping[str, np.ndarray], numbers: list[np.ndarray]) -> np.ndarray:
     parts = [*(np.ravel(value, order="F") for value in values.values()), *numbers]
     return np.concatenate(parts) if parts else np.zeros(0)
+
+
+def bound_values(root: Component | None, structure: Values) -> dict[str, Any]:
+    """Of the structure that a result holds, the bound parameters that the model has otherwise: the data of that run.
+
+    A file is held by its name alone; where that is another one than the model's, it has to be where the name says.
+    """
+    now, found = structural_values(root), {}
+    for path, value in structure.items():
+        owner, _, name = path.rpartition(".")
+        component = _found(root, owner) if root is not None else None
+        if component is None:
+            continue
+        declared = (component.family.parameters if component.family is not None else component.parameters).get(name)
+        if declared is not None and declared.bound and (path not in now or now[path] != value):
+            found[path] = value
+    return found
 
 
 # --- what is the same as before -----------------------------------------------------------------------------------

@@ -107,3 +107,13 @@ def test_one_flattening_for_many_conditions(plant, monkeypatch):
     ]
     assert len(set(last)) == 4
     assert last[0] == 0
+
+
+@pytest.mark.parametrize("wind", [NoWind(), KaimalWind(mean_speed=7, seed=4), SteadyWind(mean_speed=5)])
+def test_a_saved_result_knows_its_wind(plant, tmp_path, wind):
+    conditions = fw.Conditions(parts={"wind": wind}, duration=3, output_step=0.5, outputs=["vane.v"])
+    run = plant.simulate(conditions=conditions)
+    run.save(tmp_path / "run.nc")
+    again = fw.Result.open(tmp_path / "run.nc", plant=plant)
+    np.testing.assert_allclose(again["wind.speed"], run["wind.speed"], rtol=0, atol=1e-12)
+    assert type(again.root.wind) is type(wind)
