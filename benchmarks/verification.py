@@ -182,7 +182,7 @@ def mean_surge() -> Table:
 @section
 def response_to_waves() -> Table:
     """Response per metre of wave of the OC3 spar without drag: the linear model against runs in waves of 1 m."""
-    from fowtlib.view.plots import plot_rao
+    from fowtlib.solving.results.plots import plot_rao
 
     frequencies = [0.02, 0.03, 0.05, 0.07, 0.1, 0.15]
     linear, runs = cases.oc3_rao(frequencies), cases.oc3_rao_of_runs(frequencies)

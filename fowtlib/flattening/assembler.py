@@ -2,8 +2,10 @@
 
 from __future__ import annotations
 
+import gc
 import time
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
+from contextlib import contextmanager
 from dataclasses import replace
 from typing import Any
 
@@ -32,11 +34,23 @@ def flatten(root: Component, opened: Sequence[str] = ()) -> FlatDAE:
     Raises ModelError subclasses that say by path what is wrong: parameters, connections, structure.
     """
     started = time.perf_counter()
-    with Instances(root, opened) as instances:
+    with _without_collection(), Instances(root, opened) as instances:
         instances.collect()
         resolve_orientations(instances.system, instances.statements)
         dae = _Assembler(instances.system, instances.statements).run()
     return replace(dae, stats={**dae.stats, "flattening_time": time.perf_counter() - started})
+
+
+@contextmanager
+def _without_collection() -> Iterator[None]:
+    """Without the search for cycles of garbage: a model is millions of objects that stay, looked at again and again."""
+    was_on = gc.isenabled()
+    gc.disable()
+    try:
+        yield
+    finally:
+        if was_on:
+            gc.enable()
 
 
 class _Assembler:
@@ -200,7 +214,7 @@ class _Assembler:
             discretes=[self._discrete(item) for item in system.discretes],
             inputs=system.inputs, parameters=system.parameters, bound=system.bound,
             bound_parameters=system.bound_parameters, externals=_externals(calls, solved["inputs"]),
-            observed=observed, units=units, docs=docs,
+            dependents=system.dependents, observed=observed, units=units, docs=docs,
             residual_paths=[self._residual_path(i) for i in causal.residuals],
             initial_equations=_column([ca.vec(e) for e in solved["initial"]]),
             initial_paths=[path for (path, _), e in zip(self.statements.initial, solved["initial"], strict=True)

@@ -188,7 +188,11 @@ class Component(Composite):
         if field.annotation in SHAPES:
             if value is None:
                 return None
-            value = np.asarray(expressions.evaluate(value, combine=_stack), dtype=float)
+            try:
+                value = np.asarray(expressions.evaluate(value, combine=_stack), dtype=float)
+            except ZeroDivisionError:
+                doc = self.parameters[name].doc
+                raise ParameterError(f"{join(self.path, name)} is not a finite number: {value!r} ({doc}).") from None
             return value.item() if SHAPES[self.parameters[name].annotation] == () and value.size == 1 else value
         if expressions.is_expression(value):
             return _plain(self.parameters[name], expressions.evaluate(value), join(self.path, name))

@@ -79,12 +79,21 @@ class Parameter(Field, Arithmetic):
     """Declaration of a parameter; arithmetic on it in the class body makes modifiers of parts."""
 
     def __init__(
-        self, default: Any, unit: str, doc: str, minimum: Any, maximum: Any, shape: Any, structural: bool, choices: Any,
-        bound: bool = False,
+        self, default: Any, unit: str, doc: str, minimum: Any, maximum: Any, shape: Any, structural: bool | str,
+        choices: Any, bound: bool = False,
     ):  # fmt: skip
         self.default, self.unit, self.doc = default, unit, doc
         self.min, self.max, self.shape, self.choices = minimum, maximum, shape, choices
-        self.structural, self.bound = structural, bound
+        self.structural, self._why = bool(structural), structural if isinstance(structural, str) else ""
+        self.bound = bound
+
+    @property
+    def why_structural(self) -> str:
+        """Why a built model cannot be given another value; empty for a tunable or a bound parameter."""
+        if self.tunable or self.bound:
+            return ""
+        kinds = {int: "it counts parts or states", bool: "it switches equations", str: "it chooses equations or data"}
+        return self._why or kinds.get(self.annotation, "the model is built with it")
 
     @property
     def tunable(self) -> bool:
@@ -236,11 +245,13 @@ class Outer(Field):
 
 
 def param(default: Any = REQUIRED, *, unit: str = "1", doc: str = "", min: Any = None, max: Any = None,
-          shape: Any = None, structural: bool = False, choices: Any = None, bound: bool = False) -> Any:  # fmt: skip
+          shape: Any = None, structural: bool | str = False, choices: Any = None,
+          bound: bool = False) -> Any:  # fmt: skip
     """Declare a parameter, in SI `unit`; annotated Scalar, Vector, Matrix or Array it is tunable unless `structural`.
 
-    A `bound` one is read when a run starts: a text, a file, a seed, a choice, a number that data are computed from. It
-    changes no equation, and equations() cannot see it; the functions given to `at_start` and `run_time_series` can.
+    `structural` may be a text that says why it is, in the words that complete "structural: ...". A `bound` one is read
+    when a run starts: a text, a file, a seed, a choice, a number that data are computed from. It changes no equation,
+    and equations() cannot see it; the functions given to `at_start` and `run_time_series` can.
 
     `default`, like any modifier, may be a number, a sequence, a string with a unit, another parameter of the class
     body, arithmetic on those, or a function of the component. Without a default the parameter is required.

@@ -4,15 +4,19 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass, field
+from pathlib import Path
 from typing import TYPE_CHECKING
 
 import casadi as ca
 import numpy as np
 
 from fowtlib.flattening.system import element_names
+from fowtlib.language.errors import ModelError
+from fowtlib.solving.binding import start_slopes
 from fowtlib.solving.functions import AtParameters
 from fowtlib.solving.layout import Layout
 from fowtlib.solving.outputs import Outputs
+from fowtlib.solving.results.html import table
 from fowtlib.solving.state import State
 
 if TYPE_CHECKING:
@@ -113,6 +117,31 @@ class LinearModel:
             )
         return sorted(modes, key=lambda mode: mode.frequency_hz)
 
+    def save(self, path: str | Path) -> Path:
+        """Write A, B, C, D and the names of states, inputs and outputs as .mat (MATLAB 5) or .npz (NumPy)."""
+        from scipy.io import savemat
+
+        path = Path(path)
+        names = {"states": self.states, "inputs": self.inputs, "outputs": self.outputs}
+        names["output_units"] = [self.units.get(name, "1") for name in self.outputs]
+        content = {**self.matrices, **{key: np.array(value, dtype=object) for key, value in names.items()}}
+        plain = {**self.matrices, **{key: np.array(value, dtype=str) for key, value in names.items()}}
+        try:
+            if path.suffix == ".mat":
+                savemat(path, content)
+            elif path.suffix == ".npz":
+                np.savez(path, **plain)
+            else:
+                ending = path.suffix or "no ending"
+                raise ModelError(f"{path}: a linear model is saved as .mat or .npz, not as '{ending}'.")
+        except OSError as error:
+            raise ModelError(f"{path}: cannot be written: {error.strerror}.") from error
+        return path
+
+    def _repr_html_(self) -> str:
+        rows = [(mode.label, mode.frequency_hz, mode.damping_ratio) for mode in self.modes()]
+        return table(("state that takes part most", "frequency [Hz]", "damping ratio"), rows, repr(self)[1:-1])
+
     def __repr__(self) -> str:
         return f"<LinearModel: {len(self.states)} states, {len(self.inputs)} inputs, {len(self.outputs)} outputs>"
 
@@ -121,15 +150,21 @@ def linearize(at: AtParameters, layout: Layout, outputs: Outputs, state: State, 
               names: Sequence[str]) -> LinearModel:  # fmt: skip
     """The linear model at a state, from inputs or tunable parameters by path to results or variables.
 
+    What is computed from a parameter when a run starts counts with it, by central differences (start_slopes).
     All states are kept; the algebraic unknowns are eliminated by the implicit function theorem.
     """
     dae = at.dae
     columns: list[ca.SX] = []
     labels: list[str] = []
+    through: list[tuple[slice, str, np.ndarray]] = []  # columns of a parameter, numbers computed from it, their slopes
     for path in inputs:
         symbols, fresh = layout.symbols(path)
+        place = slice(len(columns), len(columns) + len(symbols))
+        if path in layout.p:
+            through += [(place, name, slope) for name, slope in start_slopes(dae, at.binding, path).items()]
         columns += symbols
         labels += fresh
+    computed = list(dict.fromkeys(name for _, name, _ in through))
     rows, factors, shown, units = [], [], [], {}
     for name in names:
         expression = ca.vec(dae.observe_expression(outputs.entry(name).path))
@@ -140,12 +175,18 @@ def linearize(at: AtParameters, layout: Layout, outputs: Outputs, state: State, 
         units |= dict.fromkeys(fresh, outputs.entry(name).unit)
 
     def make() -> ca.Function:
-        u = ca.vertcat(*columns) if columns else ca.SX(0, 1)
+        u = ca.vertcat(*columns, *(dae.bound[name].symbol for name in computed)) if columns else ca.SX(0, 1)
         return at.general.torn_jacobian("linear", ca.vertcat(dae.ode, dae.alg, *rows), [dae.x, dae.z, u])
 
-    slopes = at.general.once(("linear", tuple(labels), tuple(names)), make)
+    slopes = at.general.once(("linear", tuple(labels), tuple(computed), tuple(names)), make)
     blocks = at.call(slopes, state.t, state.x, state.z, np.concatenate([state.u, state.d]))
-    by_x, by_z, by_u = (np.array(ca.densify(block)) for block in blocks)
+    by_x, by_z, by_all = (np.array(ca.densify(block)) for block in blocks)
+    by_u, first = by_all[:, : len(columns)], len(columns)
+    for name in computed:
+        last = first + dae.bound[name].symbol.numel()
+        for place, _, slope in (item for item in through if item[1] == name):
+            by_u[:, place] += by_all[:, first:last] @ slope
+        first = last
     nx, nz = dae.x.shape[0], dae.z.shape[0]
     ode, alg, out = slice(0, nx), slice(nx, nx + nz), slice(nx + nz, None)
     by_xu = np.hstack([by_x[alg], by_u[alg]])
