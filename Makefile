@@ -60,4 +60,4 @@ lock:
 	rm -rf build/lock-venv
 
 clean:
-	rm -rf $(VENV) build dist site output fmus/built *.egg-info .pytest_cache .ruff_cache
+	rm -rf $(VENV) .editable build dist site output fmus/built *.egg-info .pytest_cache .ruff_cache

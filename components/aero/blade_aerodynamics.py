@@ -2,14 +2,13 @@
 
 from __future__ import annotations
 
-import csv
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
-from functools import lru_cache
 from typing import Any
 
 import numpy as np
 
+from fowtlib.language.data_files import cells_of, lines_of, remembered
 from fowtlib.language.errors import ParameterError, did_you_mean
 
 BLADE_COLUMNS = ("span_m", "length_m", "chord_m", "twist_deg", "curve_m", "sweep_m", "airfoil")
@@ -159,7 +158,7 @@ class BladeAerodynamics:
                 )
 
 
-@lru_cache(maxsize=8)
+@remembered()
 def read_airfoils(path: str, smooth: bool = True) -> dict[str, Airfoil]:
     """Airfoils of a CSV with the columns of AIRFOIL_COLUMNS; lines that start with # are comments.
 
@@ -173,6 +172,7 @@ def read_airfoils(path: str, smooth: bool = True) -> dict[str, Airfoil]:
             for name, a in arrays.items()}  # fmt: skip
 
 
+@remembered("path", "airfoils")
 def read_blade(
     path: str, airfoils: str, hub_radius: float, tip_radius: float, smooth: bool = True
 ) -> BladeAerodynamics:
@@ -195,19 +195,15 @@ def _place(where: str, lines: Sequence[int], row: int) -> str:
 
 def _table(path: str, columns: Sequence[str], words: Sequence[str]) -> list[tuple[int, list[Any]]]:
     """Line numbers and rows of a CSV, in the order of `columns`; all of them are numbers but the words."""
-    try:
-        with open(path, newline="", encoding="utf-8") as file:
-            lines = [(number, line) for number, line in enumerate(file, 1) if line.strip() and line[0] != "#"]
-    except OSError as error:
-        raise ParameterError(f"cannot read {path}: {error.strerror}.") from None
-    header = [name.strip() for name in next(csv.reader([lines[0][1]]))] if lines else []
+    lines = lines_of(path, "the table")
+    header = cells_of(lines[0][1]) if lines else []
     if sorted(header) != sorted(columns) or len(lines) < 2:
         raise ParameterError(f"{path}: the columns {', '.join(columns)} are needed, and rows under them.")
     rows = []
     for number, line in lines[1:]:
-        cells = dict(zip(header, next(csv.reader([line])), strict=False))
+        cells = dict(zip(header, cells_of(line), strict=False))
         try:
-            rows.append((number, [cells[name].strip() if name in words else float(cells[name]) for name in columns]))
+            rows.append((number, [cells[name] if name in words else float(cells[name]) for name in columns]))
         except (KeyError, ValueError):
             raise ParameterError(f"{path}:{number}: '{line.strip()}' is not a row of {', '.join(header)}.") from None
     return rows

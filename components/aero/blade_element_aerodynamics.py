@@ -16,7 +16,7 @@ from fowtlib.components.environment.wind import Wind, require_disk
 from fowtlib.components.environment.world import World
 from fowtlib.components.mechanics import Frame
 from fowtlib.components.mechanics.rotations import axis_rotation, unit_axis
-from fowtlib.language import Component, RealOutput, Vector, assert_, der, eq, outer, param, port, var
+from fowtlib.language import Component, Number, RealOutput, Vector, assert_, der, eq, outer, param, port, var
 from fowtlib.language import math as m
 from fowtlib.language.errors import ParameterError
 
@@ -29,19 +29,19 @@ class BladeElementAerodynamics(Component):
     Each node takes part with its own position, orientation and velocity, in the wind at its place. The frames in
     `nodes` are parallel to the pitched blade root when nothing bends, blade by blade from root to tip, and lie at the
     aerodynamic centres (`node_points`); the twist of the airfoils is added here. thrust, side and vertical force are
-    the sums over all nodes along the axes of the shaft: x downwind, not turning. With a TowerPotentialFlow in the model
-    the nodes meet the wind that the tower deflects; dynamic_inflow adds the part `inflow`, see DynamicInflow. A wind
+    the sums over all nodes along the axes of the shaft: x downwind, not turning. The nodes meet the wind that every
+    TowerPotentialFlow of the model deflects; dynamic_inflow adds the part `inflow`, see DynamicInflow. A wind
     field that does not cover the disk of tip_radius about the rotor's station is refused, see Wind.require.
     """
 
     blade: str = param(doc="path of a CSV with the elements of the blade, see read_blade")
     airfoils: str = param(doc="path of a CSV with the airfoils, see read_airfoils")
     smooth_airfoils: bool = param(default=True, doc="monotone cubics between the angles of the airfoils, else lines")
-    hub_radius: float = param(default=None, unit="m", min=0, doc="distance of the blade roots from the shaft")
-    tip_radius: float = param(unit="m", min=0, doc="distance of the tips from the shaft, along the unconed blade")
+    hub_radius: Number = param(default=None, unit="m", min=0, doc="distance of the blade roots from the shaft")
+    tip_radius: Number = param(unit="m", min=0, doc="distance of the tips from the shaft, along the unconed blade")
     blades: int = param(default=3, min=1, doc="number of blades")
     rotation: int = param(default=1, choices=(1, -1), doc="1: clockwise seen from upwind, -1: counter-clockwise")
-    skew: float = param(default=PITT_PETERS, min=0, doc="factor of the skewed wake, 0: none; see BladeElementRotor")
+    skew: Number = param(default=PITT_PETERS, min=0, doc="factor of the skewed wake, 0: none; see BladeElementRotor")
     axial_drag: bool = param(default=True, doc="drag takes part in the axial induction")
     tangential_drag: bool = param(default=True, doc="drag takes part in the tangential induction")
     tip_loss: bool = param(default=True, doc="Prandtl's loss at the tip")
@@ -51,7 +51,7 @@ class BladeElementAerodynamics(Component):
 
     world: World = outer(World)
     wind: Wind = outer(Wind)
-    tower: TowerPotentialFlow = outer(TowerPotentialFlow, optional=True)
+    towers: list[TowerPotentialFlow] = outer(TowerPotentialFlow, many=True)
     hub: Frame = port(doc="hub centre, turning with the rotor; x along the shaft, downwind")
     nodes: Frame = port(size=lambda self: self.rotor.nodes, doc="frames of the nodes, blade by blade from the root")
 
@@ -81,7 +81,7 @@ class BladeElementAerodynamics(Component):
         places = m.horzcat(*[node.r for node in nodes])
         require_disk(self.wind, self.tip_radius, self.station, f"the rotor of {self.label}")
         wind = self.wind.velocity(places, self.station, reach="plane")
-        outputs = _air(self, wind if self.tower is None else self.tower.around(wind, places))
+        outputs = _air(self, wind + sum(tower.around(wind, places) - wind for tower in self.towers))
         loads = [outputs["loads"][i : i + 3] for i in range(0, 6 * len(nodes), 3)]
         given = list(zip(loads[::2], loads[1::2], strict=True))
         about_hub = [m.cross(node.r - hub.r, f) + t for node, (f, t) in zip(nodes, given, strict=True)]
@@ -96,7 +96,7 @@ class BladeElementAerodynamics(Component):
             eq(self.torque, self.rotation * m.dot(shaft, self.moment)),
             eq(self.aero_power, m.dot(self.moment, hub.w)),
             _wake(self, outputs["quasi_steady"]) if self.dynamic_inflow else [],
-            assert_(self.tower.clearance(places) > 0, "a blade strikes the tower") if self.tower is not None else [],
+            [assert_(tower.clearance(places) > 0, "a blade strikes the tower") for tower in self.towers],
         ]
 
 

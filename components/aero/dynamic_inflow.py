@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from fowtlib.language import Array, Component, Scalar, der, eq, initial, param, var
+from fowtlib.language import Array, Component, Number, Scalar, der, eq, initial, param, var
 from fowtlib.language import math as m
 
 COUPLING = 0.6
@@ -34,7 +34,7 @@ class DynamicInflow(Component):
 
     radius: list = param(doc="radii of the stations [m]")
     length: list = param(doc="lengths of the elements at the stations [m], weights of the mean induction")
-    tip_radius: float = param(unit="m", min=0, doc="radius R of the tips")
+    tip_radius: Number = param(unit="m", min=0, doc="radius R of the tips")
     least_wind_speed: Scalar = param(default=1.0, unit="m/s", min=0.01, doc="V is taken for at least this")
 
     quasi_steady: Array = var(unit="m/s", shape=_stations, doc="induced speed of the balance of momentum, W_qs")

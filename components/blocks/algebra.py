@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from fowtlib.language import Array, Component, RealInput, RealOutput, Scalar, eq, param, port
+from fowtlib.language import Array, Component, Number, RealInput, RealOutput, Scalar, eq, param, port
 from fowtlib.language import math as m
 
 UNLIMITED = 1e30  # the default of a limit that is not there
@@ -57,7 +57,7 @@ class Limiter(Component):
 
     lower: Scalar = param(default=-UNLIMITED, doc="smallest output")
     upper: Scalar = param(default=UNLIMITED, doc="largest output")
-    rounding: float = param(default=0.0, min=0.0, doc="width of the rounded corners, in the unit of u; 0: exact")
+    rounding: Number = param(default=0.0, min=0.0, doc="width of the rounded corners, in the unit of u; 0: exact")
 
     u: RealInput = port(doc="input")
     y: RealOutput = port(doc="output")

@@ -6,7 +6,21 @@ import numpy as np
 
 from fowtlib.components.blocks.algebra import UNLIMITED
 from fowtlib.components.blocks.dynamics import canonical_form
-from fowtlib.language import Array, Component, RealInput, RealOutput, Scalar, assign, der, eq, param, port, sampled, var
+from fowtlib.language import (
+    Array,
+    Component,
+    Number,
+    RealInput,
+    RealOutput,
+    Scalar,
+    assign,
+    der,
+    eq,
+    param,
+    port,
+    sampled,
+    var,
+)
 from fowtlib.language import math as m
 
 
@@ -50,8 +64,8 @@ class PI(Component):
 class Sampler(Component):
     """Sample and zero-order hold: y takes the value of u every `period` seconds."""
 
-    period: float = param(unit="s", min=0.0, doc="sampling period")
-    offset: float = param(default=0.0, unit="s", doc="time of the first sample")
+    period: Number = param(unit="s", min=0.0, doc="sampling period")
+    offset: Number = param(default=0.0, unit="s", doc="time of the first sample")
 
     u: RealInput = port(doc="continuous signal")
     y: RealOutput = port(doc="held signal")
@@ -74,8 +88,8 @@ class SampledPI(Component):
     lower: Scalar = param(default=-UNLIMITED, doc="smallest output")
     upper: Scalar = param(default=UNLIMITED, doc="largest output")
     integral_start: Scalar = param(default=0.0, doc="integral part before the first sample")
-    period: float = param(unit="s", min=0.0, doc="sampling period")
-    offset: float = param(default=0.0, unit="s", doc="time of the first sample")
+    period: Number = param(unit="s", min=0.0, doc="sampling period")
+    offset: Number = param(default=0.0, unit="s", doc="time of the first sample")
 
     u: RealInput = port(doc="control error")
     y: RealOutput = port(doc="controller output, constant between samples")
@@ -103,8 +117,8 @@ class DiscreteTransferFunction(Component):
 
     numerator: Array = param(structural=True, doc="coefficients, highest power of z first")
     denominator: Array = param(structural=True, doc="coefficients, highest power of z first")
-    period: float = param(unit="s", min=0.0, doc="sampling period")
-    offset: float = param(default=0.0, unit="s", doc="time of the first sample")
+    period: Number = param(unit="s", min=0.0, doc="sampling period")
+    offset: Number = param(default=0.0, unit="s", doc="time of the first sample")
 
     u: RealInput = port(doc="input")
     y: RealOutput = port(doc="output, constant between samples")

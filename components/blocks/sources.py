@@ -4,7 +4,20 @@ from __future__ import annotations
 
 import math
 
-from fowtlib.language import Array, Component, RealOutput, Scalar, assign, eq, param, port, time_series, var, when
+from fowtlib.language import (
+    Array,
+    Component,
+    Number,
+    RealOutput,
+    Scalar,
+    assign,
+    eq,
+    param,
+    port,
+    time_series,
+    var,
+    when,
+)
 from fowtlib.language import math as m
 
 
@@ -74,8 +87,8 @@ class TimeTable(Component):
     """
 
     values: Array = param(structural=True, doc="samples")
-    step: float = param(unit="s", doc="time between samples")
-    start_time: float = param(default=0.0, unit="s", doc="time of the first sample")
+    step: Number = param(unit="s", doc="time between samples")
+    start_time: Number = param(default=0.0, unit="s", doc="time of the first sample")
     periodic: bool = param(default=False, doc="repeat the table for ever")
 
     y: RealOutput = port(doc="output")

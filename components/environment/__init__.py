@@ -4,7 +4,7 @@
 from fowtlib.components import mechanics as _mechanics  # noqa: F401  isort: skip
 from fowtlib.components.environment.field_file import FieldGrid, WindField, create_field, read_field, write_field
 from fowtlib.components.environment.field_generator import generate_field
-from fowtlib.components.environment.sea import Sea
+from fowtlib.components.environment.sea import InputSea, JonswapSea, MeasuredSea, RegularWaves, Sea, StillSea
 from fowtlib.components.environment.turbulence import kaimal, kaimal_series, normal_turbulence, operating_gust
 from fowtlib.components.environment.waves import WaveComponents, irregular_waves, jonswap, regular_waves, wave_number
 from fowtlib.components.environment.wind import Wind
@@ -13,7 +13,12 @@ from fowtlib.components.environment.world import World
 
 __all__ = [
     "FieldGrid",
+    "InputSea",
+    "JonswapSea",
+    "MeasuredSea",
+    "RegularWaves",
     "Sea",
+    "StillSea",
     "WaveComponents",
     "Wind",
     "WindField",

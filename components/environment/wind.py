@@ -23,6 +23,7 @@ from fowtlib.components.environment.wind_file import WindSeries, read_series
 from fowtlib.language import (
     Array,
     Component,
+    Number,
     RealOutput,
     Scalar,
     assert_,
@@ -70,7 +71,7 @@ class Wind(Component):
         doc="kind of wind",
     )  # fmt: skip
     mean_speed: Scalar = param(default=0.0, unit="m/s", min=0, doc="mean speed V at reference_height")
-    reference_height: float = param(default=90.0, unit="m", min=0, doc="height of mean_speed: the hub")
+    reference_height: Number = param(default=90.0, unit="m", min=0, doc="height of mean_speed: the hub")
     stations: Array = param(default=((0, 90),), unit="m", structural=True, doc="(y, z) of each hub, one series each")
     shear_exponent: Scalar = param(default=0.0, doc="exponent of the power law")
     direction: Scalar = param(default=0.0, unit="rad", doc="direction in which the wind blows, from x towards y")
@@ -78,17 +79,17 @@ class Wind(Component):
     step_speed: Scalar = param(default=0.0, unit="m/s", min=0, doc="step: speed afterwards, at reference_height")
     step_duration: Scalar = param(default=1.0, unit="s", min=1e-3, doc="step: time of the change")
     gust_shape: str = param(default="eog", choices=("eog", "1-cos"), doc="gust: time function")
-    gust_speed: float = param(default=None, unit="m/s", doc="gust: magnitude; without a value by IEC 61400-1 (17)")
+    gust_speed: Number = param(default=None, unit="m/s", doc="gust: magnitude; without a value by IEC 61400-1 (17)")
     gust_duration: Scalar = param(default=10.5, unit="s", min=1e-3, doc="gust: duration")
-    rotor_diameter: float = param(default=126.0, unit="m", min=0, doc="gust by IEC: rotor diameter")
-    extreme_speed: float = param(default=50.0, unit="m/s", min=0, doc="gust by IEC: V_ref, 50 m/s for wind class I")
+    rotor_diameter: Number = param(default=126.0, unit="m", min=0, doc="gust by IEC: rotor diameter")
+    extreme_speed: Number = param(default=50.0, unit="m/s", min=0, doc="gust by IEC: V_ref, 50 m/s for wind class I")
     turbulence_class: str = param(default="B", choices=("A", "B", "C"), doc="gust by IEC, kaimal: turbulence class")
-    turbulence_intensity: float = param(default=None, min=0, doc="kaimal: sigma/V; without a value by the class")
+    turbulence_intensity: Number = param(default=None, min=0, doc="kaimal: sigma/V; without a value by the class")
     seed: int = param(default=1, min=0, doc="kaimal: number of the realisation")
-    sample_step: float = param(default=0.25, unit="s", min=0, doc="kaimal: sampling; harmonics up to 1/(4 sample_step)")
-    repetition_period: float = param(default=4096.0, unit="s", min=0, doc="kaimal: period of the realisation")
+    sample_step: Number = param(default=0.25, unit="s", min=0, doc="kaimal: step; harmonics up to 1/(4 sample_step)")
+    repetition_period: Number = param(default=4096.0, unit="s", min=0, doc="kaimal: period of the realisation")
     file: str = param(default="", doc="file: CSV with time [s] and speed [m/s] of each station; field: .bts file")
-    field_shift: float = param(default=None, unit="m", doc="field: x of its first plane at t = 0, see field_lookup")
+    field_shift: Number = param(default=None, unit="m", doc="field: x of its first plane at t = 0, see field_lookup")
     interpolation: str = param(default="linear", choices=("linear", "cubic"), doc="field: between its points, in time")
 
     speed: RealOutput = port(unit="m/s", shape=_per_station, doc="undisturbed speed at each station")
@@ -100,7 +101,7 @@ class Wind(Component):
         speed = self.base + self.fluctuation
         return [eq(self.base, base), eq(self.fluctuation, fluctuation), eq(self.speed, speed), *statements]
 
-    def drawing(self):
+    def drawing(self) -> shapes.Drawing:
         return [] if self.kind == "none" else _arrows(self)
 
     def velocity(self, r: ca.SX, station: int = 0, reach: str = "tower") -> ca.SX:

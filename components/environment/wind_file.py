@@ -8,6 +8,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from fowtlib.language.data_files import text_of
 from fowtlib.language.errors import ParameterError
 
 Floats = NDArray[np.float64]
@@ -36,21 +37,17 @@ class WindSeries:
         return self.start + self.step * (len(self.values) - (0 if self.periodic else 1))
 
 
-def read_series(path: str, stations: int) -> WindSeries:
+def read_series(path: str, stations: int, *, what: str = "wind file", quantity: str = "speed") -> WindSeries:
     """Wind speeds from a CSV file with the columns time [s], speed at the first station [m/s], at the second, ...
 
     One speed column serves any number of stations. Times rise by equal steps. There may be one header line; blank lines
     and lines that begin with # are skipped. Raises ParameterError with file:line for anything else: a word or nan, a
-    wrong number of columns, uneven times; with the path for a file that cannot be read.
+    wrong number of columns, uneven times; with the path for a file that cannot be read. `what` and `quantity` are words
+    of the messages, for files of other things.
     """
     rows: list[list[float]] = []
     lines: list[int] = []
-    try:
-        with open(path, encoding="utf-8-sig") as file:
-            text = file.read().splitlines()
-    except (OSError, UnicodeDecodeError) as error:
-        reason = error.strerror if isinstance(error, OSError) else "not a text file"
-        raise ParameterError(f"{path}: cannot read the wind file: {reason}") from None
+    text = text_of(path, f"the {what}").split("\n")
     header = False
     for line, content in enumerate(text, start=1):
         content = content.strip()
@@ -58,7 +55,7 @@ def read_series(path: str, stations: int) -> WindSeries:
             continue
         cells = [cell.strip() for cell in content.split(",")]
         if len(cells) < 2:
-            raise ParameterError(f"{path}:{line}: 1 column, expected time and speed, separated by commas")
+            raise ParameterError(f"{path}:{line}: 1 column, expected time and {quantity}, separated by commas")
         if not rows and not header and not any(_is_number(cell) for cell in cells):
             header = True
             continue
@@ -67,7 +64,8 @@ def read_series(path: str, stations: int) -> WindSeries:
             if not (_is_number(cell) and math.isfinite(float(cell))):
                 raise ParameterError(f"{where}: column {column} is {cell!r}, expected a number")
         if len(cells) not in (2, 1 + stations):
-            wanted = "2, time and speed" if stations == 1 else f"{1 + stations}, time and the speed at every station"
+            every = f"{1 + stations}, time and the speed at every station"
+            wanted = f"2, time and {quantity}" if stations == 1 else every
             raise ParameterError(f"{where}: {len(cells)} columns, expected {wanted}")
         if rows and len(cells) != len(rows[0]):
             raise ParameterError(f"{where}: {len(cells)} columns, but line {lines[0]} has {len(rows[0])}")

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from fowtlib.components.mechanics.connectors import Frame
-from fowtlib.language import Component, Scalar, eq, fix_orientation, param, port
+from fowtlib.language import Component, Number, Scalar, eq, fix_orientation, param, port
 from fowtlib.language import math as m
 
 
@@ -15,8 +15,8 @@ class World(Component):
     changed in a built model.
     """
 
-    gravity: float = param(default=9.80665, unit="m/s^2", min=0, doc="gravity, along -z")
-    water_depth: float = param(default=320.0, unit="m", min=0, doc="depth of the water below z = 0")
+    gravity: Number = param(default=9.80665, unit="m/s^2", min=0, doc="gravity, along -z")
+    water_depth: Number = param(default=320.0, unit="m", min=0, doc="depth of the water below z = 0")
     water_density: Scalar = param(default=1025.0, unit="kg/m^3", min=0, doc="density of the water")
     air_density: Scalar = param(default=1.225, unit="kg/m^3", min=0, doc="density of the air")
 

@@ -6,7 +6,7 @@ from fowtlib.components.fmu.archive import Archive
 from fowtlib.components.fmu.description import Description, read_description
 from fowtlib.components.fmu.running import FmuProcess, platform_folder
 from fowtlib.components.fmu.signals import FmuSignal, check_names, check_ports, check_start, signals
-from fowtlib.language import Array, Component, RealInput, RealOutput, call, eq, param, port, sampled, var
+from fowtlib.language import Array, Component, Number, RealInput, RealOutput, call, eq, param, port, sampled, var
 from fowtlib.language.errors import ModelError, ParameterError, one_of
 
 
@@ -24,7 +24,7 @@ class FMU(Component):
     """
 
     file: str = param(doc="path of the .fmu file")
-    period: float = param(default=None, unit="s", min=1e-9, doc="communication step; by default the one the file names")
+    period: Number = param(default=None, unit="s", min=1e-9, doc="communication step; by default that of the file")
     start: dict = param(
         default={},
         doc="values of parameters, open inputs and first outputs, by the FMU's names; numbers in the FMU's own unit",

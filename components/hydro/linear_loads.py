@@ -43,12 +43,12 @@ import numpy as np
 from numpy.typing import NDArray
 
 from fowtlib.components.environment.sea import Sea
-from fowtlib.components.environment.waves import wave_number
+from fowtlib.components.environment.waves import WaveComponents, wave_number
 from fowtlib.components.environment.world import World
 from fowtlib.components.hydro.database import HydrodynamicDatabase
 from fowtlib.components.hydro.radiation_identification import RadiationModel, kept_radiation
 from fowtlib.components.mechanics.connectors import Frame
-from fowtlib.language import Array, Component, Scalar, Vector, der, eq, outer, param, port, var
+from fowtlib.language import Array, Component, Number, Scalar, Vector, der, eq, outer, param, port, var
 from fowtlib.language import math as m
 
 
@@ -103,7 +103,7 @@ class Hydrostatics(PlatformLoad):
     volume: Scalar = param(unit="m^3", min=0, doc="displaced volume at rest")
     centre_of_buoyancy: Vector = param(unit="m", doc="centre of that volume, resolved in the frame")
     stiffness: Array = param(shape=(6, 6), doc="C_w, without buoyancy moments, SI")
-    reference_density: float = param(default=1025.0, unit="kg/m^3", min=0, doc="water density rho_0 of C_w")
+    reference_density: Number = param(default=1025.0, unit="kg/m^3", min=0, doc="water density rho_0 of C_w")
     position: Vector = param(default=(0, 0, 0), unit="m", doc="place of the frame at rest, world")
 
     world: World = outer(World)
@@ -143,7 +143,7 @@ class AddedMass(PlatformLoad):
     """
 
     matrix: Array = param(shape=(6, 6), doc="added mass at infinite frequency, SI")
-    reference_density: float = param(default=1025.0, unit="kg/m^3", min=0, doc="water density rho_0 of the matrix")
+    reference_density: Number = param(default=1025.0, unit="kg/m^3", min=0, doc="water density rho_0 of the matrix")
 
     world: World = outer(World)
 
@@ -212,7 +212,7 @@ class WaveExcitation(PlatformLoad):
     wave_inputs = ("extra_force", "extra_moment")
 
     database: str = param(doc="file of a HydrodynamicDatabase")
-    position: Vector = param(default=(0, 0, 0), unit="m", structural=True, doc="place of the frame at rest, world")
+    position: Vector = param(default=(0, 0, 0), unit="m", bound=True, doc="place of the frame at rest, world")
     extra_force: Vector = param(default=(0, 0, 0), unit="N", doc="force added to that of the waves, world")
     extra_moment: Vector = param(default=(0, 0, 0), unit="N*m", doc="moment added to that of the waves, leaning too")
 
@@ -223,12 +223,8 @@ class WaveExcitation(PlatformLoad):
     moment: Vector = var(unit="N*m", doc="wave moment on the platform, world axes leant as the hull")
 
     def equations(self):
-        database, waves = read_database(self.database), self.sea.components()
-        transfer = np.zeros((len(waves), 6), dtype=complex)
-        if len(waves):
-            transfer = database.excitation_at(waves.omega, waves.heading) * waves.elevation_transfer(self.position)
-        scale = self.world.water_density / database.rho
-        load = scale * self.sea.loads(transfer)
+        scale = self.world.water_density / read_database(self.database).rho
+        load = scale * self.sea.loads(_excitation, of=self)
         return [
             eq(self.force, load[:3] + self.extra_force),
             eq(self.moment, load[3:] + self.extra_moment),
@@ -239,10 +235,16 @@ class WaveExcitation(PlatformLoad):
         """Complex load (n, 6) per unit wave amplitude, at circular frequencies [rad/s] and a heading [rad]."""
         database = read_database(self.database)
         k = wave_number(omega, self.world.water_depth, self.world.gravity)
-        x, y, _ = np.asarray(self.position, dtype=float)
+        x, y, _ = np.asarray(self.parameter_value("position"), dtype=float)
         phase = np.exp(-1j * k * (x * np.cos(heading) + y * np.sin(heading)))
         scale = self.world.parameter_value("water_density") / database.rho
         return scale * database.excitation_at(np.asarray(omega), heading) * phase[:, None]
+
+
+def _excitation(waves: WaveComponents, part: WaveExcitation) -> NDArray[np.complex128]:
+    """Load (n, 6) per unit amplitude of the waves of a run."""
+    load = read_database(part.database).excitation_at(waves.omega, waves.heading)
+    return load * waves.elevation_transfer(part.parameter_value("position"))
 
 
 def read_database(path: str | Path) -> HydrodynamicDatabase:

@@ -68,7 +68,7 @@ class MorisonDrag(Component):
             force, moment = force + load, moment + m.cross(arm, load)
         return [eq(self.force, force), eq(self.moment, moment), eq(self.frame.f, -force), eq(self.frame.t, -moment)]
 
-    def drawing(self):
+    def drawing(self) -> shapes.Drawing:
         diameters = self.parameter_value("diameters")
         return [shapes.Tube(self.frame, self.points, diameters, material="hull")]
 

@@ -27,7 +27,7 @@ class LinearPotentialFlow(Component):
     database: str = param(doc="file of a HydrodynamicDatabase")
     radiation_order: int = param(default=4, min=0, doc="states per motion of the radiation memory; 0: none")
     excitation: bool = param(default=True, doc="wave loads; the model needs a Sea for them")
-    position: Vector = param(default=(0, 0, 0), unit="m", structural=True, doc="place of the frame at rest, world")
+    position: Vector = param(default=(0, 0, 0), unit="m", doc="place of the frame at rest, world")
 
     world: World = outer(World)
     frame: Frame = port(doc="reference point of the body, at the still water level on its axis")

@@ -217,7 +217,7 @@ class Beam(TwoFrames):
             _, frame, origin = next((c for c in carriers if point[2] <= c[0].segment.end), carriers[-1])
             self.connect(_link(self, frame, point - origin, f"to_node_{k + 1}"), self.nodes[k])
 
-    def drawing(self):
+    def drawing(self) -> shapes.Drawing:
         return [shapes.Tube(frame, axis, np.maximum(x, y), material="tower") for frame, axis, _, x, y in bodies(self)]
 
     def equations(self):

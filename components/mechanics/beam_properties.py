@@ -2,13 +2,12 @@
 
 from __future__ import annotations
 
-import csv
 from dataclasses import dataclass
-from functools import lru_cache
 from typing import Any
 
 import numpy as np
 
+from fowtlib.language.data_files import cells_of, lines_of, remembered
 from fowtlib.language.errors import ModelError, ParameterError
 
 COLUMNS = {
@@ -156,27 +155,24 @@ def given_beam(component: Any) -> BeamProperties:
     return read_beam(path) if path else table
 
 
-@lru_cache(maxsize=32)
+@remembered()
 def read_beam(path: str) -> BeamProperties:
     """Read a CSV with the columns of COLUMNS; lines that start with # are comments.
 
     Required: z_m, the mass and both bending stiffnesses. Outer diameter and wall thickness of a tube, where given, make
     its rotary inertia. Raises ModelError with the path for a column that is missing, unknown or not a number.
     """
-    try:
-        with open(path, newline="") as file:
-            lines = [(k, line) for k, line in enumerate(file, 1) if not line.startswith("#")]
-    except OSError as error:
-        raise ModelError(f"the properties of a beam cannot be read: {error.strerror}: {path}") from None
-    rows = list(csv.DictReader(line for _, line in lines))
-    if len(rows) < 2:
+    lines = lines_of(path, "the properties of a beam", ModelError)
+    if len(lines) < 3:
         raise ModelError(f"{path}: a beam needs two stations or more.")
-    unknown = [name for name in rows[0] if name not in COLUMNS]
+    header = cells_of(lines[0][1])
+    rows = [dict(zip(header, cells_of(line), strict=False)) for _, line in lines[1:]]
+    unknown = [name for name in header if name not in COLUMNS]
     if unknown:
         raise ModelError(f"{path}: unknown column '{unknown[0]}'; known are {', '.join(COLUMNS)}.")
     try:
-        table = {COLUMNS[name]: np.array([float(row[name]) for row in rows]) for name in rows[0]}
-    except (TypeError, ValueError) as error:
+        table = {COLUMNS[name]: np.array([float(row[name]) for row in rows]) for name in header}
+    except (KeyError, ValueError) as error:
         raise ModelError(f"{path}: a value is missing or not a number ({error}).") from None
     missing = [name for name in ("z", *REQUIRED) if name not in table]
     if missing:
@@ -185,7 +181,7 @@ def read_beam(path: str) -> BeamProperties:
     falls = np.flatnonzero(~(np.diff(table["z"]) > 0))
     if falls.size:
         last, first = (f"{table['z'][falls[0] + k]:g} m" for k in (0, 1))
-        place = [k for k, line in lines if line.strip()][falls[0] + 2]
+        place = lines[falls[0] + 2][0]
         raise ModelError(
             f"{path}:{place}: the stations of a beam must increase from root to tip; {last} is followed by {first}."
         )

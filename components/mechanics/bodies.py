@@ -9,6 +9,7 @@ from fowtlib.components.mechanics.rotations import axis_rotation, yaw_pitch_roll
 from fowtlib.language import (
     Component,
     Matrix,
+    Number,
     Scalar,
     Vector,
     der,
@@ -47,14 +48,14 @@ class FixedTranslation(TwoFrames):
     """
 
     r: Vector = param(unit="m", doc="from frame_a to frame_b, resolved in frame_a")
-    diameter: float = param(default=None, unit="m", min=0, doc="diameter of the rod in pictures; 0 hides it")
+    diameter: Number = param(default=None, unit="m", min=0, doc="diameter of the rod in pictures; 0 hides it")
 
     def equations(self):
         a, b = self.frame_a, self.frame_b
         arm = a.R @ self.r
         return [eq(b.r, a.r + arm), rotation(a, b, m.eye(3), m.zeros(3)), self.transmit(arm)]
 
-    def drawing(self):
+    def drawing(self) -> shapes.Drawing:
         return shapes.rod(self.frame_a, self.parameter_value("r"), self.diameter)
 
 
@@ -67,14 +68,14 @@ class FixedRotation(TwoFrames):
     n: Vector = param(default=(0, 0, 1), structural=True, doc="axis of rotation, resolved in frame_a (any length)")
     angle: Scalar = param(unit="rad", doc="angle from frame_a to frame_b")
     r: Vector = param(default=(0, 0, 0), unit="m", doc="from frame_a to frame_b, resolved in frame_a")
-    diameter: float = param(default=None, unit="m", min=0, doc="diameter of the rod in pictures; 0 hides it")
+    diameter: Number = param(default=None, unit="m", min=0, doc="diameter of the rod in pictures; 0 hides it")
 
     def equations(self):
         a, b = self.frame_a, self.frame_b
         arm = a.R @ self.r
         return [eq(b.r, a.r + arm), rotation(a, b, axis_rotation(self.n, self.angle), m.zeros(3)), self.transmit(arm)]
 
-    def drawing(self):
+    def drawing(self) -> shapes.Drawing:
         return shapes.rod(self.frame_a, self.parameter_value("r"), self.diameter)
 
 
@@ -105,7 +106,7 @@ class RigidBody(Component):
             eq(a.t, R @ rate_of_spin + m.cross(arm, a.f)),
         ]
 
-    def drawing(self):
+    def drawing(self) -> shapes.Drawing:
         return [shapes.Ball(self.frame_a, self.parameter_value("r_cm"), material="body")]
 
 
@@ -130,5 +131,5 @@ class PointMass(Component):
             eq(a.t, m.zeros(3)),
         ]
 
-    def drawing(self):
+    def drawing(self) -> shapes.Drawing:
         return [shapes.Ball(self.frame_a, material="body")]

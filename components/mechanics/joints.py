@@ -161,7 +161,7 @@ class Prismatic(TwoFrames):
             self.transmit(axis * self.s),
         ]
 
-    def drawing(self):
+    def drawing(self) -> shapes.Drawing:
         return [shapes.link(self.frame_a, self.frame_b)]
 
 

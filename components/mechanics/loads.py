@@ -67,5 +67,5 @@ class SpringDamper(TwoFrames):
             assert_(self.length > 1e-9, "the two ends of the spring meet, so its direction is undetermined"),
         ]
 
-    def drawing(self):
+    def drawing(self) -> shapes.Drawing:
         return [shapes.link(self.frame_a, self.frame_b)]

@@ -27,7 +27,7 @@ class VisualTube(VisualPart):
     points: Array = param(unit="m", structural=True, doc="points (n, 3) along the axis, resolved in the frame")
     diameters: Array = param(unit="m", min=0, structural=True, doc="diameter at each point, or one for all")
 
-    def drawing(self):
+    def drawing(self) -> shapes.Drawing:
         return [shapes.Tube(self.frame, self.points, self.diameters, material=self.material)]
 
 
@@ -40,5 +40,5 @@ class VisualBox(VisualPart):
     centre: Array = param(default=(0, 0, 0), unit="m", structural=True, shape=3, doc="its centre, in the frame")
     size: Array = param(unit="m", min=0, structural=True, shape=3, doc="lengths along the axes of the frame")
 
-    def drawing(self):
+    def drawing(self) -> shapes.Drawing:
         return [shapes.Box(self.frame, self.centre, self.size, material=self.material)]

@@ -6,7 +6,7 @@ import math
 
 from fowtlib.components.environment.world import World
 from fowtlib.components.mechanics.interfaces import TwoFrames
-from fowtlib.language import RealOutput, Scalar, assert_, der, eq, outer, param, port, shapes, var
+from fowtlib.language import Number, RealOutput, Scalar, assert_, der, eq, outer, param, port, shapes, var
 from fowtlib.language import math as m
 
 
@@ -24,7 +24,7 @@ class AxialWire(TwoFrames):
     length: Scalar = param(unit="m", min=0, doc="distance of the ends at which the tension is the pretension")
     pretension: Scalar = param(default=0.0, unit="N", min=0, doc="tension at that distance")
     damping: Scalar = param(default=0.0, unit="N*s/m", min=0, doc="axial damping")
-    mass_per_length: float = param(default=0.0, unit="kg/m", min=0, doc="mass per unstretched length")
+    mass_per_length: Number = param(default=0.0, unit="kg/m", min=0, doc="mass per unstretched length")
     tension_only: bool = param(default=False, doc="the wire goes slack instead of pushing")
     slack_tension: Scalar = param(default=1000.0, unit="N", min=1e-9, doc="width of the rounding, with tension_only")
 
@@ -57,6 +57,6 @@ class AxialWire(TwoFrames):
             [] if self.tension_only else assert_(self.tension > -1e-3 * self.slack_tension, pushing, level="warning"),
         ]
 
-    def drawing(self):
+    def drawing(self) -> shapes.Drawing:
         diameter = (4 * self.mass_per_length / (math.pi * 7850)) ** 0.5 or None  # of a bar of steel
         return [shapes.link(self.frame_a, self.frame_b, diameter, "line")]

@@ -7,6 +7,7 @@ from fowtlib.components.servo.pitch_controller import FLOATING_GAINS, ONSHORE_GA
 from fowtlib.components.servo.sampled import SampledPitchController, SampledTorqueController
 from fowtlib.components.servo.torque_controller import TorqueController
 from fowtlib.components.servo.torque_law import TorqueLaw, torque_of
+from fowtlib.components.servo.turbine_controller import TurbineController
 
 __all__ = [
     "FLOATING_GAINS",
@@ -19,5 +20,6 @@ __all__ = [
     "SampledTorqueController",
     "TorqueController",
     "TorqueLaw",
+    "TurbineController",
     "torque_of",
 ]

@@ -8,12 +8,13 @@ from fowtlib.components.blocks import FirstOrder
 from fowtlib.components.servo.pitch_controller import PitchController
 from fowtlib.components.servo.sampled import SampledPitchController, SampledTorqueController
 from fowtlib.components.servo.torque_controller import TorqueController
-from fowtlib.language import Component, RealInput, RealOutput, Scalar, param, port
+from fowtlib.components.servo.turbine_controller import TurbineController
+from fowtlib.language import Number, RealInput, Scalar, param, port
 
 PITCH = ("proportional_gain", "integral_gain", "rated_speed", "yaw_gain", "pitch_start")
 
 
-class BaselineController(Component):
+class BaselineController(TurbineController):
     """Pitch and torque controller of the NREL 5 MW turbine behind one low-pass filter of the generator speed.
 
     Continuous in time, or with `sample_period` the sampled controllers of sampled.py. The torque takes the collective
@@ -31,14 +32,11 @@ class BaselineController(Component):
         default="constant_torque", choices=("constant_torque", "constant_power"), doc="what is held above rated speed"
     )
     filter_frequency: Scalar = param(default=0.25, unit="Hz", min=0, doc="corner of the speed filter, single pole")
-    sample_period: float = param(default=None, unit="s", min=1e-6, doc="sampling period; without it continuous control")
+    sample_period: Number = param(default=None, unit="s", min=1e-6, doc="sampling period; without it continuous")
     pitch_start: Scalar = param(default=0.0, unit="rad", doc="initial blade pitch")
     speed_start: Scalar = param(default=0.0, unit="rad/s", doc="sampled: initial generator speed")
 
-    generator_speed: RealInput = port(unit="rad/s", doc="generator speed")
     yaw: RealInput = port(default=0.0, unit="rad", doc="yaw angle of the platform, for the yaw control")
-    blade_pitch: RealOutput = port(unit="rad", doc="blade pitch")
-    generator_torque: RealOutput = port(unit="N*m", doc="generator torque")
 
     def build(self):
         pitch = {name: getattr(self, name) for name in PITCH}

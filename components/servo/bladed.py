@@ -6,19 +6,8 @@ import math
 from pathlib import Path
 
 from fowtlib.components.servo.bladed_library import LENGTH, PITCH, TORQUE, BladedProcess
-from fowtlib.language import (
-    Array,
-    Component,
-    RealInput,
-    RealOutput,
-    Scalar,
-    call,
-    eq,
-    param,
-    port,
-    sampled,
-    var,
-)
+from fowtlib.components.servo.turbine_controller import TurbineController
+from fowtlib.language import Array, Number, RealInput, RealOutput, Scalar, call, eq, param, port, sampled, var
 from fowtlib.language.errors import ParameterError
 
 # Record of the swap array of each input.
@@ -29,7 +18,7 @@ MEASURED = {
 _OWN = {1, 2, 3, 10, 14, 15, 28, 35, 49, 50, 51, 61, 129}  # records that are not for the user
 
 
-class BladedController(Component):
+class BladedController(TurbineController):
     """Blade pitch and generator torque by a controller library with the Bladed interface (DISCON), such as ROSCO.
 
     The library is called once every `period`, in a process of its own, with what is measured at that instant; its
@@ -44,17 +33,16 @@ class BladedController(Component):
     input_file: str = param(default="", doc="path of its input file, such as DISCON.IN; the library runs in its folder")
     procedure: str = param(default="DISCON", doc="name of the procedure in the library")
     output_root: str = param(default="", doc="start of the paths of the files it writes; by default they are deleted")
-    period: float = param(default=0.0125, unit="s", min=1e-6, doc="time between two calls")
+    period: Number = param(default=0.0125, unit="s", min=1e-6, doc="time between two calls")
     blades: int = param(default=3, min=1, doc="number of blades, 1 to 3")
     individual: bool = param(default=False, doc="pitch of each blade from records 42 to 44, not of all from record 45")
-    efficiency: float = param(default=1.0, min=0, max=1, doc="electrical over mechanical power, for record 15")
+    efficiency: Number = param(default=1.0, min=0, max=1, doc="electrical over mechanical power, for record 15")
     measurements: dict = param(default={}, doc="further inputs: name of the port and number of its record, from 1")
     demands: dict = param(default={}, doc="further outputs: name of the port and number of its record")
     records: dict = param(default={}, doc="records that stay at a value: number and value")
     pitch_start: Scalar = param(default=0.0, unit="rad", doc="blade pitch before the first call")
     torque_start: Scalar = param(default=0.0, unit="N*m", doc="torque before the first call")
 
-    generator_speed: RealInput = port(unit="rad/s", doc="generator speed")
     rotor_speed: RealInput = port(unit="rad/s", doc="rotor speed")
     wind_speed: RealInput = port(unit="m/s", doc="wind speed at the hub, as an anemometer shows it")
     yaw: RealInput = port(default=0.0, unit="rad", doc="yaw angle of the nacelle in the world")

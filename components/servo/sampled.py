@@ -7,7 +7,7 @@ import math
 from fowtlib.components.servo.pitch_controller import PitchController
 from fowtlib.components.servo.torque_controller import TorqueController
 from fowtlib.components.servo.torque_law import torque_of
-from fowtlib.language import Scalar, assign, eq, param, sampled, var
+from fowtlib.language import Number, Scalar, assign, eq, param, sampled, var
 from fowtlib.language import math as m
 
 
@@ -28,7 +28,7 @@ class SampledTorqueController(TorqueController):
     every sample is a restart, which is slow; the solver fixed steps from sample to sample.
     """
 
-    period: float = param(default=0.0125, unit="s", min=1e-6, doc="sampling period")
+    period: Number = param(default=0.0125, unit="s", min=1e-6, doc="sampling period")
     filter_frequency: Scalar = param(default=0.25, unit="Hz", min=0, doc="corner of the speed filter, single pole")
     speed_start: Scalar = param(default=0.0, unit="rad/s", doc="initial filtered speed")
     torque_start: Scalar = param(
@@ -55,7 +55,7 @@ class SampledPitchController(PitchController):
     With the solver idas every sample is a restart, which is slow; the solver fixed steps from sample to sample.
     """
 
-    period: float = param(default=0.0125, unit="s", min=1e-6, doc="sampling period")
+    period: Number = param(default=0.0125, unit="s", min=1e-6, doc="sampling period")
     filter_frequency: Scalar = param(default=0.25, unit="Hz", min=0, doc="corner of the speed filter, single pole")
     speed_start: Scalar = param(default=0.0, unit="rad/s", doc="initial filtered speed")
 

@@ -5,8 +5,8 @@ from __future__ import annotations
 import numpy as np
 
 from fowtlib.components.mechanics import BeamTurn, FixedTranslation, Frame
-from fowtlib.components.support.tower import tube_or_table
-from fowtlib.language import Array, Component, RealOutput, Scalar, Vector, eq, param, port
+from fowtlib.components.support.tower import of_a_tube, tube_or_table
+from fowtlib.language import Array, Component, Number, RealOutput, Scalar, Vector, eq, param, port
 from fowtlib.language import math as m
 from fowtlib.language.errors import ParameterError
 
@@ -61,14 +61,16 @@ class Arm(ArmLoads):
     mode_names = {"*_x": "arm horizontal", "*_y": "arm vertical", "*.twisting.*": "arm torsion"}
 
     to: Vector = param(unit="m", structural=True, doc="the tip, from frame_a, resolved in frame_a")
-    root_radius: float = param(default=0.0, unit="m", min=0, doc="where the tube begins, from frame_a along the arm")
+    root_radius: Number = param(default=0.0, unit="m", min=0, doc="where the tube begins, from frame_a along the arm")
     diameters: Array = param(
         default=(), unit="m", doc="outer diameters at equal distances from root to tip, linear between"
     )
     wall_thicknesses: Array = param(default=(), unit="m", doc="wall thicknesses at the same places")
-    density: Scalar = param(default=8500.0, unit="kg/m^3", min=0, doc="density of the wall, with paint, bolts, flanges")
-    young_modulus: Scalar = param(default=210e9, unit="Pa", min=0, doc="Young's modulus of the wall")
-    shear_modulus: Scalar = param(default=80.8e9, unit="Pa", min=0, doc="shear modulus of the wall")
+    density: Scalar = param(
+        default=of_a_tube(8500.0), unit="kg/m^3", min=0, doc="density of the wall, with paint, bolts, flanges"
+    )
+    young_modulus: Scalar = param(default=of_a_tube(210e9), unit="Pa", min=0, doc="Young's modulus of the wall")
+    shear_modulus: Scalar = param(default=of_a_tube(80.8e9), unit="Pa", min=0, doc="shear modulus of the wall")
     stiffness_factor: Scalar = param(default=1.0, min=0, doc="factor on every stiffness")
     properties: str = param(default="", doc="path of a CSV with the properties, see read_beam; x is horizontal")
     table: object = param(default=None, doc="the properties as BeamProperties, instead of a path")

@@ -45,6 +45,11 @@ class Tower(TwoFrames):
         ]
 
 
+def of_a_tube(value):
+    """Default of a number of a tube: none without diameters, as a number that nothing uses is no parameter of a run."""
+    return lambda component: value if np.size(component.parameter_value("diameters")) else None
+
+
 def tube_or_table(component, heights, names="diameters and wall_thicknesses", **settings):
     """The Beam of a component with these settings: a TubeBeam where `heights` along it are given, or that of its table.
 
@@ -84,9 +89,11 @@ class FlexibleTower(Tower):
     heights: Array = param(default=(), unit="m", doc="heights of the stations, base first")
     diameters: Array = param(default=(), unit="m", doc="outer diameters at the heights")
     wall_thicknesses: Array = param(default=(), unit="m", doc="wall thicknesses at the heights")
-    density: Scalar = param(default=8500.0, unit="kg/m^3", min=0, doc="density of the wall, with paint, bolts, flanges")
-    young_modulus: Scalar = param(default=210e9, unit="Pa", min=0, doc="Young's modulus of the wall")
-    shear_modulus: Scalar = param(default=80.8e9, unit="Pa", min=0, doc="shear modulus of the wall")
+    density: Scalar = param(
+        default=of_a_tube(8500.0), unit="kg/m^3", min=0, doc="density of the wall, with paint, bolts, flanges"
+    )
+    young_modulus: Scalar = param(default=of_a_tube(210e9), unit="Pa", min=0, doc="Young's modulus of the wall")
+    shear_modulus: Scalar = param(default=of_a_tube(80.8e9), unit="Pa", min=0, doc="shear modulus of the wall")
     stiffness_factor: Scalar = param(default=1.0, min=0, doc="factor on every stiffness")
     cuts: Array = param(default=(), unit="m", structural=True, doc="places of section loads: height above the base")
     n_cuts: int = param(default=lambda self: len(self.cuts), min=0, doc="number of those cuts")
@@ -149,7 +156,7 @@ class RigidTower(Tower):
     def equations(self):
         return self.loads(m.zeros(3))
 
-    def drawing(self):
+    def drawing(self) -> shapes.Drawing:
         """A tube with the mean diameter of a thin wall, from the inertia about its axis; a rod where that is zero."""
         height, mass, inertia = (self.parameter_value(name) for name in ("height", "mass", "axial_inertia"))
         diameter = 2 * (inertia / mass) ** 0.5 if inertia and mass else None

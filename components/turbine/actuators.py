@@ -7,6 +7,7 @@ import math
 from fowtlib.components.mechanics import TwoFrames
 from fowtlib.components.mechanics.rotations import axis_rotation, unit_axis
 from fowtlib.language import (
+    Number,
     RealInput,
     RealOutput,
     Scalar,
@@ -39,7 +40,7 @@ class ActuatedBearing(TwoFrames):
     n: Vector = param(default=(0, 0, 1), structural=True, doc="axis of rotation, resolved in frame_a (any length)")
     natural_frequency: Scalar = param(unit="Hz", min=0, doc="undamped natural frequency of the drive")
     damping_ratio: Scalar = param(default=0.02, min=0, doc="damping ratio of the drive")
-    rate_limit: float = param(default=None, unit="rad/s", min=1e-9, doc="greatest rate; without it there is no limit")
+    rate_limit: Number = param(default=None, unit="rad/s", min=1e-9, doc="greatest rate; without it there is no limit")
 
     command: RealInput = port(unit="rad", default=0.0, doc="commanded angle")
     angle: RealOutput = port(unit="rad", doc="angle")

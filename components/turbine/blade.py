@@ -71,7 +71,7 @@ class FlexibleBlade(Blade):
         for k in range(self.n_nodes):
             self.connect(self.beam.nodes[k], self.nodes[k])
 
-    def drawing(self):
+    def drawing(self) -> shapes.Drawing:
         return self.skin()
 
     def skin(self, stations=None, chords=None):
@@ -120,7 +120,7 @@ class RigidBlade(Blade):
             self.connect(self.frame_a, link.frame_a)
             self.connect(link.frame_b, self.nodes[k])
 
-    def drawing(self):
+    def drawing(self) -> shapes.Drawing:
         """The skin of a typical blade, to the outermost node, else thrice as long as to the centre of mass."""
         given = [float(point if np.ndim(point) == 0 else point[2]) for point in self.node_points]
         length = max([*given, 0.0]) or 3 * self.parameter_value("centre_of_mass")

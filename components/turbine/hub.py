@@ -6,7 +6,7 @@ import math
 
 from fowtlib.components.mechanics import Frame, RigidBody, TwoFrames
 from fowtlib.components.turbine.actuators import ActuatedBearing
-from fowtlib.language import Component, RealInput, RealOutput, Scalar, eq, param, part, port, rotation, shapes
+from fowtlib.language import Component, Number, RealInput, RealOutput, Scalar, eq, param, part, port, rotation, shapes
 from fowtlib.language import math as m
 
 
@@ -46,7 +46,7 @@ class Hub(Component):
     centre_of_mass: Scalar = param(default=0.0, unit="m", doc="centre of mass along the shaft, positive downwind")
     pitch_frequency: Scalar = param(default=5.0, unit="Hz", min=0, doc="natural frequency of the pitch drives")
     pitch_damping: Scalar = param(default=0.02, min=0, doc="damping ratio of the pitch drives")
-    pitch_rate: float = param(default=None, unit="rad/s", min=1e-9, doc="greatest pitch rate; without it: no limit")
+    pitch_rate: Number = param(default=None, unit="rad/s", min=1e-9, doc="greatest pitch rate; without it: no limit")
 
     frame: Frame = port(doc="hub centre, turning; x downwind along the shaft")
     roots: Frame = port(size="blades", doc="blade roots, pitched")
@@ -71,6 +71,6 @@ class Hub(Component):
             self.connect(self.pitch_command[k], bearing.command)
             self.connect(bearing.angle, self.pitch[k])
 
-    def drawing(self):
+    def drawing(self) -> shapes.Drawing:
         diameter = 2.2 * self.parameter_value("radius")
         return [shapes.Ball(self.frame, diameter=diameter, material="nacelle")] if diameter else []

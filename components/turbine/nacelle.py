@@ -18,6 +18,7 @@ from fowtlib.components.turbine.actuators import ActuatedBearing
 from fowtlib.language import (
     Component,
     Matrix,
+    Number,
     RealInput,
     RealOutput,
     Scalar,
@@ -56,7 +57,7 @@ class Nacelle(Component):
     rotor_speed_start: Scalar = param(default=0.0, unit="rad/s", doc="initial rotor speed")
     yaw_frequency: Scalar = param(default=3.0, unit="Hz", min=0, doc="natural frequency of the yaw drive")
     yaw_damping: Scalar = param(default=0.02, min=0, doc="damping ratio of the yaw drive")
-    yaw_rate: float = param(default=None, unit="rad/s", min=1e-9, doc="greatest yaw rate; without it there is no limit")
+    yaw_rate: Number = param(default=None, unit="rad/s", min=1e-9, doc="greatest yaw rate; without it: no limit")
 
     frame_a: Frame = port(doc="tower top")
     hub: Frame = port(doc="hub centre, turning with the rotor; x downwind along the shaft")
@@ -88,7 +89,7 @@ class Nacelle(Component):
         ):  # fmt: skip
             self.connect(a, b)
 
-    def drawing(self):
+    def drawing(self) -> shapes.Drawing:
         """A box around the shaft, from behind the hub over the tower; nothing for a hub on the yaw axis."""
         overhang, height = self.parameter_value("overhang"), self.parameter_value("shaft_height")
         if overhang <= 0:

@@ -6,10 +6,11 @@ from fowtlib.components.aero import CoefficientRotor, outlines, read_coefficient
 from fowtlib.components.environment.wind import Wind
 from fowtlib.components.environment.world import World
 from fowtlib.components.mechanics import Frame, IdealGear, RigidBody
-from fowtlib.components.servo import BaselineController, Generator
+from fowtlib.components.servo import BaselineController, Generator, TurbineController
 from fowtlib.components.turbine.operating_point import SteadyTurbine
 from fowtlib.components.turbine.start import controlled, give_default, start_point, unknown_start
 from fowtlib.language import Component, Matrix, RealInput, RealOutput, Scalar, Vector, eq, outer, param, part, port
+from fowtlib.language.shapes import Drawing
 
 
 class RotorNacelle(Component):
@@ -49,7 +50,7 @@ class RotorNacelle(Component):
     thrust: RealOutput = port(unit="N", doc="rotor thrust")
 
     rotor: CoefficientRotor = part(CoefficientRotor)
-    control: BaselineController = part(BaselineController)
+    control: TurbineController = part(BaselineController)
     gear: IdealGear = part(IdealGear, ratio=gear_ratio)
     generator: Generator = part(Generator, inertia=generator_inertia, efficiency=generator_efficiency)
     body: RigidBody = part(RigidBody, mass=mass, inertia=inertia, r_cm=centre_of_mass)
@@ -71,7 +72,7 @@ class RotorNacelle(Component):
         give_default(control, "pitch_start", self.blade_pitch_start)
         give_default(control, "speed_start", self.gear_ratio * self.rotor_speed_start)
 
-    def drawing(self):
+    def drawing(self) -> Drawing:
         return [*outlines.housing(self.frame, self.rotor), *self.rotor.drawing()]
 
     def equations(self):

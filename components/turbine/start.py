@@ -62,12 +62,12 @@ def give_default(component: Component, name: str, value: object) -> None:
 
 def controlled(turbine: Any) -> dict[str, Any]:
     """What a turbine's controller and air are to its steady operation: arguments of SteadyTurbine."""
-    torque = turbine.control.parts.get("torque")
-    if not isinstance(torque, TorqueController):
+    torque, pitch = (turbine.control.parts.get(name) for name in ("torque", "pitch"))
+    if not isinstance(torque, TorqueController) or "least_pitch" not in getattr(pitch, "parameters", ()):
         raise unknown_start(turbine)
     return {
         "law": TorqueLaw(**{field.name: torque.parameter_value(field.name) for field in fields(TorqueLaw)}),
-        "least_pitch": turbine.control.pitch.parameter_value("least_pitch"),
+        "least_pitch": pitch.parameter_value("least_pitch"),
         "air_density": turbine.world.parameter_value("air_density"),
     }
 

@@ -17,11 +17,12 @@ from fowtlib.components.aero import (
 from fowtlib.components.environment.wind import Wind
 from fowtlib.components.environment.world import World
 from fowtlib.components.mechanics import Frame
-from fowtlib.components.servo import BaselineController
+from fowtlib.components.servo import BaselineController, TurbineController
 from fowtlib.components.turbine.operating_point import SteadyTurbine
 from fowtlib.components.turbine.rotor_nacelle_assembly import RotorNacelleAssembly
 from fowtlib.components.turbine.start import controlled, give_default, start_point
 from fowtlib.language import Component, RealInput, RealOutput, Scalar, outer, param, part, port
+from fowtlib.language.shapes import Drawing
 
 
 def _start_of(name: str) -> Callable[[Turbine], float]:
@@ -56,7 +57,7 @@ class Turbine(Component):
 
     assembly: RotorNacelleAssembly = part(RotorNacelleAssembly)
     aerodynamics: BladeElementAerodynamics = part(BladeElementAerodynamics)
-    control: BaselineController = part(BaselineController)
+    control: TurbineController = part(BaselineController)
 
     def build(self):
         body, air, control = self.assembly, self.aerodynamics, self.control
@@ -81,7 +82,7 @@ class Turbine(Component):
         ):  # fmt: skip
             give_default(component, name, value)
 
-    def drawing(self):
+    def drawing(self) -> Drawing:
         """The parts of the assembly, its blades with the chord of the aerodynamics."""
         body, blade = self.assembly, self.aerodynamics.rotor.blade
         ends = [blade.hub_radius, *blade.radius, blade.tip_radius] - np.float64(blade.hub_radius)

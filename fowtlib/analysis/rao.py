@@ -204,19 +204,18 @@ def simulated_rao(
     plant = model.with_parameters(quiet).compile()
     rest = plant.equilibrium(parameters=parameters)
     start = dict(zip((state.path for state in plant.dae.states), rest.x.tolist(), strict=True))
-    rows, names, units = [], None, ()
+    names = chosen_outputs(plant, outputs)
+    rows = []
     for f in frequency:
         waves = {"spectrum": "regular", "wave_height": height, "wave_period": 1.0 / f, "heading": heading}
         waves["build_up"] = 0.5 * settle
-        plant = model.with_parameters({**quiet, **{f"{sea}.{k}": v for k, v in waves.items()}}).compile()
-        names = names or chosen_outputs(plant, outputs)
-        units = per_metre(plant, names)
+        values = {**(parameters or {}), **{f"{sea}.{name}": value for name, value in waves.items()}}
         step = min(0.5, 1.0 / (40.0 * f))
         end = settle + periods / f
-        result = plant.simulate(end, output_step=step, start=start, parameters=parameters, **simulate)
+        result = plant.simulate(end, output_step=step, start=start, parameters=values, **simulate)
         rows.append([_response(result, name, f, settle, height) for name in names])
     method = f"regular waves, H = {height:g} m"
-    return Rao(frequency, tuple(names or ()), np.array(rows), units, heading, method)
+    return Rao(frequency, tuple(names), np.array(rows), per_metre(plant, names), heading, method)
 
 
 def _response(result: Any, name: str, frequency: float, settle: float, height: float) -> complex:

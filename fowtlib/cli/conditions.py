@@ -92,8 +92,9 @@ class Condition:
         if name not in self.kinds:
             raise ParameterError(f"{self.option}: unknown kind '{name}'{did_you_mean(name, self.kinds)}")
         kind = self.kinds[name]
-        if kind.keys and set(kind.keys) == {kind.bare} and kind.keys[kind.bare].unit == "path":
-            words = {kind.bare: rest.strip()} if rest.strip() else {}  # a file name may hold anything
+        if kind.bare and kind.keys[kind.bare].unit == "path":
+            file, rest = _file_first(kind, rest)  # a file name may hold anything
+            words = self._words(name, kind, rest) | ({kind.bare: file} if file else {})
         else:
             words = self._words(name, kind, rest)
         missing = [key for key, value in kind.keys.items() if value.required and key not in words]
@@ -122,6 +123,15 @@ class Condition:
         if len([key for key in kind.either if key in words]) > 1:
             raise ParameterError(f"{self.option}: '{name}' takes {one_of(kind.either)}, not both.")
         return words
+
+
+def _file_first(kind: Kind, text: str) -> tuple[str, str]:
+    """The file in FILE[,key=value...], and the rest: what follows the first comma from which on all are keys."""
+    pieces = text.split(",")
+    behind = len(pieces)
+    while behind > 1 and pieces[behind - 1].partition("=")[0].strip() in kind.keys and "=" in pieces[behind - 1]:
+        behind -= 1
+    return ",".join(pieces[:behind]).strip(), ",".join(pieces[behind:])
 
 
 def settings(pairs: Sequence[str]) -> dict[str, Any]:
@@ -212,6 +222,16 @@ WAVES = Condition(
                 "seed": Key("seed", "#"),
                 **_HEADING,
             }
+        ),
+        "record": Kind(
+            {
+                "file": Key("file", "path", required=True),
+                "start": Key("start", "s"),
+                "low": Key("lowest_frequency", "rad/s"),
+                "high": Key("highest_frequency", "rad/s"),
+                **_HEADING,
+            },
+            bare="file",
         ),
         "input": Kind({}),
     },

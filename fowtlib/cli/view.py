@@ -110,8 +110,9 @@ def _as_it_was(model: Model, result: Result, path: Path) -> Model:
 
     then, numbers = result.attributes["structure"], result.attributes["parameters"]
     now = structural_values(model.root)
-    for depth in sorted({key.count(".") for key in (*then, *numbers)}):  # what others follow lies above them
-        here = [key for key in (*then, *numbers) if key.count(".") == depth]
+    depths = sorted({key.count(".") for key in (*then, *numbers)})
+    for depth, kinds in ((depth, kinds) for depth in depths for kinds in (True, False)):  # the leading ones first
+        here = [key for key in (*then, *numbers) if key.count(".") == depth and _names_kind(model, key) == kinds]
         values = {key: then[key] for key in here if key in then and key in now and now[key] != then[key]}
         values |= {key: numbers[key] for key in here if key in numbers and _was_changed(model, key, numbers[key])}
         if values:
@@ -124,6 +125,18 @@ def _as_it_was(model: Model, result: Result, path: Path) -> Model:
                 f"{now.get(key, 'absent')}. Give the model that was run: fowt view MODEL --result {path}"
             )
     return model
+
+
+def _names_kind(model: Model, path: str) -> bool:
+    """True for a parameter that says of which kind a part is, and so which other parameters it has."""
+    from fowtlib.language.errors import NotFoundError
+
+    owner, _, name = path.rpartition(".")
+    try:
+        family = model.root.find(owner).family
+    except NotFoundError:
+        return False
+    return family is not None and name == family.selector
 
 
 def _was_changed(model: Model, path: str, value: Any) -> bool:

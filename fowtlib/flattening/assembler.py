@@ -214,7 +214,7 @@ class _Assembler:
             discretes=[self._discrete(item) for item in system.discretes],
             inputs=system.inputs, parameters=system.parameters, bound=system.bound,
             bound_parameters=system.bound_parameters, externals=_externals(calls, solved["inputs"]),
-            observed=observed, units=units, docs=docs,
+            dependents=system.dependents, observed=observed, units=units, docs=docs,
             residual_paths=[self._residual_path(i) for i in causal.residuals],
             initial_equations=_column([ca.vec(e) for e in solved["initial"]]),
             initial_paths=[path for (path, _), e in zip(self.statements.initial, solved["initial"], strict=True)

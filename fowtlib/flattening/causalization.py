@@ -224,14 +224,25 @@ class Causalization:
                 if members is not None:
                     members.discard(column)
                     if len(members) == 1:
-                        ready.append(r)
+                        enlist(r)
 
-        ready = [r for r, members in open_rows.items() if len(members) == 1]
+        # an equation that says what its unknown is comes first: else a hinge on a base that stands still gives a moment
+        # and, far from it, a balance of loads is left over as the residual
+        stated: list[int] = []
+        ready: list[int] = []
+
+        def enlist(r: int) -> None:
+            says = self._explicit(r, next(iter(open_rows[r]))) is not None
+            (stated if says else ready).append(r)
+
+        for r, members in open_rows.items():
+            if len(members) == 1:
+                enlist(r)
 
         def assign_ready(factors: dict[tuple[int, int], ca.SX]) -> bool:
             progress, waiting = False, []
-            while ready:
-                r = ready.pop()
+            while stated or ready:
+                r = stated.pop() if stated else ready.pop()
                 members = open_rows.get(r)
                 if members is None or len(members) != 1:
                     continue

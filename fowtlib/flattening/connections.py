@@ -12,6 +12,7 @@ import numpy as np
 
 from fowtlib.flattening.system import Input, System, element_names, scalars
 from fowtlib.language.component import Component
+from fowtlib.language.composition import check_there
 from fowtlib.language.connectors import Member, RealInput, RealOutput, Signal
 from fowtlib.language.declarations import Port, PortReference, Variable, join
 from fowtlib.language.equations import place
@@ -89,7 +90,7 @@ class Connections:
 
     def _connect(self, owner: Component, a: PortReference, b: PortReference, at: str) -> None:
         ends = []
-        for reference in (a, b):
+        for reference in (check_there(a), check_there(b)):
             size = reference.component.port_size(reference.field)
             if size is not None and reference.index is None:
                 raise ConnectionFault(

@@ -371,7 +371,7 @@ def _written_numbers(component: Component) -> Iterator[float]:
 
 def _outer_parts(component: Component) -> Iterable[Component]:
     found = ((component._binding or {}).get(name) for name in component.outers)
-    return [part for part in found if part is not None]
+    return [part for some in found if some is not None for part in (some if isinstance(some, list) else [some])]
 
 
 def _per_time(value: Dimension, times: int) -> Dimension:

@@ -79,6 +79,7 @@ class Instances:
             shape = component.shape(declared)
             if isinstance(bound, ca.SX):
                 bound = ca.densify(ca.repmat(bound, *_two(shape)) if bound.is_scalar() else bound)
+                self._dependent(component, declared, bound)
             else:  # a number, or an expression of structural parameters only
                 bound = self._tunable(component, declared, shape)
         self._parameters[key] = bound
@@ -107,6 +108,14 @@ class Instances:
         )
         return symbol
 
+    def _dependent(self, component: Component, declared: Any, expression: ca.SX) -> None:
+        """A parameter that follows from others: its bounds hold for every value of theirs."""
+        path = join(component.path, declared.name)
+        value = np.asarray(component.parameter_value(declared.name), dtype=float)
+        self.system.dependents[path] = Parameter(
+            path, expression, value, declared.unit, declared.doc, declared.min, declared.max
+        )
+
     def _evaluate(self, value: Any) -> Any:
         def combine(items: list[Any]) -> Any:
             if any(isinstance(item, (ca.SX, ca.DM)) for item in items):
@@ -118,10 +127,10 @@ class Instances:
                 return self.system.at_start(
                     statements.AtStart(
                         reference.name, reference.size, "", "computed when a run starts", reference.compute,
-                        reference.component,
+                        reference.component.current,
                     )
                 )  # fmt: skip
-            found = self._parameter(reference.component, reference.name)
+            found = self._parameter(reference.component.current, reference.name)
             if isinstance(found, Withheld):
                 raise ParameterError(found.reason)
             return found

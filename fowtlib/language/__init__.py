@@ -3,7 +3,7 @@
 from fowtlib.language import math, shapes
 from fowtlib.language.component import Assembly, Component
 from fowtlib.language.connectors import Connector, RealInput, RealOutput, flow, orientation, potential
-from fowtlib.language.declarations import Array, Matrix, Scalar, Vector, outer, param, part, port, var
+from fowtlib.language.declarations import Array, Matrix, Number, Scalar, Vector, outer, param, part, port, var
 from fowtlib.language.equations import (
     assert_,
     assign,
@@ -35,6 +35,7 @@ __all__ = [
     "ExternalFunction",
     "Matrix",
     "ModelError",
+    "Number",
     "RealInput",
     "RealOutput",
     "Scalar",

@@ -7,11 +7,12 @@ import sys
 from collections.abc import Callable, Iterator, Sequence
 from contextlib import contextmanager
 from contextvars import ContextVar
-from typing import Any, dataclass_transform
+from typing import Any, Self, dataclass_transform
 
 import numpy as np
 
 from fowtlib.language import expressions
+from fowtlib.language.composition import OWN_NAMES, Composite
 from fowtlib.language.declarations import (
     SHAPES,
     Field,
@@ -19,26 +20,17 @@ from fowtlib.language.declarations import (
     Parameter,
     Part,
     Port,
-    PortReference,
     Variable,
     join,
     outer,
     param,
-    part,
     port,
     var,
 )
-from fowtlib.language.equations import active, source_line
-from fowtlib.language.errors import (
-    ConnectionFault,
-    NotFoundError,
-    ParameterError,
-    StructureError,
-    UnitError,
-    did_you_mean,
-)
+from fowtlib.language.equations import active
+from fowtlib.language.errors import NotFoundError, ParameterError, StructureError, UnitError, did_you_mean, one_of
 from fowtlib.language.families import Family
-from fowtlib.language.shapes import Drawn
+from fowtlib.language.shapes import Drawing
 from fowtlib.language.units import dimension, to_si
 
 _reads: ContextVar[set[tuple[str, str]] | None] = ContextVar("reads", default=None)
@@ -59,12 +51,12 @@ class UnknownAttribute(NotFoundError, AttributeError):
     """A name that a component does not have."""
 
 
-@dataclass_transform(kw_only_default=True, field_specifiers=(param, part, port, var, outer))
-class Component:
+@dataclass_transform(kw_only_default=True, field_specifiers=(param, port, var, outer))  # a part has a default
+class Component(Composite):
     """A class of model parts: parameters, ports, variables, `equations()`.
 
-    Keyword arguments of the constructor are parameters of the component, or parts that replace declared ones of the
-    same class. A composite adds parts and connections in `build()`.
+    Keyword arguments of the constructor are parameters of the component, or parts that take the place of those that the
+    class makes, declared or in `build()`. A composite adds parts and connections in `build()`.
     """
 
     parameters: dict[str, Parameter] = {}
@@ -90,47 +82,30 @@ class Component:
                 raise TypeError(f"{cls.__name__}: kind={kind!r}, but no class above it has a selector")
             cls.family.add(kind, cls)
 
-    def __new__(cls, *_: Any, **modifiers: Any) -> Component:
+    def __new__(cls, *_: Any, **modifiers: Any) -> Self:
         """`Wind(kind="steady")` makes an object of the class of that kind."""
         family = cls.family
         chosen = family.chosen(cls, modifiers) if family is not None else cls
         return object.__new__(chosen)
 
     def __init__(self, **modifiers: Any):
-        self._parent: Component | None = None
-        self._name = ""
         self._binding: dict[str, Any] | None = None
         self._values: dict[str, Any] = {}
         self.origins: dict[str, str] = {}  # file and line of each given value, and under "" of the component itself
-        self.parts: dict[str, Component] = {}
-        self.connections: list[tuple[PortReference, PortReference, str]] = []
-        self._given = {name: value for name, value in modifiers.items() if name in self.declared_parts}
-        self._composed: tuple[int, int] | None = None
-        self._composing = False
+        given = {name: value for name, value in modifiers.items() if self._is_part(name, value)}
+        self._start(given)
         if self.family is not None:
             own = self.family.kind_of(type(self))
-            given = modifiers.pop(self.family.selector, None) is not None
-            if own is not None and (given or own != self.family.field.default):
+            kind_given = modifiers.pop(self.family.selector, None) is not None
+            if own is not None and (kind_given or own != self.family.field.default):
                 self._values[self.family.selector] = own
-        self._later: set[str] = set()  # parameters set from outside, after this component was made
         for name, value in modifiers.items():
-            if name not in self._given:
+            if name not in given:
                 self._set(name, value)
         self._compose()
 
-    def _compose(self) -> None:
-        """Make the declared parts, and those of build()."""
-        self.parts, self.connections, self._composing = {}, [], True
-        for table in ("ports", "variables", "_declared"):  # what an earlier build() has declared
-            self.__dict__.pop(table, None)
-        try:
-            for name, declared in self.declared_parts.items():
-                given = self._given.get(name)
-                self.add(name, declared.component_class(**_bound(declared.modifiers, self)) if given is None else given)
-            self.build()
-        finally:
-            self._composing = False
-        self._composed = (len(self.parts), len(self.connections))
+    def _is_part(self, name: str, value: Any) -> bool:
+        return name in self.declared_parts or (isinstance(value, Component) and name not in self.parameters)
 
     # --- what authors override -----------------------------------------------------------------------------------
 
@@ -141,7 +116,7 @@ class Component:
         """The statements of this component; called once, while the model is flattened."""
         return []
 
-    def drawing(self) -> list[Drawn]:
+    def drawing(self) -> Drawing:
         """What pictures show of this component: see fowtlib.language.shapes. By default, what they show of its parts.
 
         Called outside of flattening: numbers come from `parameter_value`.
@@ -155,13 +130,20 @@ class Component:
         if isinstance(field, Parameter):
             self._set(field.name, value)
         elif isinstance(field, Part) and isinstance(value, Component):
-            self._given[field.name] = value
-            self.add(field.name, value)
+            self.current.add(field.name, value)
+        elif isinstance(field, Part):
+            raise ParameterError(f"{self.label}.{field.name} is a part, and {value!r} is no Component.")
         else:
             raise ParameterError(f"{self.label}.{field.name} is not a parameter and cannot be set.")
 
     def _set(self, name: str, value: Any) -> None:
+        here = self.current
+        if here is not self:
+            here._set(name, value)
+            return
         if self.family is not None and name == self.family.selector:
+            if self._composed:
+                self._note(name)
             self.family.turn(self, value)
             return
         field = self.parameters.get(name)
@@ -169,50 +151,24 @@ class Component:
             hint = self.family.hint(name) if self.family is not None else ""
             hint = hint or did_you_mean(name, self.parameters)
             raise ParameterError(f"{self.label} has no parameter '{name}'{hint}")
-        was_set = name in self._values
-        self._values[name] = self._checked(field, value)
-        if self._composed is not None and not any(one._composing for one in (self, *self.enclosing())):
-            self._later.add(name)
-        if self._composed is not None and not (was_set and (field.tunable or field.bound)):
-            self._compose_again(name)
-
-    def _compose_again(self, name: str) -> None:
-        """A parameter that may decide about parts has changed after they were made."""
-        if type(self).build is Component.build and not self.declared_parts:
-            return
-        owned = [one for one in self.parts.values() if one not in self._given.values()]
-        made = [inner for one in owned for inner in one.walk()]
-        for one in (self, *made):
-            if one._composed != (len(one.parts), len(one.connections)):
-                raise ParameterError(
-                    f"{self.label}.{name} cannot be changed any more, because parts were added to {one.label} by hand; "
-                    f"give it to the constructor of {type(self).__name__}."
-                )
-        kept = [(one.path, one) for one in made if one._later]
-        self._compose()
-        for path, old in kept:  # values that parts got from outside are not lost with the old parts
-            self._keep(path.removeprefix(f"{self.path}."), old, name)
-
-    def _keep(self, path: str, old: Component, cause: str) -> None:
-        """Give the part at a path the values that its predecessor got from outside."""
-        new: Component | None = self
-        for step in path.split("."):
-            new = new.parts.get(step) if new is not None else None
-        for name in sorted(old._later):
-            if new is None or name not in new.parameters:
-                raise ParameterError(
-                    f"{self.label}.{cause} decides how {self.label} is built, and with its new value there is no "
-                    f"'{path}.{name}', which was given a value before; set {cause} first."
-                )
-            setattr(new, name, old._values[name])
-            new._later.add(name)
-            new.origins.update({name: old.origins[name]} if name in old.origins else {})
+        value, before = self._checked(field, value), dict(self._values)
+        if self._composed:
+            self._note(name)
+        self._values[name] = value
+        decides = not (field.tunable or field.bound)
+        if self._composed and (decides or name not in before):
+            try:
+                self._compose_again(name, decides)
+            except BaseException:
+                self._values = before
+                self._compose()
+                raise
 
     def _checked(self, field: Parameter, value: Any) -> Any:
         where = join(self.path or type(self).__name__, field.name)
         if expressions.is_expression(value):
             return value
-        if value is None and field.default is None:
+        if value is None and (field.default is None or inspect.isfunction(field.default)):
             return None
         if field.annotation in SHAPES:
             return to_si(value, field.unit, where)
@@ -232,7 +188,11 @@ class Component:
         if field.annotation in SHAPES:
             if value is None:
                 return None
-            value = np.asarray(expressions.evaluate(value, combine=_stack), dtype=float)
+            try:
+                value = np.asarray(expressions.evaluate(value, combine=_stack), dtype=float)
+            except ZeroDivisionError:
+                doc = self.parameters[name].doc
+                raise ParameterError(f"{join(self.path, name)} is not a finite number: {value!r} ({doc}).") from None
             return value.item() if SHAPES[self.parameters[name].annotation] == () and value.size == 1 else value
         if expressions.is_expression(value):
             return _plain(self.parameters[name], expressions.evaluate(value), join(self.path, name))
@@ -240,6 +200,9 @@ class Component:
 
     def parameter_binding(self, name: str) -> Any:
         """What a parameter is set to: a value, or an expression of other parameters."""
+        here = self.current
+        if here is not self and name in here.parameters:
+            return here.parameter_binding(name)
         if name in self._values:
             return self._values[name]
         field = self.parameters[name]
@@ -260,72 +223,37 @@ class Component:
             value = value(self)
         return expressions.rebind(value, self)
 
-    # --- composition ---------------------------------------------------------------------------------------------
+    # --- what is around -------------------------------------------------------------------------------------------
 
-    def add(self, name: str, component: Component) -> Component:
-        """Add a part under a name; returns it."""
-        if not isinstance(component, Component):
-            raise ParameterError(f"{self.label}.{name}: a part is a Component, not {component!r}.")
-        if component._parent is not None and component._parent is not self:
-            raise ParameterError(
-                f"{component.path} is a part already; make a second {type(component).__name__} instead."
-            )
-        self._check_new(name, "part")
-        component._parent, component._name = self, name
-        self.parts[name] = component
-        if self._composing and component not in self._given.values():
-            for one in component.walk():
-                one._later.clear()  # what build() set, it sets again
-        return component
+    def find_outer(self, field: Outer) -> Any:
+        """The nearest part of the field's class in an enclosing component; of a collection, all those of the model.
 
-    def declare(self, name: str, annotation: type, field: Port | Variable) -> None:
-        """In build(): a port or variable that only this instance has, as where a file says which there are.
-
-        `self.declare("pitch", RealOutput, port(unit="rad"))` does what `pitch: RealOutput = port(unit="rad")` does in a
-        class body.
+        Raises ParameterError where there is none, or where two are equally near.
         """
-        self._check_new(name, "port or variable")
-        field.name, field.owner, field.annotation = name, type(self), annotation
-        dimension(field.unit)
-        table = "ports" if isinstance(field, Port) else "variables"
-        object.__setattr__(self, table, {**getattr(self, table), name: field})
-        self._declared = {**self.__dict__.get("_declared", {}), name: field}
-
-    def _check_new(self, name: str, kind: str) -> None:
-        if not name.isidentifier() or name.startswith("_"):
-            raise ParameterError(f"{self.label}: '{name}' is not a name; use letters, digits and underscores.")
-        if any(name in table for table in (self.parameters, self.ports, self.variables, self.outers)):
-            raise ParameterError(f"{self.label}.{name} is declared already and cannot be a {kind}.")
-        if hasattr(Component, name) or name in _OWN:
-            raise ParameterError(
-                f"{self.label}: a {kind} cannot be called '{name}', which every component has already."
-            )
-
-    def connect(self, a: PortReference, b: PortReference) -> None:
-        """Join two ports of this component or of its parts."""
-        for end in (a, b):
-            if not isinstance(end, PortReference):
-                raise ConnectionFault(f"{self.label}: connect() joins two ports, and {end!r} is not a port.")
-            if end.component is not self and self not in end.component.enclosing():
-                raise ConnectionFault(
-                    f"{self.label}: {end.path} is not a port of this component or of a part below it; "
-                    "connect it where it belongs, after the part was added."
-                )
-        self.connections.append((a, b, source_line()))
-
-    def find_outer(self, field: Outer) -> Component | None:
-        """The nearest part of the field's class in an enclosing component."""
-        component_class = field.component_class or field.annotation
+        wanted = field.component_class or field.annotation
+        if field.many:
+            return self._find_all(wanted)
         for enclosing in self.enclosing():
-            for candidate in enclosing.parts.values():
-                if isinstance(candidate, component_class) and candidate is not self:
-                    return candidate
+            found = [part for part in enclosing.parts.values() if isinstance(part, wanted) and part is not self]
+            if len(found) > 1:
+                raise ParameterError(
+                    f"{self.label} needs one {wanted.__name__} as its '{field.name}', and there are "
+                    f"{one_of([part.path for part in found], 'and')}; leave one, or put each beside what belongs to it."
+                )
+            if found:
+                return found[0]
         if field.optional:
             return None
         raise ParameterError(
-            f"{self.path or type(self).__name__} needs a {component_class.__name__}: "
+            f"{self.path or type(self).__name__} needs a {wanted.__name__}: "
             f"declare one in the model, for example under the name '{field.name}'."
         )
+
+    def _find_all(self, wanted: type) -> list[Component]:
+        """All components of a class in the whole model, but for this one, its parts and what it is a part of."""
+        around = list(self.enclosing())
+        left_out = {id(one) for one in (*around, *self.walk())}
+        return [one for one in (around or [self])[-1].walk() if isinstance(one, wanted) and id(one) not in left_out]
 
     def port_size(self, field: Port) -> int | None:
         """Number of ports of an array of ports; None for a single port."""
@@ -357,8 +285,8 @@ class Component:
             and not name.startswith("_")
             and not isinstance(getattr(type(self), name, None), Field)
         ):
-            self.add(name, value)
-        elif name.startswith("_") or hasattr(type(self), name) or name in _OWN:
+            self.current.add(name, value)
+        elif name.startswith("_") or hasattr(type(self), name) or name in OWN_NAMES:
             object.__setattr__(self, name, value)
         else:
             self._set(name, value)
@@ -393,13 +321,6 @@ class Component:
         """Time [s], inside `equations()`."""
         return active().time
 
-    def enclosing(self) -> Iterator[Component]:
-        """The components that this one is a part of, from the nearest to the top."""
-        parent = self._parent
-        while parent is not None:
-            yield parent
-            parent = parent._parent
-
     def walk(self) -> Iterator[Component]:
         """The component and all parts below it, parents first."""
         yield self
@@ -422,7 +343,6 @@ class Component:
 _TABLES: dict[type, str] = {
     Parameter: "parameters", Port: "ports", Variable: "variables", Part: "declared_parts", Outer: "outers",
 }  # fmt: skip
-_OWN = {"origins", "parts", "connections"}
 
 
 def _resolve_annotations(cls: type, local_names: dict[str, Any]) -> None:
@@ -430,7 +350,11 @@ def _resolve_annotations(cls: type, local_names: dict[str, Any]) -> None:
     module = vars(sys.modules[cls.__module__]) if cls.__module__ in sys.modules else {}
     annotations = vars(cls).get("__annotations__", {})
     for name, value in vars(cls).items():
-        if not isinstance(value, Field) or isinstance(value, Part):
+        if isinstance(value, Part):
+            value.annotation = annotations.get(name)
+            value.names = {**module, **local_names}
+            continue
+        if not isinstance(value, Field):
             continue
         annotation = annotations.get(name)
         if annotation is None:
@@ -442,10 +366,6 @@ def _resolve_annotations(cls: type, local_names: dict[str, Any]) -> None:
             dimension(value.unit if isinstance(value, (Parameter, Port, Variable)) else "1")
         except UnitError as error:
             raise error.at(f"{cls.__name__}.{name}") from None
-
-
-def _bound(modifiers: dict[str, Any], component: Component) -> dict[str, Any]:
-    return {name: component.resolve(value) for name, value in modifiers.items()}
 
 
 def _stack(items: list[Any]) -> np.ndarray:

@@ -7,7 +7,10 @@ drives any number of inputs.
 
 from __future__ import annotations
 
-from typing import Any
+from collections.abc import Iterator
+from typing import TYPE_CHECKING, Any, Self
+
+from fowtlib.language.expressions import Arithmetic
 
 
 class Member:
@@ -50,9 +53,23 @@ class Connector:
         own = {name: value for name, value in vars(cls).items() if isinstance(value, Member)}
         cls.members = {**cls.members, **own}
 
+    if TYPE_CHECKING:  # a port is declared by the class of its connector; one declaration may be an array of ports
+        path: str
 
-class Signal:
+        def __getitem__(self, index: int) -> Self: ...
+        def __iter__(self) -> Iterator[Self]: ...
+        def __len__(self) -> int: ...
+
+
+class Signal(Arithmetic if TYPE_CHECKING else object):
     """Base class of the directed signals."""
+
+    if TYPE_CHECKING:
+        path: str
+
+        def __getitem__(self, index: Any) -> Any: ...
+        def __len__(self) -> int: ...
+        def __getattr__(self, name: str) -> Any: ...
 
 
 class RealInput(Signal):

@@ -6,15 +6,13 @@ parameter gives its value or a reference to it, a port gives a reference for `co
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, Literal
 
 from fowtlib.language.errors import StructureError
 from fowtlib.language.expressions import Arithmetic, ParameterReference
 
 if TYPE_CHECKING:
-    import casadi as ca
-
-    Scalar = Vector = Matrix = Array = ca.SX
+    from fowtlib.language.typed import Array, Matrix, Number, Scalar, Vector
 else:
 
     class Scalar:
@@ -28,6 +26,8 @@ else:
 
     class Array:
         """Real numbers of the declared shape."""
+
+    Number = float  # one real number that is no symbol; an editor and a type checker accept a text with a unit for it
 
 
 class Withheld:
@@ -79,12 +79,21 @@ class Parameter(Field, Arithmetic):
     """Declaration of a parameter; arithmetic on it in the class body makes modifiers of parts."""
 
     def __init__(
-        self, default: Any, unit: str, doc: str, minimum: Any, maximum: Any, shape: Any, structural: bool, choices: Any,
-        bound: bool = False,
+        self, default: Any, unit: str, doc: str, minimum: Any, maximum: Any, shape: Any, structural: bool | str,
+        choices: Any, bound: bool = False,
     ):  # fmt: skip
         self.default, self.unit, self.doc = default, unit, doc
         self.min, self.max, self.shape, self.choices = minimum, maximum, shape, choices
-        self.structural, self.bound = structural, bound
+        self.structural, self._why = bool(structural), structural if isinstance(structural, str) else ""
+        self.bound = bound
+
+    @property
+    def why_structural(self) -> str:
+        """Why a built model cannot be given another value; empty for a tunable or a bound parameter."""
+        if self.tunable or self.bound:
+            return ""
+        kinds = {int: "it counts parts or states", bool: "it switches equations", str: "it chooses equations or data"}
+        return self._why or kinds.get(self.annotation, "the model is built with it")
 
     @property
     def tunable(self) -> bool:
@@ -193,31 +202,56 @@ class PortReference:
 
 
 class Part(Field):
-    """Declaration of a part that every instance of the class has."""
+    """Declaration of a part that every instance of the class has.
+
+    Another may take its place: of the class that the annotation names, or with the same ports.
+    """
+
+    names: dict[str, Any] = {}  # what the annotation may name
 
     def __init__(self, component_class: type, modifiers: dict[str, Any], doc: str):
         self.component_class, self.modifiers, self.doc = component_class, modifiers, doc
+
+    def make(self, owner: Any) -> Any:
+        """The part as the class declares it, for one instance of the class."""
+        return self.component_class(**{name: owner.resolve(value) for name, value in self.modifiers.items()})
+
+    @property
+    def base(self) -> type:
+        """The class within which the part may be replaced: that of the annotation, else the declared one."""
+        if isinstance(self.annotation, str):
+            try:
+                self.annotation = eval(self.annotation, self.names)
+            except NameError:  # imported for type checkers only
+                self.annotation = None
+        found = self.annotation
+        return found if isinstance(found, type) and issubclass(self.component_class, found) else self.component_class
 
     def __get__(self, component: Any, owner: type | None = None) -> Any:
         return self if component is None else component.parts[self.name]
 
 
 class Outer(Field):
-    """Declaration of a component that is found in an enclosing component (Modelica's inner and outer)."""
+    """Declaration of a component that is found in an enclosing component (Modelica's inner and outer), or of all."""
 
-    def __init__(self, component_class: type | None, optional: bool, doc: str):
-        self.component_class, self.optional, self.doc = component_class, optional, doc
+    def __init__(self, component_class: type | None, optional: bool, many: bool, doc: str):
+        self.component_class, self.optional, self.many, self.doc = component_class, optional, many, doc
 
     def outside(self, component: Any) -> Any:
         return component.find_outer(self)
 
 
+# `init` tells type checkers that the constructor does not take the field; it has no other meaning (PEP 681).
+
+
 def param(default: Any = REQUIRED, *, unit: str = "1", doc: str = "", min: Any = None, max: Any = None,
-          shape: Any = None, structural: bool = False, choices: Any = None, bound: bool = False) -> Any:  # fmt: skip
+          shape: Any = None, structural: bool | str = False, choices: Any = None,
+          bound: bool = False) -> Any:  # fmt: skip
     """Declare a parameter, in SI `unit`; annotated Scalar, Vector, Matrix or Array it is tunable unless `structural`.
 
-    A `bound` one is read when a run starts: a text, a file, a seed, a choice, a number that data are computed from. It
-    changes no equation, and equations() cannot see it; the functions given to `at_start` and `run_time_series` can.
+    `structural` may be a text that says why it is, in the words that complete "structural: ...". A `bound` one is read
+    when a run starts: a text, a file, a seed, a choice, a number that data are computed from. It changes no equation,
+    and equations() cannot see it; the functions given to `at_start` and `run_time_series` can.
 
     `default`, like any modifier, may be a number, a sequence, a string with a unit, another parameter of the class
     body, arithmetic on those, or a function of the component. Without a default the parameter is required.
@@ -229,7 +263,7 @@ def param(default: Any = REQUIRED, *, unit: str = "1", doc: str = "", min: Any =
 
 def var(*, unit: str = "1", doc: str = "", hint: str = "", shape: Any = None, start: Any = None,
         fixed: bool | None = None, state: str = "default", nominal: Any = None, min: Any = None, max: Any = None,
-        discrete: bool = False) -> Any:  # fmt: skip
+        discrete: bool = False, init: Literal[False] = False) -> Any:  # fmt: skip
     """Declare an unknown. `state` is the wish to be a state: never, avoid, default, prefer, always.
 
     `hint` is what to look at when the variable comes out undetermined; `discrete` variables change only at events and
@@ -239,7 +273,7 @@ def var(*, unit: str = "1", doc: str = "", hint: str = "", shape: Any = None, st
 
 
 def port(*, size: Any = None, optional: bool = False, doc: str = "", unit: str = "1", shape: Any = None,
-         default: Any = None) -> Any:  # fmt: skip
+         default: Any = None, init: Literal[False] = False) -> Any:  # fmt: skip
     """Declare a connector; its class is the annotation. `size` makes an array of ports.
 
     For signals: `unit`, `shape`, and `default`, the value of an input that nothing drives (None: it must be connected).
@@ -252,9 +286,16 @@ def part(component_class: type, *, doc: str = "", **modifiers: Any) -> Any:
     return Part(component_class, modifiers, doc)
 
 
-def outer(component_class: type | None = None, *, optional: bool = False, doc: str = "") -> Any:
-    """Declare a use of the nearest part of this class in an enclosing component."""
-    return Outer(component_class, optional, doc)
+def outer(component_class: type | None = None, *, optional: bool = False, many: bool = False, doc: str = "",
+          init: Literal[False] = False) -> Any:  # fmt: skip
+    """Declare a use of the nearest part of this class in an enclosing component; two equally near are an error.
+
+    many: all components of the class in the whole model, in the order of the tree, perhaps none:
+    `towers: list[TowerFlow] = outer(TowerFlow, many=True)`. A collection finds its members; no user keeps a list.
+    """
+    if many and component_class is None:
+        raise ValueError("outer(many=True) needs the class of its members: outer(TowerFlow, many=True)")
+    return Outer(component_class, optional, many, doc)
 
 
 def join(path: str, name: str) -> str:

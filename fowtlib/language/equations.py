@@ -9,6 +9,7 @@ from typing import Any, Protocol
 
 import casadi as ca
 import numpy as np
+from numpy.typing import ArrayLike
 
 from fowtlib.language.errors import StructureError
 
@@ -63,7 +64,7 @@ class flattening:
         _active.pop()
 
 
-def der(expression: Any) -> ca.SX:
+def der(expression: Any) -> Any:
     """Time derivative of any expression of variables, connector members and time."""
     return active().derivative(_column(expression))
 
@@ -133,7 +134,7 @@ class Assign:
 class Session(Protocol):
     """One run of a process: what it remembers from sample to sample lives here."""
 
-    def step(self, t: float, inputs: np.ndarray) -> np.ndarray:
+    def step(self, t: float, inputs: np.ndarray) -> ArrayLike:
         """Outputs that hold from the sample at t [s] on, from the inputs at that instant; ModelError where it fails."""
 
     def close(self) -> None:

@@ -184,4 +184,4 @@ def _number(leaf: Any) -> Any:
         return np.asarray(leaf.compute(leaf.component), dtype=float)
     if not isinstance(leaf, ParameterReference):
         raise TypeError(f"{leaf!r} has no value outside of an instance")
-    return leaf.component.parameter_value(leaf.name)
+    return leaf.component.current.parameter_value(leaf.name)

@@ -7,11 +7,12 @@ by the picture, in proportion to what it shows. How shapes become triangles is t
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field
 from typing import Any
 
 import numpy as np
+from numpy.typing import ArrayLike
 
 from fowtlib.language.errors import ParameterError
 
@@ -54,8 +55,8 @@ class Shape:
 class Tube(Shape):
     """A round member: points (n, 3) along its axis, with a diameter at each (n,); None: one chosen by the picture."""
 
-    points: np.ndarray
-    diameters: np.ndarray | None = None
+    points: ArrayLike
+    diameters: ArrayLike | None = None
 
     def __post_init__(self) -> None:
         super().__post_init__()
@@ -74,8 +75,8 @@ class Tube(Shape):
 class Box(Shape):
     """A box with its edges along the axes of the frame: centre (3,) and lengths of the edges (3,)."""
 
-    centre: np.ndarray
-    size: np.ndarray
+    centre: ArrayLike
+    size: ArrayLike
     _arrays = ("centre", "size")
 
 
@@ -83,7 +84,7 @@ class Box(Shape):
 class Ball(Shape):
     """A sphere: centre (3,) and diameter."""
 
-    centre: np.ndarray = (0.0, 0.0, 0.0)
+    centre: ArrayLike = (0.0, 0.0, 0.0)
     diameter: float | None = None
     _arrays = ("centre",)
 
@@ -95,7 +96,7 @@ class Loft(Shape):
     closed: with a cap at both ends; a piece that others go on from needs none.
     """
 
-    sections: np.ndarray
+    sections: ArrayLike
     closed: bool = True
     _arrays = ("sections",)
 
@@ -145,6 +146,7 @@ class Water:
 
 
 Drawn = Shape | Curve | Arrow | Water
+Drawing = Sequence[Drawn]
 
 
 def link(frame_a: Any, frame_b: Any, diameter: float | None = None, material: str = "rod") -> Curve:

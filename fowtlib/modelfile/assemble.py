@@ -5,6 +5,7 @@ from __future__ import annotations
 from pathlib import Path
 
 from fowtlib.language.component import Assembly, Component
+from fowtlib.language.composition import check_fits
 from fowtlib.language.declarations import join
 from fowtlib.language.errors import ModelFileError, did_you_mean
 from fowtlib.modelfile import catalogue, document, files
@@ -58,6 +59,8 @@ class Assembler:
         replaced = [part for part in inner if part in slots and (has_base(inner[part]) or not slots[part].modifiers)]
         for part in replaced:
             values[part] = self.build(inner[part], join(path, part), part, slots[part].component_class)
+            with building(inner[part][0].spec.place, "", slots[part].base):
+                check_fits(values[part], slots[part].base, join(path, part))
         place = layers[0 if path else -1].spec.place
         check_required(made, values, path, place)
         with building(place, path or name, base):
@@ -140,7 +143,7 @@ class Assembler:
         if not has_base(layers) and not any(layer.spec.parts for layer in layers if layer.spec.place.line):
             hint = did_you_mean(name, component.parts) + (" A new part needs 'class' or 'use'." if place.line else "")
             raise place.error(f"{path or 'the model'} has no part '{name}'{hint}")
-        if hasattr(type(component), name) or name in RESERVED:
+        if (hasattr(type(component), name) and name not in component.declared_parts) or name in RESERVED:
             raise place.error(f"a part cannot be called '{name}', which has a meaning in every component.")
         part = self.build(layers, join(path, name), name)
         with building(place, join(path, name), type(part)):
@@ -151,14 +154,7 @@ class Assembler:
         for layer in reversed(layers):
             for name, value in kind_first(type(component), layer.spec.values):
                 kind = type(component)
-                field = kind.parameters.get(name)
                 read = parameter_value(layer, kind, name, value, path, [*component.parts])
-                composed = kind.build is not Component.build or kind.declared_parts
-                if field is not None and not (field.tunable or field.bound) and composed:
-                    raise value.place.error(
-                        f"{path}.{name} decides how the part is built, which its owner has done already; "
-                        f"replace the part: {path.rpartition('.')[2]}: {{class: {kind.__name__}, ...}}."
-                    )
                 with building(value.place, path, kind):
                     setattr(component, name, read)
                 component.origins[name] = str(value.place)

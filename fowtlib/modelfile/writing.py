@@ -109,9 +109,10 @@ class _Writer:
         if missing:
             raise ModelFileError(f"{component.label}: the part '{missing[0]}' was removed, and a file cannot say that.")
         changed: dict[str, Any] = {}
+        known_parts = _known_class(component).declared_parts
         for name, part in component.parts.items():
             twin = fresh.parts.get(name)
-            if twin is None:
+            if twin is None or (name in component._given and name not in known_parts):
                 changed[name] = self.component(part)
             elif name in _parts_given(component):
                 changed[name] = self.component(part, _set_by_owner(part, twin, component, fresh))
@@ -125,16 +126,22 @@ class _Writer:
         inner = {
             name: self._difference(child, twin.parts[name], top, fresh_top)
             for name, child in part.parts.items()
-            if name in twin.parts and type(child) is type(twin.parts[name])
+            if not _replaced(part, name, twin)
         }
         added = {
             name: self.component(child)
             for name, child in part.parts.items()
-            if name not in twin.parts or type(child) is not type(twin.parts[name])
+            if _replaced(part, name, twin)
         }
         entries["parts"] = {**{name: item for name, item in inner.items() if item}, **added}
         entries["connect"] = [[_end(a, part), _end(b, part)] for a, b, _ in _more_connections(part, twin)]
         return _filled(entries)
+
+
+def _replaced(owner: Component, name: str, twin: Component) -> bool:
+    """True for a part that the class of its owner does not make: another stands there, or none."""
+    other = twin.parts.get(name)
+    return type(owner.parts[name]) is not type(other) or (name in owner._given and name not in twin._given)
 
 
 def is_composite(component: Component) -> bool:

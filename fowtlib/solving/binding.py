@@ -243,6 +243,7 @@ def _computed(dae: FlatDAE, tree: Component, values: dict[str, np.ndarray]) -> B
         numbers.append(np.asarray(found.numbers, dtype=float))
     instants = tuple(sorted(set(breaks)))
     p, known = _vector(values, numbers), tuple(held)
+    dae.check_dependents(p)
     return Binding(p, values, tree, instants, sources, reads, frozenset(steady), known)
 
 

@@ -92,8 +92,17 @@ def test_slopes_are_finite_everywhere():
 
 
 
-def rotor_beside_a_tower(with_tower, distance=6.0):
-    """Two blades at rest, one hangs down in front of the tower."""
+def add_tower(model, name, x):
+    """A tower with a vertical axis at x."""
+    tower = model.add(name, TowerPotentialFlow(diameters=[D, D]))
+    for k, z in enumerate((0.0, 84.0)):
+        point = model.add(f"{name}_point_{k}", FixedTranslation(r=(x, 0, z)))
+        model.connect(model.world.frame, point.frame_a)
+        model.connect(point.frame_b, tower.nodes[k])
+
+
+def rotor_beside_a_tower(with_tower, distance=6.0, second=None):
+    """Two blades at rest, one hangs down in front of the tower; the second tower stands at `second`."""
     model = fw.Assembly("rotor")
     model.world = World()
     model.wind = Wind(kind="steady", mean_speed=12.0)
@@ -102,11 +111,9 @@ def rotor_beside_a_tower(with_tower, distance=6.0):
         blades=2,
     )  # fmt: skip
     if with_tower:
-        model.tower_flow = TowerPotentialFlow(diameters=[D, D])
-        for k, z in enumerate((0.0, 84.0)):
-            point = model.add(f"point_{k}", FixedTranslation(r=(0, 0, z)))
-            model.connect(model.world.frame, point.frame_a)
-            model.connect(point.frame_b, model.tower_flow.nodes[k])
+        add_tower(model, "tower_flow", 0.0)
+    if second is not None:
+        add_tower(model, "other", second)
     model.air = air
     hub = model.add("hub", FixedTranslation(r=(-distance, 0, 90)))
     model.connect(model.world.frame, hub.frame_a)
@@ -126,6 +133,14 @@ def test_a_rotor_meets_the_deflected_wind():
     forces = [np.array([-state[f"air.nodes[{k}].f"] for k in range(34)]).reshape(34, 3) for state in (free, dammed)]
     assert forces[1][:17] == pytest.approx(forces[0][:17], abs=1e-9)  # the upper blade is above the tower
     assert forces[1][19:, 0] == pytest.approx(share * forces[0][19:, 0], rel=1e-9)  # from 8.3 m on, below its top
+
+
+def test_the_flow_of_all_towers_adds_up():
+    """Two towers in line, 6 m and 12 m behind the blade: u/U = 1 - (D/12)^2 - (D/24)^2."""
+    free, dammed = (rotor_beside_a_tower(flag, second=6.0 if flag else None).initial_state() for flag in (False, True))
+    share = (1 - (D / 12) ** 2 - (D / 24) ** 2) ** 2
+    forces = [np.array([-state[f"air.nodes[{k}].f"] for k in range(34)]).reshape(34, 3) for state in (free, dammed)]
+    assert forces[1][19:, 0] == pytest.approx(share * forces[0][19:, 0], rel=1e-9)
 
 
 def test_a_blade_in_the_tower_is_told():

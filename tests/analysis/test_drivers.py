@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from fowtlib.analysis import free_decay, linear_rao, simulated_rao, static_curve
-from fowtlib.components.environment import Sea, World
+from fowtlib.components.environment import Sea, WaveComponents, World
 from fowtlib.language import Array, Assembly, Component, Scalar, der, eq, outer, param, var
 from fowtlib.language import math as m
 from fowtlib.language.errors import ModelError, SimulationError
@@ -38,14 +38,17 @@ class Buoy(Component):
         return np.stack([first, 0 * first], axis=1)
 
     def equations(self):
-        waves = self.sea.components() if self.sea is not None else None
-        wave = self.sea.signal(self.wave_transfer(waves.omega, waves.heading), "wave load")[0] if waves else 0.0
+        wave = self.sea.signal(_wave_load, 2, "wave load", of=self)[0] if self.sea is not None else 0.0
         resistance = self.damping * self.v + self.drag * self.v * m.smooth_abs(self.v, 1e-6)
         return [
             eq(der(self.x), self.v),
             eq(self.load, self.force + self.extra_load[0] + wave),
             eq(self.mass * der(self.v), self.load - resistance - self.stiffness * self.x),
         ]
+
+
+def _wave_load(waves: WaveComponents, buoy: Buoy) -> np.ndarray:
+    return buoy.wave_transfer(waves.omega, waves.heading)
 
 
 def buoy_model(**parameters: float) -> Model:

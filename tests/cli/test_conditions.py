@@ -57,7 +57,25 @@ def test_a_condition_sets_parameters(condition, text, values):
     assert condition.parse(text) == values
 
 
+@pytest.mark.parametrize(
+    ("text", "values"),
+    [
+        ("record:buoy.csv", {"file": "buoy.csv"}),
+        ("record:a=b, c.csv,heading=30,start=120 s", {"file": "a=b, c.csv", "heading": 30, "start": 120.0}),
+        ("record:buoy,2.csv, heading=-90", {"file": "buoy,2.csv", "heading": -90}),
+    ],
+)
+def test_a_record_of_waves_has_a_file_and_more(text, values):
+    found = WAVES.parse(text)
+    assert found.pop("sea.spectrum") == "record"
+    assert found.pop("sea.file") == str(Path(values.pop("file")).resolve())
+    if "heading" in values:
+        assert found.pop("sea.heading") == pytest.approx(math.radians(values.pop("heading")))
+    assert found == {f"sea.{name}": value for name, value in values.items()}
+
+
 SPEED = "a speed in m/s is expected, e.g. '11.4 m/s'."
+RECORD = "record:FILE[,start=..][,low=..][,high=..][,heading=..]"
 REGULAR = "regular:H=..,T=..[,heading=..]"
 
 
@@ -82,6 +100,7 @@ REGULAR = "regular:H=..,T=..[,heading=..]"
         (WAVES, "regular:H=6", f"--waves: 'regular' needs 'T'; write {REGULAR}"),
         (WAVES, "regular", f"--waves: 'regular' needs 'H' and 'T'; write {REGULAR}"),
         (WAVES, "regular:H=6,T=10,H=5", "--waves: 'H' is given twice."),
+        (WAVES, "record", f"--waves: 'record' needs 'file'; write {RECORD}"),
         (WAVES, "still:3", "--waves: nothing follows 'still', but there is '3'."),
         (WIND, "kaimal:8,class=A,intensity=0.1", "--wind: 'kaimal' takes 'class' or 'intensity', not both."),
     ],
@@ -95,11 +114,12 @@ def test_a_mistake_in_a_condition_is_named(condition, text, message):
 def test_the_kinds_and_parameters_are_those_of_the_parts():
     for condition, part in ((WIND, Wind), (WAVES, Sea)):
         assert tuple(condition.kinds) == part.parameters[condition.selector].choices
-        for kind in condition.kinds.values():
+        for name, kind in condition.kinds.items():
+            parameters = (part if part.family is None else part.family.kinds[name]).parameters
             for key in kind.keys.values():
-                assert key.parameter in part.parameters
+                assert key.parameter in parameters
                 if key.choices:
-                    assert key.choices == part.parameters[key.parameter].choices
+                    assert key.choices == parameters[key.parameter].choices
 
 
 def test_settings_are_numbers_lists_or_text():

@@ -29,7 +29,7 @@ def given(path, value):
 CHANGES = [
     given(f"{WATER}.hydrostatics.volume", 8060.0),
     given(f"{WATER}.hydrostatics.centre_of_buoyancy", (0.4, -0.3, -60.0)),
-    given(f"{WATER}.hydrostatics.position", (0.0, 0.0, 0.3)),
+    given(f"{WATER}.position", (0.0, 0.0, 0.3)),
     changed_matrix(f"{WATER}.hydrostatics.stiffness", 2, 2, 1.2, 0.0),
     changed_matrix(f"{WATER}.hydrostatics.stiffness", 2, 4, 1.0, 4e5),  # was zero
     changed_matrix(f"{WATER}.added_mass.matrix", 0, 0, 1.1, 0.0),
@@ -75,7 +75,7 @@ def windy(model):
 STATIC = [
     (f"{WATER}.hydrostatics.volume", 0, 1.0),
     (f"{WATER}.hydrostatics.centre_of_buoyancy", 0, 0.05),
-    (f"{WATER}.hydrostatics.position", 2, 0.02),
+    (f"{WATER}.position", 2, 0.02),
     (f"{WATER}.hydrostatics.stiffness", 6 * 4 + 2, 1e4),  # (2, 4), by columns
 ]
 

@@ -4,7 +4,7 @@ import pytest
 
 import fowtlib as fw
 from fowtlib.components.servo import BaselineController
-from fowtlib.language import Scalar, eq, param, part, var
+from fowtlib.language import Array, Component, Scalar, eq, param, part, var
 from fowtlib.language.errors import ParameterError
 
 GAINS = {"proportional_gain": 0.006, "integral_gain": 0.0009}
@@ -85,15 +85,13 @@ def test_a_value_whose_part_vanishes_is_an_error():
     )
 
 
-def test_a_part_added_by_hand_to_an_inner_part_is_not_lost_without_a_word():
+def test_a_part_added_by_hand_to_an_inner_part_outlives_a_new_composition():
     bed = Bed()
-    bed.row.leaf_1.add("own", Leaf())
-    with pytest.raises(ParameterError) as error:
-        bed.count = 4
-    assert str(error.value) == (
-        "Bed.count cannot be changed any more, because parts were added to row.leaf_1 by hand; "
-        "give it to the constructor of Bed."
-    )
+    bed.row.leaf_1.add("own", Leaf(offset=7.0))
+    bed.count = 4
+    assert list(bed.row.parts) == ["leaf_1", "leaf_2", "leaf_3", "leaf_4"]
+    assert offset(bed.row.leaf_1.own) == 7.0
+    assert fw.load(bed).compile().initial_state()["row.leaf_1.own.x"] == pytest.approx(8.0)
 
 
 def test_limits_of_a_controller_reach_the_turbine():
@@ -107,3 +105,19 @@ def test_limits_of_a_controller_reach_the_turbine():
     for changed in (model, model.with_parameters({"turbine.control.torque.cut_in_speed": 80.0})):
         torque = changed.root.find("turbine.control.torque")
         assert torque.parameter_value("greatest_torque") == 10.0
+
+
+def test_a_structural_parameter_says_why():
+    class Stack(Component):
+        layers: int = param(default=2, doc="number of layers")
+        open_top: bool = param(default=False, doc="whether the top is open")
+        kind: str = param(default="flat", doc="kind of layers")
+        thickness: Scalar = param(default=1.0, doc="thickness")
+        heights: Array = param(default=(1, 2), structural="each height is a node", doc="heights")
+
+    why = {name: field.why_structural for name, field in Stack.parameters.items()}
+    assert why == {
+        "layers": "it counts parts or states", "open_top": "it switches equations", "thickness": "",
+        "kind": "it chooses equations or data", "heights": "each height is a node",
+    }  # fmt: skip
+    assert not Stack.parameters["heights"].tunable

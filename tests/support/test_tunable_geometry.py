@@ -1,4 +1,4 @@
-"""Geometry and masses of the structure as parameters of a run: a changed run is a fresh build, slopes are differences."""
+"""Numbers of the structure as parameters of a run: a changed run is a fresh build, slopes are differences."""
 
 from __future__ import annotations
 

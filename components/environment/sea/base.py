@@ -1,0 +1,151 @@
+"""Sea: what every kind of sea state has, and what the parts in the water ask of it."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from fowtlib.components.environment.waves import WaveComponents, still_water
+from fowtlib.components.environment.world import World
+from fowtlib.language import (
+    Component,
+    Number,
+    RealOutput,
+    Series,
+    assert_,
+    at_start,
+    eq,
+    outer,
+    param,
+    port,
+    run_time_series,
+    shapes,
+)
+from fowtlib.language import math as m
+from fowtlib.language.errors import ParameterError
+
+if TYPE_CHECKING:
+    import casadi as ca
+
+CLOSED_FORM = 4  # so many components at most are summed as harmonics; more become a spline in time
+
+Transfer = Callable[..., ArrayLike]
+
+
+class Sea(Component, selector="spectrum", shared=("signal", "loads", "velocity", "acceleration")):
+    """Long-crested linear waves in finite depth; parts that the sea moves find it by `sea: Sea = outer(Sea)`.
+
+    elevation = sum_k a_k cos(omega_k t - k_k (x cos(heading) + y sin(heading)) + phase_k). A kind of sea gives the
+    amplitudes and phases as numbers: `components()`. They are computed when a run starts, and stand in no equation, so
+    that the sea of a compiled model may be another one in every run. `build_up` lets the waves grow from nothing after
+    t = 0, so that a run can start from rest without a shock.
+    """
+
+    spectrum: str = param(default="still", bound=True, doc="kind of sea state")
+    heading: Number = param(
+        default=0.0, unit="rad", bound=True, doc="direction in which the waves travel, from x towards y"
+    )
+    build_up: Number = param(default=0.0, unit="s", min=0, bound=True, doc="time in which the waves grow from nothing")
+
+    world: World = outer(World)
+    elevation: RealOutput = port(unit="m", doc="elevation of the water at the origin")
+
+    def equations(self):
+        longest = at_start("longest run", 1, "s", "duration after which the waves are repeated", _longest, of=self)
+        told = "the sea repeats itself after {longest} s; take a longer repetition_period or record."
+        warning = assert_(self.time < longest * (1 + 1e-9), told, level="warning", longest=longest)
+        elevation = self.signal(lambda waves: np.ones((len(waves), 1)), 1, "wave elevation", "m")
+        return [eq(self.elevation, elevation), warning]
+
+    def drawing(self):
+        waves = self.components()
+        harmonics = (waves.omega, waves.amplitude, waves.phase, waves.wave_number)
+        return [shapes.Water(self.world.water_depth, *harmonics, heading=waves.heading, build_up=self.build_up)]
+
+    def components(self) -> WaveComponents:
+        """The harmonics of this sea as numbers; not inside equations()."""
+        return still_water(self.world.water_depth, self.heading)
+
+    def longest_run(self) -> float:
+        """Duration [s] after which the waves are not new any more; infinite where they need not be."""
+        return math.inf
+
+    def warn(self) -> None:
+        """Warn of a sea that cannot be; called when a run starts."""
+
+    def spectral_density(self, omega: ArrayLike) -> np.ndarray:
+        """One-sided spectrum [m^2 s/rad] of the elevation at omega [rad/s]; zero where the sea has none."""
+        return np.zeros(np.shape(omega))
+
+    def signal(
+        self, transfer: Transfer, columns: int, name: str = "wave signal", unit: str = "1", *, of: Any = None
+    ) -> ca.SX:
+        """The time function of so many quantities, a column; inside equations() of any part.
+
+        transfer(waves): complex (n, columns), per unit amplitude at the frequencies of the waves (`WaveComponents`),
+        with exp(+i omega t): sum_k Re(a_k exp(i (omega_k t + phase_k)) transfer_k). It is called when a run starts, for
+        the sea of that run. `of`: a part whose values of that run it needs: transfer(waves, part); `name` must then be
+        one that this part uses once. Many components become a periodic cubic spline through the inverse FFT.
+        """
+        path, wants_part = self.path, of is not None
+
+        def series(part: Component) -> Series | None:
+            sea = _standing(part, path)
+            waves = sea.components()
+            if not len(waves):
+                return None
+            table = waves.columns(transfer(waves, part) if wants_part else transfer(waves))
+            return _series(waves, table, sea.parameter_value("build_up"))
+
+        return run_time_series(self.time, columns, name, series, of=of)
+
+    def loads(self, transfer: Transfer, name: str = "wave load", *, of: Any = None) -> ca.SX:
+        """The time function of a force and a moment, a column of 6 [N, N m]; transfer: (n, 6), as for `signal`."""
+        return self.signal(transfer, 6, name, "", of=of)
+
+    def velocity(self, points: ArrayLike) -> ca.SX:
+        """Velocity of the water (p x 3, world) at fixed `points` (p, 3) [m] with z <= 0; zero above the water level."""
+        return self._kinematics("velocity", points, "m/s")
+
+    def acceleration(self, points: ArrayLike) -> ca.SX:
+        """Local acceleration of the water (p x 3, world) at fixed `points` (p, 3) [m]; zero above the water level."""
+        return self._kinematics("acceleration", points, "m/s^2")
+
+    def _kinematics(self, what: str, points: ArrayLike, unit: str) -> ca.SX:
+        places = np.atleast_2d(np.array(points, dtype=float))
+        count = len(places)
+
+        def transfer(waves: WaveComponents) -> np.ndarray:
+            table = getattr(waves, f"{what}_transfer")(places)
+            return table.transpose(0, 2, 1).reshape(len(waves), 3 * count)
+
+        value = self.signal(transfer, 3 * count, f"water {what}", unit)
+        return m.horzcat(value[:count], value[count : 2 * count], value[2 * count :])
+
+    def given(self, name: str) -> Any:
+        """The value of a parameter that this kind of sea cannot do without."""
+        value = self.parameter_value(name)
+        if value is None or value == "":
+            kind, doc = type(self).family.kind_of(type(self)), self.parameters[name].doc
+            raise ParameterError(f"{self.label}.{name} has no value; a sea of kind '{kind}' needs it ({doc}).")
+        return value
+
+
+def _longest(sea: Sea) -> float:
+    sea.warn()
+    return sea.longest_run()
+
+
+def _standing(part: Component, path: str) -> Any:
+    """The component at a path of the model that `part` stands in."""
+    return [part, *part.enclosing()][-1].find(path)
+
+
+def _series(waves: WaveComponents, table: np.ndarray, build_up: float) -> Series:
+    if len(waves) <= CLOSED_FORM:
+        return Series.harmonics(waves.omega, waves.complex_amplitude[:, None] * table, build_up=build_up)
+    return Series.samples(waves.series(table), waves.period / waves.samples, periodic=True, build_up=build_up)

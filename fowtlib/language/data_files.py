@@ -1,0 +1,113 @@
+"""Data files: text of any encoding as lines, and readers that remember what they read while the file is the same."""
+
+from __future__ import annotations
+
+import codecs
+import csv
+import hashlib
+import os
+import time
+from collections import OrderedDict
+from collections.abc import Callable
+from functools import wraps
+from inspect import signature
+from pathlib import Path
+from typing import Any, TypeVar
+
+from fowtlib.language.errors import ParameterError
+
+Reader = TypeVar("Reader", bound=Callable[..., Any])
+_REMEMBERED = 32  # results of one reader
+_RACY = 2.0  # s within which a file system may give two versions of a file the same time
+_digests: dict[str, tuple[tuple[int, ...], float, str]] = {}
+
+
+def text_of(path: str | os.PathLike[str], what: str = "the file", error: type[Exception] = ParameterError) -> str:
+    """The text of a file, with line feeds only.
+
+    UTF-8 with or without a byte order mark, UTF-16 with one, and else the Latin alphabet of Windows, which spreadsheets
+    write; line ends of any system. Raises `error` with the path for a file that cannot be read or is no text.
+    """
+    try:
+        content = Path(path).read_bytes()
+    except OSError as problem:
+        raise error(f"{os.fspath(path)}: cannot read {what}: {problem.strerror or problem}") from None
+    text = _decoded(content)
+    if text is None or "\0" in text:
+        raise error(f"{os.fspath(path)}: cannot read {what}: this is not a text file")
+    return text.replace("\r\n", "\n").replace("\r", "\n")
+
+
+def _decoded(content: bytes) -> str | None:
+    if content.startswith((codecs.BOM_UTF16_LE, codecs.BOM_UTF16_BE)):
+        encodings = ["utf-16"]
+    else:
+        encodings = ["utf-8-sig", "cp1252"]
+    for encoding in encodings:
+        try:
+            return content.decode(encoding)
+        except UnicodeDecodeError:
+            continue
+    return None
+
+
+def lines_of(
+    path: str | os.PathLike[str], what: str = "the file", error: type[Exception] = ParameterError
+) -> list[tuple[int, str]]:
+    """The lines of a table with their numbers, counted from 1; without blank lines and those that start with #."""
+    numbered = enumerate(text_of(path, what, error).split("\n"), 1)
+    return [(number, line) for number, line in numbered if line.strip() and not line.lstrip().startswith("#")]
+
+
+def cells_of(line: str) -> list[str]:
+    """The cells of a line of a CSV, without the spaces around them."""
+    return [cell.strip() for cell in next(csv.reader([line]))]
+
+
+def digest_of(path: str | os.PathLike[str]) -> str:
+    """SHA-256 of the content of a file; computed anew where the file may have changed. Raises OSError."""
+    name, now = os.path.abspath(path), time.time()
+    state = os.stat(name)
+    version = (state.st_mtime_ns, state.st_ctime_ns, state.st_size, state.st_ino)
+    if name in _digests:
+        known, read_at, digest = _digests[name]
+        if known == version and read_at - max(version[:2]) / 1e9 > _RACY:
+            return digest
+    with open(name, "rb") as file:
+        digest = hashlib.file_digest(file, "sha256").hexdigest()
+    _digests[name] = (version, now, digest)
+    return digest
+
+
+def remembered(*files: str) -> Callable[[Reader], Reader]:
+    """Decorator of a reader: the same object for the same arguments, while the content of the files is the same.
+
+    files: the arguments that are paths of files; by default the first one. Other arguments must be hashable. A file
+    that cannot be read is the business of the reader.
+    """
+
+    def decorate(read: Reader) -> Reader:
+        given = signature(read)
+        paths = files or (next(iter(given.parameters)),)
+        kept: OrderedDict[Any, Any] = OrderedDict()
+
+        @wraps(read)
+        def remembering(*arguments: Any, **options: Any) -> Any:
+            bound = given.bind(*arguments, **options)
+            bound.apply_defaults()
+            values = dict(bound.arguments)
+            try:
+                contents = {name: (os.fspath(values[name]), digest_of(values[name])) for name in paths}
+            except (OSError, TypeError):
+                return read(*arguments, **options)
+            key = tuple((values | contents).items())
+            if key not in kept:
+                kept[key] = read(*arguments, **options)
+                while len(kept) > _REMEMBERED:
+                    kept.popitem(last=False)
+            kept.move_to_end(key)
+            return kept[key]
+
+        return remembering  # type: ignore[return-value]
+
+    return decorate
