@@ -56,7 +56,6 @@ def tube_or_table(component, heights, names="diameters and wall_thicknesses", **
     Raises ParameterError where both are given, or neither, or what a table does not use.
     """
     has_table = bool(component.properties) or component.table is not None
-    unused = [name for name in TUBE if name in component.parameters and component.is_set(name)]
     if np.size(heights):
         if has_table:
             raise ParameterError(f"{component.label}: give either properties, or {names}.")
@@ -65,12 +64,10 @@ def tube_or_table(component, heights, names="diameters and wall_thicknesses", **
             return TubeBeam(heights=heights, **tube, **settings)
         except ParameterError as error:
             raise ParameterError(str(error).replace(TubeBeam.__name__, component.label, 1)) from None
-    if has_table and unused:
+    if has_table:
         source = "properties" if component.properties else "table"
-        raise ParameterError(
-            f"{component.label}: {source} and {unused[0]} are both given, and {unused[0]} would do nothing beside the "
-            f"{source}; leave one of them out (stiffness_factor scales the stiffness of a table)."
-        )
+        tube = [name for name in TUBE if name in component.parameters]
+        component.refuse_unused(*tube, because=f"{source} is given (stiffness_factor scales what a table says)")
     return Beam(table=given_beam(component), **settings)
 
 

@@ -217,6 +217,16 @@ class Component(Composite):
         """True where the parameter was given, not left at its default."""
         return name in self._values
 
+    def refuse_unused(self, *names: str, because: str) -> None:
+        """An error for a parameter that was given and would do nothing, since another one takes precedence."""
+        for name in names:
+            if self.is_set(name):
+                where = f"{self.origins[name]}: " if name in self.origins else ""
+                raise ParameterError(
+                    f"{where}{join(self.path or type(self).__name__, name)} is given and would do nothing, because "
+                    f"{because}; leave one of them out, or change it."
+                )
+
     def resolve(self, value: Any) -> Any:
         """A declared value for this instance: functions called, class-body parameters replaced by this instance's."""
         if inspect.isfunction(value):
