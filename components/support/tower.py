@@ -87,10 +87,17 @@ class FlexibleTower(Tower):
     diameters: Array = param(default=(), unit="m", doc="outer diameters at the heights")
     wall_thicknesses: Array = param(default=(), unit="m", doc="wall thicknesses at the heights")
     density: Scalar = param(
-        default=of_a_tube(8500.0), unit="kg/m^3", min=0, doc="density of the wall, with paint, bolts, flanges"
+        default=of_a_tube(8500.0),
+        unit="kg/m^3",
+        min=0,
+        doc="density of the wall, with paint, bolts, flanges; 8500 unless given",
     )
-    young_modulus: Scalar = param(default=of_a_tube(210e9), unit="Pa", min=0, doc="Young's modulus of the wall")
-    shear_modulus: Scalar = param(default=of_a_tube(80.8e9), unit="Pa", min=0, doc="shear modulus of the wall")
+    young_modulus: Scalar = param(
+        default=of_a_tube(210e9), unit="Pa", min=0, doc="Young's modulus of the wall; 210 GPa unless given"
+    )
+    shear_modulus: Scalar = param(
+        default=of_a_tube(80.8e9), unit="Pa", min=0, doc="shear modulus of the wall; 80.8 GPa unless given"
+    )
     stiffness_factor: Scalar = param(default=1.0, min=0, doc="factor on every stiffness")
     cuts: Array = param(
         default=(),
