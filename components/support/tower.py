@@ -99,7 +99,7 @@ class FlexibleTower(Tower):
         default=of_a_tube(80.8e9), unit="Pa", min=0, doc="shear modulus of the wall; 80.8 GPa unless given"
     )
     stiffness_factor: Scalar = param(default=1.0, min=0, doc="factor on every stiffness")
-    cuts: Array = param(default=(), unit="m", structural="it parts the chain", doc="section loads: height above the base")
+    cuts: Array = param(default=(), unit="m", structural="it parts the chain", doc="section loads: heights above base")
     n_cuts: int = param(default=lambda self: len(self.cuts), min=0, doc="number of those cuts")
     units: int = param(default=4, min=0, doc="number of beam units; 0: rigid")
     treatment: str = param(default="loaded_tip", choices=("plain", "loaded_tip", "free_tip"), doc="see Beam")
