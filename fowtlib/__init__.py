@@ -1,31 +1,87 @@
-"""fowtlib: acausal models of floating wind turbines, from components to results."""
+"""fowtlib: acausal models of floating wind turbines, from components to results.
+
+    plant = fw.load("oc3_spar_rigid").compile()
+    result = plant.simulate(600.0)
+    result.plot("run.png")
+
+load, view and export_fmu; the analyses of fowtlib.analysis (fw.free_decay, fw.linear_rao, ...); the packages of parts
+(fw.components.mooring, ...); Assembly and Component to compose models of one's own.
+"""
 
 from __future__ import annotations
 
-import importlib
+import importlib as _importlib
 from typing import TYPE_CHECKING, Any
 
 from fowtlib.language import Assembly, Component, ModelError
 
 if TYPE_CHECKING:
+    from fowtlib import analysis, components
+    from fowtlib.analysis import (
+        analyse_decay,
+        average,
+        compare,
+        free_decay,
+        harmonic_fit,
+        linear_rao,
+        normalized_maxima,
+        over_seeds,
+        power_spectrum,
+        simulated_rao,
+        static_curve,
+        up_crossings,
+    )
     from fowtlib.fmi import export_fmu
-    from fowtlib.modelfile import load
-    from fowtlib.solving import LinearModel, Mode, Model, Output, Plant, Result, State
+    from fowtlib.modelfile import dump, load
+    from fowtlib.solving import (
+        LinearModel,
+        Mode,
+        Model,
+        NaturalMode,
+        Output,
+        Plant,
+        Result,
+        State,
+        mean_state,
+        natural_modes,
+    )
     from fowtlib.view import view
 
+    __version__: str
+
 # imported when first used, so that `import fowtlib` stays fast
+_PACKAGES = ("analysis", "components")
 _LATER = {
     "export_fmu": "fowtlib.fmi",
-    "load": "fowtlib.modelfile",
     "view": "fowtlib.view",
-    **dict.fromkeys(("LinearModel", "Mode", "Model", "Output", "Plant", "Result", "State"), "fowtlib.solving"),
-}
+    **dict.fromkeys(("dump", "load"), "fowtlib.modelfile"),
+    **dict.fromkeys(
+        ("LinearModel", "Mode", "Model", "NaturalMode", "Output", "Plant", "Result", "State", "mean_state",
+         "natural_modes"),
+        "fowtlib.solving",
+    ),
+    **dict.fromkeys(
+        ("analyse_decay", "average", "compare", "free_decay", "harmonic_fit", "linear_rao", "normalized_maxima",
+         "over_seeds", "power_spectrum", "simulated_rao", "static_curve", "up_crossings"),
+        "fowtlib.analysis",
+    ),
+}  # fmt: skip
 
 
 def __getattr__(name: str) -> Any:
     if name in _LATER:
-        return getattr(importlib.import_module(_LATER[name]), name)
+        return getattr(_importlib.import_module(_LATER[name]), name)
+    if name in _PACKAGES:
+        return _importlib.import_module(f"fowtlib.{name}")
+    if name == "__version__":
+        from importlib.metadata import version
+
+        return version("fowtlib")
     raise AttributeError(f"module 'fowtlib' has no attribute '{name}'")
+
+
+def __dir__() -> list[str]:
+    return sorted([*__all__, "__version__"])
 
 
 __all__ = [
@@ -35,11 +91,29 @@ __all__ = [
     "Mode",
     "Model",
     "ModelError",
+    "NaturalMode",
     "Output",
     "Plant",
     "Result",
     "State",
+    "analyse_decay",
+    "analysis",
+    "average",
+    "compare",
+    "components",
+    "dump",
     "export_fmu",
+    "free_decay",
+    "harmonic_fit",
+    "linear_rao",
     "load",
+    "mean_state",
+    "natural_modes",
+    "normalized_maxima",
+    "over_seeds",
+    "power_spectrum",
+    "simulated_rao",
+    "static_curve",
+    "up_crossings",
     "view",
 ]

@@ -5,8 +5,9 @@ from __future__ import annotations
 import numpy as np
 
 from fowtlib.components.mechanics import BeamTurn, FixedTranslation, Frame
+from fowtlib.components.mechanics.beam_properties import BeamProperties, read_beam
 from fowtlib.components.support.tower import of_a_tube, tube_or_table
-from fowtlib.language import Array, Component, Number, RealOutput, Scalar, Vector, eq, param, port
+from fowtlib.language import Array, Component, Data, Number, RealOutput, Scalar, Vector, data, eq, param, port
 from fowtlib.language import math as m
 from fowtlib.language.errors import ParameterError
 
@@ -81,7 +82,9 @@ class Arm(ArmLoads):
         default=of_a_tube(80.8e9), unit="Pa", min=0, doc="shear modulus of the wall; 80.8 GPa unless given"
     )
     stiffness_factor: Scalar = param(default=1.0, min=0, doc="factor on every stiffness")
-    properties: str = param(default="", doc="path of a CSV with the properties, see read_beam; x is horizontal")
+    properties: Data[BeamProperties] = data(
+        read_beam, default=None, doc="CSV with the properties, see read_beam; x is horizontal"
+    )
     table: object = param(default=None, doc="the properties as BeamProperties, instead of a path")
     units: int = param(default=4, min=0, doc="number of beam units; 0: rigid")
     treatment: str = param(default="loaded_tip", choices=("plain", "loaded_tip", "free_tip"), doc="see Beam")

@@ -4,10 +4,18 @@ from __future__ import annotations
 
 import numpy as np
 
-from fowtlib.components.mechanics import Beam, FixedTranslation, Frame, RigidBody, TubeBeam, TwoFrames
-from fowtlib.components.mechanics.beam_properties import given_beam
+from fowtlib.components.mechanics import (
+    Beam,
+    BeamProperties,
+    FixedTranslation,
+    Frame,
+    RigidBody,
+    TubeBeam,
+    TwoFrames,
+)
+from fowtlib.components.mechanics.beam_properties import given_beam, read_beam
 from fowtlib.components.mechanics.tube_beam import TUBE
-from fowtlib.language import Array, RealOutput, Scalar, eq, param, port, shapes
+from fowtlib.language import Array, Data, RealOutput, Scalar, data, eq, param, port, shapes
 from fowtlib.language import math as m
 from fowtlib.language.errors import ParameterError
 
@@ -81,7 +89,7 @@ class FlexibleTower(Tower):
 
     mode_names = {"*_x": "{part} fore-aft", "*_y": "{part} side-side", "*.twisting.*": "{part} torsion"}
 
-    properties: str = param(default="", doc="path of a CSV with the properties, see read_beam")
+    properties: Data[BeamProperties] = data(read_beam, default=None, doc="CSV with the properties, see read_beam")
     table: object = param(default=None, doc="the properties as BeamProperties, instead of a path")
     heights: Array = param(default=(), unit="m", doc="heights of the stations, base first")
     diameters: Array = param(default=(), unit="m", doc="outer diameters at the heights")

@@ -10,6 +10,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass, replace
+from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -17,8 +18,11 @@ import numpy as np
 from fowtlib.analysis.plants import chosen_outputs, compiled, state_behind
 from fowtlib.analysis.series import Series, as_series
 from fowtlib.language.errors import ModelError
+from fowtlib.solving.results.tables import write_table
 
 if TYPE_CHECKING:
+    from matplotlib.figure import Figure
+
     from fowtlib.analysis.series import SeriesLike
     from fowtlib.solving.results import Result
 
@@ -49,6 +53,17 @@ class Decay:
     damping_at_zero: float
     damping_slope: float
     result: Result | None = None
+
+    def plot(self, path: str | Path | None = None) -> Figure:
+        """The series with its fitted envelope, and damping over amplitude."""
+        from fowtlib.solving.results.plots import plot_decay
+
+        return plot_decay(self, path)
+
+    def save(self, path: str | Path) -> Path:
+        """Write amplitude and damping ratio of every half cycle as CSV."""
+        heads = (f"amplitude [{self.series.unit}]", "damping ratio [1]")
+        return write_table(path, heads, zip(self.amplitude.tolist(), self.damping.tolist(), strict=True), "a decay")
 
     @property
     def frequency(self) -> float:

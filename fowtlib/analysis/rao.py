@@ -26,9 +26,12 @@ import numpy as np
 from fowtlib.analysis.harmonics import harmonic_fit
 from fowtlib.analysis.plants import calm, checked_frequencies, chosen_outputs, compiled, refuse_unstable, shown_unit
 from fowtlib.language.errors import ModelError, did_you_mean
+from fowtlib.solving import mean_state
+from fowtlib.solving.results.html import table
 
 if TYPE_CHECKING:
     import xarray
+    from matplotlib.figure import Figure
 
 
 _SHOWN = 20
@@ -97,6 +100,17 @@ class Rao:
             raise ModelError(f"{path}: cannot be written: {error.strerror}.") from error
         return path
 
+    def plot(self, path: str | Path | None = None, **options: Any) -> Figure:
+        """Amplitude and phase over frequency; options of fowtlib.view.plot_rao."""
+        from fowtlib.solving.results.plots import plot_rao
+
+        return plot_rao(self, path, **options)
+
+    def _repr_html_(self) -> str:
+        heads = ("frequency [Hz]", *(f"{n} [{u}]" for n, u in zip(self.outputs, self.units, strict=True)))
+        rows = [(float(f), *map(float, row)) for f, row in zip(self.frequency, np.abs(self.response), strict=True)]
+        return table(heads, rows, f"response to waves, {self.method}, heading {np.degrees(self.heading):g} deg")
+
     def __repr__(self) -> str:
         widths = [max(12, len(f"{name} [{unit}]") + 2) for name, unit in zip(self.outputs, self.units, strict=True)]
         heads = (f"{f'{n} [{u}]':>{w}}" for n, u, w in zip(self.outputs, self.units, widths, strict=True))
@@ -139,7 +153,7 @@ def linear_rao(
 
     model    a compiled model, used as it is; or a model, which is first put into still water without wind
     outputs  result names; None takes the six motions as far as the model has them, else all results
-    state    point of linearisation; None takes the equilibrium with these ``parameters``
+    state    point of linearisation; None takes the mean state with these ``parameters``
     """
     plant = compiled(model)
     inputs = wave_inputs(model.root if hasattr(model, "root") else plant.root)
@@ -150,7 +164,7 @@ def linear_rao(
     frequency = None if frequencies is None else checked_frequencies(frequencies)
     names = chosen_outputs(plant, outputs)
     if state is None:
-        state = plant.equilibrium(parameters=parameters)
+        state = mean_state(plant, parameters)
     linear = plant.linearize(state, inputs=[path for paths, _ in inputs for path in paths], outputs=names)
     refuse_unstable(linear)
     if frequency is None:

@@ -7,14 +7,18 @@ from __future__ import annotations
 
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
-from typing import TYPE_CHECKING
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
 from fowtlib.analysis.series import as_series
 from fowtlib.language.errors import ModelError
+from fowtlib.solving.results.tables import write_table
 
 if TYPE_CHECKING:
+    from matplotlib.figure import Figure
+
     from fowtlib.analysis.series import SeriesLike
 
 
@@ -28,6 +32,17 @@ class Spectrum:
     name: str = ""
     long_name: str = ""
     averages: float = 1.0  # equivalent number of independent periodograms behind each value
+
+    def plot(self, path: str | Path | None = None, **options: Any) -> Figure:
+        """Density over frequency; options of fowtlib.view.plot_spectra."""
+        from fowtlib.solving.results.plots import plot_spectra
+
+        return plot_spectra(self, path, **options)
+
+    def save(self, path: str | Path) -> Path:
+        """Write a table as CSV, one row per frequency."""
+        heads = ("frequency [Hz]", f"{self.name or 'density'} [({self.unit})^2/Hz]")
+        return write_table(path, heads, zip(self.frequency.tolist(), self.density.tolist(), strict=True), "a spectrum")
 
     def moment(self, order: int = 0, low: float = 0.0, high: float = np.inf) -> float:
         """Spectral moment m_n, the integral of f^n S(f) over [low, high] Hz; m_0 is the variance."""

@@ -42,7 +42,7 @@ def show_decay(arguments: argparse.Namespace) -> int:
     with progress_bar() as report:
         decay = free_decay(plant, arguments.dof, arguments.offset, duration=arguments.time, progress=report)
     if arguments.plot:
-        from fowtlib.view.plots import plot_decay
+        from fowtlib.solving.results.plots import plot_decay
 
         plot_decay(decay, path=arguments.plot)
     unit = decay.series.unit

@@ -13,6 +13,7 @@ if TYPE_CHECKING:
     from fowtlib import Model
 
 CONSTANT_WIND = ("none", "steady", "input")
+MEASURED_WIND = ("file", "field")  # the mean is that of the data
 
 
 def declare(parser: argparse.ArgumentParser, *, wind: bool = True, waves: bool = True) -> None:
@@ -53,17 +54,24 @@ def load(arguments: argparse.Namespace) -> Model:
 def load_at_rest(arguments: argparse.Namespace) -> tuple[Model, str]:
     """The same in the mean of its wind and waves, for what is asked about a mean position; and a line that says so."""
     model = load(arguments)
+    if arguments.wind and model.root.parts[WIND.part].kind not in CONSTANT_WIND:
+        kind = model.root.parts[WIND.part].kind
+        raise ParameterError(f"--wind: '{kind}' changes in time; give none or {WIND.form('steady')} here.")
+    calm = in_the_mean(model)
+    return calm, weather(calm, arguments, model)
+
+
+def in_the_mean(model: Model) -> Model:
+    """The model in still water, and in steady wind of the mean speed of its own."""
     values: dict[str, Any] = {}
     if WAVES.part in model.root.parts:
         values |= WAVES.parse("still")
-    if WIND.part in model.root.parts:
-        kind = model.root.parts[WIND.part].kind
-        if arguments.wind and kind not in CONSTANT_WIND:
-            raise ParameterError(f"--wind: '{kind}' changes in time; give none or {WIND.form('steady')} here.")
-        if kind not in CONSTANT_WIND:
-            values["wind.kind"] = "steady"
-    calm = model.with_parameters(values) if values else model
-    return calm, weather(calm, arguments, model)
+    wind = model.root.parts.get(WIND.part)
+    if wind is not None and wind.kind not in CONSTANT_WIND:
+        values["wind.kind"] = "steady"
+        if wind.kind in MEASURED_WIND:
+            values["wind.mean_speed"] = float(wind.mean_at(0))
+    return model.with_parameters(values) if values else model
 
 
 def _require_part(model: Model, condition: Condition) -> None:

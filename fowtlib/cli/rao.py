@@ -59,7 +59,7 @@ def show_rao(arguments: argparse.Namespace) -> int:
     moving = [name for name in rao.outputs if rao.amplitude(name).max() > AT_REST]
     if arguments.plot:
         about = ": ".join(filter(None, (model.title or model.name, conditions.partition(", waves")[0])))
-        from fowtlib.view.plots import plot_rao
+        from fowtlib.solving.results.plots import plot_rao
 
         plot_rao(rao, path=arguments.plot, outputs=moving, title=about)
     names = rao.outputs if arguments.form else moving

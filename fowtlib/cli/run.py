@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING, Any
 from fowtlib.cli import loading, tables
 from fowtlib.cli.files import FIGURES, RESULTS, check_target, say_saved
 from fowtlib.cli.progress import progress_bar
+from fowtlib.cli.start import HELP, start_values
 from fowtlib.cli.weather import weather
 from fowtlib.language.errors import ModelError, SimulationError
 
@@ -21,7 +22,8 @@ if TYPE_CHECKING:
 EXAMPLES = """examples:
   fowt run oc3_spar_rigid --time 600 --wind steady:8 --waves still
   fowt run oc3_spar_rigid --wind kaimal:11.4,class=B,seed=1 --waves jonswap:Hs=6,Tp=10,seed=1 --plot run.png
-  fowt run oc3_spar_rigid --time 4000 --output longer.nc --resume run.nc
+  fowt run oc3_spar_rigid --time 4000 --start turning --discard 400 --output run.nc
+  fowt run oc3_spar_rigid --time 8000 --output longer.nc --resume run.nc
 """
 
 
@@ -39,6 +41,10 @@ def declare(commands: Any) -> None:
     parser.add_argument("--step", metavar="T", help="step of the solver fixed [s], or 12.5ms")
     parser.add_argument("--tolerance", type=positive, metavar="RTOL", help="relative; default: the model file's")
     parser.add_argument("--resume", type=Path, metavar="FILE", help="go on from the end of an earlier result (.nc)")
+    parser.add_argument("--start", metavar="HOW", help=HELP)
+    parser.add_argument(
+        "--discard", type=positive, metavar="S", default=0.0, help="statistics and picture without the first S seconds"
+    )
     tables.declare(parser, output=False)
     parser.set_defaults(action=run)
 
@@ -87,11 +93,12 @@ def run(arguments: argparse.Namespace) -> int:
     earlier = Result.open(arguments.resume) if arguments.resume else None
     model = loading.load(arguments)
     plant = model.compile()
+    start, whence = start_values(arguments, model, plant)
     options = {"t_end": arguments.time, "output_step": arguments.output_step, "solver": arguments.solver}
     options |= {"step": arguments.step, "tolerance": arguments.tolerance}
     try:
         with progress_bar(earlier.time[-1] if earlier else 0.0) as report:
-            later = plant.simulate(start=earlier, progress=report, **options)
+            later = plant.simulate(start=earlier or start, progress=report, **options)
     except SimulationError as error:
         _rescue(error, earlier, arguments.output or Path(f"{model.name or 'run'}_partial.nc"))
         raise
@@ -99,13 +106,18 @@ def run(arguments: argparse.Namespace) -> int:
     if arguments.output:
         _save(result, arguments.output)
     if arguments.plot:
-        from fowtlib.view.plots import plot_result
+        from fowtlib.solving.results.plots import plot_result
 
-        plot_result(result, path=arguments.plot)
-    tables.say(arguments, weather(model, arguments))
+        plot_result(result, path=arguments.plot, discard=_discarded(arguments, result))
+    tables.say(arguments, "; ".join(filter(None, (weather(model, arguments), whence))))
     _show(arguments, result, later)
     say_saved(arguments.output, arguments.plot)
     return 0
+
+
+def _discarded(arguments: argparse.Namespace, result: Result) -> float:
+    """Seconds to leave out; of a run that ended before them nothing is left out."""
+    return arguments.discard if arguments.discard < result.duration else 0.0
 
 
 def _save(result: Result, path: Path) -> None:
@@ -130,11 +142,12 @@ def _rescue(error: SimulationError, earlier: Result | None, path: Path) -> None:
 
 
 def _show(arguments: argparse.Namespace, result: Result, later: Result) -> None:
-    summaries = result.statistics().values()
+    statistics = result.statistics(_discarded(arguments, result))
+    summaries = statistics.values()
     columns = ("result", "unit", "mean", "std", "min", "max")
     rows = []
     for item in summaries:
         mean, std = (tables.rounded(value, max(abs(item.min), abs(item.max))) for value in (item.mean, item.std))
         rows.append((item.name, item.unit, mean, std, item.min, item.max))
     factor = later.duration / max(later.attributes["wall_time"], 1e-9)
-    tables.show(arguments, columns, rows, f"{result.time[0]:g} s to {result.time[-1]:g} s, {factor:.0f} x real time")
+    tables.show(arguments, columns, rows, f"{statistics.first:g} s to {statistics.last:g} s, {factor:.0f} x real time")

@@ -16,11 +16,11 @@ examples:
 """
 EIGEN = """About the mean position: in still water, and in the wind of --wind or of the
 model, at its mean speed. A mode is named after the motion that takes the
-largest part in it.
+largest part in it. Of rotors that turn, the modes are those at one azimuth.
 
 examples:
   fowt eigen oc3_spar_rigid --wind none
-  fowt eigen oc3_spar --wind none       a rotor of blade elements stands
+  fowt eigen oc3_spar --wind none       the rotor stands
   fowt view oc3_spar --wind none --mode 7
 """
 
@@ -42,10 +42,12 @@ def declare(commands: Any) -> None:
 
 def show_equilibrium(arguments: argparse.Namespace) -> int:
     """Print the results of the model at its equilibrium."""
+    from fowtlib.solving import mean_state
+
     check_target(arguments.table, TABLES)
     model, conditions = loading.load_at_rest(arguments)
     plant = model.compile()
-    state = plant.equilibrium()
+    state = mean_state(plant)
     rows = [(name, tables.rounded(state[name], 1.0), unit) for name, (_, unit, _) in plant.outputs.items()]
     tables.say(arguments, conditions)
     tables.show(arguments, ("result", "value", "unit"), rows)
@@ -54,17 +56,19 @@ def show_equilibrium(arguments: argparse.Namespace) -> int:
 
 def show_modes(arguments: argparse.Namespace) -> int:
     """Print the modes of the linear model at the equilibrium, slowest first."""
-    from fowtlib.analysis.modes import natural_modes
+    from fowtlib.solving import mean_state, natural_modes
 
     check_target(arguments.table, TABLES)
     check_target(arguments.plot, FIGURES)
     model, conditions = loading.load_at_rest(arguments)
-    modes = [mode for mode in natural_modes(model.compile()) if arguments.all or (mode.motion and mode.oscillates)]
+    plant = model.compile()
+    modes = natural_modes(plant, mean_state(plant))
+    modes = [mode for mode in modes if arguments.all or (mode.motion and mode.oscillates)]
     rows = [(mode.number, mode.name, mode.frequency, mode.period, mode.damping_ratio) for mode in modes]
     tables.say(arguments, conditions)
     tables.show(arguments, ("mode", "motion", "frequency [Hz]", "period [s]", "damping ratio"), rows)
     if arguments.plot:
-        from fowtlib.view.plots import plot_modes
+        from fowtlib.solving.results.plots import plot_modes
 
         plot_modes(modes, path=arguments.plot)
     say_saved(arguments.plot)

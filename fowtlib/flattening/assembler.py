@@ -15,7 +15,7 @@ import numpy as np
 from fowtlib.flattening.aliases import eliminate_aliases
 from fowtlib.flattening.causalization import Causal, Causalization
 from fowtlib.flattening.diagnosis import check_structure
-from fowtlib.flattening.flat_dae import Check, Event, External, FlatDAE, Quantity, Ring, SampledUpdate
+from fowtlib.flattening.flat_dae import Check, Event, External, FlatDAE, Operator, Quantity, Ring, SampledUpdate
 from fowtlib.flattening.incidence import Incidence
 from fowtlib.flattening.index_reduction import IndexReduction
 from fowtlib.flattening.instances import Instances, Statements
@@ -134,6 +134,7 @@ class _Assembler:
         for _, sampled in statements.sampled:
             slots += [(action, name) for action in sampled.assignments for name in ("target", "value")]
         slots += [(statement, "angle") for _, statement in statements.rings]
+        slots += [(statement, "inputs") for _, statement in statements.operators]
         slots += [(system.rates, key) for key in system.rates]
         slots += [(system.aliases, path) for path in system.aliases]
         values = [_get(owner, name) for owner, name in slots]
@@ -188,6 +189,7 @@ class _Assembler:
             "actions": [action.value for _, when in self.statements.when for action in when.actions],
             "samples": [action.value for _, sampled in self.statements.sampled for action in sampled.assignments],
             "rings": [statement.angle for _, statement in self.statements.rings],
+            "operators": [statement.inputs for _, statement in self.statements.operators],
             "aliases": list(system.aliases.values()),
             "replaced": [ca.SX(value) for value in self.replaced.values()],
         }
@@ -224,6 +226,9 @@ class _Assembler:
             events=self._events(states, solved), samples=self._samples(solved), checks=self._checks(solved),
             rings=[Ring(angle, [part.path for part in statement.parts])
                    for (_, statement), angle in zip(self.statements.rings, solved["rings"], strict=True)],
+            operators=[Operator(path, inputs, statement.correction, statement.transfer, statement.realization)
+                       for (path, statement), inputs in zip(self.statements.operators, solved["operators"],
+                                                            strict=True)],
         )  # fmt: skip
 
     def _quantity(self, number: int) -> Quantity:

@@ -19,6 +19,7 @@ from fowtlib.language.connectors import BoundPort, Signal
 from fowtlib.language.declarations import SHAPES, Variable, Withheld, join
 from fowtlib.language.errors import ModelError, ParameterError, StructureError
 from fowtlib.language.faults import author_line, reason
+from fowtlib.language.operators import LinearOperator
 from fowtlib.language.units import to_si
 
 
@@ -33,6 +34,7 @@ class Statements:
     rotations: list[tuple[str, statements.Rotation]] = field(default_factory=list)
     fixed_orientations: list[tuple[str, statements.FixedOrientation]] = field(default_factory=list)
     rings: list[tuple[str, statements.Ring]] = field(default_factory=list)
+    operators: list[tuple[str, LinearOperator]] = field(default_factory=list)
 
 
 class Instances:
@@ -226,6 +228,7 @@ class Instances:
             statements.Rotation: self.statements.rotations,
             statements.FixedOrientation: self.statements.fixed_orientations,
             statements.Ring: self.statements.rings,
+            LinearOperator: self.statements.operators,
         }
         if isinstance(statement, statements.Assign):
             word, home = ("reinit()", "when()") if statement.is_reinit else ("assign()", "when() or sampled()")

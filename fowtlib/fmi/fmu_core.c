@@ -529,7 +529,7 @@ static double fmu_next_sample(const fmu_instance *f) {
   double next = INFINITY, now = f->now.t;
   int i;
   for (i = 0; i < BREAKS; i++)
-    if (fmu_breaks[i] > now + 1e-9 * (1.0 + fabs(now))) next = fmin(next, fmu_breaks[i]);
+    if (fmu_breaks[i] > now + RULE_TINY * f->now.reference_step) next = fmin(next, fmu_breaks[i]);
   for (i = 0; i < SAMPLES; i++) next = fmin(next, f->now.offset[i] + f->now.samples_done[i] * f->now.period[i]);
   return next;
 }

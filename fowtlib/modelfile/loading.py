@@ -15,7 +15,7 @@ from fowtlib.modelfile.assemble import Assembler
 from fowtlib.modelfile.nodes import Place, from_python
 from fowtlib.modelfile.paths import check_variable
 from fowtlib.modelfile.specs import OutputSpec, Spec, Value
-from fowtlib.solving.model import Model, Output
+from fowtlib.solving.model import Model, Output, known_of
 
 Source = str | os.PathLike[str] | Component | Model
 Settings = Mapping[str, Any]
@@ -25,6 +25,7 @@ def load(source: Source, *, set: Settings | None = None, allow_python: bool = Fa
     """A model, from the name of a shipped one, the path of a model file, or a component composed in Python.
 
     set: values by path that replace those of the file before anything is built: {"sea.seed": 2, "hull.mass": "8 t"}.
+    A component that is the root of a model has the outputs and settings of that model; any other one has none.
     allow_python: the file may name Python code of its own, which is then run.
     Raises ModelFileError: the file and line, what is wrong, what to do.
     """
@@ -55,8 +56,10 @@ def _from_component(component: Component, values: Settings) -> Model:
     def rebuild(more: Settings) -> Model:
         return _from_component(component, {**values, **more})
 
-    title = getattr(component, "title", type(component).__name__)
-    return Model(root, title, name=type(component).__name__.lower(), rebuild=rebuild)
+    title, outputs, settings, name = known_of(component) or (
+        getattr(component, "title", type(component).__name__), {}, {}, type(component).__name__.lower()
+    )  # fmt: skip
+    return Model(root, title, outputs, settings, name=name, rebuild=rebuild)
 
 
 def _changes(values: Settings) -> Spec | None:

@@ -2,8 +2,21 @@
 
 from fowtlib.solving.linear import LinearModel, Mode
 from fowtlib.solving.model import Model, Output
+from fowtlib.solving.modes import NaturalMode, natural_modes
 from fowtlib.solving.plant import Plant
 from fowtlib.solving.results import Result
 from fowtlib.solving.state import State
+from fowtlib.solving.turning import mean_state
 
-__all__ = ["LinearModel", "Mode", "Model", "Output", "Plant", "Result", "State"]
+__all__ = [
+    "LinearModel",
+    "Mode",
+    "Model",
+    "NaturalMode",
+    "Output",
+    "Plant",
+    "Result",
+    "State",
+    "mean_state",
+    "natural_modes",
+]

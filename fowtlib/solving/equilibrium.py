@@ -50,7 +50,7 @@ def equilibrium(at: AtParameters, t: float, x: np.ndarray, z: np.ndarray, q: np.
             "Take still water and steady wind (--waves still, --wind steady:8)."
         )
     nx = x.size
-    pattern = _pattern(at.functions)
+    pattern = dependence(at.functions)
     moving = [k for k in range(nx) if pattern[:, k].any() and k not in held]
     residual, jacobian = at.residual, at.jacobian
 
@@ -133,7 +133,7 @@ def _implicit_euler(
     return values if last < 1e-4 else None
 
 
-def _pattern(functions: Functions) -> np.ndarray:
+def dependence(functions: Functions) -> np.ndarray:
     """Whether an equation depends on each state."""
     nx = functions.x.shape[0]
     by_x, _, alg_x, _ = (functions.jacobian.sparsity_out(i) for i in range(4))

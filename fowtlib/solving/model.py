@@ -7,6 +7,7 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import Any
+from weakref import WeakKeyDictionary
 
 import numpy as np
 
@@ -16,6 +17,15 @@ from fowtlib.language.component import Component
 from fowtlib.language.errors import ParameterError, did_you_mean
 from fowtlib.solving.check import ModelReport
 from fowtlib.solving.plant import Plant
+from fowtlib.solving.results.html import table
+
+# What is known of the root of a model besides its parts: title, outputs, settings, name.
+_KNOWN: WeakKeyDictionary[Component, tuple[str, dict[str, Any], dict[str, Any], str]] = WeakKeyDictionary()
+
+
+def known_of(root: Component) -> tuple[str, dict[str, Any], dict[str, Any], str] | None:
+    """Title, outputs, settings and name of the model that this component is the root of; None for any other one."""
+    return _KNOWN.get(root)
 
 
 @dataclass(frozen=True)
@@ -27,11 +37,12 @@ class Output:
     doc: str = ""
 
 
-@dataclass
+@dataclass(repr=False)
 class Model:
     """What `fw.load` gives. `compile()` makes a Plant of it.
 
     `rebuild` makes the same model with parameters changed before construction; the loader of model files gives it.
+    A model remembers what it knows of its root, so that `fw.load(model.root)` has the same outputs and settings.
     """
 
     root: Component
@@ -42,25 +53,43 @@ class Model:
     name: str = ""
     rebuild: Any = field(default=None, repr=False)
 
-    def compile(self, inputs: Sequence[str] = ()) -> Plant:
+    def __post_init__(self) -> None:
+        if self.outputs or self.settings:
+            _KNOWN[self.root] = (self.title, dict(self.outputs), dict(self.settings), self.name)
+
+    def compile(self, inputs: Sequence[str] | Mapping[str, str] = ()) -> Plant:
         """Flatten the model; raises ModelError subclasses that say by path what is wrong.
 
-        inputs: paths of signals, such as "turbine.blade_pitch", that become inputs of the plant. What drove them, a
-        controller, goes on by itself unheard; what it gives at the start is the value of the input where nobody gives
-        another.
+        inputs: paths of signals, such as "turbine.blade_pitch", that become inputs of the plant; or names of your own
+        for them, {"pitch": "turbine.blade_pitch"}. What drove them, a controller, goes on by itself unheard; what it
+        gives at the start is the value of the input where nobody gives another.
         """
-        dae = flatten(self.root, inputs)
-        plant = self._plant(dae)
+        names = dict(inputs) if isinstance(inputs, Mapping) else {}
+        dae = flatten(self.root, list(names.values()) if names else inputs)
+        plant = self._plant(dae, names)
         driven = {path: item for path, item in dae.inputs.items() if item.driver}
         if not driven:
             return plant
         start = plant.initial_state()
         values = {path: np.ravel(start[item.driver], order="F") for path, item in driven.items()}
         defaults = {path: replace(item, default=values.get(path, item.default)) for path, item in dae.inputs.items()}
-        return self._plant(replace(dae, inputs=defaults))
+        return self._plant(replace(dae, inputs=defaults), names)
 
-    def _plant(self, dae: FlatDAE) -> Plant:
-        return Plant(dae, self.outputs, name=self.name, title=self.title, settings=self.settings, root=self.root)
+    def _plant(self, dae: FlatDAE, names: Mapping[str, str]) -> Plant:
+        return Plant(
+            dae, self.outputs, name=self.name, title=self.title, settings=self.settings, root=self.root,
+            input_names=names,
+        )  # fmt: skip
+
+    def __repr__(self) -> str:
+        parts = sum(1 for _ in self.root.walk()) - 1
+        name = self.name or type(self.root).__name__
+        about = f": {self.title}" if self.title and self.title != name else ""
+        return f"<Model {name}{about}; {parts} parts, {len(self.outputs)} outputs>"
+
+    def _repr_html_(self) -> str:
+        rows = [(name, item.of, item.unit or "SI", item.doc) for name, item in self.outputs.items()]
+        return table(("output", "variable", "unit", ""), rows, repr(self)[1:-1])
 
     def check(self) -> ModelReport:
         """Flatten the model and check the dimensions of its equations; the report says what was found."""

@@ -23,6 +23,7 @@ from fowtlib.solving.linear import LinearModel, linearize
 from fowtlib.solving.observation import Observation, observed
 from fowtlib.solving.outputs import Outputs
 from fowtlib.solving.results import Observer, RawTrajectory, Result
+from fowtlib.solving.results.html import table
 from fowtlib.solving.run import About, Run, duration_settings
 from fowtlib.solving.state import State
 
@@ -31,14 +32,16 @@ class Plant:
     """A model as one flat DAE, ready for numbers.
 
     outputs: name -> (path of a variable, unit, description), as the model file gives them; without any, all states.
+    input_names: name -> path, of inputs that have a name of their own; wherever an input is asked for, it will do.
     """
 
     def __init__(self, dae: FlatDAE, outputs: Mapping[str, Any] | None = None, *, name: str = "", title: str = "",
-                 settings: Mapping[str, Any] | None = None, root: Any = None):  # fmt: skip
+                 settings: Mapping[str, Any] | None = None, root: Any = None,
+                 input_names: Mapping[str, str] | None = None):  # fmt: skip
         self.dae, self.name, self.title = dae, name, title
         self.root = copy.deepcopy(root)  # what is done to the model later is no part of this
         self._bindings = Bindings(dae, self.root)
-        self.settings = dict(settings or {})
+        self.settings, self.input_names = dict(settings or {}), dict(input_names or {})
         self.layout, self.outputs, self.functions = Layout(dae), Outputs(dae, outputs), Functions(dae)
         self._code: FixedStepCode | None = None
 
@@ -78,7 +81,7 @@ class Plant:
         start: values of states (SI or with unit) in place of their start values; of an algebraic unknown, a guess.
         base: a state to change by `start`, instead of the start values.
         """
-        u = self.layout.inputs(inputs)
+        u = self.layout.inputs(self._paths(inputs))
         return self._state(*start_point(self.at(parameters), self.layout, u, start or {}, t, base), u, parameters)
 
     @refusals_explained()
@@ -145,7 +148,11 @@ class Plant:
         """
         names, at = list(self.outputs) if outputs is None else outputs, self.at(state.parameters)
         check_state(at, state, self.name, warn=False)
-        return linearize(at, self.layout, self.outputs, state, inputs, names)
+        paths = [self.input_names.get(name, name) for name in inputs]
+        linear = linearize(at, self.layout, self.outputs, state, paths, names)
+        own = {path: name for name, path in self.input_names.items() if name in inputs}
+        linear.inputs = [own.get(path, path) for path in linear.inputs]
+        return linear
 
     def observer(self, raw: RawTrajectory, parameters: Values | None = None) -> Observer:
         """What rebuilds any variable along an earlier trajectory of this model, with the inputs at their defaults."""
@@ -162,7 +169,7 @@ class Plant:
             start.check_resumable(binding.values, binding.structure)
             point = start.final
             x, z, d = self.layout.vectors(point.x, point.z, point.d)
-            return self._state(point.time, x, z, d, self.layout.inputs(inputs), parameters)
+            return self._state(point.time, x, z, d, self.layout.inputs(self._paths(inputs)), parameters)
         if isinstance(start, State):
             same = parameters == start.parameters and inputs is None
             return start if same else self.initial_state(parameters, None, inputs, base=start)
@@ -170,12 +177,20 @@ class Plant:
 
     def _state(self, t: float, x: np.ndarray, z: np.ndarray, d: np.ndarray, u: np.ndarray,
                parameters: Values | None) -> State:  # fmt: skip
-        return State(t, x, z, d, u, dict(parameters or {}), self._observe)
+        return State(t, x, z, d, u, dict(parameters or {}), self._observe, self)
+
+    def _paths(self, inputs: Values | None) -> dict[str, Any]:
+        """Values of inputs by path."""
+        return {self.input_names.get(name, name): value for name, value in (inputs or {}).items()}
 
     @refusals_explained()
     def _observe(self, name: str, state: State) -> np.ndarray:
         values = observed(self.at(state.parameters), self.outputs.entry(name).path, state)
         return np.asarray(self.outputs.shown(name, values))
+
+    def _repr_html_(self) -> str:
+        rows = [(name, entry.path, entry.unit, entry.doc) for name, entry in self.outputs.items()]
+        return table(("output", "variable", "unit", ""), rows, repr(self)[1:-1])
 
     def __repr__(self) -> str:
         return f"<Plant {self.title or self.name}: {self.dae!r}>"

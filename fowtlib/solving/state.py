@@ -2,13 +2,21 @@
 
 from __future__ import annotations
 
+import json
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
+from pathlib import Path
+from typing import Any
 
 import numpy as np
 
+from fowtlib.language.errors import ModelError, SimulationError
+from fowtlib.solving.results.html import table
 
-@dataclass(frozen=True)
+GROUPS = {"x": "states", "z": "algebraics", "d": "discretes"}
+
+
+@dataclass(frozen=True, repr=False)
 class State:
     """Time t [s], states x, algebraic unknowns z, discrete variables d, inputs u, at given parameter values.
 
@@ -22,7 +30,58 @@ class State:
     u: np.ndarray
     parameters: Mapping[str, object] = field(default_factory=dict)
     observe: Callable[[str, State], np.ndarray] | None = field(default=None, repr=False, compare=False)
+    plant: Any = field(default=None, repr=False, compare=False)
 
     def __getitem__(self, name: str) -> float | np.ndarray:
         value = np.asarray(self.observe(name, self)).squeeze()
         return float(value) if value.shape == () else value
+
+    def save(self, path: str | Path) -> Path:
+        """Write the values by path, in SI, as .json; `State.open(path, plant)` reads them."""
+        path = Path(path)
+        if path.suffix != ".json":
+            raise ModelError(f"{path}: a state is saved as .json, not as '{path.suffix or 'no ending'}'.")
+        content: dict[str, Any] = {"fowtlib": "state", "time": self.t}
+        for group, name in GROUPS.items():
+            quantities = getattr(self.plant.dae, name)
+            values = getattr(self, group).tolist()
+            content[name] = {q.path: value for q, value in zip(quantities, values, strict=True)}
+        try:
+            path.write_text(json.dumps(content, indent=1), encoding="utf-8")
+        except OSError as error:
+            raise ModelError(f"{path}: cannot be written: {error.strerror}.") from error
+        return path
+
+    @staticmethod
+    def open(path: str | Path, plant: Any, parameters: Mapping[str, Any] | None = None) -> State:
+        """The state of a file for a compiled model, with these parameter values; its unknowns are solved for anew."""
+        try:
+            content = json.loads(Path(path).read_text(encoding="utf-8"))
+        except OSError as error:
+            raise ModelError(f"{path}: cannot be read: {error.strerror}.") from None
+        except ValueError:
+            content = None
+        if not isinstance(content, dict) or content.get("fowtlib") != "state":
+            raise ModelError(f"{path}: this is not a state that `state.save` wrote.")
+        known = {name: {q.path for q in getattr(plant.dae, name)} for name in GROUPS.values()}
+        for name in ("states", "discretes"):
+            missing = sorted(known[name] - content.get(name, {}).keys())
+            if missing:
+                raise SimulationError(f"{path}: the state is of another model: it has no {missing[0]}.")
+        given = {
+            path: value for name, paths in known.items() for path, value in content[name].items() if path in paths
+        }
+        return plant.initial_state(parameters, given, t=float(content["time"]))
+
+    def __repr__(self) -> str:
+        what = f" of {self.plant.title or self.plant.name}" if self.plant is not None else ""
+        return f"<State{what}: t = {self.t:g} s, {self.x.size} states, {self.z.size} unknowns>"
+
+    def _repr_html_(self) -> str:
+        if self.plant is None:
+            return table((), (), repr(self)[1:-1])
+        rows = []
+        for name, entry in self.plant.outputs.items():
+            value = self[name]
+            rows.append((name, value if isinstance(value, float) else "(array)", entry.unit, entry.doc))
+        return table(("output", "value", "unit", ""), rows, repr(self)[1:-1])

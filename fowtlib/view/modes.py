@@ -7,9 +7,9 @@ from typing import Any
 
 import numpy as np
 
-from fowtlib.analysis.modes import NaturalMode, natural_modes
 from fowtlib.language.errors import ModelError
 from fowtlib.solving import Result
+from fowtlib.solving.modes import NaturalMode, natural_modes
 from fowtlib.solving.results import RawTrajectory
 from fowtlib.view.recording import Cast
 

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from fowtlib.view.plots import COLORS, INK, _figure, _style, save_figure
+from fowtlib.solving.results.plots import COLORS, INK, _figure, _style, save_figure
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes

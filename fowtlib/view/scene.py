@@ -17,10 +17,10 @@ import numpy as np
 
 from fowtlib.language import shapes
 from fowtlib.language.errors import ModelError
-from fowtlib.solving import Model, Plant, Result
+from fowtlib.solving import Model, Plant, Result, mean_state
+from fowtlib.solving.results.plots import PANELS
 from fowtlib.view import meshes
 from fowtlib.view.modes import CYCLE, mode_of, mode_states, played
-from fowtlib.view.plots import PANELS
 from fowtlib.view.recording import Cast, Observe, Reading, moments_of
 
 READINGS = 24, 8  # results beside the picture, at most: the usual ones of a turbine, else any
@@ -178,7 +178,7 @@ def _of_result(result: Result, root: Any, names: list[str], numbers: np.ndarray)
 
 def _of_model(model: Model | Plant, equilibrium: bool, parameters: Mapping[str, Any] | None) -> Recording:
     plant = model if isinstance(model, Plant) else model.compile()
-    state = plant.equilibrium(parameters) if equilibrium else plant.initial_state(parameters)
+    state = mean_state(plant, parameters) if equilibrium else plant.initial_state(parameters)
     result = played(plant, [state], np.array([state.t]))
     status = "at its mean position." if equilibrium else "at the start."
     root = _with_values(model.root, plant.parameter_values(parameters))
@@ -187,7 +187,7 @@ def _of_model(model: Model | Plant, equilibrium: bool, parameters: Mapping[str, 
 
 def _of_mode(model: Model | Plant, number: int, parameters: Mapping[str, Any] | None) -> Recording:
     plant = model if isinstance(model, Plant) else model.compile()
-    state = plant.equilibrium(parameters)
+    state = mean_state(plant, parameters)
     mode = mode_of(plant, number, state)
     root = _with_values(model.root, plant.parameter_values(parameters))
     states = mode_states(plant, Cast(root.drawing()), mode, state)

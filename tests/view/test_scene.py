@@ -15,7 +15,6 @@ from matplotlib.image import imread
 from scipy.spatial.transform import Rotation
 
 import fowtlib as fw
-from fowtlib.analysis.modes import natural_modes
 from fowtlib.cli import main
 from fowtlib.components.blocks import Constant
 from fowtlib.components.environment import World
@@ -31,6 +30,7 @@ from fowtlib.components.mechanics import (
 )
 from fowtlib.language import shapes
 from fowtlib.language.errors import ModelError
+from fowtlib.solving.modes import natural_modes
 from fowtlib.solving.results import Result
 from fowtlib.view import meshes, view
 from fowtlib.view.recording import moments_of, product, quaternions, turn

@@ -27,11 +27,13 @@ from fowtlib.solving.results.data import (
     plain,
 )
 from fowtlib.solving.results.files import read, save
+from fowtlib.solving.results.html import table
 from fowtlib.solving.results.statistics import Statistics, summarise
 
 if TYPE_CHECKING:
     import pandas
     import xarray
+    from matplotlib.figure import Figure
 
     from fowtlib.language.component import Component
 
@@ -46,7 +48,8 @@ class Result:
     values      name -> array (n,), (n, m) or (n, m, k), in the units given
     units       name -> unit text, "1" for none
     long_names  name -> one phrase for a figure's axis
-    attributes  of the run: model, title, solver, tolerance, parameters (mapping), status (a sentence)
+    attributes  of the run: model, title, solver, tolerance, parameters (mapping), data (files with
+                their digests, by the parameters that name them), status (a sentence)
     raw         the solver's trajectory; needed to observe other variables and to go on from the end
     observe     rebuilds any variable of the model by path: an ``Observer``, or observe(names) -> array
     """
@@ -83,6 +86,7 @@ class Result:
             "status": "finished.",
             "parameters": {},
             "structure": {},
+            "data": {},
             **(attributes or {}),
         }
 
@@ -188,6 +192,20 @@ class Result:
     def statistics(self, discard: float = 0.0) -> Statistics:
         """Summary of every series without the first ``discard`` seconds (the field's usual choice: 400 s of 4000 s)."""
         return summarise(self.time, self.stored.columns(), discard)
+
+    def plot(self, path: str | Path | None = None, *names: str, discard: float = 0.0) -> Figure:
+        """Figure of the usual series, or of those named, also any variable of the model; written to ``path`` if given.
+
+        Without the first ``discard`` seconds. In a notebook the figure shows itself.
+        """
+        from fowtlib.solving.results.plots import plot_result
+
+        return plot_result(self, names or None, path, discard=discard)
+
+    def _repr_html_(self) -> str:
+        rows = [(row.name, row.unit, row.mean, row.std, row.min, row.max) for row in self.statistics().values()]
+        head = repr(self).partition(">")[0].removeprefix("<")
+        return table(("result", "unit", "mean", "std", "min", "max"), rows if self.time.size else [], head)
 
     def __repr__(self) -> str:
         what = self.attributes.get("title") or self.attributes.get("model") or "a model"

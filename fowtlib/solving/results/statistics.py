@@ -4,11 +4,14 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
+from pathlib import Path
 from typing import TYPE_CHECKING
 
 import numpy as np
 
 from fowtlib.language.errors import ModelError, NotFoundError, did_you_mean
+from fowtlib.solving.results.html import table
+from fowtlib.solving.results.tables import write_table
 
 if TYPE_CHECKING:
     import pandas
@@ -51,6 +54,16 @@ class Statistics(Mapping[str, Summary]):
         import pandas
 
         return pandas.DataFrame([vars(row) for row in self._rows.values()]).set_index("name")
+
+    def save(self, path: str | Path) -> Path:
+        """Write a table as CSV, one row per series."""
+        rows = [(row.name, row.unit, row.mean, row.std, row.min, row.max, row.rms) for row in self._rows.values()]
+        return write_table(path, ("name", "unit", "mean", "std", "min", "max", "rms"), rows, "statistics")
+
+    def _repr_html_(self) -> str:
+        rows = [(row.name, row.unit, row.mean, row.std, row.min, row.max) for row in self._rows.values()]
+        title = f"{self.first:g} s to {self.last:g} s"
+        return table(("result", "unit", "mean", "std", "min", "max"), rows, title)
 
     def __repr__(self) -> str:
         shown = list(self._rows.values())[:_SHOWN_ROWS]

@@ -22,7 +22,6 @@ from fnmatch import fnmatchcase
 from typing import Any
 
 import numpy as np
-from scipy.optimize import linear_sum_assignment
 
 from fowtlib.language.errors import NotFoundError
 
@@ -125,7 +124,7 @@ def natural_modes(plant: Any, state: Any = None, *, parameters: Mapping[str, Any
 def _coordinates(plant: Any, rings: Sequence[_Ring]) -> list[_Coordinate]:
     results = {path: name for name, (path, _, _) in plant.outputs.items()}
     found = [_coordinate(plant.root, state.path, state.unit, results) for state in plant.dae.states]
-    for position, rate in _rates(plant.dae).items():  # what has no name of its own is called after its position
+    for position, rate in rate_states(plant.dae).items():  # what has no name of its own is called after its position
         if found[rate].name == found[rate].path:
             found[rate] = replace(found[rate], name=found[position].name, rate=True, motion=found[position].motion)
     circled = [part for ring in rings for part in ring.parts]
@@ -156,7 +155,7 @@ def _coordinate(root: Any, path: str, unit: str, results: Mapping[str, str]) -> 
     return _Coordinate(path, results.get(path, path), ".".join(words[:-1]), words[-1], rate, unit in MOTIONS)
 
 
-def _rates(dae: Any) -> dict[int, int]:
+def rate_states(dae: Any) -> dict[int, int]:
     """Numbers of the states that are the rates of states."""
     numbers = {dae.x[i].element_hash(): i for i in range(dae.x.shape[0])}
     rows = {k: numbers.get(dae.ode[k].element_hash()) for k in range(dae.ode.shape[0]) if dae.ode[k].is_symbolic()}
@@ -268,6 +267,8 @@ def _room(coordinates: Sequence[_Coordinate], rings: Sequence[_Ring]) -> dict[st
 
 def _assigned(named: Sequence[_Named], room: Mapping[str, int]) -> dict[int, str]:
     """The name of each mode such that the sum of the shares is largest and no name is given too often."""
+    from scipy.optimize import linear_sum_assignment
+
     places = [name for name, count in room.items() for _ in range(count)]
     if not named or not places:
         return {}

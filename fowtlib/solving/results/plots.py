@@ -10,7 +10,7 @@ from __future__ import annotations
 
 import re
 import textwrap
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -67,12 +67,17 @@ _STYLE = {
 }
 
 
-def plot_result(result: Any, names: Sequence[str] | None = None, path: str | Path | None = None) -> Figure:
+def plot_result(
+    result: Any, names: Sequence[str] | None = None, path: str | Path | None = None, *, discard: float = 0.0
+) -> Figure:
     """Time series, one panel per kind of quantity over a common time axis.
 
     names  results to show, one panel each; a name may be any variable of the model when the result can observe it.
            None shows the usual panels of a floating turbine, or all results when it has none of them.
+    discard  seconds at the beginning that are not shown
     """
+    if discard:
+        result = _Later(result, discard)
     panels = _panels(result, names)
     if not panels:
         raise ModelError("there is nothing to plot: the result holds no series.")
@@ -303,6 +308,24 @@ def _figure(width: float, height: float) -> Figure:
     figure = Figure(figsize=(width, height), layout="constrained")
     FigureCanvasAgg(figure)
     return figure
+
+
+class _Later:
+    """A result without its first seconds."""
+
+    def __init__(self, result: Any, discard: float) -> None:
+        self._result = result
+        self._kept = result.time >= result.time[0] + discard
+        if not self._kept.any():
+            raise ModelError(f"discarding {discard:g} s leaves nothing of a result of {result.duration:g} s.")
+        self.time = result.time[self._kept]
+        self.attributes, self.unit, self.long_name = result.attributes, result.unit, result.long_name
+
+    def array(self, name: str) -> np.ndarray:
+        return self._result.array(name)[self._kept]
+
+    def columns(self) -> Iterator[tuple[str, np.ndarray]]:
+        return ((name, values[self._kept]) for name, values in self._result.columns())
 
 
 def _panels(result: Any, names: Sequence[str] | None) -> list[tuple[str, list[str]]]:

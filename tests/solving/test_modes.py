@@ -9,9 +9,9 @@ import numpy as np
 import pytest
 
 import fowtlib as fw
-from fowtlib.analysis.modes import _Coordinate, _harmonics, _Named, _Ring, _whirl, natural_modes, ordinal
 from fowtlib.components.environment import World
 from fowtlib.components.mechanics import Fixed, PointMass, Prismatic, SpringDamper
+from fowtlib.solving.modes import _Coordinate, _harmonics, _Named, _Ring, _whirl, natural_modes, ordinal
 
 CALM = {"sea.spectrum": "still", "wind.kind": "none"}
 

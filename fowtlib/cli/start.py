@@ -1,0 +1,81 @@
+"""`fowt run --start`: where a simulation begins, besides the start values of the model file."""
+
+from __future__ import annotations
+
+import argparse
+from collections.abc import Mapping
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+from fowtlib.cli import loading
+from fowtlib.language.errors import ModelError, SimulationError, one_of
+
+if TYPE_CHECKING:
+    from fowtlib import Model, Plant, State
+
+KINDS = ("equilibrium", "turning", "rest")
+HELP = (
+    "equilibrium: the mean position, in the mean of the wind; turning: the same, and rotors of blade elements turn; "
+    "rest: nothing moves, the rotors stand; or FILE: the end of a result (.nc), a saved state (.json); "
+    "default: the start values of the model file"
+)
+
+
+def start_values(arguments: argparse.Namespace, model: Model, plant: Plant) -> tuple[Mapping[str, Any] | None, str]:
+    """Start values by path for the run, and a word for the first line of the answer; None for those of the model."""
+    word: str | None = arguments.start
+    if word is None:
+        return None, ""
+    if arguments.resume:
+        raise ModelError("--start and --resume: a run either starts, or goes on from where another one ended.")
+    if word == "rest":
+        from fowtlib.solving.modes import rate_states
+
+        rates = [plant.dae.states[k].path for k in rate_states(plant.dae).values()]
+        return dict.fromkeys(rates, 0.0), "from rest"
+    if word in ("equilibrium", "turning"):
+        calm = loading.in_the_mean(model).compile()
+        return _values(_mean(calm, word), plant), "from the mean position"
+    if Path(word).suffix in (".nc", ".json"):
+        return _of_file(Path(word), plant), f"from {word}"
+    raise ModelError(f"--start: '{word}' is not {one_of(KINDS)}, nor a file of a result (.nc) or a state (.json).")
+
+
+def _mean(calm: Plant, word: str) -> State:
+    from fowtlib.solving.turning import mean_state
+
+    try:
+        return mean_state(calm) if word == "turning" else calm.equilibrium()
+    except SimulationError as error:
+        if word == "equilibrium" and "turns on and on" in error.message:
+            error.message += " To start from the mean of a turning rotor: --start turning."
+        raise
+
+
+def _values(state: State, plant: Plant) -> dict[str, float]:
+    """Those values of a state of another compiled model that this one has, too."""
+    known = {q.path for group in (plant.dae.states, plant.dae.algebraics, plant.dae.discretes) for q in group}
+    dae = state.plant.dae
+    groups = ((dae.states, state.x), (dae.algebraics, state.z), (dae.discretes, state.d))
+    return {
+        q.path: float(value)
+        for quantities, values in groups
+        for q, value in zip(quantities, values, strict=True)
+        if q.path in known
+    }
+
+
+def _of_file(path: Path, plant: Plant) -> dict[str, float]:
+    from fowtlib.solving import Result, State
+
+    if path.suffix == ".json":
+        return _values(State.open(path, plant), plant)
+    result = Result.open(path)
+    if result.raw is None or not result.raw.time.size:
+        raise ModelError(f"{path}: the file holds no states to start from.")
+    end = result.final
+    missing = [q.path for q in plant.dae.states if q.path not in end.x]
+    if missing:
+        raise ModelError(f"{path}: the result is of another model: it has no {missing[0]}.")
+    names = {q.path for group in (plant.dae.states, plant.dae.algebraics, plant.dae.discretes) for q in group}
+    return {key: float(value) for part in (end.x, end.z, end.d) for key, value in part.items() if key in names}
