@@ -66,7 +66,9 @@ class CoefficientRotor(Rotor):
     torque_coefficient: Scalar = var(doc="C_q")
 
     def build(self):
-        if self.filtered:
+        if not self.filtered:
+            self.refuse_unused("filter_order", "cutoff_frequency", "wind_start", because="filtered is false")
+        else:
             filter_design = {"order": self.filter_order, "cutoff_frequency": self.cutoff_frequency}
             start = {"initialization": "value", "y_start": self.wind_start}
             self.low_pass = ButterworthLowPass(**filter_design, **start)
