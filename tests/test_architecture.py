@@ -1,4 +1,4 @@
-"""The house keeps its floors: who may import whom, what a package lists, how long a component may be."""
+"""The house keeps its floors: who may import whom, no circles, what a package lists, how long a component may be."""
 
 from __future__ import annotations
 
@@ -9,6 +9,8 @@ import sys
 import tomllib
 from collections.abc import Iterator
 from pathlib import Path
+
+import networkx as nx
 
 ROOT = Path(__file__).parent.parent
 FOLDERS = {"fowtlib": ROOT / "fowtlib", "fowtlib.components": ROOT / "components", "fowtlib.models": ROOT / "models"}
@@ -50,10 +52,23 @@ def modules() -> Iterator[tuple[str, Path]]:
             yield ".".join((package, *parts)), path
 
 
-def imports(path: Path, module: str) -> Iterator[tuple[int, str]]:
-    """Every import of a file, also inside functions, as (line, dotted name); `from a import b` gives a.b."""
+def imports(path: Path, module: str, types: bool = True) -> Iterator[tuple[int, str]]:
+    """Every import of a file as (line, dotted name), also inside functions and by name; `from a import b` gives a.b.
+
+    types: also those for a type checker alone.
+    """
     package = module if path.name == "__init__.py" else module.rpartition(".")[0]
-    for node in ast.walk(ast.parse(path.read_text())):
+    tree = ast.parse(path.read_text())
+    unseen = set()
+    if not types:
+        for node in ast.walk(tree):
+            if isinstance(node, ast.If) and isinstance(node.test, ast.Name) and node.test.id == "TYPE_CHECKING":
+                unseen.update(id(inner) for statement in node.body for inner in ast.walk(statement))
+    for node in ast.walk(tree):
+        if id(node) in unseen:
+            continue
+        if isinstance(node, ast.Call) and _name(node.func) in ("import_module", "__import__"):
+            yield from ((node.lineno, a.value) for a in node.args if isinstance(a, ast.Constant) and a.value)
         if isinstance(node, ast.Import):
             yield from ((node.lineno, alias.name) for alias in node.names)
         elif isinstance(node, ast.ImportFrom):
@@ -62,6 +77,10 @@ def imports(path: Path, module: str) -> Iterator[tuple[int, str]]:
                 anchor = package.split(".")[: len(package.split(".")) - node.level + 1]
                 base = ".".join([*anchor, *([base] if base else [])])
             yield from ((node.lineno, f"{base}.{alias.name}") for alias in node.names)
+
+
+def _name(function: ast.expr) -> str:
+    return function.attr if isinstance(function, ast.Attribute) else getattr(function, "id", "")
 
 
 def within(name: str, package: str) -> bool:
@@ -92,6 +111,46 @@ def test_no_floor_imports_a_higher_one_or_a_neighbour():
             if bad:
                 wrong.append(f"{path.relative_to(ROOT)}:{line}: {module} imports {name}")
     assert not wrong, "\n".join(wrong)
+
+
+def import_graph(room: str, types: bool) -> nx.DiGraph:
+    """Modules of a package with an edge for each import between them; a name in a module counts as the module."""
+    inside = {module: path for module, path in modules() if within(module, room)}
+    graph = nx.DiGraph()
+    for module, path in inside.items():
+        for line, name in imports(path, module, types):
+            while name and name not in inside:
+                name = name.rpartition(".")[0]
+            if name and name != module:
+                graph.add_edge(module, name, line=line)
+    return graph
+
+
+def test_no_room_has_a_circle_of_imports():
+    """Neither at the top of modules nor inside of functions; of the library, types alone may be named both ways."""
+    circles = []
+    for room, types in (("fowtlib", True), (LIBRARY, False)):
+        graph = import_graph(room, types)
+        if room == "fowtlib":
+            graph.remove_nodes_from([module for module in list(graph) if within(module, LIBRARY)])
+            graph.remove_nodes_from(["fowtlib"])  # what a user imports comes from everywhere
+        assert graph.number_of_edges() > 50
+        for members in nx.strongly_connected_components(graph):
+            if len(members) > 1:
+                edges = graph.subgraph(members).edges(data="line")
+                circles += [f"{a} imports {b} (line {line})" for a, b, line in sorted(edges)]
+    assert not circles, "\n".join(circles)
+
+
+def test_an_import_inside_of_a_function_and_one_by_name_are_seen(tmp_path):
+    file = tmp_path / "module.py"
+    file.write_text(
+        "import importlib\nfrom typing import TYPE_CHECKING\nif TYPE_CHECKING:\n    from fowtlib.fmi import export\n"
+        "def f():\n    from fowtlib.cli import app\n    return importlib.import_module('fowtlib.view')\n"
+    )
+    found = {name for _, name in imports(file, "fowtlib.solving.module")}
+    assert {"fowtlib.fmi.export", "fowtlib.cli.app", "fowtlib.view"} <= found
+    assert "fowtlib.fmi.export" not in {name for _, name in imports(file, "fowtlib.solving.module", types=False)}
 
 
 def test_components_import_only_the_language_and_data_readers():

@@ -102,17 +102,22 @@ def coefficient_table(
 
     As in CoefficientRotor the tip speed ratio counts the radius along the blade and the coefficients R = radius
     cos(precone). C_p = tip speed ratio C_q cos(precone). speed [rad/s] scales the wind, and the coefficients do not
-    depend on it: the airfoils have no Reynolds number. progress(done, all) is called after each tip speed ratio.
+    depend on it: the airfoils have no Reynolds number. A rotor that stands, idles or turns backwards has tip speed
+    ratios of 0 and below. progress(done, all) is called after each pitch angle.
     """
     quasi_steady = replace(rotor, dynamic_inflow=False) if rotor.dynamic_inflow else rotor
     rigid, radius = RigidRotor(quasi_steady, precone), rotor.blade.tip_radius
     R = radius * np.cos(precone)
     ratios, pitches = np.asarray(tip_speed_ratios, dtype=float), np.asarray(blade_pitch, dtype=float)
     values = np.empty((len(ratios), len(pitches), 2))
-    winds = speed * radius / ratios
+    turning, wind = ratios > 0.1, speed * radius
+    winds = np.where(turning, wind / np.where(turning, ratios, 1), wind)
     pressures = 0.5 * np.pi * R**2 * winds**2
     for j, pitch in enumerate(pitches):
-        loads = rigid.sweep(winds, speed, float(pitch), air_density=1.0)
+        loads = np.empty((len(ratios), 2))
+        loads[turning] = rigid.sweep(winds[turning], speed, float(pitch), air_density=1.0)
+        for i in np.flatnonzero(~turning):
+            loads[i] = rigid.thrust_and_torque([wind, 0, 0], ratios[i] * speed, float(pitch), air_density=1.0)
         values[:, j] = loads / np.stack([pressures, pressures * R], axis=1)
         if progress is not None:
             progress(j + 1, len(pitches))

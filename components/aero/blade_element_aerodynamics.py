@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from dataclasses import replace
 from functools import lru_cache
 from typing import Any
@@ -9,14 +10,28 @@ from typing import Any
 import numpy as np
 
 from fowtlib.components.aero.bem import PITT_PETERS, BladeElementRotor
-from fowtlib.components.aero.blade_aerodynamics import BladeAerodynamics, read_blade
+from fowtlib.components.aero.blade_aerodynamics import BladeAerodynamics, read_airfoils, read_blade
 from fowtlib.components.aero.dynamic_inflow import DynamicInflow
 from fowtlib.components.aero.tower_flow import TowerPotentialFlow
 from fowtlib.components.environment.wind import Wind, require_disk
 from fowtlib.components.environment.world import World
 from fowtlib.components.mechanics import Frame
 from fowtlib.components.mechanics.rotations import axis_rotation, unit_axis
-from fowtlib.language import Component, Number, RealOutput, Vector, assert_, der, eq, outer, param, port, var
+from fowtlib.language import (
+    Component,
+    Data,
+    Number,
+    RealOutput,
+    Vector,
+    assert_,
+    data,
+    der,
+    eq,
+    outer,
+    param,
+    port,
+    var,
+)
 from fowtlib.language import math as m
 from fowtlib.language.errors import ParameterError
 
@@ -34,8 +49,13 @@ class BladeElementAerodynamics(Component):
     field that does not cover the disk of tip_radius about the rotor's station is refused, see Wind.require.
     """
 
-    blade: str = param(doc="path of a CSV with the elements of the blade, see read_blade")
-    airfoils: str = param(doc="path of a CSV with the airfoils, see read_airfoils")
+    blade: Data[BladeAerodynamics] = data(
+        read_blade, using=("airfoils", "hub_radius", "tip_radius", "smooth_airfoils"),
+        doc="CSV with the elements of the blade, see read_blade; or a blade with its airfoils, as it is",
+    )  # fmt: skip
+    airfoils: Data[Mapping] = data(
+        read_airfoils, default=None, using=("smooth_airfoils",), doc="CSV with the airfoils, see read_airfoils"
+    )
     smooth_airfoils: bool = param(default=True, doc="monotone cubics between the angles of the airfoils, else lines")
     hub_radius: Number = param(default=None, unit="m", min=0, doc="distance of the blade roots from the shaft")
     tip_radius: Number = param(unit="m", min=0, doc="distance of the tips from the shaft, along the unconed blade")
@@ -65,10 +85,13 @@ class BladeElementAerodynamics(Component):
     @property
     def rotor(self) -> BladeElementRotor:
         """The rotor as quasi-steady theory has it, for steady operation."""
-        if self.hub_radius is None:
-            what = "the distance of the blade roots from the shaft"
-            raise ParameterError(f"{self.label}.hub_radius has no value: {what}.")
-        blade = (self.blade, self.airfoils, self.hub_radius, self.tip_radius, self.smooth_airfoils)
+        blade = self.blade
+        if not isinstance(self.parameter_binding("blade"), str) and self.is_set("airfoils"):
+            raise ParameterError(f"{self.label}.airfoils: the blade that is given has airfoils of its own.")
+        for name in ("hub_radius", "tip_radius"):
+            if (given := getattr(self, name)) is not None and abs(getattr(blade, name) - given) > 1e-9 * given:
+                of_blade = f"that of the blade {getattr(blade, name):g} m"
+                raise ParameterError(f"{self.label}.{name} is {given:g} m, and {of_blade}.")
         return _rotor(blade, self.blades, self.rotation, tuple((name, getattr(self, name)) for name in OPTIONS))
 
     def build(self):
@@ -124,9 +147,9 @@ def _wake(air: BladeElementAerodynamics, quasi_steady: Any) -> list[Any]:
 
 
 @lru_cache(maxsize=16)
-def _rotor(blade: tuple, blades: int, rotation: int, options: tuple) -> BladeElementRotor:
+def _rotor(blade: BladeAerodynamics, blades: int, rotation: int, options: tuple) -> BladeElementRotor:
     """The same object for the same rotor, so that its function is made once."""
-    return BladeElementRotor(read_blade(*blade), blades, rotation, **dict(options))
+    return BladeElementRotor(blade, blades, rotation, **dict(options))
 
 
 @lru_cache(maxsize=16)

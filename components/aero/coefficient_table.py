@@ -14,8 +14,9 @@ from fowtlib.language.data_files import cells_of, lines_of, remembered
 from fowtlib.language.errors import ModelError
 
 COLUMNS = ("tip_speed_ratio", "blade_pitch_deg", "thrust_coefficient", "torque_coefficient")
-FAR_EDGES = (0.0, 25.0, np.radians(90.0))
-"""Least and largest tip speed ratio and largest blade pitch of an extended table."""
+REMEDY = "give a table that covers the state (`fowt rotor-table` makes one from the blades), or start elsewhere"
+LARGEST_RATIO = 25.0
+"""Largest tip speed ratio of an extended table."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -36,22 +37,32 @@ class CoefficientTable:
         return np.stack([self.thrust, self.torque], axis=-1)
 
     def __call__(self, tip_speed_ratio: Any, blade_pitch: Any) -> tuple[Any, Any]:
-        """(C_t, C_q) by the same cubic spline as in a simulation; NumPy, arguments held within the table."""
+        """(C_t, C_q) by the same cubic spline as in a simulation; NumPy. Raises ModelError outside of the table."""
+        for name, values, grid, scale in (
+            ("tip speed ratio", tip_speed_ratio, self.tip_speed_ratio, 1.0),
+            ("blade pitch [deg]", blade_pitch, self.blade_pitch, 180 / np.pi),
+        ):
+            low, high = grid[0] - 1e-9, grid[-1] + 1e-9
+            outside = ~((np.asarray(values) >= low) & (np.asarray(values) <= high))
+            if np.any(outside):
+                value = scale * float(np.broadcast_to(values, outside.shape)[outside][0])
+                raise ModelError(
+                    f"the rotor coefficients cover {name} {scale * low:.4g} to {scale * high:.4g}, and not "
+                    f"{value:.4g}; {REMEDY}."
+                )
         thrust, torque = _splines(self)
         return thrust(tip_speed_ratio, blade_pitch, grid=False), torque(tip_speed_ratio, blade_pitch, grid=False)
 
     def extended(self) -> CoefficientTable:
-        """The table continued to FAR_EDGES, an engineering estimate for starts, idling and overspeed in low wind.
+        """The table continued to LARGEST_RATIO, an estimate for overspeed and for low wind.
 
         Above the table the blades see small inflow angles, of the size of s = 1 / tip speed ratio: linear blade element
         theory makes C_t s^2 a polynomial of first and C_q s^2 one of second degree in s; they are fitted to the last
-        quarter of the rows. Below the table and beyond its pitch angles the coefficients keep the value of its edge.
+        quarter of the rows. Nothing of the kind holds below the table and beyond its pitch angles: for rotors that
+        start, idle or are parked the coefficients must come from the blades, see bem_steady.coefficient_table.
         """
-        low, high, feather = FAR_EDGES
         rows, pitches = self.tip_speed_ratio, self.blade_pitch
-        below = np.arange(rows[0], low - 0.01, -0.5)[:0:-1]
-        fitted, added = rows[-max(len(rows) // 4, 4) :], np.arange(rows[-1] + 0.5, high + 0.25, 0.5)
-        feathering = np.arange(pitches[-1], feather + 0.01, np.radians(5.0))[1:]
+        fitted, added = rows[-max(len(rows) // 4, 4) :], np.arange(rows[-1] + 0.5, LARGEST_RATIO + 0.25, 0.5)
 
         def continued(values: np.ndarray, degree: int) -> np.ndarray:
             fit = np.polynomial.Polynomial
@@ -59,12 +70,10 @@ class CoefficientTable:
             for j, column in enumerate(values.T):
                 line = fit.fit(1 / fitted, column[-len(fitted) :] / fitted**2, degree)
                 above[:, j] = line(1 / added) * added**2 + column[-1] - line(1 / rows[-1]) * rows[-1] ** 2
-            whole = np.vstack([np.tile(values[:1], (len(below), 1)), values, above])
-            return np.hstack([whole, np.tile(whole[:, -1:], len(feathering))])
+            return np.vstack([values, above])
 
-        speeds = np.concatenate([below, rows, added])
-        pitches_of_all = np.concatenate([pitches, feathering])
-        return CoefficientTable(speeds, pitches_of_all, continued(self.thrust, 1), continued(self.torque, 2))
+        speeds = np.concatenate([rows, added])
+        return CoefficientTable(speeds, pitches, continued(self.thrust, 1), continued(self.torque, 2))
 
 
 @lru_cache(maxsize=16)

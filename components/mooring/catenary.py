@@ -1,7 +1,6 @@
 """Elastic catenary, free or over a flat seabed: the equations, a solver and the shape of the line, in NumPy.
 
-The component CatenaryLine uses `ends`, `flexibility` and `height` with CasADi expressions; tests, pre-processing and
-plots use the rest.
+The component CatenaryLine uses `heap` and `state` with CasADi expressions; tests and pre-processing use the rest.
 
 The line lies in a vertical plane with its anchor at the origin, x towards the fairlead, z up; the seabed lies the
 clearance D >= 0 below the anchor. At the fairlead the line has the tensions H (horizontal) and V (vertical, positive:
@@ -25,7 +24,7 @@ Source: J. Jonkman, NREL/TP-500-41958 (2007), eq. 2-35 to 2-38, for D = 0 and w 
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 
@@ -73,53 +72,52 @@ def scales(line: Any, xp: Any = np) -> tuple[Any, Any, Any]:
     return xp.abs(weight) + light, 1e-8 * xp.abs(weight) + 0.3 * light, light
 
 
-def ends(horizontal: Any, vertical: Any, line: Any, xp: Any = np) -> tuple[Any, Any]:
-    """Vertical tension V_a at the anchor [N] and length B on the seabed [m]; see the module docstring."""
-    w, length, stiffness, V = line.weight, line.length, line.axial_stiffness, vertical
-    tiny, sinks = scales(line, xp)[1], w > 0
-    heavy = _if(xp, sinks, w, scales(line, xp)[0] / length)  # what does not sink touches no seabed
-    T = xp.sqrt(horizontal**2 + tiny**2)
-    drop = 2 * stiffness * heavy * xp.fmin(line.clearance, 10 * length)
-    rise = drop / (xp.sqrt((stiffness + T) ** 2 + drop) + stiffness + T)  # T_P - T
-    P = xp.sqrt(rise * (2 * T + rise) + (0.01 * tiny) ** 2) - 0.01 * tiny
-    free = V - w * length
-    below = xp.fmin(V, 0)  # only an iteration tries a fairlead under the seabed
-    V_anchor = _if(xp, sinks, xp.fmax(free, below - P), free)
-    return V_anchor, _if(xp, sinks, xp.fmax(length - (V - below + P) / heavy, 0), 0)
+class State(NamedTuple):
+    """What the tensions at the fairlead say of a line; see the module docstring."""
 
-
-def flexibility(horizontal: Any, vertical: Any, line: Any, xp: Any = np) -> Any:
-    """What the horizontal tension draws out of a line, per newton [m/N]; the length on the seabed is not part of it."""
-    V_anchor, grounded = ends(horizontal, vertical, line, xp)
-    held = _friction(horizontal, grounded, line, xp)
-    stretched = grounded * _if(xp, held < 1, 1 - held / 2, 0.5 / xp.fmax(held, 1))
-    hanging = (line.length - grounded) * _slope(horizontal, V_anchor, vertical, line, xp)
-    return hanging + stretched / line.axial_stiffness
-
-
-def height(horizontal: Any, vertical: Any, line: Any, xp: Any = np) -> Any:
+    force: Any
+    """The force of `scales` [N]."""
+    anchor: Any
+    """Vertical tension V_a at the anchor [N]."""
+    grounded: Any
+    """Length B on the seabed [m]."""
+    held: Any
+    """Horizontal tension that friction could take, over H; from 1 on, nothing of it reaches the anchor."""
+    flexibility: Any
+    """What the horizontal tension draws out of the line, per newton [m/N], besides what lies on the seabed."""
+    height: Any
     """Height of the fairlead above the anchor [m]."""
-    V_anchor, grounded = ends(horizontal, vertical, line, xp)
-    rise = _rise(horizontal, V_anchor, vertical, line.length - grounded, line, xp)
-    # a fairlead under the seabed, which an iteration may try: goes on falling, so that it is no second solution
-    tiny = scales(line, xp)[1]
-    least = xp.sqrt(horizontal**2 + tiny**2)
-    return rise + grounded * xp.fmin(vertical, 0) * (1 / least + 1 / (2 * line.axial_stiffness))
 
 
-def held_back(horizontal: Any, vertical: Any, line: Any, xp: Any = np) -> Any:
-    """Share of the horizontal tension at the fairlead that the friction of the seabed takes, from 0 to 1."""
-    return xp.fmin(_friction(horizontal, ends(horizontal, vertical, line, xp)[1], line, xp), 1)
-
-
-def span(horizontal: Any, vertical: Any, line: Any, xp: Any = np) -> tuple[Any, Any]:
-    """Distances (x, z) [m] from anchor to fairlead for fairlead tensions H >= 0 and V [N]; see the module docstring.
+def state(horizontal: Any, vertical: Any, line: Any, xp: Any = np) -> State:
+    """The line with these tensions at the fairlead [N].
 
     `line` has the attributes of Line; `xp` is the mathematics of the arguments: numpy, or fowtlib.language.math.
     """
-    grounded = ends(horizontal, vertical, line, xp)[1]
-    x = grounded + horizontal * flexibility(horizontal, vertical, line, xp)
-    return x, height(horizontal, vertical, line, xp)
+    w, length, stiffness, V = line.weight, line.length, line.axial_stiffness, vertical
+    force, tiny, _ = scales(line, xp)
+    square, sinks = horizontal**2 + tiny**2, w > 0
+    T = xp.sqrt(square)
+    heavy = _if(xp, sinks, w, force / length)  # what does not sink touches no seabed
+    drop = 2 * stiffness * heavy * xp.fmin(line.clearance, 10 * length)
+    rise = drop / (xp.sqrt((stiffness + T) ** 2 + drop) + stiffness + T)  # T_P - T
+    P = xp.sqrt(rise * (2 * T + rise) + (0.01 * tiny) ** 2) - 0.01 * tiny
+    free, below = V - w * length, xp.fmin(V, 0)  # only an iteration tries a fairlead under the seabed
+    V_anchor = _if(xp, sinks, xp.fmax(free, below - P), free)
+    grounded = _if(xp, sinks, xp.fmax(length - (V - below + P) / heavy, 0), 0)
+    slope, climb = _hanging(square, V_anchor, V, stiffness, xp)
+    # friction holds only what lies towards its anchor
+    held = _if(xp, line.clearance > 0, 0, line.friction * w * grounded / T)
+    stretched = grounded * _if(xp, held < 1, 1 - held / 2, 0.5 / xp.fmax(held, 1)) / stiffness
+    sinking = grounded * below * (1 / T + 1 / (2 * stiffness))  # below the seabed it falls on: no second solution
+    hanging = length - grounded
+    return State(force, V_anchor, grounded, held, hanging * slope + stretched, hanging * climb + sinking)
+
+
+def span(horizontal: Any, vertical: Any, line: Any, xp: Any = np) -> tuple[Any, Any]:
+    """Distances (x, z) [m] from anchor to fairlead for fairlead tensions H >= 0 and V [N]; see the module docstring."""
+    now = state(horizontal, vertical, line, xp)
+    return now.grounded + horizontal * now.flexibility, now.height
 
 
 def heap(coordinate: Any, line: Any, xp: Any = np) -> tuple[Any, Any]:
@@ -142,46 +140,37 @@ def reached(horizontal: Any, vertical: Any, line: Any, xp: Any = np) -> Any:
 
     With k = H / x in the share of `heap`, a quadratic equation for x.
     """
-    grounded, H = ends(horizontal, vertical, line, xp)[1], horizontal
-    least = SLACKNESS**2 * scales(line, xp)[0] / line.length
-    drawn = H * flexibility(H, vertical, line, xp)
+    now, H = state(horizontal, vertical, line, xp), horizontal
+    least = SLACKNESS**2 * now.force / line.length
+    drawn = H * now.flexibility
     half = (H - least * drawn) / 2
-    return H * (drawn + grounded) / (half + xp.sqrt(half**2 + least * H * (drawn + grounded)))
+    return H * (drawn + now.grounded) / (half + xp.sqrt(half**2 + least * H * (drawn + now.grounded)))
 
 
 def _if(xp: Any, condition: Any, then: Any, otherwise: Any) -> Any:
     return getattr(xp, "if_else", np.where)(condition, then, otherwise)
 
 
-def _friction(horizontal: Any, grounded: Any, line: Any, xp: Any) -> Any:
-    """What friction could hold over the horizontal tension; none where the line does not lie towards its anchor."""
-    least = xp.sqrt(horizontal**2 + scales(line, xp)[1] ** 2)
-    return _if(xp, line.clearance > 0, 0, line.friction * line.weight * grounded / least)
+def _hanging(square: Any, V_start: Any, V_end: Any, axial_stiffness: Any, xp: Any) -> tuple[Any, Any]:
+    """A hanging piece, per unstretched length: horizontal distance per newton [1/N], and height [-].
 
-
-def _slope(horizontal: Any, V_start: Any, V_end: Any, line: Any, xp: Any) -> Any:
-    """Horizontal distance per unstretched length and newton [1/N] of a hanging piece with these end tensions."""
-    square = horizontal**2 + scales(line, xp)[1] ** 2
+    square: of the horizontal tension; V_start, V_end: the vertical tensions at its ends.
+    """
     T_start, T_end = xp.sqrt(square + V_start**2), xp.sqrt(square + V_end**2)
     total, change = T_start + T_end, xp.abs(V_end - V_start)
     u, sign = change / total, _if(xp, V_end < V_start, -1, 1)
 
     def less(T: Any, V: Any) -> Any:  # T - V, without the loss of digits where both are large
-        return _if(xp, V > 0, square / (T + xp.abs(V)), T + xp.abs(V))
+        high = T + xp.abs(V)
+        return _if(xp, V > 0, square / high, high)
 
     small, large = xp.fmin(u, 0.1) ** 2, xp.fmax(u, 0.1)
     series = 1 / 15
     for k in (13, 11, 9, 7, 5, 3, 1):
         series = 1 / k + small * series
     log = xp.log((total + change) / (less(T_end, sign * V_end) + less(T_start, -sign * V_start)))
-    return 2 * _if(xp, u < 0.1, series, log / (2 * large)) / total + 1 / line.axial_stiffness
-
-
-def _rise(horizontal: Any, V_start: Any, V_end: Any, length: Any, line: Any, xp: Any) -> Any:
-    """Height [m] that a hanging piece of this unstretched length gains."""
-    square = horizontal**2 + scales(line, xp)[1] ** 2
-    total = xp.sqrt(square + V_start**2) + xp.sqrt(square + V_end**2)
-    return length * (V_start + V_end) * (1 / total + 1 / (2 * line.axial_stiffness))
+    slope = 2 * _if(xp, u < 0.1, series, log / (2 * large)) / total + 1 / axial_stiffness
+    return slope, (V_start + V_end) * (1 / total + 1 / (2 * axial_stiffness))
 
 
 # --- numbers ----------------------------------------------------------------------------------------------------------
@@ -211,7 +200,7 @@ def fairlead_tension(x: float, z: float, line: Line) -> tuple[float, float]:
         return brentq(function, low, low + step, xtol=1e-14 * force, rtol=1e-14)
 
     def vertical(horizontal: float) -> float:
-        return rising_root(lambda V: float(height(horizontal, V, line)) - z, 0.0, force)
+        return rising_root(lambda V: float(state(horizontal, V, line).height) - z, 0.0, force)
 
     if x == 0:
         return 0.0, vertical(0.0)
@@ -226,7 +215,7 @@ def stiffness(horizontal: float, vertical: float, line: Line) -> np.ndarray:
     from fowtlib.language import math as m
 
     H, V = ca.SX.sym("H"), ca.SX.sym("V")
-    jacobian = ca.jacobian(ca.vertcat(reached(H, V, line, m), height(H, V, line, m)), ca.vertcat(H, V))
+    jacobian = ca.jacobian(ca.vertcat(reached(H, V, line, m), state(H, V, line, m).height), ca.vertcat(H, V))
     numbers = max(horizontal, 1e-12 * float(scales(line)[0])), vertical
     return np.linalg.inv(np.array(ca.Function("flexibility", [H, V], [jacobian])(*numbers)))
 
@@ -239,21 +228,20 @@ def profile(horizontal: Any, vertical: Any, line: Line, points: int = 100) -> di
     """
     w, s = line.weight, np.linspace(0.0, line.length, points)
     H, V = (np.asarray(value, dtype=float)[..., None] for value in (horizontal, vertical))
-    V_anchor, grounded = ends(H, V, line)
-    touch = np.where(grounded > 0, np.maximum(-V_anchor, 0) / (w if w > 0 else 1), 0.0)
+    now = state(H, V, line)
+    grounded, divisor = now.grounded, np.where(now.grounded > 0, now.grounded, 1.0)
+    touch = np.where(grounded > 0, np.maximum(-now.anchor, 0) / (w if w > 0 else 1), 0.0)
     lying = np.clip(s - touch, 0.0, grounded)
     hanging = s - lying
-    V_s = V_anchor + w * hanging
-    held = _friction(H, grounded, line, np)
-    left = H * np.maximum(1 - held * (1 - lying / np.where(grounded > 0, grounded, 1.0)), 0.0)
-    pulled = grounded / np.maximum(held, 1)
+    V_s = now.anchor + w * hanging
+    left = H * np.maximum(1 - now.held * (1 - lying / divisor), 0.0)
+    pulled = grounded / np.maximum(now.held, 1)
     u = np.clip(lying - (grounded - pulled), 0.0, pulled)
-    least = np.where(grounded > 0, held / np.where(grounded > 0, grounded, 1.0), 0.0)  # friction over H, per length
-    stretch = H * u * (1 - least * (pulled - u / 2)) / line.axial_stiffness
+    stretch = H * u * (1 - now.held / divisor * (pulled - u / 2)) / line.axial_stiffness
     excess = span(H, V, line)[0] - reached(H, V, line)
     shortened = 1 - excess / np.where(grounded > 0, grounded, line.length)
-    x = lying * shortened + stretch + H * hanging * _slope(H, V_anchor, V_s, line, np)
-    z = _rise(H, V_anchor, V_s, hanging, line, np)
+    slope, climb = _hanging(H**2 + scales(line)[1] ** 2, now.anchor, V_s, line.axial_stiffness, np)
+    x, z = lying * shortened + stretch + H * hanging * slope, hanging * climb
     return {"arc_length": s, "x": x, "z": z, "tension": np.hypot(left, V_s)}
 
 

@@ -43,7 +43,7 @@ class CatenaryLine(Component):
 
     length: Scalar = param(unit="m", min=0, doc="unstretched length")
     axial_stiffness: Scalar = param(unit="N", min=0, doc="axial stiffness EA")
-    mass_per_length: Scalar = param(default=0.0, unit="kg/m", min=0, doc="mass per length in air")
+    mass_per_length: Scalar = param(default=None, unit="kg/m", min=0, doc="mass per length in air")
     diameter: Scalar = param(default=0.0, unit="m", min=0, doc="diameter of a bar that displaces the same water")
     weight_per_length: Scalar = param(
         default=None, unit="N/m", doc="weight in water, instead of mass, diameter; negative: the line floats up"
@@ -73,23 +73,23 @@ class CatenaryLine(Component):
         fairlead, reach = self.fairlead, self.fairlead.r - self.anchor.r
         lateral, heaped = catenary.heap(self.coordinate, self, m)
         H, V = lateral * self.distance, self.lift * catenary.scales(self, m)[0]
-        (V_anchor, grounded), left = catenary.ends(H, V, self, m), 1 - catenary.held_back(H, V, self, m)
-        plan = m.vertcat(reach[0], reach[1])
+        line, plan = catenary.state(H, V, self, m), m.vertcat(reach[0], reach[1])
+        left = 1 - m.fmin(line.held, 1)  # of the horizontal tension, at the anchor
         return [
             eq(self.weight, _weight(self)),
             eq(self.clearance, m.fmax(self.anchor.r[2] + self.world.water_depth - LEVEL, 0)),
             eq(self.distance, m.smooth_norm(plan, 1e-5 * self.length)),
             eq(self.rise, reach[2]),
-            eq(grounded * (1 - heaped) + H * catenary.flexibility(H, V, self, m), self.distance),
-            eq(catenary.height(H, V, self, m), self.rise),
+            eq(line.grounded * (1 - heaped) + H * line.flexibility, self.distance),
+            eq(line.height, self.rise),
             eq(self.horizontal_tension, H),
             eq(self.vertical_tension, V),
             eq(self.tension, m.sqrt(H**2 + V**2)),
-            eq(self.anchor_tension, m.sqrt((H * left) ** 2 + V_anchor**2)),
-            eq(self.seabed_length, grounded),
+            eq(self.anchor_tension, m.sqrt((H * left) ** 2 + line.anchor**2)),
+            eq(self.seabed_length, line.grounded),
             [eq(fairlead.f, m.vertcat(lateral * plan, V)), eq(fairlead.t, m.zeros(3))],
-            _hold_anchor(self, m.vertcat(-lateral * left * plan, -V_anchor)),
-            *_limits(self, V_anchor),
+            _hold_anchor(self, m.vertcat(-lateral * left * plan, -line.anchor)),
+            *_limits(self, line.anchor),
         ]
 
     def drawing(self) -> shapes.Drawing:
@@ -144,8 +144,8 @@ def _limits(line, V_anchor):
 
 def _weight(line):
     """Weight in water per length, given or from mass and diameter."""
-    given = line.parameter_value("weight_per_length") is not None
-    if given == line.is_set("mass_per_length"):
+    given, by_mass = (line.parameter_value(name) is not None for name in ("weight_per_length", "mass_per_length"))
+    if given == by_mass:
         raise ParameterError(
             f"{line.label} needs its weight once: give mass_per_length and diameter, or weight_per_length (in water)."
         )

@@ -33,10 +33,10 @@ class MooringSystem(Component):
     """
 
     headings: Array = param(default=None, unit="rad", doc="direction of each line")
-    fairlead_radius: Scalar = param(default=0.0, unit="m", doc="distance of the fairleads from the centreline")
-    fairlead_depth: Scalar = param(default=0.0, unit="m", doc="depth of the fairleads below the origin of the frame")
-    anchor_radius: Scalar = param(default=0.0, unit="m", doc="distance of the anchors from the centreline")
-    anchor_depth: Scalar = param(default=0.0, unit="m", doc="depth of the anchors below the still water level")
+    fairlead_radius: Scalar = param(default=None, unit="m", doc="distance of the fairleads from the centreline")
+    fairlead_depth: Scalar = param(default=None, unit="m", doc="depth of the fairleads below the origin of the frame")
+    anchor_radius: Scalar = param(default=None, unit="m", doc="distance of the anchors from the centreline")
+    anchor_depth: Scalar = param(default=None, unit="m", doc="depth of the anchors below the still water level")
     fairleads: Array = param(default=None, unit="m", doc="fairleads (n, 3), resolved in the frame")
     anchors: Array = param(default=None, unit="m", doc="anchors (n, 3), world")
     length: Array = param(unit="m", min=0, doc="unstretched length")
@@ -47,7 +47,7 @@ class MooringSystem(Component):
     friction: Array = param(default=0.0, min=0, doc="friction coefficient of the seabed")
     greatest_strain: Array = param(default=0.1, min=0, doc="stretch per length up to which EA is constant")
     breaking_load: Array = param(default=None, unit="N", min=0, doc="tension above which a line warns")
-    yaw_stiffness: Scalar = param(default=0.0, unit="N*m/rad", min=0, doc="yaw stiffness of the delta lines")
+    yaw_stiffness: Scalar = param(default=None, unit="N*m/rad", min=0, doc="yaw stiffness of the delta lines")
 
     frame: Frame = port(doc="frame of the body, on the centreline")
 
@@ -58,7 +58,7 @@ class MooringSystem(Component):
             line = self.add(f"line_{i + 1}", CatenaryLine(anchor_position=anchor, **properties))
             self.connect(self.frame, arm.frame_a)
             self.connect(arm.frame_b, line.fairlead)
-        if self.is_set("yaw_stiffness"):
+        if self._has("yaw_stiffness"):
             self.yaw_spring = YawSpring(stiffness=self.yaw_stiffness)
             self.connect(self.frame, self.yaw_spring.frame)
 
@@ -70,7 +70,7 @@ class MooringSystem(Component):
         headings, fairleads, anchors = (self._count(name) for name in ("headings", "fairleads", "anchors"))
         if headings and not (fairleads or anchors):
             for name in ("fairlead_radius", "fairlead_depth", "anchor_radius", "anchor_depth"):
-                if not self.is_set(name):
+                if not self._has(name):
                     raise ParameterError(f"{self.label}.{name} is needed with headings: {self.parameters[name].doc}")
             return [
                 (
@@ -79,6 +79,9 @@ class MooringSystem(Component):
                 )
                 for c, s in ((m.cos(self.headings[i]), m.sin(self.headings[i])) for i in range(headings))
             ]
+        for name in ("fairlead_radius", "fairlead_depth", "anchor_radius", "anchor_depth"):
+            if self._has(name) and not headings:
+                raise ParameterError(f"{self.label}.{name} goes with headings, and there are none.")
         points = {np.shape(self.parameter_value(name)) for name in ("fairleads", "anchors")}
         if headings or points != {(fairleads, 3)}:
             raise ParameterError(
@@ -117,5 +120,5 @@ class MooringSystem(Component):
             distance = float(np.hypot(reach[0], reach[1]))
             H, V = catenary.fairlead_tension(distance, reach[2], line)
             force -= [*(H * reach[:2] / max(distance, 1e-12)), V]
-            states.append({"horizontal": H, "vertical": V, "seabed_length": float(catenary.ends(H, V, line)[1])})
+            states.append({"horizontal": H, "vertical": V, "seabed_length": float(catenary.state(H, V, line).grounded)})
         return force, states

@@ -74,6 +74,8 @@ class SteadyTurbine:
             if pitch is None:
                 raise self._outside(wind_speed)
             return self._point(wind_speed, rated, pitch, wanted)
+        if min(rated, fastest) < slowest:
+            raise self._outside(wind_speed)
         speeds = np.linspace(min(rated, fastest), max(slowest, 1e-3), 400)
         speed = _first_root(lambda w: -surplus(w), speeds)
         if speed is None:
@@ -89,7 +91,7 @@ class SteadyTurbine:
         return ModelError(
             f"there is no steady operation at {wind:g} m/s within the table of the rotor, tip speed ratios {tips[0]:g} "
             f"to {tips[-1]:g} and pitch to {np.degrees(self.table.blade_pitch[-1]):g} deg; to start elsewhere, give "
-            f"rotor_speed_start and blade_pitch_start{', or extend the table (extended: true)' if tips[0] > 0 else ''}."
+            f"rotor_speed_start and blade_pitch_start."
         )
 
 

@@ -21,7 +21,8 @@ TREE = """examples:
 EQUATIONS = """examples:
   fowt equations oc3_spar_rigid platform.motion
 """
-PARAMETERS = """A structural parameter decides how the model is built; the others are tunable.
+PARAMETERS = """A structural parameter decides how the model is built, and says why; a bound
+one is read when a run starts; the others are tunable.
 
 examples:
   fowt parameters oc3_spar_rigid
@@ -86,19 +87,20 @@ def show_parameters(arguments: argparse.Namespace) -> int:
     rows = []
     for part in loading.load(arguments).root.walk():
         for name, field in part.parameters.items():
-            kind = "tunable" if field.tunable else "structural"
-            rows.append((join(part.path, name), part.parameter_value(name), field.unit, kind, field.doc))
-    columns = ("parameter", "value", "unit", "kind", "what it is")
+            kind = "tunable" if field.tunable else "bound" if field.bound else "structural"
+            row = (join(part.path, name), part.parameter_value(name), field.unit, kind, field.doc, field.why_structural)
+            rows.append(row)
+    columns = ("parameter", "value", "unit", "kind", "what it is", "why structural")
     if arguments.form:
         tables.show(arguments, columns, rows)
         return 0
     tables.save(arguments, columns, rows)
     width = tables.console().width
-    for path, value, unit, kind, doc in rows:
+    for path, value, unit, _, doc, why in rows:
         plain = isinstance(value, (str, bool)) or unit == "1"
         value = tables.cell(value) or "(no value)"
         text = value if plain or value == "(no value)" else f"{value} {unit}"
         print(f"{path} = {text}")
-        sentence = doc if kind == "tunable" else f"{doc} (structural)"
+        sentence = f"{doc} (structural: {why})" if why else doc
         print(textwrap.fill(sentence, width, initial_indent="    ", subsequent_indent="    "))
     return 0

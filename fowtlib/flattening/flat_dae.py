@@ -13,7 +13,8 @@ import numpy as np
 
 from fowtlib.flattening.system import Bound, BoundParameter, Input, Parameter
 from fowtlib.language.equations import Process
-from fowtlib.language.errors import NotFoundError, did_you_mean
+from fowtlib.language.errors import NotFoundError, ParameterError, did_you_mean
+from fowtlib.language.operators import StateSpace, Transfer
 
 
 def _freeze(item: Any) -> None:
@@ -108,6 +109,20 @@ class Ring:
         _freeze(self)
 
 
+@dataclass(frozen=True)
+class Operator:
+    """A linear operator: expressions of its inputs (m,), and entries of p (n, 3), see language.operators.
+
+    transfer(omega), complex (q, n, m), is what the realization in the equations stands for.
+    """
+
+    path: str
+    inputs: ca.SX
+    correction: ca.SX
+    transfer: Transfer
+    realization: StateSpace
+
+
 @dataclass(frozen=True, repr=False)
 class FlatDAE:
     """Semi-explicit DAE of index one, torn at the external functions; a value that nothing changes once it is made.
@@ -115,7 +130,7 @@ class FlatDAE:
     der(x) = ode, 0 = alg, both SX expressions of (t, x, z, u, d, p, w); w are the outputs of the externals, whose
     inputs are expressions of the same symbols. `observed` gives every variable of the model by path. p holds the
     tunable `parameters`, then the numbers that are computed when a run starts, `bound`; only these depend on the
-    `bound_parameters`.
+    `bound_parameters`. `dependents` are the parameters that follow from the tunable ones, expressions of p.
     """
 
     t: ca.SX
@@ -143,14 +158,41 @@ class FlatDAE:
     samples: tuple[SampledUpdate, ...] = ()
     checks: tuple[Check, ...] = ()
     rings: tuple[Ring, ...] = ()
+    operators: tuple[Operator, ...] = ()
     bound: Mapping[str, Bound] = field(default_factory=dict)
     bound_parameters: Mapping[str, BoundParameter] = field(default_factory=dict)
+    dependents: Mapping[str, Parameter] = field(default_factory=dict)
     write_equations: Callable[[], list[tuple[str, str, str]]] = list
     initial_sources: tuple[str, ...] = ()
     stats: Mapping[str, float] = field(default_factory=dict)
 
     def __post_init__(self) -> None:
         _freeze(self)
+
+    @cached_property
+    def _dependent_values(self) -> ca.Function:
+        """Of p: all dependent parameters, one after the other."""
+        return ca.Function("dependents", [self.p], [ca.vertcat(*[ca.vec(d.symbol) for d in self.dependents.values()])])
+
+    def check_dependents(self, p: np.ndarray) -> None:
+        """ParameterError where a parameter that follows from the tunable ones leaves its bounds at these values."""
+        if not self.dependents:
+            return
+        values, first = np.array(self._dependent_values(p)).ravel(), 0
+        for item in self.dependents.values():
+            numbers = values[first : first + item.symbol.numel()]
+            first += item.symbol.numel()
+            unit = "" if item.unit == "1" else f" {item.unit}"
+            for wrong, what in (
+                (~np.isfinite(numbers), "no finite number"),
+                (numbers < (-np.inf if item.min is None else item.min), f"below its minimum {item.min or 0:g}{unit}"),
+                (numbers > (np.inf if item.max is None else item.max), f"above its maximum {item.max or 0:g}{unit}"),
+            ):
+                if wrong.any():
+                    raise ParameterError(
+                        f"{item.path} = {numbers[wrong][0]:g}{unit} is {what} ({item.doc}); it follows from the values "
+                        "that were given."
+                    )
 
     @cached_property
     def equation_table(self) -> list[tuple[str, str, str]]:

@@ -186,6 +186,7 @@ class System:
         self.parameters: dict[str, Parameter] = {}
         self.bound: dict[str, Bound] = {}
         self.bound_parameters: dict[str, BoundParameter] = {}
+        self.dependents: dict[str, Parameter] = {}
         self.inputs: dict[str, Input] = {}
         self.number: dict[int, int] = {}
         self.rates: dict[int, ca.SX] = {}

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import json
 import math
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from pathlib import Path
 from typing import Any
 
@@ -16,6 +16,7 @@ from fowtlib.fmi.variables import Variable, Variables
 from fowtlib.language.errors import StructureError
 from fowtlib.language.externals import LibraryFunction
 from fowtlib.language.tables import SplineFunction
+from fowtlib.solving import event_rules as rules
 from fowtlib.solving.engines import fixed_step
 from fowtlib.solving.engines.c_text import Program
 from fowtlib.solving.engines.fixed_step_code import OUT, library_sizes, moved_pieces
@@ -44,6 +45,14 @@ def libraries(dae: FlatDAE) -> dict[str, Path]:
 def column(values: Sequence[ca.SX]) -> ca.SX:
     """One dense column."""
     return ca.densify(ca.vertcat(*values)) if values else ca.SX(0, 1)
+
+
+def event_rules() -> Iterator[tuple[str, str]]:
+    """Names and C texts of the rules that the FMU core shares with the run of a simulation."""
+    for name, value in vars(rules).items():
+        if name.isupper():
+            text = ", ".join(map(repr, value)) if isinstance(value, tuple) else repr(value)
+            yield f"RULE_{name}", text
 
 
 class Tables:
@@ -101,6 +110,7 @@ class Tables:
             "/* The tables of a model, made by fowtlib. */\n",
             f"#define MODEL_NAME {_text(self.identity[0])}\n#define MODEL_TOKEN {_text(self.identity[1])}\n",
             f"#define NEWTON_FACTOR {fixed_step.NEWTON!r}\n#define POINT_FACTOR {fixed_step.AT_POINTS!r}\n",
+            *(f"#define {name} {value}\n" for name, value in event_rules()),
             f"#define OUTPUT_STEP {_number(settings.output_step)}\n#define START_TIME {_number(self.start.t)}\n",
             "enum { " + ", ".join(f"{key} = {value}" for key, value in {**sizes, **first}.items()) + " };\n",
             self._prototypes(),

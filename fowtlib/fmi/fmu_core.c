@@ -1,10 +1,10 @@
 /* An instance of a model behind the Functional Mock-up Interface: start values, events, samples, checks, messages, the
    co-simulation step by the fixed-step engine, the equations for model exchange, exact directional derivatives.
 
-   It does what simulation.py, initial.py and failure.py do for a run in Python, in the same order and with the same
+   It does what run.py, initial.py and failure.py do for a run in Python, in the same order and with the same
    sentences. There are no globals; nothing is allocated after fmu_create but for saved states. */
 
-enum { SUBSTEPS = 4, STRETCH = 400, CHATTER = 20, ROUNDS = 50, TEXT = 1500 };
+enum { TEXT = 1500 };
 
 static const double LATEST = 1e10; /* s, three hundred years; a double counts microseconds there */
 static const double MOST_STEPS = 1e9; /* of the engine in a communication step */
@@ -48,7 +48,7 @@ struct fmu_instance {
   /* what follows from `now` */
   int evaluated, observed, linear;      /* w and ode; outputs; matrix of the algebraic unknowns */
   double output[AT_LEAST(OBSERVED)], indicator[AT_LEAST(EVENTS)], new_d[AT_LEAST(ND)], new_x[AT_LEAST(NX)];
-  double rows_x[SUBSTEPS * AT_LEAST(NX)], rows_z[SUBSTEPS * AT_LEAST(NZ)], try_x[AT_LEAST(NX)], try_z[AT_LEAST(NZ)];
+  double rows_x[RULE_SUBSTEPS * AT_LEAST(NX)], rows_z[RULE_SUBSTEPS * AT_LEAST(NZ)], try_x[AT_LEAST(NX)], try_z[AT_LEAST(NZ)];
   double condition[AT_LEAST(CHECKS)], message_value[AT_LEAST(MESSAGE_VALUES)];
   double scratch[AT_LEAST(SCRATCH)];
   double dx[AT_LEAST(NX)], dz[AT_LEAST(NZ)], dq[AT_LEAST(NQ)], dw[AT_LEAST(NW)], dy[AT_LEAST(NY)];
@@ -403,7 +403,7 @@ static int fmu_initialise(fmu_instance *f) {
                SHORTEST_PERIOD, -LATEST, LATEST);
       return FMU_ERROR;
     }
-    if (n->t > n->offset[i]) n->samples_done[i] = (long long)ceil((n->t - n->offset[i]) / n->period[i] - 1e-9);
+    if (n->t > n->offset[i]) n->samples_done[i] = (long long)ceil((n->t - n->offset[i]) / n->period[i] - RULE_DUE);
   }
   return FMU_OK;
 }
@@ -467,7 +467,7 @@ static int fmu_chatter(fmu_instance *f, int i) {
 /* An indicator waits for its event where it is positive or zero; one that has just had it, where it rises. */
 static int fmu_arm(fmu_instance *f) {
   fmu_now *n = &f->now;
-  double then[AT_LEAST(EVENTS)], h = 1e-3 * n->reference_step / SUBSTEPS;
+  double then[AT_LEAST(EVENTS)], h = RULE_AHEAD * n->reference_step / RULE_SUBSTEPS;
   int i, all = 1, status;
   if (!EVENTS) return FMU_OK;
   if ((status = fmu_evaluate(f)) || (status = fmu_indicators_at(f, n->t, n->x, n->z, f->indicator))) return status;
@@ -479,11 +479,9 @@ static int fmu_arm(fmu_instance *f) {
   for (i = 0; i < NX; i++) f->try_x[i] = n->x[i] + h * f->engine->ode[i];
   memcpy(f->try_z, n->z, sizeof n->z);
   f->evaluated = f->observed = f->linear = 0;
-  n->solved = 0; /* the engine goes elsewhere; z is kept */
-  if (fs_consistent(f->engine, n->t + h, f->try_x, f->try_z, n->q) == FS_DONE
+  if (fs_consistent_beside(f->engine, n->t + h, f->try_x, f->try_z) == FS_DONE
       && !fmu_indicators_at(f, n->t + h, f->try_x, f->try_z, then))
     for (i = 0; i < EVENTS; i++) n->armed[i] |= then[i] > 0.0 && then[i] > f->indicator[i];
-  n->solved = 1;
   return FMU_OK;
 }
 
@@ -491,16 +489,17 @@ static int fmu_arm(fmu_instance *f) {
 static int fmu_act(fmu_instance *f, char *due) {
   fmu_now *n = &f->now;
   double after[AT_LEAST(EVENTS)];
-  int i, k, round, any = 1, status;
+  int i, k, round, any = 1, at_once, status;
   memset(n->fired, 0, sizeof n->fired);
   n->last_act = n->t;
-  for (round = 0; round < ROUNDS && any; round++) {
+  for (round = 0; round < RULE_ROUNDS && any; round++) {
     for (i = 0; i < EVENTS; i++) {
       if (!due[i]) continue;
-      n->returns[i] = n->happened[i] && n->t - n->last_event[i] < 1e-6 * n->reference_step / SUBSTEPS ? n->returns[i] + 1 : 0;
+      at_once = n->happened[i] && n->t - n->last_event[i] < RULE_AT_ONCE * n->reference_step / RULE_SUBSTEPS;
+      n->returns[i] = at_once ? n->returns[i] + 1 : 0;
       n->last_event[i] = n->t;
       n->happened[i] = n->fired[i] = 1;
-      if (n->returns[i] > CHATTER) return fmu_chatter(f, i);
+      if (n->returns[i] > RULE_CHATTER) return fmu_chatter(f, i);
     }
     if ((status = fmu_evaluate(f)) || (status = fmu_indicators_at(f, n->t, n->x, n->z, f->indicator))) return status;
     memcpy(f->new_x, n->x, sizeof n->x);
@@ -530,7 +529,7 @@ static double fmu_next_sample(const fmu_instance *f) {
   double next = INFINITY, now = f->now.t;
   int i;
   for (i = 0; i < BREAKS; i++)
-    if (fmu_breaks[i] > now + 1e-9 * (1.0 + fabs(now))) next = fmin(next, fmu_breaks[i]);
+    if (fmu_breaks[i] > now + RULE_TINY * f->now.reference_step) next = fmin(next, fmu_breaks[i]);
   for (i = 0; i < SAMPLES; i++) next = fmin(next, f->now.offset[i] + f->now.samples_done[i] * f->now.period[i]);
   return next;
 }
@@ -543,7 +542,7 @@ static int fmu_sample_now(fmu_instance *f, int *any) {
   int i, k, status;
   *any = 0;
   for (i = 0; i < SAMPLES; i++) {
-    due[i] = n->offset[i] + n->samples_done[i] * n->period[i] <= n->t + 1e-9 * n->period[i];
+    due[i] = n->offset[i] + n->samples_done[i] * n->period[i] <= n->t + RULE_DUE * n->period[i];
     *any |= due[i];
   }
   if (!*any) return FMU_OK;
@@ -602,23 +601,23 @@ static void fmu_go_to(fmu_instance *f, double t, const double *x, const double *
 
 /* Why no step leads on from the last good point. */
 static int fmu_failure(fmu_instance *f) {
-  static const double reaches[] = {0.0, 1e-9, 1e-6, 1e-4, 1e-2, 0.1, 0.3, 1.0};
+  static const double reaches[] = {RULE_REACHES};
   fmu_now *n = &f->now;
   double rate[AT_LEAST(NX)], largest = -1.0;
   int i, k, fastest = 0, bad = -1;
   memcpy(f->engine->q, n->q, sizeof(double) * NQ);
   fs_evaluate(f->engine, n->t, n->x, n->z);
   memcpy(rate, f->engine->ode, sizeof rate);
-  for (k = 0; k < 8 && bad < 0; k++) {
+  for (k = 0; k < (int)(sizeof reaches / sizeof *reaches) && bad < 0; k++) {
     for (i = 0; i < NX; i++) f->try_x[i] = n->x[i] + reaches[k] * n->reference_step * rate[i];
     if (fs_evaluate(f->engine, n->t + reaches[k] * n->reference_step, f->try_x, n->z)) break;
     for (i = NX - 1; i >= 0; i--) if (!isfinite(f->engine->ode[i])) bad = NZ + FREE_RATES + i;
     for (i = NZ - 1; i >= 0; i--) if (!isfinite(f->engine->alg[i])) bad = i;
-    for (i = 0; i < NX; i++) if (!isfinite(rate[i])) k = 8;
+    for (i = 0; i < NX; i++) if (!isfinite(rate[i])) k = sizeof reaches / sizeof *reaches;
   }
   for (i = 0; i < NX; i++)
-    if (fabs(rate[i]) / (1e-6 + fabs(n->x[i])) > largest) {
-      largest = fabs(rate[i]) / (1e-6 + fabs(n->x[i]));
+    if (fabs(rate[i]) / (RULE_RATE_FLOOR + fabs(n->x[i])) > largest) {
+      largest = fabs(rate[i]) / (RULE_RATE_FLOOR + fabs(n->x[i]));
       fastest = i;
     }
   f->evaluated = f->observed = f->linear = 0;
@@ -658,12 +657,12 @@ static int fmu_indicator_after(fmu_instance *f, double h, int i, double *value) 
 
 /* Time from the point until indicator i is not positive any more: the first point behind its root. */
 static int fmu_instant(fmu_instance *f, int i, double length, double *instant) {
-  double low = 0.0, high = length, at_low, at_high, accuracy = 1e-13 * fmax(1.0, f->now.t), value;
+  double low = 0.0, high = length, at_low, at_high, accuracy = RULE_INSTANT * fmax(1.0, f->now.t), value;
   int k, status;
   if ((status = fmu_indicator_after(f, low, i, &at_low))) return status;
   if (at_low <= 0.0) { /* it was zero at the last event and has risen since */
     double h = length;
-    for (k = 1; k < 40 && at_low <= 0.0; k++) {
+    for (k = 1; k < RULE_HALVINGS && at_low <= 0.0; k++) {
       h *= 0.5;
       if ((status = fmu_indicator_after(f, h, i, &at_low))) return status;
       if (at_low > 0.0) low = h;
@@ -701,14 +700,14 @@ static int fmu_event_within(fmu_instance *f, double length, const char *candidat
   }
   if ((status = fmu_state_at(f, first))) return status;
   fmu_go_to(f, f->now.t + first, f->try_x, f->try_z);
-  for (i = 0; i < EVENTS; i++) due[i] = candidate[i] && instant[i] <= first * (1 + 1e-12);
+  for (i = 0; i < EVENTS; i++) due[i] = candidate[i] && instant[i] <= first * (1 + RULE_TOGETHER);
   return fmu_act(f, due);
 }
 
 /* Advance by `length`, or to the first state event. */
 static int fmu_stretch(fmu_instance *f, double length) {
   fmu_now *n = &f->now;
-  int points = EVENTS ? SUBSTEPS : 1, reached, k, i, status;
+  int points = EVENTS ? RULE_SUBSTEPS : 1, reached, k, i, status;
   double from = n->t, values[AT_LEAST(EVENTS)];
   char candidate[AT_LEAST(EVENTS)];
   status = fmu_advance(f, length, points, &reached);
@@ -731,16 +730,16 @@ static int fmu_stretch(fmu_instance *f, double length) {
 
 /* The end of the communication step h, on the grid of the steps before it where it lies there.
 
-   An importer counts n h, or adds up h, and rounds in its own way. Rounded as a run in Python is (simulation.py, STRETCH
+   An importer counts n h, or adds up h, and rounds in its own way. Rounded as a run in Python is (run.py, RULE_STRETCH
    points at a time), the co-simulation repeats that run to the last digits, where the iterations of a step would else
    leave differences of the size of their tolerance. */
 static double fmu_communication_point(fmu_now *n, double h, double *length) {
   double end;
-  if (n->grid_count == STRETCH) {
-    n->grid_start += STRETCH * n->grid_step;
+  if (n->grid_count == RULE_STRETCH) {
+    n->grid_start += RULE_STRETCH * n->grid_step;
     n->grid_count = 0;
   }
-  end = n->grid_start + STRETCH * n->grid_step * (n->grid_count + 1) / STRETCH;
+  end = n->grid_start + RULE_STRETCH * n->grid_step * (n->grid_count + 1) / RULE_STRETCH;
   if (!(fabs(end - (n->t + h)) < 1e-9 * h && fabs(n->grid_step - h) < 1e-9 * h)) {
     n->grid_start = n->t;
     n->grid_step = h;
@@ -755,7 +754,7 @@ static double fmu_communication_point(fmu_now *n, double h, double *length) {
 /* A communication step of length h, through samples and events; checks at the end. *stopped: an importer asked for an early return. */
 static int fmu_do_step(fmu_instance *f, double h, int *stopped) {
   fmu_now *n = &f->now;
-  double length, t_end = fmu_communication_point(n, h, &length), begin = n->t, tiny = 1e-7 * length;
+  double length, t_end = fmu_communication_point(n, h, &length), begin = n->t, tiny = RULE_TINY * length;
   int status, any, checked, whole;
   *stopped = 0;
   n->reference_step = length;

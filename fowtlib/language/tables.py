@@ -54,8 +54,11 @@ def table1d(
 
 
 def table2d(u: Any, v: Any, x_grid: Any, y_grid: Any, values: Any, *, name: str = "table",
-            arguments: Sequence[str] = ("argument 1", "argument 2")) -> ca.SX:  # fmt: skip
-    """Values of a table at (u, v): values (nx, ny) or (nx, ny, m), twice differentiable, as a column of m."""
+            arguments: Sequence[str] = ("argument 1", "argument 2"), remedy: str = "") -> ca.SX:  # fmt: skip
+    """Values of a table at (u, v): values (nx, ny) or (nx, ny, m), twice differentiable, as a column of m.
+
+    A run that leaves the table stops there, and is told the remedy.
+    """
     x, y, z = _grid(x_grid, name), _grid(y_grid, name), _values(values, 2, name)
     if z.shape[:2] != (len(x), len(y)):
         raise ParameterError(f"{name}: {len(x)} x {len(y)} arguments and {z.shape[0]} x {z.shape[1]} values.")
@@ -63,7 +66,9 @@ def table2d(u: Any, v: Any, x_grid: Any, y_grid: Any, values: Any, *, name: str 
     knots_y, along_y = _interpolating(y, np.moveaxis(along_x, 1, 0))
     function = _spline(name, [knots_x, knots_y], np.moveaxis(along_y, 0, 1), [(x[0], x[-1]), (y[0], y[-1])])
     for value, grid, argument in ((u, x, arguments[0]), (v, y, arguments[1])):
-        active().check_range(value, grid[0], grid[-1], name, argument)
+        left = f"table left at its edge: {name} at {argument} = {{value}}, and the table covers "
+        told = f"{left}{grid[0]:g} to {grid[-1]:g}; {remedy}." if remedy else ""
+        active().check_range(value, grid[0], grid[-1], name, argument, told)
     return external(function, ca.vertcat(u, v))
 
 

@@ -5,9 +5,8 @@ from __future__ import annotations
 import numpy as np
 
 from fowtlib.flattening import FlatDAE
+from fowtlib.solving import event_rules as rules
 from fowtlib.solving.functions import AtParameters
-
-REACHES = (0.0, 1e-9, 1e-6, 1e-4, 1e-2, 0.1, 0.3, 1.0)  # looks ahead of the last good point, in output steps
 
 
 class StepFailure(Exception):
@@ -19,7 +18,7 @@ def integration_failure(at: AtParameters, t: float, x: np.ndarray, z: np.ndarray
     """Why no step leads on from the last good point: what is not finite there or ahead, or what changes fastest."""
     where = f"the integration fails after t = {t:.6g} s"
     ode = np.array(at.residual(t, x, z, q)[0]).ravel()
-    for reach in REACHES:
+    for reach in rules.REACHES:
         h = reach * step
         name = not_finite(at, t + h, x + h * ode if h else x, z, q)
         if name:
@@ -27,7 +26,7 @@ def integration_failure(at: AtParameters, t: float, x: np.ndarray, z: np.ndarray
         if not np.all(np.isfinite(ode)):
             break
     states = at.dae.states
-    rates = np.abs(ode) / (1e-6 + np.abs(x))
+    rates = np.abs(ode) / (rules.RATE_FLOOR + np.abs(x))
     fastest = f"the fastest change is der({states[int(np.argmax(rates))].path})" if rates.size else "nothing changes"
     return (
         f"{where}, because {reason}; {fastest}. Look there for a jump, a missing damping or a quantity that grows "

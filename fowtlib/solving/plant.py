@@ -13,6 +13,7 @@ from fowtlib.language.component import Component
 from fowtlib.language.errors import SimulationError
 from fowtlib.language.externals import refusals_explained
 from fowtlib.solving.binding import Binding, Bindings
+from fowtlib.solving.checks import check_state
 from fowtlib.solving.engines import FixedStepCode, create_engine
 from fowtlib.solving.equilibrium import equilibrium
 from fowtlib.solving.functions import AtParameters, Functions
@@ -90,8 +91,11 @@ class Plant:
         state = self.initial_state(parameters, {**(start or {}), **(hold or {})}, inputs)
         held = {self.layout.x[path] for path in hold or {}}
         q = np.concatenate([state.u, state.d])
-        x, z = equilibrium(self.at(parameters), state.t, state.x, state.z, q, held)
-        return self._state(state.t, x, z, state.d, state.u, parameters)
+        at = self.at(parameters)
+        x, z = equilibrium(at, state.t, state.x, state.z, q, held)
+        found = self._state(state.t, x, z, state.d, state.u, parameters)
+        check_state(at, found, self.name)
+        return found
 
     @refusals_explained()
     def simulate(
@@ -142,9 +146,10 @@ class Plant:
 
         All states are kept; algebraic unknowns are eliminated.
         """
-        names = list(self.outputs) if outputs is None else outputs
+        names, at = list(self.outputs) if outputs is None else outputs, self.at(state.parameters)
+        check_state(at, state, self.name, warn=False)
         paths = [self.input_names.get(name, name) for name in inputs]
-        linear = linearize(self.at(state.parameters), self.layout, self.outputs, state, paths, names)
+        linear = linearize(at, self.layout, self.outputs, state, paths, names)
         own = {path: name for name, path in self.input_names.items() if name in inputs}
         linear.inputs = [own.get(path, path) for path in linear.inputs]
         return linear

@@ -12,9 +12,12 @@ from typing import Any
 import numpy as np
 from scipy.optimize import brentq
 
+from fowtlib.language.data_files import files_of, named
 from fowtlib.language.errors import ParameterError, SimulationError
 from fowtlib.language.units import to_si
+from fowtlib.solving import event_rules as rules
 from fowtlib.solving.binding import Binding
+from fowtlib.solving.checks import broken
 from fowtlib.solving.engines import Engine
 from fowtlib.solving.engines.fixed_step_code import FixedStepCode
 from fowtlib.solving.failure import StepFailure, integration_failure
@@ -26,10 +29,6 @@ from fowtlib.solving.outputs import Outputs
 from fowtlib.solving.results import Observer, RawTrajectory, Result, parameter_hash
 from fowtlib.solving.sessions import Sessions
 from fowtlib.solving.state import State
-
-STRETCH = 400  # output points between two looks at the clock and at Ctrl-C
-SUBSTEPS = 4  # points per output step at which state events are looked for
-CHATTER_LIMIT = 20  # times an event may return within a millionth of a substep
 
 
 class Interrupted(SimulationError):
@@ -107,7 +106,7 @@ class Run:
         """Number of the first sample; a run that is resumed has carried out the one at its start already."""
         if passed <= 0 and not self.resumed:
             return 0
-        return max(0, int(np.floor(passed + 1e-9)) + 1 if self.resumed else int(np.ceil(passed - 1e-9)))
+        return max(0, int(np.floor(passed + rules.DUE)) + 1 if self.resumed else int(np.ceil(passed - rules.DUE)))
 
     @property
     def q(self) -> np.ndarray:
@@ -150,7 +149,7 @@ class Run:
         return error
 
     def _integrate(self, t_end: float, step: float, report: Callable[[float, float], None]) -> None:
-        tiny = 1e-7 * step
+        tiny = rules.TINY * step
         if self.dae.events:
             self._arm()
         while self.t < t_end - tiny:
@@ -160,7 +159,7 @@ class Run:
             next_break = next((t for t in self.binding.breaks if t > self.t + tiny), np.inf)
             stop = min(next_sample, next_break, t_end)
             on_grid = abs(self.t - (self.t_start + passed * step)) < tiny
-            points = min(int((stop - self.t) / step + 1e-7), STRETCH) if on_grid else 0
+            points = min(int((stop - self.t) / step + rules.TINY), rules.STRETCH) if on_grid else 0
             if points:
                 self._stretch(points * step, points)
             else:
@@ -177,7 +176,7 @@ class Run:
 
     def _stretch(self, length: float, points: int, record: bool = True) -> None:
         """Advance by `length` with `points` output points, or to the first state event."""
-        substeps = SUBSTEPS if self.dae.events else 1
+        substeps = rules.SUBSTEPS if self.dae.events else 1
         x, z = self._advance(length, points * substeps)
         reached = len(x)
         times = self.t + length * np.arange(1, points * substeps + 1) / (points * substeps)
@@ -273,14 +272,14 @@ class Run:
         first = min(instants.values())
         self.x, self.z = (values.copy() for values in state_at(first))
         self.t += first
-        due = {i for i, h in instants.items() if h <= first * (1 + 1e-12)}
+        due = {i for i, h in instants.items() if h <= first * (1 + rules.TOGETHER)}
         self._act(due)
 
     def _instant(self, i: int, indicator: Callable[[float, int], float], length: float) -> float:
         """Time from now until indicator i is not positive any more: the first point behind its root."""
         low = 0.0
         if indicator(low, i) <= 0:  # it was zero at the last event and has risen since
-            shorter = (length * 0.5**k for k in range(1, 40))
+            shorter = (length * 0.5**k for k in range(1, rules.HALVINGS))
             low = next((h for h in shorter if indicator(h, i) > 0), 0.0)
             if not low and self.last_event.get(i) == self.t:
                 raise self._chatter(i)
@@ -288,7 +287,7 @@ class Run:
                 return 0.0
         if indicator(length, i) > 0:  # it crosses so close to the end that integrating anew decides otherwise
             return length
-        accuracy = 1e-13 * max(1.0, self.t)
+        accuracy = rules.INSTANT * max(1.0, self.t)
         root = float(brentq(indicator, low, length, args=(i,), xtol=accuracy, rtol=1e-14))
         while root < length and indicator(root, i) > 0:
             root, accuracy = min(root + accuracy, length), 2 * accuracy
@@ -302,7 +301,7 @@ class Run:
         self.armed[fired] = now[fired] > 0
         if np.all(self.armed):
             return
-        h = 1e-3 * self.step / SUBSTEPS
+        h = rules.AHEAD * self.step / rules.SUBSTEPS
         x = self.x + h * np.array(self.at.residual(self.t, self.x, self.z, self.q)[0]).ravel()
         try:
             z = consistent_algebraics(self.at, self.t + h, x, self.z, self.q)
@@ -314,10 +313,10 @@ class Run:
     def _count(self, due: set[int]) -> None:
         """Count the events; stop where one returns again and again without time going on."""
         for i in due:
-            soon = self.t - self.last_event.get(i, -np.inf) < 1e-6 * self.step / SUBSTEPS
+            soon = self.t - self.last_event.get(i, -np.inf) < rules.AT_ONCE * self.step / rules.SUBSTEPS
             self.returns[i] = self.returns.get(i, 0) + 1 if soon else 0
             self.last_event[i] = self.t
-            if self.returns[i] > CHATTER_LIMIT:
+            if self.returns[i] > rules.CHATTER:
                 raise self._chatter(i)
 
     def _chatter(self, i: int) -> SimulationError:
@@ -328,7 +327,7 @@ class Run:
 
     def _act(self, due: set[int]) -> None:
         self.just_fired, self.last_act = set(), self.t
-        for _ in range(50):
+        for _ in range(rules.ROUNDS):
             self._count(due)
             self.just_fired |= due
             before = self._indicator_values()
@@ -349,7 +348,8 @@ class Run:
 
     def _sample_now(self) -> None:
         """Carry out the sampled parts that are due, in order of their dependence."""
-        due = [k for k, (offset, period, n) in enumerate(self.clocks) if offset + n * period <= self.t + 1e-9 * period]
+        clocks = enumerate(self.clocks)
+        due = [k for k, (offset, period, n) in clocks if offset + n * period <= self.t + rules.DUE * period]
         if not due:
             return
         for k in due:
@@ -385,7 +385,7 @@ class Run:
                 check = self.dae.checks[i]
                 if check.level == "warning" and int(i) in self.warned:
                     continue
-                text = self._message(i, times[k], x[k], z[k])
+                text = f"{broken(self.at, i, self.about.name, times[k], x[k], z[k], self.q)} (t = {times[k]:g} s)."
                 if check.level == "warning":
                     self.warned[int(i)] = text
                     warnings.warn(text, stacklevel=2)
@@ -394,15 +394,6 @@ class Run:
                 self.rows[-1] = tuple(part[: k + 1] for part in last)  # type: ignore[assignment]
                 self.t, self.x, self.z = float(times[k]), x[k], z[k]
                 raise SimulationError(text)
-
-    def _message(self, i: int, t: float, x: np.ndarray, z: np.ndarray) -> str:
-        check = self.dae.checks[i]
-        text = self.binding.words(check.message)
-        told = np.array(self.at.call(self.at.functions.told(i), t, x, z, self.q)).ravel() if check.values else ()
-        for name, value in zip(check.values, told, strict=True):
-            text = text.replace("{" + name + "}", f"{value:.6g}")
-        text = text.rstrip(".")
-        return f"{check.path or self.about.name or 'model'}: {text} (t = {t:g} s)."
 
     def _failure(self) -> SimulationError:
         """The error at the last good point."""
@@ -440,6 +431,7 @@ class Run:
             "status": status,
             "parameters": {path: value.tolist() for path, value in numbers.items()},
             "structure": dict(self.binding.structure),
+            "data": {path: named(file) for path, file in files_of(self.binding.root).items()},
             "wall_time": self.wall_time,
             "warnings": "\n".join(self.warned.values()),
         }

@@ -16,6 +16,7 @@ from fowtlib.language import Assembly
 from fowtlib.language.errors import SimulationError
 
 CSV = str(Path(fowtlib.models.__file__).parent / "data" / "nrel5mw" / "rotor_coefficients.csv")
+WHOLE = CSV.replace(".csv", "_whole.csv")
 RATED = 12.1 * np.pi / 30
 AREA = np.pi * (63 * np.cos(np.radians(2.5))) ** 2
 
@@ -150,5 +151,35 @@ def test_no_air_without_wind():
 def test_leaving_the_table_stops_the_run():
     with pytest.raises(SimulationError, match=r"table left at its edge: .* rotor at tip speed ratio = 17\.\d+"):
         fw.load(turning(speed=1.4, wind=5.0)).compile().simulate(1.0, 0.1)
+    with pytest.raises(SimulationError, match=r"speed ratio = 1\.26, and the table covers 2 to 25; give a table that"):
+        fw.load(turning(speed=0.1, wind=5.0, extended=True)).compile().simulate(1.0, 0.1)
+    with pytest.raises(SimulationError, match=r"blade pitch \[rad\] = 1\.57.*; give a table that covers the state"):
+        fw.load(turning(pitch=np.pi / 2, extended=True)).compile().simulate(1.0, 0.1)
     wide = turning(speed=1.4, wind=5.0, extended=True)
     assert values(wide, "tip_speed_ratio", "thrust_coefficient") == pytest.approx([17.64, 1.17], rel=0.02)
+
+
+def test_wind_from_behind_stops_the_run():
+    model = turning(speed=0.0, wind=8.0, wind_settings={"direction": "180 deg"}, coefficients=WHOLE)
+    with pytest.raises(SimulationError, match="the mean wind is from behind the rotor, and its coefficients hold for"):
+        fw.load(model).compile().simulate(1.0, 0.1)
+
+
+def test_a_feathered_rotor_in_a_storm():
+    """50 m/s from standstill at 85 deg with nothing that brakes: it idles where the torque of the table is 0."""
+    free = Assembly("idling")
+    free.world, free.wind, free.support = World(), Wind(kind="steady", mean_speed=50.0), Fixed(r=(0, 0, 90))
+    free.rotor = CoefficientRotor(coefficients=WHOLE, radius=63.0, precone="2.5 deg", inertia=3.876e7, filtered=False)
+    free.pitch, free.flywheel = Constant(value=np.radians(85)), Inertia(inertia=1e6)
+    free.connect(free.rotor.shaft, free.flywheel.flange_a)
+    free.connect(free.support.frame, free.rotor.frame)
+    free.connect(free.pitch.y, free.rotor.blade_pitch)
+    result = fw.load(free).compile().simulate(200.0, 1.0, outputs=["rotor.w", "rotor.thrust", "rotor.torque"])
+    speed = float(result["rotor.w"][-1])
+    assert 0.5 < speed * 30 / np.pi < 2.5
+    assert float(result["rotor.torque"][-1]) == pytest.approx(0, abs=1e3)
+    thrust, torque = values(
+        turning(speed=speed, pitch=np.radians(85), wind=50.0, coefficients=WHOLE), "thrust", "torque"
+    )
+    assert float(result["rotor.thrust"][-1]) == pytest.approx(thrust, rel=1e-4)
+    assert 50e3 < thrust < 110e3

@@ -4,12 +4,14 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from scipy.interpolate import PchipInterpolator
 
 import fowtlib.models
-from fowtlib.components.aero import read_coefficients
+from fowtlib.components.aero import read_blade, read_coefficients
 from fowtlib.language.errors import ModelError
 
-CSV = str(Path(fowtlib.models.__file__).parent / "data" / "nrel5mw" / "rotor_coefficients.csv")
+DATA = Path(fowtlib.models.__file__).parent / "data" / "nrel5mw"
+CSV, WHOLE = str(DATA / "rotor_coefficients.csv"), str(DATA / "rotor_coefficients_whole.csv")
 HEADER = "tip_speed_ratio,blade_pitch_deg,thrust_coefficient,torque_coefficient"
 
 
@@ -58,16 +60,66 @@ def test_rows_in_any_order_and_other_columns(tmp_path):
 
 
 def test_continued_table():
-    """Inside unchanged; outside it holds its edge, and above it follows blade element theory."""
+    """Inside unchanged; above it follows blade element theory; elsewhere it ends, and says so."""
     table, wide = read_coefficients(CSV), read_coefficients(CSV, extended=True)
     tips, pitches = np.meshgrid(np.linspace(3, 14.5, 20), np.radians(np.linspace(-5, 28, 20)))
     assert np.abs(np.array(wide(tips, pitches)) - table(tips, pitches)).max() < 2e-3
-    assert np.ravel(wide(0.2, 0.0)) == pytest.approx([table.thrust[0, 5], table.torque[0, 5]], abs=1e-3)
-    assert np.ravel(wide(3.0, np.radians(70))) == pytest.approx([table.thrust[2, -1], table.torque[2, -1]], abs=1e-4)
+    with pytest.raises(
+        ModelError, match=r"cover tip speed ratio 2 to 25, and not 0\.2; give a table that covers the st"
+    ):
+        wide(0.2, 0.0)
+    with pytest.raises(ModelError, match=r"cover blade pitch \[deg\] -5 to 30, and not 90; give a table"):
+        wide([3.0, 3.0], np.radians([0, 90]))
     speeds = np.linspace(14.5, 22, 30)
     thrust, torque = wide(speeds, 0.0)
     assert np.all(np.abs(np.diff(thrust)) < 0.02) and np.all(np.diff(torque) < 0)
     assert 0 < np.interp(0, -torque, speeds) - 17.5 < 1.5  # the speed of a rotor that nothing brakes
+
+
+@pytest.mark.parametrize(
+    ("wind", "speed", "pitch"), [(50, 0, 90), (40, 0.05, 82), (25, 0, 90), (8, 0, 0), (50, -0.1, 85), (30, 0.2, 55)]
+)
+def test_parked_and_idling_rotors(wind, speed, pitch):
+    """The whole table against the polars without induction, within 3 % of the largest of all pitches at standstill."""
+    whole, radius = read_coefficients(WHOLE), 63 * np.cos(np.radians(2.5))
+    pressure = 0.5 * 1.225 * np.pi * radius**2 * wind**2
+    thrust, torque = (
+        float(c) * pressure * s for c, s in zip(whole(speed * 63 / wind, np.radians(pitch)), (1, radius), strict=True)
+    )
+    expected = polars_alone(wind, speed, np.radians(pitch))
+    scale = [0.07 * pressure, 0.03 * pressure * radius]  # flat to the wind; best torque at standstill
+    assert np.abs(np.array([thrust, torque]) - expected) / scale == pytest.approx([0, 0], abs=0.03)
+    if (wind, pitch) == (50, 90):
+        assert (thrust, torque) == (pytest.approx(93e3, rel=0.01), pytest.approx(-3.2e6, rel=0.02))
+
+
+def polars_alone(wind, speed, pitch):
+    """Thrust and torque of a rotor with cone in axial wind, without induction."""
+    blade, cone = (
+        read_blade(str(DATA / "blade_aerodynamics.csv"), str(DATA / "airfoils.csv"), 1.5, 63.0),
+        np.radians(2.5),
+    )
+    r, axial = blade.radius * np.cos(cone), wind * np.cos(cone)
+    angle, W = np.arctan2(axial, speed * r), np.hypot(axial, speed * r)
+    foils = [blade.airfoils[name] for name in blade.airfoil]
+    coefficients = [
+        PchipInterpolator(f.angle, f.coefficients)(a) for f, a in zip(foils, angle - blade.twist - pitch, strict=True)
+    ]
+    lift, drag = np.array(coefficients)[:, :2].T
+    area = 3 * 1.225 / 2 * W**2 * blade.chord * blade.length
+    normal, forward = lift * np.cos(angle) + drag * np.sin(angle), lift * np.sin(angle) - drag * np.cos(angle)
+    return [np.sum(area * normal) * np.cos(cone), np.sum(area * forward * r)]
+
+
+def test_the_whole_table_continues_the_published_one():
+    table, whole = read_coefficients(CSV), read_coefficients(WHOLE)
+    tips, pitches = np.meshgrid(table.tip_speed_ratio, table.blade_pitch)
+    assert np.array(whole(tips, pitches)) == pytest.approx(np.array(table(tips, pitches)), abs=1e-7)
+    for path in (np.linspace(-1, 25, 521), np.linspace(-5, 100, 421)):  # no jump at a border
+        at = (path, np.radians(2.0)) if path[0] == -1 else (1.5, np.radians(path))
+        for values in whole(*at):
+            steps = np.abs(np.diff(values))
+            assert steps.max() < 6 * np.median(steps) + 0.02
 
 
 @pytest.mark.parametrize(

@@ -166,10 +166,15 @@ def test_tree_equations_and_parameters(capsys):
     rows = {row["parameter"]: row for row in printed(capsys, "parameters", "pendulum")}
     assert rows["bob.mass"] == {
         "parameter": "bob.mass", "value": 2.0, "unit": "kg", "kind": "tunable", "what it is": "mass",
+        "why structural": "",
     }  # fmt: skip
+    assert rows["hinge.n"]["kind"] == "structural"
+    assert rows["hinge.n"]["why structural"] == "the model is built with it"
     assert rows["hinge.phi_start"]["value"] == pytest.approx(math.radians(20))
     assert main(["parameters", "pendulum"]) == 0
-    assert "\nbob.mass = 2 kg\n    mass\n" in capsys.readouterr().out
+    said = capsys.readouterr().out
+    assert "\nbob.mass = 2 kg\n    mass\n" in said
+    assert "(structural: the model is built with it)" in " ".join(said.split())
     assert main(["equations", "pendulum", "hnge"]) == 2
     assert "did you mean 'hinge'?" in capsys.readouterr().err
 

@@ -31,7 +31,10 @@ from fowtlib.language import (
 from fowtlib.language import math as m
 from fowtlib.language.native import compiler
 
-NEEDS_FMPY = ["test_bound_data.py", "test_fmu.py", "test_platforms.py", "test_any_calls.py", "test_recipes.py"]
+NEEDS_FMPY = [
+    "test_bound_data.py", "test_fmu.py", "test_same_events.py", "test_platforms.py", "test_any_calls.py",
+    "test_recipes.py",
+]  # fmt: skip
 collect_ignore = [] if importlib.util.find_spec("fmpy") and compiler() else NEEDS_FMPY
 
 

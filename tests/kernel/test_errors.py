@@ -756,3 +756,52 @@ def test_arguments_of_a_simulation():
     assert said(simulate, case(), -1.0) == "the end of the simulation, -1 s, lies before its start, 0 s."
     assert said(check(case()).simulate, 1.0, output_step=0.0) == "the output step is 0 s; it must be above zero."
     assert said(simulate, case(), outputs=["c.y"]) == "there is no variable 'c.y'; did you mean 'c.x' or 'c.v'?"
+
+
+class Tube(Component):
+    """A rod whose wall is what is left between two diameters."""
+
+    outer: Scalar = param(default=2.0, unit="m", min=0, doc="outer diameter")
+    inner: Scalar = param(default=1.0, unit="m", min=0, doc="inner diameter")
+
+    def build(self):
+        self.wall = Wall(thickness=(self.outer - self.inner) / 2, share=self.inner / self.outer)
+
+
+class Wall(Component):
+    thickness: Scalar = param(unit="m", min=0, doc="thickness of the wall")
+    share: Scalar = param(max=1.0, doc="inner diameter over outer")
+    x: Scalar = var(start=1.0, state="prefer", doc="state")
+
+    def equations(self):
+        return [eq(der(self.x), self.thickness - self.x), assert_(self.x < 3, "x is {x}, beyond 3", x=self.x),
+                assert_(self.x < 2, "x is beyond 2", "warning")]  # fmt: skip
+
+
+@pytest.mark.parametrize(
+    ("inner", "outer", "text", "built"),
+    [
+        (3.0, 2.0, "tube.wall.thickness = -0.5 m is below its minimum 0 m (thickness of the wall)", ""),
+        (1.0, 0.5, "tube.wall.thickness = -0.25 m is below its minimum 0 m (thickness of the wall)", ""),
+        (0.0, 0.0, "tube.wall.share = nan is no finite number (inner diameter over outer)",
+         "tube.wall.share is not a finite number: (tube.inner / tube.outer) (inner diameter over outer)"),
+    ],
+)  # fmt: skip
+def test_a_parameter_that_follows_from_others_keeps_its_bounds(inner, outer, text, built):
+    """In the model as it is built, in a run, and in an equilibrium with other values."""
+    plant = fw.load(assembly(tube=Tube())).compile()
+    values = {"tube.inner": inner, "tube.outer": outer}
+    for use in (plant.initial_state, plant.equilibrium, lambda parameters: plant.simulate(1, 1, parameters=parameters)):
+        assert said(use, parameters=values) == f"{text}; it follows from the values that were given."
+    assert said(check, assembly(tube=Tube(inner=inner, outer=outer))) == f"{built or text}."
+    assert plant.parameter_values({"tube.inner": 1.5})["tube.inner"] == 1.5
+
+
+def test_an_equilibrium_is_checked_against_what_the_parts_state():
+    plant = fw.load(assembly(tube=Tube())).compile()
+    assert said(plant.equilibrium, parameters={"tube.outer": 8.0}) == "tube.wall: x is 3.5, beyond 3."
+    with pytest.warns(UserWarning, match=r"^tube\.wall: x is beyond 2\.$"):
+        state = plant.equilibrium(parameters={"tube.outer": 6.0})
+    assert float(state["tube.wall.x"]) == pytest.approx(2.5)
+    beyond = plant.initial_state(start={"tube.wall.x": 4.0})
+    assert said(plant.linearize, beyond) == "tube.wall: x is 4, beyond 3."

@@ -4,7 +4,7 @@ import pytest
 
 import fowtlib as fw
 from fowtlib.components.servo import BaselineController
-from fowtlib.language import Scalar, eq, param, part, var
+from fowtlib.language import Array, Component, Scalar, eq, param, part, var
 from fowtlib.language.errors import ParameterError
 
 GAINS = {"proportional_gain": 0.006, "integral_gain": 0.0009}
@@ -105,3 +105,19 @@ def test_limits_of_a_controller_reach_the_turbine():
     for changed in (model, model.with_parameters({"turbine.control.torque.cut_in_speed": 80.0})):
         torque = changed.root.find("turbine.control.torque")
         assert torque.parameter_value("greatest_torque") == 10.0
+
+
+def test_a_structural_parameter_says_why():
+    class Stack(Component):
+        layers: int = param(default=2, doc="number of layers")
+        open_top: bool = param(default=False, doc="whether the top is open")
+        kind: str = param(default="flat", doc="kind of layers")
+        thickness: Scalar = param(default=1.0, doc="thickness")
+        heights: Array = param(default=(1, 2), structural="each height is a node", doc="heights")
+
+    why = {name: field.why_structural for name, field in Stack.parameters.items()}
+    assert why == {
+        "layers": "it counts parts or states", "open_top": "it switches equations", "thickness": "",
+        "kind": "it chooses equations or data", "heights": "each height is a node",
+    }  # fmt: skip
+    assert not Stack.parameters["heights"].tunable

@@ -21,7 +21,8 @@ def moored(**parameters):
     model.world = World()
     model.motion = FreeMotion()
     model.body = RigidBody(mass=7e6, inertia=np.diag([4e9, 4e9, 2e8]))
-    model.mooring = MooringSystem(**{"headings": DOWNWIND_LINE_AHEAD, **LAYOUT, **LINE, **parameters})
+    layout = {} if "fairleads" in parameters else {"headings": DOWNWIND_LINE_AHEAD, **LAYOUT}
+    model.mooring = MooringSystem(**{**layout, **LINE, **parameters})
     model.connect(model.world.frame, model.motion.frame_a)
     model.connect(model.motion.frame_b, model.body.frame_a)
     model.connect(model.body.frame_a, model.mooring.frame)
@@ -101,7 +102,7 @@ def test_explicit_layout_with_lines_of_their_own():
     plan = np.column_stack([np.cos(directions), np.sin(directions)])
     fairleads, anchors = (np.column_stack([r * plan, np.full(3, z)]) for r, z in ((5.2, -70), (853.87, -320)))
     properties = {**LINE, "mass_per_length": [77.7066, 77.7066, 200.0]}
-    plant = fw.load(moored(headings=(), fairleads=fairleads, anchors=anchors, **properties)).compile()
+    plant = fw.load(moored(fairleads=fairleads, anchors=anchors, **properties)).compile()
     state = plant.initial_state()
     tensions = [float(state[f"mooring.line_{i}.tension"]) for i in (1, 2, 3)]
     assert tensions == pytest.approx([911.1e3, 911.1e3, 2275.8e3], rel=1e-3)
@@ -160,6 +161,13 @@ def test_anchor_on_a_frame():
     assert np.ravel(state["third.anchor.f"]) == pytest.approx(
         [0, -float(state["third.horizontal_tension"]), 0], abs=1e-3
     )
+
+
+def test_a_parameter_that_the_layout_does_not_use_is_no_tunable_one(heavy):
+    with pytest.raises(ParameterError, match=r"there is no tunable parameter 'mooring\.yaw_stiffness'"):
+        heavy.initial_state(parameters={"mooring.yaw_stiffness": 1e8})
+    with pytest.raises(ParameterError, match=r"there is no tunable parameter 'mooring\.line_1\.weight_per_length'"):
+        heavy.initial_state(parameters={"mooring.line_1.weight_per_length": 700.0})
 
 
 def test_yaw_spring_is_a_pure_moment():
@@ -375,6 +383,10 @@ def test_a_line_without_an_anchor():
         (
             {"headings": ["0 deg"], "fairlead_radius": 5},
             r"fairlead_depth is needed with headings: depth of the fairleads",
+        ),
+        (
+            {"fairleads": [(5, 0, -70)], "anchors": [(850, 0, -320)], "anchor_radius": 853.0},
+            r"MooringSystem.anchor_radius goes with headings, and there are none",
         ),
         (
             {"fairleads": [(5, 0, -70)], "anchors": []},

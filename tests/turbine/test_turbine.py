@@ -16,6 +16,7 @@ from fowtlib.language import Assembly, Component, RealInput, RealOutput, eq, por
 from fowtlib.language.errors import ModelError, ParameterError
 
 CSV = str(Path(fowtlib.models.__file__).parent / "data" / "nrel5mw" / "rotor_coefficients.csv")
+WHOLE = str(Path(fowtlib.models.__file__).parent / "data" / "nrel5mw" / "rotor_coefficients_whole.csv")
 RPM = np.pi / 30
 
 # Wind speed [m/s], electrical power [kW], thrust [kN]: NREL/turbine-models, NREL_Reference_5MW_126.csv (OpenFAST).
@@ -82,7 +83,7 @@ def test_wind_without_steady_operation():
         ModelError, match=r"there is no steady operation at 2\.5 m/s within the table of the rotor, tip"
     ):
         STEADY.operating_point(2.5)
-    with pytest.raises(ModelError, match=r"^turbine: there is no steady operation at 60 m/s .* extend the table"):
+    with pytest.raises(ModelError, match=r"^turbine: there is no steady operation at 60 m/s .* give rotor_speed_start"):
         fw.load(onshore(60.0)).compile()
 
 
@@ -151,7 +152,7 @@ def test_sampled_control_is_the_same_control():
 
 def test_turbulent_wind_below_and_above_rated():
     for wind, power in ((8.0, 1771e3), (18.0, 5000e3)):
-        plant = fw.load(onshore(wind, "kaimal", wind={"seed": 3}, rotor={"extended": True})).compile()
+        plant = fw.load(onshore(wind, "kaimal", wind={"seed": 3}, rotor={"coefficients": WHOLE})).compile()
         result = plant.simulate(300.0, 0.5, outputs=RESULTS)
         assert float(result["turbine.generator_power"].mean()) == pytest.approx(power, rel=0.15)
         assert float(result["turbine.blade_pitch"].min()) >= -1e-12  # rounding
@@ -227,13 +228,13 @@ def test_rate_of_the_pitch_loop():
 def test_yawed_wind_starts_at_the_wind_along_the_shaft(direction, thrust):
     """Filter, rotor speed and thrust start where they stay: a steady wind of V cos(direction) cos(tilt)."""
     wind, tilt = {"direction": f"{direction} deg"}, np.radians(5.0)
-    model = onshore(8.0, wind=wind, rotor={"tilt": "5 deg", "extended": True})
+    model = onshore(8.0, wind=wind, rotor={"tilt": "5 deg", "coefficients": WHOLE})
     plant = fw.load(model).compile()
     along = 8.0 * np.cos(np.radians(direction))
     result = plant.simulate(60.0, 10.0, outputs=[*RESULTS, "turbine.rotor.mean_wind", "turbine.rotor.normal_wind"])
     for name in ("mean_wind", "normal_wind"):
         assert result[f"turbine.rotor.{name}"].to_numpy() == pytest.approx(along * np.cos(tilt), rel=1e-9)
-    table = read_coefficients(CSV, True)
+    table = read_coefficients(WHOLE)
     steady = SteadyTurbine(table, 63.0, TorqueLaw(), 97.0, precone=np.radians(2.5), tilt=tilt).operating_point(along)
     assert start_point(model.turbine, 0).thrust == pytest.approx(steady.thrust, rel=1e-9)
     assert result["turbine.rotor_speed"].to_numpy() == pytest.approx(steady.rotor_speed, rel=1e-6)
@@ -244,7 +245,7 @@ def test_yawed_wind_starts_at_the_wind_along_the_shaft(direction, thrust):
 
 @pytest.mark.parametrize(("speed", "direction"), [(0, 0), (8, 90), (8, 180), (8, -120)])
 def test_no_wind_along_the_shaft_starts_at_standstill(speed, direction):
-    plant = fw.load(onshore(speed, wind={"direction": f"{direction} deg"}, rotor={"extended": True})).compile()
+    plant = fw.load(onshore(speed, wind={"direction": f"{direction} deg"}, rotor={"coefficients": WHOLE})).compile()
     state = plant.initial_state()
     assert float(state["turbine.rotor_speed"]) == 0
     assert float(state["turbine.blade_pitch"]) == 0

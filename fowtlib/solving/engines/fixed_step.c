@@ -785,6 +785,12 @@ EXPORT int fs_consistent(fs_instance *s, double t, const double *x, double *z, c
   return status;
 }
 
+/* z becomes consistent with t, x at the q of the instance, which goes on standing where it stands. */
+EXPORT int fs_consistent_beside(fs_instance *s, double t, const double *x, double *z) {
+  int ready;
+  return fs_algebraics(s, t, x, z, &ready);
+}
+
 /* Values of a function of the model at a point, such as what a sampled part computes; `outputs` says whether it needs w. */
 EXPORT int fs_observe(fs_instance *s, fs_code function, int outputs, double t, const double *x, const double *z,
                       const double *q, double *values) {

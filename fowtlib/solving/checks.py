@@ -1,0 +1,38 @@
+"""Whether the equations of a model hold at a state: the conditions that its parts state for them."""
+
+from __future__ import annotations
+
+import warnings
+
+import numpy as np
+
+from fowtlib.language.errors import SimulationError
+from fowtlib.solving.functions import AtParameters
+from fowtlib.solving.state import State
+
+
+def check_state(at: AtParameters, state: State, model: str, *, warn: bool = True) -> None:
+    """SimulationError where a condition of level "error" is broken; with `warn`, a warning for each of that level.
+
+    A run checks its output points by itself; a state that no run has passed through is checked here.
+    """
+    if not at.dae.checks:
+        return
+    point = state.t, state.x, state.z, np.concatenate([state.u, state.d])
+    numbers = np.flatnonzero(np.array(at.call(at.functions.conditions, *point)).ravel() == 0)
+    for i in sorted(numbers.tolist(), key=lambda i: at.dae.checks[i].level):  # errors first
+        text = broken(at, i, model, *point) + "."
+        if at.dae.checks[i].level == "error":
+            raise SimulationError(text)
+        if warn:
+            warnings.warn(text, stacklevel=4)
+
+
+def broken(at: AtParameters, check: int, model: str, t: float, x: np.ndarray, z: np.ndarray, q: np.ndarray) -> str:
+    """What is said of a broken condition at a point, without the full stop."""
+    item = at.dae.checks[check]
+    text = at.binding.words(item.message)
+    told = np.array(at.call(at.functions.told(check), t, x, z, q)).ravel() if item.values else ()
+    for name, value in zip(item.values, told, strict=True):
+        text = text.replace("{" + name + "}", f"{value:.6g}")
+    return f"{item.path or model or 'model'}: {text.rstrip('.')}"
