@@ -80,6 +80,20 @@ def bending_blades() -> Table:
 
 
 @section
+def line_loads() -> Table:
+    """Thrust, torque and root moment of the NREL 5 MW in 9 m/s by both integrals, over the number of elements."""
+    rows = []
+    for times in (0.5, 1, 2, 4, 8, 16):
+        row: list[object] = []
+        for kind in ("elements", "straight_lines"):
+            loads = cases.line_loads(times, kind)
+            row += [f"{value:.2f}" for value in loads]
+        rows.append((int(17 * times) if times >= 1 else 9, *row))
+    names = ("thrust [kN]", "torque [kN m]", "root moment [kN m]")
+    return ("elements", *(f"{name}, {kind}" for kind in ("elements", "straight lines") for name in names)), rows
+
+
+@section
 def largest_power_coefficient() -> Table:
     """C_p of the NREL 5 MW by blade elements at zero pitch, and what each assumption does to it."""
     from fowtlib.components.aero import BladeElementRotor

@@ -20,6 +20,9 @@ PITT_PETERS = 15 * np.pi / 32
 """Factor of the skewed wake in Ning et al. (2015, AIAA 2015-0215), also AeroDyn's; other texts have 15 pi / 64."""
 
 
+LINE_LOADS = ("elements", "straight_lines")
+
+
 @dataclass(frozen=True, eq=False)
 class BladeElementRotor:
     """Aerodynamic loads of a rotor by blade-element momentum theory, quasi-steady, at moving and bending blades.
@@ -34,6 +37,8 @@ class BladeElementRotor:
     further part of the wind.
 
     blades: any number; sense 1: turns clockwise seen looking downwind, -1: the other way (mirrored blades).
+    line_loads: the load of a node is that per length times the length of its element, "elements"; or it goes in
+    "straight_lines" from node to node and to zero at the root and the tip, as in CCBlade and AeroDyn.
     skew: factor of the skewed wake correction, 0 for none. axial_drag, tangential_drag: drag takes part in the
     induction. tip_loss, hub_loss: Prandtl's factors. dynamic_inflow: the axial induced speed of each station, the same
     for all blades, is an input, and the quasi-steady one of each node an output; what the skew adds to it and the swirl
@@ -57,15 +62,26 @@ class BladeElementRotor:
     tip_loss: bool = True
     hub_loss: bool = True
     dynamic_inflow: bool = False
+    line_loads: str = "elements"
 
     def __post_init__(self):
         if self.blades < 1 or self.sense not in (1, -1):
             raise ParameterError("a rotor has one blade or more, and its sense of rotation is 1 or -1.")
+        if self.line_loads not in LINE_LOADS:
+            raise ParameterError(f"line_loads is '{self.line_loads}'; choose {' or '.join(LINE_LOADS)}.")
 
     @property
     def nodes(self) -> int:
         """Number of nodes of all blades."""
         return self.blades * len(self.blade.radius)
+
+    @property
+    def lengths(self) -> np.ndarray:
+        """Length of the blade [m] that each node stands for, by `line_loads`; (stations,)."""
+        if self.line_loads == "elements":
+            return self.blade.length
+        r = np.concatenate([[self.blade.hub_radius], self.blade.radius, [self.blade.tip_radius]])
+        return (r[2:] - r[:-2]) / 2
 
     @property
     def inputs(self) -> dict[str, int]:
@@ -140,7 +156,7 @@ class BladeElementRotor:
         shapes = {"sparsity_in": [sum(self.inputs.values()), 1, 1],
                   "sparsity_out": [sum(self.outputs.values()), 1, 1],
                   "sparsity_jac": [*pattern.shape, *pattern.colind(), *pattern.row()]}  # fmt: skip
-        numbers = {"length": b.length, "tip_loss": tip, "hub_loss": hub,
+        numbers = {"length": self.lengths, "tip_loss": tip, "hub_loss": hub,
                    "least_loss": np.minimum(tip, hub), "upright_loss": upright,
                    "most_lift": most[:, 0], "most_drag": most[:, 1],
                    "lift_slope": lift_lines[:, 0], "zero_lift": lift_lines[:, 1],

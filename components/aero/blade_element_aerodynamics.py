@@ -9,7 +9,7 @@ from typing import Any
 
 import numpy as np
 
-from fowtlib.components.aero.bem import PITT_PETERS, BladeElementRotor
+from fowtlib.components.aero.bem import LINE_LOADS, PITT_PETERS, BladeElementRotor
 from fowtlib.components.aero.blade_aerodynamics import BladeAerodynamics, read_airfoils, read_blade
 from fowtlib.components.aero.dynamic_inflow import DynamicInflow
 from fowtlib.components.aero.tower_flow import TowerPotentialFlow
@@ -33,9 +33,9 @@ from fowtlib.language import (
     var,
 )
 from fowtlib.language import math as m
-from fowtlib.language.errors import ParameterError
 
-OPTIONS = ("skew", "axial_drag", "tangential_drag", "tip_loss", "hub_loss")
+OF_BLADE = ("airfoils", "hub_radius", "tip_radius", "smooth_airfoils")  # what read_blade takes
+OPTIONS = ("skew", "axial_drag", "tangential_drag", "tip_loss", "hub_loss", "line_loads")
 
 
 class BladeElementAerodynamics(Component):
@@ -49,13 +49,8 @@ class BladeElementAerodynamics(Component):
     field that does not cover the disk of tip_radius about the rotor's station is refused, see Wind.require.
     """
 
-    blade: Data[BladeAerodynamics] = data(
-        read_blade, using=("airfoils", "hub_radius", "tip_radius", "smooth_airfoils"),
-        doc="CSV with the elements of the blade, see read_blade; or a blade with its airfoils, as it is",
-    )  # fmt: skip
-    airfoils: Data[Mapping] = data(
-        read_airfoils, default=None, using=("smooth_airfoils",), doc="CSV with the airfoils, see read_airfoils"
-    )
+    blade: Data[BladeAerodynamics] = data(read_blade, using=OF_BLADE, doc="CSV of its elements, see read_blade")
+    airfoils: Data[Mapping] = data(read_airfoils, default=None, using=OF_BLADE[-1:], doc="CSV, see read_airfoils")
     smooth_airfoils: bool = param(default=True, doc="monotone cubics between the angles of the airfoils, else lines")
     hub_radius: Number = param(default=None, unit="m", min=0, doc="distance of the blade roots from the shaft")
     tip_radius: Number = param(unit="m", min=0, doc="distance of the tips from the shaft, along the unconed blade")
@@ -66,6 +61,10 @@ class BladeElementAerodynamics(Component):
     tangential_drag: bool = param(default=True, doc="drag takes part in the tangential induction")
     tip_loss: bool = param(default=True, doc="Prandtl's loss at the tip")
     hub_loss: bool = param(default=True, doc="Prandtl's loss at the hub")
+    line_loads: str = param(
+        default="elements", choices=LINE_LOADS,
+        doc="loads per length times the elements, or straight lines from node to node and to zero at the ends"
+    )  # fmt: skip
     dynamic_inflow: bool = param(default=False, doc="the induced speed follows the loads with a delay: DynamicInflow")
     station: int = param(default=0, min=0, doc="number of the wind's station at this rotor")
 
@@ -85,13 +84,7 @@ class BladeElementAerodynamics(Component):
     @property
     def rotor(self) -> BladeElementRotor:
         """The rotor as quasi-steady theory has it, for steady operation."""
-        blade = self.blade
-        if not isinstance(self.parameter_binding("blade"), str) and self.is_set("airfoils"):
-            raise ParameterError(f"{self.label}.airfoils: the blade that is given has airfoils of its own.")
-        for name in ("hub_radius", "tip_radius"):
-            if (given := getattr(self, name)) is not None and abs(getattr(blade, name) - given) > 1e-9 * given:
-                of_blade = f"that of the blade {getattr(blade, name):g} m"
-                raise ParameterError(f"{self.label}.{name} is {given:g} m, and {of_blade}.")
+        blade = self.blade.fitting(self.label, self.airfoils, hub_radius=self.hub_radius, tip_radius=self.tip_radius)
         return _rotor(blade, self.blades, self.rotation, tuple((name, getattr(self, name)) for name in OPTIONS))
 
     def build(self):
@@ -100,11 +93,11 @@ class BladeElementAerodynamics(Component):
             self.inflow = DynamicInflow(radius=b.radius.tolist(), length=b.length.tolist(), tip_radius=b.tip_radius)
 
     def equations(self):
-        hub, nodes = self.hub, list(self.nodes)
+        hub, nodes, towers = self.hub, list(self.nodes), [tower for tower in self.towers if tower.active]
         places = m.horzcat(*[node.r for node in nodes])
         require_disk(self.wind, self.tip_radius, self.station, f"the rotor of {self.label}")
         wind = self.wind.velocity(places, self.station, reach="plane")
-        outputs = _air(self, wind + sum(tower.around(wind, places) - wind for tower in self.towers))
+        outputs = _air(self, wind + sum(tower.change(wind, places) for tower in towers))
         loads = [outputs["loads"][i : i + 3] for i in range(0, 6 * len(nodes), 3)]
         given = list(zip(loads[::2], loads[1::2], strict=True))
         about_hub = [m.cross(node.r - hub.r, f) + t for node, (f, t) in zip(nodes, given, strict=True)]
@@ -119,7 +112,7 @@ class BladeElementAerodynamics(Component):
             eq(self.torque, self.rotation * m.dot(shaft, self.moment)),
             eq(self.aero_power, m.dot(self.moment, hub.w)),
             _wake(self, outputs["quasi_steady"]) if self.dynamic_inflow else [],
-            [assert_(tower.clearance(places) > 0, "a blade strikes the tower") for tower in self.towers],
+            [assert_(tower.clearance(places) > 0, "a blade strikes the tower") for tower in towers],
         ]
 
 

@@ -25,9 +25,7 @@ class CoefficientRotor(Rotor):
     inflow. Every rotor of a model has its own station of the Wind.
     """
 
-    coefficients: Data[CoefficientTable] = data(
-        read_coefficients, using=("extended",), doc="CSV with the coefficients, see read_coefficients, or a whole table"
-    )
+    coefficients: Data[CoefficientTable] = data(read_coefficients, using=("extended",), doc="see read_coefficients")
     extended: bool = param(default=False, doc="estimate coefficients above the tip speed ratios of the table")
     radius: Scalar = param(unit="m", min=0, doc="tip radius along the blade, of the tip speed ratio")
     precone: Scalar = param(default=0.0, unit="rad", doc="cone angle: R = radius cos(precone), A = pi R^2")

@@ -28,6 +28,7 @@ class TowerPotentialFlow(Component):
     """
 
     diameters: list = param(doc="diameters of the tower [m] at the frames, two or more")
+    active: bool = param(default=True, doc="false: the wind passes as if there were no tower")
 
     nodes: Frame = port(size=lambda self: len(self.diameters), doc="frames on the axis of the tower, base first")
 
@@ -35,17 +36,19 @@ class TowerPotentialFlow(Component):
         _check(self, self.diameters, "diameters", least=2)
         return [[eq(node.f, m.zeros(3)), eq(node.t, m.zeros(3))] for node in self.nodes]
 
-    def around(self, wind: ca.SX, position: ca.SX) -> ca.SX:
-        """The disturbed wind (3, n, world) for the undisturbed one at positions (3, n); while flattening."""
-        points = [node.r for node in self.nodes]
+    def change(self, wind: ca.SX, position: ca.SX) -> ca.SX:
+        """What the tower adds to the undisturbed wind (3, n, world) at positions (3, n); while flattening."""
+        if not self.active:
+            return ca.SX.zeros(*ca.SX(wind).shape)
+        axis = _Axis([node.r for node in self.nodes], self.diameters)
         columns = zip(ca.horzsplit(ca.SX(wind)), ca.horzsplit(ca.SX(position)), strict=True)
-        return m.horzcat(*[deflected_wind(w, r, points, self.diameters) for w, r in columns])
+        return m.horzcat(*[axis.deflection(w, r) for w, r in columns])
 
     def clearance(self, position: ca.SX) -> ca.SX:
         """Least distance [m] of positions (3, n) from the surface, of those between the base and the top."""
-        points, least = [node.r for node in self.nodes], ca.SX(float(max(self.diameters)))
+        axis, least = _Axis([node.r for node in self.nodes], self.diameters), ca.SX(float(max(self.diameters)))
         for r in ca.horzsplit(ca.SX(position)):
-            away, diameter, beyond = _beside(r, points, self.diameters)
+            away, diameter, beyond = axis.beside(r)
             least = m.fmin(least, m.if_else(beyond > 0, least, m.norm(away) - diameter / 2))
         return least
 
@@ -64,6 +67,7 @@ class TowerDrag(Component):
     diameters: list = param(doc="diameters of the tower [m] at the frames")
     lengths: list = param(doc="length of tower [m] that each frame stands for")
     drag_coefficient: Scalar = param(default=1.0, min=0, doc="drag coefficient C_d by the diameter")
+    active: bool = param(default=True, doc="false: no drag")
     station: int = param(default=0, min=0, doc="number of the wind's station that the tower stands in")
 
     world: World = outer(World)
@@ -78,12 +82,15 @@ class TowerDrag(Component):
         if len(self.lengths) != len(self.diameters):
             counts = f"{len(self.diameters)} diameters and {len(self.lengths)} lengths"
             raise ParameterError(f"{self.label}: {counts}; give one for each frame.")
-        wind = self.wind.velocity(m.horzcat(*[node.r for node in self.nodes]), self.station, reach="ground")
-        forces = [self._drag(wind[:, k] - der(node.r), node.R[:, 2], k) for k, node in enumerate(self.nodes)]
+        forces = self._forces() if self.active else [m.zeros(3) for _ in self.nodes]
         return [
             [[eq(node.f, -f), eq(node.t, m.zeros(3))] for node, f in zip(self.nodes, forces, strict=True)],
             eq(self.force, sum(forces)),
         ]
+
+    def _forces(self) -> list[ca.SX]:
+        wind = self.wind.velocity(m.horzcat(*[node.r for node in self.nodes]), self.station, reach="ground")
+        return [self._drag(wind[:, k] - der(node.r), node.R[:, 2], k) for k, node in enumerate(self.nodes)]
 
     def _drag(self, relative: ca.SX, axis: ca.SX, k: int) -> ca.SX:
         across = relative - axis * m.dot(axis, relative)
@@ -94,32 +101,44 @@ class TowerDrag(Component):
 
 def deflected_wind(wind: Any, position: Any, points: list[Any], diameters: list[float]) -> ca.SX:
     """Wind (3) beside a tower with the diameters at the points of its axis, base first; see TowerPotentialFlow."""
-    away, diameter, beyond = _beside(position, points, diameters)
-    axis = _axis(points)
-    across = wind - axis * m.dot(axis, wind)
-    radius2 = diameter**2 / 4
-    distance2 = m.fmax(m.sumsqr(away), radius2)
-    height = m.fmin(beyond / diameter, 1)
-    fade = m.if_else(height > 0, 1 - height**2 * (3 - 2 * height), 1)
-    return wind + fade * radius2 / distance2 * (across - 2 * away * m.dot(away, across) / distance2)
+    return wind + _Axis(points, diameters).deflection(wind, position)
 
 
-def _axis(points: list[Any]) -> ca.SX:
-    whole = points[-1] - points[0]
-    return whole / m.norm(whole)
+class _Axis:
+    """The axis of a tower, its points on straight lines; what does not depend on a position is written once."""
 
+    def __init__(self, points: list[Any], diameters: list[float]):
+        whole = points[-1] - points[0]
+        self.base, self.direction = points[0], whole / m.norm(whole)
+        heights = [m.dot(self.direction, point - self.base) for point in points]
+        lengths = [heights[k + 1] - heights[k] for k in range(len(points) - 1)]
+        self.top, self.diameter = heights[-1], float(diameters[0])
+        self.pieces = [
+            (heights[k], 1 / lengths[k], points[k + 1] - points[k] - lengths[k] * self.direction,
+             float(diameters[k + 1]) - float(diameters[k])) for k in range(len(points) - 1)
+        ]  # fmt: skip
 
-def _beside(position: Any, points: list[Any], diameters: list[float]) -> tuple[ca.SX, ca.SX, ca.SX]:
-    """Vector from the axis to a position, across the tower; local diameter; height above the top or below the base."""
-    base, axis = points[0], _axis(points)
-    height, heights = m.dot(axis, position - base), [m.dot(axis, point - base) for point in points]
-    nearest, diameter = base, ca.SX(float(diameters[0]))
-    for k in range(len(points) - 1):
-        share = m.fmin(m.fmax((height - heights[k]) / (heights[k + 1] - heights[k]), 0), 1)
-        nearest += share * (points[k + 1] - points[k])
-        diameter += share * (float(diameters[k + 1]) - float(diameters[k]))
-    away = position - nearest
-    return away - axis * m.dot(axis, away), diameter, m.fmax(-height, height - heights[-1])
+    def beside(self, position: Any) -> tuple[ca.SX, ca.SX, ca.SX]:
+        """Vector to a position, across the tower; local diameter; how far it is above the top or below the base."""
+        from_base = position - self.base
+        height = m.dot(self.direction, from_base)
+        away, diameter = from_base - height * self.direction, ca.SX(self.diameter)
+        for begin, per_length, aside, wider in self.pieces:
+            share = m.fmin(m.fmax((height - begin) * per_length, 0), 1)
+            diameter += share * wider
+            if len(self.pieces) > 1:  # a single one is straight
+                away -= share * aside
+        return away, diameter, m.fmax(-height, height - self.top)
+
+    def deflection(self, wind: Any, position: Any) -> ca.SX:
+        """What potential flow adds to the wind."""
+        away, diameter, beyond = self.beside(position)
+        across = wind - self.direction * m.dot(self.direction, wind)
+        radius2 = diameter**2 / 4
+        distance2 = m.fmax(m.sumsqr(away), radius2)
+        height = m.fmin(m.fmax(beyond / diameter, 0), 1)
+        share = (1 - height**2 * (3 - 2 * height)) * radius2 / distance2
+        return share * (across - (2 * m.dot(away, across) / distance2) * away)
 
 
 def _check(component: Component, values: list, name: str, least: int = 1) -> None:

@@ -111,9 +111,6 @@ class Component(Composite):
 
     # --- what authors override -----------------------------------------------------------------------------------
 
-    def build(self) -> None:
-        """Add parts and connections (composites only)."""
-
     def equations(self) -> list[Any]:
         """The statements of this component; called once, while the model is flattened."""
         return []

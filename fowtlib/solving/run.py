@@ -26,9 +26,13 @@ from fowtlib.solving.interrupts import deferred_interrupt
 from fowtlib.solving.layout import Values
 from fowtlib.solving.observation import Observation
 from fowtlib.solving.outputs import Outputs
+from fowtlib.solving.pace import announcement, seconds_per_second
 from fowtlib.solving.results import Observer, RawTrajectory, Result, parameter_hash
 from fowtlib.solving.sessions import Sessions
 from fowtlib.solving.state import State
+
+TOLD = 5.0  # s that a run without a compiler may take before something is said about it
+LOOK, LEAST_STRETCH = 10.0, 10  # s between two looks at Ctrl-C where a run is slow, and output points at least
 
 
 class Interrupted(SimulationError):
@@ -73,7 +77,7 @@ class Run:
                  resumed: bool = False, code: Callable[[], FixedStepCode | None] = lambda: None):  # fmt: skip
         self.engine, self.at, self.dae = engine, engine.at, engine.at.dae
         self.outputs, self.names, self.about, self.code = outputs, list(names), about, code
-        self.binding, self.resumed = about.binding, resumed
+        self.binding, self.resumed, self.most = about.binding, resumed, rules.STRETCH
         self.sessions = Sessions(self.dae, resumed)
         self.t = start.t
         self.x, self.z, self.d, self.u = start.x.copy(), start.z.copy(), start.d.copy(), start.u.copy()
@@ -131,6 +135,7 @@ class Run:
                     told(t, t_end)
 
                 self._sample_now()
+                self._say_what_is_slow(t_end - self.t)
                 self._record(np.array([self.t]), self.x[None], self.z[None])
                 report(self.t, t_end)
                 self._integrate(t_end, step, report)
@@ -142,6 +147,16 @@ class Run:
             self.sessions.close()
         self.wall_time = clock.perf_counter() - began
         return self.result("finished.")
+
+    def _say_what_is_slow(self, duration: float) -> None:
+        """One line at the start without a compiler; and looks at the clock and at Ctrl-C every few seconds."""
+        if duration <= 0:
+            return
+        pace = seconds_per_second(self.engine, self.t, self.x, self.z, self.q)
+        if pace[1] * duration > TOLD:
+            warnings.warn(announcement(self.engine, pace, duration), RuntimeWarning, stacklevel=4)
+        if pace[1] > 0:
+            self.most = int(np.clip(LOOK / (pace[1] * self.step), LEAST_STRETCH, rules.STRETCH))
 
     def _stopped(self, error: SimulationError) -> SimulationError:
         self.wall_time = float("nan")
@@ -159,7 +174,7 @@ class Run:
             next_break = next((t for t in self.binding.breaks if t > self.t + tiny), np.inf)
             stop = min(next_sample, next_break, t_end)
             on_grid = abs(self.t - (self.t_start + passed * step)) < tiny
-            points = min(int((stop - self.t) / step + rules.TINY), rules.STRETCH) if on_grid else 0
+            points = min(int((stop - self.t) / step + rules.TINY), self.most) if on_grid else 0
             if points:
                 self._stretch(points * step, points)
             else:

@@ -6,6 +6,7 @@ from pathlib import Path
 import casadi as ca
 import numpy as np
 import pytest
+from scipy.integrate import trapezoid
 from scipy.interpolate import PchipInterpolator
 from scipy.optimize import brentq
 
@@ -20,6 +21,7 @@ from fowtlib.components.aero import (
 )
 from fowtlib.components.aero.bem_steady import _about
 from fowtlib.language import Scalar, der, eq, var
+from fowtlib.language.errors import ParameterError
 from fowtlib.language.native import compiler
 
 needs_compiler = pytest.mark.skipif(not compiler(), reason="needs a C compiler")
@@ -278,6 +280,24 @@ def test_the_load_at_the_tip_has_a_limit(blade, wind, rpm, pitch):
         assert c_loads(rigid.rotor, inputs) == pytest.approx(bem_numpy.loads(rigid.rotor, inputs), rel=1e-9, abs=1e-6)
         exact = rigid.rotor.external.function.jacobian()(inputs, 0).full()
         assert np.abs(exact - bem_numpy.jacobian(rigid.rotor, inputs, 1e-9)).max() < 1e-3 * np.abs(exact).max()
+
+
+def test_line_loads_in_straight_lines(blade):
+    """As CCBlade integrates: by the trapezoidal rule over the nodes, with zero at root and tip."""
+    kinds = ("straight_lines", "elements")
+    straight, elements = (RigidRotor(BladeElementRotor(blade, line_loads=kind)) for kind in kinds)
+    inputs = elements.inputs([9.0, 0, 0], 1.08)
+    per_length = bem_numpy.loads(elements.rotor, inputs).reshape(-1, 6)[:17] / blade.length[:, None]
+    places = np.concatenate([[1.5], blade.radius, [63.0]])
+    for arm in (np.ones(19), places):  # force, and moment about the shaft
+        line = arm[:, None] * np.vstack([np.zeros(6), per_length, np.zeros(6)])
+        found = arm[1:-1] @ bem_numpy.loads(straight.rotor, inputs).reshape(-1, 6)[:17]
+        assert found == pytest.approx(trapezoid(line, places, axis=0), rel=1e-12)
+    if compiler():
+        twin = bem_numpy.loads(straight.rotor, inputs)
+        assert c_loads(straight.rotor, inputs) == pytest.approx(twin, rel=1e-9, abs=1e-6)
+    with pytest.raises(ParameterError, match=r"line_loads is 'lines'; choose elements or straight_lines\."):
+        BladeElementRotor(blade, line_loads="lines")
 
 
 @needs_compiler

@@ -54,6 +54,10 @@ class Sea(Component, selector="spectrum", shared=("signal", "loads", "velocity",
     world: World = outer(World)
     elevation: RealOutput = port(unit="m", doc="elevation of the water at the origin")
 
+    if TYPE_CHECKING:  # the class of the kind takes further parameters
+
+        def __init__(self, **parameters: Any) -> None: ...
+
     def equations(self):
         longest = at_start("longest run", 1, "s", "duration after which the waves are repeated", _longest, of=self)
         told = "the sea repeats itself after {longest} s; take a longer repetition_period or record."
