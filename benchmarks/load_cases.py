@@ -30,7 +30,7 @@ from fowtlib.solving.results import Result
 ROOT = Path(__file__).parent.parent
 PAGE, FIGURES, RUNS = ROOT / "docs" / "load_cases.md", ROOT / "docs" / "figures", ROOT / "output" / "load_cases"
 VACUUM = "--set world.air_density=0"
-STIFF_BLADES = "--set turbine.assembly.blade_units=0"
+STIFF_BLADES = "--set turbine.assembly.blade_hinges=0"
 FIELD = "output/load_cases/kaimal_11.4.bts"
 FIELD_COMMAND = (
     f"fowt wind-field {FIELD} --speed 11.4 --class B --shear 0.14 --width 160 --height 160 --spacing 8 --time 1200"
@@ -45,7 +45,7 @@ COMMANDS = {
         for motion, (offset, time) in OFFSETS.items()
     },
     "regular": f"fowt run oc3_spar --wind none --waves regular:H=6,T=10 {VACUUM} {STIFF_BLADES} --time 600 {IDAS}",
-    "regular_rigid": "fowt run oc3_spar --wind none --waves regular:H=6,T=10 --set tower.units=0"
+    "regular_rigid": "fowt run oc3_spar --wind none --waves regular:H=6,T=10 --set tower.hinges=0"
     f" {VACUUM} {STIFF_BLADES} --time 600 {IDAS}",
     "irregular": f"fowt run oc3_spar --wind none --waves jonswap:Hs=6,Tp=10,seed=1 {VACUUM} {STIFF_BLADES} --time 2000"
     f" {IDAS}",

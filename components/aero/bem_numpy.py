@@ -28,8 +28,8 @@ def loads(rotor: BladeElementRotor, inputs: np.ndarray) -> np.ndarray:
     normal = parts[5][:3]
     skew_wind = parts[7] - parts[6]
 
-    tangent = rotor.sense * _unit(np.cross(span, normal))  # to the trailing edge
-    downwind = np.cross(rotor.sense * tangent, span)
+    tangent = rotor.rotation * _unit(np.cross(span, normal))  # to the trailing edge
+    downwind = np.cross(rotor.rotation * tangent, span)
     relative = wind - velocity
     arm = position - parts[4]
     radius = np.sqrt(_dot(arm, arm) - (arm @ normal) ** 2)
@@ -39,7 +39,7 @@ def loads(rotor: BladeElementRotor, inputs: np.ndarray) -> np.ndarray:
     axial, tangential, moment, induced = section.loads(_skew(rotor, skew_wind, normal, arm), given)
     scale = (parts[8] * np.tile(rotor.blade.length, rotor.blades))[:, None]
     force = axial[:, None] * downwind + tangential[:, None] * tangent
-    result = np.hstack([scale * force, scale * rotor.sense * moment[:, None] * span]).ravel()
+    result = np.hstack([scale * force, scale * rotor.rotation * moment[:, None] * span]).ravel()
     return np.append(result, induced) if rotor.dynamic_inflow else result
 
 
@@ -106,7 +106,8 @@ def _root(function: Loads, low: np.ndarray, high: np.ndarray) -> np.ndarray:
             xi, phi = (x1 - x2) / (x3 - x2), (f1 - f2) / (f3 - f2)
             curved = f1 / (f2 - f1) * f3 / (f2 - f3) + (x3 - x1) / (x2 - x1) * f1 / (f3 - f1) * f2 / (f3 - f2)
             share = np.where((phi**2 < xi) & ((1 - phi) ** 2 < 1 - xi), curved, 0.5)
-            share = np.clip(np.where(np.isfinite(share), share, 0.5), np.minimum(least, 0.5), 1 - np.minimum(least, 0.5))
+            edge = np.minimum(least, 0.5)
+            share = np.clip(np.where(np.isfinite(share), share, 0.5), edge, 1 - edge)
     return np.where(f1 == 0, x1, best)
 
 

@@ -66,7 +66,7 @@ class FlexibleTower(Tower):
 
     Give `properties`, or `heights`, `diameters` and `wall_thicknesses`, linear between the heights, with the material.
     Moments at the cuts have the signs of the tower's, in axes that turn with it as it bends.
-    Two units with `treatment: loaded_tip` are within 0.4 % for the first two bending modes of the OC3 tower.
+    Two hinges with `quadrature: loaded_tip` are within 0.4 % for the first two bending modes of the OC3 tower.
     """
 
     properties: str = param(default="", doc="path of a CSV with the properties, see read_beam")
@@ -79,8 +79,8 @@ class FlexibleTower(Tower):
     shear_modulus: float = param(default=80.8e9, unit="Pa", min=0, doc="shear modulus of the wall")
     cuts: Array = param(default=(), unit="m", structural=True, doc="places of section loads: height above the base")
     n_cuts: int = param(default=lambda self: len(self.cuts), min=0, doc="number of those cuts")
-    units: int = param(default=4, min=0, doc="number of beam units; 0: rigid")
-    treatment: str = param(default="loaded_tip", choices=("plain", "loaded_tip", "free_tip"), doc="see Beam")
+    hinges: int = param(default=4, min=0, doc="number of beam hinges; 0: rigid")
+    quadrature: str = param(default="loaded_tip", choices=("plain", "loaded_tip", "free_tip"), doc="see Beam")
     torsion: bool = param(default=False, doc="with torsion")
     damping_fore_aft: Scalar = param(default=0.03, unit="s", min=0, doc="damping over stiffness, fore-aft")
     damping_side_side: Scalar = param(default=damping_fore_aft, unit="s", min=0, doc="the same, side-side")
@@ -92,8 +92,9 @@ class FlexibleTower(Tower):
     def build(self):
         table = tube_or_table(self, self.heights, "heights, diameters and wall_thicknesses")
         self.beam = Beam(
-            table=table, units=self.units, treatment=self.treatment, torsion=self.torsion, node_points=self.node_points,
-            damping_x=self.damping_fore_aft, damping_y=self.damping_side_side, cuts=self.cuts,
+            table=table, hinges=self.hinges, quadrature=self.quadrature, torsion=self.torsion,
+            node_points=self.node_points, damping_x=self.damping_fore_aft, damping_y=self.damping_side_side,
+            cuts=self.cuts,
         )  # fmt: skip
         self.connect(self.frame_a, self.beam.frame_a)
         self.connect(self.beam.frame_b, self.frame_b)
@@ -117,7 +118,7 @@ def _tube(places: tuple, diameters: tuple, walls: tuple, material: tuple) -> Bea
 
 
 class RigidTower(Tower):
-    """A rigid tower: one body of given mass, centre and inertia. A table of properties: FlexibleTower with units 0."""
+    """A rigid tower: one body of given mass, centre and inertia. A table of properties: FlexibleTower with hinges 0."""
 
     height: Scalar = param(unit="m", min=0, doc="height of the top above the base")
     mass: Scalar = param(unit="kg", min=0, doc="mass")

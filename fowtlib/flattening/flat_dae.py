@@ -98,7 +98,7 @@ class Check:
 
 
 @dataclass(frozen=True)
-class Ring:
+class CyclicSymmetry:
     """Paths of parts that are alike, at equal angles around an axis around which they have turned by an angle."""
 
     angle: ca.SX
@@ -140,7 +140,7 @@ class FlatDAE:
     events: tuple[Event, ...] = ()
     samples: tuple[SampledUpdate, ...] = ()
     checks: tuple[Check, ...] = ()
-    rings: tuple[Ring, ...] = ()
+    symmetries: tuple[CyclicSymmetry, ...] = ()
     write_equations: Callable[[], list[tuple[str, str, str]]] = list
     initial_sources: tuple[str, ...] = ()
     stats: Mapping[str, float] = field(default_factory=dict)
