@@ -195,7 +195,7 @@ FIXED = {"solver": "fixed", "step": 0.0125}
 
 @measurement
 def simulate_flexible() -> Measured:
-    """The complete turbine: two tower units, six units a blade, 17 aerodynamic nodes a blade, one core."""
+    """The complete turbine: two tower hinges, six hinges a blade, 17 aerodynamic nodes a blade, one core."""
     runs = {"fixed 12.5 ms": FIXED, "IDAS 1e-4": {"solver": "idas", "tolerance": 1e-4}}
     goals = {"fixed 12.5 ms": "75 x or more", "IDAS 1e-4": "15 x or more"}
     return _turbine("oc3_spar", 11.4, 160.0, goals, runs)

@@ -12,7 +12,7 @@ from fowtlib.language.component import Assembly, Component
 from fowtlib.language.errors import NotFoundError, UnitError
 from fowtlib.language.units import dimension, kind_of
 from fowtlib.modelfile import document, files
-from fowtlib.modelfile.assemble import Assembler
+from fowtlib.modelfile.assemble import TreeBuilder
 from fowtlib.modelfile.nodes import Place, from_python
 from fowtlib.modelfile.paths import check_variable
 from fowtlib.modelfile.specs import OutputSpec, Spec, Value
@@ -37,7 +37,7 @@ def load(source: Source, *, set: Settings | None = None, allow_python: bool = Fa
         return _from_component(source, values)
     path = files.find_model(source)
     top = document.read(path)
-    root = Assembler(allow_python).root(top, _changes(values))
+    root = TreeBuilder(allow_python).root(top, _changes(values))
     if isinstance(root, Assembly):
         object.__setattr__(root, "title", top.title)
 
@@ -98,7 +98,7 @@ def _from_component(component: Component, values: Settings) -> Model:
     root = component
     if values:
         root = copy.deepcopy(component)
-        Assembler().change(root, _changes(values))
+        TreeBuilder().change(root, _changes(values))
 
     def rebuild(more: Settings) -> Model:
         return _from_component(component, _merged(root, values, more))
