@@ -27,9 +27,9 @@ from fowtlib.language.declarations import (
     var,
 )
 from fowtlib.language.equations import active, source_line
-from fowtlib.language.errors import ConnectionFault, NotFoundError, ParameterError, UnitError, did_you_mean
+from fowtlib.language.errors import ConnectionFault, NotFoundError, ParameterError, did_you_mean
 from fowtlib.language.shapes import Drawn
-from fowtlib.language.units import dimension, to_si
+from fowtlib.language.units import check_si, dimension, to_si
 
 
 class UnknownAttribute(NotFoundError, AttributeError):
@@ -40,8 +40,8 @@ class UnknownAttribute(NotFoundError, AttributeError):
 class Component:
     """A class of model parts: parameters, ports, variables, `equations()`.
 
-    Keyword arguments of the constructor are parameters of the component, or parts that replace declared ones of the
-    same class. A composite adds parts and connections in `build()`.
+    Keyword arguments of the constructor are parameters of the component, or parts that take the place of
+    declared ones. A composite adds parts and connections in `build()`.
     """
 
     parameters: dict[str, Parameter] = {}
@@ -381,10 +381,7 @@ def _resolve_annotations(cls: type, local_names: dict[str, Any]) -> None:
         if isinstance(annotation, str):
             annotation = eval(annotation, {**module, **local_names})
         value.annotation = annotation
-        try:
-            dimension(value.unit if isinstance(value, (Parameter, Port, Variable)) else "1")
-        except UnitError as error:
-            raise error.at(f"{cls.__name__}.{name}") from None
+        check_si(value.unit if isinstance(value, (Parameter, Port, Variable)) else "1", f"{cls.__name__}.{name}")
 
 
 def _bound(modifiers: dict[str, Any], component: Component) -> dict[str, Any]:
