@@ -39,20 +39,26 @@ class BeamSegment(RigidBody):
     Zeros of the centre of mass and of the inertia drop out of the equations then, of which a blade has many.
     """
 
-    inertia: Matrix = param(unit="kg*m^2", structural=True, doc="inertia tensor about the centre of mass, in frame_a")
-    r_cm: Vector = param(default=(0, 0, 0), unit="m", structural=True, doc="centre of mass, resolved in frame_a")
+    inertia: Matrix = param(
+        unit="kg*m^2", structural="a number of a table", doc="inertia tensor about the centre of mass, in frame_a"
+    )
+    r_cm: Vector = param(
+        default=(0, 0, 0), unit="m", structural="a number of a table", doc="centre of mass, resolved in frame_a"
+    )
 
 
 class BeamLink(FixedTranslation):
     """Rigid distance along a beam: a FixedTranslation whose numbers are fixed when the model is built."""
 
-    r: Vector = param(unit="m", structural=True, doc="from frame_a to frame_b, resolved in frame_a")
+    r: Vector = param(unit="m", structural="a number of a table", doc="from frame_a to frame_b, resolved in frame_a")
 
 
 class BeamTurn(TwoFrames):
     """Fixed turn into the axes of a beam, or out of them; both frames keep the same origin."""
 
-    axes: Matrix = param(structural=True, doc="columns: axes of frame_b, resolved in frame_a")
+    axes: Matrix = param(
+        structural="its zeros drop out of the equations", doc="columns: axes of frame_b, resolved in frame_a"
+    )
 
     def equations(self):
         a, b = self.frame_a, self.frame_b
@@ -67,8 +73,16 @@ class BendingHinge(TwoFrames):
     Reference: Miller, Soares, Van Weddingen, Wendlandt (2017), Modeling flexible bodies with Simscape Multibody.
     """
 
-    axis_x: Vector = param(default=(0, 1, 0), structural=True, doc="first axis, in frame_a: bends z towards x")
-    axis_y: Vector = param(default=(-1, 0, 0), structural=True, doc="second axis, in frame_a: bends z towards y")
+    axis_x: Vector = param(
+        default=(0, 1, 0),
+        structural="its zeros drop out of the equations",
+        doc="first axis, in frame_a: bends z towards x",
+    )
+    axis_y: Vector = param(
+        default=(-1, 0, 0),
+        structural="its zeros drop out of the equations",
+        doc="second axis, in frame_a: bends z towards y",
+    )
     stiffness_x: Scalar = param(unit="N*m/rad", min=0, doc="stiffness about the first axis")
     stiffness_y: Scalar = param(unit="N*m/rad", min=0, doc="stiffness about the second axis")
     damping_x: Scalar = param(default=0.0, unit="N*m*s/rad", min=0, doc="damping about the first axis")
@@ -101,7 +115,9 @@ class BendingHinge(TwoFrames):
 class TorsionHinge(TwoFrames):
     """Sprung hinge about one axis, the torsion of one unit of a beam: GJ / l."""
 
-    n: Vector = param(default=(0, 0, 1), structural=True, doc="axis, resolved in frame_a")
+    n: Vector = param(
+        default=(0, 0, 1), structural="its zeros drop out of the equations", doc="axis, resolved in frame_a"
+    )
     stiffness: Scalar = param(unit="N*m/rad", min=0, doc="stiffness")
     damping: Scalar = param(default=0.0, unit="N*m*s/rad", min=0, doc="damping")
 
@@ -123,7 +139,9 @@ class TorsionHinge(TwoFrames):
 class AxialSpring(TwoFrames):
     """Sprung slide along one axis, the stretch of one unit of a beam: EA / l."""
 
-    n: Vector = param(default=(0, 0, 1), structural=True, doc="axis, resolved in frame_a")
+    n: Vector = param(
+        default=(0, 0, 1), structural="its zeros drop out of the equations", doc="axis, resolved in frame_a"
+    )
     stiffness: Scalar = param(unit="N/m", min=0, doc="stiffness")
     damping: Scalar = param(default=0.0, unit="N*s/m", min=0, doc="damping")
 
@@ -149,7 +167,11 @@ class BeamUnit(TwoFrames):
     axes: columns x', y', z' of the section in frame_a. Stiffnesses are those of the unit (EI / l, GJ / l, EA / l).
     """
 
-    axes: Matrix = param(default=np.eye(3), structural=True, doc="columns: principal axes and tangent, in frame_a")
+    axes: Matrix = param(
+        default=np.eye(3),
+        structural="its zeros drop out of the equations",
+        doc="columns: principal axes and tangent, in frame_a",
+    )
     torsion: bool = param(default=False, doc="with a torsion hinge")
     stretch: bool = param(default=False, doc="with an axial spring")
     stiffness_x: Scalar = param(unit="N*m/rad", min=0, doc="stiffness of bending towards x'")
@@ -206,7 +228,12 @@ class Beam(TwoFrames):
     stiffness_factor: Scalar = param(default=1.0, min=0, doc="factor on every stiffness")
     node_points: list = param(default=[], doc="frames along the beam: distance from the root [m], or a point (x, y, z)")
     n_nodes: int = param(default=lambda self: len(self.node_points), min=0, doc="number of those frames")
-    cuts: Array = param(default=(), unit="m", structural=True, doc="places of section loads: distance from the root")
+    cuts: Array = param(
+        default=(),
+        unit="m",
+        structural="it parts the chain of segments",
+        doc="places of section loads: distance from the root",
+    )
     n_cuts: int = param(default=lambda self: len(self.cuts), min=0, doc="number of those cuts")
     cut_axes: str = param(
         default="segment", choices=("segment", "section"),

@@ -61,6 +61,10 @@ class Division:
     segments: list[Segment]
     tip: np.ndarray
 
+    def stations(self, count: int = 5) -> list[np.ndarray]:
+        """Distances from the root along each segment, for pictures."""
+        return [np.linspace(segment.start, segment.end, count) for segment in self.segments]
+
 
 def elastic_axis(beam: BeamProperties, s: Any) -> np.ndarray:
     """Point of the elastic axis at the distance s from the root, in the axes of the root; a row for each of several."""

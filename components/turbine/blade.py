@@ -50,7 +50,7 @@ class FlexibleBlade(Blade):
     mirrored: bool = param(default=False, doc="mirror image, for a rotor that turns counter-clockwise")
     treatment: str = param(default="free_tip", choices=("plain", "loaded_tip", "free_tip"), doc="see Beam")
     torsion: bool = param(default=False, doc="with torsion")
-    cuts: Array = param(default=(), unit="m", structural=True, doc="places of section loads: distance from the root")
+    cuts: Array = param(default=(), unit="m", structural="it parts the chain", doc="section loads, from the root")
     n_cuts: int = param(default=lambda self: len(self.cuts), min=0, doc="number of those cuts")
     damping_flapwise: Scalar = param(default=0.003, unit="s", min=0, doc="damping over stiffness, flapwise")
     damping_edgewise: Scalar = param(default=damping_flapwise, unit="s", min=0, doc="damping over stiffness, edgewise")

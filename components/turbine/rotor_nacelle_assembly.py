@@ -30,7 +30,7 @@ class RotorNacelleAssembly(Component):
     blade_units: int = param(default=6, min=0, doc="beam units of a blade; 0: rigid")
     blade_treatment: str = param(default="free_tip", choices=("plain", "loaded_tip", "free_tip"), doc="see Beam")
     blade_torsion: bool = param(default=False, doc="blades with torsion")
-    blade_cuts: Array = param(default=(), unit="m", structural=True, doc="section loads of a blade: see FlexibleBlade")
+    blade_cuts: Array = param(default=(), unit="m", structural="it parts the chain", doc="see FlexibleBlade")
     damping_flapwise: Scalar = param(default=0.003, unit="s", min=0, doc="damping over stiffness, flapwise")
     damping_edgewise: Scalar = param(default=damping_flapwise, unit="s", min=0, doc="damping over stiffness, edgewise")
     node_points: list = param(default=[], doc="aerodynamic nodes of a blade: distance from the root [m], or a point")

@@ -294,13 +294,6 @@ class Tables:
     def _files(self) -> list[str]:
         """The files that external functions read, which go to the resources; each with a function that opens it."""
         found: dict[tuple[str, float], tuple[str, tuple[float | int, ...]]] = {}
-        for external in self.dae.externals:
-            function = external.function
-            if not (isinstance(function, LibraryFunction) and function.files):
-                continue
-            number = float(external.inputs[0])
-            path, values = function.files[number]
-            found[function.name(), number] = self._resource(path), values
         for record in self.dae.bound.values():
             source = self.binding.sources.get(record.path)
             for function in record.functions if source is not None else ():
