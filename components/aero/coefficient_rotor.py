@@ -3,14 +3,19 @@
 from __future__ import annotations
 
 from fowtlib.components.aero import outlines
-from fowtlib.components.aero.coefficient_table import REMEDY, read_coefficients
+from fowtlib.components.aero.coefficient_table import REMEDY, CoefficientTable, read_coefficients
 from fowtlib.components.aero.rotor import Rotor
 from fowtlib.components.blocks import ButterworthLowPass
 from fowtlib.components.environment.wind import Wind
 from fowtlib.components.environment.world import World
-from fowtlib.language import RealOutput, Scalar, assert_, der, eq, outer, param, port, table2d, var
+from fowtlib.language import Data, RealOutput, Scalar, assert_, data, der, eq, outer, param, port, table2d, var
 from fowtlib.language import math as m
 from fowtlib.language.shapes import Drawing
+
+BEHIND = (
+    "the mean wind is from behind the rotor, and its coefficients hold for wind from the front; turn the turbine into "
+    "the wind, or take a rotor of blade elements."
+)
 
 
 class CoefficientRotor(Rotor):
@@ -25,7 +30,9 @@ class CoefficientRotor(Rotor):
     inflow. Every rotor of a model has its own station of the Wind.
     """
 
-    coefficients: str = param(doc="path of the CSV with the coefficients, see read_coefficients")
+    coefficients: Data[CoefficientTable] = data(
+        read_coefficients, using=("extended",), doc="CSV with the coefficients, see read_coefficients, or a whole table"
+    )
     extended: bool = param(default=False, doc="estimate coefficients above the tip speed ratios of the table")
     radius: Scalar = param(unit="m", min=0, doc="tip radius along the blade, of the tip speed ratio")
     precone: Scalar = param(default=0.0, unit="rad", doc="cone angle: R = radius cos(precone), A = pi R^2")
@@ -80,14 +87,12 @@ class CoefficientRotor(Rotor):
     def coefficients_in(self, hub_velocity):
         """Tip speed ratio and coefficients, for the velocity of the hub along the rotor normal."""
         speed = self.mean_wind - hub_velocity
-        table, names = read_coefficients(self.coefficients, self.extended), ("tip speed ratio", "blade pitch [rad]")
+        table, names = self.coefficients, ("tip speed ratio", "blade pitch [rad]")
         grid = (table.tip_speed_ratio, table.blade_pitch, table.values)
         told = {"name": f"coefficients of {self.path}", "arguments": names, "remedy": REMEDY}
         C = table2d(self.tip_speed_ratio, self.blade_pitch, *grid, **told)
-        behind = "the mean wind is from behind the rotor, and its coefficients hold for wind from the front; turn the "
-        behind += "turbine into the wind, or take a rotor of blade elements."
         return [
-            assert_(self.mean_wind > -self.lowest_wind, behind),
+            assert_(self.mean_wind > -self.lowest_wind, BEHIND),
             eq(self.tip_speed_ratio, self.w * self.radius / m.fmax(speed, self.lowest_wind)),
             [eq(self.thrust_coefficient, C[0]), eq(self.torque_coefficient, C[1])],
         ]

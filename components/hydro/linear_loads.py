@@ -41,6 +41,7 @@ from pathlib import Path
 
 import numpy as np
 from numpy.typing import NDArray
+from scipy.interpolate import Akima1DInterpolator
 
 from fowtlib.components.environment.sea import Sea
 from fowtlib.components.environment.waves import WaveComponents, wave_number
@@ -48,8 +49,31 @@ from fowtlib.components.environment.world import World
 from fowtlib.components.hydro.database import HydrodynamicDatabase
 from fowtlib.components.hydro.radiation_identification import RadiationModel, kept_radiation
 from fowtlib.components.mechanics.connectors import Frame
-from fowtlib.language import Array, Component, Number, Scalar, Vector, der, eq, outer, param, port, var
+from fowtlib.language import (
+    Array,
+    Component,
+    Data,
+    Number,
+    Scalar,
+    StateSpace,
+    Vector,
+    data,
+    der,
+    eq,
+    linear_operator,
+    outer,
+    param,
+    port,
+    var,
+)
 from fowtlib.language import math as m
+from fowtlib.language.data_files import remembered
+
+
+@remembered()
+def read_database(path: str | Path) -> HydrodynamicDatabase:
+    """HydrodynamicDatabase.read; the same object while the content of the file is the same."""
+    return HydrodynamicDatabase.read(path)
 
 
 class PlatformLoad(Component):
@@ -157,24 +181,26 @@ class LinearDamping(PlatformLoad):
 
     translation: Vector = param(default=(0, 0, 0), unit="N*s/m", doc="damping of surge, sway, heave")
     rotation: Vector = param(default=(0, 0, 0), unit="N*m*s/rad", doc="damping of roll, pitch, yaw")
-    matrix: Array = param(default=np.zeros((6, 6)), shape=(6, 6), doc="damping matrix, SI")
+    matrix: Array = param(default=None, shape=(6, 6), doc="damping matrix, SI; without a value: none")
 
     def equations(self):
         velocity = self.in_own_axes(self.velocity())
         diagonal = m.vertcat(self.translation * velocity[:3], self.rotation * velocity[3:])
-        return self.push_in_own_axes(-diagonal - m.mtimes(self.matrix, velocity))
+        coupled = m.mtimes(self.matrix, velocity) if self.matrix is not None else 0
+        return self.push_in_own_axes(-diagonal - coupled)
 
 
 class Radiation(PlatformLoad):
     """Memory of the waves that the body has made: x' = A x + B q', load = -rho/rho_0 C x, at rest at the start.
 
     The model is identified from the damping of the database while the model is flattened (0.1 s), see
-    radiation_identification; str(radiation.model()) reports the fit.
+    radiation_identification; str(radiation.model()) reports the fit. At frequencies (response amplitude operators) the
+    load is that of the database itself, A(omega) and B(omega).
     """
 
     memory = "radiated waves"
 
-    database: str = param(doc="file of a HydrodynamicDatabase")
+    database: Data[HydrodynamicDatabase] = data(read_database, doc="file of a HydrodynamicDatabase, or one itself")
     order: int = param(default=4, min=2, doc="states per motion (surge, sway, ...); coupled motions share theirs")
     passive: bool = param(default=True, doc="never feeds energy to the body; false: a little closer to the damping")
 
@@ -186,18 +212,39 @@ class Radiation(PlatformLoad):
 
     def model(self) -> RadiationModel:
         """The identified state-space model, with its report."""
-        return _radiation(self.database, Path(self.database).stat().st_mtime, self.order, self.passive)
+        return _radiation(self.database, self.order, self.passive)
 
     def equations(self):
         model = self.model()
-        scale = self.world.water_density / read_database(self.database).rho
-        load = m.vertcat(self.force, self.moment)
-        statements = [eq(load, -scale * m.mtimes(model.C, self.x)), self.push_in_own_axes(load)]
-        if model.states:
-            statements.append(
-                eq(der(self.x), m.mtimes(model.A, self.x) + m.mtimes(model.B, self.in_own_axes(self.velocity())))
-            )
-        return statements
+        known = self.database
+        load, realized = m.vertcat(self.force, self.moment), StateSpace(model.A, model.B, model.C)
+        return [
+            linear_operator(
+                load, self.in_own_axes(self.velocity()), RadiationTransfer(known, realized), realized, self.x,
+                scale=-self.world.water_density / known.rho,
+            ),
+            self.push_in_own_axes(load),
+        ]  # fmt: skip
+
+
+class RadiationTransfer:
+    """H = B(omega) + i omega (A(omega) - A_inf) of a database, complex (n, 6, 6): load -H q' for exp(+i omega t).
+
+    Between the frequencies of the data by Akima's interpolation; outside of them, where the data say nothing, that of
+    the realization. Source: T.F. Ogilvie, 5th Symposium on Naval Hydrodynamics (1964).
+    """
+
+    def __init__(self, data: HydrodynamicDatabase, realization: StateSpace):
+        self.range, self.realization = (data.omega[0], data.omega[-1]), realization
+        damping = Akima1DInterpolator(data.omega, data.B, method="akima")
+        added = Akima1DInterpolator(data.omega, data.A - data.A_inf, method="akima")
+        self.known = lambda omega: damping(omega) + 1j * omega[:, None, None] * added(omega)
+
+    def __call__(self, omega: np.ndarray) -> np.ndarray:
+        transfer = np.array(self.realization.transfer(omega))
+        inside = (omega >= self.range[0]) & (omega <= self.range[1])
+        transfer[inside] = self.known(omega[inside])
+        return transfer
 
 
 class WaveExcitation(PlatformLoad):
@@ -211,7 +258,7 @@ class WaveExcitation(PlatformLoad):
 
     wave_inputs = ("extra_force", "extra_moment")
 
-    database: str = param(doc="file of a HydrodynamicDatabase")
+    database: Data[HydrodynamicDatabase] = data(read_database, doc="file of a HydrodynamicDatabase, or one itself")
     position: Vector = param(default=(0, 0, 0), unit="m", bound=True, doc="place of the frame at rest, world")
     extra_force: Vector = param(default=(0, 0, 0), unit="N", doc="force added to that of the waves, world")
     extra_moment: Vector = param(default=(0, 0, 0), unit="N*m", doc="moment added to that of the waves, leaning too")
@@ -223,7 +270,7 @@ class WaveExcitation(PlatformLoad):
     moment: Vector = var(unit="N*m", doc="wave moment on the platform, world axes leant as the hull")
 
     def equations(self):
-        scale = self.world.water_density / read_database(self.database).rho
+        scale = self.world.water_density / self.database.rho
         load = scale * self.sea.loads(_excitation, of=self)
         return [
             eq(self.force, load[:3] + self.extra_force),
@@ -233,7 +280,7 @@ class WaveExcitation(PlatformLoad):
 
     def wave_transfer(self, omega, heading):
         """Complex load (n, 6) per unit wave amplitude, at circular frequencies [rad/s] and a heading [rad]."""
-        database = read_database(self.database)
+        database = self.database
         k = wave_number(omega, self.world.water_depth, self.world.gravity)
         x, y, _ = np.asarray(self.parameter_value("position"), dtype=float)
         phase = np.exp(-1j * k * (x * np.cos(heading) + y * np.sin(heading)))
@@ -243,25 +290,10 @@ class WaveExcitation(PlatformLoad):
 
 def _excitation(waves: WaveComponents, part: WaveExcitation) -> NDArray[np.complex128]:
     """Load (n, 6) per unit amplitude of the waves of a run."""
-    load = read_database(part.database).excitation_at(waves.omega, waves.heading)
+    load = part.database.excitation_at(waves.omega, waves.heading)
     return load * waves.elevation_transfer(part.parameter_value("position"))
 
 
-def read_database(path: str | Path) -> HydrodynamicDatabase:
-    """HydrodynamicDatabase.read, remembered while the file is the same."""
-    try:
-        changed = Path(path).stat().st_mtime
-    except OSError:
-        return HydrodynamicDatabase.read(path)
-    return _database(str(path), changed)
-
-
 @lru_cache(maxsize=8)
-def _database(path: str, changed: float) -> HydrodynamicDatabase:
-    return HydrodynamicDatabase.read(path)
-
-
-@lru_cache(maxsize=8)
-def _radiation(path: str, changed: float, order: int, passive: bool) -> RadiationModel:
-    data = _database(path, changed)
+def _radiation(data: HydrodynamicDatabase, order: int, passive: bool) -> RadiationModel:
     return kept_radiation(data.omega, data.B, data.A, data.A_inf, order=order, passive=passive)

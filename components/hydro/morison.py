@@ -36,7 +36,9 @@ class MorisonDrag(Component):
     points: Array = param(unit="m", structural=True, doc="points (n, 3) along the axis, resolved in the frame")
     diameters: Array = param(unit="m", min=0, doc="diameter at each point")
     drag_coefficient: Scalar = param(min=0, doc="C_d across the axis, on the diameter")
-    end_drag: Array = param(default=(0, 0), shape=(2,), min=0, doc="C_e of the first and the last point, on the area")
+    end_drag: Array = param(
+        default=None, shape=(2,), min=0, doc="C_e of the first and the last point, on the area; without a value: none"
+    )
     slices: int = param(default=12, min=1, doc="quadrature points on the whole member")
     position: Vector = param(default=(0, 0, 0), unit="m", structural=True, doc="place of the frame at rest, world")
 
@@ -49,13 +51,14 @@ class MorisonDrag(Component):
 
     def equations(self):
         try:
-            wet = member_quadrature(self.points, self.slices, self.position[2])
+            wet = member_quadrature(self.points, self.slices, self.position[2], with_ends=self.end_drag is not None)
         except ValueError as error:
             raise ParameterError(f"{self.label}.points: {error}") from None
         diameters = m.mtimes(wet.weights, self.diameters)
         half = self.world.water_density / 2
         across = half * self.drag_coefficient * diameters * wet.lengths
-        along = half * m.pi / 4 * diameters**2 * m.mtimes(wet.ends, self.end_drag)
+        ends = m.mtimes(wet.ends, self.end_drag) if self.end_drag is not None else np.zeros(len(wet.places))
+        along = half * m.pi / 4 * diameters**2 * ends
         still = m.zeros(len(wet.places), 3)
         water = self.sea.velocity(wet.places + self.position) if self.sea is not None else still
         force, moment, R, v = m.zeros(3), m.zeros(3), self.frame.R, der(self.frame.r)
@@ -88,8 +91,8 @@ class Quadrature:
     weights: Floats
 
 
-def member_quadrature(points: ArrayLike, slices: int, height: float = 0.0) -> Quadrature:
-    """Gauss points on the wet part of a member through `points` (n, 3), and its ends that are wet.
+def member_quadrature(points: ArrayLike, slices: int, height: float = 0.0, with_ends: bool = True) -> Quadrature:
+    """Gauss points on the wet part of a member through `points` (n, 3), and its wet ends, if they are wanted.
 
     height: of its frame above the still water [m].
     Raises ValueError for a member without length or above the water.
@@ -119,9 +122,9 @@ def member_quadrature(points: ArrayLike, slices: int, height: float = 0.0) -> Qu
         if count:
             for x, w in zip(*np.polynomial.legendre.leggauss(count), strict=True):
                 section(piece, low + (high - low) * (1 + x) / 2, w / 2 * (high - low) * lengths[piece])
-    for point, piece, s, end in ((0, 0, 0.0, (1.0, 0.0)), (-1, len(steps) - 1, 1.0, (0.0, 1.0))):
-        if points[point, 2] + height <= 0:
-            section(piece, s, 0.0, end)
+    for point, piece, s, which in ((0, 0, 0.0, (1.0, 0.0)), (-1, len(steps) - 1, 1.0, (0.0, 1.0))):
+        if with_ends and points[point, 2] + height <= 0:
+            section(piece, s, 0.0, which)
     return Quadrature(*(np.array(column) for column in (places, axes, portions, ends, weights)))
 
 

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from fowtlib.components.environment.world import World
+from fowtlib.components.hydro.database import HydrodynamicDatabase
 from fowtlib.components.hydro.linear_loads import (
     AddedMass,
     Hydrostatics,
@@ -12,7 +13,7 @@ from fowtlib.components.hydro.linear_loads import (
     waterplane_stiffness,
 )
 from fowtlib.components.mechanics.connectors import Frame
-from fowtlib.language import Component, Vector, outer, param, port
+from fowtlib.language import Component, Data, Vector, data, outer, param, port
 from fowtlib.language.errors import ParameterError
 
 
@@ -24,7 +25,7 @@ class LinearPotentialFlow(Component):
     Conventions: module linear_loads. Drag is another part: MorisonDrag.
     """
 
-    database: str = param(doc="file of a HydrodynamicDatabase")
+    database: Data[HydrodynamicDatabase] = data(read_database, doc="file of a HydrodynamicDatabase, or one itself")
     radiation_order: int = param(default=4, min=0, doc="states per motion of the radiation memory; 0: none")
     excitation: bool = param(default=True, doc="wave loads; the model needs a Sea for them")
     position: Vector = param(default=(0, 0, 0), unit="m", doc="place of the frame at rest, world")
@@ -33,25 +34,25 @@ class LinearPotentialFlow(Component):
     frame: Frame = port(doc="reference point of the body, at the still water level on its axis")
 
     def build(self):
-        data, place = read_database(self.database), self.position
+        known, given, place = self.database, self.parameter_binding("database"), self.position
         self.hydrostatics = Hydrostatics(
-            volume=data.volume,
-            centre_of_buoyancy=data.centre_of_buoyancy,
-            stiffness=waterplane_stiffness(data),
-            reference_density=data.rho,
+            volume=known.volume,
+            centre_of_buoyancy=known.centre_of_buoyancy,
+            stiffness=waterplane_stiffness(known),
+            reference_density=known.rho,
             position=place,
         )
-        self.added_mass = AddedMass(matrix=data.A_inf, reference_density=data.rho)
+        self.added_mass = AddedMass(matrix=known.A_inf, reference_density=known.rho)
         if self.radiation_order:
-            self.radiation = Radiation(database=self.database, order=self.radiation_order)
+            self.radiation = Radiation(database=given, order=self.radiation_order)
         if self.excitation:
-            self.waves = WaveExcitation(database=self.database, position=place)
+            self.waves = WaveExcitation(database=given, position=place)
         for load in self.parts.values():
             self.connect(self.frame, load.frame)
 
     def equations(self):
-        data = read_database(self.database)
-        given = {"gravity": (data.g, 1e-3, "m/s^2"), "water_depth": (data.water_depth, 1e-2, "m")}
+        known = self.database
+        given = {"gravity": (known.g, 1e-3, "m/s^2"), "water_depth": (known.water_depth, 1e-2, "m")}
         for name, (expected, tolerance, unit) in given.items():
             value = getattr(self.world, name)
             if abs(value - expected) > tolerance * min(value, expected):

@@ -39,6 +39,7 @@ from pathlib import Path
 import numpy as np
 
 from fowtlib.components.hydro.errors import HydrodynamicDataError
+from fowtlib.language.data_files import text_of
 
 _MODES = range(1, 7)
 _PHASE_MISMATCH = 2e-3  # RE, IM against MOD, PHA, relative to MOD: a file with columns in another order is far above
@@ -173,12 +174,7 @@ def read_hydrostatics(path: str | Path, *, rho: float, g: float, length: float =
 
 
 def _lines(path: Path) -> Iterator[tuple[int, list[str]]]:
-    try:
-        text = path.read_text(encoding="utf-8-sig")  # with or without a byte order mark
-    except UnicodeDecodeError:
-        raise _error(path, None, "this is not a text file") from None
-    except OSError as error:
-        raise _error(path, None, f"cannot be read: {error.strerror or error}") from None
+    text = text_of(path, "the WAMIT file", HydrodynamicDataError)
     for number, line in enumerate(text.split("\n"), start=1):
         words = line.split()
         if words and not (number == 1 and _header(words)):

@@ -30,6 +30,7 @@ from fowtlib.components.mechanics.sensors import (
     RelativeSensor,
     VelocitySensor,
 )
+from fowtlib.components.mechanics.tube_beam import TubeBeam
 from fowtlib.components.mechanics.visual import VisualBox, VisualTube
 from fowtlib.components.mechanics.wire import AxialWire
 
@@ -73,6 +74,7 @@ __all__ = [
     "TorqueSource",
     "TorsionHinge",
     "TorsionSpringDamper",
+    "TubeBeam",
     "TwoFlanges",
     "TwoFrames",
     "VelocitySensor",

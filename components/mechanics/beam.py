@@ -7,13 +7,28 @@ import math
 import numpy as np
 
 from fowtlib.components.mechanics.beam_division import TREATMENTS, divide, elastic_axis, pieces, section_axes
-from fowtlib.components.mechanics.beam_properties import given_beam
+from fowtlib.components.mechanics.beam_properties import BeamProperties, given_beam, read_beam
 from fowtlib.components.mechanics.bodies import FixedTranslation, RigidBody
 from fowtlib.components.mechanics.connectors import Frame
 from fowtlib.components.mechanics.interfaces import TwoFrames
 from fowtlib.components.mechanics.rotations import axis_rotation, unit_axis
 from fowtlib.components.mechanics.sensors import LoadSensor
-from fowtlib.language import Array, Matrix, RealOutput, Scalar, Vector, der, eq, param, port, rotation, shapes, var
+from fowtlib.language import (
+    Array,
+    Data,
+    Matrix,
+    RealOutput,
+    Scalar,
+    Vector,
+    data,
+    der,
+    eq,
+    param,
+    port,
+    rotation,
+    shapes,
+    var,
+)
 from fowtlib.language import math as m
 from fowtlib.language.errors import ParameterError
 
@@ -179,7 +194,7 @@ class Beam(TwoFrames):
     a node at the place of a cut belongs to its root side. units = 0 makes the beam rigid.
     """
 
-    properties: str = param(default="", doc="path of a CSV with the properties, see read_beam")
+    properties: Data[BeamProperties] = data(read_beam, default=None, doc="CSV with the properties, see read_beam")
     table: object = param(default=None, doc="the properties as BeamProperties, instead of a path")
     units: int = param(default=6, min=0, doc="number of units")
     treatment: str = param(default="loaded_tip", choices=TREATMENTS, doc="how hinges are placed")

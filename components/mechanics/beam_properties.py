@@ -146,13 +146,13 @@ class BeamProperties:
 
 
 def given_beam(component: Any) -> BeamProperties:
-    """The beam of a component by its parameters `properties`, the path of a CSV, or `table`, BeamProperties."""
-    path, table = component.properties, component.table
-    if bool(path) == (table is not None):
+    """The beam of a component by its parameters `properties`, a CSV or BeamProperties, or `table`, BeamProperties."""
+    given, table = component.properties, component.table
+    if (given is None) == (table is None):
         raise ParameterError(f"{component.label}: give properties, the path of a CSV, or table, BeamProperties.")
     if table is not None and not isinstance(table, BeamProperties):
         raise ParameterError(f"{component.label}.table is a {type(table).__name__}; BeamProperties are expected.")
-    return read_beam(path) if path else table
+    return given if given is not None else table
 
 
 @remembered()

@@ -4,9 +4,10 @@ from __future__ import annotations
 
 import numpy as np
 
-from fowtlib.components.mechanics import Beam, BeamTurn, FixedTranslation, Frame
+from fowtlib.components.mechanics import BeamTurn, FixedTranslation, Frame
+from fowtlib.components.mechanics.beam_properties import BeamProperties, read_beam
 from fowtlib.components.support.tower import tube_or_table
-from fowtlib.language import Array, Component, Number, RealOutput, Scalar, Vector, eq, param, port
+from fowtlib.language import Array, Component, Data, Number, RealOutput, Scalar, Vector, data, eq, param, port
 from fowtlib.language import math as m
 from fowtlib.language.errors import ParameterError
 
@@ -63,14 +64,16 @@ class Arm(ArmLoads):
     to: Vector = param(unit="m", structural=True, doc="the tip, from frame_a, resolved in frame_a")
     root_radius: Number = param(default=0.0, unit="m", min=0, doc="where the tube begins, from frame_a along the arm")
     diameters: Array = param(
-        default=(), unit="m", structural=True,
-        doc="outer diameters at equal distances from root to tip, linear between"
-    )  # fmt: skip
-    wall_thicknesses: Array = param(default=(), unit="m", structural=True, doc="wall thicknesses at the same places")
-    density: Number = param(default=8500.0, unit="kg/m^3", min=0, doc="density of the wall, with paint, bolts, flanges")
-    young_modulus: Number = param(default=210e9, unit="Pa", min=0, doc="Young's modulus of the wall")
-    shear_modulus: Number = param(default=80.8e9, unit="Pa", min=0, doc="shear modulus of the wall")
-    properties: str = param(default="", doc="path of a CSV with the properties, see read_beam; x is horizontal")
+        default=(), unit="m", doc="outer diameters at equal distances from root to tip, linear between"
+    )
+    wall_thicknesses: Array = param(default=(), unit="m", doc="wall thicknesses at the same places")
+    density: Scalar = param(default=8500.0, unit="kg/m^3", min=0, doc="density of the wall, with paint, bolts, flanges")
+    young_modulus: Scalar = param(default=210e9, unit="Pa", min=0, doc="Young's modulus of the wall")
+    shear_modulus: Scalar = param(default=80.8e9, unit="Pa", min=0, doc="shear modulus of the wall")
+    stiffness_factor: Scalar = param(default=1.0, min=0, doc="factor on every stiffness")
+    properties: Data[BeamProperties] = data(
+        read_beam, default=None, doc="CSV with the properties, see read_beam; x is horizontal"
+    )
     table: object = param(default=None, doc="the properties as BeamProperties, instead of a path")
     units: int = param(default=4, min=0, doc="number of beam units; 0: rigid")
     treatment: str = param(default="loaded_tip", choices=("plain", "loaded_tip", "free_tip"), doc="see Beam")
@@ -80,18 +83,19 @@ class Arm(ArmLoads):
 
     def build(self):
         to, (axes, _), length = np.ravel(self.to), arm_axes(self), arm_length(self)
-        beam = tube_or_table(self, np.linspace(0, length, len(self.diameters)))
-        if abs(beam.length - length) > 1e-6 * length:
-            raise ParameterError(
-                f"{self.label}: the properties are those of {beam.length:g} m, the arm is {length:g} m long "
-                "(from root_radius to the tip)."
-            )
+        stations = np.linspace(0, length, np.size(self.parameter_value("diameters")))
         self.root = FixedTranslation(r=tuple(to * self.root_radius / np.linalg.norm(to)))
         self.turn, self.turn_back = BeamTurn(axes=axes), BeamTurn(axes=axes.T)
-        self.beam = Beam(
-            table=beam, units=self.units, treatment=self.treatment, torsion=self.torsion, cuts=self.cuts,
+        self.beam = tube_or_table(
+            self, stations, units=self.units, treatment=self.treatment, torsion=self.torsion, cuts=self.cuts,
             damping_x=self.damping_horizontal, damping_y=self.damping_vertical, node_points=self.node_distances,
+            stiffness_factor=self.stiffness_factor,
         )  # fmt: skip
+        if not len(stations) and abs(self.beam.table.length - length) > 1e-6 * length:
+            raise ParameterError(
+                f"{self.label}: the properties are those of {self.beam.table.length:g} m, the arm is {length:g} m long "
+                "(from root_radius to the tip)."
+            )
         for a, b in (
             (self.frame_a, self.root.frame_a), (self.root.frame_b, self.turn.frame_a),
             (self.turn.frame_b, self.beam.frame_a), (self.beam.frame_b, self.turn_back.frame_a),

@@ -2,11 +2,20 @@
 
 from __future__ import annotations
 
-from functools import lru_cache
+import numpy as np
 
-from fowtlib.components.mechanics import Beam, BeamProperties, FixedTranslation, Frame, RigidBody, TwoFrames
-from fowtlib.components.mechanics.beam_properties import given_beam
-from fowtlib.language import Array, Number, RealOutput, Scalar, eq, param, port, shapes
+from fowtlib.components.mechanics import (
+    Beam,
+    BeamProperties,
+    FixedTranslation,
+    Frame,
+    RigidBody,
+    TubeBeam,
+    TwoFrames,
+)
+from fowtlib.components.mechanics.beam_properties import given_beam, read_beam
+from fowtlib.components.mechanics.tube_beam import TUBE
+from fowtlib.language import Array, Data, RealOutput, Scalar, data, eq, param, port, shapes
 from fowtlib.language import math as m
 from fowtlib.language.errors import ParameterError
 
@@ -44,21 +53,28 @@ class Tower(TwoFrames):
         ]
 
 
-def tube_or_table(component, places, names="diameters and wall_thicknesses"):
-    """BeamProperties of a component: its tube, where `places` along it are given, or else its table.
+def tube_or_table(component, heights, names="diameters and wall_thicknesses", **settings):
+    """The Beam of a component with these settings: a TubeBeam where `heights` along it are given, or that of its table.
 
-    Raises ParameterError where both are given, or neither.
+    Raises ParameterError where both are given, or neither, or what a table does not use.
     """
-    if not len(places):
-        return given_beam(component)
-    if component.properties or component.table is not None:
-        raise ParameterError(f"{component.label}: give either properties, or {names}.")
-    material = tuple((name, getattr(component, name)) for name in ("density", "young_modulus", "shear_modulus"))
-    walls = (tuple(values) for values in (places, component.diameters, component.wall_thicknesses))
-    try:
-        return _tube(*walls, material)
-    except ParameterError as error:
-        raise ParameterError(f"{component.label}: {error}") from None
+    has_table = bool(component.properties) or component.table is not None
+    unused = [name for name in TUBE if name in component.parameters and component.is_set(name)]
+    if np.size(heights):
+        if has_table:
+            raise ParameterError(f"{component.label}: give either properties, or {names}.")
+        tube = {name: getattr(component, name) for name in TUBE if name != "heights"}
+        try:
+            return TubeBeam(heights=heights, **tube, **settings)
+        except ParameterError as error:
+            raise ParameterError(str(error).replace(TubeBeam.__name__, component.label, 1)) from None
+    if has_table and unused:
+        source = "properties" if component.properties else "table"
+        raise ParameterError(
+            f"{component.label}: {source} and {unused[0]} are both given, and {unused[0]} would do nothing beside the "
+            f"{source}; leave one of them out (stiffness_factor scales the stiffness of a table)."
+        )
+    return Beam(table=given_beam(component), **settings)
 
 
 class FlexibleTower(Tower):
@@ -71,14 +87,15 @@ class FlexibleTower(Tower):
 
     mode_names = {"*_x": "{part} fore-aft", "*_y": "{part} side-side", "*.twisting.*": "{part} torsion"}
 
-    properties: str = param(default="", doc="path of a CSV with the properties, see read_beam")
+    properties: Data[BeamProperties] = data(read_beam, default=None, doc="CSV with the properties, see read_beam")
     table: object = param(default=None, doc="the properties as BeamProperties, instead of a path")
-    heights: Array = param(default=(), unit="m", structural=True, doc="heights of the stations, base first")
-    diameters: Array = param(default=(), unit="m", structural=True, doc="outer diameters at the heights")
-    wall_thicknesses: Array = param(default=(), unit="m", structural=True, doc="wall thicknesses at the heights")
-    density: Number = param(default=8500.0, unit="kg/m^3", min=0, doc="density of the wall, with paint, bolts, flanges")
-    young_modulus: Number = param(default=210e9, unit="Pa", min=0, doc="Young's modulus of the wall")
-    shear_modulus: Number = param(default=80.8e9, unit="Pa", min=0, doc="shear modulus of the wall")
+    heights: Array = param(default=(), unit="m", doc="heights of the stations, base first")
+    diameters: Array = param(default=(), unit="m", doc="outer diameters at the heights")
+    wall_thicknesses: Array = param(default=(), unit="m", doc="wall thicknesses at the heights")
+    density: Scalar = param(default=8500.0, unit="kg/m^3", min=0, doc="density of the wall, with paint, bolts, flanges")
+    young_modulus: Scalar = param(default=210e9, unit="Pa", min=0, doc="Young's modulus of the wall")
+    shear_modulus: Scalar = param(default=80.8e9, unit="Pa", min=0, doc="shear modulus of the wall")
+    stiffness_factor: Scalar = param(default=1.0, min=0, doc="factor on every stiffness")
     cuts: Array = param(default=(), unit="m", structural=True, doc="places of section loads: height above the base")
     n_cuts: int = param(default=lambda self: len(self.cuts), min=0, doc="number of those cuts")
     units: int = param(default=4, min=0, doc="number of beam units; 0: rigid")
@@ -92,10 +109,11 @@ class FlexibleTower(Tower):
     cut_torsion: RealOutput = port(size="n_cuts", unit="N*m", doc="moment at each cut about the axis of the tower")
 
     def build(self):
-        table = tube_or_table(self, self.heights, "heights, diameters and wall_thicknesses")
-        self.beam = Beam(
-            table=table, units=self.units, treatment=self.treatment, torsion=self.torsion, node_points=self.node_points,
+        self.beam = tube_or_table(
+            self, self.heights, "heights, diameters and wall_thicknesses",
+            units=self.units, treatment=self.treatment, torsion=self.torsion, node_points=self.node_points,
             damping_x=self.damping_fore_aft, damping_y=self.damping_side_side, cuts=self.cuts,
+            stiffness_factor=self.stiffness_factor,
         )  # fmt: skip
         self.connect(self.frame_a, self.beam.frame_a)
         self.connect(self.beam.frame_b, self.frame_b)
@@ -110,12 +128,6 @@ class FlexibleTower(Tower):
             [eq(self.cut_fore_aft_moment[k], cut[1]) for k, cut in enumerate(cuts)],
             [eq(self.cut_torsion[k], cut[2]) for k, cut in enumerate(cuts)],
         ]
-
-
-@lru_cache(maxsize=32)
-def _tube(places: tuple, diameters: tuple, walls: tuple, material: tuple) -> BeamProperties:
-    """The same object for the same tube."""
-    return BeamProperties.tube(places, diameters, walls, **dict(material))
 
 
 class RigidTower(Tower):

@@ -9,8 +9,8 @@ import numpy as np
 from fowtlib.components.aero import outlines
 from fowtlib.components.mechanics import Beam, BeamProperties, FixedTranslation, Frame, RigidBody
 from fowtlib.components.mechanics.beam import bodies
-from fowtlib.components.mechanics.beam_properties import given_beam
-from fowtlib.language import Array, Component, RealOutput, Scalar, eq, param, port, shapes
+from fowtlib.components.mechanics.beam_properties import given_beam, read_beam
+from fowtlib.language import Array, Component, Data, RealOutput, Scalar, data, eq, param, port, shapes
 from fowtlib.language import math as m
 
 _mirrored = lru_cache(maxsize=8)(BeamProperties.mirrored)  # the same object for the same blade
@@ -44,7 +44,7 @@ class FlexibleBlade(Blade):
 
     mode_names = {"*_x": "blade flap", "*_y": "blade edge", "*.twisting.*": "blade torsion"}
 
-    properties: str = param(default="", doc="path of a CSV with the properties, see read_beam")
+    properties: Data[BeamProperties] = data(read_beam, default=None, doc="CSV with the properties, see read_beam")
     table: object = param(default=None, doc="the properties as BeamProperties, instead of a path")
     units: int = param(default=6, min=0, doc="number of beam units; 0: rigid")
     mirrored: bool = param(default=False, doc="mirror image, for a rotor that turns counter-clockwise")

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from fowtlib.components.aero import CoefficientRotor, outlines, read_coefficients
+from fowtlib.components.aero import CoefficientRotor, outlines
 from fowtlib.components.environment.wind import Wind
 from fowtlib.components.environment.world import World
 from fowtlib.components.mechanics import Frame, IdealGear, RigidBody
@@ -83,6 +83,6 @@ class RotorNacelle(Component):
         rotor = self.rotor
         if not isinstance(rotor, CoefficientRotor):
             raise unknown_start(self)
-        table = read_coefficients(rotor.coefficients, rotor.extended)
+        table = rotor.coefficients
         sizes = {name: rotor.parameter_value(name) for name in ("radius", "precone", "tilt")}
         return SteadyTurbine(table, gear_ratio=self.parameter_value("gear_ratio"), **sizes, **controlled(self))

@@ -3,11 +3,12 @@
 from __future__ import annotations
 
 from fowtlib.components.mechanics import Frame
+from fowtlib.components.mechanics.beam_properties import BeamProperties, read_beam
 from fowtlib.components.turbine.blade import FlexibleBlade
 from fowtlib.components.turbine.hub import Hub
 from fowtlib.components.turbine.nacelle import Drivetrain, Nacelle
 from fowtlib.components.turbine.start import give_default
-from fowtlib.language import Array, Component, RealInput, RealOutput, Scalar, eq, param, part, port, ring
+from fowtlib.language import Array, Component, Data, RealInput, RealOutput, Scalar, data, eq, param, part, port, ring
 from fowtlib.language import math as m
 
 
@@ -22,7 +23,9 @@ class RotorNacelleAssembly(Component):
 
     blades: int = param(default=3, min=1, doc="number of blades")
     rotation: int = param(default=1, choices=(1, -1), doc="1: clockwise seen from upwind, -1: counter-clockwise")
-    blade_properties: str = param(default="", doc="path of a CSV with the properties of a blade, see read_beam")
+    blade_properties: Data[BeamProperties] = data(
+        read_beam, default=None, doc="CSV with the properties of a blade, see read_beam"
+    )
     blade_table: object = param(default=None, doc="the same as BeamProperties, instead of a path")
     blade_units: int = param(default=6, min=0, doc="beam units of a blade; 0: rigid")
     blade_treatment: str = param(default="free_tip", choices=("plain", "loaded_tip", "free_tip"), doc="see Beam")

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import inspect
 from dataclasses import dataclass
-from typing import Any
+from typing import Any, get_args
 
 from fowtlib.language.component import Component
 from fowtlib.language.connectors import RealOutput, Signal
@@ -67,6 +67,8 @@ def _type(field: Field) -> str:
     if getattr(field, "choices", None):
         return " | ".join(map(str, field.choices))
     name = getattr(field.annotation, "__name__", str(field.annotation))
+    if isinstance(field, Parameter) and field.is_data:
+        return f"file or {', '.join(getattr(item, '__name__', str(item)) for item in get_args(field.annotation))}"
     shape = getattr(field, "shape", None)
     if shape is not None and not inspect.isfunction(shape):
         sizes = shape if isinstance(shape, (tuple, list)) else (shape,)

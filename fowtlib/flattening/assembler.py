@@ -2,8 +2,10 @@
 
 from __future__ import annotations
 
+import gc
 import time
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
+from contextlib import contextmanager
 from dataclasses import replace
 from typing import Any
 
@@ -13,7 +15,7 @@ import numpy as np
 from fowtlib.flattening.aliases import eliminate_aliases
 from fowtlib.flattening.causalization import Causal, Causalization
 from fowtlib.flattening.diagnosis import check_structure
-from fowtlib.flattening.flat_dae import Check, Event, External, FlatDAE, Quantity, Ring, SampledUpdate
+from fowtlib.flattening.flat_dae import Check, Event, External, FlatDAE, Operator, Quantity, Ring, SampledUpdate
 from fowtlib.flattening.incidence import Incidence
 from fowtlib.flattening.index_reduction import IndexReduction
 from fowtlib.flattening.instances import Instances, Statements
@@ -32,11 +34,23 @@ def flatten(root: Component, opened: Sequence[str] = ()) -> FlatDAE:
     Raises ModelError subclasses that say by path what is wrong: parameters, connections, structure.
     """
     started = time.perf_counter()
-    with Instances(root, opened) as instances:
+    with _without_collection(), Instances(root, opened) as instances:
         instances.collect()
         resolve_orientations(instances.system, instances.statements)
         dae = _Assembler(instances.system, instances.statements).run()
     return replace(dae, stats={**dae.stats, "flattening_time": time.perf_counter() - started})
+
+
+@contextmanager
+def _without_collection() -> Iterator[None]:
+    """Without the search for cycles of garbage: a model is millions of objects that stay, looked at again and again."""
+    was_on = gc.isenabled()
+    gc.disable()
+    try:
+        yield
+    finally:
+        if was_on:
+            gc.enable()
 
 
 class _Assembler:
@@ -120,6 +134,7 @@ class _Assembler:
         for _, sampled in statements.sampled:
             slots += [(action, name) for action in sampled.assignments for name in ("target", "value")]
         slots += [(statement, "angle") for _, statement in statements.rings]
+        slots += [(statement, "inputs") for _, statement in statements.operators]
         slots += [(system.rates, key) for key in system.rates]
         slots += [(system.aliases, path) for path in system.aliases]
         values = [_get(owner, name) for owner, name in slots]
@@ -174,6 +189,7 @@ class _Assembler:
             "actions": [action.value for _, when in self.statements.when for action in when.actions],
             "samples": [action.value for _, sampled in self.statements.sampled for action in sampled.assignments],
             "rings": [statement.angle for _, statement in self.statements.rings],
+            "operators": [statement.inputs for _, statement in self.statements.operators],
             "aliases": list(system.aliases.values()),
             "replaced": [ca.SX(value) for value in self.replaced.values()],
         }
@@ -210,6 +226,9 @@ class _Assembler:
             events=self._events(states, solved), samples=self._samples(solved), checks=self._checks(solved),
             rings=[Ring(angle, [part.path for part in statement.parts])
                    for (_, statement), angle in zip(self.statements.rings, solved["rings"], strict=True)],
+            operators=[Operator(path, inputs, statement.correction, statement.transfer, statement.realization)
+                       for (path, statement), inputs in zip(self.statements.operators, solved["operators"],
+                                                            strict=True)],
         )  # fmt: skip
 
     def _quantity(self, number: int) -> Quantity:

@@ -8,6 +8,7 @@ joints are torn first, so that a tree of bodies ends as the recursive Newton-Eul
 
 from __future__ import annotations
 
+import heapq
 from collections import defaultdict
 from dataclasses import dataclass, field
 from functools import cached_property
@@ -20,6 +21,7 @@ from fowtlib.flattening.incidence import Incidence, union
 from fowtlib.flattening.system import System, residuals, stacked
 from fowtlib.language.declarations import STATE_PREFERENCES
 
+FEW = 30  # factors that are looked at one by one; more of them together
 LARGEST_EXPLICIT = 3  # torn unknowns of a linear block that are solved by Cramer's rule: those of a joint
 
 
@@ -56,11 +58,12 @@ class Causalization:
         self._place_intermediates()
         blocks = structure.strong_components(self.rows, len(unknowns))
         simple = [(int(r[0]), int(c[0])) for r, c in blocks if len(r) == 1]
-        factors = self._factors([pair for pair in simple if not self._is_explicit(*pair)])
+        values = {pair: value for pair in simple if (value := self._explicit(*pair)) is not None}
+        values |= self._solutions([pair for pair in simple if pair not in values])
         for rows, columns in blocks:
             self.result.blocks.append(len(rows))
             if len(rows) == 1:
-                self._scalar(int(rows[0]), int(columns[0]), factors)
+                self._scalar(int(rows[0]), int(columns[0]), values)
             else:
                 self._torn_block(rows, columns)
             self._place_intermediates()
@@ -87,12 +90,9 @@ class Causalization:
     def _symbol(self, column: int) -> ca.SX:
         return self.system.unknowns[self.unknowns[column]].symbol
 
-    def _is_explicit(self, row: int, column: int) -> bool:
-        return self._explicit(row, column) is not None
-
     def _explicit(self, row: int, column: int) -> ca.SX | None:
         """The value of the unknown where one side of the equation is the unknown, and the other does not contain it."""
-        equation, key = self.system.equations[row], self._symbol(column).element_hash()
+        equation, key = self.system.equations[row], self._keys[column]
         for side, other, others in ((equation.lhs, equation.rhs, self.right), (equation.rhs, equation.lhs, self.left)):
             if side.is_symbolic() and side.element_hash() == key and column not in others[row][0]:
                 return other
@@ -103,6 +103,43 @@ class Causalization:
 
     def _hidden_in(self, row: int) -> np.ndarray:
         return np.concatenate([self.left[row][1], self.right[row][1]])
+
+    @cached_property
+    def _keys(self) -> list[int]:
+        """Hash of the symbol of each unknown."""
+        return [self.system.unknowns[j].symbol.element_hash() for j in self.unknowns]
+
+    def _solutions(self, pairs: list[tuple[int, int]]) -> dict[tuple[int, int], ca.SX]:
+        """What the unknown of each pair is, where its equation contains it with a constant factor."""
+        factors = self._factors(pairs)
+        solutions: dict[tuple[int, int], ca.SX] = {}
+        for group in self._apart(list(factors)):
+            residual = residuals([self.system.equations[row] for row, _ in group])
+            symbols = ca.vertcat(*[self._symbol(column) for _, column in group])
+            rest = ca.substitute(residual, symbols, ca.SX.zeros(len(group)))
+            values = -ca.densify(rest) / ca.densify(ca.vertcat(*[factors[pair] for pair in group]))
+            solutions |= zip(group, values.elements(), strict=True)
+        return solutions
+
+    def _apart(self, pairs: list[tuple[int, int]]) -> list[list[tuple[int, int]]]:
+        """The pairs in few groups, no equation of which contains the unknown of another pair of its group."""
+        color = np.full(len(self.unknowns), -1)
+        nearby: dict[int, list[int]] = defaultdict(list)  # columns of the pairs whose equations contain a column
+        columns = {column for _, column in pairs}
+        for row, column in pairs:
+            for other in self.rows[row]:
+                if other != column and other in columns:
+                    nearby[int(other)].append(column)
+                    nearby[column].append(int(other))
+        groups: list[list[tuple[int, int]]] = []
+        for row, column in pairs:
+            taken = set(color[nearby[column]].tolist())
+            k = next(k for k in range(len(groups) + 1) if k not in taken)
+            if k == len(groups):
+                groups.append([])
+            color[column] = k
+            groups[k].append((row, column))
+        return groups
 
     def _factors(self, pairs: list[tuple[int, int]]) -> dict[tuple[int, int], ca.SX]:
         """d(lhs - rhs) / d unknown for the pairs, where that does not depend on the unknown."""
@@ -126,10 +163,8 @@ class Causalization:
     def _solve(self, row: int, column: int, factor: ca.SX) -> ca.SX:
         return -ca.substitute(self._residual(row), self._symbol(column), ca.SX(0)) / factor
 
-    def _scalar(self, row: int, column: int, factors: dict[tuple[int, int], ca.SX]) -> None:
-        value = self._explicit(row, column)
-        if value is None and (row, column) in factors:
-            value = self._solve(row, column, factors[row, column])
+    def _scalar(self, row: int, column: int, values: dict[tuple[int, int], ca.SX]) -> None:
+        value = values.get((row, column))
         if value is None:
             self._tear(column)
             self.result.residuals.append(row)
@@ -179,9 +214,11 @@ class Causalization:
                 rows_of[c].add(r)
         constant, parametric = self._block_factors(list(open_rows), sorted(inside))
         left = set(inside)
+        order = _TearingOrder(rows_of, constant)
 
         def remove(column: int) -> None:
             left.discard(column)
+            order.drop(column)
             for r in rows_of[column]:
                 members = open_rows.get(r)
                 if members is not None:
@@ -217,6 +254,7 @@ class Causalization:
                 self._assign(c, self._solve(r, c, factors[r, c]) if value is None else value)
                 self._place_intermediates()
                 del open_rows[r]
+                order.close(r)
                 remove(c)
                 progress = True
             ready.extend(waiting)
@@ -233,7 +271,7 @@ class Causalization:
                 continue
             if assign_ready(parametric):
                 continue
-            c = self._next_torn(left, open_rows, rows_of, constant)
+            c = order.next()
             self._tear(c)
             self._place_intermediates()
             remove(c)
@@ -262,6 +300,12 @@ class Causalization:
         """Those of the factors that depend on parameters only."""
         if not factors:
             return {}
+        if len(factors) <= FEW:
+            known = self._parameter_numbers
+            return {
+                pair: factor for pair, factor in factors.items()
+                if all(symbol.element_hash() in known for symbol in ca.symvar(factor))
+            }  # fmt: skip
         column = ca.vertcat(*factors.values())
         others = [s for s in ca.symvar(column) if s.element_hash() not in self._parameter_numbers]
         if not others:
@@ -280,6 +324,8 @@ class Causalization:
         }
 
     def _parameter_values(self, factors: list[ca.SX]) -> np.ndarray:
+        if all(factor.is_symbolic() for factor in factors):
+            return np.array([self._parameter_numbers[factor.element_hash()] for factor in factors])
         column = ca.vertcat(*factors)
         symbols = ca.symvar(column)
         values = [self._parameter_numbers[symbol.element_hash()] for symbol in symbols]
@@ -300,16 +346,6 @@ class Causalization:
             and STATE_PREFERENCES.index(unknowns[self.unknowns[c]].declared.state) >= wished
         ]  # fmt: skip
         return sorted(members, key=lambda c: (self.unknowns[c] not in rates, c))
-
-    def _next_torn(self, left: set[int], open_rows: dict, rows_of: dict, constant: dict) -> int:
-        """The unknown in most of the open equations; one that no equation gives explicitly counts double."""
-
-        def score(c: int) -> tuple[float, int]:
-            rows = [r for r in rows_of[c] if r in open_rows]
-            assignable = any((r, c) in constant for r in rows)
-            return len(rows) * (1 if assignable else 2), -c
-
-        return max(left, key=score)
 
     # --- intermediates -------------------------------------------------------------------------------------------
 
@@ -336,6 +372,49 @@ class Causalization:
         """Define the orientations of which everything is known, in their own order (from the roots outwards)."""
         self.result.sequence += [self._definitions[k] for k in sorted(self._ready)]
         self._ready.clear()
+
+
+class _TearingOrder:
+    """Which unknown of a block to tear next: the one in most of the open equations.
+
+    One that no equation gives explicitly counts double. A heap holds the scores; what is out of date is skipped.
+    """
+
+    def __init__(self, rows_of: dict[int, set[int]], constant: dict[tuple[int, int], ca.SX]):
+        self._left = {c: len(rows) for c, rows in rows_of.items()}
+        self._assignable = dict.fromkeys(rows_of, 0)
+        self._members: dict[int, list[int]] = defaultdict(list)
+        for c, rows in rows_of.items():
+            for r in rows:
+                self._members[r].append(c)
+        for _, c in constant:
+            self._assignable[c] += 1
+        self._constant = constant
+        self._heap = [(-self._score(c), c) for c in rows_of]
+        heapq.heapify(self._heap)
+
+    def _score(self, c: int) -> int:
+        return self._left[c] * (1 if self._assignable[c] else 2)
+
+    def close(self, row: int) -> None:
+        """An equation is used up."""
+        for c in self._members.pop(row, ()):
+            if c in self._left:
+                self._left[c] -= 1
+                self._assignable[c] -= (row, c) in self._constant
+                heapq.heappush(self._heap, (-self._score(c), c))
+
+    def drop(self, column: int) -> None:
+        """An unknown is known."""
+        self._left.pop(column, None)
+
+    def next(self) -> int:
+        """The unknown with the largest score, of equal ones the first."""
+        while True:
+            score, c = self._heap[0]
+            if c in self._left and -score == self._score(c):
+                return c
+            heapq.heappop(self._heap)
 
 
 def _inlined(sequence: list[tuple[ca.SX, ca.SX]], expression: ca.SX) -> ca.SX:

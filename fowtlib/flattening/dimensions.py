@@ -2,7 +2,8 @@
 
 It walks the expression graph of every equation as its component wrote it, from the declared units. A number has no
 dimension in a product and any dimension in a sum; zero, the outputs of external functions and numbers that come from
-structural data have any dimension everywhere. A block whose signals all have the unit "1" is general: what it declares
+structural data have any dimension everywhere, and so have the entries of a 6 x 6 matrix with the unit "1", which goes
+over forces and moments. A block whose signals all have the unit "1" is general: what it declares
 with the unit "1" may stand for any quantity.
 """
 
@@ -143,7 +144,8 @@ class _Check:
             table[item.symbol.element_hash()] = dimension(item.declared.unit)
         for group in (system.parameters, system.bound, system.inputs):
             for item in group.values():
-                _enter(table, item.symbol, dimension(item.unit) if item.unit else None)
+                mixed = not item.unit or (item.unit == "1" and item.symbol.shape == (6, 6))
+                _enter(table, item.symbol, None if mixed else dimension(item.unit))
         for item in system.intermediates:
             for symbol in item.symbols:
                 table[symbol.element_hash()] = NONE if item.function is None else None

@@ -14,6 +14,7 @@ import numpy as np
 from fowtlib.flattening.system import Bound, BoundParameter, Input, Parameter
 from fowtlib.language.equations import Process
 from fowtlib.language.errors import NotFoundError, ParameterError, did_you_mean
+from fowtlib.language.operators import StateSpace, Transfer
 
 
 def _freeze(item: Any) -> None:
@@ -108,6 +109,20 @@ class Ring:
         _freeze(self)
 
 
+@dataclass(frozen=True)
+class Operator:
+    """A linear operator: expressions of its inputs (m,), and entries of p (n, 3), see language.operators.
+
+    transfer(omega), complex (q, n, m), is what the realization in the equations stands for.
+    """
+
+    path: str
+    inputs: ca.SX
+    correction: ca.SX
+    transfer: Transfer
+    realization: StateSpace
+
+
 @dataclass(frozen=True, repr=False)
 class FlatDAE:
     """Semi-explicit DAE of index one, torn at the external functions; a value that nothing changes once it is made.
@@ -143,6 +158,7 @@ class FlatDAE:
     samples: tuple[SampledUpdate, ...] = ()
     checks: tuple[Check, ...] = ()
     rings: tuple[Ring, ...] = ()
+    operators: tuple[Operator, ...] = ()
     bound: Mapping[str, Bound] = field(default_factory=dict)
     bound_parameters: Mapping[str, BoundParameter] = field(default_factory=dict)
     dependents: Mapping[str, Parameter] = field(default_factory=dict)

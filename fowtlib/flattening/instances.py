@@ -19,6 +19,7 @@ from fowtlib.language.connectors import BoundPort, Signal
 from fowtlib.language.declarations import SHAPES, Variable, Withheld, join
 from fowtlib.language.errors import ModelError, ParameterError, StructureError
 from fowtlib.language.faults import author_line, reason
+from fowtlib.language.operators import LinearOperator
 from fowtlib.language.units import to_si
 
 
@@ -33,6 +34,7 @@ class Statements:
     rotations: list[tuple[str, statements.Rotation]] = field(default_factory=list)
     fixed_orientations: list[tuple[str, statements.FixedOrientation]] = field(default_factory=list)
     rings: list[tuple[str, statements.Ring]] = field(default_factory=list)
+    operators: list[tuple[str, LinearOperator]] = field(default_factory=list)
 
 
 class Instances:
@@ -98,6 +100,8 @@ class Instances:
 
     def _tunable(self, component: Component, declared: Any, shape: tuple[int, ...]) -> ca.SX:
         """The symbol of an independent parameter."""
+        if not np.prod(shape):  # an empty list of something optional
+            return ca.SX(*_two(shape))
         path = join(component.path, declared.name)
         symbol = ca.SX.sym(path, *_two(shape))
         value = np.broadcast_to(np.asarray(component.parameter_value(declared.name), dtype=float), shape)
@@ -121,6 +125,13 @@ class Instances:
             return np.asarray(items)
 
         def leaf(reference: Any) -> Any:
+            if isinstance(reference, expressions.StartNumbers):
+                return self.system.at_start(
+                    statements.AtStart(
+                        reference.name, reference.size, "", "computed when a run starts", reference.compute,
+                        reference.component,
+                    )
+                )  # fmt: skip
             found = self._parameter(reference.component.current, reference.name)
             if isinstance(found, Withheld):
                 raise ParameterError(found.reason)
@@ -217,6 +228,7 @@ class Instances:
             statements.Rotation: self.statements.rotations,
             statements.FixedOrientation: self.statements.fixed_orientations,
             statements.Ring: self.statements.rings,
+            LinearOperator: self.statements.operators,
         }
         if isinstance(statement, statements.Assign):
             word, home = ("reinit()", "when()") if statement.is_reinit else ("assign()", "when() or sampled()")

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import hashlib
+import json
 import os
 import re
 import tempfile
@@ -22,6 +23,8 @@ from fowtlib.fmi.dependencies import dependencies
 from fowtlib.fmi.description import KINDS, Heading, build_description, model_description, terminals
 from fowtlib.fmi.guards import guarded
 from fowtlib.fmi.variables import Settings, Variables
+from fowtlib.language.component import Component
+from fowtlib.language.data_files import data_parameters, digest_of
 from fowtlib.language.errors import ModelError, ParameterError, did_you_mean
 from fowtlib.language.externals import refusals_explained
 from fowtlib.language.units import to_si
@@ -86,8 +89,22 @@ def export_fmu(
         if version == "3":
             more["sources/buildDescription.xml"] = build_description(identifier, sources.units)
             more["terminalsAndIcons/terminalsAndIcons.xml"] = terminals(variables)
+        more |= data_files(plant.binding(parameters).root)
         _write(target, {"modelDescription.xml": description, **more}, sources, binaries)
     return target
+
+
+def data_files(root: Component | None) -> dict[str, bytes]:
+    """The data files of a model, as resources/data of an FMU, and data.json, which says what each of them is.
+
+    The FMU reads none of them: its tables hold their numbers. They go along so that one can see what it was made from.
+    """
+    files, index = {}, {}
+    for parameter, path in data_parameters(root).items():
+        inside = f"{digest_of(path)[:12]}_{Path(path).name}"
+        files[f"resources/data/{inside}"] = Path(path).read_bytes()
+        index[parameter] = {"file": inside, "sha256": digest_of(path)}
+    return {**files, "resources/data/data.json": json.dumps(index, indent=1).encode()} if index else {}
 
 
 def _settings(plant: Plant, step: Any, rho_inf: float | None, tolerance: float | None) -> Settings:

@@ -3,7 +3,20 @@
 from fowtlib.language import math, shapes
 from fowtlib.language.component import Assembly, Component
 from fowtlib.language.connectors import Connector, RealInput, RealOutput, flow, orientation, potential
-from fowtlib.language.declarations import Array, Matrix, Number, Scalar, Vector, outer, param, part, port, var
+from fowtlib.language.declarations import (
+    Array,
+    Data,
+    Matrix,
+    Number,
+    Scalar,
+    Vector,
+    data,
+    outer,
+    param,
+    part,
+    port,
+    var,
+)
 from fowtlib.language.equations import (
     assert_,
     assign,
@@ -23,6 +36,7 @@ from fowtlib.language.equations import (
 )
 from fowtlib.language.errors import ModelError
 from fowtlib.language.externals import ExternalFunction
+from fowtlib.language.operators import StateSpace, linear_operator
 from fowtlib.language.run_time import at_start, run_time_series
 from fowtlib.language.series import Series
 from fowtlib.language.tables import table1d, table2d, time_series
@@ -32,6 +46,7 @@ __all__ = [
     "Assembly",
     "Component",
     "Connector",
+    "Data",
     "ExternalFunction",
     "Matrix",
     "ModelError",
@@ -39,12 +54,14 @@ __all__ = [
     "RealInput",
     "RealOutput",
     "Scalar",
+    "StateSpace",
     "Series",
     "Vector",
     "assert_",
     "assign",
     "at_start",
     "call",
+    "data",
     "der",
     "eq",
     "external",
@@ -52,6 +69,7 @@ __all__ = [
     "flow",
     "initial",
     "input_rate",
+    "linear_operator",
     "math",
     "open_input",
     "orientation",

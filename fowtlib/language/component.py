@@ -15,12 +15,14 @@ from fowtlib.language import expressions
 from fowtlib.language.composition import OWN_NAMES, Composite
 from fowtlib.language.declarations import (
     SHAPES,
+    DataParameter,
     Field,
     Outer,
     Parameter,
     Part,
     Port,
     Variable,
+    data,
     join,
     outer,
     param,
@@ -51,7 +53,7 @@ class UnknownAttribute(NotFoundError, AttributeError):
     """A name that a component does not have."""
 
 
-@dataclass_transform(kw_only_default=True, field_specifiers=(param, port, var, outer))  # a part has a default
+@dataclass_transform(kw_only_default=True, field_specifiers=(param, data, port, var, outer))  # a part has a default
 class Component(Composite):
     """A class of model parts: parameters, ports, variables, `equations()`.
 
@@ -166,6 +168,8 @@ class Component(Composite):
 
     def _checked(self, field: Parameter, value: Any) -> Any:
         where = join(self.path or type(self).__name__, field.name)
+        if isinstance(field, DataParameter):
+            return field.checked(value, where)
         if expressions.is_expression(value):
             return value
         if value is None and field.default is None:
@@ -185,6 +189,8 @@ class Component(Composite):
         if reads is not None:
             reads.add((self.path, name))
         value = self.parameter_binding(name)
+        if isinstance(field, DataParameter):
+            return field.read(self, value)
         if field.annotation in SHAPES:
             if value is None:
                 return None

@@ -111,3 +111,33 @@ def remembered(*files: str) -> Callable[[Reader], Reader]:
         return remembering  # type: ignore[return-value]
 
     return decorate
+
+
+def files_of(root: Any) -> dict[str, str]:
+    """The files that the parameters of a model name, by the paths of the parameters."""
+    found = {}
+    for part in root.walk() if root is not None else ():
+        for name, declared in part.parameters.items():
+            if (declared.annotation is str and declared.choices is None) or declared.is_data:
+                given = part.parameter_binding(name)
+                if isinstance(given, str) and given and os.path.isfile(given):
+                    found[f"{part.path}.{name}" if part.path else name] = given
+    return found
+
+
+def data_parameters(root: Any) -> dict[str, str]:
+    """Of those files, the ones that are declared as data."""
+    owners = {path: path.rpartition(".") for path in files_of(root)}
+    return {
+        path: file
+        for path, file in files_of(root).items()
+        if root.find(owners[path][0]).parameters[owners[path][2]].is_data
+    }
+
+
+def named(path: str) -> str:
+    """A file by its name and the digest of its content, not by its place."""
+    try:
+        return f"{Path(path).name} sha256:{digest_of(path)}"
+    except OSError:
+        return Path(path).name

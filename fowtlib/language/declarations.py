@@ -6,13 +6,17 @@ parameter gives its value or a reference to it, a port gives a reference for `co
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Any, Literal
+import os
+from collections.abc import Callable
+from typing import TYPE_CHECKING, Any, Generic, Literal, TypeVar, get_args, get_origin
 
-from fowtlib.language.errors import StructureError
+from fowtlib.language.errors import ParameterError, StructureError
 from fowtlib.language.expressions import Arithmetic, ParameterReference
 
+T = TypeVar("T")
+
 if TYPE_CHECKING:
-    from fowtlib.language.typed import Array, Matrix, Number, Scalar, Vector
+    from fowtlib.language.typed import Array, Data, Matrix, Number, Scalar, Vector
 else:
 
     class Scalar:
@@ -26,6 +30,9 @@ else:
 
     class Array:
         """Real numbers of the declared shape."""
+
+    class Data(Generic[T]):
+        """What is read from a data file: `Data[BeamProperties]`; given as the path of a file, or as an object."""
 
     Number = float  # one real number that is no symbol; an editor and a type checker accept a text with a unit for it
 
@@ -104,6 +111,11 @@ class Parameter(Field, Arithmetic):
     def required(self) -> bool:
         return self.default is REQUIRED
 
+    @property
+    def is_data(self) -> bool:
+        """A data file, or what is read from it."""
+        return isinstance(self, DataParameter)
+
     def outside(self, component: Any) -> Any:
         if self.tunable or (self.bound and self.annotation in SHAPES):
             return ParameterReference(component, self.name)
@@ -111,6 +123,42 @@ class Parameter(Field, Arithmetic):
 
     def __repr__(self) -> str:
         return self.name
+
+
+class DataParameter(Parameter):
+    """Declaration of a data file, or of what is read from it; the attribute of a component gives what is read."""
+
+    def __init__(self, reader: Callable[..., Any], default: Any, doc: str, using: tuple[str, ...]):
+        super().__init__(default, "1", doc, None, None, None, True, None)
+        self.reader, self.using = reader, using
+
+    def read(self, component: Any, given: Any) -> Any:
+        """What a given value stands for: a file is read, an object is itself."""
+        if not isinstance(given, (str, os.PathLike)) or given == "":
+            return None if given == "" else given
+        more = []
+        for name in self.using:
+            declared = component.parameters[name]
+            value = component.parameter_binding(name) if declared.is_data else component.parameter_value(name)
+            if value is None:
+                raise ParameterError(f"{join(component.label, name)} has no value: {declared.doc}.")
+            more.append(value)
+        return self.reader(os.fspath(given), *more)
+
+    def checked(self, value: Any, where: str) -> Any:
+        """The value, which must be the path of a file or an object of the annotated class."""
+        if value is None and self.default is None:
+            return value
+        wanted = next((item for item in get_args(self.annotation)), object)
+        wanted = get_origin(wanted) or wanted
+        if isinstance(value, (str, os.PathLike)):
+            return os.fspath(value)
+        if isinstance(wanted, type) and not isinstance(value, wanted):
+            raise ParameterError(
+                f"{where} is a {type(value).__name__}; the path of a file or a {wanted.__name__} is expected "
+                f"({self.doc})."
+            )
+        return value
 
 
 class Variable(Field):
@@ -259,6 +307,18 @@ def param(default: Any = REQUIRED, *, unit: str = "1", doc: str = "", min: Any =
     if structural and bound:
         raise ValueError("a parameter is structural (it decides about parts and equations) or bound, not both")
     return Parameter(default, unit, doc, min, max, shape, structural, choices, bound)
+
+
+def data(reader: Callable[..., Any], *, default: Any = REQUIRED, doc: str = "", using: tuple[str, ...] = ()) -> Any:
+    """Declare a parameter that is a data file.
+
+    `properties: Data[BeamProperties] = data(read_beam)` takes the path of a file, which `reader(path, ...)` reads, or
+    an object of the class in brackets; the attribute gives the object either way. using: names of parameters that the
+    reader takes behind the path, in this order; of those that are data themselves, what was given. Results and FMUs
+    name the file with the digest of its content. A reader that is `remembered` (data_files) gives the same object until
+    the content changes.
+    """
+    return DataParameter(reader, default, doc, using)
 
 
 def var(*, unit: str = "1", doc: str = "", hint: str = "", shape: Any = None, start: Any = None,

@@ -106,6 +106,23 @@ class ParameterReference(Arithmetic):
         return f"{self.component.path}.{self.name}" if self.component.path else self.name
 
 
+class StartNumbers(Arithmetic):
+    """Numbers that a component computes when a run starts, as values of the parameters of its parts.
+
+    `chain = StartNumbers(self, "chain", 7, chain_of)` in build(), then `RigidBody(mass=chain[0], ...)`: `compute(self)`
+    gives them from the parameter values of the run, as `at_start` does inside equations(). While the model is flattened
+    they are symbols, which no run needs new equations for.
+    """
+
+    __slots__ = ("component", "compute", "name", "size")
+
+    def __init__(self, component: Any, name: str, size: int, compute: Callable[[Any], Any]):
+        self.component, self.name, self.size, self.compute = component, name, size, compute
+
+    def __repr__(self) -> str:
+        return f"{self.component.path}.{self.name}" if self.component.path else self.name
+
+
 def call(function: Callable[..., Any], name: str, *arguments: Any) -> Any:
     """`function(*arguments)`, delayed as an Expression where an argument is one."""
     if any(isinstance(argument, Arithmetic) for argument in arguments):
@@ -163,6 +180,8 @@ def rebind(value: Any, component: Any) -> Any:
 
 
 def _number(leaf: Any) -> Any:
+    if isinstance(leaf, StartNumbers):
+        return np.asarray(leaf.compute(leaf.component), dtype=float)
     if not isinstance(leaf, ParameterReference):
         raise TypeError(f"{leaf!r} has no value outside of an instance")
     return leaf.component.current.parameter_value(leaf.name)

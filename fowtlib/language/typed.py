@@ -6,8 +6,9 @@ read, a number, a formula or a CasADi symbol, so that reading one gives `Any`.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
-from typing import Any, overload
+import os
+from collections.abc import Sequence
+from typing import Any, Generic, TypeVar, overload
 
 import numpy as np
 
@@ -15,7 +16,7 @@ from fowtlib.language.expressions import Arithmetic
 
 Real = float | str | Arithmetic | np.number[Any] | np.ndarray[Any, Any]
 Reals = Sequence[Real] | np.ndarray[Any, Any] | Arithmetic
-Anything = Real | Reals | Sequence[Reals] | Callable[..., Any]
+T = TypeVar("T")
 
 
 class _Given(Arithmetic):
@@ -52,6 +53,18 @@ class Array(_Given):
     """Real numbers of the declared shape."""
 
     def __set__(self, component: object, value: Real | Reals | Sequence[Reals]) -> None: ...
+
+
+class Data(Generic[T]):
+    """What is read from a data file."""
+
+    @overload
+    def __get__(self, component: None, owner: type) -> Any: ...
+    @overload
+    def __get__(self, component: object, owner: type) -> T: ...
+    def __get__(self, component: object, owner: type) -> Any: ...
+
+    def __set__(self, component: object, value: str | os.PathLike[str] | T | None) -> None: ...
 
 
 class Number(Arithmetic):

@@ -9,7 +9,7 @@ from typing import Any
 
 from fowtlib.language import expressions
 from fowtlib.language.component import Assembly, Component
-from fowtlib.language.declarations import Array, Parameter, Scalar, join
+from fowtlib.language.declarations import Array, DataParameter, Parameter, Scalar, join
 from fowtlib.language.errors import ModelError, ModelFileError, did_you_mean
 from fowtlib.modelfile.nodes import Place
 from fowtlib.modelfile.paths import port_alias
@@ -156,7 +156,8 @@ def remember(component: Component, layers: list[Layer], path: str) -> None:
     for layer in reversed(layers):
         for name, value in layer.spec.values.items():
             component.origins[name] = str(value.place)
-            if name in component.parameters:
+            field = component.parameters.get(name)
+            if field is not None and not (isinstance(field, DataParameter) and field.using):
                 with building(value.place, join(path, name), type(component)):
                     component.parameter_value(name)  # an expression that has no value is found now
         for name, item in layer.spec.parameters.items():

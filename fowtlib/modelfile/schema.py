@@ -146,7 +146,7 @@ def _type(field: Parameter) -> Schema:
         return {"enum": list(field.choices)}
     if field.annotation is bool:
         return {"type": "boolean"}
-    if field.annotation is str:
+    if field.annotation is str or field.is_data:
         return {"type": ["string", "number", "null"]}
     if field.annotation in (int, float, Scalar):
         return _quantity(field.unit, field)

@@ -47,7 +47,7 @@ class ValueReader:
         try:
             if field.annotation in SHAPES or field.annotation in (int, float):
                 return self._numeric(value, value.node, field)
-            if field.annotation is str:
+            if field.annotation is str or field.is_data:
                 return self._text(value, field)
             return _plain(value, value.node)
         except ModelError as error:
@@ -182,7 +182,7 @@ def is_file(text: str, field: Parameter) -> bool:
     """True for text that names a file: by its prefix or suffix, or because the parameter is called `file`."""
     if not text or field.choices is not None:
         return False
-    by_name = field.name in ("file", "path") or field.name.endswith(("_file", "_path"))
+    by_name = field.is_data or field.name in ("file", "path") or field.name.endswith(("_file", "_path"))
     return by_name or text.startswith(files.DATA_PREFIX) or text.lower().endswith(DATA_SUFFIXES)
 
 

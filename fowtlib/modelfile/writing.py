@@ -97,7 +97,7 @@ class _Writer:
         where = join(component.path or "the model", name)
         if is_expression(value):
             return self.formulas.value(component, field, value, where)
-        if field.annotation is str and isinstance(value, str):
+        if (field.annotation is str or field.is_data) and isinstance(value, str):
             return files.as_data_name(value)
         return plain(value, where)
 

@@ -247,6 +247,37 @@ def _computed(dae: FlatDAE, tree: Component, values: dict[str, np.ndarray]) -> B
     return Binding(p, values, tree, instants, sources, reads, frozenset(steady), known)
 
 
+def start_slopes(dae: FlatDAE, binding: Binding, path: str) -> dict[str, np.ndarray]:
+    """Derivatives of numbers that are computed at the start by a tunable parameter, by central differences.
+
+    By the paths of the numbers: (their count, elements of the parameter). The step is 1e-5 of the value, so that the
+    error is about 1e-9 of the derivative of something smooth. Raises ParameterError for data behind a handle.
+    """
+    given = np.asarray(binding.values[path], dtype=float)
+    owner, _, name = path.rpartition(".")
+    slopes: dict[str, np.ndarray] = {}
+    for item in dae.bound.values():
+        if path not in binding.reads.get(item.path, ()):
+            continue
+        if item.path in binding.sources:
+            raise ParameterError(
+                f"{item.path} is computed from {path} when a run starts, as data that have no derivative by it; "
+                "run with two values of it, and take the difference."
+            )
+        columns = []
+        for k in range(given.size):
+            step = 1e-5 * (abs(given.flat[k]) or 1.0)
+            both = []
+            for sign in (1, -1):
+                tree, moved = copy.deepcopy(binding.root), given.copy()
+                moved.flat[k] += sign * step
+                tree.find(owner)._values[name] = moved if moved.shape else float(moved)
+                both.append(np.ravel(_numbers(item, tree.find(item.owner))))
+            columns.append((both[0] - both[1]) / (2 * step))
+        slopes[item.path] = np.column_stack(columns)
+    return slopes
+
+
 def _numbers(item: Bound, component: Component) -> Any:
     """What a component computes for a place in p: numbers, or a source of them."""
     size = item.symbol.numel()

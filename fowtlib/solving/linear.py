@@ -10,8 +10,10 @@ from typing import TYPE_CHECKING
 import casadi as ca
 import numpy as np
 
+from fowtlib.flattening.flat_dae import Operator
 from fowtlib.flattening.system import element_names
-from fowtlib.language.errors import ModelError
+from fowtlib.language.errors import ModelError, SimulationError
+from fowtlib.solving.binding import start_slopes
 from fowtlib.solving.functions import AtParameters
 from fowtlib.solving.layout import Layout
 from fowtlib.solving.outputs import Outputs
@@ -44,13 +46,18 @@ class Mode:
 
 
 class LinearModel:
-    """dx' = A dx + B du, dy = C dx + D du about a state; inputs and states in SI, outputs in the units given."""
+    """dx' = A dx + B du, dy = C dx + D du about a state; inputs and states in SI, outputs in the units given.
+
+    The matrices hold the realizations of the linear operators of the model (waves that radiate, for instance); a
+    response at a frequency takes their transfer functions themselves.
+    """
 
     def __init__(self, A: np.ndarray, B: np.ndarray, C: np.ndarray, D: np.ndarray, states: Sequence[str],
-                 inputs: Sequence[str], outputs: Sequence[str], units: dict[str, str]):  # fmt: skip
+                 inputs: Sequence[str], outputs: Sequence[str], units: dict[str, str],
+                 operators: Operators | None = None):  # fmt: skip
         self.matrices = {"A": A, "B": B, "C": C, "D": D}
         self.states, self.inputs, self.outputs = list(states), list(inputs), list(outputs)
-        self.units = units
+        self.units, self.operators = units, operators
 
     def _labelled(self, name: str, rows: tuple[str, list[str]], columns: tuple[str, list[str]]) -> xarray.DataArray:
         import xarray
@@ -79,11 +86,17 @@ class LinearModel:
         """Feed-through matrix."""
         return self._labelled("D", ("output", self.outputs), ("input", self.inputs))
 
-    def frequency_response(self, omega: Sequence[float]) -> np.ndarray:
-        """Outputs per input at circular frequencies [rad/s]: complex (n, outputs, inputs), for exp(+i omega t)."""
+    def frequency_response(self, omega: Sequence[float], *, realized: bool = False) -> np.ndarray:
+        """Outputs per input at circular frequencies [rad/s]: complex (n, outputs, inputs), for exp(+i omega t).
+
+        realized: of the matrices alone, as a run in time has it.
+        """
+        omega = np.atleast_1d(np.asarray(omega, dtype=float))
         A, B, C, D = (self.matrices[name] for name in "ABCD")
-        identity = np.eye(len(A))
-        return np.array([C @ np.linalg.solve(1j * w * identity - A, B) + D for w in np.atleast_1d(omega)])
+        plain = _response(omega, A, B, C, D)
+        if realized or self.operators is None:
+            return plain
+        return self.operators.corrected(omega, A, B, C, plain)
 
     def modes(self) -> list[Mode]:
         """Oscillating and decaying modes, lowest frequency first; a conjugate pair counts once."""
@@ -145,19 +158,83 @@ class LinearModel:
         return f"<LinearModel: {len(self.states)} states, {len(self.inputs)} inputs, {len(self.outputs)} outputs>"
 
 
+@dataclass(frozen=True, eq=False)
+class Operators:
+    """The linear operators of a linear model, by what columns w, w', w'' added to their outputs do.
+
+    B: rate of the states by w, w', w''. C, D_input: inputs of the operators by state and by input of the model; D: by
+    w, w', w''. D_output: outputs of the model by them.
+    """
+
+    B: np.ndarray
+    C: np.ndarray
+    D: np.ndarray
+    D_input: np.ndarray
+    D_output: np.ndarray
+    items: tuple[Operator, ...]
+
+    def corrected(self, omega: np.ndarray, A: np.ndarray, B: np.ndarray, C: np.ndarray,
+                  plain: np.ndarray) -> np.ndarray:  # fmt: skip
+        """The response with each operator itself instead of its realization.
+
+        w = E u with E = H - H_realized, and u = G_ui i + G_uw w; so the outputs gain G_yw (1 - E G_uw)^-1 E G_ui i.
+        """
+        E = self.errors(omega)
+        by_input = _response(omega, A, B, self.C, self.D_input)
+        by_w = _of_signal(omega, _response(omega, A, self.B, self.C, self.D))
+        to_output = _of_signal(omega, _response(omega, A, self.B, C, self.D_output))
+        return plain + to_output @ np.linalg.solve(np.eye(E.shape[1]) - E @ by_w, E @ by_input)
+
+    def errors(self, omega: np.ndarray) -> np.ndarray:
+        """Transfer functions less those of the realizations, (q, n, m) of all operators together."""
+        rows, columns = (sum(shape) for shape in zip(*(item.realization.D.shape for item in self.items), strict=True))
+        E, i, j = np.zeros((omega.size, rows, columns), dtype=complex), 0, 0
+        for item in self.items:
+            n, m = item.realization.D.shape
+            H = np.asarray(item.transfer(omega))
+            if H.shape != (omega.size, n, m) or not np.all(np.isfinite(H)):
+                raise SimulationError(
+                    f"{item.path}: the transfer function gives {H.shape} at {omega.size} frequencies, where finite "
+                    f"numbers {(omega.size, n, m)} are expected."
+                )
+            E[:, i : i + n, j : j + m] = H - item.realization.transfer(omega)
+            i, j = i + n, j + m
+        return E
+
+
+def _of_signal(omega: np.ndarray, G: np.ndarray) -> np.ndarray:
+    """The response (q, n, m) to a signal, from that to it and its two derivatives (q, n, 3 m)."""
+    q, n, _ = G.shape
+    powers = (1j * omega)[:, None] ** np.arange(3)
+    return np.einsum("qndm,qd->qnm", G.reshape(q, n, 3, -1), powers)
+
+
+def _response(omega: np.ndarray, A: np.ndarray, B: np.ndarray, C: np.ndarray, D: np.ndarray) -> np.ndarray:
+    if not len(A):
+        return np.broadcast_to(D.astype(complex), (omega.size, *D.shape))
+    identity = np.eye(len(A))
+    return np.array([C @ np.linalg.solve(1j * w * identity - A, B) + D for w in omega])
+
+
 def linearize(at: AtParameters, layout: Layout, outputs: Outputs, state: State, inputs: Sequence[str],
               names: Sequence[str]) -> LinearModel:  # fmt: skip
     """The linear model at a state, from inputs or tunable parameters by path to results or variables.
 
+    What is computed from a parameter when a run starts counts with it, by central differences (start_slopes).
     All states are kept; the algebraic unknowns are eliminated by the implicit function theorem.
     """
     dae = at.dae
     columns: list[ca.SX] = []
     labels: list[str] = []
+    through: list[tuple[slice, str, np.ndarray]] = []  # columns of a parameter, numbers computed from it, their slopes
     for path in inputs:
         symbols, fresh = layout.symbols(path)
+        place = slice(len(columns), len(columns) + len(symbols))
+        if path in layout.p:
+            through += [(place, name, slope) for name, slope in start_slopes(dae, at.binding, path).items()]
         columns += symbols
         labels += fresh
+    computed = list(dict.fromkeys(name for _, name, _ in through))
     rows, factors, shown, units = [], [], [], {}
     for name in names:
         expression = ca.vec(dae.observe_expression(outputs.entry(name).path))
@@ -167,13 +244,26 @@ def linearize(at: AtParameters, layout: Layout, outputs: Outputs, state: State, 
         shown += fresh
         units |= dict.fromkeys(fresh, outputs.entry(name).unit)
 
+    number, count = len(columns), len(factors)
+    for order in range(3):
+        columns += [element for item in dae.operators for element in item.correction[:, order].elements()]
+    for item in dae.operators:
+        rows.append(item.inputs)
+        factors += [1.0] * item.inputs.numel()
+
     def make() -> ca.Function:
-        u = ca.vertcat(*columns) if columns else ca.SX(0, 1)
+        u = ca.vertcat(*columns, *(dae.bound[name].symbol for name in computed)) if columns else ca.SX(0, 1)
         return at.general.torn_jacobian("linear", ca.vertcat(dae.ode, dae.alg, *rows), [dae.x, dae.z, u])
 
-    slopes = at.general.once(("linear", tuple(labels), tuple(names)), make)
+    slopes = at.general.once(("linear", tuple(labels), tuple(computed), tuple(names)), make)
     blocks = at.call(slopes, state.t, state.x, state.z, np.concatenate([state.u, state.d]))
-    by_x, by_z, by_u = (np.array(ca.densify(block)) for block in blocks)
+    by_x, by_z, by_all = (np.array(ca.densify(block)) for block in blocks)
+    by_u, first = by_all[:, : len(columns)], len(columns)
+    for name in computed:
+        last = first + dae.bound[name].symbol.numel()
+        for place, _, slope in (item for item in through if item[1] == name):
+            by_u[:, place] += by_all[:, first:last] @ slope
+        first = last
     nx, nz = dae.x.shape[0], dae.z.shape[0]
     ode, alg, out = slice(0, nx), slice(nx, nx + nz), slice(nx + nz, None)
     by_xu = np.hstack([by_x[alg], by_u[alg]])
@@ -181,4 +271,8 @@ def linearize(at: AtParameters, layout: Layout, outputs: Outputs, state: State, 
     A, B = by_x[ode] + by_z[ode] @ dz[:, :nx], by_u[ode] + by_z[ode] @ dz[:, nx:]
     scale = np.array(factors).reshape(-1, 1)
     C, D = (by_x[out] + by_z[out] @ dz[:, :nx]) * scale, (by_u[out] + by_z[out] @ dz[:, nx:]) * scale
-    return LinearModel(A, B, C, D, list(layout.x), labels, shown, units)
+    operators = None
+    if dae.operators:
+        operators = Operators(B[:, number:], C[count:], D[count:, number:], D[count:, :number], D[:count, number:],
+                              dae.operators)  # fmt: skip
+    return LinearModel(A, B[:, :number], C[:count], D[:count, :number], list(layout.x), labels, shown, units, operators)

@@ -6,15 +6,12 @@ import json
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 
 from fowtlib.language.errors import ModelError, SimulationError
 from fowtlib.solving.results.html import table
-
-if TYPE_CHECKING:
-    from fowtlib.solving.plant import Plant
 
 GROUPS = {"x": "states", "z": "algebraics", "d": "discretes"}
 
@@ -33,7 +30,7 @@ class State:
     u: np.ndarray
     parameters: Mapping[str, object] = field(default_factory=dict)
     observe: Callable[[str, State], np.ndarray] | None = field(default=None, repr=False, compare=False)
-    plant: Plant | None = field(default=None, repr=False, compare=False)
+    plant: Any = field(default=None, repr=False, compare=False)
 
     def __getitem__(self, name: str) -> float | np.ndarray:
         value = np.asarray(self.observe(name, self)).squeeze()
@@ -56,7 +53,7 @@ class State:
         return path
 
     @staticmethod
-    def open(path: str | Path, plant: Plant, parameters: Mapping[str, Any] | None = None) -> State:
+    def open(path: str | Path, plant: Any, parameters: Mapping[str, Any] | None = None) -> State:
         """The state of a file for a compiled model, with these parameter values; its unknowns are solved for anew."""
         try:
             content = json.loads(Path(path).read_text(encoding="utf-8"))

@@ -7,6 +7,7 @@ from typing import Any
 
 import numpy as np
 
+from fowtlib.language.data_files import named
 from fowtlib.language.declarations import join
 
 
@@ -14,11 +15,16 @@ def structural_values(root: Any) -> dict[str, Any]:
     """The structural and bound parameters of all parts by path, ready for JSON; a file by its name, not its place."""
     parts = root.walk() if root is not None else ()
     return {
-        join(part.path, name): _plain(part.parameter_value(name))
+        join(part.path, name): _data(part, name) if field.is_data else _plain(part.parameter_value(name))
         for part in parts
         for name, field in part.parameters.items()
         if not field.tunable
     }
+
+
+def _data(part: Any, name: str) -> Any:
+    given = part.parameter_binding(name)
+    return named(given) if isinstance(given, str) and given else _plain(given)
 
 
 def _plain(value: Any) -> Any:

@@ -8,6 +8,7 @@ import pytest
 import fowtlib as fw
 
 CALM = {"wind.kind": "none", "sea.spectrum": "still", "platform.drag.end_drag": (3.0, 2.0)}
+CALM |= {"platform.damping.matrix": np.zeros((6, 6))}
 WATER = "platform.water"
 MOTIONS = ("surge", "sway", "heave", "roll", "pitch", "yaw")
 
@@ -128,3 +129,10 @@ def test_the_derivative_of_the_acceleration_is_a_difference(plant, path, entry, 
     difference = (at(step) - at(-step)) / (2 * step)
     assert np.abs(difference).max() > 0
     np.testing.assert_allclose(linear.D[:, entry], difference, rtol=1e-3, atol=1e-4 * np.abs(difference).max())
+
+
+@pytest.mark.parametrize("name", ["damping.matrix", "drag.end_drag"])
+def test_what_a_hull_was_built_without_cannot_be_changed(name):
+    plant = fw.load("oc3_spar_rigid").with_parameters({"wind.kind": "none"}).compile()
+    with pytest.raises(fw.ModelError, match=f"no tunable parameter 'platform.{name}'"):
+        plant.initial_state({f"platform.{name}": np.ones((6, 6)) if "matrix" in name else (1.0, 1.0)})

@@ -133,9 +133,9 @@ def test_a_fault_is_named_with_its_line(tmp_path, reader, text, old, new, messag
 
 
 def test_a_file_that_is_not_there_or_not_text(tmp_path):
-    with pytest.raises(HydrodynamicDataError, match="cannot be read: No such file"):
+    with pytest.raises(HydrodynamicDataError, match="cannot read the WAMIT file: No such file"):
         radiation(tmp_path / "none.1")
-    (tmp_path / "binary.1").write_bytes(b"\xff\xfe\x00\x81")
+    (tmp_path / "binary.1").write_bytes(b"\x00\x81\xff\xfe")  # in the other order it is UTF-16
     with pytest.raises(HydrodynamicDataError, match="not a text file"):
         radiation(tmp_path / "binary.1")
 

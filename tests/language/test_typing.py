@@ -16,13 +16,17 @@ ROOT = Path(__file__).parents[2]
 SCRIPT = '''
 from __future__ import annotations
 
+from pathlib import Path
+
 import numpy as np
 
 import fowtlib as fw
-from fowtlib.components.environment import World
-from fowtlib.components.mechanics import FixedTranslation, Frame, PointMass, Prismatic
+from fowtlib.components.aero import CoefficientRotor
+from fowtlib.components.environment import Sea, Wind, World
+from fowtlib.components.mechanics import BeamProperties, FixedTranslation, Frame, PointMass, Prismatic
 from fowtlib.components.mooring import CatenaryLine, MooringSystem
 from fowtlib.components.servo import BaselineController, BladedController
+from fowtlib.components.support import FlexibleTower
 from fowtlib.components.turbine import RotorNacelle
 from fowtlib.language import (
     Array, Component, Number, RealInput, RealOutput, Scalar, Vector, der, eq, outer, param, part, port, var,
@@ -76,6 +80,8 @@ half: float = plate.depth / 2
 
 root = fw.Assembly("two ways of saying the same")
 root.world = World(water_depth="320 m", gravity=9.81)
+root.wind = Wind(kind="steady", mean_speed="12 m/s")
+root.sea = Sea(spectrum="jonswap", significant_wave_height="6 m", peak_period=10, seed=2)
 root.slide = Prismatic(n=(0, 0, 1))
 root.plate = plate
 root.connect(root.world.frame, root.slide.frame_a)
@@ -91,6 +97,9 @@ MooringSystem(
     fairlead_radius=5, fairlead_depth="70 m", anchor_radius="0.8 km", anchor_depth=320,
 )
 CatenaryLine(length=1, axial_stiffness=1, mass_per_length=1, anchor_position=(0, 0, "-320 m"))
+FlexibleTower(properties="tower.csv", units=2)  # needs files
+FlexibleTower(properties=BeamProperties.uniform(80.0, 4000.0, 5e11), table=None, units=2)
+CoefficientRotor(coefficients=Path("rotor.csv"), radius="63 m", inertia=3.9e7)
 control = BaselineController(proportional_gain="0.006 s", integral_gain=0.0009, sample_period="10 ms")
 RotorNacelle(mass="350 t", gear_ratio=97, generator_inertia=534.116, control=control)  # needs files
 RotorNacelle(mass=1, gear_ratio=97, generator_inertia=1, control=BladedController(file="libdiscon.so"))  # needs files
@@ -117,6 +126,8 @@ root.connect(plate, plate.frame)  # wrong
 root.connect(plate.frame, 3)  # wrong
 RotorNacelle(mass=1, gear_ratio=97, generator_inertia=1, control=World())  # wrong
 FixedTranslation(r="3 m", length=3)  # wrong
+FlexibleTower(properties=3.0, units=2)  # wrong
+FlexibleTower(properties=World(), units=2)  # wrong
 '''
 
 

@@ -109,7 +109,7 @@ def test_what_the_hub_radius_is_for():
     with pytest.raises(ParameterError) as error:
         air.rotor  # noqa: B018
     assert str(error.value) == (
-        "BladeElementAerodynamics.hub_radius has no value: the distance of the blade roots from the shaft."
+        "BladeElementAerodynamics.hub_radius has no value: distance of the blade roots from the shaft."
     )
 
 

@@ -61,7 +61,7 @@ class Sea(Component, selector="spectrum", shared=("signal", "loads", "velocity",
         elevation = self.signal(lambda waves: np.ones((len(waves), 1)), 1, "wave elevation", "m")
         return [eq(self.elevation, elevation), warning]
 
-    def drawing(self):
+    def drawing(self) -> shapes.Drawing:
         waves = self.components()
         harmonics = (waves.omega, waves.amplitude, waves.phase, waves.wave_number)
         return [shapes.Water(self.world.water_depth, *harmonics, heading=waves.heading, build_up=self.build_up)]

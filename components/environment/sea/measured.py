@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import warnings
 from functools import lru_cache
-from pathlib import Path
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -49,12 +48,7 @@ class MeasuredSea(Sea, kind="record"):
 
     def record(self) -> WaveRecord:
         """What was measured."""
-        file = self.given("file")
-        try:
-            changed = Path(file).stat().st_mtime_ns
-        except OSError:
-            changed = 0
-        return _record(file, changed)
+        return read_record(self.given("file"))
 
     def longest_run(self) -> float:
         record, start = self.record(), self.parameter_value("start")
@@ -84,5 +78,4 @@ class MeasuredSea(Sea, kind="record"):
         return self.lowest_frequency, self.highest_frequency
 
 
-_record = lru_cache(maxsize=4)(lambda file, changed: read_record(file))
 _components = lru_cache(maxsize=8)(record_waves)

@@ -10,6 +10,7 @@ from numpy.typing import NDArray
 
 from fowtlib.components.environment.waves import WaveComponents, wave_number
 from fowtlib.components.environment.wind_file import read_series
+from fowtlib.language.data_files import remembered
 from fowtlib.language.errors import ParameterError
 
 Floats = NDArray[np.float64]
@@ -48,6 +49,7 @@ class WaveRecord:
         return float(1 - inside / power.sum()) if power.sum() else 0.0
 
 
+@remembered()
 def read_record(path: str) -> WaveRecord:
     """A record from a CSV file with the columns time [s] and elevation [m]; see wind_file.read_series for its form."""
     series = read_series(path, 1, what="record of waves", quantity="elevation")

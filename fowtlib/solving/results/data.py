@@ -112,8 +112,9 @@ class Stored:
 
     @property
     def plain_attributes(self) -> dict[str, Any]:
-        """The attributes with parameters and structure as JSON text."""
-        texts = {"parameters": plain(self.attributes["parameters"]), "structure": self.attributes["structure"]}
+        """The attributes with parameters, structure and data files as JSON text."""
+        texts = {"parameters": plain(self.attributes["parameters"]), "structure": self.attributes["structure"],
+                 "data": self.attributes.get("data", {})}  # fmt: skip
         return {**self.attributes, **{key: json.dumps(value) for key, value in texts.items()}}
 
     def columns(self) -> Iterator[tuple[str, str, np.ndarray]]:

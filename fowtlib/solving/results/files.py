@@ -130,7 +130,8 @@ def _read_netcdf(path: Path) -> Stored:
         raise ModelError(f"{path}: is a netCDF file, but not a result of fowtlib (attribute format = '{_FORMAT}').")
     names = json.loads(attributes.pop("result_names"))
     attributes["parameters"] = json.loads(attributes["parameters"])
-    attributes["structure"] = json.loads(attributes.get("structure", "{}"))
+    for key in ("structure", "data"):
+        attributes[key] = json.loads(attributes.get(key, "{}"))
     raw_names = json.loads(attributes.pop("raw_names", "null"))
     fingerprint = attributes.pop("parameter_hash", "")
     raw = None

@@ -48,7 +48,8 @@ class Result:
     values      name -> array (n,), (n, m) or (n, m, k), in the units given
     units       name -> unit text, "1" for none
     long_names  name -> one phrase for a figure's axis
-    attributes  of the run: model, title, solver, tolerance, parameters (mapping), status (a sentence)
+    attributes  of the run: model, title, solver, tolerance, parameters (mapping), data (files with
+                their digests, by the parameters that name them), status (a sentence)
     raw         the solver's trajectory; needed to observe other variables and to go on from the end
     observe     rebuilds any variable of the model by path: an ``Observer``, or observe(names) -> array
     """
@@ -85,6 +86,7 @@ class Result:
             "status": "finished.",
             "parameters": {},
             "structure": {},
+            "data": {},
             **(attributes or {}),
         }
 

@@ -1,0 +1,169 @@
+"""A beam that is a round tube, whose heights, diameters, walls and material may change from run to run."""
+
+from __future__ import annotations
+
+from functools import lru_cache
+
+import numpy as np
+
+from fowtlib.components.mechanics.beam import Beam, BeamUnit
+from fowtlib.components.mechanics.beam_division import Division, divide, pieces
+from fowtlib.components.mechanics.beam_properties import BeamProperties
+from fowtlib.components.mechanics.bodies import FixedTranslation, RigidBody
+from fowtlib.components.mechanics.sensors import LoadSensor
+from fowtlib.language import Array, Scalar, eq, param, shapes
+from fowtlib.language import math as m
+from fowtlib.language.errors import ParameterError
+from fowtlib.language.expressions import StartNumbers
+
+TUBE = ("heights", "diameters", "wall_thicknesses", "density", "young_modulus", "shear_modulus")
+Key = tuple[str, str]
+
+
+class TubeBeam(Beam):
+    """A Beam that is a round tube, given by diameters and walls at heights, linear between them; see Beam.
+
+    Masses, places and stiffnesses of the chain are those of a Beam with the table of the same tube; they are computed
+    when a run starts. Where a hinge passes a node or a cut the chain is another one: the run is refused, and the model
+    has to be built anew.
+    """
+
+    heights: Array = param(unit="m", doc="stations along the axis, root first")
+    diameters: Array = param(unit="m", min=0, doc="outer diameters at the stations")
+    wall_thicknesses: Array = param(unit="m", min=0, doc="wall thicknesses at the stations")
+    density: Scalar = param(default=8500.0, unit="kg/m^3", min=0, doc="density of the wall, with paint, bolts, flanges")
+    young_modulus: Scalar = param(default=210e9, unit="Pa", min=0, doc="Young's modulus of the wall")
+    shear_modulus: Scalar = param(default=80.8e9, unit="Pa", min=0, doc="shear modulus of the wall")
+
+    def build(self):
+        if self.properties or self.table is not None:
+            raise ParameterError(f"{self.label}: properties and table are those of a Beam; a tube has neither.")
+        self._chain_keys = tuple(tube_chain(self))
+        numbers = StartNumbers(self, "chain", len(self._chain_keys), _chain_numbers)
+        chain = {key: numbers[k] for k, key in enumerate(self._chain_keys)}
+        frame, carriers = self.frame_a, {}
+        for kind, name in self._chain_keys:
+            if kind == "arm":
+                frame = self._link(frame, (0, 0, chain[kind, name]), name)
+            elif kind in ("bending", "cut"):
+                joint = self.add(name, self._unit(chain, name) if kind == "bending" else LoadSensor())
+                self.connect(frame, joint.frame_a)
+                frame = joint.frame_b
+            elif kind == "mass":
+                across, along = chain["across", name], chain["along", name]
+                inertia = ((across, 0, 0), (0, across, 0), (0, 0, along))
+                body = RigidBody(mass=chain["mass", name], r_cm=(0, 0, chain["centre", name]), inertia=inertia)
+                self.connect(frame, self.add(name, body).frame_a)
+            carriers[name] = frame
+        self.connect(frame, self.frame_b)
+        for kind, name in self._chain_keys:
+            if kind.startswith("node of "):
+                k = int(name.rpartition("_")[2]) - 1
+                x, y, _ = _point(self.node_points[k])
+                carrier = carriers[kind.removeprefix("node of ")]
+                self.connect(self._link(carrier, (x, y, chain[kind, name]), name), self.nodes[k])
+
+    def _link(self, frame, r, name):
+        link = self.add(name, FixedTranslation(r=r, diameter=0))
+        self.connect(frame, link.frame_a)
+        return link.frame_b
+
+    def _unit(self, chain, name):
+        k = self.stiffness_factor
+        return BeamUnit(
+            stiffness_x=k * chain["bending", name], stiffness_y=k * chain["bending", name],
+            torsional_stiffness=k * chain["torsion", name], axial_stiffness=k * chain["stretch", name],
+            damping_x=self.damping_x, damping_y=self.damping_y, damping=self.damping,
+            torsion=self.torsion, stretch=self.stretch,
+        )  # fmt: skip
+
+    def equations(self):
+        a, b = self.frame_a, self.frame_b
+        cuts = [getattr(self, f"cut_{k + 1}") for k in range(self.n_cuts)]
+        length = self.heights[self.heights.shape[0] - 1] - self.heights[0]
+        return [
+            [eq(self.cut_force[k], cut.force) for k, cut in enumerate(cuts)],
+            [eq(self.cut_moment[k], cut.torque) for k, cut in enumerate(cuts)],
+            eq(self.deflection, a.R.T @ (b.r - a.r) - m.vertcat(0, 0, length)),
+            eq(self.root_force, a.R.T @ a.f),
+            eq(self.root_moment, a.R.T @ a.t),
+        ]
+
+    def drawing(self):
+        parts = division(self)
+        heights, diameters = (np.ravel(self.parameter_value(name)) for name in ("heights", "diameters"))
+        frames = [self.frame_a, *(self.parts[f"unit_{i + 1}"].frame_b for i in range(self.units))]
+        drawn = []
+        for frame, origin, segment in zip(frames, [0.0, *parts.s], parts.segments, strict=True):
+            s = np.linspace(segment.start, segment.end, 5)
+            axis = np.column_stack([0 * s, 0 * s, s - origin])
+            drawn.append(shapes.Tube(frame, axis, np.interp(s, heights - heights[0], diameters), material="tower"))
+        return drawn
+
+
+def tube_table(component) -> BeamProperties:
+    """The properties of the tube that a component has by its parameters of TUBE; a ParameterError says its path."""
+    values = [component.parameter_value(name) for name in TUBE]
+    try:
+        return _table(*(tuple(np.ravel(value)) for value in values[:3]), *map(float, values[3:]))
+    except ParameterError as error:
+        raise ParameterError(f"{component.label}: {error}") from None
+
+
+def division(beam: TubeBeam) -> Division:
+    """Hinges and segments of the tube with the parameter values that it has now."""
+    return divide(tube_table(beam), beam.units, beam.treatment)
+
+
+def tube_chain(beam: TubeBeam) -> dict[Key, float]:
+    """The numbers of the chain from root to tip, by kind and name of the part: places [m], masses, stiffnesses."""
+    table, parts = tube_table(beam), division(beam)
+    found: dict[Key, float] = {}
+    points = [_point(given) for given in beam.node_points]
+    origin, carrier, left = 0.0, "", list(range(len(points)))
+    for k, point in enumerate(points):
+        if not -1e-9 <= point[2] <= table.length + 1e-9:
+            raise ParameterError(f"node {k + 1} at {point[2]:g} m is off the beam of {table.length:g} m.")
+    chain = pieces(table, parts, np.ravel(beam.cuts))
+    for piece in chain:
+        if piece.hinge or piece.cut:
+            found["arm", f"arm_{piece.hinge}" if piece.hinge else f"to_cut_{piece.cut}"] = piece.root[2] - origin
+            origin, carrier = piece.root[2], f"unit_{piece.hinge}" if piece.hinge else f"cut_{piece.cut}"
+        if piece.hinge:
+            i, name = piece.hinge - 1, carrier
+            found |= {("bending", name): parts.stiffness_x[i], ("torsion", name): parts.torsion[i]}
+            found["stretch", name] = parts.stretch[i]
+        elif piece.cut:
+            found["cut", carrier] = 0.0
+        segment, name = piece.segment, piece.name
+        if segment.end > segment.start:
+            found |= {("mass", name): segment.mass, ("centre", name): segment.centre[2] - origin}
+            found |= {("across", name): segment.inertia[0, 0], ("along", name): segment.inertia[2, 2]}
+            carrier = name
+        for k in [k for k in left if points[k][2] <= segment.end or piece is chain[-1]]:
+            found[f"node of {carrier}", f"to_node_{k + 1}"] = points[k][2] - origin
+            left.remove(k)
+    found["arm", "end"] = table.length - origin
+    return found
+
+
+def _chain_numbers(beam: TubeBeam) -> list[float]:
+    chain = tube_chain(beam)
+    if tuple(chain) != beam._chain_keys:
+        raise ParameterError(
+            f"{beam.label}: with these values of the tube a hinge passes one of its nodes or cuts, which makes another "
+            "chain; set them in the model and compile it anew."
+        )
+    return list(chain.values())
+
+
+def _point(given) -> tuple[float, float, float]:
+    return (0.0, 0.0, float(given)) if np.ndim(given) == 0 else tuple(float(value) for value in given)
+
+
+@lru_cache(maxsize=64)
+def _table(heights, diameters, walls, density, young_modulus, shear_modulus) -> BeamProperties:
+    """The same object for the same tube, so that its division is found again."""
+    return BeamProperties.tube(
+        heights, diameters, walls, density=density, young_modulus=young_modulus, shear_modulus=shear_modulus
+    )
