@@ -55,7 +55,7 @@ class BladeElementRotor:
 
     blade: BladeAerodynamics
     blades: int = 3
-    sense: int = 1
+    rotation: int = 1
     skew: float = PITT_PETERS
     axial_drag: bool = True
     tangential_drag: bool = True
@@ -65,7 +65,7 @@ class BladeElementRotor:
     line_loads: str = "elements"
 
     def __post_init__(self):
-        if self.blades < 1 or self.sense not in (1, -1):
+        if self.blades < 1 or self.rotation not in (1, -1):
             raise ParameterError("a rotor has one blade or more, and its sense of rotation is 1 or -1.")
         if self.line_loads not in LINE_LOADS:
             raise ParameterError(f"line_loads is '{self.line_loads}'; choose {' or '.join(LINE_LOADS)}.")
@@ -162,7 +162,7 @@ class BladeElementRotor:
                    "lift_slope": lift_lines[:, 0], "zero_lift": lift_lines[:, 1],
                    "knot": np.concatenate([foil.angle for foil in foils]), "cubic": np.concatenate(cubics)}  # fmt: skip
         integers = {"polar": polar, "first_in": np.concatenate(first_in), "last_knot": starts + np.array(sizes) - 2}
-        macros = {"BLADES": self.blades, "STATIONS": len(b.radius), "SENSE": self.sense,
+        macros = {"BLADES": self.blades, "STATIONS": len(b.radius), "SENSE": self.rotation,
                   "TIP_RADIUS": _number(b.tip_radius), "SKEW": _number(self.skew), "SKEWED_WAKE": int(self.skew != 0),
                   "DYNAMIC_INFLOW": int(self.dynamic_inflow), "AXIAL_DRAG": int(self.axial_drag),
                   "TANGENTIAL_DRAG": int(self.tangential_drag)}  # fmt: skip

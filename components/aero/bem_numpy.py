@@ -1,6 +1,7 @@
 """The rotor of bem.c once more, in NumPy: the oracle of its tests, and what runs without a compiler.
 
-Written apart from the C text: induction factors and bisection, where the C code has speeds and Newton's method.
+Written apart from the C text: induction factors and interpolation in a bracket, where the C code has speeds and
+Newton's method.
 """
 
 from __future__ import annotations
@@ -30,8 +31,8 @@ def loads(rotor: BladeElementRotor, inputs: np.ndarray) -> np.ndarray:
     normal = part["hub_orientation"][:3]
     skew_wind = part["disk_wind"] - part["hub_velocity"]
 
-    tangent = rotor.sense * _unit(np.cross(span, normal))  # to the trailing edge
-    downwind = np.cross(rotor.sense * tangent, span)
+    tangent = rotor.rotation * _unit(np.cross(span, normal))  # to the trailing edge
+    downwind = np.cross(rotor.rotation * tangent, span)
     relative = wind - velocity
     arm = position - part["hub_position"]
     radius = np.sqrt(_dot(arm, arm) - (arm @ normal) ** 2)
@@ -44,7 +45,7 @@ def loads(rotor: BladeElementRotor, inputs: np.ndarray) -> np.ndarray:
     axial, tangential, moment, induced = section.loads(_skew(rotor, skew_wind, normal, arm), given)
     scale = (part["air_density"] * np.tile(rotor.lengths, rotor.blades))[:, None]
     force = axial[:, None] * downwind + tangential[:, None] * tangent
-    result = np.hstack([scale * force, scale * rotor.sense * moment[:, None] * span]).ravel()
+    result = np.hstack([scale * force, scale * rotor.rotation * moment[:, None] * span]).ravel()
     return np.append(result, induced) if rotor.dynamic_inflow else result
 
 
@@ -86,6 +87,34 @@ def _unit(a: np.ndarray) -> np.ndarray:
 def _smooth(x: np.ndarray | float) -> np.ndarray:
     x = np.clip(x, 0, 1)
     return x**2 * (3 - 2 * x)
+
+
+def _root(function: Loads, low: np.ndarray, high: np.ndarray) -> np.ndarray:
+    """Where each element of a function changes its sign between low and high, to the last digits.
+
+    Inverse quadratic interpolation where it can be trusted, else bisection: T. R. Chandrupatla, Advances in Engineering
+    Software 28 (1997) 145.
+    """
+    x1, x2, share = low, high, np.full_like(low, 0.5)
+    f1, f2 = function(x1), function(x2)
+    with np.errstate(divide="ignore", invalid="ignore", over="ignore"):
+        for _ in range(100):
+            x = x1 + share * (x2 - x1)
+            f = function(x)
+            same = (f < 0) == (f1 < 0)
+            x3, f3 = np.where(same, x1, x2), np.where(same, f1, f2)
+            x2, f2 = np.where(same, x2, x1), np.where(same, f2, f1)
+            x1, f1 = x, f
+            best = np.where(np.abs(f1) < np.abs(f2), x1, x2)
+            least = 2 * np.finfo(float).eps * np.abs(best) / np.abs(x2 - x1)
+            if np.all((least > 0.5) | (f1 == 0) | (f2 == 0)):
+                break
+            xi, phi = (x1 - x2) / (x3 - x2), (f1 - f2) / (f3 - f2)
+            curved = f1 / (f2 - f1) * f3 / (f2 - f3) + (x3 - x1) / (x2 - x1) * f1 / (f3 - f1) * f2 / (f3 - f2)
+            share = np.where((phi**2 < xi) & ((1 - phi) ** 2 < 1 - xi), curved, 0.5)
+            least = np.minimum(least, 0.5)
+            share = np.clip(np.where(np.isfinite(share), share, 0.5), least, 1 - least)
+    return np.where(f1 == 0, x1, best)
 
 
 def _skew(rotor: BladeElementRotor, wind: np.ndarray, normal: np.ndarray, arm: np.ndarray):
@@ -156,17 +185,13 @@ class _Sections:
         return self.side * (self.Vt * np.sin(phi) * axial - self.Vx * np.cos(phi) * tangential)
 
     def angle(self) -> np.ndarray:
-        """The inflow angle after induction, by bisection in the half that holds a root."""
+        """The inflow angle after induction, in the half that holds a root."""
         quarter = np.full_like(self.Vx, np.pi / 2)
         steep = self.residual(self.side * quarter) < 0
         low, high = np.where(steep, quarter, EDGE), np.where(steep, np.pi - EDGE, quarter)
         low_out, high_out = self.residual(self.side * low) >= 0, self.residual(self.side * high) < 0
         held, end = np.where(steep, high_out, low_out), np.where(steep, high, low)
-        for _ in range(56):
-            middle = (low + high) / 2
-            below = self.residual(self.side * middle) < 0
-            low, high = np.where(below, middle, low), np.where(below, high, middle)
-        return self.side * np.where(held, end, (low + high) / 2)
+        return self.side * np.where(held, end, _root(lambda angle: self.residual(self.side * angle), low, high))
 
     def loads(self, skew: tuple[float, np.ndarray], given: np.ndarray | None = None) -> tuple[np.ndarray, ...]:
         """Force downwind and to the trailing edge, and nose-up moment, of each element, per length and air density.

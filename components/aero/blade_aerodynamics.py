@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
+from functools import cached_property
 from typing import Any
 
 import numpy as np
@@ -63,7 +64,7 @@ class Airfoil:
     def _wrong(self, row: int, message: str) -> ParameterError:
         return ParameterError(f"airfoil {self.name}: {message}", where=_place(self.where, self.lines, row))
 
-    @property
+    @cached_property
     def cubics(self) -> np.ndarray:
         """Coefficients by power of (angle - knot): (n - 1, 3, 4)."""
         from scipy.interpolate import PchipInterpolator
@@ -114,6 +115,16 @@ class BladeAerodynamics:
                 raise ParameterError(f"{name} must be {n} finite numbers, one for each element.", where=place)
             object.__setattr__(self, name, array)
         self._check(radius, n)
+
+    def fitting(self, label: str, airfoils: Any, **radii: float | None) -> BladeAerodynamics:
+        """The blade itself, for a part that says something about it too; ParameterError where that is another thing."""
+        if airfoils is not None and airfoils is not self.airfoils:
+            raise ParameterError(f"{label}.airfoils: the blade that is given has airfoils of its own.")
+        for name, given in radii.items():
+            own = getattr(self, name)
+            if given is not None and abs(own - given) > 1e-9 * abs(given):
+                raise ParameterError(f"{label}.{name} is {given:g} m, and that of the blade {own:g} m.")
+        return self
 
     def _half_way(self, radius: np.ndarray) -> np.ndarray:
         return np.diff(np.concatenate([[self.hub_radius], (radius[1:] + radius[:-1]) / 2, [self.tip_radius]]))

@@ -25,6 +25,7 @@ from fowtlib.language import (
     RealOutput,
     Vector,
     assert_,
+    at_start,
     data,
     der,
     eq,
@@ -34,8 +35,8 @@ from fowtlib.language import (
     var,
 )
 from fowtlib.language import math as m
-from fowtlib.language.errors import ParameterError
 
+OF_BLADE = ("airfoils", "hub_radius", "tip_radius", "smooth_airfoils")  # what read_blade takes
 OPTIONS = ("skew", "axial_drag", "tangential_drag", "tip_loss", "hub_loss", "line_loads")
 
 
@@ -46,13 +47,8 @@ def _stations(elements: BladeElements) -> tuple[int]:
 class BladeElements(Component):
     """Partial: the blades of a rotor as elements, and how momentum theory treats them; see BladeElementRotor."""
 
-    blade: Data[BladeAerodynamics] = data(
-        read_blade, using=("airfoils", "hub_radius", "tip_radius", "smooth_airfoils"),
-        doc="CSV with the elements of the blade, see read_blade; or a blade with its airfoils, as it is",
-    )  # fmt: skip
-    airfoils: Data[Mapping] = data(
-        read_airfoils, default=None, using=("smooth_airfoils",), doc="CSV with the airfoils, see read_airfoils"
-    )
+    blade: Data[BladeAerodynamics] = data(read_blade, using=OF_BLADE, doc="CSV of its elements, see read_blade")
+    airfoils: Data[Mapping] = data(read_airfoils, default=None, using=OF_BLADE[-1:], doc="CSV, see read_airfoils")
     smooth_airfoils: bool = param(default=True, doc="monotone cubics between the angles of the airfoils, else lines")
     hub_radius: Number = param(default=None, unit="m", min=0, doc="distance of the blade roots from the shaft")
     tip_radius: Number = param(unit="m", min=0, doc="distance of the tips from the shaft, along the unconed blade")
@@ -77,13 +73,7 @@ class BladeElements(Component):
     @property
     def rotor(self) -> BladeElementRotor:
         """The rotor of the files, as quasi-steady theory has it."""
-        blade = self.blade
-        if not isinstance(self.parameter_binding("blade"), str) and self.is_set("airfoils"):
-            raise ParameterError(f"{self.label}.airfoils: the blade that is given has airfoils of its own.")
-        for name in ("hub_radius", "tip_radius"):
-            if (given := getattr(self, name)) is not None and abs(getattr(blade, name) - given) > 1e-9 * given:
-                of_blade = f"that of the blade {getattr(blade, name):g} m"
-                raise ParameterError(f"{self.label}.{name} is {given:g} m, and {of_blade}.")
+        blade = self.blade.fitting(self.label, self.airfoils, hub_radius=self.hub_radius, tip_radius=self.tip_radius)
         return _rotor(blade, self.blades, self.rotation, tuple((name, getattr(self, name)) for name in OPTIONS))
 
     @property
@@ -152,7 +142,7 @@ class BladeElementAerodynamics(RotorLoads):
 
     def equations(self):
         places, towers = m.horzcat(*[node.r for node in self.nodes]), [tower for tower in self.towers if tower.active]
-        require_disk(self.wind, self.tip_radius, self.station, f"the rotor of {self.label}")
+        at_start("place in the wind", doc="a wind field that is too small is refused", compute=_require_wind)
         wind, n = self.wind.velocity(places, self.station, reach="plane"), self.rotor.nodes
         outputs = self.air(places, wind + sum(tower.change(wind, places) for tower in towers))
         return [
@@ -179,6 +169,12 @@ class BladeElementAerodynamics(RotorLoads):
         mean = sum(ca.vertsplit(quasi_steady, len(self.inflow.radius))) / self.blades
         through = m.dot(self.hub.R[:, 0], self.disk_wind - der(self.hub.r))
         return [eq(self.inflow.quasi_steady, mean), eq(self.inflow.wind_speed, through)]
+
+
+def _require_wind(air: BladeElementAerodynamics) -> float:
+    """Where the wind does not reach all of the rotor, an error."""
+    require_disk(air.wind, air.tip_radius, air.station, f"the rotor of {air.label}")
+    return 1.0
 
 
 @lru_cache(maxsize=16)

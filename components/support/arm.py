@@ -6,7 +6,7 @@ import numpy as np
 
 from fowtlib.components.mechanics import BeamTurn, FixedTranslation, Frame
 from fowtlib.components.mechanics.beam_properties import BeamProperties, read_beam
-from fowtlib.components.support.tower import tube_or_table
+from fowtlib.components.support.tower import of_a_tube, tube_or_table
 from fowtlib.language import Array, Component, Data, Number, RealOutput, Scalar, Vector, data, eq, param, port
 from fowtlib.language import math as m
 from fowtlib.language.errors import ParameterError
@@ -16,12 +16,12 @@ class ArmLoads(Component):
     """Partial: frames, places and loads of an arm; see Arm for the signs."""
 
     node_distances: Array = param(
-        default=(), unit="m", structural=True,
+        default=(), unit="m", structural="it says which segment carries each frame",
         doc="frames along the arm: distance from the root of the tube"
     )  # fmt: skip
     n_nodes: int = param(default=lambda self: len(self.node_distances), min=0, doc="number of those frames")
     cuts: Array = param(
-        default=(), unit="m", structural=True,
+        default=(), unit="m", structural="it parts the chain of segments",
         doc="places of section loads: distance from the root of the tube"
     )  # fmt: skip
     n_cuts: int = param(default=lambda self: len(self.cuts), min=0, doc="number of those cuts")
@@ -61,22 +61,33 @@ class Arm(ArmLoads):
 
     mode_names = {"*_x": "arm horizontal", "*_y": "arm vertical", "*.twisting.*": "arm torsion"}
 
-    to: Vector = param(unit="m", structural=True, doc="the tip, from frame_a, resolved in frame_a")
+    to: Vector = param(
+        unit="m", structural="the axes of the beam follow from it", doc="the tip, from frame_a, resolved in frame_a"
+    )
     root_radius: Number = param(default=0.0, unit="m", min=0, doc="where the tube begins, from frame_a along the arm")
     diameters: Array = param(
         default=(), unit="m", doc="outer diameters at equal distances from root to tip, linear between"
     )
     wall_thicknesses: Array = param(default=(), unit="m", doc="wall thicknesses at the same places")
-    density: Scalar = param(default=8500.0, unit="kg/m^3", min=0, doc="density of the wall, with paint, bolts, flanges")
-    young_modulus: Scalar = param(default=210e9, unit="Pa", min=0, doc="Young's modulus of the wall")
-    shear_modulus: Scalar = param(default=80.8e9, unit="Pa", min=0, doc="shear modulus of the wall")
+    density: Scalar = param(
+        default=of_a_tube(8500.0),
+        unit="kg/m^3",
+        min=0,
+        doc="density of the wall, with paint, bolts, flanges; 8500 unless given",
+    )
+    young_modulus: Scalar = param(
+        default=of_a_tube(210e9), unit="Pa", min=0, doc="Young's modulus of the wall; 210 GPa unless given"
+    )
+    shear_modulus: Scalar = param(
+        default=of_a_tube(80.8e9), unit="Pa", min=0, doc="shear modulus of the wall; 80.8 GPa unless given"
+    )
     stiffness_factor: Scalar = param(default=1.0, min=0, doc="factor on every stiffness")
     properties: Data[BeamProperties] = data(
         read_beam, default=None, doc="CSV with the properties, see read_beam; x is horizontal"
     )
     table: object = param(default=None, doc="the properties as BeamProperties, instead of a path")
-    units: int = param(default=4, min=0, doc="number of beam units; 0: rigid")
-    treatment: str = param(default="loaded_tip", choices=("plain", "loaded_tip", "free_tip"), doc="see Beam")
+    hinges: int = param(default=4, min=0, doc="number of beam hinges; 0: rigid")
+    quadrature: str = param(default="loaded_tip", choices=("plain", "loaded_tip", "free_tip"), doc="see Beam")
     torsion: bool = param(default=False, doc="with torsion")
     damping_horizontal: Scalar = param(default=0.003, unit="s", min=0, doc="damping over stiffness, horizontal")
     damping_vertical: Scalar = param(default=damping_horizontal, unit="s", min=0, doc="the same, vertical")

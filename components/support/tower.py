@@ -53,13 +53,17 @@ class Tower(TwoFrames):
         ]
 
 
+def of_a_tube(value):
+    """Default of a number of a tube: none without diameters, as a number that nothing uses is no parameter of a run."""
+    return lambda component: value if np.size(component.parameter_value("diameters")) else None
+
+
 def tube_or_table(component, heights, names="diameters and wall_thicknesses", **settings):
     """The Beam of a component with these settings: a TubeBeam where `heights` along it are given, or that of its table.
 
     Raises ParameterError where both are given, or neither, or what a table does not use.
     """
     has_table = bool(component.properties) or component.table is not None
-    unused = [name for name in TUBE if name in component.parameters and component.is_set(name)]
     if np.size(heights):
         if has_table:
             raise ParameterError(f"{component.label}: give either properties, or {names}.")
@@ -68,12 +72,10 @@ def tube_or_table(component, heights, names="diameters and wall_thicknesses", **
             return TubeBeam(heights=heights, **tube, **settings)
         except ParameterError as error:
             raise ParameterError(str(error).replace(TubeBeam.__name__, component.label, 1)) from None
-    if has_table and unused:
+    if has_table:
         source = "properties" if component.properties else "table"
-        raise ParameterError(
-            f"{component.label}: {source} and {unused[0]} are both given, and {unused[0]} would do nothing beside the "
-            f"{source}; leave one of them out (stiffness_factor scales the stiffness of a table)."
-        )
+        tube = [name for name in TUBE if name in component.parameters]
+        component.refuse_unused(*tube, because=f"{source} is given (stiffness_factor scales what a table says)")
     return Beam(table=given_beam(component), **settings)
 
 
@@ -82,7 +84,7 @@ class FlexibleTower(Tower):
 
     Give `properties`, or `heights`, `diameters` and `wall_thicknesses`, linear between the heights, with the material.
     Moments at the cuts have the signs of the tower's, in axes that turn with it as it bends.
-    Two units with `treatment: loaded_tip` are within 0.4 % for the first two bending modes of the OC3 tower.
+    Two hinges with `quadrature: loaded_tip` are within 0.4 % for the first two bending modes of the OC3 tower.
     """
 
     mode_names = {"*_x": "{part} fore-aft", "*_y": "{part} side-side", "*.twisting.*": "{part} torsion"}
@@ -92,14 +94,23 @@ class FlexibleTower(Tower):
     heights: Array = param(default=(), unit="m", doc="heights of the stations, base first")
     diameters: Array = param(default=(), unit="m", doc="outer diameters at the heights")
     wall_thicknesses: Array = param(default=(), unit="m", doc="wall thicknesses at the heights")
-    density: Scalar = param(default=8500.0, unit="kg/m^3", min=0, doc="density of the wall, with paint, bolts, flanges")
-    young_modulus: Scalar = param(default=210e9, unit="Pa", min=0, doc="Young's modulus of the wall")
-    shear_modulus: Scalar = param(default=80.8e9, unit="Pa", min=0, doc="shear modulus of the wall")
+    density: Scalar = param(
+        default=of_a_tube(8500.0),
+        unit="kg/m^3",
+        min=0,
+        doc="density of the wall, with paint, bolts, flanges; 8500 unless given",
+    )
+    young_modulus: Scalar = param(
+        default=of_a_tube(210e9), unit="Pa", min=0, doc="Young's modulus of the wall; 210 GPa unless given"
+    )
+    shear_modulus: Scalar = param(
+        default=of_a_tube(80.8e9), unit="Pa", min=0, doc="shear modulus of the wall; 80.8 GPa unless given"
+    )
     stiffness_factor: Scalar = param(default=1.0, min=0, doc="factor on every stiffness")
-    cuts: Array = param(default=(), unit="m", structural=True, doc="places of section loads: height above the base")
+    cuts: Array = param(default=(), unit="m", structural="it parts the chain", doc="section loads: heights above base")
     n_cuts: int = param(default=lambda self: len(self.cuts), min=0, doc="number of those cuts")
-    units: int = param(default=4, min=0, doc="number of beam units; 0: rigid")
-    treatment: str = param(default="loaded_tip", choices=("plain", "loaded_tip", "free_tip"), doc="see Beam")
+    hinges: int = param(default=4, min=0, doc="number of beam hinges; 0: rigid")
+    quadrature: str = param(default="loaded_tip", choices=("plain", "loaded_tip", "free_tip"), doc="see Beam")
     torsion: bool = param(default=False, doc="with torsion")
     damping_fore_aft: Scalar = param(default=0.03, unit="s", min=0, doc="damping over stiffness, fore-aft")
     damping_side_side: Scalar = param(default=damping_fore_aft, unit="s", min=0, doc="the same, side-side")
@@ -131,7 +142,7 @@ class FlexibleTower(Tower):
 
 
 class RigidTower(Tower):
-    """A rigid tower: one body of given mass, centre and inertia. A table of properties: FlexibleTower with units 0."""
+    """A rigid tower: one body of given mass, centre and inertia. A table of properties: FlexibleTower with hinges 0."""
 
     height: Scalar = param(unit="m", min=0, doc="height of the top above the base")
     mass: Scalar = param(unit="kg", min=0, doc="mass")

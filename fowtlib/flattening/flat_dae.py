@@ -99,7 +99,7 @@ class Check:
 
 
 @dataclass(frozen=True)
-class Ring:
+class CyclicSymmetry:
     """Paths of parts that are alike, at equal angles around an axis around which they have turned by an angle."""
 
     angle: ca.SX

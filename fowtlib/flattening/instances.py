@@ -129,7 +129,7 @@ class Instances:
                 return self.system.at_start(
                     statements.AtStart(
                         reference.name, reference.size, "", "computed when a run starts", reference.compute,
-                        reference.component,
+                        reference.component.current,
                     )
                 )  # fmt: skip
             found = self._parameter(reference.component.current, reference.name)

@@ -111,9 +111,6 @@ class Component(Composite):
 
     # --- what authors override -----------------------------------------------------------------------------------
 
-    def build(self) -> None:
-        """Add parts and connections (composites only)."""
-
     def equations(self) -> list[Any]:
         """The statements of this component; called once, while the model is flattened."""
         return []
@@ -172,7 +169,7 @@ class Component(Composite):
             return field.checked(value, where)
         if expressions.is_expression(value):
             return value
-        if value is None and field.default is None:
+        if value is None and (field.default is None or inspect.isfunction(field.default)):
             return None
         if field.annotation in SHAPES:
             return to_si(value, field.unit, where)
@@ -222,6 +219,16 @@ class Component(Composite):
     def is_set(self, name: str) -> bool:
         """True where the parameter was given, not left at its default."""
         return name in self._values
+
+    def refuse_unused(self, *names: str, because: str) -> None:
+        """An error for a parameter that was given and would do nothing, since another one takes precedence."""
+        for name in names:
+            if self.is_set(name):
+                where = f"{self.origins[name]}: " if name in self.origins else ""
+                raise ParameterError(
+                    f"{where}{join(self.path or type(self).__name__, name)} is given and would do nothing, because "
+                    f"{because}; leave one of them out, or change it."
+                )
 
     def resolve(self, value: Any) -> Any:
         """A declared value for this instance: functions called, class-body parameters replaced by this instance's."""

@@ -9,7 +9,7 @@ stands for its successor: references to it (connections, formulas) and values se
 from __future__ import annotations
 
 from collections.abc import Iterator
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 from fowtlib.language.connectors import Connector, RealInput, Signal
 from fowtlib.language.declarations import Part, Port, PortReference, Variable, join
@@ -17,9 +17,7 @@ from fowtlib.language.equations import source_line
 from fowtlib.language.errors import ConnectionFault, NotFoundError, ParameterError, did_you_mean, one_of
 from fowtlib.language.units import dimension
 
-if TYPE_CHECKING:
-    from fowtlib.language.component import Component
-
+Component = Any  # the class is derived from the one below
 OWN_NAMES = {"origins", "parts", "connections"}
 AnyPort = PortReference | Connector | Signal  # what a port is outside of equations, and how it is declared
 _NOTHING: Any = object()
@@ -54,6 +52,9 @@ class Composite:
         self._later: set[str] = set()  # parameters and parts set from outside, after this component was made
         self._by_owner: dict[str, tuple[Any, Any]] = {}  # values that an owner's build() set: owner, value before
         self._predecessors: dict[str, Component] = {}
+
+    def build(self) -> None:
+        """Add parts and connections (composites only)."""
 
     # --- what authors and users call -----------------------------------------------------------------------------
 
@@ -132,7 +133,7 @@ class Composite:
             for name, declared in self.declared_parts.items():
                 given = self._given.get(name)
                 self._make(name, declared.make(self) if given is None else given, declared.base)
-            self.build()  # type: ignore[attr-defined]
+            self.build()
             for one, name in taken:
                 if name not in one._by_owner:
                     one._compose()  # build() sets it no more
@@ -155,7 +156,7 @@ class Composite:
     def _compose_again(self, name: str, structural: bool) -> None:
         """A parameter that may decide about parts has changed after they were made."""
         try:
-            if type(self).build is not _component().build or self.declared_parts:  # type: ignore[attr-defined]
+            if type(self).build is not Composite.build or self.declared_parts:
                 self._compose()
         except _HandedDown as error:
             raise ParameterError(
@@ -170,7 +171,7 @@ class Composite:
         for owner in list(self.enclosing()):
             if owner._composing:
                 return
-            if type(owner).build is not _component().build:
+            if type(owner).build is not Composite.build:
                 owner._compose()
 
     def _make(self, name: str, component: Component, base: type | None = None) -> Component:
@@ -309,7 +310,7 @@ class Composite:
             raise ParameterError(f"{self.label}: '{name}' is not a name; use letters, digits and underscores.")
         if any(name in table for table in (self.parameters, self.ports, self.variables, self.outers)):
             raise ParameterError(f"{self.label}.{name} is declared already and cannot be a {kind}.")
-        if hasattr(_component(), name) or name in OWN_NAMES:
+        if hasattr(_component(type(self)), name) or name in OWN_NAMES:
             raise ParameterError(
                 f"{self.label}: a {kind} cannot be called '{name}', which every component has already."
             )
@@ -394,7 +395,6 @@ def _is_component(value: Any) -> bool:
     return isinstance(value, Composite)
 
 
-def _component() -> Any:
-    from fowtlib.language.component import Component
-
-    return Component
+def _component(cls: type) -> type:
+    """The class that all components are derived from."""
+    return next(parent for parent in reversed(cls.__mro__) if issubclass(parent, Composite) and parent is not Composite)

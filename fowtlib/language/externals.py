@@ -6,6 +6,7 @@ from collections.abc import Callable, Iterator, Mapping
 from contextlib import contextmanager
 from pathlib import Path
 from typing import Any
+from weakref import WeakSet
 
 import casadi as ca
 import numpy as np
@@ -17,6 +18,7 @@ from fowtlib.language.native import NO_COMPILER, compile_library, compiler, say_
 Compute = Callable[[np.ndarray], Any]
 
 _explanations: dict[tuple[str, Path | None], Callable[[], str]] = {}
+_kept_points: WeakSet[_Last] = WeakSet()
 
 
 class ExternalFunction:
@@ -65,6 +67,7 @@ class ExternalFunction:
             self.function = _from_library(name, Path(library))
         else:
             self.function = _Python(name, sizes, python, jacobian, sparsity)
+            self.function.stands_in = source is not None
         _explanations[name, self.library] = explain or str  # str() is empty
         given = (self.function.numel_in(0), self.function.numel_out(0))
         if given != sizes:
@@ -102,17 +105,17 @@ class ExternalFunction:
         return dict(zip(self.outputs, ca.vertsplit(ca.vec(result), ends), strict=True))
 
 
-class LibraryFunction(ca.Function):
-    """A function of a shared library that still knows its path, for engines that call the library themselves.
+def runs_as_python(function: ca.Function) -> bool:
+    """Whether Python code stands in for the C code of an external function, for want of a compiler."""
+    return getattr(function, "stands_in", False)
 
-    files: those it reads, by the number that is its first input, each with what `<name>_open(number, path, ...)` of the
-    library takes besides, float for double and int for int; who uses the library elsewhere opens them there.
-    """
+
+class LibraryFunction(ca.Function):
+    """A function of a shared library that still knows its path, for engines that call the library themselves."""
 
     def __init__(self, function: ca.Function, path: Path):
         super().__init__(function)
         self.path = path
-        self.files: dict[float, tuple[Path, tuple[float | int, ...]]] = {}
 
     def __deepcopy__(self, memo: Any) -> LibraryFunction:
         return self
@@ -123,6 +126,8 @@ def refusals_explained() -> Iterator[None]:
     """SimulationError with the words of the external function, in place of CasADi's error about a call that failed."""
     for explain in _explanations.values():
         explain()  # what was said before is not about what comes now
+    for last in _kept_points:
+        last.point = None
     try:
         yield
     except RuntimeError:
@@ -142,19 +147,44 @@ def _from_library(name: str, path: Path) -> LibraryFunction:
         raise ParameterError(f"external function {name}: {path} cannot be used: {reason}") from None
 
 
+class _Last:
+    """A function of one array that is not called again for the point it was called for last.
+
+    CasADi asks for the blocks of a Jacobian one by one, and for values at the point of a Jacobian. What is kept is
+    forgotten when a calculation with a plant begins, because the data behind a handle may be others by then.
+    """
+
+    def __init__(self, function: Compute):
+        self.function = function
+        self.point: np.ndarray | None = None
+        self.value: Any = None
+        _kept_points.add(self)
+
+    def __call__(self, point: np.ndarray) -> Any:
+        if self.point is None or not np.array_equal(point, self.point):
+            self.point = None
+            self.value = self.function(point)
+            self.point = point.copy()
+        return self.value
+
+
 class _Python(ca.Callback):
     """A Python function as a CasADi function; slow, for prototypes and as the twin of a library."""
 
     def __init__(self, name: str, sizes: tuple[int, int], compute: Compute, jacobian: Compute | None,
                  sparsity: ca.Sparsity | None):  # fmt: skip
         ca.Callback.__init__(self)
-        self.sizes, self.compute, self.slope = sizes, compute, jacobian
+        self.sizes, self.compute = sizes, _Last(self._values(compute))
+        self.slope = _Last(jacobian) if jacobian else None
         self.sparsity = sparsity or ca.Sparsity.dense(sizes[1], sizes[0])
         self._derivative: _PythonJacobian | None = None
         self.construct(name, {} if jacobian else {"enable_fd": True})
 
     def __deepcopy__(self, memo: Any) -> _Python:
         return self
+
+    def _values(self, compute: Compute) -> Compute:
+        return lambda point: np.asarray(compute(point), dtype=float).reshape(self.sizes[1], 1).copy()
 
     def get_n_in(self) -> int:
         return 1
@@ -169,7 +199,7 @@ class _Python(ca.Callback):
         return ca.Sparsity.dense(self.sizes[1], 1)
 
     def eval(self, arguments: list[ca.DM]) -> list[np.ndarray]:
-        return [np.asarray(self.compute(arguments[0].full().ravel()), dtype=float).reshape(self.sizes[1], 1)]
+        return [self.compute(arguments[0].full().ravel())]
 
     def has_jacobian(self, *_: Any) -> bool:
         return self.slope is not None

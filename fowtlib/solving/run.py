@@ -26,9 +26,13 @@ from fowtlib.solving.interrupts import deferred_interrupt
 from fowtlib.solving.layout import Values
 from fowtlib.solving.observation import Observation
 from fowtlib.solving.outputs import Outputs
+from fowtlib.solving.pace import announcement, seconds_per_second
 from fowtlib.solving.results import Observer, RawTrajectory, Result, parameter_hash
 from fowtlib.solving.sessions import Sessions
 from fowtlib.solving.state import State
+
+TOLD = 5.0  # s that a run without a compiler may take before something is said about it
+LOOK, LEAST_STRETCH = 10.0, 10  # s between two looks at Ctrl-C where a run is slow, and output points at least
 
 
 class Interrupted(SimulationError):
@@ -73,7 +77,7 @@ class Run:
                  resumed: bool = False, code: Callable[[], FixedStepCode | None] = lambda: None):  # fmt: skip
         self.engine, self.at, self.dae = engine, engine.at, engine.at.dae
         self.outputs, self.names, self.about, self.code = outputs, list(names), about, code
-        self.binding, self.resumed = about.binding, resumed
+        self.binding, self.resumed, self.most = about.binding, resumed, rules.STRETCH
         self.sessions = Sessions(self.dae, resumed)
         self.t = start.t
         self.x, self.z, self.d, self.u = start.x.copy(), start.z.copy(), start.d.copy(), start.u.copy()
@@ -114,8 +118,14 @@ class Run:
 
     # --- the run -------------------------------------------------------------------------------------------------
 
-    def run(self, t_end: float, step: float, progress: Callable[[float, float], None] | bool) -> Result:
-        """Integrate to t_end; see Plant.simulate."""
+    def run(self, t_end: float, step: float, progress: Callable[[float, float], None] | bool,
+            discard: float = 0.0) -> Result:  # fmt: skip
+        """Integrate to t_end; see Plant.simulate. The result does not hold the first `discard` seconds."""
+        if discard >= t_end - self.t > 0:
+            raise SimulationError(
+                f"discard is {discard:g} s, and the run is {t_end - self.t:g} s long; nothing would be left of it."
+            )
+        self.discard = discard
         if not step > 0:
             raise SimulationError(f"the output step is {step:g} s; it must be above zero.")
         if t_end < self.t:
@@ -131,6 +141,7 @@ class Run:
                     told(t, t_end)
 
                 self._sample_now()
+                self._say_what_is_slow(t_end - self.t)
                 self._record(np.array([self.t]), self.x[None], self.z[None])
                 report(self.t, t_end)
                 self._integrate(t_end, step, report)
@@ -142,6 +153,16 @@ class Run:
             self.sessions.close()
         self.wall_time = clock.perf_counter() - began
         return self.result("finished.")
+
+    def _say_what_is_slow(self, duration: float) -> None:
+        """One line at the start without a compiler; and looks at the clock and at Ctrl-C every few seconds."""
+        if duration <= 0:
+            return
+        pace = seconds_per_second(self.engine, self.t, self.x, self.z, self.q)
+        if pace[1] * duration > TOLD:
+            warnings.warn(announcement(self.engine, pace, duration), RuntimeWarning, stacklevel=4)
+        if pace[1] > 0:
+            self.most = int(np.clip(LOOK / (pace[1] * self.step), LEAST_STRETCH, rules.STRETCH))
 
     def _stopped(self, error: SimulationError) -> SimulationError:
         self.wall_time = float("nan")
@@ -159,7 +180,7 @@ class Run:
             next_break = next((t for t in self.binding.breaks if t > self.t + tiny), np.inf)
             stop = min(next_sample, next_break, t_end)
             on_grid = abs(self.t - (self.t_start + passed * step)) < tiny
-            points = min(int((stop - self.t) / step + rules.TINY), rules.STRETCH) if on_grid else 0
+            points = min(int((stop - self.t) / step + rules.TINY), self.most) if on_grid else 0
             if points:
                 self._stretch(points * step, points)
             else:
@@ -413,6 +434,8 @@ class Run:
     def result(self, status: str) -> Result:
         """What has been computed, as a Result."""
         t, x, z, d = (np.concatenate([row[i] for row in self.rows]) for i in range(4))
+        kept = t >= min(self.t_start + self.discard - 1e-9 * self.step, t[-1])
+        t, x, z, d = t[kept], x[kept], z[kept], d[kept]
         observe = Observation(self.at, t, x, z, self.u, d, self.code())
         entries = {name: self.outputs.entry(name) for name in self.names}
         values = {}

@@ -4,6 +4,7 @@ import hashlib
 import json
 import zipfile
 from dataclasses import dataclass
+from pathlib import Path
 
 import numpy as np
 import pytest
@@ -101,9 +102,9 @@ def test_results_of_a_shipped_model_name_its_tables():
     files = files_of(plant.root)
     assert {path.rpartition(".")[2] for path in files} >= {"coefficients", "database"}
     data_of = plant.simulate(0.1).attributes["data"]
-    table = data_path("nrel5mw/rotor_coefficients_whole.csv")
+    table = Path(files["turbine.rotor.coefficients"])
     digest = hashlib.sha256(table.read_bytes()).hexdigest()
-    assert data_of["turbine.rotor.coefficients"] == f"rotor_coefficients_whole.csv sha256:{digest}"
+    assert data_of["turbine.rotor.coefficients"] == f"{table.name} sha256:{digest}"
 
 
 def test_fmus_bring_the_files(csv, tmp_path):
@@ -122,15 +123,16 @@ def test_fmus_bring_the_files(csv, tmp_path):
 
 
 def test_a_rotor_from_a_table_and_from_its_file():
-    path = str(data_path("nrel5mw/rotor_coefficients_whole.csv"))
-    table = read_coefficients(path)
+    rotor = fw.load("oc3_spar_rigid").root.turbine.rotor
+    path = rotor.parameter_binding("coefficients")
+    table = read_coefficients(path, rotor.extended)
     states = []
     for given in (path, table):
         model = fw.load("oc3_spar_rigid", set={"wind.kind": "steady", "wind.mean_speed": 12.0})
         model.root.turbine.rotor.coefficients = given
         states.append(model.compile().initial_state()["turbine.thrust"])
     assert states[0] == states[1]
-    assert "data:nrel5mw/rotor_coefficients_whole.csv" in dump(fw.load("oc3_spar_rigid"))
+    assert f"data:nrel5mw/{Path(path).name}" in dump(fw.load("oc3_spar_rigid"))
 
 
 def test_a_blade_from_an_object():
@@ -142,7 +144,8 @@ def test_a_blade_from_an_object():
     with pytest.raises(ParameterError, match="tip_radius is 62 m, and that of the blade 63 m"):
         BladeElementAerodynamics(blade=blade, tip_radius=62.0).rotor  # noqa: B018
     with pytest.raises(ParameterError, match="airfoils: the blade that is given has airfoils of its own"):
-        BladeElementAerodynamics(blade=blade, tip_radius=63.0, airfoils=files[1]).rotor  # noqa: B018
+        other = {"airfoils": files[1], "smooth_airfoils": False}
+        BladeElementAerodynamics(blade=blade, tip_radius=63.0, **other).rotor  # noqa: B018
     with pytest.raises(ParameterError, match="airfoils has no value"):
         BladeElementAerodynamics(blade=files[0], hub_radius=1.5, tip_radius=63.0).rotor  # noqa: B018
 

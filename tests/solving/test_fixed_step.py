@@ -6,7 +6,6 @@ The compiled engine is compared with its NumPy twin, which has exact Jacobians a
 from __future__ import annotations
 
 import re
-import warnings
 
 import casadi as ca
 import numpy as np
@@ -570,12 +569,9 @@ def test_without_a_compiler_the_twin_runs(monkeypatch):
     plant = plant_of(Mixed())
     compiled = plant.simulate(1.0, solver="fixed", tolerance=TIGHT * 1e-8, outputs=["w"])
     monkeypatch.setenv("FOWTLIB_CC", "no-such-compiler")
-    with warnings.catch_warnings(record=True) as said:
-        warnings.simplefilter("always")
-        run = plant.simulate(1.0, solver="fixed", tolerance=1e-8, outputs=["w"])
+    run = plant.simulate(1.0, solver="fixed", tolerance=1e-8, outputs=["w"])
     assert run.attributes["solver"] == "fixed" and run.attributes["step"] == 0.0125
     assert np.max(np.abs(run.array("w") - compiled.array("w"))) < 1e-9
-    assert any("the solver 'fixed' runs as Python code, slowly" in str(w.message) for w in said)
 
 
 # --- a floating turbine -------------------------------------------------------------------------------------------

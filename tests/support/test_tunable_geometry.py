@@ -1,4 +1,4 @@
-"""Geometry and masses of the structure as parameters of a run: a changed run is a fresh build, slopes differences."""
+"""Numbers of the structure as parameters of a run: a changed run is a fresh build, slopes are differences."""
 
 from __future__ import annotations
 
@@ -8,7 +8,14 @@ import numpy as np
 import pytest
 
 import fowtlib as fw
-from fowtlib.components.mechanics import FixedFlange, FixedRotation, RigidBody, TorsionSpringDamper, World
+from fowtlib.components.mechanics import (
+    BeamProperties,
+    FixedFlange,
+    FixedRotation,
+    RigidBody,
+    TorsionSpringDamper,
+    World,
+)
 from fowtlib.components.support import Arm, FlexibleTower, RigidTower
 from fowtlib.components.turbine import Hub, Nacelle, RigidBlade
 
@@ -165,3 +172,43 @@ def test_a_hinge_that_passes_a_node_needs_another_chain():
     plant, _ = compiled("tower and arm")
     with pytest.raises(fw.ModelError, match="a hinge passes one of its nodes or cuts, which makes another chain; set"):
         plant.equilibrium({"tower.diameters": (12.0, 4.0, 1.0)})
+
+
+STEEL = {"mass_per_length": 3e3, "stiffness_x": 1e11}
+
+
+@pytest.mark.parametrize(
+    ("name", "value"),
+    [("young_modulus", 2e11), ("density", 7850.0), ("shear_modulus", 8e10), ("diameters", (4.0, 4.0)),
+     ("wall_thicknesses", (0.03, 0.03))],
+)  # fmt: skip
+def test_numbers_of_a_tube_beside_a_table_are_refused(name, value):
+    table = BeamProperties.uniform(80.0, **STEEL)
+    with pytest.raises(fw.ModelError) as error:
+        FlexibleTower(table=table, **{name: value})
+    assert str(error.value) == (
+        f"FlexibleTower.{name} is given and would do nothing, because table is given (stiffness_factor scales what a "
+        "table says); leave one of them out, or change it."
+    )
+    if name in ("diameters", "wall_thicknesses"):
+        return
+    with pytest.raises(fw.ModelError, match=f"Arm.{name} is given and would do nothing, because table is given"):
+        Arm(to=(0, 80.0, 0), table=table, **{name: value})
+    model = fw.Assembly("table")
+    model.world, model.tower = World(), FlexibleTower(table=table, units=1)
+    model.head = RigidBody(mass=1e5, inertia=np.eye(3) * 1e5)
+    join(model, (model.world.frame, model.tower.frame_a), (model.tower.frame_b, model.head.frame_a))
+    with pytest.raises(fw.ModelError, match=f"there is no tunable parameter 'tower.{name}'"):
+        fw.load(model).compile().initial_state({f"tower.{name}": value})
+
+
+def test_the_stiffness_of_a_table_is_scaled():
+    def frequency(factor):
+        model = fw.Assembly("table")
+        model.world = World(gravity=0.0)
+        model.tower = FlexibleTower(table=BeamProperties.uniform(80.0, **STEEL), units=2, stiffness_factor=factor)
+        join(model, (model.world.frame, model.tower.frame_a))
+        plant = fw.load(model).compile()
+        return plant.linearize(plant.initial_state(), outputs=[]).modes()[0].frequency_hz
+
+    assert frequency(4.0) == pytest.approx(2 * frequency(1.0), rel=1e-6)

@@ -7,7 +7,7 @@ from collections.abc import Callable, Mapping
 from typing import Any
 
 from fowtlib.language.errors import ParameterError, did_you_mean
-from fowtlib.language.native import NO_COMPILER, compiler, say_once
+from fowtlib.language.native import compiler
 from fowtlib.language.units import to_si
 from fowtlib.solving.engines.base import RHO_INF, SOLVERS, STEP, Engine
 from fowtlib.solving.engines.compiled import CompiledFunctions, worth_compiling
@@ -46,7 +46,6 @@ def create_engine(at: AtParameters, code: Callable[[], FixedStepCode], solver: s
         raise ParameterError(f"rho_inf is {rho_inf:g}; it must lie between 0 and 1, usually 0.7 to 0.9.")
     if compiler():
         return FixedStep(code(), at, step, tolerance, rho_inf)
-    say_once(f"the solver 'fixed' runs as Python code, slowly: {NO_COMPILER}")
     return FixedStepTwin(at, step, tolerance, rho_inf)
 
 
