@@ -32,7 +32,7 @@ PAGE, FIGURES, RUNS = ROOT / "docs" / "load_cases.md", ROOT / "docs" / "figures"
 VACUUM = "--set world.air_density=0"
 # the references have neither the drag of the tower nor its dam in the wind at the blades
 BARE = "--set tower_drag.active=false --set tower_flow.active=false"
-STIFF_BLADES = "--set turbine.assembly.blade_units=0"
+STIFF_BLADES = "--set turbine.assembly.blade_hinges=0"
 FIELD = "output/load_cases/kaimal_11.4.bts"
 FIELD_COMMAND = (
     f"fowt wind-field {FIELD} --speed 11.4 --class B --shear 0.14 --width 160 --height 160 --spacing 8 --time 1200"
@@ -49,7 +49,7 @@ COMMANDS = {
         for motion, (offset, time) in OFFSETS.items()
     },
     "regular": f"{SPAR} --wind none --waves regular:H=6,T=10 {VACUUM} {STIFF_BLADES} --time 600 {IDAS}",
-    "regular_rigid": f"{SPAR} --wind none --waves regular:H=6,T=10 --set tower.units=0"
+    "regular_rigid": f"{SPAR} --wind none --waves regular:H=6,T=10 --set tower.hinges=0"
     f" {VACUUM} {STIFF_BLADES} --time 600 {IDAS}",
     "irregular": f"{SPAR} --wind none --waves jonswap:Hs=6,Tp=10,seed=1 {VACUUM} {STIFF_BLADES} --time 2000"
     f" {IDAS}",

@@ -309,7 +309,7 @@ def line_loads(times: float, kind: str, wind: float = 9.0, speed: float = 1.0789
     return thrust / 1e3, torque / 1e3, float(moment) / 1e3
 
 
-def rotor_masses(units: int) -> tuple[float, float, float, float]:
+def rotor_masses(hinges: int) -> tuple[float, float, float, float]:
     """Mass [kg], first moment [kg m], inertia [kg m^2] of the NREL blade about its root, and inertia of the rotor.
 
     From the segments of a blade with so many hinges. About the root: the mean over the directions across the blade. The

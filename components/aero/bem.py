@@ -36,7 +36,7 @@ class BladeElementRotor:
     where the coefficients are looked up (its states as inputs, as the induced speed is), induction between rotors as a
     further part of the wind.
 
-    blades: any number; sense 1: turns clockwise seen looking downwind, -1: the other way (mirrored blades).
+    blades: any number; rotation 1: turns clockwise seen looking downwind, -1: the other way (mirrored blades).
     line_loads: the load of a node is that per length times the length of its element, "elements"; or it goes in
     "straight_lines" from node to node and to zero at the root and the tip, as in CCBlade and AeroDyn.
     skew: factor of the skewed wake correction, 0 for none. axial_drag, tangential_drag: drag takes part in the

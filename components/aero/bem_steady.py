@@ -54,7 +54,7 @@ class RigidRotor:
         wind = np.broadcast_to(wind, position.shape)
         flat = [o.T.ravel() for o in orientation]
         groups = [position.ravel(), np.concatenate(flat), velocity.ravel(), wind.ravel(), hub,
-                  (axes @ _about("x", sense * azimuth)).T.ravel(), np.zeros(3), wind.mean(axis=0), [air_density],
+                  (axes @ _about("x", rotation * azimuth)).T.ravel(), np.zeros(3), wind.mean(axis=0), [air_density],
                   blade.chord]
         if rotor.dynamic_inflow:
             groups.append(np.broadcast_to(induced, len(blade.radius)))

@@ -6,7 +6,7 @@ import math
 
 import numpy as np
 
-from fowtlib.components.mechanics.beam_division import TREATMENTS, divide, elastic_axis, pieces, section_axes
+from fowtlib.components.mechanics.beam_division import QUADRATURES, divide, elastic_axis, pieces, section_axes
 from fowtlib.components.mechanics.beam_properties import BeamProperties, given_beam, read_beam
 from fowtlib.components.mechanics.bodies import FixedTranslation, RigidBody
 from fowtlib.components.mechanics.connectors import Frame

@@ -98,7 +98,7 @@ class Arm(ArmLoads):
         self.root = FixedTranslation(r=tuple(to * self.root_radius / np.linalg.norm(to)))
         self.turn, self.turn_back = BeamTurn(axes=axes), BeamTurn(axes=axes.T)
         self.beam = tube_or_table(
-            self, stations, units=self.units, treatment=self.treatment, torsion=self.torsion, cuts=self.cuts,
+            self, stations, hinges=self.hinges, quadrature=self.quadrature, torsion=self.torsion, cuts=self.cuts,
             damping_x=self.damping_horizontal, damping_y=self.damping_vertical, node_points=self.node_distances,
             stiffness_factor=self.stiffness_factor,
         )  # fmt: skip

@@ -122,7 +122,7 @@ class FlexibleTower(Tower):
     def build(self):
         self.beam = tube_or_table(
             self, self.heights, "heights, diameters and wall_thicknesses",
-            units=self.units, treatment=self.treatment, torsion=self.torsion, node_points=self.node_points,
+            hinges=self.hinges, quadrature=self.quadrature, torsion=self.torsion, node_points=self.node_points,
             damping_x=self.damping_fore_aft, damping_y=self.damping_side_side, cuts=self.cuts,
             stiffness_factor=self.stiffness_factor,
         )  # fmt: skip

@@ -8,7 +8,20 @@ from fowtlib.components.turbine.blade import FlexibleBlade
 from fowtlib.components.turbine.hub import Hub
 from fowtlib.components.turbine.nacelle import Drivetrain, Nacelle
 from fowtlib.components.turbine.start import give_default
-from fowtlib.language import Array, Component, Data, RealInput, RealOutput, Scalar, data, eq, param, part, port, ring
+from fowtlib.language import (
+    Array,
+    Component,
+    Data,
+    RealInput,
+    RealOutput,
+    Scalar,
+    cyclic_symmetry,
+    data,
+    eq,
+    param,
+    part,
+    port,
+)
 from fowtlib.language import math as m
 
 

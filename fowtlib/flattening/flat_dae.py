@@ -157,7 +157,7 @@ class FlatDAE:
     events: tuple[Event, ...] = ()
     samples: tuple[SampledUpdate, ...] = ()
     checks: tuple[Check, ...] = ()
-    rings: tuple[Ring, ...] = ()
+    symmetries: tuple[CyclicSymmetry, ...] = ()
     operators: tuple[Operator, ...] = ()
     bound: Mapping[str, Bound] = field(default_factory=dict)
     bound_parameters: Mapping[str, BoundParameter] = field(default_factory=dict)

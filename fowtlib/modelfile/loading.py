@@ -55,7 +55,7 @@ def _changeable(model: Model, rebuild: Callable[[Settings], Model]) -> Model:
         if not more or not _are_data(model.root, more):
             return rebuild(more)
         root = copy.deepcopy(model.root)
-        Assembler().change(root, _changes(more))
+        TreeBuilder().change(root, _changes(more))
         return _changeable(replace(model, root=root), lambda again: rebuild(_merged(root, more, again)))
 
     return replace(model, rebuild=changed)

@@ -77,12 +77,12 @@ def _turns(plant: Plant, at: AtParameters, state: State) -> list[Turn]:
     """
     dae = plant.dae
     numbers = {dae.x[i].element_hash(): i for i in range(dae.x.shape[0])}
-    angles = {numbers.get(ring.angle.element_hash()) for ring in dae.rings} - {None}
+    angles = {numbers.get(ring.angle.element_hash()) for ring in dae.symmetries} - {None}
     speed = np.array(at.residual(state.t, state.x, state.z, np.concatenate([state.u, state.d]))[0]).ravel()
     azimuths = sorted(k for k in angles if abs(speed[k]) > 1e-9)
     if not azimuths:
         return []
-    inside = tuple(f"{part}." for ring in dae.rings for part in ring.parts)
+    inside = tuple(f"{part}." for ring in dae.symmetries for part in ring.parts)
     rates = rate_states(dae)
     geared = [
         k for k, rate in rates.items()

@@ -67,7 +67,7 @@ def test_drive_train_torsion(free, locked):
 @pytest.mark.parametrize(("motion", "hertz", "time"), [("surge", 0.00807, 400.0), ("pitch", 0.0335, 120.0)])
 def test_damping_of_every_half_cycle_of_the_platform_with_its_turbine(motion, hertz, time):
     """From 10 m and 10 deg against an independent rigid spar; vacuum, rigid blades, flexible tower."""
-    calm = {**cases.CALM, "world.air_density": 0.0, "turbine.assembly.blade_units": 0}
+    calm = {**cases.CALM, "world.air_density": 0.0, "turbine.assembly.blade_hinges": 0}
     plant = fw.load("oc3_spar", set=calm).compile()
     decay = cases.free_decay(plant, motion, 10.0, duration=time, tolerance=1e-4, hold=modes.HELD)
     spar = by_hand.SurgeAndPitch(fw.load("oc3_spar_rigid"), 2 * np.pi * hertz)
@@ -100,7 +100,7 @@ ROTOR_WEIGHT = 110e3 * G * np.sin(TILT) / 1e3  # kN
 
 def steady_run(speed, tower_hinges, blade_hinges, time):
     conditions = {"wind.kind": "steady", "wind.mean_speed": speed, "wind.shear_exponent": 0.0,
-                  "tower.units": tower_units, "turbine.assembly.blade_units": blade_units,
+                  "tower.hinges": tower_hinges, "turbine.assembly.blade_hinges": blade_hinges,
                   "tower_drag.active": False, "tower_flow.active": False}  # fmt: skip
     result = fw.load("nrel5mw_land", set=conditions).compile().simulate(time, 0.1, tolerance=1e-4)
     return {name: row.mean for name, row in result.statistics(discard=time - 15.0).items()}
