@@ -28,6 +28,11 @@ from fowtlib.language import (
 from fowtlib.language import math as m
 from fowtlib.language.shapes import Drawing
 
+BEHIND = (
+    "the mean wind is from behind the rotor, and its coefficients hold for wind from the front; turn the turbine into "
+    "the wind, or take a rotor of blade elements."
+)
+
 
 class CoefficientRotor(Rotor):
     """Rotor with thrust 1/2 rho A C_t U^2 and torque 1/2 rho A R C_q U^2, from tables over tip speed ratio and pitch.
@@ -107,10 +112,8 @@ class CoefficientRotor(Rotor):
         places = zip((self.tip_speed_ratio, self.blade_pitch), grid, strict=False)
         inside = [air * value + (1 - air) * float(edges[0]) for value, edges in places]  # no air: anywhere in the table
         C = table2d(*inside, *grid, name=f"coefficients of {self.path}", arguments=names, remedy=REMEDY)
-        behind = "the mean wind is from behind the rotor, and its coefficients hold for wind from the front; turn the "
-        behind += "turbine into the wind, or take a rotor of blade elements."
         return [
-            assert_(self.mean_wind > -self.lowest_wind, behind),
+            assert_(self.mean_wind > -self.lowest_wind, BEHIND),
             eq(self.tip_speed_ratio, air * self.w * self.radius / m.fmax(speed, self.lowest_wind)),
             [eq(self.thrust_coefficient, air * C[0]), eq(self.torque_coefficient, air * C[1])],
         ]
