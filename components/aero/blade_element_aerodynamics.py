@@ -24,6 +24,7 @@ from fowtlib.language import (
     RealOutput,
     Vector,
     assert_,
+    at_start,
     data,
     der,
     eq,
@@ -95,7 +96,7 @@ class BladeElementAerodynamics(Component):
     def equations(self):
         hub, nodes, towers = self.hub, list(self.nodes), [tower for tower in self.towers if tower.active]
         places = m.horzcat(*[node.r for node in nodes])
-        require_disk(self.wind, self.tip_radius, self.station, f"the rotor of {self.label}")
+        at_start("place in the wind", doc="a wind field that is too small is refused", compute=_require_wind)
         wind = self.wind.velocity(places, self.station, reach="plane")
         outputs = _air(self, wind + sum(tower.change(wind, places) for tower in towers))
         loads = [outputs["loads"][i : i + 3] for i in range(0, 6 * len(nodes), 3)]
@@ -114,6 +115,12 @@ class BladeElementAerodynamics(Component):
             _wake(self, outputs["quasi_steady"]) if self.dynamic_inflow else [],
             [assert_(tower.clearance(places) > 0, "a blade strikes the tower") for tower in towers],
         ]
+
+
+def _require_wind(air: BladeElementAerodynamics) -> float:
+    """Where the wind does not reach all of the rotor, an error."""
+    require_disk(air.wind, air.tip_radius, air.station, f"the rotor of {air.label}")
+    return 1.0
 
 
 def _air(air: BladeElementAerodynamics, wind: Any) -> dict[str, Any]:

@@ -6,7 +6,7 @@ from functools import lru_cache
 
 import numpy as np
 
-from fowtlib.components.mechanics.beam import Beam, BeamUnit
+from fowtlib.components.mechanics.beam import Beam, BeamHinge
 from fowtlib.components.mechanics.beam_division import Division, divide, pieces
 from fowtlib.components.mechanics.beam_properties import BeamProperties
 from fowtlib.components.mechanics.bodies import FixedTranslation, RigidBody
@@ -64,7 +64,7 @@ class TubeBeam(Beam):
 
     def _unit(self, chain, name):
         k = self.stiffness_factor
-        return BeamUnit(
+        return BeamHinge(
             stiffness_x=k * chain["bending", name], stiffness_y=k * chain["bending", name],
             torsional_stiffness=k * chain["torsion", name], axial_stiffness=k * chain["stretch", name],
             damping_x=self.damping_x, damping_y=self.damping_y, damping=self.damping,
@@ -84,9 +84,9 @@ class TubeBeam(Beam):
         ]
 
     def drawing(self):
-        parts = divide(tube_table(self), self.units, self.treatment)
+        parts = divide(tube_table(self), self.hinges, self.quadrature)
         heights, diameters = (np.ravel(self.parameter_value(name)) for name in ("heights", "diameters"))
-        frames = [self.frame_a, *(self.parts[f"unit_{i + 1}"].frame_b for i in range(self.units))]
+        frames = [self.frame_a, *(self.parts[f"hinge_{i + 1}"].frame_b for i in range(self.hinges))]
         return [
             shapes.Tube(frame, [(0, 0, z - origin) for z in s], np.interp(s, heights - heights[0], diameters),
                         material="tower")
@@ -114,7 +114,7 @@ def _chain(beam: TubeBeam) -> dict[Key, float]:
     """The numbers of the chain with the parameter values that the beam has now."""
     heights = [_point(given)[2] for given in beam.node_points]
     table = tube_table(beam)
-    return chain_numbers(table, divide(table, beam.units, beam.treatment), heights, np.ravel(beam.cuts))
+    return chain_numbers(table, divide(table, beam.hinges, beam.quadrature), heights, np.ravel(beam.cuts))
 
 
 def chain_numbers(table: BeamProperties, parts: Division, nodes: list[float], cuts: np.ndarray) -> dict[Key, float]:

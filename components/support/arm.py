@@ -86,8 +86,8 @@ class Arm(ArmLoads):
         read_beam, default=None, doc="CSV with the properties, see read_beam; x is horizontal"
     )
     table: object = param(default=None, doc="the properties as BeamProperties, instead of a path")
-    units: int = param(default=4, min=0, doc="number of beam units; 0: rigid")
-    treatment: str = param(default="loaded_tip", choices=("plain", "loaded_tip", "free_tip"), doc="see Beam")
+    hinges: int = param(default=4, min=0, doc="number of beam hinges; 0: rigid")
+    quadrature: str = param(default="loaded_tip", choices=("plain", "loaded_tip", "free_tip"), doc="see Beam")
     torsion: bool = param(default=False, doc="with torsion")
     damping_horizontal: Scalar = param(default=0.003, unit="s", min=0, doc="damping over stiffness, horizontal")
     damping_vertical: Scalar = param(default=damping_horizontal, unit="s", min=0, doc="the same, vertical")
@@ -98,7 +98,7 @@ class Arm(ArmLoads):
         self.root = FixedTranslation(r=tuple(to * self.root_radius / np.linalg.norm(to)))
         self.turn, self.turn_back = BeamTurn(axes=axes), BeamTurn(axes=axes.T)
         self.beam = tube_or_table(
-            self, stations, units=self.units, treatment=self.treatment, torsion=self.torsion, cuts=self.cuts,
+            self, stations, hinges=self.hinges, quadrature=self.quadrature, torsion=self.torsion, cuts=self.cuts,
             damping_x=self.damping_horizontal, damping_y=self.damping_vertical, node_points=self.node_distances,
             stiffness_factor=self.stiffness_factor,
         )  # fmt: skip

@@ -84,7 +84,7 @@ class FlexibleTower(Tower):
 
     Give `properties`, or `heights`, `diameters` and `wall_thicknesses`, linear between the heights, with the material.
     Moments at the cuts have the signs of the tower's, in axes that turn with it as it bends.
-    Two units with `treatment: loaded_tip` are within 0.4 % for the first two bending modes of the OC3 tower.
+    Two hinges with `quadrature: loaded_tip` are within 0.4 % for the first two bending modes of the OC3 tower.
     """
 
     mode_names = {"*_x": "{part} fore-aft", "*_y": "{part} side-side", "*.twisting.*": "{part} torsion"}
@@ -109,8 +109,8 @@ class FlexibleTower(Tower):
     stiffness_factor: Scalar = param(default=1.0, min=0, doc="factor on every stiffness")
     cuts: Array = param(default=(), unit="m", structural="it parts the chain", doc="section loads: heights above base")
     n_cuts: int = param(default=lambda self: len(self.cuts), min=0, doc="number of those cuts")
-    units: int = param(default=4, min=0, doc="number of beam units; 0: rigid")
-    treatment: str = param(default="loaded_tip", choices=("plain", "loaded_tip", "free_tip"), doc="see Beam")
+    hinges: int = param(default=4, min=0, doc="number of beam hinges; 0: rigid")
+    quadrature: str = param(default="loaded_tip", choices=("plain", "loaded_tip", "free_tip"), doc="see Beam")
     torsion: bool = param(default=False, doc="with torsion")
     damping_fore_aft: Scalar = param(default=0.03, unit="s", min=0, doc="damping over stiffness, fore-aft")
     damping_side_side: Scalar = param(default=damping_fore_aft, unit="s", min=0, doc="the same, side-side")
@@ -122,7 +122,7 @@ class FlexibleTower(Tower):
     def build(self):
         self.beam = tube_or_table(
             self, self.heights, "heights, diameters and wall_thicknesses",
-            units=self.units, treatment=self.treatment, torsion=self.torsion, node_points=self.node_points,
+            hinges=self.hinges, quadrature=self.quadrature, torsion=self.torsion, node_points=self.node_points,
             damping_x=self.damping_fore_aft, damping_y=self.damping_side_side, cuts=self.cuts,
             stiffness_factor=self.stiffness_factor,
         )  # fmt: skip
@@ -142,7 +142,7 @@ class FlexibleTower(Tower):
 
 
 class RigidTower(Tower):
-    """A rigid tower: one body of given mass, centre and inertia. A table of properties: FlexibleTower with units 0."""
+    """A rigid tower: one body of given mass, centre and inertia. A table of properties: FlexibleTower with hinges 0."""
 
     height: Scalar = param(unit="m", min=0, doc="height of the top above the base")
     mass: Scalar = param(unit="kg", min=0, doc="mass")

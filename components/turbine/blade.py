@@ -46,9 +46,9 @@ class FlexibleBlade(Blade):
 
     properties: Data[BeamProperties] = data(read_beam, default=None, doc="CSV with the properties, see read_beam")
     table: object = param(default=None, doc="the properties as BeamProperties, instead of a path")
-    units: int = param(default=6, min=0, doc="number of beam units; 0: rigid")
+    hinges: int = param(default=6, min=0, doc="number of beam hinges; 0: rigid")
     mirrored: bool = param(default=False, doc="mirror image, for a rotor that turns counter-clockwise")
-    treatment: str = param(default="free_tip", choices=("plain", "loaded_tip", "free_tip"), doc="see Beam")
+    quadrature: str = param(default="free_tip", choices=("plain", "loaded_tip", "free_tip"), doc="see Beam")
     torsion: bool = param(default=False, doc="with torsion")
     cuts: Array = param(default=(), unit="m", structural="it parts the chain", doc="section loads, from the root")
     n_cuts: int = param(default=lambda self: len(self.cuts), min=0, doc="number of those cuts")
@@ -62,8 +62,8 @@ class FlexibleBlade(Blade):
     def build(self):
         table = given_beam(self)
         self.beam = Beam(
-            table=_mirrored(table) if self.mirrored else table, units=self.units,
-            treatment=self.treatment, torsion=self.torsion, damping_x=self.damping_flapwise,
+            table=_mirrored(table) if self.mirrored else table, hinges=self.hinges,
+            quadrature=self.quadrature, torsion=self.torsion, damping_x=self.damping_flapwise,
             damping_y=self.damping_edgewise, node_points=self.node_points, cuts=self.cuts,
         )  # fmt: skip
         self.connect(self.frame_a, self.beam.frame_a)
@@ -84,7 +84,7 @@ class FlexibleBlade(Blade):
             chord = estimate if chords is None else np.interp(s, stations, chords)
             twist = sense * self.beam.table.at("twist", s)
             sections = outlines.blade_sections(axis, chord, thickness, twist, sense)
-            skins.append(shapes.Loft(frame, sections, closed=self.units == 0, material="blade"))
+            skins.append(shapes.Loft(frame, sections, closed=self.hinges == 0, material="blade"))
         return skins
 
     def equations(self):

@@ -8,7 +8,20 @@ from fowtlib.components.turbine.blade import FlexibleBlade
 from fowtlib.components.turbine.hub import Hub
 from fowtlib.components.turbine.nacelle import Drivetrain, Nacelle
 from fowtlib.components.turbine.start import give_default
-from fowtlib.language import Array, Component, Data, RealInput, RealOutput, Scalar, data, eq, param, part, port, ring
+from fowtlib.language import (
+    Array,
+    Component,
+    Data,
+    RealInput,
+    RealOutput,
+    Scalar,
+    cyclic_symmetry,
+    data,
+    eq,
+    param,
+    part,
+    port,
+)
 from fowtlib.language import math as m
 
 
@@ -27,8 +40,8 @@ class RotorNacelleAssembly(Component):
         read_beam, default=None, doc="CSV with the properties of a blade, see read_beam"
     )
     blade_table: object = param(default=None, doc="the same as BeamProperties, instead of a path")
-    blade_units: int = param(default=6, min=0, doc="beam units of a blade; 0: rigid")
-    blade_treatment: str = param(default="free_tip", choices=("plain", "loaded_tip", "free_tip"), doc="see Beam")
+    blade_hinges: int = param(default=6, min=0, doc="beam hinges of a blade; 0: rigid")
+    blade_quadrature: str = param(default="free_tip", choices=("plain", "loaded_tip", "free_tip"), doc="see Beam")
     blade_torsion: bool = param(default=False, doc="blades with torsion")
     blade_cuts: Array = param(default=(), unit="m", structural="it parts the chain", doc="see FlexibleBlade")
     damping_flapwise: Scalar = param(default=0.003, unit="s", min=0, doc="damping over stiffness, flapwise")
@@ -66,8 +79,9 @@ class RotorNacelleAssembly(Component):
             self.connect(a, b)
         for k in range(self.blades):
             blade = FlexibleBlade(
-                properties=self.blade_properties, table=self.blade_table, units=self.blade_units, cuts=self.blade_cuts,
-                treatment=self.blade_treatment, torsion=self.blade_torsion, damping_flapwise=self.damping_flapwise,
+                properties=self.blade_properties, table=self.blade_table, hinges=self.blade_hinges,
+                cuts=self.blade_cuts, quadrature=self.blade_quadrature, torsion=self.blade_torsion,
+                damping_flapwise=self.damping_flapwise,
                 damping_edgewise=self.damping_edgewise, node_points=self.node_points, mirrored=self.rotation < 0,
             )  # fmt: skip
             self.connect(self.hub.roots[k], self.add(f"blade_{k + 1}", blade).frame_a)
@@ -79,8 +93,8 @@ class RotorNacelleAssembly(Component):
         numbers = range(1, self.blades + 1)
         return [
             *(_of_blade(self, k) for k in range(self.blades)),
-            ring(self.nacelle.azimuth, [self.parts[f"blade_{k}"] for k in numbers]),
-            ring(self.nacelle.azimuth, [self.hub.parts[f"bearing_{k}"] for k in numbers]),
+            cyclic_symmetry(self.nacelle.azimuth, [self.parts[f"blade_{k}"] for k in numbers]),
+            cyclic_symmetry(self.nacelle.azimuth, [self.hub.parts[f"bearing_{k}"] for k in numbers]),
         ]
 
 

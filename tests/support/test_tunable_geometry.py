@@ -31,11 +31,11 @@ def tower_and_arm():
     model.world = World()
     model.lean = FixedRotation(n=(1, 0.3, 0), angle=0.1)
     model.tower = FlexibleTower(
-        heights=(0.0, 30.0, 80.0), diameters=(6.0, 5.0, 3.5), wall_thicknesses=(0.03, 0.025, 0.02), units=2,
+        heights=(0.0, 30.0, 80.0), diameters=(6.0, 5.0, 3.5), wall_thicknesses=(0.03, 0.025, 0.02), hinges=2,
         torsion=True, node_points=[20.0, 75.0, (0.5, 0.0, 40.0)], cuts=(0.0, 35.0),
     )  # fmt: skip
     model.arm = Arm(
-        to=(5.0, 40.0, 2.0), root_radius=2.0, diameters=(3.0, 2.0), wall_thicknesses=(0.03, 0.02), units=2,
+        to=(5.0, 40.0, 2.0), root_radius=2.0, diameters=(3.0, 2.0), wall_thicknesses=(0.03, 0.02), hinges=2,
         torsion=True, cuts=(10.0,), node_distances=(12.0,),
     )  # fmt: skip
     model.head = RigidBody(mass=5e4, r_cm=(3.0, 1.0, 2.0), inertia=np.diag([4e5, 5e5, 6e5]))
@@ -54,7 +54,7 @@ def rigid_tower_on_springs():
     model = fw.Assembly("rigid tower")
     model.world = World()
     model.lean = FixedRotation(n=(0, 1, 0), angle=0.05)
-    model.stub = FlexibleTower(heights=(0, 10), diameters=(4, 4), wall_thicknesses=(0.03, 0.03), units=1)
+    model.stub = FlexibleTower(heights=(0, 10), diameters=(4, 4), wall_thicknesses=(0.03, 0.03), hinges=1)
     model.tower = RigidTower(height=60.0, mass=2e5, centre_of_mass=28.0, inertia=6e7, axial_inertia=8e5,
                              node_points=[30.0, (0.0, 1.0, 50.0)])  # fmt: skip
     model.head = RigidBody(mass=1e5, r_cm=(1.0, 0.5, 1.0), inertia=np.diag([4e5, 5e5, 6e5]))
@@ -69,7 +69,7 @@ def nacelle_and_hub():
     """Nacelle, hub and two rigid blades on a short tower; a spring keeps the shaft from turning."""
     model = fw.Assembly("nacelle and hub")
     model.world = World()
-    model.stub = FlexibleTower(heights=(0, 20), diameters=(4, 4), wall_thicknesses=(0.03, 0.03), units=1)
+    model.stub = FlexibleTower(heights=(0, 20), diameters=(4, 4), wall_thicknesses=(0.03, 0.03), hinges=1)
     model.nacelle = Nacelle(mass=2.4e5, centre_of_mass=(1.9, 0.1, 1.75), inertia=np.diag([1e6, 2e6, 2.6e6]),
                             shaft_height=2.0, tilt=0.09, overhang=5.0, azimuth_start=0.4)  # fmt: skip
     model.hub = Hub(blades=2, precone=0.04, radius=1.5, mass=5.7e4, inertia=1.2e5, centre_of_mass=0.3)
@@ -195,7 +195,7 @@ def test_numbers_of_a_tube_beside_a_table_are_refused(name, value):
     with pytest.raises(fw.ModelError, match=f"Arm.{name} is given and would do nothing, because table is given"):
         Arm(to=(0, 80.0, 0), table=table, **{name: value})
     model = fw.Assembly("table")
-    model.world, model.tower = World(), FlexibleTower(table=table, units=1)
+    model.world, model.tower = World(), FlexibleTower(table=table, hinges=1)
     model.head = RigidBody(mass=1e5, inertia=np.eye(3) * 1e5)
     join(model, (model.world.frame, model.tower.frame_a), (model.tower.frame_b, model.head.frame_a))
     with pytest.raises(fw.ModelError, match=f"there is no tunable parameter 'tower.{name}'"):
@@ -206,7 +206,7 @@ def test_the_stiffness_of_a_table_is_scaled():
     def frequency(factor):
         model = fw.Assembly("table")
         model.world = World(gravity=0.0)
-        model.tower = FlexibleTower(table=BeamProperties.uniform(80.0, **STEEL), units=2, stiffness_factor=factor)
+        model.tower = FlexibleTower(table=BeamProperties.uniform(80.0, **STEEL), hinges=2, stiffness_factor=factor)
         join(model, (model.world.frame, model.tower.frame_a))
         plant = fw.load(model).compile()
         return plant.linearize(plant.initial_state(), outputs=[]).modes()[0].frequency_hz
