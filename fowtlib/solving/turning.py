@@ -28,8 +28,8 @@ if TYPE_CHECKING:
     from fowtlib.solving.plant import Plant
     from fowtlib.solving.state import State
 
-# Azimuths of a revolution. Numbers that no number of blades divides: three blades stand at 69 places, near enough for the
-# dam of the air in front of the tower. Surge of the OC3 spar at 16 m/s: 13.26 m of 11, 13.33 m of 23, 13.34 m of 31.
+# Azimuths of a revolution. Numbers that no number of blades divides: three blades stand at 69 places, near enough for
+# the dam of the air in front of the tower. Surge of the OC3 spar at 16 m/s: 13.26 m of 11, 13.33 m of 23, 13.34 of 31.
 AZIMUTHS, FEW = 23, 5
 GEARED = 1e-3  # of the largest: the torque of an angle that turns with the rotor
 STEPS = 80
