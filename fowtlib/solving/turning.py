@@ -28,7 +28,9 @@ if TYPE_CHECKING:
     from fowtlib.solving.plant import Plant
     from fowtlib.solving.state import State
 
-AZIMUTHS = 6  # of a revolution: 1P to 5P have no mean, and those of three blades go round alike
+# Azimuths of a revolution. Numbers that no number of blades divides: three blades stand at 69 places, near enough for
+# the dam of the air in front of the tower. Surge of the OC3 spar at 16 m/s: 13.26 m of 11, 13.33 m of 23, 13.34 of 31.
+AZIMUTHS, FEW = 23, 5
 GEARED = 1e-3  # of the largest: the torque of an angle that turns with the rotor
 STEPS = 80
 NEWTON = 8  # iterations of a step
@@ -49,7 +51,7 @@ def mean_state(plant: Plant, parameters: Mapping[str, Any] | None = None, inputs
                near: bool = False) -> State:  # fmt: skip
     """The state at which nothing changes on the average; the equilibrium where no rotor turns at the start.
 
-    near: a state near to it, to start a simulation from, in a quarter of the time: of three azimuths, to 1 %.
+    near: a state near to it, to start a simulation from, in half the time: of fewer azimuths, to 1 %.
 
     The controllers are in the loop. The azimuths are those of the start. Raises SimulationError where the equations
     depend on time (turbulent wind, waves), and where no mean state is found.
@@ -65,7 +67,7 @@ def mean_state(plant: Plant, parameters: Mapping[str, Any] | None = None, inputs
             f"no mean state: the equations depend on time through {', '.join(sources[:4])}. "
             "Take still water and steady wind (--waves still, --wind steady:8)."
         )
-    x = _settled(_Average(at, state, turns, 3 if near else AZIMUTHS), state.x, NEAR if near else EXACT)
+    x = _settled(_Average(at, state, turns, FEW if near else AZIMUTHS), state.x, NEAR if near else EXACT)
     names = [item.path for item in plant.dae.states]
     return plant.initial_state(parameters, dict(zip(names, x.tolist(), strict=True)), inputs)
 

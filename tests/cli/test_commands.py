@@ -169,7 +169,7 @@ def test_tree_equations_and_parameters(capsys):
         "why structural": "",
     }  # fmt: skip
     assert rows["hinge.n"]["kind"] == "structural"
-    assert rows["hinge.n"]["why structural"] == "the model is built with it"
+    assert rows["hinge.n"]["why structural"] == "its zeros drop out of the equations"
     assert rows["hinge.phi_start"]["value"] == pytest.approx(math.radians(20))
     assert main(["parameters", "pendulum"]) == 0
     said = capsys.readouterr().out
