@@ -8,7 +8,21 @@ from fowtlib.components.turbine.blade import FlexibleBlade
 from fowtlib.components.turbine.hub import Hub
 from fowtlib.components.turbine.nacelle import Drivetrain, Nacelle
 from fowtlib.components.turbine.start import give_default
-from fowtlib.language import Array, Component, Data, RealInput, RealOutput, Scalar, data, eq, param, part, port, ring
+from fowtlib.language import (
+    Array,
+    Component,
+    Data,
+    RealInput,
+    RealOutput,
+    Scalar,
+    data,
+    eq,
+    param,
+    part,
+    parts,
+    port,
+    ring,
+)
 from fowtlib.language import math as m
 
 
@@ -50,6 +64,11 @@ class RotorNacelleAssembly(Component):
     nacelle: Nacelle = part(Nacelle)
     drivetrain: Drivetrain = part(Drivetrain)
     hub: Hub = part(Hub)
+    rotor_blades: list[FlexibleBlade] = parts(
+        FlexibleBlade, size="blades", name="blade", properties=blade_properties, table=blade_table, units=blade_units,
+        cuts=blade_cuts, treatment=blade_treatment, torsion=blade_torsion, damping_flapwise=damping_flapwise,
+        damping_edgewise=damping_edgewise, node_points=node_points, mirrored=lambda self: self.rotation < 0,
+    )  # fmt: skip
 
     def build(self):
         for component, names in (
@@ -64,29 +83,23 @@ class RotorNacelleAssembly(Component):
             (self.generator_torque, self.drivetrain.generator_torque),
         ):  # fmt: skip
             self.connect(a, b)
-        for k in range(self.blades):
-            blade = FlexibleBlade(
-                properties=self.blade_properties, table=self.blade_table, units=self.blade_units, cuts=self.blade_cuts,
-                treatment=self.blade_treatment, torsion=self.blade_torsion, damping_flapwise=self.damping_flapwise,
-                damping_edgewise=self.damping_edgewise, node_points=self.node_points, mirrored=self.rotation < 0,
-            )  # fmt: skip
-            self.connect(self.hub.roots[k], self.add(f"blade_{k + 1}", blade).frame_a)
+        for k, blade in enumerate(self.rotor_blades):
+            self.connect(self.hub.roots[k], blade.frame_a)
             self.connect(self.pitch_demand[k], self.hub.pitch_command[k])
             for i in range(len(self.node_points)):
                 self.connect(blade.nodes[i], self.nodes[k * len(self.node_points) + i])
 
     def equations(self):
-        numbers = range(1, self.blades + 1)
         return [
             *(_of_blade(self, k) for k in range(self.blades)),
-            ring(self.nacelle.azimuth, [self.parts[f"blade_{k}"] for k in numbers]),
-            ring(self.nacelle.azimuth, [self.hub.parts[f"bearing_{k}"] for k in numbers]),
+            ring(self.nacelle.azimuth, self.rotor_blades),
+            ring(self.nacelle.azimuth, self.hub.bearings),
         ]
 
 
 def _of_blade(turbine, k):
     """Pitch demand and tip displacement of blade k, whose axes pitch, resolved in axes that do not."""
-    tip, pitch = turbine.parts[f"blade_{k + 1}"].tip_deflection, turbine.hub.pitch[k]
+    tip, pitch = turbine.rotor_blades[k].tip_deflection, turbine.hub.pitch[k]
     s, c = turbine.rotation * m.sin(pitch), m.cos(pitch)
     return [
         eq(turbine.pitch_demand[k], turbine.blade_pitch + turbine.individual_pitch[k]),
