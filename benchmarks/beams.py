@@ -1,4 +1,4 @@
-"""How fast beams converge with the number of units; prints the tables, `--write` puts them into docs/beams.md.
+"""How fast beams converge with the number of hinges; prints the tables, `--write` puts them into docs/beams.md.
 
 Frequencies of the straight, resting chain from its mass matrix in the hinge angles; the tests compare the same chains,
 as parts of a model, with finite elements.
@@ -15,16 +15,16 @@ from scipy.linalg import eigh
 
 import fowtlib as fw
 from fowtlib.components.mechanics import BeamProperties, read_beam
-from fowtlib.components.mechanics.beam_division import TREATMENTS, divide
+from fowtlib.components.mechanics.beam_division import QUADRATURES, divide
 from fowtlib.modelfile import data_path
 
 PAGE = Path(__file__).parents[1] / "docs" / "beams.md"
 UNITS = (1, 2, 3, 4, 6, 8, 10)
 
 
-def frequencies(beam, units, treatment, mass=0.0, inertia=0.0, offset=0.0):
+def frequencies(beam, hinges, quadrature, mass=0.0, inertia=0.0, offset=0.0):
     """Circular frequencies of the chain, with a body at its tip: (mass, inertia, distance of its centre)."""
-    chain, s = divide(beam, units, treatment), np.linspace(0, beam.length, 20001)
+    chain, s = divide(beam, hinges, quadrature), np.linspace(0, beam.length, 20001)
     weight = np.full(len(s), s[1]) * beam.at("mass_per_length", s)
     weight[[0, -1]] /= 2
     arms = np.maximum(s - chain.s[:, None], 0)
@@ -37,20 +37,20 @@ def frequencies(beam, units, treatment, mass=0.0, inertia=0.0, offset=0.0):
 
 
 def table(title, beam, picked, names, reference_treatment, **head):
-    """Errors of the frequencies numbered `picked`, in percent, against 60 units at Gauss points."""
+    """Errors of the frequencies numbered `picked`, in percent, against 60 hinges at Gauss points."""
     exact = frequencies(beam, 60, reference_treatment, **head)[picked]
     unit = 2 * np.pi if title.endswith("Hz") else 1.0
     values = ", ".join(f"{name} {w / unit:.4g}" for name, w in zip(names, exact, strict=True))
     rule = "| --- " * (2 + len(names)) + "|"
-    lines = [f"{title}: {values}.", "", f"| treatment | units | {' | '.join(names)} |", rule]
-    for treatment in TREATMENTS:
-        if treatment == "loaded_tip" and "blade" in title:
+    lines = [f"{title}: {values}.", "", f"| quadrature | hinges | {' | '.join(names)} |", rule]
+    for quadrature in QUADRATURES:
+        if quadrature == "loaded_tip" and "blade" in title:
             continue
         for n in UNITS:
-            found = frequencies(beam, n, treatment, **head)
+            found = frequencies(beam, n, quadrature, **head)
             pairs = [(found[k] if k < len(found) else None, w) for k, w in zip(picked, exact, strict=True)]
             cells = ["" if f is None else f"{100 * (f / w - 1):+.2f} %" for f, w in pairs]
-            lines.append(f"| {treatment} | {n} | {' | '.join(cells)} |")
+            lines.append(f"| {quadrature} | {n} | {' | '.join(cells)} |")
     return "\n".join(lines)
 
 
@@ -59,18 +59,18 @@ SUPPORT = ("yaw", "side-side 1", "fore-aft 1", "side-side 2", "arms vertical", "
 
 def support_frequencies(tower, arm, top=1):
     """First frequencies [Hz] of the two-rotor tower with 350 t at its tips, at rest under the weights."""
-    units = {"tower_units": tower, "arm_units": arm, "top_units": top}
-    plant = fw.load("two_rotor_support", set={f"support.{name}": n for name, n in units.items()}).compile()
+    hinges = {"tower_hinges": tower, "arm_hinges": arm, "top_hinges": top}
+    plant = fw.load("two_rotor_support", set={f"support.{name}": n for name, n in hinges.items()}).compile()
     modes = plant.linearize(plant.equilibrium()).modes()
     return np.array([mode.frequency_hz for mode in modes if mode.damping_ratio < 1][: len(SUPPORT)])
 
 
 def support_table(finest=8):
-    """Errors of the two-rotor tower, in percent, against `finest` units everywhere."""
+    """Errors of the two-rotor tower, in percent, against `finest` hinges everywhere."""
     exact = support_frequencies(finest, finest, finest)
     values = ", ".join(f"{name} {f:.4g}" for name, f in zip(SUPPORT, exact, strict=True))
-    lines = [f"Hz, with {finest} units in every member: {values}.", "",
-             f"| tower units | arm units | {' | '.join(SUPPORT)} |", "| --- " * (2 + len(SUPPORT)) + "|"]  # fmt: skip
+    lines = [f"Hz, with {finest} hinges in every member: {values}.", "",
+             f"| tower hinges | arm hinges | {' | '.join(SUPPORT)} |", "| --- " * (2 + len(SUPPORT)) + "|"]  # fmt: skip
     for tower, arm in ((1, 1), (1, 2), (2, 2), (2, 3), (3, 3), (3, 4), (4, 6)):
         cells = [f"{100 * error:+.2f} %" for error in support_frequencies(tower, arm) / exact - 1]
         lines.append(f"| {tower} | {arm} | {' | '.join(cells)} |")

@@ -54,23 +54,23 @@ class PitchDecay:
     expected: np.ndarray
 
 
-def plant_of(name: str, senses: tuple[int, ...], blade_units: int = 0) -> Plant:
+def plant_of(name: str, senses: tuple[int, ...], blade_hinges: int = 0) -> Plant:
     """A shipped model in calm water and vacuum, its rotors turning freely, each in its sense (1: clockwise)."""
     settings: dict[str, object] = {**cases.CALM, "world.air_density": 0.0}
     if len(senses) > 1:
         settings["yaw_gain"] = 0.0
     for turbine, sense in zip(TURBINES[name], senses, strict=True):
         settings[f"{turbine}.assembly.rotation"] = sense
-        settings[f"{turbine}.assembly.blade_units"] = blade_units
+        settings[f"{turbine}.assembly.blade_hinges"] = blade_hinges
         settings[f"{turbine}.control.torque.greatest_torque"] = 0.0
     return fw.load(name, set=settings).compile()
 
 
 def pitch_decay(
-    name: str, senses: tuple[int, ...], offset: float = 5.0, duration: float = 120.0, blade_units: int = 0
+    name: str, senses: tuple[int, ...], offset: float = 5.0, duration: float = 120.0, blade_hinges: int = 0
 ) -> PitchDecay:
     """The spar let go from a pitch angle [deg] off its rest, the rotors at 12.1 rpm."""
-    plant, turbines = plant_of(name, senses, blade_units), TURBINES[name]
+    plant, turbines = plant_of(name, senses, blade_hinges), TURBINES[name]
     still = {f"{turbine}.{BEARING}.{state}": 0.0 for turbine in turbines for state in ("phi", "w")}
     rest = plant.equilibrium(hold=still)
     moved = {"platform.motion.pitch": float(rest["platform.motion.pitch"]) + np.radians(offset)}

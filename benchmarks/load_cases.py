@@ -32,27 +32,29 @@ PAGE, FIGURES, RUNS = ROOT / "docs" / "load_cases.md", ROOT / "docs" / "figures"
 VACUUM = "--set world.air_density=0"
 # the references have neither the drag of the tower nor its dam in the wind at the blades
 BARE = "--set tower_drag.active=false --set tower_flow.active=false"
-STIFF_BLADES = "--set turbine.assembly.blade_units=0"
+STIFF_BLADES = "--set turbine.assembly.blade_hinges=0"
 FIELD = "output/load_cases/kaimal_11.4.bts"
 FIELD_COMMAND = (
     f"fowt wind-field {FIELD} --speed 11.4 --class B --shear 0.14 --width 160 --height 160 --spacing 8 --time 1200"
 )
 IDAS, FIXED = "--solver idas --tolerance 1e-4", "--solver fixed"
+SPAR = "fowt run oc3_spar --start file"
 OFFSETS = {"surge": (10.0, 600.0), "heave": (5.0, 200.0), "pitch": (10.0, 200.0)}  # m or deg, s
 COMMANDS = {
     "steady": f"fowt run nrel5mw_land --wind steady:SPEED,shear=0 {BARE} --time 90 {FIXED}",
     "turbulent": f"fowt run nrel5mw_land --wind field:{FIELD} {BARE} --time 600 {FIXED}",
     **{
-        f"decay_{motion}": f"fowt decay oc3_spar --dof {motion} --offset {offset:g} --time {time:g} {VACUUM}"
+        f"decay_{motion}": f"fowt decay oc3_spar --wind none --dof {motion} --offset {offset:g} --time {time:g}"
+        f" {VACUUM}"
         for motion, (offset, time) in OFFSETS.items()
     },
-    "regular": f"fowt run oc3_spar --wind none --waves regular:H=6,T=10 {VACUUM} {STIFF_BLADES} --time 600 {IDAS}",
-    "regular_rigid": "fowt run oc3_spar --wind none --waves regular:H=6,T=10 --set tower.units=0"
+    "regular": f"{SPAR} --wind none --waves regular:H=6,T=10 {VACUUM} {STIFF_BLADES} --time 600 {IDAS}",
+    "regular_rigid": f"{SPAR} --wind none --waves regular:H=6,T=10 --set tower.hinges=0"
     f" {VACUUM} {STIFF_BLADES} --time 600 {IDAS}",
-    "irregular": f"fowt run oc3_spar --wind none --waves jonswap:Hs=6,Tp=10,seed=1 {VACUUM} {STIFF_BLADES} --time 2000"
+    "irregular": f"{SPAR} --wind none --waves jonswap:Hs=6,Tp=10,seed=1 {VACUUM} {STIFF_BLADES} --time 2000"
     f" {IDAS}",
-    "steady_and_regular": f"fowt run oc3_spar --wind steady:8 --waves regular:H=6,T=10 {BARE} --time 600 {FIXED}",
-    "turbulent_and_irregular": f"fowt run oc3_spar --wind field:{FIELD} --waves jonswap:Hs=6,Tp=10,seed=1 {BARE}"
+    "steady_and_regular": f"{SPAR} --wind steady:8 --waves regular:H=6,T=10 {BARE} --time 600 {FIXED}",
+    "turbulent_and_irregular": f"{SPAR} --wind field:{FIELD} --waves jonswap:Hs=6,Tp=10,seed=1 {BARE}"
     f" --time 1000 {FIXED}",
     **{case.key: case.command(f"output/load_cases/{case.key}.bts") for case in two.KAIMAL},
 }

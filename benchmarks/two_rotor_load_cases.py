@@ -47,7 +47,8 @@ class LoadCase:
         """Command of the run."""
         start = "platform.motion"
         return (
-            f"fowt run two_rotor_spar --wind field:{file} --waves jonswap:Hs={self.height:g},Tp={self.period:g},seed=1"
+            f"fowt run two_rotor_spar --start file --wind field:{file}"
+            f" --waves jonswap:Hs={self.height:g},Tp={self.period:g},seed=1"
             f" --set {start}.surge_start={self.surge:g} --set '{start}.pitch_start={self.pitch:g} deg'"
             f" --set {start}.heave_start=-2 {BARE} --time {DURATION:g} --solver fixed"
         )

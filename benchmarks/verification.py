@@ -216,7 +216,7 @@ def heave_in_long_waves() -> Table:
 
 
 # Natural frequencies [Hz] of the complete turbine on the OC3 spar, thesis table 3.2: FAST v8, and the thesis with two
-# tower units and six blade units.
+# tower hinges and six blade hinges.
 TABLE_3_2 = {
     "surge": (0.008, 0.008), "sway": (0.008, 0.008), "heave": (0.032, 0.0314), "roll": (0.034, 0.035),
     "pitch": (0.034, 0.035), "yaw": (0.121, 0.122), "tower fore-aft 1": (0.473, 0.490),
@@ -231,32 +231,32 @@ FREE = ("drivetrain",)  # published free at both ends; the other modes with a lo
 
 @section
 def turbine_frequencies() -> Table:
-    """The sixteen frequencies of table 3.2: two tower and six blade units, and six and twelve."""
-    few, many = (_table_3_2(*units) for units in ((2, 6), (6, 12)))
+    """The sixteen frequencies of table 3.2: two tower and six blade hinges, and six and twelve."""
+    few, many = (_table_3_2(*hinges) for hinges in ((2, 6), (6, 12)))
     rows = []
     for name, (fast, thesis) in TABLE_3_2.items():
         off = "" if fast is None else _percent(many[name], fast)
         rows.append((name, few[name], many[name], fast or "", off, thesis, _percent(many[name], thesis)))
-    own = ("2 and 6 units [Hz]", "6 and 12 units [Hz]")
+    own = ("2 and 6 hinges [Hz]", "6 and 12 hinges [Hz]")
     heads = ("mode", *own, "FAST [Hz]", "difference", "thesis [Hz]", "difference")
     return heads, rows
 
 
-def _table_3_2(tower_units: int, blade_units: int) -> dict[str, float]:
+def _table_3_2(tower_hinges: int, blade_hinges: int) -> dict[str, float]:
     """The lowest frequency of each name, the generator locked but for the torsion of the drive train."""
-    locked = turbine_modes.frequencies("oc3_spar", tower_units, blade_units, locked=True)
-    free = turbine_modes.frequencies("oc3_spar", tower_units, blade_units, locked=False)
+    locked = turbine_modes.frequencies("oc3_spar", tower_hinges, blade_hinges, locked=True)
+    free = turbine_modes.frequencies("oc3_spar", tower_hinges, blade_hinges, locked=False)
     return {name: (free if name in FREE else locked)[name][0] for name in TABLE_3_2}
 
 
 @section
-def beam_units() -> Table:
-    """Frequencies of the turbine on the OC3 spar over the numbers of tower and blade units, generator locked."""
+def beam_hinges() -> Table:
+    """Frequencies of the turbine on the OC3 spar over the numbers of tower and blade hinges, generator locked."""
     rows = []
-    for units in ((1, 2), (2, 3), (2, 4), (2, 6), (3, 8), (4, 10), (6, 12)):
-        found = turbine_modes.frequencies("oc3_spar", *units, locked=True)
-        rows.append((f"{units[0]} and {units[1]}", *(found[name][0] if name in found else "" for name in BENDING)))
-    return ("tower and blade units", *(f"{name} [Hz]" for name in BENDING)), rows
+    for hinges in ((1, 2), (2, 3), (2, 4), (2, 6), (3, 8), (4, 10), (6, 12)):
+        found = turbine_modes.frequencies("oc3_spar", *hinges, locked=True)
+        rows.append((f"{hinges[0]} and {hinges[1]}", *(found[name][0] if name in found else "" for name in BENDING)))
+    return ("tower and blade hinges", *(f"{name} [Hz]" for name in BENDING)), rows
 
 
 @section
@@ -321,12 +321,12 @@ def masses() -> Table:
     """Mass, first moment and inertia of the blade about its root, inertia of the rotor about the shaft."""
     reference = (17740.0, 363231.0, 11776047.0, 38759227.0)
     rows = []
-    for units in (0, 2, 4, 6, 8, 10, 12):
-        own = cases.rotor_masses(units)
+    for hinges in (0, 2, 4, 6, 8, 10, 12):
+        own = cases.rotor_masses(hinges)
         pairs = [(f"{a:.0f}", _percent(a, b)) for a, b in zip(own, reference, strict=True)]
-        rows.append((units, *(text for pair in pairs for text in pair)))
+        rows.append((hinges, *(text for pair in pairs for text in pair)))
     heads = ("blade mass [kg]", "first moment [kg m]", "blade inertia [kg m^2]", "rotor inertia [kg m^2]")
-    return ("units", *(text for head in heads for text in (head, "to the definition"))), rows
+    return ("hinges", *(text for head in heads for text in (head, "to the definition"))), rows
 
 
 @section

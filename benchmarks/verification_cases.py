@@ -309,13 +309,13 @@ def line_loads(times: float, kind: str, wind: float = 9.0, speed: float = 1.0789
     return thrust / 1e3, torque / 1e3, float(moment) / 1e3
 
 
-def rotor_masses(units: int) -> tuple[float, float, float, float]:
+def rotor_masses(hinges: int) -> tuple[float, float, float, float]:
     """Mass [kg], first moment [kg m], inertia [kg m^2] of the NREL blade about its root, and inertia of the rotor.
 
-    From the segments of a blade with so many units. About the root: the mean over the directions across the blade. The
+    From the segments of a blade with so many hinges. About the root: the mean over the directions across the blade. The
     rotor: three coned blades and the hub, about the shaft.
     """
-    segments = divide(read_beam(str(data_path("nrel5mw/blade_structure.csv"))), units, "free_tip").segments
+    segments = divide(read_beam(str(data_path("nrel5mw/blade_structure.csv"))), hinges, "free_tip").segments
     mass = np.array([s.mass for s in segments])
     z = np.array([s.centre[2] for s in segments])
     across = np.array([(s.inertia[0, 0] + s.inertia[1, 1]) / 2 for s in segments])

@@ -51,22 +51,22 @@ FAST_BLADE = {
 
 
 @lru_cache(maxsize=2)
-def turbine_at_rest(name: str, tower_units: int, blade_units: int, changes: Changes = ()) -> tuple[Plant, State]:
-    """A shipped turbine with so many beam units and other changes in calm water and vacuum, and its rest."""
+def turbine_at_rest(name: str, tower_hinges: int, blade_hinges: int, changes: Changes = ()) -> tuple[Plant, State]:
+    """A shipped turbine with so many beam hinges and other changes in calm water and vacuum, and its rest."""
     calm = {"wind.kind": "none", "world.air_density": 0.0}
     if "sea" in fw.load(name).root.parts:
         calm["sea.spectrum"] = "still"
-    units = {"tower.units": tower_units, "turbine.assembly.blade_units": blade_units}
-    plant = fw.load(name, set={**calm, **units, **dict(changes)}).compile()
+    hinges = {"tower.hinges": tower_hinges, "turbine.assembly.blade_hinges": blade_hinges}
+    plant = fw.load(name, set={**calm, **hinges, **dict(changes)}).compile()
     return plant, plant.equilibrium(hold=HELD)
 
 
 @lru_cache(maxsize=8)
 def linear(
-    name: str, tower_units: int, blade_units: int, locked: bool, damping_factor: float = 1.0, changes: Changes = ()
+    name: str, tower_hinges: int, blade_hinges: int, locked: bool, damping_factor: float = 1.0, changes: Changes = ()
 ) -> LinearModel:
     """The linear model about rest, the generator free or locked, the damping of all hinges times a factor."""
-    plant, rest = turbine_at_rest(name, tower_units, blade_units, changes)
+    plant, rest = turbine_at_rest(name, tower_hinges, blade_hinges, changes)
     values = plant.parameter_values()
     changed = {path: damping_factor * float(values[path]) for path in DAMPING if damping_factor != 1}
     changed |= LOCK if locked else {}
@@ -96,7 +96,7 @@ def blade_order(mode: Mode, direction: str) -> int:
     """1 for the first bending of the blades, 2 for the second: changes of sign along the leading blade."""
     angles: dict[str, dict[int, complex]] = {}
     for path, amplitude in mode.shape.items():
-        hinge = re.search(rf"blade_(\d+)\.beam\.unit_(\d+)\.bending\.phi_{direction}$", path)
+        hinge = re.search(rf"blade_(\d+)\.beam\.hinge_(\d+)\.bending\.phi_{direction}$", path)
         if hinge:
             angles.setdefault(hinge[1], {})[int(hinge[2])] = amplitude
     leading = max(angles.values(), key=lambda blade: max(map(abs, blade.values())))
@@ -111,7 +111,7 @@ def shape_order(mode: Mode, direction: str) -> int:
     """The same for a model in shape functions: which of them has the largest share; see `with_fast_shapes`."""
     shares = mode.participation.items()
     ours = {path: share for path, share in shares if BLADE in path and path.endswith(f"phi_{direction}")}
-    return int(re.search(r"unit_(\d+)", max(ours, key=ours.__getitem__))[1])
+    return int(re.search(r"hinge_(\d+)", max(ours, key=ours.__getitem__))[1])
 
 
 def named(modes: list[Mode], order: Callable[[Mode, str], int] = blade_order) -> dict[str, list[Mode]]:
@@ -139,10 +139,10 @@ def named(modes: list[Mode], order: Callable[[Mode, str], int] = blade_order) ->
 
 
 def frequencies(
-    name: str, tower_units: int, blade_units: int, locked: bool, changes: Changes = ()
+    name: str, tower_hinges: int, blade_hinges: int, locked: bool, changes: Changes = ()
 ) -> dict[str, list[float]]:
     """Natural frequencies [Hz] by the names of `named`."""
-    return _frequencies(linear(name, tower_units, blade_units, locked, changes=changes))
+    return _frequencies(linear(name, tower_hinges, blade_hinges, locked, changes=changes))
 
 
 def _frequencies(model: LinearModel, order: Callable[[Mode, str], int] = blade_order) -> dict[str, list[float]]:
@@ -158,9 +158,9 @@ class Hinges:
     shapes: np.ndarray
 
     @classmethod
-    def of(cls, path: str, beam: BeamProperties, units: int, treatment: str, shapes: dict[str, list]) -> list[Hinges]:
+    def of(cls, path: str, beam: BeamProperties, hinges: int, quadrature: str, shapes: dict[str, list]) -> list[Hinges]:
         """Both directions. A hinge turns by curvature times EI / k, since its moment is k times the angle."""
-        chain = divide(beam, units, treatment)
+        chain = divide(beam, hinges, quadrature)
         found = []
         for axis in "xy":
             stiffness = np.asarray(getattr(chain, f"stiffness_{axis}"))
@@ -169,29 +169,29 @@ class Hinges:
                 sum(c * k * (k - 1) * (chain.s / beam.length) ** (k - 2) for k, c in enumerate(shape, start=2))
                 for shape in shapes[axis]
             ]
-            names = [f"{path}.unit_{i + 1}.bending.phi_{axis}" for i in range(units)]
+            names = [f"{path}.hinge_{i + 1}.bending.phi_{axis}" for i in range(hinges)]
             found.append(cls(names, stiffness, np.array(curvature).T * lever[:, None]))
         return found
 
 
 def with_fast_shapes(
-    name: str, tower_units: int, blade_units: int, tower: bool = True, blades: bool = True
+    name: str, tower_hinges: int, blade_hinges: int, tower: bool = True, blades: bool = True
 ) -> dict[str, list[float]]:
     """Frequencies [Hz] of a turbine with locked generator when tower or blades bend in the shapes of FAST alone.
 
     Rates are A x + W f with moments f in the hinges. A change of the hinge damping gives W exactly. Moments that forbid
     every bending but the shapes make the constrained model. Its lowest modes cannot lie below those of the free one.
     """
-    plant, _ = turbine_at_rest(name, tower_units, blade_units)
+    plant, _ = turbine_at_rest(name, tower_hinges, blade_hinges)
     values = plant.parameter_values()
-    free, damped = (linear(name, tower_units, blade_units, True, factor) for factor in (1.0, 2.0))
+    free, damped = (linear(name, tower_hinges, blade_hinges, True, factor) for factor in (1.0, 2.0))
     groups = []
     if tower:
         beam = given_beam(plant.root.find("tower.beam"))
-        groups += Hinges.of("tower.beam", beam, tower_units, "loaded_tip", FAST_TOWER[name])
+        groups += Hinges.of("tower.beam", beam, tower_hinges, "loaded_tip", FAST_TOWER[name])
     for k in (1, 2, 3) if blades else ():
         beam = read_beam(str(data_path("nrel5mw/blade_structure.csv")))
-        groups += Hinges.of(f"turbine.assembly.blade_{k}.beam", beam, blade_units, "free_tip", FAST_BLADE)
+        groups += Hinges.of(f"turbine.assembly.blade_{k}.beam", beam, blade_hinges, "free_tip", FAST_BLADE)
     number = {path: i for i, path in enumerate(free.states)}
     angles = [path for group in groups for path in group.angles]
     at = [number[path] for path in angles]

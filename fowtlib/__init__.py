@@ -34,6 +34,7 @@ if TYPE_CHECKING:
     from fowtlib.fmi import export_fmu
     from fowtlib.modelfile import dump, load
     from fowtlib.solving import (
+        Conditions,
         LinearModel,
         Mode,
         Model,
@@ -56,8 +57,8 @@ _LATER = {
     "view": "fowtlib.view",
     **dict.fromkeys(("dump", "load"), "fowtlib.modelfile"),
     **dict.fromkeys(
-        ("LinearModel", "Mode", "Model", "NaturalMode", "Output", "Plant", "Result", "State", "mean_state",
-         "natural_modes"),
+        ("Conditions", "LinearModel", "Mode", "Model", "NaturalMode", "Output", "Plant", "Result", "State",
+         "mean_state", "natural_modes"),
         "fowtlib.solving",
     ),
     **dict.fromkeys(
@@ -87,6 +88,7 @@ def __dir__() -> list[str]:
 __all__ = [
     "Assembly",
     "Component",
+    "Conditions",
     "LinearModel",
     "Mode",
     "Model",

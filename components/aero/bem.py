@@ -36,7 +36,7 @@ class BladeElementRotor:
     where the coefficients are looked up (its states as inputs, as the induced speed is), induction between rotors as a
     further part of the wind.
 
-    blades: any number; sense 1: turns clockwise seen looking downwind, -1: the other way (mirrored blades).
+    blades: any number; rotation 1: turns clockwise seen looking downwind, -1: the other way (mirrored blades).
     line_loads: the load of a node is that per length times the length of its element, "elements"; or it goes in
     "straight_lines" from node to node and to zero at the root and the tip, as in CCBlade and AeroDyn.
     skew: factor of the skewed wake correction, 0 for none. axial_drag, tangential_drag: drag takes part in the
@@ -55,7 +55,7 @@ class BladeElementRotor:
 
     blade: BladeAerodynamics
     blades: int = 3
-    sense: int = 1
+    rotation: int = 1
     skew: float = PITT_PETERS
     axial_drag: bool = True
     tangential_drag: bool = True
@@ -65,7 +65,7 @@ class BladeElementRotor:
     line_loads: str = "elements"
 
     def __post_init__(self):
-        if self.blades < 1 or self.sense not in (1, -1):
+        if self.blades < 1 or self.rotation not in (1, -1):
             raise ParameterError("a rotor has one blade or more, and its sense of rotation is 1 or -1.")
         if self.line_loads not in LINE_LOADS:
             raise ParameterError(f"line_loads is '{self.line_loads}'; choose {' or '.join(LINE_LOADS)}.")
@@ -162,7 +162,7 @@ class BladeElementRotor:
                    "lift_slope": lift_lines[:, 0], "zero_lift": lift_lines[:, 1],
                    "knot": np.concatenate([foil.angle for foil in foils]), "cubic": np.concatenate(cubics)}  # fmt: skip
         integers = {"polar": polar, "first_in": np.concatenate(first_in), "last_knot": starts + np.array(sizes) - 2}
-        macros = {"BLADES": self.blades, "STATIONS": len(b.radius), "SENSE": self.sense,
+        macros = {"BLADES": self.blades, "STATIONS": len(b.radius), "SENSE": self.rotation,
                   "TIP_RADIUS": _number(b.tip_radius), "SKEW": _number(self.skew), "SKEWED_WAKE": int(self.skew != 0),
                   "DYNAMIC_INFLOW": int(self.dynamic_inflow), "AXIAL_DRAG": int(self.axial_drag),
                   "TANGENTIAL_DRAG": int(self.tangential_drag)}  # fmt: skip

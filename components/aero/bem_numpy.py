@@ -31,8 +31,8 @@ def loads(rotor: BladeElementRotor, inputs: np.ndarray) -> np.ndarray:
     normal = part["hub_orientation"][:3]
     skew_wind = part["disk_wind"] - part["hub_velocity"]
 
-    tangent = rotor.sense * _unit(np.cross(span, normal))  # to the trailing edge
-    downwind = np.cross(rotor.sense * tangent, span)
+    tangent = rotor.rotation * _unit(np.cross(span, normal))  # to the trailing edge
+    downwind = np.cross(rotor.rotation * tangent, span)
     relative = wind - velocity
     arm = position - part["hub_position"]
     radius = np.sqrt(_dot(arm, arm) - (arm @ normal) ** 2)
@@ -45,7 +45,7 @@ def loads(rotor: BladeElementRotor, inputs: np.ndarray) -> np.ndarray:
     axial, tangential, moment, induced = section.loads(_skew(rotor, skew_wind, normal, arm), given)
     scale = (part["air_density"] * np.tile(rotor.lengths, rotor.blades))[:, None]
     force = axial[:, None] * downwind + tangential[:, None] * tangent
-    result = np.hstack([scale * force, scale * rotor.sense * moment[:, None] * span]).ravel()
+    result = np.hstack([scale * force, scale * rotor.rotation * moment[:, None] * span]).ravel()
     return np.append(result, induced) if rotor.dynamic_inflow else result
 
 

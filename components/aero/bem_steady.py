@@ -38,23 +38,23 @@ class RigidRotor:
         one for each blade; azimuth [rad] of the first blade, zero when it points up; induced [m/s] one number or one
         for each station, for a rotor with dynamic inflow.
         """
-        rotor, blade, sense = self.rotor, self.rotor.blade, self.rotor.sense
+        rotor, blade, rotation = self.rotor, self.rotor.blade, self.rotor.rotation
         axes, hub = self.hub_axes(), np.asarray(hub, dtype=float)
         pitches = np.broadcast_to(pitch, rotor.blades)
         position, orientation = [], []
         for k in range(rotor.blades):
-            turn = _about("x", sense * (azimuth + 2 * np.pi * k / rotor.blades))
+            turn = _about("x", rotation * (azimuth + 2 * np.pi * k / rotor.blades))
             root = axes @ turn @ _about("y", -self.precone)
-            pitched = root @ _about("z", -sense * pitches[k])
+            pitched = root @ _about("z", -rotation * pitches[k])
             for r, twist, curve, sweep in zip(blade.radius, blade.twist, blade.curve, blade.sweep, strict=True):
-                position.append(hub + root @ [0, 0, r] + pitched @ [curve, sense * sweep, 0])
-                orientation.append(pitched @ _about("z", -sense * twist))
+                position.append(hub + root @ [0, 0, r] + pitched @ [curve, rotation * sweep, 0])
+                orientation.append(pitched @ _about("z", -rotation * twist))
         position = np.array(position)
-        velocity = np.cross(sense * speed * axes[:, 0], position - hub)
+        velocity = np.cross(rotation * speed * axes[:, 0], position - hub)
         wind = np.broadcast_to(wind, position.shape)
         flat = [o.T.ravel() for o in orientation]
         groups = [position.ravel(), np.concatenate(flat), velocity.ravel(), wind.ravel(), hub,
-                  (axes @ _about("x", sense * azimuth)).T.ravel(), np.zeros(3), wind.mean(axis=0), [air_density],
+                  (axes @ _about("x", rotation * azimuth)).T.ravel(), np.zeros(3), wind.mean(axis=0), [air_density],
                   blade.chord]
         if rotor.dynamic_inflow:
             groups.append(np.broadcast_to(induced, len(blade.radius)))
@@ -84,7 +84,7 @@ class RigidRotor:
         arm = inputs[: 3 * n, 0].reshape(n, 3) - inputs[start : start + 3, 0]
         moment = (np.cross(arm, loads[..., :3]) + loads[..., 3:]).sum(axis=1)
         normal = self.hub_axes()[:, 0]
-        return np.stack([loads[..., :3].sum(axis=1) @ normal, self.rotor.sense * moment @ normal], axis=1)
+        return np.stack([loads[..., :3].sum(axis=1) @ normal, self.rotor.rotation * moment @ normal], axis=1)
 
     def sweep(self, winds: np.ndarray, speed: float, pitch: float, **more: Any) -> np.ndarray:
         """Thrust and torque, (n, 2), in n uniform winds [m/s] along x, at the same rotor speed and pitch."""

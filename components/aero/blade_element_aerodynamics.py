@@ -5,8 +5,8 @@ from __future__ import annotations
 from collections.abc import Mapping
 from dataclasses import replace
 from functools import lru_cache
-from typing import Any
 
+import casadi as ca
 import numpy as np
 
 from fowtlib.components.aero.bem import LINE_LOADS, PITT_PETERS, BladeElementRotor
@@ -18,12 +18,14 @@ from fowtlib.components.environment.world import World
 from fowtlib.components.mechanics import Frame
 from fowtlib.components.mechanics.rotations import axis_rotation, unit_axis
 from fowtlib.language import (
+    Array,
     Component,
     Data,
     Number,
     RealOutput,
     Vector,
     assert_,
+    at_start,
     data,
     der,
     eq,
@@ -38,16 +40,12 @@ OF_BLADE = ("airfoils", "hub_radius", "tip_radius", "smooth_airfoils")  # what r
 OPTIONS = ("skew", "axial_drag", "tangential_drag", "tip_loss", "hub_loss", "line_loads")
 
 
-class BladeElementAerodynamics(Component):
-    """Loads of the air on a rotor with moving and bending blades: a BladeElementRotor between the frames of its nodes.
+def _stations(elements: BladeElements) -> tuple[int]:
+    return (len(elements.rotor.blade.radius),)
 
-    Each node takes part with its own position, orientation and velocity, in the wind at its place. The frames in
-    `nodes` are parallel to the pitched blade root when nothing bends, blade by blade from root to tip, and lie at the
-    aerodynamic centres (`node_points`); the twist of the airfoils is added here. thrust, side and vertical force are
-    the sums over all nodes along the axes of the shaft: x downwind, not turning. The nodes meet the wind that every
-    TowerPotentialFlow of the model deflects; dynamic_inflow adds the part `inflow`, see DynamicInflow. A wind
-    field that does not cover the disk of tip_radius about the rotor's station is refused, see Wind.require.
-    """
+
+class BladeElements(Component):
+    """Partial: the blades of a rotor as elements, and how momentum theory treats them; see BladeElementRotor."""
 
     blade: Data[BladeAerodynamics] = data(read_blade, using=OF_BLADE, doc="CSV of its elements, see read_blade")
     airfoils: Data[Mapping] = data(read_airfoils, default=None, using=OF_BLADE[-1:], doc="CSV, see read_airfoils")
@@ -65,27 +63,77 @@ class BladeElementAerodynamics(Component):
         default="elements", choices=LINE_LOADS,
         doc="loads per length times the elements, or straight lines from node to node and to zero at the ends"
     )  # fmt: skip
-    dynamic_inflow: bool = param(default=False, doc="the induced speed follows the loads with a delay: DynamicInflow")
-    station: int = param(default=0, min=0, doc="number of the wind's station at this rotor")
+    chord: Array = param(
+        default=lambda self: self.rotor.blade.chord, unit="m", min=1e-6, shape=_stations, doc="chord of each element"
+    )
+    twist: Array = param(
+        default=lambda self: self.rotor.blade.twist, unit="rad", shape=_stations, doc="twist of each, to feather"
+    )
 
-    world: World = outer(World)
-    wind: Wind = outer(Wind)
-    towers: list[TowerPotentialFlow] = outer(TowerPotentialFlow, many=True)
+    @property
+    def rotor(self) -> BladeElementRotor:
+        """The rotor of the files, as quasi-steady theory has it."""
+        blade = self.blade.fitting(self.label, self.airfoils, hub_radius=self.hub_radius, tip_radius=self.tip_radius)
+        return _rotor(blade, self.blades, self.rotation, tuple((name, getattr(self, name)) for name in OPTIONS))
+
+    @property
+    def steady_rotor(self) -> BladeElementRotor:
+        """The same with the chord and the twist of the parameters, as numbers, for steady operation."""
+        shape = (tuple(np.ravel(self.parameter_value(name)).tolist()) for name in ("chord", "twist"))
+        return _shaped(self.rotor, *shape)
+
+    def section_axes(self, nodes):
+        """Axes of the sections at the nodes, whose frames have the pitch of their blade and no twist."""
+        twisted = [axis_rotation(unit_axis((0, 0, -self.rotation)), angle) for angle in ca.vertsplit(self.twist)]
+        return [node.R @ twisted[i % len(twisted)] for i, node in enumerate(nodes)]
+
+
+class RotorLoads(BladeElements):
+    """Partial: the loads of all nodes together; thrust, torque and power of a rotor."""
+
     hub: Frame = port(doc="hub centre, turning with the rotor; x along the shaft, downwind")
     nodes: Frame = port(size=lambda self: self.rotor.nodes, doc="frames of the nodes, blade by blade from the root")
 
     thrust: RealOutput = port(unit="N", doc="force of the air along the shaft, positive downwind")
     torque: RealOutput = port(unit="N*m", doc="moment of the air about the shaft, positive when it drives the rotor")
     aero_power: RealOutput = port(unit="W", doc="torque times rotor speed")
-    disk_wind: RealOutput = port(unit="m/s", shape=(3,), doc="wind averaged over the nodes, world")
     force: Vector = var(unit="N", doc="force of the air on the rotor, world")
     moment: Vector = var(unit="N*m", doc="moment of the air on the rotor about the hub, world")
 
-    @property
-    def rotor(self) -> BladeElementRotor:
-        """The rotor as quasi-steady theory has it, for steady operation."""
-        blade = self.blade.fitting(self.label, self.airfoils, hub_radius=self.hub_radius, tip_radius=self.tip_radius)
-        return _rotor(blade, self.blades, self.rotation, tuple((name, getattr(self, name)) for name in OPTIONS))
+    def passed_on(self, loads):
+        """The loads (6n), force and moment of each node, to the nodes and to the outputs."""
+        hub, shaft = self.hub, self.hub.R[:, 0]
+        parts = ca.vertsplit(loads, 3)
+        given = list(zip(self.nodes, parts[::2], parts[1::2], strict=True))
+        return [
+            [[eq(node.f, -f), eq(node.t, -t)] for node, f, t in given],
+            [eq(hub.f, m.zeros(3)), eq(hub.t, m.zeros(3))],
+            eq(self.force, sum(f for _, f, _ in given)),
+            eq(self.moment, sum(m.cross(node.r - hub.r, f) + t for node, f, t in given)),
+            eq(self.thrust, m.dot(shaft, self.force)),
+            eq(self.torque, self.rotation * m.dot(shaft, self.moment)),
+            eq(self.aero_power, m.dot(self.moment, hub.w)),
+        ]
+
+
+class BladeElementAerodynamics(RotorLoads):
+    """Loads of the air on a rotor with moving and bending blades: a BladeElementRotor between the frames of its nodes.
+
+    Each node takes part with its own position, orientation and velocity, in the wind at its place. The frames in
+    `nodes` are parallel to the pitched blade root when nothing bends, blade by blade from root to tip, and lie at the
+    aerodynamic centres (`node_points`); the twist of the airfoils is added here. `force` and `moment` are the sums over
+    all nodes, the moment about the hub; thrust and torque are their parts along and about the shaft. The nodes meet the
+    wind that every TowerPotentialFlow of the model deflects; dynamic_inflow adds the part `inflow`, see DynamicInflow.
+    A wind field that does not cover the disk of tip_radius about the rotor's station is refused, see Wind.require.
+    """
+
+    dynamic_inflow: bool = param(default=False, doc="the induced speed follows the loads with a delay: DynamicInflow")
+    station: int = param(default=0, min=0, doc="number of the wind's station at this rotor")
+
+    world: World = outer(World)
+    wind: Wind = outer(Wind)
+    towers: list[TowerPotentialFlow] = outer(TowerPotentialFlow, many=True)
+    disk_wind: RealOutput = port(unit="m/s", shape=(3,), doc="wind averaged over the nodes, world")
 
     def build(self):
         if self.dynamic_inflow and self.hub_radius is not None:
@@ -93,50 +141,40 @@ class BladeElementAerodynamics(Component):
             self.inflow = DynamicInflow(radius=b.radius.tolist(), length=b.length.tolist(), tip_radius=b.tip_radius)
 
     def equations(self):
-        hub, nodes, towers = self.hub, list(self.nodes), [tower for tower in self.towers if tower.active]
-        places = m.horzcat(*[node.r for node in nodes])
-        require_disk(self.wind, self.tip_radius, self.station, f"the rotor of {self.label}")
-        wind = self.wind.velocity(places, self.station, reach="plane")
-        outputs = _air(self, wind + sum(tower.change(wind, places) for tower in towers))
-        loads = [outputs["loads"][i : i + 3] for i in range(0, 6 * len(nodes), 3)]
-        given = list(zip(loads[::2], loads[1::2], strict=True))
-        about_hub = [m.cross(node.r - hub.r, f) + t for node, (f, t) in zip(nodes, given, strict=True)]
-        shaft = hub.R[:, 0]
+        places, towers = m.horzcat(*[node.r for node in self.nodes]), [tower for tower in self.towers if tower.active]
+        at_start("place in the wind", doc="a wind field that is too small is refused", compute=_require_wind)
+        wind, n = self.wind.velocity(places, self.station, reach="plane"), self.rotor.nodes
+        outputs = self.air(places, wind + sum(tower.change(wind, places) for tower in towers))
         return [
-            [[eq(node.f, -f), eq(node.t, -t)] for node, (f, t) in zip(nodes, given, strict=True)],
-            [eq(hub.f, m.zeros(3)), eq(hub.t, m.zeros(3))],
-            eq(self.disk_wind, wind @ (np.ones((len(nodes), 1)) / len(nodes))),
-            eq(self.force, sum(f for f, _ in given)),
-            eq(self.moment, sum(about_hub)),
-            eq(self.thrust, m.dot(shaft, self.force)),
-            eq(self.torque, self.rotation * m.dot(shaft, self.moment)),
-            eq(self.aero_power, m.dot(self.moment, hub.w)),
-            _wake(self, outputs["quasi_steady"]) if self.dynamic_inflow else [],
+            self.passed_on(outputs["loads"]),
+            eq(self.disk_wind, wind @ (np.ones((n, 1)) / n)),
+            self.wake(outputs["quasi_steady"]) if self.dynamic_inflow else [],
             [assert_(tower.clearance(places) > 0, "a blade strikes the tower") for tower in towers],
         ]
 
+    def air(self, places, wind):
+        """What the external function says, with the wind (3, n) at the places (3, n) of the nodes."""
+        rotor, hub, more = self.rotor, self.hub, {}
+        if self.dynamic_inflow:
+            rotor, more = _dynamic(rotor), {"induced": self.inflow.induced}
+        return rotor.external(
+            position=m.vec(places), orientation=m.vertcat(*[m.vec(R) for R in self.section_axes(self.nodes)]),
+            velocity=m.vertcat(*[der(node.r) for node in self.nodes]), wind=m.vec(wind), hub_position=hub.r,
+            hub_orientation=m.vec(hub.R), hub_velocity=der(hub.r), disk_wind=self.disk_wind,
+            air_density=self.world.air_density, chord=self.chord, **more,
+        )  # fmt: skip
 
-def _air(air: BladeElementAerodynamics, wind: Any) -> dict[str, Any]:
-    """What the external function says, with the wind (3, n) at the nodes."""
-    rotor, hub, nodes, more = air.rotor, air.hub, list(air.nodes), {}
-    twist = [axis_rotation(unit_axis((0, 0, -air.rotation)), float(angle)) for angle in rotor.blade.twist]
-    turned = [node.R @ twist[i % len(twist)] for i, node in enumerate(nodes)]
-    if air.dynamic_inflow:
-        rotor, more = _dynamic(rotor), {"induced": air.inflow.induced}
-    return rotor.external(
-        position=m.vertcat(*[node.r for node in nodes]), orientation=m.vertcat(*[m.vec(R) for R in turned]),
-        velocity=m.vertcat(*[der(node.r) for node in nodes]), wind=m.vec(wind), hub_position=hub.r,
-        hub_orientation=m.vec(hub.R), hub_velocity=der(hub.r), disk_wind=air.disk_wind,
-        air_density=air.world.air_density, chord=rotor.blade.chord, **more,
-    )  # fmt: skip
+    def wake(self, quasi_steady):
+        """What the wake is told: the mean over the blades, and the wind through the disk."""
+        mean = sum(ca.vertsplit(quasi_steady, len(self.inflow.radius))) / self.blades
+        through = m.dot(self.hub.R[:, 0], self.disk_wind - der(self.hub.r))
+        return [eq(self.inflow.quasi_steady, mean), eq(self.inflow.wind_speed, through)]
 
 
-def _wake(air: BladeElementAerodynamics, quasi_steady: Any) -> list[Any]:
-    """What the wake is told: the mean over the blades, and the wind through the disk."""
-    n = len(air.inflow.radius)
-    mean = sum([quasi_steady[k * n : (k + 1) * n] for k in range(air.blades)]) / air.blades
-    through = m.dot(air.hub.R[:, 0], air.disk_wind - der(air.hub.r))
-    return [eq(air.inflow.quasi_steady, mean), eq(air.inflow.wind_speed, through)]
+def _require_wind(air: BladeElementAerodynamics) -> float:
+    """Where the wind does not reach all of the rotor, an error."""
+    require_disk(air.wind, air.tip_radius, air.station, f"the rotor of {air.label}")
+    return 1.0
 
 
 @lru_cache(maxsize=16)
@@ -148,6 +186,14 @@ def _rotor(blade: BladeAerodynamics, blades: int, rotation: int, options: tuple)
 @lru_cache(maxsize=16)
 def _dynamic(rotor: BladeElementRotor) -> BladeElementRotor:
     return replace(rotor, dynamic_inflow=True)
+
+
+@lru_cache(maxsize=16)
+def _shaped(rotor: BladeElementRotor, chord: tuple[float, ...], twist: tuple[float, ...]) -> BladeElementRotor:
+    blade = rotor.blade
+    if chord == tuple(blade.chord.tolist()) and twist == tuple(blade.twist.tolist()):
+        return rotor
+    return replace(rotor, blade=replace(blade, chord=np.array(chord), twist=np.array(twist)))
 
 
 def node_points(blade: BladeAerodynamics, rotation: int = 1) -> list[tuple[float, float, float]]:

@@ -2,15 +2,38 @@
 
 from __future__ import annotations
 
+import numpy as np
+
 from fowtlib.components.aero import outlines
 from fowtlib.components.aero.coefficient_table import REMEDY, CoefficientTable, read_coefficients
 from fowtlib.components.aero.rotor import Rotor
 from fowtlib.components.blocks import ButterworthLowPass
 from fowtlib.components.environment.wind import Wind
 from fowtlib.components.environment.world import World
-from fowtlib.language import Data, RealOutput, Scalar, assert_, data, der, eq, outer, param, port, table2d, var
+from fowtlib.language import (
+    Data,
+    RealOutput,
+    Scalar,
+    assert_,
+    at_start,
+    data,
+    der,
+    eq,
+    outer,
+    param,
+    port,
+    table2d,
+    var,
+)
 from fowtlib.language import math as m
 from fowtlib.language.shapes import Drawing
+
+BEHIND = (
+    "the mean wind is from behind the rotor, and its coefficients hold for wind from the front; turn the turbine into "
+    "the wind, or take a rotor of blade elements."
+)
+
+ARGUMENTS = ("tip speed ratio", "blade pitch [rad]")
 
 
 class CoefficientRotor(Rotor):
@@ -35,7 +58,7 @@ class CoefficientRotor(Rotor):
     cutoff_frequency: Scalar = param(default=0.0033, unit="Hz", min=0, doc="-3 dB frequency of the filter")
     lowest_wind: Scalar = param(default=0.5, unit="m/s", min=0, doc="least speed the tip speed ratio is divided by")
     wind_start: Scalar = param(
-        default=lambda self: self.wind.mean_at(self.station) * m.cos(self.wind.direction) * m.cos(self.tilt),
+        default=lambda self: self.mean_along_shaft(),
         unit="m/s", doc="filtered wind at the start; its default takes the frame as turned along x",
     )  # fmt: skip
 
@@ -50,7 +73,9 @@ class CoefficientRotor(Rotor):
     torque_coefficient: Scalar = var(doc="C_q")
 
     def build(self):
-        if self.filtered:
+        if not self.filtered:
+            self.refuse_unused("filter_order", "cutoff_frequency", "wind_start", because="filtered is false")
+        else:
             filter_design = {"order": self.filter_order, "cutoff_frequency": self.cutoff_frequency}
             start = {"initialization": "value", "y_start": self.wind_start}
             self.low_pass = ButterworthLowPass(**filter_design, **start)
@@ -61,33 +86,34 @@ class CoefficientRotor(Rotor):
         angles = (self.parameter_value(name) for name in ("tilt", "precone"))
         return outlines.typical_rotor(self, self.parameter_value("radius"), *angles)
 
+    def mean_along_shaft(self) -> float:
+        """Mean wind [m/s] along the shaft, while the turbine stands straight: where its filter starts."""
+        wind = self.wind
+        turned = np.cos(wind.parameter_value("direction")) * np.cos(self.parameter_value("tilt"))
+        return float(wind.mean_at(self.station) * turned)
+
     def equations(self):
         n, hub, R = self.normal(), self.frame.r, self.radius * m.cos(self.precone)
-        pressure = self.world.air_density / 2 * m.pi * R**2 * self.relative_wind * m.abs(self.relative_wind)
+        load = self.world.air_density / 2 * m.pi * R**2 * self.relative_wind * m.abs(self.relative_wind)
         return [
             super().equations(),
             eq(self.normal_wind, m.dot(n, self.wind.velocity(hub, self.station))),
             [] if self.filtered else eq(self.mean_wind, self.normal_wind),
             eq(self.relative_wind, self.normal_wind - m.dot(n, der(hub))),
-            eq(self.thrust, pressure * self.thrust_coefficient),
-            eq(self.torque, pressure * R * self.torque_coefficient),
-            self.still_air() if self.wind.kind == "none" else self.coefficients_in(m.dot(n, der(hub))),
+            [eq(self.thrust, load * self.thrust_coefficient), eq(self.torque, load * R * self.torque_coefficient)],
+            self.coefficients_in(m.dot(n, der(hub))),
         ]
-
-    def still_air(self):
-        return [eq(x, 0) for x in (self.tip_speed_ratio, self.thrust_coefficient, self.torque_coefficient)]
 
     def coefficients_in(self, hub_velocity):
         """Tip speed ratio and coefficients, for the velocity of the hub along the rotor normal."""
-        speed = self.mean_wind - hub_velocity
-        table, names = self.coefficients, ("tip speed ratio", "blade pitch [rad]")
+        table, speed = self.coefficients, self.mean_wind - hub_velocity
         grid = (table.tip_speed_ratio, table.blade_pitch, table.values)
-        told = {"name": f"coefficients of {self.path}", "arguments": names, "remedy": REMEDY}
-        C = table2d(self.tip_speed_ratio, self.blade_pitch, *grid, **told)
-        behind = "the mean wind is from behind the rotor, and its coefficients hold for wind from the front; turn the "
-        behind += "turbine into the wind, or take a rotor of blade elements."
+        air = at_start("air", doc="0 without any wind, else 1", compute=lambda rotor: rotor.wind.kind != "none")
+        places = zip((self.tip_speed_ratio, self.blade_pitch), grid, strict=False)
+        inside = [air * value + (1 - air) * float(edges[0]) for value, edges in places]  # no air: anywhere in the table
+        C = table2d(*inside, *grid, name=f"coefficients of {self.path}", arguments=ARGUMENTS, remedy=REMEDY)
         return [
-            assert_(self.mean_wind > -self.lowest_wind, behind),
-            eq(self.tip_speed_ratio, self.w * self.radius / m.fmax(speed, self.lowest_wind)),
-            [eq(self.thrust_coefficient, C[0]), eq(self.torque_coefficient, C[1])],
+            assert_(self.mean_wind > -self.lowest_wind, BEHIND),
+            eq(self.tip_speed_ratio, air * self.w * self.radius / m.fmax(speed, self.lowest_wind)),
+            [eq(self.thrust_coefficient, air * C[0]), eq(self.torque_coefficient, air * C[1])],
         ]

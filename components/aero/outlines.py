@@ -1,7 +1,7 @@
 """The skin of blades, for pictures. NumPy.
 
 Axes of a blade: z from the root to the tip, x downwind, y to the trailing edge at zero twist (to the leading edge for a
-rotor that turns counter-clockwise, sense = -1).
+rotor that turns counter-clockwise, rotation = -1).
 """
 
 from __future__ import annotations
@@ -18,7 +18,7 @@ POINTS = 18  # of a section
 PITCH_AXIS = 0.3  # of the chord, from the leading edge
 
 
-def blade_sections(axis: ArrayLike, chord: ArrayLike, thickness: ArrayLike, twist: ArrayLike, sense: int = 1) -> Any:
+def blade_sections(axis: ArrayLike, chord: ArrayLike, thickness: ArrayLike, twist: ArrayLike, rotation: int = 1) -> Any:
     """Sections (n, POINTS, 3) around points of the pitch axis (n, 3), from chord and thickness [m], twist [rad].
 
     A section as thick as long is a circle; thin ones are drop-shaped. Positive twist turns the leading edge upwind.
@@ -31,13 +31,13 @@ def blade_sections(axis: ArrayLike, chord: ArrayLike, thickness: ArrayLike, twis
     round_part = np.clip((ratio - 0.45) / 0.5, 0, 1)
     side = ratio * (round_part * np.sin(angle) + (1 - round_part) * drop) / 2
     back = along - (round_part * 0.5 + (1 - round_part) * PITCH_AXIS)
-    x, y = side * chord[:, None], sense * back * chord[:, None]
-    c, s = np.cos(sense * twist)[:, None], np.sin(sense * twist)[:, None]
+    x, y = side * chord[:, None], rotation * back * chord[:, None]
+    c, s = np.cos(rotation * twist)[:, None], np.sin(rotation * twist)[:, None]
     turned = np.stack([c * x + s * y, c * y - s * x, np.zeros_like(x)], axis=-1)
     return axis[:, None, :] + turned
 
 
-def typical_blade(root: float, tip: float, sense: int = 1) -> np.ndarray:
+def typical_blade(root: float, tip: float, rotation: int = 1) -> np.ndarray:
     """Sections of a blade between two radii [m], where nothing but its length is known: the form of large turbines."""
     s = np.array([0, 0.03, 0.08, 0.14, 0.2, 0.3, 0.45, 0.6, 0.75, 0.88, 0.96, 0.99, 1.0])
     chord = np.interp(s, [0, 0.03, 0.2, 0.9, 0.97, 1], np.array([5.3, 5.3, 7.4, 3.3, 2.3, 0.5]) / 100) * tip
@@ -45,18 +45,18 @@ def typical_blade(root: float, tip: float, sense: int = 1) -> np.ndarray:
     twist = np.radians(np.interp(s, [0, 0.2, 0.5, 1], [13, 11, 4, 0]))
     axis = np.zeros((len(s), 3))
     axis[:, 2] = root + s * (tip - root)
-    return blade_sections(axis, chord, ratio * chord, twist, sense)
+    return blade_sections(axis, chord, ratio * chord, twist, rotation)
 
 
 def typical_rotor(rotor: Any, radius: float, tilt: float, precone: float, blades: int = 3) -> list[shapes.Drawn]:
-    """Blades that turn and pitch with a rotor that is a disk to the physics: frame, phi, blade_pitch, sense."""
+    """Blades that turn and pitch with a rotor that is a disk to the physics: frame, phi, blade_pitch, rotation."""
     upright = _rotation(1, tilt)
-    spin = shapes.Turned(rotor.frame, tuple(upright[:, 0]), join(rotor.path, "phi"), rotor.sense)
+    spin = shapes.Turned(rotor.frame, tuple(upright[:, 0]), join(rotor.path, "phi"), rotor.rotation)
     drawn: list[shapes.Drawn] = [shapes.Ball(spin, diameter=0.055 * radius, material="nacelle")]
-    sections = typical_blade(0.02 * radius, radius, rotor.sense)
+    sections = typical_blade(0.02 * radius, radius, rotor.rotation)
     for k in range(blades):
-        blade = upright @ _rotation(0, rotor.sense * 2 * np.pi * k / blades) @ _rotation(1, -precone)
-        pitched = shapes.Turned(spin, tuple(blade[:, 2]), join(rotor.path, "blade_pitch"), -rotor.sense)
+        blade = upright @ _rotation(0, rotor.rotation * 2 * np.pi * k / blades) @ _rotation(1, -precone)
+        pitched = shapes.Turned(spin, tuple(blade[:, 2]), join(rotor.path, "blade_pitch"), -rotor.rotation)
         drawn.append(shapes.Loft(pitched, sections @ blade.T, material="blade"))
     return drawn
 

@@ -13,7 +13,8 @@ class Rotor(Component):
     The rotor normal n points downwind and, by the tilt, down. Speed, torque and power are positive when the rotor
     drives the shaft, in either sense of rotation. The body of the frame takes the thrust along n; what the rotor puts
     into the shaft, because the drive train stands on that body (reaction_torque); and the moment -w_frame x h of the
-    spin h = sense inertia w n (gyroscopic). Both can be switched off, to compare with models that have the thrust only.
+    spin h = rotation inertia w n (gyroscopic). Both can be switched off, to compare with models that have the thrust
+    only.
 
     A subclass writes thrust and torque; the mass of the rotor belongs to the body.
     """
@@ -22,7 +23,7 @@ class Rotor(Component):
 
     inertia: Scalar = param(unit="kg*m^2", min=0, doc="moment of inertia about the shaft")
     tilt: Scalar = param(default=0.0, unit="rad", doc="shaft tilt, positive when the upwind end points up")
-    sense: int = param(default=1, choices=(1, -1), doc="1: turns clockwise seen looking downwind, -1: the other way")
+    rotation: int = param(default=1, choices=(1, -1), doc="1: turns clockwise seen looking downwind, -1: the other way")
     reaction_torque: bool = param(default=True, doc="the frame takes the torque that goes into the shaft")
     gyroscopic: bool = param(default=True, doc="the frame takes the gyroscopic moment")
     w_start: Scalar = param(default=0.0, unit="rad/s", doc="initial speed of the rotor")
@@ -44,9 +45,9 @@ class Rotor(Component):
 
     def equations(self):
         n, frame, shaft = self.normal(), self.frame, self.shaft
-        moment = -self.sense * shaft.tau * n if self.reaction_torque else m.zeros(3)
+        moment = -self.rotation * shaft.tau * n if self.reaction_torque else m.zeros(3)
         if self.gyroscopic:
-            moment = moment - m.cross(frame.w, self.sense * self.inertia * self.w * n)
+            moment = moment - m.cross(frame.w, self.rotation * self.inertia * self.w * n)
         return [
             [eq(shaft.phi, self.phi), eq(der(self.phi), self.w)],
             eq(self.inertia * der(self.w), self.torque + shaft.tau),

@@ -51,6 +51,14 @@ class Derivative(Component):
         return [eq(der(self.x), rate), eq(self.y, self.gain * rate), initial(self.x, self.u)]
 
 
+def starts_steady(block) -> bool:
+    """Whether a block starts at rest under its input. Raises ParameterError for a y_start that does not count then."""
+    if block.initialization != "steady":
+        return False
+    block.refuse_unused("y_start", because="initialization is steady (value starts at y_start)")
+    return True
+
+
 class FirstOrder(Component):
     """Lag of first order: time_constant y' + y = gain u."""
 
@@ -66,7 +74,7 @@ class FirstOrder(Component):
 
     def equations(self):
         drive = self.gain * self.u
-        steady = [initial(self.x, drive)] if self.initialization == "steady" else []
+        steady = [initial(self.x, drive)] if starts_steady(self) else []
         return [eq(self.time_constant * der(self.x), drive - self.x), eq(self.y, self.x), steady]
 
 
@@ -94,7 +102,7 @@ class SecondOrderActuator(Component):
             eq(der(self.x), self.rate),
             eq(der(self.rate), w0 * (w0 * (self.u - self.x) - 2 * self.damping_ratio * self.rate)),
             eq(self.y, self.x),
-            [initial(self.x, self.u), initial(self.rate, 0)] if self.initialization == "steady" else [],
+            [initial(self.x, self.u), initial(self.rate, 0)] if starts_steady(self) else [],
         ]
 
 
@@ -138,7 +146,7 @@ class ButterworthLowPass(Component):
             equations += [eq(der(x[i + 1]), w0 * (into - x[i] - 2 * damping * x[i + 1]))]
             steady += [initial(x[i], self.u), initial(x[i + 1], 0)]
             into = x[i]
-        return [equations, eq(self.y, into), steady if self.initialization == "steady" else []]
+        return [equations, eq(self.y, into), steady if starts_steady(self) else []]
 
 
 class StateSpace(Component):
@@ -233,5 +241,5 @@ class SlewRateLimiter(Component):
 
     def equations(self):
         rate = (self.u - self.x) / self.time_constant
-        steady = [initial(self.x, self.u)] if self.initialization == "steady" else []
+        steady = [initial(self.x, self.u)] if starts_steady(self) else []
         return [eq(der(self.x), m.fmin(m.fmax(rate, -self.falling_rate), self.rising_rate)), eq(self.y, self.x), steady]

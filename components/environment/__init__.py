@@ -7,17 +7,35 @@ from fowtlib.components.environment.field_generator import generate_field
 from fowtlib.components.environment.sea import InputSea, JonswapSea, MeasuredSea, RegularWaves, Sea, StillSea
 from fowtlib.components.environment.turbulence import kaimal, kaimal_series, normal_turbulence, operating_gust
 from fowtlib.components.environment.waves import WaveComponents, irregular_waves, jonswap, regular_waves, wave_number
-from fowtlib.components.environment.wind import Wind
+from fowtlib.components.environment.wind import (
+    FieldWind,
+    GustWind,
+    InputWind,
+    KaimalWind,
+    NoWind,
+    SeriesWind,
+    SteadyWind,
+    StepWind,
+    Wind,
+)
 from fowtlib.components.environment.wind_file import WindSeries, read_series
 from fowtlib.components.environment.world import World
 
 __all__ = [
     "FieldGrid",
+    "FieldWind",
+    "GustWind",
     "InputSea",
+    "InputWind",
     "JonswapSea",
+    "KaimalWind",
     "MeasuredSea",
+    "NoWind",
     "RegularWaves",
     "Sea",
+    "SeriesWind",
+    "SteadyWind",
+    "StepWind",
     "StillSea",
     "WaveComponents",
     "Wind",

@@ -1,7 +1,8 @@
-"""The wind of a full-field file in a model: the look-up as an external function, and what a model asks of the field.
+"""The wind at points as an external function, over a station or from a full-field file, and what is asked of a field.
 
-The look-up runs in C (full_field.c); where there is no compiler, in NumPy (field_lookup.py). One library per number of
-points serves every file: a file is an input of the function, a number under which it was made known.
+It runs in C (full_field.c); where there is no compiler, in NumPy (field_lookup.py). One library per number of points
+serves every file and all other kinds of wind: a file is an input of the function, a number under which it was made
+known when a run starts, and 0 stands for the power law over a station.
 """
 
 from __future__ import annotations
@@ -10,6 +11,7 @@ import ctypes
 import hashlib
 import math
 import os
+from dataclasses import dataclass
 from functools import lru_cache
 from pathlib import Path
 from typing import Any
@@ -18,12 +20,15 @@ import casadi as ca
 import numpy as np
 
 from fowtlib.components.environment.field_file import read_field
-from fowtlib.components.environment.field_lookup import FieldLookup
+from fowtlib.components.environment.field_lookup import AXES, FieldLookup
 from fowtlib.language import ExternalFunction
-from fowtlib.language import math as m
-from fowtlib.language.equations import active
 from fowtlib.language.errors import ParameterError
 from fowtlib.language.native import compiler
+
+SHARED = ("field", "time", "base", "fluctuation", "shear_exponent", "direction", "height")
+"""Inputs of the function that all points share."""
+
+LOWEST_HEIGHT = 1e-3  # of the station's: below, and under water, the power law keeps its value; as in full_field.c
 
 Version = tuple[int, int]
 """Time of the last change [ns] and size [bytes] of a file; (0, 0) of one that is not there."""
@@ -64,21 +69,57 @@ def field_handle(lookup: FieldLookup) -> float:
     return handle
 
 
-def field_function(lookup: FieldLookup, points: int) -> ExternalFunction:
-    """External function of the field's handle, the time [s] and the positions x, y, z [m] of each point, one by one.
+@dataclass(frozen=True, eq=False)
+class FieldData:
+    """A field as what a run takes in at its start; see fowtlib.language.run_time.Source.
 
-    Gives u, v, w [m/s] of each point, and its sparse Jacobian. Beyond the edge it keeps the value of the edge, so that
-    an iteration may look there. The functions for all files are the same; this one's file is known to it.
+    numbers: handle; first and last y [m], z [m] and time [s] that are covered; shift [m]; 1/speed [s/m].
     """
-    function = _function(points, compiler())
-    if function.library is not None:
-        handle, path = field_handle(lookup), os.path.abspath(lookup.field.path)
-        cubic = int(lookup.interpolation == "cubic")
-        if _symbol(function, "_open", ctypes.c_int)(
-            ctypes.c_double(handle), os.fsencode(path), ctypes.c_double(lookup.shift), cubic
-        ):
-            raise ParameterError(_problem_in_c(function))
-        function.function.files[handle] = Path(path), (float(lookup.shift), cubic)
+
+    lookup: FieldLookup
+
+    @property
+    def numbers(self) -> tuple[float, ...]:
+        """See above."""
+        lookup = self.lookup
+        ranges = [end for axis in AXES for end in lookup.covers.get(axis, (-math.inf, math.inf))]
+        return field_handle(lookup), *ranges, lookup.shift, 1 / lookup.grid.speed, lookup.lowest
+
+    def open_in(self, function: ExternalFunction) -> FieldLookup:
+        """Make the file known to a function of `wind_function`."""
+        handle = field_handle(self.lookup)
+        if function.library is not None:
+            path, (shift, cubic) = self.file_for(function)
+            opened = _symbol(function, "_open", ctypes.c_int)
+            if opened(ctypes.c_double(handle), os.fsencode(path), ctypes.c_double(shift), cubic):
+                raise ParameterError(_problem_in_c(function))
+        return self.lookup
+
+    def file_for(self, function: ExternalFunction) -> tuple[Path, tuple[float, int]]:
+        """The file, its shift, and whether it is interpolated by cubics."""
+        lookup = self.lookup
+        return Path(os.path.abspath(lookup.field.path)), (float(lookup.shift), int(lookup.interpolation == "cubic"))
+
+
+NO_FIELD = (0.0, *[-math.inf, math.inf] * 3, 0.0, 0.0, -math.inf)
+"""The numbers of a wind without a field; see FieldData."""
+
+
+def wind_function(points: int) -> ExternalFunction:
+    """External function of the velocities u, v, w [m/s] at points, world; the same for all kinds of wind.
+
+    Its inputs: the handle of a field, or 0; time [s]; base and fluctuation [m/s] of a station, shear_exponent,
+    direction [rad] and height [m] of the station; the positions x, y, z [m] of each point, world. Over a station it
+    blows along the direction with base (z/height)^shear_exponent + fluctuation; in a field with its velocities, turned
+    by the direction. Beyond the edge of a field it keeps the value of the edge, so that an iteration may look there.
+    """
+    return _function(points, compiler())
+
+
+def field_function(lookup: FieldLookup, points: int) -> ExternalFunction:
+    """`wind_function` with a field made known to it."""
+    function = wind_function(points)
+    FieldData(lookup).open_in(function)
     return function
 
 
@@ -89,31 +130,59 @@ def _function(points: int, command: tuple[str, ...]) -> ExternalFunction:
     head = f"#define FIELD_NAME {name}\n#define FIELD_POINTS {points}\n"
 
     def evaluate(column: np.ndarray) -> np.ndarray:
-        return _twin(column[0]).evaluate(column[2:].reshape(points, 3), column[1])[0].ravel()
+        return _twin_values(column, points)[0]
 
     def slope(column: np.ndarray) -> np.ndarray:
-        rate = _twin(column[0]).evaluate(column[2:].reshape(points, 3), column[1])[1]
-        matrix = np.zeros((points, 3, 2 + 3 * points))
-        for i in range(points):
-            matrix[i, :, 1] = rate[i, :, 3]
-            matrix[i, :, 2 + 3 * i : 5 + 3 * i] = rate[i, :, :3]
-        return matrix.reshape(3 * points, -1)
+        return _twin_values(column, points)[1]
 
     def explain() -> str:
         return _problem_in_c(function) if function.library else _problem_in_python()
 
     function = ExternalFunction(
-        name, {"field": 1, "time": 1, "positions": 3 * points}, {"velocities": 3 * points}, source=head + text,
+        name, {**dict.fromkeys(SHARED, 1), "positions": 3 * points}, {"velocities": 3 * points}, source=head + text,
         python=evaluate, jacobian=slope, sparsity=_sparsity(points), explain=explain,
     )  # fmt: skip
     return function
 
 
 def _sparsity(points: int) -> ca.Sparsity:
-    """Of the Jacobian: nothing by the handle, everything by the time, a point by its own coordinates."""
-    own = np.repeat(np.arange(3 * points).reshape(points, 3), 3, axis=0)
-    starts = [0, 0, *range(3 * points, 12 * points + 1, 3)]
-    return ca.Sparsity(3 * points, 2 + 3 * points, starts, [*range(3 * points), *own.ravel().tolist()])
+    """Of the Jacobian: nothing by handle and height, everything by what else is shared, a point by its coordinates."""
+    n = 3 * points
+    own = np.repeat(np.arange(n).reshape(points, 3), 3, axis=0).ravel().tolist()
+    starts = [0, *range(0, 5 * n + 1, n), 5 * n, *range(5 * n + 3, 8 * n + 1, 3)]
+    return ca.Sparsity(n, len(SHARED) + n, starts, [*range(n)] * 5 + own)
+
+
+def _twin_values(column: np.ndarray, points: int) -> tuple[np.ndarray, np.ndarray]:
+    """Velocities and Jacobian in NumPy."""
+    handle, time, base, fluctuation, shear, direction, height = column[: len(SHARED)]
+    r, c, s = column[len(SHARED) :].reshape(points, 3), math.cos(direction), math.sin(direction)
+    by_shared, own = np.zeros((5, points, 3)), np.zeros((points, 3, 3))  # time, base, fluctuation, shear, direction
+    if handle:
+        world = np.array([[c, -s, 0], [s, c, 0], [0, 0, 1]])  # from the axes of the field
+        places = r @ world
+        velocity, rate = _twin(handle).evaluate(places, time)
+        values = velocity @ world.T
+        own = world @ rate[:, :, :3] @ world.T
+        by_shared[0] = rate[:, :, 3] @ world.T
+        turning = np.column_stack([places[:, 1], -places[:, 0], 0 * places[:, 0]])
+        by_shared[4] = np.einsum("pij,pj->pi", rate[:, :, :3], turning) @ world.T
+        by_shared[4] += np.column_stack([-values[:, 1], values[:, 0], 0 * values[:, 0]])
+    else:
+        along, given = np.array([c, s, 0.0]), r[:, 2] / height
+        level = np.fmax(given, LOWEST_HEIGHT)
+        power = level**shear
+        values = (base * power + fluctuation)[:, None] * along
+        by_shared[1:4] = np.stack([power, np.ones(points), base * power * np.log(level)])[:, :, None] * along
+        by_shared[4] = np.column_stack([-values[:, 1], values[:, 0], 0 * values[:, 0]])
+        upwards = np.where(given > LOWEST_HEIGHT, base * shear * power / (level * height), 0.0)
+        own[:, :, 2] = upwards[:, None] * along
+    matrix = np.zeros((points, 3, len(SHARED) + 3 * points))
+    matrix[:, :, 1:6] = np.moveaxis(by_shared, 0, 2)
+    for i in range(points):
+        first = len(SHARED) + 3 * i
+        matrix[i, :, first : first + 3] = own[i]
+    return values.ravel(), matrix.reshape(3 * points, -1)
 
 
 def _symbol(function: ExternalFunction, suffix: str, result: Any) -> Any:
@@ -143,48 +212,11 @@ def _twin(handle: float) -> FieldLookup:
     now = file_version(path)
     if now == version:
         return _open(path, shift, interpolation, version)
-    reason = "has changed since the model was compiled; compile it again"
+    reason = "has changed since it was opened; start the run again"
     if now == (0, 0):
         reason = f"cannot be read any more: {os.strerror(2)}"
     _refused[:] = [f"{path}: the wind field {reason}."]
     raise RuntimeError(_refused[0])
-
-
-def field_velocity(lookup: FieldLookup, time: Any, positions: Any, reach: str = "tower") -> Any:
-    """Velocities (3, n) at `positions` (3, n), both along the axes of the field; while flattening.
-
-    reach: down to the lowest row of the "plane", to the lowest point of the "tower", or to the "ground", to which the
-    wind below both falls linearly to nothing. A run in which one of the points leaves this range stops there.
-    """
-    positions = ca.densify(ca.SX(positions))  # fixed points are numbers
-    points, grid, lowest, fall = positions.shape[1], lookup.grid, lookup.lowest, 1.0
-    if reach == "ground":
-        fall = m.fmax(m.fmin(positions[2, :] / lowest, 1), 0) if lowest > 0 else 1.0
-        positions = m.vertcat(positions[:2, :], m.fmax(positions[2, :], lowest))
-    places = {"y": positions[1, :], "z": positions[2, :]}
-    if not grid.periodic:
-        places["time"] = time + (lookup.shift - positions[0, :]) / grid.speed
-    for axis, (low, high) in lookup.covers.items():
-        low = lowest if axis == "z" and reach != "plane" else low
-        active().check_range(places[axis].T, low, high, "", axis, _outside(lookup, axis, low, high, points))
-    function = field_function(lookup, points)
-    result = function(field=field_handle(lookup), time=time, positions=positions)["velocities"]
-    velocities = m.horzcat(*[result[3 * i : 3 * i + 3] for i in range(points)])
-    return velocities * ca.repmat(fall, 3, 1) if reach == "ground" and lowest > 0 else velocities
-
-
-def _outside(lookup: FieldLookup, axis: str, low: float, high: float, points: int) -> str:
-    """What is said of a run that leaves the field."""
-    who = "the point" if points == 1 else f"point {{number}} of {points}"
-    if axis == "time":
-        return (
-            f"{who} needs the wind of time {{value}} s of the field {lookup.field.path}, which covers {low:g} to "
-            f"{high:g} s; use a longer field, a periodic one, or another field_shift."
-        )
-    return (
-        f"{who} is at {axis} = {{value}} m, and the wind field {lookup.field.path} covers {low:g} to {high:g} m; use a "
-        "field that is larger than all rotors with their motion."
-    )
 
 
 def check_mean(lookup: FieldLookup) -> None:

@@ -1,14 +1,17 @@
-/* Wind at points from TurbSim .bts files: the look-up of field_lookup.py in C11, with CasADi's C interface.
+/* Wind at points: from TurbSim .bts files, the look-up of field_lookup.py in C11, or over a station by the power law.
 
    One library, made for FIELD_NAME, say wind, and FIELD_POINTS points, serves any number of files. A file is made known
    once by wind_open(handle, path, shift, cubic), with a number of the caller's choice as its handle; shift [m] is the x
    of the first plane at t = 0, NaN for half the width, or nothing for a periodic field; cubic says how it is interpolated.
    Then wind and jac_wind can be called.
 
-   Input: handle, time [s], then x, y, z [m] of each point. Output: u, v, w [m/s] of each point. The Jacobian is sparse:
-   a point depends on its own three coordinates and the time. Below the plane the points of the tower serve, linear in
-   z, whatever y is. Beyond the edge the value of the edge is returned; the caller checks the range. Where a file cannot be read, or has changed since it was made known, a call returns 1, and
-   wind_problem() says why, once.
+   Input: see `Input`, then x, y, z [m] of each point, world. Output: the velocity of each point [m/s], world. With the
+   handle 0 it blows along `direction` with base (z / height)^shear + fluctuation; with another it is that of the field,
+   whose x axis is turned by `direction` about z, and base, fluctuation, shear and height are not looked at. The Jacobian
+   is sparse: a point depends on its own three coordinates and on what all share. Below the plane of a field the points
+   of its tower serve, linear in z, whatever y is. Beyond the edge the value of the edge is returned; the caller checks
+   the range. Where a file cannot be read, or has changed since it was made known, a call returns 1, and wind_problem()
+   says why, once.
 
    Memory: no file is held as a whole. Blocks of time steps, as float, are read where they are needed into a pool of at
    most BLOCKS x about BLOCK_BYTES, which all files share; the one that was not used for longest makes room. The file is
@@ -37,7 +40,10 @@
 
 typedef long long int casadi_int;
 
-enum { INPUTS = 2 + 3 * FIELD_POINTS, OUTPUTS = 3 * FIELD_POINTS, HEADER = 70, PERIODIC = 8, ENDING = 7 };
+/* What stands in front of the positions: handle, time [s], speeds [m/s], exponent, angle [rad], height [m]. */
+enum Input { HANDLE, TIME, BASE, FLUCTUATION, SHEAR, DIRECTION, HEIGHT, PLACES };
+
+enum { INPUTS = PLACES + 3 * FIELD_POINTS, OUTPUTS = 3 * FIELD_POINTS, HEADER = 70, PERIODIC = 8, ENDING = 7 };
 enum { BLOCKS = 32, BLOCK_BYTES = 1 << 18 };
 
 /* A file that was made known. samples: 2 or 4 in each direction, about a point; stride: stored numbers of one time step;
@@ -201,7 +207,7 @@ static FILE *unchanged(const Field *f) {
     if (!file) {
         refuse(f, "cannot be read any more: ", strerror(errno));
     } else if (status_of(file, &size, &modified) || size != f->size || modified != f->modified) {
-        refuse(f, "has changed since the model was compiled; compile it again", "");
+        refuse(f, "has changed since it was opened; start the run again", "");
         fclose(file);
         file = NULL;
     }
@@ -211,7 +217,7 @@ static FILE *unchanged(const Field *f) {
 static int find_field(double handle) {
     for (int i = 0; i < known && (!current || current->handle != handle); i++) current = fields[i];
     if (!current || current->handle != handle) {
-        strcpy(problem, "a wind field is used that was not opened in this process; compile the model again");
+        strcpy(problem, "a wind field is used that was not opened in this process; start the run again");
         return 1;
     }
     if (current->seen != run) {
@@ -359,7 +365,7 @@ ALWAYS const float *corner(Look *look, double time, const double *r, Cell *y, Ce
     return look->numbers + (t->first - look->first) * f->stride + 3 * ((long long)z->first * f->columns + y->first);
 }
 
-/* Below the plane, from the stored numbers of the first time step: out, and unless it is NULL by_time and own. The point
+/* Below the plane, from the stored numbers of the first time step: out, and unless they are NULL by_time and own. The point
    above is one of the tower or, from the lowest row, the middle of the plane; y has no part. */
 static void in_tower(const Field *f, const float *slice, const Cell *t, double z, double *out, double *by_time, double *own) {
     const double depth = (f->bottom - z) * f->per_dz, held = depth < f->tower ? depth : f->tower;
@@ -375,7 +381,7 @@ static void in_tower(const Field *f, const float *slice, const Cell *t, double z
             const double here = upper + part * (lower - upper);
             sum += t->weight[j] * here, change += t->slope[j] * here, up += t->weight[j] * (upper - lower);
         }
-        if (out) out[i] = sum * f->per_slope[i];
+        out[i] = sum * f->per_slope[i];
         if (!by_time) continue;
         by_time[i] = change * f->per_slope[i];
         own[i] = -by_time[i] * f->per_speed, own[3 + i] = 0, own[6 + i] = up * per_dz * f->per_slope[i];
@@ -389,11 +395,10 @@ ALWAYS const float *beside_tower(const Field *f, const float *slice, double heig
 }
 
 /* Velocities at all points. */
-ALWAYS int velocities(Look *look, const double *column, double *out, const int samples) {
-    const double *r = column + 2;
+ALWAYS int velocities(Look *look, double time, const double *r, double *out, const int samples) {
     for (int p = 0; p < FIELD_POINTS; p++, r += 3, out += 3) {
         Cell y, z, t;
-        const float *slice = corner(look, column[1], r, &y, &z, &t, samples);
+        const float *slice = corner(look, time, r, &y, &z, &t, samples);
         if (!slice) return 1;
         const float *first = beside_tower(&look->f, slice, r[2], &y, &z);
         if (first) {
@@ -420,16 +425,16 @@ ALWAYS int velocities(Look *look, const double *column, double *out, const int s
     return 0;
 }
 
-/* Compressed columns: nothing by the handle; the time moves all outputs, x, y and z of a point its own three. */
-ALWAYS int derivatives(Look *look, const double *column, double *by_time, double *own, const int samples) {
-    const double *r = column + 2;
-    for (int p = 0; p < FIELD_POINTS; p++, r += 3, by_time += 3, own += 9) {
+/* Velocities, their derivatives by the time, and by x, y and z of a point its own three. */
+ALWAYS int derivatives(Look *look, double time, const double *r, double *out, double *by_time, double *own,
+                       const int samples) {
+    for (int p = 0; p < FIELD_POINTS; p++, r += 3, out += 3, by_time += 3, own += 9) {
         Cell y, z, t;
-        const float *slice = corner(look, column[1], r, &y, &z, &t, samples);
+        const float *slice = corner(look, time, r, &y, &z, &t, samples);
         if (!slice) return 1;
         const float *first = beside_tower(&look->f, slice, r[2], &y, &z);
         if (first) {
-            in_tower(&look->f, first, &t, r[2], NULL, by_time, own);
+            in_tower(&look->f, first, &t, r[2], out, by_time, own);
             continue;
         }
         double line[12] = {0}, rise[12] = {0}, rate[12] = {0};
@@ -448,13 +453,15 @@ ALWAYS int derivatives(Look *look, const double *column, double *by_time, double
             }
         }
         for (int i = 0; i < 3; i++) {
-            double change = 0, sideways = 0, up = 0;
+            double change = 0, sideways = 0, up = 0, sum = -look->f.offset[i];
             UNROLLED
             for (int k = 0; k < samples; k++) {
+                sum += y.weight[k] * line[3 * k + i];
                 change += y.weight[k] * rate[3 * k + i];
                 sideways += y.slope[k] * line[3 * k + i];
                 up += y.weight[k] * rise[3 * k + i];
             }
+            out[i] = sum * look->f.per_slope[i];
             by_time[i] = change * look->f.per_slope[i];
             own[i] = -by_time[i] * look->f.per_speed;
             own[3 + i] = sideways * look->f.per_slope[i];
@@ -464,21 +471,106 @@ ALWAYS int derivatives(Look *look, const double *column, double *by_time, double
     return 0;
 }
 
+/* --- the power law over a station, and the axes of a field --------------------------------------------------------- */
+
+static const double LOWEST = 1e-3; /* of the station's height: below, and under water, the power law keeps its value */
+
+/* The axes of the field, turned about z by the direction: x and y of a vector along them, and back. */
+static void turned(double c, double s, const double *from, double *to) {
+    const double x = from[0], y = from[1];
+    to[0] = c * x + s * y, to[1] = c * y - s * x, to[2] = from[2];
+}
+
+static void over_station(const double *in, double *out) {
+    const double c = cos(in[DIRECTION]), s = sin(in[DIRECTION]);
+    for (int p = 0; p < FIELD_POINTS; p++, out += 3) {
+        const double height = fmax(in[PLACES + 3 * p + 2] / in[HEIGHT], LOWEST);
+        const double speed = in[BASE] * pow(height, in[SHEAR]) + in[FLUCTUATION];
+        out[0] = speed * c, out[1] = speed * s, out[2] = 0;
+    }
+}
+
+/* What the derivatives by all that is shared are: a column each, then those of every point by its own coordinates. */
+typedef struct {
+    double *time, *base, *fluctuation, *shear, *direction, *own;
+} Columns;
+
+static Columns columns_of(double *entries) {
+    double *at[6];
+    for (int i = 0; i < 6; i++) at[i] = entries + i * OUTPUTS;
+    return (Columns){at[0], at[1], at[2], at[3], at[4], at[5]};
+}
+
+static void slopes_over_station(const double *in, Columns by) {
+    const double along[2] = {cos(in[DIRECTION]), sin(in[DIRECTION])};
+    for (int p = 0; p < FIELD_POINTS; p++) {
+        const double given = in[PLACES + 3 * p + 2] / in[HEIGHT], height = fmax(given, LOWEST);
+        const double power = pow(height, in[SHEAR]), speed = in[BASE] * power + in[FLUCTUATION];
+        const double upwards = given > LOWEST ? in[BASE] * in[SHEAR] * power / (height * in[HEIGHT]) : 0;
+        const double bending = in[BASE] * power * log(height);
+        for (int i = 0; i < 3; i++) {
+            const double a = i < 2 ? along[i] : 0;
+            by.time[3 * p + i] = 0, by.base[3 * p + i] = power * a, by.fluctuation[3 * p + i] = a;
+            by.shear[3 * p + i] = bending * a;
+            by.direction[3 * p + i] = i == 0 ? -speed * along[1] : i == 1 ? speed * along[0] : 0;
+            by.own[9 * p + i] = by.own[9 * p + 3 + i] = 0;
+            by.own[9 * p + 6 + i] = isnan(given) ? given : upwards * a;
+        }
+    }
+}
+
+/* Values, and where `entries` are given the Jacobian, in the field. */
+static int in_field(const double *in, double *out, double *entries) {
+    const double c = cos(in[DIRECTION]), s = sin(in[DIRECTION]);
+    double places[3 * FIELD_POINTS];
+    Look look;
+    if (start(in[HANDLE], &look)) return 1;
+    const int linear = look.f.samples == 2;
+    for (int p = 0; p < FIELD_POINTS; p++) turned(c, s, in + PLACES + 3 * p, places + 3 * p);
+    if (!entries) {
+        if (linear ? velocities(&look, in[TIME], places, out, 2) : velocities(&look, in[TIME], places, out, 4)) return 1;
+        for (int p = 0; p < FIELD_POINTS; p++) turned(c, -s, out + 3 * p, out + 3 * p);
+        return 0;
+    }
+    const Columns by = columns_of(entries);
+    if (linear ? derivatives(&look, in[TIME], places, out, by.time, by.own, 2)
+               : derivatives(&look, in[TIME], places, out, by.time, by.own, 4))
+        return 1;
+    memset(by.base, 0, 3 * OUTPUTS * sizeof *entries); /* base, fluctuation, shear: side by side */
+    for (int p = 0; p < FIELD_POINTS; p++) {
+        double *own = by.own + 9 * p, *v = out + 3 * p, *turning = by.direction + 3 * p;
+        const double *r = places + 3 * p;
+        for (int i = 0; i < 3; i++) {
+            const double by_x = own[i], by_y = own[3 + i]; /* along the axes of the field */
+            own[i] = c * by_x - s * by_y, own[3 + i] = s * by_x + c * by_y;
+            turning[i] = by_x * r[1] - by_y * r[0];
+        }
+        for (int k = 0; k < 3; k++) turned(c, -s, own + 3 * k, own + 3 * k);
+        turned(c, -s, by.time + 3 * p, by.time + 3 * p);
+        turned(c, -s, turning, turning);
+        turned(c, -s, v, v);
+        turning[0] -= v[1], turning[1] += v[0];
+    }
+    return 0;
+}
+
 EXPORT int FIELD_NAME(const double **arg, double **res, casadi_int *iw, double *w, int mem) {
     (void)iw, (void)w, (void)mem;
-    Look look;
     if (!res[0]) return 0;
-    if (!arg[0] || start(arg[0][0], &look)) return 1;
-    return look.f.samples == 2 ? velocities(&look, arg[0], res[0], 2) : velocities(&look, arg[0], res[0], 4);
+    if (!arg[0]) return 1;
+    if (arg[0][HANDLE] != 0) return in_field(arg[0], res[0], NULL);
+    over_station(arg[0], res[0]);
+    return 0;
 }
 
 EXPORT int JACOBIAN()(const double **arg, double **res, casadi_int *iw, double *w, int mem) {
+    double values[OUTPUTS];
     (void)iw, (void)w, (void)mem;
-    Look look;
     if (!res[0]) return 0;
-    if (!arg[0] || start(arg[0][0], &look)) return 1;
-    double *own = res[0] + OUTPUTS;
-    return look.f.samples == 2 ? derivatives(&look, arg[0], res[0], own, 2) : derivatives(&look, arg[0], res[0], own, 4);
+    if (!arg[0]) return 1;
+    if (arg[0][HANDLE] != 0) return in_field(arg[0], values, res[0]);
+    slopes_over_station(arg[0], columns_of(res[0]));
+    return 0;
 }
 
 /* --- CasADi's interface: see "Using externally-defined functions" in its manual ----------------------------------- */
@@ -486,14 +578,17 @@ EXPORT int JACOBIAN()(const double **arg, double **res, casadi_int *iw, double *
 static const casadi_int column_of_inputs[] = {INPUTS, 1, 1}, column_of_outputs[] = {OUTPUTS, 1, 1};
 
 static const casadi_int *pattern(void) {
-    static casadi_int made[2 + INPUTS + 1 + OUTPUTS + 9 * FIELD_POINTS];
+    enum { SHARED = 5 };
+    static casadi_int made[2 + INPUTS + 1 + SHARED * OUTPUTS + 9 * FIELD_POINTS];
     casadi_int *at = made;
     *at++ = OUTPUTS;
     *at++ = INPUTS;
     *at++ = 0;
-    *at++ = 0;
-    for (casadi_int j = 0; j < INPUTS - 1; j++) *at++ = OUTPUTS + 3 * j;
-    for (casadi_int i = 0; i < OUTPUTS; i++) *at++ = i;
+    for (casadi_int j = 0; j <= SHARED; j++) *at++ = j * OUTPUTS; /* nothing by the handle */
+    *at++ = SHARED * OUTPUTS;                                     /* nor by the height */
+    for (casadi_int j = 1; j <= 3 * FIELD_POINTS; j++) *at++ = SHARED * OUTPUTS + 3 * j;
+    for (casadi_int j = 0; j < SHARED; j++)
+        for (casadi_int i = 0; i < OUTPUTS; i++) *at++ = i;
     for (casadi_int j = 0; j < 3 * FIELD_POINTS; j++)
         for (casadi_int i = 0; i < 3; i++) *at++ = 3 * (j / 3) + i;
     return made;

@@ -35,7 +35,7 @@ from scipy.sparse.csgraph import connected_components
 
 from fowtlib.components.hydro.errors import HydrodynamicDataError
 from fowtlib.components.hydro.retardation import added_mass_from_kernel, bandwidth, retardation_kernel
-from fowtlib.language.kept import kept, sources
+from fowtlib.language.cache import cached, sources
 
 Floats = NDArray[np.float64]
 
@@ -190,7 +190,7 @@ def kept_radiation(omega: Floats, damping: Floats, added_mass: Floats, added_mas
         return asdict(identify_radiation(*arrays, order=order, passive=passive))
 
     code = sources(__name__, retardation_kernel.__module__)
-    found = kept("radiation", [*code, f"{order} {passive}", *map(np.asarray, arrays)], make)
+    found = cached("radiation", [*code, f"{order} {passive}", *map(np.asarray, arrays)], make)
     m = damping.shape[1]
     A, B, C = (np.array(found[name], dtype=float) for name in "ABC")
     return RadiationModel(

@@ -4,7 +4,7 @@
 from fowtlib.components.mechanics.connectors import Flange, Frame  # isort: skip
 from fowtlib.components.environment.world import World
 from fowtlib.components.mechanics.adaptors import ForceToPositionAdaptor, PositionToForceAdaptor
-from fowtlib.components.mechanics.beam import AxialSpring, Beam, BeamTurn, BeamUnit, BendingHinge, TorsionHinge
+from fowtlib.components.mechanics.beam import AxialSpring, Beam, BeamHinge, BeamTurn, BendingHinge, TorsionHinge
 from fowtlib.components.mechanics.beam_properties import BeamProperties, read_beam
 from fowtlib.components.mechanics.bodies import Fixed, FixedRotation, FixedTranslation, PointMass, RigidBody
 from fowtlib.components.mechanics.interfaces import TwoFlanges, TwoFrames
@@ -44,7 +44,7 @@ __all__ = [
     "Beam",
     "BeamProperties",
     "BeamTurn",
-    "BeamUnit",
+    "BeamHinge",
     "BendingHinge",
     "Crank",
     "Fixed",

@@ -6,7 +6,7 @@ import math
 
 import numpy as np
 
-from fowtlib.components.mechanics.beam_division import TREATMENTS, divide, elastic_axis, pieces, section_axes
+from fowtlib.components.mechanics.beam_division import QUADRATURES, divide, elastic_axis, pieces, section_axes
 from fowtlib.components.mechanics.beam_properties import BeamProperties, given_beam, read_beam
 from fowtlib.components.mechanics.bodies import FixedTranslation, RigidBody
 from fowtlib.components.mechanics.connectors import Frame
@@ -39,20 +39,26 @@ class BeamSegment(RigidBody):
     Zeros of the centre of mass and of the inertia drop out of the equations then, of which a blade has many.
     """
 
-    inertia: Matrix = param(unit="kg*m^2", structural=True, doc="inertia tensor about the centre of mass, in frame_a")
-    r_cm: Vector = param(default=(0, 0, 0), unit="m", structural=True, doc="centre of mass, resolved in frame_a")
+    inertia: Matrix = param(
+        unit="kg*m^2", structural="a number of a table", doc="inertia tensor about the centre of mass, in frame_a"
+    )
+    r_cm: Vector = param(
+        default=(0, 0, 0), unit="m", structural="a number of a table", doc="centre of mass, resolved in frame_a"
+    )
 
 
 class BeamLink(FixedTranslation):
     """Rigid distance along a beam: a FixedTranslation whose numbers are fixed when the model is built."""
 
-    r: Vector = param(unit="m", structural=True, doc="from frame_a to frame_b, resolved in frame_a")
+    r: Vector = param(unit="m", structural="a number of a table", doc="from frame_a to frame_b, resolved in frame_a")
 
 
 class BeamTurn(TwoFrames):
     """Fixed turn into the axes of a beam, or out of them; both frames keep the same origin."""
 
-    axes: Matrix = param(structural=True, doc="columns: axes of frame_b, resolved in frame_a")
+    axes: Matrix = param(
+        structural="its zeros drop out of the equations", doc="columns: axes of frame_b, resolved in frame_a"
+    )
 
     def equations(self):
         a, b = self.frame_a, self.frame_b
@@ -60,15 +66,23 @@ class BeamTurn(TwoFrames):
 
 
 class BendingHinge(TwoFrames):
-    """Sprung hinge with two axes, the bending of one unit of a beam; both frames keep the same origin.
+    """Sprung hinge with two axes, the bending of one piece of a beam; both frames keep the same origin.
 
     frame_b turns by phi_x about axis_x, then by phi_y about axis_y, which has turned with it. The springs give
-    stiffness phi + damping dphi/dt about the axes: EI / l for a unit of length l.
+    stiffness phi + damping dphi/dt about the axes: EI / l for a piece of length l.
     Reference: Miller, Soares, Van Weddingen, Wendlandt (2017), Modeling flexible bodies with Simscape Multibody.
     """
 
-    axis_x: Vector = param(default=(0, 1, 0), structural=True, doc="first axis, in frame_a: bends z towards x")
-    axis_y: Vector = param(default=(-1, 0, 0), structural=True, doc="second axis, in frame_a: bends z towards y")
+    axis_x: Vector = param(
+        default=(0, 1, 0),
+        structural="its zeros drop out of the equations",
+        doc="first axis, in frame_a: bends z towards x",
+    )
+    axis_y: Vector = param(
+        default=(-1, 0, 0),
+        structural="its zeros drop out of the equations",
+        doc="second axis, in frame_a: bends z towards y",
+    )
     stiffness_x: Scalar = param(unit="N*m/rad", min=0, doc="stiffness about the first axis")
     stiffness_y: Scalar = param(unit="N*m/rad", min=0, doc="stiffness about the second axis")
     damping_x: Scalar = param(default=0.0, unit="N*m*s/rad", min=0, doc="damping about the first axis")
@@ -99,9 +113,11 @@ class BendingHinge(TwoFrames):
 
 
 class TorsionHinge(TwoFrames):
-    """Sprung hinge about one axis, the torsion of one unit of a beam: GJ / l."""
+    """Sprung hinge about one axis, the torsion of one piece of a beam: GJ / l."""
 
-    n: Vector = param(default=(0, 0, 1), structural=True, doc="axis, resolved in frame_a")
+    n: Vector = param(
+        default=(0, 0, 1), structural="its zeros drop out of the equations", doc="axis, resolved in frame_a"
+    )
     stiffness: Scalar = param(unit="N*m/rad", min=0, doc="stiffness")
     damping: Scalar = param(default=0.0, unit="N*m*s/rad", min=0, doc="damping")
 
@@ -121,9 +137,11 @@ class TorsionHinge(TwoFrames):
 
 
 class AxialSpring(TwoFrames):
-    """Sprung slide along one axis, the stretch of one unit of a beam: EA / l."""
+    """Sprung slide along one axis, the stretch of one piece of a beam: EA / l."""
 
-    n: Vector = param(default=(0, 0, 1), structural=True, doc="axis, resolved in frame_a")
+    n: Vector = param(
+        default=(0, 0, 1), structural="its zeros drop out of the equations", doc="axis, resolved in frame_a"
+    )
     stiffness: Scalar = param(unit="N/m", min=0, doc="stiffness")
     damping: Scalar = param(default=0.0, unit="N*s/m", min=0, doc="damping")
 
@@ -143,13 +161,17 @@ class AxialSpring(TwoFrames):
         ]
 
 
-class BeamUnit(TwoFrames):
-    """The elastic joint of one unit of a beam: bending, then torsion and stretch where wanted.
+class BeamHinge(TwoFrames):
+    """The elastic joint of one piece of a beam: bending, then torsion and stretch where wanted.
 
-    axes: columns x', y', z' of the section in frame_a. Stiffnesses are those of the unit (EI / l, GJ / l, EA / l).
+    axes: columns x', y', z' of the section in frame_a. Stiffnesses are those of the piece (EI / l, GJ / l, EA / l).
     """
 
-    axes: Matrix = param(default=np.eye(3), structural=True, doc="columns: principal axes and tangent, in frame_a")
+    axes: Matrix = param(
+        default=np.eye(3),
+        structural="its zeros drop out of the equations",
+        doc="columns: principal axes and tangent, in frame_a",
+    )
     torsion: bool = param(default=False, doc="with a torsion hinge")
     stretch: bool = param(default=False, doc="with an axial spring")
     stiffness_x: Scalar = param(unit="N*m/rad", min=0, doc="stiffness of bending towards x'")
@@ -180,24 +202,24 @@ class BeamUnit(TwoFrames):
 
 
 class Beam(TwoFrames):
-    """Slender beam along z of frame_a, as `units` sprung hinges between rigid segments.
+    """Slender beam along z of frame_a, as `hinges` sprung hinges between rigid segments.
 
-    The chain of the generalized beam element: each unit is two rigid bodies about a hinge with the stiffness EI / l;
+    The chain of the generalized beam element: each piece is two rigid bodies about a hinge with the stiffness EI / l;
     bodies that meet between two hinges are one segment here. Bending in two directions, torsion and stretch as options.
-    `treatment` places the hinges: "plain" in the middle of equal units, as that chain does; the others at Gauss points
-    (see beam_division), where few units converge. Mass, centre and inertia are exact for any number of units.
+    `quadrature` places the hinges: "plain" in the middle of equal pieces, as that chain does; the others at Gauss
+    points (see beam_division), where few hinges converge. Mass, centre and inertia are exact for any number of hinges.
     Rotation, weight and follower loads stiffen or soften the beam by themselves, because the motion of the segments is
     exact; a segment is as long as between two hinges, so shortening by bending is that of the polygon.
     Damping is proportional to stiffness, damping ratio = pi frequency damping. All frames along the beam are parallel
     to frame_a while it is undeflected: the structural twist turns the axes of the hinges, not the frames.
     A cut parts the rigid segment in which it lies, so its loads hold the weight and the inertia of all that is beyond;
-    a node at the place of a cut belongs to its root side. units = 0 makes the beam rigid.
+    a node at the place of a cut belongs to its root side. hinges = 0 makes the beam rigid.
     """
 
     properties: Data[BeamProperties] = data(read_beam, default=None, doc="CSV with the properties, see read_beam")
     table: object = param(default=None, doc="the properties as BeamProperties, instead of a path")
-    units: int = param(default=6, min=0, doc="number of units")
-    treatment: str = param(default="loaded_tip", choices=TREATMENTS, doc="how hinges are placed")
+    hinges: int = param(default=6, min=0, doc="number of hinges")
+    quadrature: str = param(default="loaded_tip", choices=QUADRATURES, doc="how hinges are placed")
     torsion: bool = param(default=False, doc="torsion hinges")
     stretch: bool = param(default=False, doc="axial springs")
     damping_x: Scalar = param(default=0.0, unit="s", min=0, doc="damping over stiffness, bending towards x")
@@ -206,7 +228,12 @@ class Beam(TwoFrames):
     stiffness_factor: Scalar = param(default=1.0, min=0, doc="factor on every stiffness")
     node_points: list = param(default=[], doc="frames along the beam: distance from the root [m], or a point (x, y, z)")
     n_nodes: int = param(default=lambda self: len(self.node_points), min=0, doc="number of those frames")
-    cuts: Array = param(default=(), unit="m", structural=True, doc="places of section loads: distance from the root")
+    cuts: Array = param(
+        default=(),
+        unit="m",
+        structural="it parts the chain of segments",
+        doc="places of section loads: distance from the root",
+    )
     n_cuts: int = param(default=lambda self: len(self.cuts), min=0, doc="number of those cuts")
     cut_axes: str = param(
         default="segment", choices=("segment", "section"),
@@ -223,7 +250,7 @@ class Beam(TwoFrames):
     cut_moment: RealOutput = port(size="n_cuts", unit="N*m", shape=(3,), doc="its moment, about the elastic axis")
 
     def build(self):
-        parts = divide(given_beam(self), self.units, self.treatment)
+        parts = divide(given_beam(self), self.hinges, self.quadrature)
         carriers = _chain(self, parts)
         _, frame, origin = carriers[-1]
         self.connect(_link(self, frame, parts.tip - origin, "end"), self.frame_b)
@@ -275,7 +302,7 @@ def _on_the_beam(beam, k, given):
 
 
 def _hinge(beam, parts, i):
-    return beam.add(f"unit_{i}", BeamUnit(axes=parts.axes[i - 1], **_elasticity(beam, parts, i - 1)))
+    return beam.add(f"hinge_{i}", BeamHinge(axes=parts.axes[i - 1], **_elasticity(beam, parts, i - 1)))
 
 
 def _link(beam, frame, r, name):
@@ -304,8 +331,8 @@ def bodies(beam):
     Frame, elastic axis in the frame (n, 3), distance from the root (n,), sizes along x and y (n,) [m].
     """
     table = given_beam(beam)
-    parts = divide(table, beam.units, beam.treatment)
-    frames = [beam.frame_a, *(beam.parts[f"unit_{i + 1}"].frame_b for i in range(beam.units))]
+    parts = divide(table, beam.hinges, beam.quadrature)
+    frames = [beam.frame_a, *(beam.parts[f"hinge_{i + 1}"].frame_b for i in range(beam.hinges))]
     found = []
     for frame, place, segment in zip(frames, [np.zeros(3), *parts.points], parts.segments, strict=True):
         stations = max(3, math.ceil((segment.end - segment.start) / table.length * 24) + 1)

@@ -6,7 +6,7 @@ The rotation of hinge i is the curvature that the beam collects near it. With M 
 
 that is, it is a quadrature rule for the strain energy, and its eigenfrequencies are those of the integral equation of
 the beam, M(s) = omega^2 int K(s, t) M(t) / EI(t) dt with K(s, t) = int mu (x - s)+ (x - t)+ dx, by Nystroem's method
-with that rule. The mass of the segments is exact. Equal units with the hinge in the middle are the midpoint rule, of
+with that rule. The mass of the segments is exact. Equal pieces with the hinge in the middle are the midpoint rule, of
 second order. Gauss points, as many as hinges, cost nothing and converge much faster; the order is limited by K, which
 is twice continuously differentiable.
 
@@ -29,7 +29,7 @@ import numpy as np
 from fowtlib.components.mechanics.beam_properties import BeamProperties
 from fowtlib.language.errors import ParameterError
 
-TREATMENTS = ("plain", "loaded_tip", "free_tip")
+QUADRATURES = ("plain", "loaded_tip", "free_tip")
 
 
 @dataclass(frozen=True, eq=False)
@@ -61,6 +61,10 @@ class Division:
     segments: list[Segment]
     tip: np.ndarray
 
+    def stations(self, count: int = 5) -> list[np.ndarray]:
+        """Distances from the root along each segment, for pictures."""
+        return [np.linspace(segment.start, segment.end, count) for segment in self.segments]
+
 
 def elastic_axis(beam: BeamProperties, s: Any) -> np.ndarray:
     """Point of the elastic axis at the distance s from the root, in the axes of the root; a row for each of several."""
@@ -68,12 +72,12 @@ def elastic_axis(beam: BeamProperties, s: Any) -> np.ndarray:
 
 
 @lru_cache(maxsize=64)
-def divide(beam: BeamProperties, units: int, treatment: str = "plain") -> Division:
-    """Hinges and segments of a beam in `units` units."""
-    if treatment not in TREATMENTS:
-        raise ParameterError(f"treatment of a beam: {', '.join(TREATMENTS)}, not {treatment!r}.")
-    rule = _middles if treatment == "plain" or units == 0 else _gauss
-    hinges, flexibility = rule(beam, units, treatment == "free_tip")
+def divide(beam: BeamProperties, count: int, quadrature: str = "plain") -> Division:
+    """Hinges and segments of a beam with `count` hinges."""
+    if quadrature not in QUADRATURES:
+        raise ParameterError(f"quadrature of a beam: {', '.join(QUADRATURES)}, not {quadrature!r}.")
+    rule = _middles if quadrature == "plain" or count == 0 else _gauss
+    hinges, flexibility = rule(beam, count, quadrature == "free_tip")
     bounds = np.concatenate([[0.0], hinges, [beam.length]])
     segments = [_segment(beam, a, b) for a, b in zip(bounds[:-1], bounds[1:], strict=True)]
     stiffness = {name: None if c is None else 1 / c for name, c in flexibility.items()}
@@ -132,24 +136,24 @@ def _quadrature(beam: BeamProperties, a: float, b: float, pieces: int = 4) -> tu
 STIFFNESSES = ("stiffness_x", "stiffness_y", "torsional_stiffness", "axial_stiffness")
 
 
-def _middles(beam: BeamProperties, units: int, _: bool) -> tuple[np.ndarray, dict[str, np.ndarray | None]]:
-    """Equal units, hinges in the middle, l / mean(EI): the chain of Miller et al. (2017)."""
-    length = beam.length / max(units, 1)
+def _middles(beam: BeamProperties, count: int, _: bool) -> tuple[np.ndarray, dict[str, np.ndarray | None]]:
+    """Equal pieces, hinges in the middle, l / mean(EI): the chain of Miller et al. (2017)."""
+    length = beam.length / max(count, 1)
     flexibility: dict[str, np.ndarray | None] = dict.fromkeys(STIFFNESSES)
     for name in STIFFNESSES:
         if getattr(beam, name) is not None:
-            rules = [_quadrature(beam, i * length, (i + 1) * length) for i in range(units)]
+            rules = [_quadrature(beam, i * length, (i + 1) * length) for i in range(count)]
             flexibility[name] = np.array([length / (w @ beam.at(name, s) / length) for s, w in rules])
-    return (np.arange(units) + 0.5) * length, flexibility
+    return (np.arange(count) + 0.5) * length, flexibility
 
 
-def _gauss(beam: BeamProperties, units: int, free_tip: bool) -> tuple[np.ndarray, dict[str, np.ndarray | None]]:
+def _gauss(beam: BeamProperties, count: int, free_tip: bool) -> tuple[np.ndarray, dict[str, np.ndarray | None]]:
     """Gauss points of the weight that the module's docstring names, and interpolatory weights of each stiffness."""
     L = beam.length
-    s, w = _quadrature(beam, 0.0, L, pieces=max(4, units))
+    s, w = _quadrature(beam, 0.0, L, pieces=max(4, count))
     EI = np.sqrt(beam.at("stiffness_x", s) * beam.at("stiffness_y", s))
     taper = (1 - s / L) ** (2 if free_tip else 0)
-    nodes = _gauss_points(s, w * taper / EI, L, units)
+    nodes = _gauss_points(s, w * taper / EI, L, count)
     cells = np.digitize(s, (nodes[1:] + nodes[:-1]) / 2)
     spread = np.array([np.prod([(s - q) / (p - q) for q in nodes if q != p], axis=0) + 0 * s for p in nodes])
     flexibility: dict[str, np.ndarray | None] = dict.fromkeys(STIFFNESSES)
@@ -160,7 +164,7 @@ def _gauss(beam: BeamProperties, units: int, free_tip: bool) -> tuple[np.ndarray
         weight = w / beam.at(name, s) * (taper if bending else 1.0)
         rule = spread @ weight
         if rule.min() <= 0:  # far from the weight of the points: each point stands for what is nearest to it
-            rule = np.bincount(cells, weights=weight, minlength=units)
+            rule = np.bincount(cells, weights=weight, minlength=count)
         flexibility[name] = rule / ((1 - nodes / L) ** 2 if bending and free_tip else 1.0)
     return nodes, flexibility
 
@@ -172,7 +176,7 @@ def _gauss_points(s: np.ndarray, weight: np.ndarray, length: float, n: int) -> n
     for k in range(n):
         after = x * basis[-1]
         diagonal[k] = weight @ (after * basis[-1])
-        for polynomial in (*basis, *basis):  # twice: orthogonal to rounding, for any number of units
+        for polynomial in (*basis, *basis):  # twice: orthogonal to rounding, for any number of hinges
             after = after - (weight @ (after * polynomial)) * polynomial
         off[k] = np.sqrt(weight @ after**2)
         basis.append(after / off[k])

@@ -65,7 +65,11 @@ class FixedRotation(TwoFrames):
     Reference: Modelica.Mechanics.MultiBody.Parts.FixedRotation.
     """
 
-    n: Vector = param(default=(0, 0, 1), structural=True, doc="axis of rotation, resolved in frame_a (any length)")
+    n: Vector = param(
+        default=(0, 0, 1),
+        structural="its zeros drop out of the equations",
+        doc="axis of rotation, resolved in frame_a (any length)",
+    )
     angle: Scalar = param(unit="rad", doc="angle from frame_a to frame_b")
     r: Vector = param(default=(0, 0, 0), unit="m", doc="from frame_a to frame_b, resolved in frame_a")
     diameter: Number = param(default=None, unit="m", min=0, doc="diameter of the rod in pictures; 0 hides it")

@@ -98,7 +98,11 @@ class Revolute(TwoFrames):
     Reference: Modelica.Mechanics.MultiBody.Joints.Revolute.
     """
 
-    n: Vector = param(default=(0, 0, 1), structural=True, doc="axis of rotation, resolved in frame_a (any length)")
+    n: Vector = param(
+        default=(0, 0, 1),
+        structural="its zeros drop out of the equations",
+        doc="axis of rotation, resolved in frame_a (any length)",
+    )
     phi_start: Scalar = param(default=0.0, unit="rad", doc="initial angle")
     w_start: Scalar = param(default=0.0, unit="rad/s", doc="initial angular velocity")
 
@@ -139,7 +143,11 @@ class Prismatic(TwoFrames):
     Reference: Modelica.Mechanics.MultiBody.Joints.Prismatic.
     """
 
-    n: Vector = param(default=(1, 0, 0), structural=True, doc="axis of motion, resolved in frame_a (any length)")
+    n: Vector = param(
+        default=(1, 0, 0),
+        structural="its zeros drop out of the equations",
+        doc="axis of motion, resolved in frame_a (any length)",
+    )
     s_start: Scalar = param(default=0.0, unit="m", doc="initial position")
     v_start: Scalar = param(default=0.0, unit="m/s", doc="initial velocity")
 
@@ -205,7 +213,11 @@ class PlanarLoopRevolute(TwoFrames):
     Reference: Modelica.Mechanics.MultiBody.Joints.RevolutePlanarLoopConstraint.
     """
 
-    n: Vector = param(default=(0, 0, 1), structural=True, doc="common axis of the loop's hinges, resolved in frame_a")
+    n: Vector = param(
+        default=(0, 0, 1),
+        structural="its zeros drop out of the equations",
+        doc="common axis of the loop's hinges, resolved in frame_a",
+    )
 
     force_1: Scalar = var(unit="N", doc="constraint force along the first direction in the plane, on frame_a")
     force_2: Scalar = var(unit="N", doc="constraint force along the second direction in the plane, on frame_a")

@@ -6,7 +6,7 @@ from functools import lru_cache
 
 import numpy as np
 
-from fowtlib.components.mechanics.beam import Beam, BeamUnit
+from fowtlib.components.mechanics.beam import Beam, BeamHinge
 from fowtlib.components.mechanics.beam_division import Division, divide, pieces
 from fowtlib.components.mechanics.beam_properties import BeamProperties
 from fowtlib.components.mechanics.bodies import FixedTranslation, RigidBody
@@ -36,9 +36,8 @@ class TubeBeam(Beam):
     shear_modulus: Scalar = param(default=80.8e9, unit="Pa", min=0, doc="shear modulus of the wall")
 
     def build(self):
-        if self.properties or self.table is not None:
-            raise ParameterError(f"{self.label}: properties and table are those of a Beam; a tube has neither.")
-        self._chain_keys = tuple(tube_chain(self))
+        self.refuse_unused("properties", "table", because="this beam is a tube")
+        self._chain_keys = tuple(_chain(self))
         numbers = StartNumbers(self, "chain", len(self._chain_keys), _chain_numbers)
         chain = {key: numbers[k] for k, key in enumerate(self._chain_keys)}
         frame, carriers = self.frame_a, {}
@@ -50,18 +49,13 @@ class TubeBeam(Beam):
                 self.connect(frame, joint.frame_a)
                 frame = joint.frame_b
             elif kind == "mass":
-                across, along = chain["across", name], chain["along", name]
-                inertia = ((across, 0, 0), (0, across, 0), (0, 0, along))
-                body = RigidBody(mass=chain["mass", name], r_cm=(0, 0, chain["centre", name]), inertia=inertia)
-                self.connect(frame, self.add(name, body).frame_a)
+                self.connect(frame, self.add(name, _body(chain, name)).frame_a)
             carriers[name] = frame
         self.connect(frame, self.frame_b)
-        for kind, name in self._chain_keys:
-            if kind.startswith("node of "):
-                k = int(name.rpartition("_")[2]) - 1
-                x, y, _ = _point(self.node_points[k])
-                carrier = carriers[kind.removeprefix("node of ")]
-                self.connect(self._link(carrier, (x, y, chain[kind, name]), name), self.nodes[k])
+        for kind, name in (key for key in self._chain_keys if key[0].startswith("node of ")):
+            k, carrier = int(name.rpartition("_")[2]) - 1, carriers[kind.removeprefix("node of ")]
+            x, y, _ = _point(self.node_points[k])
+            self.connect(self._link(carrier, (x, y, chain[kind, name]), name), self.nodes[k])
 
     def _link(self, frame, r, name):
         link = self.add(name, FixedTranslation(r=r, diameter=0))
@@ -70,7 +64,7 @@ class TubeBeam(Beam):
 
     def _unit(self, chain, name):
         k = self.stiffness_factor
-        return BeamUnit(
+        return BeamHinge(
             stiffness_x=k * chain["bending", name], stiffness_y=k * chain["bending", name],
             torsional_stiffness=k * chain["torsion", name], axial_stiffness=k * chain["stretch", name],
             damping_x=self.damping_x, damping_y=self.damping_y, damping=self.damping,
@@ -90,15 +84,21 @@ class TubeBeam(Beam):
         ]
 
     def drawing(self):
-        parts = division(self)
+        parts = divide(tube_table(self), self.hinges, self.quadrature)
         heights, diameters = (np.ravel(self.parameter_value(name)) for name in ("heights", "diameters"))
-        frames = [self.frame_a, *(self.parts[f"unit_{i + 1}"].frame_b for i in range(self.units))]
-        drawn = []
-        for frame, origin, segment in zip(frames, [0.0, *parts.s], parts.segments, strict=True):
-            s = np.linspace(segment.start, segment.end, 5)
-            axis = np.column_stack([0 * s, 0 * s, s - origin])
-            drawn.append(shapes.Tube(frame, axis, np.interp(s, heights - heights[0], diameters), material="tower"))
-        return drawn
+        frames = [self.frame_a, *(self.parts[f"hinge_{i + 1}"].frame_b for i in range(self.hinges))]
+        return [
+            shapes.Tube(frame, [(0, 0, z - origin) for z in s], np.interp(s, heights - heights[0], diameters),
+                        material="tower")
+            for frame, origin, s in zip(frames, [0.0, *parts.s], parts.stations(), strict=True)
+        ]  # fmt: skip
+
+
+def _body(chain, name) -> RigidBody:
+    """The rigid segment of this name."""
+    across, along = chain["across", name], chain["along", name]
+    inertia = ((across, 0, 0), (0, across, 0), (0, 0, along))
+    return RigidBody(mass=chain["mass", name], r_cm=(0, 0, chain["centre", name]), inertia=inertia)
 
 
 def tube_table(component) -> BeamProperties:
@@ -110,21 +110,24 @@ def tube_table(component) -> BeamProperties:
         raise ParameterError(f"{component.label}: {error}") from None
 
 
-def division(beam: TubeBeam) -> Division:
-    """Hinges and segments of the tube with the parameter values that it has now."""
-    return divide(tube_table(beam), beam.units, beam.treatment)
+def _chain(beam: TubeBeam) -> dict[Key, float]:
+    """The numbers of the chain with the parameter values that the beam has now."""
+    heights = [_point(given)[2] for given in beam.node_points]
+    table = tube_table(beam)
+    return chain_numbers(table, divide(table, beam.hinges, beam.quadrature), heights, np.ravel(beam.cuts))
 
 
-def tube_chain(beam: TubeBeam) -> dict[Key, float]:
-    """The numbers of the chain from root to tip, by kind and name of the part: places [m], masses, stiffnesses."""
-    table, parts = tube_table(beam), division(beam)
+def chain_numbers(table: BeamProperties, parts: Division, nodes: list[float], cuts: np.ndarray) -> dict[Key, float]:
+    """The numbers of a chain from root to tip, by kind and name of the part: places [m], masses, stiffnesses.
+
+    nodes, cuts: their distances from the root [m]. A node's kind names the part that carries it.
+    """
     found: dict[Key, float] = {}
-    points = [_point(given) for given in beam.node_points]
-    origin, carrier, left = 0.0, "", list(range(len(points)))
-    for k, point in enumerate(points):
-        if not -1e-9 <= point[2] <= table.length + 1e-9:
-            raise ParameterError(f"node {k + 1} at {point[2]:g} m is off the beam of {table.length:g} m.")
-    chain = pieces(table, parts, np.ravel(beam.cuts))
+    origin, carrier, left = 0.0, "", list(range(len(nodes)))
+    for k, height in enumerate(nodes):
+        if not -1e-9 <= height <= table.length + 1e-9:
+            raise ParameterError(f"node {k + 1} at {height:g} m is off the beam of {table.length:g} m.")
+    chain = pieces(table, parts, cuts)
     for piece in chain:
         if piece.hinge or piece.cut:
             found["arm", f"arm_{piece.hinge}" if piece.hinge else f"to_cut_{piece.cut}"] = piece.root[2] - origin
@@ -140,15 +143,15 @@ def tube_chain(beam: TubeBeam) -> dict[Key, float]:
             found |= {("mass", name): segment.mass, ("centre", name): segment.centre[2] - origin}
             found |= {("across", name): segment.inertia[0, 0], ("along", name): segment.inertia[2, 2]}
             carrier = name
-        for k in [k for k in left if points[k][2] <= segment.end or piece is chain[-1]]:
-            found[f"node of {carrier}", f"to_node_{k + 1}"] = points[k][2] - origin
+        for k in [k for k in left if nodes[k] <= segment.end or piece is chain[-1]]:
+            found[f"node of {carrier}", f"to_node_{k + 1}"] = nodes[k] - origin
             left.remove(k)
     found["arm", "end"] = table.length - origin
     return found
 
 
 def _chain_numbers(beam: TubeBeam) -> list[float]:
-    chain = tube_chain(beam)
+    chain = _chain(beam)
     if tuple(chain) != beam._chain_keys:
         raise ParameterError(
             f"{beam.label}: with these values of the tube a hinge passes one of its nodes or cuts, which makes another "

@@ -24,8 +24,12 @@ class VisualTube(VisualPart):
     Reference: Modelica.Mechanics.MultiBody.Visualizers.FixedShape.
     """
 
-    points: Array = param(unit="m", structural=True, doc="points (n, 3) along the axis, resolved in the frame")
-    diameters: Array = param(unit="m", min=0, structural=True, doc="diameter at each point, or one for all")
+    points: Array = param(
+        unit="m", structural="pictures alone use it", doc="points (n, 3) along the axis, resolved in the frame"
+    )
+    diameters: Array = param(
+        unit="m", min=0, structural="pictures alone use it", doc="diameter at each point, or one for all"
+    )
 
     def drawing(self) -> shapes.Drawing:
         return [shapes.Tube(self.frame, self.points, self.diameters, material=self.material)]
@@ -37,8 +41,12 @@ class VisualBox(VisualPart):
     Reference: Modelica.Mechanics.MultiBody.Visualizers.FixedShape.
     """
 
-    centre: Array = param(default=(0, 0, 0), unit="m", structural=True, shape=3, doc="its centre, in the frame")
-    size: Array = param(unit="m", min=0, structural=True, shape=3, doc="lengths along the axes of the frame")
+    centre: Array = param(
+        default=(0, 0, 0), unit="m", structural="pictures alone use it", shape=3, doc="its centre, in the frame"
+    )
+    size: Array = param(
+        unit="m", min=0, structural="pictures alone use it", shape=3, doc="lengths along the axes of the frame"
+    )
 
     def drawing(self) -> shapes.Drawing:
         return [shapes.Box(self.frame, self.centre, self.size, material=self.material)]

@@ -39,6 +39,7 @@ class SampledTorqueController(TorqueController):
     held: Scalar = var(unit="N*m", start=torque_start, discrete=True, doc="torque of the last sample")
 
     def equations(self):
+        self.refuse_unused("response_time", because="the torque follows at once in a sample")
         step = self.greatest_rate * self.period
         limited = _held(self.asked(self.filtered), self.held - step, self.held + step)
         return [
@@ -69,6 +70,8 @@ class SampledPitchController(PitchController):
     held: Scalar = var(unit="rad", start=lambda self: self.pitch_start, discrete=True, doc="pitch of the last sample")
 
     def equations(self):
+        self.refuse_unused("response_time", because="the pitch follows at once in a sample")
+        self.refuse_unused("antiwindup_band", because="the sampled integral is held at its limits")
         error, gain = self.filtered - self.rated_speed, 1 / (1 + self.held / self.doubling_pitch)
         summed = self.summed + self.integral_gain * error * self.period
         wanted = gain * (self.proportional_gain * error + self.summed)

@@ -16,12 +16,12 @@ class ArmLoads(Component):
     """Partial: frames, places and loads of an arm; see Arm for the signs."""
 
     node_distances: Array = param(
-        default=(), unit="m", structural=True,
+        default=(), unit="m", structural="it says which segment carries each frame",
         doc="frames along the arm: distance from the root of the tube"
     )  # fmt: skip
     n_nodes: int = param(default=lambda self: len(self.node_distances), min=0, doc="number of those frames")
     cuts: Array = param(
-        default=(), unit="m", structural=True,
+        default=(), unit="m", structural="it parts the chain of segments",
         doc="places of section loads: distance from the root of the tube"
     )  # fmt: skip
     n_cuts: int = param(default=lambda self: len(self.cuts), min=0, doc="number of those cuts")
@@ -61,7 +61,9 @@ class Arm(ArmLoads, BeamTable, WallMaterial, BeamSettings):
 
     mode_names = {"*_x": "arm horizontal", "*_y": "arm vertical", "*.twisting.*": "arm torsion"}
 
-    to: Vector = param(unit="m", structural=True, doc="the tip, from frame_a, resolved in frame_a")
+    to: Vector = param(
+        unit="m", structural="the axes of the beam follow from it", doc="the tip, from frame_a, resolved in frame_a"
+    )
     root_radius: Number = param(default=0.0, unit="m", min=0, doc="where the tube begins, from frame_a along the arm")
     diameters: Array = param(
         default=(), unit="m", doc="outer diameters at equal distances from root to tip, linear between"

@@ -59,7 +59,6 @@ def tube_or_table(component, heights, names="diameters and wall_thicknesses", **
     Raises ParameterError where both are given, or neither, or what a table does not use.
     """
     has_table = bool(component.properties) or component.table is not None
-    unused = [name for name in TUBE if name in component.parameters and component.is_set(name)]
     if np.size(heights):
         if has_table:
             raise ParameterError(f"{component.label}: give either properties, or {names}.")
@@ -68,12 +67,10 @@ def tube_or_table(component, heights, names="diameters and wall_thicknesses", **
             return TubeBeam(heights=heights, **tube, **settings)
         except ParameterError as error:
             raise ParameterError(str(error).replace(TubeBeam.__name__, component.label, 1)) from None
-    if has_table and unused:
+    if has_table:
         source = "properties" if component.properties else "table"
-        raise ParameterError(
-            f"{component.label}: {source} and {unused[0]} are both given, and {unused[0]} would do nothing beside the "
-            f"{source}; leave one of them out (stiffness_factor scales the stiffness of a table)."
-        )
+        tube = [name for name in TUBE if name in component.parameters]
+        component.refuse_unused(*tube, because=f"{source} is given (stiffness_factor scales what a table says)")
     return Beam(table=given_beam(component), **settings)
 
 
@@ -82,7 +79,7 @@ class FlexibleTower(Tower, BeamTable, WallMaterial, BeamSettings):
 
     Give `properties`, or `heights`, `diameters` and `wall_thicknesses`, linear between the heights, with the material.
     Moments at the cuts have the signs of the tower's, in axes that turn with it as it bends.
-    Two units with `treatment: loaded_tip` are within 0.4 % for the first two bending modes of the OC3 tower.
+    Two hinges with `quadrature: loaded_tip` are within 0.4 % for the first two bending modes of the OC3 tower.
     """
 
     mode_names = {"*_x": "{part} fore-aft", "*_y": "{part} side-side", "*.twisting.*": "{part} torsion"}
@@ -119,7 +116,7 @@ class FlexibleTower(Tower, BeamTable, WallMaterial, BeamSettings):
 
 
 class RigidTower(Tower):
-    """A rigid tower: one body of given mass, centre and inertia. A table of properties: FlexibleTower with units 0."""
+    """A rigid tower: one body of given mass, centre and inertia. A table of properties: FlexibleTower with hinges 0."""
 
     height: Scalar = param(unit="m", min=0, doc="height of the top above the base")
     mass: Scalar = param(unit="kg", min=0, doc="mass")

@@ -37,7 +37,11 @@ class ActuatedBearing(TwoFrames):
     0.3 deg/s (NREL/TP-500-38060, tables 7-2 and 4-1).
     """
 
-    n: Vector = param(default=(0, 0, 1), structural=True, doc="axis of rotation, resolved in frame_a (any length)")
+    n: Vector = param(
+        default=(0, 0, 1),
+        structural="its zeros drop out of the equations",
+        doc="axis of rotation, resolved in frame_a (any length)",
+    )
     natural_frequency: Scalar = param(unit="Hz", min=0, doc="undamped natural frequency of the drive")
     damping_ratio: Scalar = param(default=0.02, min=0, doc="damping ratio of the drive")
     rate_limit: Number = param(default=None, unit="rad/s", min=1e-9, doc="greatest rate; without it there is no limit")

@@ -9,6 +9,7 @@ import numpy as np
 from fowtlib.components.aero import outlines
 from fowtlib.components.mechanics import Beam, BeamProperties, FixedTranslation, Frame, RigidBody
 from fowtlib.components.mechanics.beam import bodies
+from fowtlib.components.mechanics.beam_division import QUADRATURES
 from fowtlib.components.mechanics.beam_properties import given_beam
 from fowtlib.components.mechanics.beam_settings import BeamSettings, BeamTable
 from fowtlib.language import Component, RealOutput, Scalar, eq, param, port, shapes
@@ -45,9 +46,9 @@ class FlexibleBlade(Blade, BeamTable, BeamSettings):
 
     mode_names = {"*_x": "blade flap", "*_y": "blade edge", "*.twisting.*": "blade torsion"}
 
-    units: int = param(default=6, min=0, doc="number of beam units; 0: rigid")
+    hinges: int = param(default=6, min=0, doc="number of beam hinges; 0: rigid")
     mirrored: bool = param(default=False, doc="mirror image, for a rotor that turns counter-clockwise")
-    treatment: str = param(default="free_tip", choices=("plain", "loaded_tip", "free_tip"), doc="see Beam")
+    quadrature: str = param(default="free_tip", choices=QUADRATURES, doc="see Beam")
     damping_flapwise: Scalar = param(default=0.003, unit="s", min=0, doc="damping over stiffness, flapwise")
     damping_edgewise: Scalar = param(default=damping_flapwise, unit="s", min=0, doc="damping over stiffness, edgewise")
 
@@ -79,7 +80,7 @@ class FlexibleBlade(Blade, BeamTable, BeamSettings):
             chord = estimate if chords is None else np.interp(s, stations, chords)
             twist = sense * self.beam.table.at("twist", s)
             sections = outlines.blade_sections(axis, chord, thickness, twist, sense)
-            skins.append(shapes.Loft(frame, sections, closed=self.units == 0, material="blade"))
+            skins.append(shapes.Loft(frame, sections, closed=self.hinges == 0, material="blade"))
         return skins
 
     def equations(self):

@@ -15,13 +15,13 @@ from fowtlib.language import (
     RealInput,
     RealOutput,
     Scalar,
+    cyclic_symmetry,
     data,
     eq,
     param,
     part,
     parts,
     port,
-    ring,
 )
 from fowtlib.language import math as m
 
@@ -41,10 +41,10 @@ class RotorNacelleAssembly(Component):
         read_beam, default=None, doc="CSV with the properties of a blade, see read_beam"
     )
     blade_table: object = param(default=None, doc="the same as BeamProperties, instead of a path")
-    blade_units: int = param(default=6, min=0, doc="beam units of a blade; 0: rigid")
-    blade_treatment: str = param(default="free_tip", choices=("plain", "loaded_tip", "free_tip"), doc="see Beam")
+    blade_hinges: int = param(default=6, min=0, doc="beam hinges of a blade; 0: rigid")
+    blade_quadrature: str = param(default="free_tip", choices=("plain", "loaded_tip", "free_tip"), doc="see Beam")
     blade_torsion: bool = param(default=False, doc="blades with torsion")
-    blade_cuts: Array = param(default=(), unit="m", structural=True, doc="section loads of a blade: see FlexibleBlade")
+    blade_cuts: Array = param(default=(), unit="m", structural="it parts the chain", doc="see FlexibleBlade")
     damping_flapwise: Scalar = param(default=0.003, unit="s", min=0, doc="damping over stiffness, flapwise")
     damping_edgewise: Scalar = param(default=damping_flapwise, unit="s", min=0, doc="damping over stiffness, edgewise")
     node_points: list = param(default=[], doc="aerodynamic nodes of a blade: distance from the root [m], or a point")
@@ -65,8 +65,8 @@ class RotorNacelleAssembly(Component):
     drivetrain: Drivetrain = part(Drivetrain)
     hub: Hub = part(Hub)
     rotor_blades: list[FlexibleBlade] = parts(
-        FlexibleBlade, size="blades", name="blade", properties=blade_properties, table=blade_table, units=blade_units,
-        cuts=blade_cuts, treatment=blade_treatment, torsion=blade_torsion, damping_flapwise=damping_flapwise,
+        FlexibleBlade, size="blades", name="blade", properties=blade_properties, table=blade_table, hinges=blade_hinges,
+        cuts=blade_cuts, quadrature=blade_quadrature, torsion=blade_torsion, damping_flapwise=damping_flapwise,
         damping_edgewise=damping_edgewise, node_points=node_points, mirrored=lambda self: self.rotation < 0,
     )  # fmt: skip
 
@@ -92,8 +92,8 @@ class RotorNacelleAssembly(Component):
     def equations(self):
         return [
             *(_of_blade(self, k) for k in range(self.blades)),
-            ring(self.nacelle.azimuth, self.rotor_blades),
-            ring(self.nacelle.azimuth, self.hub.bearings),
+            cyclic_symmetry(self.nacelle.azimuth, self.rotor_blades),
+            cyclic_symmetry(self.nacelle.azimuth, self.hub.bearings),
         ]
 
 

@@ -84,7 +84,7 @@ class Turbine(Component):
 
     def drawing(self) -> Drawing:
         """The parts of the assembly, its blades with the chord of the aerodynamics."""
-        body, blade = self.assembly, self.aerodynamics.rotor.blade
+        body, blade = self.assembly, self.aerodynamics.steady_rotor.blade
         ends = [blade.hub_radius, *blade.radius, blade.tip_radius] - np.float64(blade.hub_radius)
         chords = [blade.chord[0], *blade.chord, 0.3 * blade.chord[-1]]
         skins = [body.parts[f"blade_{k + 1}"].skin(ends, chords) for k in range(body.blades)]
@@ -95,7 +95,7 @@ class Turbine(Component):
 
         table: coefficients of the rotor; without it a coarse table is computed.
         """
-        body, rotor = self.assembly, self.aerodynamics.rotor
+        body, rotor = self.assembly, self.aerodynamics.steady_rotor
         cone, tilt = body.hub.parameter_value("precone"), body.nacelle.parameter_value("tilt")
         return SteadyTurbine(
             table=table or steady_table(rotor, cone), radius=rotor.blade.tip_radius, precone=cone, tilt=tilt,

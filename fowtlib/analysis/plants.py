@@ -18,6 +18,13 @@ def calm(model: Any) -> dict[str, str]:
     return {path: value for path, value in CALM.items() if path.partition(".")[0] in model.root.parts}
 
 
+def still_water(plant: Any) -> dict[str, str]:
+    """Parameters that take the waves from a run of a compiled model, where they may be others in every run."""
+    path, value = next(iter(CALM.items()))
+    bound = path in plant.dae.bound_parameters
+    return {path: value} if bound and plant.root.find("sea").spectrum != "input" else {}
+
+
 def compiled(model: Any) -> Any:
     """The compiled model: one that is compiled already as it is, a model after wind and waves were taken from it."""
     if not hasattr(model, "compile"):

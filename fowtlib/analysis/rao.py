@@ -24,7 +24,15 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from fowtlib.analysis.harmonics import harmonic_fit
-from fowtlib.analysis.plants import calm, checked_frequencies, chosen_outputs, compiled, refuse_unstable, shown_unit
+from fowtlib.analysis.plants import (
+    calm,
+    checked_frequencies,
+    chosen_outputs,
+    compiled,
+    refuse_unstable,
+    shown_unit,
+    still_water,
+)
 from fowtlib.language.errors import ModelError, did_you_mean
 from fowtlib.solving import mean_state
 from fowtlib.solving.results.html import table
@@ -164,7 +172,7 @@ def linear_rao(
     frequency = None if frequencies is None else checked_frequencies(frequencies)
     names = chosen_outputs(plant, outputs)
     if state is None:
-        state = mean_state(plant, parameters)
+        state = mean_state(plant, {**still_water(plant), **(parameters or {})})
     linear = plant.linearize(state, inputs=[path for paths, _ in inputs for path in paths], outputs=names)
     refuse_unstable(linear)
     if frequency is None:

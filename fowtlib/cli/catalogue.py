@@ -65,7 +65,7 @@ def _entry(field: Parameter | Port | Variable, default: str) -> Entry:
 
 def _type(field: Field) -> str:
     if getattr(field, "choices", None):
-        return " | ".join(map(str, field.choices))
+        return " | ".join(map(str, _choices(field)))
     name = getattr(field.annotation, "__name__", str(field.annotation))
     if isinstance(field, Parameter) and field.is_data:
         return f"file or {', '.join(getattr(item, '__name__', str(item)) for item in get_args(field.annotation))}"
@@ -75,6 +75,14 @@ def _type(field: Field) -> str:
         name += "[" + ", ".join(map(str, sizes)) + "]"
     size = getattr(field, "size", None)
     return f"array of {name}" if size is not None else name
+
+
+def _choices(field: Parameter) -> list[Any]:
+    """The possible values; of the kinds of a family those of the library, not what else is loaded."""
+    family = getattr(field.owner, "family", None)
+    if family is None or field is not family.field:
+        return list(field.choices)
+    return [kind for kind, item in family.kinds.items() if item in library.classes().values()]
 
 
 def _default(field: Parameter) -> str:

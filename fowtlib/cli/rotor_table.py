@@ -138,7 +138,7 @@ def _coefficients(turbine: Turbine, arguments: argparse.Namespace) -> Coefficien
     pitches = [math.radians(angle) for angle in arguments.pitch]
     precone = turbine.assembly.hub.parameter_value("precone")
     with part_bar("rotor coefficients") as report:
-        rotor = turbine.aerodynamics.rotor
+        rotor = turbine.aerodynamics.steady_rotor
         return coefficient_table(rotor, arguments.ratios, pitches, precone=precone, progress=report)
 
 

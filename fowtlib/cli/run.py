@@ -86,6 +86,7 @@ def positive(text: str) -> float:
 
 def run(arguments: argparse.Namespace) -> int:
     """Simulate, save, draw, and print the statistics of the results."""
+    from fowtlib.solving.conditions import Conditions
     from fowtlib.solving.results import Result
 
     check_target(arguments.output, RESULTS)
@@ -94,11 +95,11 @@ def run(arguments: argparse.Namespace) -> int:
     model = loading.load(arguments)
     plant = model.compile()
     start, whence = start_values(arguments, model, plant)
-    options = {"t_end": arguments.time, "output_step": arguments.output_step, "solver": arguments.solver}
-    options |= {"step": arguments.step, "tolerance": arguments.tolerance}
+    conditions = Conditions(start=earlier or start, duration=arguments.time, output_step=arguments.output_step)
+    options = {"solver": arguments.solver, "step": arguments.step, "tolerance": arguments.tolerance}
     try:
         with progress_bar(earlier.time[-1] if earlier else 0.0) as report:
-            later = plant.simulate(start=earlier or start, progress=report, **options)
+            later = plant.simulate(conditions=conditions, progress=report, **options)
     except SimulationError as error:
         _rescue(error, earlier, arguments.output or Path(f"{model.name or 'run'}_partial.nc"))
         raise

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import argparse
+import warnings
 from collections.abc import Mapping
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -13,21 +14,33 @@ from fowtlib.language.errors import ModelError, SimulationError, one_of
 if TYPE_CHECKING:
     from fowtlib import Model, Plant, State
 
-KINDS = ("equilibrium", "turning", "rest")
+KINDS = ("equilibrium", "turning", "rest", "file")
 HELP = (
     "equilibrium: the mean position, in the mean of the wind; turning: the same, and rotors of blade elements turn; "
-    "rest: nothing moves, the rotors stand; or FILE: the end of a result (.nc), a saved state (.json); "
-    "default: the start values of the model file"
+    "rest: nothing moves, the rotors stand; file: the start values of the model file; or a FILE: the end of a result "
+    "(.nc), a saved state (.json); default: simulation.start of the model file, or file"
 )
 
 
 def start_values(arguments: argparse.Namespace, model: Model, plant: Plant) -> tuple[Mapping[str, Any] | None, str]:
     """Start values by path for the run, and a word for the first line of the answer; None for those of the model."""
-    word: str | None = arguments.start
-    if word is None:
-        return None, ""
-    if arguments.resume:
+    if arguments.start and arguments.resume:
         raise ModelError("--start and --resume: a run either starts, or goes on from where another one ended.")
+    if arguments.resume:
+        return None, ""
+    word = arguments.start or model.settings.get("start", "file")
+    try:
+        return _start_values(word, model, plant)
+    except SimulationError as error:
+        if arguments.start:
+            raise
+        warnings.warn(f"{error} So the run starts from the values of the model file.", stacklevel=1)
+        return None, ""
+
+
+def _start_values(word: str, model: Model, plant: Plant) -> tuple[Mapping[str, Any] | None, str]:
+    if word == "file":
+        return None, ""
     if word == "rest":
         from fowtlib.solving.modes import rate_states
 
@@ -45,7 +58,7 @@ def _mean(calm: Plant, word: str) -> State:
     from fowtlib.solving.turning import mean_state
 
     try:
-        return mean_state(calm) if word == "turning" else calm.equilibrium()
+        return mean_state(calm, near=True) if word == "turning" else calm.equilibrium()
     except SimulationError as error:
         if word == "equilibrium" and "turns on and on" in error.message:
             error.message += " To start from the mean of a turning rotor: --start turning."

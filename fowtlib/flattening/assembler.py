@@ -15,7 +15,16 @@ import numpy as np
 from fowtlib.flattening.aliases import eliminate_aliases
 from fowtlib.flattening.causalization import Causal, Causalization
 from fowtlib.flattening.diagnosis import check_structure
-from fowtlib.flattening.flat_dae import Check, Event, External, FlatDAE, Operator, Quantity, Ring, SampledUpdate
+from fowtlib.flattening.flat_dae import (
+    Check,
+    CyclicSymmetry,
+    Event,
+    External,
+    FlatDAE,
+    Operator,
+    Quantity,
+    SampledUpdate,
+)
 from fowtlib.flattening.incidence import Incidence
 from fowtlib.flattening.index_reduction import IndexReduction
 from fowtlib.flattening.instances import Instances, Statements
@@ -133,7 +142,7 @@ class _Assembler:
             slots += [(action, name) for action in when.actions for name in ("target", "value")]
         for _, sampled in statements.sampled:
             slots += [(action, name) for action in sampled.assignments for name in ("target", "value")]
-        slots += [(statement, "angle") for _, statement in statements.rings]
+        slots += [(statement, "angle") for _, statement in statements.symmetries]
         slots += [(statement, "inputs") for _, statement in statements.operators]
         slots += [(system.rates, key) for key in system.rates]
         slots += [(system.aliases, path) for path in system.aliases]
@@ -188,7 +197,7 @@ class _Assembler:
             "indicators": [_indicator(path, when.condition) for path, when in self.statements.when],
             "actions": [action.value for _, when in self.statements.when for action in when.actions],
             "samples": [action.value for _, sampled in self.statements.sampled for action in sampled.assignments],
-            "rings": [statement.angle for _, statement in self.statements.rings],
+            "symmetries": [statement.angle for _, statement in self.statements.symmetries],
             "operators": [statement.inputs for _, statement in self.statements.operators],
             "aliases": list(system.aliases.values()),
             "replaced": [ca.SX(value) for value in self.replaced.values()],
@@ -224,8 +233,8 @@ class _Assembler:
             initial_sources=[f"{path or 'the model'} ({place(statement.source)})"
                              for path, statement in self.statements.initial],
             events=self._events(states, solved), samples=self._samples(solved), checks=self._checks(solved),
-            rings=[Ring(angle, [part.path for part in statement.parts])
-                   for (_, statement), angle in zip(self.statements.rings, solved["rings"], strict=True)],
+            symmetries=[CyclicSymmetry(angle, [part.path for part in statement.parts])
+                   for (_, statement), angle in zip(self.statements.symmetries, solved["symmetries"], strict=True)],
             operators=[Operator(path, inputs, statement.correction, statement.transfer, statement.realization)
                        for (path, statement), inputs in zip(self.statements.operators, solved["operators"],
                                                             strict=True)],

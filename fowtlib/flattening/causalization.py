@@ -219,7 +219,7 @@ class Causalization:
         def remove(column: int) -> None:
             left.discard(column)
             order.drop(column)
-            for r in rows_of[column]:
+            for r in sorted(rows_of[column]):  # a set has an order that changes with the numbers in it
                 members = open_rows.get(r)
                 if members is not None:
                     members.discard(column)

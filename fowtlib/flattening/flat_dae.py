@@ -99,7 +99,7 @@ class Check:
 
 
 @dataclass(frozen=True)
-class Ring:
+class CyclicSymmetry:
     """Paths of parts that are alike, at equal angles around an axis around which they have turned by an angle."""
 
     angle: ca.SX
@@ -157,7 +157,7 @@ class FlatDAE:
     events: tuple[Event, ...] = ()
     samples: tuple[SampledUpdate, ...] = ()
     checks: tuple[Check, ...] = ()
-    rings: tuple[Ring, ...] = ()
+    symmetries: tuple[CyclicSymmetry, ...] = ()
     operators: tuple[Operator, ...] = ()
     bound: Mapping[str, Bound] = field(default_factory=dict)
     bound_parameters: Mapping[str, BoundParameter] = field(default_factory=dict)

@@ -33,7 +33,7 @@ class Statements:
     assertions: list[tuple[str, statements.Assertion]] = field(default_factory=list)
     rotations: list[tuple[str, statements.Rotation]] = field(default_factory=list)
     fixed_orientations: list[tuple[str, statements.FixedOrientation]] = field(default_factory=list)
-    rings: list[tuple[str, statements.Ring]] = field(default_factory=list)
+    symmetries: list[tuple[str, statements.CyclicSymmetry]] = field(default_factory=list)
     operators: list[tuple[str, LinearOperator]] = field(default_factory=list)
 
 
@@ -129,7 +129,7 @@ class Instances:
                 return self.system.at_start(
                     statements.AtStart(
                         reference.name, reference.size, "", "computed when a run starts", reference.compute,
-                        reference.component,
+                        reference.component.current,
                     )
                 )  # fmt: skip
             found = self._parameter(reference.component.current, reference.name)
@@ -227,7 +227,7 @@ class Instances:
             statements.Assertion: self.statements.assertions,
             statements.Rotation: self.statements.rotations,
             statements.FixedOrientation: self.statements.fixed_orientations,
-            statements.Ring: self.statements.rings,
+            statements.CyclicSymmetry: self.statements.symmetries,
             LinearOperator: self.statements.operators,
         }
         if isinstance(statement, statements.Assign):

@@ -21,7 +21,7 @@ from fowtlib.solving.engines import fixed_step
 from fowtlib.solving.engines.c_text import Program
 from fowtlib.solving.engines.fixed_step_code import OUT, library_sizes, moved_pieces
 from fowtlib.solving.engines.reduction import reduction
-from fowtlib.solving.engines.symmetry import rings_of_unknowns
+from fowtlib.solving.engines.symmetry import cyclic_unknowns
 from fowtlib.solving.initial import initial_matching
 from fowtlib.solving.state import State
 
@@ -172,16 +172,16 @@ class Tables:
         for name, masks, unknowns in moving:
             first, pieces = moved_pieces(self.program, len(dae.levels), masks, unknowns)
             lines += [_integers(f"{name}_first", first), _integers(f"{name}_piece", pieces)]
-        rings = rings_of_unknowns(dae, r)
-        for k, ring in enumerate(rings):
-            lines.append(_integers(f"fmu_ring_{k}_unknown", np.ravel(ring.unknowns)))
-            lines.append(_integers(f"fmu_ring_{k}_row", np.ravel(ring.rows)))
+        symmetries = cyclic_unknowns(dae, r)
+        for k, symmetry in enumerate(symmetries):
+            lines.append(_integers(f"fmu_symmetry_{k}_unknown", np.ravel(symmetry.unknowns)))
+            lines.append(_integers(f"fmu_symmetry_{k}_row", np.ravel(symmetry.rows)))
         rows = [
-            f"{{{ring.state}, {len(ring.unknowns[0])}, {len(ring.unknowns)}, {len(ring.rows)}, "
-            f"fmu_ring_{k}_unknown, fmu_ring_{k}_row}}"
-            for k, ring in enumerate(rings)
+            f"{{{symmetry.state}, {len(symmetry.unknowns[0])}, {len(symmetry.unknowns)}, {len(symmetry.rows)}, "
+            f"fmu_symmetry_{k}_unknown, fmu_symmetry_{k}_row}}"
+            for k, symmetry in enumerate(symmetries)
         ]
-        lines.append(_table("fs_ring", "fmu_rings", rows))
+        lines.append(_table("fs_symmetry", "fmu_symmetry", rows))
         return "".join([
             *lines, _integers("fmu_level_start", starts), _integers("fmu_free_rate", r.free),
             _integers("fmu_order", r.order), _integers("fmu_source", r.source),
@@ -194,7 +194,7 @@ class Tables:
             ".free_rates = FREE_RATES, "
             f".substituted = {len(r.order)}, .free_rate = fmu_free_rate, .order = fmu_order, .source = fmu_source, "
             ".x_nominal = fmu_x_nominal, .z_nominal = fmu_z_nominal, "
-            f".rings = {len(rings)}, .ring = fmu_rings}};\n",
+            f".symmetries = {len(symmetries)}, .symmetry = fmu_symmetry}};\n",
         ])  # fmt: skip
 
     def _events(self) -> str:
@@ -294,13 +294,6 @@ class Tables:
     def _files(self) -> list[str]:
         """The files that external functions read, which go to the resources; each with a function that opens it."""
         found: dict[tuple[str, float], tuple[str, tuple[float | int, ...]]] = {}
-        for external in self.dae.externals:
-            function = external.function
-            if not (isinstance(function, LibraryFunction) and function.files):
-                continue
-            number = float(external.inputs[0])
-            path, values = function.files[number]
-            found[function.name(), number] = self._resource(path), values
         for record in self.dae.bound.values():
             source = self.binding.sources.get(record.path)
             for function in record.functions if source is not None else ():

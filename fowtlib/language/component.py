@@ -31,10 +31,10 @@ from fowtlib.language.declarations import (
     var,
 )
 from fowtlib.language.equations import active
-from fowtlib.language.errors import NotFoundError, ParameterError, StructureError, UnitError, did_you_mean, one_of
+from fowtlib.language.errors import NotFoundError, ParameterError, StructureError, did_you_mean, one_of
 from fowtlib.language.families import Family
 from fowtlib.language.shapes import Drawing
-from fowtlib.language.units import dimension, to_si
+from fowtlib.language.units import check_si, to_si
 
 _reads: ContextVar[set[tuple[str, str]] | None] = ContextVar("reads", default=None)
 
@@ -187,7 +187,7 @@ class Component(Composite):
             return field.checked(value, where)
         if expressions.is_expression(value):
             return value
-        if value is None and field.default is None:
+        if value is None and (field.default is None or inspect.isfunction(field.default)):
             return None
         if field.annotation in SHAPES:
             return to_si(value, field.unit, where)
@@ -245,6 +245,16 @@ class Component(Composite):
     def is_set(self, name: str) -> bool:
         """True where the parameter was given, not left at its default."""
         return name in self._values
+
+    def refuse_unused(self, *names: str, because: str) -> None:
+        """An error for a parameter that was given and would do nothing, since another one takes precedence."""
+        for name in names:
+            if self.is_set(name):
+                where = f"{self.origins[name]}: " if name in self.origins else ""
+                raise ParameterError(
+                    f"{where}{join(self.path or type(self).__name__, name)} is given and would do nothing, because "
+                    f"{because}; leave one of them out, or change it."
+                )
 
     def resolve(self, value: Any) -> Any:
         """A declared value for this instance: functions called, class-body parameters replaced by this instance's."""
@@ -392,10 +402,7 @@ def _resolve_annotations(cls: type, local_names: dict[str, Any]) -> None:
         if isinstance(annotation, str):
             annotation = eval(annotation, {**module, **local_names})
         value.annotation = annotation
-        try:
-            dimension(value.unit if isinstance(value, (Parameter, Port, Variable)) else "1")
-        except UnitError as error:
-            raise error.at(f"{cls.__name__}.{name}") from None
+        check_si(value.unit if isinstance(value, (Parameter, Port, Variable)) else "1", f"{cls.__name__}.{name}")
 
 
 def _stack(items: list[Any]) -> np.ndarray:

@@ -215,7 +215,7 @@ class FixedOrientation:
 
 
 @dataclass(slots=True)
-class Ring:
+class CyclicSymmetry:
     """Parts that are copies of each other, at equal angles around an axis, and the angle by which they have turned."""
 
     angle: ca.SX
@@ -353,7 +353,7 @@ def fix_orientation(frame: Any, R: Any, w: Any) -> FixedOrientation:
     return FixedOrientation(frame, _column(R), _column(w), source_line())
 
 
-def ring(angle: Any, parts: Sequence[Any]) -> Ring:
+def cyclic_symmetry(angle: Any, parts: Sequence[Any]) -> CyclicSymmetry:
     """The parts are alike and stand in a ring: the next one is the last, turned on by 1 / len(parts) of a turn.
 
     `angle` is the angle by which all of them have turned around the axis, positive towards the next part. It is no
@@ -361,9 +361,8 @@ def ring(angle: Any, parts: Sequence[Any]) -> Ring:
     keeps a Newton matrix over many steps can turn the matrix too (`fixed`; it needs three parts or more, and an angle
     that is a state). A wrong hint costs time and no accuracy.
     """
-    return Ring(_column(angle), list(parts), source_line())
+    return CyclicSymmetry(_column(angle), list(parts), source_line())
 
 
-Statement = Equation | Initial | When | Sampled | Assertion | Rotation | FixedOrientation | Ring
 Statements = list[Any]
 Function = Callable[..., Any]

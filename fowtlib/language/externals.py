@@ -111,16 +111,11 @@ def runs_as_python(function: ca.Function) -> bool:
 
 
 class LibraryFunction(ca.Function):
-    """A function of a shared library that still knows its path, for engines that call the library themselves.
-
-    files: those it reads, by the number that is its first input, each with what `<name>_open(number, path, ...)` of the
-    library takes besides, float for double and int for int; who uses the library elsewhere opens them there.
-    """
+    """A function of a shared library that still knows its path, for engines that call the library themselves."""
 
     def __init__(self, function: ca.Function, path: Path):
         super().__init__(function)
         self.path = path
-        self.files: dict[float, tuple[Path, tuple[float | int, ...]]] = {}
 
     def __deepcopy__(self, memo: Any) -> LibraryFunction:
         return self

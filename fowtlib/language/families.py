@@ -62,11 +62,11 @@ class Family:
         return cls
 
     def turn(self, component: Any, kind: Any) -> None:
-        """Make a component one of another kind; it keeps the values of what both have."""
+        """Make a component one of another kind; it keeps the values of the parameters that all kinds have."""
         cls = self.class_of(kind, f"{component.label}.{self.selector}")
-        if not isinstance(component, cls):
+        if self.kind_of(type(component)) != kind:  # a kind may be derived from another one
             object.__setattr__(component, "__class__", cls)
-            for name in [name for name in component._values if name not in cls.parameters]:
+            for name in [name for name in component._values if name not in self.base.parameters]:
                 del component._values[name]
                 component._later.discard(name)
         component._values[self.selector] = kind

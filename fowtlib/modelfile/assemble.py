@@ -31,7 +31,7 @@ from fowtlib.modelfile.values import ValueReader
 RESERVED = ("parts", "connections", "origins", "title")
 
 
-class Assembler:
+class TreeBuilder:
     """Builds the component of a document; `allow_python` lets files name Python code of their own."""
 
     def __init__(self, allow_python: bool = False):

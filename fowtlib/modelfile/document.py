@@ -8,14 +8,17 @@ from __future__ import annotations
 
 from pathlib import Path
 
-from fowtlib.language.errors import UnitError, closest
+from fowtlib.language.errors import UnitError, closest, one_of
 from fowtlib.language.units import to_si
 from fowtlib.modelfile import files
 from fowtlib.modelfile.nodes import Node, Place, parse, read_text
 from fowtlib.modelfile.reader import ComponentReader
 from fowtlib.modelfile.specs import Document, Spec, Value, as_list, check_keys, mapping, text
 
-SETTINGS = {"solver": "", "duration": "s", "output_step": "s", "tolerance": "1", "step": "s", "rho_inf": "1"}
+SETTINGS = {
+    "solver": "", "duration": "s", "output_step": "s", "tolerance": "1", "step": "s", "rho_inf": "1", "start": "",
+}  # fmt: skip
+STARTS = ("equilibrium", "turning", "rest", "file")  # where `fowt run` begins: see its help
 VERSION = 1
 META_KEYS = ("fowtlib", "title", "description", "python", "outputs", "simulation")
 
@@ -72,4 +75,6 @@ def _settings(node: Node) -> dict[str, float | str]:
             settings[key] = float(to_si(item.value, SETTINGS[key])) if SETTINGS[key] else text(items, key)
         except UnitError as error:
             raise item.place.error(f"simulation.{key}: {error}") from None
+    if settings.get("start", "file") not in STARTS:
+        raise items["start"].place.error(f"simulation.start: '{settings['start']}' is not {one_of(STARTS)}.")
     return settings

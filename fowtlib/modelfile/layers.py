@@ -11,6 +11,7 @@ from fowtlib.language import expressions
 from fowtlib.language.component import Assembly, Component
 from fowtlib.language.declarations import Array, DataParameter, Parameter, Scalar, join
 from fowtlib.language.errors import ModelError, ModelFileError, did_you_mean
+from fowtlib.language.families import Family
 from fowtlib.modelfile.nodes import Place
 from fowtlib.modelfile.paths import port_alias
 from fowtlib.modelfile.scopes import Scope, freeze
@@ -54,28 +55,38 @@ def parts_of(layers: list[Layer]) -> dict[str, list[Layer]]:
 def of_kind(base: type[Component], layers: list[Layer], path: str) -> tuple[type[Component], list[Layer]]:
     """The class of the kind that the layers name, for a class that has kinds.
 
-    Where a layer names a kind, what those below it say of parameters that this kind does not have belongs to another
-    kind, and is left out.
+    Where a layer names a kind, what those below it say of parameters that only another kind has is left out.
     """
     family = base.family
     if family is None or base is not family.base:
         return base, layers
-    for i, layer in enumerate(layers):
-        value = layer.spec.values.get(family.selector)
-        if value is None:
-            continue
-        named = layer.reader().read(value, family.field, join(path, family.selector))
-        try:
-            chosen = family.class_of(named, join(path, family.selector))
-        except ModelError as error:
-            raise value.place.error(str(error)) from None
-        others = family.parameters.keys() - chosen.parameters.keys()
-        return chosen, [*layers[: i + 1], *(_without(layer, others) for layer in layers[i + 1 :])]
-    return family.class_of(family.field.default, join(path, family.selector)), layers
+    kinds = [_kind_in(layer, family, path) for layer in layers]
+    named = next((kind for kind in kinds if kind is not None), family.field.default)
+    chosen = family.class_of(named, join(path, family.selector))
+    kept, own = [], named
+    for layer, kind in zip(layers, kinds, strict=True):
+        below = kept and own != named  # of a layer that belongs to another kind
+        kept.append(_only(layer, family.base.parameters) if below else layer)
+        own = next((k for k in kinds[len(kept) :] if k is not None), family.field.default) if kind is not None else own
+    return chosen, kept
 
 
-def _without(layer: Layer, names: Collection[str]) -> Layer:
-    values = {name: value for name, value in layer.spec.values.items() if name not in names}
+def _kind_in(layer: Layer, family: Family, path: str) -> str | None:
+    """The kind that one layer names."""
+    value = layer.spec.values.get(family.selector)
+    if value is None:
+        return None
+    where = join(path, family.selector)
+    named = layer.reader().read(value, family.field, where)
+    try:
+        family.class_of(named, where)
+    except ModelError as error:
+        raise value.place.error(str(error)) from None
+    return named
+
+
+def _only(layer: Layer, names: Collection[str]) -> Layer:
+    values = {name: value for name, value in layer.spec.values.items() if name in names}
     return Layer(replace(layer.spec, values=values), layer.scope)
 
 

@@ -4,14 +4,15 @@ from __future__ import annotations
 
 import copy
 import os
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
+from dataclasses import replace
 from typing import Any
 
 from fowtlib.language.component import Assembly, Component
-from fowtlib.language.errors import UnitError
+from fowtlib.language.errors import NotFoundError, UnitError
 from fowtlib.language.units import dimension, kind_of
 from fowtlib.modelfile import document, files
-from fowtlib.modelfile.assemble import Assembler
+from fowtlib.modelfile.assemble import TreeBuilder
 from fowtlib.modelfile.nodes import Place, from_python
 from fowtlib.modelfile.paths import check_variable
 from fowtlib.modelfile.specs import OutputSpec, Spec, Value
@@ -36,30 +37,76 @@ def load(source: Source, *, set: Settings | None = None, allow_python: bool = Fa
         return _from_component(source, values)
     path = files.find_model(source)
     top = document.read(path)
-    root = Assembler(allow_python).root(top, _changes(values))
+    root = TreeBuilder(allow_python).root(top, _changes(values))
     if isinstance(root, Assembly):
         object.__setattr__(root, "title", top.title)
 
     def rebuild(more: Settings) -> Model:
-        return load(path, set={**values, **more}, allow_python=allow_python)
+        return load(path, set=_merged(root, values, more), allow_python=allow_python)
 
     outputs = {name: _output(root, name, spec) for name, spec in top.outputs.items()}
-    return Model(root, top.title, outputs, top.settings, path, path.stem, rebuild)
+    return _changeable(Model(root, top.title, outputs, top.settings, path, path.stem), rebuild)
+
+
+def _changeable(model: Model, rebuild: Callable[[Settings], Model]) -> Model:
+    """The model with a `rebuild` that builds it anew only where other parameters than those of its data change."""
+
+    def changed(more: Settings) -> Model:
+        if not more or not _are_data(model.root, more):
+            return rebuild(more)
+        root = copy.deepcopy(model.root)
+        TreeBuilder().change(root, _changes(more))
+        return _changeable(replace(model, root=root), lambda again: rebuild(_merged(root, more, again)))
+
+    return replace(model, rebuild=changed)
+
+
+def _merged(root: Component, earlier: Settings, later: Settings) -> dict[str, Any]:
+    """Both, the later before the earlier; what the earlier say of a kind is left out where the later name another."""
+    left_out = set()
+    for path, kind in later.items():
+        owner, _, name = path.rpartition(".")
+        try:
+            family = root.find(owner).family
+        except NotFoundError:
+            continue
+        if family is not None and name == family.selector and kind != family.kind_of(type(root.find(owner))):
+            left_out |= {f"{owner}.{own}" for own in family.parameters if own not in family.base.parameters}
+    return {**{path: value for path, value in earlier.items() if path not in left_out}, **later}
+
+
+def _are_data(root: Component, values: Settings) -> bool:
+    """Whether all these values are of parts of a family, and do not change which equations a part has."""
+    kinds: dict[str, type[Component]] = {}
+    for path, value in values.items():
+        owner, _, name = path.rpartition(".")
+        try:
+            part = root.find(owner)
+        except NotFoundError:
+            return False
+        family = part.family
+        if family is None or family.own_equations(type(part)):
+            return False
+        if name == family.selector:
+            kinds[owner] = family.kinds.get(value, type(part))
+        elif name not in family.parameters or not (family.parameters[name].bound or family.parameters[name].tunable):
+            return False
+    return not any(kind.family.own_equations(kind) for kind in kinds.values())
 
 
 def _from_component(component: Component, values: Settings) -> Model:
     root = component
     if values:
         root = copy.deepcopy(component)
-        Assembler().change(root, _changes(values))
+        TreeBuilder().change(root, _changes(values))
 
     def rebuild(more: Settings) -> Model:
-        return _from_component(component, {**values, **more})
+        return _from_component(component, _merged(root, values, more))
 
     title, outputs, settings, name = known_of(component) or (
         getattr(component, "title", type(component).__name__), {}, {}, type(component).__name__.lower()
     )  # fmt: skip
-    return Model(root, title, outputs, settings, name=name, rebuild=rebuild)
+    return _changeable(Model(root, title, outputs, settings, name=name), rebuild)
 
 
 def _changes(values: Settings) -> Spec | None:

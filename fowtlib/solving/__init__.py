@@ -1,5 +1,6 @@
 """Floor 3: from a flat DAE to numbers."""
 
+from fowtlib.solving.conditions import Conditions
 from fowtlib.solving.linear import LinearModel, Mode
 from fowtlib.solving.model import Model, Output
 from fowtlib.solving.modes import NaturalMode, natural_modes
@@ -9,6 +10,7 @@ from fowtlib.solving.state import State
 from fowtlib.solving.turning import mean_state
 
 __all__ = [
+    "Conditions",
     "LinearModel",
     "Mode",
     "Model",

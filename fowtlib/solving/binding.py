@@ -91,7 +91,8 @@ def bind(dae: FlatDAE, root: Component | None, parameters: Values | None = None)
     """The binding of a run.
 
     parameters: by path the values of tunable and of bound parameters, SI or with unit, or a component that takes the
-    place of the part at the path, of the same family (what it was not given, it takes from that part).
+    place of the part at the path, of the same family (what it was not given, it takes from that part, as far as all
+    kinds have it).
     Raises ParameterError where there is no such parameter, a value is out of its bounds, or a part has other equations.
     """
     given = dict(parameters or {})
@@ -107,9 +108,9 @@ def bind(dae: FlatDAE, root: Component | None, parameters: Values | None = None)
         values[path] = _tunable(dae, path, given[path])
         owner, _, name = path.rpartition(".")
         tree.find(owner)._values[name] = values[path] if values[path].shape else float(values[path])
-    if changed:
-        for path in changed:
-            check_parameters(tree.find(path))
+    for path in changed:
+        check_parameters(tree.find(path))
+    if tree is not root:
         for path in values:  # those that were computed from what is changed now
             if path not in given:
                 owner, _, name = path.rpartition(".")
@@ -178,8 +179,9 @@ def _put_parts(tree: Component, parts: dict[str, Component]) -> set[str]:
             )
         _same_equations(path, type(old), type(given), family)
         new = _alone(given)
+        common = new.parameters if type(new) is type(old) else family.base.parameters
         for name, value in old._values.items():
-            if name in new.parameters and name not in new._values:
+            if name in common and name not in new._values and name != family.selector:
                 new._values[name] = value
                 if name in old.origins:
                     new.origins[name] = old.origins[name]
@@ -318,6 +320,23 @@ def _fit(item: Bound, source: Any, size: int) -> None:
 def _vector(values: Mapping[str, np.ndarray], numbers: list[np.ndarray]) -> np.ndarray:
     parts = [*(np.ravel(value, order="F") for value in values.values()), *numbers]
     return np.concatenate(parts) if parts else np.zeros(0)
+
+
+def bound_values(root: Component | None, structure: Values) -> dict[str, Any]:
+    """Of the structure that a result holds, the bound parameters that the model has otherwise: the data of that run.
+
+    A file is held by its name alone; where that is another one than the model's, it has to be where the name says.
+    """
+    now, found = structural_values(root), {}
+    for path, value in structure.items():
+        owner, _, name = path.rpartition(".")
+        component = _found(root, owner) if root is not None else None
+        if component is None:
+            continue
+        declared = (component.family.parameters if component.family is not None else component.parameters).get(name)
+        if declared is not None and declared.bound and (path not in now or now[path] != value):
+            found[path] = value
+    return found
 
 
 # --- what is the same as before -----------------------------------------------------------------------------------

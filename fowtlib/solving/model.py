@@ -15,6 +15,7 @@ from fowtlib.flattening import FlatDAE, flatten
 from fowtlib.flattening.dimensions import check_dimensions
 from fowtlib.language.component import Component
 from fowtlib.language.errors import ParameterError, did_you_mean
+from fowtlib.solving.binding import bind
 from fowtlib.solving.check import ModelReport
 from fowtlib.solving.plant import Plant
 from fowtlib.solving.results.html import table
@@ -67,6 +68,7 @@ class Model:
         names = dict(inputs) if isinstance(inputs, Mapping) else {}
         dae = flatten(self.root, list(names.values()) if names else inputs)
         plant = self._plant(dae, names)
+        plant.binding()  # a mistake in the data of the model is found now, and not at the first run
         driven = {path: item for path, item in dae.inputs.items() if item.driver}
         if not driven:
             return plant
@@ -95,7 +97,9 @@ class Model:
         """Flatten the model and check the dimensions of its equations; the report says what was found."""
         dimensions = check_dimensions(self.root)
         title = self.title or self.name or "model"
-        return ModelReport(title, sum(1 for _ in self.root.walk()) - 1, flatten(self.root), dimensions)
+        dae = flatten(self.root)
+        bind(dae, self.root)
+        return ModelReport(title, sum(1 for _ in self.root.walk()) - 1, dae, dimensions)
 
     def tree(self) -> str:
         """The component tree as text: names and classes."""

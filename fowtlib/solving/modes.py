@@ -97,7 +97,7 @@ def natural_modes(plant: Any, state: Any = None, *, parameters: Mapping[str, Any
     if state is None:
         state = plant.equilibrium(parameters)
     modes = plant.linearize(state, outputs=[]).modes()
-    circles = (ring for ring in plant.dae.rings if len(ring.parts) > 1)
+    circles = (ring for ring in plant.dae.symmetries if len(ring.parts) > 1)
     rings = [_Ring(list(ring.parts), _angle(plant, ring.angle, state)) for ring in circles]
     coordinates = _coordinates(plant, rings)
     fastest = max((abs(mode.eigenvalue) for mode in modes), default=0.0)

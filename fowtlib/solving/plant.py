@@ -14,6 +14,7 @@ from fowtlib.language.errors import SimulationError
 from fowtlib.language.externals import refusals_explained
 from fowtlib.solving.binding import Binding, Bindings
 from fowtlib.solving.checks import check_state
+from fowtlib.solving.conditions import Conditions
 from fowtlib.solving.engines import FixedStepCode, create_engine
 from fowtlib.solving.equilibrium import equilibrium
 from fowtlib.solving.functions import AtParameters, Functions
@@ -113,6 +114,7 @@ class Plant:
         inputs: Values | None = None,
         outputs: Sequence[str] | None = None,
         progress: Callable[[float, float], None] | bool = False,
+        conditions: Conditions | None = None,
     ) -> Result:
         """Simulate to `t_end` [s] and give the outputs every `output_step` [s].
 
@@ -124,12 +126,15 @@ class Plant:
 
         parameters: by path, tunable and bound ones. parts: by path, components that take the place of others of their
         family for this run, as in `parts={"wind": SteadyWind(mean_speed=8)}`; nothing is flattened or compiled anew.
+        conditions: all of this as one value; what is given beside it counts more.
         """
+        given = Conditions(parts or {}, parameters or {}, inputs, start, t_end, output_step, None, outputs)
+        chosen = given.over(conditions)
+        start, inputs, outputs = chosen.start, chosen.inputs, chosen.outputs
+        parameters = chosen.values or (None if parameters is None else {})  # None: those of a state to start from
         if isinstance(start, State) and parameters is None:
             parameters = start.parameters
-        if parts:
-            parameters = {**(parameters or {}), **parts}
-        end, interval, relative = duration_settings(t_end, output_step, tolerance, self.settings)
+        end, interval, relative = duration_settings(chosen.duration, chosen.output_step, tolerance, self.settings)
         engine = create_engine(
             self.at(parameters), lambda: self.fixed_step_code, solver, relative, interval,
             {"step": step, "rho_inf": rho_inf}, self.settings,
@@ -138,7 +143,7 @@ class Plant:
         state = self._start(start, parameters, inputs, about.binding)
         names = list(self.outputs) if outputs is None else outputs
         run = Run(engine, state, self.outputs, names, about, isinstance(start, Result), lambda: self._code)
-        return run.run(end, interval, progress)
+        return run.run(end, interval, progress, chosen.discard or 0.0)
 
     @refusals_explained()
     def linearize(self, state: State, inputs: Sequence[str] = (), outputs: Sequence[str] | None = None) -> LinearModel:
@@ -160,7 +165,7 @@ class Plant:
             raise SimulationError("the result is of another model: its states are not those of this one.")
         at, u = self.at(parameters), self.layout.inputs()
         observation = Observation(at, raw.time, raw.x, raw.z, u, raw.d, self._code)
-        return Observer(observation.values, self.describe, self.dae.names, self.root)
+        return Observer(observation.values, self.describe, self.dae.names, at.binding.root)
 
     def _start(self, start: State | Result | Values | None, parameters: Values | None, inputs: Values | None,
                binding: Binding) -> State:  # fmt: skip

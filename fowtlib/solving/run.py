@@ -118,8 +118,14 @@ class Run:
 
     # --- the run -------------------------------------------------------------------------------------------------
 
-    def run(self, t_end: float, step: float, progress: Callable[[float, float], None] | bool) -> Result:
-        """Integrate to t_end; see Plant.simulate."""
+    def run(self, t_end: float, step: float, progress: Callable[[float, float], None] | bool,
+            discard: float = 0.0) -> Result:  # fmt: skip
+        """Integrate to t_end; see Plant.simulate. The result does not hold the first `discard` seconds."""
+        if discard >= t_end - self.t > 0:
+            raise SimulationError(
+                f"discard is {discard:g} s, and the run is {t_end - self.t:g} s long; nothing would be left of it."
+            )
+        self.discard = discard
         if not step > 0:
             raise SimulationError(f"the output step is {step:g} s; it must be above zero.")
         if t_end < self.t:
@@ -428,6 +434,8 @@ class Run:
     def result(self, status: str) -> Result:
         """What has been computed, as a Result."""
         t, x, z, d = (np.concatenate([row[i] for row in self.rows]) for i in range(4))
+        kept = t >= min(self.t_start + self.discard - 1e-9 * self.step, t[-1])
+        t, x, z, d = t[kept], x[kept], z[kept], d[kept]
         observe = Observation(self.at, t, x, z, self.u, d, self.code())
         entries = {name: self.outputs.entry(name) for name in self.names}
         values = {}

@@ -57,7 +57,7 @@ def c_loads(rotor, u):
     "options",
     [
         {},
-        {"blades": 2, "sense": -1, "skew": 0.0},
+        {"blades": 2, "rotation": -1, "skew": 0.0},
         {"axial_drag": False, "hub_loss": False},
         {"tangential_drag": False, "tip_loss": False},
         {"dynamic_inflow": True},
@@ -93,7 +93,7 @@ def test_polars_with_uneven_angles(blade, smooth):
     "options",
     [
         {},
-        {"blades": 2, "sense": -1, "skew": 0.0},
+        {"blades": 2, "rotation": -1, "skew": 0.0},
         {"dynamic_inflow": True},
         {"dynamic_inflow": True, "blades": 2, "skew": 0.0},
     ],
@@ -165,7 +165,7 @@ def _foil(blade, name, angle):
 @pytest.mark.parametrize("blades", [1, 2, 3, 5])
 def test_the_other_sense_of_rotation_is_the_mirror_image(blade, blades):
     wind, flip = np.array([11.0, 3.0, 1.0]), np.array([1, -1, 1])
-    one, other = (BladeElementRotor(blade, blades, sense) for sense in (1, -1))
+    one, other = (BladeElementRotor(blade, blades, rotation) for rotation in (1, -1))
     a = RigidRotor(one, PRECONE, TILT, 0.2)
     b = RigidRotor(other, PRECONE, TILT, -0.2)
     right = a.loads(a.inputs(wind, 1.2, 0.05, azimuth=0.4))

@@ -102,24 +102,24 @@ def test_filter_of_the_tip_speed_ratio():
     assert float(result["rotor.relative_wind"][-1]) == pytest.approx(12.0)
 
 
-@pytest.mark.parametrize("sense", [1, -1])
-def test_the_tower_takes_the_shaft_torque(sense):
+@pytest.mark.parametrize("rotation", [1, -1])
+def test_the_tower_takes_the_shaft_torque(rotation):
     """A rotor that turns clockwise, seen downwind, turns the nacelle the same way: the generator stands on it."""
     tilt = np.radians(5.0)
-    moment, torque = values(turning(sense=sense, tilt=tilt), "frame.t", "torque")
-    assert -moment == pytest.approx(sense * torque * np.array([np.cos(tilt), 0, -np.sin(tilt)]), rel=1e-9, abs=1e-3)
-    assert values(turning(sense=sense, reaction_torque=False), "frame.t")[0] == pytest.approx([0, 0, 0], abs=1e-6)
+    moment, torque = values(turning(rotation=rotation, tilt=tilt), "frame.t", "torque")
+    assert -moment == pytest.approx(rotation * torque * np.array([np.cos(tilt), 0, -np.sin(tilt)]), rel=1e-9, abs=1e-3)
+    assert values(turning(rotation=rotation, reaction_torque=False), "frame.t")[0] == pytest.approx([0, 0, 0], abs=1e-6)
 
 
-@pytest.mark.parametrize("sense", [1, -1])
-def test_gyroscopic_moment(sense):
+@pytest.mark.parametrize("rotation", [1, -1])
+def test_gyroscopic_moment(rotation):
     """A spinning rotor that pitches forward (angular velocity along y) feels a yaw moment, against its sense."""
-    model = turning(sense=sense, support=FreeMotion(heave_start=90, angle_rates_start=(0, 0.02, 0)))
+    model = turning(rotation=rotation, support=FreeMotion(heave_start=90, angle_rates_start=(0, 0.02, 0)))
     model.body = RigidBody(mass=3.5e5, inertia=1e7 * np.eye(3))
     model.connect(model.world.frame, model.support.frame_a)
     model.connect(model.support.frame_b, model.body.frame_a)
     moment, torque = values(model, "frame.t", "torque")
-    assert -moment == pytest.approx([sense * torque, 0, sense * 3.876e7 * RATED * 0.02], rel=1e-6)
+    assert -moment == pytest.approx([rotation * torque, 0, rotation * 3.876e7 * RATED * 0.02], rel=1e-6)
 
 
 def test_speed_equation():

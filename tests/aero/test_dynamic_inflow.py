@@ -212,7 +212,7 @@ def turbine_on_a_tower(dynamic_inflow):
         dynamic_inflow=dynamic_inflow,
     )  # fmt: skip
     assembly = RotorNacelleAssembly(
-        blade_properties=str(DATA / "blade_structure.csv"), blade_units=0, hub=Hub(precone=0.04, radius=1.5),
+        blade_properties=str(DATA / "blade_structure.csv"), blade_hinges=0, hub=Hub(precone=0.04, radius=1.5),
         nacelle=Nacelle(mass=240e3, shaft_height=2.0, tilt=0.0, overhang=5.0),
         drivetrain=Drivetrain(gear_ratio=97, stiffness=867637000.0, generator_inertia=534.116),
     )  # fmt: skip

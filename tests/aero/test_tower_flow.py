@@ -219,7 +219,7 @@ SHIPPED = {  # diameters (base, top, length) of what stands in the wind
 def test_shipped_models_have_their_towers_in_the_wind(name):
     """At rest in 18 m/s: C_d 1 on the whole tower; each influence is off by one setting."""
     turbines = ("turbine_left", "turbine_right") if name == "two_rotor_spar" else ("turbine",)
-    still = {"wind.kind": "steady", "wind.mean_speed": 18.0, **{f"{t}.assembly.blade_units": 0 for t in turbines}}
+    still = {"wind.kind": "steady", "wind.mean_speed": 18.0, **{f"{t}.assembly.blade_hinges": 0 for t in turbines}}
     if name == "two_rotor_spar":
         bare = {"tower_drag_coefficient": 0.0, "tower_flow.active": False}
     else:

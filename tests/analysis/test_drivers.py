@@ -137,6 +137,14 @@ def test_drag_does_not_enter_the_linear_response():
     np.testing.assert_allclose(rao["surge"], exact_response(FREQUENCY), rtol=2e-4)  # smooth |v|
 
 
+def test_the_linear_response_of_a_plant_in_waves_is_that_in_still_water():
+    still = linear_rao(buoy_at_sea(), [0.05, 0.1], outputs=["surge"])
+    root = buoy_at_sea().root
+    root.sea = Sea(spectrum="jonswap", significant_wave_height=3.0, peak_period=9.0)
+    plant = Model(root, outputs={"surge": Output("buoy.x")}).compile()
+    np.testing.assert_allclose(linear_rao(plant, [0.05, 0.1], outputs=["surge"]).response, still.response, rtol=1e-9)
+
+
 def test_regular_waves_give_the_linear_response():
     rao = simulated_rao(buoy_at_sea(), [0.05, 0.1], outputs=["surge", "wave_elevation"], settle=300, tolerance=1e-8)
     np.testing.assert_allclose(rao["surge"], exact_response(np.array([0.05, 0.1])), rtol=1e-3)

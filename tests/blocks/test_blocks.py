@@ -387,3 +387,22 @@ def test_table_of_two_arguments():
 def test_a_table_left_at_its_edge_stops_the_run():
     with pytest.raises(ModelError, match="block"):
         response(Table1D(x=[-1.0, -0.5, 0.5, 1.0], values=[0.0, 1.0, 2.0, 3.0]))
+
+
+@pytest.mark.parametrize(
+    "block",
+    [
+        FirstOrder(time_constant=1.0, y_start=2.0),
+        SecondOrderActuator(natural_frequency=1.0, damping_ratio=0.7, y_start=2.0),
+        ButterworthLowPass(cutoff_frequency=1.0, y_start=2.0),
+        SlewRateLimiter(rising_rate=1.0, y_start=2.0),
+    ],
+    ids=lambda block: type(block).__name__,
+)
+def test_a_start_value_beside_a_steady_start_is_refused(block):
+    with pytest.raises(fw.ModelError) as error:
+        response(block)
+    assert str(error.value).endswith(
+        ".y_start is given and would do nothing, because initialization is steady (value starts at y_start); "
+        "leave one of them out, or change it."
+    )

@@ -80,16 +80,34 @@ def test_wind_at_moving_points(fields, direction):
 
 def test_jacobian_of_the_function(fields):
     function = field_function(fields[0], 2).function
-    column = np.array([field_handle(fields[0]), 3.17, 1.0, 7.0, 83.0, -4.0, -21.0, 101.0])
-    jacobian = function.jacobian()(column, 0).full()
-    assert jacobian.shape == (6, 8)
-    for i in range(1, 8):
-        h = np.eye(8)[i] * 1e-5
-        slope = (function(column + h) - function(column - h)).full().ravel() / 2e-5
-        np.testing.assert_allclose(jacobian[:, i], slope, atol=1e-7)
-    assert not jacobian[:, 0].any()
-    assert not jacobian[:3, 5:].any()
-    assert not jacobian[3:, 2:5].any()
+    for handle in (field_handle(fields[0]), 0):  # in the field, and over a station
+        column = np.array([handle, 3.17, 9.0, 0.7, 0.2, 0.3, 90.0, 1.0, 7.0, 83.0, -4.0, -21.0, 101.0])
+        jacobian = function.jacobian()(column, 0).full()
+        assert jacobian.shape == (6, 13)
+        for i in set(range(1, 13)) - {6}:
+            h = np.eye(13)[i] * 1e-5
+            slope = (function(column + h) - function(column - h)).full().ravel() / 2e-5
+            np.testing.assert_allclose(jacobian[:, i], slope, atol=2e-7)
+        assert not jacobian[:, [0, 6]].any()
+        assert not jacobian[:3, 10:].any()
+        assert not jacobian[3:, 7:10].any()
+        assert jacobian[:, 5].any()
+
+
+def test_the_function_without_a_compiler(fields, monkeypatch):
+    function = field_function(fields[1], 3).function
+    with monkeypatch.context() as changed:
+        changed.setenv("FOWTLIB_CC", "no-such-compiler")
+        with warnings.catch_warnings():
+            warnings.simplefilter("ignore")
+            twin = field_function(fields[1], 3).function
+    random = np.random.default_rng(4)
+    for handle in (field_handle(fields[1]), 0):
+        for _ in range(20):
+            column = np.concatenate([[handle], random.uniform(-1, 1, 5), [90.0], random.uniform(-100, 100, 9)])
+            np.testing.assert_allclose(function(column), twin(column), rtol=0, atol=1e-12)
+            found, expected = (np.array(one.jacobian()(column, 0)) for one in (function, twin))
+            np.testing.assert_allclose(found, expected, rtol=0, atol=1e-12)
 
 
 def test_a_rotor_in_the_field(fields):
@@ -147,7 +165,8 @@ def test_many_points_cost_one_check_per_axis(fields):
     model.blade = Nodes()
     plant = fw.load(model).compile()
     checks = [check for check in plant.dae.checks if check.level == "error"]
-    assert [check.path for check in checks] == ["wind", "wind", "blade", "blade"]
+    ends, axes = 2, 3  # of the series, and of y, z and time of the field
+    assert [check.path for check in checks] == ["wind"] * (ends + axes) + ["blade"] * axes
 
 
 def test_what_a_rotor_requires(fields):
@@ -194,7 +213,7 @@ def test_mistakes(fields, tmp_path):
         simulate(drifting(""))
     with pytest.raises(ModelError, match=r"too small: point 1 is at y = 80 m, and the field covers -75 to 75 m"):
         simulate(drifting(path, stations=[[0, 90], [80, 90]]))
-    with pytest.raises(ModelError, match=r"station 1 of Wind does not exist"):
+    with pytest.raises(ModelError, match=r"station 1 of FieldWind does not exist"):
         Wind(kind="field", file=path).mean_at(1)
     alone = write_field(tmp_path / "alone.bts", GRID, np.random.default_rng(1).normal(0, 1, (80, 5, 7, 3)))
     with pytest.raises(ModelError, match=r"alone.bts: the mean of u is .* m/s, and 10 m/s in the header .*; add the"):

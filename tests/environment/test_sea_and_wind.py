@@ -244,7 +244,7 @@ def test_wind_from_a_file(tmp_path):
         (
             {},
             {"kind": "kaimal", "mean_speed": 8, "turbulence_class": "D"},
-            "wind.turbulence_class = 'D' is not one of A, B, C (gust by IEC, kaimal: turbulence class).",
+            "wind.turbulence_class = 'D' is not one of A, B, C (IEC turbulence class).",
         ),
     ],
 )
@@ -258,15 +258,19 @@ def test_a_station_that_does_not_exist():
     with pytest.raises(ModelError) as error:
         Wind(kind="steady", mean_speed=8).mean_at(1)
     assert str(error.value) == (
-        "station 1 of Wind does not exist (it has 1, counted from 0); "
+        "station 1 of SteadyWind does not exist (it has 1, counted from 0); "
         "set its parameter stations to the (y, z) of every hub."
     )
 
 
-def test_a_turbulent_wind_keeps_the_speed_it_was_built_for():
-    plant = fw.load(model(wind={"kind": "kaimal", "mean_speed": 11.4})).compile()
-    with pytest.raises(ModelError, match=r"^wind: mean_speed was changed after .* made for 11.4 m/s"):
-        plant.simulate(1.0, output_step=0.5, parameters={"wind.mean_speed": 12})
+@pytest.mark.parametrize("wind", [{"kind": "kaimal"}, {"kind": "gust", "start_time": 0.2}])
+def test_what_is_made_for_a_mean_speed_follows_it(wind):
+    plant = fw.load(model(wind={**wind, "mean_speed": 11.4})).compile()
+    changed = plant.simulate(4.0, output_step=0.5, parameters={"wind.mean_speed": 12})
+    expected = simulate(model(wind={**wind, "mean_speed": 12}), 4.0)
+    np.testing.assert_array_equal(values(changed, "wind.speed"), values(expected, "wind.speed"))
+    first = plant.simulate(4.0, output_step=0.5)
+    assert np.std(values(changed, "wind.speed") - values(first, "wind.speed")) > 1e-3
 
 
 def test_a_run_longer_than_the_waves_is_warned_about():

@@ -145,7 +145,7 @@ def test_records():
 def test_the_settings_of_a_beam_reach_it(kind):
     table = BeamProperties.uniform(60.0, 300.0, 1e9, torsional_stiffness=1e8)
     more = {"to": (0, 60, 0)} if kind is Arm else {}
-    given = {"units": 3, "treatment": "plain", "torsion": True, "cuts": [10.0, 20.0], "stiffness_factor": 1.5}
+    given = {"hinges": 3, "quadrature": "plain", "torsion": True, "cuts": [10.0, 20.0], "stiffness_factor": 1.5}
     owner = kind(table=table, **given, **more)
     assert set(BeamSettings.parameters) == {*given, "n_cuts"}
     for name in given:

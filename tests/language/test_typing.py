@@ -97,8 +97,8 @@ MooringSystem(
     fairlead_radius=5, fairlead_depth="70 m", anchor_radius="0.8 km", anchor_depth=320,
 )
 CatenaryLine(length=1, axial_stiffness=1, mass_per_length=1, anchor_position=(0, 0, "-320 m"))
-FlexibleTower(properties="tower.csv", units=2)  # needs files
-FlexibleTower(properties=BeamProperties.uniform(80.0, 4000.0, 5e11), table=None, units=2)
+FlexibleTower(properties="tower.csv", hinges=2)  # needs files
+FlexibleTower(properties=BeamProperties.uniform(80.0, 4000.0, 5e11), table=None, hinges=2)
 CoefficientRotor(coefficients=Path("rotor.csv"), radius="63 m", inertia=3.9e7)
 control = BaselineController(proportional_gain="0.006 s", integral_gain=0.0009, sample_period="10 ms")
 RotorNacelle(mass="350 t", gear_ratio=97, generator_inertia=534.116, control=control)  # needs files
@@ -126,8 +126,8 @@ root.connect(plate, plate.frame)  # wrong
 root.connect(plate.frame, 3)  # wrong
 RotorNacelle(mass=1, gear_ratio=97, generator_inertia=1, control=World())  # wrong
 FixedTranslation(r="3 m", length=3)  # wrong
-FlexibleTower(properties=3.0, units=2)  # wrong
-FlexibleTower(properties=World(), units=2)  # wrong
+FlexibleTower(properties=3.0, hinges=2)  # wrong
+FlexibleTower(properties=World(), hinges=2)  # wrong
 '''
 
 

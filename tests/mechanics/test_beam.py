@@ -94,9 +94,9 @@ def finite_elements(beam, elements=60, mass=0.0, inertia=0.0, offset=0.0):
     return np.sqrt(eigvalsh(K[4:, 4:], M[4:, 4:]))
 
 
-def chain_frequencies(beam, units, treatment):
+def chain_frequencies(beam, hinges, quadrature):
     """Circular frequencies of an untwisted chain in its hinge angles, written without the library's parts."""
-    parts, s = divide(beam, units, treatment), np.linspace(0, beam.length, 20001)
+    parts, s = divide(beam, hinges, quadrature), np.linspace(0, beam.length, 20001)
     arms = np.maximum(s - parts.s[:, None], 0)
     M = np.trapezoid(arms[:, None] * arms * beam.at("mass_per_length", s), s)
     return np.sqrt(eigh(np.diag(parts.stiffness_x), M, eigvals_only=True))
@@ -105,37 +105,37 @@ def chain_frequencies(beam, units, treatment):
 # --- uniform beams --------------------------------------------------------------------------------------------------
 
 
-@pytest.mark.parametrize(("units", "expected"), [(2, [3.7299, 31.041]), (6, [3.5385, 22.531, 63.906])])
-def test_the_plain_chain_has_the_frequencies_of_the_generalized_beam_element(units, expected):
-    found = frequencies(cantilever(units=units, treatment="plain"), "_x")
+@pytest.mark.parametrize(("hinges", "expected"), [(2, [3.7299, 31.041]), (6, [3.5385, 22.531, 63.906])])
+def test_the_plain_chain_has_the_frequencies_of_the_generalized_beam_element(hinges, expected):
+    found = frequencies(cantilever(hinges=hinges, quadrature="plain"), "_x")
     assert found[: len(expected)] == pytest.approx(expected, rel=2e-5)
 
 
 @pytest.mark.parametrize(
-    ("treatment", "units", "errors"),
-    [  # relative error of the first frequencies; the plain chain has 2.6 % with three units, 0.64 % with six
+    ("quadrature", "hinges", "errors"),
+    [  # relative error of the first frequencies; the plain chain has 2.6 % with three hinges, 0.64 % with six
         ("loaded_tip", 3, [1e-3]), ("loaded_tip", 6, [2e-5, 1e-3, 0.02]),
         ("free_tip", 3, [2e-3]), ("free_tip", 6, [2e-5, 1e-3, 0.005]),
     ],
 )  # fmt: skip
-def test_few_units_converge(treatment, units, errors):
-    found = frequencies(cantilever(units=units, treatment=treatment), "_x")[: len(errors)]
+def test_few_units_converge(quadrature, hinges, errors):
+    found = frequencies(cantilever(hinges=hinges, quadrature=quadrature), "_x")[: len(errors)]
     assert np.all(np.abs(found / EXACT[: len(errors)] - 1) < np.array(errors) + 2e-5)
 
 
-@pytest.mark.parametrize(("treatment", "order"), [("plain", 2), ("loaded_tip", 4), ("free_tip", 4)])
-def test_order_of_convergence(treatment, order):
+@pytest.mark.parametrize(("quadrature", "order"), [("plain", 2), ("loaded_tip", 4), ("free_tip", 4)])
+def test_order_of_convergence(quadrature, order):
     exact = 22.0344916
-    errors = [abs(chain_frequencies(UNIT, n, treatment)[1] / exact - 1) for n in (8, 16)]
+    errors = [abs(chain_frequencies(UNIT, n, quadrature)[1] / exact - 1) for n in (8, 16)]
     assert np.log2(errors[0] / errors[1]) > order - 0.3
 
 
 @pytest.mark.parametrize(
-    ("treatment", "units", "error"), [("plain", 2, 0.0328), ("plain", 6, 0.0035), ("loaded_tip", 2, 0)]
+    ("quadrature", "hinges", "error"), [("plain", 2, 0.0328), ("plain", 6, 0.0035), ("loaded_tip", 2, 0)]
 )
-def test_cantilever_with_a_tip_mass(treatment, units, error):
+def test_cantilever_with_a_tip_mass(quadrature, hinges, error):
     """A mass of 1000 times that of the beam: omega^2 = 3 EI / L^3 / (m + 33/140 mu L); plain: 1/(8 N^2)."""
-    model = cantilever(units=units, treatment=treatment)
+    model = cantilever(hinges=hinges, quadrature=quadrature)
     model.mass = RigidBody(mass=1e3, inertia=1e-6 * np.eye(3))
     model.connect(model.beam.frame_b, model.mass.frame_a)
     expected = np.sqrt(3 / (1e3 + 33 / 140))
@@ -144,10 +144,10 @@ def test_cantilever_with_a_tip_mass(treatment, units, error):
 
 @pytest.mark.parametrize("taper", [1.0, 0.3])
 def test_static_tip_deflection_and_slope(taper):
-    """Two Gauss units are exact under a force and a moment at the tip, for any taper; u'' = M / EI integrated here."""
+    """Two Gauss hinges are exact under a force and a moment at the tip, for any taper; u'' = M / EI integrated here."""
     EI, s = np.array([1.0, taper]), np.linspace(0, 1, 4001)
     table = BeamProperties(np.array([0.0, 1.0]), 1.0, EI, EI)
-    model = cantilever(table, units=2, treatment="loaded_tip")
+    model = cantilever(table, hinges=2, quadrature="loaded_tip")
     model.force, model.torque = WorldForce(), WorldTorque()
     for load, name, value in ((model.force.force, "f", (1e-4, 0, 0)), (model.torque.torque, "t", (0, 2e-5, 0))):
         source = model.add(name, Source(value=value))
@@ -157,7 +157,7 @@ def test_static_tip_deflection_and_slope(taper):
     state = fw.load(model).compile().equilibrium()
     curvature = (1e-4 * (1 - s) + 2e-5) / np.interp(s, [0, 1], EI)
     assert state["beam.deflection"][0] == pytest.approx(np.trapezoid(curvature * (1 - s), s), rel=1e-6)
-    angle = sum(float(state[f"beam.unit_{i}.bending.phi_x"]) for i in (1, 2))
+    angle = sum(float(state[f"beam.hinge_{i}.bending.phi_x"]) for i in (1, 2))
     assert angle == pytest.approx(np.trapezoid(curvature, s), rel=1e-6)
     assert state["beam.root_moment"][1] == pytest.approx(-(1e-4 + 2e-5), rel=1e-6)
     assert state["beam.root_force"][0] == pytest.approx(-1e-4, rel=1e-9)
@@ -167,7 +167,7 @@ def test_torsion_and_stretch():
     """Clamped-free rod: omega_k = (k - 1/2) pi sqrt(GJ / (I L^2)), and with EA / mu along the axis."""
     table = BeamProperties.uniform(2.0, 3.0, 1e4, torsional_stiffness=5.0, axial_stiffness=40.0,
                                    rotary_inertia_x=0.3, rotary_inertia_y=0.4)  # fmt: skip
-    model = cantilever(table, units=4, torsion=True, stretch=True)
+    model = cantilever(table, hinges=4, torsion=True, stretch=True)
     twist, stretch = frequencies(model, "twisting"), frequencies(model, "stretching")
     for found, speed in ((twist, np.sqrt(5 / 0.7)), (stretch, np.sqrt(40 / 3))):
         assert found[0] == pytest.approx(np.pi / 2 * speed / 2, rel=0.01)
@@ -175,14 +175,14 @@ def test_torsion_and_stretch():
 
 
 def test_damping_is_proportional_to_stiffness():
-    model = cantilever(units=4, damping_x=0.003, damping_y=0.001)
+    model = cantilever(hinges=4, damping_x=0.003, damping_y=0.001)
     for mode in modes(model):
         coefficient = 0.003 if "x" in mode.label.split(".")[-1] else 0.001
         assert mode.damping_ratio == pytest.approx(coefficient * np.pi * mode.frequency_hz, rel=1e-6)
 
 
 def test_stiffness_is_a_parameter_of_the_built_model():
-    plant = fw.load(cantilever(units=3)).compile()
+    plant = fw.load(cantilever(hinges=3)).compile()
     first = [
         plant.linearize(plant.initial_state(parameters={"beam.stiffness_factor": k})).modes()[0].frequency_hz
         for k in (1, 4)
@@ -209,9 +209,9 @@ def ritz_frequencies(speed, terms=14):
     return np.sqrt(eigh(K, (w * weight) @ w.T, eigvals_only=True))
 
 
-def rotating_frequencies(units, speeds):
+def rotating_frequencies(hinges, speeds):
     """Circular frequencies of the flapping and the lagging modes at each speed."""
-    plant = fw.load(rotating(units=units, treatment="free_tip")).compile()
+    plant = fw.load(rotating(hinges=hinges, quadrature="free_tip")).compile()
     for speed in speeds:
         found = plant.linearize(plant.initial_state(parameters={"speed.value": float(speed)})).modes()
         found = [(2 * np.pi * mode.frequency_hz, mode.label) for mode in found if abs(mode.eigenvalue.imag) > 1e-6]
@@ -257,10 +257,10 @@ def test_a_free_chain_keeps_energy_and_momentum():
     table = BeamProperties.uniform(2.0, 1.5, 3.0, 5.0, rotary_inertia_x=0.02, rotary_inertia_y=0.02)
     model = fw.Assembly("free chain")
     model.world, model.motion = World(gravity=0.0), FreeMotion(angle_rates_start=(0.7, -0.4, 0.3))
-    model.beam = Beam(table=table, units=2)
+    model.beam = Beam(table=table, hinges=2)
     model.connect(model.world.frame, model.motion.frame_a)
     model.connect(model.motion.frame_b, model.beam.frame_a)
-    start = {"beam.unit_1.bending.phi_x": 0.3, "beam.unit_2.bending.phi_y": -0.4, "beam.unit_1.bending.w_y": 0.5}
+    start = {"beam.hinge_1.bending.phi_x": 0.3, "beam.hinge_2.bending.phi_y": -0.4, "beam.hinge_1.bending.w_y": 0.5}
     plant = fw.load(model).compile()
     result = plant.simulate(4.0, output_step=0.05, start=plant.initial_state(start=start), tolerance=1e-9)
     parts = divide(table, 2, "loaded_tip")
@@ -277,7 +277,7 @@ def test_a_free_chain_keeps_energy_and_momentum():
         spin = spin + own + segment.mass * np.cross(centre, v)
     for i in range(2):
         for name, k in (("phi_x", parts.stiffness_x[i]), ("phi_y", parts.stiffness_y[i])):
-            energy = energy + 0.5 * k * np.asarray(result[f"beam.unit_{i + 1}.bending.{name}"]) ** 2
+            energy = energy + 0.5 * k * np.asarray(result[f"beam.hinge_{i + 1}.bending.{name}"]) ** 2
     assert np.ptp(energy) < 1e-6 * energy[0]
     assert np.abs(impulse - impulse[0]).max() < 1e-6 * np.abs(impulse[0]).max()
     assert np.abs(spin - spin[0]).max() < 1e-6 * np.abs(spin[0]).max()
@@ -285,15 +285,15 @@ def test_a_free_chain_keeps_energy_and_momentum():
 
 def test_a_beam_is_the_same_in_any_direction():
     table = BeamProperties.uniform(1.0, 1.0, 1.0, 2.0, twist=0.4)
-    upright = frequencies(cantilever(table, units=3))
-    turned = frequencies(cantilever(table, units=3, angles=(0.3, -0.7, 2.0)))
+    upright = frequencies(cantilever(table, hinges=3))
+    turned = frequencies(cantilever(table, hinges=3, angles=(0.3, -0.7, 2.0)))
     assert turned == pytest.approx(upright, rel=1e-7)
 
 
 def test_frames_along_the_beam():
     """Nodes lie where the undeflected axis is, also off it; a sensor there sees the motion of its segment."""
     bent = BeamProperties(np.linspace(0, 1, 11), 1.0, 1.0, 1.0, reference_x=0.1 * np.linspace(0, 1, 11) ** 2)
-    model = cantilever(bent, units=3, node_points=[0.0, 0.5, (0.2, -0.1, 0.9), 1.0])
+    model = cantilever(bent, hinges=3, node_points=[0.0, 0.5, (0.2, -0.1, 0.9), 1.0])
     model.sensors = fw.Assembly("sensors")
     for k in range(4):
         sensor = model.add(f"sensor_{k}", PositionSensor())
@@ -307,10 +307,10 @@ def test_frames_along_the_beam():
 
 
 def test_the_blade_has_the_mass_of_its_definition():
-    """NREL/TP-500-38060, table 2-2: 17,740 kg, 363,231 kg m, 11,776,047 kg m^2; any number of units."""
+    """NREL/TP-500-38060, table 2-2: 17,740 kg, 363,231 kg m, 11,776,047 kg m^2; any number of hinges."""
     blade = read_beam(str(DATA / "nrel5mw" / "blade_structure.csv"))
-    for units in (0, 1, 6):
-        segments = divide(blade, units, "free_tip").segments
+    for hinges in (0, 1, 6):
+        segments = divide(blade, hinges, "free_tip").segments
         mass = sum(s.mass for s in segments)
         first = sum(s.mass * s.centre[2] for s in segments)
         second = sum(s.mass * s.centre[2] ** 2 + s.inertia[0, 0] for s in segments)
@@ -329,7 +329,7 @@ def test_blade_frequencies():
     other = [0.67384, 1.08532, 1.94156, 4.02807, 4.49749]
     assert finite_elements(replace(blade, twist=0.0))[:5] / (2 * np.pi) == pytest.approx(other, rel=0.003)
     reference = finite_elements(blade)[:4] / (2 * np.pi)
-    found = frequencies(cantilever(blade, units=6, treatment="free_tip"))[:4] / (2 * np.pi)
+    found = frequencies(cantilever(blade, hinges=6, quadrature="free_tip"))[:4] / (2 * np.pi)
     assert found[:3] == pytest.approx(reference[:3], rel=0.003)
     assert found[3] == pytest.approx(reference[3], rel=0.04)
 
@@ -339,8 +339,8 @@ def test_tower_frequencies():
     tower = read_beam(str(DATA / "oc3_hywind" / "tower.csv"))
     head = {"mass": 350e3, "inertia": 2.35e7, "offset": 1.967}
     reference = finite_elements(tower, **head)[::2][:2]
-    for units, errors in ((2, (0.003, 0.005)), (4, (5e-4, 0.005))):
-        model = cantilever(tower, units=units, treatment="loaded_tip")
+    for hinges, errors in ((2, (0.003, 0.005)), (4, (5e-4, 0.005))):
+        model = cantilever(tower, hinges=hinges, quadrature="loaded_tip")
         model.head = RigidBody(mass=head["mass"], inertia=head["inertia"] * np.eye(3), r_cm=(0, 0, head["offset"]))
         model.connect(model.beam.frame_b, model.head.frame_a)
         found = frequencies(model, "_x")[:2]

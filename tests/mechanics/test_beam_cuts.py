@@ -33,22 +33,22 @@ def beyond(beam, s):
     return np.trapezoid(mass, x), np.trapezoid(mass * (x - s), x)
 
 
-def level(units, head=0.0, **beam):
+def level(hinges, head=0.0, **beam):
     """A beam held level, z along world x and x down (gravity along +x of the root), with a mass at its tip."""
     model = fw.Assembly("level beam")
     model.world, model.base = World(gravity=G), Fixed(angles=(0, np.pi / 2, 0))
-    model.beam, model.head = Beam(table=TAPERED, units=units, **beam), PointMass(mass=head)
+    model.beam, model.head = Beam(table=TAPERED, hinges=hinges, **beam), PointMass(mass=head)
     model.connect(model.base.frame, model.beam.frame_a)
     model.connect(model.beam.frame_b, model.head.frame_a)
     return model
 
 
-@pytest.mark.parametrize("units", [0, 3])
-def test_weight_beyond_the_cut(units):
+@pytest.mark.parametrize("hinges", [0, 3])
+def test_weight_beyond_the_cut(hinges):
     """Shear = weight beyond, moment = weight times lever. 1e4 stiffer than steel: the geometry is the undeflected."""
-    model = level(units, head=30.0, cuts=CUTS, stiffness_factor=1e4)
+    model = level(hinges, head=30.0, cuts=CUTS, stiffness_factor=1e4)
     plant = fw.load(model).compile()
-    state = plant.equilibrium() if units else plant.initial_state()
+    state = plant.equilibrium() if hinges else plant.initial_state()
     for k, s in enumerate(CUTS):
         mass, moment = beyond(TAPERED, s)
         force = G * (mass + 30.0)
@@ -77,14 +77,14 @@ def swinging(**beam):
     model = fw.Assembly("flexible pendulum")
     model.world, model.joint = World(gravity=G), Revolute(n=(0, 1, 0), phi_start=np.pi / 2)
     model.tilt = FixedRotation(n=(0, 0, 1), angle=0.4)
-    model.beam, model.head = Beam(table=TAPERED, units=3, **beam), RigidBody(mass=40.0, inertia=2.0 * np.eye(3))
+    model.beam, model.head = Beam(table=TAPERED, hinges=3, **beam), RigidBody(mass=40.0, inertia=2.0 * np.eye(3))
     for a, b in ((model.world.frame, model.joint.frame_a), (model.joint.frame_b, model.tilt.frame_a),
                  (model.tilt.frame_b, model.beam.frame_a), (model.beam.frame_b, model.head.frame_a)):  # fmt: skip
         model.connect(a, b)
     return model
 
 
-START = {"beam.unit_1.bending.phi_x": 0.05, "beam.unit_2.bending.phi_y": -0.04, "beam.unit_3.bending.w_x": 0.5,
+START = {"beam.hinge_1.bending.phi_x": 0.05, "beam.hinge_2.bending.phi_y": -0.04, "beam.hinge_3.bending.w_x": 0.5,
          "joint.w": 1.5}  # fmt: skip
 
 
@@ -147,7 +147,7 @@ def test_a_spinning_rod_pulls_at_its_cuts():
     model.world, model.motion = World(gravity=0.0), FreeMotion(
         angle_rates_start=(0, spin, 0), velocity_start=(-spin * length / 2, 0, 0)
     )
-    model.rod = Beam(table=BeamProperties.uniform(length, mu, 1e9), units=0, cuts=[1.0, 4.0, 7.5])
+    model.rod = Beam(table=BeamProperties.uniform(length, mu, 1e9), hinges=0, cuts=[1.0, 4.0, 7.5])
     model.connect(model.world.frame, model.motion.frame_a)
     model.connect(model.motion.frame_b, model.rod.frame_a)
     state = fw.load(model).compile().initial_state()
@@ -163,7 +163,7 @@ def test_loads_in_the_axes_of_the_section():
     for axes in ("segment", "section"):
         model = fw.Assembly("bent beam")
         model.world, model.base = World(gravity=G), Fixed(angles=(0.3, np.pi / 2, 0))
-        model.beam = Beam(table=table, units=0, cuts=[5.0], cut_axes=axes)
+        model.beam = Beam(table=table, hinges=0, cuts=[5.0], cut_axes=axes)
         model.connect(model.base.frame, model.beam.frame_a)
         state = fw.load(model).compile().initial_state()
         loads[axes] = np.ravel(state["beam.cut_moment[0]"])

@@ -6,11 +6,11 @@ import numpy as np
 import pytest
 
 import fowtlib as fw
-from fowtlib.language import Component, Scalar, der, eq, ring, var
+from fowtlib.language import Component, Scalar, cyclic_symmetry, der, eq, var
 from fowtlib.language.native import compiler
 from fowtlib.solving.engines import create_engine
 from fowtlib.solving.engines.reduction import reduction
-from fowtlib.solving.engines.symmetry import rings_of_unknowns
+from fowtlib.solving.engines.symmetry import cyclic_unknowns
 
 WIND = {"wind.kind": "steady", "wind.mean_speed": 9.0}
 needs_compiler = pytest.mark.skipif(not compiler(), reason="needs a C compiler")
@@ -18,13 +18,13 @@ needs_compiler = pytest.mark.skipif(not compiler(), reason="needs a C compiler")
 
 @pytest.fixture(scope="module")
 def plant():
-    return fw.load("nrel5mw_land", set={**WIND, "turbine.assembly.blade_units": 2}).compile()
+    return fw.load("nrel5mw_land", set={**WIND, "turbine.assembly.blade_hinges": 2}).compile()
 
 
 def test_unknowns_of_three_blades_are_found(plant):
-    """Two units a blade, each with two angular accelerations; the pitch bearings are driven by their own rates."""
+    """Two hinges a blade, each with two angular accelerations; the pitch bearings are driven by their own rates."""
     dae = plant.dae
-    (found,) = rings_of_unknowns(dae, reduction(dae))
+    (found,) = cyclic_unknowns(dae, reduction(dae))
     assert dae.states[found.state].path == "turbine.assembly.nacelle.bearing.phi"
     paths = [quantity.path for quantity in dae.algebraics] + [dae.states[i].path for i in reduction(dae).free]
     named = [tuple(paths[i].replace(f"_{k}.", "_*.", 1) for k, i in enumerate(group, 1)) for group in found.unknowns]
@@ -39,11 +39,11 @@ def test_unknowns_of_three_blades_are_found(plant):
 def test_the_matrix_that_turns_leads_to_the_same_motion_with_less_work(plant):
     """Without the hint a step needs more evaluations; the motions agree as far as Newton's method is exact."""
     start, runs, table = plant.initial_state(), {}, plant.fixed_step_code.table
-    rings = table.rings
-    for hint in (rings, 0):
-        table.rings = hint
+    symmetries = table.symmetries
+    for hint in (symmetries, 0):
+        table.symmetries = hint
         engine = create_engine(plant.at(), lambda: plant.fixed_step_code, "fixed", 1e-6, 0.1, {"step": 0.0125}, {})
-        table.rings = rings
+        table.symmetries = symmetries
         x, _ = engine.advance(0.0, 8.0, 80, start.x, start.z, np.concatenate([start.u, start.d]))
         runs[bool(hint)] = x, engine.counts()["evaluations"]
     (turned, few), (kept, many) = runs[True], runs[False]
@@ -53,14 +53,14 @@ def test_the_matrix_that_turns_leads_to_the_same_motion_with_less_work(plant):
 
 
 class _Line(Component):
-    """Three masses that follow each other; the angle of the ring is given by the caller."""
+    """Three masses that follow each other; the angle of the symmetry is given by the caller."""
 
     def build(self):
         for k in range(3):
             self.add(f"mass_{k + 1}", _Mass())
 
     def equations(self):
-        return [ring(self.parts["mass_1"].x, list(self.parts.values()))]
+        return [cyclic_symmetry(self.parts["mass_1"].x, list(self.parts.values()))]
 
 
 class _Mass(Component):
@@ -75,6 +75,6 @@ class _Mass(Component):
 
 @needs_compiler
 def test_a_wrong_hint_does_no_harm():
-    """The angle of this ring is the place of one of its own masses, and nothing turns: x = cos t all the same."""
+    """The angle of this symmetry is the place of one of its own masses, and nothing turns: x = cos t all the same."""
     result = fw.load(_Line()).compile().simulate(3.0, 0.1, solver="fixed", step=0.001)
     assert np.abs(result["mass_2.x"].values - np.cos(result.time)).max() < 1e-5

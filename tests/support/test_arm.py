@@ -46,7 +46,7 @@ def moments(state, k=None):
 @pytest.mark.parametrize("side", [1, -1])
 def test_both_sides_have_equal_loads(side):
     """A weight bends down, a thrust downwind, a thrust above the arm twists: positive on both sides."""
-    plant = loaded_arm((0, side * 50.0, 0), (3e5, 0, -2e5), (0, 4e5, 0), units=0, root_radius=2.0, cuts=[0.0, 18.0])
+    plant = loaded_arm((0, side * 50.0, 0), (3e5, 0, -2e5), (0, 4e5, 0), hinges=0, root_radius=2.0, cuts=[0.0, 18.0])
     state = plant.initial_state()
     assert moments(state) == pytest.approx([2e5 * 48, 3e5 * 48, 4e5], rel=1e-9)
     assert moments(state, 0) == pytest.approx(moments(state), rel=1e-9)
@@ -61,16 +61,16 @@ def test_both_sides_have_equal_loads(side):
 def test_any_direction(heading, rise):
     """Weight at the tip: weight times level distance, all of it vertical bending; no horizontal, no torsion."""
     a = np.radians(heading)
-    state = loaded_arm((40 * np.cos(a), 40 * np.sin(a), 40 * rise), (0, 0, -1e5), units=0).initial_state()
+    state = loaded_arm((40 * np.cos(a), 40 * np.sin(a), 40 * rise), (0, 0, -1e5), hinges=0).initial_state()
     assert moments(state) == pytest.approx([1e5 * 40, 0, 0], rel=1e-9, abs=1e-4)
-    push = loaded_arm((40 * np.cos(a), 40 * np.sin(a), 40 * rise), (1e5, 0, 0), units=0).initial_state()
+    push = loaded_arm((40 * np.cos(a), 40 * np.sin(a), 40 * rise), (1e5, 0, 0), hinges=0).initial_state()
     assert moments(push)[1] == pytest.approx(1e5 * 40 * np.hypot(1, rise) * abs(np.sin(a)), rel=1e-9, abs=1e-4)
 
 
 def test_deflection_and_torsion():
     """Small loads on a tapered arm: unit loads integrated, in the axes of frame_a; the twist by the torque over GJ."""
     force, torque, L = (2e3, 0, -1e3), (0, 5e3, 0), 68.0
-    plant = loaded_arm((0, 70.0, 0), force, torque, units=3, root_radius=2.0, torsion=True)
+    plant = loaded_arm((0, 70.0, 0), force, torque, hinges=3, root_radius=2.0, torsion=True)
     state = plant.equilibrium()
     s = np.linspace(0, L, 8001)
     D, t = 4.79 - 3.0 * s / L, 0.028 - 0.018 * s / L
@@ -84,7 +84,7 @@ def test_deflection_and_torsion():
 
 
 def test_damping_of_each_direction():
-    plant = loaded_arm((0, 70.0, 0), head=1e5, units=2, damping_horizontal=0.004, damping_vertical=0.001)
+    plant = loaded_arm((0, 70.0, 0), head=1e5, hinges=2, damping_horizontal=0.004, damping_vertical=0.001)
     first = plant.linearize(plant.initial_state()).modes()[:2]
     found = sorted(mode.damping_ratio / (np.pi * mode.frequency_hz) for mode in first)
     assert found == pytest.approx([0.001, 0.004], rel=1e-6)
@@ -94,9 +94,9 @@ def test_section_loads_of_a_tower():
     """A weight off the axis of a tower bends it alike at any height; thrust bends it by the lever."""
     model = fw.Assembly("tower")
     model.world, model.base = World(gravity=G), Fixed()
-    model.tower = FlexibleTower(heights=[0, 50], diameters=[5, 4], wall_thicknesses=[0.03, 0.02], units=2,
+    model.tower = FlexibleTower(heights=[0, 50], diameters=[5, 4], wall_thicknesses=[0.03, 0.02], hinges=2,
                                 cuts=[0.0, 20.0, 50.0])  # fmt: skip
-    model.arm = Arm(to=(0, 10.0, 0), units=0, table=BeamProperties.uniform(10.0, 1e-6, 1e12))
+    model.arm = Arm(to=(0, 10.0, 0), hinges=0, table=BeamProperties.uniform(10.0, 1e-6, 1e12))
     model.head, model.push, model.thrust = PointMass(mass=2e3), WorldForce(), Source(value=(1e4, 0, 0))
     for a, b in ((model.base.frame, model.tower.frame_a), (model.tower.frame_b, model.arm.frame_a),
                  (model.arm.tip, model.head.frame_a), (model.tower.frame_b, model.push.frame),

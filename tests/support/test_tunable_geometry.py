@@ -1,4 +1,4 @@
-"""Geometry and masses of the structure as parameters of a run: a changed run is a fresh build, slopes differences."""
+"""Numbers of the structure as parameters of a run: a changed run is a fresh build, slopes are differences."""
 
 from __future__ import annotations
 
@@ -8,7 +8,14 @@ import numpy as np
 import pytest
 
 import fowtlib as fw
-from fowtlib.components.mechanics import FixedFlange, FixedRotation, RigidBody, TorsionSpringDamper, World
+from fowtlib.components.mechanics import (
+    BeamProperties,
+    FixedFlange,
+    FixedRotation,
+    RigidBody,
+    TorsionSpringDamper,
+    World,
+)
 from fowtlib.components.support import Arm, FlexibleTower, RigidTower
 from fowtlib.components.turbine import Hub, Nacelle, RigidBlade
 
@@ -24,11 +31,11 @@ def tower_and_arm():
     model.world = World()
     model.lean = FixedRotation(n=(1, 0.3, 0), angle=0.1)
     model.tower = FlexibleTower(
-        heights=(0.0, 30.0, 80.0), diameters=(6.0, 5.0, 3.5), wall_thicknesses=(0.03, 0.025, 0.02), units=2,
+        heights=(0.0, 30.0, 80.0), diameters=(6.0, 5.0, 3.5), wall_thicknesses=(0.03, 0.025, 0.02), hinges=2,
         torsion=True, node_points=[20.0, 75.0, (0.5, 0.0, 40.0)], cuts=(0.0, 35.0),
     )  # fmt: skip
     model.arm = Arm(
-        to=(5.0, 40.0, 2.0), root_radius=2.0, diameters=(3.0, 2.0), wall_thicknesses=(0.03, 0.02), units=2,
+        to=(5.0, 40.0, 2.0), root_radius=2.0, diameters=(3.0, 2.0), wall_thicknesses=(0.03, 0.02), hinges=2,
         torsion=True, cuts=(10.0,), node_distances=(12.0,),
     )  # fmt: skip
     model.head = RigidBody(mass=5e4, r_cm=(3.0, 1.0, 2.0), inertia=np.diag([4e5, 5e5, 6e5]))
@@ -47,7 +54,7 @@ def rigid_tower_on_springs():
     model = fw.Assembly("rigid tower")
     model.world = World()
     model.lean = FixedRotation(n=(0, 1, 0), angle=0.05)
-    model.stub = FlexibleTower(heights=(0, 10), diameters=(4, 4), wall_thicknesses=(0.03, 0.03), units=1)
+    model.stub = FlexibleTower(heights=(0, 10), diameters=(4, 4), wall_thicknesses=(0.03, 0.03), hinges=1)
     model.tower = RigidTower(height=60.0, mass=2e5, centre_of_mass=28.0, inertia=6e7, axial_inertia=8e5,
                              node_points=[30.0, (0.0, 1.0, 50.0)])  # fmt: skip
     model.head = RigidBody(mass=1e5, r_cm=(1.0, 0.5, 1.0), inertia=np.diag([4e5, 5e5, 6e5]))
@@ -62,7 +69,7 @@ def nacelle_and_hub():
     """Nacelle, hub and two rigid blades on a short tower; a spring keeps the shaft from turning."""
     model = fw.Assembly("nacelle and hub")
     model.world = World()
-    model.stub = FlexibleTower(heights=(0, 20), diameters=(4, 4), wall_thicknesses=(0.03, 0.03), units=1)
+    model.stub = FlexibleTower(heights=(0, 20), diameters=(4, 4), wall_thicknesses=(0.03, 0.03), hinges=1)
     model.nacelle = Nacelle(mass=2.4e5, centre_of_mass=(1.9, 0.1, 1.75), inertia=np.diag([1e6, 2e6, 2.6e6]),
                             shaft_height=2.0, tilt=0.09, overhang=5.0, azimuth_start=0.4)  # fmt: skip
     model.hub = Hub(blades=2, precone=0.04, radius=1.5, mass=5.7e4, inertia=1.2e5, centre_of_mass=0.3)
@@ -165,3 +172,43 @@ def test_a_hinge_that_passes_a_node_needs_another_chain():
     plant, _ = compiled("tower and arm")
     with pytest.raises(fw.ModelError, match="a hinge passes one of its nodes or cuts, which makes another chain; set"):
         plant.equilibrium({"tower.diameters": (12.0, 4.0, 1.0)})
+
+
+STEEL = {"mass_per_length": 3e3, "stiffness_x": 1e11}
+
+
+@pytest.mark.parametrize(
+    ("name", "value"),
+    [("young_modulus", 2e11), ("density", 7850.0), ("shear_modulus", 8e10), ("diameters", (4.0, 4.0)),
+     ("wall_thicknesses", (0.03, 0.03))],
+)  # fmt: skip
+def test_numbers_of_a_tube_beside_a_table_are_refused(name, value):
+    table = BeamProperties.uniform(80.0, **STEEL)
+    with pytest.raises(fw.ModelError) as error:
+        FlexibleTower(table=table, **{name: value})
+    assert str(error.value) == (
+        f"FlexibleTower.{name} is given and would do nothing, because table is given (stiffness_factor scales what a "
+        "table says); leave one of them out, or change it."
+    )
+    if name in ("diameters", "wall_thicknesses"):
+        return
+    with pytest.raises(fw.ModelError, match=f"Arm.{name} is given and would do nothing, because table is given"):
+        Arm(to=(0, 80.0, 0), table=table, **{name: value})
+    model = fw.Assembly("table")
+    model.world, model.tower = World(), FlexibleTower(table=table, hinges=1)
+    model.head = RigidBody(mass=1e5, inertia=np.eye(3) * 1e5)
+    join(model, (model.world.frame, model.tower.frame_a), (model.tower.frame_b, model.head.frame_a))
+    with pytest.raises(fw.ModelError, match=f"there is no tunable parameter 'tower.{name}'"):
+        fw.load(model).compile().initial_state({f"tower.{name}": value})
+
+
+def test_the_stiffness_of_a_table_is_scaled():
+    def frequency(factor):
+        model = fw.Assembly("table")
+        model.world = World(gravity=0.0)
+        model.tower = FlexibleTower(table=BeamProperties.uniform(80.0, **STEEL), hinges=2, stiffness_factor=factor)
+        join(model, (model.world.frame, model.tower.frame_a))
+        plant = fw.load(model).compile()
+        return plant.linearize(plant.initial_state(), outputs=[]).modes()[0].frequency_hz
+
+    assert frequency(4.0) == pytest.approx(2 * frequency(1.0), rel=1e-6)

@@ -190,7 +190,7 @@ def test_frequencies_without_load():
 def test_frequencies_under_load(loaded):
     """At rest under the weights, with the wires tight: geometric stiffness in the finite elements.
 
-    The beams of the model do not stretch; beside finite elements that do not either, the error is that of few units.
+    The beams of the model do not stretch; beside finite elements that do not either, the error is that of few hinges.
     """
     plant, state = loaded
     found = [mode.frequency_hz for mode in plant.linearize(state).modes()]
@@ -205,7 +205,7 @@ title: two turbines on their tower
 world: {class: World}
 parts:
   ground: {class: Fixed, r: [0, 0, 10]}
-  support: {use: towers/two_rotor, tower_units: 0, top_units: 0, arm_units: 0, wire_pretension: 0}
+  support: {use: towers/two_rotor, tower_hinges: 0, top_hinges: 0, arm_hinges: 0, wire_pretension: 0}
 each:
   - for: [{name: left, way: 1}, {name: right, way: -1}]
     parts:
@@ -213,7 +213,7 @@ each:
         class: RotorNacelleAssembly
         rotation: way
         blade_properties: data:nrel5mw/blade_structure.csv
-        blade_units: 0
+        blade_hinges: 0
         parts:
           nacelle: {mass: 240 t, centre_of_mass: [1.9, 0, 1.75], shaft_height: 1.96256, tilt: 5 deg, overhang: 5.0191}
           hub: {radius: 1.5 m, precone: 2.5 deg, mass: 56780 kg}

@@ -28,7 +28,7 @@ def turbine(rotation=1, **options):
     nacelle = Nacelle(mass=240e3, shaft_height=1.96256, tilt=TILT, overhang=5.0191)
     drivetrain = Drivetrain(gear_ratio=97, stiffness=867637000.0, generator_inertia=534.116)
     assembly = RotorNacelleAssembly(
-        rotation=rotation, blade_properties=str(DATA / "blade_structure.csv"), blade_units=0, nacelle=nacelle,
+        rotation=rotation, blade_properties=str(DATA / "blade_structure.csv"), blade_hinges=0, nacelle=nacelle,
         hub=Hub(precone=CONE, radius=1.5), drivetrain=drivetrain,
     )  # fmt: skip
     control = BaselineController(proportional_gain=0.006, integral_gain=0.0009)
@@ -93,8 +93,8 @@ def test_a_mirrored_rotor_in_mirrored_wind():
 
 def test_the_start_is_steady_operation():
     """In steady wind on land the rotor keeps the speed it starts with: aerodynamic against generator torque."""
-    model = fw.load("nrel5mw_land", set={"wind.kind": "steady", "wind.mean_speed": 8.0, "tower.units": 0,
-                                            "turbine.assembly.blade_units": 0})  # fmt: skip
+    model = fw.load("nrel5mw_land", set={"wind.kind": "steady", "wind.mean_speed": 8.0, "tower.hinges": 0,
+                                            "turbine.assembly.blade_hinges": 0})  # fmt: skip
     plant = model.compile()
     state = plant.initial_state()
     braking = 97 * state["turbine.generator_torque"]
@@ -115,7 +115,7 @@ def test_what_the_hub_radius_is_for():
 
 def test_a_wind_field_that_does_not_cover_the_rotor_is_refused(tmp_path):
     """Hub at 90 m, radius 63 m: the disk reaches from -63 to 63 m and from 27 to 153 m."""
-    path, conditions = str(tmp_path / "small.bts"), {"wind.kind": "field", "turbine.assembly.blade_units": 0}
+    path, conditions = str(tmp_path / "small.bts"), {"wind.kind": "field", "turbine.assembly.blade_hinges": 0}
     generate_field(path, mean_speed=11.4, width=160, height=100, columns=9, rows=6, duration=10, time_step=0.5)
     with pytest.raises(ParameterError) as error:
         fw.load("nrel5mw_land", set={**conditions, "wind.file": path}).compile()
@@ -126,7 +126,7 @@ def test_a_wind_field_that_does_not_cover_the_rotor_is_refused(tmp_path):
     )
     large = str(tmp_path / "large.bts")
     generate_field(large, mean_speed=11.4, width=160, height=130, columns=9, rows=6, duration=10, time_step=0.5)
-    model = fw.load("nrel5mw_land", set={**conditions, "wind.file": large, "tower.units": 0})
+    model = fw.load("nrel5mw_land", set={**conditions, "wind.file": large, "tower.hinges": 0})
     assert model.compile().initial_state()["turbine.aerodynamics.thrust"] > 0
     with pytest.raises(ParameterError, match=r"station 1 of wind does not exist \(it has 1, counted from 0\)"):
         model.with_parameters({"turbine.aerodynamics.station": 1}).compile()

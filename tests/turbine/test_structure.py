@@ -32,13 +32,13 @@ HUB = {"precone": "2.5 deg", "radius": 1.5, "mass": 56780.0, "inertia": 115926.0
 DRIVETRAIN = {"gear_ratio": 97.0, "stiffness": 867637000.0, "damping": 6215000.0, "generator_inertia": 534.116}
 
 
-def turbine(*, tower=2, units=2, gravity=G, speed=0.0, base=(0, 0, 10), **assembly):
+def turbine(*, tower=2, hinges=2, gravity=G, speed=0.0, base=(0, 0, 10), **assembly):
     model = fw.Assembly("turbine on a fixed base")
     model.world, model.base = World(gravity=gravity), Fixed(r=base)
-    model.tower = FlexibleTower(properties=TOWER, units=tower)
+    model.tower = FlexibleTower(properties=TOWER, hinges=tower)
     parts = {"nacelle": Nacelle(**NACELLE), "hub": Hub(**HUB), "drivetrain": Drivetrain(**DRIVETRAIN)}
     model.turbine = RotorNacelleAssembly(
-        **{**parts, "blade_properties": BLADE, "blade_units": units, "rotor_speed_start": speed, **assembly}
+        **{**parts, "blade_properties": BLADE, "blade_hinges": hinges, "rotor_speed_start": speed, **assembly}
     )
     model.connect(model.base.frame, model.tower.frame_a)
     model.connect(model.tower.frame_b, model.turbine.frame)
@@ -51,7 +51,7 @@ def compiled(model):
 
 @pytest.fixture(scope="module")
 def rigid():
-    plant = compiled(turbine(tower=0, units=0, speed=1.0))
+    plant = compiled(turbine(tower=0, hinges=0, speed=1.0))
     return plant, plant.initial_state()
 
 
@@ -83,7 +83,7 @@ def test_the_weight_arrives_at_the_tower_base(rigid):
 
 def test_rotor_inertia_by_its_acceleration():
     """A torque of the generator brakes the rotor: 38,759,227 kg m^2 about the shaft and 97^2 that of the generator."""
-    model = turbine(tower=0, units=0, gravity=0.0)
+    model = turbine(tower=0, hinges=0, gravity=0.0)
     model.step = Step(height=1e4, start_time=0.0)
     model.connect(model.step.y, model.turbine.generator_torque)
     result = compiled(model).simulate(4.0, output_step=0.01)
@@ -134,7 +134,7 @@ def test_static_blade_deflection_and_loads():
 
 
 def test_a_rotor_that_turns_the_other_way_is_the_mirror_image():
-    plants = [compiled(turbine(tower=1, units=1, speed=1.2, rotation=sign)) for sign in (1, -1)]
+    plants = [compiled(turbine(tower=1, hinges=1, speed=1.2, rotation=sign)) for sign in (1, -1)]
     found = []
     for plant in plants:
         result = plant.simulate(3.0, output_step=0.5, tolerance=1e-7, start=plant.initial_state())
@@ -146,7 +146,7 @@ def test_a_rotor_that_turns_the_other_way_is_the_mirror_image():
 
 
 def test_any_number_of_blades():
-    plant = compiled(turbine(tower=0, units=1, blades=2, gravity=0.0, speed=1.0))
+    plant = compiled(turbine(tower=0, hinges=1, blades=2, gravity=0.0, speed=1.0))
     state = plant.initial_state()
     tips = [np.ravel(state[f"turbine.blade_{k}.beam.frame_b.r"]) for k in (1, 2)]
     assert tips[0][1] == pytest.approx(-tips[1][1], abs=1e-9)
@@ -176,7 +176,7 @@ def test_tower_from_diameters():
     found = []
     for given in (tube, {"properties": TOWER}):
         model = fw.Assembly("tower")
-        model.world, model.base, model.tower = World(gravity=0.0), Fixed(), FlexibleTower(units=3, **given)
+        model.world, model.base, model.tower = World(gravity=0.0), Fixed(), FlexibleTower(hinges=3, **given)
         model.connect(model.base.frame, model.tower.frame_a)
         plant = compiled(model)
         found.append(plant.linearize(plant.initial_state()).modes()[0].frequency_hz)

@@ -30,7 +30,7 @@ def pitching(senses, half_span=69.3):
                             shaft_height=1.96256, tilt=TILT, overhang=5.0191, azimuth_start=0.4),
             hub=Hub(precone="2.5 deg", radius=1.5, mass=56780.0, inertia=115926.0),
             drivetrain=Drivetrain(gear_ratio=97.0, stiffness=867637000.0, generator_inertia=534.116),
-            blade_properties=str(data_path("nrel5mw/blade_structure.csv")), blade_units=0, rotation=sense,
+            blade_properties=str(data_path("nrel5mw/blade_structure.csv")), blade_hinges=0, rotation=sense,
             rotor_speed_start=SPEED,
         ))  # fmt: skip
         model.connect(model.motion.frame_b, arm.frame_a)

@@ -2,7 +2,7 @@
 
 [D] J. Jonkman, S. Butterfield, W. Musial, G. Scott, Definition of a 5-MW Reference Wind Turbine, NREL/TP-500-38060
 (2009). [T] O. El Beshbichi, PhD thesis, University of Stavanger (2023), table 3.2: FAST v8 and a Modelica model of 2
-tower units and 6 blade units. docs/verification.md and docs/load_cases.md have the tables.
+tower hinges and 6 blade hinges. docs/verification.md and docs/load_cases.md have the tables.
 """
 
 import numpy as np
@@ -67,7 +67,7 @@ def test_drive_train_torsion(free, locked):
 @pytest.mark.parametrize(("motion", "hertz", "time"), [("surge", 0.00807, 400.0), ("pitch", 0.0335, 120.0)])
 def test_damping_of_every_half_cycle_of_the_platform_with_its_turbine(motion, hertz, time):
     """From 10 m and 10 deg against an independent rigid spar; vacuum, rigid blades, flexible tower."""
-    calm = {**cases.CALM, "world.air_density": 0.0, "turbine.assembly.blade_units": 0}
+    calm = {**cases.CALM, "world.air_density": 0.0, "turbine.assembly.blade_hinges": 0}
     plant = fw.load("oc3_spar", set=calm).compile()
     decay = cases.free_decay(plant, motion, 10.0, duration=time, tolerance=1e-4, hold=modes.HELD)
     spar = by_hand.SurgeAndPitch(fw.load("oc3_spar_rigid"), 2 * np.pi * hertz)
@@ -81,10 +81,10 @@ def test_damping_of_every_half_cycle_of_the_platform_with_its_turbine(motion, he
 # --- masses, [D] tables 2-2 and 1-1 ---
 
 
-@pytest.mark.parametrize("units", range(13))
-def test_blade_and_rotor_inertia(units):
+@pytest.mark.parametrize("hinges", range(13))
+def test_blade_and_rotor_inertia(hinges):
     """17,740 kg, 363,231 kg m, 11,776,047 kg m^2 about the root; 38,759,227 kg m^2 of the coned rotor and its hub."""
-    own = cases.rotor_masses(units)
+    own = cases.rotor_masses(hinges)
     assert own == pytest.approx((17740, 363231, 11776047, 38759227), rel=0.005)
 
 
@@ -98,9 +98,9 @@ STEADY = {8.0: (1771.1, 478.0, 0.0), 11.4: (5000.02, 771.67, 0.0), 18.0: (5000.0
 ROTOR_WEIGHT = 110e3 * G * np.sin(TILT) / 1e3  # kN
 
 
-def steady_run(speed, tower_units, blade_units, time):
+def steady_run(speed, tower_hinges, blade_hinges, time):
     conditions = {"wind.kind": "steady", "wind.mean_speed": speed, "wind.shear_exponent": 0.0,
-                  "tower.units": tower_units, "turbine.assembly.blade_units": blade_units,
+                  "tower.hinges": tower_hinges, "turbine.assembly.blade_hinges": blade_hinges,
                   "tower_drag.active": False, "tower_flow.active": False}  # fmt: skip
     result = fw.load("nrel5mw_land", set=conditions).compile().simulate(time, 0.1, tolerance=1e-4)
     return {name: row.mean for name, row in result.statistics(discard=time - 15.0).items()}
@@ -132,17 +132,17 @@ def test_steady_operation_with_flexible_blades():
 # --- mechanics ---
 
 
-def turbine(*, tower_units=0, blade_units=3, gravity=0.0, speed=0.0, azimuth=0.0, units_damping=0.0):
+def turbine(*, tower_hinges=0, blade_hinges=3, gravity=0.0, speed=0.0, azimuth=0.0, hinge_damping=0.0):
     """Rotor, nacelle and tower of the OC3 turbine on a fixed base, without any damping unless given."""
     model = fw.Assembly("turbine on a fixed base")
     model.world, model.base = World(gravity=gravity), Fixed()
-    model.tower = FlexibleTower(properties=str(TOWER), units=tower_units, damping_fore_aft=units_damping)
+    model.tower = FlexibleTower(properties=str(TOWER), hinges=tower_hinges, damping_fore_aft=hinge_damping)
     model.turbine = RotorNacelleAssembly(
         nacelle=Nacelle(mass=240e3, centre_of_mass=(1.9, 0, 1.75), inertia=np.diag([0, 0, 1741490.0]),
                         shaft_height=1.96256, tilt=TILT, overhang=5.0191, azimuth_start=azimuth),
         hub=Hub(precone=CONE, radius=1.5, mass=56780.0, inertia=115926.0),
         drivetrain=Drivetrain(gear_ratio=97.0, stiffness=867637000.0, damping=0.0, generator_inertia=534.116),
-        blade_properties=str(BLADE), blade_units=blade_units, damping_flapwise=units_damping, rotor_speed_start=speed,
+        blade_properties=str(BLADE), blade_hinges=blade_hinges, damping_flapwise=hinge_damping, rotor_speed_start=speed,
     )  # fmt: skip
     model.connect(model.base.frame, model.tower.frame_a)
     model.connect(model.tower.frame_b, model.turbine.frame)
@@ -158,24 +158,24 @@ def bodies(root, path=""):
         yield from bodies(one, where)
 
 
-def springs(chain, path, units):
+def springs(chain, path, hinges):
     """(path of the angle, stiffness) of the hinges of a beam."""
-    for i in range(units):
+    for i in range(hinges):
         for axis, stiffness in (("x", chain.stiffness_x), ("y", chain.stiffness_y)):
-            yield f"{path}.beam.unit_{i + 1}.bending.phi_{axis}", stiffness[i]
+            yield f"{path}.beam.hinge_{i + 1}.bending.phi_{axis}", stiffness[i]
 
 
-def energy(result, root, tower_units, blade_units):
+def energy(result, root, tower_hinges, blade_hinges):
     """Kinetic and elastic energy over time, of bodies, hinges, shaft and generator, in plain numpy."""
     total = np.zeros(result.time.size)
     for path, mass, _, inertia in bodies(root):
         v, w, R = (np.asarray(result[f"{path}.{name}"]) for name in ("v", "frame_a.w", "frame_a.R"))
         local = np.einsum("tij,ti->tj", R.reshape(-1, 3, 3), w)
         total += mass / 2 * (v**2).sum(axis=1) + np.einsum("ti,ij,tj->t", local, inertia, local) / 2
-    found = list(springs(divide(read_beam(str(TOWER)), tower_units, "loaded_tip"), "tower", tower_units))
+    found = list(springs(divide(read_beam(str(TOWER)), tower_hinges, "loaded_tip"), "tower", tower_hinges))
     for k in (1, 2, 3):
-        chain = divide(read_beam(str(BLADE)), blade_units, "free_tip")
-        found += springs(chain, f"turbine.blade_{k}", blade_units)
+        chain = divide(read_beam(str(BLADE)), blade_hinges, "free_tip")
+        found += springs(chain, f"turbine.blade_{k}", blade_hinges)
     total += sum(stiffness / 2 * np.asarray(result[path]) ** 2 for path, stiffness in found)
     twist = np.asarray(result["turbine.drivetrain.torsion.twist"])
     generator = np.asarray(result["turbine.drivetrain.generator_speed"])
@@ -184,7 +184,7 @@ def energy(result, root, tower_units, blade_units):
 
 def test_energy_of_a_turning_turbine_in_vacuum():
     """Unbent blades that begin to turn at 12 rpm bend, tower and shaft swing: no damping, no gravity, no loss."""
-    plant = fw.load(turbine(tower_units=2, blade_units=3, speed=1.27)).compile()
+    plant = fw.load(turbine(tower_hinges=2, blade_hinges=3, speed=1.27)).compile()
     result = plant.simulate(3.0, 0.05, tolerance=1e-9)
     total = energy(result, plant.root, 2, 3)
     assert np.ptp(np.asarray(result["turbine.out_of_plane[0]"])) > 0.1  # m; there is elastic energy to speak of
@@ -197,7 +197,7 @@ def test_moments_of_a_parked_blade_are_statics(azimuth):
 
     Bending shifts the weight by 0.3 m at most: 1 % of the moment.
     """
-    model = turbine(blade_units=4, gravity=G, azimuth=azimuth)
+    model = turbine(blade_hinges=4, gravity=G, azimuth=azimuth)
     plant = fw.load(model).compile()
     hold = {"turbine.nacelle.bearing.phi": azimuth, "turbine.nacelle.bearing.w": 0.0}
     state = plant.equilibrium(hold=hold)

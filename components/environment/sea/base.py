@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable
+from dataclasses import replace
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -61,7 +62,7 @@ class Sea(Component, selector="spectrum", shared=("signal", "loads", "velocity",
     def equations(self):
         longest = at_start("longest run", 1, "s", "duration after which the waves are repeated", _longest, of=self)
         told = "the sea repeats itself after {longest} s; take a longer repetition_period or record."
-        warning = assert_(self.time < longest * (1 + 1e-9), told, level="warning", longest=longest)
+        warning = replace(assert_(self.time < longest * (1 + 1e-9), told, level="warning"), values={"longest": longest})
         elevation = self.signal(lambda waves: np.ones((len(waves), 1)), 1, "wave elevation", "m")
         return [eq(self.elevation, elevation), warning]
 

@@ -48,7 +48,7 @@ typedef struct {
 typedef struct {
   int state, parts, unknowns, rows;
   const int *unknown, *row;
-} fs_ring;
+} fs_symmetry;
 
 /* The model's code comes in pieces: running them all is the same as calling level_inputs and residual in order. Piece i
    writes scratch[place[i]] to scratch[place[i + 1] - 1], which nothing else writes. */
@@ -67,8 +67,8 @@ typedef struct {
   const int *free_rate;         /* states whose rate is an unknown */
   const int *order, *source;    /* state order[i] has the rate x[source[i]], or z[-1 - source[i]] */
   const double *x_nominal, *z_nominal;
-  int rings;
-  const fs_ring *ring;
+  int symmetries;
+  const fs_symmetry *symmetry;
 } fs_model;
 
 typedef struct {
@@ -93,7 +93,7 @@ typedef struct {
   int pairs, oldest; /* what has been learnt since it was made: the inverse is followed by 1 + gain weighing' of each pair */
   double *weighing[FS_PAIRS], *gain[FS_PAIRS];
   double *lu, *row_scale, *row_size, *value, *sorted;
-  double *angle;     /* of the rings, when it was made */
+  double *angle;     /* of the symmetries, when it was made */
   int *pivot, *list, *column; /* of row i beside its dense part: value[list[i]] to value[list[i + 1] - 1] and their columns */
 } fs_matrix;
 
@@ -535,27 +535,27 @@ static void fs_trust(fs_matrix *a, const double *size, int iterations, int fresh
   if (a->excess > FS_PRICE * a->n) a->age = keep;
 }
 
-/* Turn what belongs to rings, unknowns or rows, from where they were when the matrix was made to where they are with x
-   (sign 1), or back (-1). The parts of a ring feel what moves its axis as a constant, a cosine and a sine of their angle;
+/* Turn what belongs to cyclic symmetries, unknowns or rows, from where the parts were when the matrix was made to where
+   they are with x (sign 1), or back (-1). The parts of a ring feel what moves its axis as a constant, a cosine and a sine of their angle;
    so the cosine and the sine turn into each other, and all else of them stays: with it the matrix is as good as on the
-   day it was made, because that in the axes of the ring hardly changes. */
+   day it was made, because that in the axes of the symmetry hardly changes. */
 static void fs_turn(const fs_instance *s, const fs_matrix *a, const double *x, double *v, int rows, double sign) {
   int r, i, j, k;
-  for (r = 0; r < s->m.rings; r++) {
-    const fs_ring *ring = s->m.ring + r;
-    const int *number = rows ? ring->row : ring->unknown;
-    double angle = sign * (x[ring->state] - a->angle[r]), each = 8.0 * atan(1.0) / ring->parts;
+  for (r = 0; r < s->m.symmetries; r++) {
+    const fs_symmetry *symmetry = s->m.symmetry + r;
+    const int *number = rows ? symmetry->row : symmetry->unknown;
+    double angle = sign * (x[symmetry->state] - a->angle[r]), each = 8.0 * atan(1.0) / symmetry->parts;
     double g[FS_PARTS], old[FS_PARTS];
-    if (ring->parts > FS_PARTS) continue;
-    for (k = 0; k < ring->parts; k++) g[k] = (k == 0) + 2.0 / ring->parts * (cos(angle + each * k) - cos(each * k));
-    for (i = 0; i < (rows ? ring->rows : ring->unknowns); i++, number += ring->parts) {
+    if (symmetry->parts > FS_PARTS) continue;
+    for (k = 0; k < symmetry->parts; k++) g[k] = (k == 0) + 2.0 / symmetry->parts * (cos(angle + each * k) - cos(each * k));
+    for (i = 0; i < (rows ? symmetry->rows : symmetry->unknowns); i++, number += symmetry->parts) {
       if (number[0] >= a->n) continue; /* a rate, of which the matrix at a point knows nothing */
-      for (j = 0; j < ring->parts; j++) {
+      for (j = 0; j < symmetry->parts; j++) {
         old[j] = v[number[j]];
         v[number[j]] = 0.0;
       }
-      for (j = 0; j < ring->parts; j++)
-        for (k = 0; k < ring->parts; k++) v[number[j]] += g[(j - k + ring->parts) % ring->parts] * old[k];
+      for (j = 0; j < symmetry->parts; j++)
+        for (k = 0; k < symmetry->parts; k++) v[number[j]] += g[(j - k + symmetry->parts) % symmetry->parts] * old[k];
     }
   }
 }
@@ -563,7 +563,7 @@ static void fs_turn(const fs_instance *s, const fs_matrix *a, const double *x, d
 /* The matrix is that of x. */
 static void fs_remember_angles(const fs_instance *s, fs_matrix *a, const double *x) {
   int r;
-  for (r = 0; r < s->m.rings; r++) a->angle[r] = x[s->m.ring[r].state];
+  for (r = 0; r < s->m.symmetries; r++) a->angle[r] = x[s->m.symmetry[r].state];
 }
 
 static void fs_residual_of_stage(fs_instance *s) {
@@ -907,7 +907,7 @@ static double *fs_take(double *memory, size_t *used, size_t n) {
 /* How many numbers may stand beside the dense part of a matrix. */
 static size_t fs_beside(const fs_matrix *a) { return (size_t)a->light * (2 * (size_t)a->n - (size_t)a->light) + (size_t)a->n; }
 
-static void fs_lay_matrix(fs_matrix *a, size_t rings, double *memory, size_t *used) {
+static void fs_lay_matrix(fs_matrix *a, size_t symmetries, double *memory, size_t *used) {
   size_t n = (size_t)a->n;
   int i;
   a->lu = fs_take(memory, used, n * n);
@@ -915,7 +915,7 @@ static void fs_lay_matrix(fs_matrix *a, size_t rings, double *memory, size_t *us
   a->row_scale = fs_take(memory, used, n);
   a->row_size = fs_take(memory, used, n);
   a->sorted = fs_take(memory, used, n);
-  a->angle = fs_take(memory, used, rings);
+  a->angle = fs_take(memory, used, symmetries);
   for (i = 0; i < FS_PAIRS; i++) {
     a->weighing[i] = fs_take(memory, used, n);
     a->gain[i] = fs_take(memory, used, n);
@@ -960,8 +960,8 @@ static size_t fs_lay(fs_instance *s, double *memory) {
   s->slope = fs_take(m, u, entries); s->real = fs_take(m, u, real);
   for (i = 0; i < FS_HISTORY; i++) s->past[i] = fs_take(m, u, n);
   s->before = fs_take(m, u, n);
-  fs_lay_matrix(&s->stage, (size_t)s->m.rings, m, u);
-  fs_lay_matrix(&s->algebraic, (size_t)s->m.rings, m, u);
+  fs_lay_matrix(&s->stage, (size_t)s->m.symmetries, m, u);
+  fs_lay_matrix(&s->algebraic, (size_t)s->m.symmetries, m, u);
   return used;
 }
 

@@ -17,13 +17,13 @@ import casadi as ca
 import numpy as np
 
 from fowtlib.flattening import FlatDAE
+from fowtlib.language.cache import cached, sources
 from fowtlib.language.externals import LibraryFunction
-from fowtlib.language.kept import kept, sources
 from fowtlib.language.native import compile_library
 from fowtlib.language.tables import SplineFunction
 from fowtlib.solving.engines.c_text import PROLOGUE, Depends, Program, c_program
 from fowtlib.solving.engines.reduction import Reduction, reduction
-from fowtlib.solving.engines.symmetry import rings_of_unknowns
+from fowtlib.solving.engines.symmetry import cyclic_unknowns
 
 DOUBLES, INTEGERS = c.POINTER(c.c_double), c.POINTER(c.c_int)
 CASADI = c.CFUNCTYPE(c.c_int, c.POINTER(DOUBLES), c.POINTER(DOUBLES), c.c_void_p, DOUBLES, c.c_int)
@@ -58,8 +58,8 @@ class Moving(c.Structure):
     _fields_ = [("first", INTEGERS), ("piece", INTEGERS)]
 
 
-class Ring(c.Structure):
-    """fs_ring."""
+class CyclicSymmetry(c.Structure):
+    """fs_symmetry."""
 
     _fields_ = [
         *((name, c.c_int) for name in ("state", "parts", "unknowns", "rows")), ("unknown", INTEGERS), ("row", INTEGERS),
@@ -76,7 +76,7 @@ class Model(c.Structure):
         ("residual", c.c_void_p), ("pieces", c.c_void_p), ("piece_start", INTEGERS), ("place", INTEGERS),
         ("of_stage", Moving), ("at_point", Moving), ("free_rates", c.c_int), ("substituted", c.c_int),
         ("free_rate", INTEGERS), ("order", INTEGERS), ("source", INTEGERS), ("x_nominal", DOUBLES),
-        ("z_nominal", DOUBLES), ("rings", c.c_int), ("ring", c.POINTER(Ring)),
+        ("z_nominal", DOUBLES), ("symmetries", c.c_int), ("symmetry", c.POINTER(CyclicSymmetry)),
     ]  # fmt: skip
 
 
@@ -155,11 +155,11 @@ class FixedStepCode:
         starts = np.cumsum([0, *(len(level) for level in dae.levels)])
         of_stage, at_point = self.program.masks
         unknowns = dae.z.shape[0] + len(reduced.free)
-        rings = rings_of_unknowns(dae, reduced)
-        table = (Ring * max(len(rings), 1))(*(
-            Ring(r.state, len(r.unknowns[0]), len(r.unknowns), len(r.rows), self.integers(np.ravel(r.unknowns)),
-                 self.integers(np.ravel(r.rows)))
-            for r in rings
+        symmetries = cyclic_unknowns(dae, reduced)
+        table = (CyclicSymmetry * max(len(symmetries), 1))(*(
+            CyclicSymmetry(r.state, len(r.unknowns[0]), len(r.unknowns), len(r.rows),
+                           self.integers(np.ravel(r.unknowns)), self.integers(np.ravel(r.rows)))
+            for r in symmetries
         ))  # fmt: skip
         self._alive.append(table)
         return Model(
@@ -173,7 +173,7 @@ class FixedStepCode:
             free_rates=len(reduced.free), substituted=len(reduced.order),
             free_rate=self.integers(reduced.free), order=self.integers(reduced.order),
             source=self.integers(reduced.source), x_nominal=self.doubles([s.nominal for s in dae.states]),
-            z_nominal=self.doubles([a.nominal for a in dae.algebraics]), rings=len(rings), ring=table,
+            z_nominal=self.doubles([a.nominal for a in dae.algebraics]), symmetries=len(symmetries), symmetry=table,
         )  # fmt: skip
 
     def observe(self, t: np.ndarray, x: np.ndarray, z: np.ndarray, q: np.ndarray) -> np.ndarray | None:
@@ -293,7 +293,7 @@ def kept_text(dae: FlatDAE, reduced: Reduction, observed: Sequence[str]) -> tupl
         masks = [[hex(mask) for mask in some] for some in program.masks]
         return {"text": text, "scratch": scratch, "program": {**vars(program), "text": "", "masks": masks}}
 
-    found = kept("text", parts, make)
+    found = cached("text", parts, make)
     program = found["program"]
     program["masks"] = [[int(mask, 16) for mask in some] for some in program["masks"]]
     return found["text"], Program(**program), found["scratch"]

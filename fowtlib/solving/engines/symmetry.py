@@ -1,4 +1,4 @@
-"""Unknowns and equations of parts that stand in a ring, such as the blades of a rotor; see `ring` of the language."""
+"""Unknowns and equations of parts in cyclic symmetry, such as the blades of a rotor; see `cyclic_symmetry`."""
 
 from __future__ import annotations
 
@@ -11,7 +11,7 @@ from fowtlib.solving.engines.reduction import Reduction
 
 
 @dataclass(frozen=True)
-class RingOfUnknowns:
+class CyclicUnknowns:
     """What the unknowns of an implicit step have of a ring of parts.
 
     state: the number of the state that is its angle. unknowns, rows: the same unknown, or equation, of each part, in
@@ -23,21 +23,21 @@ class RingOfUnknowns:
     rows: list[list[int]]
 
 
-def rings_of_unknowns(dae: FlatDAE, reduced: Reduction) -> list[RingOfUnknowns]:
-    """Found by the paths; rings whose angle is no state, and with less than three parts, are of no use and left out."""
+def cyclic_unknowns(dae: FlatDAE, reduced: Reduction) -> list[CyclicUnknowns]:
+    """Found by the paths; without those whose angle is no state, or of less than three parts, which are of no use."""
     numbers = {dae.x[i].element_hash(): i for i in range(dae.x.shape[0])}
     rates = [dae.states[i].path for i in reduced.free]
     unknowns = [quantity.path for quantity in dae.algebraics] + rates
     rows = list(dae.residual_paths) + rates
-    found: dict[int, RingOfUnknowns] = {}
-    for ring in dae.rings:
-        state = numbers.get(ring.angle.element_hash())
-        if state is not None and len(ring.parts) > 2:
-            known = found.setdefault(state, RingOfUnknowns(state, [], []))
-            if not known.unknowns or len(known.unknowns[0]) == len(ring.parts):
-                known.unknowns.extend(_counterparts(unknowns, ring.parts))
-                known.rows.extend(_counterparts(rows, ring.parts))
-    return [ring for ring in found.values() if ring.unknowns]
+    found: dict[int, CyclicUnknowns] = {}
+    for symmetry in dae.symmetries:
+        state = numbers.get(symmetry.angle.element_hash())
+        if state is not None and len(symmetry.parts) > 2:
+            known = found.setdefault(state, CyclicUnknowns(state, [], []))
+            if not known.unknowns or len(known.unknowns[0]) == len(symmetry.parts):
+                known.unknowns.extend(_counterparts(unknowns, symmetry.parts))
+                known.rows.extend(_counterparts(rows, symmetry.parts))
+    return [symmetry for symmetry in found.values() if symmetry.unknowns]
 
 
 def _counterparts(paths: Sequence[str], parts: Sequence[str]) -> list[list[int]]:

@@ -327,7 +327,10 @@ class Result:
         """
         result = Result(**vars(read(Path(path))))
         if plant is not None and result.raw is not None:
-            result.attach(plant.observer(result.raw, result.attributes["parameters"]))
+            from fowtlib.solving.binding import bound_values
+
+            bound = bound_values(getattr(plant, "root", None), result.attributes["structure"])
+            result.attach(plant.observer(result.raw, {**bound, **result.attributes["parameters"]}))
         return result
 
 

@@ -20,7 +20,7 @@ from fowtlib.language.native import cache_folder
 MOST = 40  # files of one name; the oldest go first
 
 
-def kept(name: str, parts: Iterable[str | np.ndarray], make: Callable[[], Any]) -> Any:
+def cached(name: str, parts: Iterable[str | np.ndarray], make: Callable[[], Any]) -> Any:
     """What `make` returns (numbers, texts, lists and dictionaries with texts as keys), made anew for other parts.
 
     parts: texts and arrays of numbers that determine the result; `sources` gives those of the code that makes it. The

@@ -5,8 +5,8 @@ import os
 import numpy as np
 import pytest
 
-from fowtlib.language import kept as module
-from fowtlib.language.kept import kept, sources
+from fowtlib.language import cache as module
+from fowtlib.language.cache import cached, sources
 
 
 @pytest.fixture
@@ -28,7 +28,7 @@ class Maker:
 
 def test_the_same_parts_are_made_once_with_all_digits(folder):
     make = Maker()
-    first, second = (kept("thing", ["a", np.arange(3.0)], make) for _ in range(2))
+    first, second = (cached("thing", ["a", np.arange(3.0)], make) for _ in range(2))
     assert make.calls == 1
     assert first == second == {"numbers": [0.1, 1 / 3, 1e-300, -0.0], "text": "§", "many": [1, None]}
     assert [file.name[:6] for file in folder.iterdir()] == ["thing_"]
@@ -47,9 +47,9 @@ def test_the_same_parts_are_made_once_with_all_digits(folder):
 )
 def test_any_other_part_is_made_anew(folder, parts):
     make = Maker()
-    kept("thing", ["a", "bc", np.arange(6.0)], make)
-    kept("thing", parts, make)
-    kept("other", ["a", "bc", np.arange(6.0)], make)
+    cached("thing", ["a", "bc", np.arange(6.0)], make)
+    cached("thing", parts, make)
+    cached("other", ["a", "bc", np.arange(6.0)], make)
     assert make.calls == 3
 
 
@@ -58,20 +58,20 @@ def test_any_other_part_is_made_anew(folder, parts):
 )
 def test_a_damaged_file_is_made_again(folder, damage):
     make = Maker()
-    whole = kept("thing", ["a"], make)
+    whole = cached("thing", ["a"], make)
     (file,) = folder.iterdir()
     file.write_text(damage(file.read_text(encoding="utf-8")), encoding="utf-8")
-    assert kept("thing", ["a"], make) == whole
-    assert kept("thing", ["a"], make) == whole
+    assert cached("thing", ["a"], make) == whole
+    assert cached("thing", ["a"], make) == whole
     assert make.calls == 2
 
 
 def test_bytes_that_are_no_text_are_damage(folder):
     make = Maker()
-    kept("thing", ["a"], make)
+    cached("thing", ["a"], make)
     (file,) = folder.iterdir()
     file.write_bytes(b"\xff\xfe\x00")
-    kept("thing", ["a"], make)
+    cached("thing", ["a"], make)
     assert make.calls == 2
 
 
@@ -80,7 +80,7 @@ def test_where_nothing_can_be_written_nothing_is_kept(tmp_path, monkeypatch):
     file.write_text("no folder")
     monkeypatch.setenv("FOWTLIB_CACHE", str(file))
     make = Maker()
-    assert kept("thing", ["a"], make) == kept("thing", ["a"], make)
+    assert cached("thing", ["a"], make) == cached("thing", ["a"], make)
     assert make.calls == 2
 
 
@@ -88,23 +88,23 @@ def test_the_oldest_files_of_a_name_go_first(folder, monkeypatch):
     monkeypatch.setattr(module, "MOST", 3)
     (folder / "other_1.json").write_text("stays")
     for k in range(5):
-        kept("thing", [str(k)], Maker())
+        cached("thing", [str(k)], Maker())
         for file in folder.glob("thing_*"):  # an age of its own for each
             os.utime(file, (file.stat().st_atime, file.stat().st_mtime - 10))
     assert len(list(folder.glob("thing_*.json"))) == 3
     make = Maker()
     for k in (2, 3, 4):
-        kept("thing", [str(k)], make)
+        cached("thing", [str(k)], make)
     assert make.calls == 0
     assert (folder / "other_1.json").is_file()
 
 
 def test_only_arrays_of_numbers_are_parts(folder):
     with pytest.raises(TypeError, match="an array of numbers is expected"):
-        kept("thing", [np.array([None])], Maker())
+        cached("thing", [np.array([None])], Maker())
 
 
 def test_sources_are_the_texts_of_modules_and_the_versions_of_packages():
-    text, *versions = sources("fowtlib.language.kept")
+    text, *versions = sources("fowtlib.language.cache")
     assert "def sources(" in text
     assert np.__version__ in versions

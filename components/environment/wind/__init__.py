@@ -1,0 +1,27 @@
+"""The wind of a model: one class for each kind, all with the equations of `Wind`."""
+
+# The kinds in the order in which messages name them.
+# isort: off
+from fowtlib.components.environment.wind.base import Wind, require_disk
+from fowtlib.components.environment.wind.no_wind import NoWind
+from fowtlib.components.environment.wind.steady import SteadyWind
+from fowtlib.components.environment.wind.step import StepWind
+from fowtlib.components.environment.wind.gust import GustWind
+from fowtlib.components.environment.wind.kaimal import KaimalWind
+from fowtlib.components.environment.wind.series import SeriesWind
+from fowtlib.components.environment.wind.field import FieldWind
+from fowtlib.components.environment.wind.input import InputWind
+# isort: on
+
+__all__ = [
+    "FieldWind",
+    "GustWind",
+    "InputWind",
+    "KaimalWind",
+    "NoWind",
+    "SeriesWind",
+    "SteadyWind",
+    "StepWind",
+    "Wind",
+    "require_disk",
+]

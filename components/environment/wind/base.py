@@ -1,0 +1,237 @@
+"""Wind: what all kinds of wind have in common, their equations."""
+
+from __future__ import annotations
+
+import math
+from typing import TYPE_CHECKING, Any
+
+import casadi as ca
+import numpy as np
+
+from fowtlib.components.environment.field_wind import NO_FIELD, FieldData, wind_function
+from fowtlib.language import (
+    Array,
+    Component,
+    Number,
+    RealOutput,
+    Scalar,
+    Series,
+    assert_,
+    at_start,
+    eq,
+    param,
+    port,
+    run_time_series,
+    shapes,
+    var,
+)
+from fowtlib.language import math as m
+from fowtlib.language.declarations import join
+from fowtlib.language.equations import active
+from fowtlib.language.errors import ParameterError, StructureError
+
+
+def _per_station(wind: Wind) -> tuple[int]:
+    return (len(wind.hubs),)
+
+
+class Wind(Component, selector="kind", shared=("speeds", "velocity")):
+    """Wind with power-law shear, or a full field; parts in the wind find it by `wind: Wind = outer(Wind)`.
+
+    At height z over station i, which has the height z_i, the speed along `direction` is
+    base_i(t) (z/z_i)^shear_exponent + fluctuation_i(t), and
+    base_i = (mean_speed share(t) + added(t)) (z_i/reference_height)^shear_exponent + own_i(t).
+    share, added, own and fluctuation are what the kinds of wind differ in, and with a field the velocities are its own:
+    data that are bound when a run starts. One compiled model serves all kinds but "input".
+
+    A kind is a class: `SteadyWind(mean_speed=8)` and `Wind(kind="steady", mean_speed=8)` are the same. Another kind
+    says in `mean_series`, `station_series` or `field` what it blows, and in `mean_at` what its mean is.
+    """
+
+    kind: str = param(default="none", bound=True, doc="kind of wind")
+    mean_speed: Scalar = param(default=0.0, unit="m/s", min=0, doc="mean speed V at reference_height")
+    reference_height: Number = param(default=90.0, unit="m", min=0, bound=True, doc="height of mean_speed: the hub")
+    stations: Array = param(default=((0, 90),), unit="m", structural=True, doc="(y, z) of each hub, one series each")
+    shear_exponent: Scalar = param(default=0.0, doc="exponent of the power law")
+    direction: Scalar = param(default=0.0, unit="rad", doc="direction in which the wind blows, from x towards y")
+
+    speed: RealOutput = port(unit="m/s", shape=_per_station, doc="undisturbed speed at each station")
+    base: Array = var(unit="m/s", shape=_per_station, doc="sheared part of the speed at each station")
+    fluctuation: Array = var(unit="m/s", shape=_per_station, doc="gust or turbulence at each station")
+
+    if TYPE_CHECKING:  # the class of the kind takes further parameters
+
+        def __init__(self, **parameters: Any) -> None: ...
+
+    def equations(self):
+        base, fluctuation = self.speeds()
+        speed = self.base + self.fluctuation
+        return [eq(self.base, base), eq(self.fluctuation, fluctuation), eq(self.speed, speed), *_repetition(self)]
+
+    def drawing(self):
+        return _arrows(self)
+
+    # --- what the kinds say, when a run starts -----------------------------------------------------------------------
+
+    def mean_series(self) -> Series | None:
+        """Share of the mean speed, and speed [m/s] that is added to it at the reference height; None: neither."""
+        return None
+
+    def station_series(self) -> Series | None:
+        """Part of the base, then fluctuation [m/s], of all stations: 2 n signals; None: nothing."""
+        return None
+
+    def field(self) -> FieldData | None:
+        """The field of velocities in space and time that takes the place of all this."""
+        return None
+
+    def period(self) -> float:
+        """Time [s] after which the wind repeats itself."""
+        return math.inf
+
+    def mean_at(self, station: int = 0) -> float:
+        """Mean speed [m/s] at a station, for start values: before any step or gust."""
+        height = station_height(self, station) / self.reference_height
+        return float(self.parameter_value("mean_speed") * height ** self.parameter_value("shear_exponent"))
+
+    def require(self, y_range: tuple[float, float], z_range: tuple[float, float], who: str) -> None:
+        """ParameterError, which names `who`, where a field does not cover y_range and z_range [m].
+
+        For parts whose size is known before the run: a rotor of radius R about the station (y, z) asks for
+        (y - R, y + R), (z - R, z + R). Like the stations, y is across the wind. Other kinds of wind are everywhere.
+        """
+
+    # --- the equations -----------------------------------------------------------------------------------------------
+
+    def speeds(self) -> tuple[Any, Any]:
+        """Base and fluctuation at the stations, (n,) each [m/s]; while flattening."""
+        n = len(self.hubs)
+        mean = run_time_series(self.time, 2, "mean", lambda it: it.mean_series(), of=self)
+        own = run_time_series(self.time, 2 * n, "series", lambda it: it.station_series(), of=self, message=_ended(self))
+        over = at_start("heights", n, "1", "log(z_i/reference_height)", _logarithms, of=self)
+        field = _velocities(self, np.insert(self.hubs, 0, 0.0, axis=1).T, 0, 0, 0, 1.0)[0, :].T
+        sheared = (self.mean_speed * mean[0] + mean[1]) * m.exp(self.shear_exponent * over)
+        return sheared + own[:n] + field, own[n:]
+
+    def velocity(self, r: ca.SX, station: int = 0, reach: str = "tower") -> ca.SX:
+        """Wind velocities (3, n, world) at n positions r (3, n, world), with the series of a station; while flattening.
+
+        A field needs no station: it knows u, v, w everywhere. One call for all nodes of a rotor costs the least. reach:
+        how far down a field serves, to the lowest row of its "plane", the lowest point of its "tower", or the "ground",
+        with a wind that falls linearly to nothing from there; see field_lookup.
+        """
+        height = station_height(self, station)
+        return _velocities(self, r, self.base[station], self.fluctuation[station], self.direction, height, reach)
+
+    @property
+    def hubs(self) -> np.ndarray:
+        """The stations as numbers, (n, 2)."""
+        return np.asarray(self.parameter_value("stations"))
+
+    def require_speed(self) -> None:
+        """ParameterError where nobody has given the mean speed, for a kind that needs it."""
+        if not self.is_set("mean_speed"):
+            raise ParameterError(f"{self.label}.mean_speed has no value; a wind of kind '{self.kind}' needs it.")
+
+    def given_speed(self) -> float:
+        """The mean speed [m/s] as a number, for data that are made for it; see `require_speed`."""
+        self.require_speed()
+        return float(self.parameter_value("mean_speed"))
+
+
+def require_disk(wind: Wind, radius: float, station: int, who: str) -> None:
+    """As Wind.require, for a rotor disk [m] about a station; ParameterError also where there is no such station."""
+    station_height(wind, station)
+    y, z = wind.hubs[station].tolist()
+    about = f"{who}, of radius {radius:g} m about station {station} of the wind at ({y:g}, {z:g}) m,"
+    wind.require((y - radius, y + radius), (z - radius, z + radius), about)
+
+
+def _velocities(wind: Wind, r: Any, base: Any, fluctuation: Any, direction: Any, height: float,
+                reach: str = "tower") -> ca.SX:  # fmt: skip
+    """Velocities (3, n) at positions (3, n), along axes that are turned by the direction against those of the field.
+
+    A run in which one of the points leaves a field, as far down as `reach` says, stops there.
+    """
+    r = ca.densify(ca.SX(r))  # fixed points are numbers
+    if r.shape[0] != 3:
+        raise StructureError(f"the wind is wanted at positions {r.shape[0]} x {r.shape[1]}; give them as 3 x n.")
+    n = r.shape[1]
+    function = wind_function(n)
+    doc = "handle of the field, what it covers, its shift, 1/speed and lowest height"
+    given = at_start("field", len(NO_FIELD), "", doc, lambda it: it.field() or NO_FIELD, of=wind, functions=(function,))
+    handle, y_low, y_high, z_low, z_high, first, last, shift, per_speed, lowest = ca.vertsplit(given)
+    fall = 1.0
+    if reach == "ground":
+        fall = m.if_else(lowest > 0, m.fmax(m.fmin(r[2, :] / m.fmax(lowest, 1e-3), 1), 0), 1)
+        r = m.vertcat(r[:2, :], m.fmax(r[2, :], lowest))
+    if reach != "plane":
+        z_low = lowest
+    inside = m.rotation_z(direction).T @ r
+    places = (
+        ("y", inside[1, :], y_low, y_high),
+        ("z", inside[2, :], z_low, z_high),
+        ("time", wind.time + (shift - inside[0, :]) * per_speed, first, last),
+    )
+    for axis, place, low, high in places:
+        active().check_range(place.T, low, high, "", axis, _outside(wind, axis, n))
+    result = function(
+        field=handle, time=wind.time, base=base, fluctuation=fluctuation, shear_exponent=wind.shear_exponent,
+        direction=direction, height=height, positions=r,
+    )["velocities"]  # fmt: skip
+    velocities = m.horzcat(*[result[3 * i : 3 * i + 3] for i in range(n)])
+    return velocities * ca.repmat(fall, 3, 1) if reach == "ground" else velocities
+
+
+def _outside(wind: Wind, axis: str, points: int) -> str:
+    """What is said of a run that leaves the field."""
+    who = "the point" if points == 1 else "point {number} of %d" % points  # noqa: UP031 braces for later
+    file = "{%s}" % join(wind.path, "file")  # noqa: UP031
+    if axis == "time":
+        return (
+            f"{who} needs the wind of time {{value}} s of the field {file}, which covers {{low}} to {{high}} s; use a "
+            "longer field, a periodic one, or another field_shift."
+        )
+    return (
+        f"{who} is at {axis} = {{value}} m, and the wind field {file} covers {{low}} to {{high}} m; use a field that "
+        "is larger than all rotors with their motion."
+    )
+
+
+def _ended(wind: Wind) -> str:
+    """What is said of a run past the end of a series."""
+    file = "{%s}" % join(wind.path, "file")  # noqa: UP031 braces for later
+    return f"table left at its edge: wind file {file} at time = {{value}}, and the table covers {{low}} to {{high}}."
+
+
+def _repetition(wind: Wind) -> list[Any]:
+    """Warnings, once, of a run that is longer than the wind."""
+    period = at_start("period", 1, "s", "time after which the wind repeats itself", lambda it: it.period(), of=wind)
+    message = "the wind repeats itself after {period} s; use a longer one, by its repetition_period or its file."
+    return [assert_(wind.time < period * (1 + 1e-9), message, level="warning", period=period)]
+
+
+def _logarithms(wind: Wind) -> np.ndarray:
+    heights = wind.hubs[:, 1] / wind.reference_height
+    if not np.all(heights > 0):
+        raise ParameterError(f"{wind.label}.stations: the heights of the stations must lie above zero.")
+    return np.log(heights)
+
+
+def station_height(wind: Wind, station: int) -> float:
+    """Height [m] of a station; ParameterError for one that does not exist."""
+    if not 0 <= station < len(wind.hubs):
+        raise ParameterError(
+            f"station {station} of {wind.label} does not exist (it has {len(wind.hubs)}, counted from 0); "
+            "set its parameter stations to the (y, z) of every hub."
+        )
+    return float(wind.hubs[station, 1])
+
+
+def _arrows(wind: Wind) -> list[shapes.Drawn]:
+    """An arrow 30 m before each station; its length is the way of the wind in 3 s."""
+    angle = wind.parameter_value("direction")
+    direction = np.array([math.cos(angle), math.sin(angle), 0.0])
+    places = np.insert(wind.hubs, 0, 0.0, axis=1) - 30.0 * direction
+    speeds = [join(wind.path, f"speed[{i}]") for i in range(len(places))]
+    return [shapes.Arrow(place, direction, speed, 3.0) for place, speed in zip(places, speeds, strict=True)]

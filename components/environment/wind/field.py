@@ -1,0 +1,52 @@
+"""A full field of wind velocities."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from fowtlib.components.environment.field_lookup import FieldLookup
+from fowtlib.components.environment.field_wind import FieldData, check_mean, open_field, require_range
+from fowtlib.components.environment.wind.base import Wind, station_height
+from fowtlib.language import Number, param
+from fowtlib.language.errors import ParameterError
+
+
+class FieldWind(Wind, kind="field"):
+    """u, v, w in space and time from a .bts file, see field_lookup; mean speed and shear are those of the file."""
+
+    file: str = param(default="", bound=True, doc="TurbSim .bts file")
+    field_shift: Number = param(
+        default=None, unit="m", bound=True, doc="x of its first plane at t = 0, see field_lookup"
+    )
+    interpolation: str = param(
+        default="linear", choices=("linear", "cubic"), bound=True, doc="between its points, in time"
+    )
+
+    def lookup(self) -> FieldLookup:
+        """The look-up of the file."""
+        if not self.file:
+            raise ParameterError(
+                f"{self.label}.file has no value; a wind of kind 'field' needs the path of a .bts file."
+            )
+        return open_field(self.file, self.field_shift, self.interpolation)
+
+    def field(self) -> FieldData | None:
+        """The field, if it holds all stations and has a mean."""
+        lookup, hubs = self.lookup(), np.insert(self.hubs, 0, 0.0, axis=1)
+        check_mean(lookup)
+        lookup.velocity(hubs + [lookup.shift, 0, 0], 0.0)  # an error if a station is outside of the field
+        return FieldData(lookup)
+
+    def period(self) -> float:
+        """That of a periodic field [s]."""
+        grid = self.lookup().grid
+        return grid.duration if grid.periodic else np.inf
+
+    def mean_at(self, station: int = 0) -> float:
+        """Mean [m/s] of u at a station."""
+        station_height(self, station)
+        return self.lookup().mean(*self.hubs[station].tolist())
+
+    def require(self, y_range: tuple[float, float], z_range: tuple[float, float], who: str) -> None:
+        """ParameterError where the field does not cover the ranges [m]."""
+        require_range(self.lookup(), y_range, z_range, who)

@@ -1,0 +1,16 @@
+"""No wind."""
+
+from __future__ import annotations
+
+from fowtlib.components.environment.wind.base import Wind
+
+
+class NoWind(Wind, kind="none"):
+    """No wind; rotors with coefficients feel no air at all."""
+
+    def drawing(self):
+        return []
+
+    def mean_at(self, station: int = 0) -> float:
+        """0."""
+        return 0.0
