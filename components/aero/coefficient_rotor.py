@@ -33,44 +33,24 @@ BEHIND = (
     "the wind, or take a rotor of blade elements."
 )
 
-ARGUMENTS = ("tip speed ratio", "blade pitch [rad]")
 
+class HubWind(Rotor):
+    """Partial: a rotor in the wind of its hub, along its normal, and its low-pass filtered mean."""
 
-class CoefficientRotor(Rotor):
-    """Rotor with thrust 1/2 rho A C_t U^2 and torque 1/2 rho A R C_q U^2, from tables over tip speed ratio and pitch.
-
-    U is the wind less the velocity of the hub, both along the rotor normal. The tip speed ratio w radius / U_f takes
-    the low-pass filtered wind less the velocity of the hub, so that C_t and C_q follow the mean wind and not its
-    turbulence; with filtered=False U itself, the quasi-static rotor. In a Wind of kind "none" the rotor feels no air.
-    Outside of its table the run stops, and in a mean wind from behind, for which no table holds. A table for starting,
-    idling and parked rotors goes through tip speed ratio 0 and to feathered blades; `extended` continues it to higher
-    tip speed ratios only. Not included: shear over the disk, yawed inflow (the wind across has no part), dynamic
-    inflow. Every rotor of a model has its own station of the Wind.
-    """
-
-    coefficients: Data[CoefficientTable] = data(read_coefficients, using=("extended",), doc="see read_coefficients")
-    extended: bool = param(default=False, doc="estimate coefficients above the tip speed ratios of the table")
-    radius: Scalar = param(unit="m", min=0, doc="tip radius along the blade, of the tip speed ratio")
-    precone: Scalar = param(default=0.0, unit="rad", doc="cone angle: R = radius cos(precone), A = pi R^2")
     station: int = param(default=0, min=0, doc="number of the wind's station at this hub")
     filtered: bool = param(default=True, doc="tip speed ratio with the filtered wind")
     filter_order: int = param(default=2, min=1, doc="order of the Butterworth filter")
     cutoff_frequency: Scalar = param(default=0.0033, unit="Hz", min=0, doc="-3 dB frequency of the filter")
-    lowest_wind: Scalar = param(default=0.5, unit="m/s", min=0, doc="least speed the tip speed ratio is divided by")
     wind_start: Scalar = param(
         default=lambda self: self.mean_along_shaft(),
         unit="m/s", doc="filtered wind at the start; its default takes the frame as turned along x",
     )  # fmt: skip
 
-    world: World = outer(World)
     wind: Wind = outer(Wind)
     normal_wind: RealOutput = port(unit="m/s", doc="undisturbed wind at the hub along the rotor normal")
     mean_wind: RealOutput = port(unit="m/s", doc="normal_wind, filtered: the wind of the tip speed ratio")
 
     relative_wind: Scalar = var(unit="m/s", doc="wind less the velocity of the hub, along the rotor normal")
-    tip_speed_ratio: Scalar = var(doc="tip speed ratio")
-    thrust_coefficient: Scalar = var(doc="C_t")
-    torque_coefficient: Scalar = var(doc="C_q")
 
     def build(self):
         if not self.filtered:
@@ -82,10 +62,6 @@ class CoefficientRotor(Rotor):
             self.connect(self.normal_wind, self.low_pass.u)
             self.connect(self.low_pass.y, self.mean_wind)
 
-    def drawing(self) -> Drawing:
-        angles = (self.parameter_value(name) for name in ("tilt", "precone"))
-        return outlines.typical_rotor(self, self.parameter_value("radius"), *angles)
-
     def mean_along_shaft(self) -> float:
         """Mean wind [m/s] along the shaft, while the turbine stands straight: where its filter starts."""
         wind = self.wind
@@ -93,25 +69,63 @@ class CoefficientRotor(Rotor):
         return float(wind.mean_at(self.station) * turned)
 
     def equations(self):
-        n, hub, R = self.normal(), self.frame.r, self.radius * m.cos(self.precone)
-        load = self.world.air_density / 2 * m.pi * R**2 * self.relative_wind * m.abs(self.relative_wind)
+        n, hub = self.normal(), self.frame.r
         return [
             super().equations(),
             eq(self.normal_wind, m.dot(n, self.wind.velocity(hub, self.station))),
             [] if self.filtered else eq(self.mean_wind, self.normal_wind),
             eq(self.relative_wind, self.normal_wind - m.dot(n, der(hub))),
-            [eq(self.thrust, load * self.thrust_coefficient), eq(self.torque, load * R * self.torque_coefficient)],
-            self.coefficients_in(m.dot(n, der(hub))),
+        ]
+
+
+class CoefficientRotor(HubWind):
+    """Rotor with thrust 1/2 rho A C_t U^2 and torque 1/2 rho A R C_q U^2, from tables over tip speed ratio and pitch.
+
+    U is the wind less the velocity of the hub, both along the rotor normal. The tip speed ratio w radius / U_f takes
+    the low-pass filtered wind less the velocity of the hub, so that C_t and C_q follow the mean wind and not its
+    turbulence; with filtered=False U itself, the quasi-static rotor. In a Wind of kind "none" the rotor feels no air.
+    Outside of its table the run stops, and in a mean wind from behind, for which no table holds. A table for starting,
+    idling and parked rotors goes through tip speed ratio 0 and to feathered blades; `extended` continues it to higher
+    tip speed ratios only. Not included: shear over the disk, yawed inflow (the wind across has no part), dynamic
+    inflow. Every rotor of a model has its own station of the Wind.
+    """
+
+    coefficients: Data[CoefficientTable] = data(
+        read_coefficients, using=("extended",), doc="CSV with the coefficients, see read_coefficients, or a whole table"
+    )
+    extended: bool = param(default=False, doc="estimate coefficients above the tip speed ratios of the table")
+    radius: Scalar = param(unit="m", min=0, doc="tip radius along the blade, of the tip speed ratio")
+    precone: Scalar = param(default=0.0, unit="rad", doc="cone angle: R = radius cos(precone), A = pi R^2")
+    lowest_wind: Scalar = param(default=0.5, unit="m/s", min=0, doc="least speed the tip speed ratio is divided by")
+
+    world: World = outer(World)
+    tip_speed_ratio: Scalar = var(doc="tip speed ratio")
+    thrust_coefficient: Scalar = var(doc="C_t")
+    torque_coefficient: Scalar = var(doc="C_q")
+
+    def drawing(self) -> Drawing:
+        angles = (self.parameter_value(name) for name in ("tilt", "precone"))
+        return outlines.typical_rotor(self, self.parameter_value("radius"), *angles)
+
+    def equations(self):
+        R = self.radius * m.cos(self.precone)
+        pressure = self.world.air_density / 2 * m.pi * R**2 * self.relative_wind * m.abs(self.relative_wind)
+        return [
+            super().equations(),
+            eq(self.thrust, pressure * self.thrust_coefficient),
+            eq(self.torque, pressure * R * self.torque_coefficient),
+            self.coefficients_in(m.dot(self.normal(), der(self.frame.r))),
         ]
 
     def coefficients_in(self, hub_velocity):
         """Tip speed ratio and coefficients, for the velocity of the hub along the rotor normal."""
-        table, speed = self.coefficients, self.mean_wind - hub_velocity
+        speed = self.mean_wind - hub_velocity
+        table, names = self.coefficients, ("tip speed ratio", "blade pitch [rad]")
         grid = (table.tip_speed_ratio, table.blade_pitch, table.values)
         air = at_start("air", doc="0 without any wind, else 1", compute=lambda rotor: rotor.wind.kind != "none")
         places = zip((self.tip_speed_ratio, self.blade_pitch), grid, strict=False)
         inside = [air * value + (1 - air) * float(edges[0]) for value, edges in places]  # no air: anywhere in the table
-        C = table2d(*inside, *grid, name=f"coefficients of {self.path}", arguments=ARGUMENTS, remedy=REMEDY)
+        C = table2d(*inside, *grid, name=f"coefficients of {self.path}", arguments=names, remedy=REMEDY)
         return [
             assert_(self.mean_wind > -self.lowest_wind, BEHIND),
             eq(self.tip_speed_ratio, air * self.w * self.radius / m.fmax(speed, self.lowest_wind)),
