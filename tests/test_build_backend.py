@@ -7,6 +7,7 @@ import hashlib
 import shutil
 import subprocess
 import sys
+import tarfile
 import zipfile
 from pathlib import Path
 
@@ -72,3 +73,14 @@ def test_who_reads_files_finds_the_packages(wheel):
     for name in ("", "language", "components"):
         text = (folder / "fowtlib" / name / "__init__.py").read_text()
         assert text == f"NAME = '{('fowtlib/' + name).strip('/') if name != 'components' else name}'\n"
+
+
+def test_the_source_archive_brings_the_backend(wheel):
+    """Without it nothing can be built from the archive."""
+    project = wheel.parents[1]
+    shutil.copy(ROOT / "MANIFEST.in", project)
+    code = "import build_backend as b; print(b.build_sdist('out'))"
+    run = subprocess.run([sys.executable, "-W", "ignore", "-c", code], cwd=project, capture_output=True, text=True)
+    assert run.returncode == 0, run.stderr
+    with tarfile.open(project / "out" / run.stdout.split()[-1]) as archive:
+        assert "fowtlib-0.0.1/build_backend.py" in archive.getnames()

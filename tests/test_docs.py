@@ -79,3 +79,16 @@ def test_every_computed_table_has_its_command(name: str):
     page = (ROOT / "docs" / f"{name}.md").read_text()
     filled = re.findall(r"<!-- begin (\w+) -->\n\|", page)
     assert sorted(filled) == sorted(computed), f"run `python benchmarks/{name}.py`"
+
+
+def test_the_house_is_drawn_as_it_stands():
+    """Every package of the project has its place on the page about the architecture."""
+    text = (ROOT / "docs" / "architecture.md").read_text(encoding="utf-8")
+    packages = tomllib.loads((ROOT / "pyproject.toml").read_text())["tool"]["setuptools"]["packages"]
+    rooms = [name for name in packages if name != "fowtlib" and not name.startswith("fowtlib.components.")]
+    missing = [name for name in rooms if f"| `{name}` |" not in text]
+    of_parts = [name.split(".")[-1] for name in packages if name.startswith("fowtlib.components.")]
+    missing += [name for name in of_parts if f"`{name}`" not in text]
+    assert not missing
+    named = re.findall(r"^\| `(fowtlib[\w.]*)` \|", text, re.M)
+    assert sorted(named) == sorted(rooms)

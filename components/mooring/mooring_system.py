@@ -12,7 +12,7 @@ from fowtlib.components.mechanics.connectors import Frame
 from fowtlib.components.mooring import catenary
 from fowtlib.components.mooring.catenary_line import CatenaryLine
 from fowtlib.components.mooring.yaw_spring import YawSpring
-from fowtlib.language import Array, Component, Scalar, param, port
+from fowtlib.language import Array, Component, Scalar, param, parts, port
 from fowtlib.language import math as m
 from fowtlib.language.errors import ParameterError
 from fowtlib.language.shapes import Drawing
@@ -51,11 +51,16 @@ class MooringSystem(Component):
 
     frame: Frame = port(doc="frame of the body, on the centreline")
 
+    arms: list[FixedTranslation] = parts(
+        FixedTranslation, size=lambda self: len(self.layout()), name="fairlead",
+        each=lambda self, i: {"r": self.layout()[i][0]}, doc="from the frame to the fairleads",
+    )  # fmt: skip
+    lines: list[CatenaryLine] = parts(
+        CatenaryLine, size=lambda self: len(self.layout()), name="line", each=lambda self, i: self.line_values(i)
+    )
+
     def build(self):
-        for i, (fairlead, anchor) in enumerate(self.layout()):
-            arm = self.add(f"fairlead_{i + 1}", FixedTranslation(r=fairlead))
-            properties = {name: self._of_line(name, i) for name in LINE_PROPERTIES if self._has(name)}
-            line = self.add(f"line_{i + 1}", CatenaryLine(anchor_position=anchor, **properties))
+        for arm, line in zip(self.arms, self.lines, strict=True):
             self.connect(self.frame, arm.frame_a)
             self.connect(arm.frame_b, line.fairlead)
         if self._has("yaw_stiffness"):
@@ -63,7 +68,12 @@ class MooringSystem(Component):
             self.connect(self.frame, self.yaw_spring.frame)
 
     def drawing(self) -> Drawing:
-        return [shape for part in self.parts.values() if isinstance(part, CatenaryLine) for shape in part.drawing()]
+        return [shape for line in self.lines for shape in line.drawing()]
+
+    def line_values(self, i: int) -> dict[str, Any]:
+        """The parameters of line number i, counted from 0."""
+        properties = {name: self._of_line(name, i) for name in LINE_PROPERTIES if self._has(name)}
+        return {"anchor_position": self.layout()[i][1], **properties}
 
     def layout(self) -> list[tuple[Any, Any]]:
         """Fairlead (in the frame of the body) and anchor (world) of each line."""

@@ -5,9 +5,9 @@ from __future__ import annotations
 import numpy as np
 
 from fowtlib.components.mechanics import BeamTurn, FixedTranslation, Frame
-from fowtlib.components.mechanics.beam_properties import BeamProperties, read_beam
-from fowtlib.components.support.tower import of_a_tube, tube_or_table
-from fowtlib.language import Array, Component, Data, Number, RealOutput, Scalar, Vector, data, eq, param, port
+from fowtlib.components.mechanics.beam_settings import BeamSettings, BeamTable, WallMaterial
+from fowtlib.components.support.tower import tube_or_table
+from fowtlib.language import Array, Component, Number, RealOutput, Scalar, Vector, eq, param, port
 from fowtlib.language import math as m
 from fowtlib.language.errors import ParameterError
 
@@ -49,8 +49,8 @@ class ArmLoads(Component):
         ]
 
 
-class Arm(ArmLoads):
-    """A flexible arm from a tower to a rotor, see Beam: a round tube that tapers, or a table of properties.
+class Arm(ArmLoads, BeamTable, WallMaterial, BeamSettings):
+    """A flexible arm from a tower to a rotor, see Beam: a round tube that tapers, or a table (x horizontal).
 
     frame_a is on the axis of the tower; the arm is rigid up to `root_radius`, where the tube begins. frame_a, the tip
     and the nodes are parallel while the arm is straight: x downwind, z up. Loads are those of what is outboard on the
@@ -69,26 +69,6 @@ class Arm(ArmLoads):
         default=(), unit="m", doc="outer diameters at equal distances from root to tip, linear between"
     )
     wall_thicknesses: Array = param(default=(), unit="m", doc="wall thicknesses at the same places")
-    density: Scalar = param(
-        default=of_a_tube(8500.0),
-        unit="kg/m^3",
-        min=0,
-        doc="density of the wall, with paint, bolts, flanges; 8500 unless given",
-    )
-    young_modulus: Scalar = param(
-        default=of_a_tube(210e9), unit="Pa", min=0, doc="Young's modulus of the wall; 210 GPa unless given"
-    )
-    shear_modulus: Scalar = param(
-        default=of_a_tube(80.8e9), unit="Pa", min=0, doc="shear modulus of the wall; 80.8 GPa unless given"
-    )
-    stiffness_factor: Scalar = param(default=1.0, min=0, doc="factor on every stiffness")
-    properties: Data[BeamProperties] = data(
-        read_beam, default=None, doc="CSV with the properties, see read_beam; x is horizontal"
-    )
-    table: object = param(default=None, doc="the properties as BeamProperties, instead of a path")
-    hinges: int = param(default=4, min=0, doc="number of beam hinges; 0: rigid")
-    quadrature: str = param(default="loaded_tip", choices=("plain", "loaded_tip", "free_tip"), doc="see Beam")
-    torsion: bool = param(default=False, doc="with torsion")
     damping_horizontal: Scalar = param(default=0.003, unit="s", min=0, doc="damping over stiffness, horizontal")
     damping_vertical: Scalar = param(default=damping_horizontal, unit="s", min=0, doc="the same, vertical")
 
@@ -98,9 +78,8 @@ class Arm(ArmLoads):
         self.root = FixedTranslation(r=tuple(to * self.root_radius / np.linalg.norm(to)))
         self.turn, self.turn_back = BeamTurn(axes=axes), BeamTurn(axes=axes.T)
         self.beam = tube_or_table(
-            self, stations, hinges=self.hinges, quadrature=self.quadrature, torsion=self.torsion, cuts=self.cuts,
-            damping_x=self.damping_horizontal, damping_y=self.damping_vertical, node_points=self.node_distances,
-            stiffness_factor=self.stiffness_factor,
+            self, stations, damping_x=self.damping_horizontal, damping_y=self.damping_vertical,
+            node_points=self.node_distances, **self.values_of(BeamSettings),
         )  # fmt: skip
         if not len(stations) and abs(self.beam.table.length - length) > 1e-6 * length:
             raise ParameterError(

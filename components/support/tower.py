@@ -6,16 +6,16 @@ import numpy as np
 
 from fowtlib.components.mechanics import (
     Beam,
-    BeamProperties,
     FixedTranslation,
     Frame,
     RigidBody,
     TubeBeam,
     TwoFrames,
 )
-from fowtlib.components.mechanics.beam_properties import given_beam, read_beam
+from fowtlib.components.mechanics.beam_properties import given_beam
+from fowtlib.components.mechanics.beam_settings import BeamSettings, BeamTable, WallMaterial
 from fowtlib.components.mechanics.tube_beam import TUBE
-from fowtlib.language import Array, Data, RealOutput, Scalar, data, eq, param, port, shapes
+from fowtlib.language import Array, RealOutput, Scalar, eq, param, port, shapes
 from fowtlib.language import math as m
 from fowtlib.language.errors import ParameterError
 
@@ -53,11 +53,6 @@ class Tower(TwoFrames):
         ]
 
 
-def of_a_tube(value):
-    """Default of a number of a tube: none without diameters, as a number that nothing uses is no parameter of a run."""
-    return lambda component: value if np.size(component.parameter_value("diameters")) else None
-
-
 def tube_or_table(component, heights, names="diameters and wall_thicknesses", **settings):
     """The Beam of a component with these settings: a TubeBeam where `heights` along it are given, or that of its table.
 
@@ -79,7 +74,7 @@ def tube_or_table(component, heights, names="diameters and wall_thicknesses", **
     return Beam(table=given_beam(component), **settings)
 
 
-class FlexibleTower(Tower):
+class FlexibleTower(Tower, BeamTable, WallMaterial, BeamSettings):
     """A tower as a chain of sprung hinges (see Beam), from a table or from the diameters and walls of a steel tube.
 
     Give `properties`, or `heights`, `diameters` and `wall_thicknesses`, linear between the heights, with the material.
@@ -89,29 +84,9 @@ class FlexibleTower(Tower):
 
     mode_names = {"*_x": "{part} fore-aft", "*_y": "{part} side-side", "*.twisting.*": "{part} torsion"}
 
-    properties: Data[BeamProperties] = data(read_beam, default=None, doc="CSV with the properties, see read_beam")
-    table: object = param(default=None, doc="the properties as BeamProperties, instead of a path")
     heights: Array = param(default=(), unit="m", doc="heights of the stations, base first")
     diameters: Array = param(default=(), unit="m", doc="outer diameters at the heights")
     wall_thicknesses: Array = param(default=(), unit="m", doc="wall thicknesses at the heights")
-    density: Scalar = param(
-        default=of_a_tube(8500.0),
-        unit="kg/m^3",
-        min=0,
-        doc="density of the wall, with paint, bolts, flanges; 8500 unless given",
-    )
-    young_modulus: Scalar = param(
-        default=of_a_tube(210e9), unit="Pa", min=0, doc="Young's modulus of the wall; 210 GPa unless given"
-    )
-    shear_modulus: Scalar = param(
-        default=of_a_tube(80.8e9), unit="Pa", min=0, doc="shear modulus of the wall; 80.8 GPa unless given"
-    )
-    stiffness_factor: Scalar = param(default=1.0, min=0, doc="factor on every stiffness")
-    cuts: Array = param(default=(), unit="m", structural="it parts the chain", doc="section loads: heights above base")
-    n_cuts: int = param(default=lambda self: len(self.cuts), min=0, doc="number of those cuts")
-    hinges: int = param(default=4, min=0, doc="number of beam hinges; 0: rigid")
-    quadrature: str = param(default="loaded_tip", choices=("plain", "loaded_tip", "free_tip"), doc="see Beam")
-    torsion: bool = param(default=False, doc="with torsion")
     damping_fore_aft: Scalar = param(default=0.03, unit="s", min=0, doc="damping over stiffness, fore-aft")
     damping_side_side: Scalar = param(default=damping_fore_aft, unit="s", min=0, doc="the same, side-side")
 
@@ -122,9 +97,8 @@ class FlexibleTower(Tower):
     def build(self):
         self.beam = tube_or_table(
             self, self.heights, "heights, diameters and wall_thicknesses",
-            hinges=self.hinges, quadrature=self.quadrature, torsion=self.torsion, node_points=self.node_points,
-            damping_x=self.damping_fore_aft, damping_y=self.damping_side_side, cuts=self.cuts,
-            stiffness_factor=self.stiffness_factor,
+            damping_x=self.damping_fore_aft, damping_y=self.damping_side_side, node_points=self.node_points,
+            **self.values_of(BeamSettings),
         )  # fmt: skip
         self.connect(self.frame_a, self.beam.frame_a)
         self.connect(self.beam.frame_b, self.frame_b)

@@ -9,8 +9,10 @@ import numpy as np
 from fowtlib.components.aero import outlines
 from fowtlib.components.mechanics import Beam, BeamProperties, FixedTranslation, Frame, RigidBody
 from fowtlib.components.mechanics.beam import bodies
-from fowtlib.components.mechanics.beam_properties import given_beam, read_beam
-from fowtlib.language import Array, Component, Data, RealOutput, Scalar, data, eq, param, port, shapes
+from fowtlib.components.mechanics.beam_division import QUADRATURES
+from fowtlib.components.mechanics.beam_properties import given_beam
+from fowtlib.components.mechanics.beam_settings import BeamSettings, BeamTable
+from fowtlib.language import Component, RealOutput, Scalar, eq, param, port, shapes
 from fowtlib.language import math as m
 
 _mirrored = lru_cache(maxsize=8)(BeamProperties.mirrored)  # the same object for the same blade
@@ -34,7 +36,7 @@ class Blade(Component):
     tip_deflection: RealOutput = port(unit="m", shape=(3,), doc="displacement of the tip, resolved in the root frame")
 
 
-class FlexibleBlade(Blade):
+class FlexibleBlade(Blade, BeamTable, BeamSettings):
     """A blade as a chain of sprung hinges, see Beam.
 
     The root moments are what the loads outboard do to the root: the moment of the blade on the hub, resolved in the
@@ -44,14 +46,9 @@ class FlexibleBlade(Blade):
 
     mode_names = {"*_x": "blade flap", "*_y": "blade edge", "*.twisting.*": "blade torsion"}
 
-    properties: Data[BeamProperties] = data(read_beam, default=None, doc="CSV with the properties, see read_beam")
-    table: object = param(default=None, doc="the properties as BeamProperties, instead of a path")
     hinges: int = param(default=6, min=0, doc="number of beam hinges; 0: rigid")
     mirrored: bool = param(default=False, doc="mirror image, for a rotor that turns counter-clockwise")
-    quadrature: str = param(default="free_tip", choices=("plain", "loaded_tip", "free_tip"), doc="see Beam")
-    torsion: bool = param(default=False, doc="with torsion")
-    cuts: Array = param(default=(), unit="m", structural="it parts the chain", doc="section loads, from the root")
-    n_cuts: int = param(default=lambda self: len(self.cuts), min=0, doc="number of those cuts")
+    quadrature: str = param(default="free_tip", choices=QUADRATURES, doc="see Beam")
     damping_flapwise: Scalar = param(default=0.003, unit="s", min=0, doc="damping over stiffness, flapwise")
     damping_edgewise: Scalar = param(default=damping_flapwise, unit="s", min=0, doc="damping over stiffness, edgewise")
 
@@ -62,9 +59,8 @@ class FlexibleBlade(Blade):
     def build(self):
         table = given_beam(self)
         self.beam = Beam(
-            table=_mirrored(table) if self.mirrored else table, hinges=self.hinges,
-            quadrature=self.quadrature, torsion=self.torsion, damping_x=self.damping_flapwise,
-            damping_y=self.damping_edgewise, node_points=self.node_points, cuts=self.cuts,
+            table=_mirrored(table) if self.mirrored else table, damping_x=self.damping_flapwise,
+            damping_y=self.damping_edgewise, node_points=self.node_points, **self.values_of(BeamSettings),
         )  # fmt: skip
         self.connect(self.frame_a, self.beam.frame_a)
         self.connect(self.beam.deflection, self.tip_deflection)

@@ -6,7 +6,20 @@ import math
 
 from fowtlib.components.mechanics import Frame, RigidBody, TwoFrames
 from fowtlib.components.turbine.actuators import ActuatedBearing
-from fowtlib.language import Component, Number, RealInput, RealOutput, Scalar, eq, param, part, port, rotation, shapes
+from fowtlib.language import (
+    Component,
+    Number,
+    RealInput,
+    RealOutput,
+    Scalar,
+    eq,
+    param,
+    part,
+    parts,
+    port,
+    rotation,
+    shapes,
+)
 from fowtlib.language import math as m
 
 
@@ -57,14 +70,18 @@ class Hub(Component):
         RigidBody, mass=mass, inertia=((inertia, 0, 0), (0, 0, 0), (0, 0, 0)), r_cm=(centre_of_mass, 0, 0)
     )
 
+    mounts: list[BladeMount] = parts(
+        BladeMount, size="blades", name="mount", precone=precone, radius=radius,
+        each=lambda self, k: {"azimuth": self.rotation * 2 * math.pi * k / self.blades},
+    )  # fmt: skip
+    bearings: list[ActuatedBearing] = parts(
+        ActuatedBearing, size="blades", name="bearing", n=lambda self: (0, 0, -self.rotation),
+        natural_frequency=pitch_frequency, damping_ratio=pitch_damping, rate_limit=pitch_rate,
+    )  # fmt: skip
+
     def build(self):
         self.connect(self.frame, self.body.frame_a)
-        for k in range(self.blades):
-            azimuth = self.rotation * 2 * math.pi * k / self.blades
-            mount = self.add(f"mount_{k + 1}", BladeMount(azimuth=azimuth, precone=self.precone, radius=self.radius))
-            drive = {"natural_frequency": self.pitch_frequency, "damping_ratio": self.pitch_damping,
-                     "rate_limit": self.pitch_rate}  # fmt: skip
-            bearing = self.add(f"bearing_{k + 1}", ActuatedBearing(n=(0, 0, -self.rotation), **drive))
+        for k, (mount, bearing) in enumerate(zip(self.mounts, self.bearings, strict=True)):
             self.connect(self.frame, mount.frame_a)
             self.connect(mount.frame_b, bearing.frame_a)
             self.connect(bearing.frame_b, self.roots[k])

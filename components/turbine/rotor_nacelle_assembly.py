@@ -20,6 +20,7 @@ from fowtlib.language import (
     eq,
     param,
     part,
+    parts,
     port,
 )
 from fowtlib.language import math as m
@@ -63,6 +64,11 @@ class RotorNacelleAssembly(Component):
     nacelle: Nacelle = part(Nacelle)
     drivetrain: Drivetrain = part(Drivetrain)
     hub: Hub = part(Hub)
+    rotor_blades: list[FlexibleBlade] = parts(
+        FlexibleBlade, size="blades", name="blade", properties=blade_properties, table=blade_table, hinges=blade_hinges,
+        cuts=blade_cuts, quadrature=blade_quadrature, torsion=blade_torsion, damping_flapwise=damping_flapwise,
+        damping_edgewise=damping_edgewise, node_points=node_points, mirrored=lambda self: self.rotation < 0,
+    )  # fmt: skip
 
     def build(self):
         for component, names in (
@@ -77,30 +83,23 @@ class RotorNacelleAssembly(Component):
             (self.generator_torque, self.drivetrain.generator_torque),
         ):  # fmt: skip
             self.connect(a, b)
-        for k in range(self.blades):
-            blade = FlexibleBlade(
-                properties=self.blade_properties, table=self.blade_table, hinges=self.blade_hinges,
-                cuts=self.blade_cuts, quadrature=self.blade_quadrature, torsion=self.blade_torsion,
-                damping_flapwise=self.damping_flapwise,
-                damping_edgewise=self.damping_edgewise, node_points=self.node_points, mirrored=self.rotation < 0,
-            )  # fmt: skip
-            self.connect(self.hub.roots[k], self.add(f"blade_{k + 1}", blade).frame_a)
+        for k, blade in enumerate(self.rotor_blades):
+            self.connect(self.hub.roots[k], blade.frame_a)
             self.connect(self.pitch_demand[k], self.hub.pitch_command[k])
             for i in range(len(self.node_points)):
                 self.connect(blade.nodes[i], self.nodes[k * len(self.node_points) + i])
 
     def equations(self):
-        numbers = range(1, self.blades + 1)
         return [
             *(_of_blade(self, k) for k in range(self.blades)),
-            cyclic_symmetry(self.nacelle.azimuth, [self.parts[f"blade_{k}"] for k in numbers]),
-            cyclic_symmetry(self.nacelle.azimuth, [self.hub.parts[f"bearing_{k}"] for k in numbers]),
+            cyclic_symmetry(self.nacelle.azimuth, self.rotor_blades),
+            cyclic_symmetry(self.nacelle.azimuth, self.hub.bearings),
         ]
 
 
 def _of_blade(turbine, k):
     """Pitch demand and tip displacement of blade k, whose axes pitch, resolved in axes that do not."""
-    tip, pitch = turbine.parts[f"blade_{k + 1}"].tip_deflection, turbine.hub.pitch[k]
+    tip, pitch = turbine.rotor_blades[k].tip_deflection, turbine.hub.pitch[k]
     s, c = turbine.rotation * m.sin(pitch), m.cos(pitch)
     return [
         eq(turbine.pitch_demand[k], turbine.blade_pitch + turbine.individual_pitch[k]),

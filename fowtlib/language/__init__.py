@@ -14,6 +14,7 @@ from fowtlib.language.declarations import (
     outer,
     param,
     part,
+    parts,
     port,
     var,
 )
@@ -76,6 +77,7 @@ __all__ = [
     "outer",
     "param",
     "part",
+    "parts",
     "port",
     "potential",
     "reinit",

@@ -20,6 +20,7 @@ from fowtlib.language.declarations import (
     Outer,
     Parameter,
     Part,
+    PartArray,
     Port,
     Variable,
     data,
@@ -65,6 +66,7 @@ class Component(Composite):
     ports: dict[str, Port] = {}
     variables: dict[str, Variable] = {}
     declared_parts: dict[str, Part] = {}
+    part_arrays: dict[str, PartArray] = {}
     outers: dict[str, Outer] = {}
 
     family: Family | None = None
@@ -75,8 +77,8 @@ class Component(Composite):
         super().__init_subclass__(**kwargs)
         _resolve_annotations(cls, sys._getframe(1).f_locals)
         for field_class, table in _TABLES.items():
-            own = {name: value for name, value in vars(cls).items() if isinstance(value, field_class)}
-            setattr(cls, table, {**getattr(cls, table), **own})
+            fields = (item for base in reversed(cls.__mro__) for item in vars(base).items())
+            setattr(cls, table, {name: value for name, value in fields if isinstance(value, field_class)})
         if selector:
             cls.family = Family(cls, selector, tuple(shared))
         elif kind:
@@ -94,6 +96,7 @@ class Component(Composite):
         self._binding: dict[str, Any] | None = None
         self._values: dict[str, Any] = {}
         self.origins: dict[str, str] = {}  # file and line of each given value, and under "" of the component itself
+        modifiers = self._spread(modifiers)
         given = {name: value for name, value in modifiers.items() if self._is_part(name, value)}
         self._start(given)
         if self.family is not None:
@@ -105,6 +108,19 @@ class Component(Composite):
             if name not in given:
                 self._set(name, value)
         self._compose()
+
+    def _spread(self, modifiers: dict[str, Any]) -> dict[str, Any]:
+        """The arguments of the constructor with lists of parts taken apart."""
+        spread: dict[str, Any] = {}
+        for name, value in modifiers.items():
+            declared = self.part_arrays.get(name)
+            if declared is None:
+                spread[name] = value
+            elif not isinstance(value, list | tuple) or not all(isinstance(one, Component) for one in value):
+                raise ParameterError(f"{type(self).__name__}.{name} is an array of parts; give a list of components.")
+            else:
+                spread |= {f"{declared.stem}_{i + 1}": one for i, one in enumerate(value)}
+        return spread
 
     def _is_part(self, name: str, value: Any) -> bool:
         return name in self.declared_parts or (isinstance(value, Component) and name not in self.parameters)
@@ -130,6 +146,8 @@ class Component(Composite):
             self._set(field.name, value)
         elif isinstance(field, Part) and isinstance(value, Component):
             self.current.add(field.name, value)
+        elif isinstance(field, PartArray):
+            raise ParameterError(f"{self.label}.{field.name} is an array of parts; assign to one of them: [0].")
         elif isinstance(field, Part):
             raise ParameterError(f"{self.label}.{field.name} is a part, and {value!r} is no Component.")
         else:
@@ -176,6 +194,14 @@ class Component(Composite):
         if field.annotation in (int, float, str, bool):
             return _plain(field, value, where)
         return value
+
+    def values_of(self, record: type[Component]) -> dict[str, Any]:
+        """What this component's parameters of a record are set to: arguments for a part that has the record too.
+
+        A record is a partial class with parameters only, from which those are derived that have them in common:
+        `Beam(**self.values_of(BeamSettings))`.
+        """
+        return {name: getattr(self, name) for name in record.parameters}
 
     def parameter_value(self, name: str) -> Any:
         """The value a parameter has now, in SI units; an error where a required one is missing."""
@@ -355,6 +381,7 @@ class Component(Composite):
 
 _TABLES: dict[type, str] = {
     Parameter: "parameters", Port: "ports", Variable: "variables", Part: "declared_parts", Outer: "outers",
+    PartArray: "part_arrays",
 }  # fmt: skip
 
 

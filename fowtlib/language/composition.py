@@ -31,6 +31,7 @@ class Composite:
     ports: dict[str, Port]
     variables: dict[str, Variable]
     declared_parts: dict[str, Part]
+    part_arrays: dict[str, Any]
     outers: dict[str, Any]
     family: Any
     label: str
@@ -133,6 +134,10 @@ class Composite:
             for name, declared in self.declared_parts.items():
                 given = self._given.get(name)
                 self._make(name, declared.make(self) if given is None else given, declared.base)
+            for array in self.part_arrays.values():
+                for i, name in enumerate(array.names(self)):
+                    given = self._given.get(name)
+                    self._make(name, array.make(self, i) if given is None else given, array.component_class)
             self.build()
             for one, name in taken:
                 if name not in one._by_owner:
@@ -156,7 +161,7 @@ class Composite:
     def _compose_again(self, name: str, structural: bool) -> None:
         """A parameter that may decide about parts has changed after they were made."""
         try:
-            if type(self).build is not Composite.build or self.declared_parts:
+            if type(self).build is not Composite.build or self.declared_parts or self.part_arrays:
                 self._compose()
         except _HandedDown as error:
             raise ParameterError(

@@ -7,7 +7,8 @@ parameter gives its value or a reference to it, a port gives a reference for `co
 from __future__ import annotations
 
 import os
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
+from itertools import count, takewhile
 from typing import TYPE_CHECKING, Any, Generic, Literal, TypeVar, get_args, get_origin
 
 from fowtlib.language.errors import ParameterError, StructureError
@@ -279,6 +280,57 @@ class Part(Field):
         return self if component is None else component.parts[self.name]
 
 
+class PartArray(Field):
+    """Declaration of equal parts, as many as a parameter says: `<stem>_1`, `<stem>_2`, ..."""
+
+    def __init__(self, component_class: type, size: Any, stem: str, each: Any, modifiers: dict[str, Any], doc: str):
+        self.component_class, self.size, self.stem, self.doc = component_class, size, stem, doc
+        self.each, self.modifiers = each, modifiers
+
+    def count(self, owner: Any) -> int:
+        """Number of parts in one instance of the class."""
+        size = owner.parameter_value(self.size) if isinstance(self.size, str) else owner.resolve(self.size)
+        return int(size)
+
+    def names(self, owner: Any) -> list[str]:
+        """Their names."""
+        return [f"{self.stem}_{i + 1}" for i in range(self.count(owner))]
+
+    def make(self, owner: Any, i: int) -> Any:
+        """Part number i, counted from 0, as the class declares it."""
+        own = self.each(owner, i) if self.each is not None else {}
+        return self.component_class(**{name: owner.resolve(value) for name, value in self.modifiers.items()}, **own)
+
+    def __get__(self, component: Any, owner: type | None = None) -> Any:
+        return self if component is None else Parts(component, self)
+
+
+class Parts(Sequence[Any]):
+    """The parts of an array as they are now; one of them is replaced by assignment to its number."""
+
+    def __init__(self, owner: Any, declared: PartArray):
+        self.owner, self.declared = owner, declared
+
+    @property
+    def names(self) -> list[str]:
+        """The names under which the owner has them."""
+        known, stem = self.owner.current.parts, self.declared.stem
+        return list(takewhile(known.__contains__, (f"{stem}_{i}" for i in count(1))))
+
+    def __len__(self) -> int:
+        return len(self.names)
+
+    def __getitem__(self, index: Any) -> Any:
+        parts = [self.owner.current.parts[name] for name in self.names]
+        return parts[index]
+
+    def __setitem__(self, index: int, component: Any) -> None:
+        self.owner.current.add(self.names[index], component)
+
+    def __repr__(self) -> str:
+        return repr(list(self))
+
+
 class Outer(Field):
     """Declaration of a component that is found in an enclosing component (Modelica's inner and outer), or of all."""
 
@@ -344,6 +396,19 @@ def port(*, size: Any = None, optional: bool = False, doc: str = "", unit: str =
 def part(component_class: type, *, doc: str = "", **modifiers: Any) -> Any:
     """Declare a part; `modifiers` are its parameters, and may be arithmetic on the parameters above."""
     return Part(component_class, modifiers, doc)
+
+
+def parts(component_class: type, *, size: Any, name: str, each: Callable[[Any, int], dict[str, Any]] | None = None,
+          doc: str = "", **modifiers: Any) -> Any:  # fmt: skip
+    """Declare an array of equal parts.
+
+    `lines: list[Line] = parts(Line, size="n_lines", name="line", length=length)`: they are `line_1`, `line_2`, ... in
+    paths, and `self.lines[0]`, `self.lines[1]`, ... in Python. size: a parameter, a number or a function of the
+    component. `modifiers` are the same for all; each(component, number) gives those that differ, counted from 0:
+    `each=lambda self, k: {"azimuth": 2 * pi * k / self.blades}`. One of the parts is replaced as any part; the
+    constructor also takes a whole list of them.
+    """
+    return PartArray(component_class, size, name, each, modifiers, doc)
 
 
 def outer(component_class: type | None = None, *, optional: bool = False, many: bool = False, doc: str = "",

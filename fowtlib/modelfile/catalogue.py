@@ -48,7 +48,8 @@ def classes_of_file(path: Path) -> Classes:
 
 def is_partial(item: type[Component]) -> bool:
     """A class without equations, parts or connections is there for others to derive from."""
-    return item.equations is Component.equations and item.build is Component.build and not item.declared_parts
+    empty = not (item.declared_parts or item.part_arrays)
+    return item.equations is Component.equations and item.build is Component.build and empty
 
 
 def _defined_in(module: ModuleType) -> Classes:

@@ -106,7 +106,8 @@ def declared_parameters(layers: list[Layer], base: type[Component], path: str) -
         if layer.spec.use is not None:
             raise place.error(f"{path}: beside 'use', give the parameters of the definition values directly.")
         for name, declared in layer.spec.parameters.items():
-            taken = [*base.parameters, *base.ports, *base.variables, *base.declared_parts, *base.outers]
+            taken = [*base.parameters, *base.ports, *base.variables, *base.declared_parts, *base.part_arrays]
+            taken += base.outers
             if name in found or name in taken or hasattr(base, name):
                 raise declared.value.place.error(f"the parameter '{name}' has a name that is taken already.")
             layer.scope.waiting[name] = _declaration(name, declared, layers[: i + 1], join(path, name))

@@ -152,7 +152,7 @@ def test_a_blade_from_an_object():
 
 def test_a_tower_from_an_object():
     beam = BeamProperties.uniform(80.0, 4000.0, 5e11)
-    assert FlexibleTower(properties=beam, units=2).properties is beam
-    assert FlexibleTower(table=beam, units=2).beam.properties is None
+    assert FlexibleTower(properties=beam, hinges=2).properties is beam
+    assert FlexibleTower(table=beam, hinges=2).beam.properties is None
     with pytest.raises(ParameterError, match="give properties, the path of a CSV, or table"):
-        FlexibleTower(properties=beam, table=beam, units=2)
+        FlexibleTower(properties=beam, table=beam, hinges=2)

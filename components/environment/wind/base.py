@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import casadi as ca
 import numpy as np
@@ -60,6 +60,10 @@ class Wind(Component, selector="kind", shared=("speeds", "velocity")):
     speed: RealOutput = port(unit="m/s", shape=_per_station, doc="undisturbed speed at each station")
     base: Array = var(unit="m/s", shape=_per_station, doc="sheared part of the speed at each station")
     fluctuation: Array = var(unit="m/s", shape=_per_station, doc="gust or turbulence at each station")
+
+    if TYPE_CHECKING:  # the class of the kind takes further parameters
+
+        def __init__(self, **parameters: Any) -> None: ...
 
     def equations(self):
         base, fluctuation = self.speeds()
