@@ -36,9 +36,9 @@ def frequencies(beam, hinges, quadrature, mass=0.0, inertia=0.0, offset=0.0):
     return np.sqrt(eigh(np.diag(K), M, eigvals_only=True))
 
 
-def table(title, beam, picked, names, reference_treatment, **head):
+def table(title, beam, picked, names, reference_quadrature, **head):
     """Errors of the frequencies numbered `picked`, in percent, against 60 hinges at Gauss points."""
-    exact = frequencies(beam, 60, reference_treatment, **head)[picked]
+    exact = frequencies(beam, 60, reference_quadrature, **head)[picked]
     unit = 2 * np.pi if title.endswith("Hz") else 1.0
     values = ", ".join(f"{name} {w / unit:.4g}" for name, w in zip(names, exact, strict=True))
     rule = "| --- " * (2 + len(names)) + "|"

@@ -121,10 +121,10 @@ class BladeElementAerodynamics(RotorLoads):
 
     Each node takes part with its own position, orientation and velocity, in the wind at its place. The frames in
     `nodes` are parallel to the pitched blade root when nothing bends, blade by blade from root to tip, and lie at the
-    aerodynamic centres (`node_points`); the twist of the airfoils is added here. thrust, side and vertical force are
-    the sums over all nodes along the axes of the shaft: x downwind, not turning. The nodes meet the wind that every
-    TowerPotentialFlow of the model deflects; dynamic_inflow adds the part `inflow`, see DynamicInflow. A wind
-    field that does not cover the disk of tip_radius about the rotor's station is refused, see Wind.require.
+    aerodynamic centres (`node_points`); the twist of the airfoils is added here. `force` and `moment` are the sums over
+    all nodes, the moment about the hub; thrust and torque are their parts along and about the shaft. The nodes meet the
+    wind that every TowerPotentialFlow of the model deflects; dynamic_inflow adds the part `inflow`, see DynamicInflow.
+    A wind field that does not cover the disk of tip_radius about the rotor's station is refused, see Wind.require.
     """
 
     dynamic_inflow: bool = param(default=False, doc="the induced speed follows the loads with a delay: DynamicInflow")

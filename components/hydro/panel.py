@@ -20,6 +20,7 @@ import math
 import warnings
 from collections.abc import Iterable
 from dataclasses import replace
+from pathlib import Path
 
 import numpy as np
 
@@ -28,6 +29,8 @@ from fowtlib.components.hydro.conventions import check_conventions
 from fowtlib.components.hydro.database import HydrodynamicDatabase
 from fowtlib.components.hydro.errors import HydrodynamicDataError, MissingExtraError
 from fowtlib.components.hydro.panel_mesh import Column, Pontoon
+from fowtlib.components.hydro.panel_store import Store
+from fowtlib.language.errors import ModelError
 
 _DOFS = ("Surge", "Sway", "Heave", "Roll", "Pitch", "Yaw")
 _SHALLOWEST = 0.25  # smallest wave number times depth that Capytaine's finite-depth function takes, with a margin
@@ -45,12 +48,17 @@ def compute(
     g: float = 9.80665,
     panel_size: float = 2.0,
     source: str = "",
+    path: str | Path | None = None,
 ) -> HydrodynamicDatabase:
     """Mesh the floater, solve radiation and diffraction, and return the database about (0, 0, 0) on the water level.
 
     omega [rad/s], headings [rad], water_depth [m, inf: deep], panel_size [m]. A_inf is solved at infinite frequency,
     A_zero at the lowest frequency that the method takes (wave number times depth 0.25; zero in deep water).
     Time and memory grow with the square of the number of panels (one column of 2700 panels: about 1 s a frequency).
+
+    path: the netCDF file that the database is written to. It is made sure first that it can be written; each frequency
+    is kept beside it, in `<path>.partial.npz`, as soon as it is solved, and the same call takes up what it finds there.
+    So nothing is lost when the computation is stopped, or when the checks at its end refuse the result.
 
     Raises MissingExtraError without Capytaine, ParameterError for a floater that cannot be meshed,
     HydrodynamicDataError for frequencies out of range; warns of panels wider than a quarter of the shortest wave.
@@ -59,6 +67,8 @@ def compute(
     columns, pontoons = list(columns), list(pontoons)
     omega = np.unique(np.asarray(list(omega), dtype=float))
     headings = np.asarray(list(headings), dtype=float)
+    asked = (columns, pontoons, omega.tolist(), headings.tolist(), water_depth, rho, g, panel_size, cpt.__version__)
+    store = Store(path, asked)
     deep = math.isinf(water_depth)
     lowest = 0.0 if deep else math.sqrt(g / water_depth * _SHALLOWEST * math.tanh(_SHALLOWEST))
     if omega.size == 0 or omega[0] <= 0 or omega[0] < lowest or not np.isfinite(omega).all():
@@ -97,19 +107,29 @@ def compute(
         return _all_headings(X[0], headings) if round_body else X
 
     with _quiet("capytaine"):
-        A, B = (np.array(m) for m in zip(*(radiation(w) for w in omega), strict=True))
-        X = np.array([excitation(w) for w in omega])
-        A_inf, A_zero = radiation(np.inf)[0], radiation(lowest)[0]
+        A_inf, A_zero = (store.once(f"A_{w:.17g}", lambda w=w: np.array(radiation(w)))[0] for w in (np.inf, lowest))
+        solved = [store.once(f"A_{w:.17g}", lambda w=w: np.array(radiation(w))) for w in omega]
+        A, B = (np.array(m) for m in zip(*solved, strict=True))
+        X = np.array([store.once(f"X_{w:.17g}", lambda w=w: excitation(w)) for w in omega])
     for part in (X.real, X.imag):
         part[np.abs(part) < _NOISE * np.abs(X).max(axis=(0, 1))] = 0.0
-    database = HydrodynamicDatabase(  # its checks come first: they refuse what is far from symmetric
-        omega=omega, heading=headings, A=A, B=B, A_inf=A_inf, A_zero=A_zero, X=X, C=rho * g * C,
-        volume=volume, centre_of_buoyancy=buoyancy, rho=rho, g=g, water_depth=water_depth,
-        source=source or f"Capytaine {cpt.__version__}, {len(panels)} panels",
-    )
-    database = replace(database, **{name: (M + np.swapaxes(M, -1, -2)) / 2 for name, M in
-                                    (("A", A), ("B", B), ("A_inf", A_inf), ("A_zero", A_zero))})
-    check_conventions(database)
+    try:
+        database = HydrodynamicDatabase(  # its checks come first: they refuse what is far from symmetric
+            omega=omega, heading=headings, A=A, B=B, A_inf=A_inf, A_zero=A_zero, X=X, C=rho * g * C,
+            volume=volume, centre_of_buoyancy=buoyancy, rho=rho, g=g, water_depth=water_depth,
+            source=source or f"Capytaine {cpt.__version__}, {len(panels)} panels",
+        )
+        database = replace(database, **{name: (M + np.swapaxes(M, -1, -2)) / 2 for name, M in
+                                        (("A", A), ("B", B), ("A_inf", A_inf), ("A_zero", A_zero))})
+        check_conventions(database)
+    except ModelError as error:
+        if store.path is not None:
+            kept = f"What was solved is kept in {store.path} (arrays by NumPy's load)."
+            error.message = f"{error.message.rstrip('.')}. {kept}"
+        raise
+    if path is not None:
+        database.write(path)
+        store.finish()
     return database
 
 

@@ -157,10 +157,6 @@ class Connections:
             groups[self.potential_sets.find(node.number)].append(node)
         return list(groups.values())
 
-    def set_of(self, number: int) -> int:
-        """Representative of the potential set of a port."""
-        return self.potential_sets.find(number)
-
     @staticmethod
     def _potentials(system: System, group: list[PortNode], members: list[dict[str, Any]]) -> None:
         first = group[0]

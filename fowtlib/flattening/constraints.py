@@ -33,6 +33,7 @@ class StartPoint:
         self.unknowns = [system.number[s.element_hash()] for s in symbols if s.element_hash() in system.number]
         others = [s for s in symbols if s.element_hash() not in system.number]
         known = _known(system)
+        known |= _computed(system, [s for s in others if s.element_hash() not in known])
         self.is_known = all(s.element_hash() in known for s in others)  # not so behind external functions
         self._others = [known.get(s.element_hash(), 0.0) for s in others]
         q = ca.vertcat(*[system.unknowns[j].symbol for j in self.unknowns])
@@ -183,6 +184,17 @@ def _known(system: System) -> dict[int, float]:
     discretes = system.discretes
     values = _evaluated([ca.SX(0) if item.start is None else ca.SX(item.start) for item in discretes], known)
     return known | {item.symbol.element_hash(): float(v) for item, v in zip(discretes, values, strict=True)}
+
+
+def _computed(system: System, symbols: Sequence[ca.SX]) -> dict[int, float]:
+    """Values of those symbols that components compute when a run starts, as they would be now."""
+    wanted = {symbol.element_hash() for symbol in symbols}
+    values: dict[int, float] = {}
+    for item in system.bound.values() if wanted else ():
+        if wanted & {symbol.element_hash() for symbol in scalars(item.symbol)}:
+            numbers = system.computed_now(item)
+            values |= _numbers(item.symbol, numbers) if numbers is not None else {}
+    return values
 
 
 def _numbers(symbol: ca.SX, value: np.ndarray) -> dict[int, float]:

@@ -6,18 +6,18 @@ Comput. 14 (1993) 677. All equations that an unmatched equation reaches are diff
 
 from __future__ import annotations
 
-import warnings
 from collections.abc import Sequence
 
 import casadi as ca
 import numpy as np
 
 from fowtlib.flattening import structure
-from fowtlib.flattening.constraints import StartPoint, choose, is_singular_place, undetermined
+from fowtlib.flattening.constraints import StartPoint, choose
 from fowtlib.flattening.incidence import Incidence, union
+from fowtlib.flattening.redundancy import Redundancy, owners
 from fowtlib.flattening.system import FlatEquation, System, residuals
 from fowtlib.language.declarations import STATE_PREFERENCES
-from fowtlib.language.errors import StructureError, one_of
+from fowtlib.language.errors import StructureError
 
 
 class IndexReduction:
@@ -29,13 +29,14 @@ class IndexReduction:
         self.incidence = incidence
         self.rows = list(rows)
         self.steps = 0
-        self.redundant: list[tuple[int, StartPoint]] = []  # undifferentiated constraints that repeat others
+        self.redundancy = Redundancy(system)
 
     def run(self) -> list[int]:
         """Numbers of the states; afterwards the equations determine all other unknowns."""
         self._pantelides()
         states = self._select_states()
-        self._release(set(states))
+        given = set(states)
+        self.redundancy.release([j for j in self._all() if j not in given], self.rows)
         return states
 
     # --- Pantelides ----------------------------------------------------------------------------------------------
@@ -158,7 +159,7 @@ class IndexReduction:
             self._check_always(matrix, [rows[i] for i in tied], [columns[k] for k in candidates], choice.columns)
         if choice.redundant:
             redundant = [rows[tied[i]] for i in choice.redundant]
-            self._drop(point, redundant, places)
+            self.redundancy.drop(point, redundant, places)
             rows[:] = [i for i in rows if i not in redundant]
         others = np.setdiff1d(np.arange(len(entries)), tied)
         return [columns[k] for k in [*chosen[others], *candidates[choice.columns]]]
@@ -170,15 +171,12 @@ class IndexReduction:
         lost = [k for k in chosen if insisted[k]]
         free = [k for k in range(len(columns)) if not insisted[k] and k not in set(chosen)]
         if lost and free:
-            constraints = self._owners([rows[i] for i in np.flatnonzero(matrix[:, lost[0]])])
+            constraints = owners(self.system, [rows[i] for i in np.flatnonzero(matrix[:, lost[0]])])
             raise StructureError(
                 f"{below[lost[0]].path} is declared to be a state (state='always'), and at the start the constraint of "
                 f"{constraints} does not tell by it how the loop moves on (a dead point). Start it elsewhere, or make "
                 f"{below[free[0]].path} the state (state='always', as in a Crank)."
             )
-
-    def _owners(self, numbers: Sequence[int]) -> str:
-        return one_of(sorted({self.system.equations[i].path or "the model" for i in numbers}), "and")
 
     def _derivatives(self, point: StartPoint, rows: list[int], columns: list[int]) -> tuple[np.ndarray, list[int]]:
         """Derivatives of the constraints by the unknowns below the columns; and the places of those in the point."""
@@ -197,90 +195,6 @@ class IndexReduction:
     def _weight(self, number: int) -> float:
         """Cost of making a derivative a dummy; the number makes it unique."""
         return self._wish(number) + 1e-6 * number
-
-    # --- constraints that repeat others --------------------------------------------------------------------------
-
-    def _drop(self, point: StartPoint, rows: list[int], places: list[int]) -> None:
-        """Take note of redundant constraints, or say why they cannot be left out."""
-        paths = self._owners(rows)
-        if not point.assembled[1]:
-            raise StructureError(
-                f"the parts of a closed loop do not meet at the start, however its joints turn: the constraint of "
-                f"{paths} stays open. Check the lengths and the places of the parts in the loop."
-            )
-        if is_singular_place(point, places):
-            moving = sorted({self.system.unknowns[j].path for j in self._wished(point)})
-            raise StructureError(
-                f"at the start the constraint of {paths} does not say how the loop moves on (a dead point: parts in "
-                f"line). Start it a little away from there: other start values for {one_of(moving)}."
-            )
-        self.redundant += [(self.system.equations[i].base, point) for i in rows]
-
-    def _wished(self, point: StartPoint) -> list[int]:
-        """Coordinates that are wished as states, in constraints of positions."""
-        wished = STATE_PREFERENCES.index("prefer")
-        unknowns = [self.system.unknowns[j] for j in point.unknowns]
-        able = [
-            not u.order and "/s" not in u.declared.unit and STATE_PREFERENCES.index(u.declared.state) >= wished
-            for u in unknowns
-        ]  # fmt: skip
-        _, jacobian = point.values(point.assembled[0] + 0.1)  # away from the place where derivatives vanish
-        moved = np.any(jacobian[point.positional] != 0, axis=0)
-        return [j for j, a, b in zip(point.unknowns, able, moved, strict=True) if a and b]
-
-    def _release(self, states: set[int]) -> None:
-        """Leave out the redundant constraints; the loads that only they could tell are zero."""
-        if not self.redundant:
-            return
-        system = self.system
-        bases = {base for base, _ in self.redundant}
-        kept = [i for i, equation in enumerate(system.equations) if equation.base not in bases]
-        columns = [j for j in self._all() if j not in states]
-        position = np.full(len(system.unknowns), -1)
-        position[columns] = np.arange(len(columns))
-        rows = [row[row >= 0] for row in (position[self.rows[i]] for i in kept)]
-        coarse = structure.dulmage_mendelsohn(rows, len(columns))
-        open_columns = [columns[k] for k in coarse.under_columns]
-        open_rows = [system.equations[kept[i]] for i in coarse.under_rows]
-        directions = undetermined(system, open_rows, open_columns, self.redundant[0][1])
-        loads = self._loads(directions, open_columns)
-        for (base, _), load in zip(self.redundant, loads, strict=True):
-            old = system.equations[base]
-            symbol = system.unknowns[load].symbol
-            system.equations[base] = FlatEquation(symbol, ca.SX(0), old.path, old.source, base=base)
-        system.equations = [
-            equation for equation in system.equations if not (equation.order and equation.base in bases)
-        ]
-        owners = self._owners([base for base, _ in self.redundant])
-        names = one_of(sorted(system.unknowns[load].path for load in loads), "and")
-        warnings.warn(
-            f"the parts of a closed loop hold each other more often than they need to (at {owners}): the motion is "
-            f"right, but how the loads share is not known for rigid parts; {names} is taken as zero. "
-            "To know it, put a spring or one more freedom into the loop.",
-            stacklevel=2,
-        )
-
-    def _loads(self, directions: np.ndarray, columns: list[int]) -> list[int]:
-        """One load for each direction in which loads are not determined, that with the largest part in it."""
-        unknowns = self.system.unknowns
-        count = len(self.redundant)
-        able = [not unknowns[j].order and unknowns[j].rate < 0 for j in columns]
-        motion = np.max(np.abs(directions[:, [not a for a in able]]), initial=0.0)
-        if len(directions) != count or motion > 1e-6:
-            paths = self._owners([base for base, _ in self.redundant])
-            raise StructureError(
-                f"the constraints of {paths} are redundant, and without them the motion or more than "
-                "their own loads would be undetermined; a part in the loop may lack a mass."
-            )
-        chosen: list[int] = []
-        rest = directions.copy()
-        for _ in range(count):
-            sizes = np.linalg.norm(rest, axis=0) * able
-            k = int(np.argmax(sizes >= 0.9 * np.max(sizes)))
-            direction = rest[:, k] / np.linalg.norm(rest[:, k])
-            rest -= np.outer(direction, direction @ rest)
-            chosen.append(columns[k])
-        return chosen
 
     # --- wishes --------------------------------------------------------------------------------------------------
 

@@ -11,7 +11,7 @@ import casadi as ca
 import numpy as np
 
 from fowtlib.flattening.connections import Connections
-from fowtlib.flattening.system import BoundParameter, Parameter, System, element_names, scalars
+from fowtlib.flattening.system import Bound, BoundParameter, Parameter, System, element_names, scalars
 from fowtlib.language import declarations, expressions
 from fowtlib.language import equations as statements
 from fowtlib.language.component import Component, UnknownAttribute
@@ -45,6 +45,7 @@ class Instances:
         self.opened = opened
         self.system = System()
         self.components = list(root.walk())
+        self.system.computed_now = self._computed_now
         self.system.places = {item.path: item.origins[""] for item in self.components if "" in item.origins}
         self.statements = Statements()
         self._parameters: dict[tuple[int, str], Any] = {}
@@ -138,6 +139,15 @@ class Instances:
             return found
 
         return expressions.evaluate(value, leaf, combine)
+
+    def _computed_now(self, item: Bound) -> np.ndarray | None:
+        """Numbers that a component computes when a run starts, with the values of now; None for other data."""
+        component = next(one for one in self.components if one.path == item.owner)
+        try:
+            found = item.compute(component)
+        except ModelError:  # bound parameters have no value yet
+            return None
+        return None if found is None or hasattr(found, "numbers") else np.ravel(np.asarray(found, dtype=float))
 
     # --- variables -----------------------------------------------------------------------------------------------
 

@@ -185,6 +185,7 @@ class System:
         self.discretes: list[Discrete] = []
         self.parameters: dict[str, Parameter] = {}
         self.bound: dict[str, Bound] = {}
+        self.computed_now: Callable[[Bound], np.ndarray | None] = lambda item: None  # numbers of these, where there are
         self.bound_parameters: dict[str, BoundParameter] = {}
         self.dependents: dict[str, Parameter] = {}
         self.inputs: dict[str, Input] = {}

@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
-
 import casadi as ca
 import numpy as np
 from scipy import sparse
@@ -67,8 +65,3 @@ def _inverse(pattern: np.ndarray) -> np.ndarray:
         before, reach = reach, _product(reach, reach)
     needs = _product(_product(member, reach), member.T)
     return needs[:, match]
-
-
-def names_of(row: np.ndarray, references: Sequence[int]) -> list[int]:
-    """The value references of the columns that a row depends on."""
-    return [references[i] for i in np.flatnonzero(row)]

@@ -30,10 +30,10 @@ from fowtlib.language.declarations import (
     var,
 )
 from fowtlib.language.equations import active
-from fowtlib.language.errors import NotFoundError, ParameterError, StructureError, UnitError, did_you_mean, one_of
+from fowtlib.language.errors import NotFoundError, ParameterError, StructureError, did_you_mean, one_of
 from fowtlib.language.families import Family
 from fowtlib.language.shapes import Drawing
-from fowtlib.language.units import dimension, to_si
+from fowtlib.language.units import check_si, to_si
 
 _reads: ContextVar[set[tuple[str, str]] | None] = ContextVar("reads", default=None)
 
@@ -375,10 +375,7 @@ def _resolve_annotations(cls: type, local_names: dict[str, Any]) -> None:
         if isinstance(annotation, str):
             annotation = eval(annotation, {**module, **local_names})
         value.annotation = annotation
-        try:
-            dimension(value.unit if isinstance(value, (Parameter, Port, Variable)) else "1")
-        except UnitError as error:
-            raise error.at(f"{cls.__name__}.{name}") from None
+        check_si(value.unit if isinstance(value, (Parameter, Port, Variable)) else "1", f"{cls.__name__}.{name}")
 
 
 def _stack(items: list[Any]) -> np.ndarray:

@@ -364,6 +364,5 @@ def cyclic_symmetry(angle: Any, parts: Sequence[Any]) -> CyclicSymmetry:
     return CyclicSymmetry(_column(angle), list(parts), source_line())
 
 
-Statement = Equation | Initial | When | Sampled | Assertion | Rotation | FixedOrientation | CyclicSymmetry
 Statements = list[Any]
 Function = Callable[..., Any]

@@ -136,9 +136,3 @@ def rotation_z(angle: Any) -> ca.SX:
     """Rotation matrix about z."""
     c, s = ca.cos(angle), ca.sin(angle)
     return ca.vertcat(ca.horzcat(c, -s, 0), ca.horzcat(s, c, 0), ca.horzcat(0, 0, 1))
-
-
-def rotation_about(axis: Any, angle: Any) -> ca.SX:
-    """Rotation matrix about a unit axis by the angle [rad] (Rodrigues, 1840)."""
-    n, c, s = ca.SX(_sx(axis)), ca.cos(angle), ca.sin(angle)
-    return n @ n.T * (1 - c) + c * ca.SX.eye(3) + s * ca.skew(n)

@@ -19,7 +19,8 @@ SPAR = Column(((-140.0, 10.5), (-12.0, 10.5), (-4.0, 7.6), (10.0, 7.6)))
 
 def convert(target: Path = TARGET) -> HydrodynamicDatabase:
     """Write `target`."""
-    database = compute(
+    target.parent.mkdir(parents=True, exist_ok=True)
+    return compute(
         [SPAR],
         omega=np.round(np.arange(0.05, 4.001, 0.05), 2),
         headings=np.radians(np.arange(-180, 181, 15)),
@@ -27,10 +28,8 @@ def convert(target: Path = TARGET) -> HydrodynamicDatabase:
         rho=1025.0,
         g=9.80665,
         panel_size=1.0,
+        path=target,
     )
-    target.parent.mkdir(parents=True, exist_ok=True)
-    database.write(target)
-    return database
 
 
 if __name__ == "__main__":

@@ -222,3 +222,26 @@ def test_a_turbine_starts_in_the_wind_of_the_run():
         np.testing.assert_allclose(state.x, expected.x, rtol=1e-12, atol=1e-12)
         assert state["turbine.blade_pitch"] > 0.1
     assert plant.initial_state()["turbine.blade_pitch"] < 0.01
+
+
+def test_the_spectrum_of_kaimal_wind_is_that_of_its_series():
+    """Integral and coherence by closed forms; bands of the cross spectra of 60 realisations within their scatter."""
+    wind = KaimalWind(stations=[[0, 90], [12, 90], [0, 75]], mean_speed=11.4, sample_step=0.5, repetition_period=1024.0)
+    omega = 2 * np.pi * np.arange(1, 513) / 1024.0
+    density = wind.spectral_density(omega)
+    assert density.shape == (512, 3, 3)
+    fine = np.geomspace(1e-7, 1e5, 20001)
+    total = np.trapezoid(wind.spectral_density(fine)[:, 0, 0], fine)
+    assert total == pytest.approx((0.14 * (0.75 * 11.4 + 5.6)) ** 2, rel=2e-3)  # IEC 61400-1 (11), class B
+    assert density[40, 0, 1] / density[40, 0, 0] == pytest.approx(
+        np.exp(-12 * np.hypot(omega[40] / (2 * np.pi) * 12 / 11.4, 0.12 * 12 / (8.1 * 42))), rel=1e-12
+    )
+    found = np.zeros((512, 3, 3))
+    for seed in range(60):
+        wind.seed = seed
+        amplitudes = np.fft.rfft(wind.turbulence().values, axis=0)[1:513] / 2048 * 2
+        found += np.real(amplitudes[:, :, None] * amplitudes[:, None, :].conj()) / 2 / omega[0] / 60
+    for band in (slice(3, 20), slice(20, 100), slice(100, 400)):
+        mean, count = density[band].mean(axis=0), 60 * (band.stop - band.start)
+        np.testing.assert_allclose(found[band].mean(axis=0), mean, rtol=0, atol=4 * mean[0, 0] / np.sqrt(count))
+    np.testing.assert_array_equal(SteadyWind(mean_speed=8).spectral_density(omega), np.zeros((512, 1, 1)))

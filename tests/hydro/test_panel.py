@@ -13,7 +13,7 @@ from fowtlib.components.hydro.database import HydrodynamicDatabase
 from fowtlib.components.hydro.errors import HydrodynamicDataError, MissingExtraError
 from fowtlib.components.hydro.panel import Column, Pontoon, compute
 from fowtlib.components.hydro.panel_mesh import floater_mesh, hydrostatics, round_factor
-from fowtlib.language.errors import ParameterError
+from fowtlib.language.errors import ModelError, ParameterError
 
 DATA = Path(__file__).parents[2] / "models" / "data"
 OC3 = Column(((-120.0, 9.4), (-12.0, 9.4), (-4.0, 6.5), (10.0, 6.5)))
@@ -173,3 +173,71 @@ def test_a_symmetric_floater_of_several_columns():
 def test_frequencies_out_of_range_are_refused():
     with pytest.raises(HydrodynamicDataError, match="at least 0.04"):
         compute([OC3], omega=[0.01, 1.0], headings=[0.0], water_depth=320.0)
+
+
+BUOY = Column(((-10.0, 8.0), (4.0, 8.0)))
+COARSE = {"omega": [0.4, 0.6, 0.8], "headings": [0.0, 0.5], "water_depth": 100.0, "panel_size": 2.5}
+
+
+@needs_capytaine
+def test_nothing_is_lost_when_the_computation_stops(tmp_path, monkeypatch):
+    """Stopped in the middle it goes on where it was, with the numbers of one that was never stopped."""
+    import capytaine
+
+    whole = compute([BUOY], **COARSE)
+    solved = []
+    original = capytaine.BEMSolver.solve_all
+
+    def stopping(self, problems, **options):
+        if len(solved) == 4:
+            raise KeyboardInterrupt
+        solved.append(problems[0].omega)
+        return original(self, problems, **options)
+
+    monkeypatch.setattr(capytaine.BEMSolver, "solve_all", stopping)
+    target, partial = tmp_path / "buoy.nc", tmp_path / "buoy.nc.partial.npz"
+    with pytest.raises(KeyboardInterrupt):
+        compute([BUOY], **COARSE, path=target)
+    assert partial.exists() and not target.exists()
+    solved[:] = [0.0] * 100
+    database = compute([BUOY], **COARSE, path=target)
+    assert len(solved) == 100 + 8 - 4  # the infinite, the lowest and three frequencies, and three of waves
+    assert not partial.exists()
+    for name in ("A", "B", "X", "A_inf", "A_zero"):
+        one, two = getattr(database, name), getattr(whole, name)
+        # two whole computations in one process differ by as much, at the lowest frequency: tables of Capytaine
+        np.testing.assert_allclose(one, two, rtol=1e-3, atol=1e-5 * np.abs(two).max())
+    np.testing.assert_array_equal(HydrodynamicDatabase.read(target).A, database.A)
+
+
+@needs_capytaine
+def test_what_was_solved_for_another_floater_is_not_taken(tmp_path):
+    target, partial = tmp_path / "buoy.nc", tmp_path / "buoy.nc.partial.npz"
+    np.savez(partial, inputs="another", **{"A_0.40000000000000002": np.zeros((2, 6, 6))})
+    database = compute([BUOY], **{**COARSE, "omega": [0.4, 0.6]}, path=target)
+    assert database.A[0, 0, 0] > 0
+
+
+@needs_capytaine
+def test_a_result_that_is_refused_is_kept(tmp_path, monkeypatch):
+    """The checks at the end come after hours of work."""
+    from fowtlib.components.hydro import panel
+
+    def refuse(database):
+        raise HydrodynamicDataError("the load of long waves is not that of the buoyancy.")
+
+    monkeypatch.setattr(panel, "check_conventions", refuse)
+    with pytest.raises(HydrodynamicDataError, match=r"What was solved is kept in .*buoy\.nc\.partial\.npz") as caught:
+        compute([BUOY], **{**COARSE, "omega": [0.4, 0.6]}, path=tmp_path / "buoy.nc")
+    assert str(caught.value).startswith("the load of long waves")
+    with np.load(tmp_path / "buoy.nc.partial.npz") as kept:
+        assert sum(name.startswith("X_") for name in kept.files) == 2
+
+
+@needs_capytaine
+def test_a_file_that_cannot_be_written_is_refused_before_the_work(tmp_path, monkeypatch):
+    import capytaine
+
+    monkeypatch.setattr(capytaine.BEMSolver, "solve_all", lambda *_, **__: pytest.fail("it was solved"))
+    with pytest.raises(ModelError, match=r"the folder .*absent does not exist"):
+        compute([BUOY], **COARSE, path=tmp_path / "absent" / "buoy.nc")

@@ -17,6 +17,7 @@ from fowtlib.components.mechanics import (
     Revolute,
     RigidBody,
     Spherical,
+    TubeBeam,
     World,
 )
 from fowtlib.language import Scalar, var
@@ -71,6 +72,24 @@ def test_a_bar_between_two_ball_joints_spins_as_a_pendulum():
                          atol=1e-12, t_eval=result["s1.roll"].time)  # fmt: skip
     assert np.ptp(pendulum.y[0]) > 4  # it falls over
     assert np.max(np.abs(values(result, "s1.roll") - pendulum.y[0])) < 1e-5
+
+
+@pytest.mark.filterwarnings("ignore:the parts of a closed loop")
+def test_a_tube_between_two_ball_joints_spins():
+    """Its length is computed when a run starts, and counts in the choice of states with the value of now."""
+    model = fw.Assembly("tube between two ball joints")
+    model.world = World()
+    model.s1, model.s2 = Spherical(angle_rates_start=(0, 0, 2.0)), Spherical()
+    model.tube = TubeBeam(heights=(0, 3.0), diameters=(0.4, 0.2), wall_thicknesses=(0.01, 0.01), units=0)
+    model.g = FixedTranslation(r=(0, 0, 3.0))
+    join(model, model.world.frame, model.s1.frame_a, model.g.frame_a)
+    join(model, model.s1.frame_b, model.tube.frame_a)
+    join(model, model.tube.frame_b, model.s2.frame_a)
+    join(model, model.s2.frame_b, model.g.frame_b)
+    plant = fw.load(model).compile()
+    assert {state.path for state in plant.dae.states} == {"s2.yaw", "s1.angle_rates[2]"}
+    result = plant.simulate(2.0, output_step=0.1, tolerance=1e-9)
+    assert values(result, "s1.yaw") == pytest.approx(2.0 * np.asarray(result["s1.yaw"].time), abs=1e-7)
 
 
 def parallel_pendulums(roll):

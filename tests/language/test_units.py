@@ -245,3 +245,11 @@ def test_a_declaration_with_a_wrong_unit_is_named():
             """A declaration that says no unit."""
 
             speed: Scalar = var(unit="m//s", doc="speed")
+
+    for unit in ("deg", "rpm", "kN m"):  # equations would take its numbers for SI
+        with pytest.raises(UnitError, match=rf"Drum\.angle: the declared unit '{unit}' is not SI; declare the SI"):
+
+            class Drum(Component):
+                """A declaration in a unit that is not SI."""
+
+                angle: Scalar = var(unit=unit, doc="angle")

@@ -22,7 +22,6 @@ def raw_from(time: np.ndarray) -> RawTrajectory:
         x_names=("body.x", "body.v"),
         z_names=("body.f",),
         parameter_hash=parameter_hash(PARAMETERS),
-        memory={"acceleration": np.array([1.0, -2.0])},
     )
 
 
@@ -140,7 +139,6 @@ def test_netcdf_comes_back_whole(tmp_path):
     final, expected = after.final, before.final
     assert (final.time, final.x, final.z, final.d) == (expected.time, expected.x, expected.z, expected.d)
     assert final.parameter_hash == parameter_hash(PARAMETERS)
-    np.testing.assert_array_equal(final.memory["acceleration"], [1.0, -2.0])
 
 
 def test_netcdf_is_read_by_anyone(tmp_path):

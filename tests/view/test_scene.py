@@ -7,6 +7,7 @@ import json
 import re
 import shutil
 import subprocess
+import sys
 from pathlib import Path
 
 import numpy as np
@@ -277,6 +278,23 @@ def test_a_rod_may_be_hidden():
     assert FixedTranslation(r=(0, 0, 0)).drawing() == []
     (rod,) = FixedTranslation(r=(0, 0, 2), diameter="30 cm").drawing()
     assert rod.diameters.tolist() == [0.3, 0.3]
+
+
+def test_a_compiled_plant_is_drawn_as_its_model(tmp_path):
+    model = fw.load(pendulum())
+    scenes = [scene_of(fw.view(subject, tmp_path / "it.html").path) for subject in (model, model.compile())]
+    assert scenes[0]["frames"] == scenes[1]["frames"]
+    for key in ("poses", "meshes", "curves", "readings"):
+        assert scenes[0][key] == scenes[1][key]
+
+
+@pytest.mark.parametrize("first", ["import fowtlib.view", "from fowtlib.view import plot_modes", "fw.view", "pass"])
+def test_the_face_is_a_function_whatever_was_imported_first(first):
+    """Python puts a package that is imported into its parent, under the name of the function."""
+    call = "fw.view('a text')"
+    script = f"import fowtlib as fw\n{first}\ntry:\n    {call}\nexcept fw.ModelError as error:\n    print(error)\n"
+    said = subprocess.run([sys.executable, "-c", script], capture_output=True, text=True, check=True).stdout
+    assert said == "view: a Model, a Plant or a Result can be drawn, not a str.\n"
 
 
 def test_mistakes_are_told(swing, tmp_path):

@@ -7,6 +7,7 @@ from typing import Any
 
 import casadi as ca
 import numpy as np
+from numpy.typing import ArrayLike
 
 from fowtlib.components.environment.field_wind import NO_FIELD, FieldData, wind_function
 from fowtlib.language import (
@@ -45,7 +46,8 @@ class Wind(Component, selector="kind", shared=("speeds", "velocity")):
     data that are bound when a run starts. One compiled model serves all kinds but "input".
 
     A kind is a class: `SteadyWind(mean_speed=8)` and `Wind(kind="steady", mean_speed=8)` are the same. Another kind
-    says in `mean_series`, `station_series` or `field` what it blows, and in `mean_at` what its mean is.
+    says in `mean_series`, `station_series` or `field` what it blows, in `mean_at` what its mean is, and in
+    `spectral_density` what its spectrum is.
     """
 
     kind: str = param(default="none", bound=True, doc="kind of wind")
@@ -84,6 +86,14 @@ class Wind(Component, selector="kind", shared=("speeds", "velocity")):
     def period(self) -> float:
         """Time [s] after which the wind repeats itself."""
         return math.inf
+
+    def spectral_density(self, omega: ArrayLike) -> np.ndarray:
+        """One-sided spectra of the fluctuation of the stations, and cross spectra (real), (k, n, n) [m^2 s^-2/(rad/s)].
+
+        omega: circular frequencies (k,) [rad/s]. Zero where the kind has none; the mean is no part of it.
+        """
+        n = len(self.hubs)
+        return np.zeros((len(np.atleast_1d(omega)), n, n))
 
     def mean_at(self, station: int = 0) -> float:
         """Mean speed [m/s] at a station, for start values: before any step or gust."""

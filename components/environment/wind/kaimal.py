@@ -5,6 +5,7 @@ from __future__ import annotations
 from functools import lru_cache
 
 import numpy as np
+from numpy.typing import ArrayLike
 
 from fowtlib.components.environment import turbulence
 from fowtlib.components.environment.wind.steady import SteadyWind
@@ -28,13 +29,24 @@ class KaimalWind(SteadyWind, kind="kaimal"):
     )
     repetition_period: Number = param(default=4096.0, unit="s", min=0, bound=True, doc="period of the realisation")
 
+    def standard_deviation(self) -> float:
+        """Sigma [m/s] of the speed at a station, of the whole spectrum."""
+        if self.turbulence_intensity is None:
+            return turbulence.normal_turbulence(self.given_speed(), self.turbulence_class)
+        return self.turbulence_intensity * self.given_speed()
+
+    def spectral_density(self, omega: ArrayLike) -> np.ndarray:
+        """Kaimal spectrum and coherence of IEC 61400-1, annex B.2, without the limits of a series."""
+        speed, sigma = self.given_speed(), self.standard_deviation()
+        frequency = np.atleast_1d(np.asarray(omega, dtype=float))[:, None, None] / (2 * np.pi)
+        distance = np.linalg.norm(self.hubs[:, None] - self.hubs[None], axis=2)
+        height = self.reference_height
+        spectrum = turbulence.kaimal(frequency, speed, sigma, height) / (2 * np.pi)
+        return spectrum * turbulence.coherence(frequency, distance, speed, height)
+
     def turbulence(self) -> WindSeries:
         """The turbulent fluctuation at the stations as numbers."""
-        speed = self.given_speed()
-        if self.turbulence_intensity is None:
-            sigma = turbulence.normal_turbulence(speed, self.turbulence_class)
-        else:
-            sigma = self.turbulence_intensity * speed
+        speed, sigma = self.given_speed(), self.standard_deviation()
         grid = {name: getattr(self, name) for name in ("seed", "sample_step", "repetition_period")}
         stations = tuple(map(tuple, self.hubs.tolist()))
         return _turbulence(stations, speed, sigma, height=self.reference_height, **grid)

@@ -26,8 +26,7 @@ def parameter_hash(parameters: Mapping[str, Any]) -> str:
 class RawTrajectory:
     """What the solver computed, on the output grid: rows are points of time, columns are scalar unknowns.
 
-    ``memory`` holds whatever else the solver must remember to go on from the last row (accelerations of a multistep
-    method, the state of a clock). It is kept in the file, and its meaning is the solver's own business.
+    A run goes on from the last row with a new start of its solver, which remembers nothing else.
     """
 
     time: np.ndarray
@@ -38,7 +37,6 @@ class RawTrajectory:
     z_names: tuple[str, ...] = ()
     d_names: tuple[str, ...] = ()
     parameter_hash: str = ""
-    memory: Mapping[str, np.ndarray] = field(default_factory=dict)
 
     def __post_init__(self) -> None:
         object.__setattr__(self, "time", np.atleast_1d(np.asarray(self.time, dtype=float)))
@@ -54,8 +52,7 @@ class RawTrajectory:
     def row(self, index: int) -> Continuation:
         """The point of time ``index`` as something to start from."""
         x, z, d = (dict(zip(getattr(self, f"{k}_names"), getattr(self, k)[index].tolist(), strict=True)) for k in "xzd")
-        last = index in (-1, self.time.size - 1)
-        return Continuation(float(self.time[index]), x, z, d, self.parameter_hash, self.memory if last else {})
+        return Continuation(float(self.time[index]), x, z, d, self.parameter_hash)
 
     def followed_by(self, later: RawTrajectory, skip: int) -> RawTrajectory:
         """Append the rows of ``later`` without its first ``skip`` ones."""
@@ -69,7 +66,6 @@ class RawTrajectory:
             z_names=self.z_names,
             d_names=self.d_names,
             parameter_hash=later.parameter_hash,
-            memory=later.memory,
         )
 
 
@@ -82,7 +78,6 @@ class Continuation:
     z: Mapping[str, float]
     d: Mapping[str, float]
     parameter_hash: str = ""
-    memory: Mapping[str, np.ndarray] = field(default_factory=dict)
 
 
 @dataclass(frozen=True)

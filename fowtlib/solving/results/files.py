@@ -20,7 +20,6 @@ from fowtlib.solving.results.outb import Channels, read_outb, write_outb
 
 _FORMAT = "fowtlib result 1"
 _RAW = "raw_"  # prefix of the solver's arrays in the file
-_MEMORY = "raw_memory_"
 _HEADER = re.compile(r"^(?P<name>.*\S)\s*\[(?P<unit>[^\[\]]*)\]$")
 
 
@@ -93,9 +92,6 @@ def _write_netcdf(stored: Stored, path: Path) -> None:
                 about = {"long_name": f"{key} of the solver; columns as in the attribute raw_names"}
                 _add(file, _RAW + key, ("raw_time", f"raw_{key}_index"), getattr(raw, key), **about)
         _add(file, _RAW + "time", ("raw_time",), raw.time, units="s", long_name="time of the solver's rows")
-        for key, memory in raw.memory.items():
-            values = np.asarray(memory, dtype=float)
-            _add(file, _MEMORY + key, tuple(f"{_MEMORY}{key}_{i}" for i in range(values.ndim)), values)
 
 
 def _add(file: Any, name: str, dims: tuple[str, ...], values: np.ndarray, **attributes: str) -> None:
@@ -141,11 +137,6 @@ def _read_netcdf(path: Path) -> Stored:
             **{key: dataset[_RAW + key].values if _RAW + key in dataset else np.zeros(0) for key in "xzd"},
             **{f"{key}_names": tuple(raw_names[key]) for key in "xzd"},
             parameter_hash=fingerprint,
-            memory={
-                str(key).removeprefix(_MEMORY): variable.values
-                for key, variable in dataset.variables.items()
-                if str(key).startswith(_MEMORY)
-            },
         )
     return Stored(
         dataset["time"].values,

@@ -1,0 +1,73 @@
+"""Results of a long computation on disk as they come, so that none is lost: to a failure, a key pressed, a bad path."""
+
+from __future__ import annotations
+
+import hashlib
+import os
+import tempfile
+from collections.abc import Callable
+from pathlib import Path
+
+import numpy as np
+
+from fowtlib.language.errors import ModelError
+
+
+class Store:
+    """Arrays by name in a file `<target>.partial.npz` beside the target, kept for a computation with the same inputs.
+
+    Without a target nothing is stored. Raises ModelError at once where the target could not be written later.
+    """
+
+    def __init__(self, target: str | Path | None, inputs: object):
+        self.path = None if target is None else Path(f"{target}.partial.npz")
+        self.digest = hashlib.sha256(repr(inputs).encode()).hexdigest()
+        self.arrays: dict[str, np.ndarray] = {}
+        if self.path is not None:
+            _check(Path(target), self.path)
+            self.arrays = self._read()
+
+    def _read(self) -> dict[str, np.ndarray]:
+        try:
+            with np.load(self.path) as file:
+                arrays = {name: file[name] for name in file.files}
+        except (OSError, ValueError, EOFError, KeyError):
+            return {}
+        same = str(arrays.pop("inputs", "")) == self.digest
+        return arrays if same else {}
+
+    def once(self, name: str, make: Callable[[], np.ndarray]) -> np.ndarray:
+        """What is stored under a name; else it is made and stored."""
+        if name not in self.arrays:
+            self.arrays[name] = make()
+            self._write()
+        return self.arrays[name]
+
+    def _write(self) -> None:
+        if self.path is None:
+            return
+        handle, name = tempfile.mkstemp(prefix=f".{self.path.name}.", suffix=".npz", dir=self.path.parent)
+        try:
+            with os.fdopen(handle, "wb") as file:
+                np.savez(file, inputs=self.digest, **self.arrays)
+            os.replace(name, self.path)
+        finally:
+            Path(name).unlink(missing_ok=True)
+
+    def finish(self) -> None:
+        """The target is written: the file beside it has no further use."""
+        if self.path is not None:
+            self.path.unlink(missing_ok=True)
+
+
+def _check(target: Path, partial: Path) -> None:
+    if not target.parent.is_dir():
+        raise ModelError(f"{target}: the folder {target.parent} does not exist; make it first, or choose another one.")
+    try:
+        with tempfile.TemporaryFile(dir=partial.parent):
+            pass
+        if target.exists():
+            with target.open("ab"):
+                pass
+    except OSError as error:
+        raise ModelError(f"{target}: cannot be written: {error.strerror or error}.") from None
