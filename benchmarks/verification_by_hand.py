@@ -12,7 +12,6 @@ from scipy.optimize import brentq
 from verification_cases import SurgePitch, bodies, surge_pitch
 
 from fowtlib.analysis import Decay, analyse_decay
-from fowtlib.components.hydro.database import HydrodynamicDatabase
 from fowtlib.solving.model import Model
 
 Floats = NDArray[np.float64]
@@ -28,7 +27,7 @@ class SurgeAndPitch:
 
     def __init__(self, model: Model, frequency: float):
         self.root = root = model.root
-        data = HydrodynamicDatabase.read(root.find("platform.water").database)
+        data = root.find("platform.water").database
         self.linear: SurgePitch = surge_pitch(model)
         self.mooring = root.find("platform.mooring")
         self.depth = float(self.mooring.fairlead_depth)

@@ -36,6 +36,7 @@ controller. The coefficients are for a CoefficientRotor:
 examples:
   fowt rotor-table nrel5mw_land --output rotor.csv --plot rotor.png
   fowt rotor-table oc3_spar --winds 8:14:0.5 --curve curve.csv
+  fowt rotor-table nrel5mw_land --ratios -1:20:0.25 --pitch -5:100:1 --output parked.csv
 """
 
 
@@ -106,9 +107,8 @@ def _check_grids(arguments: argparse.Namespace) -> None:
     for option, values in (("--ratios", arguments.ratios), ("--pitch", arguments.pitch)):
         if len(values) < LEAST_POINTS:
             raise ModelError(f"{option}: a table needs {LEAST_POINTS} values or more, and these are {len(values)}.")
-    for option, values in (("--ratios", arguments.ratios), ("--winds", arguments.winds)):
-        if values[0] <= 0:
-            raise ModelError(f"{option}: {values[0]:g} is not above zero.")
+    if arguments.winds[0] <= 0:
+        raise ModelError(f"--winds: {arguments.winds[0]:g} is not above zero.")
     if arguments.pitch[0] < -180 or arguments.pitch[-1] > 180:
         raise ModelError("--pitch: the angles are in degrees, from -180 to 180.")
 

@@ -24,6 +24,7 @@ from fowtlib.language import expressions
 from fowtlib.language.component import Component
 from fowtlib.language.connectors import Signal
 from fowtlib.language.equations import place
+from fowtlib.language.errors import StructureError
 from fowtlib.language.unit_grammar import NONE, Dimension, Unit
 from fowtlib.language.units import dimension, kind_of, unit_text
 
@@ -200,7 +201,11 @@ class _Check:
             bound = binding[name]
             if not (declared.tunable and isinstance(bound, ca.SX)):
                 continue
-            if expressions.is_expression(component.parameter_binding(name)):
+            try:
+                modifier = component.parameter_binding(name)
+            except StructureError:  # numbers that are computed when a run starts, from what is bound then
+                continue
+            if expressions.is_expression(modifier):
                 words = (f"the value of '{name}'", "its declaration")
                 for element in bound.elements():
                     yield _Pair("", element, None, words, dimension(declared.unit))

@@ -138,7 +138,7 @@ def test_messages_of_the_reader(tmp_path, arguments, message):
 
 
 def test_files_without_a_table(tmp_path):
-    with pytest.raises(ModelError, match=r"cannot read the rotor coefficients .*none\.csv: No such file"):
+    with pytest.raises(ModelError, match=r"none\.csv: cannot read the rotor coefficients: No such file"):
         read_coefficients(str(tmp_path / "none.csv"))
     (tmp_path / "empty.csv").write_text("# nothing\n")
     with pytest.raises(ModelError, match=r"empty\.csv: no rotor coefficients; the columns tip_speed_ratio"):

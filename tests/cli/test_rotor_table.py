@@ -93,3 +93,14 @@ def test_grids_that_are_none(capsys, text):
     with pytest.raises(SystemExit):
         main(["rotor-table", "nrel5mw_land", "--ratios", text])
     assert f"argument --ratios: '{text}' is not first:last:step, for example -5:30:1" in capsys.readouterr().err
+
+
+def test_a_table_for_parked_rotors(capsys):
+    """Through tip speed ratio 0 and to feathered blades: at rest in 50 m/s the NREL 5 MW has 93 kN, -3.15 MN m."""
+    grids = ["--ratios", "-1:8:0.5", "--pitch", "0:90:5", "--winds", "9", "--output", "parked.csv"]
+    assert main(["rotor-table", "nrel5mw_land", *grids]) == 0
+    thrust, torque = read_coefficients("parked.csv")(0.0, np.radians(90))
+    radius = 63 * np.cos(np.radians(2.5))
+    pressure = 0.5 * 1.225 * np.pi * radius**2 * 50**2
+    assert float(thrust) * pressure == pytest.approx(92.6e3, rel=2e-3)
+    assert float(torque) * pressure * radius == pytest.approx(-3.152e6, rel=2e-3)
