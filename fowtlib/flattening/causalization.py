@@ -18,7 +18,7 @@ import numpy as np
 
 from fowtlib.flattening import structure
 from fowtlib.flattening.incidence import Incidence, union
-from fowtlib.flattening.system import System, residuals, stacked
+from fowtlib.flattening.system import BALANCE, System, residuals, stacked
 from fowtlib.language.declarations import STATE_PREFERENCES
 
 FEW = 30  # factors that are looked at one by one; more of them together
@@ -230,10 +230,15 @@ class Causalization:
         # and, far from it, a balance of loads is left over as the residual
         stated: list[int] = []
         ready: list[int] = []
+        # balances of flows come last, those furthest from the world first: the leaves of a tree of bodies before its
+        # root, whose balance is left over as the residual
+        balances: list[int] = []
 
         def enlist(r: int) -> None:
-            says = self._explicit(r, next(iter(open_rows[r]))) is not None
-            (stated if says else ready).append(r)
+            if self._explicit(r, next(iter(open_rows[r]))) is not None:
+                stated.append(r)
+            else:
+                (balances if self.system.equations[r].source == BALANCE else ready).append(r)
 
         for r, members in open_rows.items():
             if len(members) == 1:
@@ -271,11 +276,20 @@ class Causalization:
                 continue
             if assign_ready(parametric):
                 continue
+            if balances:
+                furthest = max(range(len(balances)), key=lambda k: (self._joints_below(balances[k]), k))
+                ready.append(balances.pop(furthest))
+                continue
             c = order.next()
             self._tear(c)
             self._place_intermediates()
             remove(c)
         self.result.residuals += sorted(open_rows)
+
+    def _joints_below(self, row: int) -> int:
+        """Joints between the place of a balance of flows and the world; 0 where that is no mechanical one."""
+        orientation = self.system.orientation_at.get(self.system.equations[row].path, 0)
+        return self.system.joints_below.get(orientation, 0)
 
     def _block_factors(self, rows: list[int], columns: list[int]) -> tuple[dict, dict]:
         """Factors that are numbers, and those that depend on parameters only and are not zero now."""

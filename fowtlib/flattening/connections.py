@@ -10,7 +10,7 @@ from typing import Any
 import casadi as ca
 import numpy as np
 
-from fowtlib.flattening.system import Input, System, element_names, scalars
+from fowtlib.flattening.system import BALANCE, Input, System, element_names, scalars
 from fowtlib.language.component import Component
 from fowtlib.language.composition import check_there
 from fowtlib.language.connectors import Member, RealInput, RealOutput, Signal
@@ -214,10 +214,13 @@ class Connections:
             if len(signs) == 1 and pairs.find(signs[0][0])[0] in zero:
                 continue
             path = self.nodes[signs[0][0]].path
+            for name, member in self.nodes[signs[0][0]].field.annotation.members.items():
+                if member.kind == "orientation":
+                    system.orientation_at[path] = members[signs[0][0]][name].elements()[0].element_hash()
             for name in members[signs[0][0]]:
                 if self.nodes[signs[0][0]].field.annotation.members[name].kind == "flow":
                     total = sum((sign * members[k][name] for k, sign in signs), start=ca.SX(0))
-                    system.add_equation(total, ca.SX(*total.shape), path, "sum of the flows of a connection")
+                    system.add_equation(total, ca.SX(*total.shape), path, BALANCE)
 
     def _signal(self, system: System, root: Component, group: list[PortNode], members: list[dict[str, Any]],
                 opened: str = "") -> None:  # fmt: skip

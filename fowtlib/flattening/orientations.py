@@ -52,7 +52,7 @@ def resolve_orientations(system: System, statements: Statements) -> nx.MultiGrap
                 "that it is joined to; one of them must leave it free."
             )
         done.add(root)
-        front = [root]
+        system.joints_below[root], front = 0, [root]
         while front:
             following = []
             for known in front:
@@ -64,6 +64,7 @@ def resolve_orientations(system: System, statements: Statements) -> nx.MultiGrap
                         _tree_edge(system, matrices, known, node, *attributes["data"])
                         parents[neighbour] = known, attributes["data"]
                         done.add(neighbour)
+                        system.joints_below[neighbour] = system.joints_below[known] + 1
                         following.append(neighbour)
             front = following
     frames = {key: path for key, (path, _, _) in matrices.items()}

@@ -65,6 +65,10 @@ class Unknown:
         return (self.start is not None) + (self.start is not None and self.start_set)
 
 
+BALANCE = "sum of the flows of a connection"
+"""Source of the equations that the connections give."""
+
+
 @dataclass(slots=True)
 class FlatEquation:
     """A scalar equation lhs = rhs; `rate` is the number of its time derivative, where that was needed.
@@ -195,6 +199,8 @@ class System:
         self.alias_units: dict[str, tuple[str, str]] = {}
         self.orientations: list[tuple[str, ca.SX]] = []  # of connected frames, by the path of one of them
         self.signals: set[int] = set()  # numbers of the unknowns that are outputs of components
+        self.orientation_at: dict[str, int] = {}  # hash of the rotation matrix of each balance of flows, by its path
+        self.joints_below: dict[int, int] = {}  # joints between a rotation matrix, by its hash, and the world
         self.loops: list[Loop] = []
         self.places: dict[str, str] = {}  # file and line of components that stand in a model file
         self.eliminated: list[FlatEquation] = []

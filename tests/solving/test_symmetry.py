@@ -78,3 +78,10 @@ def test_a_wrong_hint_does_no_harm():
     """The angle of this symmetry is the place of one of its own masses, and nothing turns: x = cos t all the same."""
     result = fw.load(_Line()).compile().simulate(3.0, 0.1, solver="fixed", step=0.001)
     assert np.abs(result["mass_2.x"].values - np.cos(result.time)).max() < 1e-5
+
+
+@pytest.mark.parametrize("name", ["oc3_spar", "two_rotor_spar", "nrel5mw_land"])
+def test_balances_are_left_over_next_to_the_world(name):
+    """The Newton-Euler recursion goes from the tips of the blades inwards, whatever else there is in a model."""
+    paths = fw.load(name).compile().dae.residual_paths
+    assert not [path for path in paths if "sum of the flows" in path and "blade" in path]
