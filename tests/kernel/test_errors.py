@@ -753,8 +753,8 @@ def test_period_of_a_sampled_part():
 
 def test_arguments_of_a_simulation():
     assert said(simulate, case(), solver="cvode") == "there is no solver 'cvode'; there are 'idas' and 'fixed'."
-    assert said(simulate, case(), -1.0) == "the end of the simulation, -1 s, lies before its start, 0 s."
-    assert said(check(case()).simulate, 1.0, output_step=0.0) == "the output step is 0 s; it must be above zero."
+    assert said(simulate, case(), -1.0) == "duration is -1 s; it must be above zero."
+    assert said(check(case()).simulate, 1.0, output_step=0.0) == "output_step is 0 s; it must be above zero."
     assert said(simulate, case(), outputs=["c.y"]) == "there is no variable 'c.y'; did you mean 'c.x' or 'c.v'?"
 
 
