@@ -114,7 +114,7 @@ def _as_it_was(model: Model, result: Result, path: Path) -> Model:
     for depth, kinds in ((depth, kinds) for depth in depths for kinds in (True, False)):  # the leading ones first
         here = [key for key in (*then, *numbers) if key.count(".") == depth and _names_kind(model, key) == kinds]
         changed = [key for key in here if key in then and key in now and now[key] != then[key]]
-        values = {key: then[key] for key in changed if " sha256:" not in str(then[key])}  # a file is known by its digest
+        values = {key: then[key] for key in changed if " sha256:" not in str(then[key])}
         values |= {key: numbers[key] for key in here if key in numbers and _was_changed(model, key, numbers[key])}
         if values:
             model = model.with_parameters(values)

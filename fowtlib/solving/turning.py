@@ -17,9 +17,14 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
+import casadi as ca
 import numpy as np
 
+from fowtlib.language.cache import cached
+from fowtlib.language.cache import sources as sources_of
 from fowtlib.language.errors import SimulationError
+from fowtlib.language.externals import LibraryFunction
+from fowtlib.language.tables import SplineFunction
 from fowtlib.solving.equilibrium import dependence, time_dependence
 from fowtlib.solving.functions import AtParameters
 from fowtlib.solving.modes import rate_states
@@ -53,8 +58,9 @@ def mean_state(plant: Plant, parameters: Mapping[str, Any] | None = None, inputs
 
     near: a state near to it, to start a simulation from, in half the time: of fewer azimuths, to 1 %.
 
-    The controllers are in the loop. The azimuths are those of the start. Raises SimulationError where the equations
-    depend on time (turbulent wind, waves), and where no mean state is found.
+    What was found once for the same equations and numbers is found again on disk. The controllers are in the loop. The
+    azimuths are those of the start. Raises SimulationError where the equations depend on time (turbulent wind, waves),
+    and where no mean state is found.
     """
     state = plant.initial_state(parameters, None, inputs)
     at = plant.at(parameters)
@@ -67,9 +73,29 @@ def mean_state(plant: Plant, parameters: Mapping[str, Any] | None = None, inputs
             f"no mean state: the equations depend on time through {', '.join(sources[:4])}. "
             "Take still water and steady wind (--waves still, --wind steady:8)."
         )
-    x = _settled(_Average(at, state, turns, FEW if near else AZIMUTHS), state.x, NEAR if near else EXACT)
+    azimuths, limits = (FEW, NEAR) if near else (AZIMUTHS, EXACT)
+
+    def settled() -> np.ndarray:
+        return _settled(_Average(at, state, turns, azimuths), state.x, limits)
+
+    equations = _equations(at)
+    made_from = [*sources_of(__name__), repr((azimuths, limits)), equations or "", at.parameters, state.x, state.u]
+    x = np.array(cached("mean", [*made_from, state.d], settled)) if equations else settled()
     names = [item.path for item in plant.dae.states]
     return plant.initial_state(parameters, dict(zip(names, x.tolist(), strict=True)), inputs)
+
+
+def _equations(at: AtParameters) -> str | None:
+    """All that rates and loads are made from but numbers of the run, as a text; None where Python code is in them."""
+    dae = at.dae
+    if not all(isinstance(item.function, SplineFunction | LibraryFunction) for item in dae.externals):
+        return None
+    symbols = [dae.t, dae.x, dae.z, dae.u, dae.d, dae.p, dae.w]
+    function = ca.Function("equations", symbols, [dae.ode, dae.alg, *(ca.vec(item.inputs) for item in dae.externals)])
+    tables = [item.function.data for item in dae.externals if isinstance(item.function, SplineFunction)]
+    numbers = [array.tobytes().hex() for table in tables for array in (*table.knots, table.coefficients)]
+    libraries = [str(item.function.path) for item in dae.externals if isinstance(item.function, LibraryFunction)]
+    return "\n".join([function.serialize(), *libraries, *numbers])
 
 
 def _turns(plant: Plant, at: AtParameters, state: State) -> list[Turn]:

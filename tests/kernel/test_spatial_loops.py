@@ -80,7 +80,7 @@ def test_a_tube_between_two_ball_joints_spins():
     model = fw.Assembly("tube between two ball joints")
     model.world = World()
     model.s1, model.s2 = Spherical(angle_rates_start=(0, 0, 2.0)), Spherical()
-    model.tube = TubeBeam(heights=(0, 3.0), diameters=(0.4, 0.2), wall_thicknesses=(0.01, 0.01), units=0)
+    model.tube = TubeBeam(heights=(0, 3.0), diameters=(0.4, 0.2), wall_thicknesses=(0.01, 0.01), hinges=0)
     model.g = FixedTranslation(r=(0, 0, 3.0))
     join(model, model.world.frame, model.s1.frame_a, model.g.frame_a)
     join(model, model.s1.frame_b, model.tube.frame_a)
