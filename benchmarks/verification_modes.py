@@ -16,7 +16,8 @@ from scipy.linalg import block_diag, null_space
 
 import fowtlib as fw
 from fowtlib.components.mechanics.beam_division import divide
-from fowtlib.components.mechanics.beam_properties import BeamProperties, given_beam, read_beam
+from fowtlib.components.mechanics.beam_properties import BeamProperties, read_beam
+from fowtlib.components.mechanics.tube_beam import tube_table
 from fowtlib.modelfile import data_path
 from fowtlib.solving.linear import LinearModel, Mode
 from fowtlib.solving.plant import Plant
@@ -187,7 +188,8 @@ def with_fast_shapes(
     free, damped = (linear(name, tower_hinges, blade_hinges, True, factor) for factor in (1.0, 2.0))
     groups = []
     if tower:
-        beam = given_beam(plant.root.find("tower.beam"))
+        part = plant.root.find("tower.beam")
+        beam = part.table or tube_table(part)
         groups += Hinges.of("tower.beam", beam, tower_hinges, "loaded_tip", FAST_TOWER[name])
     for k in (1, 2, 3) if blades else ():
         beam = read_beam(str(data_path("nrel5mw/blade_structure.csv")))
