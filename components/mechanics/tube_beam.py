@@ -131,7 +131,7 @@ def chain_numbers(table: BeamProperties, parts: Division, nodes: list[float], cu
     for piece in chain:
         if piece.hinge or piece.cut:
             found["arm", f"arm_{piece.hinge}" if piece.hinge else f"to_cut_{piece.cut}"] = piece.root[2] - origin
-            origin, carrier = piece.root[2], f"unit_{piece.hinge}" if piece.hinge else f"cut_{piece.cut}"
+            origin, carrier = piece.root[2], f"hinge_{piece.hinge}" if piece.hinge else f"cut_{piece.cut}"
         if piece.hinge:
             i, name = piece.hinge - 1, carrier
             found |= {("bending", name): parts.stiffness_x[i], ("torsion", name): parts.torsion[i]}
