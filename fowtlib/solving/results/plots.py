@@ -361,7 +361,9 @@ def _draw_series(axis: Axes, result: Any, title: str, members: Sequence[str]) ->
         axis.legend(loc="upper right", bbox_to_anchor=(1.0, 1.2), ncols=len(members), borderpad=0.0, handlelength=1.2)
     flat = np.concatenate([result.array(name) for name in members])
     middle, size = float(flat.min() + np.ptp(flat) / 2), float(np.ptp(flat))
-    least = max(LEAST_RANGE * abs(middle), LEAST_RANGES.get(result.unit(members[0]), 0.0), 1e-12)
+    least = max(LEAST_RANGE * abs(middle), LEAST_RANGES.get(result.unit(members[0]), 0.0))
+    if size < 1e-6 * max(1.0, abs(middle)):  # a constant: no magnified rounding errors
+        least = max(least, 0.1)
     if size < least:  # what hardly moves looks so
         axis.set_ylim(middle - least / 2, middle + least / 2)
     axis.ticklabel_format(axis="y", useOffset=False)
