@@ -41,7 +41,7 @@
 typedef long long int casadi_int;
 
 /* What stands in front of the positions: handle, time [s], speeds [m/s], exponent, angle [rad], height [m]. */
-enum Input { HANDLE, TIME, BASE, FLUCTUATION, SHEAR, DIRECTION, HEIGHT, PLACES };
+enum Input { FILE_NUMBER, TIME, BASE, FLUCTUATION, SHEAR, DIRECTION, HEIGHT, PLACES };
 
 enum { INPUTS = PLACES + 3 * FIELD_POINTS, OUTPUTS = 3 * FIELD_POINTS, HEADER = 70, PERIODIC = 8, ENDING = 7 };
 enum { BLOCKS = 32, BLOCK_BYTES = 1 << 18 };
@@ -524,7 +524,7 @@ static int in_field(const double *in, double *out, double *entries) {
     const double c = cos(in[DIRECTION]), s = sin(in[DIRECTION]);
     double places[3 * FIELD_POINTS];
     Look look;
-    if (start(in[HANDLE], &look)) return 1;
+    if (start(in[FILE_NUMBER], &look)) return 1;
     const int linear = look.f.samples == 2;
     for (int p = 0; p < FIELD_POINTS; p++) turned(c, s, in + PLACES + 3 * p, places + 3 * p);
     if (!entries) {
@@ -558,7 +558,7 @@ EXPORT int FIELD_NAME(const double **arg, double **res, casadi_int *iw, double *
     (void)iw, (void)w, (void)mem;
     if (!res[0]) return 0;
     if (!arg[0]) return 1;
-    if (arg[0][HANDLE] != 0) return in_field(arg[0], res[0], NULL);
+    if (arg[0][FILE_NUMBER] != 0) return in_field(arg[0], res[0], NULL);
     over_station(arg[0], res[0]);
     return 0;
 }
@@ -568,7 +568,7 @@ EXPORT int JACOBIAN()(const double **arg, double **res, casadi_int *iw, double *
     (void)iw, (void)w, (void)mem;
     if (!res[0]) return 0;
     if (!arg[0]) return 1;
-    if (arg[0][HANDLE] != 0) return in_field(arg[0], values, res[0]);
+    if (arg[0][FILE_NUMBER] != 0) return in_field(arg[0], values, res[0]);
     slopes_over_station(arg[0], columns_of(res[0]));
     return 0;
 }

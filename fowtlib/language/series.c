@@ -27,7 +27,7 @@
 
 typedef long long int casadi_int;
 
-enum { SIZE = SERIES_SIZE };
+enum { SIGNALS = SERIES_SIZE };
 enum { CONSTANT, CUBIC, LINEAR, MONOTONE, HARMONICS, TRANSITION };
 
 /* start, step: of samples [s], or start and duration of a transition; count: rows of samples or coefficients, or
@@ -89,7 +89,7 @@ static int grow(void) {
 static double needed(const Head *h) {
     const double rows[] = {1, h->count, h->count, 2 * h->count, 0, 2 + h->order};
     const int kind = (int)h->kind;
-    return rows[kind] * SIZE + (kind == HARMONICS || kind == TRANSITION ? h->count * (1 + 2.0 * SIZE) : 0);
+    return rows[kind] * SIGNALS + (kind == HARMONICS || kind == TRANSITION ? h->count * (1 + 2.0 * SIGNALS) : 0);
 }
 
 static int add(double handle, const double *numbers, double count, const char *path) {
@@ -102,7 +102,7 @@ static int add(double handle, const double *numbers, double count, const char *p
     const double head = sizeof h / sizeof(double);
     if (count < head) return refuse(path, "is damaged", "");
     memcpy(&h, numbers, sizeof h);
-    if (h.magic != MAGIC || h.size != SIZE || !(h.kind >= CONSTANT && h.kind <= TRANSITION) || count != head + needed(&h))
+    if (h.magic != MAGIC || h.size != SIGNALS || !(h.kind >= CONSTANT && h.kind <= TRANSITION) || count != head + needed(&h))
         return refuse(path, "is damaged, or of another machine", "");
     if (2 * (known + 1) > places && grow()) return refuse(path, "finds no memory", "");
     double *rows = malloc((size_t)(count - head + 1) * sizeof *rows);
@@ -167,15 +167,15 @@ EXPORT const char *OF(_problem)(void) {
 
 /* out += weight * row, and the same of the derivative. */
 static void add_row(const double *row, double weight, double slope, double *out, double *rate) {
-    for (int j = 0; j < SIZE; j++) out[j] += weight * row[j];
-    for (int j = 0; rate && j < SIZE; j++) rate[j] += slope * row[j];
+    for (int j = 0; j < SIGNALS; j++) out[j] += weight * row[j];
+    for (int j = 0; rate && j < SIGNALS; j++) rate[j] += slope * row[j];
 }
 
 /* A row of cosine and a row of sine parts behind an angular frequency, at the argument s with ds/dt = per. */
 static void add_harmonic(const double *numbers, double s, double per, double *out, double *rate) {
     const double w = numbers[0], c = cos(w * s), d = sin(w * s);
     add_row(numbers + 1, c, -w * per * d, out, rate);
-    add_row(numbers + 1 + SIZE, -d, -w * per * c, out, rate);
+    add_row(numbers + 1 + SIGNALS, -d, -w * per * c, out, rate);
 }
 
 static void samples(const Head *h, const double *rows, double t, double *out, double *rate) {
@@ -193,16 +193,16 @@ static void samples(const Head *h, const double *rows, double t, double *out, do
     if (kind == CUBIC) {
         const double w[4] = {r * r * r / 6, (s * s * (3 * s - 6) + 4) / 6, (r * r * (3 * r - 6) + 4) / 6, s * s * s / 6};
         const double d[4] = {-r * r / 2, s * (1.5 * s - 2), r * (2 - 1.5 * r), s * s / 2};
-        for (int i = 0; i < 4; i++) add_row(rows + (low + (size_t)i) * SIZE, w[i], d[i] * per, out, rate);
+        for (int i = 0; i < 4; i++) add_row(rows + (low + (size_t)i) * SIGNALS, w[i], d[i] * per, out, rate);
     } else if (kind == LINEAR) {
-        add_row(rows + low * SIZE, r, -per, out, rate);
-        add_row(rows + next * SIZE, s, per, out, rate);
+        add_row(rows + low * SIGNALS, r, -per, out, rate);
+        add_row(rows + next * SIGNALS, s, per, out, rate);
     } else { /* a value and a slope per sample: Hermite's polynomials */
-        const double *a = rows + 2 * low * SIZE, *b = rows + 2 * next * SIZE, bend = 6 * s * r * per;
+        const double *a = rows + 2 * low * SIGNALS, *b = rows + 2 * next * SIGNALS, bend = 6 * s * r * per;
         add_row(a, r * r * (1 + 2 * s), -bend, out, rate);
         add_row(b, s * s * (3 - 2 * s), bend, out, rate);
-        add_row(a + SIZE, h->step * s * r * r, r * (1 - 3 * s) * per * h->step, out, rate);
-        add_row(b + SIZE, -h->step * s * s * r, s * (3 * s - 2) * per * h->step, out, rate);
+        add_row(a + SIGNALS, h->step * s * r * r, r * (1 - 3 * s) * per * h->step, out, rate);
+        add_row(b + SIGNALS, -h->step * s * s * r, s * (3 * s - 2) * per * h->step, out, rate);
     }
 }
 
@@ -210,37 +210,37 @@ static void samples(const Head *h, const double *rows, double t, double *out, do
 static void transition(const Head *h, const double *rows, double t, double *out, double *rate) {
     const double s = (t - h->start) / h->step, per = 1 / h->step;
     if (!(s > 0 && s < 1)) {
-        add_row(s <= 0 ? rows : rows + SIZE, 1, 0, out, rate);
+        add_row(s <= 0 ? rows : rows + SIGNALS, 1, 0, out, rate);
         return;
     }
     double power = 1, slope = 0;
-    rows += 2 * SIZE;
-    for (int i = 0; i < (int)h->order; i++, rows += SIZE) {
+    rows += 2 * SIGNALS;
+    for (int i = 0; i < (int)h->order; i++, rows += SIGNALS) {
         add_row(rows, power, slope, out, rate);
         slope = (i + 1) * power * per;
         power *= s;
     }
-    for (int k = 0; k < (int)h->count; k++, rows += 1 + 2 * SIZE) add_harmonic(rows, s, per, out, rate);
+    for (int k = 0; k < (int)h->count; k++, rows += 1 + 2 * SIGNALS) add_harmonic(rows, s, per, out, rate);
 }
 
 /* Values, and where `rate` is given their time derivatives; returns 1 with a problem. */
 static int evaluate(double handle, double t, double *out, double *rate) {
-    memset(out, 0, SIZE * sizeof *out);
-    if (rate) memset(rate, 0, SIZE * sizeof *rate);
+    memset(out, 0, SIGNALS * sizeof *out);
+    if (rate) memset(rate, 0, SIGNALS * sizeof *rate);
     if (handle == 0) return 0;
     const Series *s = find(handle);
     if (!s) return refuse("", "was not opened in this process; compile the model again", "");
     const Head *h = &s->head;
     const double *rows = s->rows;
     if (!isfinite(t)) {
-        for (int j = 0; j < SIZE; j++) out[j] = NAN;
-        for (int j = 0; rate && j < SIZE; j++) rate[j] = NAN;
+        for (int j = 0; j < SIGNALS; j++) out[j] = NAN;
+        for (int j = 0; rate && j < SIGNALS; j++) rate[j] = NAN;
         return 0;
     }
     if (h->kind == CONSTANT)
-        memcpy(out, rows, SIZE * sizeof *out);
+        memcpy(out, rows, SIGNALS * sizeof *out);
     else if (h->kind == HARMONICS)
-        for (int k = 0; k < (int)h->count; k++) add_harmonic(rows + k * (1 + 2 * SIZE), t, 1, out, rate);
+        for (int k = 0; k < (int)h->count; k++) add_harmonic(rows + k * (1 + 2 * SIGNALS), t, 1, out, rate);
     else if (h->kind == TRANSITION)
         transition(h, rows, t, out, rate);
     else
@@ -248,8 +248,8 @@ static int evaluate(double handle, double t, double *out, double *rate) {
     if (h->build_up > 0 && t < h->build_up) { /* 10 s^3 - 15 s^4 + 6 s^5 */
         const double p = t > 0 ? t / h->build_up : 0, share = p * p * p * (10 + p * (6 * p - 15));
         const double growth = 30 * p * p * (1 - p) * (1 - p) / h->build_up;
-        for (int j = 0; rate && j < SIZE; j++) rate[j] = share * rate[j] + growth * out[j];
-        for (int j = 0; j < SIZE; j++) out[j] *= share;
+        for (int j = 0; rate && j < SIGNALS; j++) rate[j] = share * rate[j] + growth * out[j];
+        for (int j = 0; j < SIGNALS; j++) out[j] *= share;
     }
     return 0;
 }
@@ -260,19 +260,19 @@ EXPORT int SERIES_NAME(const double **arg, double **res, casadi_int *iw, double 
 }
 
 EXPORT int JACOBIAN()(const double **arg, double **res, casadi_int *iw, double *w, int mem) {
-    double values[SIZE];
+    double values[SIGNALS];
     (void)iw, (void)w, (void)mem;
     return !res[0] ? 0 : !arg[0] ? 1 : evaluate(arg[0][0], arg[0][1], values, res[0]);
 }
 
 /* --- CasADi's interface: see "Using externally-defined functions" in its manual ----------------------------------- */
 
-static const casadi_int column_of_inputs[] = {2, 1, 1}, column_of_outputs[] = {SIZE, 1, 1};
+static const casadi_int column_of_inputs[] = {2, 1, 1}, column_of_outputs[] = {SIGNALS, 1, 1};
 
 static const casadi_int *pattern(void) { /* nothing by the handle, everything by the time */
-    static casadi_int made[5 + SIZE];
-    made[0] = SIZE, made[1] = 2, made[2] = 0, made[3] = 0, made[4] = SIZE;
-    for (casadi_int i = 0; i < SIZE; i++) made[5 + i] = i;
+    static casadi_int made[5 + SIGNALS];
+    made[0] = SIGNALS, made[1] = 2, made[2] = 0, made[3] = 0, made[4] = SIGNALS;
+    for (casadi_int i = 0; i < SIGNALS; i++) made[5 + i] = i;
     return made;
 }
 

@@ -111,8 +111,8 @@ def test_the_recipe_of_the_documentation_runs(tmp_path, monkeypatch):
 # its section 7.2 with an efficiency of 94.4 %: 9.155 rpm and 0.944 * 0.482 * 1.225/2 pi 63^2 8^3 W = 1779 kW.
 EXPECTED = {8: (9.155, 0.0, 1779), 18: (12.1, 14.92, 5000)}
 START = {
-    8: ({"speed": 9.16, "pitch": 0, "torque": 20.0}, {"surge": 11.4, "pitch": "2.63 deg"}),
-    18: ({"speed": 12.1, "pitch": 14.7, "torque": 43.09}, {"surge": 10.8, "pitch": "2.6 deg"}),
+    8: ({"speed": 9.16, "pitch": 0, "torque": 20.0}, {"surge": 11.74, "pitch": "2.70 deg"}),
+    18: ({"speed": 12.1, "pitch": 14.7, "torque": 43.09}, {"surge": 12.6, "pitch": "2.84 deg"}),
 }
 
 

@@ -49,7 +49,7 @@ def test_two_rotors_move_together_or_against_each_other():
     modes = natural_modes(fw.load("two_rotor_support").compile())
     by_name = {mode.name: mode for mode in modes if mode.oscillates}
     alike, against = by_name["1st arm vertical, in phase"], by_name["1st arm vertical, in opposition"]
-    left, right = (f"support.arm_{side}.beam.unit_1.bending.phi_y" for side in ("left", "right"))
+    left, right = (f"support.arm_{side}.beam.hinge_1.bending.phi_y" for side in ("left", "right"))
     assert (alike.shape[left] / alike.shape[right]).real > 0 > (against.shape[left] / against.shape[right]).real
 
 
