@@ -76,6 +76,7 @@ def test_damping_of_every_half_cycle_of_the_platform_with_its_turbine(motion, he
     count = min(decay.damping.size, own.damping.size)
     assert count >= 3
     assert decay.damping[:count] == pytest.approx(own.damping[:count], rel=0.06)
+    assert decay.damping_ratio == pytest.approx({"surge": 0.097, "pitch": 0.063}[motion], rel=0.15)  # FAST, [T] LC 2.3
 
 
 # --- masses, [D] tables 2-2 and 1-1 ---

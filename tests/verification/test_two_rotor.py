@@ -109,5 +109,7 @@ def test_yaw_in_turbulence_is_that_of_one_oscillator_under_the_thrusts(in_turbul
 def test_yaw_control_in_turbulence(in_turbulence):
     """[T] has 6.5 deg with PI control and 2.5 deg with the coupled PI-P control, of one seed: a factor of 0.38."""
     alone, coupled = (in_turbulence[gain].statistics(300.0)["yaw"].std for gain in (0.0, 1.5))
+    assert 4 < alone < 12
+    assert coupled < 0.5 * alone
     assert coupled / alone == pytest.approx(2.5 / 6.5, rel=0.4)
     assert coupled == pytest.approx(2.5, abs=0.5)
