@@ -63,6 +63,12 @@ def load_at_rest(arguments: argparse.Namespace) -> tuple[Model, str]:
 
 def in_the_mean(model: Model) -> Model:
     """The model in still water, and in steady wind of the mean speed of its own."""
+    values = mean_conditions(model)
+    return model.with_parameters(values) if values else model
+
+
+def mean_conditions(model: Model) -> dict[str, Any]:
+    """Parameters of still water, and of steady wind of the mean speed of the model's own."""
     values: dict[str, Any] = {}
     if WAVES.part in model.root.parts:
         values |= WAVES.parse("still")
@@ -71,7 +77,7 @@ def in_the_mean(model: Model) -> Model:
         values["wind.kind"] = "steady"
         if wind.kind in MEASURED_WIND:
             values["wind.mean_speed"] = float(wind.mean_at(0))
-    return model.with_parameters(values) if values else model
+    return values
 
 
 def _require_part(model: Model, condition: Condition) -> None:

@@ -9,7 +9,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from fowtlib.cli import loading
-from fowtlib.language.errors import ModelError, SimulationError, one_of
+from fowtlib.language.errors import ModelError, ParameterError, SimulationError, one_of
 
 if TYPE_CHECKING:
     from fowtlib import Model, Plant, State
@@ -47,18 +47,22 @@ def _start_values(word: str, model: Model, plant: Plant) -> tuple[Mapping[str, A
         rates = [plant.dae.states[k].path for k in rate_states(plant.dae).values()]
         return dict.fromkeys(rates, 0.0), "from rest"
     if word in ("equilibrium", "turning"):
-        calm = loading.in_the_mean(model).compile()
-        return _values(_mean(calm, word), plant), "from the mean position"
+        return _values(_mean(model, plant, word), plant), "from the mean position"
     if Path(word).suffix in (".nc", ".json"):
         return _of_file(Path(word), plant), f"from {word}"
     raise ModelError(f"--start: '{word}' is not {one_of(KINDS)}, nor a file of a result (.nc) or a state (.json).")
 
 
-def _mean(calm: Plant, word: str) -> State:
+def _mean(model: Model, plant: Plant, word: str) -> State:
     from fowtlib.solving.turning import mean_state
 
+    values = loading.mean_conditions(model)
     try:
-        return mean_state(calm, near=True) if word == "turning" else calm.equilibrium()
+        plant.binding(values)
+    except ParameterError:  # a wind or sea with equations of its own, such as one from outside
+        plant, values = loading.in_the_mean(model).compile(), {}
+    try:
+        return mean_state(plant, values, near=True) if word == "turning" else plant.equilibrium(values)
     except SimulationError as error:
         if word == "equilibrium" and "turns on and on" in error.message:
             error.message += " To start from the mean of a turning rotor: --start turning."
