@@ -5,8 +5,32 @@ Searching for new examples is a task of its own: `HYPOTHESIS_PROFILE=explore pyt
 
 import os
 
+import pytest
 from hypothesis import settings
 
 settings.register_profile("fowtlib", deadline=None, derandomize=True)
 settings.register_profile("explore", deadline=None)
 settings.load_profile(os.environ.get("HYPOTHESIS_PROFILE", "fowtlib"))
+
+
+@pytest.fixture
+def counted(monkeypatch):
+    """How often, from now on, models are flattened, and C code of models is written and compiled."""
+    from fowtlib.flattening import assembler
+    from fowtlib.solving.engines import fixed_step_code
+
+    counts = dict.fromkeys(("flattened", "written", "compiled"), 0)
+
+    def count(owner, name, key, counts_too=lambda *_: True):
+        original = getattr(owner, name)
+
+        def counting(*arguments, **options):
+            counts[key] += counts_too(*arguments)
+            return original(*arguments, **options)
+
+        monkeypatch.setattr(owner, name, counting)
+
+    count(assembler._Flattening, "run", "flattened")
+    count(fixed_step_code, "kept_text", "written")
+    count(fixed_step_code, "compile_library", "compiled", lambda text, name: name == "model")
+    return counts

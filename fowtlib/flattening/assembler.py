@@ -46,7 +46,7 @@ def flatten(root: Component, opened: Sequence[str] = ()) -> FlatDAE:
     with _without_collection(), Instances(root, opened) as instances:
         instances.collect()
         resolve_orientations(instances.system, instances.statements)
-        dae = _Assembler(instances.system, instances.statements).run()
+        dae = _Flattening(instances.system, instances.statements).run()
     return replace(dae, stats={**dae.stats, "flattening_time": time.perf_counter() - started})
 
 
@@ -62,7 +62,7 @@ def _without_collection() -> Iterator[None]:
             gc.enable()
 
 
-class _Assembler:
+class _Flattening:
     def __init__(self, system: System, statements: Statements):
         self.system = system
         self.statements = statements

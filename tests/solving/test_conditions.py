@@ -100,7 +100,7 @@ def test_other_data_do_not_build_a_model_anew(monkeypatch):
 
 
 def test_one_flattening_for_many_conditions(plant, monkeypatch):
-    monkeypatch.setattr(assembler._Assembler, "run", lambda self: pytest.fail("flattened again"))
+    monkeypatch.setattr(assembler._Flattening, "run", lambda self: pytest.fail("flattened again"))
     last = [
         float(plant.simulate(conditions=fw.Conditions(parts={"wind": wind}, duration=3, output_step=1))["vane.v"][-1])
         for wind in (NoWind(), SteadyWind(mean_speed=5), KaimalWind(mean_speed=5), KaimalWind(mean_speed=5, seed=2))
