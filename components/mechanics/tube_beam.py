@@ -45,7 +45,7 @@ class TubeBeam(Beam):
             if kind == "arm":
                 frame = self._link(frame, (0, 0, chain[kind, name]), name)
             elif kind in ("bending", "cut"):
-                joint = self.add(name, self._unit(chain, name) if kind == "bending" else LoadSensor())
+                joint = self.add(name, self._hinge(chain, name) if kind == "bending" else LoadSensor())
                 self.connect(frame, joint.frame_a)
                 frame = joint.frame_b
             elif kind == "mass":
@@ -62,7 +62,7 @@ class TubeBeam(Beam):
         self.connect(frame, link.frame_a)
         return link.frame_b
 
-    def _unit(self, chain, name):
+    def _hinge(self, chain, name):
         k = self.stiffness_factor
         return BeamHinge(
             stiffness_x=k * chain["bending", name], stiffness_y=k * chain["bending", name],

@@ -32,13 +32,8 @@ def start_point(turbine: InTheWind, station: int) -> OperatingPoint:
     The frame of the turbine counts as turned along x. Standstill without wind, and in wind from the side or behind.
     """
     wind = turbine.wind
-    if wind.kind == "none":
-        return STANDSTILL
     mean = wind.mean_at(station)  # refuses a station that does not exist
-    if wind.kind not in ("file", "field"):
-        height, shear = wind.hubs[station, 1] / wind.reference_height, wind.parameter_value("shear_exponent")
-        mean = wind.parameter_value("mean_speed") * height**shear
-    along = float(mean) * cos(wind.parameter_value("direction"))
+    along = mean * cos(wind.parameter_value("direction"))
     if along <= 1e-12 * abs(mean):  # a direction of 90 deg is no round number
         return STANDSTILL
     steady = turbine.steady_turbine()
