@@ -1,0 +1,55 @@
+"""What is done with a damaged input, and how its outcome is told from what the program says."""
+
+from __future__ import annotations
+
+import random
+import sys
+from collections.abc import Callable, Iterator
+from pathlib import Path
+
+import model_files
+from pool import OK, RAW, REFUSED, Attempt
+
+SMALL = 6000  # letters of a model that is checked and run, not only loaded
+
+
+def command(*words: str) -> tuple[str, str]:
+    """Kind and words of one command of `fowt`, by its exit status."""
+    from fowtlib.cli import main
+
+    try:
+        status = main(list(words))
+    except SystemExit as error:
+        status = error.code if isinstance(error.code, int) else 1
+    sys.stdout.flush()
+    sys.stderr.flush()
+    sys.stderr.seek(0)
+    said = sys.stderr.read()
+    if status == 3 or "Traceback" in said:
+        return RAW, said
+    if status == 2 and len(said.strip()) < 12:
+        return RAW, f"refused without a sentence: {said!r}"
+    return (OK if status in (0, 1) else REFUSED), said
+
+
+def model_attempts(count: int, seed: int = 1) -> Iterator[Attempt]:
+    """Mutated model files: all are loaded; small ones are checked, or run for a moment, besides."""
+    texts = model_files.seeds()
+    names = sorted(texts)
+    for number in range(count):
+        chance = random.Random(f"{seed} {number}")
+        name = chance.choice(names)
+        yield Attempt(f"model_{seed}_{number}_{name}", _model(texts[name], chance.getrandbits(60)))
+
+
+def _model(text: str, seed: int) -> Callable[[Path], tuple[str, str]]:
+    def act(folder: Path) -> tuple[str, str]:
+        chance = random.Random(seed)
+        (folder / "model.yaml").write_bytes(model_files.mutated(text, chance))
+        if len(text) > SMALL or chance.random() < 0.4:
+            return command("tree", "model.yaml")
+        if chance.random() < 0.6:
+            return command("check", "model.yaml")
+        return command("run", "model.yaml", "--time", "0.2", "--output-step", "0.1")
+
+    return act
