@@ -5,6 +5,7 @@ from __future__ import annotations
 import random
 import sys
 from collections.abc import Callable, Iterator
+from functools import cache
 from pathlib import Path
 
 import model_files
@@ -18,14 +19,14 @@ def command(*words: str) -> tuple[str, str]:
     from fowtlib.cli import main
 
     try:
-        status = main(list(words))
+        status = main([*words, "--traceback"])
     except SystemExit as error:
         status = error.code if isinstance(error.code, int) else 1
     sys.stdout.flush()
     sys.stderr.flush()
     sys.stderr.seek(0)
     said = sys.stderr.read()
-    if status == 3 or "Traceback" in said:
+    if status == 3:
         return RAW, said
     if status == 2 and len(said.strip()) < 12:
         return RAW, f"refused without a sentence: {said!r}"
@@ -34,17 +35,23 @@ def command(*words: str) -> tuple[str, str]:
 
 def model_attempts(count: int, seed: int = 1) -> Iterator[Attempt]:
     """Mutated model files: all are loaded; small ones are checked, or run for a moment, besides."""
-    texts = model_files.seeds()
-    names = sorted(texts)
-    for number in range(count):
-        chance = random.Random(f"{seed} {number}")
-        name = chance.choice(names)
-        yield Attempt(f"model_{seed}_{number}_{name}", _model(texts[name], chance.getrandbits(60)))
+    return (named(f"model_{seed}_{number}") for number in range(count))
 
 
-def _model(text: str, seed: int) -> Callable[[Path], tuple[str, str]]:
+def named(name: str) -> Attempt:
+    """The attempt of this name, kind_seed_number, which decides all about it."""
+    kind, seed, number = name.split("_")
+    return Attempt(name, KINDS[kind](random.Random(f"{kind} {seed} {number}")))
+
+
+@cache
+def _models() -> list[str]:
+    return [text for _, text in sorted(model_files.seeds().items())]
+
+
+def _model(chance: random.Random) -> Callable[[Path], tuple[str, str]]:
     def act(folder: Path) -> tuple[str, str]:
-        chance = random.Random(seed)
+        text = chance.choice(_models())
         (folder / "model.yaml").write_bytes(model_files.mutated(text, chance))
         if len(text) > SMALL or chance.random() < 0.4:
             return command("tree", "model.yaml")
@@ -53,3 +60,6 @@ def _model(text: str, seed: int) -> Callable[[Path], tuple[str, str]]:
         return command("run", "model.yaml", "--time", "0.2", "--output-step", "0.1")
 
     return act
+
+
+KINDS = {"model": _model}

@@ -25,7 +25,21 @@ FORMULAS = ["1/0", "10**10**10", "9**9**9**9", "2^1e9", "-" * 400 + "1", "(" * 2
 KEYS = ["fowtlib", "class", "use", "parameters", "parts", "each", "for", "connect", "ports", "outputs", "simulation", "python",
         "title", "value", "unit", "min", "max", "of", "description", "mass", "r", "n", "name", "solver", "duration", "step",
         "output_step", "tolerance", "world", "sea", "wind", "spectrum", "kind"]  # fmt: skip
-UNITS = [" m", " kg", " deg", " rpm", " furlong", " m^99999", " m**", " %", " °", " kN*m/s^2/rad", " m" * 30, " µm", " Hz"]
+UNITS = [
+    " m",
+    " kg",
+    " deg",
+    " rpm",
+    " furlong",
+    " m^99999",
+    " m**",
+    " %",
+    " °",
+    " kN*m/s^2/rad",
+    " m" * 30,
+    " µm",
+    " Hz",
+]
 
 
 def seeds() -> dict[str, str]:
@@ -201,7 +215,10 @@ def _each(document: Document, places: list[Place], chance: random.Random) -> Non
     """`each` in `each`: rounds multiply."""
     count, deep = chance.choice((2, 10, 100)), chance.choice((1, 2, 4, 8))
     name = "p" + "".join(f"_{{v{i}}}" for i in range(deep))
-    block: Document = {"for": [{f"v{deep - 1}": str(k)} for k in range(count)], "parts": {name: {"class": "PointMass", "mass": "1"}}}
+    block: Document = {
+        "for": [{f"v{deep - 1}": str(k)} for k in range(count)],
+        "parts": {name: {"class": "PointMass", "mass": "1"}},
+    }
     for i in reversed(range(deep - 1)):
         block = {"for": [{f"v{i}": str(k)} for k in range(count)], "each": [block]}
     document["each"] = [block]
@@ -212,7 +229,9 @@ def _chain(document: Document, places: list[Place], chance: random.Random) -> No
     count = chance.choice((5, 40, 400))
     power = chance.choice(("{0}+{0}", "{0}*{0}", "{0}+1", "{0}**{0}", "max({0},{0})"))
     chain = {"q0": "1"} | {f"q{i}": power.format(f"q{i - 1}") for i in range(1, count)}
-    document["parameters"] = chain | (document.get("parameters") if isinstance(document.get("parameters"), dict) else {})
+    document["parameters"] = chain | (
+        document.get("parameters") if isinstance(document.get("parameters"), dict) else {}
+    )
     owner, key = _leaf(places, chance)
     owner[key] = f"q{count - 1}"
 
@@ -221,7 +240,9 @@ def _declare(document: Document, places: list[Place], chance: random.Random) -> 
     value = chance.choice([["1", ["2"]], [["1"]], {"value": "1"}, "1", [], {}, *NUMBERS, *WORDS[:12]])
     document.setdefault("parameters", {})
     if isinstance(document["parameters"], dict):
-        document["parameters"]["qq"] = {"value": "3", "unit": "m"} | {chance.choice(("min", "max", "value", "unit", "description")): value}
+        document["parameters"]["qq"] = {"value": "3", "unit": "m"} | {
+            chance.choice(("min", "max", "value", "unit", "description")): value
+        }
         owner, key = _leaf(places, chance)
         owner[key] = "qq"
 
@@ -254,7 +275,9 @@ def _indented(text: str, chance: random.Random) -> str:
 
 def _piece(text: str, chance: random.Random) -> str:
     at, length = chance.randrange(len(text) + 1), chance.choice((0, 1, 5, 40))
-    put = chance.choice([*WORDS, *NUMBERS, *FORMULAS, "[" * 3000, "{a: " * 1500, "&x [*x]", "\n---\n", "\n...\n", "? ", "|\n", ">-\n"])
+    put = chance.choice(
+        [*WORDS, *NUMBERS, *FORMULAS, "[" * 3000, "{a: " * 1500, "&x [*x]", "\n---\n", "\n...\n", "? ", "|\n", ">-\n"]
+    )
     return text[:at] + put + text[at + length :]
 
 
@@ -267,4 +290,12 @@ def _other_word(text: str, chance: random.Random) -> str:
     return text[: a.start()] + b[0] + text[a.end() :]
 
 
-TEXTUAL: list[Callable[[str, random.Random], str]] = [_line_lost, _line_doubled, _indented, _piece, _piece, _other_word, _other_word]
+TEXTUAL: list[Callable[[str, random.Random], str]] = [
+    _line_lost,
+    _line_doubled,
+    _indented,
+    _piece,
+    _piece,
+    _other_word,
+    _other_word,
+]

@@ -8,6 +8,7 @@ from __future__ import annotations
 
 import argparse
 import os
+import shutil
 import sys
 import time
 import warnings
@@ -38,14 +39,27 @@ def inputs(name: str, source: Iterable[Attempt], workers: int) -> list[Outcome]:
     return outcomes
 
 
+def again(workers: int) -> list[Outcome]:
+    """Make the inputs that failed anew from their names, and try them; those that pass are forgotten."""
+    kept = {folder.name: folder for kind in FAILURES for folder in (KEEP / kind.replace(" ", "_")).glob("*")}
+    outcomes = inputs("again", map(attempts.named, sorted(kept)), workers)
+    for outcome in outcomes:
+        if outcome.kind not in FAILURES:
+            shutil.rmtree(kept[outcome.name])
+    return outcomes
+
+
 def main() -> int:
     """Attack, and say what was found; status 1 where something failed."""
     parser = argparse.ArgumentParser(description=__doc__)
     parser.add_argument("--models", type=int, default=10_000)
     parser.add_argument("--seed", type=int, default=1)
     parser.add_argument("--workers", type=int, default=os.cpu_count() or 1)
+    parser.add_argument("--again", action="store_true", help="only the inputs that failed before")
     given = parser.parse_args()
     warm()
+    if given.again:
+        return int(any(outcome.kind in FAILURES for outcome in again(given.workers)))
     outcomes = inputs("model files", attempts.model_attempts(given.models, given.seed), given.workers)
     return int(any(outcome.kind in FAILURES for outcome in outcomes))
 
@@ -57,7 +71,11 @@ def warm() -> None:
 
     from fowtlib.cli import main as fowt
 
-    with contextlib.redirect_stdout(io.StringIO()), contextlib.redirect_stderr(io.StringIO()), warnings.catch_warnings():
+    with (
+        contextlib.redirect_stdout(io.StringIO()),
+        contextlib.redirect_stderr(io.StringIO()),
+        warnings.catch_warnings(),
+    ):
         fowt(["check", "oc3_spar_rigid"])
         fowt(["tree", "oc3_spar"])
 
