@@ -129,6 +129,8 @@ def _tunable(dae: FlatDAE, path: str, value: Any) -> np.ndarray:
         )
     item = dae.parameters[path]
     numbers = np.asarray(to_si(value, item.unit, path), dtype=float)
+    if not np.all(np.isfinite(numbers)):
+        raise ParameterError(f"{path} is {numbers}; a finite number is expected ({item.doc}).")
     for bound, outside, word in (
         (item.min, item.min is not None and np.any(numbers < item.min), "below its minimum"),
         (item.max, item.max is not None and np.any(numbers > item.max), "above its maximum"),

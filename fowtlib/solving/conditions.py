@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, fields, replace
 from typing import TYPE_CHECKING, Any
@@ -43,8 +44,8 @@ class Conditions:
         for name, kind in (("duration", "above zero"), ("output_step", "above zero"), ("discard", "zero or more")):
             value = getattr(self, name)
             seconds = None if value is None else float(to_si(value, "s", name))
-            if seconds is not None and not (seconds > 0 or (seconds == 0 and name == "discard")):
-                raise ParameterError(f"{name} is {seconds:g} s; it must be {kind}.")
+            if seconds is not None and not (0 < seconds < math.inf or (seconds == 0 and name == "discard")):
+                raise ParameterError(f"{name} is {seconds:g} s; it must be a finite number {kind}.")
             object.__setattr__(self, name, seconds)
         for path, part in self.parts.items():
             if not isinstance(part, Component):
