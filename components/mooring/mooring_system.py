@@ -130,5 +130,6 @@ class MooringSystem(Component):
             distance = float(np.hypot(reach[0], reach[1]))
             H, V = catenary.fairlead_tension(distance, reach[2], line)
             force -= [*(H * reach[:2] / max(distance, 1e-12)), V]
-            states.append({"horizontal": H, "vertical": V, "seabed_length": float(catenary.state(H, V, line).grounded)})
+            grounded = float(catenary.state(catenary.catenary_tension(H, line), V, line).grounded)
+            states.append({"horizontal": H, "vertical": V, "seabed_length": grounded})
         return force, states
