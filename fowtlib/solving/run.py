@@ -12,7 +12,6 @@ from typing import Any
 import numpy as np
 from scipy.optimize import brentq
 
-from fowtlib.language.data_files import files_of, named
 from fowtlib.language.errors import ParameterError, SimulationError
 from fowtlib.language.units import to_si
 from fowtlib.solving import event_rules as rules
@@ -454,7 +453,7 @@ class Run:
             "status": status,
             "parameters": {path: value.tolist() for path, value in numbers.items()},
             "structure": dict(self.binding.structure),
-            "data": {path: named(file) for path, file in files_of(self.binding.root).items()},
+            "data": dict(self.binding.data),
             "wall_time": self.wall_time,
             "warnings": "\n".join(self.warned.values()),
         }
