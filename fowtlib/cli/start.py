@@ -27,7 +27,7 @@ def start_values(arguments: argparse.Namespace, model: Model, plant: Plant) -> t
     if arguments.start and arguments.resume:
         raise ModelError("--start and --resume: a run either starts, or goes on from where another one ended.")
     if arguments.resume:
-        return None, ""
+        return None, f"going on from {arguments.resume}"
     word = arguments.start or model.settings.get("start", "file")
     try:
         return _start_values(word, model, plant)

@@ -21,6 +21,31 @@ def refused(capsys: pytest.CaptureFixture[str], *argv: str) -> str:
     return capsys.readouterr().err
 
 
+@pytest.mark.parametrize("number", ["0", "-1", "one"])
+def test_a_mode_has_a_number_from_one_on(capsys, number):
+    assert f"--mode: '{number}' is not the number of a mode (1, 2, ...)" in refused(
+        capsys, "view", "oc3_spar_rigid", f"--mode={number}"
+    )
+
+
+@pytest.mark.parametrize(
+    ("options", "message"),
+    [
+        ("--wind field:no.bts", "--wind: wind.file: there is no file"),
+        ("--waves regular:H=-4,T=10", "--waves: sea.wave_height = -4 m is below its minimum 0 m"),  # found by compile()
+        ("--set platform.hull.mass=-3", "--set: platform.hull.mass = -3 kg is below its minimum 0 kg"),
+        ("--set platform.hull.mas=3", "--set: platform.hull: RigidBody has no parameter 'mas'; did you mean 'mass'?"),
+        ("--wind steady:8 --set wind.mean=3", "--set: wind: SteadyWind has no parameter 'mean'; did you mean"),
+        ("--wind steady:-3 --set sea.seed=3", "--wind: wind.mean_speed = -3 m/s is below its minimum 0 m/s"),
+    ],
+)
+def test_a_mistake_in_a_value_names_the_option_that_gave_it(capsys, tmp_path, monkeypatch, options, message):
+    monkeypatch.chdir(tmp_path)
+    assert main(["check" if "--waves" in options else "run", "oc3_spar_rigid", *options.split()]) == 2
+    shown = capsys.readouterr().err.partition(": ")[2]
+    assert shown.startswith(message)
+
+
 def test_help_lists_every_command(capsys):
     assert main([]) == 2
     text = capsys.readouterr().out
