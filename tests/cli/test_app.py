@@ -46,6 +46,23 @@ def test_a_mistake_in_a_value_names_the_option_that_gave_it(capsys, tmp_path, mo
     assert shown.startswith(message)
 
 
+@pytest.mark.parametrize("command", ["tree", "equations", "parameters", "check"])
+def test_the_first_line_of_an_answer_says_the_wind_and_the_waves(capsys, command):
+    assert main([command, "oc3_spar_rigid", "--wind", "steady:8"]) == 0
+    first, second = capsys.readouterr().out.splitlines()[:2]
+    assert first == "wind steady:8 (given), waves jonswap:Hs=6,Tp=10,seed=1 (the model's)"
+    assert not second.startswith("wind ")
+
+
+def test_the_parts_of_a_model_for_machines(capsys, tmp_path):
+    file = tmp_path / "parts.csv"
+    assert main(["tree", "oc3_spar_rigid", "--waves", "still", "--json", "-o", str(file)]) == 0
+    shown = capsys.readouterr()
+    assert {"part": "sea", "class": "StillSea"} in json.loads(shown.out)
+    assert {"part": "platform.water.radiation", "class": "Radiation"} in json.loads(shown.out)
+    assert "waves still (given)" in shown.err and file.read_text().startswith("part,class\nworld,World\n")
+
+
 def test_help_lists_every_command(capsys):
     assert main([]) == 2
     text = capsys.readouterr().out
