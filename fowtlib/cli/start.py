@@ -28,7 +28,7 @@ def start_values(arguments: argparse.Namespace, model: Model, plant: Plant) -> t
     if arguments.start and arguments.resume:
         raise ModelError("--start and --resume: a run either starts, or goes on from where another one ended.")
     if arguments.resume:
-        return None, ""
+        return None, f"going on from {arguments.resume}"
     word = arguments.start or model.settings.get("start", "file")
     if word == "turning" and not arguments.start and not compiler():
         warnings.warn(
