@@ -34,8 +34,8 @@ def inputs(name: str, source: Iterable[Attempt], workers: int) -> list[Outcome]:
         if len(outcomes) % 500 == 0:
             print(f"{name}: {len(outcomes)} after {time.monotonic() - started:.0f} s", flush=True)
     counts = Counter(outcome.kind for outcome in outcomes)
-    print(f"{name}: {dict(counts)}; longest {max(o.seconds for o in outcomes):.2f} s, "
-          f"most {max(o.memory for o in outcomes) / 1e6:.0f} MB", flush=True)  # fmt: skip
+    print(f"{name}: {dict(counts)}; longest {max((o.seconds for o in outcomes), default=0):.2f} s, "
+          f"most {max((o.memory for o in outcomes), default=0) / 1e6:.0f} MB", flush=True)  # fmt: skip
     return outcomes
 
 
@@ -53,6 +53,7 @@ def main() -> int:
     """Attack, and say what was found; status 1 where something failed."""
     parser = argparse.ArgumentParser(description=__doc__)
     parser.add_argument("--models", type=int, default=10_000)
+    parser.add_argument("--data", type=int, default=5_000)
     parser.add_argument("--seed", type=int, default=1)
     parser.add_argument("--workers", type=int, default=os.cpu_count() or 1)
     parser.add_argument("--again", action="store_true", help="only the inputs that failed before")
@@ -61,6 +62,7 @@ def main() -> int:
     if given.again:
         return int(any(outcome.kind in FAILURES for outcome in again(given.workers)))
     outcomes = inputs("model files", attempts.model_attempts(given.models, given.seed), given.workers)
+    outcomes += inputs("data files", attempts.data_attempts(given.data, given.seed), given.workers)
     return int(any(outcome.kind in FAILURES for outcome in outcomes))
 
 
