@@ -8,7 +8,8 @@ from typing import Any
 from fowtlib.cli import tables
 from fowtlib.language.errors import ModelError
 
-EXAMPLES = """The environment variable FOWTLIB_CACHE names another folder, and FOWTLIB_CACHE_LIMIT another limit, in MB.
+EXAMPLES = """FOWTLIB_CACHE names another folder, and FOWTLIB_CACHE_LIMIT another limit
+in MB.
 
 examples:
   fowt cache
