@@ -3,14 +3,16 @@
 from __future__ import annotations
 
 import argparse
+import re
 import sys
+from collections.abc import Mapping
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from fowtlib.cli.conditions import WAVES, WIND, Condition, settings
 from fowtlib.cli.weather import weather
 from fowtlib.language import leave
-from fowtlib.language.errors import ParameterError
+from fowtlib.language.errors import ModelError, ParameterError
 
 if TYPE_CHECKING:
     from fowtlib import Model
@@ -38,8 +40,6 @@ def declare(parser: argparse.ArgumentParser, *, wind: bool = True, waves: bool =
     parser.add_argument(
         "--allow-python", action="store_true", help="run the Python files that the model file names (`python:`)"
     )
-
-
     parser.add_argument(
         "--allow", metavar="FOLDER", type=Path, action="append", default=[],
         help="let the model file read data in this folder, now and later; may be repeated",
@@ -55,11 +55,17 @@ def load(arguments: argparse.Namespace) -> Model:
     """The model with the conditions and parameters of the command line."""
     model = load_file(arguments, arguments.model)
     values: dict[str, Any] = {}
+    options: dict[str, str] = {}
     for condition, text in ((WIND, getattr(arguments, "wind", None)), (WAVES, getattr(arguments, "waves", None))):
         if text is not None:
             _require_part(model, condition)
-            values |= condition.parse(text)
-    values |= settings(arguments.settings)
+            chosen = condition.parse(text)
+            values |= chosen
+            options |= dict.fromkeys(chosen, condition.option)
+    chosen = settings(arguments.settings)
+    values |= chosen
+    options |= dict.fromkeys(chosen, "--set")
+    arguments.options = options  # which option gave which parameter, for messages
     model = model.with_parameters(values) if values else model
     if getattr(arguments, "trust", False):
         for path in leave.give_native(model.root):
@@ -77,6 +83,17 @@ def load_file(arguments: argparse.Namespace, name: str) -> Model:
         leave.give_folder(folder, find_model(name))
     trust = getattr(arguments, "trust", False)
     return fw.load(name, allow_python=arguments.allow_python, trust=trust)
+
+
+def message(error: ModelError, arguments: argparse.Namespace) -> str:
+    """What the error says, with the option that a value came from where it says `set: wind.file: ...`."""
+    text = str(error)
+    about = text.removeprefix("set: ")
+    options: Mapping[str, str] = getattr(arguments, "options", {})
+    if about == text or not options:
+        return text
+    named = [path for path in options if re.match(rf"{re.escape(path)}\b", about)]
+    return f"{options[max(named, key=len)] if named else '--set'}: {about}"
 
 
 def load_at_rest(arguments: argparse.Namespace) -> tuple[Model, str]:

@@ -27,7 +27,7 @@ LIMIT = 500.0  # MB, where FOWTLIB_CACHE_LIMIT says nothing else
 SUFFIX = "dll" if sys.platform == "win32" else "so"
 _YOUNG = 600.0  # s: what was used since then is not pruned, another process may be about to open it
 _ABANDONED = 3600.0  # s: what a process was writing before then is not written any more
-_OURS = re.compile(r"([A-Za-z]\w*?)_([0-9a-f]{12,40})(_[0-9a-f]{32})?\.(so|dll|c|json|bin)")
+_OURS = re.compile(r"([A-Za-z]\w*?)_([0-9a-f]{12,40})(_[0-9a-f]{32})?\.(so|dll|c|json|packed)")
 _WORK = "making_"
 _OTHERS = stat.S_IRWXG | stat.S_IRWXO
 _OTHERS_WRITE = stat.S_IWGRP | stat.S_IWOTH
