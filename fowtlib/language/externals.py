@@ -64,7 +64,7 @@ class ExternalFunction:
         elif source is not None:
             say_once(f"external functions run as Python code, slowly: {no_compiler()}")
         if library is not None:
-            self.function = _from_library(name, Path(library))
+            self.function = _from_library(name, Path(library), source)
         else:
             self.function = _Python(name, sizes, python, jacobian, sparsity)
             self.function.stands_in = source is not None
@@ -112,11 +112,14 @@ def runs_as_python(function: ca.Function) -> bool:
 
 
 class LibraryFunction(ca.Function):
-    """A function of a shared library that holds it and knows its path, for engines that call the library themselves."""
+    """A function of a shared library that holds it and knows its path, for engines that call the library themselves.
 
-    def __init__(self, function: ca.Function, path: Path, opened: Library):
+    source: its C text, where it was compiled from that; else the text may lie beside the library.
+    """
+
+    def __init__(self, function: ca.Function, path: Path, opened: Library, source: str | None = None):
         super().__init__(function)
-        self.path, self.opened = path, opened
+        self.path, self.opened, self.source = path, opened, source
 
     def __deepcopy__(self, memo: Any) -> LibraryFunction:
         return self
@@ -139,12 +142,12 @@ def refusals_explained() -> Iterator[None]:
         raise SimulationError(" ".join(reasons)) from None
 
 
-def _from_library(name: str, path: Path) -> LibraryFunction:
+def _from_library(name: str, path: Path, source: str | None) -> LibraryFunction:
     if not path.is_file():
         raise ParameterError(f"external function {name}: there is no library {path}.")
     try:
         path = path.resolve()
-        return LibraryFunction(ca.external(name, str(path)), path, open_library(path))
+        return LibraryFunction(ca.external(name, str(path)), path, open_library(path), source)
     except (RuntimeError, OSError) as error:
         reason = [line for line in str(error).splitlines() if line.strip()][-1].strip()
         raise ParameterError(f"external function {name}: {path} cannot be used: {reason}") from None
