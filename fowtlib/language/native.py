@@ -39,7 +39,10 @@ NO_COMPILER = (
 @lru_cache(maxsize=8)
 def _find(named: str | None) -> tuple[str, ...]:
     if named is not None:
-        words = shlex.split(named)
+        try:
+            words = shlex.split(named)
+        except ValueError as error:
+            raise CompilerError(f"the environment variable FOWTLIB_CC is {named!r}, not a command: {error}.") from None
         return tuple(words) if words and shutil.which(words[0]) else ()
     for word in ("gcc", "clang", "cc"):
         if shutil.which(word):

@@ -23,12 +23,15 @@ from fowtlib.modelfile.layers import (
     parts_of,
     remember,
 )
+from fowtlib.modelfile.nodes import Place
 from fowtlib.modelfile.paths import find_port
 from fowtlib.modelfile.permit import Permit
 from fowtlib.modelfile.scopes import Scope
 from fowtlib.modelfile.specs import Document, Spec, Value
 from fowtlib.modelfile.values import ValueReader
 
+MOST_PARTS = 20_000
+DEEPEST = 30  # definitions that include each other
 RESERVED = ("parts", "connections", "origins", "title")
 
 
@@ -41,6 +44,7 @@ class TreeBuilder:
     def __init__(self, allow_python: bool = False, permit: Permit | None = None):
         self.allow_python, self.permit = allow_python, permit
         self.used: list[Path] = []
+        self.count = 0
 
     def root(self, top: Document, changes: Spec | None = None) -> Component:
         """The whole model; `changes` go on top of what the file says."""
@@ -70,6 +74,7 @@ class TreeBuilder:
         with building(place, path or name, base):
             component = made(**values)
         component.origins[""] = str(place)
+        self._counted(component, place)
         remember(component, layers, path)
         for part, part_layers in inner.items():
             if part in component.parts and part not in replaced and not has_base(part_layers):
@@ -79,6 +84,12 @@ class TreeBuilder:
         self._connect(component, layers, path)
         del self.used[depth:]
         return component
+
+    def _counted(self, component: Component, place: Place) -> None:
+        """Count a component and what its class has put into it."""
+        self.count += sum(1 for _ in component.walk())
+        if self.count > MOST_PARTS:
+            raise place.error(f"the model has more than {MOST_PARTS} parts; that is the limit.")
 
     def change(self, component: Component, changes: Spec) -> None:
         """Put values into a component that exists."""
@@ -137,6 +148,8 @@ class TreeBuilder:
             raise use.place.error(f"{path + ': ' if path else ''}{error}") from None
         if file.resolve() in self.used:
             raise use.place.error(f"the definition '{name}' includes itself.")
+        if len(self.used) >= DEEPEST:
+            raise use.place.error(f"definitions are nested more than {DEEPEST} deep; that is the limit.")
         self.used.append(file.resolve())
         top = document.read(file, definition=True)
         return Layer(top.spec, self._file_scope(top))

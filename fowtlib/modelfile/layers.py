@@ -66,7 +66,7 @@ def of_kind(base: type[Component], layers: list[Layer], path: str) -> tuple[type
     kept, own = [], named
     for layer, kind in zip(layers, kinds, strict=True):
         below = kept and own != named  # of a layer that belongs to another kind
-        kept.append(_only(layer, family.base.parameters) if below else layer)
+        kept.append(_only(layer, family.base.parameters.keys() - set(chosen.void)) if below else layer)
         own = next((k for k in kinds[len(kept) :] if k is not None), family.field.default) if kind is not None else own
     return chosen, kept
 
@@ -148,8 +148,9 @@ def given_values(
     """The values that the layers give to parameters of the class."""
     values: dict[str, Any] = {}
     for layer in layers:
+        void = {rival for name in values if name in made.parameters for rival in made.rivals(name)}
         for name, value in layer.spec.values.items():
-            if name in values or name in declared:
+            if name in values or name in declared or name in void:
                 continue
             values[name] = parameter_value(layer, made, name, value, path, [*parts_of(layers)])
     return values

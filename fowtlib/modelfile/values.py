@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 import re
 from collections.abc import Collection
 from dataclasses import dataclass
@@ -67,6 +68,7 @@ class ValueReader:
         """The value (SI) of a parameter that a file declares; plain numbers are in `unit_of_numbers`, where given."""
         field = Parameter(None, unit, "", None, None, None, False, None)
         try:
+            _check_rows(value.node)
             result = self._numeric(value, value.node, field)
             plain = not any(isinstance(node.value, str) for node in value.node.walk())
             factor = conversion(parse_unit(unit_of_numbers), parse_unit(unit)) if unit_of_numbers and plain else 1.0
@@ -79,7 +81,12 @@ class ValueReader:
         if value is None:
             return None
         try:
-            return float(to_si(value.node.plain(), unit))
+            if isinstance(value.node.value, (list, dict)):
+                raise ModelFileError(f"a bound is one number, not {value.node.kind}.")
+            bound = float(to_si(value.node.plain(), unit))
+            if math.isnan(bound):
+                raise ModelFileError("a bound is a number.")
+            return bound
         except ModelError as error:
             raise _located(error, value.node, path) from None
 
@@ -192,6 +199,18 @@ def is_file(text: str, field: Parameter) -> bool:
         return False
     by_name = field.is_data or field.native or field.name in ("file", "path") or field.name.endswith(("_file", "_path"))
     return by_name or text.startswith(files.DATA_PREFIX) or text.lower().endswith(DATA_SUFFIXES)
+
+
+def _check_rows(node: Node) -> None:
+    """A list holds numbers, or rows of the same number of numbers."""
+    rows = node.value if isinstance(node.value, list) else []
+    lengths = {len(row.value) if isinstance(row.value, list) else None for row in rows}
+    if len(lengths) > 1:
+        raise ModelFileError("a list holds numbers, or rows of numbers that have the same length.")
+    for row in rows:
+        for item in row.value if isinstance(row.value, list) else ():
+            if isinstance(item.value, list):
+                raise item.place.error("lists are nested too deeply; a parameter is a number, a list or a list of rows.")
 
 
 def _whole(value: Any, field: Parameter) -> Any:

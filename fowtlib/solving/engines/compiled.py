@@ -21,7 +21,7 @@ from fowtlib.language.tables import SplineFunction
 from fowtlib.solving.engines.fixed_step_code import FixedStepCode, Options, runtime
 from fowtlib.solving.functions import Functions
 
-OPERATIONS = (5_000, 200_000)  # of the equations: below, compiling takes longer than most runs, and above, too long
+OPERATIONS = (2_000, 200_000)  # of the equations: below, compiling takes longer than most runs, and above, too long
 FULL = 0.1  # share of entries in a Jacobian: with more, the sparse factors fill up and cost more than those of LAPACK
 UNKNOWNS = 1000  # at most: the Jacobian is made by full columns
 
