@@ -87,7 +87,7 @@ def find_data(name: str, folder: Path, permit: Permit | None = None, *, native: 
         return data_path(name.removeprefix(DATA_PREFIX))
     path = _resolved(folder, name, expand=True)
     if permit is not None:
-        permit.require(path, _short(name), native=native)
+        permit.require(path, name if len(name) <= LONGEST_NAME else _short(name), native=native)
     if path.is_dir():
         raise ModelFileError(f"'{name}' is a folder; a file is expected.")
     require_file(path, ModelFileError)
