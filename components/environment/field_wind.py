@@ -24,7 +24,7 @@ from fowtlib.components.environment.field_lookup import AXES, FieldLookup
 from fowtlib.language import ExternalFunction
 from fowtlib.language.errors import ParameterError
 from fowtlib.language.externals import with_interface
-from fowtlib.language.native import compiler
+from fowtlib.language.native import compiler, open_library
 
 SHARED = ("field", "time", "base", "fluctuation", "shear_exponent", "direction", "height")
 """Inputs of the function that all points share."""
@@ -188,15 +188,9 @@ def _twin_values(column: np.ndarray, points: int) -> tuple[np.ndarray, np.ndarra
 
 
 def _symbol(function: ExternalFunction, suffix: str, result: Any) -> Any:
-    found = getattr(_load(str(function.library)), function.name + suffix)
+    found = getattr(open_library(function.library), function.name + suffix)
     found.restype = result
     return found
-
-
-@lru_cache(maxsize=64)
-def _load(library: str) -> ctypes.CDLL:
-    """The library that CasADi has loaded: a process holds one for a path, and this keeps it."""
-    return ctypes.CDLL(library)
 
 
 def _problem_in_c(function: ExternalFunction) -> str:

@@ -30,7 +30,7 @@ class Layer:
     scope: Scope
 
     def reader(self) -> ValueReader:
-        return ValueReader(self.scope, self.scope.folder)
+        return ValueReader(self.scope, self.scope.folder, self.scope.permit)
 
 
 class FileComponent(Component):
@@ -47,7 +47,7 @@ def parts_of(layers: list[Layer]) -> dict[str, list[Layer]]:
     found: dict[str, list[Layer]] = {}
     for layer in reversed(layers):
         for name, spec in layer.spec.parts.items():
-            inner = Layer(spec, Scope(layer.scope.folder, {}, parent=layer.scope))
+            inner = Layer(spec, Scope(layer.scope.folder, {}, parent=layer.scope, permit=layer.scope.permit))
             found.setdefault(name, []).insert(0, inner)
     return found
 
