@@ -62,6 +62,7 @@ class Description:
     needs_tool: bool
     variables: Mapping[str, FmuVariable]
     units: Mapping[str, UnitScale | None] = field(default_factory=dict)
+    keeps_state: bool = False  # can save what it remembers as bytes, and go on from them
 
     def scale(self, unit: str, where: str) -> UnitScale:
         """How numbers in a unit of the file become SI: by its own definition, else by its name."""
@@ -128,6 +129,8 @@ def _description(root: ET.Element) -> Description:
         token=root.get("guid" if second else "instantiationToken", ""),
         step=internal if step is None else step, fixed_step=None if variable_step else internal,
         needs_tool=_flag(element, "needsExecutionTool"), variables=variables, units=dict(_units(root)),
+        keeps_state=all(_flag(element, f"can{what}FMU{'state' if second else 'State'}")
+                        for what in ("GetAndSet", "Serialize")),
     )  # fmt: skip
 
 
