@@ -28,9 +28,7 @@ class Native:
     """
 
     def __init__(self, given: dict[str, Any], memory: Any):
-        import fmpy.fmi1
-
-        self.failures = fmpy.fmi1.FMICallException
+        self.failures = _failures()
         self.given, self.second = given, given["version"] == "2.0"
         self.numbers = memoryview(memory).cast("d")
         self.inputs, first = _groups(given["inputs"], 1)
@@ -176,6 +174,20 @@ class Native:
 
 
 _REALS = ("Real", "Float64", "Float32")
+
+
+def _failures() -> type[Exception]:
+    """The error of fmpy. Its import brings numpy, whose linear algebra would start threads that nobody needs here."""
+    name = "OPENBLAS_NUM_THREADS"
+    before = os.environ.get(name)
+    os.environ[name] = "1"
+    try:
+        import fmpy.fmi1
+    finally:
+        del os.environ[name]
+        if before is not None:
+            os.environ[name] = before
+    return fmpy.fmi1.FMICallException
 
 
 def _groups(signals: Sequence[Sequence[Any]], first: int) -> tuple[list[tuple[str, list[int], list[int], bool]], int]:

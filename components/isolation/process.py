@@ -17,6 +17,7 @@ from pathlib import Path
 from typing import Any, Protocol
 
 from fowtlib.components.isolation import worker
+from fowtlib.components.isolation.nearness import Nearness
 from fowtlib.language.errors import ModelError, SimulationError
 from fowtlib.language.stopping import STOP_ASKED
 
@@ -106,6 +107,7 @@ class Outside:
         self._stop: threading.Event | None = None
         self._cause = ""  # why this side has killed it
         self._ended = threading.Event()
+        self._nearness = Nearness()
         self.memory = _shared_memory(folder / "memory", size)
         arguments = [str(module), str(folder / "memory"), str(size), str(os.getpid()), str(folder)]
         self._process = subprocess.Popen(
@@ -125,7 +127,11 @@ class Outside:
 
     def step(self) -> str:
         """See Unit."""
-        return self._ask(b"s", "called").decode("utf-8", "replace")
+        before = self._nearness.enter()
+        try:
+            return self._ask(before + b"s", "called").decode("utf-8", "replace")
+        finally:
+            self._nearness.leave()
 
     def save(self) -> bytes:
         """See Unit."""

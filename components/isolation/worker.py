@@ -5,12 +5,14 @@ python worker.py MODULE MEMORY SIZE PARENT FOLDER
 MODULE is a Python file with a class `Native(given, memory)`, which has `step() -> str`, `save() -> bytes`,
 `restore(bytes)` and `close()`. MEMORY is a file of SIZE bytes that both processes map: numbers go through it. What is
 given comes first on the standard input, in JSON. Then each byte there is a question: s(tep), g(et the state), p(ut the
-state; its length and bytes follow), c(lose). An answer is a byte, '.' or '!' (refused), the length (uint32) of what
-follows, and a text or the state. What the library prints goes to the standard error.
+state; its length and bytes follow), c(lose); or n(ear: the processor to run on follows), which has no answer. An answer
+is a byte, '.' or '!' (refused), the length (uint32) of what follows, and a text or the state. What the library prints
+goes to the standard error.
 
 It ends when its standard input ends, or when the process PARENT does: then it deletes FOLDER too.
 """
 
+import contextlib
 import importlib.util
 import json
 import mmap
@@ -24,6 +26,9 @@ import time
 
 HEAD = struct.Struct("<cI")
 SIZE = struct.Struct("<Q")
+PROCESSOR = struct.Struct("<H")
+ANYWHERE = 0xFFFF
+OWN_THREADS = 2  # this one, and the one that watches the parent
 TEXT = 1 << 20  # bytes of a text, at most
 
 
@@ -41,6 +46,35 @@ def _watch(parent: int, folder: str) -> None:
         time.sleep(0.5)
     shutil.rmtree(folder, ignore_errors=True)
     os._exit(1)
+
+
+class Place:
+    """The processor to run on. A library with threads of its own has all of them, always."""
+
+    def __init__(self) -> None:
+        self.all = os.sched_getaffinity(0) if hasattr(os, "sched_getaffinity") else set()
+        self.calls, self.near, self.free = 0, False, False
+
+    def move(self, processor: int) -> None:
+        """To this processor, or to where the system wants."""
+        if not self.free and not self._check():
+            self.near = processor != ANYWHERE
+            os.sched_setaffinity(0, {processor} if self.near else self.all)
+
+    def look(self) -> None:
+        """Once in a while see whether there are threads by now."""
+        self.calls += 1
+        if self.near and self.calls % 256 == 0:
+            self._check()
+
+    def _check(self) -> bool:
+        threads = os.listdir("/proc/self/task")
+        if len(threads) > OWN_THREADS:
+            self.near, self.free = False, True
+            for thread in threads:
+                with contextlib.suppress(OSError):  # it may have ended
+                    os.sched_setaffinity(int(thread), self.all)
+        return self.free
 
 
 def _load(path: str) -> type:
@@ -84,10 +118,14 @@ def main() -> None:
         refuse(error)
         return
     answer(b".")
+    place = Place()
     while question := os.read(questions, 1):
         try:
             if question == b"s":
+                place.look()
                 answer(b".", native.step().encode("utf-8", "replace")[:TEXT])
+            elif question == b"n":
+                place.move(*PROCESSOR.unpack(_read(questions, PROCESSOR.size)))
             elif question == b"g":
                 answer(b".", native.save())
             elif question == b"p":
