@@ -429,9 +429,10 @@ def _draw_yaw(results: dict) -> None:
 
     figure = Figure(figsize=(7.5, 3.0), layout="constrained")
     axis = figure.subplots()
-    for (label, result), color in zip(results.items(), ("#d1651b", "#0b5394"), strict=True):
+    looks = ({"color": "#d1651b", "linestyle": "--"}, {"color": "#0b5394"})
+    for (label, result), look in zip(results.items(), looks, strict=True):
         seen = (result.time >= 1000) & (result.time <= 1600)
-        axis.plot(result.time[seen], result["yaw"].values[seen], color=color, linewidth=1.1, label=label)
+        axis.plot(result.time[seen], result["yaw"].values[seen], **look, linewidth=1.1, label=label)
     axis.set(xlabel="time [s]", ylabel="yaw [deg]", xlim=(1000, 1600))
     axis.grid(color="#d9d9d9", linewidth=0.6)
     axis.spines[["top", "right"]].set_visible(False)

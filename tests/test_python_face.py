@@ -151,3 +151,14 @@ def test_the_root_of_a_model_knows_its_outputs():
     assert list(changed.outputs) == list(model.outputs) and changed.root.platform.hull.parameter_value("mass") == 7.5e6
     alone = fw.load(fw.Assembly("nothing"))
     assert alone.outputs == {} and alone.settings == {}
+
+
+@pytest.mark.parametrize("start", ["equilibrium", 3.0, [0.1, 0.2]])
+def test_a_start_of_another_kind_is_refused(plant, start):
+    with pytest.raises(ModelError, match=r"^start: .* is no State, no Result and no start values by path; write"):
+        plant.simulate(1.0, start=start)
+
+
+def test_a_mode_shows_itself_in_a_line(plant):
+    mode = fw.natural_modes(plant, plant.equilibrium())[0]
+    assert repr(mode) == "<NaturalMode 1 pitch: 0.4985 Hz, 2.006 s, damping ratio 0.0399>"

@@ -1,6 +1,7 @@
 """Elastic catenary, free or over a flat seabed: the equations, a solver and the shape of the line, in NumPy.
 
-The component CatenaryLine uses `heap` and `state` with CasADi expressions; tests and pre-processing use the rest.
+The component CatenaryLine uses `lateral_stiffness` and `state` with CasADi expressions; tests and pre-processing the
+rest.
 
 The line lies in a vertical plane with its anchor at the origin, x towards the fairlead, z up; the seabed lies the
 clearance D >= 0 below the anchor. At the fairlead the line has the tensions H (horizontal) and V (vertical, positive:
@@ -18,6 +19,13 @@ floats is an arch, and a vertical line has the lateral stiffness H / x = 1 / (l 
 The line touches the seabed where its lowest point would lie deeper than D: then V_a = -P, the pull of what hangs from
 the anchor to the seabed, T_P - H + P^2 / (2 EA) = w D, and B = L - (V + P) / w. For an anchor on the seabed D = P = 0.
 Friction holds a line on the seabed that lies towards its anchor (D = 0) and takes its tension up.
+
+A line with length to spare hangs vertically: no catenary reaches its fairlead, the excess lies on the seabed, and H = 0
+leaves V alone to tell where it is. Here every line is drawn aside, square to its plane, by a constant horizontal force
+h (`scales`), which moves it by the distance d it takes: the catenary of the horizontal tension T_h = sqrt(H^2 + h^2)
+spans sqrt(x^2 + d^2), and H / x = h / d = k, the lateral stiffness. A line in service does not feel it (x grows by
+(h / H)^2 / 2 of itself, 1e-12 or so); of a slack one d is what makes up for the excess, and it pulls with H = h x / d.
+A line under a constant force has a potential, so this one has.
 Source: J. Jonkman, NREL/TP-500-41958 (2007), eq. 2-35 to 2-38, for D = 0 and w > 0.
 """
 
@@ -30,8 +38,8 @@ import numpy as np
 
 from fowtlib.language.errors import ModelError
 
-SLACKNESS = 1e-3
-"""Square root of the lateral stiffness, in weight over length, of a line of which half lies in a heap; see `heap`."""
+ASIDE = 1e-6
+"""Constant horizontal force that draws every line aside, as a share of its weight; see the module docstring."""
 
 LIGHT = 1e-6
 """Weight in water, as a share of the axial stiffness, below which a line counts as one without weight; see `scales`."""
@@ -60,16 +68,15 @@ def weight_in_water(mass_per_length: Any, diameter: Any, gravity: Any = 9.80665,
 
 
 def scales(line: Any, xp: Any = np) -> tuple[Any, Any, Any]:
-    """Forces [N]: the one by which tensions of the line are measured, the least tension, the share of a light line.
+    """Forces [N]: the measure of the tensions of a line, the force that draws it aside, the share of a light line.
 
     The first is the weight in water; for a line whose weight is less than LIGHT of its stiffness, LIGHT of its
-    stiffness. The least tension is added to the others by squares and keeps all derivatives finite where a line carries
-    nothing: 1e-8 of the weight; of a light line 0.3 LIGHT of the stiffness, which makes up for the shape that such a
-    line has no weight to take.
+    stiffness. The second keeps all derivatives finite where a line carries nothing: ASIDE of the weight; of a light
+    line 0.3 LIGHT of the stiffness, which makes up for the shape that such a line has no weight to take.
     """
     weight, floor = line.weight * line.length, LIGHT * line.axial_stiffness
     light = floor**3 / (floor**2 + weight**2)
-    return xp.abs(weight) + light, 1e-8 * xp.abs(weight) + 0.3 * light, light
+    return xp.abs(weight) + light, ASIDE * xp.abs(weight) + 0.3 * light, light
 
 
 class State(NamedTuple):
@@ -82,7 +89,7 @@ class State(NamedTuple):
     grounded: Any
     """Length B on the seabed [m]."""
     held: Any
-    """Horizontal tension that friction could take, over H; from 1 on, nothing of it reaches the anchor."""
+    """Horizontal tension that friction could take, over the line's; from 1 on, nothing of it reaches the anchor."""
     flexibility: Any
     """What the horizontal tension draws out of the line, per newton [m/N], besides what lies on the seabed."""
     height: Any
@@ -90,61 +97,63 @@ class State(NamedTuple):
 
 
 def state(horizontal: Any, vertical: Any, line: Any, xp: Any = np) -> State:
-    """The line with these tensions at the fairlead [N].
+    """The line with these tensions at the fairlead [N], the horizontal one above 0: that of the catenary, T_h.
 
     `line` has the attributes of Line; `xp` is the mathematics of the arguments: numpy, or fowtlib.language.math.
     """
-    w, length, stiffness, V = line.weight, line.length, line.axial_stiffness, vertical
-    force, tiny, _ = scales(line, xp)
-    square, sinks = horizontal**2 + tiny**2, w > 0
-    T = xp.sqrt(square)
+    w, length, stiffness, T, V = line.weight, line.length, line.axial_stiffness, horizontal, vertical
+    force, aside, _ = scales(line, xp)
+    sinks = w > 0
     heavy = _if(xp, sinks, w, force / length)  # what does not sink touches no seabed
     drop = 2 * stiffness * heavy * xp.fmin(line.clearance, 10 * length)
     rise = drop / (xp.sqrt((stiffness + T) ** 2 + drop) + stiffness + T)  # T_P - T
-    P = xp.sqrt(rise * (2 * T + rise) + (0.01 * tiny) ** 2) - 0.01 * tiny
+    P = xp.sqrt(rise * (2 * T + rise) + (0.01 * aside) ** 2) - 0.01 * aside
     free, below = V - w * length, xp.fmin(V, 0)  # only an iteration tries a fairlead under the seabed
     V_anchor = _if(xp, sinks, xp.fmax(free, below - P), free)
     grounded = _if(xp, sinks, xp.fmax(length - (V - below + P) / heavy, 0), 0)
-    slope, climb = _hanging(square, V_anchor, V, stiffness, xp)
+    slope, climb = _hanging(T**2, V_anchor, V, stiffness, xp)
     # friction holds only what lies towards its anchor
     held = _if(xp, line.clearance > 0, 0, line.friction * w * grounded / T)
     stretched = grounded * _if(xp, held < 1, 1 - held / 2, 0.5 / xp.fmax(held, 1)) / stiffness
-    sinking = grounded * below * (1 / T + 1 / (2 * stiffness))  # below the seabed it falls on: no second solution
+    sinking = grounded * below / force  # below the seabed it falls on: no second solution
     hanging = length - grounded
     return State(force, V_anchor, grounded, held, hanging * slope + stretched, hanging * climb + sinking)
 
 
 def span(horizontal: Any, vertical: Any, line: Any, xp: Any = np) -> tuple[Any, Any]:
-    """Distances (x, z) [m] from anchor to fairlead for fairlead tensions H >= 0 and V [N]; see the module docstring."""
+    """Distances (x, z) [m] from anchor to fairlead for fairlead tensions H > 0 and V [N]: the catenary by itself."""
     now = state(horizontal, vertical, line, xp)
     return now.grounded + horizontal * now.flexibility, now.height
 
 
-def heap(coordinate: Any, line: Any, xp: Any = np) -> tuple[Any, Any]:
-    """Lateral stiffness k = H / x > 0 [N/m] of any real coordinate p, and the share of B that is heaped up.
+def lateral_stiffness(coordinate: Any, line: Any, xp: Any = np) -> Any:
+    """Lateral stiffness k = H / x > 0 [N/m] of any real coordinate p.
 
-    A line with length to spare hangs vertically: H = 0, and no catenary reaches the fairlead, because the excess lies
-    in a heap on the seabed. The exact statement, k >= 0, share >= 0, k share = 0, is replaced by
-    share = k0 / (k + k0), k0 = SLACKNESS^2 F / L with the force F of `scales`: a line in service loses some millimetres
-    of its span (1e-6 w B x / H), and a slack line pulls with 1e-6 of its weight. p = k L / F - share: a number that is
-    in proportion to the tension of a taut line, and to the length that a slack one has to spare. Because the share is
-    one of B, the force of a line on the seabed has a potential to about 1e-5 only.
+    With the force F of `scales`, p is k L / F of a taut line, and -q of a slack one, where (d / L)^2 = q (1 + d / L):
+    numbers that are in proportion to the tension of the first, and to the length that the second has to spare. Where
+    k L / F is about e = (h / F)^(2/3), one passes smoothly into the other.
     """
-    force, least = scales(line, xp)[0], SLACKNESS**2
-    ratio = (coordinate - least + xp.sqrt((coordinate + least) ** 2 + 4 * least)) / 2
-    return ratio * force / line.length, ratio - coordinate
+    force, aside, _ = scales(line, xp)
+    share = aside / force
+    e = share ** (2 / 3)
+    # (root + p) / 2 and (root - p) / 2 without the difference of equal numbers; their product is e^2
+    larger = (xp.sqrt(coordinate**2 + 4 * e**2) + xp.abs(coordinate)) / 2
+    taut = _if(xp, coordinate > 0, larger, e**2 / larger)
+    q = e**2 / taut
+    distance = (q + xp.sqrt(q**2 + 4 * q)) / 2
+    return xp.sqrt(taut**2 + (share / distance) ** 2) * force / line.length
 
 
-def reached(horizontal: Any, vertical: Any, line: Any, xp: Any = np) -> Any:
-    """Horizontal distance x [m] from anchor to fairlead, as in `span`, less what is heaped up on the seabed.
+def catenary_tension(horizontal: Any, line: Any, xp: Any = np) -> Any:
+    """T_h [N] of a line that pulls its fairlead with H >= 0."""
+    return xp.sqrt(horizontal**2 + scales(line, xp)[1] ** 2)
 
-    With k = H / x in the share of `heap`, a quadratic equation for x.
-    """
-    now, H = state(horizontal, vertical, line, xp), horizontal
-    least = SLACKNESS**2 * now.force / line.length
-    drawn = H * now.flexibility
-    half = (H - least * drawn) / 2
-    return H * (drawn + now.grounded) / (half + xp.sqrt(half**2 + least * H * (drawn + now.grounded)))
+
+def reached(horizontal: Any, vertical: Any, line: Any, xp: Any = np) -> tuple[Any, Any]:
+    """Distances (x, z) [m] from anchor to fairlead of the line that is drawn aside, for H >= 0 and V [N]."""
+    T = catenary_tension(horizontal, line, xp)
+    now = state(T, vertical, line, xp)
+    return horizontal * (now.grounded / T + now.flexibility), now.height
 
 
 def _if(xp: Any, condition: Any, then: Any, otherwise: Any) -> Any:
@@ -200,11 +209,11 @@ def fairlead_tension(x: float, z: float, line: Line) -> tuple[float, float]:
         return brentq(function, low, low + step, xtol=1e-14 * force, rtol=1e-14)
 
     def vertical(horizontal: float) -> float:
-        return rising_root(lambda V: float(state(horizontal, V, line).height) - z, 0.0, force)
+        return rising_root(lambda V: float(reached(horizontal, V, line)[1]) - z, 0.0, force)
 
     if x == 0:
         return 0.0, vertical(0.0)
-    horizontal = rising_root(lambda H: float(reached(H, vertical(H), line)) - x, 1e-30 * force, force)
+    horizontal = rising_root(lambda H: float(reached(H, vertical(H), line)[0]) - x, 1e-30 * force, force)
     return horizontal, vertical(horizontal)
 
 
@@ -215,20 +224,21 @@ def stiffness(horizontal: float, vertical: float, line: Line) -> np.ndarray:
     from fowtlib.language import math as m
 
     H, V = ca.SX.sym("H"), ca.SX.sym("V")
-    jacobian = ca.jacobian(ca.vertcat(reached(H, V, line, m), state(H, V, line, m).height), ca.vertcat(H, V))
-    numbers = max(horizontal, 1e-12 * float(scales(line)[0])), vertical
-    return np.linalg.inv(np.array(ca.Function("flexibility", [H, V], [jacobian])(*numbers)))
+    jacobian = ca.jacobian(ca.vertcat(*reached(H, V, line, m)), ca.vertcat(H, V))
+    return np.linalg.inv(np.array(ca.Function("flexibility", [H, V], [jacobian])(horizontal, vertical)))
 
 
 def profile(horizontal: Any, vertical: Any, line: Line, points: int = 100) -> dict[str, np.ndarray]:
     """Shape of a line with these fairlead tensions [N], from the anchor to the fairlead.
 
     Returns arrays of `points` values: "arc_length" (unstretched), "x", "z" [m] and "tension" [N]; for tensions (n,)
-    arrays (n, points) of the last three. The excess length of a slack line is drawn shortened on the seabed.
+    arrays (n, points) of the last three. Seen in its plane: the excess length of a slack line, which lies aside, is
+    drawn shortened.
     """
     w, s = line.weight, np.linspace(0.0, line.length, points)
     H, V = (np.asarray(value, dtype=float)[..., None] for value in (horizontal, vertical))
-    now = state(H, V, line)
+    T = catenary_tension(H, line)
+    now = state(T, V, line)
     grounded, divisor = now.grounded, np.where(now.grounded > 0, now.grounded, 1.0)
     touch = np.where(grounded > 0, np.maximum(-now.anchor, 0) / (w if w > 0 else 1), 0.0)
     lying = np.clip(s - touch, 0.0, grounded)
@@ -237,11 +247,9 @@ def profile(horizontal: Any, vertical: Any, line: Line, points: int = 100) -> di
     left = H * np.maximum(1 - now.held * (1 - lying / divisor), 0.0)
     pulled = grounded / np.maximum(now.held, 1)
     u = np.clip(lying - (grounded - pulled), 0.0, pulled)
-    stretch = H * u * (1 - now.held / divisor * (pulled - u / 2)) / line.axial_stiffness
-    excess = span(H, V, line)[0] - reached(H, V, line)
-    shortened = 1 - excess / np.where(grounded > 0, grounded, line.length)
-    slope, climb = _hanging(H**2 + scales(line)[1] ** 2, now.anchor, V_s, line.axial_stiffness, np)
-    x, z = lying * shortened + stretch + H * hanging * slope, hanging * climb
+    stretch = T * u * (1 - now.held / divisor * (pulled - u / 2)) / line.axial_stiffness
+    slope, climb = _hanging(T**2, now.anchor, V_s, line.axial_stiffness, np)
+    x, z = H / T * (lying + stretch + T * hanging * slope), hanging * climb
     return {"arc_length": s, "x": x, "z": z, "tension": np.hypot(left, V_s)}
 
 

@@ -59,7 +59,7 @@ class CatenaryLine(Component):
 
     weight: Scalar = var(unit="N/m", doc="weight in water per length")
     clearance: Scalar = var(unit="m", doc="height of the anchor above the seabed; 0: it lies there")
-    coordinate: Scalar = var(start=1.0, doc="positive: lateral stiffness in w; negative: share of the line in a heap")
+    coordinate: Scalar = var(start=1.0, doc="positive: lateral stiffness; negative: slack; see lateral_stiffness")
     lift: Scalar = var(start=lambda self: _start(self), doc="vertical tension over weight of the line")
     horizontal_tension: Scalar = var(unit="N", doc="horizontal tension at the fairlead")
     vertical_tension: Scalar = var(unit="N", doc="vertical tension at the fairlead; positive: the line pulls down")
@@ -71,16 +71,17 @@ class CatenaryLine(Component):
 
     def equations(self):
         fairlead, reach = self.fairlead, self.fairlead.r - self.anchor.r
-        lateral, heaped = catenary.heap(self.coordinate, self, m)
-        H, V = lateral * self.distance, self.lift * catenary.scales(self, m)[0]
-        line, plan = catenary.state(H, V, self, m), m.vertcat(reach[0], reach[1])
+        force, aside, _ = catenary.scales(self, m)
+        lateral, plan = catenary.lateral_stiffness(self.coordinate, self, m), m.vertcat(reach[0], reach[1])
+        H, V, spanned = lateral * self.distance, self.lift * force, m.sqrt(self.distance**2 + (aside / lateral) ** 2)
+        line = catenary.state(lateral * spanned, V, self, m)
         left = 1 - m.fmin(line.held, 1)  # of the horizontal tension, at the anchor
         return [
             eq(self.weight, _weight(self)),
             eq(self.clearance, m.fmax(self.anchor.r[2] + self.world.water_depth - LEVEL, 0)),
             eq(self.distance, m.smooth_norm(plan, 1e-5 * self.length)),
             eq(self.rise, reach[2]),
-            eq(line.grounded * (1 - heaped) + H * line.flexibility, self.distance),
+            eq(line.grounded + lateral * spanned * line.flexibility, spanned),
             eq(line.height, self.rise),
             eq(self.horizontal_tension, H),
             eq(self.vertical_tension, V),

@@ -2,15 +2,17 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Sequence
 from typing import Any
 
 import numpy as np
 
+from fowtlib.components.environment.world import World
 from fowtlib.components.mechanics.bodies import FixedTranslation
 from fowtlib.components.mechanics.connectors import Frame
 from fowtlib.components.mooring import catenary
-from fowtlib.components.mooring.catenary_line import CatenaryLine
+from fowtlib.components.mooring.catenary_line import LEVEL, CatenaryLine
 from fowtlib.components.mooring.yaw_spring import YawSpring
 from fowtlib.language import Array, Component, Scalar, param, parts, port
 from fowtlib.language import math as m
@@ -113,22 +115,33 @@ class MooringSystem(Component):
         return value[i] if shape else value
 
     def static_load(
-        self, position: Sequence[float] = (0, 0, 0), gravity: float = 9.80665, water_density: float = 1025.0
-    ) -> tuple[np.ndarray, list[dict[str, float]]]:
+        self, position: Sequence[float] = (0, 0, 0), gravity: float = 9.80665, water_density: float = 1025.0,
+        water_depth: float | None = None,
+    ) -> tuple[np.ndarray, list[dict[str, float]]]:  # fmt: skip
         """Force (3,) [N] of the lines on the body, whose frame is upright at `position`, and the state of each line.
 
-        NumPy, for pre-processing: load-displacement curves, pretension, lift-off of the lines.
+        NumPy, for pre-processing: load-displacement curves, pretension, lift-off of the lines. water_depth [m]: of the
+        seabed; None: that of the World of the model which the system is part of, and without one each anchor lies on
+        the seabed.
         """
+        if water_depth is None:
+            root: Component = self
+            while root._parent is not None:
+                root = root._parent
+            worlds = [part for part in root.walk() if isinstance(part, World)]
+            water_depth = float(worlds[0].parameter_value("water_depth")) if worlds else -math.inf
         force, states = np.zeros(3), []
         for i, (fairlead, anchor) in enumerate(self.layout()):
             values = {name: float(np.asarray(self._of_line(name, i))) for name in LINE_PROPERTIES if self._has(name)}
             w = values.get("weight_per_length")
             if w is None:
                 w = catenary.weight_in_water(values["mass_per_length"], values["diameter"], gravity, water_density)
-            line = catenary.Line(values["length"], w, values["axial_stiffness"], values["friction"])
+            clearance = max(float(anchor[2]) + water_depth - LEVEL, 0.0)
+            line = catenary.Line(values["length"], w, values["axial_stiffness"], values["friction"], clearance)
             reach = np.array([float(a) + b - float(c) for a, b, c in zip(fairlead, position, anchor, strict=True)])
             distance = float(np.hypot(reach[0], reach[1]))
             H, V = catenary.fairlead_tension(distance, reach[2], line)
             force -= [*(H * reach[:2] / max(distance, 1e-12)), V]
-            states.append({"horizontal": H, "vertical": V, "seabed_length": float(catenary.state(H, V, line).grounded)})
+            grounded = float(catenary.state(catenary.catenary_tension(H, line), V, line).grounded)
+            states.append({"horizontal": H, "vertical": V, "seabed_length": grounded})
         return force, states

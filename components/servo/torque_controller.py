@@ -10,8 +10,9 @@ from fowtlib.language import math as m
 class TorqueController(Component):
     """Generator torque by the law of torque_law.py, with limits of torque and torque rate.
 
-    While the collective pitch is above region_3_pitch the torque is that of region 3 at any speed, which smooths the
-    power; the change-over is spread over pitch_transition, where the original switches. Torque follows its command with
+    While the collective pitch is above region_3_pitch the torque is that of region 3 at any speed from region_2_speed
+    on, which smooths the power; the change-over is spread over pitch_transition, where the original switches. Down to
+    cut_in_speed it fades out: a generator at standstill is not connected. Torque follows its command with
     response_time as long as that asks for less than the greatest rate. Defaults: NREL 5 MW (NREL/TP-500-38060, 2009,
     table 7-2), with the constant torque of its OC3-Hywind version (NREL/TP-500-47535, 2010, section 6).
     """
@@ -46,8 +47,9 @@ class TorqueController(Component):
     def asked(self, speed):
         """Torque asked for at a filtered generator speed."""
         by_speed, above = torque_law.torque_of(speed, self, m), torque_law.region_3_torque(speed, self, m)
-        way = m.fmin(m.fmax((self.collective - self.region_3_pitch) / self.pitch_transition + 0.5, 0), 1)
-        return m.fmin(by_speed + (above - by_speed) * way**2 * (3 - 2 * way), self.greatest_torque)
+        pitched = _step((self.collective - self.region_3_pitch) / self.pitch_transition + 0.5)
+        turns = _step((speed - self.cut_in_speed) / (self.region_2_speed - self.cut_in_speed))
+        return m.fmin(by_speed + (above - by_speed) * pitched * turns, self.greatest_torque)
 
     def equations(self):
         rate = (self.command - self.actual) / self.response_time
@@ -57,3 +59,9 @@ class TorqueController(Component):
             eq(self.torque, self.actual),
             initial(self.actual, self.command),
         ]
+
+
+def _step(way):
+    """From 0 at 0 to 1 at 1, with a continuous slope."""
+    inside = m.fmin(m.fmax(way, 0), 1)
+    return inside**2 * (3 - 2 * inside)

@@ -15,7 +15,7 @@ import warnings
 from collections.abc import Sequence
 from typing import NoReturn
 
-from fowtlib.cli import decay, export, inspection, library, rao, rotor_table, run, stability, view, wind_field
+from fowtlib.cli import decay, export, inspection, library, loading, rao, rotor_table, run, stability, view, wind_field
 from fowtlib.cli.encoding import write_what_can_be_written
 from fowtlib.language.errors import ModelError, did_you_mean
 
@@ -102,7 +102,7 @@ def _carry_out(arguments: argparse.Namespace) -> int:
     try:
         return arguments.action(arguments)
     except ModelError as error:
-        return _stopped(arguments, _status(error), str(error))
+        return _stopped(arguments, _status(error), loading.message(error, arguments))
     except KeyboardInterrupt:
         return _stopped(arguments, 130, "stopped; nothing was saved.")
     except BrokenPipeError:  # the reader of our output has enough: `fowt parts | head`

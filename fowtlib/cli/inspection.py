@@ -8,6 +8,7 @@ import textwrap
 from typing import Any
 
 from fowtlib.cli import loading, tables
+from fowtlib.cli.weather import weather
 from fowtlib.language.declarations import join
 
 CHECK = """exit status: 0 nothing wrong, 1 something found, 2 the model cannot be built
@@ -37,7 +38,8 @@ def declare(commands: Any) -> None:
     check.set_defaults(action=check_model)
 
     tree = commands.add_parser("tree", help="the parts of a model", epilog=TREE)
-    loading.declare(tree, wind=False, waves=False)
+    loading.declare(tree)
+    tables.declare(tree)
     tree.set_defaults(action=show_tree)
 
     equations = commands.add_parser("equations", help="the equations of a model, or of one part", epilog=EQUATIONS)
@@ -54,14 +56,24 @@ def declare(commands: Any) -> None:
 
 def check_model(arguments: argparse.Namespace) -> int:
     """Print the report of the checks; status 1 when something was found."""
-    report = loading.load(arguments).check()
+    model = loading.load(arguments)
+    report = model.check()
+    if conditions := weather(model, arguments):
+        print(conditions)
     print(report)
     return 0 if report.ok else 1
 
 
 def show_tree(arguments: argparse.Namespace) -> int:
     """Print the tree of parts."""
-    print(loading.load(arguments).tree())
+    model = loading.load(arguments)
+    rows = [(part.path, type(part).__name__) for part in model.root.walk() if part.path]
+    tables.say(arguments, weather(model, arguments))
+    if arguments.form:
+        tables.show(arguments, ("part", "class"), rows)
+        return 0
+    tables.save(arguments, ("part", "class"), rows)
+    print(model.tree())
     return 0
 
 
@@ -73,6 +85,7 @@ def show_equations(arguments: argparse.Namespace) -> int:
     inside = [row for row in table if not arguments.path or f"{row[0]}.".startswith(f"{arguments.path}.")]
     rows = [(part, f"{left} = {right}") for part, left, right in inside]
     columns = ("part", "equation")
+    tables.say(arguments, weather(model, arguments))
     if arguments.form:
         tables.show(arguments, columns, rows)
         return 0
@@ -85,7 +98,9 @@ def show_equations(arguments: argparse.Namespace) -> int:
 def show_parameters(arguments: argparse.Namespace) -> int:
     """Print the parameters of all parts in the order of the tree."""
     rows = []
-    for part in loading.load(arguments).root.walk():
+    model = loading.load(arguments)
+    tables.say(arguments, weather(model, arguments))
+    for part in model.root.walk():
         for name, field in part.parameters.items():
             kind = "tunable" if field.tunable else "bound" if field.bound else "structural"
             row = (join(part.path, name), part.parameter_value(name), field.unit, kind, field.doc, field.why_structural)

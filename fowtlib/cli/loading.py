@@ -3,11 +3,13 @@
 from __future__ import annotations
 
 import argparse
+import re
+from collections.abc import Mapping
 from typing import TYPE_CHECKING, Any
 
 from fowtlib.cli.conditions import WAVES, WIND, Condition, settings
 from fowtlib.cli.weather import weather
-from fowtlib.language.errors import ParameterError
+from fowtlib.language.errors import ModelError, ParameterError
 
 if TYPE_CHECKING:
     from fowtlib import Model
@@ -43,12 +45,29 @@ def load(arguments: argparse.Namespace) -> Model:
 
     model = fw.load(arguments.model, allow_python=arguments.allow_python)
     values: dict[str, Any] = {}
+    options: dict[str, str] = {}
     for condition, text in ((WIND, getattr(arguments, "wind", None)), (WAVES, getattr(arguments, "waves", None))):
         if text is not None:
             _require_part(model, condition)
-            values |= condition.parse(text)
-    values |= settings(arguments.settings)
+            chosen = condition.parse(text)
+            values |= chosen
+            options |= dict.fromkeys(chosen, condition.option)
+    chosen = settings(arguments.settings)
+    values |= chosen
+    options |= dict.fromkeys(chosen, "--set")
+    arguments.options = options  # which option gave which parameter, for messages
     return model.with_parameters(values) if values else model
+
+
+def message(error: ModelError, arguments: argparse.Namespace) -> str:
+    """What the error says, with the option that a value came from where it says `set: wind.file: ...`."""
+    text = str(error)
+    about = text.removeprefix("set: ")
+    options: Mapping[str, str] = getattr(arguments, "options", {})
+    if about == text or not options:
+        return text
+    named = [path for path in options if re.match(rf"{re.escape(path)}\b", about)]
+    return f"{options[max(named, key=len)] if named else '--set'}: {about}"
 
 
 def load_at_rest(arguments: argparse.Namespace) -> tuple[Model, str]:

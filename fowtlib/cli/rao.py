@@ -58,7 +58,7 @@ def show_rao(arguments: argparse.Namespace) -> int:
         warnings.warn(f"no wave load from {min(silent):g} Hz on: the hydrodynamic data end below.", stacklevel=1)
     moving = [name for name in rao.outputs if rao.amplitude(name).max() > AT_REST]
     if arguments.plot:
-        about = ": ".join(filter(None, (model.title or model.name, conditions.partition(", waves")[0])))
+        about = "\n".join(filter(None, (model.title or model.name, conditions.partition(", waves")[0])))
         from fowtlib.solving.results.plots import plot_rao
 
         plot_rao(rao, path=arguments.plot, outputs=moving, title=about)

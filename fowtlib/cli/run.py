@@ -17,6 +17,7 @@ from fowtlib.language.errors import ModelError, SimulationError
 if TYPE_CHECKING:
     import numpy as np
 
+    from fowtlib import Plant
     from fowtlib.solving.results import Result
 
 EXAMPLES = """examples:
@@ -94,6 +95,7 @@ def run(arguments: argparse.Namespace) -> int:
     earlier = Result.open(arguments.resume) if arguments.resume else None
     model = loading.load(arguments)
     plant = model.compile()
+    _check_discard(arguments, plant, earlier)
     start, whence = start_values(arguments, model, plant)
     conditions = Conditions(start=earlier or start, duration=arguments.time, output_step=arguments.output_step)
     options = {"solver": arguments.solver, "step": arguments.step, "tolerance": arguments.tolerance}
@@ -114,6 +116,19 @@ def run(arguments: argparse.Namespace) -> int:
     _show(arguments, result, later)
     say_saved(arguments.output, arguments.plot)
     return 0
+
+
+def _check_discard(arguments: argparse.Namespace, plant: Plant, earlier: Result | None) -> None:
+    """Refuse to leave out all of a run, before it is computed."""
+    from fowtlib.solving.run import duration_settings
+
+    end, *_ = duration_settings(arguments.time, None, None, plant.settings)
+    first = earlier.time[0] if earlier else 0.0
+    if arguments.discard >= end - first > 0:
+        raise ModelError(
+            f"--discard: {arguments.discard:g} s of a run of {end - first:g} s leave nothing; "
+            "discard less, or simulate longer (--time)."
+        )
 
 
 def _discarded(arguments: argparse.Namespace, result: Result) -> float:
@@ -148,7 +163,8 @@ def _show(arguments: argparse.Namespace, result: Result, later: Result) -> None:
     columns = ("result", "unit", "mean", "std", "min", "max")
     rows = []
     for item in summaries:
-        mean, std = (tables.rounded(value, max(abs(item.min), abs(item.max))) for value in (item.mean, item.std))
-        rows.append((item.name, item.unit, mean, std, item.min, item.max))
+        size = max(abs(item.min), abs(item.max))
+        values = (tables.rounded(value, size) for value in (item.mean, item.std, item.min, item.max))
+        rows.append((item.name, item.unit, *values))
     factor = later.duration / max(later.attributes["wall_time"], 1e-9)
     tables.show(arguments, columns, rows, f"{statistics.first:g} s to {statistics.last:g} s, {factor:.0f} x real time")

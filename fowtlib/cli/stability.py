@@ -70,6 +70,6 @@ def show_modes(arguments: argparse.Namespace) -> int:
     if arguments.plot:
         from fowtlib.solving.results.plots import plot_modes
 
-        plot_modes(modes, path=arguments.plot)
+        plot_modes(modes, path=arguments.plot, title="\n".join(filter(None, (model.title or model.name, conditions))))
     say_saved(arguments.plot)
     return 0

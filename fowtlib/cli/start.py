@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING, Any
 
 from fowtlib.cli import loading
 from fowtlib.language.errors import ModelError, ParameterError, SimulationError, one_of
+from fowtlib.language.native import compiler, no_compiler
 
 if TYPE_CHECKING:
     from fowtlib import Model, Plant, State
@@ -27,8 +28,14 @@ def start_values(arguments: argparse.Namespace, model: Model, plant: Plant) -> t
     if arguments.start and arguments.resume:
         raise ModelError("--start and --resume: a run either starts, or goes on from where another one ended.")
     if arguments.resume:
-        return None, ""
+        return None, f"going on from {arguments.resume}"
     word = arguments.start or model.settings.get("start", "file")
+    if word == "turning" and not arguments.start and not compiler():
+        warnings.warn(
+            f"The mean of the turning rotors is not sought, which takes long: {no_compiler()} So the run starts from "
+            "the values of the model file; --start turning seeks it all the same.", stacklevel=1
+        )  # fmt: skip
+        return None, ""
     try:
         return _start_values(word, model, plant)
     except SimulationError as error:

@@ -76,8 +76,8 @@ def show_json(value: Any) -> None:
 
 
 def rounded(value: Any, size: float) -> Any:
-    """Zero in place of what is left by rounding in a calculation with numbers of this size."""
-    return 0.0 if isinstance(value, (int, float)) and abs(value) <= 1e-12 * abs(size) else value
+    """Zero in place of what is left by rounding in a calculation with numbers of this size, or of the size of 1."""
+    return 0.0 if isinstance(value, (int, float)) and abs(value) <= max(1e-12 * abs(size), 1e-20) else value
 
 
 def number(value: float) -> str:

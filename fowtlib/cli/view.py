@@ -40,10 +40,19 @@ def declare(commands: Any) -> None:
     parser.add_argument("--result", type=Path, metavar="FILE", help="play this result (.nc) of MODEL")
     parser.add_argument("-o", "--output", type=Path, metavar="FILE", help="the page: .html; default: the model's name")
     parser.add_argument("--equilibrium", action="store_true", help="a model: at its mean position, not at its start")
-    parser.add_argument("--mode", type=int, metavar="N", help="a model: moving in the mode N of `fowt eigen`")
+    parser.add_argument(
+        "--mode", type=_number_of_mode, metavar="N", help="a model: moving in the mode N of `fowt eigen`"
+    )
     parser.add_argument("--rate", type=positive, metavar="N", help="moments per second; default: 10 or more")
     parser.add_argument("--open", action="store_true", help="open the page in the browser")
     parser.set_defaults(action=view)
+
+
+def _number_of_mode(text: str) -> int:
+    """1, 2, ..., for argparse."""
+    if not text.isdecimal() or int(text) < 1:
+        raise argparse.ArgumentTypeError(f"'{text}' is not the number of a mode (1, 2, ...)")
+    return int(text)
 
 
 def view(arguments: argparse.Namespace) -> int:
@@ -65,7 +74,9 @@ def view(arguments: argparse.Namespace) -> int:
         if given:
             what = f"--{given[0]}"
             raise ModelError(f"{what} changes a model; a result is shown as it was computed.")
-        made = draw(_played(arguments, path, alone), **options)
+        model, result = _played(arguments, path, alone)
+        _say(weather(model, arguments, whose="of the run"))
+        made = draw(result, **options)
     print(f"saved {made}", file=sys.stderr)
     return 0
 
@@ -77,14 +88,18 @@ def _of_model(arguments: argparse.Namespace, options: Mapping[str, Any]) -> Any:
     else:
         model = loading.load(arguments)
         conditions = weather(model, arguments)
-    if conditions:
-        print(conditions)
+    _say(conditions)
     from fowtlib.view import view as draw
 
     return draw(model, equilibrium=arguments.equilibrium, mode=arguments.mode, **options)
 
 
-def _played(arguments: argparse.Namespace, path: Path, alone: bool) -> Result:
+def _say(conditions: str) -> None:
+    if conditions:
+        print(conditions)
+
+
+def _played(arguments: argparse.Namespace, path: Path, alone: bool) -> tuple[Model, Result]:
     """The result, with the model that it came from."""
     import fowtlib as fw
     from fowtlib.modelfile.files import shipped_models
@@ -100,8 +115,8 @@ def _played(arguments: argparse.Namespace, path: Path, alone: bool) -> Result:
         which = f"'{name}' is not a shipped model" if name else "it does not name its model"
         raise ModelError(f"{path}: {which}; give the model too: fowt view MODEL --result {path}")
     model = fw.load(name if alone else arguments.model, allow_python=arguments.allow_python)
-    plant = _as_it_was(model, result, path).compile()
-    return Result.open(path, plant=plant)
+    model = _as_it_was(model, result, path)
+    return model, Result.open(path, plant=model.compile())
 
 
 def _as_it_was(model: Model, result: Result, path: Path) -> Model:

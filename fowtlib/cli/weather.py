@@ -19,10 +19,10 @@ if TYPE_CHECKING:
 ALWAYS = ("class", "seed")  # said although they may be those that a part has by itself
 
 
-def weather(model: Model, arguments: argparse.Namespace, mean_of: Model | None = None) -> str:
+def weather(model: Model, arguments: argparse.Namespace, mean_of: Model | None = None, whose: str = "") -> str:
     """`wind steady:8 (given), waves still (mean of the model's)`; "" for a model with neither.
 
-    mean_of: the model before the mean of its wind and waves was taken.
+    mean_of: the model before the mean of its wind and waves was taken. whose: where they come from, if known.
     """
     pieces = []
     for condition, word in ((WIND, "wind"), (WAVES, "waves")):
@@ -31,8 +31,8 @@ def weather(model: Model, arguments: argparse.Namespace, mean_of: Model | None =
         text = _form(condition, model.root.parts[condition.part])
         before = _form(condition, mean_of.root.parts[condition.part]) if mean_of is not None else text
         own = "the model's" if before == text else "mean of the model's"
-        whose = "given" if getattr(arguments, word, None) else own
-        pieces.append(f"{word} {text} ({whose})")
+        source = whose or ("given" if getattr(arguments, word, None) else own)
+        pieces.append(f"{word} {text} ({source})")
     return ", ".join(pieces)
 
 

@@ -12,7 +12,7 @@ from dataclasses import dataclass
 from pathlib import Path
 
 from fowtlib.language.errors import CompilerError, ParameterError, did_you_mean
-from fowtlib.language.native import NO_COMPILER, compiler, run_compiler
+from fowtlib.language.native import compiler, no_compiler, run_compiler
 
 
 @dataclass(frozen=True)
@@ -129,7 +129,7 @@ def _command(name: str, target: str) -> list[str]:
     if importlib.util.find_spec("ziglang"):
         return [sys.executable, "-m", "ziglang", "cc", "-target", target]
     if name == host():
-        raise CompilerError(f"an FMU holds a compiled library, and {NO_COMPILER}")
+        raise CompilerError(f"an FMU holds a compiled library, and {no_compiler()}")
     raise CompilerError(
         f"a library for {name} is compiled here by the Python package ziglang, which is not installed: "
         "pip install 'fowtlib[compiler]'. Without it there is only this machine's own platform, "

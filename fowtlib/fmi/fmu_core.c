@@ -1,7 +1,7 @@
 /* An instance of a model behind the Functional Mock-up Interface: start values, events, samples, checks, messages, the
    co-simulation step by the fixed-step engine, the equations for model exchange, exact directional derivatives.
 
-   It does what run.py, initial.py and failure.py do for a run in Python, in the same order and with the same
+   It does what run.py, events.py, initial.py and failure.py do for a run in Python, in the same order and with the same
    sentences. There are no globals; nothing is allocated after fmu_create but for saved states. */
 
 enum { TEXT = 1500 };

@@ -13,7 +13,7 @@ import numpy as np
 
 from fowtlib.language.equations import external
 from fowtlib.language.errors import ParameterError, SimulationError, StructureError, did_you_mean
-from fowtlib.language.native import NO_COMPILER, compile_library, compiler, say_once
+from fowtlib.language.native import compile_library, compiler, no_compiler, say_once
 
 Compute = Callable[[np.ndarray], Any]
 
@@ -62,7 +62,7 @@ class ExternalFunction:
         if source is not None and (compiler() or python is None):
             library = compile_library(source, name)
         elif source is not None:
-            say_once(f"{name} runs as Python code, slowly: {NO_COMPILER}")
+            say_once(f"external functions run as Python code, slowly: {no_compiler()}")
         if library is not None:
             self.function = _from_library(name, Path(library))
         else:

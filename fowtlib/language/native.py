@@ -43,6 +43,12 @@ def _find(named: str | None) -> tuple[str, ...]:
     return (sys.executable, "-m", "ziglang", "cc") if importlib.util.find_spec("ziglang") else ()
 
 
+def no_compiler() -> str:
+    """Why there is no compiler, and what to do; one line."""
+    named = os.environ.get("FOWTLIB_CC")
+    return NO_COMPILER if named is None else f"FOWTLIB_CC names '{named}', which is no program here: {NO_COMPILER}"
+
+
 def compiler() -> tuple[str, ...]:
     """The command of the C compiler: FOWTLIB_CC, else gcc, clang, cc, the ziglang package; empty when there is none."""
     return _find(os.environ.get("FOWTLIB_CC"))
@@ -73,7 +79,7 @@ def compile_library(text: str, name: str, *, optimization: str = "-O2") -> Path:
     """
     command = compiler()
     if not command:
-        raise CompilerError(f"{name} needs its C code compiled, and {NO_COMPILER}")
+        raise CompilerError(f"{name} needs its C code compiled, and {no_compiler()}")
     flags = [optimization if flag == "-O2" else flag for flag in FLAGS]
     digest = hashlib.sha256("\0".join((EXPORT, text, *flags, *command, _version(command))).encode()).hexdigest()
     library = cache_folder() / f"{name}_{digest[:20]}.{'dll' if sys.platform == 'win32' else 'so'}"
@@ -106,4 +112,6 @@ def run_compiler(command: list[str], name: str) -> None:
     if run.returncode:
         lines = [line for line in run.stderr.splitlines() if line.strip()]
         first = next((line for line in lines if "error" in line), lines[0] if lines else "no message")
-        raise CompilerError(f"{name}: its C code does not compile: {first}")
+        raise CompilerError(
+            f"{name}: its C code does not compile with {command[0]} (exit status {run.returncode}): {first}"
+        )

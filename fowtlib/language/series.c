@@ -2,7 +2,7 @@
 
    One library, made for SERIES_NAME, say series_3, and SERIES_SIZE values, serves any number of series. A series is made
    known by series_3_load(handle, numbers, count) from memory or series_3_open(handle, path) from a file with the same
-   numbers, and forgotten by series_3_close(handle), as often as it was made known. The numbers: those of `Head`, then
+   numbers packed, and forgotten by series_3_close(handle), as often as it was made known. The numbers: those of `Head`, then
    what the kind needs. Then series_3 and jac_series_3 can be called.
 
    Input: handle, time [s]. Output: the values. The handle 0 stands for zeros. Outside of its range a series keeps the
@@ -128,15 +128,51 @@ static FILE *open_file(const char *path) {
 #endif
 }
 
+enum { DIFFERENCES = 6 };
+
+/* The numbers of a file behind its head: a scale for each column, then the bytes of the sixth differences along each
+   column of whole numbers of 64 bits, first all lowest bytes. With a scale above zero the whole numbers count it, else
+   they are the bits of the numbers. So they compress well, and come back to the last bit. */
+static void unpack(const double *scales, long long rows, int columns, double *numbers) {
+    const unsigned char *bytes = (const unsigned char *)(scales + columns);
+    const long long count = rows * columns;
+    for (int c = 0; c < columns; c++) {
+        uint64_t sums[DIFFERENCES] = {0};
+        for (long long i = 0; i < rows; i++) {
+            uint64_t change = 0;
+            for (int k = 0; k < 8; k++) change |= (uint64_t)bytes[k * count + c * rows + i] << 8 * k;
+            for (int k = 0; k < DIFFERENCES; k++) change = sums[k] += change;
+            double number;
+            memcpy(&number, &change, sizeof number);
+            numbers[i * columns + c] = scales[c] > 0 ? (double)(int64_t)change * scales[c] : number;
+        }
+    }
+}
+
 EXPORT int OF(_open)(double handle, const char *path) {
     FILE *file = open_file(path);
     if (!file) return refuse(path, "cannot be read: ", strerror(errno));
+    const long long head = sizeof(Head) / sizeof(double);
     long length = fseek(file, 0, SEEK_END) ? -1 : ftell(file);
-    double *numbers = length > 0 && !fseek(file, 0, SEEK_SET) ? malloc((size_t)length) : NULL;
-    int bad = !numbers || fread(numbers, 1, (size_t)length, file) < (size_t)length;
+    double *packed = length > 0 && !fseek(file, 0, SEEK_SET) ? malloc((size_t)length) : NULL;
+    int bad = !packed || fread(packed, 1, (size_t)length, file) < (size_t)length;
     fclose(file);
-    bad = bad ? refuse(path, "cannot be read", "") : add(handle, numbers, (double)(length / 8), path);
-    free(numbers);
+    if (bad) {
+        bad = refuse(path, "cannot be read", "");
+    } else {
+        const int columns = length / 8 > head && packed[1] < HARMONICS ? SIGNALS : 1;
+        const long long count = length / 8 - head - columns;
+        double *numbers = count >= 0 ? malloc((size_t)(head + count + 1) * sizeof *numbers) : NULL;
+        if (numbers) {
+            memcpy(numbers, packed, sizeof(Head));
+            if (count % columns == 0) unpack(packed + head, count / columns, columns, numbers + head);
+            bad = count % columns ? refuse(path, "is damaged", "") : add(handle, numbers, (double)(head + count), path);
+        } else {
+            bad = refuse(path, count < 0 ? "is damaged" : "finds no memory", "");
+        }
+        free(numbers);
+    }
+    free(packed);
     return bad;
 }
 

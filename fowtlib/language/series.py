@@ -28,6 +28,8 @@ from fowtlib.language.tables import cardinal, cardinal_periodic
 
 KINDS = ("constant", "cubic", "linear", "monotone", "harmonics", "transition")
 MAGIC = float.fromhex("0x1.fee1badp+40")  # as in series.c
+DIFFERENCES = 6  # of the numbers in a file, as in series.c
+DIGITS = 42  # binary ones of the coefficients of a spline; an inverse Fourier transform leaves noise beyond them
 
 
 @dataclass(frozen=True, eq=False)
@@ -81,7 +83,7 @@ class Series:
                 f"samples every {step:g} s from {start:g} s on: the step must be above zero."
             )
         if interpolation == "cubic":
-            rows = cardinal_periodic(table) if periodic else cardinal(table)
+            rows = _rounded(cardinal_periodic(table) if periodic else cardinal(table))
         elif interpolation == "monotone":
             rows = np.stack([table, _slopes(table, step, periodic)], axis=1).reshape(-1, m)
         else:
@@ -234,16 +236,31 @@ class Series:
     def file_for(self, function: ExternalFunction) -> tuple[Path, tuple[float | int, ...]]:
         """A file with its numbers for `<name>_open(handle, path)` of the function's library, and further arguments."""
         folder = cache_folder()
-        path = folder / f"series_{int(self.handle):012x}.bin"
-        if not path.is_file() or path.stat().st_size != 8 * self.block.size:
+        path, packed = folder / f"series_{int(self.handle):012x}.packed", self._packed()
+        if not path.is_file() or path.stat().st_size != len(packed):
             try:
                 folder.mkdir(parents=True, exist_ok=True)
                 with tempfile.NamedTemporaryFile(dir=folder, delete=False) as file:
-                    file.write(self.block.astype("<f8").tobytes())
+                    file.write(packed)
                 Path(file.name).replace(path)
             except OSError as error:
                 raise ParameterError(f"{path}: cannot be written: {error.strerror or error}.") from None
         return path, ()
+
+    def _packed(self) -> bytes:
+        """The numbers of a file, so that they compress well: see `unpack` in series.c."""
+        columns = self.size if self.kind in ("constant", "cubic", "linear", "monotone") else 1
+        table = self.rows.reshape(-1, columns)
+        scale = _grain(table)
+        with np.errstate(over="ignore", invalid="ignore"):
+            whole = np.where(np.rint(table / scale) * scale == table, 1, 0).all(axis=0)
+        scale = np.where(whole & (table != 0).any(axis=0), scale, 0.0)
+        bits = np.where(scale > 0, table / np.where(scale > 0, scale, 1.0), 0.0).astype(np.int64)
+        bits = np.where(scale > 0, bits, table.view(np.int64))
+        for _ in range(DIFFERENCES):
+            bits = np.diff(bits, axis=0, prepend=np.zeros((1, columns), np.int64))
+        planes = np.ascontiguousarray(bits.T.astype("<i8")).view(np.uint8).reshape(-1, 8).T.tobytes()
+        return np.concatenate([self.block[: len(self.block) - len(self.rows)], scale]).astype("<f8").tobytes() + planes
 
 
 class _Held:
@@ -319,6 +336,18 @@ def _slopes(table: np.ndarray, step: float, periodic: bool) -> np.ndarray:
         table = np.concatenate([table[-2:], table, table[:2]])
     slope = PchipInterpolator(step * np.arange(len(table)), table, axis=0).derivative()(step * np.arange(len(table)))
     return slope[2 : n + 2] if periodic else slope
+
+
+def _grain(table: np.ndarray) -> np.ndarray:
+    """Of each column the power of two of which rounded numbers are whole multiples, DIGITS below its largest one."""
+    largest = np.maximum(np.abs(table).max(axis=0), 1e-200)
+    return np.ldexp(1.0, np.frexp(largest)[1] - DIGITS)
+
+
+def _rounded(table: np.ndarray) -> np.ndarray:
+    """Whole multiples of the grain of each column, within 2e-13 of its largest number: they make small files."""
+    grain = _grain(table)
+    return np.rint(table / grain) * grain
 
 
 def _finite(array: np.ndarray) -> np.ndarray:

@@ -9,9 +9,9 @@ from __future__ import annotations
 
 import copy
 from collections.abc import Mapping
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from functools import cached_property
-from pathlib import Path
+from types import MappingProxyType
 from typing import Any
 
 import numpy as np
@@ -20,9 +20,11 @@ from fowtlib.flattening import FlatDAE
 from fowtlib.flattening.instances import check_parameters
 from fowtlib.flattening.system import Bound
 from fowtlib.language.component import Component, parameters_read
+from fowtlib.language.data_files import files_of, named
 from fowtlib.language.declarations import join
 from fowtlib.language.errors import ModelError, ParameterError, did_you_mean
 from fowtlib.language.units import to_si
+from fowtlib.solving.paths import by_path
 from fowtlib.solving.structure import structural_values
 
 Values = Mapping[str, Any]
@@ -32,7 +34,7 @@ Values = Mapping[str, Any]
 class Binding:
     """The values of one run.
 
-    p: all entries of the vector of that name of the flat model; values: the tunable parameters by path.
+    p: all entries of the vector of that name of the flat model; values: the tunable parameters by path. Read only.
     root: the component tree of the run; None where the model has none.
     breaks: instants at which a solver has to stop and start again.
     sources: data behind handles by the path of their numbers; reads: the tunable parameters that numbers were computed
@@ -40,18 +42,26 @@ class Binding:
     """
 
     p: np.ndarray
-    values: dict[str, np.ndarray]
+    values: Mapping[str, np.ndarray]
     root: Component | None
     breaks: tuple[float, ...] = ()
     sources: dict[str, Any] = field(default_factory=dict)
     reads: dict[str, frozenset[str]] = field(default_factory=dict)
     steady: frozenset[int] = frozenset()
     held: tuple[Any, ...] = field(default=(), repr=False)
+    data: Mapping[str, str] = field(default_factory=dict)
+    """Files that parameters name, with the digests of what was read, by the paths of the parameters."""
+
+    def __post_init__(self) -> None:
+        for array in (self.p, *self.values.values()):
+            array.flags.writeable = False
+        object.__setattr__(self, "values", MappingProxyType(dict(self.values)))
 
     @cached_property
     def structure(self) -> dict[str, Any]:
         """Structural and bound parameters of all parts; see structural_values."""
-        return structural_values(self.root)
+        values = structural_values(self.root)
+        return values | {path: text for path, text in self.data.items() if path in values}
 
     def words(self, message: str) -> str:
         """A message with the values of bound parameters put in for their paths in braces, as in {wind.file}."""
@@ -72,19 +82,20 @@ class Bindings:
 
     def __init__(self, dae: FlatDAE, root: Component | None):
         self.dae, self.root = dae, root
-        self._kept: dict[Any, tuple[Binding, dict[str, Any]]] = {}
+        self._kept: dict[Any, Binding] = {}
+        self._compiled = _data(root, bound=False)  # as they were then
 
     def __call__(self, parameters: Values | None = None) -> Binding:
         """The binding of these values; see `bind`."""
-        key = tuple(sorted((path, _content(value)) for path, value in (parameters or {}).items()))
+        key = tuple(sorted((path, _content(value)) for path, value in by_path(parameters or {}).items()))
         found = self._kept.pop(key, None)
-        if found is None or any(_stamp(path) != stamp for path, stamp in found[1].items()):
-            binding = bind(self.dae, self.root, parameters)
-            found = binding, {path: _stamp(path) for path in _files(binding.root)}
+        if found is None or found.data != {**self._compiled, **_data(found.root)}:
+            found = bind(self.dae, self.root, parameters)
+            found = replace(found, data={**self._compiled, **found.data})
         self._kept[key] = found
         while len(self._kept) > self.KEPT:
             del self._kept[next(iter(self._kept))]
-        return found[0]
+        return found
 
 
 def bind(dae: FlatDAE, root: Component | None, parameters: Values | None = None) -> Binding:
@@ -95,7 +106,7 @@ def bind(dae: FlatDAE, root: Component | None, parameters: Values | None = None)
     kinds have it).
     Raises ParameterError where there is no such parameter, a value is out of its bounds, or a part has other equations.
     """
-    given = dict(parameters or {})
+    given = by_path(parameters or {})
     if root is None:
         values = {path: item.value for path, item in dae.parameters.items()}
         values |= {path: _tunable(dae, path, value) for path, value in given.items()}
@@ -115,7 +126,7 @@ def bind(dae: FlatDAE, root: Component | None, parameters: Values | None = None)
             if path not in given:
                 owner, _, name = path.rpartition(".")
                 now = np.asarray(tree.find(owner).parameter_value(name), dtype=float)
-                values[path] = np.broadcast_to(now, values[path].shape)
+                values[path] = np.broadcast_to(now, values[path].shape).copy()
     return _computed(dae, tree, values)
 
 
@@ -128,14 +139,21 @@ def _tunable(dae: FlatDAE, path: str, value: Any) -> np.ndarray:
             "A structural or dependent parameter is changed in the model, before compile()."
         )
     item = dae.parameters[path]
-    numbers = np.asarray(to_si(value, item.unit, path), dtype=float)
+    try:
+        numbers = np.asarray(to_si(value, item.unit, path), dtype=float)
+        fits = np.broadcast_to(numbers, item.value.shape).copy()
+    except ValueError:
+        shape = "one number" if not item.value.shape else f"numbers of shape {item.value.shape}"
+        raise ParameterError(f"{path} = {value} does not fit: it takes {shape} [{item.unit}] ({item.doc}).") from None
+    if not np.all(np.isfinite(numbers)):
+        raise ParameterError(f"{path} = {value} is not a finite number ({item.doc}).")
     for bound, outside, word in (
         (item.min, item.min is not None and np.any(numbers < item.min), "below its minimum"),
         (item.max, item.max is not None and np.any(numbers > item.max), "above its maximum"),
     ):
         if outside:
             raise ParameterError(f"{path} = {value} is {word} {bound:g} {item.unit} ({item.doc}).")
-    return np.broadcast_to(numbers, item.value.shape)
+    return fits
 
 
 # --- what is put on the tree --------------------------------------------------------------------------------------
@@ -152,7 +170,7 @@ def _put_bound(dae: FlatDAE, tree: Component, given: dict[str, Any]) -> set[str]
         if component is None:
             continue
         family = component.family
-        declared = (family.parameters if family is not None else component.parameters).get(name)
+        declared = component.parameters.get(name) or (family.parameters.get(name) if family is not None else None)
         if declared is not None and declared.bound:
             chosen.append((family is None or name != family.selector, path, component, name))
     for _, path, component, name in sorted(chosen, key=lambda item: item[:2]):  # kinds first
@@ -225,7 +243,7 @@ def _found(tree: Component, path: str) -> Component | None:
 
 
 def _computed(dae: FlatDAE, tree: Component, values: dict[str, np.ndarray]) -> Binding:
-    numbers, held, breaks = [], [], []
+    numbers, held, breaks, data = [], [], [], _data(tree)
     sources: dict[str, Any] = {}
     reads: dict[str, frozenset[str]] = {}
     steady: set[int] = set()
@@ -246,7 +264,7 @@ def _computed(dae: FlatDAE, tree: Component, values: dict[str, np.ndarray]) -> B
     instants = tuple(sorted(set(breaks)))
     p, known = _vector(values, numbers), tuple(held)
     dae.check_dependents(p)
-    return Binding(p, values, tree, instants, sources, reads, frozenset(steady), known)
+    return Binding(p, values, tree, instants, sources, reads, frozenset(steady), known, data)
 
 
 def start_slopes(dae: FlatDAE, binding: Binding, path: str) -> dict[str, np.ndarray]:
@@ -359,19 +377,11 @@ def _content(value: Any) -> Any:
 _PLAIN_STATE = frozenset(vars(Component()))
 
 
-def _files(root: Component | None) -> list[str]:
-    """Files that bound parameters name."""
-    found = []
-    for part in root.walk() if root is not None else ():
-        for name, declared in part.parameters.items():
-            if declared.bound and declared.annotation is str and (value := part.parameter_value(name)):
-                found.append(str(value))
-    return [path for path in dict.fromkeys(found) if _stamp(path) is not None]
-
-
-def _stamp(path: str) -> tuple[int, int] | None:
-    try:
-        status = Path(path).stat()
-    except (OSError, ValueError):
-        return None
-    return status.st_mtime_ns, status.st_size
+def _data(root: Component | None, *, bound: bool = True) -> dict[str, str]:
+    """The files that bound parameters name, or all others, with the digests of their content."""
+    found = {}
+    for path, file in files_of(root).items():
+        owner, _, name = path.rpartition(".")
+        if root is not None and root.find(owner).parameters[name].bound is bound:
+            found[path] = named(file)
+    return found

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, fields, replace
 from typing import TYPE_CHECKING, Any
@@ -9,6 +10,7 @@ from typing import TYPE_CHECKING, Any
 from fowtlib.language.component import Component
 from fowtlib.language.errors import ParameterError, did_you_mean
 from fowtlib.language.units import to_si
+from fowtlib.solving.paths import by_path
 
 if TYPE_CHECKING:
     from fowtlib.solving.results import Result
@@ -40,9 +42,14 @@ class Conditions:
     outputs: Sequence[str] | None = None
 
     def __post_init__(self) -> None:
+        for name in ("parts", "parameters", "inputs"):
+            if getattr(self, name) is not None:
+                by_path(getattr(self, name), name)
         for name, kind in (("duration", "above zero"), ("output_step", "above zero"), ("discard", "zero or more")):
             value = getattr(self, name)
             seconds = None if value is None else float(to_si(value, "s", name))
+            if seconds is not None and not math.isfinite(seconds):
+                raise ParameterError(f"{name} is {seconds:g} s, which is not a finite number.")
             if seconds is not None and not (seconds > 0 or (seconds == 0 and name == "discard")):
                 raise ParameterError(f"{name} is {seconds:g} s; it must be {kind}.")
             object.__setattr__(self, name, seconds)

@@ -47,7 +47,8 @@ def equilibrium(at: AtParameters, t: float, x: np.ndarray, z: np.ndarray, q: np.
     if sources:
         raise SimulationError(
             f"no equilibrium: the equations depend on time through {', '.join(sources[:4])}. "
-            "Take still water and steady wind (--waves still, --wind steady:8)."
+            "Take still water and steady wind: in Python set={'wind.kind': 'steady', 'sea.spectrum': 'still'}, "
+            "on the command line --wind steady:8 --waves still."
         )
     nx = x.size
     pattern = dependence(at.functions)

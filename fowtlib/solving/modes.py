@@ -49,6 +49,10 @@ class NaturalMode:
     shares: Mapping[str, float] = field(repr=False)
     shape: Mapping[str, complex] = field(repr=False)
 
+    def __repr__(self) -> str:
+        numbers = f"{self.frequency:.4g} Hz, {self.period:.4g} s, damping ratio {self.damping_ratio:.3g}"
+        return f"<NaturalMode {self.number} {self.name}: {numbers}>"
+
     @property
     def period(self) -> float:
         """Undamped period [s]."""

@@ -7,22 +7,46 @@ import time
 import numpy as np
 
 from fowtlib.language.externals import runs_as_python
-from fowtlib.language.native import NO_COMPILER, compiler
+from fowtlib.language.native import compiler, no_compiler
 from fowtlib.solving.engines import Engine
+from fowtlib.solving.functions import AtParameters
 
 # Evaluations of the equations and of their Jacobian for each second with IDAS, and for each step with equal steps:
 # those of oc3_spar_rigid, and those of oc3_spar with all its blades in turbulent wind and waves.
 BY_SECOND = ((38.0, 1.6), (690.0, 13.0))
 BY_STEP = ((1.6, 0.3), (6.5, 0.4))
+BY_AZIMUTH = (377.0, 96.0)  # for the mean of oc3_spar, to start from
 MANY = 5_000  # operations below which CasADi's virtual machine is fast enough to say nothing
 
 
 def seconds_per_second(engine: Engine, t: float, x: np.ndarray, z: np.ndarray, q: np.ndarray) -> tuple[float, float]:
     """From what to what a simulated second takes on this computer [s]; nothing where compiled code runs, or little."""
     at, step = engine.at, engine.attributes.get("step")
-    stand_ins = any(runs_as_python(external.function) for external in at.dae.externals)
-    if compiler() or not (stand_ins or step is not None or at.functions.operations > MANY):
+    if not (interpreted(at) or (step is not None and not compiler())):
         return 0.0, 0.0
+    spent = _spent(at, t, x, z, q)
+    rates = BY_SECOND if step is None else [(values / step, slopes / step) for values, slopes in BY_STEP]
+    low, high = (values * spent[0] + slopes * spent[1] for values, slopes in rates)
+    return low, high
+
+
+def interpreted(at: AtParameters) -> bool:
+    """Whether equations that take long are computed by Python code or by CasADi's virtual machine."""
+    stand_ins = any(runs_as_python(external.function) for external in at.dae.externals)
+    return not compiler() and (stand_ins or at.functions.operations > MANY)
+
+
+def mean_announcement(at: AtParameters, point: tuple[float, np.ndarray, np.ndarray, np.ndarray], azimuths: int) -> str:
+    """The line for the user before the mean state of turning rotors is sought; empty where that is soon done."""
+    if not interpreted(at):
+        return ""
+    spent = _spent(at, *point)
+    duration = azimuths * sum(number * each for number, each in zip(BY_AZIMUTH, spent, strict=True))
+    return f"the mean state of the turning rotors is expected to take {_spoken(duration)} here: {no_compiler()}"
+
+
+def _spent(at: AtParameters, t: float, x: np.ndarray, z: np.ndarray, q: np.ndarray) -> list[float]:
+    """Seconds for an evaluation of the equations, and of their Jacobian."""
     spent = []
     for function in (at.residual, at.jacobian):
         function(t, x, z, q)  # made now
@@ -30,9 +54,7 @@ def seconds_per_second(engine: Engine, t: float, x: np.ndarray, z: np.ndarray, q
         began = time.perf_counter()
         function(t, moved, z, q)
         spent.append(time.perf_counter() - began)
-    rates = BY_SECOND if step is None else [(values / step, slopes / step) for values, slopes in BY_STEP]
-    low, high = (values * spent[0] + slopes * spent[1] for values, slopes in rates)
-    return low, high
+    return spent
 
 
 def announcement(engine: Engine, pace: tuple[float, float], duration: float) -> str:
@@ -41,7 +63,7 @@ def announcement(engine: Engine, pace: tuple[float, float], duration: float) -> 
     names += ["the solver 'fixed'"] * ("step" in engine.attributes)
     what = f"{' and '.join(dict.fromkeys(names))} as Python code" if names else "the equations interpreted"
     low, high = (_spoken(rate * duration) for rate in pace)
-    return f"this run, with {what}, is expected to take {low} to {high} on this computer: {NO_COMPILER}"
+    return f"this run, with {what}, is expected to take {low} to {high} on this computer: {no_compiler()}"
 
 
 def _spoken(seconds: float) -> str:

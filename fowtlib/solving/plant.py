@@ -10,7 +10,7 @@ import numpy as np
 
 from fowtlib.flattening import FlatDAE
 from fowtlib.language.component import Component
-from fowtlib.language.errors import SimulationError
+from fowtlib.language.errors import ParameterError, SimulationError
 from fowtlib.language.externals import refusals_explained
 from fowtlib.solving.binding import Binding, Bindings
 from fowtlib.solving.checks import check_state
@@ -178,6 +178,11 @@ class Plant:
         if isinstance(start, State):
             same = parameters == start.parameters and inputs is None
             return start if same else self.initial_state(parameters, None, inputs, base=start)
+        if start is not None and not isinstance(start, Mapping):
+            raise ParameterError(
+                f"start: {start!r} is no State, no Result and no start values by path; "
+                "write start=plant.equilibrium(), or start={'platform.motion.surge': '5 m'}."
+            )
         return self.initial_state(parameters, start, inputs)
 
     def _state(self, t: float, x: np.ndarray, z: np.ndarray, d: np.ndarray, u: np.ndarray,

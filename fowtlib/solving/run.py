@@ -10,9 +10,7 @@ from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
-from scipy.optimize import brentq
 
-from fowtlib.language.data_files import files_of, named
 from fowtlib.language.errors import ParameterError, SimulationError
 from fowtlib.language.units import to_si
 from fowtlib.solving import event_rules as rules
@@ -20,6 +18,7 @@ from fowtlib.solving.binding import Binding
 from fowtlib.solving.checks import broken
 from fowtlib.solving.engines import Engine
 from fowtlib.solving.engines.fixed_step_code import FixedStepCode
+from fowtlib.solving.events import StateEvents
 from fowtlib.solving.failure import StepFailure, integration_failure
 from fowtlib.solving.initial import consistent_algebraics
 from fowtlib.solving.interrupts import deferred_interrupt
@@ -83,16 +82,10 @@ class Run:
         self.x, self.z, self.d, self.u = start.x.copy(), start.z.copy(), start.d.copy(), start.u.copy()
         self.rows: list[tuple[np.ndarray, np.ndarray, np.ndarray, np.ndarray]] = []
         self.warned: dict[int, str] = {}
-        self._prepare_events()
+        self.events = StateEvents(self)
         self._prepare_samples(start.t)
 
     # --- preparation ---------------------------------------------------------------------------------------------
-
-    def _prepare_events(self) -> None:
-        self.last_event: dict[int, float] = {}
-        self.returns: dict[int, int] = {}
-        self.just_fired: set[int] = set()
-        self.last_act = -np.inf
 
     def _prepare_samples(self, t: float) -> None:
         samples = self.dae.samples
@@ -172,7 +165,7 @@ class Run:
     def _integrate(self, t_end: float, step: float, report: Callable[[float, float], None]) -> None:
         tiny = rules.TINY * step
         if self.dae.events:
-            self._arm()
+            self.events.arm()
         while self.t < t_end - tiny:
             passed = round((self.rows[-1][0][-1] - self.t_start) / step)
             next_output = min(self.t_start + (passed + 1) * step, t_end)
@@ -198,19 +191,19 @@ class Run:
     def _stretch(self, length: float, points: int, record: bool = True) -> None:
         """Advance by `length` with `points` output points, or to the first state event."""
         substeps = rules.SUBSTEPS if self.dae.events else 1
-        x, z = self._advance(length, points * substeps)
+        x, z = self.advance(length, points * substeps)
         reached = len(x)
         times = self.t + length * np.arange(1, points * substeps + 1) / (points * substeps)
         if self.dae.events:
-            crossing = self._first_crossing(times[:reached], x, z)
+            crossing = self.events.first_crossing(times[:reached], x, z)
             if crossing is not None:
                 whole = (crossing // substeps) * substeps
                 self._keep(times, x, z, whole, substeps, record)
-                self._event(times, x, z, crossing)
+                self.events.carry_out(times, x, z, crossing)
                 return
         self._keep(times, x, z, reached, substeps, record)
         if reached < points * substeps:
-            raise self._failure()
+            raise self.failure()
 
     def _keep(self, times: np.ndarray, x: np.ndarray, z: np.ndarray, reached: int, substeps: int, record: bool) -> None:
         if reached == 0:
@@ -220,7 +213,7 @@ class Run:
         if record and len(times[chosen]):
             self._record(times[chosen], x[chosen], z[chosen])
 
-    def _advance(self, length: float, points: int) -> tuple[np.ndarray, np.ndarray]:
+    def advance(self, length: float, points: int) -> tuple[np.ndarray, np.ndarray]:
         """Rows of x and z at equidistant points; fewer rows where the engine fails."""
         if not self.x.size:
             return self._advance_static(length, points)
@@ -249,123 +242,7 @@ class Run:
             rows.append(z)
         return np.zeros((points, 0)), np.array(rows).reshape(points, -1)
 
-    # --- events --------------------------------------------------------------------------------------------------
-
-    def _indicators(self, t: float, x: np.ndarray, z: np.ndarray) -> np.ndarray:
-        return np.array(self.at.call(self.at.functions.indicators, t, x, z, self.q)).ravel()
-
-    def _indicator_values(self) -> np.ndarray:
-        return self._indicators(self.t, self.x, self.z)
-
-    def _first_crossing(self, times: np.ndarray, x: np.ndarray, z: np.ndarray) -> int | None:
-        """First point at which an armed indicator is not positive any more."""
-        if not len(times):
-            return None
-        q = np.repeat(self.q[None], len(times), axis=0)
-        values = self.at.along(self.at.functions.indicators, times, x, z, q)
-        for k in range(len(times)):
-            if np.any(self.armed & (values[k] <= 0)):
-                return k
-            self.armed = values[k] > 0
-        return None
-
-    def _event(self, times: np.ndarray, x: np.ndarray, z: np.ndarray, k: int) -> None:
-        """Find the event inside the interval that ends at point k, and carry out its actions."""
-        length = times[k] - (times[k - 1] if k else self.t)
-        if k:
-            self.t, self.x, self.z = float(times[k - 1]), x[k - 1].copy(), z[k - 1].copy()
-        after = self._indicators(times[k], x[k], z[k])
-        candidates = np.flatnonzero(self.armed & (after <= 0))
-
-        def state_at(h: float) -> tuple[np.ndarray, np.ndarray]:
-            if h <= 0:
-                return self.x, self.z
-            xs, zs = self._advance(h, 1)
-            if not len(xs):
-                raise self._failure()
-            return xs[0], zs[0]
-
-        def indicator(h: float, i: int) -> float:
-            xs, zs = state_at(h)
-            return float(self._indicators(self.t + h, xs, zs)[i])
-
-        instants = {int(i): self._instant(int(i), indicator, length) for i in candidates}
-        first = min(instants.values())
-        self.x, self.z = (values.copy() for values in state_at(first))
-        self.t += first
-        due = {i for i, h in instants.items() if h <= first * (1 + rules.TOGETHER)}
-        self._act(due)
-
-    def _instant(self, i: int, indicator: Callable[[float, int], float], length: float) -> float:
-        """Time from now until indicator i is not positive any more: the first point behind its root."""
-        low = 0.0
-        if indicator(low, i) <= 0:  # it was zero at the last event and has risen since
-            shorter = (length * 0.5**k for k in range(1, rules.HALVINGS))
-            low = next((h for h in shorter if indicator(h, i) > 0), 0.0)
-            if not low and self.last_event.get(i) == self.t:
-                raise self._chatter(i)
-            if not low:
-                return 0.0
-        if indicator(length, i) > 0:  # it crosses so close to the end that integrating anew decides otherwise
-            return length
-        accuracy = rules.INSTANT * max(1.0, self.t)
-        root = float(brentq(indicator, low, length, args=(i,), xtol=accuracy, rtol=1e-14))
-        while root < length and indicator(root, i) > 0:
-            root, accuracy = min(root + accuracy, length), 2 * accuracy
-        return root
-
-    def _arm(self) -> None:
-        """An indicator waits for its event where it is positive or zero; one that has just had it, where it rises."""
-        now = self._indicator_values()
-        self.armed = now >= 0
-        fired = list(self.just_fired) if self.last_act == self.t else []
-        self.armed[fired] = now[fired] > 0
-        if np.all(self.armed):
-            return
-        h = rules.AHEAD * self.step / rules.SUBSTEPS
-        x = self.x + h * np.array(self.at.residual(self.t, self.x, self.z, self.q)[0]).ravel()
-        try:
-            z = consistent_algebraics(self.at, self.t + h, x, self.z, self.q)
-        except SimulationError:
-            return
-        then = self._indicators(self.t + h, x, z)
-        self.armed |= (then > 0) & (then > now)
-
-    def _count(self, due: set[int]) -> None:
-        """Count the events; stop where one returns again and again without time going on."""
-        for i in due:
-            soon = self.t - self.last_event.get(i, -np.inf) < rules.AT_ONCE * self.step / rules.SUBSTEPS
-            self.returns[i] = self.returns.get(i, 0) + 1 if soon else 0
-            self.last_event[i] = self.t
-            if self.returns[i] > rules.CHATTER:
-                raise self._chatter(i)
-
-    def _chatter(self, i: int) -> SimulationError:
-        return SimulationError(
-            f"{self.dae.events[i].path or 'the model'}: the event of a when() returns at once, again and again, "
-            f"at t = {self.t:.6g} s. Give the condition a hysteresis, or let the motion come to rest there."
-        )
-
-    def _act(self, due: set[int]) -> None:
-        self.just_fired, self.last_act = set(), self.t
-        for _ in range(rules.ROUNDS):
-            self._count(due)
-            self.just_fired |= due
-            before = self._indicator_values()
-            x, d = self.x.copy(), self.d.copy()
-            for i in sorted(due):
-                event = self.dae.events[i]
-                action = self.at.functions.actions[i]
-                on_states, on_discretes = self.at.call(action, self.t, self.x, self.z, self.q)
-                x[list(event.state_targets)] = np.array(on_states).ravel()
-                d[list(event.discrete_targets)] = np.array(on_discretes).ravel()
-            self.x, self.d = x, d
-            self.z = self.engine.algebraics(self.t, self.x, self.z, self.q)
-            after = self._indicator_values()
-            due = {i for i in range(len(after)) if before[i] > 0 >= after[i] and i not in due}
-            if not due:
-                break
-        self._arm()
+    # --- samples -------------------------------------------------------------------------------------------------
 
     def _sample_now(self) -> None:
         """Carry out the sampled parts that are due, in order of their dependence."""
@@ -381,7 +258,7 @@ class Run:
             self.clocks[k] = (offset, period, n + 1)
         self.z = self.engine.algebraics(self.t, self.x, self.z, self.q)
         if self.dae.events:
-            self._arm()
+            self.events.arm()
 
     # --- output points -------------------------------------------------------------------------------------------
 
@@ -416,7 +293,7 @@ class Run:
                 self.t, self.x, self.z = float(times[k]), x[k], z[k]
                 raise SimulationError(text)
 
-    def _failure(self) -> SimulationError:
+    def failure(self) -> SimulationError:
         """The error at the last good point."""
         return SimulationError(
             integration_failure(self.at, self.t, self.x, self.z, self.q, self.step, self.reason, self.engine.advice)
@@ -454,7 +331,7 @@ class Run:
             "status": status,
             "parameters": {path: value.tolist() for path, value in numbers.items()},
             "structure": dict(self.binding.structure),
-            "data": {path: named(file) for path, file in files_of(self.binding.root).items()},
+            "data": dict(self.binding.data),
             "wall_time": self.wall_time,
             "warnings": "\n".join(self.warned.values()),
         }

@@ -13,6 +13,7 @@ Kelley and D. E. Keyes, SIAM J. Numer. Anal. 35 (1998) 508).
 
 from __future__ import annotations
 
+import warnings
 from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
@@ -28,6 +29,7 @@ from fowtlib.language.tables import SplineFunction
 from fowtlib.solving.equilibrium import dependence, time_dependence
 from fowtlib.solving.functions import AtParameters
 from fowtlib.solving.modes import rate_states
+from fowtlib.solving.pace import mean_announcement
 
 if TYPE_CHECKING:
     from fowtlib.solving.plant import Plant
@@ -76,6 +78,8 @@ def mean_state(plant: Plant, parameters: Mapping[str, Any] | None = None, inputs
     azimuths, limits = (FEW, NEAR) if near else (AZIMUTHS, EXACT)
 
     def settled() -> np.ndarray:
+        if line := mean_announcement(at, (state.t, state.x, state.z, np.concatenate([state.u, state.d])), azimuths):
+            warnings.warn(line, RuntimeWarning, stacklevel=2)
         return _settled(_Average(at, state, turns, azimuths), state.x, limits)
 
     equations = _equations(at)

@@ -21,6 +21,48 @@ def refused(capsys: pytest.CaptureFixture[str], *argv: str) -> str:
     return capsys.readouterr().err
 
 
+@pytest.mark.parametrize("number", ["0", "-1", "one"])
+def test_a_mode_has_a_number_from_one_on(capsys, number):
+    assert f"--mode: '{number}' is not the number of a mode (1, 2, ...)" in refused(
+        capsys, "view", "oc3_spar_rigid", f"--mode={number}"
+    )
+
+
+@pytest.mark.parametrize(
+    ("options", "message"),
+    [
+        ("--wind field:no.bts", "--wind: wind.file: there is no file"),
+        ("--waves regular:H=-4,T=10", "--waves: sea.wave_height = -4 m is below its minimum 0 m"),  # found by compile()
+        ("--set platform.hull.mass=-3", "--set: platform.hull.mass = -3 kg is below its minimum 0 kg"),
+        ("--set platform.hull.mas=3", "--set: platform.hull: RigidBody has no parameter 'mas'; did you mean 'mass'?"),
+        ("--wind steady:8 --set wind.mean=3", "--set: wind: SteadyWind has no parameter 'mean'; did you mean"),
+        ("--wind steady:-3 --set sea.seed=3", "--wind: wind.mean_speed = -3 m/s is below its minimum 0 m/s"),
+    ],
+)
+def test_a_mistake_in_a_value_names_the_option_that_gave_it(capsys, tmp_path, monkeypatch, options, message):
+    monkeypatch.chdir(tmp_path)
+    assert main(["check" if "--waves" in options else "run", "oc3_spar_rigid", *options.split()]) == 2
+    shown = capsys.readouterr().err.partition(": ")[2]
+    assert shown.startswith(message)
+
+
+@pytest.mark.parametrize("command", ["tree", "equations", "parameters", "check"])
+def test_the_first_line_of_an_answer_says_the_wind_and_the_waves(capsys, command):
+    assert main([command, "oc3_spar_rigid", "--wind", "steady:8"]) == 0
+    first, second = capsys.readouterr().out.splitlines()[:2]
+    assert first == "wind steady:8 (given), waves jonswap:Hs=6,Tp=10,seed=1 (the model's)"
+    assert not second.startswith("wind ")
+
+
+def test_the_parts_of_a_model_for_machines(capsys, tmp_path):
+    file = tmp_path / "parts.csv"
+    assert main(["tree", "oc3_spar_rigid", "--waves", "still", "--json", "-o", str(file)]) == 0
+    shown = capsys.readouterr()
+    assert {"part": "sea", "class": "StillSea"} in json.loads(shown.out)
+    assert {"part": "platform.water.radiation", "class": "Radiation"} in json.loads(shown.out)
+    assert "waves still (given)" in shown.err and file.read_text().startswith("part,class\nworld,World\n")
+
+
 def test_help_lists_every_command(capsys):
     assert main([]) == 2
     text = capsys.readouterr().out

@@ -84,6 +84,32 @@ def test_a_resumed_run_continues_the_first(capsys):
     np.testing.assert_allclose(both.array("pitch"), whole.array("pitch"), atol=1e-3)
 
 
+@pytest.mark.parametrize(
+    ("options", "left"),
+    [("--time 2 --discard 2", 2), ("--discard 7", 5), ("--time 4 --resume first.nc --discard 9", 4)],
+)
+def test_a_run_that_would_be_discarded_whole_is_refused_before_it_starts(capsys, options, left):
+    assert main(["run", "pendulum", "--time", "2", "--output", "first.nc"]) == 0
+    capsys.readouterr()
+    assert main(["run", "pendulum", *options.split(), "--output", "second.nc"]) == 2
+    discarded = options.split()[-1]
+    assert capsys.readouterr().err == (
+        f"fowt run: --discard: {discarded} s of a run of {left} s leave nothing; discard less, or simulate longer "
+        "(--time).\n"
+    )
+    assert not Path("second.nc").exists()
+    assert main(["run", "pendulum", "--time", "4", "--resume", "first.nc", "--discard", "3"]) == 0
+    shown = capsys.readouterr().out
+    assert shown.startswith("going on from first.nc\n3 s to 4 s")
+
+
+@pytest.mark.parametrize(("value", "size", "shown"), [
+    (2e-72, 2.4, 0.0), (7.9e-34, 1.4e-32, 0.0), (-8.4e-7, 6.7, -8.4e-7), (1e-9, 1e-9, 1e-9), (3e-5, 1e8, 0.0),
+])  # fmt: skip
+def test_a_number_lost_in_rounding_is_zero_and_a_small_one_is_not(value, size, shown):
+    assert tables.rounded(value, size) == shown
+
+
 def test_settings_change_parameters(capsys):
     def largest(*extra: str) -> float:
         return printed(capsys, "run", "pendulum", "--time", "1", *extra)[0]["max"]

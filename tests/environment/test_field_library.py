@@ -40,7 +40,7 @@ def in_numpy(lookup, points, monkeypatch):
 
 
 @needs_compiler
-@pytest.mark.filterwarnings("ignore:.*runs as Python code")
+@pytest.mark.filterwarnings("ignore:.*run as Python code")
 @pytest.mark.parametrize("interpolation", ["linear", "cubic"])
 @pytest.mark.parametrize(("periodic", "shift"), [(True, None), (False, None), (True, 17.0)])
 def test_twins(tmp_path, monkeypatch, periodic, shift, interpolation):
@@ -159,7 +159,7 @@ def compiled(path):
     return fw.load(top).compile()
 
 
-@pytest.mark.filterwarnings("ignore:.*runs as Python code")
+@pytest.mark.filterwarnings("ignore:.*run as Python code")
 @pytest.mark.parametrize("language", [pytest.param("c", marks=needs_compiler), "numpy"])
 def test_a_file_that_is_gone_or_another_one(tmp_path, monkeypatch, language):
     if language == "numpy":

@@ -147,6 +147,9 @@ def test_wind_from_outside_is_another_model():
     assert np.asarray(driven.simulate(1.0)["wind.speed"])[-1] == pytest.approx([7.0, 7.0])
     with pytest.raises(ModelError, match="choose it in the model, before compile"):
         driven.simulate(1.0, parameters={"wind.kind": "steady"})
+    for name in ("mean_speed", "shear_exponent", "reference_height"):  # they are in the values of the inputs
+        with pytest.raises(ModelError, match=f"there is no tunable parameter 'wind.{name}'"):
+            driven.simulate(1.0, parameters={f"wind.{name}": 8.0})
 
 
 def test_a_kind_of_ones_own():

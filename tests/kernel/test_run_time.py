@@ -1,5 +1,8 @@
 """Data bound when a run starts: one flattening and one compilation, as many data as there are runs."""
 
+import hashlib
+import os
+
 import numpy as np
 import pytest
 
@@ -134,6 +137,28 @@ def test_one_plant_for_all_data(tmp_path, counted):
             == (case.get("push.seed", 1) * case.get("cart.damping", 0.5) if case.get("push.kind") == "random" else 0)
         )
     assert len({float(speed[-1]) for speed in speeds}) == len(cases)
+
+
+@pytest.mark.parametrize("when", ["same time and size", "same time, another size", "later"])
+def test_data_that_change_between_two_runs(tmp_path, when):
+    """A copy with the old time of the file is read, too, and a result names what it was computed from."""
+    path, told = tmp_path / "push.txt", []
+    np.savetxt(path, np.ones(12), fmt="%.3f")
+    os.utime(path, (1e9, 1e9))
+    plant = fw.load(model()).compile()
+    for strength in (1.0, 3.0):
+        np.savetxt(path, np.full(12, strength), fmt="%.5f" if strength == 3 and "another" in when else "%.3f")
+        if when != "later":
+            os.utime(path, (1e9, 1e9))
+        digest = hashlib.sha256(path.read_bytes()).hexdigest()
+        parameters = {"push.kind": "file", "push.file": str(path)}
+        result = plant.simulate(
+            1, 0.1, solver="fixed", parameters=parameters, progress=lambda *_: path.write_text("5.0\n" * 12)
+        )
+        assert result.attributes["data"] == {"push.file": f"push.txt sha256:{digest}"}
+        assert result.attributes["structure"]["push.file"] == f"push.txt sha256:{digest}"
+        told.append(float(result["cart.v"][-1]))
+    assert told[1] == pytest.approx(3 * told[0], rel=1e-6)
 
 
 def test_a_part_takes_the_place_of_another(counted):

@@ -7,7 +7,7 @@ import pytest
 
 from fowtlib.language import ExternalFunction
 from fowtlib.language.errors import CompilerError
-from fowtlib.language.native import compile_library, compiler
+from fowtlib.language.native import compile_library, compiler, say_once
 
 needs_compiler = pytest.mark.skipif(not compiler(), reason="needs a C compiler")
 
@@ -53,7 +53,7 @@ def test_two_contents_of_one_name_live_together():
 
 @needs_compiler
 def test_wrong_text_gives_the_words_of_the_compiler():
-    with pytest.raises(CompilerError, match="broken: its C code does not compile: .*error"):
+    with pytest.raises(CompilerError, match="broken: its C code does not compile with .*error"):
         compile_library("int broken(", "broken")
 
 
@@ -70,6 +70,13 @@ def test_without_a_compiler_the_way_out_is_named(monkeypatch):
     assert compiler() == ()
     with pytest.raises(CompilerError, match="Install gcc or clang .* FOWTLIB_CC, .*ziglang"):
         ExternalFunction("twice", {"x": 1}, {"y": 1}, source=TWICE)
-    with pytest.warns(RuntimeWarning, match="twice runs as Python code"):
-        function = ExternalFunction("twice", {"x": 1}, {"y": 1}, source=TWICE, python=lambda x: 2 * x).function
+    say_once.cache_clear()
+    with pytest.warns(RuntimeWarning) as told:
+        functions = [
+            ExternalFunction(name, {"x": 1}, {"y": 1}, source=TWICE, python=lambda x: 2 * x).function
+            for name in ("twice", "twice_2", "twice_3")
+        ]
+    (line,) = [str(warning.message) for warning in told]
+    assert "run as Python code, slowly: FOWTLIB_CC names 'no-such-compiler', which is no program here" in line
+    function = functions[0]
     assert float(function(np.array([4.0]))) == 8.0

@@ -1,11 +1,16 @@
 """Series of time: against SciPy, the C code against its twin, derivatives against differences."""
 
+import ctypes
+import os
+import zlib
+
 import numpy as np
 import pytest
 from scipy.interpolate import CubicSpline, PchipInterpolator
 
 from fowtlib.language import Series
 from fowtlib.language.errors import ModelError
+from fowtlib.language.native import compiler
 from fowtlib.language.series import series_function
 
 RNG = np.random.default_rng(3)
@@ -74,6 +79,45 @@ def test_rates_are_differences(name):
     smooth = TIMES[np.min(np.abs((TIMES[:, None] - edges[None]) % 0.5), axis=1) > 1e-3]
     difference = (series(smooth + h) - series(smooth - h)) / (2 * h)
     np.testing.assert_allclose(series.rate(smooth), difference, rtol=0, atol=2e-8)
+
+
+FILED = SERIES | {
+    "measured": Series.samples(np.round(VALUES, 2), 0.5, interpolation="linear"),
+    "far apart": Series.samples(VALUES * [1e9, 0.0, 1e-300], 0.5, interpolation="cubic"),
+}
+
+
+@pytest.mark.skipif(not compiler(), reason="the file is read by C code")
+@pytest.mark.parametrize("name", FILED)
+def test_a_file_holds_the_same_numbers(name, tmp_path, monkeypatch):
+    """Packed numbers come back to the last bit; a file that is cut off is refused."""
+    series, function = FILED[name], series_function(3)
+    held = series.open_in(function)
+    told = [function.function([series.handle, t]).full().tobytes() for t in TIMES]
+    del held
+    monkeypatch.setenv("FOWTLIB_CACHE", str(tmp_path))
+    path, more = series.file_for(function)
+    assert more == ()
+    library = ctypes.CDLL(str(function.library))
+    close, handle = library.series_3_close, ctypes.c_double(series.handle)
+    close.restype = None
+    assert library.series_3_open(handle, os.fsencode(path)) == 0
+    assert [function.function([series.handle, t]).full().tobytes() for t in TIMES] == told
+    close(handle)
+    whole = path.read_bytes()
+    for length in (0, 40, 80, len(whole) - 8):
+        path.write_bytes(whole[:length])
+        assert library.series_3_open(handle, os.fsencode(path)) == 1
+        assert str(path) in function_problem(function)
+
+
+def test_smooth_series_make_small_files():
+    """Waves with periods of 5 to 20 s take less than two thirds of what an archive needs for the plain numbers."""
+    t = 0.25 * np.arange(16384)
+    wave = sum(np.cos(2 * np.pi * k * t / 4096 + k * k) for k in range(205, 820, 5))
+    series = Series.samples(wave, 0.25, periodic=True)
+    path, _ = series.file_for(series_function(1))
+    assert 3 * len(zlib.compress(path.read_bytes(), 9)) < 2 * len(zlib.compress(series.block.tobytes(), 9))
 
 
 def test_closed_forms():

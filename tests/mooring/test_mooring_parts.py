@@ -75,6 +75,22 @@ def test_far_offsets_agree_with_the_bracketed_solver(oc3, position):
         assert float(state[f"mooring.line_{i + 1}.seabed_length"]) == pytest.approx(line["seabed_length"], abs=1e-2)
 
 
+@pytest.mark.parametrize("depth", [200.0, 319.0, 320.0])
+def test_lines_from_anchors_in_mid_water_in_pre_processing(depth):
+    """The seabed of the lines by themselves is that of the World, or given."""
+    model = moored(anchor_depth=depth, length=860.0 if depth < 300 else 902.2)
+    expected, states = model.mooring.static_load()
+    plant = fw.load(model).compile()
+    assert force(plant) == pytest.approx(expected, rel=1e-5, abs=1.0)
+    assert float(plant.initial_state()["mooring.line_1.seabed_length"]) == pytest.approx(
+        states[0]["seabed_length"], abs=1e-2
+    )
+    alone = MooringSystem(headings=DOWNWIND_LINE_AHEAD, **{**LAYOUT, **LINE, "anchor_depth": depth})
+    if depth == 200:
+        alone.length = 860.0
+    assert alone.static_load(water_depth=320.0)[0][2] == pytest.approx(expected[2], rel=1e-9)
+
+
 def test_three_lines_make_a_symmetric_system(oc3):
     assert force(oc3) == pytest.approx([0, 0, -1.607e6], rel=1e-3, abs=1.0)
     port, starboard = force(oc3, sway=12.0), force(oc3, sway=-12.0)

@@ -53,6 +53,19 @@ def test_defaults_of_the_controller_are_those_of_the_law():
         assert controller.parameter_value(name) == (value if isinstance(value, str) else pytest.approx(value))
 
 
+@pytest.mark.parametrize(("rpm", "share"), [(0.0, 0.0), (-50.0, 0.0), (600.0, 0.0), (871.0, 1.0), (1000.0, 1.0)])
+@pytest.mark.parametrize("pitch", ["2 deg", "30 deg"])
+def test_region_3_is_held_above_a_pitch_while_the_generator_turns(rpm, share, pitch):
+    """A torque at standstill would drive a parked rotor backwards."""
+    root = Assembly()
+    root.torque = TorqueController()
+    root.speed, root.pitch = Constant(value=rpm * RPM), Constant(value=pitch)
+    root.connect(root.speed.y, root.torque.speed)
+    root.connect(root.pitch.y, root.torque.collective)
+    state = fw.load(root).compile().initial_state()
+    assert float(state["torque.torque"]) == pytest.approx(share * 43093.55, abs=1e-9)
+
+
 def test_the_law_is_smooth():
     speed = np.linspace(0, 160, 80_001)
     torque = torque_of(speed, CONSTANT_POWER)

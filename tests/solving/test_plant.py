@@ -62,6 +62,43 @@ def test_what_is_asked_of_a_plant_changes_nothing(plant):
     assert plant.parameter_values()["time_constant"] == 2.0
 
 
+@pytest.mark.parametrize(
+    ("parameters", "words"),
+    [
+        ({"time_constant": [1.0, 2.0]}, r"time_constant = \[1.0, 2.0\] does not fit: it takes one number \[s\]"),
+        ({"weights": [1.0, 2.0, 3.0]}, r"weights = .* does not fit: it takes numbers of shape \(2, 2\)"),
+        ({"time_constant": float("nan")}, "time_constant = nan is not a finite number"),
+        ({"weights": [[1.0, 2.0], [3.0, float("inf")]]}, "weights = .* is not a finite number"),
+        ({1: 2.0}, "parameters: a path is a text, as in 'wind.mean_speed', and 1 is not"),
+        ([1.0], r"parameters are given by path, as in .*, and this is a list: \[1.0\]"),
+        ("time_constant", "and this is a str: 'time_constant'"),
+    ],
+)
+def test_parameters_that_a_run_cannot_take(plant, parameters, words):
+    with pytest.raises(ParameterError, match=words):
+        plant.simulate(1.0, 0.5, parameters=parameters)
+    with pytest.raises(ParameterError, match=words):
+        plant.initial_state(parameters)
+
+
+@pytest.mark.parametrize("name", ["duration", "output_step", "discard"])
+@pytest.mark.parametrize("value", [float("inf"), float("nan"), -1.0])
+def test_times_that_a_run_cannot_have(name, value):
+    with pytest.raises(ParameterError, match=f"{name} is .* s[;,] (it must be|which is not a finite)"):
+        fw.Conditions(**{name: value})
+
+
+def test_what_a_run_takes_in_cannot_be_changed(plant):
+    for parameters in (None, {"time_constant": 5.0, "weights": 1.0}):
+        binding = plant.binding(parameters)
+        with pytest.raises(ValueError, match="read-only"):
+            binding.p[0] = 7.0
+        with pytest.raises(ValueError, match="read-only"):
+            binding.values["weights"][0, 0] = 7.0
+        with pytest.raises(TypeError):
+            binding.values["weights"] = 7.0
+
+
 def test_packing_by_path(plant):
     layout = Layout(plant.dae)
     p = plant.binding({"weights": [[1.0, 5.0], [6.0, 4.0]], "time_constant": "1 min"}).p

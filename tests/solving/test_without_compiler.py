@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import argparse
 import re
 import time
 import warnings
@@ -10,10 +11,11 @@ import numpy as np
 import pytest
 
 import fowtlib as fw
+from fowtlib.cli.start import start_values
 from fowtlib.language import ExternalFunction, Scalar, der, eq, var
 from fowtlib.solving import run as runs
 from fowtlib.solving.engines import create_engine
-from fowtlib.solving.pace import BY_SECOND, BY_STEP, seconds_per_second
+from fowtlib.solving.pace import BY_AZIMUTH, BY_SECOND, BY_STEP, mean_announcement, seconds_per_second
 
 SOURCE = "int drag_of_test;"  # never compiled here
 PAUSE = 0.002
@@ -56,7 +58,7 @@ def test_what_a_run_will_take_is_said_at_its_start(slow, solver, monkeypatch):
     monkeypatch.setattr(runs, "TOLD", 0.0)
     slow.simulate(0.4, 0.02, solver=solver)
     (line,) = [line for line in told if "expected" in line]
-    found = re.search(r"expected to take (\d+) s to (\d+) (s|min) on this computer: no C compiler .*\((\d+)\)$", line)
+    found = re.search(r"expected to take (\d+) s to (\d+) (s|min) on this computer: FOWTLIB_CC .*\((\d+)\)$", line)
     assert "with the model" in line
     assert "as Python code" in line
     assert "fowtlib[compiler]" in line
@@ -74,6 +76,23 @@ def test_the_pace_is_measured(slow, solver):
     assert low > few[0] * PAUSE
     assert many[0] * PAUSE < high < 30 * many[0] * PAUSE
     assert high / low > 3
+
+
+def test_what_the_mean_of_turning_rotors_takes_is_said_before_it_is_sought(slow):
+    point = (0.0, np.array([1.0]), np.zeros(0), np.zeros(0))
+    for azimuths in (5, 5000):
+        line = mean_announcement(slow.at(), point, azimuths)
+        assert "mean state of the turning rotors is expected" in line
+        number, unit = re.search(r"to take (\S+) (s|min|h) here: FOWTLIB_CC names", line).groups()
+        least = azimuths * sum(BY_AZIMUTH) * PAUSE
+        assert 0.9 * least < float(number) * {"s": 1, "min": 60, "h": 3600}[unit] < 10 * least
+
+
+def test_a_model_that_starts_from_the_mean_starts_from_its_file(slow):
+    arguments = argparse.Namespace(start=None, resume=None)
+    model = fw.Model(Slow(), "slow", {}, {"start": "turning"}, name="slow")
+    with pytest.warns(UserWarning, match="takes long: FOWTLIB_CC .* So the run starts from the values of the model"):
+        assert start_values(arguments, model, slow) == (None, "")
 
 
 def test_a_short_run_says_nothing(slow):

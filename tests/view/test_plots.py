@@ -99,6 +99,11 @@ def test_rao_and_spectra_and_modes():
     ]
     figure = plot_modes([*modes, SimpleNamespace(frequency_hz=0.1, damping_ratio=1.0, label="filter")])
     assert [label.get_text() for label in figure.axes[0].get_yticklabels()] == ["surge", "heave"]
+    many = [SimpleNamespace(frequency_hz=0.1 + i, damping_ratio=0.02, label=f"m{i}") for i in range(50)]
+    figure = plot_modes(many, title="a spar\nwind none")
+    bottom, top = figure.axes[0].get_ylim()
+    assert -1 < top < 0 and 49 < bottom < 50  # the first and the last bar, and no empty space beyond
+    assert figure.get_suptitle() == "a spar\nwind none"
 
 
 def test_mistakes(tmp_path):

@@ -326,7 +326,9 @@ def test_the_command_finds_the_model_of_a_result(spar, tmp_path, monkeypatch, ca
     monkeypatch.chdir(tmp_path)
     result.save("run.nc")
     assert main(["view", "run.nc"]) == 0
-    assert capsys.readouterr().err.startswith("saved run.html (21 moments, 10 per simulated second, ")
+    shown = capsys.readouterr()
+    assert shown.err.startswith("saved run.html (21 moments, 10 per simulated second, ")
+    assert shown.out.startswith("wind ") and shown.out.count(" (of the run)") == 2 and "H=4" in shown.out
     scene = scene_of(Path("run.html"))
     assert poses_of(scene)["turbine.frame"][:, :3] == pytest.approx(result.array("turbine.frame.r"), abs=1e-4)
     assert unpacked(scene["water"]["amplitude"], "<f8") == pytest.approx([2.0])

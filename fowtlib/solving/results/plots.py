@@ -183,7 +183,7 @@ def plot_rao(
             axes[0][0].legend(loc="best")
         headings = sorted({round(float(np.degrees(rao.heading)), 6) for rao in raos})
         of = f"Response to waves of heading {headings[0]:g} deg" if len(headings) == 1 else "Response to waves"
-        head = "\n".join(textwrap.wrap(f"{title}: {of}" if title else of, 46 * columns))
+        head = "\n".join(textwrap.fill(line, 46 * columns) for line in (*title.splitlines(), of))
         figure.suptitle(head, x=0.01, ha="left", fontsize=10.5, fontweight="bold")
     return save_figure(figure, path)
 
@@ -230,10 +230,11 @@ def plot_spectra(
     return save_figure(figure, path)
 
 
-def plot_modes(modes: Sequence[Any], path: str | Path | None = None) -> Figure:
+def plot_modes(modes: Sequence[Any], path: str | Path | None = None, *, title: str = "") -> Figure:
     """Natural frequencies and damping ratios of the oscillating modes as bars, the lowest frequency on top.
 
     modes  of ``linear.modes()``, or with their names of ``natural_modes(plant)``
+    title  what the modes are of, above the figure
     """
     modes = [mode for mode in modes if _frequency(mode) > 0 and abs(mode.damping_ratio) < 1 - 1e-9]
     modes = sorted(modes, key=_frequency)
@@ -255,12 +256,14 @@ def plot_modes(modes: Sequence[Any], path: str | Path | None = None) -> Figure:
         _bars(right, rows, damping, COLORS[1], [f"{d:.3g} %" for d in damping])
         right.set_xlim(min(0.0, 1.25 * damping.min()), max(1.3 * damping.max(), 1.0))
         left.set_yticks(rows, labels)
-        left.invert_yaxis()
+        left.set_ylim(len(modes) - 0.4, -0.6)  # the lowest on top, no wider margins where there are many
         left.set_xlabel("natural frequency [Hz]")
         right.set_xlabel("damping ratio [%]")
         for axis in (left, right):
             axis.grid(visible=False, axis="y")
             axis.tick_params(axis="y", length=0)
+        if title:
+            figure.suptitle(title, x=0.01, ha="left", fontsize=10.5, fontweight="bold")
     return save_figure(figure, path)
 
 
