@@ -13,7 +13,7 @@ from typing import Any
 import numpy as np
 
 from fowtlib.components.fmu.archive import Archive
-from fowtlib.components.fmu.description import Description, FmuVariable
+from fowtlib.components.fmu.description import REALS, Description, FmuVariable
 from fowtlib.components.fmu.signals import FmuSignal
 from fowtlib.components.isolation import Inside, Outside, Unit, private_folder, remove
 from fowtlib.language.errors import SimulationError
@@ -93,7 +93,8 @@ class FmuSession:
             self.close()
             raise
         own = np.frombuffer(self.unit.memory, float)
-        size = sum(signal.variable.size for signal in process.inputs)
+        self._given, self._taken = _Columns(process.inputs), _Columns(process.outputs)
+        size = self._given.order.size
         self._time, self._inputs, self._outputs = own[:1], own[1 : 1 + size], own[1 + size :]
 
     def _unit(self, files: Path) -> Unit:
@@ -109,18 +110,9 @@ class FmuSession:
     def step(self, t: float, inputs: np.ndarray) -> np.ndarray:
         """See FmuProcess."""
         self._time[0] = t
-        first = 0
-        for signal in self.process.inputs:
-            last = first + signal.variable.size
-            self._inputs[first:last] = signal.to_fmu(inputs[first:last])
-            first = last
+        self._given.to_fmu(inputs, self._inputs)
         self.unit.step()
-        columns, first = [np.zeros(0)], 0
-        for signal in self.process.outputs:
-            last = first + signal.variable.size
-            columns.append(signal.from_fmu(self._outputs[first:last]))
-            first = last
-        return np.concatenate(columns)
+        return self._taken.from_fmu(self._outputs)
 
     def saved_state(self) -> bytes:
         """All that the instance remembers. SimulationError where it cannot save it."""
@@ -143,6 +135,36 @@ class FmuSession:
                 unit.close()
         finally:
             remove(self.folder)
+
+
+class _Columns:
+    """All inputs or all outputs at once: as FmuSignal does it, whose rules for numbers that are no reals it takes."""
+
+    def __init__(self, signals: Sequence[FmuSignal]):
+        self.order = np.zeros(0, int)  # where in the SI column an element of the FMU is
+        factor, offset = [np.zeros(0)], [np.zeros(0)]
+        self.others: list[tuple[FmuSignal, slice]] = []
+        for signal in signals:
+            first, size = self.order.size, signal.variable.size
+            places = first + np.arange(size)
+            self.order = np.append(self.order, places.reshape(signal.variable.shape, order="F").ravel())
+            factor.append(np.full(size, signal.scale.factor))
+            offset.append(np.full(size, signal.scale.offset))
+            if signal.variable.kind not in REALS:
+                self.others.append((signal, slice(first, first + size)))
+        self.factor, self.offset = np.concatenate(factor), np.concatenate(offset)
+
+    def to_fmu(self, column: np.ndarray, into: np.ndarray) -> None:
+        """Numbers of the FMU from an SI column."""
+        into[:] = (column[self.order] - self.offset) / self.factor
+        for signal, places in self.others:
+            into[places] = signal.to_fmu(column[places])
+
+    def from_fmu(self, own: np.ndarray) -> np.ndarray:
+        """The SI column from numbers of the FMU."""
+        column = np.empty(own.size)
+        column[self.order] = self.factor * own + self.offset
+        return column
 
 
 def _address(own: Description, variable: FmuVariable) -> tuple[str, int]:

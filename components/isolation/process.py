@@ -161,12 +161,15 @@ class Outside:
     def _ask(self, question: bytes, done: str) -> bytes:
         self._stop, self._asked = STOP_ASKED.get(), time.monotonic()
         try:
-            left = memoryview(question)
-            while left:
-                left = left[os.write(self._questions, left) :]
+            sent = os.write(self._questions, question)
+            while sent < len(question):
+                sent += os.write(self._questions, question[sent : sent + (1 << 20)])
         except OSError:
             raise self._death(done) from None
         head = self._read(worker.HEAD.size)
+        if head == worker.DONE:
+            self._asked = None
+            return b""
         if len(head) < worker.HEAD.size:
             raise self._death(done)
         kind, length = worker.HEAD.unpack(head)

@@ -25,6 +25,7 @@ import threading
 import time
 
 HEAD = struct.Struct("<cI")
+DONE = HEAD.pack(b".", 0)
 SIZE = struct.Struct("<Q")
 PROCESSOR = struct.Struct("<H")
 ANYWHERE = 0xFFFF
@@ -123,7 +124,10 @@ def main() -> None:
         try:
             if question == b"s":
                 place.look()
-                answer(b".", native.step().encode("utf-8", "replace")[:TEXT])
+                if said := native.step():
+                    answer(b".", said.encode("utf-8", "replace")[:TEXT])
+                else:
+                    os.write(answers, DONE)
             elif question == b"n":
                 place.move(*PROCESSOR.unpack(_read(questions, PROCESSOR.size)))
             elif question == b"g":
