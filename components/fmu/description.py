@@ -97,7 +97,9 @@ def read_description(content: bytes, file: str) -> Description:
 
 
 def _parse(content: bytes) -> ET.Element:
-    if b"<!DOCTYPE" in content or b"<!ENTITY" in content:
+    if content.startswith((b"\xfe\xff", b"\xff\xfe")) or b"\0" in content[:200]:
+        raise _Fault("its modelDescription.xml is in UTF-16 or UTF-32, and FMI has UTF-8")
+    if b"<!DOCTYPE" in content or b"<!ENTITY" in content:  # UTF-8 has no other way to write these
         raise _Fault("its modelDescription.xml has a document type, which may hide anything")
     try:
         return ET.fromstring(content, ET.XMLParser(encoding="utf-8"))  # whatever it says of itself, as FMI asks for
