@@ -25,6 +25,7 @@ from pathlib import Path
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from fowtlib.language.data_files import require_file
 from fowtlib.language.errors import ParameterError
 
 Floats = NDArray[np.float64]
@@ -134,6 +135,7 @@ class WindField:
 def read_field(path: str | Path) -> WindField:
     """Open a `.bts` file; the data stay in the file. Raises ParameterError with the path and what is wrong in it."""
     path = str(path)
+    require_file(path)
     try:
         with open(path, "rb") as file:
             start = file.read(_HEADER.size)

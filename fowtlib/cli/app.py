@@ -15,12 +15,25 @@ import warnings
 from collections.abc import Sequence
 from typing import NoReturn
 
-from fowtlib.cli import decay, export, inspection, library, loading, rao, rotor_table, run, stability, view, wind_field
+from fowtlib.cli import (
+    cache,
+    decay,
+    export,
+    inspection,
+    library,
+    loading,
+    rao,
+    rotor_table,
+    run,
+    stability,
+    view,
+    wind_field,
+)
 from fowtlib.cli.encoding import write_what_can_be_written
 from fowtlib.cli.report import write_report
 from fowtlib.language.errors import ModelError, did_you_mean
 
-GROUPS = (run, export, view, inspection, stability, decay, rao, rotor_table, wind_field, library)
+GROUPS = (run, export, view, inspection, stability, decay, rao, rotor_table, wind_field, library, cache)
 
 
 class Formatter(argparse.RawDescriptionHelpFormatter):

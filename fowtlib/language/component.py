@@ -91,6 +91,9 @@ class Component(Composite):
 
     family: Family | None = None
 
+    void: tuple[str, ...] = ()
+    """Parameters of its base class which a kind takes no notice of."""
+
     def __init_subclass__(
         cls, *, selector: str = "", kind: str = "", shared: Sequence[str] = (), **kwargs: Any
     ) -> None:
@@ -127,6 +130,7 @@ class Component(Composite):
         for name, value in modifiers.items():
             if name not in given:
                 self._set(name, value)
+        self.refuse_void()
         self._compose()
 
     def _spread(self, modifiers: dict[str, Any]) -> dict[str, Any]:
@@ -191,6 +195,8 @@ class Component(Composite):
         value, before = self._checked(field, value), dict(self._values)
         if self._composed:
             self._note(name)
+            for other in self.rivals(name):
+                self._values.pop(other, None)
         self._values[name] = value
         decides = not (field.tunable or field.bound)
         if self._composed and (decides or name not in before):
@@ -273,6 +279,21 @@ class Component(Composite):
     def is_set(self, name: str) -> bool:
         """True where the parameter was given, not left at its default."""
         return name in self._values
+
+    @classmethod
+    def rivals(cls, name: str) -> tuple[str, ...]:
+        """Parameters that a value of this one makes void, or that make it void."""
+        others = (other for other, field in cls.parameters.items() if name in field.instead_of)
+        return (*cls.parameters[name].instead_of, *others)
+
+    def refuse_void(self) -> None:
+        """ParameterError for values that were given in one place and do nothing beside each other, or for this kind."""
+        for name, field in self.parameters.items():
+            if field.instead_of and self._values.get(name) is not None:
+                self.refuse_unused(*field.instead_of, because=f"{name} is given, which takes its place")
+        if self.void and self.family is not None:
+            kind = self.family.kind_of(type(self))
+            self.refuse_unused(*self.void, because=f"the {self.family.selector} '{kind}' takes no notice of it")
 
     def refuse_unused(self, *names: str, because: str) -> None:
         """An error for a parameter that was given and would do nothing, since another one takes precedence."""

@@ -25,6 +25,7 @@ from fowtlib.modelfile.layers import (
 )
 from fowtlib.modelfile.nodes import Place
 from fowtlib.modelfile.paths import find_port
+from fowtlib.modelfile.permit import Permit
 from fowtlib.modelfile.scopes import Scope
 from fowtlib.modelfile.specs import Document, Spec, Value
 from fowtlib.modelfile.values import ValueReader
@@ -35,10 +36,13 @@ RESERVED = ("parts", "connections", "origins", "title")
 
 
 class TreeBuilder:
-    """Builds the component of a document; `allow_python` lets files name Python code of their own."""
+    """Builds the component of a document; `allow_python` lets files name Python code of their own.
 
-    def __init__(self, allow_python: bool = False):
-        self.allow_python = allow_python
+    permit: what files may be named in it.
+    """
+
+    def __init__(self, allow_python: bool = False, permit: Permit | None = None):
+        self.allow_python, self.permit = allow_python, permit
         self.used: list[Path] = []
         self.count = 0
 
@@ -106,7 +110,7 @@ class TreeBuilder:
                 classes.update(catalogue.classes_of_file(files.find_data(name, top.path.parent)))
             except ModelFileError as error:
                 raise error.at(str(value.place)) from None
-        return Scope(top.path.parent, classes)
+        return Scope(top.path.parent, classes, permit=self.permit)
 
     def _base(self, layers: list[Layer], path: str) -> tuple[type[Component], list[Layer]]:
         """The class to start from, and the layers on top of it with definitions put in, the most important first."""
@@ -138,7 +142,8 @@ class TreeBuilder:
     def _definition(self, use: Value, layer: Layer, path: str) -> Layer:
         name = layer.reader().text(use, "the name of a definition file")
         try:
-            file = files.find_definition(name, layer.scope.folder)
+            permit = self.permit if use.place.line else None
+            file = files.find_definition(name, layer.scope.folder, permit)
         except ModelFileError as error:
             raise use.place.error(f"{path + ': ' if path else ''}{error}") from None
         if file.resolve() in self.used:

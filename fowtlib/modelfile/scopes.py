@@ -15,6 +15,7 @@ from fowtlib.language.expressions import ParameterReference
 from fowtlib.language.unit_grammar import parse_unit
 from fowtlib.modelfile.catalogue import Classes
 from fowtlib.modelfile.formulas import Quantity
+from fowtlib.modelfile.permit import Permit
 
 LONGEST_CHAIN = 100
 
@@ -33,6 +34,7 @@ class Scope:
     waiting: dict[str, Callable[[], Parameter]] = field(default_factory=dict)
     parameters: dict[str, Parameter] = field(default_factory=dict)
     in_progress: list[str] = field(default_factory=list)
+    permit: Permit | None = None
 
     @property
     def names(self) -> list[str]:

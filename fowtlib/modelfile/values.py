@@ -11,11 +11,13 @@ from typing import Any, Protocol
 
 from fowtlib.language.declarations import SHAPES, Parameter
 from fowtlib.language.errors import ModelError, ModelFileError, did_you_mean
+from fowtlib.language.leave import FromModelFile
 from fowtlib.language.unit_grammar import parse_unit
 from fowtlib.language.units import conversion, expected, kind_of, quantity, si_unit, to_si, unit_text
 from fowtlib.modelfile import files, formulas
 from fowtlib.modelfile.formulas import Quantity
 from fowtlib.modelfile.nodes import Node
+from fowtlib.modelfile.permit import Permit
 from fowtlib.modelfile.specs import Declared, Value, substituted
 
 DATA_SUFFIXES = (".nc", ".csv", ".yaml", ".yml", ".json", ".dat", ".txt", ".npz", ".1", ".3", ".hst", ".so", ".dll")
@@ -42,6 +44,7 @@ class ValueReader:
 
     scope: Names
     folder: Path
+    permit: Permit | None = None
 
     def read(self, value: Value, field: Parameter, path: str) -> Any:
         """The value for a declared parameter; `path` is how errors call the parameter."""
@@ -182,14 +185,19 @@ class ValueReader:
         text = substituted(str(node.value), value.variables, node.place)
         if field.choices is not None and text not in field.choices:
             raise ModelFileError(f"'{text}' is not possible{did_you_mean(text, field.choices)} ({field.doc})")
-        return str(files.find_data(text, self.folder)) if is_file(text, field) else text
+        if not is_file(text, field):
+            return text
+        if not node.place.line:  # given by the user, who allows it by that
+            return str(files.find_data(text, self.folder))
+        path = files.find_data(text, self.folder, self.permit, native=field.native)
+        return FromModelFile.at(str(path), str(node.place), self.permit is not None and self.permit.trust)
 
 
 def is_file(text: str, field: Parameter) -> bool:
     """True for text that names a file: by its prefix or suffix, or because the parameter is called `file`."""
     if not text or field.choices is not None:
         return False
-    by_name = field.is_data or field.name in ("file", "path") or field.name.endswith(("_file", "_path"))
+    by_name = field.is_data or field.native or field.name in ("file", "path") or field.name.endswith(("_file", "_path"))
     return by_name or text.startswith(files.DATA_PREFIX) or text.lower().endswith(DATA_SUFFIXES)
 
 

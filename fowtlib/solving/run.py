@@ -12,6 +12,7 @@ from typing import Any
 import numpy as np
 
 from fowtlib.language.errors import ParameterError, SimulationError
+from fowtlib.language.leave import require_leave
 from fowtlib.language.units import to_si
 from fowtlib.solving import event_rules as rules
 from fowtlib.solving.binding import Binding
@@ -86,6 +87,7 @@ class Run:
         self.engine, self.at, self.dae = engine, engine.at, engine.at.dae
         self.outputs, self.names, self.about, self.code = outputs, list(names), about, code
         self.binding, self.resumed, self.most = about.binding, resumed, rules.STRETCH
+        require_leave(self.binding.root)
         self.sessions = Sessions(self.dae, resumed)
         self.t = start.t
         self.x, self.z, self.d, self.u = start.x.copy(), start.z.copy(), start.d.copy(), start.u.copy()
