@@ -13,6 +13,8 @@ import data_files
 import model_files
 from pool import CHANGED, MEMORY, OK, OTHER, RAW, REFUSED, Attempt
 
+from fowtlib.language.errors import ModelError
+
 SMALL = 6000  # letters of a model that is checked or run, not only loaded
 ELASTIC = re.compile(r"Flexible|nrel5mw\b|Arm\b|towers/")  # parts with so many equations that a check takes its time
 
@@ -73,8 +75,6 @@ def _model(chance: random.Random) -> Callable[[Path], tuple[str, str]]:
 
 def _data(chance: random.Random) -> Callable[[Path], tuple[str, str]]:
     def act(folder: Path) -> tuple[str, str]:
-        from fowtlib.language.errors import ModelError
-
         kind = chance.choice(data_files.KINDS)
         content, known = data_files.good(kind)
         damaged = damage(content, chance)
