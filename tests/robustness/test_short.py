@@ -10,10 +10,10 @@ import pytest
 
 sys.path.insert(0, str(Path(__file__).parent))
 
-import attempts  # noqa: E402
-import data_files  # noqa: E402
-import pool  # noqa: E402
-import torture  # noqa: E402
+import attempts
+import data_files
+import pool
+import torture
 
 pytestmark = pytest.mark.skipif(sys.platform != "linux", reason="the attack forks, and asks /proc for its size")
 
