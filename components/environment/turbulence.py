@@ -135,8 +135,8 @@ def kaimal_series(
     count = round(repetition_period / sample_step)
     if count > MOST_SAMPLES:
         raise ParameterError(
-            f"a repetition period of {repetition_period:g} s has {count:.3g} samples of {sample_step:g} s; the limit is "
-            f"{MOST_SAMPLES}."
+            f"a repetition period of {repetition_period:g} s has {count:.3g} samples of {sample_step:g} s; "
+            f"the limit is {MOST_SAMPLES}."
         )
     harmonics = _harmonics(sample_step, repetition_period)
     if harmonics < 16:

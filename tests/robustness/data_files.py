@@ -29,7 +29,8 @@ DESCRIPTION = """<?xml version="1.0" encoding="UTF-8"?>
 </fmiModelDescription>
 """
 WAMIT_RADIATION = "".join(
-    f"{period:6.2f} {i} {j} {(9.0 if i == j else -2.0) + period / 50:.6f}{'' if period <= 0 else f' {0.1 / period:.6f}'}\n"
+    f"{period:6.2f} {i} {j} {(9.0 if i == j else -2.0) + period / 50:.6f}"
+    + ("\n" if period <= 0 else f" {0.1 / period:.6f}\n")
     for period in (-1.0, 0.0, 10.0, 5.0)
     for i in (1, 5)
     for j in (1, 5)

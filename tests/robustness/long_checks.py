@@ -52,8 +52,8 @@ def kills(count: int, seed: int = 1, duration: float = 120.0) -> Row:
             if number % 5 == 0:
                 shutil.rmtree(cache, ignore_errors=True)  # so that compilations are hit too
             target = folder / f"run_{number}.nc"
-            process = subprocess.Popen(_words(duration, target.name), cwd=folder, env=environment, start_new_session=True,
-                                       stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL)  # fmt: skip
+            process = subprocess.Popen(_words(duration, target.name), cwd=folder, env=environment,
+                                       start_new_session=True, stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL)  # fmt: skip
             time.sleep(chance.uniform(0.0, cold))
             os.killpg(process.pid, signal.SIGKILL)
             process.wait()

@@ -123,8 +123,10 @@ def write_page(tried: dict[str, list[Outcome]], checks: list[long_checks.Row]) -
                  "changed in silence", "longest", "most memory")  # fmt: skip
         page = fill(page, "inputs", markdown((heads, [inputs_row(*item) for item in tried.items()])))
     if checks:
-        rows = [(check.what, check.times, check.found.replace("|", "/").replace("\n", " "), "yes" if check.good else "no")
-                for check in checks]  # fmt: skip
+        rows = []
+        for check in checks:
+            found = check.found.replace("|", "/").replace("\n", " ")
+            rows.append((check.what, check.times, found, "yes" if check.good else "no"))
         page = fill(page, "long checks", markdown((("", "times", "found", "good"), rows)))
     PAGE.write_text(page, encoding="utf-8")
 
