@@ -24,7 +24,7 @@ class FMU(Component):
     Source: FMI 2.0.4, chapter 4; FMI 3.0.2, chapter 4.
     """
 
-    file: str = param(doc="path of the .fmu file")
+    file: str = param(native=True, doc="path of the .fmu file")
     period: Number = param(default=None, unit="s", min=1e-9, doc="communication step; by default that of the file")
     start: dict = param(
         default={},

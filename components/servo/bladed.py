@@ -30,7 +30,7 @@ class BladedController(TurbineController):
     Source of the records: OpenFAST 3.5, ServoDyn, table of the Bladed interface; ROSCO 2.10, ReadSetParameters.
     """
 
-    file: str = param(doc="path of the shared library (.so, .dll, .dylib)")
+    file: str = param(native=True, doc="path of the shared library (.so, .dll, .dylib)")
     input_file: str = param(default="", doc="path of its input file, such as DISCON.IN; the library runs in its folder")
     procedure: str = param(default="DISCON", doc="name of the procedure in the library")
     output_root: str = param(default="", doc="start of the paths of the files it writes; by default they are deleted")

@@ -12,6 +12,7 @@ from typing import Any
 import numpy as np
 
 from fowtlib.language.errors import ParameterError, SimulationError
+from fowtlib.language.leave import require_leave
 from fowtlib.language.units import to_si
 from fowtlib.solving import event_rules as rules
 from fowtlib.solving.binding import Binding
@@ -30,6 +31,7 @@ from fowtlib.solving.results import Observer, RawTrajectory, Result, parameter_h
 from fowtlib.solving.sessions import Sessions
 from fowtlib.solving.state import State
 
+MOST_POINTS = 2e7  # output points of one run
 TOLD = 5.0  # s that a run without a compiler may take before something is said about it
 LOOK, LEAST_STRETCH = 10.0, 10  # s between two looks at Ctrl-C where a run is slow, and output points at least
 
@@ -60,6 +62,14 @@ def duration_settings(t_end: Any, output_step: Any, tolerance: Any, settings: Va
             (tolerance, "tolerance", 1e-6, "1"),
         )
     )
+    for key, seconds in (("duration", end), ("output step", interval)):
+        if not 0 < seconds < np.inf:
+            raise ParameterError(f"the {key} is {seconds:g} s; it must be a finite number above zero.")
+    if end / interval > MOST_POINTS:
+        raise ParameterError(
+            f"{end:g} s with an output step of {interval:g} s are {end / interval:.3g} output points, and the limit is "
+            f"{MOST_POINTS:g}; give a longer output step, or run it in pieces that go on from each other."
+        )
     if not 0 < relative < 1:
         raise ParameterError(f"the tolerance is {relative:g}; it must lie between 0 and 1, usually 1e-4 to 1e-9.")
     return end, interval, relative
@@ -77,6 +87,7 @@ class Run:
         self.engine, self.at, self.dae = engine, engine.at, engine.at.dae
         self.outputs, self.names, self.about, self.code = outputs, list(names), about, code
         self.binding, self.resumed, self.most = about.binding, resumed, rules.STRETCH
+        require_leave(self.binding.root)
         self.sessions = Sessions(self.dae, resumed)
         self.t = start.t
         self.x, self.z, self.d, self.u = start.x.copy(), start.z.copy(), start.d.copy(), start.u.copy()

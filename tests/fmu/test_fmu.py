@@ -73,7 +73,7 @@ outputs: {{surge: platform.motion.surge, pitch: platform.motion.pitch, rotor_spe
 def spar(folder: Path, control: str):
     path = folder / "spar.yaml"
     path.write_text(SPAR.replace("CONTROL", control))
-    return fw.load(path).compile()
+    return fw.load(path, trust=True).compile()
 
 
 class Rotor(Component):

@@ -289,7 +289,7 @@ connect:
   - ["anemometer.y[0]", turbine.control.wind_speed]
   - [turbine.rotor_speed, turbine.control.rotor_speed]
 """)
-    plant = fw.load(tmp_path / "land.yaml").compile()
+    plant = fw.load(tmp_path / "land.yaml", trust=True).compile()
     state = plant.initial_state()
     assert np.degrees(state["turbine.blade_pitch"]) == pytest.approx(2)
     assert state["turbine.generator_torque"] == pytest.approx(25e3)
