@@ -105,12 +105,12 @@ class Native:
         getattr(self.unit, f"set{access}")(references, values)
 
     def _set_inputs(self) -> None:
+        numbers = self.numbers.tolist()
         for access, references, places, _ in self.inputs:
-            values = [self.numbers[place] for place in places]
-            if access == "Boolean":
-                values = [bool(value) for value in values]
-            elif access not in _REALS:
-                values = [int(value) for value in values]
+            values = [numbers[place] for place in places]
+            if access not in _REALS:
+                kind = bool if access == "Boolean" else int
+                values = [kind(value) for value in values]
             self._set(access, references, values)
 
     def _get_outputs(self) -> None:

@@ -55,7 +55,7 @@ def children(parent: int | None = None) -> list[str]:
 
 
 @pytest.fixture(autouse=True)
-def nothing_stays():
+def nothing_stays(temporary_files_of_its_own):
     before = left()
     yield
     assert left() == before
@@ -203,6 +203,7 @@ def test_leftovers_of_those_killed_all_at_once_go_at_the_next_start(tmp_path, mo
     assert sorted(tmp_path.iterdir()) == sorted([used, other, link])
     assert (other / "file").exists() and used.stat().st_mode & 0o777 == 0o700
     folders.remove(used)
+    link.unlink()
 
 
 # --- what it remembers -----------------------------------------------------------------------------------------------

@@ -32,6 +32,12 @@ def library(tmp_path_factory) -> str:
     return str(target)
 
 
+@pytest.fixture(autouse=True)
+def temporary_files_of_its_own(tmp_path_factory, monkeypatch):
+    """What a test leaves there is its own, whatever runs beside it."""
+    monkeypatch.setattr(tempfile, "tempdir", str(tmp_path_factory.mktemp("temporary")))
+
+
 class Shaft(Component):
     """A generator that speeds up by itself."""
 
