@@ -11,12 +11,15 @@ from fowtlib.language.errors import ModelError, one_of
 RESULTS = (".nc", ".csv", ".outb")
 TABLES = (".csv", ".json")
 FIGURES = (".png", ".svg", ".pdf")
+LONGEST_NAME = 220  # bytes: of the 255 of a file system, with room for what temporary files add
 
 
 def check_target(path: Path | None, endings: tuple[str, ...]) -> None:
     """Refuse a file of another kind, or one that cannot be written."""
     if path is None:
         return
+    if len(str(path.name).encode("utf-8", "surrogateescape")) > LONGEST_NAME:
+        raise ModelError(f"{path.name[:40]}...: the name is too long; take one of at most {LONGEST_NAME} letters.")
     if path.suffix not in endings:
         raise ModelError(f"{path}: the file must end in {one_of(endings)}.")
     if not path.parent.is_dir():

@@ -70,8 +70,8 @@ def test_a_structural_chain_is_as_fast_and_its_number_has_a_limit(tmp_path):
         (chain(400, "{0} + 1") + "\nparts: {b: {class: PointMass, mass: q399}}", "chain of more than 100"),
         (HEAD + "parts: {s: {class: Sum, n: 1e18}}", "n = 1000000000000000000 is above 10000"),
         (HEAD + "parts: {s: {class: Sum, n: 20000}}", "n = 20000 is above 10000"),
-        (HEAD + "parts: {t: {class: FlexibleTower, heights: [0, 80], diameters: [6, 4], wall_thicknesses: [0.03, 0.02], "
-         "hinges: 1000000000}}", "hinges = 1000000000 is above 10000"),
+        (HEAD + "parts: {t: {class: FlexibleTower, heights: [0, 80], diameters: [6, 4], "
+         "wall_thicknesses: [0.03, 0.02], hinges: 1000000000}}", "hinges = 1000000000 is above 10000"),
         (HEAD + "parts: {p: {use: " + "m" * 300 + "}}", "there is no definition 'mmm"),
         (HEAD + "parts: {p: {use: " + "m/" * 3000 + "}}", "letters; the limit is 1000"),
         (HEAD + "parameters: {q: {value: 3, max: [1, [2]]}}\n" + BALL, "one number"),
