@@ -84,7 +84,8 @@ def test_damaged_results_are_refused(tmp_path, ending):
     from fowtlib.solving.results import Result
 
     path = tmp_path / f"result{ending}"
-    Result([0.0, 1.0], {"surge": [1.0, 2.0]}, {"surge": "m"}, attributes={"fowtlib_version": "0", "date": "0"}).save(path)
+    about = {"fowtlib_version": "0", "date": "0"}
+    Result([0.0, 1.0], {"surge": [1.0, 2.0]}, {"surge": "m"}, attributes=about).save(path)
     content = path.read_bytes()
     for damaged in (content[:9] + b"\xff\xfe\x80" + content[12:], content[: len(content) // 2], b"", b"\x00" * 64):
         path.write_bytes(damaged)
