@@ -57,6 +57,7 @@ from fowtlib.language import (
     Scalar,
     StateSpace,
     Vector,
+    assert_,
     data,
     der,
     eq,
@@ -68,6 +69,8 @@ from fowtlib.language import (
 )
 from fowtlib.language import math as m
 from fowtlib.language.data_files import remembered
+
+LARGEST_TILT = np.radians(45.0)  # of a hull, beyond which a run says that its loads mean nothing
 
 
 @remembered()
@@ -143,6 +146,12 @@ class Hydrostatics(PlatformLoad):
         return [
             eq(self.buoyancy, self.world.water_density * self.world.gravity * self.volume),
             self.push(restoring + m.vertcat(lift, m.cross(self.frame.R @ self.centre_of_buoyancy, lift))),
+            assert_(
+                self.frame.R[2, 2] > np.cos(LARGEST_TILT),
+                "the hull is tilted by more than 45 deg, far outside of what the stiffness of its waterplane is "
+                "good for; is its start, or a moment on it, meant so?",
+                level="warning",
+            ),
         ]
 
 

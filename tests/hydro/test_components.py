@@ -379,3 +379,12 @@ def test_potential_flow_of_another_depth_or_gravity_is_refused():
 def test_a_missing_database_is_named():
     with pytest.raises(HydrodynamicDataError, match="nowhere.nc: cannot be read: No such file"):
         LinearPotentialFlow(database="nowhere.nc")
+
+
+@pytest.mark.parametrize(("path", "degrees", "told"), [("pitch", 80, True), ("roll", -60, True), ("pitch", 30, False)])
+def test_a_hull_that_lies_on_its_side_is_warned_of(path, degrees, told, recwarn):
+    import fowtlib as fw
+
+    plant = fw.load("oc3_spar_rigid").compile()
+    plant.simulate(0.1, 0.1, start={f"platform.motion.{path}": f"{degrees} deg"})
+    assert any("tilted by more than 45 deg" in str(item.message) for item in recwarn) == told
