@@ -12,6 +12,7 @@ from fowtlib.modelfile.permit import Permit
 SUFFIX = ".yaml"
 DATA_PREFIX = "data:"
 LONGEST_NAME = 1000  # letters of a path
+LONGEST_PART = 240  # bytes of one name in it; a file system takes 255, and an ending may follow
 
 
 def is_file(path: Path) -> bool:
@@ -62,15 +63,14 @@ def find_model(source: str | os.PathLike[str]) -> Path:
 
 def find_definition(name: str, folder: Path, permit: Permit | None = None) -> Path:
     """The definition file that `use: name` means: beside the file that says so, or shipped."""
+    _check_length(name)
     for base in (folder, models_folder()):
         for path in (base / name, base / f"{name}{SUFFIX}"):
-            if permit is not None and len(name) <= LONGEST_NAME:
+            if permit is not None:
                 permit.require(_resolved(base, str(path)), name)
             if is_file(path):
                 require_file(path, ModelFileError)
                 return path
-    if len(name) > LONGEST_NAME:
-        raise ModelFileError(f"'{_short(name)}' has {len(name)} letters; the limit is {LONGEST_NAME}.")
     beside = (folder / name).parent
     known = [str(Path(name).parent / path.stem) for path in sorted(beside.glob(f"*{SUFFIX}"))]
     shipped = [path.relative_to(models_folder()) for path in sorted(models_folder().glob(f"*/**/*{SUFFIX}"))]
@@ -83,11 +83,12 @@ def find_data(name: str, folder: Path, permit: Permit | None = None, *, native: 
 
     permit: what is allowed, where a model file names it; what the user names is allowed by that. native: it is code.
     """
+    _check_length(name)
     if name.startswith(DATA_PREFIX):
         return data_path(name.removeprefix(DATA_PREFIX))
     path = _resolved(folder, name, expand=True)
     if permit is not None:
-        permit.require(path, name if len(name) <= LONGEST_NAME else _short(name), native=native)
+        permit.require(path, name, native=native)
     if path.is_dir():
         raise ModelFileError(f"'{name}' is a folder; a file is expected.")
     require_file(path, ModelFileError)
@@ -95,6 +96,14 @@ def find_data(name: str, folder: Path, permit: Permit | None = None, *, native: 
         known = [item.name for item in sorted(path.parent.glob("*"))] if path.parent.is_dir() else []
         raise ModelFileError(f"there is no file '{name}'{did_you_mean(path.name, known)}")
     return path
+
+
+def _check_length(name: str) -> None:
+    """Refuse a path that no system can look for."""
+    if len(name) > LONGEST_NAME:
+        raise ModelFileError(f"'{_short(name)}' has {len(name)} letters; the limit is {LONGEST_NAME}.")
+    if any(len(part.encode("utf-8", "surrogatepass")) > LONGEST_PART for part in name.split("/")):
+        raise ModelFileError(f"'{_short(name)}' is too long for the name of a file.")
 
 
 def _resolved(folder: Path, name: str, *, expand: bool = False) -> Path:

@@ -72,7 +72,9 @@ def test_a_structural_chain_is_as_fast_and_its_number_has_a_limit(tmp_path):
         (HEAD + "parts: {s: {class: Sum, n: 20000}}", "n = 20000 is above 10000"),
         (HEAD + "parts: {t: {class: FlexibleTower, heights: [0, 80], diameters: [6, 4], "
          "wall_thicknesses: [0.03, 0.02], hinges: 1000000000}}", "hinges = 1000000000 is above 10000"),
-        (HEAD + "parts: {p: {use: " + "m" * 300 + "}}", "there is no definition 'mmm"),
+        (HEAD + "parts: {p: {use: " + "m" * 300 + "}}", "too long for the name of a file"),
+        (HEAD + "parts: {p: {use: " + "m" * 300 + "/x}}", "too long for the name of a file"),
+        (HEAD + "parts: {t: {class: BladeElementAerodynamics, airfoils: ./" + "m" * 300 + "/x.csv}}", "model.yaml:2"),
         (HEAD + "parts: {p: {use: " + "m/" * 3000 + "}}", "letters; the limit is 1000"),
         (HEAD + "parameters: {q: {value: 3, max: [1, [2]]}}\n" + BALL, "one number"),
         (HEAD + "parameters: {q: {value: 3, min: [[1]]}}\n" + BALL, "a bound is one number"),
