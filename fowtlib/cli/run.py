@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import argparse
 import math
+from itertools import chain, count
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -91,8 +92,8 @@ def run(arguments: argparse.Namespace) -> int:
     from fowtlib.solving.conditions import Conditions
     from fowtlib.solving.results import Result
 
-    check_target(arguments.output, RESULTS)
-    check_target(arguments.plot, FIGURES)
+    check_target(arguments.output, RESULTS, arguments.force)
+    check_target(arguments.plot, FIGURES, arguments.force)
     earlier = Result.open(arguments.resume) if arguments.resume else None
     model = loading.load(arguments)
     require_leave(model.root)  # before the equations are made
@@ -105,7 +106,7 @@ def run(arguments: argparse.Namespace) -> int:
         with progress_bar(earlier.time[-1] if earlier else 0.0) as report:
             later = plant.simulate(conditions=conditions, progress=report, **options)
     except SimulationError as error:
-        _rescue(error, earlier, arguments.output or Path(f"{model.name or 'run'}_partial.nc"))
+        _rescue(error, earlier, arguments.output or _free_name(f"{model.name or 'run'}_partial"))
         raise
     result = earlier.followed_by(later) if earlier else later
     if arguments.output:
@@ -146,6 +147,12 @@ def _save(result: Result, path: Path) -> None:
         if path.suffix == ".outb":
             error.message += f"\nThe results are saved in {result.save(path.with_suffix('.nc'))} instead."
         raise
+
+
+def _free_name(stem: str) -> Path:
+    """A name of a result that is not there yet."""
+    names = (Path(f"{stem}{number}.nc") for number in chain([""], (f"_{k}" for k in count(2))))
+    return next(path for path in names if not path.exists())
 
 
 def _rescue(error: SimulationError, earlier: Result | None, path: Path) -> None:
