@@ -6,6 +6,7 @@ parameter gives its value or a reference to it, a port gives a reference for `co
 
 from __future__ import annotations
 
+import copy
 import os
 from collections.abc import Callable, Sequence
 from itertools import count, takewhile
@@ -364,6 +365,21 @@ def param(default: Any = REQUIRED, *, unit: str = "1", doc: str = "", min: Any =
     if structural and bound:
         raise ValueError("a parameter is structural (it decides about parts and equations) or bound, not both")
     return Parameter(default, unit, doc, min, max, shape, structural, choices, bound, instead_of, native)
+
+
+def like(declared: Any, *, default: Any = None, doc: str = "") -> Any:
+    """Declare a parameter as another one is, perhaps with another default or sentence.
+
+    `hinges: int = like(BeamSettings.hinges, default=6)` where a class derived from a record starts at another number;
+    `blade_hinges: int = like(FlexibleBlade.hinges)` where a composite has it for its parts. A default that is a formula
+    or a function reads the parameters of the new class.
+    """
+    if not isinstance(declared, Parameter):
+        raise TypeError(f"like() takes a parameter of a class, as in like(BeamSettings.hinges), not {declared!r}")
+    field = copy.copy(declared)
+    field.default = declared.default if default is None else default
+    field.doc = doc or declared.doc
+    return field
 
 
 def data(reader: Callable[..., Any], *, default: Any = REQUIRED, doc: str = "", using: tuple[str, ...] = ()) -> Any:

@@ -15,10 +15,26 @@ from fowtlib.language.equations import external
 from fowtlib.language.errors import ParameterError, SimulationError, StructureError, did_you_mean
 from fowtlib.language.native import Library, compiler, load_library, no_compiler, open_library, say_once
 
+_INTERFACE = Path(__file__).parent / "casadi_interface.c"
 Compute = Callable[[np.ndarray], Any]
 
 _functions: WeakValueDictionary[tuple[str, Path | None], LibraryFunction | _Python] = WeakValueDictionary()
 _kept_points: WeakSet[_Last] = WeakSet()
+
+
+def with_interface(name: str, sparsity: ca.Sparsity, text: str) -> str:
+    """C text for the `source` of an ExternalFunction: what computes, with CasADi's C interface in front of it.
+
+    text defines `EXPORT int FUNCTION()(arg, res, iw, w, mem)` and `EXPORT int JACOBIAN()(...)`, both as CasADi calls
+    them, which need no scratch memory; `FUNCTION(_more)` names what else it exports, INPUTS and OUTPUTS are the lengths
+    of the columns. sparsity: of the Jacobian, whose entries JACOBIAN() writes in its order, by columns.
+    """
+    outputs, inputs = sparsity.shape
+    numbers = [str(number) for number in (outputs, inputs, *sparsity.colind(), *sparsity.row())]
+    rows = "\n".join(", ".join(numbers[i : i + 24]) + "," for i in range(0, len(numbers), 24))
+    macros = f"#define NAME {name}\n#define INPUTS {inputs}\n#define OUTPUTS {outputs}\n"
+    pattern = f"typedef long long int casadi_int;\nstatic const casadi_int pattern[] = {{\n{rows}\n}};\n"
+    return macros + pattern + _INTERFACE.read_text(encoding="utf-8") + text
 
 
 class ExternalFunction:
@@ -28,7 +44,8 @@ class ExternalFunction:
     order. Give one implementation, or source with python beside it:
     - library: path of a shared library with CasADi's C interface for `name` (one input, one output) and, as
       `jac_<name>`, its Jacobian, which may be sparse;
-    - source: C text of such a library, compiled once (see native.py); what it exports stands behind EXPORT;
+    - source: C text of such a library, compiled once (see native.py and with_interface); what it exports stands
+      behind EXPORT;
     - python: function of the input column (NumPy) that returns the output column, with jacobian: a function that
       returns d outputs / d inputs, (n_out, n_in), of which only the entries of `sparsity` (a CasADi Sparsity) are
       taken when that is given. Without a jacobian it is taken by finite differences. Beside a source it is what runs

@@ -22,7 +22,7 @@ from numpy.typing import ArrayLike
 
 from fowtlib.language import cache_folder as store
 from fowtlib.language.errors import ParameterError
-from fowtlib.language.externals import ExternalFunction
+from fowtlib.language.externals import ExternalFunction, with_interface
 from fowtlib.language.native import compiler, open_library
 from fowtlib.language.tables import cardinal, cardinal_periodic
 
@@ -286,7 +286,6 @@ def series_function(size: int) -> ExternalFunction:
 def _function(size: int, command: tuple[str, ...]) -> ExternalFunction:
     name = f"series_{size}"
     text = (Path(__file__).parent / "series.c").read_text(encoding="utf-8")
-    head = f"#define SERIES_NAME {name}\n#define SERIES_SIZE {size}\n"
 
     def evaluate(column: np.ndarray) -> np.ndarray:
         return _of(column[0], size)(column[1])
@@ -299,8 +298,8 @@ def _function(size: int, command: tuple[str, ...]) -> ExternalFunction:
 
     pattern = ca.Sparsity(size, 2, [0, 0, size], list(range(size)))
     function = ExternalFunction(
-        name, {"handle": 1, "time": 1}, {"values": size}, source=head + text, python=evaluate, jacobian=slope,
-        sparsity=pattern, explain=explain,
+        name, {"handle": 1, "time": 1}, {"values": size}, source=with_interface(name, pattern, text),
+        python=evaluate, jacobian=slope, sparsity=pattern, explain=explain,
     )  # fmt: skip
     return function
 

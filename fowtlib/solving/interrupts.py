@@ -7,6 +7,8 @@ import threading
 from collections.abc import Iterator
 from contextlib import contextmanager
 
+from fowtlib.language.stopping import STOP_ASKED
+
 
 @contextmanager
 def deferred_interrupt() -> Iterator[threading.Event]:
@@ -22,7 +24,9 @@ def deferred_interrupt() -> Iterator[threading.Event]:
         signal.signal(signal.SIGINT, before)
 
     before = signal.signal(signal.SIGINT, note)
+    known = STOP_ASKED.set(interrupted)
     try:
         yield interrupted
     finally:
+        STOP_ASKED.reset(known)
         signal.signal(signal.SIGINT, before)

@@ -249,7 +249,7 @@ def test_the_error_stands_at_its_line_of_the_model_file(fmu, tmp_path):
 
 
 def left() -> set[str]:
-    return {name for name in os.listdir(tempfile.gettempdir()) if name.startswith("fowtlib_fmu_")}
+    return {name for name in os.listdir(tempfile.gettempdir()) if name.startswith(("fowtlib_session_", "fowtlib_new_"))}
 
 
 FAILURES = [
