@@ -119,6 +119,8 @@ def _carry_out(arguments: argparse.Namespace) -> int:
         return _stopped(arguments, _status(error), loading.message(error, arguments))
     except KeyboardInterrupt:
         return _stopped(arguments, 130, "stopped; nothing was saved.")
+    except MemoryError:
+        return _stopped(arguments, 2, "this needs more memory than there is; make the model or the run smaller.")
     except BrokenPipeError:  # the reader of our output has enough: `fowt parts | head`
         sys.stderr.close()
         return 0

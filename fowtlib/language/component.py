@@ -487,7 +487,8 @@ def _plain(field: Parameter, value: Any, where: str) -> Any:
         raise ParameterError(f"{where} = {value} is below its minimum {field.min:g} ({field.doc}).")
     if wanted is int and not field.bound and field.max is None and abs(value) > MOST_ELEMENTS:
         raise ParameterError(
-            f"{where} = {value} is above {MOST_ELEMENTS}, the limit of numbers that decide how a model is built ({field.doc})."
+            f"{where} = {value} is above {MOST_ELEMENTS}, the limit of numbers that decide how a model is built "
+            f"({field.doc})."
         )
     return value
 

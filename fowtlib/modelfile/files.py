@@ -70,7 +70,7 @@ def find_definition(name: str, folder: Path, permit: Permit | None = None) -> Pa
                 require_file(path, ModelFileError)
                 return path
     if len(name) > LONGEST_NAME:
-        raise ModelFileError(f"'{_short(name)}' has {len(name)} letters; the name of a file has {LONGEST_NAME} at most.")
+        raise ModelFileError(f"'{_short(name)}' has {len(name)} letters; the limit is {LONGEST_NAME}.")
     beside = (folder / name).parent
     known = [str(Path(name).parent / path.stem) for path in sorted(beside.glob(f"*{SUFFIX}"))]
     shipped = [path.relative_to(models_folder()) for path in sorted(models_folder().glob(f"*/**/*{SUFFIX}"))]

@@ -96,8 +96,8 @@ def read_text(path: Path, name: str) -> str:
             content = file.read(LARGEST + 1)
         if len(content) > LARGEST:
             raise ModelFileError(
-                f"the file has more than {LARGEST / 1e6:g} MB, the limit of a model file; put long lists of numbers into "
-                "data files.", where=name,
+                f"the file has more than {LARGEST / 1e6:g} MB, the limit of a model file; put long lists of numbers "
+                "into data files.", where=name,
             )  # fmt: skip
         return content.decode("utf-8").replace("\r\n", "\n").replace("\r", "\n")
     except UnicodeDecodeError:

@@ -210,7 +210,7 @@ def _check_rows(node: Node) -> None:
     for row in rows:
         for item in row.value if isinstance(row.value, list) else ():
             if isinstance(item.value, list):
-                raise item.place.error("lists are nested too deeply; a parameter is a number, a list or a list of rows.")
+                raise item.place.error("lists are nested too deeply; a value is a number, a list or a list of rows.")
 
 
 def _whole(value: Any, field: Parameter) -> Any:

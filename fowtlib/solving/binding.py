@@ -314,6 +314,10 @@ def _numbers(item: Bound, component: Component) -> Any:
             _fit(item, found, size)
             return found
         array = np.ravel(np.asarray(found, dtype=float))
+    except MemoryError:
+        raise ParameterError(
+            f"{item.path}: what is computed when a run starts ({item.doc}) needs more memory than there is."
+        ) from None
     except ModelError as error:
         raise error.at(item.owner or type(component).__name__) if item.owner not in str(error) else error from None
     if array.size != size:

@@ -28,9 +28,11 @@ from typing import Any
 SECONDS = 10.0
 BYTES = 10**9
 
-OK, REFUSED, CHANGED = "ok", "refused", "changed"
+OK, REFUSED = "ok", "refused"
+OTHER = "other numbers"  # of a file that has no checksum
+CHANGED = "changed in silence"  # numbers of a file whose checksum could have caught it
 RAW, HANG, MEMORY, CRASH = "raw error", "hang", "memory", "crash"
-FAILURES = (RAW, HANG, MEMORY, CRASH)
+FAILURES = (RAW, HANG, MEMORY, CRASH, CHANGED)
 
 
 @dataclass(frozen=True)

@@ -44,7 +44,13 @@ def read(path: Path) -> Stored:
         raise ModelError(f"{path}: a result file ends in .nc, .csv or .outb.")
     if not path.is_file():
         raise ModelError(f"{path}: there is no such file.")
-    return readers[path.suffix](path)
+    try:
+        return readers[path.suffix](path)
+    except ModelError:
+        raise
+    except (ValueError, LookupError, TypeError, ArithmeticError, MemoryError, OSError) as error:
+        reason = (str(error).splitlines() or [type(error).__name__])[0]
+        raise ModelError(f"{path}: the file is damaged, and cannot be read as a result: {reason[:200]}.") from None
 
 
 def _write_whole(path: Path, write: Callable[[Path], None]) -> None:
