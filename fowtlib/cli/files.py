@@ -13,6 +13,7 @@ from fowtlib.language.errors import ModelError, one_of
 RESULTS = (".nc", ".csv", ".outb")
 TABLES = (".csv", ".json")
 FIGURES = (".png", ".svg", ".pdf")
+LONGEST_NAME = 220  # bytes: of the 255 of a file system, with room for what temporary files add
 
 
 def declare_force(parser: argparse.ArgumentParser) -> None:
@@ -24,6 +25,8 @@ def check_target(path: Path | None, endings: tuple[str, ...], force: bool) -> No
     """Refuse a file of another kind, one that cannot be written, and without `force` one that is there already."""
     if path is None:
         return
+    if len(str(path.name).encode("utf-8", "surrogateescape")) > LONGEST_NAME:
+        raise ModelError(f"{path.name[:40]}...: the name is too long; take one of at most {LONGEST_NAME} letters.")
     if path.suffix not in endings:
         raise ModelError(f"{path}: the file must end in {one_of(endings)}.")
     try:

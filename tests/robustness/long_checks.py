@@ -15,6 +15,8 @@ import subprocess
 import sys
 import tempfile
 import time
+from collections.abc import Iterator
+from contextlib import contextmanager
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -52,8 +54,10 @@ def kills(count: int, seed: int = 1, duration: float = 120.0) -> Row:
             if number % 5 == 0:
                 shutil.rmtree(cache, ignore_errors=True)  # so that compilations are hit too
             target = folder / f"run_{number}.nc"
-            process = subprocess.Popen(_words(duration, target.name), cwd=folder, env=environment,
-                                       start_new_session=True, stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL)  # fmt: skip
+            silent = {"stdout": subprocess.DEVNULL, "stderr": subprocess.DEVNULL}
+            process = subprocess.Popen(
+                _words(duration, target.name), cwd=folder, env=environment, start_new_session=True, **silent
+            )
             time.sleep(chance.uniform(0.0, cold))
             os.killpg(process.pid, signal.SIGKILL)
             process.wait()
@@ -129,6 +133,18 @@ def cold_cache(count: int) -> Row:
     return Row("two processes on one cold cache", count, f"{len(faults)} faults{_first(faults)}", not faults)
 
 
+@contextmanager
+def _own_folder() -> Iterator[None]:
+    """Temporary files of this process in a folder of its own, so that those of others do not count."""
+    with tempfile.TemporaryDirectory(prefix="growth_") as name:
+        before, tempfile.tempdir = tempfile.tempdir, name
+        try:
+            yield
+        finally:
+            tempfile.tempdir = before
+
+
+@_own_folder()
 def plants(count: int) -> Row:
     """Plants made, run and dropped in one process. Good: memory, descriptors, maps and temporary files do not grow."""
     import gc
@@ -150,6 +166,7 @@ def plants(count: int) -> Row:
     return _growth("plants compiled, run and dropped in one process", count, before, _use(), 60e6)
 
 
+@_own_folder()
 def long_run(seconds: float) -> Row:
     """One run of `seconds`, with few output points. Good: nothing but its rows grows."""
     import fowtlib as fw

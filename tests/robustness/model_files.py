@@ -16,18 +16,21 @@ ROOT = Path(__file__).parents[2]
 Document = dict[str, Any]
 
 NUMBERS = ["0", "-1", "1e18", "1e308", "1e400", "-1e-320", ".inf", "-.inf", ".nan", "nan", "inf m",
-           "99999999999999999999", "0.0000000001", "1e18 m", "3 m/s^9", "1e309 kg", "7_000", "0x10", "1e", "--1", "1.2.3",
+           "99999999999999999999", "0.0000000001", "1e18 m", "3 m/s^9", "1e309 kg", "7_000", "0x10", "1e", "--1",
+           "1.2.3",
            "١٢", "½"]  # fmt: skip
 WORDS = ["", " ", "~", "null", "true", "no", "a.b.c", "..", "x[0]", "x[99999999999]", "{name}", "{}", "m" * 300,
          "*a", "&a", "!!python/object:os.system", "!tag x", "\u0000", "\ud7ff", "\u202e", "é" * 40,
          "data:../../etc/passwd", "/dev/zero", "/proc/self/mem", "../" * 60, "motion", "World", "PointMass", "Sea",
-         "oc3_spar_rigid.yaml", "C:\\x", "a" * 5000, "%s%n", "'", '"', "#", ": :", "- -", "\t", "$(true)", "`true`", "con", "class", "each"]  # fmt: skip
+         "oc3_spar_rigid.yaml", "C:\\x", "a" * 5000, "%s%n", "'", '"', "#", ": :", "- -", "\t", "$(true)", "`true`",
+         "con", "class", "each"]  # fmt: skip
 FORMULAS = ["1/0", "10**10**10", "9**9**9**9", "2^1e9", "-" * 400 + "1", "(" * 200 + "1" + ")" * 200, "1" + "+1" * 240,
             "sqrt(-1)", "exp(1e9)", "log(0)", "pi[0]", "a[0]", "sin(1 m)", "1 m + 1 kg", "max(1)",
             "min(1,2,3)", "atan2(0,0)", "x**x**x", "(1", "1)", "1 2", "**", "2*", "1e308*10", "0*1e400", "1 m^1e9",
             "1 m^0.123456789"]  # fmt: skip
 KEYS = ["fowtlib", "class", "use", "parameters", "parts", "each", "for", "connect", "ports", "outputs", "simulation",
-        "python", "title", "value", "unit", "min", "max", "of", "description", "mass", "r", "n", "name", "solver", "duration",
+        "python", "title", "value", "unit", "min", "max", "of", "description", "mass", "r", "n", "name", "solver",
+        "duration",
         "step", "output_step", "tolerance", "world", "sea", "wind", "spectrum", "kind"]  # fmt: skip
 UNITS = [
     " m",
@@ -253,7 +256,8 @@ def _declare(document: Document, places: list[Place], chance: random.Random) -> 
         owner[key] = "qq"
 
 
-STRUCTURAL = [_number, _number, _number, _word, _word, _formula, _unit, _key, _key, _lose, _lose, _swap, _nest, _many, _alias,
+STRUCTURAL = [_number, _number, _number, _word, _word, _formula, _unit, _key, _key, _lose, _lose, _swap, _nest,
+              _many, _alias,
               _each, _chain, _declare]  # fmt: skip
 
 

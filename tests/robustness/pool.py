@@ -8,6 +8,7 @@ POSIX only.
 from __future__ import annotations
 
 import contextlib
+import faulthandler
 import gc
 import os
 import pickle
@@ -113,6 +114,7 @@ def _start(attempt: Attempt, folder: Path, memory: int) -> tuple[int, int]:
         return pipe, child
     status = 1
     try:
+        faulthandler.disable()  # a crash is told by the parent
         os.setsid()  # what it starts ends with it
         os.close(pipe)
         _limit(memory)

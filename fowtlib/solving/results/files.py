@@ -7,6 +7,7 @@ import json
 import os
 import re
 import tempfile
+import warnings
 from collections.abc import Callable
 from pathlib import Path
 from typing import Any
@@ -173,7 +174,9 @@ def _read_csv(path: Path) -> Stored:
     with path.open(newline="", encoding="utf-8") as file:
         heads = next(csv.reader(file), [])
         try:
-            rows = np.loadtxt(file, delimiter=",", ndmin=2)
+            with warnings.catch_warnings():
+                warnings.simplefilter("ignore", UserWarning)  # of a file without rows
+                rows = np.loadtxt(file, delimiter=",", ndmin=2)
         except ValueError as error:
             raise ModelError(f"{path}: {error}.") from error
     matches = [_HEADER.match(head.strip()) for head in heads]
