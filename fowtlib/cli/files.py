@@ -27,6 +27,8 @@ def check_target(path: Path | None, endings: tuple[str, ...], force: bool) -> No
         return
     if len(str(path.name).encode("utf-8", "surrogateescape")) > LONGEST_NAME:
         raise ModelError(f"{path.name[:40]}...: the name is too long; take one of at most {LONGEST_NAME} letters.")
+    if "\0" in path.name:
+        raise ModelError("a name of a file cannot hold a zero byte; choose another one.")
     if path.suffix not in endings:
         raise ModelError(f"{path}: the file must end in {one_of(endings)}.")
     try:
@@ -37,9 +39,6 @@ def check_target(path: Path | None, endings: tuple[str, ...], force: bool) -> No
         there = path.exists()
         if there:
             path.open("ab").close()
-        else:  # also the name, which may be too long
-            path.open("xb").close()
-            path.unlink()
         tempfile.TemporaryFile(dir=path.parent).close()
     except (OSError, ValueError) as error:
         shown = path if len(str(path)) < 200 else f"{str(path)[:100]}... ({len(path.name)} letters)"

@@ -16,10 +16,12 @@ import numpy as np
 
 from fowtlib.language.errors import ModelError
 from fowtlib.solving.results.data import RawTrajectory, Stored, dimensions
+from fowtlib.solving.results.journal import ENDING, read_journal
 from fowtlib.solving.results.openfast import Named, channel_of, result_of, unique
 from fowtlib.solving.results.outb import Channels, read_outb, write_outb
 
 _FORMAT = "fowtlib result 1"
+_CHECKPOINT = "checkpoint"
 _RAW = "raw_"  # prefix of the solver's arrays in the file
 _HEADER = re.compile(r"^(?P<name>.*\S)\s*\[(?P<unit>[^\[\]]*)\]$")
 
@@ -40,6 +42,8 @@ def save(stored: Stored, path: Path) -> Path:
 
 def read(path: Path) -> Stored:
     """Read a file that ``save`` wrote, or the binary output of OpenFAST."""
+    if path.suffix == ENDING:
+        return read_journal(path)
     readers = {".nc": _read_netcdf, ".csv": _read_csv, ".outb": _read_openfast}
     if path.suffix not in readers:
         raise ModelError(f"{path}: a result file ends in .nc, .csv or .outb.")
@@ -99,6 +103,10 @@ def _write_netcdf(stored: Stored, path: Path) -> None:
                 about = {"long_name": f"{key} of the solver; columns as in the attribute raw_names"}
                 _add(file, _RAW + key, ("raw_time", f"raw_{key}_index"), getattr(raw, key), **about)
         _add(file, _RAW + "time", ("raw_time",), raw.time, units="s", long_name="time of the solver's rows")
+        if raw.checkpoint:
+            file.createDimension("checkpoint_bytes", len(raw.checkpoint))
+            variable = file.createVariable(_CHECKPOINT, "b", ("checkpoint_bytes",))
+            variable[...] = np.frombuffer(raw.checkpoint, np.int8)
 
 
 def _add(file: Any, name: str, dims: tuple[str, ...], values: np.ndarray, **attributes: str) -> None:
@@ -144,6 +152,7 @@ def _read_netcdf(path: Path) -> Stored:
             **{key: dataset[_RAW + key].values if _RAW + key in dataset else np.zeros(0) for key in "xzd"},
             **{f"{key}_names": tuple(raw_names[key]) for key in "xzd"},
             parameter_hash=fingerprint,
+            checkpoint=dataset[_CHECKPOINT].values.tobytes() if _CHECKPOINT in dataset else b"",
         )
     return Stored(
         dataset["time"].values,
