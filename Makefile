@@ -1,13 +1,13 @@
 # make run     make the environment, simulate the OC3 spar in wind and waves, draw a picture
 # make test    make the environment, run the tests
-# make setup lint bench docs catalogue verification fmus lock clean: see below
+# make setup lint bench docs catalogue verification torture fmus lock clean: see below
 
 PYTHON ?= python3
 VENV   := .venv
 BIN    := $(VENV)/bin
 STAMP  := $(VENV)/.made-from-lock
 
-.PHONY: setup run test lint bench docs catalogue verification fmus lock clean
+.PHONY: setup run test lint bench docs catalogue verification torture fmus lock clean
 
 setup: $(STAMP)
 
@@ -45,6 +45,11 @@ catalogue: $(STAMP)
 verification: $(STAMP)
 	$(BIN)/python benchmarks/verification.py
 	$(BIN)/python benchmarks/load_cases.py
+
+# Attack: damaged model and data files, kills, full disks, cold caches, threads; fills docs/reliability.md.
+# TORTURE: further words, such as TORTURE="--models 1000 --kills 5", see tests/robustness/torture.py.
+torture: $(STAMP)
+	$(BIN)/python tests/robustness/torture.py $(TORTURE)
 
 # Build the FMUs of fmus/recipes into fmus/built and check each one; `fmus/build.py NAME` does one.
 fmus: $(STAMP)

@@ -32,5 +32,5 @@ def counted(monkeypatch):
 
     count(assembler._Flattening, "run", "flattened")
     count(fixed_step_code, "kept_text", "written")
-    count(fixed_step_code, "compile_library", "compiled", lambda text, name: name == "model")
+    count(fixed_step_code, "load_library", "compiled", lambda text, name: name == "model")
     return counts

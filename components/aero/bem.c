@@ -1,11 +1,10 @@
 /* Blade-element momentum (BEM) loads of one rotor, with their exact Jacobian.
  *
- * In front of this text components/aero/bem.py writes the data of one rotor: the macros NAME, EXPORT, BLADES, STATIONS,
- * SENSE, TIP_RADIUS, SKEW, SKEWED_WAKE, DYNAMIC_INFLOW, AXIAL_DRAG, TANGENTIAL_DRAG, and constant arrays:
+ * In front of this text components/aero/bem.py writes CasADi's interface and the data of one rotor: the macros BLADES,
+ * STATIONS, SENSE, TIP_RADIUS, SKEW, SKEWED_WAKE, DYNAMIC_INFLOW, AXIAL_DRAG, TANGENTIAL_DRAG, and constant arrays:
  * - of the stations: length; tip_loss, hub_loss, the lesser of them least_loss, F at pi/2 upright_loss; polar,
  *   its number, its largest |c_l| and |c_d| most_lift, most_drag, a line through its lift lift_slope, zero_lift;
- * - of the polars: knot and cubic of all in a row, last_knot with a cubic, first_in (see airfoil);
- * - sparsity_in, sparsity_out, sparsity_jac.
+ * - of the polars: knot and cubic of all in a row, last_knot with a cubic, first_in (see airfoil).
  * There is no state: every call stands alone.
  *
  * Physics, per node (Ning 2014, Wind Energy 17:1327; Burton et al. 2011, section 3): e_x and e_t span the plane of the
@@ -23,12 +22,8 @@
 #include <math.h>
 #include <stddef.h>
 
-typedef long long int casadi_int;
-
 #define NODES (BLADES * STATIONS)
 #define ROWS (6 + DYNAMIC_INFLOW) /* of a node: force, moment, and with dynamic inflow the quasi-steady induced speed */
-#define JOIN_(a, b) a##b
-#define JOIN(a, b) JOIN_(a, b)
 
 static const double pi = 3.14159265358979323846;
 static const double held_loss = 0.1; /* below, the F of the swirl goes to half of this, by a parabola */
@@ -491,36 +486,17 @@ static void rotor(const double *u, double *f, double *jac) {
     for (int i = 0; i < NODES; i++) node(i, u, &wake, f, jac);
 }
 
-/* CasADi's interface: NAME(inputs) -> loads, and jac_NAME(inputs, loads) -> d loads / d inputs. */
-EXPORT int NAME(const double **arg, double **res, casadi_int *iw, double *w, int mem) {
+/* loads, and their Jacobian */
+EXPORT int FUNCTION()(const double **arg, double **res, casadi_int *iw, double *w, int mem) {
     (void)iw, (void)w, (void)mem;
     if (!arg[0]) return 1;
     if (res[0]) rotor(arg[0], res[0], NULL);
     return 0;
 }
-EXPORT casadi_int JOIN(NAME, _n_in)(void) { return 1; }
-EXPORT casadi_int JOIN(NAME, _n_out)(void) { return 1; }
-EXPORT const casadi_int *JOIN(NAME, _sparsity_in)(casadi_int i) { return i == 0 ? sparsity_in : NULL; }
-EXPORT const casadi_int *JOIN(NAME, _sparsity_out)(casadi_int i) { return i == 0 ? sparsity_out : NULL; }
-EXPORT int JOIN(NAME, _work)(casadi_int *sz_arg, casadi_int *sz_res, casadi_int *sz_iw, casadi_int *sz_w) {
-    *sz_arg = 1, *sz_res = 1, *sz_iw = 0, *sz_w = 0;
-    return 0;
-}
 
-#define JAC JOIN(jac_, NAME)
-EXPORT int JAC(const double **arg, double **res, casadi_int *iw, double *w, int mem) {
+EXPORT int JACOBIAN()(const double **arg, double **res, casadi_int *iw, double *w, int mem) {
     (void)iw, (void)w, (void)mem;
     if (!arg[0]) return 1;
     if (res[0]) rotor(arg[0], NULL, res[0]);
-    return 0;
-}
-EXPORT casadi_int JOIN(JAC, _n_in)(void) { return 2; }
-EXPORT casadi_int JOIN(JAC, _n_out)(void) { return 1; }
-EXPORT const casadi_int *JOIN(JAC, _sparsity_in)(casadi_int i) {
-    return i == 0 ? sparsity_in : i == 1 ? sparsity_out : NULL;
-}
-EXPORT const casadi_int *JOIN(JAC, _sparsity_out)(casadi_int i) { return i == 0 ? sparsity_jac : NULL; }
-EXPORT int JOIN(JAC, _work)(casadi_int *sz_arg, casadi_int *sz_res, casadi_int *sz_iw, casadi_int *sz_w) {
-    *sz_arg = 2, *sz_res = 1, *sz_iw = 0, *sz_w = 0;
     return 0;
 }

@@ -15,6 +15,7 @@ from fowtlib.components.aero import bem_numpy
 from fowtlib.components.aero.blade_aerodynamics import Airfoil, BladeAerodynamics
 from fowtlib.language import ExternalFunction
 from fowtlib.language.errors import ParameterError
+from fowtlib.language.externals import with_interface
 
 PITT_PETERS = 15 * np.pi / 32
 """Factor of the skewed wake in Ning et al. (2015, AIAA 2015-0215), also AeroDyn's; other texts have 15 pi / 64."""
@@ -131,8 +132,9 @@ class BladeElementRotor:
         text = (Path(__file__).parent / "bem.c").read_text(encoding="utf-8")
         name = f"bem_{hashlib.sha256((data + text).encode()).hexdigest()[:8]}"
         return ExternalFunction(
-            name, self.inputs, self.outputs, source=f"#define NAME {name}\n{data}{text}", sparsity=self.sparsity,
+            name, self.inputs, self.outputs, source=with_interface(name, self.sparsity, data + text),
             python=lambda u: bem_numpy.loads(self, u), jacobian=lambda u: bem_numpy.jacobian(self, u),
+            sparsity=self.sparsity,
         )  # fmt: skip
 
     def _data(self) -> str:
@@ -152,10 +154,6 @@ class BladeElementRotor:
         lift_lines = np.array([_lift_line(foil) for foil in foils])[polar]
         tip, hub = self.losses
         upright = np.prod([2 / np.pi * np.arccos(np.exp(-x)) for x in (tip, hub)], axis=0)
-        pattern = self.sparsity
-        shapes = {"sparsity_in": [sum(self.inputs.values()), 1, 1],
-                  "sparsity_out": [sum(self.outputs.values()), 1, 1],
-                  "sparsity_jac": [*pattern.shape, *pattern.colind(), *pattern.row()]}  # fmt: skip
         numbers = {"length": self.lengths, "tip_loss": tip, "hub_loss": hub,
                    "least_loss": np.minimum(tip, hub), "upright_loss": upright,
                    "most_lift": most[:, 0], "most_drag": most[:, 1],
@@ -167,7 +165,6 @@ class BladeElementRotor:
                   "DYNAMIC_INFLOW": int(self.dynamic_inflow), "AXIAL_DRAG": int(self.axial_drag),
                   "TANGENTIAL_DRAG": int(self.tangential_drag)}  # fmt: skip
         lines = [f"#define {key} ({value})" for key, value in macros.items()]
-        lines += [_array("long long int", key, value) for key, value in shapes.items()]
         lines += [_array("int", key, value) for key, value in integers.items()]
         lines += [_array("double", key, value) for key, value in numbers.items()]
         return "\n".join(lines) + "\n"

@@ -59,6 +59,11 @@ def starts_steady(block) -> bool:
     return True
 
 
+def _start(block):
+    """Start value of the output, where it does not start steady."""
+    return block.y_start if block.initialization == "value" else 0.0
+
+
 class FirstOrder(Component):
     """Lag of first order: time_constant y' + y = gain u."""
 
@@ -70,7 +75,7 @@ class FirstOrder(Component):
     u: RealInput = port(doc="input")
     y: RealOutput = port(doc="output")
 
-    x: Scalar = var(start=y_start, state="prefer", doc="output")
+    x: Scalar = var(start=lambda self: _start(self), state="prefer", doc="output")
 
     def equations(self):
         drive = self.gain * self.u
@@ -93,7 +98,7 @@ class SecondOrderActuator(Component):
     u: RealInput = port(doc="commanded value")
     y: RealOutput = port(doc="actual value")
 
-    x: Scalar = var(start=y_start, state="prefer", doc="actual value")
+    x: Scalar = var(start=lambda self: _start(self), state="prefer", doc="actual value")
     rate: Scalar = var(state="prefer", doc="rate of the actual value")
 
     def equations(self):
@@ -131,7 +136,7 @@ class ButterworthLowPass(Component):
 
     def at_rest(self):
         """States of all sections at rest with the output y_start."""
-        return [0.0 if i - 1 in self.second_order_sections() else self.y_start for i in range(self.order)]
+        return [0.0 if i - 1 in self.second_order_sections() else _start(self) for i in range(self.order)]
 
     def equations(self):
         w0, x, into = 2 * math.pi * self.cutoff_frequency, self.x, self.u
@@ -237,7 +242,7 @@ class SlewRateLimiter(Component):
     u: RealInput = port(doc="input")
     y: RealOutput = port(doc="output")
 
-    x: Scalar = var(start=y_start, state="prefer", doc="output")
+    x: Scalar = var(start=lambda self: _start(self), state="prefer", doc="output")
 
     def equations(self):
         rate = (self.u - self.x) / self.time_constant

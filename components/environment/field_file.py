@@ -25,6 +25,7 @@ from pathlib import Path
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from fowtlib.language.data_files import require_file
 from fowtlib.language.errors import ParameterError
 
 Floats = NDArray[np.float64]
@@ -34,6 +35,7 @@ COMPONENTS = ("u", "v", "w")
 _HEADER = struct.Struct("<h4i12fi")
 _LARGEST = 100_000  # of a grid size: beyond, the header is taken for nonsense
 _LOW, _HIGH = -32768, 32767
+_ABSURD = 1e5  # m/s between the lowest and the highest speed that a scale can tell
 
 
 @dataclass(frozen=True)
@@ -133,6 +135,7 @@ class WindField:
 def read_field(path: str | Path) -> WindField:
     """Open a `.bts` file; the data stay in the file. Raises ParameterError with the path and what is wrong in it."""
     path = str(path)
+    require_file(path)
     try:
         with open(path, "rb") as file:
             start = file.read(_HEADER.size)
@@ -235,4 +238,10 @@ def _check(path: str, grid: FieldGrid) -> None:
             raise ParameterError(
                 f"{path}: the scale of {name} is damaged: slope = {slope:g}, offset = {offset:g}, "
                 "expected finite numbers and a slope other than 0."
+            )
+        low, high = sorted((number - offset) / slope for number in (_LOW, _HIGH))
+        if not (math.isfinite(low) and math.isfinite(high) and high - low < _ABSURD):
+            raise ParameterError(
+                f"{path}: the scale of {name} is damaged: with slope = {slope:g} and offset = {offset:g} its stored "
+                f"numbers stand for speeds from {low:.3g} to {high:.3g} m/s."
             )

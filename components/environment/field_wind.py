@@ -23,7 +23,8 @@ from fowtlib.components.environment.field_file import read_field
 from fowtlib.components.environment.field_lookup import AXES, FieldLookup
 from fowtlib.language import ExternalFunction
 from fowtlib.language.errors import ParameterError
-from fowtlib.language.native import compiler
+from fowtlib.language.externals import with_interface
+from fowtlib.language.native import compiler, open_library
 
 SHARED = ("field", "time", "base", "fluctuation", "shear_exponent", "direction", "height")
 """Inputs of the function that all points share."""
@@ -127,7 +128,7 @@ def field_function(lookup: FieldLookup, points: int) -> ExternalFunction:
 def _function(points: int, command: tuple[str, ...]) -> ExternalFunction:
     name = f"wind_field_{points}"
     text = (Path(__file__).parent / "full_field.c").read_text(encoding="utf-8")
-    head = f"#define FIELD_NAME {name}\n#define FIELD_POINTS {points}\n"
+    sparsity = _sparsity(points)
 
     def evaluate(column: np.ndarray) -> np.ndarray:
         return _twin_values(column, points)[0]
@@ -139,8 +140,9 @@ def _function(points: int, command: tuple[str, ...]) -> ExternalFunction:
         return _problem_in_c(function) if function.library else _problem_in_python()
 
     function = ExternalFunction(
-        name, {**dict.fromkeys(SHARED, 1), "positions": 3 * points}, {"velocities": 3 * points}, source=head + text,
-        python=evaluate, jacobian=slope, sparsity=_sparsity(points), explain=explain,
+        name, {**dict.fromkeys(SHARED, 1), "positions": 3 * points}, {"velocities": 3 * points},
+        source=with_interface(name, sparsity, text), python=evaluate, jacobian=slope, sparsity=sparsity,
+        explain=explain,
     )  # fmt: skip
     return function
 
@@ -186,15 +188,9 @@ def _twin_values(column: np.ndarray, points: int) -> tuple[np.ndarray, np.ndarra
 
 
 def _symbol(function: ExternalFunction, suffix: str, result: Any) -> Any:
-    found = getattr(_load(str(function.library)), function.name + suffix)
+    found = getattr(open_library(function.library), function.name + suffix)
     found.restype = result
     return found
-
-
-@lru_cache(maxsize=64)
-def _load(library: str) -> ctypes.CDLL:
-    """The library that CasADi has loaded: a process holds one for a path, and this keeps it."""
-    return ctypes.CDLL(library)
 
 
 def _problem_in_c(function: ExternalFunction) -> str:

@@ -1,6 +1,6 @@
 /* Wind at points: from TurbSim .bts files, the look-up of field_lookup.py in C11, or over a station by the power law.
 
-   One library, made for FIELD_NAME, say wind, and FIELD_POINTS points, serves any number of files. A file is made known
+   One library, made for NAME, say wind, and OUTPUTS / 3 points, serves any number of files. A file is made known
    once by wind_open(handle, path, shift, cubic), with a number of the caller's choice as its handle; shift [m] is the x
    of the first plane at t = 0, NaN for half the width, or nothing for a periodic field; cubic says how it is interpolated.
    Then wind and jac_wind can be called.
@@ -33,17 +33,10 @@
 #include <sys/stat.h>
 #include <sys/types.h>
 
-#define JOIN_(a, b) a##b
-#define JOIN(a, b) JOIN_(a, b)
-#define OF(suffix) JOIN(FIELD_NAME, suffix)
-#define JACOBIAN(suffix) JOIN(JOIN(jac_, FIELD_NAME), suffix)
-
-typedef long long int casadi_int;
-
 /* What stands in front of the positions: handle, time [s], speeds [m/s], exponent, angle [rad], height [m]. */
 enum Input { FILE_NUMBER, TIME, BASE, FLUCTUATION, SHEAR, DIRECTION, HEIGHT, PLACES };
 
-enum { INPUTS = PLACES + 3 * FIELD_POINTS, OUTPUTS = 3 * FIELD_POINTS, HEADER = 70, PERIODIC = 8, ENDING = 7 };
+enum { FIELD_POINTS = OUTPUTS / 3, HEADER = 70, PERIODIC = 8, ENDING = 7 };
 enum { BLOCKS = 32, BLOCK_BYTES = 1 << 18 };
 
 /* A file that was made known. samples: 2 or 4 in each direction, about a point; stride: stored numbers of one time step;
@@ -156,7 +149,7 @@ static void forget(Field *f) {
 }
 
 /* Makes a file known; 0, or 1 with a problem. A handle that is known already is not looked at again. */
-EXPORT int OF(_open)(double handle, const char *path, double shift, int cubic) {
+EXPORT int FUNCTION(_open)(double handle, const char *path, double shift, int cubic) {
     for (int i = 0; i < known; i++)
         if (fields[i]->handle == handle) return 0;
     Field *f = calloc(1, sizeof *f), **more = realloc(fields, (size_t)(known + 1) * sizeof *fields);
@@ -192,7 +185,7 @@ EXPORT int OF(_open)(double handle, const char *path, double shift, int cubic) {
 
 /* The reason for which the last call returned 1, as UTF-8; empty when there is none, or when it was asked before. To be
    asked before a run, too: a file is then looked at anew, also where what is needed of it is in the pool. */
-EXPORT const char *OF(_problem)(void) {
+EXPORT const char *FUNCTION(_problem)(void) {
     static char told[sizeof problem];
     memcpy(told, problem, sizeof told);
     problem[0] = 0;
@@ -554,7 +547,7 @@ static int in_field(const double *in, double *out, double *entries) {
     return 0;
 }
 
-EXPORT int FIELD_NAME(const double **arg, double **res, casadi_int *iw, double *w, int mem) {
+EXPORT int FUNCTION()(const double **arg, double **res, casadi_int *iw, double *w, int mem) {
     (void)iw, (void)w, (void)mem;
     if (!res[0]) return 0;
     if (!arg[0]) return 1;
@@ -572,44 +565,3 @@ EXPORT int JACOBIAN()(const double **arg, double **res, casadi_int *iw, double *
     slopes_over_station(arg[0], columns_of(res[0]));
     return 0;
 }
-
-/* --- CasADi's interface: see "Using externally-defined functions" in its manual ----------------------------------- */
-
-static const casadi_int column_of_inputs[] = {INPUTS, 1, 1}, column_of_outputs[] = {OUTPUTS, 1, 1};
-
-static const casadi_int *pattern(void) {
-    enum { SHARED = 5 };
-    static casadi_int made[2 + INPUTS + 1 + SHARED * OUTPUTS + 9 * FIELD_POINTS];
-    casadi_int *at = made;
-    *at++ = OUTPUTS;
-    *at++ = INPUTS;
-    *at++ = 0;
-    for (casadi_int j = 0; j <= SHARED; j++) *at++ = j * OUTPUTS; /* nothing by the handle */
-    *at++ = SHARED * OUTPUTS;                                     /* nor by the height */
-    for (casadi_int j = 1; j <= 3 * FIELD_POINTS; j++) *at++ = SHARED * OUTPUTS + 3 * j;
-    for (casadi_int j = 0; j < SHARED; j++)
-        for (casadi_int i = 0; i < OUTPUTS; i++) *at++ = i;
-    for (casadi_int j = 0; j < 3 * FIELD_POINTS; j++)
-        for (casadi_int i = 0; i < 3; i++) *at++ = 3 * (j / 3) + i;
-    return made;
-}
-
-static int work(casadi_int arguments, casadi_int *sz_arg, casadi_int *sz_res, casadi_int *sz_iw, casadi_int *sz_w) {
-    if (sz_arg) *sz_arg = arguments;
-    if (sz_res) *sz_res = 1;
-    if (sz_iw) *sz_iw = 0;
-    if (sz_w) *sz_w = 0;
-    return 0;
-}
-
-EXPORT casadi_int OF(_n_in)(void) { return 1; }
-EXPORT casadi_int OF(_n_out)(void) { return 1; }
-EXPORT const casadi_int *OF(_sparsity_in)(casadi_int i) { (void)i; return column_of_inputs; }
-EXPORT const casadi_int *OF(_sparsity_out)(casadi_int i) { (void)i; return column_of_outputs; }
-EXPORT int OF(_work)(casadi_int *a, casadi_int *r, casadi_int *i, casadi_int *w) { return work(1, a, r, i, w); }
-
-EXPORT casadi_int JACOBIAN(_n_in)(void) { return 2; }
-EXPORT casadi_int JACOBIAN(_n_out)(void) { return 1; }
-EXPORT const casadi_int *JACOBIAN(_sparsity_in)(casadi_int i) { return i ? column_of_outputs : column_of_inputs; }
-EXPORT const casadi_int *JACOBIAN(_sparsity_out)(casadi_int i) { (void)i; return pattern(); }
-EXPORT int JACOBIAN(_work)(casadi_int *a, casadi_int *r, casadi_int *i, casadi_int *w) { return work(2, a, r, i, w); }

@@ -32,6 +32,7 @@ from numpy.typing import ArrayLike, NDArray
 from fowtlib.components.environment.wind_file import WindSeries
 from fowtlib.language.errors import ParameterError
 
+MOST_SAMPLES = 4_000_000  # of a period of turbulence: 11 days at 4 Hz
 REFERENCE_INTENSITY = {"A": 0.16, "B": 0.14, "C": 0.12}  # expected intensity at 15 m/s, IEC 61400-1 ed. 3, table 1
 
 Floats = NDArray[np.float64]
@@ -132,6 +133,11 @@ def kaimal_series(
     if not mean_speed > 0:
         raise ParameterError(f"turbulence needs a positive mean speed, got {mean_speed:g} m/s")
     count = round(repetition_period / sample_step)
+    if count > MOST_SAMPLES:
+        raise ParameterError(
+            f"a repetition period of {repetition_period:g} s has {count:.3g} samples of {sample_step:g} s; "
+            f"the limit is {MOST_SAMPLES}."
+        )
     harmonics = _harmonics(sample_step, repetition_period)
     if harmonics < 16:
         raise ParameterError(f"repetition period {repetition_period:g} s holds too few samples of {sample_step:g} s")

@@ -27,6 +27,7 @@ from numpy.typing import ArrayLike, NDArray
 from fowtlib.language.errors import ParameterError
 
 GRAVITY = 9.80665  # m/s^2, standard gravity
+MOST_PERIODS = 20_000  # of a sea until it repeats itself: 100,000 components
 LOWEST_FREQUENCY = 0.4  # of the peak frequency; less than 1e-21 of the energy lies below
 HIGHEST_FREQUENCY = 5.0  # of the peak frequency; 0.20 % (gamma 1) to 0.12 % (gamma 5) of the energy lies above
 SAMPLES_PER_PERIOD = 8  # in the shortest period; a cubic spline through them errs by 1e-3 there, 3e-5 of the whole sea
@@ -268,6 +269,11 @@ def irregular_waves(
         raise ParameterError(
             f"repetition period {repetition_period:g} s is too short for a peak period of {peak_period:g} s; "
             "take 4096 s or more"
+        )
+    if repetition_period / peak_period > MOST_PERIODS:
+        raise ParameterError(
+            f"a repetition period of {repetition_period:g} s has {repetition_period / peak_period:.3g} peak periods of "
+            f"{peak_period:g} s; the limit is {MOST_PERIODS}."
         )
     step = 2 * np.pi / repetition_period
     first = math.ceil(LOWEST_FREQUENCY * repetition_period / peak_period)

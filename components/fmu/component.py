@@ -19,11 +19,12 @@ class FMU(Component):
     Ports: every input and output under its own name, where anything but letters, digits and underscores becomes an
     underscore (`pitch[1]` is pitch_1), in the SI unit of its own, with its shape. Whole numbers and booleans are real
     signals: an input takes the nearest whole number, true is 0.5 and above. An input must be connected unless `start`
-    gives its value. The file is native code that runs with the rights of the user: load only one you trust.
+    gives its value. The file is native code that runs with the rights of the user: load only one you trust. It runs in
+    a process of its own: one that crashes, or hangs longer than `patience`, ends the simulation with an error.
     Source: FMI 2.0.4, chapter 4; FMI 3.0.2, chapter 4.
     """
 
-    file: str = param(doc="path of the .fmu file")
+    file: str = param(native=True, doc="path of the .fmu file")
     period: Number = param(default=None, unit="s", min=1e-9, doc="communication step; by default that of the file")
     start: dict = param(
         default={},
@@ -32,6 +33,8 @@ class FMU(Component):
     names: dict = param(default={}, doc="names of ports of your own, by the FMU's names")
     units: dict = param(default={}, doc="units of variables whose unit the file does not define, by the FMU's names")
     ignore: list = param(default=[], doc="inputs and outputs that are to be no ports, by the FMU's names")
+    patience: Number = param(default=60.0, unit="s", min=1e-3, doc="wall time one call may take")
+    in_process: bool = param(default=False, doc="run it in the process of the simulation, which a crash then ends")
 
     def build(self):
         self._archive = Archive(self.file)
@@ -57,8 +60,9 @@ class FMU(Component):
     def equations(self):
         held = [getattr(self, f"{signal.port}_held") for signal in self._outputs]
         process = FmuProcess(
-            self._archive, self._description, self._content, self._inputs, self._outputs, self._start, self._step
-        )
+            self._archive, self._description, self._content, self._inputs, self._outputs, self._start, self._step,
+            self.patience, self.in_process,
+        )  # fmt: skip
         return [
             sampled(self._step, call(held, process, [getattr(self, signal.port) for signal in self._inputs])),
             [eq(getattr(self, signal.port), value) for signal, value in zip(self._outputs, held, strict=True)],

@@ -62,6 +62,7 @@ class Description:
     needs_tool: bool
     variables: Mapping[str, FmuVariable]
     units: Mapping[str, UnitScale | None] = field(default_factory=dict)
+    keeps_state: bool = False  # can save what it remembers as bytes, and go on from them
 
     def scale(self, unit: str, where: str) -> UnitScale:
         """How numbers in a unit of the file become SI: by its own definition, else by its name."""
@@ -96,7 +97,9 @@ def read_description(content: bytes, file: str) -> Description:
 
 
 def _parse(content: bytes) -> ET.Element:
-    if b"<!DOCTYPE" in content or b"<!ENTITY" in content:
+    if content.startswith((b"\xfe\xff", b"\xff\xfe")) or b"\0" in content[:200]:
+        raise _Fault("its modelDescription.xml is in UTF-16 or UTF-32, and FMI has UTF-8")
+    if b"<!DOCTYPE" in content or b"<!ENTITY" in content:  # UTF-8 has no other way to write these
         raise _Fault("its modelDescription.xml has a document type, which may hide anything")
     try:
         return ET.fromstring(content, ET.XMLParser(encoding="utf-8"))  # whatever it says of itself, as FMI asks for
@@ -128,6 +131,8 @@ def _description(root: ET.Element) -> Description:
         token=root.get("guid" if second else "instantiationToken", ""),
         step=internal if step is None else step, fixed_step=None if variable_step else internal,
         needs_tool=_flag(element, "needsExecutionTool"), variables=variables, units=dict(_units(root)),
+        keeps_state=all(_flag(element, f"can{what}FMU{'state' if second else 'State'}")
+                        for what in ("GetAndSet", "Serialize")),
     )  # fmt: skip
 
 

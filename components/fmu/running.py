@@ -1,26 +1,25 @@
-"""An FMU at work: unpacked, loaded, started, stepped and freed, through fmpy."""
+"""An FMU at work: unpacked, started in a process of its own, stepped, freed."""
 
 from __future__ import annotations
 
-import os
+import importlib.util
 import platform
-import shutil
 import sys
-import tempfile
-from collections.abc import Callable, Sequence
-from contextlib import suppress
-from dataclasses import dataclass, field
+from collections.abc import Sequence
+from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 
 from fowtlib.components.fmu.archive import Archive
-from fowtlib.components.fmu.description import Description, FmuVariable
+from fowtlib.components.fmu.description import REALS, Description, FmuVariable
 from fowtlib.components.fmu.signals import FmuSignal
-from fowtlib.language.errors import ModelError, SimulationError
+from fowtlib.components.isolation import Inside, Outside, Unit, private_folder, remove
+from fowtlib.language.errors import SimulationError
 
 NO_FMPY = "an FMU runs through the Python package fmpy, which is not installed: pip install 'fowtlib[fmi]'."
+NATIVE = Path(__file__).with_name("native.py")
 
 
 def platform_folder(version: str) -> str:
@@ -39,7 +38,7 @@ class FmuProcess:
 
     At the first sample, t0, the instance is initialised with the inputs of t0; its outputs hold from t0 on. At each
     later sample the inputs of that instant are set, the instance steps from the last sample to this one, and its
-    outputs hold from this one on.
+    outputs hold from this one on. In a process of its own a call may take `patience` [s].
     """
 
     archive: Archive
@@ -49,21 +48,29 @@ class FmuProcess:
     outputs: Sequence[FmuSignal]
     start_values: dict[str, list[Any]]
     period: float
+    patience: float = 60.0
+    in_process: bool = False
+
+    @property
+    def keeps_state(self) -> bool:
+        """Whether its sessions can save and restore what they remember."""
+        return self.description.keeps_state
 
     def start(self) -> FmuSession:
         """A fresh instance."""
         return FmuSession(self)
 
-
-@dataclass
-class _Messages:
-    """What the FMU has said last."""
-
-    lines: list[str] = field(default_factory=list)
-
-    def add(self, status: int, text: bytes | None) -> None:
-        if status and text:
-            self.lines = [*self.lines[-2:], text.decode("utf-8", "replace").strip()]
+    def given(self, folder: Path) -> dict[str, Any]:
+        """What the process of the FMU is told; see native.py."""
+        own = self.description
+        return {
+            "version": own.version, "token": own.token, "identifier": own.identifier, "folder": str(folder),
+            "period": self.period,
+            "start": [[*_address(own, own.variables[name]), values, bool(own.variables[name].shape)]
+                      for name, values in self.start_values.items()],
+            "inputs": [_signal(own, signal.variable) for signal in self.inputs],
+            "outputs": [_signal(own, signal.variable) for signal in self.outputs],
+        }  # fmt: skip
 
 
 class FmuSession:
@@ -71,138 +78,100 @@ class FmuSession:
 
     def __init__(self, process: FmuProcess):
         self.process = process
-        self.samples = 0
-        self.fatal = self.stepping = False
-        self.unit: Any = None
-        self.messages = _Messages()
-        try:
-            import fmpy.fmi1
-        except ImportError:
-            raise SimulationError(NO_FMPY) from None
-        self.failures = fmpy.fmi1.FMICallException
-        self.folder = Path(tempfile.mkdtemp(prefix="fowtlib_fmu_"))
+        self.unit: Unit | None = None
+        if importlib.util.find_spec("fmpy") is None:
+            raise SimulationError(NO_FMPY)
+        self.folder = private_folder()
         try:
             if process.archive.description() != process.content:
                 raise SimulationError(f"'{process.archive.path}' has changed since the model was made.")
-            process.archive.unpack(self.folder)
-            self._guarded(self._load)
+            files = self.folder / "unit"
+            files.mkdir()
+            process.archive.unpack(files)
+            self.unit = self._unit(files)
         except BaseException:
             self.close()
             raise
+        own = np.frombuffer(self.unit.memory, float)
+        self._given, self._taken = _Columns(process.inputs), _Columns(process.outputs)
+        size = self._given.order.size
+        self._time, self._inputs, self._outputs = own[:1], own[1 : 1 + size], own[1 + size :]
 
-    def _load(self) -> None:
-        given, second = self.process.description, self.process.description.version == "2.0"
-        if second:
-            from fmpy.fmi2 import FMU2Slave as Slave
-        else:
-            from fmpy.fmi3 import FMU3Slave as Slave
-        where = os.getcwd()
-        try:
-            self.unit = Slave(
-                guid=given.token, modelIdentifier=given.identifier, unzipDirectory=str(self.folder), instanceName="unit"
-            )
-        finally:
-            os.chdir(where)  # fmpy goes into the folder of the library, and stays there if it cannot be loaded
-        (self.folder / "resources").mkdir(exist_ok=True)
-        if second:
-            self.unit.instantiate(callbacks=_callbacks_2(self.messages))
-        else:
-            self.unit.instantiate(logMessage=lambda _, status, category, text: self.messages.add(status, text))
-
-    # --- stepping ------------------------------------------------------------------------------------------------
+    def _unit(self, files: Path) -> Unit:
+        process = self.process
+        size = 8 * (1 + sum(signal.variable.size for signal in (*process.inputs, *process.outputs)))
+        if process.in_process:
+            return Inside(NATIVE, process.given(files), size)
+        what = f"the FMU '{process.archive.path.name}'"
+        return Outside(
+            NATIVE, process.given(files), size, what=what, folder=self.folder, patience=process.patience, cwd=files
+        )
 
     def step(self, t: float, inputs: np.ndarray) -> np.ndarray:
         """See FmuProcess."""
-        self._guarded(self._advance if self.samples else self._initialise, t, inputs)
-        self.samples += 1
-        return self._guarded(self._outputs)
+        self._time[0] = t
+        self._given.to_fmu(inputs, self._inputs)
+        self.unit.step()
+        return self._taken.from_fmu(self._outputs)
 
-    def _initialise(self, t: float, inputs: np.ndarray) -> None:
-        unit, given = self.unit, self.process.description
-        self.begin = t
-        for name, values in self.process.start_values.items():
-            self._set(given.variables[name], values)
-        if given.version == "2.0":
-            unit.setupExperiment(startTime=t)
-            unit.enterInitializationMode()
-        else:
-            unit.enterInitializationMode(startTime=t)
-        self._set_inputs(inputs)
-        unit.exitInitializationMode()
-        self.stepping = True
+    def saved_state(self) -> bytes:
+        """All that the instance remembers. SimulationError where it cannot save it."""
+        if not self.process.keeps_state:
+            raise SimulationError(
+                f"'{self.process.archive.path.name}' does not say that it can save its state (canGetAndSetFMUstate, "
+                "canSerializeFMUstate)"
+            )
+        return self.unit.save()
 
-    def _advance(self, t: float, inputs: np.ndarray) -> None:
-        self._set_inputs(inputs)
-        period = self.process.period
-        last = self.begin + (self.samples - 1) * period
-        done = self.unit.doStep(currentCommunicationPoint=last, communicationStepSize=period)
-        if done is not None:  # FMI 3.0
-            _, terminate, early, reached = done
-            if terminate:
-                raise SimulationError("the FMU asks to end the simulation")
-            if early and reached < last + 0.999999 * period:
-                raise SimulationError(f"the FMU stops early, at t = {reached:g} s")
-
-    def _set_inputs(self, inputs: np.ndarray) -> None:
-        first = 0
-        for signal in self.process.inputs:
-            size = signal.variable.size
-            self._set(signal.variable, signal.to_fmu(inputs[first : first + size]))
-            first += size
-
-    def _set(self, variable: FmuVariable, values: list[Any]) -> None:
-        getattr(self.unit, f"set{self._access(variable)}")([variable.reference], values)
-
-    def _access(self, variable: FmuVariable) -> str:
-        """The word behind get and set."""
-        if variable.kind != "Enumeration":
-            return variable.kind
-        return "Integer" if self.process.description.version == "2.0" else "Int64"
-
-    def _outputs(self) -> np.ndarray:
-        columns = [np.zeros(0)]
-        for signal in self.process.outputs:
-            variable = signal.variable
-            count = {"nValues": variable.size} if variable.shape else {}
-            values = getattr(self.unit, f"get{self._access(variable)}")([variable.reference], **count)
-            columns.append(signal.from_fmu(values))
-        return np.concatenate(columns)
-
-    def _guarded(self, action: Callable[..., Any], *arguments: Any) -> Any:
-        """What `action` gives; its failure as an error with the words of the FMU."""
-        try:
-            return action(*arguments)
-        except ModelError:
-            raise
-        except Exception as error:
-            self.fatal = isinstance(error, self.failures) and error.status == 4
-            said = f": {' '.join(self.messages.lines)}" if self.messages.lines else ""
-            raise SimulationError(f"the FMU fails: {str(error).strip().rstrip('.')}{said}") from error
+    def restore_state(self, state: bytes) -> None:
+        """Go on as the instance whose state was saved; in a fresh session too."""
+        self.unit.restore(state)
 
     def close(self) -> None:
-        """End the instance, unload its library and delete its files."""
+        """End the instance and its process, and delete its files."""
         unit, self.unit = self.unit, None
         try:
-            if unit is not None and not self.fatal and unit.component:
-                if self.stepping:
-                    with suppress(self.failures):
-                        unit.terminate()
-                unit.freeInstance()
-            elif unit is not None and not self.fatal:
-                unit.freeLibrary()
+            if unit is not None:
+                unit.close()
         finally:
-            shutil.rmtree(self.folder, ignore_errors=True)
+            remove(self.folder)
 
 
-def _callbacks_2(messages: _Messages) -> Any:
-    """Callback functions of FMI 2.0 that keep the messages of the FMU."""
-    from fmpy import calloc, fmi2, free
+class _Columns:
+    """All inputs or all outputs at once: as FmuSignal does it, whose rules for numbers that are no reals it takes."""
 
-    def log(environment: Any, name: bytes, status: int, category: bytes, text: bytes) -> None:
-        messages.add(status, text)
+    def __init__(self, signals: Sequence[FmuSignal]):
+        self.order = np.zeros(0, int)  # where in the SI column an element of the FMU is
+        factor, offset = [np.zeros(0)], [np.zeros(0)]
+        self.others: list[tuple[FmuSignal, slice]] = []
+        for signal in signals:
+            first, size = self.order.size, signal.variable.size
+            places = first + np.arange(size)
+            self.order = np.append(self.order, places.reshape(signal.variable.shape, order="F").ravel())
+            factor.append(np.full(size, signal.scale.factor))
+            offset.append(np.full(size, signal.scale.offset))
+            if signal.variable.kind not in REALS:
+                self.others.append((signal, slice(first, first + size)))
+        self.factor, self.offset = np.concatenate(factor), np.concatenate(offset)
 
-    callbacks = fmi2.fmi2CallbackFunctions()
-    callbacks.logger = fmi2.fmi2CallbackLoggerTYPE(log)
-    callbacks.allocateMemory = fmi2.fmi2CallbackAllocateMemoryTYPE(calloc)
-    callbacks.freeMemory = fmi2.fmi2CallbackFreeMemoryTYPE(free)
-    return callbacks
+    def to_fmu(self, column: np.ndarray, into: np.ndarray) -> None:
+        """Numbers of the FMU from an SI column."""
+        into[:] = (column[self.order] - self.offset) / self.factor
+        for signal, places in self.others:
+            into[places] = signal.to_fmu(column[places])
+
+    def from_fmu(self, own: np.ndarray) -> np.ndarray:
+        """The SI column from numbers of the FMU."""
+        column = np.empty(own.size)
+        column[self.order] = self.factor * own + self.offset
+        return column
+
+
+def _address(own: Description, variable: FmuVariable) -> tuple[str, int]:
+    """The word behind get and set, and the reference."""
+    enumeration = "Integer" if own.version == "2.0" else "Int64"
+    return enumeration if variable.kind == "Enumeration" else variable.kind, variable.reference
+
+
+def _signal(own: Description, variable: FmuVariable) -> list[Any]:
+    return [*_address(own, variable), variable.size, bool(variable.shape)]

@@ -46,11 +46,6 @@ class FmuSignal:
             raise SimulationError(f"the input '{self.variable.name}' is {number}, and {low} to {high} is possible")
         return number
 
-    def from_fmu(self, values: Iterable[float]) -> np.ndarray:
-        """SI values, as a column (column by column of a matrix)."""
-        si = self.scale.factor * np.array([float(value) for value in values]) + self.scale.offset
-        return si.reshape(self.variable.shape).ravel(order="F")
-
 
 def whole_range(kind: str) -> tuple[int, int]:
     """The smallest and the largest number of a type."""

@@ -12,6 +12,7 @@ from scipy.io import netcdf_file
 from fowtlib.components.hydro import wamit
 from fowtlib.components.hydro.conventions import check_conventions
 from fowtlib.components.hydro.errors import HydrodynamicDataError
+from fowtlib.language.data_files import require_file
 
 _MODES = ("surge", "sway", "heave", "roll", "pitch", "yaw")
 _SYMMETRY = 0.05  # largest |M_ij - M_ji| / sqrt(M_ii M_jj) of a believable matrix
@@ -131,6 +132,7 @@ class HydrodynamicDatabase:
     @classmethod
     def read(cls, path: str | Path) -> HydrodynamicDatabase:
         """Read a netCDF file that `write` has made. Raises HydrodynamicDataError."""
+        require_file(path, HydrodynamicDataError)
         try:
             with netcdf_file(str(path), "r", mmap=False) as file:
                 data = {name: np.array(v.data, dtype=float) for name, v in file.variables.items()}

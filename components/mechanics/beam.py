@@ -6,23 +6,21 @@ import math
 
 import numpy as np
 
-from fowtlib.components.mechanics.beam_division import QUADRATURES, divide, elastic_axis, pieces, section_axes
-from fowtlib.components.mechanics.beam_properties import BeamProperties, given_beam, read_beam
+from fowtlib.components.mechanics.beam_division import divide, elastic_axis, pieces, section_axes
+from fowtlib.components.mechanics.beam_properties import given_beam
+from fowtlib.components.mechanics.beam_settings import BeamNodes, BeamSettings, BeamTable
 from fowtlib.components.mechanics.bodies import FixedTranslation, RigidBody
-from fowtlib.components.mechanics.connectors import Frame
 from fowtlib.components.mechanics.interfaces import TwoFrames
 from fowtlib.components.mechanics.rotations import axis_rotation, unit_axis
 from fowtlib.components.mechanics.sensors import LoadSensor
 from fowtlib.language import (
-    Array,
-    Data,
     Matrix,
     RealOutput,
     Scalar,
     Vector,
-    data,
     der,
     eq,
+    like,
     param,
     port,
     rotation,
@@ -201,7 +199,7 @@ class BeamHinge(TwoFrames):
         self.connect(frame, self.frame_b)
 
 
-class Beam(TwoFrames):
+class Beam(TwoFrames, BeamTable, BeamSettings, BeamNodes):
     """Slender beam along z of frame_a, as `hinges` sprung hinges between rigid segments.
 
     The chain of the generalized beam element: each piece is two rigid bodies about a hinge with the stiffness EI / l;
@@ -216,32 +214,16 @@ class Beam(TwoFrames):
     a node at the place of a cut belongs to its root side. hinges = 0 makes the beam rigid.
     """
 
-    properties: Data[BeamProperties] = data(read_beam, default=None, doc="CSV with the properties, see read_beam")
-    table: object = param(default=None, doc="the properties as BeamProperties, instead of a path")
-    hinges: int = param(default=6, min=0, doc="number of hinges")
-    quadrature: str = param(default="loaded_tip", choices=QUADRATURES, doc="how hinges are placed")
-    torsion: bool = param(default=False, doc="torsion hinges")
+    hinges: int = like(BeamSettings.hinges, default=6)
     stretch: bool = param(default=False, doc="axial springs")
     damping_x: Scalar = param(default=0.0, unit="s", min=0, doc="damping over stiffness, bending towards x")
     damping_y: Scalar = param(default=damping_x, unit="s", min=0, doc="damping over stiffness, bending towards y")
     damping: Scalar = param(default=damping_x, unit="s", min=0, doc="damping over stiffness, torsion and stretch")
-    stiffness_factor: Scalar = param(default=1.0, min=0, doc="factor on every stiffness")
-    node_points: list = param(default=[], doc="frames along the beam: distance from the root [m], or a point (x, y, z)")
-    n_nodes: int = param(default=lambda self: len(self.node_points), min=0, doc="number of those frames")
-    cuts: Array = param(
-        default=(),
-        unit="m",
-        structural="it parts the chain of segments",
-        doc="places of section loads: distance from the root",
-    )
-    n_cuts: int = param(default=lambda self: len(self.cuts), min=0, doc="number of those cuts")
     cut_axes: str = param(
         default="segment", choices=("segment", "section"),
         doc="axes of the loads of a cut, turning with the beam: parallel to frame_a while undeflected, or the "
         "principal axes of the section (structural twist) and the tangent",
     )  # fmt: skip
-
-    nodes: Frame = port(size="n_nodes", optional=True, doc="frames along the beam, for loads and sensors")
 
     deflection: RealOutput = port(unit="m", shape=(3,), doc="displacement of frame_b, resolved in frame_a")
     root_force: RealOutput = port(unit="N", shape=(3,), doc="force of the root on the beam, resolved in frame_a")

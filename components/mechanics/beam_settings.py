@@ -1,4 +1,4 @@
-"""Parameters that all have which are beams inside: towers, arms, blades. Records: classes with parameters only."""
+"""What all have which are beams, or have one inside: towers, arms, blades. Records have parameters only."""
 
 from __future__ import annotations
 
@@ -6,7 +6,8 @@ import numpy as np
 
 from fowtlib.components.mechanics.beam_division import QUADRATURES
 from fowtlib.components.mechanics.beam_properties import BeamProperties, read_beam
-from fowtlib.language import Array, Component, Data, Scalar, data, param
+from fowtlib.components.mechanics.connectors import Frame
+from fowtlib.language import Array, Component, Data, Scalar, data, param, port
 
 
 class BeamTable(Component):
@@ -36,12 +37,30 @@ class WallMaterial(Component):
     )
 
 
-class BeamSettings(Component):
+class BeamCuts(Component):
+    """Partial: where the section loads of a beam are known."""
+
+    cuts: Array = param(
+        default=(), unit="m", structural="it parts the chain of segments",
+        doc="places of section loads: distance from the root",
+    )  # fmt: skip
+    n_cuts: int = param(default=lambda self: len(self.cuts), min=0, doc="number of those cuts")
+
+
+class BeamSettings(BeamCuts):
     """Partial: how a beam is divided, and where its section loads are known; see Beam."""
 
     hinges: int = param(default=4, min=0, doc="number of beam hinges; 0: rigid")
     quadrature: str = param(default="loaded_tip", choices=QUADRATURES, doc="where the hinges are: see Beam")
     torsion: bool = param(default=False, doc="with torsion")
     stiffness_factor: Scalar = param(default=1.0, min=0, doc="factor on every stiffness")
-    cuts: Array = param(default=(), unit="m", structural="it parts the chain", doc="section loads, from the root")
-    n_cuts: int = param(default=lambda self: len(self.cuts), min=0, doc="number of those cuts")
+
+
+class BeamNodes(Component):
+    """Partial: frames along a beam."""
+
+    node_points: list = param(default=[], doc="frames along it: distance from the root [m], or a point (x, y, z)")
+    n_nodes: int = param(default=lambda self: len(self.node_points), min=0, doc="number of those frames")
+
+    nodes: Frame = port(size="n_nodes", optional=True, doc="those frames, for loads and sensors; parallel to frame_a "
+                        "while undeflected")  # fmt: skip

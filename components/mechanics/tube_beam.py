@@ -9,9 +9,10 @@ import numpy as np
 from fowtlib.components.mechanics.beam import Beam, BeamHinge
 from fowtlib.components.mechanics.beam_division import Division, divide, pieces
 from fowtlib.components.mechanics.beam_properties import BeamProperties
+from fowtlib.components.mechanics.beam_settings import WallMaterial
 from fowtlib.components.mechanics.bodies import FixedTranslation, RigidBody
 from fowtlib.components.mechanics.sensors import LoadSensor
-from fowtlib.language import Array, Scalar, eq, param, shapes
+from fowtlib.language import Array, eq, param, shapes
 from fowtlib.language import math as m
 from fowtlib.language.errors import ParameterError
 from fowtlib.language.expressions import StartNumbers
@@ -20,7 +21,7 @@ TUBE = ("heights", "diameters", "wall_thicknesses", "density", "young_modulus", 
 Key = tuple[str, str]
 
 
-class TubeBeam(Beam):
+class TubeBeam(Beam, WallMaterial):
     """A Beam that is a round tube, given by diameters and walls at heights, linear between them; see Beam.
 
     Masses, places and stiffnesses of the chain are those of a Beam with the table of the same tube; they are computed
@@ -31,9 +32,6 @@ class TubeBeam(Beam):
     heights: Array = param(unit="m", doc="stations along the axis, root first")
     diameters: Array = param(unit="m", min=0, doc="outer diameters at the stations")
     wall_thicknesses: Array = param(unit="m", min=0, doc="wall thicknesses at the stations")
-    density: Scalar = param(default=8500.0, unit="kg/m^3", min=0, doc="density of the wall, with paint, bolts, flanges")
-    young_modulus: Scalar = param(default=210e9, unit="Pa", min=0, doc="Young's modulus of the wall")
-    shear_modulus: Scalar = param(default=80.8e9, unit="Pa", min=0, doc="shear modulus of the wall")
 
     def build(self):
         self.refuse_unused("properties", "table", because="this beam is a tube")

@@ -22,14 +22,15 @@ class BladedController(TurbineController):
     """Blade pitch and generator torque by a controller library with the Bladed interface (DISCON), such as ROSCO.
 
     The library is called once every `period`, in a process of its own, with what is measured at that instant; its
-    demands hold from then on. Several controllers, and several runs, do not share anything, and a library that crashes
-    stops the simulation with an error. As measured pitch and torque it gets its last demands; connect others through
-    `measurements`. The library is native code that runs with the rights of the user: load only one you trust.
+    demands hold from then on. Several controllers, and several runs, do not share anything, and a library that crashes,
+    or hangs longer than `patience`, stops the simulation with an error. As measured pitch and torque it gets its last
+    demands; connect others through `measurements`. The library is native code that runs with the rights of the user:
+    load only one you trust.
     It fits in the place of a BaselineController; then connect rotor_speed and wind_speed too.
     Source of the records: OpenFAST 3.5, ServoDyn, table of the Bladed interface; ROSCO 2.10, ReadSetParameters.
     """
 
-    file: str = param(doc="path of the shared library (.so, .dll, .dylib)")
+    file: str = param(native=True, doc="path of the shared library (.so, .dll, .dylib)")
     input_file: str = param(default="", doc="path of its input file, such as DISCON.IN; the library runs in its folder")
     procedure: str = param(default="DISCON", doc="name of the procedure in the library")
     output_root: str = param(default="", doc="start of the paths of the files it writes; by default they are deleted")
@@ -40,6 +41,8 @@ class BladedController(TurbineController):
     measurements: dict = param(default={}, doc="further inputs: name of the port and number of its record, from 1")
     demands: dict = param(default={}, doc="further outputs: name of the port and number of its record")
     records: dict = param(default={}, doc="records that stay at a value: number and value")
+    patience: Number = param(default=60.0, unit="s", min=1e-3, doc="wall time one call may take")
+    in_process: bool = param(default=False, doc="run it in the process of the simulation, which a crash then ends")
     pitch_start: Scalar = param(default=0.0, unit="rad", doc="blade pitch before the first call")
     torque_start: Scalar = param(default=0.0, unit="N*m", doc="torque before the first call")
 
@@ -88,6 +91,7 @@ def _process(controller: BladedController) -> BladedProcess:
         measured=[*PITCH[: controller.blades], TORQUE, *MEASURED.values(), *controller.measurements.values()],
         demanded=list(controller.demands.values()),
         fixed={int(number): float(value) for number, value in controller.records.items()},
+        patience=controller.patience, in_process=controller.in_process,
     )  # fmt: skip
 
 

@@ -5,14 +5,14 @@ from __future__ import annotations
 import numpy as np
 
 from fowtlib.components.mechanics import BeamTurn, FixedTranslation, Frame
-from fowtlib.components.mechanics.beam_settings import BeamSettings, BeamTable, WallMaterial
+from fowtlib.components.mechanics.beam_settings import BeamCuts, BeamSettings, BeamTable, WallMaterial
 from fowtlib.components.support.tower import tube_or_table
-from fowtlib.language import Array, Component, Number, RealOutput, Scalar, Vector, eq, param, port
+from fowtlib.language import Array, Number, RealOutput, Scalar, Vector, eq, param, port
 from fowtlib.language import math as m
 from fowtlib.language.errors import ParameterError
 
 
-class ArmLoads(Component):
+class ArmLoads(BeamCuts):
     """Partial: frames, places and loads of an arm; see Arm for the signs."""
 
     node_distances: Array = param(
@@ -20,11 +20,6 @@ class ArmLoads(Component):
         doc="frames along the arm: distance from the root of the tube"
     )  # fmt: skip
     n_nodes: int = param(default=lambda self: len(self.node_distances), min=0, doc="number of those frames")
-    cuts: Array = param(
-        default=(), unit="m", structural="it parts the chain of segments",
-        doc="places of section loads: distance from the root of the tube"
-    )  # fmt: skip
-    n_cuts: int = param(default=lambda self: len(self.cuts), min=0, doc="number of those cuts")
 
     frame_a: Frame = port(doc="on the axis of the tower")
     tip: Frame = port(doc="end of the arm, where a nacelle stands; parallel to frame_a while the arm is straight")

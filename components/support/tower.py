@@ -7,30 +7,25 @@ import numpy as np
 from fowtlib.components.mechanics import (
     Beam,
     FixedTranslation,
-    Frame,
     RigidBody,
     TubeBeam,
     TwoFrames,
 )
 from fowtlib.components.mechanics.beam_properties import given_beam
-from fowtlib.components.mechanics.beam_settings import BeamSettings, BeamTable, WallMaterial
+from fowtlib.components.mechanics.beam_settings import BeamNodes, BeamSettings, BeamTable, WallMaterial
 from fowtlib.components.mechanics.tube_beam import TUBE
 from fowtlib.language import Array, RealOutput, Scalar, eq, param, port, shapes
 from fowtlib.language import math as m
 from fowtlib.language.errors import ParameterError
 
 
-class Tower(TwoFrames):
+class Tower(TwoFrames, BeamNodes):
     """Partial: a tower from its base (frame_a) to its top (frame_b), z up, x fore-aft (downwind), y side-side (port).
 
     Moments are those of what is above on what is below the cut, resolved in the base frame for the base and in the top
     frame for the top: fore-aft about y (thrust makes it positive), side-side about x, torsion about z.
     """
 
-    node_points: list = param(default=[], doc="frames along the tower: height above the base [m], or a point (x, y, z)")
-    n_nodes: int = param(default=lambda self: len(self.node_points), min=0, doc="number of those frames")
-
-    nodes: Frame = port(size="n_nodes", optional=True, doc="frames along the tower, for drag and sensors")
     base_fore_aft_moment: RealOutput = port(unit="N*m", doc="moment at the base about y")
     base_side_side_moment: RealOutput = port(unit="N*m", doc="moment at the base about x")
     base_torsion: RealOutput = port(unit="N*m", doc="moment at the base about z")

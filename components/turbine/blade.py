@@ -9,16 +9,15 @@ import numpy as np
 from fowtlib.components.aero import outlines
 from fowtlib.components.mechanics import Beam, BeamProperties, FixedTranslation, Frame, RigidBody
 from fowtlib.components.mechanics.beam import bodies
-from fowtlib.components.mechanics.beam_division import QUADRATURES
 from fowtlib.components.mechanics.beam_properties import given_beam
-from fowtlib.components.mechanics.beam_settings import BeamSettings, BeamTable
-from fowtlib.language import Component, RealOutput, Scalar, eq, param, port, shapes
+from fowtlib.components.mechanics.beam_settings import BeamNodes, BeamSettings, BeamTable
+from fowtlib.language import Component, RealOutput, Scalar, eq, like, param, port, shapes
 from fowtlib.language import math as m
 
 _mirrored = lru_cache(maxsize=8)(BeamProperties.mirrored)  # the same object for the same blade
 
 
-class Blade(Component):
+class Blade(BeamNodes):
     """Partial: a blade with its root and nodes.
 
     Axes of the root: z along the pitch axis to the tip, x flapwise and y edgewise at zero twist: for a rotor that turns
@@ -26,17 +25,20 @@ class Blade(Component):
     """
 
     frame_a: Frame = port(doc="blade root, turned by the pitch bearing")
-    node_points: list = param(default=[], doc="aerodynamic nodes: distance from the root [m], or a point (x, y, z)")
-    n_nodes: int = param(default=lambda self: len(self.node_points), min=0, doc="number of nodes")
-
-    nodes: Frame = port(size="n_nodes", optional=True, doc="frames for the aerodynamic loads, parallel to the root's")
     flapwise_moment: RealOutput = port(unit="N*m", doc="root moment about y: positive bends the blade downwind")
     edgewise_moment: RealOutput = port(unit="N*m", doc="root moment about x: positive bends the blade to -y")
     pitching_moment: RealOutput = port(unit="N*m", doc="root moment about z")
     tip_deflection: RealOutput = port(unit="m", shape=(3,), doc="displacement of the tip, resolved in the root frame")
 
 
-class FlexibleBlade(Blade, BeamTable, BeamSettings):
+class BladeDamping(Component):
+    """Partial: the damping of a flexible blade."""
+
+    damping_flapwise: Scalar = param(default=0.003, unit="s", min=0, doc="damping over stiffness, flapwise")
+    damping_edgewise: Scalar = param(default=damping_flapwise, unit="s", min=0, doc="damping over stiffness, edgewise")
+
+
+class FlexibleBlade(Blade, BeamTable, BeamSettings, BladeDamping):
     """A blade as a chain of sprung hinges, see Beam.
 
     The root moments are what the loads outboard do to the root: the moment of the blade on the hub, resolved in the
@@ -46,11 +48,9 @@ class FlexibleBlade(Blade, BeamTable, BeamSettings):
 
     mode_names = {"*_x": "blade flap", "*_y": "blade edge", "*.twisting.*": "blade torsion"}
 
-    hinges: int = param(default=6, min=0, doc="number of beam hinges; 0: rigid")
+    hinges: int = like(BeamSettings.hinges, default=6)
     mirrored: bool = param(default=False, doc="mirror image, for a rotor that turns counter-clockwise")
-    quadrature: str = param(default="free_tip", choices=QUADRATURES, doc="see Beam")
-    damping_flapwise: Scalar = param(default=0.003, unit="s", min=0, doc="damping over stiffness, flapwise")
-    damping_edgewise: Scalar = param(default=damping_flapwise, unit="s", min=0, doc="damping over stiffness, edgewise")
+    quadrature: str = like(BeamSettings.quadrature, default="free_tip")
 
     cut_flapwise_moment: RealOutput = port(size="n_cuts", unit="N*m", doc="moment at each cut about y")
     cut_edgewise_moment: RealOutput = port(size="n_cuts", unit="N*m", doc="moment at each cut about x")

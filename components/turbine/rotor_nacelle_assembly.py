@@ -3,21 +3,20 @@
 from __future__ import annotations
 
 from fowtlib.components.mechanics import Frame
-from fowtlib.components.mechanics.beam_properties import BeamProperties, read_beam
-from fowtlib.components.turbine.blade import FlexibleBlade
+from fowtlib.components.mechanics.beam_properties import BeamProperties
+from fowtlib.components.turbine.blade import BladeDamping, FlexibleBlade
 from fowtlib.components.turbine.hub import Hub
 from fowtlib.components.turbine.nacelle import Drivetrain, Nacelle
 from fowtlib.components.turbine.start import give_default
 from fowtlib.language import (
     Array,
-    Component,
     Data,
     RealInput,
     RealOutput,
     Scalar,
     cyclic_symmetry,
-    data,
     eq,
+    like,
     param,
     part,
     parts,
@@ -26,7 +25,7 @@ from fowtlib.language import (
 from fowtlib.language import math as m
 
 
-class RotorNacelleAssembly(Component):
+class RotorNacelleAssembly(BladeDamping):
     """Nacelle, drive train, hub and blades, structure and drives only: loads come through `nodes`, torque by signal.
 
     Give the parts `nacelle`, `hub` and `drivetrain` with their own parameters, and the blades by their table. Moments
@@ -35,19 +34,15 @@ class RotorNacelleAssembly(Component):
     edge). Nodes come blade by blade: nodes[k * nodes_per_blade + i].
     """
 
-    blades: int = param(default=3, min=1, doc="number of blades")
-    rotation: int = param(default=1, choices=(1, -1), doc="1: clockwise seen from upwind, -1: counter-clockwise")
-    blade_properties: Data[BeamProperties] = data(
-        read_beam, default=None, doc="CSV with the properties of a blade, see read_beam"
-    )
-    blade_table: object = param(default=None, doc="the same as BeamProperties, instead of a path")
-    blade_hinges: int = param(default=6, min=0, doc="beam hinges of a blade; 0: rigid")
-    blade_quadrature: str = param(default="free_tip", choices=("plain", "loaded_tip", "free_tip"), doc="see Beam")
-    blade_torsion: bool = param(default=False, doc="blades with torsion")
-    blade_cuts: Array = param(default=(), unit="m", structural="it parts the chain", doc="see FlexibleBlade")
-    damping_flapwise: Scalar = param(default=0.003, unit="s", min=0, doc="damping over stiffness, flapwise")
-    damping_edgewise: Scalar = param(default=damping_flapwise, unit="s", min=0, doc="damping over stiffness, edgewise")
-    node_points: list = param(default=[], doc="aerodynamic nodes of a blade: distance from the root [m], or a point")
+    blades: int = like(Hub.blades)
+    rotation: int = like(Hub.rotation)
+    blade_properties: Data[BeamProperties] = like(FlexibleBlade.properties)
+    blade_table: object = like(FlexibleBlade.table)
+    blade_hinges: int = like(FlexibleBlade.hinges)
+    blade_quadrature: str = like(FlexibleBlade.quadrature)
+    blade_torsion: bool = like(FlexibleBlade.torsion)
+    blade_cuts: Array = like(FlexibleBlade.cuts)
+    node_points: list = like(FlexibleBlade.node_points, doc="aerodynamic nodes of a blade, see BeamNodes")
     n_nodes: int = param(default=lambda self: self.blades * len(self.node_points), min=0, doc="nodes of all blades")
     rotor_speed_start: Scalar = param(default=0.0, unit="rad/s", doc="initial rotor speed")
 
@@ -66,8 +61,9 @@ class RotorNacelleAssembly(Component):
     hub: Hub = part(Hub)
     rotor_blades: list[FlexibleBlade] = parts(
         FlexibleBlade, size="blades", name="blade", properties=blade_properties, table=blade_table, hinges=blade_hinges,
-        cuts=blade_cuts, quadrature=blade_quadrature, torsion=blade_torsion, damping_flapwise=damping_flapwise,
-        damping_edgewise=damping_edgewise, node_points=node_points, mirrored=lambda self: self.rotation < 0,
+        cuts=blade_cuts, quadrature=blade_quadrature, torsion=blade_torsion,
+        node_points=node_points, mirrored=lambda self: self.rotation < 0,
+        each=lambda self, k: self.values_of(BladeDamping),
     )  # fmt: skip
 
     def build(self):

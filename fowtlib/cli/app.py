@@ -15,11 +15,25 @@ import warnings
 from collections.abc import Sequence
 from typing import NoReturn
 
-from fowtlib.cli import decay, export, inspection, library, loading, rao, rotor_table, run, stability, view, wind_field
+from fowtlib.cli import (
+    cache,
+    decay,
+    export,
+    inspection,
+    library,
+    loading,
+    rao,
+    rotor_table,
+    run,
+    stability,
+    view,
+    wind_field,
+)
 from fowtlib.cli.encoding import write_what_can_be_written
+from fowtlib.cli.report import write_report
 from fowtlib.language.errors import ModelError, did_you_mean
 
-GROUPS = (run, export, view, inspection, stability, decay, rao, rotor_table, wind_field, library)
+GROUPS = (run, export, view, inspection, stability, decay, rao, rotor_table, wind_field, library, cache)
 
 
 class Formatter(argparse.RawDescriptionHelpFormatter):
@@ -105,12 +119,16 @@ def _carry_out(arguments: argparse.Namespace) -> int:
         return _stopped(arguments, _status(error), loading.message(error, arguments))
     except KeyboardInterrupt:
         return _stopped(arguments, 130, "stopped; nothing was saved.")
+    except MemoryError:
+        return _stopped(arguments, 2, "this needs more memory than there is; make the model or the run smaller.")
     except BrokenPipeError:  # the reader of our output has enough: `fowt parts | head`
         sys.stderr.close()
         return 0
     except Exception as error:
         reason = f"{type(error).__name__}: {error}" if str(error) else type(error).__name__
-        hint = "" if arguments.traceback else "\nTo see where it arose, add --traceback."
+        report = write_report(arguments, error)
+        hint = f"\nA report for the makers of fowtlib, with how to send it: {report}" if report else ""
+        hint += "" if arguments.traceback else "\nTo see where it arose, add --traceback."
         return _stopped(arguments, 3, f"an error inside the program: {reason}{hint}")
 
 

@@ -34,22 +34,22 @@ examples:
 def declare(commands: Any) -> None:
     """Add the commands of this module."""
     check = commands.add_parser("check", help="structure, units and connections of a model", epilog=CHECK)
-    loading.declare(check)
+    loading.declare(check, runs=False)
     check.set_defaults(action=check_model)
 
     tree = commands.add_parser("tree", help="the parts of a model", epilog=TREE)
-    loading.declare(tree)
+    loading.declare(tree, runs=False)
     tables.declare(tree)
     tree.set_defaults(action=show_tree)
 
     equations = commands.add_parser("equations", help="the equations of a model, or of one part", epilog=EQUATIONS)
-    loading.declare(equations)
+    loading.declare(equations, runs=False)
     equations.add_argument("path", metavar="PATH", nargs="?", default="", help="a part, for example platform.motion")
     tables.declare(equations)
     equations.set_defaults(action=show_equations)
 
     parameters = commands.add_parser("parameters", help="every parameter: value, unit, meaning", epilog=PARAMETERS)
-    loading.declare(parameters)
+    loading.declare(parameters, runs=False)
     tables.declare(parameters)
     parameters.set_defaults(action=show_parameters)
 

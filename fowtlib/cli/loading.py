@@ -4,11 +4,14 @@ from __future__ import annotations
 
 import argparse
 import re
+import sys
 from collections.abc import Mapping
+from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from fowtlib.cli.conditions import WAVES, WIND, Condition, settings
 from fowtlib.cli.weather import weather
+from fowtlib.language import leave
 from fowtlib.language.errors import ModelError, ParameterError
 
 if TYPE_CHECKING:
@@ -18,8 +21,8 @@ CONSTANT_WIND = ("none", "steady", "input")
 MEASURED_WIND = ("file", "field")  # the mean is that of the data
 
 
-def declare(parser: argparse.ArgumentParser, *, wind: bool = True, waves: bool = True) -> None:
-    """Add MODEL, `--set`, and where wanted `--wind` and `--waves`."""
+def declare(parser: argparse.ArgumentParser, *, wind: bool = True, waves: bool = True, runs: bool = True) -> None:
+    """Add MODEL, `--set`, what the model file may, and where wanted `--wind` and `--waves`; runs: `--trust`."""
     parser.add_argument("model", metavar="MODEL", help="a shipped model (see `fowt models`) or a model file")
     if wind:
         kinds = f"{WIND.usage}\nin m, s and deg; class A, B or C" if waves else "none\n" + WIND.form("steady")
@@ -37,13 +40,20 @@ def declare(parser: argparse.ArgumentParser, *, wind: bool = True, waves: bool =
     parser.add_argument(
         "--allow-python", action="store_true", help="run the Python files that the model file names (`python:`)"
     )
+    parser.add_argument(
+        "--allow", metavar="FOLDER", type=Path, action="append", default=[],
+        help="let the model file read data in this folder, now and later; may be repeated",
+    )  # fmt: skip
+    if runs:
+        parser.add_argument(
+            "--trust", action="store_true",
+            help="run the native code (controller library, FMU) that the model file names, now and until it changes",
+        )  # fmt: skip
 
 
 def load(arguments: argparse.Namespace) -> Model:
     """The model with the conditions and parameters of the command line."""
-    import fowtlib as fw
-
-    model = fw.load(arguments.model, allow_python=arguments.allow_python)
+    model = load_file(arguments, arguments.model)
     values: dict[str, Any] = {}
     options: dict[str, str] = {}
     for condition, text in ((WIND, getattr(arguments, "wind", None)), (WAVES, getattr(arguments, "waves", None))):
@@ -56,7 +66,23 @@ def load(arguments: argparse.Namespace) -> Model:
     values |= chosen
     options |= dict.fromkeys(chosen, "--set")
     arguments.options = options  # which option gave which parameter, for messages
-    return model.with_parameters(values) if values else model
+    model = model.with_parameters(values) if values else model
+    if getattr(arguments, "trust", False):
+        for path in leave.give_native(model.root):
+            print(f"{path}: leave to run this native code is kept in {leave.leave_file()}.", file=sys.stderr)
+    return model
+
+
+def load_file(arguments: argparse.Namespace, name: str) -> Model:
+    """The model of a name or file, with the leave that the command line gives."""
+    import fowtlib as fw
+
+    for folder in getattr(arguments, "allow", ()):
+        from fowtlib.modelfile.files import find_model
+
+        leave.give_folder(folder, find_model(name))
+    trust = getattr(arguments, "trust", False)
+    return fw.load(name, allow_python=arguments.allow_python, trust=trust)
 
 
 def message(error: ModelError, arguments: argparse.Namespace) -> str:

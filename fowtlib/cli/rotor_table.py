@@ -44,7 +44,7 @@ def declare(commands: Any) -> None:
     """Add the command of this module."""
     text = "coefficients and steady operation of a blade-element rotor"
     parser = commands.add_parser("rotor-table", help=text, epilog=EXAMPLES)
-    loading.declare(parser, wind=False, waves=False)
+    loading.declare(parser, wind=False, waves=False, runs=False)
     parser._negative_number_matcher = re.compile(r"-[\d.]")  # -5:30:1 is a value, no option
     form = "first:last:step"
     for option, default, what in (

@@ -13,6 +13,7 @@ from fowtlib.cli.progress import progress_bar
 from fowtlib.cli.start import HELP, start_values
 from fowtlib.cli.weather import weather
 from fowtlib.language.errors import ModelError, SimulationError
+from fowtlib.language.leave import require_leave
 
 if TYPE_CHECKING:
     import numpy as np
@@ -108,6 +109,7 @@ def run(arguments: argparse.Namespace) -> int:
         _check_left(journal.path, arguments.output, arguments.force)
     earlier = Result.open(resumed) if resumed else None
     model = loading.load(arguments)
+    require_leave(model.root)  # before the equations are made
     plant = model.compile()
     _check_discard(arguments, plant, earlier)
     start, whence = start_values(arguments, model, plant)

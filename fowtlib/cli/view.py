@@ -101,7 +101,6 @@ def _say(conditions: str) -> None:
 
 def _played(arguments: argparse.Namespace, path: Path, alone: bool) -> tuple[Model, Result]:
     """The result, with the model that it came from."""
-    import fowtlib as fw
     from fowtlib.modelfile.files import shipped_models
     from fowtlib.solving import Result
 
@@ -114,7 +113,7 @@ def _played(arguments: argparse.Namespace, path: Path, alone: bool) -> tuple[Mod
     if alone and name not in shipped_models():
         which = f"'{name}' is not a shipped model" if name else "it does not name its model"
         raise ModelError(f"{path}: {which}; give the model too: fowt view MODEL --result {path}")
-    model = fw.load(name if alone else arguments.model, allow_python=arguments.allow_python)
+    model = loading.load_file(arguments, name if alone else arguments.model)
     model = _as_it_was(model, result, path)
     return model, Result.open(path, plant=model.compile())
 

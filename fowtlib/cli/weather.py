@@ -71,6 +71,8 @@ def _differs(part: Any, name: str) -> bool:
 
 
 def _text(key: Key, value: Any) -> str:
+    if value is None:  # what the kind needs and the model does not say; a run refuses it
+        return "none"
     if key.unit == "path":
         return Path(value).name
     if isinstance(value, str):

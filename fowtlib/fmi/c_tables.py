@@ -30,12 +30,14 @@ VALUES = [f"const double *{name}" for name in "txzqw"]
 SEEDS = [f"const double *d{name}" for name in "xzqw"]
 
 
-def libraries(dae: FlatDAE) -> dict[str, Path]:
-    """The libraries of the external functions by function name."""
-    found: dict[str, Path] = {}
+def libraries(dae: FlatDAE) -> dict[str, LibraryFunction]:
+    """The external functions of libraries by name."""
+    found: dict[str, LibraryFunction] = {}
     for external in dae.externals:
         function = external.function
-        if isinstance(function, LibraryFunction) and found.setdefault(function.name(), function.path) != function.path:
+        if not isinstance(function, LibraryFunction):
+            continue
+        if found.setdefault(function.name(), function).path != function.path:
             raise StructureError(
                 f"{external.path}: two different libraries have the same function {function.name()}; name one anew."
             )

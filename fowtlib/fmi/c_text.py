@@ -59,8 +59,9 @@ def c_sources(variables: Variables, start: State, interface: int, identity: tupl
     includes = "".join(f'#include "{part}"\n' for part in parts)
     sources.files["fmu.c"] = f"#define EXPORT static\n{includes}"
     sources.units = [("fmu.c", "-O3"), ("model.c", "-O1")]
-    for number, path in enumerate(dict.fromkeys(libraries(dae).values())):
-        sources.files[f"external_{number}.c"] = _source_of(path)
+    by_path = {function.path: function for function in libraries(dae).values()}
+    for number, function in enumerate(by_path.values()):
+        sources.files[f"external_{number}.c"] = _source_of(function)
         sources.units.append((f"external_{number}.c", "-O2"))
     return sources
 
@@ -81,12 +82,15 @@ def refuse_python(dae: FlatDAE) -> None:
             )
 
 
-def _source_of(path: Path) -> str:
-    """The C text of a library, which lies beside it; what it exports is hidden inside of the FMU."""
-    source = path.with_suffix(".c")
+def _source_of(function: LibraryFunction) -> str:
+    """The C text of a library, or what lies beside it; what it exports is hidden inside of the FMU."""
+    if function.source is not None:
+        return HIDDEN + function.source
+    source = function.path.with_suffix(".c")
     if not source.is_file():
         raise CompilerError(
-            f"the external function of the library {path} cannot go into an FMU: its source {source} is not there."
+            f"the external function of the library {function.path} cannot go into an FMU: its source {source} is not "
+            "there."
         )
     return HIDDEN + source.read_text(encoding="utf-8").removeprefix(EXPORT)
 

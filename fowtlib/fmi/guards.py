@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import copy
+from collections.abc import Iterator
 from dataclasses import replace
 
 import casadi as ca
@@ -15,12 +16,13 @@ from fowtlib.solving.plant import Plant
 
 
 def guarded(plant: Plant, binding: Binding) -> Plant:
-    """The plant with checks of the parameters for whose values the archive holds data.
+    """The plant with checks of the parameters that follow from others, and of those for whose values it holds data.
 
+    What an importer sets is checked against its own bounds as it is set; what follows from it may leave its bounds too.
     Numbers that a model takes in when a run starts, a series of turbulence, are constants of the archive. A parameter
     that they were computed from can be changed by an importer, and they would not follow.
     """
-    dae, checks = plant.dae, []
+    dae, checks = plant.dae, list(_bounds(plant.dae))
     made: dict[str, str] = {}
     for record in dae.bound.values():
         if binding.reads.get(record.path) and _in_equations(dae, record.symbol):
@@ -41,6 +43,35 @@ def guarded(plant: Plant, binding: Binding) -> Plant:
     changed = copy.copy(plant)
     changed.dae = replace(dae, checks=(*dae.checks, *checks))
     return changed
+
+
+def _bounds(dae: FlatDAE) -> Iterator[Check]:
+    """What FlatDAE.check_dependents refuses, once for each expression and bound, and not what a given value ensures."""
+    given = {
+        element.element_hash(): (item.min, item.max)
+        for item in dae.parameters.values()
+        for element in scalars(item.symbol)
+    }
+    seen: set[tuple[str, float | None, float | None]] = set()
+    for item in dae.dependents.values():
+        unit = "" if item.unit == "1" else f" {item.unit}"
+        for name, value in zip(element_names(item.path, item.symbol.shape), scalars(item.symbol), strict=True):
+            ensured = given.get(value.element_hash(), (None, None)) if value.is_symbolic() else (None, None)
+            key = (str(value), item.min, item.max)
+            if value.is_constant() or key in seen:
+                continue
+            seen.add(key)
+            ends = f"({item.doc}); it follows from the values that were given."
+            if not value.is_symbolic():
+                finite = ca.fabs(value) <= np.finfo(float).max
+                message = f"{name} = {{value}}{unit} is no finite number {ends}"
+                yield Check(finite, message, "error", {"value": value}, "")
+            if item.min is not None and (ensured[0] is None or ensured[0] < item.min):
+                message = f"{name} = {{value}}{unit} is below its minimum {item.min:g}{unit} {ends}"
+                yield Check(value >= item.min, message, "error", {"value": value}, "")
+            if item.max is not None and (ensured[1] is None or ensured[1] > item.max):
+                message = f"{name} = {{value}}{unit} is above its maximum {item.max:g}{unit} {ends}"
+                yield Check(value <= item.max, message, "error", {"value": value}, "")
 
 
 def _in_equations(dae: FlatDAE, symbol: ca.SX) -> bool:

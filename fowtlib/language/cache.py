@@ -4,9 +4,7 @@ from __future__ import annotations
 
 import hashlib
 import json
-import os
 import sys
-import tempfile
 from collections.abc import Callable, Iterable
 from functools import cache
 from importlib.metadata import version as version_of
@@ -15,17 +13,15 @@ from typing import Any
 
 import numpy as np
 
-from fowtlib.language.native import cache_folder
-
-MOST = 40  # files of one name; the oldest go first
+from fowtlib.language import cache_folder as store
 
 
 def cached(name: str, parts: Iterable[str | np.ndarray], make: Callable[[], Any]) -> Any:
     """What `make` returns (numbers, texts, lists and dictionaries with texts as keys), made anew for other parts.
 
     parts: texts and arrays of numbers that determine the result; `sources` gives those of the code that makes it. The
-    files lie beside the compiled libraries. One that is damaged is made again, and where nothing can be written nothing
-    is kept. Arrays in what `make` returns become lists.
+    files lie beside the compiled libraries. One that is damaged is made again, which is said, and where nothing can be
+    written nothing is kept. Arrays in what `make` returns become lists.
     """
     digest = hashlib.sha256()
     for part in parts:
@@ -36,17 +32,22 @@ def cached(name: str, parts: Iterable[str | np.ndarray], make: Callable[[], Any]
         else:
             content = part.encode()
             digest.update(f"{len(content)} ".encode() + content)
-    path = cache_folder() / f"{name}_{digest.hexdigest()[:40]}.json"
+    key = f"{name}_{digest.hexdigest()[:40]}"
+    store.limit()  # a wrong one is said before the work
     try:
-        check, _, text = path.read_text(encoding="utf-8").partition("\n")
-        if check == _digest(text):
-            return json.loads(text)
+        if path := store.find(key, "json"):
+            return json.loads(path.read_bytes())
     except (OSError, ValueError):
         pass
     text = json.dumps(make(), default=lambda value: value.tolist())
-    _write(path, f"{_digest(text)}\n{text}")
-    for old in sorted(path.parent.glob(f"{name}_*.json"), key=_age)[MOST:]:
-        old.unlink(missing_ok=True)
+    try:
+        with store.workshop() as folder:
+            fresh = folder / "fresh.json"
+            fresh.write_text(text, encoding="utf-8")
+            store.keep(key, "json", fresh)
+        store.prune()
+    except OSError:
+        pass
     return json.loads(text)
 
 
@@ -60,26 +61,3 @@ def sources(*modules: str) -> list[str]:
 def version(package: str) -> str:
     """Version of an installed package."""
     return version_of(package)
-
-
-def _digest(text: str) -> str:
-    return hashlib.sha256(text.encode()).hexdigest()
-
-
-def _age(path: Path) -> float:
-    try:
-        return -path.stat().st_mtime
-    except OSError:  # another process has removed it
-        return 0.0
-
-
-def _write(path: Path, text: str) -> None:
-    """The whole file or none, also for other processes."""
-    try:
-        path.parent.mkdir(parents=True, exist_ok=True)
-        with tempfile.TemporaryDirectory(dir=path.parent) as folder:
-            fresh = Path(folder) / path.name
-            fresh.write_text(text, encoding="utf-8")
-            os.replace(fresh, path)
-    except OSError:
-        return

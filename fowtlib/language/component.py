@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import inspect
+import math
 import sys
 from collections.abc import Callable, Iterator, Sequence
 from contextlib import contextmanager
@@ -36,6 +37,8 @@ from fowtlib.language.families import Family
 from fowtlib.language.shapes import Drawing
 from fowtlib.language.units import check_si, to_si
 
+MOST_ELEMENTS = 10_000  # of one array of ports, variables or parts
+
 _reads: ContextVar[set[tuple[str, str]] | None] = ContextVar("reads", default=None)
 
 
@@ -48,6 +51,23 @@ def parameters_read() -> Iterator[set[tuple[str, str]]]:
         yield found
     finally:
         _reads.reset(token)
+
+
+_known: ContextVar[dict[Any, Any] | None] = ContextVar("known", default=None)
+
+
+@contextmanager
+def _one_evaluation() -> Iterator[dict[Any, Any]]:
+    """Values of parameters while one expression is evaluated: each is computed once, however many ways lead to it."""
+    known = _known.get()
+    if known is not None:
+        yield known
+        return
+    token = _known.set(known := {})
+    try:
+        yield known
+    finally:
+        _known.reset(token)
 
 
 class UnknownAttribute(NotFoundError, AttributeError):
@@ -70,6 +90,9 @@ class Component(Composite):
     outers: dict[str, Outer] = {}
 
     family: Family | None = None
+
+    void: tuple[str, ...] = ()
+    """Parameters of its base class which a kind takes no notice of."""
 
     def __init_subclass__(
         cls, *, selector: str = "", kind: str = "", shared: Sequence[str] = (), **kwargs: Any
@@ -107,6 +130,7 @@ class Component(Composite):
         for name, value in modifiers.items():
             if name not in given:
                 self._set(name, value)
+        self.refuse_void()
         self._compose()
 
     def _spread(self, modifiers: dict[str, Any]) -> dict[str, Any]:
@@ -171,6 +195,8 @@ class Component(Composite):
         value, before = self._checked(field, value), dict(self._values)
         if self._composed:
             self._note(name)
+            for other in self.rivals(name):
+                self._values.pop(other, None)
         self._values[name] = value
         decides = not (field.tunable or field.bound)
         if self._composed and (decides or name not in before):
@@ -211,7 +237,15 @@ class Component(Composite):
         reads = _reads.get()
         if reads is not None:
             reads.add((self.path, name))
-        value = self.parameter_binding(name)
+        with _one_evaluation() as known:
+            key = (id(self), name, id(reads))
+            if key not in known:
+                known[key] = self._evaluated(field, self.parameter_binding(name)), reads  # held: its id stays its own
+            return known[key][0]
+
+    def _evaluated(self, field: Parameter, value: Any) -> Any:
+        """The number of a value that may be an expression, or what data stand for."""
+        name = field.name
         if isinstance(field, DataParameter):
             return field.read(self, value)
         if field.annotation in SHAPES:
@@ -245,6 +279,21 @@ class Component(Composite):
     def is_set(self, name: str) -> bool:
         """True where the parameter was given, not left at its default."""
         return name in self._values
+
+    @classmethod
+    def rivals(cls, name: str) -> tuple[str, ...]:
+        """Parameters that a value of this one makes void, or that make it void."""
+        others = (other for other, field in cls.parameters.items() if name in field.instead_of)
+        return (*cls.parameters[name].instead_of, *others)
+
+    def refuse_void(self) -> None:
+        """ParameterError for values that were given in one place and do nothing beside each other, or for this kind."""
+        for name, field in self.parameters.items():
+            if field.instead_of and self._values.get(name) is not None:
+                self.refuse_unused(*field.instead_of, because=f"{name} is given, which takes its place")
+        if self.void and self.family is not None:
+            kind = self.family.kind_of(type(self))
+            self.refuse_unused(*self.void, because=f"the {self.family.selector} '{kind}' takes no notice of it")
 
     def refuse_unused(self, *names: str, because: str) -> None:
         """An error for a parameter that was given and would do nothing, since another one takes precedence."""
@@ -298,9 +347,8 @@ class Component(Composite):
         """Number of ports of an array of ports; None for a single port."""
         if field.size is None:
             return None
-        return int(
-            self.parameter_value(field.size) if isinstance(field.size, str) else np.asarray(self.resolve(field.size))
-        )
+        size = self.parameter_value(field.size) if isinstance(field.size, str) else np.asarray(self.resolve(field.size))
+        return self._counted(int(size), field)
 
     def shape(self, field: Variable | Port | Parameter) -> tuple[int, ...]:
         """Shape of a declared quantity, with structural parameters put in."""
@@ -316,7 +364,17 @@ class Component(Composite):
             shape = shape(self)
         if isinstance(shape, (int, str, np.integer)):
             shape = (shape,)
-        return tuple(int(self.parameter_value(item)) if isinstance(item, str) else int(item) for item in shape)
+        sizes = tuple(int(self.parameter_value(item)) if isinstance(item, str) else int(item) for item in shape)
+        self._counted(math.prod(sizes), field)
+        return sizes
+
+    def _counted(self, elements: int, field: Field) -> int:
+        """The number of elements of an array, which has a limit."""
+        if elements > MOST_ELEMENTS and not isinstance(field, Parameter):
+            raise ParameterError(
+                f"{join(self.path, field.name) or field.name} has {elements} elements; the limit is {MOST_ELEMENTS}."
+            )
+        return elements
 
     def __setattr__(self, name: str, value: Any) -> None:
         if (
@@ -427,6 +485,11 @@ def _plain(field: Parameter, value: Any, where: str) -> Any:
         raise ParameterError(f"{where}: got {value!r}, and {kinds[wanted]} is expected ({field.doc}).")
     if wanted is int and field.min is not None and value < field.min:  # now: build() counts with it
         raise ParameterError(f"{where} = {value} is below its minimum {field.min:g} ({field.doc}).")
+    if wanted is int and not field.bound and field.max is None and abs(value) > MOST_ELEMENTS:
+        raise ParameterError(
+            f"{where} = {value} is above {MOST_ELEMENTS}, the limit of numbers that decide how a model is built "
+            f"({field.doc})."
+        )
     return value
 
 

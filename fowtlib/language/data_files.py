@@ -6,6 +6,7 @@ import codecs
 import csv
 import hashlib
 import os
+import stat
 import time
 from collections import OrderedDict
 from collections.abc import Callable
@@ -22,12 +23,29 @@ _RACY = 2.0  # s within which a file system may give two versions of a file the 
 _digests: dict[str, tuple[tuple[int, ...], float, str]] = {}
 
 
+def require_file(path: str | os.PathLike[str], error: type[Exception] = ParameterError) -> None:
+    """Refuse what is there and is no file of data: folders, devices, pipes, what the system shows of its processes."""
+    try:
+        mode = os.stat(path).st_mode
+    except (OSError, ValueError):
+        return  # who reads it says what is wrong
+    kinds = {stat.S_IFDIR: "a folder", stat.S_IFIFO: "a pipe", stat.S_IFSOCK: "a socket", stat.S_IFCHR: "a device"}
+    kind = kinds.get(stat.S_IFMT(mode), "a device")
+    if stat.S_ISREG(mode):
+        real = os.path.realpath(path)
+        if not real.startswith(("/proc/", "/sys/")):
+            return
+        kind = "not stored, but shown by the system"
+    raise error(f"'{os.fspath(path)}' is {kind}; a file of data is expected.")
+
+
 def text_of(path: str | os.PathLike[str], what: str = "the file", error: type[Exception] = ParameterError) -> str:
     """The text of a file, with line feeds only.
 
     UTF-8 with or without a byte order mark, UTF-16 with one, and else the Latin alphabet of Windows, which spreadsheets
     write; line ends of any system. Raises `error` with the path for a file that cannot be read or is no text.
     """
+    require_file(path, error)
     try:
         content = Path(path).read_bytes()
     except OSError as problem:
@@ -96,6 +114,9 @@ def remembered(*files: str) -> Callable[[Reader], Reader]:
             bound = given.bind(*arguments, **options)
             bound.apply_defaults()
             values = dict(bound.arguments)
+            for name in paths:
+                if isinstance(values[name], (str, os.PathLike)):
+                    require_file(values[name])
             try:
                 contents = {name: (os.fspath(values[name]), digest_of(values[name])) for name in paths}
             except (OSError, TypeError):

@@ -6,6 +6,7 @@ parameter gives its value or a reference to it, a port gives a reference for `co
 
 from __future__ import annotations
 
+import copy
 import os
 from collections.abc import Callable, Sequence
 from itertools import count, takewhile
@@ -88,12 +89,13 @@ class Parameter(Field, Arithmetic):
 
     def __init__(
         self, default: Any, unit: str, doc: str, minimum: Any, maximum: Any, shape: Any, structural: bool | str,
-        choices: Any, bound: bool = False,
+        choices: Any, bound: bool = False, instead_of: tuple[str, ...] = (), native: bool = False,
     ):  # fmt: skip
+        self.instead_of = instead_of
         self.default, self.unit, self.doc = default, unit, doc
         self.min, self.max, self.shape, self.choices = minimum, maximum, shape, choices
         self.structural, self._why = bool(structural), structural if isinstance(structural, str) else ""
-        self.bound = bound
+        self.bound, self.native = bound, native
 
     @property
     def why_structural(self) -> str:
@@ -346,19 +348,38 @@ class Outer(Field):
 
 def param(default: Any = REQUIRED, *, unit: str = "1", doc: str = "", min: Any = None, max: Any = None,
           shape: Any = None, structural: bool | str = False, choices: Any = None,
-          bound: bool = False) -> Any:  # fmt: skip
+          bound: bool = False, instead_of: tuple[str, ...] = (), native: bool = False) -> Any:  # fmt: skip
     """Declare a parameter, in SI `unit`; annotated Scalar, Vector, Matrix or Array it is tunable unless `structural`.
 
     `structural` may be a text that says why it is, in the words that complete "structural: ...". A `bound` one is read
     when a run starts: a text, a file, a seed, a choice, a number that data are computed from. It changes no equation,
-    and equations() cannot see it; the functions given to `at_start` and `run_time_series` can.
+    and equations() cannot see it; the functions given to `at_start` and `run_time_series` can. A `native` one is the
+    path of a file whose code is run: a model file that names it needs the leave of the user; see `leave`.
+
+    instead_of: parameters that it makes void where it is given. Both in one place are an error; of two places, as of a
+    model file and of what a run changes in it, the later one counts.
 
     `default`, like any modifier, may be a number, a sequence, a string with a unit, another parameter of the class
     body, arithmetic on those, or a function of the component. Without a default the parameter is required.
     """
     if structural and bound:
         raise ValueError("a parameter is structural (it decides about parts and equations) or bound, not both")
-    return Parameter(default, unit, doc, min, max, shape, structural, choices, bound)
+    return Parameter(default, unit, doc, min, max, shape, structural, choices, bound, instead_of, native)
+
+
+def like(declared: Any, *, default: Any = None, doc: str = "") -> Any:
+    """Declare a parameter as another one is, perhaps with another default or sentence.
+
+    `hinges: int = like(BeamSettings.hinges, default=6)` where a class derived from a record starts at another number;
+    `blade_hinges: int = like(FlexibleBlade.hinges)` where a composite has it for its parts. A default that is a formula
+    or a function reads the parameters of the new class.
+    """
+    if not isinstance(declared, Parameter):
+        raise TypeError(f"like() takes a parameter of a class, as in like(BeamSettings.hinges), not {declared!r}")
+    field = copy.copy(declared)
+    field.default = declared.default if default is None else default
+    field.doc = doc or declared.doc
+    return field
 
 
 def data(reader: Callable[..., Any], *, default: Any = REQUIRED, doc: str = "", using: tuple[str, ...] = ()) -> Any:

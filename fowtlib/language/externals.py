@@ -6,19 +6,35 @@ from collections.abc import Callable, Iterator, Mapping
 from contextlib import contextmanager
 from pathlib import Path
 from typing import Any
-from weakref import WeakSet
+from weakref import WeakSet, WeakValueDictionary
 
 import casadi as ca
 import numpy as np
 
 from fowtlib.language.equations import external
 from fowtlib.language.errors import ParameterError, SimulationError, StructureError, did_you_mean
-from fowtlib.language.native import compile_library, compiler, no_compiler, say_once
+from fowtlib.language.native import Library, compiler, load_library, no_compiler, open_library, say_once
 
+_INTERFACE = Path(__file__).parent / "casadi_interface.c"
 Compute = Callable[[np.ndarray], Any]
 
-_explanations: dict[tuple[str, Path | None], Callable[[], str]] = {}
+_functions: WeakValueDictionary[tuple[str, Path | None], LibraryFunction | _Python] = WeakValueDictionary()
 _kept_points: WeakSet[_Last] = WeakSet()
+
+
+def with_interface(name: str, sparsity: ca.Sparsity, text: str) -> str:
+    """C text for the `source` of an ExternalFunction: what computes, with CasADi's C interface in front of it.
+
+    text defines `EXPORT int FUNCTION()(arg, res, iw, w, mem)` and `EXPORT int JACOBIAN()(...)`, both as CasADi calls
+    them, which need no scratch memory; `FUNCTION(_more)` names what else it exports, INPUTS and OUTPUTS are the lengths
+    of the columns. sparsity: of the Jacobian, whose entries JACOBIAN() writes in its order, by columns.
+    """
+    outputs, inputs = sparsity.shape
+    numbers = [str(number) for number in (outputs, inputs, *sparsity.colind(), *sparsity.row())]
+    rows = "\n".join(", ".join(numbers[i : i + 24]) + "," for i in range(0, len(numbers), 24))
+    macros = f"#define NAME {name}\n#define INPUTS {inputs}\n#define OUTPUTS {outputs}\n"
+    pattern = f"typedef long long int casadi_int;\nstatic const casadi_int pattern[] = {{\n{rows}\n}};\n"
+    return macros + pattern + _INTERFACE.read_text(encoding="utf-8") + text
 
 
 class ExternalFunction:
@@ -28,7 +44,8 @@ class ExternalFunction:
     order. Give one implementation, or source with python beside it:
     - library: path of a shared library with CasADi's C interface for `name` (one input, one output) and, as
       `jac_<name>`, its Jacobian, which may be sparse;
-    - source: C text of such a library, compiled once (see native.py); what it exports stands behind EXPORT;
+    - source: C text of such a library, compiled once (see native.py and with_interface); what it exports stands
+      behind EXPORT;
     - python: function of the input column (NumPy) that returns the output column, with jacobian: a function that
       returns d outputs / d inputs, (n_out, n_in), of which only the entries of `sparsity` (a CasADi Sparsity) are
       taken when that is given. Without a jacobian it is taken by finite differences. Beside a source it is what runs
@@ -60,15 +77,16 @@ class ExternalFunction:
         self.inputs, self.outputs = dict(inputs), dict(outputs)
         sizes = (sum(self.inputs.values()), sum(self.outputs.values()))
         if source is not None and (compiler() or python is None):
-            library = compile_library(source, name)
+            library, self._opened = load_library(source, name)  # held, so that it stays the one that was checked
         elif source is not None:
             say_once(f"external functions run as Python code, slowly: {no_compiler()}")
         if library is not None:
-            self.function = _from_library(name, Path(library))
+            self.function = _from_library(name, Path(library), source)
         else:
             self.function = _Python(name, sizes, python, jacobian, sparsity)
             self.function.stands_in = source is not None
-        _explanations[name, self.library] = explain or str  # str() is empty
+        self.function.explain = explain or str  # str() is empty
+        _functions[name, self.library] = self.function
         given = (self.function.numel_in(0), self.function.numel_out(0))
         if given != sizes:
             raise ParameterError(
@@ -111,11 +129,14 @@ def runs_as_python(function: ca.Function) -> bool:
 
 
 class LibraryFunction(ca.Function):
-    """A function of a shared library that still knows its path, for engines that call the library themselves."""
+    """A function of a shared library that holds it and knows its path, for engines that call the library themselves.
 
-    def __init__(self, function: ca.Function, path: Path):
+    source: its C text, where it was compiled from that; else the text may lie beside the library.
+    """
+
+    def __init__(self, function: ca.Function, path: Path, opened: Library, source: str | None = None):
         super().__init__(function)
-        self.path = path
+        self.path, self.opened, self.source = path, opened, source
 
     def __deepcopy__(self, memo: Any) -> LibraryFunction:
         return self
@@ -124,25 +145,27 @@ class LibraryFunction(ca.Function):
 @contextmanager
 def refusals_explained() -> Iterator[None]:
     """SimulationError with the words of the external function, in place of CasADi's error about a call that failed."""
-    for explain in _explanations.values():
-        explain()  # what was said before is not about what comes now
+    functions = list(_functions.values())
+    for function in functions:
+        function.explain()  # what was said before is not about what comes now
     for last in _kept_points:
         last.point = None
     try:
         yield
     except RuntimeError:
-        reasons = [reason for explain in _explanations.values() if (reason := explain())]
+        reasons = [reason for function in functions if (reason := function.explain())]
         if not reasons:
             raise
         raise SimulationError(" ".join(reasons)) from None
 
 
-def _from_library(name: str, path: Path) -> LibraryFunction:
+def _from_library(name: str, path: Path, source: str | None) -> LibraryFunction:
     if not path.is_file():
         raise ParameterError(f"external function {name}: there is no library {path}.")
     try:
-        return LibraryFunction(ca.external(name, str(path.resolve())), path.resolve())
-    except RuntimeError as error:
+        path = path.resolve()
+        return LibraryFunction(ca.external(name, str(path)), path, open_library(path), source)
+    except (RuntimeError, OSError) as error:
         reason = [line for line in str(error).splitlines() if line.strip()][-1].strip()
         raise ParameterError(f"external function {name}: {path} cannot be used: {reason}") from None
 

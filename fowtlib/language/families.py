@@ -66,7 +66,7 @@ class Family:
         cls = self.class_of(kind, f"{component.label}.{self.selector}")
         if self.kind_of(type(component)) != kind:  # a kind may be derived from another one
             object.__setattr__(component, "__class__", cls)
-            for name in [name for name in component._values if name not in self.base.parameters]:
+            for name in [name for name in component._values if name not in self.base.parameters or name in cls.void]:
                 del component._values[name]
                 component._later.discard(name)
         component._values[self.selector] = kind

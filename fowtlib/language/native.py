@@ -1,13 +1,16 @@
-"""C code of external functions: compiled once, kept in a cache by its content.
+"""C code of external functions: compiled once, kept in a cache by its content, unloaded when nobody uses it any more.
 
 It stands on the first floor because external functions do: a component hands over C text, and everything above finds a
-library. A library is kept under a name that is a digest of the text, the flags and the compiler with its version, so
-that it is never stale, and no two contents share a path (the dynamic loader hands out a library it has already loaded
-from the same path).
+library. The name of a library is a digest of the text, the flags and the compiler with its version, so that it is never
+stale, and a digest of its own content, which is checked before it is loaded. So no two contents share a path (the
+dynamic loader hands out a library it has already loaded from the same path).
 """
 
 from __future__ import annotations
 
+import _ctypes
+import ctypes
+import gc
 import hashlib
 import importlib.util
 import os
@@ -15,11 +18,12 @@ import shlex
 import shutil
 import subprocess
 import sys
-import tempfile
 import warnings
+import weakref
 from functools import lru_cache
 from pathlib import Path
 
+from fowtlib.language import cache_folder as store
 from fowtlib.language.errors import CompilerError
 
 EXPORT = '#define EXPORT __attribute__((visibility("default")))\n'
@@ -35,7 +39,10 @@ NO_COMPILER = (
 @lru_cache(maxsize=8)
 def _find(named: str | None) -> tuple[str, ...]:
     if named is not None:
-        words = shlex.split(named)
+        try:
+            words = shlex.split(named)
+        except ValueError as error:
+            raise CompilerError(f"the environment variable FOWTLIB_CC is {named!r}, not a command: {error}.") from None
         return tuple(words) if words and shutil.which(words[0]) else ()
     for word in ("gcc", "clang", "cc"):
         if shutil.which(word):
@@ -60,19 +67,8 @@ def say_once(message: str) -> None:
     warnings.warn(message, RuntimeWarning, stacklevel=4)
 
 
-def cache_folder() -> Path:
-    """Where libraries are kept: FOWTLIB_CACHE, else fowtlib/native in the user's cache folder."""
-    if own := os.environ.get("FOWTLIB_CACHE"):
-        return Path(own)
-    if sys.platform == "win32":
-        home = os.environ.get("LOCALAPPDATA") or Path.home() / "AppData" / "Local"
-    else:
-        home = os.environ.get("XDG_CACHE_HOME") or Path.home() / ".cache"
-    return Path(home) / "fowtlib" / "native"
-
-
 def compile_library(text: str, name: str, *, optimization: str = "-O2") -> Path:
-    """The path of the shared library made of C text; compiled now if the cache does not have it.
+    """The path of the shared library made of C text; compiled now if the cache does not have it, or not unharmed.
 
     name is for people: it begins the file's name and stands in messages. The text is kept beside the library. Raises
     CompilerError without a compiler, or with the compiler's words when the text is wrong.
@@ -82,23 +78,73 @@ def compile_library(text: str, name: str, *, optimization: str = "-O2") -> Path:
         raise CompilerError(f"{name} needs its C code compiled, and {no_compiler()}")
     flags = [optimization if flag == "-O2" else flag for flag in FLAGS]
     digest = hashlib.sha256("\0".join((EXPORT, text, *flags, *command, _version(command))).encode()).hexdigest()
-    library = cache_folder() / f"{name}_{digest[:20]}.{'dll' if sys.platform == 'win32' else 'so'}"
-    if library.is_file():
-        return library
+    key = f"{name}_{digest[:20]}"
+    store.limit()  # a wrong one is said before the work
     try:
-        library.parent.mkdir(parents=True, exist_ok=True)
-        with tempfile.TemporaryDirectory(dir=library.parent) as folder:
-            source, fresh = Path(folder) / "source.c", Path(folder) / library.name
+        if library := store.find(key, store.SUFFIX):
+            return library
+        with store.workshop() as folder:
+            source, fresh = folder / "source.c", folder / f"fresh.{store.SUFFIX}"
             source.write_text(EXPORT + text, encoding="utf-8")
             run_compiler([*command, *flags, str(source), "-o", str(fresh), "-lm"], name)
-            os.replace(source, library.with_suffix(".c"))
-            os.replace(fresh, library)  # at once: another process sees a whole library or none
+            library = store.keep(key, store.SUFFIX, fresh)
+            os.replace(source, library.with_name(f"{key}.c"))
+        store.prune()
     except OSError as error:
         raise CompilerError(
-            f"{name}: cannot write the compiled library to {library.parent}: {error.strerror}; the environment "
-            "variable FOWTLIB_CACHE names another folder."
+            f"{name}: cannot write the compiled library to {error.filename or store.cache_folder()}: {error.strerror}; "
+            "the environment variable FOWTLIB_CACHE names another folder."
         ) from None
     return library
+
+
+class Library(ctypes.CDLL):
+    """A shared library that is closed when nobody holds it any more, nor any of its functions.
+
+    Who keeps the address of a function as a number has to hold the library, too.
+    """
+
+    def __init__(self, path: str):
+        super().__init__(path)
+        weakref.finalize(self, _unused.append, self._handle).atexit = False
+
+
+_libraries: weakref.WeakValueDictionary[str, Library] = weakref.WeakValueDictionary()
+_MANY = _many = 32
+_unused: list[int] = []  # what was thrown away together with a library may still call it to say goodbye
+
+
+def open_library(path: str | Path) -> Library:
+    """The library of a path, opened once; those that nobody holds any more are closed now. Raises OSError."""
+    global _many
+    found = _libraries.get(str(path))
+    if found is None and len(_libraries) >= _many:
+        gc.collect()  # plants are circles of objects, and Python does not see how much hangs on them
+        _many = _MANY + 2 * len(_libraries)
+    while _unused:
+        _close(_unused.pop())
+    if found is None:
+        found = _libraries[str(path)] = Library(str(path))
+    return found
+
+
+def _close(handle: int) -> None:
+    if sys.platform == "win32":
+        _ctypes.FreeLibrary(handle)
+    else:
+        _ctypes.dlclose(handle)
+
+
+def load_library(text: str, name: str, *, optimization: str = "-O2") -> tuple[Path, Library]:
+    """`compile_library`, and the library opened before another process can clear the cache."""
+    for again in (True, True, False):
+        path = compile_library(text, name, optimization=optimization)
+        try:
+            return path, open_library(path)
+        except OSError as error:
+            if path.is_file() or not again:
+                raise CompilerError(f"{name}: the compiled library {path} cannot be loaded: {error}.") from None
+    raise AssertionError
 
 
 @lru_cache(maxsize=8)

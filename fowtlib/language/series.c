@@ -1,6 +1,6 @@
-/* Series of time by a number, their handle: values and time derivatives in C11, with CasADi's C interface.
+/* Series of time by a number, their handle: values and time derivatives in C11, see casadi_interface.c.
 
-   One library, made for SERIES_NAME, say series_3, and SERIES_SIZE values, serves any number of series. A series is made
+   One library, made for NAME, say series_3, and OUTPUTS values, serves any number of series. A series is made
    known by series_3_load(handle, numbers, count) from memory or series_3_open(handle, path) from a file with the same
    numbers packed, and forgotten by series_3_close(handle), as often as it was made known. The numbers: those of `Head`, then
    what the kind needs. Then series_3 and jac_series_3 can be called.
@@ -20,14 +20,7 @@
 #include <windows.h>
 #endif
 
-#define JOIN_(a, b) a##b
-#define JOIN(a, b) JOIN_(a, b)
-#define OF(suffix) JOIN(SERIES_NAME, suffix)
-#define JACOBIAN(suffix) JOIN(JOIN(jac_, SERIES_NAME), suffix)
-
-typedef long long int casadi_int;
-
-enum { SIGNALS = SERIES_SIZE };
+enum { SIGNALS = OUTPUTS };
 enum { CONSTANT, CUBIC, LINEAR, MONOTONE, HARMONICS, TRANSITION };
 
 /* start, step: of samples [s], or start and duration of a transition; count: rows of samples or coefficients, or
@@ -115,7 +108,7 @@ static int add(double handle, const double *numbers, double count, const char *p
     return 0;
 }
 
-EXPORT int OF(_load)(double handle, const double *numbers, long long count) {
+EXPORT int FUNCTION(_load)(double handle, const double *numbers, long long count) {
     return add(handle, numbers, (double)count, "");
 }
 
@@ -149,7 +142,7 @@ static void unpack(const double *scales, long long rows, int columns, double *nu
     }
 }
 
-EXPORT int OF(_open)(double handle, const char *path) {
+EXPORT int FUNCTION(_open)(double handle, const char *path) {
     FILE *file = open_file(path);
     if (!file) return refuse(path, "cannot be read: ", strerror(errno));
     const long long head = sizeof(Head) / sizeof(double);
@@ -176,7 +169,7 @@ EXPORT int OF(_open)(double handle, const char *path) {
     return bad;
 }
 
-EXPORT void OF(_close)(double handle) {
+EXPORT void FUNCTION(_close)(double handle) {
     Series *s = find(handle);
     if (!s || --s->uses) return;
     free(s->rows);
@@ -192,7 +185,7 @@ EXPORT void OF(_close)(double handle) {
 }
 
 /* The reason for which the last call returned 1, as UTF-8; empty when there is none, or when it was asked before. */
-EXPORT const char *OF(_problem)(void) {
+EXPORT const char *FUNCTION(_problem)(void) {
     static char told[sizeof problem];
     memcpy(told, problem, sizeof told);
     problem[0] = 0;
@@ -290,7 +283,7 @@ static int evaluate(double handle, double t, double *out, double *rate) {
     return 0;
 }
 
-EXPORT int SERIES_NAME(const double **arg, double **res, casadi_int *iw, double *w, int mem) {
+EXPORT int FUNCTION()(const double **arg, double **res, casadi_int *iw, double *w, int mem) {
     (void)iw, (void)w, (void)mem;
     return !res[0] ? 0 : !arg[0] ? 1 : evaluate(arg[0][0], arg[0][1], res[0], NULL);
 }
@@ -300,34 +293,3 @@ EXPORT int JACOBIAN()(const double **arg, double **res, casadi_int *iw, double *
     (void)iw, (void)w, (void)mem;
     return !res[0] ? 0 : !arg[0] ? 1 : evaluate(arg[0][0], arg[0][1], values, res[0]);
 }
-
-/* --- CasADi's interface: see "Using externally-defined functions" in its manual ----------------------------------- */
-
-static const casadi_int column_of_inputs[] = {2, 1, 1}, column_of_outputs[] = {SIGNALS, 1, 1};
-
-static const casadi_int *pattern(void) { /* nothing by the handle, everything by the time */
-    static casadi_int made[5 + SIGNALS];
-    made[0] = SIGNALS, made[1] = 2, made[2] = 0, made[3] = 0, made[4] = SIGNALS;
-    for (casadi_int i = 0; i < SIGNALS; i++) made[5 + i] = i;
-    return made;
-}
-
-static int work(casadi_int arguments, casadi_int *sz_arg, casadi_int *sz_res, casadi_int *sz_iw, casadi_int *sz_w) {
-    if (sz_arg) *sz_arg = arguments;
-    if (sz_res) *sz_res = 1;
-    if (sz_iw) *sz_iw = 0;
-    if (sz_w) *sz_w = 0;
-    return 0;
-}
-
-EXPORT casadi_int OF(_n_in)(void) { return 1; }
-EXPORT casadi_int OF(_n_out)(void) { return 1; }
-EXPORT const casadi_int *OF(_sparsity_in)(casadi_int i) { (void)i; return column_of_inputs; }
-EXPORT const casadi_int *OF(_sparsity_out)(casadi_int i) { (void)i; return column_of_outputs; }
-EXPORT int OF(_work)(casadi_int *a, casadi_int *r, casadi_int *i, casadi_int *w) { return work(1, a, r, i, w); }
-
-EXPORT casadi_int JACOBIAN(_n_in)(void) { return 2; }
-EXPORT casadi_int JACOBIAN(_n_out)(void) { return 1; }
-EXPORT const casadi_int *JACOBIAN(_sparsity_in)(casadi_int i) { return i ? column_of_outputs : column_of_inputs; }
-EXPORT const casadi_int *JACOBIAN(_sparsity_out)(casadi_int i) { (void)i; return pattern(); }
-EXPORT int JACOBIAN(_work)(casadi_int *a, casadi_int *r, casadi_int *i, casadi_int *w) { return work(2, a, r, i, w); }

@@ -9,7 +9,6 @@ from __future__ import annotations
 import ctypes
 import hashlib
 import math
-import tempfile
 import weakref
 from collections.abc import Sequence
 from dataclasses import dataclass
@@ -21,9 +20,10 @@ import casadi as ca
 import numpy as np
 from numpy.typing import ArrayLike
 
+from fowtlib.language import cache_folder as store
 from fowtlib.language.errors import ParameterError
-from fowtlib.language.externals import ExternalFunction
-from fowtlib.language.native import cache_folder, compiler
+from fowtlib.language.externals import ExternalFunction, with_interface
+from fowtlib.language.native import compiler, open_library
 from fowtlib.language.tables import cardinal, cardinal_periodic
 
 KINDS = ("constant", "cubic", "linear", "monotone", "harmonics", "transition")
@@ -224,7 +224,7 @@ class Series:
         _known[self.handle] = self
         if function.library is None:
             return held
-        library = ctypes.CDLL(str(function.library))
+        library = open_library(function.library)
         numbers = np.ascontiguousarray(self.block)
         load, close = getattr(library, f"{function.name}_load"), getattr(library, f"{function.name}_close")
         close.restype, close.argtypes = None, [ctypes.c_double]
@@ -235,16 +235,18 @@ class Series:
 
     def file_for(self, function: ExternalFunction) -> tuple[Path, tuple[float | int, ...]]:
         """A file with its numbers for `<name>_open(handle, path)` of the function's library, and further arguments."""
-        folder = cache_folder()
-        path, packed = folder / f"series_{int(self.handle):012x}.packed", self._packed()
-        if not path.is_file() or path.stat().st_size != len(packed):
-            try:
-                folder.mkdir(parents=True, exist_ok=True)
-                with tempfile.NamedTemporaryFile(dir=folder, delete=False) as file:
-                    file.write(packed)
-                Path(file.name).replace(path)
-            except OSError as error:
-                raise ParameterError(f"{path}: cannot be written: {error.strerror or error}.") from None
+        name, packed = f"series_{int(self.handle):012x}", self._packed()
+        try:
+            path = store.find(name, "packed")
+            if path is None or path.read_bytes() != packed:
+                with store.workshop() as folder:
+                    fresh = folder / "fresh.packed"
+                    fresh.write_bytes(packed)
+                    path = store.keep(name, "packed", fresh)
+        except OSError as error:
+            raise ParameterError(
+                f"{error.filename or store.cache_folder()}: cannot be written: {error.strerror or error}."
+            ) from None
         return path, ()
 
     def _packed(self) -> bytes:
@@ -284,7 +286,6 @@ def series_function(size: int) -> ExternalFunction:
 def _function(size: int, command: tuple[str, ...]) -> ExternalFunction:
     name = f"series_{size}"
     text = (Path(__file__).parent / "series.c").read_text(encoding="utf-8")
-    head = f"#define SERIES_NAME {name}\n#define SERIES_SIZE {size}\n"
 
     def evaluate(column: np.ndarray) -> np.ndarray:
         return _of(column[0], size)(column[1])
@@ -297,8 +298,8 @@ def _function(size: int, command: tuple[str, ...]) -> ExternalFunction:
 
     pattern = ca.Sparsity(size, 2, [0, 0, size], list(range(size)))
     function = ExternalFunction(
-        name, {"handle": 1, "time": 1}, {"values": size}, source=head + text, python=evaluate, jacobian=slope,
-        sparsity=pattern, explain=explain,
+        name, {"handle": 1, "time": 1}, {"values": size}, source=with_interface(name, pattern, text),
+        python=evaluate, jacobian=slope, sparsity=pattern, explain=explain,
     )  # fmt: skip
     return function
 
@@ -312,7 +313,7 @@ def _of(handle: float, size: int) -> Series:
 
 
 def _problem(function: ExternalFunction) -> str:
-    found = getattr(ctypes.CDLL(str(function.library)), f"{function.name}_problem")
+    found = getattr(open_library(function.library), f"{function.name}_problem")
     found.restype = ctypes.c_char_p
     text = found().decode("utf-8", "replace")
     return f"{text}." if text else ""

@@ -23,20 +23,28 @@ from fowtlib.modelfile.layers import (
     parts_of,
     remember,
 )
+from fowtlib.modelfile.nodes import Place
 from fowtlib.modelfile.paths import find_port
+from fowtlib.modelfile.permit import Permit
 from fowtlib.modelfile.scopes import Scope
 from fowtlib.modelfile.specs import Document, Spec, Value
 from fowtlib.modelfile.values import ValueReader
 
+MOST_PARTS = 20_000
+DEEPEST = 30  # definitions that include each other
 RESERVED = ("parts", "connections", "origins", "title")
 
 
 class TreeBuilder:
-    """Builds the component of a document; `allow_python` lets files name Python code of their own."""
+    """Builds the component of a document; `allow_python` lets files name Python code of their own.
 
-    def __init__(self, allow_python: bool = False):
-        self.allow_python = allow_python
+    permit: what files may be named in it.
+    """
+
+    def __init__(self, allow_python: bool = False, permit: Permit | None = None):
+        self.allow_python, self.permit = allow_python, permit
         self.used: list[Path] = []
+        self.count = 0
 
     def root(self, top: Document, changes: Spec | None = None) -> Component:
         """The whole model; `changes` go on top of what the file says."""
@@ -66,6 +74,7 @@ class TreeBuilder:
         with building(place, path or name, base):
             component = made(**values)
         component.origins[""] = str(place)
+        self._counted(component, place)
         remember(component, layers, path)
         for part, part_layers in inner.items():
             if part in component.parts and part not in replaced and not has_base(part_layers):
@@ -75,6 +84,12 @@ class TreeBuilder:
         self._connect(component, layers, path)
         del self.used[depth:]
         return component
+
+    def _counted(self, component: Component, place: Place) -> None:
+        """Count a component and what its class has put into it."""
+        self.count += sum(1 for _ in component.walk())
+        if self.count > MOST_PARTS:
+            raise place.error(f"the model has more than {MOST_PARTS} parts; that is the limit.")
 
     def change(self, component: Component, changes: Spec) -> None:
         """Put values into a component that exists."""
@@ -95,7 +110,7 @@ class TreeBuilder:
                 classes.update(catalogue.classes_of_file(files.find_data(name, top.path.parent)))
             except ModelFileError as error:
                 raise error.at(str(value.place)) from None
-        return Scope(top.path.parent, classes)
+        return Scope(top.path.parent, classes, permit=self.permit)
 
     def _base(self, layers: list[Layer], path: str) -> tuple[type[Component], list[Layer]]:
         """The class to start from, and the layers on top of it with definitions put in, the most important first."""
@@ -127,11 +142,14 @@ class TreeBuilder:
     def _definition(self, use: Value, layer: Layer, path: str) -> Layer:
         name = layer.reader().text(use, "the name of a definition file")
         try:
-            file = files.find_definition(name, layer.scope.folder)
+            permit = self.permit if use.place.line else None
+            file = files.find_definition(name, layer.scope.folder, permit)
         except ModelFileError as error:
             raise use.place.error(f"{path + ': ' if path else ''}{error}") from None
         if file.resolve() in self.used:
             raise use.place.error(f"the definition '{name}' includes itself.")
+        if len(self.used) >= DEEPEST:
+            raise use.place.error(f"definitions are nested more than {DEEPEST} deep; that is the limit.")
         self.used.append(file.resolve())
         top = document.read(file, definition=True)
         return Layer(top.spec, self._file_scope(top))

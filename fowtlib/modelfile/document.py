@@ -6,6 +6,7 @@ beside them. A definition, which `use:` includes, is a file without those last t
 
 from __future__ import annotations
 
+import math
 from pathlib import Path
 
 from fowtlib.language.errors import UnitError, closest, one_of
@@ -73,6 +74,8 @@ def _settings(node: Node) -> dict[str, float | str]:
             raise item.place.error(f"simulation.{key} is one value, not {item.kind}.")
         try:
             settings[key] = float(to_si(item.value, SETTINGS[key])) if SETTINGS[key] else text(items, key)
+            if SETTINGS[key] and not math.isfinite(settings[key]):
+                raise item.place.error(f"simulation.{key} is {settings[key]:g}; a finite number is expected.")
         except UnitError as error:
             raise item.place.error(f"simulation.{key}: {error}") from None
     if settings.get("start", "file") not in STARTS:

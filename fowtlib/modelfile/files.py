@@ -5,10 +5,21 @@ from __future__ import annotations
 import os
 from pathlib import Path
 
+from fowtlib.language.data_files import require_file
 from fowtlib.language.errors import ModelFileError, did_you_mean
+from fowtlib.modelfile.permit import Permit
 
 SUFFIX = ".yaml"
 DATA_PREFIX = "data:"
+LONGEST_NAME = 1000  # letters of a path
+
+
+def is_file(path: Path) -> bool:
+    """Whether a path names a file; no name that a system cannot even ask for does."""
+    try:
+        return path.is_file()
+    except (OSError, ValueError):  # too long, or with a zero byte
+        return False
 
 
 def models_folder() -> Path:
@@ -27,7 +38,7 @@ def data_path(name: str) -> Path:
     """A shipped data file, such as "oc3_hywind/hydrodynamics.nc"; in model files it is written "data:" + name."""
     folder = models_folder() / "data"
     path = folder / name
-    if not path.is_file():
+    if not is_file(path) or not path.resolve().is_relative_to(folder.resolve()):
         known = [str(item.relative_to(folder)) for item in sorted(folder.rglob("*")) if item.is_file()]
         raise ModelFileError(f"there is no shipped data file '{name}'{did_you_mean(name, known)}")
     return path
@@ -36,7 +47,8 @@ def data_path(name: str) -> Path:
 def find_model(source: str | os.PathLike[str]) -> Path:
     """The model file for a path or a shipped name."""
     path = Path(source)
-    if path.is_file():
+    if is_file(path):
+        require_file(path, ModelFileError)
         return path
     shipped = shipped_models()
     if path.suffix in (SUFFIX, ".yml") or len(path.parts) > 1:
@@ -48,30 +60,49 @@ def find_model(source: str | os.PathLike[str]) -> Path:
     return shipped[str(source)]
 
 
-def find_definition(name: str, folder: Path) -> Path:
+def find_definition(name: str, folder: Path, permit: Permit | None = None) -> Path:
     """The definition file that `use: name` means: beside the file that says so, or shipped."""
     for base in (folder, models_folder()):
         for path in (base / name, base / f"{name}{SUFFIX}"):
-            if path.is_file():
+            if permit is not None and len(name) <= LONGEST_NAME:
+                permit.require(_resolved(base, str(path)), name)
+            if is_file(path):
+                require_file(path, ModelFileError)
                 return path
+    if len(name) > LONGEST_NAME:
+        raise ModelFileError(f"'{_short(name)}' has {len(name)} letters; the limit is {LONGEST_NAME}.")
     beside = (folder / name).parent
     known = [str(Path(name).parent / path.stem) for path in sorted(beside.glob(f"*{SUFFIX}"))]
     shipped = [path.relative_to(models_folder()) for path in sorted(models_folder().glob(f"*/**/*{SUFFIX}"))]
     known += [str(path.with_suffix("")) for path in shipped if path.parts[0] != "data"]
-    raise ModelFileError(f"there is no definition '{name}'{did_you_mean(name, known)}")
+    raise ModelFileError(f"there is no definition '{_short(name)}'{did_you_mean(name, known)}")
 
 
-def find_data(name: str, folder: Path) -> Path:
-    """The file that a parameter names: shipped ("data:..."), absolute, or relative to the model file."""
+def find_data(name: str, folder: Path, permit: Permit | None = None, *, native: bool = False) -> Path:
+    """The file that a parameter names: shipped ("data:..."), absolute, or relative to the model file.
+
+    permit: what is allowed, where a model file names it; what the user names is allowed by that. native: it is code.
+    """
     if name.startswith(DATA_PREFIX):
         return data_path(name.removeprefix(DATA_PREFIX))
-    path = (folder / Path(name).expanduser()).resolve()
-    if not path.is_file():
-        if path.is_dir():
-            raise ModelFileError(f"'{name}' is a folder; a file is expected.")
+    path = _resolved(folder, name, expand=True)
+    if permit is not None:
+        permit.require(path, name if len(name) <= LONGEST_NAME else _short(name), native=native)
+    if path.is_dir():
+        raise ModelFileError(f"'{name}' is a folder; a file is expected.")
+    require_file(path, ModelFileError)
+    if not is_file(path):
         known = [item.name for item in sorted(path.parent.glob("*"))] if path.parent.is_dir() else []
         raise ModelFileError(f"there is no file '{name}'{did_you_mean(path.name, known)}")
     return path
+
+
+def _resolved(folder: Path, name: str, *, expand: bool = False) -> Path:
+    """Where a name leads from a folder, links followed."""
+    try:
+        return (folder / (Path(name).expanduser() if expand else name)).resolve()
+    except (OSError, ValueError, RuntimeError) as error:  # RuntimeError: nobody's home folder, or a ring of links
+        raise ModelFileError(f"'{name[:60]}' is not the name of a file: {error}.") from None
 
 
 def shown(path: Path) -> str:
@@ -87,3 +118,7 @@ def as_data_name(path: str) -> str:
     """The reverse of `find_data` for a shipped file: "data:...", other paths as they are."""
     folder = (models_folder() / "data").resolve()
     return DATA_PREFIX + str(Path(path).relative_to(folder)) if Path(path).is_relative_to(folder) else path
+
+
+def _short(text: str) -> str:
+    return text if len(text) <= 60 else f"{text[:57]}..."

@@ -69,6 +69,8 @@ class Formula:
         """The value; `lookup` gives that of a name, or raises a ModelFileError."""
         try:
             result = self.tree(lookup)
+        except RecursionError:
+            raise ModelFileError(f"'{self.text[:40]}...' is nested too deeply.") from None
         except ZeroDivisionError:
             raise ModelFileError(f"'{self.text}' divides by zero.") from None
         except (ValueError, OverflowError, TypeError):  # TypeError: a complex number in a function

@@ -30,7 +30,7 @@ class Layer:
     scope: Scope
 
     def reader(self) -> ValueReader:
-        return ValueReader(self.scope, self.scope.folder)
+        return ValueReader(self.scope, self.scope.folder, self.scope.permit)
 
 
 class FileComponent(Component):
@@ -47,7 +47,7 @@ def parts_of(layers: list[Layer]) -> dict[str, list[Layer]]:
     found: dict[str, list[Layer]] = {}
     for layer in reversed(layers):
         for name, spec in layer.spec.parts.items():
-            inner = Layer(spec, Scope(layer.scope.folder, {}, parent=layer.scope))
+            inner = Layer(spec, Scope(layer.scope.folder, {}, parent=layer.scope, permit=layer.scope.permit))
             found.setdefault(name, []).insert(0, inner)
     return found
 
@@ -66,7 +66,7 @@ def of_kind(base: type[Component], layers: list[Layer], path: str) -> tuple[type
     kept, own = [], named
     for layer, kind in zip(layers, kinds, strict=True):
         below = kept and own != named  # of a layer that belongs to another kind
-        kept.append(_only(layer, family.base.parameters) if below else layer)
+        kept.append(_only(layer, family.base.parameters.keys() - set(chosen.void)) if below else layer)
         own = next((k for k in kinds[len(kept) :] if k is not None), family.field.default) if kind is not None else own
     return chosen, kept
 
@@ -148,8 +148,9 @@ def given_values(
     """The values that the layers give to parameters of the class."""
     values: dict[str, Any] = {}
     for layer in layers:
+        void = {rival for name in values if name in made.parameters for rival in made.rivals(name)}
         for name, value in layer.spec.values.items():
-            if name in values or name in declared:
+            if name in values or name in declared or name in void:
                 continue
             values[name] = parameter_value(layer, made, name, value, path, [*parts_of(layers)])
     return values

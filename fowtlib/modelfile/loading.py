@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import copy
 import os
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import replace
 from typing import Any
 
@@ -15,6 +15,7 @@ from fowtlib.modelfile import document, files
 from fowtlib.modelfile.assemble import TreeBuilder
 from fowtlib.modelfile.nodes import Place, from_python
 from fowtlib.modelfile.paths import check_variable
+from fowtlib.modelfile.permit import permit_for
 from fowtlib.modelfile.specs import OutputSpec, Spec, Value
 from fowtlib.solving.model import Model, Output, known_of
 
@@ -22,12 +23,18 @@ Source = str | os.PathLike[str] | Component | Model
 Settings = Mapping[str, Any]
 
 
-def load(source: Source, *, set: Settings | None = None, allow_python: bool = False) -> Model:
+def load(
+    source: Source, *, set: Settings | None = None, allow_python: bool = False, trust: bool = False,
+    allow: str | os.PathLike[str] | Sequence[str | os.PathLike[str]] = (),
+) -> Model:  # fmt: skip
     """A model, from the name of a shipped one, the path of a model file, or a component composed in Python.
 
     set: values by path that replace those of the file before anything is built: {"sea.seed": 2, "hull.mass": "8 t"}.
     A component that is the root of a model has the outputs and settings of that model; any other one has none.
     allow_python: the file may name Python code of its own, which is then run.
+    trust: native code that the file names (controller libraries, FMUs) may run; else a run needs leave given before.
+    allow: folders in which the file may read data, beside its own and the shipped ones.
+    A path in `set` is allowed, and trusted, by being there.
     Raises ModelFileError: the file and line, what is wrong, what to do.
     """
     values = dict(set or {})
@@ -37,12 +44,13 @@ def load(source: Source, *, set: Settings | None = None, allow_python: bool = Fa
         return _from_component(source, values)
     path = files.find_model(source)
     top = document.read(path)
-    root = TreeBuilder(allow_python).root(top, _changes(values))
+    permit = permit_for(path, files.models_folder(), allow, trust)
+    root = TreeBuilder(allow_python, permit).root(top, _changes(values))
     if isinstance(root, Assembly):
         object.__setattr__(root, "title", top.title)
 
     def rebuild(more: Settings) -> Model:
-        return load(path, set=_merged(root, values, more), allow_python=allow_python)
+        return load(path, set=_merged(root, values, more), allow_python=allow_python, trust=trust, allow=allow)
 
     outputs = {name: _output(root, name, spec) for name, spec in top.outputs.items()}
     return _changeable(Model(root, top.title, outputs, top.settings, path, path.stem), rebuild)

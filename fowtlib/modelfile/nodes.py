@@ -15,7 +15,11 @@ from typing import Any
 
 from fowtlib.language.errors import ModelFileError
 
-MOST_NODES = 100_000
+MOST_NODES = 100_000  # values of a file, with aliases put in
+DEEPEST = 50  # lists and mappings in each other
+LARGEST = 4_000_000  # bytes of a file
+LONG = 200_000  # letters from which on the reader with the better messages takes too long
+_TAGS = tuple(f"tag:yaml.org,2002:{kind}" for kind in ("str", "seq", "map"))
 _NUMBER = re.compile(r"[+-]?(\d+(\.\d*)?|\.\d+)([eE][+-]?\d+)?")
 _WORDS = {"": None, "~": None, "null": None, "true": True, "false": False, ".inf": float("inf"), "-.inf": float("-inf")}
 _PLACEHOLDER = re.compile(r"(?<=[\w.\]}])\{([A-Za-z_]\w*)\}|\{([A-Za-z_]\w*)\}(?=[\w.\[{])")
@@ -88,11 +92,18 @@ def from_python(value: Any, place: Place) -> Node:
 def read_text(path: Path, name: str) -> str:
     """Text of a file; `name` is how errors call it."""
     try:
-        return path.read_text(encoding="utf-8")
+        with path.open("rb") as file:
+            content = file.read(LARGEST + 1)
+        if len(content) > LARGEST:
+            raise ModelFileError(
+                f"the file has more than {LARGEST / 1e6:g} MB, the limit of a model file; put long lists of numbers "
+                "into data files.", where=name,
+            )  # fmt: skip
+        return content.decode("utf-8").replace("\r\n", "\n").replace("\r", "\n")
     except UnicodeDecodeError:
         raise ModelFileError("the file is not text in UTF-8.", where=name) from None
     except OSError as error:
-        raise ModelFileError(f"the file cannot be read: {error.strerror}.", where=name) from None
+        raise ModelFileError(f"the file cannot be read: {error.strerror or error}.", where=name) from None
 
 
 def parse(text: str, name: str) -> Node:
@@ -103,17 +114,19 @@ def parse(text: str, name: str) -> Node:
     for pattern in (_INDEX, _PLACEHOLDER):
         hidden = pattern.sub(lambda found: found[0].translate(_HIDE), hidden)
     try:
-        top = yaml.compose(hidden, Loader=yaml.BaseLoader)
-        if top is None:
-            raise ModelFileError("the file is empty; a model file begins with 'fowtlib: 1'.", where=name)
-        return _Reader(name).node(top, ())
+        fast = getattr(yaml, "CBaseLoader", None)  # ten times as fast, where PyYAML has it
+        if fast is not None:
+            try:
+                return _Reader(name, yaml.parse(hidden, Loader=fast)).document()
+            except yaml.YAMLError:
+                if len(text) > LONG:
+                    raise
+        return _Reader(name, yaml.parse(hidden, Loader=yaml.BaseLoader)).document()  # its errors say more
     except yaml.MarkedYAMLError as error:
         mark = error.problem_mark or error.context_mark
         raise Place(name, mark.line + 1 if mark else 0).error(f"this is not YAML: {_explained(error)}.") from None
     except yaml.YAMLError as error:
         raise ModelFileError(f"this is not YAML: {str(error).splitlines()[0]}.", where=name) from None
-    except RecursionError:
-        raise ModelFileError("lists and mappings are nested too deeply.", where=name) from None
 
 
 def _explained(error: Any) -> str:
@@ -129,44 +142,93 @@ def _explained(error: Any) -> str:
 
 
 class _Reader:
-    """PyYAML's nodes -> ours."""
+    """PyYAML's events -> nodes."""
 
-    def __init__(self, name: str):
+    def __init__(self, name: str, events: Iterator[Any]):
         self.name = name
+        self.events = events
         self.count = 0
+        self.anchors: dict[str, tuple[Node, int] | None] = {}  # a node and how many it holds; None while it is read
 
-    def node(self, node: Any, enclosing: tuple[int, ...], place: Place | None = None) -> Node:
-        """Convert a node; `enclosing` are the ids of those it stands in, `place` that of its key."""
-        place = place or self._place(node)
-        self.count += 1
-        if self.count > MOST_NODES:
-            raise place.error("the file becomes too large when its aliases (*name) are put in.")
-        if id(node) in enclosing:
+    def document(self) -> Node:
+        """The only document of the file."""
+        next(self.events)  # the stream begins
+        if next(self.events).__class__.__name__ == "StreamEndEvent":
+            raise ModelFileError("the file is empty; a model file begins with 'fowtlib: 1'.", where=self.name)
+        top = self.node(next(self.events), 0)
+        next(self.events)  # the document ends
+        more = next(self.events)
+        if more.__class__.__name__ != "StreamEndEvent":
+            raise self._place(more).error("this is not YAML: there is a second document; a model file is one.")
+        return top
+
+    def node(self, event: Any, depth: int, place: Place | None = None) -> Node:
+        """The node that begins with an event; `depth` counts those it stands in, `place` is that of its key."""
+        place = place or self._place(event)
+        kind = event.__class__.__name__
+        if kind == "AliasEvent":
+            return self._alias(event.anchor, place)
+        self._counted(1, place)
+        if depth > DEEPEST:
+            raise place.error(f"lists and mappings are nested too deeply; the limit is {DEEPEST}.")
+        if event.tag not in (None, "!", *_TAGS):
+            tag = _short(event.tag.replace("tag:yaml.org,2002:", "!!"))
+            raise place.error(f"the tag {tag} has no meaning in a model file.")
+        before = self.count
+        if event.anchor is not None:
+            if event.anchor in self.anchors:
+                raise place.error(f"this is not YAML: found duplicate anchor '{event.anchor}'.")
+            self.anchors[event.anchor] = None
+        if kind == "ScalarEvent":
+            node = Node(self._scalar(event), place, quoted=event.style not in (None, ""))
+        elif kind == "SequenceStartEvent":
+            node = Node(self._sequence(depth + 1), place)
+        else:
+            node = Node(self._mapping(depth + 1), place)
+        if event.anchor is not None:
+            self.anchors[event.anchor] = node, 1 + self.count - before
+        return node
+
+    def _alias(self, anchor: str, place: Place) -> Node:
+        if anchor not in self.anchors:
+            raise place.error(f"this is not YAML: found undefined alias '{anchor.translate(_SHOW)}'.")
+        known = self.anchors[anchor]
+        if known is None:
             raise place.error("an alias (*name) stands within the value it names.")
-        if not node.tag.startswith("tag:yaml.org,2002:") or node.tag.rpartition(":")[2] not in ("str", "seq", "map"):
-            raise place.error(f"the tag {node.tag.replace('tag:yaml.org,2002:', '!!')} has no meaning in a model file.")
-        if node.id == "scalar":
-            return Node(self._scalar(node), place, quoted=node.style is not None)
-        enclosing = (*enclosing, id(node))
-        if node.id == "sequence":
-            return Node([self.node(item, enclosing) for item in node.value], place)
-        return Node(self._mapping(node, enclosing), place)
+        node, size = known
+        self._counted(size, place)
+        return Node(node.value, place, node.quoted)
 
-    def _mapping(self, node: Any, enclosing: tuple[int, ...]) -> dict[str, Node]:
+    def _counted(self, more: int, place: Place) -> None:
+        self.count += more
+        if self.count > MOST_NODES:
+            raise place.error(
+                f"the file becomes too large when its aliases (*name) are put in; it has more than {MOST_NODES} values."
+            )
+
+    def _sequence(self, depth: int) -> list[Node]:
+        items = []
+        while (event := next(self.events)).__class__.__name__ != "SequenceEndEvent":
+            items.append(self.node(event, depth))
+        return items
+
+    def _mapping(self, depth: int) -> dict[str, Node]:
         values: dict[str, Node] = {}
-        for key_node, value_node in node.value:
-            place = self._place(key_node)
-            if key_node.id != "scalar":
+        while (event := next(self.events)).__class__.__name__ != "MappingEndEvent":
+            place = self._place(event)
+            if event.__class__.__name__ != "ScalarEvent":
                 raise place.error("a key must be a name; quote text that begins with a bracket or a brace.")
-            key = key_node.value.translate(_SHOW)
+            key = event.value.translate(_SHOW)
             if key in values:
-                raise place.error(f"'{key}' is given twice; the first is in line {values[key].place.line}.")
-            values[key] = self.node(value_node, enclosing, place)
+                raise place.error(f"'{_short(key)}' is given twice; the first is in line {values[key].place.line}.")
+            if event.anchor is not None:
+                self.anchors[event.anchor] = Node(key, place, quoted=True), 1
+            values[key] = self.node(next(self.events), depth, place)
         return values
 
     def _scalar(self, node: Any) -> Any:
         text = node.value.translate(_SHOW)
-        if node.style is not None:
+        if node.style not in (None, ""):
             return text
         if text.lower() in _WORDS:
             return _WORDS[text.lower()]
@@ -181,3 +243,7 @@ class _Reader:
 def looks_like_text(text: str) -> bool:
     """True where the text, written without quotes, is read as text."""
     return text.lower() not in _WORDS and not _NUMBER.fullmatch(text)
+
+
+def _short(text: str) -> str:
+    return text if len(text) <= 60 else f"{text[:57]}..."

@@ -79,6 +79,7 @@ class ComponentReader:
             self.part(spec, key, item, variables)
 
     def part(self, spec: Spec, key: str, node: Node, variables: Variables) -> None:
+        self.document.repeat(node.place)
         name = identifier(substituted(key, variables, node.place), "part", node.place)
         if name in spec.parts:
             first = spec.parts[name].place
@@ -110,6 +111,7 @@ class ComponentReader:
 
     def connect(self, spec: Spec, node: Node, variables: Variables) -> None:
         for item in as_list(node):
+            self.document.repeat(item.place)
             ends = item.value if isinstance(item.value, list) else []
             if len(ends) < 2 or not all(isinstance(end.value, str) for end in ends):
                 raise item.place.error("a connection is a list of two ports (or more): [body.frame_b, tower.frame_a].")
@@ -133,6 +135,7 @@ class ComponentReader:
         if "for" not in items:
             raise block.place.error("the block has no 'for'; write 'for: [{name: left}, {name: right}]'.")
         for variables in self._rounds(items, outer):
+            self.document.repeat(block.place)
             for key in ("parts", "connect", "ports"):
                 if key in items:
                     getattr(self, key)(spec, items[key], variables)
@@ -163,6 +166,7 @@ class ComponentReader:
     def outputs(self, node: Node, variables: Variables) -> None:
         """Named results: `name: path` or `name: {of: path, unit: deg, description: ...}`."""
         for key, item in mapping(node, "'outputs' is a mapping: name: path of a variable").items():
+            self.document.repeat(item.place)
             name = identifier(substituted(key, variables, item.place), "output", item.place)
             entries = item.value if isinstance(item.value, dict) else {"of": item}
             check_keys(entries, OUTPUT_KEYS, f"output '{name}'")

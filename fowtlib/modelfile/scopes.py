@@ -15,6 +15,9 @@ from fowtlib.language.expressions import ParameterReference
 from fowtlib.language.unit_grammar import parse_unit
 from fowtlib.modelfile.catalogue import Classes
 from fowtlib.modelfile.formulas import Quantity
+from fowtlib.modelfile.permit import Permit
+
+LONGEST_CHAIN = 100
 
 
 @dataclass
@@ -31,6 +34,7 @@ class Scope:
     waiting: dict[str, Callable[[], Parameter]] = field(default_factory=dict)
     parameters: dict[str, Parameter] = field(default_factory=dict)
     in_progress: list[str] = field(default_factory=list)
+    permit: Permit | None = None
 
     @property
     def names(self) -> list[str]:
@@ -59,11 +63,24 @@ class Scope:
             raise ModelFileError(f"the parameters are defined by each other: {ring}.")
         self.in_progress.append(name)
         try:
-            self.parameters[name] = self.waiting[name]()
+            made = self.waiting[name]()
+            made.depth = 1 + max((_depth(leaf) for leaf in leaves(made.default)), default=0)
+            if made.depth > LONGEST_CHAIN:
+                raise ModelFileError(
+                    f"the parameter '{name}' is the end of a chain of more than {LONGEST_CHAIN} parameters, each "
+                    "defined by the one before; that is the limit."
+                )
+            self.parameters[name] = made
         finally:
             self.in_progress.pop()
         del self.waiting[name]
         return self.parameters[name]
+
+
+def _depth(leaf: Any) -> int:
+    """How many parameters of files, each defined by the next, begin with this one."""
+    declared = leaf.component.parameters[leaf.name] if isinstance(leaf, ParameterReference) else leaf
+    return getattr(declared, "depth", 0)
 
 
 def _part(component: Component, path: str) -> Component | None:
@@ -78,12 +95,17 @@ def _quantity(value: Any, declared: Parameter) -> Quantity:
     return Quantity(value, None if declared.unit == "1" else unit)
 
 
-def freeze(value: Any) -> None:
+def freeze(value: Any, seen: set[tuple[int, str]] | None = None) -> None:
     """Make structural the parameters of files that a structural value depends on.
 
     The value is put in when the model is built, so a later change of such a parameter could not reach it.
     """
+    seen = set() if seen is None else seen
     for leaf in leaves(value):
+        key = (id(leaf.component), leaf.name) if isinstance(leaf, ParameterReference) else (0, str(id(leaf)))
+        if key in seen:
+            continue
+        seen.add(key)
         if isinstance(leaf, ParameterReference):
             declared = leaf.component.parameters[leaf.name]
             binding = leaf.component.parameter_binding(leaf.name)
@@ -93,7 +115,7 @@ def freeze(value: Any) -> None:
         if not getattr(declared, "from_file", False):
             raise ModelFileError(f"{leaf!r} may change in a built model, and this value must be known before.")
         declared.structural = True
-        freeze(binding)
+        freeze(binding, seen)
 
 
 def leaves(value: Any) -> list[expressions.Arithmetic]:

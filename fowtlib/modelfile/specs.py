@@ -11,6 +11,7 @@ from fowtlib.language.errors import did_you_mean
 from fowtlib.modelfile.nodes import Node, Place
 
 Variables = Mapping[str, Node]
+MOST_REPEATED = 20_000
 _NAME = re.compile(r"[^\W\d]\w*")
 _PLACEHOLDER = re.compile(r"\{(\w+)\}")
 
@@ -82,6 +83,13 @@ class Document:
     python: list[Value] = field(default_factory=list)
     outputs: dict[str, OutputSpec] = field(default_factory=dict)
     settings: dict[str, float | str] = field(default_factory=dict)
+    repeated: int = 0
+
+    def repeat(self, place: Place) -> None:
+        """Count a part, a connection, an output or a round of `each`."""
+        self.repeated += 1
+        if self.repeated > MOST_REPEATED:
+            raise place.error(f"the file has more than {MOST_REPEATED} parts and connections; that is the limit.")
 
 
 def mapping(node: Node, message: str) -> dict[str, Node]:

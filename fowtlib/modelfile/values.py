@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 import re
 from collections.abc import Collection
 from dataclasses import dataclass
@@ -10,11 +11,13 @@ from typing import Any, Protocol
 
 from fowtlib.language.declarations import SHAPES, Parameter
 from fowtlib.language.errors import ModelError, ModelFileError, did_you_mean
+from fowtlib.language.leave import FromModelFile
 from fowtlib.language.unit_grammar import parse_unit
 from fowtlib.language.units import conversion, expected, kind_of, quantity, si_unit, to_si, unit_text
 from fowtlib.modelfile import files, formulas
 from fowtlib.modelfile.formulas import Quantity
 from fowtlib.modelfile.nodes import Node
+from fowtlib.modelfile.permit import Permit
 from fowtlib.modelfile.specs import Declared, Value, substituted
 
 DATA_SUFFIXES = (".nc", ".csv", ".yaml", ".yml", ".json", ".dat", ".txt", ".npz", ".1", ".3", ".hst", ".so", ".dll")
@@ -41,6 +44,7 @@ class ValueReader:
 
     scope: Names
     folder: Path
+    permit: Permit | None = None
 
     def read(self, value: Value, field: Parameter, path: str) -> Any:
         """The value for a declared parameter; `path` is how errors call the parameter."""
@@ -64,6 +68,7 @@ class ValueReader:
         """The value (SI) of a parameter that a file declares; plain numbers are in `unit_of_numbers`, where given."""
         field = Parameter(None, unit, "", None, None, None, False, None)
         try:
+            _check_rows(value.node)
             result = self._numeric(value, value.node, field)
             plain = not any(isinstance(node.value, str) for node in value.node.walk())
             factor = conversion(parse_unit(unit_of_numbers), parse_unit(unit)) if unit_of_numbers and plain else 1.0
@@ -76,7 +81,12 @@ class ValueReader:
         if value is None:
             return None
         try:
-            return float(to_si(value.node.plain(), unit))
+            if isinstance(value.node.value, (list, dict)):
+                raise ModelFileError(f"a bound is one number, not {value.node.kind}.")
+            bound = float(to_si(value.node.plain(), unit))
+            if math.isnan(bound):
+                raise ModelFileError("a bound is a number.")
+            return bound
         except ModelError as error:
             raise _located(error, value.node, path) from None
 
@@ -175,15 +185,32 @@ class ValueReader:
         text = substituted(str(node.value), value.variables, node.place)
         if field.choices is not None and text not in field.choices:
             raise ModelFileError(f"'{text}' is not possible{did_you_mean(text, field.choices)} ({field.doc})")
-        return str(files.find_data(text, self.folder)) if is_file(text, field) else text
+        if not is_file(text, field):
+            return text
+        if not node.place.line:  # given by the user, who allows it by that
+            return str(files.find_data(text, self.folder))
+        path = files.find_data(text, self.folder, self.permit, native=field.native)
+        return FromModelFile.at(str(path), str(node.place), self.permit is not None and self.permit.trust)
 
 
 def is_file(text: str, field: Parameter) -> bool:
     """True for text that names a file: by its prefix or suffix, or because the parameter is called `file`."""
     if not text or field.choices is not None:
         return False
-    by_name = field.is_data or field.name in ("file", "path") or field.name.endswith(("_file", "_path"))
+    by_name = field.is_data or field.native or field.name in ("file", "path") or field.name.endswith(("_file", "_path"))
     return by_name or text.startswith(files.DATA_PREFIX) or text.lower().endswith(DATA_SUFFIXES)
+
+
+def _check_rows(node: Node) -> None:
+    """A list holds numbers, or rows of the same number of numbers."""
+    rows = node.value if isinstance(node.value, list) else []
+    lengths = {len(row.value) if isinstance(row.value, list) else None for row in rows}
+    if len(lengths) > 1:
+        raise ModelFileError("a list holds numbers, or rows of numbers that have the same length.")
+    for row in rows:
+        for item in row.value if isinstance(row.value, list) else ():
+            if isinstance(item.value, list):
+                raise item.place.error("lists are nested too deeply; a value is a number, a list or a list of rows.")
 
 
 def _whole(value: Any, field: Parameter) -> Any:

@@ -118,9 +118,14 @@ def bind(dae: FlatDAE, root: Component | None, parameters: Values | None = None)
     for path in sorted(given):
         values[path] = _tunable(dae, path, given[path])
         owner, _, name = path.rpartition(".")
-        tree.find(owner)._values[name] = values[path] if values[path].shape else float(values[path])
+        component = tree.find(owner)
+        if name in component.void and np.array_equal(values[path], component.parameter_value(name)):
+            continue  # as a result says it of a kind that takes no notice of it
+        component._values[name] = values[path] if values[path].shape else float(values[path])
     for path in changed:
         check_parameters(tree.find(path))
+    for path in changed | {path.rpartition(".")[0] for path in given}:
+        tree.find(path).refuse_void()
     if tree is not root:
         for path in values:  # those that were computed from what is changed now
             if path not in given:
@@ -199,7 +204,7 @@ def _put_parts(tree: Component, parts: dict[str, Component]) -> set[str]:
         new = _alone(given)
         common = new.parameters if type(new) is type(old) else family.base.parameters
         for name, value in old._values.items():
-            if name in common and name not in new._values and name != family.selector:
+            if name in common and name not in new.void and name not in new._values and name != family.selector:
                 new._values[name] = value
                 if name in old.origins:
                     new.origins[name] = old.origins[name]
@@ -309,6 +314,10 @@ def _numbers(item: Bound, component: Component) -> Any:
             _fit(item, found, size)
             return found
         array = np.ravel(np.asarray(found, dtype=float))
+    except MemoryError:
+        raise ParameterError(
+            f"{item.path}: what is computed when a run starts ({item.doc}) needs more memory than there is."
+        ) from None
     except ModelError as error:
         raise error.at(item.owner or type(component).__name__) if item.owner not in str(error) else error from None
     if array.size != size:

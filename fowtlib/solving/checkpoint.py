@@ -15,7 +15,6 @@ import numpy as np
 
 from fowtlib.solving.engines import Engine
 from fowtlib.solving.events import StateEvents
-
 from fowtlib.solving.results.packing import packed, unpacked
 
 

@@ -11,7 +11,10 @@ import sys
 import threading
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
+from contextvars import copy_context
 from typing import TypeVar
+
+from fowtlib.language.stopping import STOP_ASKED
 
 Result = TypeVar("Result")
 LOOK, PATIENCE = 0.1, 0.25  # s between two looks at the flag, and for work to end after it
@@ -37,9 +40,11 @@ def deferred_interrupt() -> Iterator[threading.Event]:
 
     for number in before:
         signal.signal(number, note)
+    known = STOP_ASKED.set(interrupted)
     try:
         yield interrupted
     finally:
+        STOP_ASKED.reset(known)
         put_back()
 
 
@@ -48,13 +53,13 @@ def stoppable(work: Callable[[], Result], interrupted: threading.Event, stop: Ca
 
     stop: asks the work to end early. Work that does not within PATIENCE is left to itself.
     """
-    stderr = sys.stderr
+    stderr, context = sys.stderr, copy_context()
     results: list[Result] = []
     errors: list[BaseException] = []
 
     def carry_out() -> None:
         try:
-            results.append(work())
+            results.append(context.run(work))
         except BaseException as error:  # it belongs to the caller
             errors.append(error)
 

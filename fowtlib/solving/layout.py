@@ -34,7 +34,7 @@ class Layout:
         for path, value in (given or {}).items():
             if path not in values:
                 raise ParameterError(f"there is no input '{path}'{did_you_mean(path, values)}")
-            numbers = np.asarray(to_si(value, self.dae.inputs[path].unit, path), dtype=float).ravel()
+            numbers = _finite(to_si(value, self.dae.inputs[path].unit, path), f"the input {path}").ravel()
             values[path] = np.broadcast_to(numbers, values[path].shape)
         return _joined(list(values.values()))
 
@@ -49,7 +49,7 @@ class Layout:
                     f"'{path}' is not a state and cannot be given a start value{did_you_mean(path, names)}"
                 )
             number, column = found
-            column[number] = to_si(value, self.dae.units[path], path)
+            column[number] = _finite(to_si(value, self.dae.units[path], path), f"the start value of {path}")
         return {self.x[path] for path in start if path in self.x}
 
     def vectors(self, *groups: Mapping[str, float]) -> list[np.ndarray]:
@@ -74,6 +74,13 @@ class Layout:
                 return [column[i] for i in of], labels
         known = [*self.u, *self.p]
         raise NotFoundError(f"there is no input or tunable parameter '{path}'{did_you_mean(path, known)}")
+
+
+def _finite(value: Any, what: str) -> np.ndarray:
+    numbers = np.asarray(value, dtype=float)
+    if not np.all(np.isfinite(numbers)):
+        raise ParameterError(f"{what} is {numbers}; a finite number is expected.")
+    return numbers
 
 
 def _slices(items: Mapping[str, Any]) -> dict[str, slice]:

@@ -13,6 +13,7 @@ from typing import Any
 import numpy as np
 
 from fowtlib.language.errors import ParameterError, SimulationError
+from fowtlib.language.leave import require_leave
 from fowtlib.language.units import to_si
 from fowtlib.solving import event_rules as rules
 from fowtlib.solving.binding import Binding
@@ -35,6 +36,7 @@ from fowtlib.solving.results.journal import Journal
 from fowtlib.solving.sessions import Sessions
 from fowtlib.solving.state import State
 
+MOST_POINTS = 2e7  # output points of one run
 TOLD = 5.0  # s that a run without a compiler may take before something is said about it
 SLOW_STRETCH = 50  # output points of a stretch without a compiler; never by the clock, which results do not depend on
 PIECE = 5.0  # s between two pieces of the journal, and checkpoints
@@ -67,6 +69,14 @@ def duration_settings(t_end: Any, output_step: Any, tolerance: Any, settings: Va
             (tolerance, "tolerance", 1e-6, "1"),
         )
     )
+    for key, seconds in (("duration", end), ("output step", interval)):
+        if not 0 < seconds < np.inf:
+            raise ParameterError(f"the {key} is {seconds:g} s; it must be a finite number above zero.")
+    if end / interval > MOST_POINTS:
+        raise ParameterError(
+            f"{end:g} s with an output step of {interval:g} s are {end / interval:.3g} output points, and the limit is "
+            f"{MOST_POINTS:g}; give a longer output step, or run it in pieces that go on from each other."
+        )
     if not 0 < relative < 1:
         raise ParameterError(f"the tolerance is {relative:g}; it must lie between 0 and 1, usually 1e-4 to 1e-9.")
     return end, interval, relative
@@ -89,6 +99,7 @@ class Run:
         self.journal: Journal | None = None
         self.written = 0  # output points in the journal
         self.went_on_from: float | None = None
+        require_leave(self.binding.root)
         self.sessions = Sessions(self.dae, resumed)
         self.t = start.t
         self.x, self.z, self.d, self.u = start.x.copy(), start.z.copy(), start.d.copy(), start.u.copy()
@@ -171,7 +182,7 @@ class Run:
         return self.result("finished.")
 
     def can_go_on(self, earlier: Result, t_end: float, step: float) -> bytes:
-        """The checkpoint of an earlier result from which this run goes on exactly; empty, with a warning, without one."""
+        """The checkpoint of an earlier result from which this run goes on exactly; empty without one."""
         data, self.step = earlier.raw.checkpoint if earlier.raw is not None else b"", step
         if not data or t_end < earlier.time[-1]:
             return b""

@@ -152,6 +152,61 @@ def test_wind_from_outside_is_another_model():
             driven.simulate(1.0, parameters={f"wind.{name}": 8.0})
 
 
+@pytest.mark.parametrize(
+    ("wind", "parameters", "words"),
+    [
+        ({"kind": "none"}, {"wind.mean_speed": 8.0}, "the kind 'none' takes no notice of it"),
+        ({"kind": "steady", "mean_speed": 8.0}, {"wind.kind": "none", "wind.mean_speed": 8.0}, "the kind 'none'"),
+        ({"kind": "steady", "mean_speed": 8.0}, {"wind": NoWind(), "wind.mean_speed": 8.0}, "the kind 'none'"),
+    ],
+)
+def test_a_value_that_would_do_nothing_in_a_run(wind, parameters, words):
+    plant = model(**wind).compile()
+    with pytest.raises(ModelError, match=f"wind.mean_speed is given and would do nothing, because {words}"):
+        plant.simulate(1.0, parameters=parameters)
+    assert np.all(np.asarray(plant.simulate(1.0, parameters={"wind.kind": "none"})["wind.speed"]) == 0)
+
+
+@pytest.mark.parametrize(
+    ("given", "words"),
+    [
+        ({"kind": "none", "mean_speed": 8.0}, "mean_speed is given .* 'none'"),
+        ({"kind": "file", "file": "a.csv", "mean_speed": 8.0}, "mean_speed is given .* 'file'"),
+        ({"kind": "field", "file": "a.bts", "shear_exponent": 0.1}, "shear_exponent is given .* 'field'"),
+        ({"kind": "kaimal", "mean_speed": 8.0, "turbulence_class": "A", "turbulence_intensity": 0.1},
+         "turbulence_class is given and would do nothing, because turbulence_intensity is given"),
+        ({"kind": "gust", "mean_speed": 8.0, "gust_speed": 5.0, "extreme_speed": 37.5},
+         "extreme_speed is given and would do nothing, because gust_speed is given"),
+    ],
+)  # fmt: skip
+def test_values_that_would_do_nothing_beside_each_other(tmp_path, given, words):
+    with pytest.raises(ModelError, match=words):
+        Wind(**given)
+    path = tmp_path / "wind.yaml"
+    if "file" in given:
+        (tmp_path / given["file"]).touch()
+    values = ", ".join(f"{name}: {value}" for name, value in given.items())
+    path.write_text(f"fowtlib: 1\nparts: {{wind: {{class: Wind, {values}}}}}\n")
+    with pytest.raises(ModelError, match=f"wind.yaml:2: .*{words}"):
+        fw.load(path)
+
+
+def test_the_later_of_two_values_counts(tmp_path):
+    """A model file has the one, a run or an option the other; a kind leaves what it takes no notice of."""
+    path = tmp_path / "wind.yaml"
+    path.write_text("fowtlib: 1\nparts: {wind: {class: Wind, kind: kaimal, mean_speed: 8, turbulence_class: A}}\n")
+    by_class = fw.load(path)
+    by_intensity = fw.load(path, set={"wind.turbulence_intensity": 0.3})
+    assert by_intensity.root.wind.standard_deviation() == pytest.approx(2.4)
+    assert not by_intensity.root.wind.is_set("turbulence_class")
+    again = by_class.compile().binding({"wind.turbulence_intensity": 0.3}).root.wind
+    assert again.standard_deviation() == pytest.approx(2.4)
+    back = by_intensity.compile().binding({"wind.turbulence_class": "A"}).root.wind
+    assert back.standard_deviation() == by_class.root.wind.standard_deviation()
+    calm = fw.load(path, set={"wind.kind": "none"}).root.wind
+    assert not calm.is_set("mean_speed")
+
+
 def test_a_kind_of_ones_own():
     class Sawtooth(Wind, kind="sawtooth"):
         """Rises and falls, again and again."""

@@ -1,11 +1,13 @@
 """What a model takes in when a run starts travels in an archive: series in its resources, numbers as constants."""
 
+
 import numpy as np
 import pytest
 from fmpy.fmi1 import FMICallException
 
 import fowtlib as fw
-from fowtlib.language import Scalar, Series, at_start, der, eq, param, run_time_series, var
+from fowtlib.fmi.guards import guarded
+from fowtlib.language import Scalar, Series, at_start, der, eq, param, part, run_time_series, var
 from fowtlib.language.errors import ModelError
 
 
@@ -69,3 +71,63 @@ def test_a_run_in_python_follows_the_parameter(shaken):
     assert speeds[2] - speeds[1] == pytest.approx(speeds[1] - speeds[0], rel=1e-4)
     with pytest.raises(ModelError, match="mass.size"):
         shaken.simulate(1, parameters={"mass.sise": 1})
+
+
+class Store(fw.Component):
+    """A tank that empties."""
+
+    time_constant: Scalar = param(unit="s", min=0.1, max=1e3, doc="time constant")
+    share: Scalar = param(min=0, max=1, doc="share of the flow")
+    leak: Scalar = param(default=0.5, min=0, doc="leak")
+    level: Scalar = var(unit="m", start=1.0, fixed=True, state="prefer", doc="level")
+
+    def equations(self):
+        return [eq(self.time_constant * der(self.level), -(self.share + self.leak) * self.level)]
+
+
+class Tank(fw.Component):
+    """Parameters of the part follow from those of the whole."""
+
+    rate: Scalar = param(default=2.0, unit="Hz", doc="rate")
+    open_part: Scalar = param(default=0.4, doc="open part")
+    leak: Scalar = param(default=0.2, min=0, doc="leak")
+    store: Store = part(Store, time_constant=1 / rate, share=1 - open_part, leak=leak)
+
+
+@pytest.fixture(scope="module")
+def tank():
+    root = fw.Assembly("tank")
+    root.tank = Tank()
+    outputs = {"level": fw.Output("tank.store.level")}
+    return fw.Model(root, "tank", outputs, {"output_step": 0.05}, name="tank").compile()
+
+
+@pytest.mark.parametrize("version", ["2", "3"])
+@pytest.mark.parametrize(
+    ("name", "value", "message"),
+    [
+        ("tank.rate", 20.0, "tank.store.time_constant = 0.05 s is below its minimum 0.1 s (time constant)"),
+        ("tank.rate", 5e-4, "tank.store.time_constant = 2000 s is above its maximum 1000 s (time constant)"),
+        ("tank.rate", 0.0, "tank.store.time_constant = inf s is no finite number (time constant)"),
+        ("tank.open_part", 1.25, "tank.store.share = -0.25 is below its minimum 0 (share of the flow)"),
+        ("tank.open_part", -1.0, "tank.store.share = 2 is above its maximum 1 (share of the flow)"),
+    ],
+)
+def test_what_follows_from_a_parameter_keeps_its_bounds(tank, as_unit, instance_of, version, name, value, message):
+    """In an archive as in a run with the same values; what it was exported with, and others within bounds, run."""
+    unit = as_unit(tank, version)
+    message += "; it follows from the values that were given."
+    with pytest.raises(ModelError) as refused:
+        tank.simulate(0.1, parameters={name: value})
+    assert str(refused.value) == message
+    wrong = instance_of(unit)
+    with pytest.raises(FMICallException):
+        wrong.begin(**{name.replace(".", "__"): value})
+    assert any(message.rstrip(".") in text for _, text in wrong.said), wrong.said
+    instance_of(unit).begin(tank__rate=4.0).step(0.0, 0.05)
+
+
+def test_bounds_that_a_given_value_ensures_are_not_checked_twice(tank):
+    checks = guarded(tank, tank.binding({})).dae.checks
+    told = [check.message.split(" = ")[0] for check in checks]
+    assert told == ["tank.store.time_constant"] * 3 + ["tank.store.share"] * 3

@@ -5,6 +5,7 @@ from __future__ import annotations
 import re
 import subprocess
 import sys
+import tempfile
 import zipfile
 from collections.abc import Callable, Mapping
 from pathlib import Path
@@ -150,3 +151,9 @@ def fmu(fmu_files, archive, tmp_path_factory) -> Callable[..., str]:
         return str(made[version, change])
 
     return make
+
+
+@pytest.fixture(autouse=True)
+def temporary_files_of_its_own(tmp_path_factory, monkeypatch):
+    """What a test leaves there is its own, whatever runs beside it."""
+    monkeypatch.setattr(tempfile, "tempdir", str(tmp_path_factory.mktemp("temporary")))

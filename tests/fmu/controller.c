@@ -1,12 +1,17 @@
 /* A pitch and torque controller of the NREL 5 MW turbine as a co-simulation FMU; FMI 2.0 or, with -DVERSION=3, 3.0.
 
    The laws of components/servo, written again: J. Jonkman et al., NREL/TP-500-38060 (2009), chapter 7. One control
-   sample when initialised, one in each doStep. `trouble` = 1 fails, 2 is fatal, 3 gives no number, 4 (3.0) asks for the end, from `trouble_time`.
+   sample when initialised, one in each doStep. `trouble` = 1 fails, 2 is fatal, 3 gives no number, 4 (3.0) asks for the end, from `trouble_time`;
+   5 crashes, 6 exits, 7 hangs, 8 prints 10 MB, 12 aborts with words then; 9 crashes when it is terminated, 10 when it is freed, 11 hangs when it
+   is terminated, 13 exits when it is initialised. The environment variable TEST_FMU_CRASHES makes it crash when it is instantiated.
    `mode` (whole number) and `enabled` come back as `mode_out` and `active`. FMI 3.0 only: array_out[i] = (i + 1)
    array_in[i], row by row of 2 x 2. */
 #include <math.h>
+#include <signal.h>
+#include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
+#include <unistd.h>
 #if VERSION == 3
 #include "fmi3Functions.h"
 #define REAL fmi3Float64
@@ -64,7 +69,12 @@ static void control(Unit *unit) {
     unit->samples++;
 }
 
+static void crash(void) {
+    raise(SIGSEGV);
+}
+
 static void begin(Unit *unit) {
+    if (unit->trouble == 13) exit(0);
     const double doubling = 0.1099965;
     unit->held = unit->real[PITCH_START];
     unit->summed = unit->held * (1 + unit->held / doubling);
@@ -75,6 +85,7 @@ static void begin(Unit *unit) {
 }
 
 static Unit *make(void) {
+    if (getenv("TEST_FMU_CRASHES")) crash();
     Unit *unit = calloc(1, sizeof *unit);
     unit->real[PERIOD] = 0.0125;
     unit->real[KP] = 0.006275604;
@@ -90,9 +101,49 @@ static int step(Unit *unit, double from, double length) {
     unit->time = from + length;
     if (unit->time >= unit->real[TROUBLE_TIME] - 1e-9 && unit->trouble == 1) return 3;
     if (unit->time >= unit->real[TROUBLE_TIME] - 1e-9 && unit->trouble == 2) return 4;
+    if (unit->time >= unit->real[TROUBLE_TIME] - 1e-9) {
+        if (unit->trouble == 5) crash();
+        if (unit->trouble == 6) exit(0);
+        if (unit->trouble == 7) sleep(100);
+        if (unit->trouble == 8) for (int i = 0; i < 200000; i++) printf("%06d: fifty bytes of words that nobody reads...\n", i);
+        if (unit->trouble == 12) {
+            printf("the table has 0 rows\n");
+            fflush(stdout);
+            abort();
+        }
+    }
     control(unit);
     if (unit->time >= unit->real[TROUBLE_TIME] - 1e-9 && unit->trouble == 3) unit->real[PITCH] = NAN;
     return 0;
+}
+
+static int terminate(Unit *unit) {
+    if (unit->trouble == 9) crash();
+    if (unit->trouble == 11) sleep(100);
+    return 0;
+}
+
+static void release(Unit *unit) {
+    if (unit->trouble == 10) crash();
+    instances--;
+    free(unit);
+}
+
+static Unit *copy(const Unit *unit) {
+    Unit *made = malloc(sizeof *made);
+    return memcpy(made, unit, sizeof *made);
+}
+
+/* What is of an instance, and not of its state, stays. */
+static void take(Unit *unit, const Unit *state) {
+    Unit old = *unit;
+    *unit = *state;
+#if VERSION == 3
+    unit->log = old.log;
+    unit->environment = old.environment;
+#else
+    unit->functions = old.functions;
+#endif
 }
 
 #if VERSION == 3
@@ -107,7 +158,7 @@ fmi3Instance fmi3InstantiateCoSimulation(
     unit->environment = environment;
     return unit;
 }
-void fmi3FreeInstance(fmi3Instance c) { instances--; free(c); }
+void fmi3FreeInstance(fmi3Instance c) { release(c); }
 const char *fmi3GetVersion(void) { return fmi3Version; }
 fmi3Status fmi3EnterInitializationMode(fmi3Instance c, fmi3Boolean defined, fmi3Float64 tolerance, fmi3Float64 start,
                                        fmi3Boolean ends, fmi3Float64 end) {
@@ -116,7 +167,7 @@ fmi3Status fmi3EnterInitializationMode(fmi3Instance c, fmi3Boolean defined, fmi3
     return fmi3OK;
 }
 fmi3Status fmi3ExitInitializationMode(fmi3Instance c) { begin(c); return fmi3OK; }
-fmi3Status fmi3Terminate(fmi3Instance c) { (void)c; return fmi3OK; }
+fmi3Status fmi3Terminate(fmi3Instance c) { return terminate(c); }
 fmi3Status fmi3GetFloat64(fmi3Instance c, const fmi3ValueReference vr[], size_t n, fmi3Float64 values[], size_t count) {
     Unit *unit = c;
     if (n == 1 && vr[0] == ARRAY_OUT) {
@@ -170,7 +221,45 @@ fmi3Status fmi3DoStep(fmi3Instance c, fmi3Float64 from, fmi3Float64 length, fmi3
     if (status) unit->log(unit->environment, status, "error", "the pitch drive is gone");
     return status;
 }
+fmi3Status fmi3GetFMUState(fmi3Instance c, fmi3FMUState *state) { *state = copy(c); return fmi3OK; }
+fmi3Status fmi3SetFMUState(fmi3Instance c, fmi3FMUState state) { take(c, state); return fmi3OK; }
+fmi3Status fmi3FreeFMUState(fmi3Instance c, fmi3FMUState *state) { (void)c; free(*state); *state = NULL; return fmi3OK; }
+fmi3Status fmi3SerializedFMUStateSize(fmi3Instance c, fmi3FMUState state, size_t *size) {
+    (void)c, (void)state;
+    *size = sizeof(Unit);
+    return fmi3OK;
+}
+fmi3Status fmi3SerializeFMUState(fmi3Instance c, fmi3FMUState state, fmi3Byte bytes[], size_t size) {
+    (void)c;
+    memcpy(bytes, state, size);
+    return fmi3OK;
+}
+fmi3Status fmi3DeserializeFMUState(fmi3Instance c, const fmi3Byte bytes[], size_t size, fmi3FMUState *state) {
+    (void)c;
+    if (size != sizeof(Unit)) return fmi3Error;
+    *state = copy((const Unit *)bytes);
+    return fmi3OK;
+}
 #else
+fmi2Status fmi2GetFMUstate(fmi2Component c, fmi2FMUstate *state) { *state = copy(c); return fmi2OK; }
+fmi2Status fmi2SetFMUstate(fmi2Component c, fmi2FMUstate state) { take(c, state); return fmi2OK; }
+fmi2Status fmi2FreeFMUstate(fmi2Component c, fmi2FMUstate *state) { (void)c; free(*state); *state = NULL; return fmi2OK; }
+fmi2Status fmi2SerializedFMUstateSize(fmi2Component c, fmi2FMUstate state, size_t *size) {
+    (void)c, (void)state;
+    *size = sizeof(Unit);
+    return fmi2OK;
+}
+fmi2Status fmi2SerializeFMUstate(fmi2Component c, fmi2FMUstate state, fmi2Byte bytes[], size_t size) {
+    (void)c;
+    memcpy(bytes, state, size);
+    return fmi2OK;
+}
+fmi2Status fmi2DeSerializeFMUstate(fmi2Component c, const fmi2Byte bytes[], size_t size, fmi2FMUstate *state) {
+    (void)c;
+    if (size != sizeof(Unit)) return fmi2Error;
+    *state = copy((const Unit *)bytes);
+    return fmi2OK;
+}
 const char *fmi2GetTypesPlatform(void) { return fmi2TypesPlatform; }
 const char *fmi2GetVersion(void) { return fmi2Version; }
 fmi2Component fmi2Instantiate(fmi2String name, fmi2Type type, fmi2String guid, fmi2String resources,
@@ -181,7 +270,7 @@ fmi2Component fmi2Instantiate(fmi2String name, fmi2Type type, fmi2String guid, f
     unit->functions = functions;
     return unit;
 }
-void fmi2FreeInstance(fmi2Component c) { instances--; free(c); }
+void fmi2FreeInstance(fmi2Component c) { release(c); }
 fmi2Status fmi2SetDebugLogging(fmi2Component c, fmi2Boolean on, size_t n, const fmi2String categories[]) {
     (void)c, (void)on, (void)n, (void)categories;
     return fmi2OK;
@@ -194,7 +283,7 @@ fmi2Status fmi2SetupExperiment(fmi2Component c, fmi2Boolean defined, fmi2Real to
 }
 fmi2Status fmi2EnterInitializationMode(fmi2Component c) { (void)c; return fmi2OK; }
 fmi2Status fmi2ExitInitializationMode(fmi2Component c) { begin(c); return fmi2OK; }
-fmi2Status fmi2Terminate(fmi2Component c) { (void)c; return fmi2OK; }
+fmi2Status fmi2Terminate(fmi2Component c) { return terminate(c); }
 fmi2Status fmi2Reset(fmi2Component c) { (void)c; return fmi2OK; }
 fmi2Status fmi2GetReal(fmi2Component c, const fmi2ValueReference vr[], size_t n, fmi2Real value[]) {
     for (size_t i = 0; i < n; i++) value[i] = ((Unit *)c)->real[vr[i]];

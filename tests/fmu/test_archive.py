@@ -113,6 +113,79 @@ def test_limits(tmp_path, monkeypatch):
         Archive(path)
 
 
+BOMBS = [
+    ([("resources/zeros", 20_000_000)], "the entry 'resources/zeros' grows from 19"),
+    ([("resources/a", 3_000_000)] * 4, "it grows from "),  # none of them is large
+    ([("modelDescription.xml", 15_000_000)], "the entry 'modelDescription.xml' grows from "),
+]
+
+
+@pytest.mark.parametrize(("sizes", "text"), BOMBS)
+def test_a_bomb_below_the_limit_of_size_is_refused_for_its_ratio(tmp_path, sizes, text):
+    entries = [entry(f"{name}{k or ''}", b"\0" * size, compress_type=zipfile.ZIP_DEFLATED)
+               for k, (name, size) in enumerate(sizes)]  # fmt: skip
+    with pytest.raises(ModelError) as caught:
+        Archive(written(tmp_path / "bomb.fmu", *entries))
+    assert str(caught.value).startswith(f"'bomb.fmu' is not a usable FMU: {text}")
+    assert str(caught.value).endswith("bytes when it is unpacked, more than the limit of 100 times.")
+
+
+def test_what_is_packed_well_is_no_bomb(tmp_path):
+    text = "".join(f"{k * k % 977} {k % 7}.5\n" for k in range(400_000)).encode()
+    path = written(tmp_path / "table.fmu", entry("resources/t", text * 3, compress_type=zipfile.ZIP_DEFLATED))
+    (tmp_path / "to").mkdir()
+    Archive(path).unpack(tmp_path / "to")
+    assert (tmp_path / "to/resources/t").read_bytes() == text * 3
+
+
+def test_entries_that_overlap(tmp_path):
+    """Many entries of the directory that share one packed file: small each, and none with a large ratio."""
+    path = written(tmp_path / "quoted.fmu", entry("a", bytes(range(256)) * 4000), entry("b"))
+    packed = bytearray(path.read_bytes())
+    directory = packed.index(b"PK\1\2")
+    end = packed.index(b"PK\5\6")
+    record = bytes(packed[directory : packed.index(b"PK\1\2", directory + 4)])
+    many = b"".join(record[:46] + name + record[47:] for name in (b"c", b"d", b"e"))
+    packed[end:end] = many
+    struct.pack_into("<HHI", packed, end + len(many) + 8, 5, 5, end + len(many) - directory)
+    path.write_bytes(packed)
+    with pytest.raises(ModelError, match="its entries are larger than itself: they overlap"):
+        Archive(path)
+
+
+ABSURD = [
+    (entry("n" * 201), "has a path of 201 bytes in 1 parts"), (entry("a/" * 40 + "b"), "in 41 parts"),
+    (entry("/".join(["n" * 190] * 8)), "has a path of 1520 bytes"),
+    (entry("resources/pipe", external_attr=(stat.S_IFIFO | 0o600) << 16, create_system=3), "is neither a file nor"),
+    (entry("resources/disk", external_attr=(stat.S_IFBLK | 0o600) << 16, create_system=3), "is neither a file nor"),
+    (entry("resources/x", compress_type=zipfile.ZIP_LZMA), "is packed by the method 14, and FMI has deflate"),
+]  # fmt: skip
+
+
+@pytest.mark.parametrize(("bad", "text"), ABSURD)
+def test_entries_that_no_fmu_has(tmp_path, bad, text):
+    with pytest.raises(ModelError) as caught:
+        Archive(written(tmp_path / "bad.fmu", entry("modelDescription.xml"), bad))
+    assert str(caught.value).startswith("'bad.fmu' is not a usable FMU: the entry ") and text in str(caught.value)
+
+
+@pytest.mark.parametrize("names", [("a", "a/b"), ("a/b/c", "A"), ("x/é", "x/É/y")])
+def test_a_file_in_a_file(tmp_path, names):
+    with pytest.raises(ModelError, match="which is a file"):
+        Archive(written(tmp_path / "bad.fmu", *(entry(name) for name in names)))
+
+
+BILLION = '<!DOCTYPE x [<!ENTITY a "aaaaaaaaaa"><!ENTITY b "&a;&a;&a;&a;&a;&a;&a;&a;">]>'
+
+
+@pytest.mark.parametrize("encoding", ["utf-8", "utf-8-sig", "utf-16", "utf-16-le", "utf-16-be", "utf-32", "utf-32-be"])
+@pytest.mark.parametrize("declared", ["UTF-8", "UTF-16", "UTF-7", "cp037"])
+def test_entities_in_any_encoding(fmu_files, encoding, declared):
+    text = fmu_files()["modelDescription.xml"].replace("UTF-8", declared).replace("?>", "?>" + BILLION, 1)
+    with pytest.raises(ModelError, match=r"has a document type|is in UTF-16 or UTF-32"):
+        read_description(text.encode(encoding), "x.fmu")
+
+
 def test_a_bomb_of_a_thousand_times_its_size_is_refused_before_it_is_unpacked(tmp_path):
     """The sizes of the central directory count; an entry that is larger than it says is cut off by its checksum."""
     info, content = entry("resources/zeros", b"\0" * 3_000_000, compress_type=zipfile.ZIP_DEFLATED)
@@ -122,7 +195,7 @@ def test_a_bomb_of_a_thousand_times_its_size_is_refused_before_it_is_unpacked(tm
     huge = bytearray(packed)
     struct.pack_into("<I", huge, directory + 24, 0xF0000000)
     path.write_bytes(huge)
-    with pytest.raises(ModelError, match="more than the limit of 2 GB"):
+    with pytest.raises(ModelError, match="more than the limit of 1 GB"):
         Archive(path)
     small = bytearray(packed)
     struct.pack_into("<I", small, directory + 24, 10)

@@ -234,6 +234,18 @@ def test_a_result_that_is_refused_is_kept(tmp_path, monkeypatch):
         assert sum(name.startswith("X_") for name in kept.files) == 2
 
 
+@pytest.mark.parametrize("damage", [lambda b: b"", lambda b: b[:99], lambda b: b[:-99], lambda b: b[:60] + b"?" * 99])
+def test_damaged_results_in_between_are_computed_again(tmp_path, damage):
+    from fowtlib.components.hydro.panel_store import Store
+
+    target = tmp_path / "buoy.nc"
+    Store(target, "inputs").once("A", lambda: np.arange(30.0))
+    assert list(Store(target, "inputs").arrays) == ["A"]
+    kept = tmp_path / "buoy.nc.partial.npz"
+    kept.write_bytes(damage(kept.read_bytes()))
+    assert Store(target, "inputs").once("A", lambda: np.arange(3.0)).tolist() == [0, 1, 2]
+
+
 @needs_capytaine
 def test_a_file_that_cannot_be_written_is_refused_before_the_work(tmp_path, monkeypatch):
     import capytaine

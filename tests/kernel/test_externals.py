@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import ctypes
 import shutil
 import subprocess
 
@@ -12,6 +13,8 @@ import pytest
 import fowtlib as fw
 from fowtlib.language import ExternalFunction, ModelError, Scalar, der, eq, param, var
 from fowtlib.language.equations import active
+from fowtlib.language.externals import with_interface
+from fowtlib.language.native import compiler
 
 MASS, DRAG = 2.0, 0.7
 
@@ -148,3 +151,31 @@ def test_one_check_for_many_arguments():
     with pytest.raises(ModelError) as error:
         plant.simulate(3.0, output_step=0.5)
     assert str(error.value) == "spread: place 2 of 3 is at -4.5, and 4 is the limit (t = 1.5 s)."
+
+
+@pytest.mark.skipif(not compiler(), reason="needs a C compiler")
+@pytest.mark.parametrize("name", ["first", "second"])
+def test_the_interface_in_front_of_a_c_text(name):
+    """y0 = u0 u2, y1 = u1, with a sparse Jacobian; the names of what is exported follow that of the function."""
+    text = """
+    EXPORT double FUNCTION(_half)(double value) { return value / OUTPUTS; }
+    EXPORT int FUNCTION()(const double **arg, double **res, casadi_int *iw, double *w, int mem) {
+        (void)iw, (void)w, (void)mem;
+        if (res[0]) res[0][0] = arg[0][0] * arg[0][INPUTS - 1], res[0][1] = arg[0][1];
+        return 0;
+    }
+    EXPORT int JACOBIAN()(const double **arg, double **res, casadi_int *iw, double *w, int mem) {
+        (void)iw, (void)w, (void)mem;
+        if (res[0]) res[0][0] = arg[0][2], res[0][1] = 1, res[0][2] = arg[0][0];
+        return 0;
+    }
+    """
+    pattern = ca.Sparsity(2, 3, [0, 1, 2, 3], [0, 1, 0])
+    function = ExternalFunction(name, {"u": 3}, {"y": 2}, source=with_interface(name, pattern, text))
+    point = ca.DM([2.0, 3.0, 5.0])
+    assert np.ravel(function.function(point)).tolist() == [10.0, 3.0]
+    jacobian = function.function.jacobian()(point, 0)
+    assert jacobian.sparsity() == pattern and jacobian.nonzeros() == [5.0, 1.0, 2.0]
+    half = getattr(ctypes.CDLL(str(function.library)), f"{name}_half")
+    half.restype, half.argtypes = ctypes.c_double, [ctypes.c_double]
+    assert half(3.0) == 1.5

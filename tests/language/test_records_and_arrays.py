@@ -5,13 +5,14 @@ import math
 import pytest
 
 import fowtlib as fw
-from fowtlib.components.mechanics import BeamProperties
+from fowtlib.components.mechanics import Beam, BeamProperties
 from fowtlib.components.mechanics.beam_settings import BeamSettings
+from fowtlib.components.mechanics.tube_beam import TubeBeam
 from fowtlib.components.support import Arm, FlexibleTower
-from fowtlib.components.turbine import FlexibleBlade, Hub
-from fowtlib.language import Scalar, der, eq, param, part, parts, port, var
+from fowtlib.components.turbine import FlexibleBlade, Hub, RotorNacelleAssembly
+from fowtlib.language import Scalar, der, eq, like, param, part, parts, port, var
 from fowtlib.language.connectors import RealInput, RealOutput
-from fowtlib.language.errors import ParameterError
+from fowtlib.language.errors import ModelError, ParameterError
 
 
 class Cell(fw.Component):
@@ -157,3 +158,51 @@ def test_the_hub_has_arrays():
     hub = Hub(radius=1.5, blades=2, rotation=-1)
     assert [mount.parameter_value("azimuth") for mount in hub.mounts] == pytest.approx([0.0, -math.pi])
     assert [bearing.path for bearing in hub.bearings] == ["bearing_1", "bearing_2"]
+
+
+class Doubled(Sizes):
+    """Another default for one of a record, and one of its parts' parameters under another name."""
+
+    length: Scalar = like(Sizes.length, default="4 m")
+    shade_of_inner: Scalar = like(Inner.shade, doc="shade of the part")
+    inner: Inner = part(Inner, length=length, shade=shade_of_inner)
+
+
+def test_a_parameter_like_another():
+    length, shade = Doubled.parameters["length"], Doubled.parameters["shade_of_inner"]
+    assert (length.unit, length.doc, length.owner, length.name) == ("m", "length", Doubled, "length")
+    assert (shade.default, shade.doc, Colour.parameters["shade"].doc) == (0.5, "shade of the part", "shade")
+    assert Sizes.parameters["length"].default == 1.0 and Sizes.parameters["length"].owner is Sizes
+    plant = fw.load(Doubled()).compile()
+    assert plant.initial_state()["inner.area"] == 8.0
+    assert plant.initial_state({"shade_of_inner": 2.0, "length": 3.0})["inner.area"] == 18.0
+    with pytest.raises(ModelError, match="Doubled.length: got .3 kg., which is a mass"):
+        Doubled(length="3 kg")
+    with pytest.raises(TypeError, match="takes a parameter of a class"):
+        like(Inner.area)
+
+
+def test_the_settings_of_a_beam_are_declared_once():
+    """The same bounds, choices and units wherever they are handed on; only names, defaults and sentences differ."""
+    handed_on = {(RotorNacelleAssembly, f"blade_{name}"): name for name in ("hinges", "quadrature", "torsion", "cuts")}
+    for kind in (Beam, TubeBeam, FlexibleTower, Arm, FlexibleBlade):
+        handed_on |= {(kind, name): name for name in BeamSettings.parameters}
+    for (kind, name), declared in handed_on.items():
+        here, there = kind.parameters[name], BeamSettings.parameters[declared]
+        for fact in ("annotation", "unit", "min", "max", "choices", "shape", "structural", "why_structural"):
+            assert getattr(here, fact) == getattr(there, fact), (kind, name, fact)
+    table = BeamProperties.uniform(60.0, 300.0, 1e9)
+    for name, wrong, message in (
+        ("blade_quadrature", "gauss", "quadrature of a beam: .*, not 'gauss'"),
+        ("blade_hinges", -1, "RotorNacelleAssembly.blade_hinges = -1 is below its minimum 0"),
+    ):
+        with pytest.raises(ModelError, match=message):
+            RotorNacelleAssembly(blade_table=table, **{name: wrong})
+
+
+def test_damping_of_the_blades_of_an_assembly():
+    table = BeamProperties.uniform(60.0, 300.0, 1e9)
+    assembly = RotorNacelleAssembly(blade_table=table, blade_hinges=2, damping_flapwise=0.01, node_points=[30.0])
+    for blade in assembly.rotor_blades:
+        assert blade.parameter_value("damping_flapwise") == blade.parameter_value("damping_edgewise") == 0.01
+        assert blade.parameter_value("hinges") == 2 and blade.n_nodes == 1

@@ -44,7 +44,7 @@ def test_every_value_knows_its_line():
          "has no meaning in a model file."),
         ("a: &x [*x]", "a.yaml:1: an alias (*name) stands within the value it names."),
         ("? [1]\n: 2", "a.yaml:1: a key must be a name; quote text that begins with a bracket or a brace."),
-        ("[" * 1000, "a.yaml: lists and mappings are nested too deeply."),
+        ("[" * 1000, "a.yaml:1: lists and mappings are nested too deeply; the limit is 50."),
     ],
 )  # fmt: skip
 def test_messages(text, message):

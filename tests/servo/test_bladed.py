@@ -14,7 +14,7 @@ import pytest
 
 import fowtlib as fw
 from fowtlib.components.blocks import Constant
-from fowtlib.components.servo import BladedController, bladed_library
+from fowtlib.components.servo import BladedController
 from fowtlib.components.servo.bladed import MEASURED
 from fowtlib.language import Component, RealInput, RealOutput, Scalar, der, eq, port, var
 from fowtlib.language.errors import ModelError, ParameterError, SimulationError
@@ -30,6 +30,12 @@ def library(tmp_path_factory) -> str:
     source = Path(__file__).parent / "discon.c"
     subprocess.run([*compiler(), "-O1", "-fPIC", "-shared", str(source), "-o", str(target), "-lm"], check=True)
     return str(target)
+
+
+@pytest.fixture(autouse=True)
+def temporary_files_of_its_own(tmp_path_factory, monkeypatch):
+    """What a test leaves there is its own, whatever runs beside it."""
+    monkeypatch.setattr(tempfile, "tempdir", str(tmp_path_factory.mktemp("temporary")))
 
 
 class Shaft(Component):
@@ -154,7 +160,7 @@ FAILURES = [
 
 
 def left() -> set[str]:
-    return {name for name in os.listdir(tempfile.gettempdir()) if name.startswith("fowtlib_bladed_")}
+    return {name for name in os.listdir(tempfile.gettempdir()) if name.startswith(("fowtlib_session_", "fowtlib_new_"))}
 
 
 @pytest.mark.parametrize(("word", "text"), FAILURES)
@@ -169,10 +175,29 @@ def test_a_library_that_fails_stops_the_run_with_its_words(library, tmp_path, wo
     assert left() == before
 
 
-def test_a_library_that_hangs(library, tmp_path, monkeypatch):
-    monkeypatch.setattr(bladed_library, "PATIENCE", 0.5)
-    with pytest.raises(SimulationError, match=r"it took longer than 0\.5 s; it printed: hello from the controller"):
-        run(turbine(library, tmp_path, "hang"))
+def test_a_library_that_hangs(library, tmp_path):
+    words = r"it took longer than 0\.5 s, its 'patience'; it printed: hello from the controller"
+    with pytest.raises(SimulationError, match=words):
+        run(turbine(library, tmp_path, "hang", patience=0.5))
+
+
+def test_in_this_process_it_gives_the_same(library, tmp_path):
+    """Run after run it is loaded anew; two at once would share one memory, and are refused."""
+    names = ["shaft.w", "control.blade_pitch", "control.calls"]
+    here = os.getcwd()
+    outside, *inside = (
+        run(turbine(library, tmp_path, in_process=where, demands={"calls": 48}), *names)
+        for where in (False, True, True)
+    )
+    for result in inside:
+        for name in names:
+            np.testing.assert_array_equal(result[name], outside[name])
+    assert os.getcwd() == here
+    model = fw.Assembly("two")
+    for name in ("one", "two"):
+        model.add(name, turbine(library, tmp_path, in_process=True))
+    with pytest.raises(SimulationError, match="is at work in this process already"):
+        run(model, "one.shaft.w")
 
 
 def test_a_warning_is_said_once(library, tmp_path):
@@ -264,7 +289,7 @@ connect:
   - ["anemometer.y[0]", turbine.control.wind_speed]
   - [turbine.rotor_speed, turbine.control.rotor_speed]
 """)
-    plant = fw.load(tmp_path / "land.yaml").compile()
+    plant = fw.load(tmp_path / "land.yaml", trust=True).compile()
     state = plant.initial_state()
     assert np.degrees(state["turbine.blade_pitch"]) == pytest.approx(2)
     assert state["turbine.generator_torque"] == pytest.approx(25e3)

@@ -14,6 +14,8 @@ from fowtlib.language.errors import ParameterError
 class FieldWind(Wind, kind="field"):
     """u, v, w in space and time from a .bts file, see field_lookup; mean speed and shear are those of the file."""
 
+    void = ("mean_speed", "shear_exponent")
+
     file: str = param(default="", bound=True, doc="TurbSim .bts file")
     field_shift: Number = param(
         default=None, unit="m", bound=True, doc="x of its first plane at t = 0, see field_lookup"

@@ -25,7 +25,10 @@ class GustWind(SteadyWind, kind="gust"):
 
     start_time: Number = param(default=0.0, unit="s", min=0, bound=True, doc="start of the gust")
     gust_shape: str = param(default="eog", choices=tuple(SHAPES), bound=True, doc="time function")
-    gust_speed: Number = param(default=None, unit="m/s", bound=True, doc="magnitude; without a value by IEC (17)")
+    gust_speed: Number = param(
+        default=None, unit="m/s", bound=True, instead_of=("rotor_diameter", "extreme_speed", "turbulence_class"),
+        doc="magnitude; without a value by IEC (17)",
+    )  # fmt: skip
     gust_duration: Number = param(default=10.5, unit="s", min=1e-3, bound=True, doc="duration of the gust")
     rotor_diameter: Number = param(default=126.0, unit="m", min=0, bound=True, doc="magnitude by IEC: rotor diameter")
     extreme_speed: Number = param(

@@ -8,6 +8,8 @@ from fowtlib.components.environment.wind.base import Wind
 class NoWind(Wind, kind="none"):
     """No wind; rotors with coefficients feel no air at all."""
 
+    void = ("mean_speed",)
+
     def drawing(self):
         return []
 

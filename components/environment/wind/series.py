@@ -17,6 +17,8 @@ class SeriesWind(Wind, kind="file"):
     "monotone" is the cubic of Fritsch and Carlson (1980), which stays between the samples, and "linear" straight.
     """
 
+    void = ("mean_speed",)
+
     file: str = param(default="", bound=True, doc="CSV with time [s] and speed [m/s] of each station")
     interpolation: str = param(
         default="cubic", choices=("cubic", "monotone", "linear"), bound=True, doc="between the samples"

@@ -16,12 +16,12 @@ import numpy as np
 
 from fowtlib.flattening import FlatDAE
 from fowtlib.language.externals import LibraryFunction
-from fowtlib.language.native import compile_library, compiler
+from fowtlib.language.native import compiler, load_library
 from fowtlib.language.tables import SplineFunction
 from fowtlib.solving.engines.fixed_step_code import FixedStepCode, Options, runtime
 from fowtlib.solving.functions import Functions
 
-OPERATIONS = (5_000, 200_000)  # of the equations: below, compiling takes longer than most runs, and above, too long
+OPERATIONS = (2_000, 200_000)  # of the equations: below, compiling takes longer than most runs, and above, too long
 FULL = 0.1  # share of entries in a Jacobian: with more, the sparse factors fill up and cost more than those of LAPACK
 UNKNOWNS = 1000  # at most: the Jacobian is made by full columns
 
@@ -53,8 +53,8 @@ class CompiledFunctions:
             for name, pattern in zip(names, patterns, strict=True)
         )
         body = (Path(__file__).parent / "compiled.c").read_text(encoding="utf-8")
-        path = compile_library(head + body, "functions")
-        self._library, self._runtime = c.CDLL(str(path)), runtime()
+        path, self._library = load_library(head + body, "functions")
+        self._runtime = runtime()
         self._unknown = np.array(code.reduction.unknown_of_states(len(dae.algebraics)), dtype=np.intc)
         options = Options(1.0, 1.0, 1.0, 1.0, 1, 1)
         self._instance = self._runtime.fs_create(c.byref(code.table), c.byref(options))

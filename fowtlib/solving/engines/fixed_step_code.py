@@ -19,7 +19,7 @@ import numpy as np
 from fowtlib.flattening import FlatDAE
 from fowtlib.language.cache import cached, sources
 from fowtlib.language.externals import LibraryFunction
-from fowtlib.language.native import compile_library
+from fowtlib.language.native import Library, load_library
 from fowtlib.language.tables import SplineFunction
 from fowtlib.solving.engines.c_text import PROLOGUE, Depends, Program, c_program
 from fowtlib.solving.engines.reduction import Reduction, reduction
@@ -91,10 +91,10 @@ class Options(c.Structure):
 
 
 @cache
-def runtime() -> c.CDLL:
+def runtime() -> Library:
     """The compiled runtime of the engine, the same for all models."""
     text = "".join((Path(__file__).parent / name).read_text(encoding="utf-8") for name in ("spline.c", "fixed_step.c"))
-    library = c.CDLL(str(compile_library(text, "fixed_step", optimization="-O3")))
+    _, library = load_library(text, "fixed_step", optimization="-O3")
     pointer, number = c.c_void_p, c.c_double
     signatures = {
         "create": (pointer, [c.POINTER(Model), c.POINTER(Options)]),
@@ -133,8 +133,7 @@ class FixedStepCode:
         self._alive: list[Any] = []  # what the tables point to
         self.external_order = [k for level in dae.levels for k in level]
         text, self.program, self.scratch = kept_text(dae, self.reduction, self.observed)
-        self.path = compile_library(text, "model", optimization="-O1")
-        self.library = c.CDLL(str(self.path))
+        self.path, self.library = load_library(text, "model", optimization="-O1")
         self.table = self._model()
         self.samples_need_outputs = [dae.needs_outputs(sample.values) for sample in dae.samples]
 
@@ -244,7 +243,7 @@ class FixedStepCode:
 
     def _from_library(self, entry: External, function: LibraryFunction) -> None:
         """By the function pointers of CasADi's C interface; without jac_<name>, differences are taken."""
-        library = c.CDLL(str(function.path))
+        library = function.opened
         name = function.name()
         sizes = [_work(library, name)]
         entry.value, entry.value_memory = _symbol(library, name), _memory(library, name)
@@ -372,14 +371,14 @@ def dependences(dae: FlatDAE, reduced: Reduction) -> tuple[Depends, Depends]:
 
 def _slope_pattern(function: ca.Function) -> ca.Sparsity | None:
     """Pattern of the Jacobian that the library of a function has; None where it has none, or is no library."""
-    if isinstance(function, LibraryFunction) and hasattr(c.CDLL(str(function.path)), f"jac_{function.name()}"):
+    if isinstance(function, LibraryFunction) and hasattr(function.opened, f"jac_{function.name()}"):
         return function.jacobian().sparsity_out(0)
     return None
 
 
 def library_sizes(function: LibraryFunction) -> tuple[list[int], bool]:
     """Arguments, results, integers and reals that a function of a library and its Jacobian need; whether it has one."""
-    library, name = c.CDLL(str(function.path)), function.name()
+    library, name = function.opened, function.name()
     names = [name] + [f"jac_{name}"] * hasattr(library, f"jac_{name}")
     return np.max([_work(library, each) for each in names], axis=0).tolist(), len(names) > 1
 

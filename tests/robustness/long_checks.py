@@ -1,0 +1,276 @@
+"""What takes long: kills at random times, full disks, two processes on one cold cache, many plants, long runs, threads.
+
+Each check works from outside, on `fowt` or on Python of its own process, and gives a row for docs/reliability.md: what
+was done, how often, what was found, and whether that is good.
+"""
+
+from __future__ import annotations
+
+import os
+import random
+import resource
+import shutil
+import signal
+import subprocess
+import sys
+import tempfile
+import time
+from dataclasses import dataclass
+from pathlib import Path
+
+import numpy as np
+
+MODEL = "oc3_spar_rigid"
+FOWT = [sys.executable, "-m", "fowtlib.cli"]
+
+
+@dataclass(frozen=True)
+class Row:
+    """A line of the table."""
+
+    what: str
+    times: int
+    found: str
+    good: bool
+
+
+def kills(count: int, seed: int = 1, duration: float = 120.0) -> Row:
+    """`fowt run` from a cold or warm cache, ended with SIGKILL at a random time, resumed where a file stands.
+
+    Good: what stands can be read, the resumed run equals the uninterrupted one bit for bit, and no run after a kill
+    fails, whatever was in the cache.
+    """
+    chance, faults, resumed, early = random.Random(seed), [], 0, 0
+    with tempfile.TemporaryDirectory(prefix="kills_") as name:
+        folder, cache = Path(name), Path(name) / "cache"
+        environment = os.environ | {"FOWTLIB_CACHE": str(cache)}
+        started = time.monotonic()
+        _fowt(folder, environment, duration, "whole.nc")
+        cold = time.monotonic() - started
+        whole = _rows(folder / "whole.nc")
+        for number in range(count):
+            if number % 5 == 0:
+                shutil.rmtree(cache, ignore_errors=True)  # so that compilations are hit too
+            target = folder / f"run_{number}.nc"
+            process = subprocess.Popen(_words(duration, target.name), cwd=folder, env=environment,
+                                       start_new_session=True, stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL)  # fmt: skip
+            time.sleep(chance.uniform(0.0, cold))
+            os.killpg(process.pid, signal.SIGKILL)
+            process.wait()
+            if target.exists():
+                again = _fowt(folder, environment, duration, target.name, "--resume", target.name, "--force")
+                resumed += 1
+            else:
+                again = _fowt(folder, environment, duration, target.name, "--force")
+                early += 1
+            if again.returncode:
+                faults.append(f"kill {number}: {again.stderr.strip().splitlines()[-1][:160]}")
+            elif not _equal(_rows(target), whole):
+                faults.append(f"kill {number}: the resumed run differs")
+            for file in folder.glob(f"*run_{number}*"):
+                file.unlink() if file.is_file() else shutil.rmtree(file)
+    found = f"{resumed} resumed, {early} before anything was written; {len(faults)} faults{_first(faults)}"
+    return Row("kills (SIGKILL) of runs and compilations, resumed and compared bit for bit", count, found, not faults)
+
+
+def disk_full(count: int, seed: int = 1) -> Row:
+    """Runs whose files may not grow beyond a random size: a tmpfs where one can be mounted, else RLIMIT_FSIZE.
+
+    Good: a sentence and no traceback, and what stands is readable or refused with a sentence.
+    """
+    chance, faults, stopped = random.Random(seed), [], 0
+    with tempfile.TemporaryDirectory(prefix="full_") as name:
+        folder = Path(name)
+        disk = folder / "disk"
+        disk.mkdir()
+        mounted = False
+        for number in range(count):
+            size = chance.choice((4, 64, 256, 1024, 4096)) * 1024
+            mounted = not subprocess.run(["mount", "-t", "tmpfs", "-o", f"size={size}", "tmpfs", str(disk)],
+                                         capture_output=True).returncode  # fmt: skip
+            try:
+                limit = None if mounted else (lambda most=size: resource.setrlimit(resource.RLIMIT_FSIZE, (most, most)))
+                run = subprocess.run(_words(60.0, str(disk / f"run_{number}.nc")), cwd=folder, capture_output=True,
+                                     text=True, preexec_fn=limit, timeout=300)  # fmt: skip
+                stopped += run.returncode != 0
+                if run.returncode not in (0, 2) or "Traceback" in run.stderr:
+                    faults.append(f"size {size}: status {run.returncode}, {run.stderr.strip()[-160:]}")
+                for file in disk.glob("*.nc"):
+                    try:
+                        _rows(file)
+                    except Exception as error:
+                        if type(error).__name__ == "ModelError" and run.returncode:
+                            continue
+                        faults.append(f"size {size}: {type(error).__name__} {error}"[:200])
+            finally:
+                if mounted:
+                    subprocess.run(["umount", str(disk)], check=True)
+                for file in disk.glob("*"):
+                    file.unlink()
+    how = "tmpfs" if mounted else "limit of the size of files"
+    return Row(f"runs on a full disk ({how})", count, f"{stopped} stopped by it; {len(faults)} faults{_first(faults)}",
+               not faults)  # fmt: skip
+
+
+def cold_cache(count: int) -> Row:
+    """Two processes compile the same model into one empty cache at once. Good: both run, with the same numbers."""
+    faults = []
+    for number in range(count):
+        with tempfile.TemporaryDirectory(prefix="cold_") as name:
+            folder = Path(name)
+            environment = os.environ | {"FOWTLIB_CACHE": str(folder / "cache")}
+            both = [subprocess.Popen(_words(0.5, f"{i}.nc"), cwd=folder, env=environment, text=True,
+                                     stdout=subprocess.DEVNULL, stderr=subprocess.PIPE) for i in (0, 1)]  # fmt: skip
+            said = [process.communicate(timeout=300)[1] for process in both]
+            if any(process.returncode for process in both):
+                faults.append(f"pair {number}: {' '.join(said).strip()[-160:]}")
+            elif not _equal(_rows(folder / "0.nc"), _rows(folder / "1.nc")):
+                faults.append(f"pair {number}: the results differ")
+    return Row("two processes on one cold cache", count, f"{len(faults)} faults{_first(faults)}", not faults)
+
+
+def plants(count: int) -> Row:
+    """Plants made, run and dropped in one process. Good: memory, descriptors, maps and temporary files do not grow."""
+    import gc
+
+    import fowtlib as fw
+
+    def once(number: int) -> None:
+        plant = fw.load(MODEL).compile()
+        plant.simulate(0.2, 0.1, solver="fixed", step=0.05, parameters={"sea.seed": number % 7 + 1})
+
+    early = max(3, count // 10)
+    for number in range(early):
+        once(number)
+    gc.collect()
+    before = _use()
+    for number in range(early, count):
+        once(number)
+    gc.collect()
+    return _growth("plants compiled, run and dropped in one process", count, before, _use(), 60e6)
+
+
+def long_run(seconds: float) -> Row:
+    """One run of `seconds`, with few output points. Good: nothing but its rows grows."""
+    import fowtlib as fw
+
+    plant = fw.load(MODEL).compile()
+    seen: list[dict[str, float]] = []
+
+    def look(t: float, end: float) -> None:
+        if not seen and t > 0.1 * end:
+            seen.append(_use())
+
+    result = plant.simulate(seconds, 10.0, solver="fixed", step=0.05, progress=look,
+                            parameters={"sea.repetition_period": 4096.0})  # fmt: skip
+    rows = 2 * 8 * len(result.time) * (plant.dae.stats.get("states", 60) + 100)
+    row = _growth(f"a run of {seconds:g} s ({MODEL}, fixed steps)", 1, seen[0] if seen else _use(), _use(), 60e6 + rows)
+    return Row(row.what, 1, f"{result.attributes['wall_time']:.0f} s of wall time; {row.found}", row.good)
+
+
+def threads(count: int) -> Row:
+    """Two plants in two threads, and one plant in two threads, in a process of their own.
+
+    Good: the numbers are those of a run alone, or the run is refused by name.
+    """
+    faults, refused = [], 0
+    for number in range(count):
+        run = subprocess.run(
+            [sys.executable, "-c", THREADS, str(number % 2)], capture_output=True, text=True, timeout=600
+        )
+        words = run.stdout.split()
+        if run.returncode or not words:
+            faults.append(f"status {run.returncode}: {run.stderr.strip()[-200:]}")
+        elif "refused" in words:
+            refused += 1
+        elif words.count("same") != 2:
+            faults.append(f"other numbers: {run.stdout.strip()}")
+    return Row("two plants, and one plant, in two threads", count,
+               f"{refused} refused by name; {len(faults)} faults{_first(faults)}", not faults)  # fmt: skip
+
+
+THREADS = """
+import sys, threading
+import numpy as np
+import fowtlib as fw
+from fowtlib.language.errors import ModelError
+one = fw.load("oc3_spar_rigid").compile()
+two = one if sys.argv[1] == "1" else fw.load("oc3_spar_rigid").compile()
+def run(plant, solver):
+    options = {"solver": "fixed", "step": 0.05} if solver else {}
+    return plant.simulate(20.0, 0.1, parameters={"wind.mean_speed": 9.0}, **options).raw.x
+alone = [run(one, True), run(one, False)]
+found = {}
+def work(name, plant):
+    try:
+        same = all(np.array_equal(run(plant, solver), known) for solver, known in ((True, alone[0]), (False, alone[1])))
+        found[name] = "same" if same else "differs"
+    except ModelError as error:
+        found[name] = "refused"
+        print(error, file=sys.stderr)
+    except BaseException as error:
+        found[name] = repr(error).replace(" ", "_")
+both = [threading.Thread(target=work, args=item) for item in (("a", one), ("b", two))]
+for thread in both: thread.start()
+for thread in both: thread.join()
+print(*found.values())
+"""
+
+
+def _words(duration: float, target: str, *more: str) -> list[str]:
+    return [
+        *FOWT,
+        "run",
+        MODEL,
+        "--time",
+        str(duration),
+        "--solver",
+        "fixed",
+        "--step",
+        "0.05",
+        "--output",
+        target,
+        *more,
+    ]
+
+
+def _fowt(folder: Path, environment: dict[str, str], duration: float, target: str,
+          *more: str) -> subprocess.CompletedProcess[str]:  # fmt: skip
+    return subprocess.run(_words(duration, target, *more), cwd=folder, env=environment, capture_output=True, text=True,
+                          timeout=600)  # fmt: skip
+
+
+def _rows(path: Path) -> tuple[np.ndarray, np.ndarray]:
+    """Times and states of a result."""
+    from fowtlib.solving.results import Result
+
+    stored = Result.open(path).stored
+    return stored.time, np.column_stack([np.ravel(values) if np.ndim(values) == 1 else values[:, 0]
+                                         for values in stored.values.values()])  # fmt: skip
+
+
+def _equal(one: tuple[np.ndarray, np.ndarray], other: tuple[np.ndarray, np.ndarray]) -> bool:
+    return all(np.array_equal(a, b) for a, b in zip(one, other, strict=True))
+
+
+def _use() -> dict[str, float]:
+    """Resident memory [bytes], open descriptors, mapped files, files in the temporary folder."""
+    status = Path("/proc/self/statm").read_text().split()
+    maps = {line.split()[-1] for line in Path("/proc/self/maps").read_text().splitlines() if "/" in line}
+    return {
+        "memory": int(status[1]) * resource.getpagesize(),
+        "descriptors": len(os.listdir("/proc/self/fd")),
+        "maps": len(maps),
+        "temporary files": len(os.listdir(tempfile.gettempdir())),
+    }
+
+
+def _growth(what: str, times: int, before: dict[str, float], after: dict[str, float], memory: float) -> Row:
+    more = {key: after[key] - before[key] for key in before}
+    good = more["memory"] <= memory and all(more[key] <= 2 for key in ("descriptors", "maps", "temporary files"))
+    words = [f"{more['memory'] / 1e6:+.0f} MB", *(f"{more[key]:+.0f} {key}" for key in list(more)[1:])]
+    return Row(what, times, ", ".join(words), good)
+
+
+def _first(faults: list[str]) -> str:
+    return f" (the first: {faults[0]})" if faults else ""
