@@ -53,13 +53,13 @@ def stoppable(work: Callable[[], Result], interrupted: threading.Event, stop: Ca
 
     stop: asks the work to end early. Work that does not within PATIENCE is left to itself.
     """
-    stderr = sys.stderr
+    stderr, context = sys.stderr, copy_context()
     results: list[Result] = []
     errors: list[BaseException] = []
 
     def carry_out() -> None:
         try:
-            results.append(work())
+            results.append(context.run(work))
         except BaseException as error:  # it belongs to the caller
             errors.append(error)
 

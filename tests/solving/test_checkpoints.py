@@ -146,3 +146,20 @@ def test_packed_bytes_are_refused_where_one_has_changed():
     for place in random.integers(0, len(data), 200):
         with pytest.raises(ValueError):
             unpacked(data[:place] + bytes([data[place] ^ 4]) + data[place + 1 :])
+
+
+def test_a_damaged_result_is_refused_or_unchanged(plant, tmp_path):
+    result = plant.simulate(2.0, output_step=0.05)
+    path, random = result.save(tmp_path / "run.nc"), np.random.default_rng(3)
+    data, refused = path.read_bytes(), 0
+    for place in random.integers(0, len(data), 300):
+        path.write_bytes(data[:place] + bytes([data[place] ^ 0x08]) + data[place + 1 :])
+        try:
+            read = fw.Result.open(path)
+        except ModelError as error:
+            assert "run.nc" in str(error)
+            refused += 1
+            continue
+        assert all(read.array(name).tobytes() == result.array(name).tobytes() for name in result)
+        assert _same(read, result)
+    assert refused > 150
