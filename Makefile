@@ -22,7 +22,7 @@ $(STAMP): requirements.lock pyproject.toml
 run: $(STAMP)
 	@mkdir -p output
 	$(BIN)/fowt run oc3_spar_rigid --time 300 --wind kaimal:11.4,class=B,seed=1 --waves jonswap:Hs=6,Tp=10,seed=1 \
-		--output output/oc3_spar_rigid.nc --plot output/oc3_spar_rigid.png
+		--output output/oc3_spar_rigid.nc --plot output/oc3_spar_rigid.png --force
 
 # TESTS: further words for pytest, such as TESTS="-k mooring"
 test: $(STAMP)

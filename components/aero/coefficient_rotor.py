@@ -10,6 +10,7 @@ from fowtlib.components.aero.rotor import Rotor
 from fowtlib.components.blocks import ButterworthLowPass
 from fowtlib.components.environment.wind import Wind
 from fowtlib.components.environment.world import World
+from fowtlib.components.mechanics.attitude import heading_at_start
 from fowtlib.language import (
     Data,
     RealOutput,
@@ -63,9 +64,10 @@ class HubWind(Rotor):
             self.connect(self.low_pass.y, self.mean_wind)
 
     def mean_along_shaft(self) -> float:
-        """Mean wind [m/s] along the shaft, while the turbine stands straight: where its filter starts."""
+        """Mean wind [m/s] along the shaft, without pitch and roll of what carries it: where its filter starts."""
         wind = self.wind
-        turned = np.cos(wind.parameter_value("direction")) * np.cos(self.parameter_value("tilt"))
+        yaw = wind.parameter_value("direction") - heading_at_start(self, "frame")
+        turned = np.cos(yaw) * np.cos(self.parameter_value("tilt"))
         return float(wind.mean_at(self.station) * turned)
 
     def equations(self):

@@ -22,5 +22,8 @@ class World(Component):
 
     frame: Frame = port(optional=True, doc="fixed frame at the still water level; it carries any load")
 
+    def fixed_rotation(self):
+        return m.eye(3)
+
     def equations(self):
         return [eq(self.frame.r, m.zeros(3)), fix_orientation(self.frame, m.eye(3), m.zeros(3))]

@@ -11,6 +11,7 @@ from contextlib import suppress
 MOVE = struct.Struct("<cH")  # the question that takes the other process to a processor
 ANYWHERE = 0xFFFF
 SHORT = 1e-3  # s; in a longer call the time to wake up does not matter, and other processors may be free
+LONG = 5  # so many in a row; a single one says only that the machine is busy
 FIRST = 20  # calls before, in which a library starts what threads it has
 
 
@@ -22,7 +23,7 @@ class Nearness:
     """
 
     def __init__(self) -> None:
-        self._calls, self._there, self._off = 0, ANYWHERE, False
+        self._calls, self._long, self._there, self._off = 0, 0, ANYWHERE, False
         try:
             self._where = ctypes.CDLL(None).sched_getcpu
             self._all = os.sched_getaffinity(0)
@@ -59,5 +60,6 @@ class Nearness:
             return
         with suppress(OSError):
             os.sched_setaffinity(0, self._all)
-        if time.perf_counter() - self._begin > SHORT:
-            self._calls = 0  # off for a while
+        self._long = self._long + 1 if time.perf_counter() - self._begin > SHORT else 0
+        if self._long == LONG:
+            self._calls = self._long = 0  # off for a while

@@ -58,6 +58,9 @@ class BeamTurn(TwoFrames):
         structural="its zeros drop out of the equations", doc="columns: axes of frame_b, resolved in frame_a"
     )
 
+    def start_rotation(self, command):
+        return np.asarray(self.axes, dtype=float)
+
     def equations(self):
         a, b = self.frame_a, self.frame_b
         return [eq(b.r, a.r), rotation(a, b, np.asarray(self.axes, dtype=float), m.zeros(3)), self.transmit()]
@@ -95,6 +98,9 @@ class BendingHinge(TwoFrames):
     a_x: Scalar = var(unit="rad/s^2", doc="second derivative of phi_x")
     a_y: Scalar = var(unit="rad/s^2", doc="second derivative of phi_y")
 
+    def start_rotation(self, command):
+        return m.eye(3)
+
     def equations(self):
         a, b, x, y = self.frame_a, self.frame_b, unit_axis(self.axis_x), unit_axis(self.axis_y)
         first = axis_rotation(x, self.phi_x)
@@ -123,6 +129,9 @@ class TorsionHinge(TwoFrames):
     w: Scalar = var(unit="rad/s", state="prefer", doc="rate", hint="has the beam a rotary inertia?")
     a: Scalar = var(unit="rad/s^2", doc="angular acceleration")
 
+    def start_rotation(self, command):
+        return m.eye(3)
+
     def equations(self):
         a, b, n = self.frame_a, self.frame_b, unit_axis(self.n)
         return [
@@ -146,6 +155,9 @@ class AxialSpring(TwoFrames):
     s: Scalar = var(unit="m", state="prefer", doc="stretch")
     v: Scalar = var(unit="m/s", state="prefer", doc="rate", hint="has the beam mass on both sides?")
     a: Scalar = var(unit="m/s^2", doc="second derivative of the stretch")
+
+    def start_rotation(self, command):
+        return m.eye(3)
 
     def equations(self):
         a, b, n = self.frame_a, self.frame_b, unit_axis(self.n)

@@ -36,6 +36,9 @@ class Fixed(Component):
 
     frame: Frame = port(doc="the fixed frame")
 
+    def fixed_rotation(self):
+        return yaw_pitch_roll(*map(float, self.parameter_value("angles")))
+
     def equations(self):
         R = yaw_pitch_roll(self.angles[0], self.angles[1], self.angles[2])
         return [eq(self.frame.r, self.r), fix_orientation(self.frame, R, m.zeros(3))]
@@ -49,6 +52,9 @@ class FixedTranslation(TwoFrames):
 
     r: Vector = param(unit="m", doc="from frame_a to frame_b, resolved in frame_a")
     diameter: Number = param(default=None, unit="m", min=0, doc="diameter of the rod in pictures; 0 hides it")
+
+    def start_rotation(self, command):
+        return m.eye(3)
 
     def equations(self):
         a, b = self.frame_a, self.frame_b
@@ -73,6 +79,9 @@ class FixedRotation(TwoFrames):
     angle: Scalar = param(unit="rad", doc="angle from frame_a to frame_b")
     r: Vector = param(default=(0, 0, 0), unit="m", doc="from frame_a to frame_b, resolved in frame_a")
     diameter: Number = param(default=None, unit="m", min=0, doc="diameter of the rod in pictures; 0 hides it")
+
+    def start_rotation(self, command):
+        return axis_rotation(self.n, float(self.parameter_value("angle")))
 
     def equations(self):
         a, b = self.frame_a, self.frame_b

@@ -13,6 +13,13 @@ class TwoFrames(Component):
     frame_a: Frame = port(doc="side towards the root, often the carrier")
     frame_b: Frame = port(doc="side towards the tips")
 
+    def start_rotation(self, command):
+        """R (3 x 3) from frame_b to frame_a where a run starts; None for a part that holds no orientation.
+
+        Called outside of flattening; command: what is commanded to a drive.
+        """
+        return None
+
     def transmit(self, arm=None):
         """Balance of the loads on both frames of a massless part; arm = r_b - r_a, world (None: zero)."""
         a, b = self.frame_a, self.frame_b

@@ -66,6 +66,9 @@ class FreeMotion(TwoFrames):
     acceleration: Vector = var(unit="m/s^2", doc="second derivatives of surge, sway, heave")
     angle_accelerations: Vector = var(unit="rad/s^2", doc="second derivatives of roll, pitch, yaw")
 
+    def start_rotation(self, command):
+        return yaw_pitch_roll(*(float(self.parameter_value(f"{name}_start")) for name in ("roll", "pitch", "yaw")))
+
     def equations(self):
         a, b = self.frame_a, self.frame_b
         position = m.vertcat(self.surge, self.sway, self.heave)
@@ -112,6 +115,9 @@ class Revolute(TwoFrames):
     w: Scalar = var(unit="rad/s", start=w_start, state="prefer", doc="angular velocity")
     a: Scalar = var(unit="rad/s^2", doc="angular acceleration")
 
+    def start_rotation(self, command):
+        return axis_rotation(self.n, float(self.parameter_value("phi_start")))
+
     def equations(self):
         a, b, n = self.frame_a, self.frame_b, unit_axis(self.n)
         return [
@@ -157,6 +163,9 @@ class Prismatic(TwoFrames):
     v: Scalar = var(unit="m/s", start=v_start, state="prefer", doc="velocity")
     a: Scalar = var(unit="m/s^2", doc="acceleration")
 
+    def start_rotation(self, command):
+        return m.eye(3)
+
     def equations(self):
         a, b = self.frame_a, self.frame_b
         axis = a.R @ unit_axis(self.n)
@@ -191,6 +200,9 @@ class Spherical(TwoFrames):
         unit="rad/s", start=angle_rates_start, state="prefer", doc="rates of roll, pitch, yaw", hint="has it inertia?"
     )
     angle_accelerations: Vector = var(unit="rad/s^2", doc="second derivatives of roll, pitch, yaw")
+
+    def start_rotation(self, command):
+        return yaw_pitch_roll(*(float(self.parameter_value(f"{name}_start")) for name in ("roll", "pitch", "yaw")))
 
     def equations(self):
         a, b = self.frame_a, self.frame_b

@@ -122,6 +122,9 @@ class LoadSensor(TwoFrames):
     force: RealOutput = port(unit="N", shape=(3,), doc="force of side a on side b, resolved in frame_a")
     torque: RealOutput = port(unit="N*m", shape=(3,), doc="moment of side a on side b, resolved in frame_a")
 
+    def start_rotation(self, command):
+        return m.eye(3)
+
     def equations(self):
         a, b = self.frame_a, self.frame_b
         return [

@@ -70,6 +70,9 @@ class ActuatedBearing(TwoFrames):
             ),
         ]  # fmt: skip
 
+    def start_rotation(self, command):
+        return axis_rotation(self.n, command)
+
     def equations(self):
         a, b, n = self.frame_a, self.frame_b, unit_axis(self.n)
         w0 = 2 * math.pi * self.natural_frequency

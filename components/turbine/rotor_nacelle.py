@@ -72,6 +72,10 @@ class RotorNacelle(Component):
         give_default(control, "pitch_start", self.blade_pitch_start)
         give_default(control, "speed_start", self.gear_ratio * self.rotor_speed_start)
 
+    @property
+    def carrier(self) -> tuple[Component, str]:
+        return self, "frame"
+
     def drawing(self) -> Drawing:
         return [*outlines.housing(self.frame, self.rotor), *self.rotor.drawing()]
 

@@ -7,6 +7,7 @@ from functools import lru_cache
 from math import cos
 from typing import TYPE_CHECKING, Any, Protocol
 
+from fowtlib.components.mechanics.attitude import heading_at_start
 from fowtlib.components.servo import TorqueController, TorqueLaw
 from fowtlib.components.turbine.operating_point import STANDSTILL, OperatingPoint, SteadyTurbine
 from fowtlib.language import Component
@@ -22,6 +23,10 @@ class InTheWind(Protocol):
     wind: Wind
     label: str
 
+    @property
+    def carrier(self) -> tuple[Component, str]:
+        """The part and its frame that the shaft is fixed to."""
+
     def steady_turbine(self) -> SteadyTurbine:
         """Rotor and controller as numbers."""
 
@@ -29,11 +34,12 @@ class InTheWind(Protocol):
 def start_point(turbine: InTheWind, station: int) -> OperatingPoint:
     """Steady operation in the mean wind of the rotor's station, as far as it blows along the shaft.
 
-    The frame of the turbine counts as turned along x. Standstill without wind, and in wind from the side or behind.
+    The shaft is turned as joints, links and a constant yaw command turn it at the start; see heading_at_start.
+    Standstill without wind, and in wind from the side or behind.
     """
     wind = turbine.wind
     mean = wind.mean_at(station)  # refuses a station that does not exist
-    along = mean * cos(wind.parameter_value("direction"))
+    along = mean * cos(wind.parameter_value("direction") - heading_at_start(*turbine.carrier))
     if along <= 1e-12 * abs(mean):  # a direction of 90 deg is no round number
         return STANDSTILL
     steady = turbine.steady_turbine()

@@ -82,6 +82,11 @@ class Turbine(Component):
         ):  # fmt: skip
             give_default(component, name, value)
 
+    @property
+    def carrier(self) -> tuple[Component, str]:
+        """Behind the yaw drive, in front of the tilt."""
+        return self.assembly.nacelle.tilted, "frame_a"
+
     def drawing(self) -> Drawing:
         """The parts of the assembly, its blades with the chord of the aerodynamics."""
         body, blade = self.assembly, self.aerodynamics.steady_rotor.blade

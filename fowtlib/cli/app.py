@@ -30,6 +30,7 @@ from fowtlib.cli import (
     wind_field,
 )
 from fowtlib.cli.encoding import write_what_can_be_written
+from fowtlib.cli.files import declare_force
 from fowtlib.cli.report import write_report
 from fowtlib.language.errors import ModelError, did_you_mean
 
@@ -86,6 +87,8 @@ def parser() -> tuple[Parser, dict[str, Parser]]:
     for line in commands._choices_actions:  # what `fowt --help` says of a command
         commands.choices[line.dest].description = f"{line.help[0].upper()}{line.help[1:]}."
     for command in commands.choices.values():
+        if {action.dest for action in command._actions} & {"output", "plot", "table", "curve"}:
+            declare_force(command)
         command.add_argument("--traceback", action="store_true", help="on an error, show where in the program it arose")
     return top, dict(commands.choices)
 

@@ -35,8 +35,8 @@ def show_decay(arguments: argparse.Namespace) -> int:
     """Print period and damping ratio of a free decay, and draw it."""
     from fowtlib.analysis import free_decay
 
-    check_target(arguments.plot, FIGURES)
-    check_target(arguments.table, TABLES)
+    check_target(arguments.plot, FIGURES, arguments.force)
+    check_target(arguments.table, TABLES, arguments.force)
     model, conditions = loading.load_at_rest(arguments)
     plant = model.compile()
     with progress_bar() as report:

@@ -3,11 +3,12 @@
 from __future__ import annotations
 
 import argparse
+import sys
 from pathlib import Path
 from typing import Any
 
 from fowtlib.cli import loading
-from fowtlib.cli.files import check_target, say_saved
+from fowtlib.cli.files import check_target, in_place_of
 from fowtlib.cli.run import positive
 from fowtlib.cli.weather import weather
 
@@ -51,18 +52,20 @@ def run(arguments: argparse.Namespace) -> int:
     """Compile the model, write the archive, and say how large it is."""
     from fowtlib.cli.tables import console
     from fowtlib.fmi import export_fmu
+    from fowtlib.fmi.export import default_archive
 
-    check_target(arguments.output, (".fmu",))
+    check_target(arguments.output, (".fmu",), arguments.force)
     platforms = arguments.platforms.split(",") if arguments.platforms is not None else None
     screen = console(stderr=True)
     with screen.status("model") as status:
         model = loading.load(arguments)
         plant = model.compile(arguments.inputs)
+        before = "" if arguments.output else in_place_of(default_archive(plant))
         path = export_fmu(
             plant, arguments.output, fmi=arguments.fmi, kind=arguments.kind, platforms=platforms, step=arguments.step,
             tolerance=arguments.tolerance, progress=status.update,
         )  # fmt: skip
     if conditions := weather(model, arguments):
         print(conditions)
-    say_saved(path)
+    print(f"saved {path}{before}", file=sys.stderr)
     return 0

@@ -64,7 +64,7 @@ def write_new(arguments: argparse.Namespace) -> int:
         path = path.with_name(f"{path.name}.yaml")
     if path.exists():
         raise ModelError(f"{path} exists already; choose another name.")
-    check_target(path, (".yaml",))
+    check_target(path, (".yaml",), force=False)
     text = find_model(arguments.like).read_text(encoding="utf-8")
     head = f"# A copy of {arguments.like}, made by `fowt new`. Check it: fowt check {path}   Run it: fowt run {path}\n"
     path.write_text(head + re.sub(r"^title:.*$", f"title: {path.stem}", text, count=1, flags=re.M), encoding="utf-8")

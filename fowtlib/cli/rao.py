@@ -48,8 +48,8 @@ def show_rao(arguments: argparse.Namespace) -> int:
     """Print amplitude and phase of every motion, and draw them."""
     from fowtlib.analysis import linear_rao
 
-    check_target(arguments.plot, FIGURES)
-    check_target(arguments.table, TABLES)
+    check_target(arguments.plot, FIGURES, arguments.force)
+    check_target(arguments.table, TABLES, arguments.force)
     model, conditions = loading.load_at_rest(arguments)
     plant = model.compile()
     rao = linear_rao(plant, arguments.frequencies, heading=math.radians(arguments.heading))

@@ -76,7 +76,7 @@ def show_rotor_table(arguments: argparse.Namespace) -> int:
     from fowtlib.components.aero import write_coefficients
 
     for path, endings in ((arguments.output, (".csv",)), (arguments.curve, (".csv",)), (arguments.plot, FIGURES)):
-        check_target(path, endings)
+        check_target(path, endings, arguments.force)
     _check_grids(arguments)
     turbine = _turbine(loading.load(arguments), arguments.turbine)
     precone = turbine.assembly.hub.parameter_value("precone")

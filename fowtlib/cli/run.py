@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import argparse
 import math
+from itertools import chain, count
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -42,7 +43,10 @@ def declare(commands: Any) -> None:
     parser.add_argument("--solver", default=None, help="idas or fixed; default: the model file's, or idas")
     parser.add_argument("--step", metavar="T", help="step of the solver fixed [s], or 12.5ms")
     parser.add_argument("--tolerance", type=positive, metavar="RTOL", help="relative; default: the model file's")
-    parser.add_argument("--resume", type=Path, metavar="FILE", help="go on from the end of an earlier result (.nc)")
+    parser.add_argument(
+        "--resume", type=Path, metavar="FILE",
+        help="go on from an earlier result (.nc), or from what a killed run has left (.nc.part)",
+    )  # fmt: skip
     parser.add_argument("--start", metavar="HOW", help=HELP)
     parser.add_argument(
         "--discard", type=positive, metavar="S", default=0.0, help="statistics and picture without the first S seconds"
@@ -90,10 +94,18 @@ def run(arguments: argparse.Namespace) -> int:
     """Simulate, save, draw, and print the statistics of the results."""
     from fowtlib.solving.conditions import Conditions
     from fowtlib.solving.results import Result
+    from fowtlib.solving.results.journal import Journal, journal_of
 
-    check_target(arguments.output, RESULTS)
-    check_target(arguments.plot, FIGURES)
-    earlier = Result.open(arguments.resume) if arguments.resume else None
+    resumed = arguments.resume
+    if resumed and not resumed.exists() and journal_of(resumed).exists():
+        resumed = journal_of(resumed)
+    onto = arguments.output is not None and arguments.output == arguments.resume  # to go on in the same file
+    check_target(arguments.output, RESULTS, arguments.force or onto)
+    check_target(arguments.plot, FIGURES, arguments.force)
+    journal = Journal(arguments.output) if arguments.output else None
+    if journal and not resumed:
+        _check_left(journal.path, arguments.output, arguments.force)
+    earlier = Result.open(resumed) if resumed else None
     model = loading.load(arguments)
     require_leave(model.root)  # before the equations are made
     plant = model.compile()
@@ -103,13 +115,15 @@ def run(arguments: argparse.Namespace) -> int:
     options = {"solver": arguments.solver, "step": arguments.step, "tolerance": arguments.tolerance}
     try:
         with progress_bar(earlier.time[-1] if earlier else 0.0) as report:
-            later = plant.simulate(conditions=conditions, progress=report, **options)
+            later = plant.simulate(conditions=conditions, progress=report, journal=journal, **options)
     except SimulationError as error:
-        _rescue(error, earlier, arguments.output or Path(f"{model.name or 'run'}_partial.nc"))
+        if _rescue(error, earlier, arguments.output or _free_name(f"{model.name or 'run'}_partial")) and journal:
+            journal.remove()
         raise
     result = earlier.followed_by(later) if earlier else later
     if arguments.output:
         _save(result, arguments.output)
+        journal.remove()
     if arguments.plot:
         from fowtlib.solving.results.plots import plot_result
 
@@ -148,15 +162,31 @@ def _save(result: Result, path: Path) -> None:
         raise
 
 
-def _rescue(error: SimulationError, earlier: Result | None, path: Path) -> None:
-    """Save what a run has computed before it stopped, and say so in the error."""
+def _free_name(stem: str) -> Path:
+    """A name of a result that is not there yet."""
+    names = (Path(f"{stem}{number}.nc") for number in chain([""], (f"_{k}" for k in count(2))))
+    return next(path for path in names if not path.exists())
+
+
+def _check_left(left: Path, output: Path, force: bool) -> None:
+    """Refuse to write over what a run that was killed has left."""
+    if left.exists() and not force:
+        raise ModelError(
+            f"{left}: a run to this file was killed, or is going on, and this is what it has computed. To go on from "
+            f"there: --resume {output}; to begin anew: --force."
+        )
+
+
+def _rescue(error: SimulationError, earlier: Result | None, path: Path) -> bool:
+    """Save what a run has computed before it stopped, and say so in the error; whether it was."""
     partial: Result | None = getattr(error, "result", None)
     if partial is None or partial.time.size < 2:
-        return
+        return False
     result = earlier.followed_by(partial) if earlier else partial
     path = result.save(path if path.suffix == ".csv" else path.with_suffix(".nc"))
     error.message += f"\nThe results up to t = {result.time[-1]:g} s are saved in {path}"
     error.message += f"; to go on from there: --resume {path}" if path.suffix == ".nc" else "."
+    return True
 
 
 def _show(arguments: argparse.Namespace, result: Result, later: Result) -> None:

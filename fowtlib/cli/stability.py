@@ -44,7 +44,7 @@ def show_equilibrium(arguments: argparse.Namespace) -> int:
     """Print the results of the model at its equilibrium."""
     from fowtlib.solving import mean_state
 
-    check_target(arguments.table, TABLES)
+    check_target(arguments.table, TABLES, arguments.force)
     model, conditions = loading.load_at_rest(arguments)
     plant = model.compile()
     state = mean_state(plant)
@@ -58,8 +58,8 @@ def show_modes(arguments: argparse.Namespace) -> int:
     """Print the modes of the linear model at the equilibrium, slowest first."""
     from fowtlib.solving import mean_state, natural_modes
 
-    check_target(arguments.table, TABLES)
-    check_target(arguments.plot, FIGURES)
+    check_target(arguments.table, TABLES, arguments.force)
+    check_target(arguments.plot, FIGURES, arguments.force)
     model, conditions = loading.load_at_rest(arguments)
     plant = model.compile()
     modes = natural_modes(plant, mean_state(plant))

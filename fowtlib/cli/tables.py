@@ -58,7 +58,7 @@ def save(arguments: argparse.Namespace, columns: Sequence[str], rows: Sequence[R
     path: Path | None = getattr(arguments, "table", None)
     if path is None:
         return
-    check_target(path, TABLES)
+    check_target(path, TABLES, arguments.force)
     with path.open("w", encoding="utf-8", newline="") as file:
         if path.suffix == ".json":
             json.dump([dict(zip(columns, map(_plain, row), strict=True)) for row in rows], file, indent=2,

@@ -9,7 +9,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from fowtlib.cli import loading
-from fowtlib.cli.files import RESULTS, check_target
+from fowtlib.cli.files import RESULTS, check_target, in_place_of
 from fowtlib.cli.run import positive
 from fowtlib.cli.weather import weather
 from fowtlib.language.errors import ModelError
@@ -59,12 +59,13 @@ def view(arguments: argparse.Namespace) -> int:
     """Write the page, say what is in it, and open it where wanted."""
     from fowtlib.view import view as draw
 
-    check_target(arguments.output, PAGES)
+    check_target(arguments.output, PAGES, arguments.force)
     path: Path | None = arguments.result
     alone = path is None and Path(arguments.model).suffix in RESULTS
     if alone:
         path = Path(arguments.model)
     target = arguments.output or Path(f"{path.stem if path else Path(arguments.model).stem}.html")
+    before = "" if arguments.output else in_place_of(target)
     options = {"path": target, "rate": arguments.rate, "show": arguments.open}
     if path is None:
         made = _of_model(arguments, options)
@@ -77,7 +78,7 @@ def view(arguments: argparse.Namespace) -> int:
         model, result = _played(arguments, path, alone)
         _say(weather(model, arguments, whose="of the run"))
         made = draw(result, **options)
-    print(f"saved {made}", file=sys.stderr)
+    print(f"saved {made}{before}", file=sys.stderr)
     return 0
 
 

@@ -53,7 +53,7 @@ def generate(arguments: argparse.Namespace) -> int:
     """Write the field, and say what it holds."""
     from fowtlib.components.environment import generate_field
 
-    check_target(arguments.file, ENDINGS)
+    check_target(arguments.file, ENDINGS, arguments.force)
     columns, rows = (
         max(2, math.ceil(size / arguments.spacing - 1e-9) + 1) for size in (arguments.width, arguments.height)
     )

@@ -57,7 +57,7 @@ def export_fmu(
     if kind not in KINDS:
         raise ParameterError(f"there is no kind of FMU '{kind}'{did_you_mean(kind, KINDS)}")
     names, told = chosen(platforms), progress or (lambda what: None)
-    target = checked_target(Path(path or f"{_identifier(plant.name or 'model')}.fmu"))
+    target = checked_target(Path(path) if path else default_archive(plant))
     refuse_python(plant.dae)
     require_platforms(names, version)
     told("start values")
@@ -159,6 +159,11 @@ def _token(sources: Sources, version: str, kind: str) -> str:
 def _identifier(name: str) -> str:
     word = re.sub(r"\W", "_", name, flags=re.ASCII)
     return word if word[:1].isalpha() else f"m_{word}"
+
+
+def default_archive(plant: Plant) -> Path:
+    """The archive where nobody names one."""
+    return Path(f"{_identifier(plant.name or 'model')}.fmu")
 
 
 def checked_target(path: Path) -> Path:

@@ -20,6 +20,7 @@ import subprocess
 import sys
 import warnings
 import weakref
+from contextlib import suppress
 from functools import lru_cache
 from pathlib import Path
 
@@ -121,8 +122,9 @@ def open_library(path: str | Path) -> Library:
     if found is None and len(_libraries) >= _many:
         gc.collect()  # plants are circles of objects, and Python does not see how much hangs on them
         _many = _MANY + 2 * len(_libraries)
-    while _unused:
-        _close(_unused.pop())
+    with suppress(IndexError):  # another thread was faster
+        while _unused:
+            _close(_unused.pop())
     if found is None:
         found = _libraries[str(path)] = Library(str(path))
     return found

@@ -42,6 +42,7 @@ class Functions:
         self.q = ca.vertcat(dae.u, dae.d, dae.p)
         self._externals = [_Differentiable(external.function) for external in dae.externals]
         self._made: dict[Hashable, Any] = {}
+        self.abandoned = 0  # integrators that were left to run on in another thread
 
     def at(self, binding: Binding) -> AtParameters:
         """The functions at what a run takes in, without those parameters that have been zero in all runs so far."""

@@ -13,6 +13,7 @@ from fowtlib.language.component import Component
 from fowtlib.language.errors import ParameterError, SimulationError
 from fowtlib.language.externals import refusals_explained
 from fowtlib.solving.binding import Binding, Bindings
+from fowtlib.solving.checkpoint import last_time
 from fowtlib.solving.checks import check_state
 from fowtlib.solving.conditions import Conditions
 from fowtlib.solving.engines import FixedStepCode, create_engine
@@ -25,6 +26,7 @@ from fowtlib.solving.observation import Observation, observed
 from fowtlib.solving.outputs import Outputs
 from fowtlib.solving.results import Observer, RawTrajectory, Result
 from fowtlib.solving.results.html import table
+from fowtlib.solving.results.journal import Journal
 from fowtlib.solving.run import About, Run, duration_settings
 from fowtlib.solving.state import State
 
@@ -115,6 +117,7 @@ class Plant:
         outputs: Sequence[str] | None = None,
         progress: Callable[[float, float], None] | bool = False,
         conditions: Conditions | None = None,
+        journal: Journal | None = None,
     ) -> Result:
         """Simulate to `t_end` [s] and give the outputs every `output_step` [s].
 
@@ -126,6 +129,10 @@ class Plant:
 
         parameters: by path, tunable and bound ones. parts: by path, components that take the place of others of their
         family for this run, as in `parts={"wind": SteadyWind(mean_speed=8)}`; nothing is flattened or compiled anew.
+        A run that goes on from an earlier Result with the same solver and output step computes what it would have
+        without the end between, bit for bit: it begins at the last checkpoint of that result, and `earlier.followed_by`
+        puts its own points in the place of those that came after. With another solver it begins at the last point.
+        journal: where the results are kept while the run goes on; see Journal and docs/reliability.md.
         conditions: all of this as one value; what is given beside it counts more.
         """
         given = Conditions(parts or {}, parameters or {}, inputs, start, t_end, output_step, None, outputs)
@@ -143,7 +150,11 @@ class Plant:
         state = self._start(start, parameters, inputs, about.binding)
         names = list(self.outputs) if outputs is None else outputs
         run = Run(engine, state, self.outputs, names, about, isinstance(start, Result), lambda: self._code)
-        return run.run(end, interval, progress, chosen.discard or 0.0)
+        earlier, point = (start, run.can_go_on(start, end, interval)) if isinstance(start, Result) else (None, b"")
+        if journal is not None and earlier is not None:
+            earlier = earlier.before(last_time(point) if point else state.t)
+        stored = earlier.stored if journal is not None and earlier is not None and earlier.time.size else None
+        return run.run(end, interval, progress, chosen.discard or 0.0, point, journal, stored)
 
     @refusals_explained()
     def linearize(self, state: State, inputs: Sequence[str] = (), outputs: Sequence[str] | None = None) -> LinearModel:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import sys
+import threading
 import time as clock
 import warnings
 from collections.abc import Callable, Sequence
@@ -16,24 +17,30 @@ from fowtlib.language.leave import require_leave
 from fowtlib.language.units import to_si
 from fowtlib.solving import event_rules as rules
 from fowtlib.solving.binding import Binding
+from fowtlib.solving.checkpoint import checkpoint as make_checkpoint
+from fowtlib.solving.checkpoint import differences, restore
 from fowtlib.solving.checks import broken
 from fowtlib.solving.engines import Engine
 from fowtlib.solving.engines.fixed_step_code import FixedStepCode
 from fowtlib.solving.events import StateEvents
 from fowtlib.solving.failure import StepFailure, integration_failure
 from fowtlib.solving.initial import consistent_algebraics
-from fowtlib.solving.interrupts import deferred_interrupt
+from fowtlib.solving.interrupts import deferred_interrupt, stoppable
 from fowtlib.solving.layout import Values
 from fowtlib.solving.observation import Observation
 from fowtlib.solving.outputs import Outputs
 from fowtlib.solving.pace import announcement, seconds_per_second
-from fowtlib.solving.results import Observer, RawTrajectory, Result, parameter_hash
+from fowtlib.solving.results import Observer, RawTrajectory, Result, parameter_hash, signature
+from fowtlib.solving.results.data import Stored
+from fowtlib.solving.results.journal import Journal
 from fowtlib.solving.sessions import Sessions
 from fowtlib.solving.state import State
 
 MOST_POINTS = 2e7  # output points of one run
 TOLD = 5.0  # s that a run without a compiler may take before something is said about it
-LOOK, LEAST_STRETCH = 10.0, 10  # s between two looks at Ctrl-C where a run is slow, and output points at least
+SLOW_STRETCH = 50  # output points of a stretch without a compiler; never by the clock, which results do not depend on
+PIECE = 5.0  # s between two pieces of the journal, and checkpoints
+LONG = 0.2  # s of a stretch, expected, above which it runs in a thread, so that Ctrl-C is heard
 
 
 class Interrupted(SimulationError):
@@ -88,6 +95,11 @@ class Run:
         self.outputs, self.names, self.about, self.code = outputs, list(names), about, code
         self.binding, self.resumed, self.most = about.binding, resumed, rules.STRETCH
         require_leave(self.binding.root)
+        self.interrupted, self.pace = threading.Event(), np.inf  # s of the clock for one simulated, by the last stretch
+        self.checkpoint, self.final_checkpoint, self.saved = b"", False, 0.0
+        self.journal: Journal | None = None
+        self.written = 0  # output points in the journal
+        self.went_on_from: float | None = None
         self.sessions = Sessions(self.dae, resumed)
         self.t = start.t
         self.x, self.z, self.d, self.u = start.x.copy(), start.z.copy(), start.d.copy(), start.u.copy()
@@ -123,8 +135,13 @@ class Run:
     # --- the run -------------------------------------------------------------------------------------------------
 
     def run(self, t_end: float, step: float, progress: Callable[[float, float], None] | bool,
-            discard: float = 0.0) -> Result:  # fmt: skip
-        """Integrate to t_end; see Plant.simulate. The result does not hold the first `discard` seconds."""
+            discard: float = 0.0, checkpoint: bytes = b"", journal: Journal | None = None,
+            earlier: Stored | None = None) -> Result:  # fmt: skip
+        """Integrate to t_end; see Plant.simulate. The result does not hold the first `discard` seconds.
+
+        checkpoint: where an earlier run stood, to go on from; its first output point is the last before. journal: where
+        the results are written while the run goes on, behind those of an `earlier` run.
+        """
         if discard >= t_end - self.t > 0:
             raise SimulationError(
                 f"discard is {discard:g} s, and the run is {t_end - self.t:g} s long; nothing would be left of it."
@@ -135,21 +152,27 @@ class Run:
         if t_end < self.t:
             raise SimulationError(f"the end of the simulation, {t_end:g} s, lies before its start, {self.t:g} s.")
         told = _console if progress is True else progress or (lambda t, t_end: None)
-        began, self.t_start, self.step = clock.perf_counter(), self.t, step
+        began, self.t_start, self.step, self.wall_time = clock.perf_counter(), self.t, step, float("nan")
         try:
-            with deferred_interrupt() as interrupted:
+            with deferred_interrupt() as self.interrupted:
 
                 def report(t: float, t_end: float) -> None:
-                    if interrupted.is_set():
+                    if self.interrupted.is_set():
                         raise KeyboardInterrupt
-                    told(t, t_end)
+                    told(t, t_end)  # may raise KeyboardInterrupt, too
 
-                self._sample_now()
+                if checkpoint:
+                    self._go_on(checkpoint)
+                else:
+                    self._sample_now()
+                    self._record(np.array([self.t]), self.x[None], self.z[None])
                 self._say_what_is_slow(t_end - self.t)
-                self._record(np.array([self.t]), self.x[None], self.z[None])
+                self._begin_journal(journal, earlier)
                 report(self.t, t_end)
-                self._integrate(t_end, step, report)
+                self._integrate(t_end, step, report, bool(checkpoint))
         except KeyboardInterrupt:
+            if self.interrupted.is_set():
+                self.engine.stop(False)
             raise self._stopped(Interrupted(f"interrupted at t = {self.t:g} s.")) from None
         except SimulationError as error:
             raise self._stopped(error) from None
@@ -158,33 +181,106 @@ class Run:
         self.wall_time = clock.perf_counter() - began
         return self.result("finished.")
 
+    def can_go_on(self, earlier: Result, t_end: float, step: float) -> bytes:
+        """The checkpoint of an earlier result to go on from exactly; empty, with a warning, without one that fits."""
+        data, self.step = earlier.raw.checkpoint if earlier.raw is not None else b"", step
+        if not data or t_end < earlier.time[-1]:
+            return b""
+        try:
+            changed = differences(data, self)
+        except ValueError as error:
+            raise SimulationError(f"the result to resume from is damaged: of its checkpoint, {error}.") from None
+        if not changed:
+            return data
+        warnings.warn(
+            f"the run goes on with a new start of its solver, not exactly as it would have: {'; '.join(changed)}.",
+            stacklevel=4,
+        )  # fmt: skip
+        return b""
+
     def _say_what_is_slow(self, duration: float) -> None:
-        """One line at the start without a compiler; and looks at the clock and at Ctrl-C every few seconds."""
+        """One line at the start without a compiler; and shorter stretches."""
         if duration <= 0:
             return
         pace = seconds_per_second(self.engine, self.t, self.x, self.z, self.q)
         if pace[1] * duration > TOLD:
             warnings.warn(announcement(self.engine, pace, duration), RuntimeWarning, stacklevel=4)
         if pace[1] > 0:
-            self.most = int(np.clip(LOOK / (pace[1] * self.step), LEAST_STRETCH, rules.STRETCH))
+            self.most = SLOW_STRETCH
 
     def _stopped(self, error: SimulationError) -> SimulationError:
         self.wall_time = float("nan")
         error.result = self.result(str(error)) if self.rows else None  # type: ignore[attr-defined]
         return error
 
-    def _integrate(self, t_end: float, step: float, report: Callable[[float, float], None]) -> None:
+    def _go_on(self, checkpoint: bytes) -> None:
+        try:
+            restore(checkpoint, self)
+        except (ValueError, KeyError) as error:
+            raise SimulationError(f"the result to resume from does not fit: of its checkpoint, {error}.") from None
+        self.went_on_from = float(self.rows[0][0][0])
+
+    # --- what survives -------------------------------------------------------------------------------------------
+
+    def _begin_journal(self, journal: Journal | None, earlier: Stored | None) -> None:
+        self.journal, self.saved = journal, clock.perf_counter()
+        if journal is None:
+            return
+        entries = {name: self.outputs.entry(name) for name in self.names}
+        journal.begin(
+            {
+                "units": {name: entry.unit for name, entry in entries.items()},
+                "long_names": {name: entry.doc or name for name, entry in entries.items()},
+                "attributes": {**signature(), **self._attributes("")},
+                "raw": {**dict(zip("xzd", self._names(), strict=True)),
+                        "parameter_hash": parameter_hash(self.binding.values)},
+            },
+            earlier,
+        )
+
+    def _look_back(self, cut: bool) -> None:
+        """Between two stretches: keep the point to go on from, and write a piece where it is time.
+
+        cut: the next stretch is shorter than it would be in a longer run.
+        """
+        if self.final_checkpoint and not self.journal:
+            return
+        time = clock.perf_counter()
+        due = time - self.saved > PIECE
+        if not self.final_checkpoint and (due or cut or not self.checkpoint):
+            self.checkpoint, self.final_checkpoint = make_checkpoint(self), cut
+        if due:
+            self._write_piece()
+            self.saved = clock.perf_counter()
+
+    def _write_piece(self) -> None:
+        """To the journal: all output points but the last, which may change yet and is in the checkpoint."""
+        if self.journal is None:
+            return
+        t, x, z, d = (np.concatenate([row[i] for row in self.rows])[self.written : -1] for i in range(4))
+        kept = t >= self.t_start + self.discard - 1e-9 * self.step
+        self.written += len(t)
+        t, x, z, d = t[kept], x[kept], z[kept], d[kept]
+        if not len(t):
+            self.journal.write(None, {}, self.checkpoint)
+            return
+        self.journal.write(self._raw(t, x, z, d), self._series(t, x, z, d)[1], self.checkpoint)
+
+    def _integrate(self, t_end: float, step: float, report: Callable[[float, float], None], goes_on: bool) -> None:
         tiny = rules.TINY * step
-        if self.dae.events:
+        if self.dae.events and not goes_on:
             self.events.arm()
         while self.t < t_end - tiny:
             passed = round((self.rows[-1][0][-1] - self.t_start) / step)
             next_output = min(self.t_start + (passed + 1) * step, t_end)
             next_sample = min((o + k * p for o, p, k in self.clocks), default=np.inf)
             next_break = next((t for t in self.binding.breaks if t > self.t + tiny), np.inf)
-            stop = min(next_sample, next_break, t_end)
+            free, stop = min(next_sample, next_break), min(next_sample, next_break, t_end)
             on_grid = abs(self.t - (self.t_start + passed * step)) < tiny
-            points = min(int((stop - self.t) / step + rules.TINY), self.most) if on_grid else 0
+            points, most = ((min(int(min((end - self.t) / step + rules.TINY, self.most)), self.most) if on_grid else 0)
+                            for end in (stop, free))  # fmt: skip
+            after = self.t_start + (passed + 1) * step
+            self._look_back(points != most or (not points and min(stop, next_output) != min(free, after)))
             if points:
                 self._stretch(points * step, points)
             else:
@@ -214,6 +310,8 @@ class Run:
                 return
         self._keep(times, x, z, reached, substeps, record)
         if reached < points * substeps:
+            if self.interrupted.is_set():
+                raise KeyboardInterrupt
             raise self.failure()
 
     def _keep(self, times: np.ndarray, x: np.ndarray, z: np.ndarray, reached: int, substeps: int, record: bool) -> None:
@@ -229,9 +327,11 @@ class Run:
         if not self.x.size:
             return self._advance_static(length, points)
         try:
-            return self.engine.advance(self.t, length, points, self.x, self.z, self.q)
+            return self._timed(length, points)
         except StepFailure as failure:
             self.reason = str(failure)
+        if self.interrupted.is_set():
+            raise KeyboardInterrupt
         xs, zs = [], []  # again in single steps, to keep what can be computed
         x, z = self.x, self.z
         for k in range(points):
@@ -244,6 +344,20 @@ class Run:
             xs.append(x)
             zs.append(z)
         return np.array(xs).reshape(len(xs), self.x.size), np.array(zs).reshape(len(zs), self.z.size)
+
+    def _timed(self, length: float, points: int) -> tuple[np.ndarray, np.ndarray]:
+        """The engine's rows; where that may take long it runs in a thread, which hears of an interrupt."""
+        began, point = clock.perf_counter(), (self.t, length, points, self.x, self.z, self.q)
+        try:
+            if self.pace * length < LONG or threading.current_thread() is not threading.main_thread():
+                return self.engine.advance(*point)
+            try:
+                return stoppable(lambda: self.engine.advance(*point), self.interrupted, lambda: self.engine.stop(True))
+            finally:
+                if self.interrupted.is_set():
+                    self.engine.stop(False)
+        finally:
+            self.pace = (clock.perf_counter() - began) / length
 
     def _advance_static(self, length: float, points: int) -> tuple[np.ndarray, np.ndarray]:
         """A model without states: algebraic unknowns at each point."""
@@ -324,31 +438,44 @@ class Run:
         t, x, z, d = (np.concatenate([row[i] for row in self.rows]) for i in range(4))
         kept = t >= min(self.t_start + self.discard - 1e-9 * self.step, t[-1])
         t, x, z, d = t[kept], x[kept], z[kept], d[kept]
-        observe = Observation(self.at, t, x, z, self.u, d, self.code())
-        entries = {name: self.outputs.entry(name) for name in self.names}
-        values = {}
-        for name, series in zip(entries, observe.arrays([entry.path for entry in entries.values()]), strict=True):
-            values[name] = self.outputs.shown(name, series)
+        observe, values = self._series(t, x, z, d)
+        for name, series in values.items():
             self._warn_of_gaps(name, t, series)
+        raw = self._raw(t, x, z, d, self.checkpoint)
+        observer = Observer(observe.values, self.outputs.describe, self.dae.names, self.binding.root)
+        entries = {name: self.outputs.entry(name) for name in self.names}
+        units, docs = ({name: getattr(entry, of) for name, entry in entries.items()} for of in ("unit", "doc"))
+        return Result(t, values, units, docs, self._attributes(status), raw, observer)
+
+    def _series(self, t: np.ndarray, x: np.ndarray, z: np.ndarray, d: np.ndarray
+                ) -> tuple[Observation, dict[str, np.ndarray]]:  # fmt: skip
+        """The results along rows of a trajectory."""
+        observe = Observation(self.at, t, x, z, self.u, d, self.code())
+        paths = [self.outputs.entry(name).path for name in self.names]
+        series = zip(self.names, observe.arrays(paths), strict=True)
+        return observe, {name: self.outputs.shown(name, values) for name, values in series}
+
+    def _raw(self, t: np.ndarray, x: np.ndarray, z: np.ndarray, d: np.ndarray,
+             checkpoint: bytes = b"") -> RawTrajectory:  # fmt: skip
+        return RawTrajectory(t, x, z, d, *self._names(), parameter_hash(self.binding.values), checkpoint)
+
+    def _names(self) -> list[tuple[str, ...]]:
+        return [tuple(q.path for q in group) for group in (self.dae.states, self.dae.algebraics, self.dae.discretes)]
+
+    def _attributes(self, status: str) -> dict[str, Any]:
         about, numbers = self.about, self.binding.values
-        raw = RawTrajectory(
-            t, x, z, d, tuple(q.path for q in self.dae.states), tuple(q.path for q in self.dae.algebraics),
-            tuple(q.path for q in self.dae.discretes), parameter_hash(numbers),
-        )  # fmt: skip
-        attributes = {
+        return {
             "model": about.name,
             "title": about.title,
             **self.engine.attributes,
             "status": status,
+            **({} if self.went_on_from is None else {"goes_on_from": self.went_on_from}),
             "parameters": {path: value.tolist() for path, value in numbers.items()},
             "structure": dict(self.binding.structure),
             "data": dict(self.binding.data),
             "wall_time": self.wall_time,
             "warnings": "\n".join(self.warned.values()),
         }
-        observer = Observer(observe.values, self.outputs.describe, self.dae.names, self.binding.root)
-        units, docs = ({name: getattr(entry, of) for name, entry in entries.items()} for of in ("unit", "doc"))
-        return Result(t, values, units, docs, attributes, raw, observer)
 
 
 def _console(t: float, t_end: float) -> None:

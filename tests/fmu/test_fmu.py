@@ -126,6 +126,15 @@ def test_it_drives_the_spar_as_the_controller_of_the_library_does(fmu, tmp_path,
     assert result["turbine.control.mode_out"][-1] == 3
 
 
+def test_named_in_a_model_file_it_runs_with_leave_only(fmu, tmp_path, monkeypatch):
+    monkeypatch.setenv("XDG_CONFIG_HOME", str(tmp_path / "settings"))
+    Path(tmp_path / "controller.fmu").write_bytes(Path(fmu(2)).read_bytes())
+    spar(tmp_path, IMPORTED.replace("FILE", "controller.fmu").replace("MORE", ""))
+    for run in (lambda plant: plant.simulate(0.1, 0.1), lambda plant: plant.simulate(0.1, 0.1, solver="fixed")):
+        with pytest.raises(ModelError, match=r"spar\.yaml:\d+: turbine\.control\.file names native code"):
+            run(fw.load(tmp_path / "spar.yaml").compile())
+
+
 def test_both_solvers_call_it_once_in_a_sample(fmu):
     plant = fw.load(braked(fmu())).compile()
     names = ["unit.samples", "unit.torque", "rotor.w", "unit.instances"]

@@ -8,8 +8,11 @@ import pytest
 import fowtlib as fw
 import fowtlib.models
 from fowtlib.components.aero import CoefficientRotor, read_coefficients
+from fowtlib.components.blocks import Constant
 from fowtlib.components.environment.wind import Wind
-from fowtlib.components.mechanics import Fixed, World
+from fowtlib.components.mechanics import Fixed, FixedRotation, FixedTranslation, Revolute, World
+from fowtlib.components.mechanics.attitude import heading_at_start
+from fowtlib.components.mechanics.wire import AxialWire
 from fowtlib.components.servo import ONSHORE_GAINS, BaselineController, TorqueLaw
 from fowtlib.components.turbine import RotorNacelle, SteadyTurbine, start_point
 from fowtlib.language import Assembly, Component, RealInput, RealOutput, eq, port
@@ -263,3 +266,51 @@ def test_shipped_spar_in_yawed_wind_and_in_none():
     model = fw.load("oc3_spar_rigid")
     model.root.wind = Wind(kind="steady", mean_speed=0.0)
     assert float(model.compile().initial_state()["turbine.rotor_speed"]) == 0
+
+
+@pytest.mark.parametrize(("direction", "yaw"), [(0, 40), (30, 30), (-20, 25)])
+def test_a_spar_that_starts_turned_has_the_wind_along_its_shaft(direction, yaw):
+    """By the model, and by a parameter of the run; yaw 30 deg in wind from 30 deg is no yaw at all."""
+    along = 8.0 * np.cos(np.radians(direction - yaw))
+    model = fw.load("oc3_spar_rigid", set={"platform.motion.yaw_start": np.radians(yaw)})
+    model.root.wind = Wind(kind="steady", mean_speed=8.0, direction=np.radians(direction))
+    plant = model.compile()
+    point = start_point(model.root.turbine, 0)
+    assert point.wind_speed == pytest.approx(along, rel=1e-12)
+    state = plant.initial_state()
+    for name in ("mean_wind", "normal_wind"):
+        assert float(state[f"turbine.rotor.{name}"]) == pytest.approx(along * np.cos(np.radians(5)), rel=1e-3)
+    assert float(state["turbine.rotor_speed"]) == pytest.approx(point.rotor_speed)
+    straight = plant.initial_state({"platform.motion.yaw_start": np.radians(direction)})
+    assert float(straight["turbine.rotor.mean_wind"]) == pytest.approx(8.0 * np.cos(np.radians(5)), rel=1e-12)
+    assert float(straight["turbine.rotor_speed"]) > 1.01 * point.rotor_speed or along == 8.0
+
+
+@pytest.mark.parametrize("platform", [0, 15])
+@pytest.mark.parametrize("nacelle", [0, -35])
+def test_a_nacelle_that_starts_turned_has_the_wind_along_its_shaft(platform, nacelle):
+    """The flexible turbine on a beam, its yaw drive at a constant command, on a platform that starts turned."""
+    model = fw.load("oc3_spar", set={"platform.motion.yaw_start": np.radians(platform)})
+    root = model.root
+    root.wind = Wind(kind="steady", mean_speed=9.0, direction=np.radians(10))
+    root.command = Constant(value=np.radians(nacelle))
+    root.connect(root.command.y, root.turbine.yaw_command)
+    along = 9.0 * np.cos(np.radians(10 - platform - nacelle))
+    assert start_point(root.turbine, 0).wind_speed == pytest.approx(along, rel=1e-12)
+
+
+def test_the_heading_of_a_frame_at_the_start():
+    """Along joints, links and fixed frames, in both directions; what holds no orientation leads nowhere."""
+    root = fw.Assembly("mast")
+    root.base = Fixed(angles=(0, 0, 0.2))
+    root.mast = FixedRotation(n=(0, 0, 1), angle=0.3)
+    root.hinge = Revolute(n=(0, 0, -1), phi_start=0.1)
+    root.link = FixedTranslation(r=(0, 0, 3))
+    root.wire = AxialWire(length=2.0, axial_stiffness=1.0)
+    root.connect(root.base.frame, root.mast.frame_a)
+    root.connect(root.mast.frame_b, root.hinge.frame_b)  # the other way round
+    root.connect(root.hinge.frame_a, root.link.frame_a)
+    root.connect(root.link.frame_b, root.wire.frame_a)
+    assert heading_at_start(root.link, "frame_b") == pytest.approx(0.2 + 0.3 + 0.1)
+    assert heading_at_start(root.hinge, "frame_b") == pytest.approx(0.2 + 0.3)
+    assert heading_at_start(root.wire, "frame_b") == 0

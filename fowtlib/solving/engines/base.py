@@ -2,8 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
-from typing import Protocol
+from collections.abc import Callable, Mapping
+from typing import Any, Protocol
 
 import numpy as np
 
@@ -30,6 +30,15 @@ class Engine(Protocol):
         self, t: float, length: float, points: int, x: np.ndarray, z: np.ndarray, q: np.ndarray
     ) -> tuple[np.ndarray, np.ndarray]:
         """States and algebraic unknowns (rows) at `points` equidistant times after t."""
+
+    def stop(self, now: bool) -> None:
+        """Let `advance`, which runs in another thread, return early, with fewer rows, or fail; False: no more."""
+
+    def memory(self) -> tuple[dict[str, Any], dict[str, np.ndarray]]:
+        """All that the next `advance` depends on besides its arguments: a text that JSON can hold, and numbers."""
+
+    def remember(self, text: Mapping[str, Any], numbers: Mapping[str, np.ndarray]) -> None:
+        """Take what `memory` of an engine with the same model and settings gave; ValueError where it does not fit."""
 
     def algebraics(self, t: float, x: np.ndarray, z: np.ndarray, q: np.ndarray) -> np.ndarray:
         """Algebraic unknowns that satisfy the equations at the states, after a jump."""

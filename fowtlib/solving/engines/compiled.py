@@ -72,6 +72,10 @@ class CompiledFunctions:
         self.residual = ca.external("dae_residual", str(path))
         self.jacobian = ca.external("dae_jacobian", str(path))
 
+    def stop(self, now: bool) -> None:
+        """Let the equations fail, so that a solver that runs in another thread ends; False: no more."""
+        self._runtime.fs_stop(self._instance, int(now))
+
     def __del__(self):
         if getattr(self, "_number", -1) >= 0:
             self._library.dae_release(self._number)

@@ -80,7 +80,7 @@ typedef struct {
   int predictor;     /* degree of the polynomial through the last stages */
 } fs_options;
 
-enum { FS_DONE = 0, FS_STAGE = 1, FS_ALGEBRAIC = 2, FS_EXTERNAL = 3, FS_SINGULAR = 4 };
+enum { FS_DONE = 0, FS_STAGE = 1, FS_ALGEBRAIC = 2, FS_EXTERNAL = 3, FS_SINGULAR = 4, FS_STOPPED = 5 };
 enum { FS_STEPS, FS_EVALUATIONS, FS_MATRICES, FS_ALGEBRAIC_MATRICES, FS_STARTS, FS_SLOPES, FS_COUNTS };
 enum { FS_ITERATIONS = 12, FS_HISTORY = 3, FS_PAIRS = 24, FS_PARTS = 16 };
 
@@ -111,6 +111,7 @@ typedef struct {
   fs_int *integer;
   fs_matrix stage, algebraic;
   int started, failed_row, failed_external, not_finite;
+  volatile int stop;    /* set by another thread: stop before the next step */
   double t, failed_time;
   long long count[FS_COUNTS];
 } fs_instance;
@@ -816,6 +817,7 @@ EXPORT int fs_observe_rows(fs_instance *s, fs_code function, int rows, int size,
 /* ode and alg at a point. */
 EXPORT int fs_values(fs_instance *s, double t, const double *x, const double *z, const double *q, double *ode, double *alg) {
   int status;
+  if (s->stop) return FS_STOPPED;
   memcpy(s->q, q, sizeof(double) * (size_t)s->m.given);
   if ((status = fs_evaluate(s, t, x, z))) return status;
   memcpy(ode, s->ode, sizeof(double) * (size_t)s->m.states);
@@ -869,7 +871,7 @@ EXPORT int fs_advance(fs_instance *s, double t, double length, int points, const
   for (p = 0; p < points; p++) {
     double from = t + length * p / points;
     for (i = 0; i < steps || i == 0; i++)
-      if ((status = fs_step(s, from + i * h, h))) {
+      if ((status = s->stop ? FS_STOPPED : fs_step(s, from + i * h, h))) {
         s->started = 0;
         return status;
       }
@@ -886,6 +888,9 @@ EXPORT int fs_advance(fs_instance *s, double t, double length, int points, const
   }
   return FS_DONE;
 }
+
+/* Whether fs_advance and fs_values shall stop; may be called while they run in another thread. */
+EXPORT void fs_stop(fs_instance *s, int stop) { s->stop = stop; }
 
 /* Time and row of the last failure: rows are alg, then the free rates, then all rates; and what went wrong there. */
 EXPORT void fs_failure(const fs_instance *s, double *t, int *row, int *not_finite, int *external) {
@@ -1037,6 +1042,7 @@ EXPORT void fs_restore(fs_instance *s, const void *image) {
   *s = saved;
   s->m = now.m;
   s->arg = now.arg; s->res = now.res; s->integer = now.integer;
+  s->stop = now.stop;
   s->stage.pivot = now.stage.pivot; s->stage.list = now.stage.list; s->stage.column = now.stage.column;
   s->algebraic.pivot = now.algebraic.pivot; s->algebraic.list = now.algebraic.list;
   s->algebraic.column = now.algebraic.column;
@@ -1045,4 +1051,37 @@ EXPORT void fs_restore(fs_instance *s, const void *image) {
   memcpy(now.q, from += sizeof saved, numbers);
   memcpy(s->stage.pivot, from += numbers, integers);
   memcpy(s->algebraic.pivot, from + integers, sizeof(int) * fs_integers(&s->algebraic));
+}
+
+static int fs_matrix_fits(const fs_matrix *now, const fs_matrix *saved, const int *integer) {
+  const int *list = integer + now->n, *column = list + now->n + 1;
+  int beside = (int)fs_beside(now), i;
+  if (saved->n != now->n || saved->light != now->light || saved->pairs < 0 || saved->pairs > FS_PAIRS) return 0;
+  if (saved->oldest < 0 || saved->oldest >= FS_PAIRS) return 0;
+  for (i = 0; i < now->n; i++)
+    if (integer[i] < 0 || integer[i] >= now->n || list[i] < 0 || list[i + 1] < list[i]) return 0;
+  if (list[now->n] > beside) return 0;
+  for (i = 0; i < list[now->n]; i++)
+    if (column[i] < 0 || column[i] >= now->n) return 0;
+  return 1;
+}
+
+/* Whether an image that comes from a file can be of an instance of the same model and options: everything in it that
+   tells where to read or write lies within its bounds. */
+EXPORT int fs_fits(const fs_instance *s, const void *image, size_t size) {
+  fs_instance saved, copy = *s;
+  const char *from = image;
+  size_t numbers;
+  int i;
+  if (size != fs_image_size(s)) return 0;
+  memcpy(&saved, from, sizeof saved);
+  numbers = fs_lay(&copy, 0);
+  if (saved.n != s->n || saved.pasts < 0 || saved.pasts > FS_HISTORY || memcmp(&saved.o, &s->o, sizeof s->o)) return 0;
+  for (i = 0; i < FS_HISTORY; i++) {
+    size_t place = (size_t)saved.past[i] - (size_t)saved.q;
+    if (place % sizeof(double) || place / sizeof(double) + (size_t)s->n > numbers) return 0;
+  }
+  from += sizeof saved + sizeof(double) * numbers;
+  return fs_matrix_fits(&s->stage, &saved.stage, (const int *)from)
+      && fs_matrix_fits(&s->algebraic, &saved.algebraic, (const int *)(from + sizeof(int) * fs_integers(&s->stage)));
 }

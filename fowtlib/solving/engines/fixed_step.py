@@ -3,7 +3,8 @@
 from __future__ import annotations
 
 import ctypes as c
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
+from typing import Any
 
 import numpy as np
 
@@ -17,7 +18,7 @@ NEWTON = 200.0  # times the tolerance: what the iterations leave of a rate, rela
 AT_POINTS = 30.0  # times the tolerance: the same of the algebraic unknowns at output points
 KEEP = 50  # steps over which a Newton matrix is kept, as long as it leads on
 PREDICTOR = 2  # degree of the polynomial through the last stages
-EXTERNAL = 3  # FS_EXTERNAL of fixed_step.c
+EXTERNAL, STOPPED = 3, 5  # FS_EXTERNAL and FS_STOPPED of fixed_step.c
 
 
 class FixedStep:
@@ -53,9 +54,28 @@ class FixedStep:
             self._instance, t, length, points, x.ctypes.data, z.ctypes.data, given.ctypes.data, xs.ctypes.data,
             zs.ctypes.data, c.byref(reached),
         )  # fmt: skip
+        if status == STOPPED:
+            return xs[: reached.value], zs[: reached.value]
         if status:
             raise self._failure(status)
         return xs, zs
+
+    def stop(self, now: bool) -> None:
+        """Let `advance`, which runs in another thread, return what it has; False: no more."""
+        self._library.fs_stop(self._instance, int(now))
+
+    def memory(self) -> tuple[dict[str, Any], dict[str, np.ndarray]]:
+        """All that the next step depends on, as a text and numbers."""
+        image = np.zeros(self._library.fs_image_size(self._instance), np.uint8)
+        self._library.fs_save(self._instance, image.ctypes.data)
+        return {"engine": "fixed"}, {"image": image}
+
+    def remember(self, text: Mapping[str, Any], numbers: Mapping[str, np.ndarray]) -> None:
+        """Take the memory of an engine with the same model and settings; ValueError where it is of another one."""
+        image = np.ascontiguousarray(numbers.get("image", ()), np.uint8)
+        if text["engine"] != "fixed" or not self._library.fs_fits(self._instance, image.ctypes.data, image.size):
+            raise ValueError("the memory of its solver is that of another one")
+        self._library.fs_restore(self._instance, image.ctypes.data)
 
     def algebraics(self, t: float, x: np.ndarray, z: np.ndarray, q: np.ndarray) -> np.ndarray:
         """Algebraic unknowns that satisfy the equations at the states; SimulationError where none are found."""

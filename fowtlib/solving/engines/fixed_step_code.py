@@ -107,6 +107,11 @@ def runtime() -> Library:
         "advance": (c.c_int, [pointer, number, number, c.c_int, *[pointer] * 6]),
         "failure": (None, [pointer] * 5),
         "counts": (None, [pointer] * 2),
+        "stop": (None, [pointer, c.c_int]),
+        "image_size": (c.c_size_t, [pointer]),
+        "save": (None, [pointer] * 2),
+        "restore": (None, [pointer] * 2),
+        "fits": (c.c_int, [pointer, pointer, c.c_size_t]),
     }
     for name, (result, arguments) in signatures.items():
         function = getattr(library, f"fs_{name}")

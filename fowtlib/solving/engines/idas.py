@@ -9,11 +9,12 @@ from __future__ import annotations
 import ctypes
 import os
 import re
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from contextlib import redirect_stderr
 from functools import cache
 from io import StringIO
 from pathlib import Path
+from typing import Any
 
 import casadi as ca
 import numpy as np
@@ -104,9 +105,28 @@ class Idas:
             raise StepFailure("the solution is not finite")
         return xf, zf
 
+    def stop(self, now: bool) -> None:
+        """Let `advance`, which runs in another thread, fail soon where the equations are compiled.
+
+        Interpreted ones go on to their next point; the integrator is theirs then, and later runs get another one.
+        """
+        if isinstance(self.functions, CompiledFunctions):
+            self.functions.stop(now)
+        elif now:
+            self.at.functions.abandoned += 1
+
+    def memory(self) -> tuple[dict[str, Any], dict[str, np.ndarray]]:
+        """Nothing: each interval is a new start."""
+        return {"engine": "idas"}, {}
+
+    def remember(self, text: Mapping[str, Any], numbers: Mapping[str, np.ndarray]) -> None:
+        """Nothing; ValueError where it is the memory of another engine."""
+        if text["engine"] != "idas":
+            raise ValueError("the memory of its solver is that of another one")
+
     def integrator(self, points: int) -> ca.Function:
         """The integrator to that many output points; made once for all runs with these settings."""
-        settings = (points, self.tolerance, self._linear_solver, repr(self.options))
+        settings = (points, self.tolerance, self._linear_solver, repr(self.options), self.at.functions.abandoned)
         return self.at.functions.once(("idas", self.functions, settings), lambda: self._create(points))
 
     def _create(self, points: int) -> ca.Function:

@@ -5,7 +5,8 @@ It is also what the compiled engine is tested against.
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
+from typing import Any
 
 import numpy as np
 
@@ -61,6 +62,31 @@ class FixedStepTwin:
             self.stands = (now, self.x, q.copy())
             rows.append((self.x, self.z))
         return np.array([row[0] for row in rows]), np.array([row[1] for row in rows]).reshape(points, z.size)
+
+    def stop(self, now: bool) -> None:
+        """Nothing to do: steps in Python are heard of a stop between them only."""
+
+    def memory(self) -> tuple[dict[str, Any], dict[str, np.ndarray]]:
+        """All that the next step depends on, as a text and numbers."""
+        text = {"engine": "twin", "made_for": self.made_for, "age": self.age, "stands": self.stands and self.stands[0]}
+        numbers = {"inverse": self.inverse, "z_scale": self.z_scale}
+        if self.stands is None:
+            return text, numbers
+        numbers |= {"stands_x": self.stands[1], "stands_q": self.stands[2], "rate": self.rate, "q": self.q}
+        numbers |= {"x": self.x, "z": self.z, "past_t": np.array([t for t, _ in self.past])}
+        numbers["size"] = getattr(self, "size", np.zeros(0))
+        return text, numbers | {"past_u": np.array([u for _, u in self.past])}
+
+    def remember(self, text: Mapping[str, Any], numbers: Mapping[str, np.ndarray]) -> None:
+        """Take the memory of an engine with the same model and settings; ValueError where it is of another one."""
+        if text["engine"] != "twin":
+            raise ValueError("the memory of its solver is that of the compiled one")
+        self.made_for, self.age, self.stands = text["made_for"], text["age"], None
+        self.inverse, self.z_scale = numbers["inverse"], numbers["z_scale"]
+        if text["stands"] is not None:
+            self.stands = (text["stands"], numbers["stands_x"], numbers["stands_q"])
+            self.rate, self.q, self.x, self.z, self.size = (numbers[name] for name in ("rate", "q", "x", "z", "size"))
+            self.past = [(float(t), u) for t, u in zip(numbers["past_t"], numbers["past_u"], strict=True)]
 
     def _stands_at(self, t: float, x: np.ndarray, q: np.ndarray) -> bool:
         if self.stands is None:

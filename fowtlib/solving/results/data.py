@@ -5,7 +5,7 @@ from __future__ import annotations
 import hashlib
 import json
 from collections.abc import Callable, Collection, Iterator, Mapping, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -26,7 +26,8 @@ def parameter_hash(parameters: Mapping[str, Any]) -> str:
 class RawTrajectory:
     """What the solver computed, on the output grid: rows are points of time, columns are scalar unknowns.
 
-    A run goes on from the last row with a new start of its solver, which remembers nothing else.
+    checkpoint: the run as it stood at one of the last rows, with the memory of its solver, from where it goes on as if
+    it had not been interrupted; see fowtlib.solving.checkpoint. Without it a run goes on from the last row, anew.
     """
 
     time: np.ndarray
@@ -37,6 +38,7 @@ class RawTrajectory:
     z_names: tuple[str, ...] = ()
     d_names: tuple[str, ...] = ()
     parameter_hash: str = ""
+    checkpoint: bytes = b""
 
     def __post_init__(self) -> None:
         object.__setattr__(self, "time", np.atleast_1d(np.asarray(self.time, dtype=float)))
@@ -66,7 +68,13 @@ class RawTrajectory:
             z_names=self.z_names,
             d_names=self.d_names,
             parameter_hash=later.parameter_hash,
+            checkpoint=later.checkpoint,
         )
+
+    def before(self, t: float) -> RawTrajectory:
+        """The rows before a time, without the checkpoint."""
+        kept = self.time < t
+        return replace(self, time=self.time[kept], x=self.x[kept], z=self.z[kept], d=self.d[kept], checkpoint=b"")
 
 
 @dataclass(frozen=True)

@@ -16,10 +16,13 @@ import numpy as np
 
 from fowtlib.language.errors import ModelError
 from fowtlib.solving.results.data import RawTrajectory, Stored, dimensions
+from fowtlib.solving.results.journal import ENDING, read_journal
 from fowtlib.solving.results.openfast import Named, channel_of, result_of, unique
 from fowtlib.solving.results.outb import Channels, read_outb, write_outb
+from fowtlib.solving.results.packing import digest
 
 _FORMAT = "fowtlib result 1"
+_CHECKPOINT = "checkpoint"
 _RAW = "raw_"  # prefix of the solver's arrays in the file
 _HEADER = re.compile(r"^(?P<name>.*\S)\s*\[(?P<unit>[^\[\]]*)\]$")
 
@@ -40,6 +43,8 @@ def save(stored: Stored, path: Path) -> Path:
 
 def read(path: Path) -> Stored:
     """Read a file that ``save`` wrote, or the binary output of OpenFAST."""
+    if path.suffix == ENDING:
+        return read_journal(path)
     readers = {".nc": _read_netcdf, ".csv": _read_csv, ".outb": _read_openfast}
     if path.suffix not in readers:
         raise ModelError(f"{path}: a result file ends in .nc, .csv or .outb.")
@@ -87,7 +92,7 @@ def _write_netcdf(stored: Stored, path: Path) -> None:
         names = {"x": raw.x_names, "z": raw.z_names, "d": raw.d_names}
         attributes |= {"raw_names": json.dumps(names), "parameter_hash": raw.parameter_hash}
     with netcdf_file(path, "w", version=2) as file:
-        _set_attributes(file, attributes)
+        _set_attributes(file, {**attributes, "digest": _digest_of_texts(attributes)})
         _add(file, "time", ("time",), stored.time, units="s", long_name="time")
         for name, values in stored.values.items():
             about = {"units": stored.units[name], "long_name": stored.long_names[name]}
@@ -99,6 +104,10 @@ def _write_netcdf(stored: Stored, path: Path) -> None:
                 about = {"long_name": f"{key} of the solver; columns as in the attribute raw_names"}
                 _add(file, _RAW + key, ("raw_time", f"raw_{key}_index"), getattr(raw, key), **about)
         _add(file, _RAW + "time", ("raw_time",), raw.time, units="s", long_name="time of the solver's rows")
+        if raw.checkpoint:
+            file.createDimension("checkpoint_bytes", len(raw.checkpoint))
+            variable = file.createVariable(_CHECKPOINT, "b", ("checkpoint_bytes",))
+            variable[...] = np.frombuffer(raw.checkpoint, np.int8)
 
 
 def _add(file: Any, name: str, dims: tuple[str, ...], values: np.ndarray, **attributes: str) -> None:
@@ -108,7 +117,30 @@ def _add(file: Any, name: str, dims: tuple[str, ...], values: np.ndarray, **attr
             file.createDimension(dim, size)
     variable = file.createVariable(name, "d", dims)
     variable[...] = values
-    _set_attributes(variable, attributes)
+    _set_attributes(variable, {**attributes, "digest": _digest(values)})
+
+
+def _digest(values: np.ndarray) -> str:
+    """Of the numbers of a variable, as they lie in the file."""
+    return digest(np.ascontiguousarray(values, ">f8").tobytes()).hex()
+
+
+def _digest_of_texts(attributes: dict[str, Any]) -> str:
+    """Of the attributes that are texts; damage to a number beside them does not change what a result shows."""
+    texts = {key: value for key, value in attributes.items() if isinstance(value, str)}
+    return digest(json.dumps(texts, sort_keys=True).encode()).hex()
+
+
+def _check_digests(path: Path, dataset: Any) -> None:
+    """Refuse a file in which something has changed since it was written; older files have no digests."""
+    about = {key: value for key, value in dataset.attrs.items() if key != "digest"}
+    if "digest" in dataset.attrs and dataset.attrs["digest"] != _digest_of_texts(about):
+        raise ModelError(f"{path}: the file is damaged: its attributes are not those that were written.")
+    for name, variable in dataset.variables.items():
+        sum_ = variable.attrs.get("digest")
+        missing = sum_ is None and "digest" in dataset.attrs and name != _CHECKPOINT
+        if missing or sum_ not in (None, _digest(variable.values)):
+            raise ModelError(f"{path}: the file is damaged: the numbers of {name} are not those that were written.")
 
 
 def _set_attributes(owner: Any, attributes: dict[str, Any]) -> None:
@@ -126,9 +158,19 @@ def _read_netcdf(path: Path) -> Stored:
     try:
         with xarray.open_dataset(path, engine="scipy", decode_cf=False) as lazy:
             dataset = lazy.load()
-    except (OSError, ValueError, TypeError, KeyError, IndexError) as error:
+    except Exception as error:  # a damaged head leads the reader anywhere
         raise ModelError(f"{path}: is not a netCDF file that can be read, or it is damaged.") from error
+    _check_digests(path, dataset)
+    try:
+        return _stored(path, dataset)
+    except (ValueError, TypeError, KeyError, AttributeError) as error:
+        raise ModelError(f"{path}: the file is damaged: {error} is missing or wrong.") from error
+
+
+def _stored(path: Path, dataset: Any) -> Stored:
+    """What a data set holds."""
     attributes = {key: value.item() if isinstance(value, np.generic) else value for key, value in dataset.attrs.items()}
+    attributes.pop("digest", None)
     if attributes.pop("format", None) != _FORMAT:
         raise ModelError(f"{path}: is a netCDF file, but not a result of fowtlib (attribute format = '{_FORMAT}').")
     names = json.loads(attributes.pop("result_names"))
@@ -144,6 +186,7 @@ def _read_netcdf(path: Path) -> Stored:
             **{key: dataset[_RAW + key].values if _RAW + key in dataset else np.zeros(0) for key in "xzd"},
             **{f"{key}_names": tuple(raw_names[key]) for key in "xzd"},
             parameter_hash=fingerprint,
+            checkpoint=dataset[_CHECKPOINT].values.tobytes() if _CHECKPOINT in dataset else b"",
         )
     return Stored(
         dataset["time"].values,

@@ -9,6 +9,7 @@ from __future__ import annotations
 
 import re
 from collections.abc import Callable, Iterator, Mapping, Sequence
+from dataclasses import replace
 from datetime import UTC, datetime
 from importlib import metadata
 from pathlib import Path
@@ -81,8 +82,7 @@ class Result:
             "title": "",
             "solver": "",
             "tolerance": float("nan"),
-            "fowtlib_version": _version(),
-            "date": datetime.now(UTC).isoformat(timespec="seconds"),
+            **signature(),
             "status": "finished.",
             "parameters": {},
             "structure": {},
@@ -274,7 +274,11 @@ class Result:
         )
 
     def followed_by(self, later: Result) -> Result:
-        """One result of this run and its continuation; the point that both share is kept once."""
+        """One result of this run and its continuation; the point that both share is kept once.
+
+        A run that went on from a checkpoint has computed anew what came after it; that takes the place of what this
+        result holds there.
+        """
         missing = sorted({*self._values} ^ {*later._values})
         if missing:
             raise SimulationError(f"these two results cannot be joined: only one of them has {', '.join(missing)}.")
@@ -283,6 +287,8 @@ class Result:
                 raise SimulationError(
                     f"these two results cannot be joined: {name} is in {self.unit(name)} and in {later.unit(name)}."
                 )
+        if later.attributes.get("goes_on_from") == later.time[0] <= self.time[-1]:
+            return self.before(float(later.time[0])).followed_by(later) if self.time[0] < later.time[0] else later
         end, begin = self.time[-1], later.time[0]
         near = _SAME_TIME * max(1.0, abs(end))
         if begin < end - near:
@@ -302,10 +308,20 @@ class Result:
             {name: np.concatenate([values, later._values[name][skip:]]) for name, values in self._values.items()},
             later._units,
             later._long_names,
-            later.attributes,
+            {key: value for key, value in later.attributes.items() if key != "goes_on_from"},
             raw,
             observer,
         )
+
+    def before(self, t: float) -> Result:
+        """The result without what lies at t [s] and behind it; nothing goes on from there."""
+        kept, observer = self.time < t, self._observer
+        if observer is not None:
+            of = observer.values
+            observer = replace(observer, values=lambda names: of(names)[kept])
+        values = {name: array[kept] for name, array in self._values.items()}
+        raw = None if self.raw is None else self.raw.before(t)
+        return Result(self.time[kept], values, self._units, self._long_names, self.attributes, raw, observer)
 
     # -- files --------------------------------------------------------------------------------------------------------
 
@@ -332,6 +348,11 @@ class Result:
             bound = bound_values(getattr(plant, "root", None), result.attributes["structure"])
             result.attach(plant.observer(result.raw, {**bound, **result.attributes["parameters"]}))
         return result
+
+
+def signature() -> dict[str, str]:
+    """Version and date, for the attributes of a result."""
+    return {"fowtlib_version": _version(), "date": datetime.now(UTC).isoformat(timespec="seconds")}
 
 
 def _version() -> str:

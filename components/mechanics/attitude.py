@@ -1,0 +1,76 @@
+"""How a frame is turned where a run starts: from the world along joints and links, before anything is solved."""
+
+from __future__ import annotations
+
+from collections import defaultdict
+from collections.abc import Iterator
+from typing import Any
+
+import casadi as ca
+import numpy as np
+
+from fowtlib.components.mechanics.interfaces import TwoFrames
+from fowtlib.language import Component
+
+Place = tuple[str, str]  # path of a component, label of its port
+
+
+def heading_at_start(component: Component, port: str) -> float:
+    """Angle [rad] about the vertical by which x of a frame starts turned; 0 where nothing leads to a fixed frame.
+
+    The way from the world to the frame counts by `start_rotation` of the parts on it. Beams start straight; the command
+    of a drive counts where a Constant gives it.
+    """
+    R = _attitude(component, port)
+    return float(np.arctan2(R[1, 0], R[0, 0]))
+
+
+def _attitude(component: Component, port: str) -> np.ndarray:
+    """World from frame (3, 3), by the way through the fewest parts."""
+    root = [component, *component.enclosing()][-1]
+    links: dict[Place, list[Place]] = defaultdict(list)
+    for owner in root.walk():
+        for a, b, _ in owner.connections:
+            one, other = ((end.component.current.path, end.label) for end in (a, b))
+            links[one].append(other)
+            links[other].append(one)
+    parts = {part.path: part for part in root.walk()}
+    found: dict[Place, np.ndarray] = {(component.path, port): np.eye(3)}  # frame at hand, from the frame at this place
+    for path, label in (waiting := list(found)):
+        R = found[path, label]
+        part = parts.get(path)
+        fixed = getattr(part, "fixed_rotation", None)
+        if fixed is not None and label == "frame":
+            return _numbers(fixed()) @ R
+        for place, turn in _next(part, path, label, links, parts):
+            if place not in found:
+                found[place] = turn @ R
+                waiting.append(place)
+    return np.eye(3)
+
+
+def _next(part: Any, path: str, label: str, links: Any, parts: Any) -> Iterator[tuple[Place, np.ndarray]]:
+    """The places beside one, each with the turn from here to there."""
+    for place in links[path, label]:
+        yield place, np.eye(3)
+    if isinstance(part, TwoFrames) and label in ("frame_a", "frame_b") and not part.parts:
+        rotation = part.start_rotation(_command(path, links, parts))
+        if rotation is not None:
+            R = _numbers(rotation)
+            yield ((path, "frame_b"), R.T) if label == "frame_a" else ((path, "frame_a"), R)
+
+
+def _command(path: str, links: Any, parts: Any) -> float:
+    """What a Constant gives to the port `command` of a part; else 0."""
+    seen = [(path, "command")]
+    for place in seen:
+        for other, port in links[place]:
+            if port == "y" and "value" in getattr(parts.get(other), "parameters", ()):
+                return float(np.ravel(parts[other].parameter_value("value"))[0])
+            if (other, port) not in seen:
+                seen.append((other, port))
+    return 0.0
+
+
+def _numbers(R: Any) -> np.ndarray:
+    return ca.evalf(ca.SX(ca.DM(R) if isinstance(R, np.ndarray) else R)).full()

@@ -1,0 +1,184 @@
+"""The journal of a run: its results on disk in pieces while it goes on, and the last point to go on from exactly.
+
+Beside `run.nc` lies `run.nc.part`: a line that says what it is, then blocks, each with its length and a digest. The
+first says what the results are called; the others hold output points. `run.nc.part.state` is the last checkpoint,
+replaced in one step. Both are on the disk (fsync) before the run goes on, and go when the final file is there.
+"""
+
+from __future__ import annotations
+
+import os
+import struct
+import tempfile
+import warnings
+from collections.abc import Mapping
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from fowtlib.language.errors import ModelError
+from fowtlib.solving.results.data import RawTrajectory, Stored
+from fowtlib.solving.results.packing import packed, unpacked
+
+FIRST = b"fowtlib journal 1\n"
+ENDING, STATE = ".part", ".state"
+
+
+def journal_of(path: Path) -> Path:
+    """Where the journal of a run lies whose results go to `path`."""
+    return path.with_name(path.name + ENDING)
+
+
+def state_of(journal: Path) -> Path:
+    """Where the checkpoint beside a journal lies."""
+    return journal.with_name(journal.name + STATE)
+
+
+def replace_file(path: Path, data: bytes) -> None:
+    """Write a file whole and to the disk, in one step; OSError where that fails, and the old one stays."""
+    handle, name = tempfile.mkstemp(prefix=".fowtlib.", dir=path.parent)
+    temporary = Path(name)
+    try:
+        with os.fdopen(handle, "wb") as file:
+            file.write(data)
+            file.flush()
+            os.fsync(file.fileno())
+        temporary.replace(path)
+        sync_folder(path.parent)
+    finally:
+        temporary.unlink(missing_ok=True)
+
+
+def sync_folder(folder: Path) -> None:
+    """Put the names in a folder on the disk, where the system can."""
+    if os.name != "posix":
+        return
+    handle = os.open(folder, os.O_RDONLY)
+    try:
+        os.fsync(handle)
+    except OSError:  # some file systems of networks cannot
+        pass
+    finally:
+        os.close(handle)
+
+
+class Journal:
+    """The journal beside a file of results.
+
+    A disk that is full does not stop the run: what could not be written stays in memory and is tried again with the
+    next piece; a warning says so.
+    """
+
+    def __init__(self, output: Path):
+        self.path = journal_of(Path(output))
+        self._waiting: list[bytes] = []
+        self._length = 0  # of what is sound on the disk
+        self._troubled = False
+
+    def begin(self, about: Mapping[str, Any], earlier: Stored | None = None) -> None:
+        """Start anew. about: what `Stored` holds besides numbers; earlier: what comes before the first piece."""
+        self._waiting = [_block(packed({"about": dict(about)}, {}))]
+        if earlier is not None and earlier.raw is not None:
+            self._waiting.append(_block(_rows(earlier.raw, earlier.values)))
+        self._flush(new=True)
+
+    def write(self, raw: RawTrajectory | None, values: Mapping[str, np.ndarray], checkpoint: bytes) -> None:
+        """Add output points, where there are some, and replace the checkpoint."""
+        if raw is not None:
+            self._waiting.append(_block(_rows(raw, values)))
+        if self._flush():
+            try:
+                replace_file(state_of(self.path), checkpoint)
+            except OSError as error:
+                self._trouble(error)
+
+    def remove(self) -> None:
+        """Take both files away: the results are safe elsewhere."""
+        for path in (self.path, state_of(self.path)):
+            path.unlink(missing_ok=True)
+
+    def _flush(self, new: bool = False) -> bool:
+        data = b"".join(self._waiting)
+        try:
+            if new or not self._length:
+                replace_file(self.path, FIRST + data)
+                self._length = len(FIRST) + len(data)
+                state_of(self.path).unlink(missing_ok=True)
+            else:
+                with self.path.open("r+b") as file:
+                    file.truncate(self._length)  # without what a full disk has left half written
+                    file.seek(self._length)
+                    file.write(data)
+                    file.flush()
+                    os.fsync(file.fileno())
+                self._length += len(data)
+        except OSError as error:
+            self._trouble(error)
+            return False
+        self._waiting = []
+        return True
+
+    def _trouble(self, error: OSError) -> None:
+        if self._troubled:
+            return
+        self._troubled = True
+        warnings.warn(
+            f"{self.path}: cannot be written ({error.strerror or error}). The run goes on and keeps its results in "
+            "memory; each piece is tried again. Make room on the disk before the run ends.", stacklevel=4,
+        )  # fmt: skip
+
+
+def _block(data: bytes) -> bytes:
+    return struct.pack("<q", len(data)) + data
+
+
+def _rows(raw: RawTrajectory, values: Mapping[str, np.ndarray]) -> bytes:
+    arrays = {"time": raw.time, "x": raw.x, "z": raw.z, "d": raw.d}
+    return packed({"names": list(values)}, {**arrays, **{f"value {name}": array for name, array in values.items()}})
+
+
+def read_journal(path: Path) -> Stored:
+    """The results up to the last sound block, with the checkpoint; ModelError where nothing is sound."""
+    try:
+        data = path.read_bytes()
+    except OSError as error:
+        raise ModelError(f"{path}: cannot be read: {error.strerror}.") from None
+    if not data.startswith(FIRST):
+        raise ModelError(f"{path}: is not the journal of a run of fowtlib, or its beginning is damaged.")
+    at, blocks, whole = len(FIRST), [], True
+    while at < len(data):
+        try:
+            length = struct.unpack("<q", data[at : at + 8])[0]
+            if not 0 < length <= len(data) - at - 8:
+                raise ValueError("cut off")
+            blocks.append(unpacked(data[at + 8 : at + 8 + length]))
+        except (ValueError, KeyError, struct.error):
+            whole = False
+            break
+        at += 8 + length
+    if not blocks or "about" not in blocks[0][0]:
+        raise ModelError(f"{path}: the journal is damaged at its beginning; nothing in it can be read.")
+    return _joined(path, blocks[0][0]["about"], [arrays for _, arrays in blocks[1:]], whole)
+
+
+def _joined(path: Path, about: dict[str, Any], pieces: list[dict[str, np.ndarray]], whole: bool) -> Stored:
+    try:
+        checkpoint = state_of(path).read_bytes()
+        unpacked(checkpoint)
+    except (OSError, ValueError):
+        checkpoint = b""
+    if not pieces:
+        raise ModelError(f"{path}: the run stopped before its first results were written; start it anew.")
+    raw_about, names = about["raw"], list(about["units"])
+    column = {name: np.concatenate([piece[name] for piece in pieces]) for name in pieces[0]}
+    time = column["time"]
+    raw = RawTrajectory(
+        time, column["x"], column["z"], column["d"], *(tuple(raw_about[key]) for key in ("x", "z", "d")),
+        raw_about["parameter_hash"], checkpoint,
+    )  # fmt: skip
+    damage = "" if whole else " (what follows is damaged or was not finished)"
+    status = f"stopped by force; read from its journal up to t = {time[-1]:g} s{damage}."
+    attributes = {**about["attributes"], "status": status}
+    values = {name: column[f"value {name}"] for name in names}
+    return Stored(time, values, about["units"], about["long_names"], attributes, raw)
