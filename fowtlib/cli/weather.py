@@ -77,5 +77,7 @@ def _text(key: Key, value: Any) -> str:
         return Path(value).name
     if isinstance(value, str):
         return value
+    if getattr(value, "size", 1) != 1 or isinstance(value, (list, tuple)):
+        return "list"  # where one number belongs; a run refuses it
     number = float(value)
     return f"{math.degrees(number) if key.unit == 'deg' else number:.6g}"

@@ -68,7 +68,7 @@ def kills(count: int, seed: int = 1, duration: float = 120.0) -> Row:
                 again = _fowt(folder, environment, duration, target.name, "--force")
                 early += 1
             if again.returncode:
-                faults.append(f"kill {number}: {again.stderr.strip().splitlines()[-1][:160]}")
+                faults.append(f"kill {number}: status {again.returncode}, {again.stderr.strip()[:300]}")
             elif not _equal(_rows(target), whole):
                 faults.append(f"kill {number}: the resumed run differs")
             for file in folder.glob(f"*run_{number}*"):
