@@ -189,9 +189,7 @@ class Component(Composite):
             return
         field = self.parameters.get(name)
         if field is None:
-            hint = self.family.hint(name) if self.family is not None else ""
-            hint = hint or did_you_mean(name, self.parameters)
-            raise ParameterError(f"{self.label} has no parameter '{name}'{hint}")
+            raise self.no_parameter(name)
         value, before = self._checked(field, value), dict(self._values)
         if self._composed:
             self._note(name)
@@ -206,6 +204,16 @@ class Component(Composite):
                 self._values = before
                 self._compose()
                 raise
+
+    def no_parameter(self, name: str) -> ParameterError:
+        """The error for a parameter that there is not, with what may have been meant."""
+        if name in self.parts:
+            return ParameterError(
+                f"{join(self.path, name)} is a part, a {type(self.parts[name]).__name__}: give values to its "
+                "parameters, or another component in its place."
+            )
+        hint = self.family.hint(name) if self.family is not None else ""
+        return ParameterError(f"{self.label} has no parameter '{name}'{hint or did_you_mean(name, self.parameters)}")
 
     def _checked(self, field: Parameter, value: Any) -> Any:
         where = join(self.path or type(self).__name__, field.name)
