@@ -224,7 +224,11 @@ class Component(Composite):
         if value is None and (field.default is None or inspect.isfunction(field.default)):
             return None
         if field.annotation in SHAPES:
-            return to_si(value, field.unit, where)
+            numbers = to_si(value, field.unit, where)
+            if SHAPES[field.annotation] == () and np.size(numbers) != 1:  # what is computed from it cannot check it
+                shape = " x ".join(map(str, np.shape(numbers)))
+                raise ParameterError(f"{where} has shape {shape}, and one number is expected ({field.doc}).")
+            return numbers
         if field.annotation in (int, float, str, bool):
             return _plain(field, value, where)
         return value
