@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import argparse
 import math
+import warnings
 from itertools import chain, count
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -93,19 +94,17 @@ def positive(text: str) -> float:
 def run(arguments: argparse.Namespace) -> int:
     """Simulate, save, draw, and print the statistics of the results."""
     from fowtlib.solving.conditions import Conditions
-    from fowtlib.solving.results import Result
-    from fowtlib.solving.results.journal import Journal, journal_of
+    from fowtlib.solving.results.journal import Journal
 
-    resumed = arguments.resume
-    if resumed and not resumed.exists() and journal_of(resumed).exists():
-        resumed = journal_of(resumed)
     onto = arguments.output is not None and arguments.output == arguments.resume  # to go on in the same file
     check_target(arguments.output, RESULTS, arguments.force or onto)
     check_target(arguments.plot, FIGURES, arguments.force)
     journal = Journal(arguments.output) if arguments.output else None
-    if journal and not resumed:
+    if journal and not onto and arguments.resume != journal.path:
         _check_left(journal.path, arguments.output, arguments.force)
-    earlier = Result.open(resumed) if resumed else None
+    earlier = _earlier(arguments.resume) if arguments.resume else None
+    if earlier is None:
+        arguments.resume = None
     model = loading.load(arguments)
     require_leave(model.root)  # before the equations are made
     plant = model.compile()
@@ -114,7 +113,7 @@ def run(arguments: argparse.Namespace) -> int:
     conditions = Conditions(start=earlier or start, duration=arguments.time, output_step=arguments.output_step)
     options = {"solver": arguments.solver, "step": arguments.step, "tolerance": arguments.tolerance}
     try:
-        with progress_bar(earlier.time[-1] if earlier else 0.0) as report:
+        with progress_bar(earlier.final.time if earlier else 0.0) as report:
             later = plant.simulate(conditions=conditions, progress=report, journal=journal, **options)
     except SimulationError as error:
         saved = _rescue(error, earlier, arguments.output or _free_name(f"{model.name or 'run'}_partial"))
@@ -135,12 +134,43 @@ def run(arguments: argparse.Namespace) -> int:
     return 0
 
 
+def _earlier(path: Path) -> Result | None:
+    """The result to resume from: the file, or what a run to it that was killed has left, where that reaches further.
+
+    None, with a warning, where such a run had nothing to go on from yet.
+    """
+    from fowtlib.solving.results import Result
+    from fowtlib.solving.results.journal import ENDING, NothingKept, journal_of
+
+    left = path if path.suffix == ENDING else journal_of(path)
+    saved = Result.open(path) if path != left and (path.exists() or not left.exists()) else None
+    if saved is not None and not left.exists():
+        return saved
+    try:
+        kept = Result.open(left)
+    except ModelError as error:
+        if saved is None and not isinstance(error, NothingKept):
+            raise
+        anew = "the run begins anew, where the model file says (to choose another start: --start and --force)"
+        way = anew if saved is None else f"the run goes on from {path}"
+        reason = "holds nothing to go on from" if isinstance(error, NothingKept) else "cannot be read"
+        warnings.warn(f"{left}, which a run that was killed has left, {reason}; {way}.", stacklevel=1)
+        return saved
+    if saved is None:
+        return kept
+    if kept.final.time <= saved.time[-1]:
+        return saved
+    warnings.warn(f"the run goes on from {left}, which a run that was killed has left: it reaches further than {path}.",
+                  stacklevel=1)  # fmt: skip
+    return kept
+
+
 def _check_discard(arguments: argparse.Namespace, plant: Plant, earlier: Result | None) -> None:
     """Refuse to leave out all of a run, before it is computed."""
     from fowtlib.solving.run import duration_settings
 
     end, *_ = duration_settings(arguments.time, None, None, plant.settings)
-    first = earlier.time[0] if earlier else 0.0
+    first = earlier.time[0] if earlier and earlier.time.size else 0.0
     if arguments.discard >= end - first > 0:
         raise ModelError(
             f"--discard: {arguments.discard:g} s of a run of {end - first:g} s leave nothing; "

@@ -144,7 +144,7 @@ class Run:
         checkpoint: where an earlier run stood, to go on from; its first output point is the last before. journal: where
         the results are written while the run goes on, behind those of an `earlier` run.
         """
-        if discard >= t_end - self.t > 0:
+        if discard >= t_end - self.t > 0 and not checkpoint:  # reckoned from the first start of the run
             raise SimulationError(
                 f"discard is {discard:g} s, and the run is {t_end - self.t:g} s long; nothing would be left of it."
             )
@@ -189,7 +189,13 @@ class Run:
     def can_go_on(self, earlier: Result, t_end: float, step: float) -> bytes:
         """The checkpoint of an earlier result to go on from exactly; empty, with a warning, without one that fits."""
         data, self.step = earlier.raw.checkpoint if earlier.raw is not None else b"", step
-        if not data or t_end < earlier.time[-1]:
+        if t_end < earlier.final.time:
+            return b""
+        if not data:
+            warnings.warn(
+                "the run goes on with a new start of its solver, not exactly as it would have: the result to resume "
+                f"from holds no checkpoint. It was {earlier.attributes['status']}", stacklevel=4,
+            )  # fmt: skip
             return b""
         try:
             changed = differences(data, self)
@@ -228,7 +234,7 @@ class Run:
             restore(checkpoint, self)
         except (ValueError, KeyError) as error:
             raise SimulationError(f"the result to resume from does not fit: of its checkpoint, {error}.") from None
-        self.went_on_from = float(self.rows[0][0][0])
+        self.checkpoint, self.went_on_from = checkpoint, float(self.rows[0][0][0])
 
     # --- what survives -------------------------------------------------------------------------------------------
 
@@ -246,6 +252,7 @@ class Run:
                         "parameter_hash": parameter_hash(self.binding.values)},
             },
             earlier,
+            self.checkpoint,
         )
 
     def _look_back(self, cut: bool) -> None:

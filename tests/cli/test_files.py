@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import os
+from contextlib import nullcontext
 
 import pytest
 
@@ -73,3 +74,92 @@ def test_names_that_cannot_be_are_refused_before_the_run(capsys, tmp_path, name,
 def test_a_folder_that_cannot_be_written_is_refused_before_the_run(capsys, tmp_path):
     (folder := tmp_path / "closed").mkdir(mode=0o500)
     assert "cannot be written: Permission denied" in told(capsys, [*RUN, "--output", str(folder / "run.nc")], 2)
+
+
+# --- what a run that was killed has left -----------------------------------------------------------------------------
+
+
+@pytest.fixture
+def killed(shipped_pendulum, monkeypatch, capsys):
+    """Lets `fowt run` to run.nc end at a time as by a kill, with pieces as short as can be."""
+    import fowtlib as fw
+
+    monkeypatch.setattr("fowtlib.solving.run.PIECE", 0.0)
+
+    class Killed(BaseException):
+        pass
+
+    def kill(at: float, *more: str) -> None:
+        def report(t: float, t_end: float) -> None:
+            if t >= at:
+                raise Killed
+
+        with monkeypatch.context() as patch, pytest.raises(Killed):
+            patch.setattr("fowtlib.cli.run.progress_bar", lambda begin: nullcontext(report))
+            main(["run", "pendulum", "--time", "30", "--output", "run.nc", *more])
+        capsys.readouterr()
+
+    assert fw.load("pendulum").name == "pendulum"
+    return kill
+
+
+def whole() -> bytes:
+    assert main(["run", "pendulum", "--time", "30", "--output", "whole.nc", "--force"]) == 0
+    return numbers("whole.nc")
+
+
+def numbers(name: str) -> bytes:
+    result = fw_result(name)
+    return result.time.tobytes() + result.raw.x.tobytes() + result.array("pitch").tobytes()
+
+
+def fw_result(name: str):
+    from fowtlib.solving.results import Result
+
+    return Result.open(name)
+
+
+def test_a_run_that_was_killed_goes_on(killed, capsys, tmp_path):
+    killed(20.0)
+    said = told(capsys, ["run", "pendulum", "--time", "30", "--output", "run.nc"], 2)
+    assert "run.nc.part: a run to this file was killed" in said and "--resume run.nc" in said
+    killed(27.0, "--resume", "run.nc")
+    told(capsys, ["run", "pendulum", "--time", "30", "--resume", "run.nc", "--output", "run.nc"], 0)
+    assert [path.name for path in tmp_path.iterdir()] == ["run.nc"]
+    assert numbers("run.nc") == whole()
+
+
+def test_a_run_that_was_killed_before_anything_was_written_begins_anew(killed, capsys, tmp_path):
+    killed(0.0)
+    said = told(capsys, ["run", "pendulum", "--time", "30", "--resume", "run.nc", "--output", "run.nc"], 0)
+    assert "run.nc.part, which a run that was killed has left, holds nothing to go on from; the run begins anew" in said
+    assert [path.name for path in tmp_path.iterdir()] == ["run.nc"]
+    assert numbers("run.nc") == whole()
+
+
+def test_what_reaches_further_counts(killed, capsys, tmp_path):
+    told(capsys, ["run", "pendulum", "--time", "12", "--output", "run.nc"], 0)
+    killed(20.0, "--resume", "run.nc")
+    assert fw_result("run.nc").time[-1] == 12.0
+    said = told(capsys, ["run", "pendulum", "--time", "30", "--resume", "run.nc", "--output", "run.nc"], 0)
+    assert "goes on from run.nc.part, which a run that was killed has left: it reaches further than run.nc" in said
+    assert numbers("run.nc") == whole()
+    told(capsys, ["run", "pendulum", "--time", "36", "--resume", "run.nc", "--output", "run.nc"], 0)
+
+
+def test_a_damaged_journal_beside_a_result(killed, capsys, tmp_path):
+    told(capsys, ["run", "pendulum", "--time", "12", "--output", "run.nc"], 0)
+    killed(20.0, "--resume", "run.nc")
+    (tmp_path / "run.nc.part").write_bytes(b"nothing of the kind")
+    said = told(capsys, ["run", "pendulum", "--time", "30", "--resume", "run.nc", "--output", "run.nc"], 0)
+    assert "run.nc.part, which a run that was killed has left, cannot be read; the run goes on from run.nc" in said
+    assert numbers("run.nc") == whole()
+
+
+def test_what_a_resumed_run_has_left_is_not_written_over(killed, capsys, tmp_path):
+    told(capsys, ["run", "pendulum", "--time", "12", "--output", "first.nc"], 0)
+    killed(20.0, "--resume", "first.nc")
+    again = ["run", "pendulum", "--time", "30", "--resume", "first.nc", "--output", "run.nc"]
+    assert "To go on from there: --resume run.nc" in told(capsys, again, 2)
+    told(capsys, ["run", "pendulum", "--time", "30", "--resume", "run.nc", "--output", "run.nc"], 0)
+    assert numbers("run.nc") == whole()

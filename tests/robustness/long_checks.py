@@ -24,6 +24,13 @@ import numpy as np
 
 MODEL = "oc3_spar_rigid"
 FOWT = [sys.executable, "-m", "fowtlib.cli"]
+OFTEN = """
+import sys
+import fowtlib.solving.run
+from fowtlib.cli.app import main
+fowtlib.solving.run.PIECE = 0.2  # s: pieces small enough for a run of a few seconds
+sys.exit(main(sys.argv[1:]))
+"""
 
 
 @dataclass(frozen=True)
@@ -36,45 +43,85 @@ class Row:
     good: bool
 
 
-def kills(count: int, seed: int = 1, duration: float = 120.0) -> Row:
-    """`fowt run` from a cold or warm cache, ended with SIGKILL at a random time, resumed where a file stands.
+def kills(count: int, seed: int = 1, duration: float = 600.0) -> Row:
+    """`fowt run` from a cold or warm cache, ended with SIGKILL at a random time, resumed, killed again, resumed.
 
-    Good: what stands can be read, the resumed run equals the uninterrupted one bit for bit, and no run after a kill
-    fails, whatever was in the cache.
+    Good: what stands can be read, nothing that stood is lost by the next kill, the resumed run equals the uninterrupted
+    one bit for bit and leaves nothing beside its result, and no run after a kill fails, whatever was in the cache.
     """
-    chance, faults, resumed, early = random.Random(seed), [], 0, 0
+    chance, faults, early, killed = random.Random(seed), [], 0, 0
+    reached: list[float] = []  # the simulated times from which runs went on
     with tempfile.TemporaryDirectory(prefix="kills_") as name:
         folder, cache = Path(name), Path(name) / "cache"
         environment = os.environ | {"FOWTLIB_CACHE": str(cache)}
-        started = time.monotonic()
-        _fowt(folder, environment, duration, "whole.nc")
-        cold = time.monotonic() - started
+        takes = []  # s of the clock, from a cold cache and from a warm one
+        for name in ("whole.nc", "again.nc"):
+            started = time.monotonic()
+            _fowt(folder, environment, duration, name)
+            takes.append(time.monotonic() - started)
         whole = _rows(folder / "whole.nc")
-        for number in range(count):
-            if number % 5 == 0:
+        number = 0
+        while killed < count:
+            number += 1
+            target, at, long = folder / f"run_{number}.nc", [0.0], takes[1]
+            if number % 5 == 1:
                 shutil.rmtree(cache, ignore_errors=True)  # so that compilations are hit too
-            target = folder / f"run_{number}.nc"
-            silent = {"stdout": subprocess.DEVNULL, "stderr": subprocess.DEVNULL}
-            process = subprocess.Popen(
-                _words(duration, target.name), cwd=folder, env=environment, start_new_session=True, **silent
-            )
-            time.sleep(chance.uniform(0.0, cold))
-            os.killpg(process.pid, signal.SIGKILL)
-            process.wait()
-            if target.exists():
-                again = _fowt(folder, environment, duration, target.name, "--resume", target.name, "--force")
-                resumed += 1
-            else:
-                again = _fowt(folder, environment, duration, target.name, "--force")
-                early += 1
+                long = takes[0]
+            for _ in range(chance.choice((1, 1, 2, 3))):
+                resume = ("--resume", target.name) if _left(target) else ()
+                killed += _killed(folder, environment, duration, target.name, resume, chance.uniform(0.0, long))
+                try:
+                    at.append(_reached(target))
+                except Exception as error:
+                    faults.append(f"run {number}, after its kill: {type(error).__name__} {error}"[:300])
+                if at[-1] < at[-2]:
+                    faults.append(f"run {number}: it stood at {at[-2]:g} s, and after the next kill at {at[-1]:g} s")
+            early += not at[-1]
+            reached += [at[-1]] if at[-1] else []
+            resume = ("--resume", target.name) if _left(target) else ()
+            again = _fowt(folder, environment, duration, target.name, *resume)
             if again.returncode:
-                faults.append(f"kill {number}: status {again.returncode}, {again.stderr.strip()[:300]}")
+                faults.append(f"run {number}: status {again.returncode}, {again.stderr.strip()[:300]}")
             elif not _equal(_rows(target), whole):
-                faults.append(f"kill {number}: the resumed run differs")
+                faults.append(f"run {number}: the resumed run differs")
+            elif _left(target) != [target]:
+                faults.append(f"run {number}: {', '.join(file.name for file in _left(target))} are left")
             for file in folder.glob(f"*run_{number}*"):
                 file.unlink() if file.is_file() else shutil.rmtree(file)
-    found = f"{resumed} resumed, {early} before anything was written; {len(faults)} faults{_first(faults)}"
-    return Row("kills (SIGKILL) of runs and compilations, resumed and compared bit for bit", count, found, not faults)
+    places = f" at {min(reached):g} to {max(reached):g} s of {duration:g} s" if reached else ""
+    found = (f"{number} runs: {len(reached)} went on{places}, {early} began anew; "
+             f"{len(faults)} faults{_first(faults)}")  # fmt: skip
+    return Row("kills (SIGKILL) of runs and compilations, resumed and compared bit for bit", killed, found, not faults)
+
+
+def _killed(folder: Path, environment: dict[str, str], duration: float, target: str, more: tuple[str, ...],
+            seconds: float) -> bool:  # fmt: skip
+    """Begin a run and kill it after some seconds of the clock; whether it had not ended by itself."""
+    silent = {"stdout": subprocess.DEVNULL, "stderr": subprocess.DEVNULL}
+    words = [sys.executable, "-c", OFTEN, *_words(duration, target, *more)[len(FOWT) :]]
+    process = subprocess.Popen(words, cwd=folder, env=environment, start_new_session=True, **silent)
+    try:
+        process.wait(seconds)
+    except subprocess.TimeoutExpired:
+        os.killpg(process.pid, signal.SIGKILL)
+    return process.wait() == -signal.SIGKILL
+
+
+def _left(target: Path) -> list[Path]:
+    """What stands of a run: its result, its journal, its checkpoint."""
+    return sorted(target.parent.glob(f"{target.name}*"))
+
+
+def _reached(target: Path) -> float:
+    """The time up to which a run that was killed can be read [s]."""
+    from fowtlib.solving.results import Result
+    from fowtlib.solving.results.journal import NothingKept, journal_of
+
+    found = [file for file in (target, journal_of(target)) if file.exists()]
+    try:
+        return max((Result.open(file).final.time for file in found), default=0.0)
+    except NothingKept:
+        return 0.0
 
 
 def disk_full(count: int, seed: int = 1) -> Row:

@@ -7,7 +7,9 @@ import pytest
 
 import fowtlib as fw
 from fowtlib.language import ModelError, Scalar, assign, der, eq, math, param, reinit, sampled, var, when
-from fowtlib.solving.results.journal import Journal, read_journal, state_of
+from fowtlib.solving.checkpoint import last_time
+from fowtlib.solving.conditions import Conditions
+from fowtlib.solving.results.journal import Journal, NothingKept, journal_of, read_journal, state_of
 from fowtlib.solving.results.packing import packed, unpacked
 
 SOLVERS = ({"solver": "idas"}, {"solver": "fixed", "step": 0.01})
@@ -163,3 +165,114 @@ def test_a_damaged_result_is_refused_or_unchanged(plant, tmp_path):
         assert all(read.array(name).tobytes() == result.array(name).tobytes() for name in result)
         assert _same(read, result)
     assert refused > 150
+
+
+# --- what a kill leaves ----------------------------------------------------------------------------------------------
+
+
+LATE = Conditions(discard=4.0)
+
+
+class Killed(BaseException):
+    """Ends a run without anything that follows, as a kill does."""
+
+
+def _kill(plant, output, at, options, **more):
+    """Let a run to `output` end at a time as by a kill, with pieces as short as can be."""
+
+    def stop(t: float, t_end: float) -> None:
+        if t >= at:
+            raise Killed
+
+    with pytest.raises(Killed):
+        plant.simulate(5.0, output_step=0.05, journal=Journal(output), progress=stop, **options, **more)
+    return journal_of(output)
+
+
+@pytest.fixture
+def short_pieces(monkeypatch):
+    monkeypatch.setattr("fowtlib.solving.run.PIECE", 0.0)
+
+
+@pytest.mark.usefixtures("short_pieces")
+@pytest.mark.parametrize("options", SOLVERS, ids=("idas", "fixed"))
+def test_a_run_that_is_killed_again_and_again_loses_nothing_and_stays_exact(plant, tmp_path, options):
+    whole = plant.simulate(5.0, output_step=0.05, **options)
+    left, reached = _kill(plant, tmp_path / "run.nc", 1.0, options), 0.0
+    for at in (0.9, 2.0, 3.2, 3.2, 3.3, 4.9):
+        earlier = fw.Result.open(left)
+        assert earlier.final.time >= reached
+        reached = earlier.final.time
+        _kill(plant, tmp_path / "run.nc", at, options, start=earlier)
+    earlier = fw.Result.open(left)
+    assert reached >= 3.0 and "damaged" not in earlier.attributes["status"]
+    assert _same(earlier.followed_by(plant.simulate(5.0, output_step=0.05, start=earlier, **options)), whole)
+
+
+@pytest.mark.usefixtures("short_pieces")
+@pytest.mark.parametrize("options", SOLVERS, ids=("idas", "fixed"))
+@pytest.mark.parametrize("end", [0.04, 0.1, 0.7])
+def test_a_run_whose_checkpoint_lies_at_its_start_goes_on(tmp_path, options, end):
+    plant = fw.load(Bouncing(period=1.5)).compile()
+    whole = plant.simulate(2.0, output_step=0.05, **options)
+    first = plant.simulate(end, output_step=0.05, **options)
+    later = plant.simulate(2.0, output_step=0.05, start=first, journal=Journal(tmp_path / "run.nc"), **options)
+    assert _same(first.followed_by(later), whole)
+
+
+@pytest.mark.usefixtures("short_pieces")
+@pytest.mark.parametrize("options", SOLVERS, ids=("idas", "fixed"))
+@pytest.mark.parametrize("at", [0.3, 2.6])
+def test_a_journal_without_output_points_goes_on_from_its_checkpoint(plant, tmp_path, options, at):
+    whole = plant.simulate(5.0, output_step=0.05, conditions=LATE, **options)
+    first = fw.Result.open(_kill(plant, tmp_path / "run.nc", at, options, conditions=LATE))
+    assert first.time.size == 0 and first.raw.x.shape == (0, 4) and first.final.time >= at - 0.3
+    again = fw.Result.open(_kill(plant, tmp_path / "run.nc", 3.5, options, conditions=LATE, start=first))
+    assert again.time.size == 0 and again.final.time > 3.0
+    later = plant.simulate(5.0, output_step=0.05, conditions=LATE, start=again, **options)
+    assert _same(again.followed_by(later), whole)
+
+
+def test_a_journal_without_anything_says_so(plant, tmp_path):
+    left = _kill(plant, tmp_path / "run.nc", 0.0, {})
+    with pytest.raises(NothingKept, match=r"run.nc.part: the run stopped before its first results were written"):
+        fw.Result.open(left)
+
+
+@pytest.mark.usefixtures("short_pieces")
+@pytest.mark.parametrize("options", SOLVERS, ids=("idas", "fixed"))
+@pytest.mark.parametrize("what", ["missing", "damaged", "empty", "of another run"])
+def test_without_a_sound_checkpoint_a_run_goes_on_from_its_last_point_and_says_so(plant, tmp_path, options, what):
+    whole, left = plant.simulate(5.0, output_step=0.05, **options), _kill(plant, tmp_path / "run.nc", 3.0, options)
+    state = state_of(left)
+    data = state.read_bytes()
+    if what == "missing":
+        state.unlink()
+    elif what == "of another run":
+        state.write_bytes(state_of(_kill(plant, tmp_path / "other.nc", 3.0, options)).read_bytes())
+    else:
+        state.write_bytes(data[:-40] + bytes([data[-40] ^ 1]) + data[-39:] if what == "damaged" else b"")
+    said = {"missing": "cannot be read: No such file", "damaged": "is damaged", "empty": "is damaged"}.get(what, what)
+    first = fw.Result.open(left)
+    with pytest.warns(UserWarning, match=f"not exactly as it would have: .*holds no checkpoint.*its .*{said}"):
+        later = plant.simulate(5.0, output_step=0.05, start=first, **options)
+    joined = first.followed_by(later)
+    np.testing.assert_allclose(joined.time, whole.time, rtol=1e-12)
+    np.testing.assert_allclose(joined.raw.x, whole.raw.x, atol=2e-3)
+
+
+@pytest.mark.usefixtures("short_pieces")
+@pytest.mark.parametrize("options", SOLVERS, ids=("idas", "fixed"))
+def test_a_checkpoint_behind_damage_leaves_no_gap(plant, tmp_path, options):
+    left = _kill(plant, tmp_path / "run.nc", 1.0, options)
+    first = fw.Result.open(left)
+    _kill(plant, tmp_path / "run.nc", 4.0, options, start=first)
+    data, whole = bytearray(left.read_bytes()), plant.simulate(5.0, output_step=0.05, **options)
+    assert fw.Result.open(left).time[-1] > 3.0
+    data[-600] ^= 1
+    left.write_bytes(data)
+    read = fw.Result.open(left)
+    assert "damaged" in read.attributes["status"] and read.time[-1] < fw.Result.open(left).final.time + 0.1
+    later = plant.simulate(5.0, output_step=0.05, start=read, **options)
+    assert later.time[0] == last_time(first.raw.checkpoint)  # it went on there, and the journal holds it
+    assert _same(read.followed_by(later), whole)

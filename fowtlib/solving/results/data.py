@@ -11,6 +11,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from fowtlib.language.errors import SimulationError
+from fowtlib.solving.results.packing import unpacked
 
 if TYPE_CHECKING:
     from fowtlib.language.component import Component
@@ -43,10 +44,13 @@ class RawTrajectory:
     def __post_init__(self) -> None:
         object.__setattr__(self, "time", np.atleast_1d(np.asarray(self.time, dtype=float)))
         for key in ("x", "z", "d"):
-            rows = np.asarray(getattr(self, key), dtype=float)
-            rows = rows.reshape(self.time.size, -1) if rows.size else np.zeros((self.time.size, 0))
+            rows, names = np.asarray(getattr(self, key), dtype=float), tuple(getattr(self, f"{key}_names"))
+            if rows.size:
+                rows = rows.reshape(self.time.size, -1)
+            else:  # no columns, or no points of time
+                rows = np.zeros((self.time.size, 0 if self.time.size else len(names)))
             object.__setattr__(self, key, rows)
-            names = tuple(getattr(self, f"{key}_names")) or tuple(f"{key}[{i}]" for i in range(rows.shape[1]))
+            names = names or tuple(f"{key}[{i}]" for i in range(rows.shape[1]))
             if len(names) != rows.shape[1]:
                 raise ValueError(f"raw trajectory: {len(names)} names for {rows.shape[1]} columns of {key}")
             object.__setattr__(self, f"{key}_names", names)
@@ -55,6 +59,17 @@ class RawTrajectory:
         """The point of time ``index`` as something to start from."""
         x, z, d = (dict(zip(getattr(self, f"{k}_names"), getattr(self, k)[index].tolist(), strict=True)) for k in "xzd")
         return Continuation(float(self.time[index]), x, z, d, self.parameter_hash)
+
+    @property
+    def last(self) -> Continuation | None:
+        """The last point: of the rows, or of the checkpoint where there are no rows; None without both."""
+        if self.time.size:
+            return self.row(-1)
+        if not self.checkpoint:
+            return None
+        text, arrays = unpacked(self.checkpoint)
+        x, z, d = (dict(zip(getattr(self, f"{k}_names"), arrays[f"last_{k}"].tolist(), strict=True)) for k in "xzd")
+        return Continuation(float(text["last_time"]), x, z, d, self.parameter_hash)
 
     def followed_by(self, later: RawTrajectory, skip: int) -> RawTrajectory:
         """Append the rows of ``later`` without its first ``skip`` ones."""

@@ -1,8 +1,10 @@
 """The journal of a run: its results on disk in pieces while it goes on, and the last point to go on from exactly.
 
 Beside `run.nc` lies `run.nc.part`: a line that says what it is, then blocks, each with its length and a digest. The
-first says what the results are called; the others hold output points. `run.nc.part.state` is the last checkpoint,
-replaced in one step. Both are on the disk (fsync) before the run goes on, and go when the final file is there.
+first says what the results are called; the others hold output points, and where the run has gone on from an earlier
+one the checkpoint of that. `run.nc.part.state` is the last checkpoint, replaced in one step, with the name of its
+journal and the length that this had: it counts only where all that it follows is sound. Both are on the disk (fsync)
+before the run goes on, and go when the final file is there.
 """
 
 from __future__ import annotations
@@ -35,6 +37,10 @@ def state_of(journal: Path) -> Path:
     return journal.with_name(journal.name + STATE)
 
 
+class NothingKept(ModelError):
+    """A run was killed before it had written anything to go on from."""
+
+
 class Journal:
     """The journal beside a file of results.
 
@@ -46,13 +52,21 @@ class Journal:
         self.path = journal_of(Path(output))
         self._waiting: list[bytes] = []
         self._length = 0  # of what is sound on the disk
+        self._name = ""
         self._troubled = False
 
-    def begin(self, about: Mapping[str, Any], earlier: Stored | None = None) -> None:
-        """Start anew. about: what `Stored` holds besides numbers; earlier: what comes before the first piece."""
-        self._waiting = [_block(packed({"about": dict(about)}, {}))]
+    def begin(self, about: Mapping[str, Any], earlier: Stored | None = None, checkpoint: bytes = b"") -> None:
+        """Start anew, in one step: what a killed run has left there stays until all that it goes on from is here.
+
+        about: what `Stored` holds besides numbers; earlier: what comes before the first piece; checkpoint: where the
+        run goes on from.
+        """
+        self._name = os.urandom(8).hex()
+        self._waiting = [_block(packed({"about": dict(about), "journal": self._name}, {}))]
         if earlier is not None and earlier.raw is not None:
             self._waiting.append(_block(_rows(earlier.raw, earlier.values)))
+        if checkpoint:
+            self._waiting.append(_block(packed({}, {"checkpoint": np.frombuffer(checkpoint, np.uint8)})))
         self._flush(new=True)
 
     def write(self, raw: RawTrajectory | None, values: Mapping[str, np.ndarray], checkpoint: bytes) -> None:
@@ -61,7 +75,8 @@ class Journal:
             self._waiting.append(_block(_rows(raw, values)))
         if self._flush():
             try:
-                replace_file(state_of(self.path), checkpoint)
+                about = {"journal": self._name, "length": self._length}
+                replace_file(state_of(self.path), packed(about, {"checkpoint": np.frombuffer(checkpoint, np.uint8)}))
             except OSError as error:
                 self._trouble(error)
 
@@ -111,7 +126,10 @@ def _rows(raw: RawTrajectory, values: Mapping[str, np.ndarray]) -> bytes:
 
 
 def read_journal(path: Path) -> Stored:
-    """The results up to the last sound block, with the checkpoint; ModelError where nothing is sound."""
+    """The results up to the last sound block, with the checkpoint; ModelError where nothing is sound.
+
+    NothingKept where it is sound, and there is neither an output point nor a checkpoint in it.
+    """
     try:
         data = path.read_bytes()
     except OSError as error:
@@ -131,26 +149,42 @@ def read_journal(path: Path) -> Stored:
         at += 8 + length
     if not blocks or "about" not in blocks[0][0]:
         raise ModelError(f"{path}: the journal is damaged at its beginning; nothing in it can be read.")
-    return _joined(path, blocks[0][0]["about"], [arrays for _, arrays in blocks[1:]], whole)
+    pieces = [arrays for _, arrays in blocks[1:]]
+    checkpoint, trouble = _state(path, blocks[0][0].get("journal"), at)
+    if not checkpoint:
+        checkpoint = next((bytes(arrays["checkpoint"]) for arrays in pieces if "checkpoint" in arrays), b"")
+    notes = ["what follows is damaged or was not finished"] * (not whole) + [trouble] * (not checkpoint)
+    return _joined(path, blocks[0][0]["about"], [piece for piece in pieces if "time" in piece], checkpoint, notes)
 
 
-def _joined(path: Path, about: dict[str, Any], pieces: list[dict[str, np.ndarray]], whole: bool) -> Stored:
+def _state(path: Path, journal: str | None, sound: int) -> tuple[bytes, str]:
+    """The checkpoint beside a journal of that name, of which so many bytes are sound; or why there is none."""
     try:
-        checkpoint = state_of(path).read_bytes()
-        unpacked(checkpoint)
-    except (OSError, ValueError):
-        checkpoint = b""
-    if not pieces:
-        raise ModelError(f"{path}: the run stopped before its first results were written; start it anew.")
+        about, arrays = unpacked(state_of(path).read_bytes())
+        of, length, checkpoint = about["journal"], about["length"], bytes(arrays["checkpoint"])
+    except OSError as error:
+        return b"", f"its checkpoint cannot be read: {error.strerror}"
+    except (ValueError, KeyError, TypeError):
+        return b"", "its checkpoint is damaged"
+    if of != journal:
+        return b"", "its checkpoint is of another run"
+    return (checkpoint, "") if length <= sound else (b"", "results before its checkpoint are damaged")
+
+
+def _joined(path: Path, about: dict[str, Any], pieces: list[dict[str, np.ndarray]], checkpoint: bytes,
+            notes: list[str]) -> Stored:  # fmt: skip
+    if not pieces and not checkpoint:
+        raise NothingKept(f"{path}: the run stopped before its first results were written; start it anew.")
     raw_about, names = about["raw"], list(about["units"])
-    column = {name: np.concatenate([piece[name] for piece in pieces]) for name in pieces[0]}
+    empty = dict.fromkeys(("time", "x", "z", "d", *(f"value {name}" for name in names)), np.zeros(0))
+    column = {name: np.concatenate([piece[name] for piece in pieces]) for name in pieces[0]} if pieces else empty
     time = column["time"]
     raw = RawTrajectory(
         time, column["x"], column["z"], column["d"], *(tuple(raw_about[key]) for key in ("x", "z", "d")),
         raw_about["parameter_hash"], checkpoint,
     )  # fmt: skip
-    damage = "" if whole else " (what follows is damaged or was not finished)"
-    status = f"stopped by force; read from its journal up to t = {time[-1]:g} s{damage}."
+    damage = f" ({'; '.join(notes)})" if notes else ""
+    status = f"stopped by force; read from its journal up to t = {raw.last.time:g} s{damage}."
     attributes = {**about["attributes"], "status": status}
     values = {name: column[f"value {name}"] for name in names}
     return Stored(time, values, about["units"], about["long_names"], attributes, raw)

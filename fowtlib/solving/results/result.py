@@ -247,11 +247,12 @@ class Result:
     @property
     def final(self) -> Continuation:
         """The last computed point, to start from."""
-        if self.raw is None or not self.raw.time.size:
+        last = self.raw.last if self.raw is not None else None
+        if last is None:
             raise SimulationError(
                 "this result holds nothing to resume from (only .nc files do): save the first run as .nc."
             )
-        return self.raw.row(-1)
+        return last
 
     def check_resumable(self, parameters: Mapping[str, Any], structure: Mapping[str, Any] | None = None) -> None:
         """Stop when a run with these values of the tunable and the structural parameters would not be the same run."""
@@ -279,6 +280,8 @@ class Result:
         A run that went on from a checkpoint has computed anew what came after it; that takes the place of what this
         result holds there.
         """
+        if not self.time.size:
+            return later
         missing = sorted({*self._values} ^ {*later._values})
         if missing:
             raise SimulationError(f"these two results cannot be joined: only one of them has {', '.join(missing)}.")
