@@ -118,20 +118,20 @@ def test_both_ways_give_the_same(fmu):
 
 @pytest.mark.parametrize("version", [2, 3])
 def test_both_ways_give_the_same_for_numbers_of_all_types(fmu, version):
-    """Bit for bit, sample by sample: reals with units, a matrix, whole numbers and booleans, from inputs that change."""
+    """Bit for bit, sample by sample: reals with units, a matrix, whole numbers, booleans, from inputs that change."""
     chance, columns = np.random.default_rng(version), []
     ways = [process(fmu(version), where) for where in (True, False)]
     names = [signal.variable.name for signal in ways[0].inputs for _ in range(signal.variable.size)]
-    scale = np.array([{"mode": 9.0, "enabled": 1.0}.get(name, 130.0) for name in names])
-    inputs = scale * chance.random((40, len(names)))
+    low, high = np.array([{"mode": (0, 9), "enabled": (0, 1)}.get(name, (200, 230)) for name in names]).T
+    inputs = low + (high - low) * chance.random((80, len(names)))
     for one in ways:
         session = one.start()
         columns.append([session.step(k * one.period, row) for k, row in enumerate(inputs)])
         session.close()
     np.testing.assert_array_equal(*columns)
     outputs, first = {}, 0
-    for signal in ways[0].outputs:
-        outputs[signal.variable.name] = np.array(columns[0])[:, first : (first := first + signal.variable.size)]
+    for output in ways[0].outputs:
+        outputs[output.variable.name] = np.array(columns[0])[:, first : (first := first + output.variable.size)]
     np.testing.assert_array_equal(outputs["mode_out"][:, 0], np.rint(inputs[:, names.index("mode")]))
     np.testing.assert_array_equal(outputs["active"][:, 0], inputs[:, names.index("enabled")] >= 0.5)
     assert len(np.unique(outputs["torque"])) > 20
