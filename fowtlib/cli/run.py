@@ -139,7 +139,7 @@ def _check_discard(arguments: argparse.Namespace, plant: Plant, earlier: Result 
     """Refuse to leave out all of a run, before it is computed."""
     from fowtlib.solving.run import duration_settings
 
-    end, *_ = duration_settings(arguments.time, None, None, plant.settings)
+    end, *_ = duration_settings(arguments.time, arguments.output_step, None, plant.settings)
     first = earlier.time[0] if earlier else 0.0
     if arguments.discard >= end - first > 0:
         raise ModelError(
