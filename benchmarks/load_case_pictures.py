@@ -118,11 +118,11 @@ def two_rotors(found: Mapping[Any, Any], path: Path) -> None:
     for column, (title, names) in enumerate(panels):
         for row, (kind, word) in enumerate((("mean", "mean"), ("std", "std. deviation of"))):
             axis = axes[4 * row + column]
-            for name, color in zip(names, (INK, OTHER), strict=False):
+            for name, color, dashes in zip(names, (INK, OTHER), ("-", "--"), strict=False):
                 scale = 1e-3 if "power" in name else 1.0
                 values = [scale * getattr(statistics[name], kind) for statistics in found.values()]
                 label = name.rpartition("_")[2] if len(names) > 1 else None
-                axis.plot(speeds, values, color=color, linewidth=1.3, marker=".", markersize=5, label=label)
+                axis.plot(speeds, values, dashes, color=color, linewidth=1.3, marker=".", markersize=5, label=label)
             if len(names) > 1:
                 axis.legend(frameon=False, fontsize=8)
             axis.set_title(f"{word} {title}", fontsize=9, loc="left")

@@ -5,34 +5,73 @@ This file is loaded by itself there, so it imports nothing of fowtlib.
 
 from __future__ import annotations
 
+import ctypes
+import itertools
 import os
 import struct
 from collections.abc import Sequence
 from contextlib import suppress
-from typing import Any
+from typing import Any, NamedTuple
 
 PROGRESS = struct.Struct("<qd")  # samples so far, and when the first one was [s]
-FATAL = 4  # status after which nothing of the FMU may be called
+WARNING, FATAL = 1, 4  # the last status that is no failure; the one after which nothing of the FMU may be called
+TIME_SIZE = 8  # bytes at the start of the memory
+C_TYPES = {
+    "Real": ctypes.c_double, "Integer": ctypes.c_int, "Float64": ctypes.c_double, "Float32": ctypes.c_float,
+    "Int8": ctypes.c_int8, "Int16": ctypes.c_int16, "Int32": ctypes.c_int32, "Int64": ctypes.c_int64,
+    "UInt8": ctypes.c_uint8, "UInt16": ctypes.c_uint16, "UInt32": ctypes.c_uint32, "UInt64": ctypes.c_uint64,
+}  # fmt: skip
 
 
 class FmuFailure(Exception):
     """What is said when the FMU fails."""
 
 
+class Group(NamedTuple):
+    """Signals that go in one call, and where their `count` values of a C type `kind` lie in the memory [bytes]."""
+
+    access: str
+    references: list[int]
+    kind: Any
+    count: int
+    offset: int
+
+
+def groups(signals: Sequence[Sequence[Any]], version: str, offset: int) -> tuple[list[Group], int]:
+    """Neighbours of one type go in one call, an array goes alone; and the next free place in the memory.
+
+    signals: [access, reference, size, is an array] of each, where access is the word behind get and set.
+    """
+    found: list[Group] = []
+    for (access, _), some in itertools.groupby(signals, lambda one: (one[0], one[1] if one[3] else None)):
+        references, count = [], 0
+        for _, reference, size, _ in some:
+            references.append(reference)
+            count += size
+        if access == "Boolean":
+            kind: Any = ctypes.c_int if version == "2.0" else ctypes.c_bool
+        else:
+            kind = C_TYPES[access]
+        found.append(Group(access, references, kind, count, offset))
+        offset += (count * ctypes.sizeof(kind) + 7) // 8 * 8  # any type may begin there
+    return found, offset
+
+
 class Native:
     """One instance of an FMU.
 
-    given: version, token, identifier and folder of the FMU, its `period` [s]; `start`, `inputs` and `outputs`: lists of
-    [access, reference, values or size, is an array], where access is the word behind get and set. memory: numbers of
-    double precision: time, inputs, outputs, in the units and in the order of the FMU.
+    given: version, token, identifier and folder of the FMU, its `period` [s]; `start`: lists of [access, reference,
+    values]; `inputs` and `outputs`: see `groups`. memory: the time (double precision), then the values of the inputs
+    and of the outputs, in the units, the types and the order of the FMU, as `groups` lays them out: the FMU itself
+    reads and writes there.
     """
 
     def __init__(self, given: dict[str, Any], memory: Any):
         self.failures = _failures()
         self.given, self.second = given, given["version"] == "2.0"
-        self.numbers = memoryview(memory).cast("d")
-        self.inputs, first = _groups(given["inputs"], 1)
-        self.outputs, _ = _groups(given["outputs"], first)
+        self.memory: Any = memory
+        self.setting: list[Any] = []  # calls with all their arguments, made once: a step allocates nothing
+        self.getting: list[Any] = []
         self.said: list[str] = []
         self.samples, self.begin = 0, 0.0
         self.fatal = self.stepping = False
@@ -62,6 +101,36 @@ class Native:
             self.unit.instantiate(callbacks=_callbacks_2(self._note))
         else:
             self.unit.instantiate(logMessage=lambda _, status, category, text: self._note(status, text))
+        self._prepare()
+
+    def _prepare(self) -> None:
+        inputs, end = groups(self.given["inputs"], self.given["version"], TIME_SIZE)
+        outputs, _ = groups(self.given["outputs"], self.given["version"], end)
+        self.setting = [self._call("Set", group) for group in inputs]
+        self.getting = [self._call("Get", group) for group in outputs]
+        self.time = ctypes.c_double.from_buffer(self.memory)
+        self.last = ctypes.c_double(0.0)
+        arguments = [ctypes.c_void_p(self.unit.component), self.last, ctypes.c_double(self.given["period"])]
+        if self.second:
+            arguments.append(ctypes.c_int(1))  # no state before this step is set again
+        else:
+            self.event, self.terminate, self.early = (ctypes.c_bool() for _ in range(3))
+            self.reached = ctypes.c_double()
+            results = (self.event, self.terminate, self.early, self.reached)
+            arguments += [ctypes.c_bool(True), *map(ctypes.byref, results)]
+        self.stepped = self._function("DoStep"), tuple(arguments)
+
+    def _function(self, word: str) -> Any:
+        """A function of the library, with the name that a failure tells."""
+        return self.unit.dll[f"fmi{2 if self.second else 3}{word}"]
+
+    def _call(self, verb: str, group: Group) -> tuple[Any, tuple[Any, ...]]:
+        size = len(group.references)
+        values = (group.kind * group.count).from_buffer(self.memory, group.offset)
+        references = (ctypes.c_uint32 * size)(*group.references)
+        arguments = (ctypes.c_void_p(self.unit.component), references, ctypes.c_size_t(size), values)
+        count = () if self.second else (ctypes.c_size_t(group.count),)
+        return self._function(verb + group.access), arguments + count
 
     def _note(self, status: int, text: bytes | None) -> None:
         if status and text:
@@ -71,15 +140,25 @@ class Native:
 
     def step(self) -> str:
         """Take time and inputs from the memory, leave the outputs there."""
-        self._guarded(self._advance if self.samples else self._initialise)
-        self.samples += 1
-        self._guarded(self._get_outputs)
+        try:
+            if self.samples:
+                self._advance()
+            else:
+                self._initialise()
+            self.samples += 1
+            for function, arguments in self.getting:
+                if (status := function(*arguments)) > WARNING:
+                    raise self._refused(function, status)
+        except FmuFailure:
+            raise
+        except Exception as error:
+            raise self._failure(error) from error
         return ""
 
     def _initialise(self) -> None:
-        unit, self.begin = self.unit, self.numbers[0]
-        for access, reference, values, _ in self.given["start"]:
-            self._set(access, [reference], values)
+        unit, self.begin = self.unit, self.time.value
+        for access, reference, values in self.given["start"]:
+            getattr(unit, f"set{access}")([reference], values)
         if self.second:
             unit.setupExperiment(startTime=self.begin)
             unit.enterInitializationMode()
@@ -92,33 +171,24 @@ class Native:
     def _advance(self) -> None:
         self._set_inputs()
         period = self.given["period"]
-        last = self.begin + (self.samples - 1) * period
-        done = self.unit.doStep(currentCommunicationPoint=last, communicationStepSize=period)
-        if done is not None:  # FMI 3.0
-            _, terminate, early, reached = done
-            if terminate:
-                raise FmuFailure("the FMU asks to end the simulation")
-            if early and reached < last + 0.999999 * period:
-                raise FmuFailure(f"the FMU stops early, at t = {reached:g} s")
-
-    def _set(self, access: str, references: Sequence[int], values: Sequence[Any]) -> None:
-        getattr(self.unit, f"set{access}")(references, values)
+        last = self.last.value = self.begin + (self.samples - 1) * period
+        function, arguments = self.stepped
+        if (status := function(*arguments)) > WARNING:
+            raise self._refused(function, status)
+        if self.second:
+            return
+        if self.terminate.value:
+            raise FmuFailure("the FMU asks to end the simulation")
+        if self.early.value and self.reached.value < last + 0.999999 * period:
+            raise FmuFailure(f"the FMU stops early, at t = {self.reached.value:g} s")
 
     def _set_inputs(self) -> None:
-        numbers = self.numbers.tolist()
-        for access, references, places, _ in self.inputs:
-            values = [numbers[place] for place in places]
-            if access not in _REALS:
-                kind = bool if access == "Boolean" else int
-                values = [kind(value) for value in values]
-            self._set(access, references, values)
+        for function, arguments in self.setting:
+            if (status := function(*arguments)) > WARNING:
+                raise self._refused(function, status)
 
-    def _get_outputs(self) -> None:
-        for access, references, places, array in self.outputs:
-            count = {"nValues": len(places)} if array else {}
-            values = getattr(self.unit, f"get{access}")(references, **count)
-            for place, value in zip(places, values, strict=True):
-                self.numbers[place] = float(value)
+    def _refused(self, function: Any, status: int) -> Exception:
+        return self.failures(function=function.__name__, status=status)
 
     def _guarded(self, action: Any) -> Any:
         """What `action` gives; its failure as an error with the words of the FMU."""
@@ -127,9 +197,12 @@ class Native:
         except FmuFailure:
             raise
         except Exception as error:
-            self.fatal = isinstance(error, self.failures) and error.status == FATAL
-            said = f": {' '.join(self.said)}" if self.said else ""
-            raise FmuFailure(f"the FMU fails: {str(error).strip().rstrip('.')}{said}") from error
+            raise self._failure(error) from error
+
+    def _failure(self, error: Exception) -> FmuFailure:
+        self.fatal = isinstance(error, self.failures) and error.status == FATAL
+        said = f": {' '.join(self.said)}" if self.said else ""
+        return FmuFailure(f"the FMU fails: {str(error).strip().rstrip('.')}{said}")
 
     # --- what it remembers ---------------------------------------------------------------------------------------
 
@@ -161,7 +234,8 @@ class Native:
     def close(self) -> None:
         """End the instance and unload its library."""
         unit, self.unit = self.unit, None
-        self.numbers.release()
+        self.memory = self.time = None
+        self.setting = self.getting = []
         if unit is None or self.fatal:
             return
         if not unit.component:
@@ -171,9 +245,6 @@ class Native:
             with suppress(self.failures):
                 unit.terminate()
         unit.freeInstance()
-
-
-_REALS = ("Real", "Float64", "Float32")
 
 
 def _failures() -> type[Exception]:
@@ -188,22 +259,6 @@ def _failures() -> type[Exception]:
         if before is not None:
             os.environ[name] = before
     return fmpy.fmi1.FMICallException
-
-
-def _groups(signals: Sequence[Sequence[Any]], first: int) -> tuple[list[tuple[str, list[int], list[int], bool]], int]:
-    """Signals that go in one call: (access, references, places in the memory, is an array); and the next place."""
-    scalars: dict[str, tuple[list[int], list[int]]] = {}
-    found: list[tuple[str, list[int], list[int], bool]] = []
-    for access, reference, size, array in signals:
-        places = list(range(first, first + size))
-        first += size
-        if array:
-            found.append((access, [reference], places, True))
-        else:
-            references, taken = scalars.setdefault(access, ([], []))
-            references.append(reference)
-            taken += places
-    return [(access, *both, False) for access, both in scalars.items()] + found, first
 
 
 def _callbacks_2(note: Any) -> Any:

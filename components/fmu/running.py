@@ -14,6 +14,7 @@ import numpy as np
 
 from fowtlib.components.fmu.archive import Archive
 from fowtlib.components.fmu.description import REALS, Description, FmuVariable
+from fowtlib.components.fmu.native import TIME_SIZE, Group, groups
 from fowtlib.components.fmu.signals import FmuSignal
 from fowtlib.components.isolation import Inside, Outside, Unit, private_folder, remove
 from fowtlib.language.errors import SimulationError
@@ -66,10 +67,9 @@ class FmuProcess:
         return {
             "version": own.version, "token": own.token, "identifier": own.identifier, "folder": str(folder),
             "period": self.period,
-            "start": [[*_address(own, own.variables[name]), values, bool(own.variables[name].shape)]
-                      for name, values in self.start_values.items()],
-            "inputs": [_signal(own, signal.variable) for signal in self.inputs],
-            "outputs": [_signal(own, signal.variable) for signal in self.outputs],
+            "start": [[*_address(own, own.variables[name]), values] for name, values in self.start_values.items()],
+            "inputs": [_signal(own, signal.variable) for signal in _in_calls(self.inputs)],
+            "outputs": [_signal(own, signal.variable) for signal in _in_calls(self.outputs)],
         }  # fmt: skip
 
 
@@ -92,27 +92,27 @@ class FmuSession:
         except BaseException:
             self.close()
             raise
-        own = np.frombuffer(self.unit.memory, float)
-        self._given, self._taken = _Columns(process.inputs), _Columns(process.outputs)
-        size = self._given.order.size
-        self._time, self._inputs, self._outputs = own[:1], own[1 : 1 + size], own[1 + size :]
 
     def _unit(self, files: Path) -> Unit:
-        process = self.process
-        size = 8 * (1 + sum(signal.variable.size for signal in (*process.inputs, *process.outputs)))
+        process, given = self.process, self.process.given(files)
+        inputs, end = groups(given["inputs"], given["version"], TIME_SIZE)
+        outputs, size = groups(given["outputs"], given["version"], end)
         if process.in_process:
-            return Inside(NATIVE, process.given(files), size)
-        what = f"the FMU '{process.archive.path.name}'"
-        return Outside(
-            NATIVE, process.given(files), size, what=what, folder=self.folder, patience=process.patience, cwd=files
-        )
+            unit: Unit = Inside(NATIVE, given, size)
+        else:
+            what = f"the FMU '{process.archive.path.name}'"
+            unit = Outside(NATIVE, given, size, what=what, folder=self.folder, patience=process.patience, cwd=files)
+        self._time = np.frombuffer(unit.memory, float, 1)
+        self._inputs = _Columns(process.inputs, inputs, unit.memory)
+        self._outputs = _Columns(process.outputs, outputs, unit.memory)
+        return unit
 
     def step(self, t: float, inputs: np.ndarray) -> np.ndarray:
         """See FmuProcess."""
         self._time[0] = t
-        self._given.to_fmu(inputs, self._inputs)
+        self._inputs.put(inputs)
         self.unit.step()
-        return self._taken.from_fmu(self._outputs)
+        return self._outputs.take()
 
     def saved_state(self) -> bytes:
         """All that the instance remembers. SimulationError where it cannot save it."""
@@ -138,33 +138,71 @@ class FmuSession:
 
 
 class _Columns:
-    """All inputs or all outputs at once: as FmuSignal does it, whose rules for numbers that are no reals it takes."""
+    """All inputs or all outputs at once, between an SI column of the model and the memory of the FMU.
 
-    def __init__(self, signals: Sequence[FmuSignal]):
-        self.order = np.zeros(0, int)  # where in the SI column an element of the FMU is
-        factor, offset = [np.zeros(0)], [np.zeros(0)]
-        self.others: list[tuple[FmuSignal, slice]] = []
-        for signal in signals:
-            first, size = self.order.size, signal.variable.size
-            places = first + np.arange(size)
-            self.order = np.append(self.order, places.reshape(signal.variable.shape, order="F").ravel())
+    FMI orders a matrix row by row, the model holds it column by column.
+    """
+
+    def __init__(self, signals: Sequence[FmuSignal], calls: Sequence[Group], memory: Any):
+        sizes = [signal.variable.size for signal in signals]
+        first = dict(zip((signal.port for signal in signals), np.cumsum([0, *sizes]).tolist(), strict=False))
+        order, factor, offset = [np.zeros(0, int)], [np.zeros(0)], [np.zeros(0)]
+        whole: list[FmuSignal | None] = []  # of each element that is no real number, its signal
+        for signal in _in_calls(signals):
+            size, shape = signal.variable.size, signal.variable.shape
+            order.append((first[signal.port] + np.arange(size)).reshape(shape, order="F").ravel())
             factor.append(np.full(size, signal.scale.factor))
             offset.append(np.full(size, signal.scale.offset))
-            if signal.variable.kind not in REALS:
-                self.others.append((signal, slice(first, first + size)))
+            whole += [None if signal.variable.kind in REALS else signal] * size
+        self.order = np.concatenate(order)  # where in the SI column an element of the FMU is
         self.factor, self.offset = np.concatenate(factor), np.concatenate(offset)
+        self.sections = _sections(calls, memory)
+        self.real = [(places, part) for places, part in self.sections if whole[places.start] is None]
+        self.whole = [
+            (part, k - places.start, k, signal)
+            for places, part in self.sections
+            for k, signal in enumerate(whole[places], places.start)
+            if signal is not None
+        ]
 
-    def to_fmu(self, column: np.ndarray, into: np.ndarray) -> None:
-        """Numbers of the FMU from an SI column."""
-        into[:] = (column[self.order] - self.offset) / self.factor
-        for signal, places in self.others:
-            into[places] = signal.to_fmu(column[places])
+    def put(self, column: np.ndarray) -> None:
+        """Into the memory."""
+        own = column.take(self.order)
+        np.subtract(own, self.offset, own)
+        np.divide(own, self.factor, own)
+        for places, part in self.real:
+            part[:] = own[places]
+        for part, place, k, signal in self.whole:
+            part[place] = signal.whole(own.item(k))
 
-    def from_fmu(self, own: np.ndarray) -> np.ndarray:
-        """The SI column from numbers of the FMU."""
-        column = np.empty(own.size)
-        column[self.order] = self.factor * own + self.offset
+    def take(self) -> np.ndarray:
+        """Out of the memory."""
+        own, column = np.empty(self.order.size), np.empty(self.order.size)
+        for places, part in self.sections:
+            own[places] = part
+        np.multiply(own, self.factor, own)
+        np.add(own, self.offset, own)
+        column[self.order] = own
         return column
+
+
+def _sections(calls: Sequence[Group], memory: Any) -> list[tuple[slice, np.ndarray]]:
+    """The elements of one type, which elements of all they are, and their place in the memory."""
+    found, first = [], 0
+    for call in calls:
+        places = slice(first, first := first + call.count)
+        found.append((places, np.frombuffer(memory, call.kind, call.count, call.offset)))
+    return found
+
+
+def _in_calls(signals: Sequence[FmuSignal]) -> list[FmuSignal]:
+    """Those of one type side by side, so that few calls do: they go to the FMU in this order."""
+
+    def rank(signal: FmuSignal) -> tuple[bool, bool, str]:
+        own = signal.variable
+        return own.kind not in REALS, bool(own.shape), own.kind
+
+    return sorted(signals, key=rank)
 
 
 def _address(own: Description, variable: FmuVariable) -> tuple[str, int]:

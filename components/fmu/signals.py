@@ -2,14 +2,16 @@
 
 from __future__ import annotations
 
+import math
 import re
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
+from functools import cache
 from typing import Any
 
 import numpy as np
 
-from fowtlib.components.fmu.description import INTEGERS, NUMBERS, REALS, Description, FmuVariable, UnitScale
+from fowtlib.components.fmu.description import NUMBERS, REALS, Description, FmuVariable, UnitScale
 from fowtlib.language.errors import ParameterError, SimulationError, UnitError, did_you_mean
 from fowtlib.language.unit_grammar import parse_unit
 from fowtlib.language.units import conversion, quantity, si_unit, to_si
@@ -31,31 +33,22 @@ class FmuSignal:
         """SI unit of the port."""
         return self.scale.si
 
-    def to_fmu(self, values: np.ndarray) -> list[float] | list[int] | list[bool]:
-        """Values of the FMU from SI values: whole numbers are the nearest ones, true is from one half on."""
-        own = (_rows(values, self.variable.shape) - self.scale.offset) / self.scale.factor
+    def whole(self, value: float) -> int:
+        """A value of the FMU where it is no real number: the nearest whole number; true is from one half on."""
         if self.variable.kind == "Boolean":
-            return [bool(value >= 0.5) for value in own]
-        return [self._whole(value) for value in own] if self.variable.kind in INTEGERS else own.tolist()
-
-    def _whole(self, value: float) -> int:
-        """The nearest whole number, if the type of the variable has it."""
+            return value >= 0.5
         low, high = whole_range(self.variable.kind)
-        number = round(float(value))
+        number = round(value) if math.isfinite(value) else value
         if not low <= number <= high:
             raise SimulationError(f"the input '{self.variable.name}' is {number}, and {low} to {high} is possible")
         return number
 
 
+@cache
 def whole_range(kind: str) -> tuple[int, int]:
     """The smallest and the largest number of a type."""
     bits = int(found[0]) if (found := re.findall(r"\d+$", kind)) else 32
     return (0, 2**bits - 1) if kind.startswith("U") else (-(2 ** (bits - 1)), 2 ** (bits - 1) - 1)
-
-
-def _rows(values: np.ndarray, shape: tuple[int, ...]) -> np.ndarray:
-    """Row by row, as FMI orders a matrix, what the model holds column by column."""
-    return np.asarray(values, dtype=float).reshape(shape, order="F").ravel()
 
 
 def port_name(name: str) -> str:

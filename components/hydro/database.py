@@ -4,15 +4,17 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 from scipy.interpolate import Akima1DInterpolator, CubicSpline
-from scipy.io import netcdf_file
 
 from fowtlib.components.hydro import wamit
 from fowtlib.components.hydro.conventions import check_conventions
 from fowtlib.components.hydro.errors import HydrodynamicDataError
 from fowtlib.language.data_files import require_file
+from fowtlib.language.netcdf_files import add_variable, read_netcdf, set_attributes, write_netcdf
+from fowtlib.language.whole_files import write_whole
 
 _MODES = ("surge", "sway", "heave", "roll", "pitch", "yaw")
 _SYMMETRY = 0.05  # largest |M_ij - M_ji| / sqrt(M_ii M_jj) of a believable matrix
@@ -131,16 +133,20 @@ class HydrodynamicDatabase:
 
     @classmethod
     def read(cls, path: str | Path) -> HydrodynamicDatabase:
-        """Read a netCDF file that `write` has made. Raises HydrodynamicDataError."""
+        """Read a netCDF file that `write` has made; one that has changed since is refused.
+
+        Files of earlier versions have no checksums, and are believed. Raises HydrodynamicDataError.
+        """
         require_file(path, HydrodynamicDataError)
         try:
-            with netcdf_file(str(path), "r", mmap=False) as file:
-                data = {name: np.array(v.data, dtype=float) for name, v in file.variables.items()}
-                source = getattr(file, "source", b"")
+            contents = read_netcdf(path)
+            data = {name: np.array(item.values, dtype=float) for name, item in contents.variables.items()}
         except OSError as error:
             raise HydrodynamicDataError(f"{path}: cannot be read: {error.strerror or error}") from None
-        except Exception as error:  # scipy raises many kinds for a damaged file
-            raise HydrodynamicDataError(f"{path}: not a netCDF file of format 3 ({error})") from None
+        except (ValueError, TypeError) as error:
+            raise HydrodynamicDataError(f"{path}: {error}") from None
+        if contents.damaged:
+            raise HydrodynamicDataError(f"{path}: the file is damaged: {contents.damage}; make or fetch it anew")
         required = [*_VARIABLES, "excitation_real", "excitation_imaginary"]
         missing = [name for name in required if name not in data and name != "added_mass_zero"]
         if missing:
@@ -149,7 +155,7 @@ class HydrodynamicDatabase:
         fields = {attribute: data.get(name) for name, (attribute, *_) in _VARIABLES.items()}
         fields["X"] = data["excitation_real"] + 1j * data["excitation_imaginary"]
         try:
-            data = cls(**fields, source=source.decode() if isinstance(source, bytes) else str(source))
+            data = cls(**fields, source=str(contents.attributes.get("source", "")))
         except HydrodynamicDataError as error:
             raise HydrodynamicDataError(f"{path}: {error}") from None
         return data._checked(path)
@@ -163,30 +169,27 @@ class HydrodynamicDatabase:
         return self
 
     def write(self, path: str | Path) -> None:
-        """Write a netCDF file (format 3, no further library needed) that `read` reads; units are attributes."""
-        with netcdf_file(str(path), "w") as file:
-            file.title = "fowtlib hydrodynamic database"
-            file.conventions = ("about the point (0, 0, 0) on the still water level; x downwind, y to port, z up; "
-                                f"modes {', '.join(_MODES)}; loads are Re(a X exp(+i omega t)), a wave of zero phase "
-                                "at the origin")
-            file.source = self.source or "unknown"
-            sizes = {"omega": self.omega.size, "heading": self.heading.size, "row": 6, "column": 6, "mode": 6,
-                     "axis": 3}
-            for name, size in sizes.items():
-                file.createDimension(name, size)
+        """Write a netCDF file (format 3) that `read` reads; units are attributes, every variable has a checksum.
 
-            def put(name, value, dimensions, unit, meaning):
-                variable = file.createVariable(name, "f8", dimensions)
-                variable.data[...] = value
-                variable.units = unit
-                variable.long_name = meaning
+        A file that is there is replaced in one step, when the new one is whole. Raises WriteError.
+        """
+        conventions = (
+            "about the point (0, 0, 0) on the still water level; x downwind, y to port, z up; "
+            f"modes {', '.join(_MODES)}; loads are Re(a X exp(+i omega t)), a wave of zero phase at the origin"
+        )
+        title = "fowtlib hydrodynamic database"
 
+        def fill(file: Any) -> None:
+            set_attributes(file, {"title": title, "conventions": conventions, "source": self.source or "unknown"})
             for name, (attribute, dimensions, unit, meaning) in _VARIABLES.items():
                 value = getattr(self, attribute)
                 if value is not None:
-                    put(name, value, dimensions, unit, meaning)
+                    add_variable(file, name, "d", dimensions, value, units=unit, long_name=meaning)
+            about = {"units": "N/m, N m/m", "long_name": "wave load per unit amplitude"}
             for name, value in (("excitation_real", self.X.real), ("excitation_imaginary", self.X.imag)):
-                put(name, value, ("omega", "heading", "mode"), "N/m, N m/m", "wave load per unit amplitude")
+                add_variable(file, name, "d", ("omega", "heading", "mode"), value, **about)
+
+        write_whole(path, lambda temporary: write_netcdf(temporary, fill))
 
     def excitation_at(self, omega, heading: float) -> np.ndarray:
         """Complex wave load (n, 6) per unit amplitude at the frequencies omega [rad/s] and one heading [rad].

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 import warnings
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -69,6 +69,16 @@ class BladedSession:
             self.close()
             raise
         self.swap = np.frombuffer(self.unit.memory, np.float32)
+        constants = {
+            PERIOD: process.period, 61: process.blades, 28: float(process.individual), MESSAGE_SIZE: MESSAGE_LENGTH,
+            INPUT_SIZE: len(process.input_file.encode()) + 1, OUTPUT_SIZE: len(self.output_root.encode()) + 1,
+            129: LENGTH, **process.fixed,
+        }  # fmt: skip
+        self.constants = np.array(list(constants.values()), np.float32)
+        self.constant_records, self.measured_records = _places(constants), _places(process.measured)
+        self.azimuth = process.measured.index(AZIMUTH) if AZIMUTH in process.measured else None
+        pitch = PITCH_DEMAND[: process.blades] if process.individual else (COLLECTIVE_DEMAND,) * process.blades
+        self.demanded_records = _places((*pitch, *process.demanded, TORQUE_DEMAND))
 
     def _unit(self) -> Unit:
         process = self.process
@@ -87,17 +97,10 @@ class BladedSession:
     def step(self, t: float, inputs: np.ndarray) -> np.ndarray:
         """The demanded pitch of each blade, the further records that are asked for, and the demanded torque."""
         given, swap = self.process, self.swap
-        self._set(PERIOD, given.period)
-        self._set(61, given.blades)
-        self._set(28, float(given.individual))
-        self._set(MESSAGE_SIZE, MESSAGE_LENGTH)
-        self._set(INPUT_SIZE, len(given.input_file.encode()) + 1)
-        self._set(OUTPUT_SIZE, len(self.output_root.encode()) + 1)
-        self._set(129, LENGTH)
-        for number, value in given.fixed.items():
-            self._set(number, value)
-        for number, value in zip(given.measured, inputs, strict=True):
-            self._set(number, value % (2 * math.pi) if number == AZIMUTH else value)
+        swap[self.constant_records] = self.constants  # each time: the library may write anywhere
+        swap[self.measured_records] = inputs
+        if self.azimuth is not None:
+            self._set(AZIMUTH, inputs[self.azimuth] % (2 * math.pi))
         power = float(swap[20 - 1]) * float(swap[TORQUE - 1])
         self._set(14, power)
         self._set(15, given.efficiency * power)
@@ -111,13 +114,14 @@ class BladedSession:
         self.swap[number - 1] = value
 
     def _demands(self) -> np.ndarray:
-        given, swap = self.process, self.swap
+        swap = self.swap
         for number, nothing, what in UNKNOWN_DEMANDS:
             if swap[number - 1] != nothing:
                 raise SimulationError(f"the controller asks for {what} (record {number}), which the model has not")
-        numbers = PITCH_DEMAND[: given.blades] if given.individual else (COLLECTIVE_DEMAND,) * given.blades
-        torque = swap[TORQUE_DEMAND - 1] if round(float(swap[CONTACTOR - 1])) == 1 else 0.0
-        return np.array([*(swap[number - 1] for number in (*numbers, *given.demanded)), torque], dtype=float)
+        demands = swap[self.demanded_records].astype(float)
+        if round(float(swap[CONTACTOR - 1])) != 1:
+            demands[-1] = 0.0
+        return demands
 
     def _call(self, status: int, t: float) -> None:
         self._set(STATUS, status)
@@ -140,3 +144,8 @@ class BladedSession:
                 unit.close()
         finally:
             remove(self.folder)
+
+
+def _places(records: Iterable[int]) -> np.ndarray:
+    """Where records are in the swap array."""
+    return np.array(list(records), int) - 1

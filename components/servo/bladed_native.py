@@ -39,22 +39,25 @@ class Native:
             raise ControllerFailure(f"the controller library cannot be loaded: {text}{hint}.") from None
         _at_work.add(self.library)
         self.function.restype = None
-        self.folder, self.called = given["folder"], False
+        self.folder, self.called = os.path.realpath(given["folder"]), False
         self.swap = (ctypes.c_float * (len(memory) // 4)).from_buffer(memory)
         self.flag, self.message = ctypes.c_int(0), ctypes.create_string_buffer(MESSAGE_LENGTH)
-        self.names = [ctypes.create_string_buffer(given[name].encode()) for name in ("input_file", "output_root")]
+        names = [ctypes.create_string_buffer(given[name].encode()) for name in ("input_file", "output_root")]
+        self.arguments = (self.swap, ctypes.byref(self.flag), *names, self.message)  # for all calls
 
     def step(self) -> str:
         """Call the library; what it warns of, mostly nothing."""
         self.called, before = True, os.getcwd()
-        self.flag.value = 0
-        self.message.value = b""
-        os.chdir(self.folder)
+        self.flag.value, self.message[0] = 0, b"\0"
+        away = before != self.folder
+        if away:
+            os.chdir(self.folder)
         try:
-            self.function(self.swap, ctypes.byref(self.flag), *self.names, self.message)
+            self.function(*self.arguments)
         finally:
-            os.chdir(before)
-        text = self.message.raw.partition(b"\0")[0].strip().decode("utf-8", "replace")
+            if away:
+                os.chdir(before)
+        text = self.message.value.strip().decode("utf-8", "replace")
         if self.flag.value < 0:
             raise ControllerFailure(f"the controller library reports an error: {text}")
         return (text or "no message") if self.flag.value > 0 else ""

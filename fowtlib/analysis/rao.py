@@ -44,7 +44,7 @@ if TYPE_CHECKING:
 
 _SHOWN = 20
 SPREAD = np.array([-8, -5, -3, -1.5, -0.7, 0, 0.7, 1.5, 3, 5, 8])  # half-widths about a resonance
-LOWEST, HIGHEST, COUNT = 0.01, 0.3, 59  # of the frequencies taken by default: each 0.005 Hz
+LOWEST, HIGHEST, COUNT = 0.005, 0.3, 60  # of the frequencies taken by default: each 0.005 Hz; drifts lie below waves
 
 
 @dataclass(frozen=True)
@@ -183,7 +183,7 @@ def linear_rao(
 
 
 def wave_frequencies(linear: Any, transfers: Sequence[Any], heading: float) -> np.ndarray:
-    """Frequencies [Hz] for a response operator: 0.01 to 0.3 Hz, and round the modes that answer to waves.
+    """Frequencies [Hz] for a response operator: 0.005 to 0.3 Hz, and round the modes that answer to waves.
 
     From 3.3 s to 100 s of period, as far as there are wave loads; more of them within eight half-widths of each
     resonance with a damping ratio below 0.2.

@@ -116,7 +116,8 @@ def run(arguments: argparse.Namespace) -> int:
         with progress_bar(earlier.final.time if earlier else 0.0) as report:
             later = plant.simulate(conditions=conditions, progress=report, journal=journal, **options)
     except SimulationError as error:
-        if _rescue(error, earlier, arguments.output or _free_name(f"{model.name or 'run'}_partial")) and journal:
+        saved = _rescue(error, earlier, arguments.output or _free_name(f"{model.name or 'run'}_partial"))
+        if journal and (saved or not earlier and getattr(error, "result", None)):  # nothing in it is not elsewhere
             journal.remove()
         raise
     result = earlier.followed_by(later) if earlier else later

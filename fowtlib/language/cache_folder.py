@@ -22,6 +22,7 @@ from dataclasses import dataclass
 from pathlib import Path
 
 from fowtlib.language.errors import ParameterError
+from fowtlib.language.whole_files import sync_folder
 
 LIMIT = 500.0  # MB, where FOWTLIB_CACHE_LIMIT says nothing else
 SUFFIX = "dll" if sys.platform == "win32" else "so"
@@ -153,21 +154,8 @@ def keep(name: str, suffix: str, made: Path) -> Path:
     folder = private_folder()
     path = folder / f"{name}_{digest}.{suffix}"
     os.replace(made, path)
-    sync(folder)
+    sync_folder(folder)
     return path
-
-
-def sync(folder: Path) -> None:
-    """Have the names in a folder on the disk; not every system can."""
-    if sys.platform == "win32":
-        return
-    handle = os.open(folder, os.O_RDONLY)
-    try:
-        os.fsync(handle)
-    except OSError:
-        pass
-    finally:
-        os.close(handle)
 
 
 @contextmanager

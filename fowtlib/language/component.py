@@ -189,9 +189,7 @@ class Component(Composite):
             return
         field = self.parameters.get(name)
         if field is None:
-            hint = self.family.hint(name) if self.family is not None else ""
-            hint = hint or did_you_mean(name, self.parameters)
-            raise ParameterError(f"{self.label} has no parameter '{name}'{hint}")
+            raise self.no_parameter(name)
         value, before = self._checked(field, value), dict(self._values)
         if self._composed:
             self._note(name)
@@ -207,6 +205,16 @@ class Component(Composite):
                 self._compose()
                 raise
 
+    def no_parameter(self, name: str) -> ParameterError:
+        """The error for a parameter that there is not, with what may have been meant."""
+        if name in self.parts:
+            return ParameterError(
+                f"{join(self.path, name)} is a part, a {type(self.parts[name]).__name__}: give values to its "
+                "parameters, or another component in its place."
+            )
+        hint = self.family.hint(name) if self.family is not None else ""
+        return ParameterError(f"{self.label} has no parameter '{name}'{hint or did_you_mean(name, self.parameters)}")
+
     def _checked(self, field: Parameter, value: Any) -> Any:
         where = join(self.path or type(self).__name__, field.name)
         if isinstance(field, DataParameter):
@@ -216,7 +224,11 @@ class Component(Composite):
         if value is None and (field.default is None or inspect.isfunction(field.default)):
             return None
         if field.annotation in SHAPES:
-            return to_si(value, field.unit, where)
+            numbers = to_si(value, field.unit, where)
+            if SHAPES[field.annotation] == () and np.size(numbers) != 1:  # what is computed from it cannot check it
+                shape = " x ".join(map(str, np.shape(numbers)))
+                raise ParameterError(f"{where} has shape {shape}, and one number is expected ({field.doc}).")
+            return numbers
         if field.annotation in (int, float, str, bool):
             return _plain(field, value, where)
         return value

@@ -27,6 +27,7 @@ class Run(Protocol):
     t_start: float
     step: float
     most: int
+    parts: int
     x: np.ndarray
     z: np.ndarray
     d: np.ndarray
@@ -45,7 +46,7 @@ def checkpoint(run: Run) -> bytes:
     """The run as it stands."""
     events, (times, *last) = run.events, run.rows[-1]
     text = {
-        "t": run.t, "t_start": run.t_start, "settings": settings(run), "most": run.most,
+        "t": run.t, "t_start": run.t_start, "settings": settings(run), "most": run.most, "parts": run.parts,
         "clocks": [n for _, _, n in run.clocks], "warned": list(run.warned.items()),
         "last_event": list(events.last_event.items()), "returns": list(events.returns.items()),
         "just_fired": sorted(events.just_fired), "last_act": None if np.isinf(events.last_act) else events.last_act,
@@ -76,7 +77,7 @@ def restore(data: bytes, run: Run) -> None:
             raise ValueError("it is of another model")
     memory = {name.removeprefix("engine "): values for name, values in arrays.items() if name.startswith("engine ")}
     run.engine.remember(text["engine"], memory)
-    run.t, run.t_start, run.most = text["t"], text["t_start"], text["most"]
+    run.t, run.t_start, run.most, run.parts = text["t"], text["t_start"], text["most"], text["parts"]
     run.x, run.z, run.d, run.u = (arrays[key] for key in "xzdu")
     run.clocks = [(offset, period, n) for (offset, period, _), n in zip(run.clocks, text["clocks"], strict=True)]
     run.warned = dict(map(tuple, text["warned"]))

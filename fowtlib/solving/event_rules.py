@@ -4,7 +4,7 @@ They are those of the run of a simulation and of the FMU core alike: its C text 
 behind RULE_, from the tables of each exported model.
 """
 
-STRETCH = 400  # output points between two looks at the clock and at Ctrl-C, reckoned from the first of them
+STRETCH = 400  # output points at most of a stretch, whose times are reckoned from its start
 SUBSTEPS = 4  # points per output step at which the indicators of state events are looked at
 ROUNDS = 50  # times that events at one instant may set off others
 CHATTER = 20  # times that an event may return at once, before it is taken for one without an end

@@ -14,7 +14,6 @@ import numpy as np
 from fowtlib.flattening import FlatDAE, flatten
 from fowtlib.flattening.dimensions import check_dimensions
 from fowtlib.language.component import Component
-from fowtlib.language.errors import ParameterError, did_you_mean
 from fowtlib.solving.binding import bind
 from fowtlib.solving.check import ModelReport
 from fowtlib.solving.plant import Plant
@@ -130,8 +129,6 @@ class Model:
             owner, _, name = path.rpartition(".")
             component = root.find(owner)
             if name not in component.parameters:
-                hint = component.family.hint(name) if component.family is not None else ""
-                hint = hint or did_you_mean(name, component.parameters)
-                raise ParameterError(f"{component.label} has no parameter '{name}'{hint}")
+                raise component.no_parameter(name)
             setattr(component, name, value)
         return replace(self, root=root)

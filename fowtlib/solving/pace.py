@@ -1,4 +1,8 @@
-"""What a simulation will take where there is no C compiler: measured at the start, so that nobody waits in the dark."""
+"""What a simulation will take: reckoned for its stretches, and measured where there is no C compiler.
+
+Stretches end by what is reckoned, never by the clock, on which results must not depend. Without a compiler the time is
+measured at the start, so that nobody waits in the dark.
+"""
 
 from __future__ import annotations
 
@@ -9,6 +13,7 @@ import numpy as np
 from fowtlib.language.externals import runs_as_python
 from fowtlib.language.native import compiler, no_compiler
 from fowtlib.solving.engines import Engine
+from fowtlib.solving.engines.base import STEP
 from fowtlib.solving.functions import AtParameters
 
 # Evaluations of the equations and of their Jacobian for each second with IDAS, and for each step with equal steps:
@@ -16,18 +21,35 @@ from fowtlib.solving.functions import AtParameters
 BY_SECOND = ((38.0, 1.6), (690.0, 13.0))
 BY_STEP = ((1.6, 0.3), (6.5, 0.4))
 BY_AZIMUTH = (377.0, 96.0)  # for the mean of oc3_spar, to start from
+# s that a simulated one takes at most, by operations and unknowns: oc3_spar_rigid to two_rotor_spar take a tenth to all
+# of it with IDAS, and the fixed-step engine a quarter of that. Interpreted, it is a hundred times as much.
+PRICE, PRICE_FIXED, TIMES_INTERPRETED = 2e-8, 5e-9, 100.0
+BUDGET = 4.0  # s that a stretch is meant to take at most
 MANY = 5_000  # operations below which CasADi's virtual machine is fast enough to say nothing
 
 
 def seconds_per_second(engine: Engine, t: float, x: np.ndarray, z: np.ndarray, q: np.ndarray) -> tuple[float, float]:
     """From what to what a simulated second takes on this computer [s]; nothing where compiled code runs, or little."""
     at, step = engine.at, engine.attributes.get("step")
-    if not (interpreted(at) or (step is not None and not compiler())):
+    if not is_slow(engine):
         return 0.0, 0.0
     spent = _spent(at, t, x, z, q)
     rates = BY_SECOND if step is None else [(values / step, slopes / step) for values, slopes in BY_STEP]
     low, high = (values * spent[0] + slopes * spent[1] for values, slopes in rates)
     return low, high
+
+
+def longest_stretch(engine: Engine) -> float:
+    """The longest stretch [s] that is reckoned to take less than BUDGET; the same on every computer."""
+    at, step = engine.at, engine.attributes.get("step")
+    unknowns = at.dae.x.shape[0] + at.dae.z.shape[0]
+    price = PRICE if step is None else PRICE_FIXED * max(1.0, STEP / float(step))
+    return BUDGET / (price * (TIMES_INTERPRETED if is_slow(engine) else 1.0) * max(1, at.functions.operations * unknowns))
+
+
+def is_slow(engine: Engine) -> bool:
+    """Whether Python code or CasADi's virtual machine does what compiled code would do."""
+    return interpreted(engine.at) or ("step" in engine.attributes and not compiler())
 
 
 def interpreted(at: AtParameters) -> bool:

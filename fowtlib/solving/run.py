@@ -29,7 +29,7 @@ from fowtlib.solving.interrupts import deferred_interrupt, stoppable
 from fowtlib.solving.layout import Values
 from fowtlib.solving.observation import Observation
 from fowtlib.solving.outputs import Outputs
-from fowtlib.solving.pace import announcement, seconds_per_second
+from fowtlib.solving.pace import announcement, is_slow, longest_stretch, seconds_per_second
 from fowtlib.solving.results import Observer, RawTrajectory, Result, parameter_hash, signature
 from fowtlib.solving.results.data import Stored
 from fowtlib.solving.results.journal import Journal
@@ -39,6 +39,7 @@ from fowtlib.solving.state import State
 MOST_POINTS = 2e7  # output points of one run
 TOLD = 5.0  # s that a run without a compiler may take before something is said about it
 SLOW_STRETCH = 50  # output points of a stretch without a compiler; never by the clock, which results do not depend on
+MOST_PARTS = 10_000  # stretches of an output step
 PIECE = 5.0  # s between two pieces of the journal, and checkpoints
 LONG = 0.2  # s of a stretch, expected, above which it runs in a thread, so that Ctrl-C is heard
 
@@ -93,7 +94,8 @@ class Run:
                  resumed: bool = False, code: Callable[[], FixedStepCode | None] = lambda: None):  # fmt: skip
         self.engine, self.at, self.dae = engine, engine.at, engine.at.dae
         self.outputs, self.names, self.about, self.code = outputs, list(names), about, code
-        self.binding, self.resumed, self.most = about.binding, resumed, rules.STRETCH
+        self.binding, self.resumed = about.binding, resumed
+        self.most, self.parts = rules.STRETCH, 1  # output points of a stretch, or stretches of an output step
         require_leave(self.binding.root)
         self.interrupted, self.pace = threading.Event(), np.inf  # s of the clock for one simulated, by the last stretch
         self.checkpoint, self.final_checkpoint, self.saved = b"", False, 0.0
@@ -161,6 +163,7 @@ class Run:
                         raise KeyboardInterrupt
                     told(t, t_end)  # may raise KeyboardInterrupt, too
 
+                self._plan_stretches(step)
                 if checkpoint:
                     self._go_on(checkpoint)
                 else:
@@ -173,6 +176,8 @@ class Run:
         except KeyboardInterrupt:
             if self.interrupted.is_set():
                 self.engine.stop(False)
+            if self.rows and self.t > self.rows[-1][0][-1]:  # within an output step
+                self._record(np.array([self.t]), self.x[None], self.z[None])
             raise self._stopped(Interrupted(f"interrupted at t = {self.t:g} s.")) from None
         except SimulationError as error:
             raise self._stopped(error) from None
@@ -204,15 +209,20 @@ class Run:
         )  # fmt: skip
         return b""
 
+    def _plan_stretches(self, step: float) -> None:
+        """Stretches so short that each is expected to take a few seconds, by what the model is, not by the clock."""
+        longest = longest_stretch(self.engine)
+        most = SLOW_STRETCH if is_slow(self.engine) else rules.STRETCH
+        self.most = int(min(max(longest / step, 1), most))
+        self.parts = int(np.ceil(min(step / longest, MOST_PARTS))) if step > longest else 1
+
     def _say_what_is_slow(self, duration: float) -> None:
-        """One line at the start without a compiler; and shorter stretches."""
+        """One line at the start without a compiler."""
         if duration <= 0:
             return
         pace = seconds_per_second(self.engine, self.t, self.x, self.z, self.q)
         if pace[1] * duration > TOLD:
             warnings.warn(announcement(self.engine, pace, duration), RuntimeWarning, stacklevel=4)
-        if pace[1] > 0:
-            self.most = SLOW_STRETCH
 
     def _stopped(self, error: SimulationError) -> SimulationError:
         self.wall_time = float("nan")
@@ -279,14 +289,14 @@ class Run:
             self.events.arm()
         while self.t < t_end - tiny:
             passed = round((self.rows[-1][0][-1] - self.t_start) / step)
-            next_output = min(self.t_start + (passed + 1) * step, t_end)
+            after = self._next_end(passed, step)
+            next_output = min(after, t_end)
             next_sample = min((o + k * p for o, p, k in self.clocks), default=np.inf)
             next_break = next((t for t in self.binding.breaks if t > self.t + tiny), np.inf)
             free, stop = min(next_sample, next_break), min(next_sample, next_break, t_end)
-            on_grid = abs(self.t - (self.t_start + passed * step)) < tiny
+            on_grid = self.parts == 1 and abs(self.t - (self.t_start + passed * step)) < tiny
             points, most = ((min(int(min((end - self.t) / step + rules.TINY, self.most)), self.most) if on_grid else 0)
                             for end in (stop, free))  # fmt: skip
-            after = self.t_start + (passed + 1) * step
             self._look_back(points != most or (not points and min(stop, next_output) != min(free, after)))
             if points:
                 self._stretch(points * step, points)
@@ -301,6 +311,12 @@ class Run:
             elif on_output or self.t > t_end - tiny:
                 self._record(np.array([self.t]), self.x[None], self.z[None])
             report(self.t, t_end)
+
+    def _next_end(self, passed: int, step: float) -> float:
+        """The next output point, or the next end of a stretch before it where an output step has several."""
+        last, part = self.t_start + passed * step, step / self.parts
+        done = int((self.t - last) / part + rules.TINY * self.parts) + 1 if self.parts > 1 else 1
+        return last + done * part if done < self.parts else self.t_start + (passed + 1) * step
 
     def _stretch(self, length: float, points: int, record: bool = True) -> None:
         """Advance by `length` with `points` output points, or to the first state event."""

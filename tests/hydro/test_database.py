@@ -252,3 +252,29 @@ def test_two_rotor_spar():
     for mode in (0, 4):
         mean_square = np.mean(np.abs(spar.X[wave, :-1, mode]) ** 2, axis=1)
         np.testing.assert_allclose(factor * mean_square, spar.B[wave, mode, mode], rtol=0.03)
+
+
+@pytest.mark.parametrize("name", ["added_mass", "water_density", "excitation_real"])
+def test_a_changed_file_is_refused_by_name(tmp_path, name):
+    from scipy.io import netcdf_file
+
+    path = tmp_path / "a.nc"
+    path.write_bytes(OC3.read_bytes())
+    with netcdf_file(path, "r", mmap=False) as file:
+        numbers = file.variables[name].data.tobytes()
+    data = bytearray(path.read_bytes())
+    data[data.index(numbers) + len(numbers) // 2] ^= 1
+    path.write_bytes(data)
+    with pytest.raises(HydrodynamicDataError, match=rf"a.nc: the file is damaged: the numbers or the attributes of {name}"):
+        HydrodynamicDatabase.read(path)
+
+
+def test_a_file_of_an_earlier_version_is_read(tmp_path):
+    from scipy.io import netcdf_file
+
+    with netcdf_file(OC3, "r", mmap=False) as old, netcdf_file(tmp_path / "b.nc", "w") as new:
+        for dim, size in old.dimensions.items():
+            new.createDimension(dim, size)
+        for name, variable in old.variables.items():
+            new.createVariable(name, "f8", variable.dimensions).data[...] = variable.data
+    np.testing.assert_array_equal(HydrodynamicDatabase.read(tmp_path / "b.nc").A, HydrodynamicDatabase.read(OC3).A)

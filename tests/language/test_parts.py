@@ -4,7 +4,7 @@ import pytest
 
 import fowtlib as fw
 from fowtlib.language import RealInput, RealOutput, Scalar, eq, param, part, port
-from fowtlib.language.errors import ConnectionFault, ParameterError
+from fowtlib.language.errors import ConnectionFault, ModelError, ParameterError
 
 
 class Source(fw.Component):
@@ -214,3 +214,13 @@ def test_a_composition_that_fails_leaves_the_model_as_it_was():
     with pytest.raises(ParameterError, match=r"there is no 'chain.gain_2.k', which was given a value before"):
         farm.count = 1
     assert farm.count == 2 and value(farm) == 3 * 2 * 5 * 2
+
+
+def test_a_number_in_the_place_of_a_part():
+    model = fw.load("oc3_spar_rigid")
+    for path, name in (("", "wind"), ("", "platform"), ("platform", "hull")):
+        component = model.root.find(path)
+        with pytest.raises(ModelError, match=rf"{name} is a part, a \w+: give values to its parameters, or another"):
+            setattr(component, name, 3)
+        with pytest.raises(ModelError, match=rf"{name} is (a part|made by|no)"):
+            fw.load("oc3_spar_rigid", set={f"{path}.{name}".lstrip("."): 3})

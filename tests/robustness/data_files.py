@@ -112,7 +112,8 @@ def _read_result(path: Path) -> Any:
     stored = result.stored
     raw = [] if stored.raw is None else [stored.raw.x, stored.raw.z, stored.raw.d, stored.raw.x_names]
     statistics = [] if not len(stored.values) else [item.mean for item in result.statistics().values()]
-    return [stored.time, *stored.values.items(), *stored.units.items(), *raw, statistics]
+    texts = [stored.units, stored.long_names, stored.attributes]
+    return [stored.time, *stored.values.items(), *texts, *raw, statistics]
 
 
 def _read_field(path: Path) -> Any:

@@ -93,3 +93,18 @@ def test_damaged_results_are_refused(tmp_path, ending):
             Result.open(path)
         except ModelError as error:
             assert str(path) in str(error)
+
+
+@pytest.mark.parametrize(
+    ("path", "value", "words"),
+    [
+        ("wind.mean_speed", [1, 2], "mean_speed has shape 2, and one number is expected"),
+        ("wind.stations", [1, 2, 3], r"stations: give \(y, z\) of each hub"),
+        ("platform.hull.mass", [[1, 2], [3, 4]], "mass has shape 2 x 2, and one number is expected"),
+    ],
+)
+def test_lists_in_the_place_of_numbers_are_refused_before_anything_is_computed_from_them(path, value, words):
+    import fowtlib
+
+    with pytest.raises(ModelError, match=words):
+        fowtlib.load("oc3_spar_rigid", set={path: value}).compile()

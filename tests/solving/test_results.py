@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import warnings
+
 import numpy as np
 import pytest
 import xarray
@@ -239,3 +241,83 @@ def test_runs_that_do_not_belong_together():
         "Give the same parameters, or start a new run."
     )
     first.check_resumable(PARAMETERS)
+
+
+def _saved(tmp_path):
+    return result_from(0, 10, observe=True).save(tmp_path / "r.nc")
+
+
+def _damage(path, name):
+    """Turn a bit in the middle of the numbers of a variable."""
+    from scipy.io import netcdf_file
+
+    with netcdf_file(path, "r", mmap=False) as file:
+        numbers = file.variables[name].data.tobytes()
+    data = bytearray(path.read_bytes())
+    data[data.index(numbers) + len(numbers) // 2] ^= 4
+    path.write_bytes(data)
+
+
+def test_of_a_damaged_result_the_sound_series_are_read_when_asked(tmp_path):
+    path = _saved(tmp_path)
+    good = Result.open(path)
+    _damage(path, "surge")
+    with pytest.raises(ModelError, match=r"r.nc: the file is damaged: the numbers or the attributes of surge are not"):
+        Result.open(path)
+    with pytest.warns(UserWarning, match=r"r.nc: the file is damaged; read without surge\."):
+        result = Result.open(path, damaged=True)
+    assert "surge" not in result and set(result) == set(good) - {"surge"}
+    for name in result:
+        assert result.array(name).tobytes() == good.array(name).tobytes() and result.unit(name) == good.unit(name)
+    assert result.raw.x.tobytes() == good.raw.x.tobytes()
+    assert result.attributes["status"].endswith("Read from a damaged file, without surge.")
+
+
+def test_damaged_states_are_not_gone_on_from(tmp_path):
+    path = _saved(tmp_path)
+    good = Result.open(path)
+    _damage(path, "raw_x")
+    with pytest.warns(UserWarning, match="read without raw_x; the states are lost"):
+        result = Result.open(path, damaged=True)
+    assert result.raw is None and set(result) == set(good)
+    with pytest.raises(SimulationError, match="nothing to resume from"):
+        result.final  # noqa: B018
+
+
+def test_damaged_attributes_leave_the_series(tmp_path):
+    path = _saved(tmp_path)
+    good = Result.open(path)
+    data = bytearray(path.read_bytes())
+    data[data.index(b"fowtlib_version") + 20] ^= 1
+    path.write_bytes(data)
+    with pytest.warns(UserWarning, match="read without its attributes; the states are lost"):
+        result = Result.open(path, damaged=True)
+    assert set(result) == set(good) and result.raw is None and result.attributes["parameters"] == {}
+    assert all(result.array(name).tobytes() == good.array(name).tobytes() for name in good)
+
+
+def test_a_result_that_is_cut_off_is_read_up_to_there(tmp_path):
+    path = _saved(tmp_path)
+    good, data = Result.open(path), path.read_bytes()
+    read = []
+    for size in range(200, len(data), 97):
+        path.write_bytes(data[:size])
+        with pytest.raises(ModelError, match=str(path)):
+            Result.open(path)
+        try:
+            with warnings.catch_warnings(record=True):
+                result = Result.open(path, damaged=True)
+        except ModelError as error:
+            assert "damaged" in str(error)
+            continue
+        assert all(result.array(name).tobytes() == good.array(name).tobytes() for name in result)
+        read.append(len(result))
+    assert read and max(read) == len(good)
+
+
+def test_a_sound_result_is_the_same_with_damaged(tmp_path):
+    path = _saved(tmp_path)
+    assert Result.open(path, damaged=True).attributes == Result.open(path).attributes
+    (tmp_path / "n.nc").write_bytes(b"no result at all")
+    with pytest.raises(ModelError, match="damaged at its beginning"):
+        Result.open(tmp_path / "n.nc", damaged=True)

@@ -136,7 +136,10 @@ class Wind(Component, selector="kind", shared=("speeds", "velocity")):
     @property
     def hubs(self) -> np.ndarray:
         """The stations as numbers, (n, 2)."""
-        return np.asarray(self.parameter_value("stations"))
+        stations = np.asarray(self.parameter_value("stations"))
+        if stations.ndim != 2 or stations.shape[1] != 2:
+            raise ParameterError(f"{self.label}.stations: give (y, z) of each hub, as in [[0, 90]]; got {stations}.")
+        return stations
 
     def require_speed(self) -> None:
         """ParameterError where nobody has given the mean speed, for a kind that needs it."""

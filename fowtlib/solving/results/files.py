@@ -1,25 +1,26 @@
-"""Result files: netCDF (classic, 64-bit offsets, by scipy), CSV with the units in its header, OpenFAST's .outb."""
+"""Result files: netCDF (classic, 64-bit offsets, with checksums), CSV with the units in its header, OpenFAST's .outb.
+
+A netCDF file is refused where a checksum does not fit; .csv and .outb cannot tell.
+"""
 
 from __future__ import annotations
 
 import csv
 import json
-import os
 import re
-import tempfile
 import warnings
-from collections.abc import Callable
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 
 from fowtlib.language.errors import ModelError
+from fowtlib.language.netcdf_files import HEAD, Contents, add_variable, read_netcdf, set_attributes, write_netcdf
+from fowtlib.language.whole_files import WriteError, write_whole
 from fowtlib.solving.results.data import RawTrajectory, Stored, dimensions
 from fowtlib.solving.results.journal import ENDING, read_journal
 from fowtlib.solving.results.openfast import Named, channel_of, result_of, unique
 from fowtlib.solving.results.outb import Channels, read_outb, write_outb
-from fowtlib.solving.results.packing import digest
 
 _FORMAT = "fowtlib result 1"
 _CHECKPOINT = "checkpoint"
@@ -37,15 +38,23 @@ def save(stored: Stored, path: Path) -> Path:
         raise ModelError(f"{path}: the folder {path.parent} does not exist. Make it first, or choose another one.")
     if not stored.time.size:
         raise ModelError(f"{path}: the result is empty, there is nothing to save.")
-    _write_whole(path, lambda temporary: writers[path.suffix](stored, temporary))
-    return path
+    try:
+        return write_whole(path, lambda temporary: writers[path.suffix](stored, temporary))
+    except WriteError:
+        raise
+    except ModelError as error:
+        raise error.at(str(path)) from None
 
 
-def read(path: Path) -> Stored:
-    """Read a file that ``save`` wrote, or the binary output of OpenFAST."""
+def read(path: Path, damaged: bool = False) -> Stored:
+    """Read a file that ``save`` wrote, or the binary output of OpenFAST.
+
+    damaged: of a netCDF file read what is sound, and say in a warning what is not; else such a file is refused.
+    """
     if path.suffix == ENDING:
         return read_journal(path)
-    readers = {".nc": _read_netcdf, ".csv": _read_csv, ".outb": _read_openfast}
+    netcdf = _read_damaged if damaged else _read_netcdf
+    readers = {".nc": netcdf, ".csv": _read_csv, ".outb": _read_openfast}
     if path.suffix not in readers:
         raise ModelError(f"{path}: a result file ends in .nc, .csv or .outb.")
     if not path.is_file():
@@ -59,118 +68,85 @@ def read(path: Path) -> Stored:
         raise ModelError(f"{path}: the file is damaged, and cannot be read as a result: {reason[:200]}.") from None
 
 
-def _write_whole(path: Path, write: Callable[[Path], None]) -> None:
-    try:
-        handle, name = tempfile.mkstemp(prefix=f".{path.stem}.", suffix=path.suffix, dir=path.parent)
-    except OSError as error:
-        raise ModelError(f"{path}: cannot be written: {error.strerror}.") from error
-    os.close(handle)
-    temporary = Path(name)
-    try:
-        write(temporary)
-        umask = os.umask(0)
-        os.umask(umask)
-        temporary.chmod(0o666 & ~umask)
-        temporary.replace(path)
-    except ModelError as error:
-        raise error.at(str(path)) from None
-    except OSError as error:
-        raise ModelError(f"{path}: cannot be written: {error.strerror or error}.") from error
-    finally:
-        temporary.unlink(missing_ok=True)
-
-
 # -- netCDF -----------------------------------------------------------------------------------------------------------
 
 
 def _write_netcdf(stored: Stored, path: Path) -> None:
-    from scipy.io import netcdf_file
-
     attributes = {**stored.plain_attributes, "format": _FORMAT, "result_names": json.dumps(list(stored.values))}
     raw = stored.raw
     if raw is not None:
         names = {"x": raw.x_names, "z": raw.z_names, "d": raw.d_names}
         attributes |= {"raw_names": json.dumps(names), "parameter_hash": raw.parameter_hash}
-    with netcdf_file(path, "w", version=2) as file:
-        _set_attributes(file, {**attributes, "digest": _digest_of_texts(attributes)})
-        _add(file, "time", ("time",), stored.time, units="s", long_name="time")
+
+    def fill(file: Any) -> None:
+        set_attributes(file, attributes)
+        add_variable(file, "time", "d", ("time",), stored.time, units="s", long_name="time")
         for name, values in stored.values.items():
             about = {"units": stored.units[name], "long_name": stored.long_names[name]}
-            _add(file, name, dimensions(values), values, **about)
+            add_variable(file, name, "d", dimensions(values), values, **about)
         if raw is None:
             return
         for key in "xzd":
             if getattr(raw, key).size:  # the format has no empty arrays
                 about = {"long_name": f"{key} of the solver; columns as in the attribute raw_names"}
-                _add(file, _RAW + key, ("raw_time", f"raw_{key}_index"), getattr(raw, key), **about)
-        _add(file, _RAW + "time", ("raw_time",), raw.time, units="s", long_name="time of the solver's rows")
+                add_variable(file, _RAW + key, "d", ("raw_time", f"raw_{key}_index"), getattr(raw, key), **about)
+        about = {"units": "s", "long_name": "time of the solver's rows"}
+        add_variable(file, _RAW + "time", "d", ("raw_time",), raw.time, **about)
         if raw.checkpoint:
-            file.createDimension("checkpoint_bytes", len(raw.checkpoint))
-            variable = file.createVariable(_CHECKPOINT, "b", ("checkpoint_bytes",))
-            variable[...] = np.frombuffer(raw.checkpoint, np.int8)
+            add_variable(file, _CHECKPOINT, "b", ("checkpoint_bytes",), np.frombuffer(raw.checkpoint, np.int8))
 
-
-def _add(file: Any, name: str, dims: tuple[str, ...], values: np.ndarray, **attributes: str) -> None:
-    """Write a variable, and the dimensions that are new."""
-    for dim, size in zip(dims, np.shape(values), strict=True):
-        if dim not in file.dimensions:
-            file.createDimension(dim, size)
-    variable = file.createVariable(name, "d", dims)
-    variable[...] = values
-    _set_attributes(variable, {**attributes, "digest": _digest(values)})
-
-
-def _digest(values: np.ndarray) -> str:
-    """Of the numbers of a variable, as they lie in the file."""
-    return digest(np.ascontiguousarray(values, ">f8").tobytes()).hex()
-
-
-def _digest_of_texts(attributes: dict[str, Any]) -> str:
-    """Of the attributes that are texts; damage to a number beside them does not change what a result shows."""
-    texts = {key: value for key, value in attributes.items() if isinstance(value, str)}
-    return digest(json.dumps(texts, sort_keys=True).encode()).hex()
-
-
-def _check_digests(path: Path, dataset: Any) -> None:
-    """Refuse a file in which something has changed since it was written; older files have no digests."""
-    about = {key: value for key, value in dataset.attrs.items() if key != "digest"}
-    if "digest" in dataset.attrs and dataset.attrs["digest"] != _digest_of_texts(about):
-        raise ModelError(f"{path}: the file is damaged: its attributes are not those that were written.")
-    for name, variable in dataset.variables.items():
-        sum_ = variable.attrs.get("digest")
-        missing = sum_ is None and "digest" in dataset.attrs and name != _CHECKPOINT
-        if missing or sum_ not in (None, _digest(variable.values)):
-            raise ModelError(f"{path}: the file is damaged: the numbers of {name} are not those that were written.")
-
-
-def _set_attributes(owner: Any, attributes: dict[str, Any]) -> None:
-    """Text, as UTF-8, and numbers are all that an attribute can hold."""
-    for key, value in attributes.items():
-        if isinstance(value, (int, float)) and not isinstance(value, bool):
-            setattr(owner, key, np.float64(value) if isinstance(value, float) else np.int32(value))
-        else:
-            setattr(owner, key, str(value).encode())
+    write_netcdf(path, fill, version=2)
 
 
 def _read_netcdf(path: Path) -> Stored:
-    import xarray
-
     try:
-        with xarray.open_dataset(path, engine="scipy", decode_cf=False) as lazy:
-            dataset = lazy.load()
-    except Exception as error:  # a damaged head leads the reader anywhere
+        contents = read_netcdf(path)
+    except ValueError as error:
         raise ModelError(f"{path}: is not a netCDF file that can be read, or it is damaged.") from error
-    _check_digests(path, dataset)
+    if contents.damaged:
+        raise ModelError(
+            f"{path}: the file is damaged: {contents.damage}. What is sound in it can be read: "
+            "Result.open(path, damaged=True), or fowt view --damaged."
+        )
     try:
-        return _stored(path, dataset)
+        return _stored(path, contents)
     except (ValueError, TypeError, KeyError, AttributeError) as error:
         raise ModelError(f"{path}: the file is damaged: {error} is missing or wrong.") from error
 
 
-def _stored(path: Path, dataset: Any) -> Stored:
-    """What a data set holds."""
-    attributes = {key: value.item() if isinstance(value, np.generic) else value for key, value in dataset.attrs.items()}
-    attributes.pop("digest", None)
+def _read_damaged(path: Path) -> Stored:
+    """What is sound in a file, also in one whose end is missing; a warning names what is left out."""
+    try:
+        contents = read_netcdf(path, cut=True)
+    except ValueError as error:
+        raise ModelError(f"{path}: the file is damaged at its beginning; nothing in it can be read.") from error
+    if not contents.damaged:
+        return _read_netcdf(path)
+    sound = {name: item for name, item in contents.variables.items() if name not in contents.damaged}
+    if "time" not in sound and _RAW + "time" in sound:
+        sound["time"] = sound[_RAW + "time"]  # the same points of time
+    if "time" not in sound:
+        raise ModelError(f"{path}: the file is damaged: its points of time are lost, and with them all series.")
+    about, lost = dict(contents.attributes), [name for name in contents.damaged if name != HEAD]
+    solver = [_RAW + key for key in ("time", *"xzd")]
+    series = [name for name in sound if name not in (*solver, _CHECKPOINT, "time")]
+    if HEAD in contents.damaged:
+        lost.insert(0, "its attributes")
+        about = {"format": _FORMAT, "parameters": "{}", "status": "stopped or finished."}
+    about["result_names"] = json.dumps(series)
+    if HEAD in contents.damaged or any(name in lost for name in solver):
+        about.pop("raw_names", None)  # no states, and nothing to go on from
+    left_out = ", ".join(lost)
+    about["status"] = f"{about.get('status', '')} Read from a damaged file, without {left_out}.".strip()
+    stored = _stored(path, Contents(about, sound, ()))
+    states = "" if stored.raw is not None or not contents.variables.keys() & set(solver) else "; the states are lost"
+    warnings.warn(f"{path}: the file is damaged; read without {left_out}{states}.", stacklevel=4)
+    return stored
+
+
+def _stored(path: Path, contents: Contents) -> Stored:
+    """What a file holds."""
+    attributes, variables = dict(contents.attributes), contents.variables
     if attributes.pop("format", None) != _FORMAT:
         raise ModelError(f"{path}: is a netCDF file, but not a result of fowtlib (attribute format = '{_FORMAT}').")
     names = json.loads(attributes.pop("result_names"))
@@ -182,17 +158,17 @@ def _stored(path: Path, dataset: Any) -> Stored:
     raw = None
     if raw_names is not None:
         raw = RawTrajectory(
-            dataset[_RAW + "time"].values,
-            **{key: dataset[_RAW + key].values if _RAW + key in dataset else np.zeros(0) for key in "xzd"},
+            variables[_RAW + "time"].values,
+            **{key: variables[_RAW + key].values if _RAW + key in variables else np.zeros(0) for key in "xzd"},
             **{f"{key}_names": tuple(raw_names[key]) for key in "xzd"},
             parameter_hash=fingerprint,
-            checkpoint=dataset[_CHECKPOINT].values.tobytes() if _CHECKPOINT in dataset else b"",
+            checkpoint=variables[_CHECKPOINT].values.tobytes() if _CHECKPOINT in variables else b"",
         )
     return Stored(
-        dataset["time"].values,
-        {name: dataset[name].values for name in names},
-        {name: dataset[name].attrs["units"] for name in names},
-        {name: dataset[name].attrs["long_name"] for name in names},
+        variables["time"].values,
+        {name: variables[name].values for name in names},
+        {name: variables[name].attributes["units"] for name in names},
+        {name: variables[name].attributes["long_name"] for name in names},
         attributes,
         raw,
     )

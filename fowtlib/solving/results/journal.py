@@ -11,7 +11,6 @@ from __future__ import annotations
 
 import os
 import struct
-import tempfile
 import warnings
 from collections.abc import Mapping
 from pathlib import Path
@@ -20,6 +19,7 @@ from typing import Any
 import numpy as np
 
 from fowtlib.language.errors import ModelError
+from fowtlib.language.whole_files import replace_file
 from fowtlib.solving.results.data import RawTrajectory, Stored
 from fowtlib.solving.results.packing import packed, unpacked
 
@@ -35,34 +35,6 @@ def journal_of(path: Path) -> Path:
 def state_of(journal: Path) -> Path:
     """Where the checkpoint beside a journal lies."""
     return journal.with_name(journal.name + STATE)
-
-
-def replace_file(path: Path, data: bytes) -> None:
-    """Write a file whole and to the disk, in one step; OSError where that fails, and the old one stays."""
-    handle, name = tempfile.mkstemp(prefix=".fowtlib.", dir=path.parent)
-    temporary = Path(name)
-    try:
-        with os.fdopen(handle, "wb") as file:
-            file.write(data)
-            file.flush()
-            os.fsync(file.fileno())
-        temporary.replace(path)
-        sync_folder(path.parent)
-    finally:
-        temporary.unlink(missing_ok=True)
-
-
-def sync_folder(folder: Path) -> None:
-    """Put the names in a folder on the disk, where the system can."""
-    if os.name != "posix":
-        return
-    handle = os.open(folder, os.O_RDONLY)
-    try:
-        os.fsync(handle)
-    except OSError:  # some file systems of networks cannot
-        pass
-    finally:
-        os.close(handle)
 
 
 class NothingKept(ModelError):

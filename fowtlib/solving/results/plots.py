@@ -172,6 +172,8 @@ def plot_rao(
             if logarithmic and everything.any():
                 row[0].set_yscale("log")
                 row[0].set_ylim(bottom=max(1e-4 * everything.max(), 0.7 * everything[everything > 0].min()))
+                if np.ptp(np.log10(row[0].get_ylim())) > 1.2:  # the labels between the powers of ten would overlap
+                    row[0].yaxis.set_minor_formatter("")
             else:
                 row[0].set_ylim(bottom=0.0)
             if phase:

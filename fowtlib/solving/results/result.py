@@ -332,19 +332,26 @@ class Result:
         """Write netCDF (.nc: everything, resumable), CSV (.csv: the series, 10 digits) or OpenFAST's output (.outb).
 
         An .outb file has 16 bits for a number, the names of OpenFAST's channels (see openfast.py) and evenly
-        spaced times only. Never leaves half a file.
+        spaced times only. A file that is there already is written over, in one step: what stands there stays until
+        the new file is whole and on the disk, and no half file is left.
+
+        Raises WriteError where there is no room or no permission, and other ModelErrors for what the format cannot
+        hold; the result itself is as it was, and can be saved elsewhere.
         """
         return save(self.stored, Path(path))
 
     @staticmethod
-    def open(path: str | Path, plant: Any = None) -> Result:
-        """Read a result file: .nc, .csv, or .outb, also of OpenFAST itself.
+    def open(path: str | Path, plant: Any = None, *, damaged: bool = False) -> Result:
+        """Read a result file: .nc, .csv, or .outb, also of OpenFAST itself; or a journal, up to its last sound piece.
+
+        A damaged .nc file is refused; with ``damaged=True`` what is sound in it is read, without the variables whose
+        checksum does not fit, which a warning names. The formats .csv and .outb have no checksums.
 
         With the compiled model that an .nc file came from, any variable can be observed again.
 
         plant is anything with ``observer(raw, parameters) -> Observer``: the raw trajectory and the run's parameters.
         """
-        result = Result(**vars(read(Path(path))))
+        result = Result(**vars(read(Path(path), damaged)))
         if plant is not None and result.raw is not None:
             from fowtlib.solving.binding import bound_values
 

@@ -1,0 +1,94 @@
+"""Runs ended from outside: by Ctrl-C and the request to end, which save the results, and by force, to go on from."""
+
+from __future__ import annotations
+
+import random
+import signal
+import subprocess
+import sys
+import time
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+import fowtlib as fw
+
+pytestmark = pytest.mark.skipif(sys.platform == "win32", reason="signals of POSIX")
+
+PIECE = 0.2  # s between two pieces here, so that the runs can be short
+COMMAND = f"""
+import signal, sys
+signal.signal(signal.SIGINT, signal.default_int_handler)  # as in a terminal; a shell may have taken it away
+import fowtlib.solving.run
+fowtlib.solving.run.PIECE = {PIECE}
+from fowtlib.cli.app import main
+raise SystemExit(main())
+"""
+MODEL = ["run", "oc3_spar_rigid", "--wind", "steady:9", "--waves", "still"]
+
+
+def started(*words: object) -> subprocess.Popen:
+    return subprocess.Popen(
+        [sys.executable, "-c", COMMAND, *map(str, words)], stdout=subprocess.PIPE, stderr=subprocess.STDOUT, text=True
+    )
+
+
+def wait_for(path: Path, process: subprocess.Popen, newer: float = 0.0) -> None:
+    """Until a file is there that was written after a time."""
+    end = time.monotonic() + 120  # with what has to be compiled first
+    while not path.exists() or path.stat().st_mtime <= newer:
+        assert process.poll() is None, process.communicate()[0]
+        assert time.monotonic() < end
+        time.sleep(0.01)
+
+
+@pytest.mark.parametrize(
+    ("asked", "status", "solver", "output_step"),
+    [
+        (signal.SIGINT, 130, "idas", 100),
+        (signal.SIGTERM, 143, "idas", 1e5),
+        (signal.SIGINT, 130, "fixed", 1e5),
+        (signal.SIGTERM, 143, "fixed", 100),
+    ],
+)
+def test_a_run_with_long_output_steps_ends_soon_when_asked_and_keeps_its_results(
+    tmp_path, asked, status, solver, output_step
+):
+    """The whole run would take many minutes, and with 1e5 s the first output point a minute."""
+    path = tmp_path / "x.nc"
+    run = started(*MODEL, "--time", 1e7, "--output-step", output_step, "--solver", solver, "--output", path)
+    wait_for(tmp_path / "x.nc.part.state", run)
+    run.send_signal(asked)
+    said, _ = run.communicate(timeout=10)
+    assert run.returncode == status, said
+    result = fw.Result.open(path)
+    assert result.time[-1] > 0 and "interrupted" in said and str(path) in said
+    assert np.isfinite(result["platform.hull.heave"] if "platform.hull.heave" in result else result.time).all()
+    assert [file.name for file in tmp_path.iterdir()] == ["x.nc"]
+
+
+@pytest.mark.parametrize("solver", ["idas", "fixed"])
+def test_a_run_killed_three_times_equals_one_that_was_not(tmp_path, solver):
+    words = [*MODEL, "--time", 12000, "--output-step", 0.25, "--solver", solver]
+    whole, path = tmp_path / "whole.nc", tmp_path / "x.nc"
+    said, _ = (run := started(*words, "--output", whole)).communicate()
+    assert run.returncode == 0, said
+    chance, left, written = random.Random(f"kills {solver}"), tmp_path / "x.nc.part.state", 0.0
+    for kill in range(3):
+        run = started(*words, "--output", path, *(["--resume", path] if kill else []))
+        wait_for(left, run, written)
+        time.sleep(chance.uniform(0.0, 1.5 * PIECE))
+        run.kill()
+        run.communicate()
+        assert run.returncode == -signal.SIGKILL and not path.exists()
+        written = left.stat().st_mtime
+    said, _ = (run := started(*words, "--output", path, "--resume", path)).communicate()
+    assert run.returncode == 0, said
+    one, other = fw.Result.open(whole), fw.Result.open(path)
+    assert list(one.values) == list(other.values)
+    assert np.array_equal(one.time, other.time)
+    for name, values in one.values.items():
+        assert np.array_equal(values, other.values[name]), name
+    for part in "xzd":
+        assert np.array_equal(getattr(one.raw, part), getattr(other.raw, part))
