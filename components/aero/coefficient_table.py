@@ -12,6 +12,7 @@ import numpy as np
 
 from fowtlib.language.data_files import cells_of, lines_of, remembered
 from fowtlib.language.errors import ModelError
+from fowtlib.language.whole_files import write_text
 
 COLUMNS = ("tip_speed_ratio", "blade_pitch_deg", "thrust_coefficient", "torque_coefficient")
 REMEDY = "give a table that covers the state (`fowt rotor-table` makes one from the blades), or start elsewhere"
@@ -123,7 +124,7 @@ def write_coefficients(path: str | Path, table: CoefficientTable, precone: float
             torque = table.torque[i, j]
             power = ratio * torque * np.cos(precone)
             lines.append(f"{ratio:.10g},{pitch:.10g},{power:.7f},{table.thrust[i, j]:.7f},{torque:.7f}")
-    Path(path).write_text("\n".join(lines) + "\n", encoding="utf-8")
+    write_text(path, "\n".join(lines) + "\n")
 
 
 def _numbers(path: str, number: int, line: str, header: list[str]) -> list[float]:

@@ -17,6 +17,7 @@ any length costs no memory. Source: B.J. Jonkman, TurbSim User's Guide v2.00 (NR
 from __future__ import annotations
 
 import math
+import os
 import struct
 from collections.abc import Iterator
 from dataclasses import dataclass, field
@@ -27,6 +28,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from fowtlib.language.data_files import require_file
 from fowtlib.language.errors import ParameterError
+from fowtlib.language.whole_files import write_whole
 
 Floats = NDArray[np.float64]
 
@@ -155,7 +157,7 @@ def read_field(path: str | Path) -> WindField:
     grid = FieldGrid(
         rows, columns, steps, *geometry, tuple(scale[0::2]), tuple(scale[1::2]), tower_points, kind == PERIODIC, text
     )
-    _check(path, grid)
+    check_grid(path, grid)
     begin, wanted = _HEADER.size + length, grid.steps * grid.points * 6
     if size - begin < wanted:
         raise ParameterError(
@@ -168,21 +170,31 @@ def read_field(path: str | Path) -> WindField:
 
 def create_field(path: str | Path, grid: FieldGrid) -> WindField:
     """A new file with the header of `grid` and zeros, its stored numbers open for writing; see `encode`."""
-    path = str(path)
-    _check(path, grid)
-    header = grid.header()
+    check_grid(str(path), grid)
     try:
-        with open(path, "wb") as file:
-            file.write(header)
-            file.truncate(len(header) + grid.steps * grid.points * 6)
+        return lay_out(path, grid)
     except OSError as error:
         raise ParameterError(f"{path}: cannot write the wind field: {error.strerror}") from None
+
+
+def lay_out(path: str | Path, grid: FieldGrid) -> WindField:
+    """As create_field, of a grid that is known to be right; OSError where there is no room for all of it."""
+    header, size = grid.header(), grid.steps * grid.points * 6
+    with open(path, "wb") as file:
+        file.write(header)
+        file.flush()
+        if hasattr(os, "posix_fallocate"):  # a full disk is an error here, and would end the process later: SIGBUS
+            os.posix_fallocate(file.fileno(), len(header), size)
+        file.truncate(len(header) + size)
     shape = (grid.steps, grid.points, 3)
-    return WindField(path, grid, np.memmap(path, dtype="<i2", mode="r+", offset=len(header), shape=shape))
+    return WindField(str(path), grid, np.memmap(path, dtype="<i2", mode="r+", offset=len(header), shape=shape))
 
 
 def write_field(path: str | Path, grid: FieldGrid, speeds: ArrayLike, tower: ArrayLike | None = None) -> WindField:
-    """Write speeds (steps, rows, columns, 3) and of the tower (steps, tower_points, 3) [m/s], scaled to their range."""
+    """Write speeds (steps, rows, columns, 3) and of the tower (steps, tower_points, 3) [m/s], scaled to their range.
+
+    The file appears, or is replaced, when it is complete and on the disk. Raises WriteError.
+    """
     plane = np.asarray(speeds)
     shapes = (grid.steps, grid.rows, grid.columns, 3), (grid.steps, grid.tower_points, 3)
     down = np.zeros(shapes[1]) if tower is None and not grid.tower_points else np.asarray(tower)
@@ -192,9 +204,15 @@ def write_field(path: str | Path, grid: FieldGrid, speeds: ArrayLike, tower: Arr
     if not np.all(np.isfinite(values)):
         raise ParameterError(f"{path}: the speeds of a wind field must be finite numbers.")
     slope, offset = scale(values.min(axis=(0, 1)), values.max(axis=(0, 1)))
-    new = create_field(path, FieldGrid(**{**grid.__dict__, "slope": slope, "offset": offset}))
-    new.stored[:] = encode(values, slope, offset)
-    new.stored.flush()
+    scaled = FieldGrid(**{**grid.__dict__, "slope": slope, "offset": offset})
+    check_grid(str(path), scaled)
+
+    def fill(temporary: Path) -> None:
+        new = lay_out(temporary, scaled)
+        new.stored[:] = encode(values, slope, offset)
+        new.stored.flush()
+
+    write_whole(path, fill)
     return read_field(path)
 
 
@@ -213,7 +231,7 @@ def encode(speeds: ArrayLike, slope: ArrayLike, offset: ArrayLike) -> NDArray[np
     return np.clip(numbers, _LOW, _HIGH).astype("<i2")
 
 
-def _check(path: str, grid: FieldGrid) -> None:
+def check_grid(path: str, grid: FieldGrid) -> None:
     """Raise where a header cannot be one of a wind field."""
     least = {"rows": 1, "columns": 1, "steps": 2, "tower_points": 0}
     for name, smallest in least.items():

@@ -18,7 +18,6 @@ User's Guide v2.00 (NREL, 2014).
 
 from __future__ import annotations
 
-import os
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass, replace
 from pathlib import Path
@@ -26,10 +25,19 @@ from pathlib import Path
 import numpy as np
 from numpy.typing import NDArray
 
-from fowtlib.components.environment.field_file import FieldGrid, WindField, create_field, encode, read_field, scale
+from fowtlib.components.environment.field_file import (
+    FieldGrid,
+    WindField,
+    check_grid,
+    encode,
+    lay_out,
+    read_field,
+    scale,
+)
 from fowtlib.components.environment.field_spectra import PlaneCoherence, band_variance
 from fowtlib.components.environment.turbulence import coherence, normal_turbulence, power_law
 from fowtlib.language.errors import ParameterError
+from fowtlib.language.whole_files import write_whole
 
 Floats = NDArray[np.float64]
 
@@ -83,20 +91,19 @@ def generate_field(
     turbulence = _Turbulence(grid, sigma, spectrum, shear_exponent, lateral_coherence == "iec", seed, told)
     extremes = [(block.min(axis=(0, 1)), block.max(axis=(0, 1))) for _, block in turbulence.blocks(1 / 3)]
     slope, offset = scale(np.min([e[0] for e in extremes], axis=0), np.max([e[1] for e in extremes], axis=0))
-    part = Path(path).with_name(f"{Path(path).name}.part")
-    try:
-        new = create_field(part, replace(grid, slope=slope, offset=offset))
+    scaled = replace(grid, slope=slope, offset=offset)
+    check_grid(path, scaled)
+
+    def fill(temporary: Path) -> None:
+        new = lay_out(temporary, scaled)
         for points, block in turbulence.blocks(2 / 3):
             numbers = encode(block, np.float32(slope), np.float32(offset)).transpose(1, 0, 2)
             for start, stored in new.blocks():
                 stored[:, points] = numbers[start : start + len(stored)]
                 del stored
-        del new
-        os.replace(part, path)
-    except OSError as error:
-        raise ParameterError(f"{path}: cannot write the wind field: {error.strerror}") from None
-    finally:
-        part.unlink(missing_ok=True)
+        new.stored.flush()
+
+    write_whole(path, fill)
     return read_field(path)
 
 

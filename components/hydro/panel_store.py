@@ -3,8 +3,8 @@
 from __future__ import annotations
 
 import hashlib
-import os
 import tempfile
+import warnings
 import zipfile
 import zlib
 from collections.abc import Callable
@@ -13,6 +13,7 @@ from pathlib import Path
 import numpy as np
 
 from fowtlib.language.errors import ModelError
+from fowtlib.language.whole_files import WriteError, write_whole
 
 
 class Store:
@@ -48,13 +49,10 @@ class Store:
     def _write(self) -> None:
         if self.path is None:
             return
-        handle, name = tempfile.mkstemp(prefix=f".{self.path.name}.", suffix=".npz", dir=self.path.parent)
         try:
-            with os.fdopen(handle, "wb") as file:
-                np.savez(file, inputs=self.digest, **self.arrays)
-            os.replace(name, self.path)
-        finally:
-            Path(name).unlink(missing_ok=True)
+            write_whole(self.path, lambda temporary: np.savez(temporary, inputs=self.digest, **self.arrays))
+        except WriteError as error:  # of a full disk: it may have room again for the next piece
+            warnings.warn(f"{error.message} The computation goes on, with its results in memory.", stacklevel=4)
 
     def finish(self) -> None:
         """The target is written: the file beside it has no further use."""

@@ -10,6 +10,7 @@ from typing import Any
 from fowtlib.cli import tables
 from fowtlib.cli.files import check_target, say_saved
 from fowtlib.language.errors import ModelError, NotFoundError, did_you_mean
+from fowtlib.language.whole_files import write_text
 
 NEW = """examples:
   fowt new my_spar
@@ -67,7 +68,7 @@ def write_new(arguments: argparse.Namespace) -> int:
     check_target(path, (".yaml",), force=False)
     text = find_model(arguments.like).read_text(encoding="utf-8")
     head = f"# A copy of {arguments.like}, made by `fowt new`. Check it: fowt check {path}   Run it: fowt run {path}\n"
-    path.write_text(head + re.sub(r"^title:.*$", f"title: {path.stem}", text, count=1, flags=re.M), encoding="utf-8")
+    write_text(path, head + re.sub(r"^title:.*$", f"title: {path.stem}", text, count=1, flags=re.M))
     say_saved(path)
     return 0
 

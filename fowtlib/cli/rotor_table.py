@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import argparse
-import csv
 import math
 import re
 import warnings
@@ -16,6 +15,7 @@ from fowtlib.cli.files import FIGURES, check_target, say_saved
 from fowtlib.cli.progress import part_bar
 from fowtlib.cli.run import numbers
 from fowtlib.language.errors import ModelError, NotFoundError, did_you_mean
+from fowtlib.language.whole_files import write_text
 
 if TYPE_CHECKING:
     from fowtlib.components.aero import CoefficientTable
@@ -86,10 +86,7 @@ def show_rotor_table(arguments: argparse.Namespace) -> int:
         write_coefficients(arguments.output, table, precone, _about(turbine, arguments.model, precone))
     rows = [_row(point, turbine, table) for point in points]
     if arguments.curve:
-        with arguments.curve.open("w", newline="", encoding="utf-8") as file:
-            writer = csv.writer(file, lineterminator="\n")
-            writer.writerow(COLUMNS)
-            writer.writerows([f"{value:.10g}" for value in row] for row in rows)
+        write_text(arguments.curve, tables.csv_text(COLUMNS, ([f"{value:.10g}" for value in row] for row in rows)))
     power = _power(table, precone)
     if arguments.plot:
         from fowtlib.view.rotor import plot_rotor

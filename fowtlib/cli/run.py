@@ -5,11 +5,10 @@ from __future__ import annotations
 import argparse
 import math
 import warnings
-from itertools import chain, count
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from fowtlib.cli import loading, tables
+from fowtlib.cli import loading, rescue, tables
 from fowtlib.cli.files import FIGURES, RESULTS, check_target, say_saved
 from fowtlib.cli.progress import progress_bar
 from fowtlib.cli.start import HELP, start_values
@@ -22,6 +21,7 @@ if TYPE_CHECKING:
 
     from fowtlib import Plant
     from fowtlib.solving.results import Result
+    from fowtlib.solving.results.journal import Journal
 
 EXAMPLES = """examples:
   fowt run oc3_spar_rigid --time 600 --wind steady:8 --waves still
@@ -116,21 +116,21 @@ def run(arguments: argparse.Namespace) -> int:
         with progress_bar(earlier.final.time if earlier else 0.0) as report:
             later = plant.simulate(conditions=conditions, progress=report, journal=journal, **options)
     except SimulationError as error:
-        saved = _rescue(error, earlier, arguments.output or _free_name(f"{model.name or 'run'}_partial"))
-        if journal and (saved or not earlier and getattr(error, "result", None)):  # nothing in it is not elsewhere
-            journal.remove()
+        _rescue(error, earlier, arguments.output or rescue.free_name(f"{model.name or 'run'}_partial"), journal)
         raise
     result = earlier.followed_by(later) if earlier else later
+    problem = ""
     if arguments.output:
-        _save(result, arguments.output)
-        journal.remove()
+        _, problem = rescue.save(result, arguments.output, journal)
     if arguments.plot:
         from fowtlib.solving.results.plots import plot_result
 
         plot_result(result, path=arguments.plot, discard=_discarded(arguments, result))
     tables.say(arguments, "; ".join(filter(None, (weather(model, arguments), whence))))
     _show(arguments, result, later)
-    say_saved(arguments.output, arguments.plot)
+    say_saved(None if problem else arguments.output, arguments.plot)
+    if problem:  # at the end, where it is seen
+        raise ModelError(problem)
     return 0
 
 
@@ -169,7 +169,7 @@ def _check_discard(arguments: argparse.Namespace, plant: Plant, earlier: Result 
     """Refuse to leave out all of a run, before it is computed."""
     from fowtlib.solving.run import duration_settings
 
-    end, *_ = duration_settings(arguments.time, None, None, plant.settings)
+    end, *_ = duration_settings(arguments.time, arguments.output_step, None, plant.settings)
     first = earlier.time[0] if earlier and earlier.time.size else 0.0
     if arguments.discard >= end - first > 0:
         raise ModelError(
@@ -183,22 +183,6 @@ def _discarded(arguments: argparse.Namespace, result: Result) -> float:
     return arguments.discard if arguments.discard < result.duration else 0.0
 
 
-def _save(result: Result, path: Path) -> None:
-    """Save a result; what the file's format cannot hold is not lost, but goes into a netCDF file beside it."""
-    try:
-        result.save(path)
-    except ModelError as error:
-        if path.suffix == ".outb":
-            error.message += f"\nThe results are saved in {result.save(path.with_suffix('.nc'))} instead."
-        raise
-
-
-def _free_name(stem: str) -> Path:
-    """A name of a result that is not there yet."""
-    names = (Path(f"{stem}{number}.nc") for number in chain([""], (f"_{k}" for k in count(2))))
-    return next(path for path in names if not path.exists())
-
-
 def _check_left(left: Path, output: Path, force: bool) -> None:
     """Refuse to write over what a run that was killed has left."""
     if left.exists() and not force:
@@ -208,16 +192,21 @@ def _check_left(left: Path, output: Path, force: bool) -> None:
         )
 
 
-def _rescue(error: SimulationError, earlier: Result | None, path: Path) -> bool:
-    """Save what a run has computed before it stopped, and say so in the error; whether it was."""
+def _rescue(error: SimulationError, earlier: Result | None, path: Path, journal: Journal | None) -> None:
+    """Save what a run has computed before it stopped, and say in the error where it is."""
     partial: Result | None = getattr(error, "result", None)
     if partial is None or partial.time.size < 2:
-        return False
+        if journal and partial is not None and not earlier:  # nothing is in it
+            journal.remove()
+        return
     result = earlier.followed_by(partial) if earlier else partial
-    path = result.save(path if path.suffix == ".csv" else path.with_suffix(".nc"))
-    error.message += f"\nThe results up to t = {result.time[-1]:g} s are saved in {path}"
-    error.message += f"; to go on from there: --resume {path}" if path.suffix == ".nc" else "."
-    return True
+    path = path if path.suffix == ".csv" else path.with_suffix(".nc")
+    place, problem = rescue.save(result, path, journal)
+    if problem:
+        error.message += f"\n{problem}"
+        return
+    error.message += f"\nThe results up to t = {result.time[-1]:g} s are saved in {place}"
+    error.message += f"; to go on from there: --resume {place}" if path.suffix == ".nc" else "."
 
 
 def _show(arguments: argparse.Namespace, result: Result, later: Result) -> None:

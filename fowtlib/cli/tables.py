@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import argparse
 import csv
+import io
 import json
 import math
 import sys
@@ -13,6 +14,7 @@ from typing import Any
 
 from fowtlib.cli.encoding import is_unicode
 from fowtlib.cli.files import TABLES, check_target, say_saved
+from fowtlib.language.whole_files import write_text
 
 Row = Sequence[Any]
 MOST_NUMBERS = 9  # of an array that is shown to a person in full
@@ -59,15 +61,22 @@ def save(arguments: argparse.Namespace, columns: Sequence[str], rows: Sequence[R
     if path is None:
         return
     check_target(path, TABLES, arguments.force)
-    with path.open("w", encoding="utf-8", newline="") as file:
-        if path.suffix == ".json":
-            json.dump([dict(zip(columns, map(_plain, row), strict=True)) for row in rows], file, indent=2,
-                      ensure_ascii=False)  # fmt: skip
-        else:
-            writer = csv.writer(file, lineterminator="\n")
-            writer.writerow(columns)
-            writer.writerows([_plain(value) for value in row] for row in rows)
+    if path.suffix == ".json":
+        plain = [dict(zip(columns, map(_plain, row), strict=True)) for row in rows]
+        text = json.dumps(plain, indent=2, ensure_ascii=False)
+    else:
+        text = csv_text(columns, ([_plain(value) for value in row] for row in rows))
+    write_text(path, text)
     say_saved(path)
+
+
+def csv_text(columns: Sequence[str], rows: Iterable[Row]) -> str:
+    """A table as the text of a CSV file."""
+    text = io.StringIO()
+    writer = csv.writer(text, lineterminator="\n")
+    writer.writerow(columns)
+    writer.writerows(rows)
+    return text.getvalue()
 
 
 def show_json(value: Any) -> None:

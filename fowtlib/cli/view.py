@@ -38,6 +38,7 @@ def declare(commands: Any) -> None:
     model = next(action for action in parser._actions if action.dest == "model")
     model.metavar, model.help = "MODEL|RESULT", "a shipped model, a model file, or a result (.nc)"
     parser.add_argument("--result", type=Path, metavar="FILE", help="play this result (.nc) of MODEL")
+    parser.add_argument("--damaged", action="store_true", help="of a damaged result show what is sound")
     parser.add_argument("-o", "--output", type=Path, metavar="FILE", help="the page: .html; default: the model's name")
     parser.add_argument("--equilibrium", action="store_true", help="a model: at its mean position, not at its start")
     parser.add_argument(
@@ -68,6 +69,8 @@ def view(arguments: argparse.Namespace) -> int:
     before = "" if arguments.output else in_place_of(target)
     options = {"path": target, "rate": arguments.rate, "show": arguments.open}
     if path is None:
+        if arguments.damaged:
+            raise ModelError("--damaged is for a result; a model has no checksums.")
         made = _of_model(arguments, options)
     else:
         given = [name for name in ("wind", "waves") if getattr(arguments, name)] + ["set"] * bool(arguments.settings)
@@ -107,7 +110,7 @@ def _played(arguments: argparse.Namespace, path: Path, alone: bool) -> tuple[Mod
 
     if path.suffix == ".csv":
         raise ModelError(f"{path}: a CSV file holds the series only, not the states: save the run as .nc.")
-    result = Result.open(path)
+    result = Result.open(path, damaged=arguments.damaged)
     if result.raw is None or not result.raw.time.size:
         raise ModelError(f"{path}: the file holds no states, from which positions could be found.")
     name = result.attributes["model"]
@@ -116,7 +119,8 @@ def _played(arguments: argparse.Namespace, path: Path, alone: bool) -> tuple[Mod
         raise ModelError(f"{path}: {which}; give the model too: fowt view MODEL --result {path}")
     model = loading.load_file(arguments, name if alone else arguments.model)
     model = _as_it_was(model, result, path)
-    return model, Result.open(path, plant=model.compile())
+    result.attach_plant(model.compile())
+    return model, result
 
 
 def _as_it_was(model: Model, result: Result, path: Path) -> Model:

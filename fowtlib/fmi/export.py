@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import hashlib
 import json
-import os
 import re
 import tempfile
 import uuid
@@ -28,6 +27,7 @@ from fowtlib.language.data_files import data_parameters, digest_of
 from fowtlib.language.errors import ModelError, ParameterError, did_you_mean
 from fowtlib.language.externals import refusals_explained
 from fowtlib.language.units import to_si
+from fowtlib.language.whole_files import write_whole
 from fowtlib.solving.engines.base import RHO_INF, STEP
 from fowtlib.solving.plant import Plant
 
@@ -178,30 +178,18 @@ def checked_target(path: Path) -> Path:
 
 
 def _write(path: Path, texts: Mapping[str, bytes], sources: Sources, binaries: Mapping[str, Path]) -> None:
-    """The archive, whole or not at all."""
-    try:
-        with tempfile.NamedTemporaryFile(dir=path.parent, suffix=".part", delete=False) as file:
-            fresh = Path(file.name)
-        try:
-            with zipfile.ZipFile(fresh, "w", zipfile.ZIP_DEFLATED, compresslevel=9) as archive:
-                for name, written in texts.items():
-                    archive.writestr(name, written)
-                for name, text in sources.files.items():
-                    archive.writestr(f"sources/{name}", text)
-                for inside, binary in binaries.items():
-                    archive.write(binary, inside)
-                archive.writestr("resources/tables.bin", sources.tables)
-                for name, file_path in sources.resources.items():
-                    archive.write(file_path, f"resources/{name}")
-            fresh.chmod(0o666 & ~_umask())
-            os.replace(fresh, path)
-        finally:
-            fresh.unlink(missing_ok=True)
-    except OSError as error:
-        raise ModelError(f"{path}: cannot be written: {error.strerror or error}.") from None
+    """The archive, whole and on the disk or not at all."""
 
+    def pack(fresh: Path) -> None:
+        with zipfile.ZipFile(fresh, "w", zipfile.ZIP_DEFLATED, compresslevel=9) as archive:
+            for name, written in texts.items():
+                archive.writestr(name, written)
+            for name, text in sources.files.items():
+                archive.writestr(f"sources/{name}", text)
+            for inside, binary in binaries.items():
+                archive.write(binary, inside)
+            archive.writestr("resources/tables.bin", sources.tables)
+            for name, file_path in sources.resources.items():
+                archive.write(file_path, f"resources/{name}")
 
-def _umask() -> int:
-    mask = os.umask(0)
-    os.umask(mask)
-    return mask
+    write_whole(path, pack)

@@ -13,6 +13,7 @@ import numpy as np
 from fowtlib.flattening.flat_dae import Operator
 from fowtlib.flattening.system import element_names
 from fowtlib.language.errors import ModelError, SimulationError
+from fowtlib.language.whole_files import write_whole
 from fowtlib.solving.binding import start_slopes
 from fowtlib.solving.functions import AtParameters
 from fowtlib.solving.layout import Layout
@@ -138,17 +139,14 @@ class LinearModel:
         names["output_units"] = [self.units.get(name, "1") for name in self.outputs]
         content = {**self.matrices, **{key: np.array(value, dtype=object) for key, value in names.items()}}
         plain = {**self.matrices, **{key: np.array(value, dtype=str) for key, value in names.items()}}
-        try:
-            if path.suffix == ".mat":
-                savemat(path, content)
-            elif path.suffix == ".npz":
-                np.savez(path, **plain)
-            else:
-                ending = path.suffix or "no ending"
-                raise ModelError(f"{path}: a linear model is saved as .mat or .npz, not as '{ending}'.")
-        except OSError as error:
-            raise ModelError(f"{path}: cannot be written: {error.strerror}.") from error
-        return path
+        writers = {
+            ".mat": lambda temporary: savemat(temporary, content),
+            ".npz": lambda temporary: np.savez(temporary, **plain),
+        }
+        if path.suffix not in writers:
+            ending = path.suffix or "no ending"
+            raise ModelError(f"{path}: a linear model is saved as .mat or .npz, not as '{ending}'.")
+        return write_whole(path, writers[path.suffix])
 
     def _repr_html_(self) -> str:
         rows = [(mode.label, mode.frequency_hz, mode.damping_ratio) for mode in self.modes()]

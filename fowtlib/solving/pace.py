@@ -44,7 +44,8 @@ def longest_stretch(engine: Engine) -> float:
     at, step = engine.at, engine.attributes.get("step")
     unknowns = at.dae.x.shape[0] + at.dae.z.shape[0]
     price = PRICE if step is None else PRICE_FIXED * max(1.0, STEP / float(step))
-    return BUDGET / (price * (TIMES_INTERPRETED if is_slow(engine) else 1.0) * max(1, at.functions.operations * unknowns))
+    slower = TIMES_INTERPRETED if is_slow(engine) else 1.0
+    return BUDGET / (price * slower * max(1, at.functions.operations * unknowns))
 
 
 def is_slow(engine: Engine) -> bool:

@@ -11,6 +11,7 @@ from typing import Any
 import numpy as np
 
 from fowtlib.language.errors import ModelError, SimulationError
+from fowtlib.language.whole_files import write_text
 from fowtlib.solving.results.html import table
 
 GROUPS = {"x": "states", "z": "algebraics", "d": "discretes"}
@@ -46,11 +47,7 @@ class State:
             quantities = getattr(self.plant.dae, name)
             values = getattr(self, group).tolist()
             content[name] = {q.path: value for q, value in zip(quantities, values, strict=True)}
-        try:
-            path.write_text(json.dumps(content, indent=1), encoding="utf-8")
-        except OSError as error:
-            raise ModelError(f"{path}: cannot be written: {error.strerror}.") from error
-        return path
+        return write_text(path, json.dumps(content, indent=1))
 
     @staticmethod
     def open(path: str | Path, plant: Any, parameters: Mapping[str, Any] | None = None) -> State:

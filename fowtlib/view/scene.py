@@ -17,6 +17,7 @@ import numpy as np
 
 from fowtlib.language import shapes
 from fowtlib.language.errors import ModelError
+from fowtlib.language.whole_files import write_text
 from fowtlib.solving import Model, Plant, Result, mean_state
 from fowtlib.solving.results.plots import PANELS
 from fowtlib.view import meshes
@@ -99,10 +100,7 @@ def view(
         raise ModelError(f"view: a Model, a Plant or a Result can be drawn, not a {type(subject).__name__}.")
     target = _target(path if path is not None else f"{name or 'model'}.html")
     text = page(scene(cast, recording))
-    try:
-        target.write_text(text, encoding="utf-8")
-    except OSError as error:
-        raise ModelError(f"{target}: cannot be written: {error.strerror}.") from error
+    write_text(target, text)
     time = recording.time
     span = float(time[-1] - time[0])
     animation = Animation(target, time.size, (time.size - 1) / span if span else 0.0, len(text.encode()))

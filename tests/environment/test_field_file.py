@@ -124,7 +124,7 @@ def test_a_long_file_in_parts(tmp_path):
 def test_other_mistakes(tmp_path):
     with pytest.raises(ModelError, match=r"none.bts: cannot read the wind field: No such file"):
         read_field(tmp_path / "none.bts")
-    with pytest.raises(ModelError, match=r"cannot write the wind field: No such file"):
+    with pytest.raises(ModelError, match=r"none.a.bts: cannot be written: No such file"):
         write_field(tmp_path / "none" / "a.bts", GRID, speeds())
     with pytest.raises(ModelError, match=r"speeds \(5, 2, 3, 3\) and tower \(5, 0, 3\), the grid needs"):
         write_field(tmp_path / "a.bts", GRID, speeds().transpose(0, 2, 1, 3))

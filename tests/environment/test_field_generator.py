@@ -217,5 +217,5 @@ def test_a_field_appears_when_it_is_complete(tmp_path):
         generate_field(path, **SMALL, seed=2, progress=stop)
     assert path.read_bytes() == before
     assert [item.name for item in tmp_path.iterdir()] == ["a.bts"]
-    with pytest.raises(ModelError, match=r"none.a.bts.part: cannot write the wind field: No such file or directory"):
+    with pytest.raises(ModelError, match=r"none.a.bts: cannot be written: No such file or directory"):
         generate_field(tmp_path / "none" / "a.bts", **SMALL)

@@ -77,24 +77,29 @@ def growth(process: FmuProcess, count: int) -> list[str]:
     ]
 
 
+def both(path: Path, count: int) -> dict[str, list[str]]:
+    """What has grown after `count` cycles in processes of their own, and after `count` in this process."""
+    found = {}
+    for where, in_process in (("in processes of their own", False), ("in this process", True)):
+        unit = FMU(file=str(path))
+        process = FmuProcess(
+            unit._archive, unit._description, unit._content, unit._inputs, unit._outputs, unit._start, unit._step,
+            in_process=in_process,
+        )  # fmt: skip
+        found[where] = growth(process, count)
+    return found
+
+
 def main(arguments: list[str] | None = None) -> int:
     """See above."""
     given = sys.argv[1:] if arguments is None else arguments
     if not 1 <= len(given) <= 2:
         sys.exit(__doc__)
     count = int(given[1]) if len(given) == 2 else 1000
-    found = []
-    for in_process in (False, True):
-        unit = FMU(file=given[0])
-        process = FmuProcess(
-            unit._archive, unit._description, unit._content, unit._inputs, unit._outputs, unit._start, unit._step,
-            in_process=in_process,
-        )  # fmt: skip
-        lines = growth(process, count)
-        where = "in this process" if in_process else "in processes of their own"
-        print(f"{count} cycles {where}: {'; '.join(lines) or 'nothing has grown'}", flush=True)
-        found += lines
-    return 1 if found else 0
+    found = both(Path(given[0]), count)
+    for where, lines in found.items():
+        print(f"{count} cycles {where}: {'; '.join(lines) or 'nothing has grown'}")
+    return int(any(found.values()))
 
 
 if __name__ == "__main__":

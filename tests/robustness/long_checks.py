@@ -281,6 +281,22 @@ print(*found.values())
 """
 
 
+def cycles(count: int) -> Row:
+    """The FMU of the tests unpacked, loaded, stepped and freed, in processes of its own and as often in this one.
+
+    Good: nothing has grown, see fmu_cycles.py.
+    """
+    import fmu_cycles
+
+    sys.path.insert(0, str(Path(__file__).parents[1] / "fmu"))
+    import controller_fmu
+
+    with tempfile.TemporaryDirectory(prefix="cycles_") as name:
+        found = fmu_cycles.both(controller_fmu.make(Path(name) / "controller.fmu"), count)
+    words = [f"{where}: {'; '.join(lines) or 'nothing has grown'}" for where, lines in found.items()]
+    return Row("an FMU made and freed, each way", count, "; ".join(words), not any(found.values()))
+
+
 def _words(duration: float, target: str, *more: str) -> list[str]:
     return [
         *FOWT,

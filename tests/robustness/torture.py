@@ -34,6 +34,7 @@ NUMBERS = {
     "plants": 500,
     "seconds": 1e5,
     "threads": 10,
+    "cycles": 1000,
 }
 CHECKS = {
     "kills": lambda given: long_checks.kills(given.kills, given.seed),
@@ -42,6 +43,7 @@ CHECKS = {
     "plants": lambda given: long_checks.plants(given.plants),
     "seconds": lambda given: long_checks.long_run(given.seconds),
     "threads": lambda given: long_checks.threads(given.threads),
+    "cycles": lambda given: long_checks.cycles(given.cycles),
 }
 
 

@@ -288,7 +288,7 @@ def test_damaged_attributes_leave_the_series(tmp_path):
     path = _saved(tmp_path)
     good = Result.open(path)
     data = bytearray(path.read_bytes())
-    data[data.index(b"fowtlib_version") + 20] ^= 1
+    data[data.index(b"fowtlib_version") + 24] ^= 1  # in the text; before it lie kind and length
     path.write_bytes(data)
     with pytest.warns(UserWarning, match="read without its attributes; the states are lost"):
         result = Result.open(path, damaged=True)

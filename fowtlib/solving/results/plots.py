@@ -17,6 +17,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from fowtlib.language.errors import ModelError
+from fowtlib.language.whole_files import write_whole
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -284,11 +285,8 @@ def save_figure(figure: Figure, path: str | Path | None, *, dpi: int = 150) -> F
         raise ModelError(f"{path}: a figure is saved as {', '.join(known)}, not as '{path.suffix or 'no ending'}'.")
     if not path.parent.is_dir():
         raise ModelError(f"{path}: the folder {path.parent} does not exist. Make it first, or choose another one.")
-    try:
-        with _style():
-            figure.savefig(path, dpi=dpi)
-    except OSError as error:
-        raise ModelError(f"{path}: cannot be written: {error.strerror}.") from error
+    with _style():
+        write_whole(path, lambda temporary: figure.savefig(temporary, dpi=dpi))
     return figure
 
 

@@ -221,6 +221,15 @@ class Result:
         self._observer = observe if isinstance(observe, Observer) else Observer(observe)
         self._observed = {}
 
+    def attach_plant(self, plant: Any) -> None:
+        """Let this result answer for every variable of the compiled model that it came from, where it holds states."""
+        if self.raw is None:
+            return
+        from fowtlib.solving.binding import bound_values
+
+        bound = bound_values(getattr(plant, "root", None), self.attributes["structure"])
+        self.attach(plant.observer(self.raw, {**bound, **self.attributes["parameters"]}))
+
     @property
     def root(self) -> Component:
         """The component tree of the model that this result came from."""
@@ -352,11 +361,8 @@ class Result:
         plant is anything with ``observer(raw, parameters) -> Observer``: the raw trajectory and the run's parameters.
         """
         result = Result(**vars(read(Path(path), damaged)))
-        if plant is not None and result.raw is not None:
-            from fowtlib.solving.binding import bound_values
-
-            bound = bound_values(getattr(plant, "root", None), result.attributes["structure"])
-            result.attach(plant.observer(result.raw, {**bound, **result.attributes["parameters"]}))
+        if plant is not None:
+            result.attach_plant(plant)
         return result
 
 

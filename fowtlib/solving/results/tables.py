@@ -3,11 +3,13 @@
 from __future__ import annotations
 
 import csv
+import io
 from collections.abc import Iterable, Sequence
 from pathlib import Path
 from typing import Any
 
 from fowtlib.language.errors import ModelError
+from fowtlib.language.whole_files import write_text
 
 
 def write_table(path: str | Path, columns: Sequence[str], rows: Iterable[Sequence[Any]], what: str) -> Path:
@@ -15,11 +17,8 @@ def write_table(path: str | Path, columns: Sequence[str], rows: Iterable[Sequenc
     path = Path(path)
     if path.suffix != ".csv":
         raise ModelError(f"{path}: {what}: saved as .csv, not as '{path.suffix or 'no ending'}'.")
-    try:
-        with path.open("w", encoding="utf-8", newline="") as file:
-            writer = csv.writer(file, lineterminator="\n")
-            writer.writerow(columns)
-            writer.writerows([f"{v:.10g}" if isinstance(v, float) else v for v in row] for row in rows)
-    except OSError as error:
-        raise ModelError(f"{path}: cannot be written: {error.strerror}.") from error
-    return path
+    text = io.StringIO()
+    writer = csv.writer(text, lineterminator="\n")
+    writer.writerow(columns)
+    writer.writerows([f"{v:.10g}" if isinstance(v, float) else v for v in row] for row in rows)
+    return write_text(path, text.getvalue())
