@@ -140,9 +140,16 @@ class Session(Protocol):
     def close(self) -> None:
         """Free what the run has used; called once, also after a failure."""
 
+    # Where the process says `keeps_state`:
+    # saved_state() -> bytes: all that the session remembers; ModelError where it fails.
+    # restore_state(state): go on as the session that gave it, also in a fresh one; ModelError where it does not fit.
+
 
 class Process(Protocol):
-    """Something with a memory that is not written as equations: a co-simulation FMU, the library of a controller."""
+    """Something with a memory that is not written as equations: a co-simulation FMU, the library of a controller.
+
+    An attribute `keeps_state` that is true: its sessions can save and restore what they remember, see Session.
+    """
 
     def start(self) -> Session:
         """A fresh session, independent of all others; called once in a simulation, at the first sample."""

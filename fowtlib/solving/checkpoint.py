@@ -16,6 +16,7 @@ import numpy as np
 from fowtlib.solving.engines import Engine
 from fowtlib.solving.events import StateEvents
 from fowtlib.solving.results.packing import packed, unpacked
+from fowtlib.solving.sessions import Sessions
 
 
 class Run(Protocol):
@@ -34,6 +35,7 @@ class Run(Protocol):
     u: np.ndarray
     clocks: list[tuple[float, float, int]]
     warned: dict[int, str]
+    sessions: Sessions
     rows: list[tuple[np.ndarray, np.ndarray, np.ndarray, np.ndarray]]
 
 
@@ -43,7 +45,10 @@ def settings(run: Run) -> dict[str, Any]:
 
 
 def checkpoint(run: Run) -> bytes:
-    """The run as it stands."""
+    """The run as it stands; empty where a process of the model cannot save what it remembers."""
+    states = run.sessions.saved()
+    if states is None:
+        return b""
     events, (times, *last) = run.events, run.rows[-1]
     text = {
         "t": run.t, "t_start": run.t_start, "settings": settings(run), "most": run.most, "parts": run.parts,
@@ -54,6 +59,7 @@ def checkpoint(run: Run) -> bytes:
     }  # fmt: skip
     arrays = {"x": run.x, "z": run.z, "d": run.d, "u": run.u, "armed": events.armed.astype(np.uint8)}
     arrays |= {f"last_{key}": rows[-1] for key, rows in zip("xzd", last, strict=True)}
+    arrays |= {f"session {k}": np.frombuffer(state, np.uint8) for k, state in states.items()}
     text["engine"], memory = run.engine.memory()
     return packed(text, {**arrays, **{f"engine {name}": values for name, values in memory.items()}})
 
@@ -86,4 +92,6 @@ def restore(data: bytes, run: Run) -> None:
     events.just_fired = set(text["just_fired"])
     events.last_act = -np.inf if text["last_act"] is None else text["last_act"]
     events.armed = arrays["armed"].astype(bool)
+    sessions = {int(name.removeprefix("session ")): name for name in arrays if name.startswith("session ")}
+    run.sessions.restore({k: bytes(arrays[name]) for k, name in sessions.items()})
     run.rows = [(np.array([text["last_time"]]), *(arrays[f"last_{key}"][None] for key in "xzd"))]

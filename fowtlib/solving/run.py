@@ -103,7 +103,9 @@ class Run:
         self.written = 0  # output points in the journal
         self.pieces: list[dict[str, np.ndarray]] = []  # their results, which are not computed again at the end
         self.went_on_from: float | None = None
-        self.sessions = Sessions(self.dae, resumed)
+        self.sessions = Sessions(self.dae)
+        if resumed:
+            self.sessions.require_states()
         self.t = start.t
         self.x, self.z, self.d, self.u = start.x.copy(), start.z.copy(), start.d.copy(), start.u.copy()
         self.rows: list[tuple[np.ndarray, np.ndarray, np.ndarray, np.ndarray]] = []
@@ -193,6 +195,7 @@ class Run:
         if t_end < earlier.final.time:
             return b""
         if not data:
+            self.sessions.require_none("the result has none")
             warnings.warn(
                 "the run goes on with a new start of its solver, not exactly as it would have: the result to resume "
                 f"from holds no checkpoint. It was {earlier.attributes['status']}", stacklevel=4,
@@ -204,6 +207,7 @@ class Run:
             raise SimulationError(f"the result to resume from is damaged: of its checkpoint, {error}.") from None
         if not changed:
             return data
+        self.sessions.require_none(f"that does not fit: {'; '.join(changed)}")
         warnings.warn(
             f"the run goes on with a new start of its solver, not exactly as it would have: {'; '.join(changed)}.",
             stacklevel=4,

@@ -295,6 +295,51 @@ def test_a_run_does_not_go_on_from_a_result(fmu):
         plant.simulate(0.4, 0.1, start=result)
 
 
+KEEPS = {
+    2: ("<CoSimulation ", '<CoSimulation canGetAndSetFMUstate="true" canSerializeFMUstate="true" '),
+    3: ("<CoSimulation ", '<CoSimulation canGetAndSetFMUState="true" canSerializeFMUState="true" '),
+}
+
+
+@pytest.mark.parametrize("options", [{"solver": "idas"}, {"solver": "fixed", "step": 0.0125}], ids=("idas", "fixed"))
+@pytest.mark.parametrize(("version", "middle"), [(2, 0.23), (2, 0.4), (3, 0.31)])
+def test_a_run_with_an_fmu_that_keeps_its_state_goes_on_exactly(fmu, tmp_path, version, middle, options):
+    plant = fw.load(braked(fmu(version, KEEPS[version]))).compile()
+    names = ["rotor.w", "unit.torque", "unit.samples"]
+    before = left()
+    whole = plant.simulate(1.0, 0.02, outputs=names, **options)
+    plant.simulate(middle, 0.02, outputs=names, **options).save(tmp_path / "first.nc")
+    first = fw.Result.open(tmp_path / "first.nc")
+    joined = first.followed_by(plant.simulate(1.0, 0.02, start=first, outputs=names, **options))
+    assert joined.time.tobytes() == whole.time.tobytes()
+    assert all(joined.array(name).tobytes() == whole.array(name).tobytes() for name in names)
+    assert joined["unit.samples"][-1] == 81 and left() == before
+
+
+def test_an_fmu_does_not_go_on_without_its_checkpoint(fmu):
+    plant = fw.load(braked(fmu(2, KEEPS[2]))).compile()
+    result = plant.simulate(0.3, 0.1)
+    with pytest.raises(SimulationError, match="unit has a memory .* does not fit: tolerance was 1e-06, is 1e-07"):
+        plant.simulate(0.4, 0.1, start=result, tolerance=1e-7)
+    object.__setattr__(result.raw, "checkpoint", b"")
+    with pytest.raises(SimulationError, match="unit has a memory of its own, which only a checkpoint holds, and"):
+        plant.simulate(0.4, 0.1, start=result)
+
+
+def test_an_fmu_that_cannot_save_what_it_says_it_can(fmu, monkeypatch):
+    plant = fw.load(braked(fmu(2, KEEPS[2]))).compile()
+
+    def fails(self) -> bytes:
+        raise SimulationError("the FMU fails: fmi2GetFMUstate failed with status 3.")
+
+    monkeypatch.setattr("fowtlib.components.fmu.running.FmuSession.saved_state", fails)
+    with pytest.warns(UserWarning, match="unit: what it remembers cannot be saved, so that this run cannot be resumed"):
+        result = plant.simulate(0.3, 0.1)
+    assert result.time[-1] == 0.3
+    with pytest.raises(SimulationError, match="cannot go on from an earlier result"):
+        plant.simulate(0.4, 0.1, start=result)
+
+
 def test_a_run_may_start_later(fmu):
     plant = fw.load(braked(fmu())).compile()
     result = plant.simulate(2.1, 0.1, start=plant.initial_state(t=2.0), outputs=["unit.samples"])

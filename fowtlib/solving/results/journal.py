@@ -168,6 +168,8 @@ def _state(path: Path, journal: str | None, sound: int) -> tuple[bytes, str]:
         return b"", "its checkpoint is damaged"
     if of != journal:
         return b"", "its checkpoint is of another run"
+    if not checkpoint:
+        return b"", "it could not save a checkpoint"
     return (checkpoint, "") if length <= sound else (b"", "results before its checkpoint are damaged")
 
 
