@@ -107,7 +107,7 @@ def test_a_limit_of_the_size_of_files_ends_in_a_sentence(tmp_path, ending):
         "outputs: {y: i.y}\n"
     )
     (tmp_path / "tmp").mkdir()
-    words = "run ramp.yaml --solver idas --time 800 --output-step 0.1 --output".split()
+    words = ["run", "ramp.yaml", "--solver", "idas", "--time", "800", "--output-step", "0.1", "--output"]
     run = subprocess.run(
         [sys.executable, "-m", "fowtlib.cli", *words, f"run.{ending}"], cwd=tmp_path, capture_output=True, text=True,
         timeout=200, env=os.environ | {"TMPDIR": str(tmp_path / "tmp")},
@@ -125,7 +125,7 @@ def test_a_limit_of_the_size_of_files_ends_in_a_sentence(tmp_path, ending):
 def test_a_wind_field_without_room_is_a_sentence_and_no_signal(tmp_path):
     import resource
 
-    words = "wind-field hub.bts --speed 10 --width 100 --height 100 --time 60".split()
+    words = ["wind-field", "hub.bts", "--speed", "10", "--width", "100", "--height", "100", "--time", "60"]
     run = subprocess.run(
         [sys.executable, "-m", "fowtlib.cli", *words], cwd=tmp_path, capture_output=True, text=True, timeout=200,
         preexec_fn=lambda: resource.setrlimit(resource.RLIMIT_FSIZE, (65536, 65536)),

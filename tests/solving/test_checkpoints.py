@@ -163,3 +163,16 @@ def test_a_damaged_result_is_refused_or_unchanged(plant, tmp_path):
         assert all(read.array(name).tobytes() == result.array(name).tobytes() for name in result)
         assert _same(read, result)
     assert refused > 150
+
+
+def test_a_damaged_checkpoint_beside_a_journal_is_named(plant, tmp_path, monkeypatch):
+    monkeypatch.setattr("fowtlib.solving.run.PIECE", 0.0)
+    plant.simulate(5.0, output_step=0.05, journal=Journal(tmp_path / "run.nc"))
+    path = tmp_path / "run.nc.part"
+    good, data = read_journal(path), state_of(path).read_bytes()
+    assert good.raw.checkpoint == data
+    for damaged in (data[:-1], data[:50] + bytes([data[50] ^ 8]) + data[51:], b""):
+        state_of(path).write_bytes(damaged)
+        with pytest.warns(UserWarning, match="run.nc.part.state: the checkpoint is damaged; a run that goes on starts"):
+            read = read_journal(path)
+        assert read.raw.checkpoint == b"" and read.raw.x.tobytes() == good.raw.x.tobytes()

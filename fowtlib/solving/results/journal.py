@@ -135,11 +135,18 @@ def read_journal(path: Path) -> Stored:
 
 
 def _joined(path: Path, about: dict[str, Any], pieces: list[dict[str, np.ndarray]], whole: bool) -> Stored:
+    checkpoint = b""
     try:
         checkpoint = state_of(path).read_bytes()
         unpacked(checkpoint)
+    except FileNotFoundError:
+        pass
     except (OSError, ValueError):
         checkpoint = b""
+        warnings.warn(
+            f"{state_of(path)}: the checkpoint is damaged; a run that goes on starts its solver anew at the last "
+            "point.", stacklevel=5,
+        )  # fmt: skip
     if not pieces:
         raise ModelError(f"{path}: the run stopped before its first results were written; start it anew.")
     raw_about, names = about["raw"], list(about["units"])
