@@ -31,7 +31,11 @@ def damage(capsys):
 @pytest.mark.parametrize("name", ["pitch", "raw_x", "checkpoint"])
 @pytest.mark.parametrize(
     "words",
-    ["view pendulum --result run.nc", "run pendulum --time 3 --resume run.nc --output next.nc", "run pendulum --time 3 --start run.nc"],
+    [
+        "view pendulum --result run.nc",
+        "run pendulum --time 3 --resume run.nc --output next.nc",
+        "run pendulum --time 3 --start run.nc",
+    ],
 )
 def test_no_command_believes_a_damaged_result(capsys, damage, name, words):
     damage(name)
