@@ -27,7 +27,7 @@ def failures(outcomes: list[pool.Outcome]) -> list[str]:
     return [f"{outcome.kind}: {outcome.name}: {outcome.words[-300:]}" for outcome in outcomes if outcome.kind in FAILED]
 
 
-FAILED = (pool.RAW, pool.HANG, pool.MEMORY, pool.CRASH)
+FAILED = (pool.RAW, pool.HANG, pool.MEMORY, pool.CRASH, pool.CHANGED)
 
 
 def test_mutated_model_files_are_read_or_refused(tmp_path):
