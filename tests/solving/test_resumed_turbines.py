@@ -94,7 +94,7 @@ def test_a_file_of_data_that_has_changed_is_named(spar, tmp_path):
     first = fw.Result.open(tmp_path / "first.nc")
     try:
         write_wind(folder, calm=0.5)
-        said = "had other parameters: wind.file was wind.bts with the content [0-9a-f]{12}, is wind.bts with the content"
+        said = "other parameters: wind.file was wind.bts with the content [0-9a-f]{12}, is wind.bts with the content"
         for start in (before, first):
             with pytest.raises(ModelError, match=said):
                 plant.simulate(2.0, output_step=0.1, start=start)
