@@ -7,7 +7,10 @@ inside fowtlib or a component, 130 stopped by Ctrl-C.
 from __future__ import annotations
 
 import argparse
+import atexit
+import contextlib
 import gc
+import os
 import sys
 import textwrap
 import traceback
@@ -111,7 +114,23 @@ def main(argv: Sequence[str] | None = None) -> int:
     gc.set_threshold(200_000)  # a model is a million objects that stay: looking through them again and again costs 6 %
     with warnings.catch_warnings():
         warnings.showwarning = _warn
-        return _carry_out(arguments)
+        status = _carry_out(arguments)
+    if status == 130 and argv is None:
+        _leave(status)
+    return status
+
+
+def _leave(status: int) -> None:
+    """End the process at once, when all is saved.
+
+    Work that Ctrl-C has left to itself may go on in compiled code, under which the interpreter cannot be taken down;
+    and to take down a million objects lasts longer than the answer to Ctrl-C.
+    """
+    atexit._run_exitfuncs()  # temporary folders and processes
+    for stream in (sys.stdout, sys.stderr):
+        with contextlib.suppress(OSError, ValueError):
+            stream.flush()
+    os._exit(status)
 
 
 def _carry_out(arguments: argparse.Namespace) -> int:

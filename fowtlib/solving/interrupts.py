@@ -17,7 +17,7 @@ from typing import TypeVar
 from fowtlib.language.stopping import STOP_ASKED
 
 Result = TypeVar("Result")
-LOOK, PATIENCE = 0.1, 0.25  # s between two looks at the flag, and for work to end after it
+LOOK, PATIENCE = 0.02, 0.2  # s between two looks at the flag, and for work to end after it
 
 
 @contextmanager

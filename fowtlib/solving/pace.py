@@ -44,8 +44,8 @@ def longest_stretch(engine: Engine) -> float:
     at, step = engine.at, engine.attributes.get("step")
     unknowns = at.dae.x.shape[0] + at.dae.z.shape[0]
     price = PRICE if step is None else PRICE_FIXED * max(1.0, STEP / float(step))
-    slower = TIMES_INTERPRETED if is_slow(engine) else 1.0
-    return BUDGET / (price * slower * max(1, at.functions.operations * unknowns))
+    price *= TIMES_INTERPRETED if is_slow(engine) else 1.0
+    return BUDGET / (price * max(1, at.functions.operations * unknowns))
 
 
 def is_slow(engine: Engine) -> bool:

@@ -10,13 +10,12 @@ import numpy as np
 
 from fowtlib.flattening import FlatDAE
 from fowtlib.language.component import Component
-from fowtlib.language.errors import ParameterError, SimulationError
+from fowtlib.language.errors import SimulationError
 from fowtlib.language.externals import refusals_explained
 from fowtlib.solving.binding import Binding, Bindings
-from fowtlib.solving.checkpoint import last_time
 from fowtlib.solving.checks import check_state
 from fowtlib.solving.conditions import Conditions
-from fowtlib.solving.engines import FixedStepCode, create_engine
+from fowtlib.solving.engines import FixedStepCode
 from fowtlib.solving.equilibrium import equilibrium
 from fowtlib.solving.functions import AtParameters, Functions
 from fowtlib.solving.initial import start_point
@@ -27,7 +26,7 @@ from fowtlib.solving.outputs import Outputs
 from fowtlib.solving.results import Observer, RawTrajectory, Result
 from fowtlib.solving.results.html import table
 from fowtlib.solving.results.journal import Journal
-from fowtlib.solving.run import About, Run, duration_settings
+from fowtlib.solving.simulation import SolverChoice, simulated
 from fowtlib.solving.state import State
 
 
@@ -46,7 +45,7 @@ class Plant:
         self._bindings = Bindings(dae, self.root)
         self.settings, self.input_names = dict(settings or {}), dict(input_names or {})
         self.layout, self.outputs, self.functions = Layout(dae), Outputs(dae, outputs), Functions(dae)
-        self._code: FixedStepCode | None = None
+        self.code: FixedStepCode | None = None
 
     @property
     def stats(self) -> Mapping[str, float]:
@@ -56,9 +55,9 @@ class Plant:
     @property
     def fixed_step_code(self) -> FixedStepCode:
         """The compiled functions of the solver "fixed"; the same for all values of tunable parameters."""
-        if self._code is None:
-            self._code = FixedStepCode(self.dae, self.outputs.paths)
-        return self._code
+        if self.code is None:
+            self.code = FixedStepCode(self.dae, self.outputs.paths)
+        return self.code
 
     def describe(self, path: str) -> tuple[str, str]:
         """SI unit and description of any variable."""
@@ -84,8 +83,8 @@ class Plant:
         start: values of states (SI or with unit) in place of their start values; of an algebraic unknown, a guess.
         base: a state to change by `start`, instead of the start values.
         """
-        u = self.layout.inputs(self._paths(inputs))
-        return self._state(*start_point(self.at(parameters), self.layout, u, start or {}, t, base), u, parameters)
+        u = self.layout.inputs(self.input_paths(inputs))
+        return self.state(*start_point(self.at(parameters), self.layout, u, start or {}, t, base), u, parameters)
 
     @refusals_explained()
     def equilibrium(self, parameters: Values | None = None, hold: Values | None = None, start: Values | None = None,
@@ -96,7 +95,7 @@ class Plant:
         q = np.concatenate([state.u, state.d])
         at = self.at(parameters)
         x, z = equilibrium(at, state.t, state.x, state.z, q, held)
-        found = self._state(state.t, x, z, state.d, state.u, parameters)
+        found = self.state(state.t, x, z, state.d, state.u, parameters)
         check_state(at, found, self.name)
         return found
 
@@ -136,25 +135,8 @@ class Plant:
         conditions: all of this as one value; what is given beside it counts more.
         """
         given = Conditions(parts or {}, parameters or {}, inputs, start, t_end, output_step, None, outputs)
-        chosen = given.over(conditions)
-        start, inputs, outputs = chosen.start, chosen.inputs, chosen.outputs
-        parameters = chosen.values or (None if parameters is None else {})  # None: those of a state to start from
-        if isinstance(start, State) and parameters is None:
-            parameters = start.parameters
-        end, interval, relative = duration_settings(chosen.duration, chosen.output_step, tolerance, self.settings)
-        engine = create_engine(
-            self.at(parameters), lambda: self.fixed_step_code, solver, relative, interval,
-            {"step": step, "rho_inf": rho_inf}, self.settings,
-        )  # fmt: skip
-        about = About(self.name, self.title, self.binding(parameters))
-        state = self._start(start, parameters, inputs, about.binding)
-        names = list(self.outputs) if outputs is None else outputs
-        run = Run(engine, state, self.outputs, names, about, isinstance(start, Result), lambda: self._code)
-        earlier, point = (start, run.can_go_on(start, end, interval)) if isinstance(start, Result) else (None, b"")
-        if journal is not None and earlier is not None:
-            earlier = earlier.before(last_time(point) if point else state.t)
-        stored = earlier.stored if journal is not None and earlier is not None and earlier.time.size else None
-        return run.run(end, interval, progress, chosen.discard or 0.0, point, journal, stored)
+        choice = SolverChoice(solver, step, tolerance, rho_inf)
+        return simulated(self, given.over(conditions), choice, parameters is not None, progress, journal)
 
     @refusals_explained()
     def linearize(self, state: State, inputs: Sequence[str] = (), outputs: Sequence[str] | None = None) -> LinearModel:
@@ -175,32 +157,15 @@ class Plant:
         if raw.x_names != tuple(self.layout.x):
             raise SimulationError("the result is of another model: its states are not those of this one.")
         at, u = self.at(parameters), self.layout.inputs()
-        observation = Observation(at, raw.time, raw.x, raw.z, u, raw.d, self._code)
+        observation = Observation(at, raw.time, raw.x, raw.z, u, raw.d, self.code)
         return Observer(observation.values, self.describe, self.dae.names, at.binding.root)
 
-    def _start(self, start: State | Result | Values | None, parameters: Values | None, inputs: Values | None,
-               binding: Binding) -> State:  # fmt: skip
-        """The state from which a simulation starts."""
-        if isinstance(start, Result):
-            start.check_resumable(binding.values, binding.structure)
-            point = start.final
-            x, z, d = self.layout.vectors(point.x, point.z, point.d)
-            return self._state(point.time, x, z, d, self.layout.inputs(self._paths(inputs)), parameters)
-        if isinstance(start, State):
-            same = parameters == start.parameters and inputs is None
-            return start if same else self.initial_state(parameters, None, inputs, base=start)
-        if start is not None and not isinstance(start, Mapping):
-            raise ParameterError(
-                f"start: {start!r} is no State, no Result and no start values by path; "
-                "write start=plant.equilibrium(), or start={'platform.motion.surge': '5 m'}."
-            )
-        return self.initial_state(parameters, start, inputs)
-
-    def _state(self, t: float, x: np.ndarray, z: np.ndarray, d: np.ndarray, u: np.ndarray,
-               parameters: Values | None) -> State:  # fmt: skip
+    def state(self, t: float, x: np.ndarray, z: np.ndarray, d: np.ndarray, u: np.ndarray,
+              parameters: Values | None) -> State:  # fmt: skip
+        """A state of this plant from its numbers."""
         return State(t, x, z, d, u, dict(parameters or {}), self._observe, self)
 
-    def _paths(self, inputs: Values | None) -> dict[str, Any]:
+    def input_paths(self, inputs: Values | None) -> dict[str, Any]:
         """Values of inputs by path."""
         return {self.input_names.get(name, name): value for name, value in (inputs or {}).items()}
 

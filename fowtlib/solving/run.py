@@ -101,6 +101,7 @@ class Run:
         self.checkpoint, self.final_checkpoint, self.saved = b"", False, 0.0
         self.journal: Journal | None = None
         self.written = 0  # output points in the journal
+        self.pieces: list[dict[str, np.ndarray]] = []  # their results, which are not computed again at the end
         self.went_on_from: float | None = None
         self.sessions = Sessions(self.dae)
         if resumed:
@@ -285,7 +286,8 @@ class Run:
         if not len(t):
             self.journal.write(None, {}, self.checkpoint)
             return
-        self.journal.write(self._raw(t, x, z, d), self._series(t, x, z, d)[1], self.checkpoint)
+        self.pieces.append(self._series(self._observe(t, x, z, d)))
+        self.journal.write(self._raw(t, x, z, d), self.pieces[-1], self.checkpoint)
 
     def _integrate(self, t_end: float, step: float, report: Callable[[float, float], None], goes_on: bool) -> None:
         tiny = rules.TINY * step
@@ -465,7 +467,7 @@ class Run:
         t, x, z, d = (np.concatenate([row[i] for row in self.rows]) for i in range(4))
         kept = t >= min(self.t_start + self.discard - 1e-9 * self.step, t[-1])
         t, x, z, d = t[kept], x[kept], z[kept], d[kept]
-        observe, values = self._series(t, x, z, d)
+        observe, values = self._observe(t, x, z, d), self._all_series(t, x, z, d)
         for name, series in values.items():
             self._warn_of_gaps(name, t, series)
         raw = self._raw(t, x, z, d, self.checkpoint)
@@ -474,13 +476,20 @@ class Run:
         units, docs = ({name: getattr(entry, of) for name, entry in entries.items()} for of in ("unit", "doc"))
         return Result(t, values, units, docs, self._attributes(status), raw, observer)
 
-    def _series(self, t: np.ndarray, x: np.ndarray, z: np.ndarray, d: np.ndarray
-                ) -> tuple[Observation, dict[str, np.ndarray]]:  # fmt: skip
+    def _observe(self, t: np.ndarray, x: np.ndarray, z: np.ndarray, d: np.ndarray) -> Observation:
+        return Observation(self.at, t, x, z, self.u, d, self.code())
+
+    def _series(self, observe: Observation) -> dict[str, np.ndarray]:
         """The results along rows of a trajectory."""
-        observe = Observation(self.at, t, x, z, self.u, d, self.code())
         paths = [self.outputs.entry(name).path for name in self.names]
         series = zip(self.names, observe.arrays(paths), strict=True)
-        return observe, {name: self.outputs.shown(name, values) for name, values in series}
+        return {name: self.outputs.shown(name, values) for name, values in series}
+
+    def _all_series(self, *rows: np.ndarray) -> dict[str, np.ndarray]:
+        """The same along all rows that are kept, of which the first may be in the journal."""
+        done = sum(len(next(iter(piece.values()), ())) for piece in self.pieces)
+        last = self._series(self._observe(*(values[done:] for values in rows)))
+        return {name: np.concatenate([*(piece[name] for piece in self.pieces), last[name]]) for name in self.names}
 
     def _raw(self, t: np.ndarray, x: np.ndarray, z: np.ndarray, d: np.ndarray,
              checkpoint: bytes = b"") -> RawTrajectory:  # fmt: skip

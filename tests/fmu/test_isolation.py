@@ -116,6 +116,36 @@ def test_both_ways_give_the_same(fmu):
         np.testing.assert_array_equal(inside[name], outside[name])
 
 
+@pytest.mark.parametrize("version", [2, 3])
+def test_both_ways_give_the_same_for_numbers_of_all_types(fmu, version):
+    """Bit for bit, sample by sample: reals with units, a matrix, whole numbers, booleans, from inputs that change."""
+    chance, columns = np.random.default_rng(version), []
+    ways = [process(fmu(version), where) for where in (True, False)]
+    names = [signal.variable.name for signal in ways[0].inputs for _ in range(signal.variable.size)]
+    low, high = np.array([{"mode": (0, 9), "enabled": (0, 1)}.get(name, (200, 230)) for name in names]).T
+    inputs = low + (high - low) * chance.random((80, len(names)))
+    for one in ways:
+        session = one.start()
+        columns.append([session.step(k * one.period, row) for k, row in enumerate(inputs)])
+        session.close()
+    np.testing.assert_array_equal(*columns)
+    outputs, first = {}, 0
+    for output in ways[0].outputs:
+        outputs[output.variable.name] = np.array(columns[0])[:, first : (first := first + output.variable.size)]
+    np.testing.assert_array_equal(outputs["mode_out"][:, 0], np.rint(inputs[:, names.index("mode")]))
+    np.testing.assert_array_equal(outputs["active"][:, 0], inputs[:, names.index("enabled")] >= 0.5)
+    assert len(np.unique(outputs["torque"])) > 20
+
+
+@pytest.mark.parametrize("value", [np.nan, np.inf, 2.0**31])
+def test_a_whole_number_that_the_type_does_not_have(fmu, value):
+    session = process(fmu(), True).start()
+    column = np.array([120.0 if signal.variable.name != "mode" else value for signal in session.process.inputs])
+    with pytest.raises(SimulationError, match=r"the input 'mode' is (nan|inf|2147483648), and -2147483648 to"):
+        session.step(0.0, column)
+    session.close()
+
+
 def test_ctrl_c_during_a_call_that_hangs(fmu):
     """Both the simulation and the process of the FMU get it; it is answered at once, with the results so far."""
     one = plant(fmu(), HANG)

@@ -74,6 +74,32 @@ def _result(suffix: str) -> Callable[[Path], bytes]:
     return make
 
 
+def _journal(folder: Path) -> bytes:
+    """The journal of a run that was killed after its third piece."""
+    import fowtlib as fw
+    from fowtlib.solving import run
+    from fowtlib.solving.results.journal import Journal
+
+    plant, piece = fw.load("oc3_spar_rigid").compile(), run.PIECE
+    run.PIECE = 0.0
+    try:
+        plant.simulate(60.0, 0.1, parameters={"wind.mean_speed": 8.0}, journal=Journal(folder / "run.nc"))
+    finally:
+        run.PIECE = piece
+    return (folder / "run.nc.part").read_bytes()
+
+
+def _read_journal(path: Path) -> Any:
+    """Nothing where it ends too early and says so, so that only numbers that have changed count."""
+    from fowtlib.language.errors import ModelError
+    from fowtlib.solving.results import Result
+
+    result = Result.open(path)
+    if "damaged" in result.attributes["status"]:
+        raise ModelError(result.attributes["status"])
+    return [result.time, *result.stored.values.items(), result.stored.units, result.raw.x, result.raw.z, result.raw.d]
+
+
 def _field(folder: Path) -> bytes:
     from fowtlib.components.environment.field_file import FieldGrid, write_field
 
@@ -154,6 +180,7 @@ KINDS = (
     Kind("platform.3", _text(WAMIT_EXCITATION), _lazily("hydro.wamit", "read_excitation", rho=1025.0, g=9.81)),
     Kind("platform.hst", _text(WAMIT_HYDROSTATICS), _lazily("hydro.wamit", "read_hydrostatics", rho=1025.0, g=9.81)),
     Kind("result.nc", _result(".nc"), _read_result, True),
+    Kind("run.nc.part", _journal, _read_journal, True),
     Kind("result.csv", _result(".csv"), _read_result),
     Kind("result.outb", _result(".outb"), _read_result),
     Kind("tank.fmu", _fmu, _read_fmu, True),

@@ -47,30 +47,42 @@ def wait_for(path: Path, process: subprocess.Popen, newer: float = 0.0) -> None:
     ("asked", "status", "solver", "output_step"),
     [
         (signal.SIGINT, 130, "idas", 100),
-        (signal.SIGTERM, 143, "idas", 1e5),
+        (signal.SIGTERM, 130, "idas", 1e5),
         (signal.SIGINT, 130, "fixed", 1e5),
-        (signal.SIGTERM, 143, "fixed", 100),
+        (signal.SIGTERM, 130, "fixed", 100),
     ],
 )
 def test_a_run_with_long_output_steps_ends_soon_when_asked_and_keeps_its_results(
     tmp_path, asked, status, solver, output_step
 ):
-    """The whole run would take many minutes, and with 1e5 s the first output point a minute."""
+    """The whole run would take minutes; with 1e5 s the first output point alone takes longer than this waits."""
     path = tmp_path / "x.nc"
-    run = started(*MODEL, "--time", 1e7, "--output-step", output_step, "--solver", solver, "--output", path)
+    run = started(*MODEL, "--time", 1e6, "--output-step", output_step, "--solver", solver, "--output", path)
     wait_for(tmp_path / "x.nc.part.state", run)
     run.send_signal(asked)
     said, _ = run.communicate(timeout=10)
     assert run.returncode == status, said
     result = fw.Result.open(path)
     assert result.time[-1] > 0 and "interrupted" in said and str(path) in said
-    assert np.isfinite(result["platform.hull.heave"] if "platform.hull.heave" in result else result.time).all()
+    assert all(np.isfinite(result.array(name)).all() for name in result.names)
     assert [file.name for file in tmp_path.iterdir()] == ["x.nc"]
+
+
+def test_a_run_whose_equations_cannot_be_stopped_ends_in_order(tmp_path, monkeypatch):
+    """Without a compiler CasADi goes on in its thread, and there are no results yet: nothing stays behind."""
+    monkeypatch.setenv("FOWTLIB_CC", "none")
+    path = tmp_path / "x.nc"
+    run = started(*MODEL, "--time", 1e6, "--output-step", 100, "--output", path)
+    wait_for(tmp_path / "x.nc.part", run)
+    run.send_signal(signal.SIGINT)
+    said, _ = run.communicate(timeout=10)
+    assert run.returncode == 130, said
+    assert "interrupted" in said and not (tmp_path / "x.nc.part").exists()
 
 
 @pytest.mark.parametrize("solver", ["idas", "fixed"])
 def test_a_run_killed_three_times_equals_one_that_was_not(tmp_path, solver):
-    words = [*MODEL, "--time", 12000, "--output-step", 0.25, "--solver", solver]
+    words = [*MODEL, "--time", 8000 if solver == "idas" else 12000, "--output-step", 0.25, "--solver", solver]
     whole, path = tmp_path / "whole.nc", tmp_path / "x.nc"
     said, _ = (run := started(*words, "--output", whole)).communicate()
     assert run.returncode == 0, said
@@ -78,7 +90,7 @@ def test_a_run_killed_three_times_equals_one_that_was_not(tmp_path, solver):
     for kill in range(3):
         run = started(*words, "--output", path, *(["--resume", path] if kill else []))
         wait_for(left, run, written)
-        time.sleep(chance.uniform(0.0, 1.5 * PIECE))
+        time.sleep(chance.uniform(0.0, PIECE))
         run.kill()
         run.communicate()
         assert run.returncode == -signal.SIGKILL and not path.exists()
@@ -86,9 +98,9 @@ def test_a_run_killed_three_times_equals_one_that_was_not(tmp_path, solver):
     said, _ = (run := started(*words, "--output", path, "--resume", path)).communicate()
     assert run.returncode == 0, said
     one, other = fw.Result.open(whole), fw.Result.open(path)
-    assert list(one.values) == list(other.values)
+    assert one.names == other.names
     assert np.array_equal(one.time, other.time)
-    for name, values in one.values.items():
-        assert np.array_equal(values, other.values[name]), name
+    for name in one.names:
+        assert np.array_equal(one.array(name), other.array(name)), name
     for part in "xzd":
         assert np.array_equal(getattr(one.raw, part), getattr(other.raw, part))
