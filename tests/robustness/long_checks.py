@@ -43,7 +43,7 @@ class Row:
     good: bool
 
 
-def kills(count: int, seed: int = 1, duration: float = 600.0) -> Row:
+def kills(count: int, seed: int = 1, duration: float = 3000.0) -> Row:
     """`fowt run` from a cold or warm cache, ended with SIGKILL at a random time, resumed, killed again, resumed.
 
     Good: what stands can be read, nothing that stood is lost by the next kill, the resumed run equals the uninterrupted
@@ -69,7 +69,9 @@ def kills(count: int, seed: int = 1, duration: float = 600.0) -> Row:
                 long = takes[0]
             for _ in range(chance.choice((1, 1, 2, 3))):
                 resume = ("--resume", target.name) if _left(target) else ()
-                killed += _killed(folder, environment, duration, target.name, resume, chance.uniform(0.0, long))
+                late = chance.random() < 0.6 and long == takes[1]  # so that runs are hit, and not only their beginnings
+                seconds = chance.uniform(0.0, 1.0 if late else long)
+                killed += _killed(folder, environment, duration, target, resume, seconds, late)
                 try:
                     at.append(_reached(target))
                 except Exception as error:
@@ -94,17 +96,29 @@ def kills(count: int, seed: int = 1, duration: float = 600.0) -> Row:
     return Row("kills (SIGKILL) of runs and compilations, resumed and compared bit for bit", killed, found, not faults)
 
 
-def _killed(folder: Path, environment: dict[str, str], duration: float, target: str, more: tuple[str, ...],
-            seconds: float) -> bool:  # fmt: skip
-    """Begin a run and kill it after some seconds of the clock; whether it had not ended by itself."""
+def _killed(folder: Path, environment: dict[str, str], duration: float, target: Path, more: tuple[str, ...],
+            seconds: float, late: bool) -> bool:  # fmt: skip
+    """Begin a run and kill it after some seconds of the clock; whether it had not ended by itself.
+
+    late: the seconds count from the first piece that it writes.
+    """
     silent = {"stdout": subprocess.DEVNULL, "stderr": subprocess.DEVNULL}
-    words = [sys.executable, "-c", OFTEN, *_words(duration, target, *more)[len(FOWT) :]]
+    words = [sys.executable, "-c", OFTEN, *_words(duration, target.name, *more)[len(FOWT) :]]
+    before = _written(target)
     process = subprocess.Popen(words, cwd=folder, env=environment, start_new_session=True, **silent)
+    while late and process.poll() is None and _written(target) == before:
+        time.sleep(0.02)
     try:
         process.wait(seconds)
     except subprocess.TimeoutExpired:
         os.killpg(process.pid, signal.SIGKILL)
     return process.wait() == -signal.SIGKILL
+
+
+def _written(target: Path) -> int:
+    """When the last checkpoint of a run was written [ns]; 0 without one."""
+    state = target.with_name(f"{target.name}.part.state")
+    return state.stat().st_mtime_ns if state.exists() else 0
 
 
 def _left(target: Path) -> list[Path]:

@@ -275,7 +275,7 @@ class Result:
         if not same_structure:
             old, new = {**old, **earlier}, {**new, **structure}
             changed = [n for n in sorted({*earlier, *structure}) if old.get(n) != new.get(n)] + changed
-        shown = [f"{n} was {old.get(n, 'absent')}, is {new.get(n, 'absent')}" for n in changed[:5]]
+        shown = [f"{n} was {_shown(old.get(n, 'absent'))}, is {_shown(new.get(n, 'absent'))}" for n in changed[:5]]
         if len(changed) > 5:
             shown.append(f"and {len(changed) - 5} more")
         raise SimulationError(
@@ -364,6 +364,12 @@ class Result:
         if plant is not None:
             result.attach_plant(plant)
         return result
+
+
+def _shown(value: Any) -> str:
+    """A value of a parameter; of a file its name and the beginning of its digest."""
+    name, found, digest = str(value).partition(" sha256:")
+    return f"{name} with the content {digest[:12]}" if found else name
 
 
 def signature() -> dict[str, str]:
