@@ -4,8 +4,8 @@ python benchmarks/isolation.py [SECONDS] [--only PART]
 
 The FMU and the library of the tests: bare exchanges without a model, then as the controller of a floating turbine with
 a rigid tower and blades, and with flexible ones, for SECONDS and a fifth of it. Medians of alternating runs in this
-process and outside of it: the start (what a run of one call takes), and what each further call takes with its part of the
-simulation, in wall and in processor time, of both processes.
+process and outside of it: the start (what a run of one call takes), and what each further call takes with its part of
+the simulation, in wall and in processor time, of both processes.
 """
 
 from __future__ import annotations
