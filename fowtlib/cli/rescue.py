@@ -73,10 +73,11 @@ def _kept(journal: Journal) -> str:
     """What a journal holds, in words; one in which nothing can be read goes."""
     from fowtlib.solving.results.journal import read_journal
 
-    try:
-        end = read_journal(journal.path).time[-1]
-    except ModelError:
+    time = ()
+    with suppress(ModelError):
+        time = read_journal(journal.path).time
+    if not len(time):
         with suppress(OSError):
             journal.remove()
         return ""
-    return f"\nThose up to t = {end:g} s are kept in {journal.path}; to go on from there: --resume {journal.path}"
+    return f"\nThose up to t = {time[-1]:g} s are kept in {journal.path}; to go on from there: --resume {journal.path}"
