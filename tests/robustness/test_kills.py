@@ -87,16 +87,21 @@ def test_a_run_killed_three_times_equals_one_that_was_not(tmp_path, solver):
     said, _ = (run := started(*words, "--output", whole)).communicate()
     assert run.returncode == 0, said
     chance, left, written = random.Random(f"kills {solver}"), tmp_path / "x.nc.part.state", 0.0
-    for kill in range(3):
-        run = started(*words, "--output", path, *(["--resume", path] if kill else []))
-        wait_for(left, run, written)
+    kills = 0
+    while kills < 3 and not path.exists():  # on a fast computer the run may come to its end before the third
+        run = started(*words, "--output", path, *(["--resume", path] if kills else []))
+        while run.poll() is None and not (left.exists() and left.stat().st_mtime > written):
+            time.sleep(0.01)
         time.sleep(chance.uniform(0.0, PIECE))
         run.kill()
-        run.communicate()
-        assert run.returncode == -signal.SIGKILL and not path.exists()
-        written = left.stat().st_mtime
-    said, _ = (run := started(*words, "--output", path, "--resume", path)).communicate()
-    assert run.returncode == 0, said
+        said = run.communicate()[0]
+        assert run.returncode in (0, -signal.SIGKILL), said
+        kills += run.returncode != 0
+        written = left.stat().st_mtime if left.exists() else written
+    assert kills > 0
+    if not path.exists():
+        said, _ = (run := started(*words, "--output", path, "--resume", path)).communicate()
+        assert run.returncode == 0, said
     one, other = fw.Result.open(whole), fw.Result.open(path)
     assert one.names == other.names
     assert np.array_equal(one.time, other.time)
