@@ -40,9 +40,8 @@ def check_target(path: Path | None, endings: tuple[str, ...], force: bool) -> No
         if there:
             path.open("ab").close()
         tempfile.TemporaryFile(dir=path.parent).close()
-    except (OSError, ValueError) as error:
-        shown = path if len(str(path)) < 200 else f"{str(path)[:100]}... ({len(path.name)} letters)"
-        raise ModelError(f"{shown}: cannot be written: {getattr(error, 'strerror', None) or error}.") from None
+    except OSError as error:
+        raise ModelError(f"{path}: cannot be written: {error.strerror or error}.") from None
     if there and not force:
         raise ModelError(f"{path} is there already: {_what_stands(path)}. Write over it with --force, or choose "
                          f"another name{_resumable(path)}.")  # fmt: skip
