@@ -21,7 +21,7 @@ import numpy as np
 from fowtlib.language.errors import ModelError
 from fowtlib.language.whole_files import replace_file
 from fowtlib.solving.results.data import RawTrajectory, Stored
-from fowtlib.solving.results.packing import packed, unpacked
+from fowtlib.solving.results.packing import packed, packed_pieces, unpacked
 
 FIRST = b"fowtlib journal 1\n"
 ENDING, STATE = ".part", ".state"
@@ -50,7 +50,7 @@ class Journal:
 
     def __init__(self, output: Path):
         self.path = journal_of(Path(output))
-        self._waiting: list[bytes] = []
+        self._waiting: list[bytes | memoryview] = []
         self._length = 0  # of what is sound on the disk
         self._name = ""
         self._troubled = False
@@ -62,17 +62,17 @@ class Journal:
         run goes on from.
         """
         self._name = os.urandom(8).hex()
-        self._waiting = [_block(packed({"about": dict(about), "journal": self._name}, {}))]
+        self._waiting = _block({"about": dict(about), "journal": self._name}, {})
         if earlier is not None and earlier.raw is not None:
-            self._waiting.append(_block(_rows(earlier.raw, earlier.values)))
+            self._waiting += _rows(earlier.raw, earlier.values)
         if checkpoint:
-            self._waiting.append(_block(packed({}, {"checkpoint": np.frombuffer(checkpoint, np.uint8)})))
+            self._waiting += _block({}, {"checkpoint": np.frombuffer(checkpoint, np.uint8)})
         self._flush(new=True)
 
     def write(self, raw: RawTrajectory | None, values: Mapping[str, np.ndarray], checkpoint: bytes) -> None:
         """Add output points, where there are some, and replace the checkpoint."""
         if raw is not None:
-            self._waiting.append(_block(_rows(raw, values)))
+            self._waiting += _rows(raw, values)
         if self._flush():
             try:
                 about = {"journal": self._name, "length": self._length}
@@ -86,20 +86,20 @@ class Journal:
             path.unlink(missing_ok=True)
 
     def _flush(self, new: bool = False) -> bool:
-        data = b"".join(self._waiting)
+        size = sum(len(piece) for piece in self._waiting)
         try:
             if new or not self._length:
-                replace_file(self.path, FIRST + data)
-                self._length = len(FIRST) + len(data)
+                replace_file(self.path, b"".join([FIRST, *self._waiting]))
+                self._length = len(FIRST) + size
                 state_of(self.path).unlink(missing_ok=True)
             else:
                 with self.path.open("r+b") as file:
                     file.truncate(self._length)  # without what a full disk has left half written
                     file.seek(self._length)
-                    file.write(data)
+                    file.writelines(self._waiting)
                     file.flush()
                     os.fsync(file.fileno())
-                self._length += len(data)
+                self._length += size
         except OSError as error:
             self._trouble(error)
             return False
@@ -116,13 +116,14 @@ class Journal:
         )  # fmt: skip
 
 
-def _block(data: bytes) -> bytes:
-    return struct.pack("<q", len(data)) + data
+def _block(text: Mapping[str, Any], arrays: Mapping[str, np.ndarray]) -> list[bytes | memoryview]:
+    pieces = packed_pieces(text, arrays)
+    return [struct.pack("<q", sum(len(piece) for piece in pieces)), *pieces]
 
 
-def _rows(raw: RawTrajectory, values: Mapping[str, np.ndarray]) -> bytes:
+def _rows(raw: RawTrajectory, values: Mapping[str, np.ndarray]) -> list[bytes | memoryview]:
     arrays = {"time": raw.time, "x": raw.x, "z": raw.z, "d": raw.d}
-    return packed({"names": list(values)}, {**arrays, **{f"value {name}": array for name, array in values.items()}})
+    return _block({"names": list(values)}, {**arrays, **{f"value {name}": array for name, array in values.items()}})
 
 
 def read_journal(path: Path) -> Stored:
