@@ -186,6 +186,8 @@ class Run:
             raise self._stopped(error) from None
         finally:
             self.sessions.close()
+            if journal is not None:
+                journal.close()
         self.wall_time = clock.perf_counter() - began
         return self.result("finished.")
 

@@ -4,7 +4,8 @@ Beside `run.nc` lies `run.nc.part`: a line that says what it is, then blocks, ea
 first says what the results are called; the others hold output points, and where the run has gone on from an earlier
 one the checkpoint of that. `run.nc.part.state` is the last checkpoint, replaced in one step, with the name of its
 journal and the length that this had: it counts only where all that it follows is sound. Both are on the disk (fsync)
-before the run goes on, and go when the final file is there.
+before the run goes on, and go when the final file is there. While a run writes, its process holds a lock on the
+journal, where the system has such; it goes with the process.
 """
 
 from __future__ import annotations
@@ -14,7 +15,7 @@ import struct
 import warnings
 from collections.abc import Mapping
 from pathlib import Path
-from typing import Any
+from typing import Any, BinaryIO
 
 import numpy as np
 
@@ -22,6 +23,11 @@ from fowtlib.language.errors import ModelError
 from fowtlib.language.whole_files import replace_file
 from fowtlib.solving.results.data import RawTrajectory, Stored
 from fowtlib.solving.results.packing import packed, packed_pieces, unpacked
+
+try:
+    import fcntl
+except ImportError:  # Windows: who starts two runs to one file there is not warned
+    fcntl = None  # type: ignore[assignment]
 
 FIRST = b"fowtlib journal 1\n"
 ENDING, STATE = ".part", ".state"
@@ -54,6 +60,20 @@ class Journal:
         self._length = 0  # of what is sound on the disk
         self._name = ""
         self._troubled = False
+        self._lock: BinaryIO | None = None
+
+    def require_free(self) -> None:
+        """Raise ModelError where a living process writes this journal."""
+        try:
+            with self.path.open("r+b") as file:
+                held = not _locked(file)
+        except OSError:  # not there, or not ours to write, which is found elsewhere
+            return
+        if held:
+            raise ModelError(
+                f"{self.path}: a run to this file is going on in another process; wait for its end, stop it, or choose "
+                "another output."
+            )
 
     def begin(self, about: Mapping[str, Any], earlier: Stored | None = None, checkpoint: bytes = b"") -> None:
         """Start anew, in one step: what a killed run has left there stays until all that it goes on from is here.
@@ -61,6 +81,7 @@ class Journal:
         about: what `Stored` holds besides numbers; earlier: what comes before the first piece; checkpoint: where the
         run goes on from.
         """
+        self.require_free()
         self._name = os.urandom(8).hex()
         self._waiting = _block({"about": dict(about), "journal": self._name}, {})
         if earlier is not None and earlier.raw is not None:
@@ -80,8 +101,15 @@ class Journal:
             except OSError as error:
                 self._trouble(error)
 
+    def close(self) -> None:
+        """The run has ended, and another one may go on from here."""
+        if self._lock is not None:
+            self._lock.close()
+            self._lock = None
+
     def remove(self) -> None:
         """Take both files away: the results are safe elsewhere."""
+        self.close()
         for path in (self.path, state_of(self.path)):
             path.unlink(missing_ok=True)
 
@@ -91,6 +119,7 @@ class Journal:
             if new or not self._length:
                 replace_file(self.path, b"".join([FIRST, *self._waiting]))
                 self._length = len(FIRST) + size
+                self._hold()
                 state_of(self.path).unlink(missing_ok=True)
             else:
                 with self.path.open("r+b") as file:
@@ -106,6 +135,11 @@ class Journal:
         self._waiting = []
         return True
 
+    def _hold(self) -> None:
+        self.close()
+        self._lock = self.path.open("r+b")
+        _locked(self._lock)
+
     def _trouble(self, error: OSError) -> None:
         if self._troubled:
             return
@@ -114,6 +148,18 @@ class Journal:
             f"{self.path}: cannot be written ({error.strerror or error}). The run goes on and keeps its results in "
             "memory; each piece is tried again. Make room on the disk before the run ends.", stacklevel=4,
         )  # fmt: skip
+
+
+def _locked(file: BinaryIO) -> bool:
+    """Whether this process has the lock of a file now; also where there are no locks, as on some disks of networks."""
+    try:
+        if fcntl is not None:
+            fcntl.flock(file, fcntl.LOCK_EX | fcntl.LOCK_NB)
+    except BlockingIOError:
+        return False
+    except OSError:
+        pass
+    return True
 
 
 def _block(text: Mapping[str, Any], arrays: Mapping[str, np.ndarray]) -> list[bytes | memoryview]:
