@@ -34,7 +34,7 @@ _TOKEN = ".here"  # a file by which a worker knows that it sees the folder of th
 _LOOK = 2.0  # s between two questions about what the workers compute
 _ANSWER = 10.0  # s for a scheduler to answer
 
-# --- on a worker -------------------------------------------------------------------------------------------------------
+# --- on a worker -----------------------------------------------------------------------------------------------------
 
 _one_at_a_time = threading.Lock()  # of the threads of a worker: a plant is used by one
 _stopped: set[str] = set()  # tokens of batches that were stopped
@@ -95,7 +95,7 @@ def version() -> str:
     return importlib.metadata.version("fowtlib")
 
 
-# --- where the batch is run --------------------------------------------------------------------------------------------
+# --- where the batch is run ------------------------------------------------------------------------------------------
 
 
 class ClusterWorkers:

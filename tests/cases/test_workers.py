@@ -30,6 +30,16 @@ run_batch([Case.from_plain(case) for case in cases], folder, workers=workers)
 """
 
 
+MODEL = """fowtlib: 1
+python: own.py
+world: {class: World}
+hinge: {class: Revolute, n: [0, 1, 0], phi_start: 20 deg}
+rod: {class: FixedTranslation, r: [0, 0, -1]}
+bob: {class: PointMass, mass: 2 kg}
+connect: [[world.frame, hinge.frame_a], [hinge.frame_b, rod.frame_a], [rod.frame_b, bob.frame_a]]
+"""
+
+
 def spars(count, duration=100.0, **changes):
     return [Case(f"s{k}", "oc3_spar_rigid", {"wind.kind": "steady", "wind.mean_speed": 7.0 + 0.1 * k},
                  start="file", duration=duration, output_step=0.5, outputs=("surge", "pitch"), **changes)
@@ -79,9 +89,9 @@ def test_two_processes_compute_what_this_one_does(tmp_path):
 def test_workers_use_one_thread_each(tmp_path, monkeypatch):
     """What a worker prints goes to its log, and does not get between what it tells."""
     monkeypatch.delenv("OMP_NUM_THREADS", raising=False)
-    text = "import os, fowtlib as fw\nprint('threads', os.environ['OMP_NUM_THREADS'], os.environ['OPENBLAS_NUM_THREADS'])\n"
-    (tmp_path / "own.py").write_text(text)
-    (tmp_path / "m.yaml").write_text("fowtlib: 1\npython: own.py\nworld: {class: World}\nfixed: {class: FixedFlange}\n")
+    names = "OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS"
+    (tmp_path / "own.py").write_text(f"import os\nprint('threads', *map(os.environ.get, {names}))\n")
+    (tmp_path / "m.yaml").write_text(MODEL)
     case = Case("a", str(tmp_path / "m.yaml"), duration=1.0)
     with pytest.raises(ModelError, match="the file wants to run the Python code in 'own.py'"):
         run_batch([case], tmp_path / "b.batch")
@@ -129,7 +139,7 @@ def test_a_batch_that_is_asked_to_end_does_so_soon(tmp_path, asked):
     wait_until(lambda: (folder / "batch.log").exists() and "started long" in (folder / "batch.log").read_text())
     workers = children(process.pid)
     process.send_signal(asked)
-    process.communicate(timeout=8)
+    process.wait(8)
     assert process.returncode != 0 and not any(map(alive, workers))
     rows = Batch.open(folder).rows()
     assert [row.state for row in rows] == ["done", "due"] and rows[1].why == "the batch was stopped"
