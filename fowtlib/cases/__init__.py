@@ -1,5 +1,7 @@
 """Load cases as data: what is run, in batches, and what became of it."""
 
+from fowtlib.cases.batch import Batch, Progress, run_batch
 from fowtlib.cases.case import Case
+from fowtlib.cases.registry import Row
 
-__all__ = ["Case"]
+__all__ = ["Batch", "Case", "Progress", "Row", "run_batch"]
