@@ -80,18 +80,31 @@ def shown(cell: Cell) -> str:
 
 
 def number(value: float) -> str:
-    """Four digits, large and small ones with a power of ten."""
+    """Four digits; whole numbers up to ten millions without a power of ten."""
     if isinstance(value, int) or value == 0:
         return str(int(value))
-    return f"{value:.4g}"
+    return f"{value:.0f}" if 1e4 <= abs(value) < 1e7 else f"{value:.4g}"
 
 
-def svg_of(drawn: Drawing) -> str:
+def time_span(seconds: float) -> str:
+    """A time in the unit that suits it."""
+    for unit, size in (("h", 3600.0), ("min", 60.0)):
+        if seconds >= 2 * size:
+            return f"{seconds / size:.3g} {unit}"
+    return f"{seconds:.3g} s"
+
+
+def drawn(drawing: Drawing, caption: str, name: str, wide: bool = False) -> Figure:
+    """A figure of the page from a drawing; name: of its place."""
+    return Figure(_svg_of(drawing, name), caption, name, wide)
+
+
+def _svg_of(drawn: Drawing, name: str) -> str:
     """The drawing as an element of a page, which takes the width that it finds; its text stays text."""
     import matplotlib
 
     text = io.StringIO()
-    with drawing_style(), matplotlib.rc_context({"svg.fonttype": "none"}):
+    with drawing_style(), matplotlib.rc_context({"svg.fonttype": "none", "svg.hashsalt": name}):
         drawn.savefig(text, format="svg", metadata={"Date": None})
     whole = text.getvalue()
     whole = re.sub(r"<metadata>.*?</metadata>", "", whole[whole.index("<svg") :], flags=re.DOTALL)

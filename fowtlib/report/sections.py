@@ -13,7 +13,7 @@ import numpy as np
 from fowtlib.analysis import Spectrum, average, power_spectrum
 from fowtlib.language.errors import ModelError
 from fowtlib.report import drawings
-from fowtlib.report.content import Figure, Link, Section, Table, anchor, svg_of
+from fowtlib.report.content import Link, Section, Table, anchor, drawn, number
 from fowtlib.report.view import LOADS, View, words
 
 AROUND = 60.0  # s before and after an extreme
@@ -60,10 +60,11 @@ def over_the_label(view: View) -> Section | None:
         places = np.unique(everything[:, 0])
         means = np.array([everything[everything[:, 0] == place, 1].mean() for place in places])
         top = int(means.argmax())
-        caption = (f"{words(name)}: the mean over cases is largest at {view.label} {places[top]:g}, "
-                   f"{means[top]:.4g} {unit}, and least at {places[int(means.argmin())]:g}, {means.min():.4g} {unit}.")
-        picture = drawings.over_label(words(name), unit, words(view.label), arrays)
-        section.figures.append(Figure(svg_of(picture), caption, f"over-{anchor(name)}"))
+        caption = (f"{words(name)}: the mean over cases is largest at {words(view.label)} {places[top]:g}, "
+                   f"{number(means[top])} {unit}, and least at {places[int(means.argmin())]:g}, "
+                   f"{number(means.min())} {unit}.")  # fmt: skip
+        picture = drawings.over_label(words(name), unit, view.label_words, arrays)
+        section.figures.append(drawn(picture, caption, f"over-{anchor(name)}"))
     return section
 
 
@@ -124,10 +125,10 @@ def worst_cases(view: View) -> Section | None:
             (words(item), result.unit(item), result.array(item)[near])
             for item in dict.fromkeys([name, *causes]) if item in result.names
         ]  # fmt: skip
-        caption = (f"{words(name)}: {'largest' if end == 'max' else 'least'} value {told[end]:.4g} {view.units[name]} "
-                   f"at {at:.1f} s of the case {row.name}.")  # fmt: skip
+        which, value = "largest" if end == "max" else "least", f"{number(told[end])} {view.units[name]}"
+        caption = f"{words(name)}: {which} value {value} at {at:.1f} s of the case {row.name}."
         picture = drawings.around(result.time[near], rows, at)
-        section.figures.append(Figure(svg_of(picture), caption, f"worst-{anchor(name)}", wide=True))
+        section.figures.append(drawn(picture, caption, f"worst-{anchor(name)}", wide=True))
     return section if section.figures else None
 
 
@@ -147,10 +148,11 @@ def spectra(view: View) -> Section | None:
             continue
         key, spectrum = max(found.items(), key=lambda item: item[1].std)
         f = spectrum.frequency[1:][int(spectrum.density[1:].argmax())]
-        caption = (f"{words(name)}: most motion at {key}, with a deviation of {spectrum.std:.4g} {view.units[name]} "
-                   f"and the peak at {f:.3g} Hz, a period of {1 / f:.3g} s.")  # fmt: skip
+        deviation = f"{number(spectrum.std)} {view.units[name]}"
+        caption = (f"{words(name)}: most motion at {key}, with a deviation of {deviation} and the peak at {f:.3g} Hz, "
+                   f"a period of {1 / f:.3g} s.")  # fmt: skip
         picture = drawings.spectra(words(name), view.units[name], found, HIGHEST)
-        section.figures.append(Figure(svg_of(picture), caption, f"spectrum-{anchor(name)}"))
+        section.figures.append(drawn(picture, caption, f"spectrum-{anchor(name)}"))
     section.sentences = [f"One-sided densities (Welch, {SEGMENTS} segments), mean over the cases of one value."]
     return section if section.figures else None
 

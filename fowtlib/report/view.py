@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from fowtlib.language.errors import ModelError, NotFoundError, did_you_mean
+from fowtlib.report.content import number, time_span
 from fowtlib.solving.results.plots import PANELS
 
 if TYPE_CHECKING:
@@ -18,6 +19,8 @@ if TYPE_CHECKING:
 
 LOADS = ("N", "kN", "MN", "N m", "N*m", "kN m", "MN m")
 OVER = ("wind_speed", "mean_speed", "speed", "significant_wave_height")  # labels to draw over, where there are some
+UNITS = {"wind_speed": "m/s", "significant_wave_height": "m", "peak_period": "s", "wave_heading": "deg",
+         "yaw_error": "deg"}  # fmt: skip
 NOT_JUDGED = ("azimuth",)  # of which an extreme says nothing
 MOST_SHOWN = 12  # results with figures
 MOST_LINES = 5  # spectra in one figure
@@ -81,6 +84,11 @@ class View:
         several = [key for key, found in values.items() if len(found) > 1 and key != "seed"]
         return next((key for key in (*OVER, *several) if key in several), "")
 
+    @property
+    def label_words(self) -> str:
+        """The label as the title of an axis, with its unit where that is known."""
+        return words(self.label) + (f" [{UNITS[self.label]}]" if self.label in UNITS else "")
+
     def label_of(self, row: Row) -> float:
         """The value of that label; nan where a case has none."""
         value = row.case.labels.get(self.label, np.nan)
@@ -114,8 +122,8 @@ class View:
         rest = [f"{len(self.failed)} failed"] * bool(self.failed) + [f"{due} not run yet"] * bool(due)
         words = [f"{len(self.done)} of {len(self.rows)} cases are done{''.join(f', {text}' for text in rest)}."]
         if simulated and spent:
-            words.append(f"{simulated / 3600:.3g} h were simulated in {spent / 3600:.3g} h of one processor core, "
-                         f"{simulated / spent:.3g} times real time.")  # fmt: skip
+            words.append(f"{time_span(simulated)} were simulated in {time_span(spent)} of one processor core, "
+                         f"{number(simulated / spent)} times real time.")  # fmt: skip
         return words
 
     def groups(self) -> dict[str, list[Row]]:
@@ -127,8 +135,8 @@ class View:
         if not values.size:
             return {}
         picked = values[np.unique(np.linspace(0, len(values) - 1, min(MOST_LINES, len(values))).round().astype(int))]
-        label = words(self.label)
-        return {f"{label} {value:g}": [row for row in there if self.label_of(row) == value] for value in picked}
+        label, unit = words(self.label), f" {UNITS[self.label]}" if self.label in UNITS else ""
+        return {f"{label} {value:g}{unit}": [row for row in there if self.label_of(row) == value] for value in picked}
 
 
 def words(name: str) -> str:
