@@ -33,8 +33,8 @@ def main() -> None:
                 plant.simulate(0.1, 0.1, solver="fixed", parameters=case(k), start=start)
                 times.append(time.process_time() - began)
             later = times[1:]
-            print(f"{name}, start {start or 'of the file'}: first {times[0]:.2f} s, later {statistics.median(later):.3f} s"
-                  f" ({min(later):.3f} to {max(later):.3f})")  # fmt: skip
+            print(f"{name}, start {start or 'of the file'}: first {times[0]:.2f} s, later", end=" ")
+            print(f"{statistics.median(later):.3f} s ({min(later):.3f} to {max(later):.3f})")
 
 
 if __name__ == "__main__":
