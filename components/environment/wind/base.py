@@ -104,6 +104,10 @@ class Wind(Component, selector="kind", shared=("speeds", "velocity")):
         height = station_height(self, station) / self.reference_height
         return float(self.parameter_value("mean_speed") * height ** self.parameter_value("shear_exponent"))
 
+    def in_the_mean(self) -> dict[str, Any]:
+        """Steady wind of the mean speed."""
+        return _calm(self)
+
     def require(self, y_range: tuple[float, float], z_range: tuple[float, float], who: str) -> None:
         """ParameterError, which names `who`, where a field does not cover y_range and z_range [m].
 
@@ -150,6 +154,17 @@ class Wind(Component, selector="kind", shared=("speeds", "velocity")):
         """The mean speed [m/s] as a number, for data that are made for it; see `require_speed`."""
         self.require_speed()
         return float(self.parameter_value("mean_speed"))
+
+
+def _calm(wind: Wind) -> dict[str, Any]:
+    """The mean of a wind; that of data to 1 cm/s, so that fields of one speed and several seeds have one mean."""
+    if wind.kind == "none":
+        return {}
+    if type(wind).mean_at is Wind.mean_at:
+        return {"kind": "steady"}
+    exponent = 0.0 if "shear_exponent" in wind.void else wind.parameter_value("shear_exponent")
+    height = station_height(wind, 0) / wind.reference_height
+    return {"kind": "steady", "mean_speed": round(wind.mean_at(0) / height**exponent, 2)}
 
 
 def require_disk(wind: Wind, radius: float, station: int, who: str) -> None:
