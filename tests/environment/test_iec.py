@@ -39,6 +39,19 @@ def test_turbulence_classes(name, intensity):
     assert iec.normal_turbulence(4.0, name) == pytest.approx(intensity * 8.6)
 
 
+def test_the_distribution_of_the_turbulence():
+    """C = 0.14 * 14.55, k = 5.45 at 15 m/s, where I_ref is the 70 % quantile; the 90 % one is about sigma_1."""
+    assert iec.turbulence_distribution(15.0, "B") == pytest.approx((2.037, 5.45))
+    assert iec.turbulence_quantile(15.0, "B", 1 - math.exp(-1)) == pytest.approx(2.037)
+    assert iec.turbulence_quantile(15.0, "B", 0.7) / 15 == pytest.approx(0.14, rel=4e-3)
+    assert iec.turbulence_quantile(5.0, "A+", 0.9) == pytest.approx(1.7186, rel=1e-4)  # 1.269 * 1.354299; 1.683
+    for speed in (10.0, 15.0, 25.0):
+        exact = iec.turbulence_quantile(speed, "A+", 0.9)
+        assert exact == pytest.approx(iec.normal_turbulence(speed, "A+"), rel=0.011)
+    median = Wind(kind="ntm", mean_speed=15.0, quantile=0.5)
+    assert median.standard_deviation() == pytest.approx(2.037 * math.log(2) ** (1 / 5.45))
+
+
 @pytest.mark.parametrize(
     ("value", "by_hand"),
     [
@@ -74,6 +87,8 @@ def test_what_the_formulas_do_not_know():
         iec.normal_turbulence(10, "D")
     with pytest.raises(ModelError, match="extreme wind of 100 years; take 50 or 1"):
         iec.extreme_speed(50.0, 100)
+    with pytest.raises(ModelError, match="lies between 0 and 1, and 1 does not"):
+        iec.turbulence_quantile(10.0, "B", 1.0)
     with pytest.raises(ModelError, match="mean speed above zero"):
         iec.direction_change(0.0)
     with pytest.raises(ModelError, match="rotor diameter above zero"):
