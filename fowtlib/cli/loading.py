@@ -17,7 +17,7 @@ from fowtlib.language.errors import ModelError, ParameterError
 if TYPE_CHECKING:
     from fowtlib import Model
 
-CONSTANT_WIND = ("none", "steady", "input")
+CONSTANT_WIND = ("none", "steady", "nwp", "ewm_steady", "input")
 
 
 def declare(parser: argparse.ArgumentParser, *, wind: bool = True, waves: bool = True, runs: bool = True) -> None:
