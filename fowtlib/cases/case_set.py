@@ -33,6 +33,9 @@ class CaseSet:
     def __len__(self) -> int:
         return len(self.cases)
 
+    def __getitem__(self, number: int) -> Case:
+        return self.cases[number]
+
     def place(self, name: str, path: str = "") -> Place:
         """Where a parameter of a case is written, or else its set; the name of the case where nothing is."""
         places = self.places.get(name, {})
