@@ -162,7 +162,15 @@ def _list(path: str, text: str) -> Any:
 
 _SPEED = {"speed": Key("mean_speed", "m/s", required=True)}
 _SHEAR = {"shear": Key("shear_exponent"), "direction": Key("direction", "deg")}
-_CLASS = {"class": Key("turbulence_class", "", choices=("A", "B", "C"))}
+_CLASS = {"class": Key("turbulence_class", "", choices=("A+", "A", "B", "C"))}
+_WIND_CLASS = {
+    "wind_class": Key("wind_class", "", choices=("I", "II", "III")), "reference": Key("reference_speed", "m/s"),
+}  # fmt: skip
+_EVENT = {**_SPEED, "at": Key("start_time", "s"), **_CLASS, "diameter": Key("rotor_diameter", "m"), **_SHEAR}
+_SIGN = {"sign": Key("sign", "1")}
+_EITHER_REFERENCE = ("wind_class", "reference")
+_PERIOD = {"period": Key("return_period", "#")}
+_DIRECTION = {"direction": Key("direction", "deg")}
 _HEADING = {"heading": Key("heading", "deg")}
 
 WIND = Condition(
@@ -199,6 +207,21 @@ WIND = Condition(
             {**_SPEED, **_CLASS, "intensity": Key("turbulence_intensity"), "seed": Key("seed", "#"), **_SHEAR},
             bare="speed",
             either=("class", "intensity"),
+        ),
+        "nwp": Kind({**_SPEED, **_SHEAR}, bare="speed"),
+        "ntm": Kind({**_SPEED, **_CLASS, "seed": Key("seed", "#"), **_SHEAR}, bare="speed"),
+        "etm": Kind(
+            {**_SPEED, **_CLASS, **_WIND_CLASS, "seed": Key("seed", "#"), **_SHEAR},
+            bare="speed",
+            either=_EITHER_REFERENCE,
+        ),
+        "ewm": Kind({**_WIND_CLASS, **_PERIOD, "seed": Key("seed", "#"), **_DIRECTION}, either=_EITHER_REFERENCE),
+        "ewm_steady": Kind({**_WIND_CLASS, **_PERIOD, **_DIRECTION}, either=_EITHER_REFERENCE),
+        "eog": Kind({**_EVENT, **_WIND_CLASS}, bare="speed", either=_EITHER_REFERENCE),
+        "edc": Kind({**_EVENT, **_SIGN}, bare="speed"),
+        "ecd": Kind({**_SPEED, "at": Key("start_time", "s"), **_SIGN, **_SHEAR}, bare="speed"),
+        "ews": Kind(
+            {**_EVENT, "plane": Key("plane", "", choices=("vertical", "horizontal")), **_SIGN}, bare="speed"
         ),
         "file": Kind({"file": Key("file", "path", required=True)}, bare="file"),
         "field": Kind({"file": Key("file", "path", required=True)}, bare="file"),
