@@ -5,7 +5,7 @@ from __future__ import annotations
 import json
 import math
 import re
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Mapping, Sequence
 from typing import Any
 
 from fowtlib.cases.case import Case
@@ -75,6 +75,8 @@ class _Checker:
             raise _Wrong("solver", f"solver: '{case.solver}' is not {one_of(SOLVERS)}.")
         for name in case.outputs or ():
             self._check_output(name)
+        for event in case.events:
+            self._check_event(event, case.duration)
 
     def _root(self, case: Case) -> Component:
         """The parts with the parameters of a case, or of another one that differs from it in numbers only."""
@@ -86,6 +88,7 @@ class _Checker:
             except ModelError as error:
                 message = str(error).removeprefix("set: ")
                 raise _Wrong(_about(message, case.parameters), message) from None
+            _check_void(root)
             for path in case.parameters:
                 self._check_changeable(root, path)
             self._changed[key] = root
@@ -106,6 +109,20 @@ class _Checker:
                 raise _Wrong(path, f"{path}: the kind '{part.parameter_value(name)}' has equations of its own ({own}); "
                                    "choose it in a model file of its own.")  # fmt: skip
 
+    def _check_event(self, event: Mapping[str, Any], duration: float | None) -> None:
+        """Some part offers the event, and it happens within the run."""
+        name = str(event.get("event"))
+        known = [f"{part.path}.{own}" for part in self.model.root.walk() for own in part.offered_events]
+        fits = [path for path in known if _within(name.split("."), path.split("."))]
+        if not fits:
+            hint = did_you_mean(name, known) if known else ": no part of the model offers any."
+            raise _Wrong("events", f"events: there is no event '{name}'{hint}")
+        if len(fits) > 1 and name not in fits:
+            raise _Wrong("events", f"events: '{name}' can happen at {len(fits)} places; say which: {', '.join(fits)}.")
+        end = self.model.settings.get("duration") if duration is None else duration
+        if isinstance(at := event.get("at"), (int, float)) and end is not None and at > float(end):
+            raise _Wrong("events", f"events: '{name}' is to happen at {at:g} s, and the run ends at {float(end):g} s.")
+
     def _check_output(self, name: str) -> None:
         if name in self._outputs:
             return
@@ -116,6 +133,12 @@ class _Checker:
             message = f"{error}" if hint == "." else f"outputs: there is no result '{name}'{hint}"
             raise _Wrong("outputs", message) from None
         self._outputs.add(name)
+
+
+def _within(names: Sequence[str], path: Sequence[str]) -> bool:
+    """Whether the path ends as the names do, and has the other ones in their order."""
+    rest = iter(path)
+    return path[-1] == names[-1] and all(name in rest for name in names)
 
 
 class _NoPlace:
@@ -168,6 +191,17 @@ def _check_value(root: Component, path: str, value: Any) -> None:
         raise _Wrong(path, f"{path} = {number:g}{unit} is above its maximum {high:g}{unit} ({field.doc}).")
     if field.choices is not None and number not in field.choices:
         raise _Wrong(path, f"{path} = {number:g} is not {one_of(map(str, field.choices))} ({field.doc}).")
+
+
+def _check_void(root: Component) -> None:
+    """No value of wind or sea stands in the way of another one, or belongs to another kind."""
+    for condition in CONDITIONS.values():
+        part = root.parts.get(condition.part)
+        try:
+            if part is not None:
+                part.refuse_void()
+        except ModelError as error:
+            raise _Wrong(f"{condition.part}.{condition.selector}", str(error)) from None
 
 
 def _check_needs(root: Component, condition: Condition) -> None:

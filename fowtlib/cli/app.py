@@ -20,6 +20,7 @@ from typing import NoReturn
 
 from fowtlib.cli import (
     cache,
+    cases,
     decay,
     export,
     inspection,
@@ -37,7 +38,8 @@ from fowtlib.cli.files import declare_force
 from fowtlib.cli.report import write_report
 from fowtlib.language.errors import ModelError, did_you_mean
 
-GROUPS = (run, export, view, inspection, stability, decay, rao, rotor_table, wind_field, library, cache)
+GROUPS = (run, export, view, inspection, stability, decay, rao, rotor_table, wind_field, cases, library,
+          cache)  # fmt: skip
 
 
 class Formatter(argparse.RawDescriptionHelpFormatter):

@@ -37,6 +37,11 @@ def declare(parser: argparse.ArgumentParser, *, wind: bool = True, waves: bool =
         default=[],
         help="set a parameter, for example --set platform.hull.mass='7500 t'; may be repeated",
     )
+    declare_leave(parser, runs)
+
+
+def declare_leave(parser: argparse.ArgumentParser, runs: bool = True) -> None:
+    """Add what the model file may do; runs: also `--trust`."""
     parser.add_argument(
         "--allow-python", action="store_true", help="run the Python files that the model file names (`python:`)"
     )
