@@ -15,7 +15,13 @@ from typing import Any
 import numpy as np
 
 from fowtlib.cases.lists import spread
-from fowtlib.cases.plant_facts import event_paths, hub_height, idling_parameters, rated_wind_speed
+from fowtlib.cases.plant_facts import (
+    event_paths,
+    hub_height,
+    idling_parameters,
+    rated_wind_speed,
+    rotors_for_front_wind,
+)
 from fowtlib.cases.site import Site, site_error
 from fowtlib.components.environment import Wind
 from fowtlib.language.errors import ModelError, ParameterError, did_you_mean
@@ -154,9 +160,19 @@ class _Writer:
                 self._check_speeds(number, SEAS[entry["sea"]], speeds)
             vary["wind_speed"] = speeds
         vary |= entry.get("vary", {})
+        self._check_yaw(number, vary.get("yaw_error", []))
         if entry.get("misalignment") and tuple(self.request.misalignment) != (0.0,):
             vary["misalignment"] = [f"{angle:g} deg" for angle in self.request.misalignment]
         return vary
+
+    def _check_yaw(self, number: str, errors: str | list[str]) -> None:
+        """Rotors with coefficients know no wind from behind."""
+        items = spread(errors, Place("yaw_error")) if isinstance(errors, str) else []
+        angles = [abs(float(item.label)) for item in items or ()]
+        rotors = rotors_for_front_wind(self.model)
+        if rotors and max(angles, default=0.0) >= 90:
+            raise ModelError(f"DLC {number} has wind from behind, for which the coefficients of {rotors[0]} do not "
+                             "hold; take a model with rotors of blade elements, such as oc3_spar.")  # fmt: skip
 
     def _wind_speeds(self, word: str) -> str | list[float] | None:
         first, last = self.operating[0], self.operating[-1]
@@ -230,9 +246,11 @@ class _Writer:
         events: list[dict[str, Any]] = []
         vary: dict[str, Any] = {}
         for item in entry.get("events", ()):
-            paths = event_paths(self.model, item["name"])
+            part = item.get("part", "")
+            paths = [path for path in event_paths(self.model, item["name"]) if not part or part in path.split(".")]
             if not paths:
-                raise ModelError(f"DLC {number} needs the event '{item['name']}', which no part of "
+                of = f" of a part '{part}'" if part else ""
+                raise ModelError(f"DLC {number} needs the event '{item['name']}'{of}, which no part of "
                                  f"{self.request.model} offers.")  # fmt: skip
             chosen = paths
             if item.get("of") == "first":

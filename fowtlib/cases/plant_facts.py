@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from fowtlib.components.aero import CoefficientRotor
 from fowtlib.language.errors import ModelError, ParameterError
 from fowtlib.solving.model import Model
 
@@ -19,6 +20,11 @@ def hub_height(model: Model) -> float:
 def idling_parameters(model: Model) -> list[str]:
     """Paths of the parameters that shut turbines down from the start."""
     return [f"{part.path}.idling" for part in model.root.walk() if "idling" in part.parameters]
+
+
+def rotors_for_front_wind(model: Model) -> list[str]:
+    """Paths of the rotors whose data hold for wind from the front only."""
+    return [part.path for part in model.root.walk() if isinstance(part, CoefficientRotor)]
 
 
 def event_paths(model: Model, name: str) -> list[str]:

@@ -60,7 +60,7 @@ def extreme(years: float) -> tuple[float, float]:
     def over(h: float) -> float:
         return quad(lambda u: wind.pdf(u) * height(u).sf(h), 0, 60, limit=200)[0] - 1 / (years * HOURS)
 
-    h = brentq(over, 3, 40)
+    h = round(brentq(over, 3, 40), 2)
     u = max(np.linspace(5, 40, 3501), key=lambda u: wind.pdf(u) * height(u).pdf(h))
     return h, period(u, h)
 
@@ -74,8 +74,8 @@ def main() -> None:
     """Print the file."""
     speeds = np.arange(2.0, 41.0, 2.0)
     at_10 = speeds / FACTOR
-    normal = [float(height(u).mean()) for u in at_10]
-    severe = [on_contour(u, 50) for u in at_10]
+    normal = [round(float(height(u).mean()), 2) for u in at_10]
+    severe = [round(on_contour(u, 50), 2) for u in at_10]
     rows = {
         "normal_sea": (normal, [period(u, h) for u, h in zip(at_10, normal, strict=True)]),
         "severe_sea": (severe, [period(u, h) for u, h in zip(at_10, severe, strict=True)]),
