@@ -20,8 +20,10 @@ from typing import NoReturn
 
 from fowtlib.cli import (
     cache,
+    contours,
     decay,
     export,
+    extremes,
     inspection,
     library,
     loading,
@@ -37,7 +39,9 @@ from fowtlib.cli.files import declare_force
 from fowtlib.cli.report import write_report
 from fowtlib.language.errors import ModelError, did_you_mean
 
-GROUPS = (run, export, view, inspection, stability, decay, rao, rotor_table, wind_field, library, cache)
+GROUPS = (
+    run, export, view, inspection, stability, decay, rao, rotor_table, wind_field, contours, extremes, library, cache,
+)  # fmt: skip
 
 
 class Formatter(argparse.RawDescriptionHelpFormatter):

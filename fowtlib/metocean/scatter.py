@@ -7,9 +7,8 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from fowtlib.language.data_files import cells_of, lines_of
-from fowtlib.language.errors import ParameterError, did_you_mean
-from fowtlib.metocean.joint import VARIABLES
+from fowtlib.language.errors import ParameterError
+from fowtlib.metocean.csv_columns import read_columns
 from fowtlib.metocean.states import States
 
 COUNTS = ("probability", "count")
@@ -59,55 +58,25 @@ def _of(values: np.ndarray, weights: np.ndarray, value: str) -> float:
 
 
 def read_scatter(path: str | os.PathLike[str]) -> ScatterTable:
-    """A CSV with a header and the columns wind_speed [m/s], wave_height [m], peak_period [s], probability or count.
+    """A CSV with a header and the columns wind_speed [m/s], Hs [m], Tp [s], and probability or count.
 
-    Units may stand behind the names. ParameterError with file and line for what cannot be.
+    ParameterError with file and line for what cannot be.
     """
-    where = os.fspath(path)
-    lines = lines_of(path, "the scatter table")
-    if len(lines) < 2:
-        raise ParameterError("a scatter table has a header and one line or more.", where=where)
-    head = [cell.partition("[")[0].strip() for cell in cells_of(lines[0][1])]
-    for name in head:
-        if name not in (*VARIABLES, *COUNTS):
-            raise ParameterError(
-                f"a scatter table has no column '{name}'{did_you_mean(name, (*VARIABLES, *COUNTS))}",
-                where=f"{where}:{lines[0][0]}",
-            )
-    counted = [name for name in COUNTS if name in head]
-    missing = [name for name in VARIABLES if name not in head] + ([] if len(counted) == 1 else ["probability or count"])
-    if missing or len(set(head)) != len(head):
-        raise ParameterError(f"the scatter table needs one column each: {', '.join(missing or head)}.", where=where)
-    rows = np.array([_row(line, len(head), f"{where}:{number}") for number, line in lines[1:]])
-    columns = dict(zip(head, rows.T, strict=True))
-    weight = columns[counted[0]]
-    bad = (weight < 0) | (np.min([columns[name] for name in VARIABLES], axis=0) <= 0)
-    if bad.any():
-        raise ParameterError(
-            "centres of classes are positive, and counts not negative.",
-            where=f"{where}:{lines[1 + int(np.argmax(bad))][0]}",
-        )
+    table = read_columns(path, "the scatter table", COUNTS)
+    counted = [name for name in COUNTS if name in table.numbers]
+    if len(counted) != 1:
+        raise ParameterError("the scatter table needs one column 'probability' or 'count'.", where=table.path)
+    weight = table.numbers[counted[0]]
+    table.refuse(weight < 0, f"a {counted[0]} is not negative.")
     if counted == ["probability"] and abs(weight.sum() - 1) > 0.01:
         raise ParameterError(
-            f"the probabilities have the sum {weight.sum():.4g} and not 1; if they are counts, call the "
-            "column 'count'.",
-            where=where,
+            f"the probabilities have the sum {weight.sum():.4g} and not 1; call the column 'count' if they are counts.",
+            where=table.path,
         )
     if not weight.sum() > 0:
-        raise ParameterError("all counts are zero.", where=where)
+        raise ParameterError("all counts are zero.", where=table.path)
     some = weight > 0
-    states = States(*(columns[name][some] for name in VARIABLES), weight[some] / weight.sum())
+    states = table.states(some, weight[some] / weight.sum())
     if len(set(states)) != len(states):
-        raise ParameterError("a class stands in the table twice.", where=where)
-    return ScatterTable(states, where)
-
-
-def _row(line: str, count: int, where: str) -> list[float]:
-    cells = cells_of(line)
-    try:
-        numbers = [float(cell) for cell in cells]
-    except ValueError:
-        raise ParameterError(f"'{line.strip()}' is not a row of numbers.", where=where) from None
-    if len(numbers) != count or not np.isfinite(numbers).all():
-        raise ParameterError(f"the row is to have {count} finite numbers.", where=where)
-    return numbers
+        raise ParameterError("a class stands in the table twice.", where=table.path)
+    return ScatterTable(states, table.path)

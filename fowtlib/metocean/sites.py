@@ -60,6 +60,12 @@ def environment(name: str | os.PathLike[str]) -> ConditionalModel | ScatterTable
     return _read(Path(str(files(__package__).joinpath("sites", f"{text}.yaml"))), text)
 
 
+def open_distribution(name: str | os.PathLike[str], height: float) -> ConditionalModel | ScatterTable:
+    """A site for wind speeds at a height [m], the hub; those of a scatter table count as such."""
+    found = environment(name)
+    return found if isinstance(found, ScatterTable) else found.at(height)
+
+
 def _read(path: Path, name: str) -> ConditionalModel:
     import yaml
 

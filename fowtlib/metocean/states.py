@@ -10,6 +10,9 @@ import numpy as np
 
 from fowtlib.language.errors import ParameterError
 
+COLUMNS = {"wind_speed": "m/s", "Hs": "m", "Tp": "s"}
+"""Names of what a state is made of, in tables and labels of cases, and their units."""
+
 YEAR = 365.25 * 24 * 3600.0
 """A year [s], the mean of four."""
 

@@ -279,7 +279,7 @@ def test_states_become_cases():
     cases = [Case.from_plain(row) for row in rows]
     assert len(cases) == 3 * len(states)
     assert len({case.name for case in cases}) == len(cases)
-    assert len({case.parameters["wind.seed"] for case in cases}) == len(cases)
+    assert len({case.parameters[f"{what}.seed"] for case in cases for what in ("wind", "sea")}) == 2 * len(cases)
     assert sum(case.weight for case in cases) == pytest.approx(states.weights.sum())
     first, last = cases[0], cases[-1]
     assert first.parameters["wind.mean_speed"] == first.labels["wind_speed"] == 22

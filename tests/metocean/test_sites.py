@@ -12,7 +12,7 @@ from fowtlib.language.errors import ModelError
 from fowtlib.metocean import ScatterTable, bins, environment, read_scatter, shipped, site
 
 TABLE = """# a bay
-wind_speed [m/s],wave_height [m],peak_period [s],count
+wind_speed [m/s],Hs [m],Tp [s],count
 5,0.5,4,30
 5,1.5,6,10
 10,1.5,6,20
@@ -104,7 +104,7 @@ def test_a_scatter_table_of_a_joint_distribution_gives_its_means(tmp_path):
     weights = states.weights / states.weights.sum()
     rows = [f"{u},{h},{t},{p}" for (u, h, t), p in zip(states, weights, strict=True)]
     path = tmp_path / "fine.csv"
-    path.write_text("\n".join(["wind_speed,wave_height,peak_period,probability", *rows]))
+    path.write_text("\n".join(["wind_speed,Hs,Tp,probability", *rows]))
     height, period = read_scatter(path).conditional(13, "mean")
     assert height == pytest.approx(joint.conditional(13, "mean")[0], abs=0.03)
     q = (np.arange(2000) + 0.5) / 2000
@@ -116,14 +116,20 @@ def test_a_scatter_table_of_a_joint_distribution_gives_its_means(tmp_path):
 @pytest.mark.parametrize(
     ("text", "says"),
     [
-        (TABLE.replace("count", "counts"), "bay.csv:2: a scatter table has no column 'counts'; did you mean 'count'?"),
+        (
+            TABLE.replace("count", "counts"),
+            "bay.csv:2: the scatter table has no column 'counts'; did you mean 'count'?",
+        ),
         (TABLE.replace("count", "probability"), "the probabilities have the sum 90 and not 1"),
-        (TABLE.replace("10,1.5,6,20", "10,1.5,6,x"), "bay.csv:5: '10,1.5,6,x' is not a row of numbers."),
-        (TABLE.replace("10,1.5,6,20", "10,1.5,6"), "bay.csv:5: the row is to have 4 finite numbers."),
-        (TABLE.replace("10,1.5,6,20", "10,1.5,6,-2"), "bay.csv:5: centres of classes are positive"),
+        (TABLE.replace("10,1.5,6,20", "10,1.5,6,x"), "bay.csv:5: count: 'x' is not a finite number."),
+        (TABLE.replace("10,1.5,6,20", "10,1.5,6"), "bay.csv:5: the row has 3 cells, and there are 4 columns."),
+        (TABLE.replace("10,1.5,6,20", "10,1.5,6,-2"), "bay.csv:5: a count is not negative."),
         (TABLE.replace("10,1.5,6,20", "5,0.5,4,20"), "a class stands in the table twice."),
-        ("wind_speed,wave_height,count\n1,1,1\n", "the scatter table needs one column each: peak_period."),
-        ("wind_speed\n", "a scatter table has a header and one line or more."),
+        ("wind_speed,Hs,count\n1,1,1\n", "the scatter table needs the columns Tp too."),
+        ("wind_speed,Hs,Tp\n1,1,1\n", "needs one column 'probability' or 'count'."),
+        (TABLE.replace("5,0.5,4", "5,-0.5,4"), "bay.csv:3: Hs must be positive."),
+        (TABLE.replace("Hs [m]", "Hs [cm]"), "Hs is to be given in m, not in cm."),
+        ("wind_speed\n", "the scatter table has a header and one line or more."),
     ],
 )
 def test_what_a_scatter_table_cannot_be(tmp_path, text, says):
