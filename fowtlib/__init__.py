@@ -31,7 +31,8 @@ if TYPE_CHECKING:
         static_curve,
         up_crossings,
     )
-    from fowtlib.cases import Case, check_cases, read_cases
+    from fowtlib.case_files import read_cases
+    from fowtlib.cases import Case, check_cases
     from fowtlib.fmi import export_fmu
     from fowtlib.modelfile import dump, load
     from fowtlib.solving import (
@@ -57,7 +58,8 @@ _PACKAGES = ("analysis", "components")
 _LATER = {
     "export_fmu": "fowtlib.fmi",
     "view": "fowtlib.view",
-    **dict.fromkeys(("Case", "check_cases", "read_cases"), "fowtlib.cases"),
+    "read_cases": "fowtlib.case_files",
+    **dict.fromkeys(("Case", "check_cases"), "fowtlib.cases"),
     **dict.fromkeys(("dump", "load"), "fowtlib.modelfile"),
     **dict.fromkeys(
         ("Conditions", "Event", "LinearModel", "Mode", "Model", "NaturalMode", "Output", "Plant", "Result", "State",

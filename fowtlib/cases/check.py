@@ -67,6 +67,7 @@ class _Checker:
         self._changed: dict[str, Component] = {}
         self._outputs: set[str] = set(model.outputs)
         self._seas: dict[str, tuple[float, float]] = {}
+        self._events = [f"{part.path}.{own}" for part in model.root.walk() for own in part.offered_events]
 
     def check(self, case: Case, steep: frozenset[str]) -> None:
         root = self._root(case)
@@ -139,8 +140,7 @@ class _Checker:
 
     def _check_event(self, event: Mapping[str, Any], duration: float | None) -> None:
         """Some part offers the event, and it happens within the run."""
-        name = str(event.get("event"))
-        known = [f"{part.path}.{own}" for part in self.model.root.walk() for own in part.offered_events]
+        name, known = str(event.get("event")), self._events
         fits = [path for path in known if _within(name.split("."), path.split("."))]
         if not fits:
             hint = did_you_mean(name, known) if known else ": no part of the model offers any."

@@ -8,7 +8,7 @@ from __future__ import annotations
 import re
 from collections.abc import Sequence
 from dataclasses import dataclass
-from functools import cache
+from functools import cache, cached_property
 from pathlib import Path
 from typing import Any
 
@@ -185,13 +185,15 @@ class _Writer:
             above = np.arange(last + step, 0.7 * REFERENCE[self.wind_class] + 1e-9, step)
             below = np.arange(first - step, 0.5 * step, -step)[::-1]
             return [_plain(v) for v in (*below, *above)]
-        rated = self._rated()
+        rated = self.rated
         about = [rated - 2, rated, rated + 2]
         ends = (about[0], about[2], last)
         found = {"rated": about, "faults": ends, "starts": (first, *ends)}[word]
         return [_plain(v) for v in sorted(set(found))]
 
-    def _rated(self) -> float:
+    @cached_property
+    def rated(self) -> float:
+        """Rated wind speed [m/s], as asked for or that of the model."""
         if self.request.rated is not None:
             return self.request.rated
         found = rated_wind_speed(self.model)

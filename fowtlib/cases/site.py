@@ -7,15 +7,19 @@ import os
 from collections.abc import Mapping
 from dataclasses import dataclass
 from pathlib import Path
+from typing import Any, Protocol
 
 import numpy as np
+from scipy.optimize import brentq
+from scipy.stats import norm
 
 from fowtlib.cases import conditional
 from fowtlib.cases.conditional import Table
 from fowtlib.cases.scope import Scope
 from fowtlib.cases.values import scalar
-from fowtlib.language.data_files import require_file
-from fowtlib.language.errors import ModelError, ModelFileError, did_you_mean
+from fowtlib.components.environment.waves import steepest_sea
+from fowtlib.language.data_files import require_file, text_of
+from fowtlib.language.errors import ModelError, ModelFileError
 from fowtlib.modelfile import files
 from fowtlib.modelfile.nodes import Node, parse, read_text
 from fowtlib.modelfile.specs import check_keys, mapping, text
@@ -26,7 +30,28 @@ KEYS = (KEY, "title", "source", "water_depth", "hub_height", "wind", "normal_sea
 SEAS = ("normal_sea", "severe_sea")
 SEA_COLUMNS = ("wind_speed", "Hs", "Tp")
 YEARS = ("1", "50")
-DEFAULT = "norway_5"
+FASTEST = 40.0  # wind speed [m/s] up to which the tables of a joint distribution go
+
+
+class Joint(Protocol):
+    """A joint distribution of wind at the hub, Hs and Tp, as those of fowtlib.metocean.
+
+    averaging: of a state [s]; the laws have mean(), median(), isf(q), and from_normal(z), to_normal(x), which turn
+    quantiles of the standard normal distribution into values and back; that of the wind has scale [m/s] and shape.
+    """
+
+    averaging: float
+    water_depth: float | None
+    wind_speed: Any
+
+    def wave_height(self, wind_speed: float) -> Any:
+        """Law of Hs [m] given the wind [m/s]."""
+
+    def peak_period(self, wind_speed: float, wave_height: float) -> Any:
+        """Law of Tp [s] given both."""
+
+    def marginal(self, variable: str) -> Any:
+        """Law of one variable alone."""
 
 
 @dataclass(frozen=True)
@@ -43,21 +68,17 @@ class Site:
     water_depth: float | None = None
 
 
-def shipped_sites() -> list[str]:
-    """Names of the sites that come with fowtlib."""
-    return sorted(path.stem for path in (files.models_folder() / "data" / "sites").glob("*.yaml"))
+def is_site_file(path: Path) -> bool:
+    """Whether this is a file of tables of a site; others are of joint distributions."""
+    return files.is_file(path) and any(line.startswith(f"{KEY}:") for line in text_of(path).split("\n"))
 
 
 def read_site(source: str | os.PathLike[str]) -> Site:
-    """A shipped site by its name, or that of a file; ModelFileError with file and line."""
+    """The site of a file with tables; ModelFileError with file and line."""
     path = Path(source)
-    if not files.is_file(path):
-        if path.suffix or len(path.parts) > 1:
-            raise ModelFileError(f"there is no file '{source}'.")
-        if str(source) not in shipped_sites():
-            raise ModelFileError(f"there is no site '{source}', nor a file{did_you_mean(str(source), shipped_sites())}")
-        path = files.data_path(f"sites/{source}.yaml")
     require_file(path, ModelFileError)
+    if not files.is_file(path):
+        raise ModelFileError(f"there is no file '{source}'.")
     name = files.shown(path)
     top = parse(read_text(path, name), name, FIRST_LINE)
     items = mapping(top, f"{FIRST_LINE}, and is a mapping")
@@ -75,6 +96,50 @@ def read_site(source: str | os.PathLike[str]) -> Site:
         _extreme(items.get("extreme_sea"), scope),
         scalar(items["water_depth"], "water_depth", scope, "m") if "water_depth" in items else None,
     )  # fmt: skip
+
+
+def site_from(joint: Joint, hub_height: float, name: str, title: str = "", source: str = "") -> Site:
+    """A site from a joint distribution for wind at hub_height [m].
+
+    Normal sea: the mean of Hs given the wind. Severe sea: Hs on the contour of 50 years by IFORM at each wind, one
+    state for each `averaging`. Extreme seas: quantiles of the marginal distribution of Hs, with the wind of the highest
+    sea on the contour of that period. Tp is the median, or the shortest with which the sea is no steeper than
+    DNV-RP-C205 knows, where that is longer.
+    """
+    per_year = 365.25 * 24 * 3600 / joint.averaging
+    beta = {years: float(norm.isf(1 / (int(years) * per_year))) for years in YEARS}
+    highest = float(joint.wind_speed.from_normal(beta["50"]))
+    speeds = np.array([v for v in np.arange(2.0, FASTEST + 1, 2.0) if v < highest])
+    normal = [float(joint.wave_height(v).mean()) for v in speeds]
+    severe = [float(_on_contour(joint, v, beta["50"])) for v in speeds]
+
+    def sea(key: str, heights: list[float]) -> Table:
+        heights = [round(h, 2) for h in heights]
+        periods = np.array([_period(joint, v, h) for v, h in zip(speeds, heights, strict=True)])
+        return Table(key, "wind_speed", ("Hs", "Tp"), speeds, {"Hs": np.array(heights), "Tp": periods},
+                     dict.fromkeys(SEA_COLUMNS))  # fmt: skip
+
+    marginal, extreme = joint.marginal("wave_height"), {}
+    for years in YEARS:
+        height = round(float(marginal.isf(1 / (int(years) * per_year))), 2)
+        winds = np.linspace(0.05, 0.999, 400) * float(joint.wind_speed.from_normal(beta[years]))
+        wind = max(winds, key=lambda v, years=years: _on_contour(joint, v, beta[years]))
+        extreme[years] = height, _period(joint, wind, height)
+    weibull = float(joint.wind_speed.scale), float(joint.wind_speed.shape)
+    seas = {"normal_sea": sea("normal_sea", normal), "severe_sea": sea("severe_sea", severe)}
+    return Site(name, title or name, source, weibull, hub_height, seas, extreme, joint.water_depth)
+
+
+def _on_contour(joint: Joint, wind: float, beta: float) -> float:
+    """Hs that goes with a wind speed on the contour of radius beta in standard normal space."""
+    z = float(joint.wind_speed.to_normal(wind))
+    return float(joint.wave_height(wind).from_normal(math.sqrt(max(beta**2 - z**2, 0.0))))
+
+
+def _period(joint: Joint, wind: float, height: float) -> float:
+    """The median of Tp, or the shortest that the limit of steepness allows; rounded up."""
+    shortest = float(brentq(lambda t: steepest_sea(t) - height, 0.01, 60.0))
+    return math.ceil(max(float(joint.peak_period(wind, height).median()), shortest) * 100) / 100
 
 
 def _weibull(node: Node, scope: Scope) -> tuple[float, float]:

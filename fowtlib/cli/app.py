@@ -21,8 +21,10 @@ from typing import NoReturn
 from fowtlib.cli import (
     cache,
     cases,
+    contours,
     decay,
     export,
+    extremes,
     inspection,
     library,
     loading,
@@ -38,8 +40,10 @@ from fowtlib.cli.files import declare_force
 from fowtlib.cli.report import write_report
 from fowtlib.language.errors import ModelError, did_you_mean
 
-GROUPS = (run, export, view, inspection, stability, decay, rao, rotor_table, wind_field, cases, library,
-          cache)  # fmt: skip
+GROUPS = (
+    run, export, view, inspection, stability, decay, rao, rotor_table, wind_field, contours, extremes, cases, library,
+    cache,
+)  # fmt: skip
 
 
 class Formatter(argparse.RawDescriptionHelpFormatter):

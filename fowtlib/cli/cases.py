@@ -38,7 +38,7 @@ def declare(commands: Any) -> None:
     parser.add_argument("--model", help=f"dlc: a shipped model or a model file; default: {DEFAULT_MODEL}")
     parser.add_argument("--class", dest="wind_class", metavar="CLASS", help="dlc: I, II or III, then A+, A, B or C; "
                         "default: IB")  # fmt: skip
-    parser.add_argument("--site", metavar="SITE", help="dlc: a shipped site or a file; default: norway_5")
+    parser.add_argument("--site", metavar="SITE", help="dlc: a site as of `fowt contours`; default: norway_5")
     parser.add_argument("--wind", metavar="FIRST:LAST:STEP", help="dlc: speeds in operation [m/s]; default: 4:24:2")
     parser.add_argument("--rated", type=positive, metavar="V", help="dlc: rated wind speed [m/s]; default: the model's")
     parser.add_argument("--seeds", type=_count, metavar="N", help="dlc: realisations of each state; default: 6")
@@ -74,7 +74,7 @@ def _angles(text: str) -> list[float]:
 
 def read(path: Path) -> CaseSet:
     """The cases of a file."""
-    from fowtlib.cases import read_cases
+    from fowtlib.case_files import read_cases
 
     return read_cases(path)
 
@@ -108,9 +108,9 @@ def _checked(arguments: argparse.Namespace, found: CaseSet) -> dict[str, Model]:
 
 def _write(arguments: argparse.Namespace) -> int:
     """Write the sets into a file, once they are read and checked like every other one, and show them."""
-    from fowtlib.cases import read_cases
+    from fowtlib.case_files import DEFAULT_SITE, read_cases, read_site
     from fowtlib.cases.dlc import Request, load_case_table, write_dlc
-    from fowtlib.cases.site import DEFAULT, read_site
+    from fowtlib.cases.plant_facts import hub_height
 
     known = load_case_table()["load_cases"]
     if len(arguments.words) < 2:
@@ -118,11 +118,11 @@ def _write(arguments: argparse.Namespace) -> int:
     if arguments.output is None:
         raise ModelError("where to? Give the cases file: --output dlc.yaml")
     check_target(arguments.output, (".yaml",), arguments.force)
-    site = read_site(arguments.site or DEFAULT)
     values = {name: getattr(arguments, name) for name in OF_DLC if name not in ("model", "site")}
     given = {name: value for name, value in values.items() if value is not None}
     name = arguments.model or DEFAULT_MODEL
     model = loading.load_file(arguments, name)
+    site = read_site(arguments.site or DEFAULT_SITE, hub_height(model))
     path = Path(name)
     if path.is_file():  # names in the file begin at its folder
         folder = arguments.output.absolute().parent.resolve()
