@@ -214,7 +214,9 @@ WIND = Condition(
             either=("class", "intensity"),
         ),
         "nwp": Kind({**_SPEED, **_SHEAR}, bare="speed"),
-        "ntm": Kind({**_SPEED, **_CLASS, "seed": Key("seed", "#"), **_SHEAR}, bare="speed"),
+        "ntm": Kind(
+            {**_SPEED, **_CLASS, "quantile": Key("quantile"), "seed": Key("seed", "#"), **_SHEAR}, bare="speed"
+        ),
         "etm": Kind(
             {**_SPEED, **_CLASS, **_WIND_CLASS, "seed": Key("seed", "#"), **_SHEAR},
             bare="speed",

@@ -39,6 +39,19 @@ def test_turbulence_classes(name, intensity):
     assert iec.normal_turbulence(4.0, name) == pytest.approx(intensity * 8.6)
 
 
+def test_the_distribution_of_the_turbulence():
+    """C = 0.14 * 14.55, k = 5.45 at 15 m/s, where I_ref is the 70 % quantile; the 90 % one is about sigma_1."""
+    assert iec.turbulence_distribution(15.0, "B") == pytest.approx((2.037, 5.45))
+    assert iec.turbulence_quantile(15.0, "B", 1 - math.exp(-1)) == pytest.approx(2.037)
+    assert iec.turbulence_quantile(15.0, "B", 0.7) / 15 == pytest.approx(0.14, rel=4e-3)
+    assert iec.turbulence_quantile(5.0, "A+", 0.9) == pytest.approx(1.7186, rel=1e-4)  # 1.269 * 1.354299; 1.683
+    for speed in (10.0, 15.0, 25.0):
+        exact = iec.turbulence_quantile(speed, "A+", 0.9)
+        assert exact == pytest.approx(iec.normal_turbulence(speed, "A+"), rel=0.011)
+    median = Wind(kind="ntm", mean_speed=15.0, quantile=0.5)
+    assert median.standard_deviation() == pytest.approx(2.037 * math.log(2) ** (1 / 5.45))
+
+
 @pytest.mark.parametrize(
     ("value", "by_hand"),
     [
@@ -74,6 +87,8 @@ def test_what_the_formulas_do_not_know():
         iec.normal_turbulence(10, "D")
     with pytest.raises(ModelError, match="extreme wind of 100 years; take 50 or 1"):
         iec.extreme_speed(50.0, 100)
+    with pytest.raises(ModelError, match="lies between 0 and 1, and 1 does not"):
+        iec.turbulence_quantile(10.0, "B", 1.0)
     with pytest.raises(ModelError, match="mean speed above zero"):
         iec.direction_change(0.0)
     with pytest.raises(ModelError, match="rotor diameter above zero"):
@@ -300,3 +315,60 @@ def test_a_sea_that_lacks_something(sea, words):
     with pytest.raises(ModelError, match=words):
         top.world, top.sea = World(), Sea(**sea)
         fw.load(top).compile().simulate(1.0)
+
+
+# --- what turbines feel -------------------------------------------------------------------------------------------
+
+
+@pytest.fixture(scope="module")
+def felt():
+    """Force [N] and moment [N m] of the air on a rotor of blade elements that floats, at the height of each event."""
+    plant = fw.load("oc3_spar_rigid_bem", set={"sea.spectrum": "still", "wind.mean_speed": 12.0}).compile()
+    loads = {}
+    for kind, more in (
+        ("nwp", {}),
+        *[("edc", {"wind.sign": sign}) for sign in (1, -1)],
+        *[("ews", {"wind.plane": plane, "wind.sign": s}) for plane in ("vertical", "horizontal") for s in (1, -1)],
+    ):
+        result = plant.simulate(6.0, 6.0, solver="fixed", parameters={"wind.kind": kind, **more})
+        names = ("aerodynamics.force", "aerodynamics.moment", "aerodynamics.disk_wind")
+        key = kind, more.get("wind.plane", ""), more.get("wind.sign", 1)
+        loads[key] = [np.asarray(result[f"turbine.{name}"])[-1] for name in names]
+    return loads
+
+
+def test_shear_tilts_and_yaws_the_rotor(felt):
+    """More wind above pushes the upper half: a moment about +y. More on the side of +y: a moment about -z."""
+    calm = felt["nwp", "", 1]
+    for plane, axis, sign in (("vertical", 1, 1), ("horizontal", 2, -1)):
+        changes = [felt["ews", plane, s][1] - calm[1] for s in (1, -1)]
+        assert changes[0][axis] * sign > 4e6  # a sixth of the thrust of 0.5 MN times the diameter is about 10 MN m
+        assert changes[1][axis] == pytest.approx(-changes[0][axis], rel=0.1)
+        assert abs(changes[0][3 - axis]) < 0.25 * abs(changes[0][axis])
+        for s in (1, -1):
+            assert felt["ews", plane, s][0][0] == pytest.approx(calm[0][0], rel=0.05)
+            assert felt["ews", plane, s][2] == pytest.approx(calm[2], abs=0.1)
+
+
+def test_the_turned_wind_pushes_from_the_side(felt):
+    """It blows askew through the disk, thrusts less, and turns the rotor into itself: about z with its own sign."""
+    calm, angle = felt["nwp", "", 1], math.radians(29.858771)
+    for sign in (1, -1):
+        force, moment, disk = felt["edc", "", sign]
+        speed = np.hypot(*calm[2][:2])
+        assert disk == pytest.approx([speed * math.cos(angle), sign * speed * math.sin(angle), 0], abs=0.05)
+        assert 0.7 * calm[0][0] < force[0] < 0.95 * calm[0][0]
+        assert sign * (moment[2] - calm[1][2]) > 5e5
+
+
+@pytest.mark.parametrize("solver", ["fixed", "idas"])
+def test_the_rotor_by_coefficients_feels_the_turn(solver):
+    """The wind along the normal of a rotor that turns and leans with its platform."""
+    plant = fw.load("oc3_spar_rigid", set={"sea.spectrum": "still", "wind.mean_speed": 12.0}).compile()
+    result = plant.simulate(7.0, 1.0, solver=solver, parameters={"wind.kind": "edc", "wind.start_time": 0.5})
+    bearing, yaw = (np.asarray(result[name]) for name in ("wind.bearing", "platform.motion.yaw"))
+    pitch = np.asarray(result["platform.motion.pitch"])
+    hub = np.asarray(result["wind.speed"]).ravel()
+    expected = hub * np.cos(bearing - yaw) * np.cos(math.radians(5) + pitch)
+    np.testing.assert_allclose(np.asarray(result["turbine.rotor.normal_wind"]), expected, rtol=1e-3)
+    assert bearing[-1] == pytest.approx(math.radians(29.878), abs=1e-3)  # of a rotor of 125.88 m
