@@ -31,6 +31,8 @@ if TYPE_CHECKING:
         static_curve,
         up_crossings,
     )
+    from fowtlib.case_files import read_cases
+    from fowtlib.cases import Case, check_cases
     from fowtlib.fmi import export_fmu
     from fowtlib.modelfile import dump, load
     from fowtlib.solving import (
@@ -56,6 +58,8 @@ _PACKAGES = ("analysis", "components")
 _LATER = {
     "export_fmu": "fowtlib.fmi",
     "view": "fowtlib.view",
+    "read_cases": "fowtlib.case_files",
+    **dict.fromkeys(("Case", "check_cases"), "fowtlib.cases"),
     **dict.fromkeys(("dump", "load"), "fowtlib.modelfile"),
     **dict.fromkeys(
         ("Conditions", "Event", "LinearModel", "Mode", "Model", "NaturalMode", "Output", "Plant", "Result", "State",
@@ -88,6 +92,7 @@ def __dir__() -> list[str]:
 
 __all__ = [
     "Assembly",
+    "Case",
     "Component",
     "Conditions",
     "Event",
@@ -103,6 +108,7 @@ __all__ = [
     "analyse_decay",
     "analysis",
     "average",
+    "check_cases",
     "compare",
     "components",
     "dump",
@@ -116,6 +122,7 @@ __all__ = [
     "normalized_maxima",
     "over_seeds",
     "power_spectrum",
+    "read_cases",
     "simulated_rao",
     "static_curve",
     "up_crossings",

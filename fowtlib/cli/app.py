@@ -21,8 +21,11 @@ from typing import NoReturn
 from fowtlib.cli import (
     batch,
     cache,
+    cases,
+    contours,
     decay,
     export,
+    extremes,
     inspection,
     library,
     loading,
@@ -38,7 +41,10 @@ from fowtlib.cli.files import declare_force
 from fowtlib.cli.report import write_report
 from fowtlib.language.errors import ModelError, did_you_mean
 
-GROUPS = (run, batch, export, view, inspection, stability, decay, rao, rotor_table, wind_field, library, cache)
+GROUPS = (
+    run, cases, batch, export, view, inspection, stability, decay, rao, rotor_table, wind_field, contours, extremes,
+    library, cache,
+)  # fmt: skip
 
 
 class Formatter(argparse.RawDescriptionHelpFormatter):

@@ -9,10 +9,10 @@ from collections.abc import Mapping
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from fowtlib.cli.conditions import WAVES, WIND, Condition, settings
 from fowtlib.cli.weather import weather
 from fowtlib.language import leave
 from fowtlib.language.errors import ModelError, ParameterError
+from fowtlib.modelfile.short_forms import WAVES, WIND, Condition, settings
 
 if TYPE_CHECKING:
     from fowtlib import Model
