@@ -2,6 +2,7 @@
 
 from fowtlib.cases.batch import Batch, Progress, run_batch
 from fowtlib.cases.case import Case
+from fowtlib.cases.lists import read_cases
 from fowtlib.cases.registry import Row
 
-__all__ = ["Batch", "Case", "Progress", "Row", "run_batch"]
+__all__ = ["Batch", "Case", "Progress", "Row", "read_cases", "run_batch"]

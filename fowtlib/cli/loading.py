@@ -9,16 +9,16 @@ from collections.abc import Mapping
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from fowtlib.cli.conditions import WAVES, WIND, Condition, settings
 from fowtlib.cli.weather import weather
 from fowtlib.language import leave
 from fowtlib.language.errors import ModelError, ParameterError
+from fowtlib.modelfile.short_forms import WAVES, WIND, Condition, settings
 
 if TYPE_CHECKING:
     from fowtlib import Model
 
-CONSTANT_WIND = ("none", "steady", "input")
-MEASURED_WIND = ("file", "field")  # the mean is that of the data
+CONSTANT_WIND = ("none", "steady", "nwp", "ewm_steady", "input")
+MEASURED_WIND = ("file", "field", "ewm")  # the mean is that of the data, or of a class
 
 
 def declare(parser: argparse.ArgumentParser, *, wind: bool = True, waves: bool = True, runs: bool = True) -> None:
@@ -127,6 +127,9 @@ def mean_conditions(model: Model) -> dict[str, Any]:
         values["wind.kind"] = "steady"
         if wind.kind in MEASURED_WIND:
             values["wind.mean_speed"] = float(wind.mean_at(0))
+        shear = wind.parameter_value("shear_exponent")
+        if shear and not wind.is_set("shear_exponent"):  # what steady wind does not have by itself
+            values["wind.shear_exponent"] = float(shear)
     return values
 
 
