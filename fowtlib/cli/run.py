@@ -109,7 +109,7 @@ def run(arguments: argparse.Namespace) -> int:
     require_leave(model.root)  # before the equations are made
     plant = model.compile()
     _check_discard(arguments, plant, earlier)
-    start, whence = start_values(arguments, model, plant)
+    start, whence = start_values(arguments, plant)
     conditions = Conditions(start=earlier or start, duration=arguments.time, output_step=arguments.output_step)
     options = {"solver": arguments.solver, "step": arguments.step, "tolerance": arguments.tolerance}
     try:
