@@ -176,9 +176,10 @@ def _means(plant: Plant, folder: str) -> Iterator[None]:
     known = plant.kept_starts
     with suppress(OSError):
         for path in Path(folder).glob("*.json"):
-            if path.stem not in known:
+            key = path.stem.replace("-", " ", 1)
+            if key not in known:
                 with suppress(ValueError):  # another one is found, where this cannot be read
-                    known[path.stem] = json.loads(path.read_text())
+                    known[key] = json.loads(path.read_text())
     before = set(known)
     try:
         yield
@@ -186,7 +187,7 @@ def _means(plant: Plant, folder: str) -> Iterator[None]:
         for key in known.keys() - before:
             with suppress(ModelError, OSError):  # it is found again
                 Path(folder).mkdir(exist_ok=True)
-                write_text(Path(folder) / f"{key}.json", json.dumps(known[key]))
+                write_text(Path(folder) / f"{key.replace(chr(32), chr(45), 1)}.json", json.dumps(known[key]))
 
 
 def _keep_partial(error: ModelError, job: Job, told: dict[str, Any]) -> None:
