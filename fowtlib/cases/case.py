@@ -49,7 +49,8 @@ class Case:
     def conditions(self) -> Conditions:
         """What a run of the compiled model takes in."""
         return Conditions(parameters=dict(self.parameters), start=self.start, duration=self.duration,
-                          output_step=self.output_step, discard=self.discard, outputs=self.outputs)  # fmt: skip
+                          output_step=self.output_step, discard=self.discard, outputs=self.outputs,
+                          events=self.events or None)  # fmt: skip
 
     def plain(self) -> dict[str, Any]:
         """The case in what JSON can hold, without what is left out."""
