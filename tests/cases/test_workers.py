@@ -157,7 +157,8 @@ def test_killed_at_any_moment_no_finished_case_is_lost_and_the_next_run_goes_on(
     while dead < kills:
         pid = forked(cases, folder, 2)
         if chance.random() < 0.7:  # else while the workers start
-            wait_until(lambda before=len(finished): number_of_done() > before)
+            before = len(finished)
+            wait_until(lambda before=before: number_of_done() > before)
         mine = children(pid)
         for victim in (*chance.sample(mine, len(mine)), pid):
             time.sleep(chance.uniform(0.0, 0.2))
