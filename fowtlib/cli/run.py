@@ -100,6 +100,8 @@ def run(arguments: argparse.Namespace) -> int:
     check_target(arguments.output, RESULTS, arguments.force or onto)
     check_target(arguments.plot, FIGURES, arguments.force)
     journal = Journal(arguments.output) if arguments.output else None
+    if journal:
+        journal.require_free()
     if journal and not onto and arguments.resume != journal.path:
         _check_left(journal.path, arguments.output, arguments.force)
     earlier = _earlier(arguments.resume) if arguments.resume else None

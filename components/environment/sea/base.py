@@ -161,4 +161,4 @@ def _standing(part: Component, path: str) -> Any:
 def _series(waves: WaveComponents, table: np.ndarray, build_up: float) -> Series:
     if len(waves) <= CLOSED_FORM:
         return Series.harmonics(waves.omega, waves.complex_amplitude[:, None] * table, build_up=build_up)
-    return Series.samples(waves.series(table), waves.period / waves.samples, periodic=True, build_up=build_up)
+    return Series.fourier(waves.spectrum(table), waves.samples, waves.period / waves.samples, build_up=build_up)
