@@ -6,7 +6,7 @@
     batch.result("w12_s3").plot("w12_s3.png")
 
 The folder holds the registry (fowtlib.cases.registry), one file of results a case, `batch.log`, and what the worker
-processes print in `workers.log`.
+processes print in `workers.log`; `starts` holds the means that runs have started from, each found once.
 """
 
 from __future__ import annotations
@@ -21,6 +21,8 @@ from pathlib import Path
 from typing import Any
 
 from fowtlib.cases.case import Case
+from fowtlib.cases.case_set import CaseSet
+from fowtlib.cases.check import check_cases
 from fowtlib.cases.job import DONE, NO_ROOM, Job, changes
 from fowtlib.cases.pool import Event, LocalWorkers
 from fowtlib.cases.registry import DUE, FAILED, NAME, Registry, RegistryError, Row, held
@@ -30,7 +32,7 @@ from fowtlib.solving.interrupts import deferred_interrupt
 from fowtlib.solving.results import Result
 
 FORMATS, KEPT = ("nc", "outb"), ("all", "statistics")
-LOG, WORKERS_LOG, PARTIAL = "batch.log", "workers.log", ".partial.nc"
+LOG, WORKERS_LOG, PARTIAL, STARTS = "batch.log", "workers.log", ".partial.nc", "starts"
 LONGEST_NAME = 200  # bytes of the name of a case, which is that of a file
 _LOGGED = 60.0  # s between two lines on the progress in the log
 _FORBIDDEN = set('/\\:*?"<>|')  # in the names of files, somewhere
@@ -128,7 +130,7 @@ class Batch:
 
 
 def run_batch(
-    cases: Sequence[Case],
+    cases: CaseSet | Sequence[Case],
     folder: str | Path,
     *,
     source: str = "",
@@ -155,8 +157,9 @@ def run_batch(
     Ctrl-C and SIGTERM end it in an orderly way (KeyboardInterrupt); what is done is kept, and the next call goes on.
     Raises ModelError for what no case can be run with, and where the disk is full: what is done is kept.
     """
-    cases, folder = list(cases), Path(folder)
-    _check_cases(cases)
+    cases = cases if isinstance(cases, CaseSet) else CaseSet(None, "", tuple(cases))
+    folder = Path(folder)
+    _check_names(cases)
     _check_choice("format", format, FORMATS)
     _check_choice("keep", keep, KEPT)
     if workers is not None and workers < 1:
@@ -170,8 +173,8 @@ def run_batch(
             registry.put_back("the run before was cut off")
             rows = _planned(registry, folder, cases, about, retry)
             registry.plan(rows)
-            due = [row.case for row in rows if row.state == DUE]
-            if due:
+            due = replace(cases, cases=tuple(row.case for row in rows if row.state == DUE))
+            if len(due):
                 options = {"allow_python": allow_python, "trust": trust, "allow": tuple(map(os.fspath, allow))}
                 jobs, durations = _jobs(due, folder.resolve(), about, options)
                 count = min(workers or workers_that_fit(), len(jobs))
@@ -192,7 +195,7 @@ def _workers(cluster: Any, count: int, folder: Path) -> Any:
 # --- before the first case -------------------------------------------------------------------------------------------
 
 
-def _check_cases(cases: Sequence[Case]) -> None:
+def _check_names(cases: CaseSet) -> None:
     seen: dict[str, str] = {}
     for case in cases:
         name = case.name
@@ -207,7 +210,7 @@ def _check_cases(cases: Sequence[Case]) -> None:
             both = f"'{name}'" if other == name else f"'{other}' and '{name}', which some systems do not tell apart"
             raise ParameterError(f"there are two cases {both}; each needs a name of its own.")
         seen[name.casefold()] = name
-    if not cases:
+    if not len(cases):
         raise ParameterError("there are no cases to run.")
 
 
@@ -232,7 +235,7 @@ def _make(folder: Path) -> None:
         raise RegistryError(f"{folder}: cannot be used: {error.strerror or error}.") from None
 
 
-def _about(registry: Registry, folder: Path, cases: Sequence[Case], source: str, format: str | None,
+def _about(registry: Registry, folder: Path, cases: CaseSet, source: str, format: str | None,
            keep: str | None) -> dict[str, Any]:  # fmt: skip
     """What holds for the batch; refuse cases that do not belong to it, and what cannot be changed any more."""
     about = registry.about
@@ -261,7 +264,7 @@ def _tidy(folder: Path) -> None:
         path.unlink(missing_ok=True)
 
 
-def _planned(registry: Registry, folder: Path, cases: Sequence[Case], about: Mapping[str, Any],
+def _planned(registry: Registry, folder: Path, cases: CaseSet, about: Mapping[str, Any],
              retry: bool) -> list[Row]:  # fmt: skip
     """The rows of the cases: which are due, and why."""
     known = {row.name: row for row in registry.rows(all_of_them=True)}
@@ -309,27 +312,26 @@ def _shown(value: Any) -> str:
     return text if len(text) <= 40 else f"{text[:37]}..."
 
 
-def _jobs(cases: Sequence[Case], folder: Path, about: Mapping[str, Any],
+def _jobs(cases: CaseSet, folder: Path, about: Mapping[str, Any],
           options: Mapping[str, Any]) -> tuple[list[Job], dict[str, float]]:  # fmt: skip
-    """The jobs of cases that are due, and how long each simulates [s]; models that cannot be loaded are found here."""
+    """The jobs of cases that are due, and how long each simulates [s]; what cannot be run is found here."""
     from fowtlib.language.leave import require_leave
     from fowtlib.modelfile import load, shipped_models
     from fowtlib.modelfile.files import find_model, is_file
     from fowtlib.solving.run import duration_settings
 
-    models: dict[str, tuple[str, Any]] = {}
+    models = check_cases(cases, lambda name: load(name, **options))
+    names = {}
+    for name, model in models.items():
+        require_leave(model.root)
+        shipped = name in shipped_models() and not is_file(Path(name))
+        names[name] = name if shipped else str(find_model(name).resolve())
     jobs, durations = [], {}
     for case in cases:
-        if case.model not in models:
-            path = find_model(case.model)
-            model = load(case.model, **options)
-            require_leave(model.root)
-            shipped = case.model in shipped_models() and not is_file(Path(case.model))
-            name = case.model if shipped else str(path.resolve())
-            models[case.model] = name, model.settings
-        name, settings = models[case.model]
         result = str(folder / f"{case.name}.{about['format']}") if about["keep"] == "all" else ""
-        jobs.append(Job(case.plain(), name, result, str(folder / f"{case.name}{PARTIAL}"), **options))
+        jobs.append(Job(case.plain(), names[case.model], result, str(folder / f"{case.name}{PARTIAL}"),
+                        str(folder / STARTS), **options))  # fmt: skip
+        settings = models[case.model].settings
         durations[case.name] = duration_settings(case.duration, case.output_step, case.tolerance, settings)[0]
     return jobs, durations
 

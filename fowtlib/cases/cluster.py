@@ -54,7 +54,7 @@ def compute(job: dict[str, Any], folder: str, token: str) -> dict[str, Any]:
         place = folder if shared else tempfile.mkdtemp(prefix="fowtlib_batch_")
         paths = {key: os.path.join(place, os.path.basename(getattr(given, key))) if getattr(given, key) else ""
                  for key in ("result", "partial")}  # fmt: skip
-        outcome = carry_out(replace(given, **paths), report)
+        outcome = carry_out(replace(given, **paths, starts=given.starts if shared else ""), report)
         left = os.path.join(place, outcome.result) if outcome.result and not shared else ""
         if not shared and not left:
             shutil.rmtree(place, ignore_errors=True)
@@ -91,7 +91,11 @@ def stop(token: str) -> None:
 
 
 def version() -> str:
-    """Of fowtlib on this worker."""
+    """Of fowtlib, here."""
+    return importlib.metadata.version("fowtlib")
+
+
+def _theirs() -> str:
     return importlib.metadata.version("fowtlib")
 
 
@@ -234,9 +238,7 @@ def _client(cluster: Any) -> tuple[Client, bool]:
     if isinstance(cluster, Client):
         return cluster, False
     if not isinstance(cluster, str) and not hasattr(cluster, "scheduler_address"):
-        raise ParameterError(
-            f"cluster is {cluster!r}; it must be the address of a Dask scheduler, a Client or a cluster."
-        )
+        raise ParameterError(f"cluster is {cluster!r}; give the address of a scheduler, a Client or a cluster of Dask.")
     try:
         return Client(cluster, timeout=_ANSWER), True
     except (OSError, TimeoutError):
@@ -250,7 +252,7 @@ def _client(cluster: Any) -> tuple[Client, bool]:
 def _check_versions(client: Client) -> None:
     """Workers that are there have to have the same fowtlib."""
     try:
-        found = client.run(version)
+        found = client.run(_theirs)
     except ModuleNotFoundError as error:
         raise ModelError(f"a worker of the cluster has no fowtlib ({error}); install the same one there.") from None
     for worker, theirs in found.items():

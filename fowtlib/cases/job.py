@@ -3,12 +3,13 @@
 from __future__ import annotations
 
 import gc
+import json
 import os
 import time
 import traceback
 import warnings
-from collections.abc import Callable, Mapping
-from contextlib import suppress
+from collections.abc import Callable, Iterator, Mapping
+from contextlib import contextmanager, suppress
 from dataclasses import asdict, dataclass, field
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -17,7 +18,7 @@ from fowtlib.cases.case import Case
 from fowtlib.cases.statistics import statistics_of
 from fowtlib.language.data_files import digest_of, files_of
 from fowtlib.language.errors import ModelError, SimulationError
-from fowtlib.language.whole_files import WriteError
+from fowtlib.language.whole_files import WriteError, write_text
 
 if TYPE_CHECKING:
     from fowtlib.solving.model import Model
@@ -35,13 +36,15 @@ class Job:
     """A case and where its result goes; plain data.
 
     case: see Case.plain. model: a shipped name or the whole path of the model file. result: the file to write, "" for
-    none; partial: that of what a case that fails has computed. allow_python, trust, allow: see fowtlib.modelfile.load.
+    none; partial: that of what a case that fails has computed. starts: a folder for the means that runs start from,
+    each found once in a batch; "" for none. allow_python, trust, allow: see fowtlib.modelfile.load.
     """
 
     case: Mapping[str, Any]
     model: str
     result: str
     partial: str
+    starts: str = ""
     allow_python: bool = False
     trust: bool = False
     allow: tuple[str, ...] = ()
@@ -129,9 +132,12 @@ def _compute(job: Job, report: Report, told: dict[str, Any]) -> None:
     conditions = case.conditions()
     root = compiled.plant.binding(conditions.values or None).root
     told["files"] |= digests(files_of(root).values())
-    result = compiled.plant.simulate(
-        conditions=conditions, solver=case.solver, step=case.step, tolerance=case.tolerance, progress=report
-    )
+    if Path(case.start).suffix:
+        told["files"] |= digests([case.start])
+    with _means(compiled.plant, job.starts):
+        result = compiled.plant.simulate(
+            conditions=conditions, solver=case.solver, step=case.step, tolerance=case.tolerance, progress=report
+        )
     told["simulated"] = result.duration + (case.discard or 0.0)
     told["statistics"] = statistics_of(result)
     if job.result:
@@ -159,6 +165,29 @@ def _compiled(job: Job) -> _Compiled:
         gc.freeze()  # a model is a million objects that stay: looking through them again and again costs 6 %
     _plants[key] = known
     return known
+
+
+@contextmanager
+def _means(plant: Plant, folder: str) -> Iterator[None]:
+    """Let a run know the means that others of the batch have found, and them the ones that it finds."""
+    if not folder:
+        yield
+        return
+    known = plant.kept_starts
+    with suppress(OSError):
+        for path in Path(folder).glob("*.json"):
+            key = path.stem.replace("-", " ", 1)
+            if key not in known:
+                with suppress(ValueError):  # another one is found, where this cannot be read
+                    known[key] = json.loads(path.read_text())
+    before = set(known)
+    try:
+        yield
+    finally:
+        for key in known.keys() - before:
+            with suppress(ModelError, OSError):  # it is found again
+                Path(folder).mkdir(exist_ok=True)
+                write_text(Path(folder) / f"{key.replace(chr(32), chr(45), 1)}.json", json.dumps(known[key]))
 
 
 def _keep_partial(error: ModelError, job: Job, told: dict[str, Any]) -> None:

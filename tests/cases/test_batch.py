@@ -144,32 +144,52 @@ def test_a_data_file_that_has_changed_makes_its_case_due(place, here):
     assert f"due     file: {place}/wind.csv has changed" in Path("b.batch/batch.log").read_text()
 
 
-def test_a_failing_case_keeps_its_sentence_and_the_others_go_on(place, here):
-    wrong = Case("wrong", "pendulum.yaml", {"bob.mas": 3})
+def short(place, duration=6.0):
+    """Of a wind that ends after 3 s nothing is known later."""
+    (place / "wind.csv").write_text("time [s],u [m/s]\n0,8\n1,9\n2,8\n3,9\n")
+    wind = {"wind.kind": "file", "wind.file": str(place / "wind.csv")}
+    return Case("short", "oc3_spar_rigid", wind, start="file", duration=duration)
+
+
+def test_a_failing_case_keeps_its_sentence_and_what_it_has_computed_and_the_others_go_on(place, here):
+    wrong = short(place)
     batch = run_batch([wrong, *pendulums()], "b.batch")
     assert batch.counts == {"due": 0, "running": 0, "done": 3, "failed": 1}
-    assert "bob.mass" in batch.row("wrong").message
-    with pytest.raises(ModelError, match="no results of the case 'wrong'.*bob.mass"):
-        batch.result("wrong")
+    row = batch.row("short")
+    assert "wind.csv" in row.message and "are saved in short.partial.nc" in row.message
+    assert batch.result("short").time[-1] == row.simulated == pytest.approx(3, abs=0.2)
     here.done.clear()
     run_batch([wrong, *pendulums()], "b.batch")
     assert here.done == []
     run_batch([wrong, *pendulums()], "b.batch", retry=True)
-    assert here.done == ["wrong"]
-    assert run_batch([replace(wrong, parameters={"bob.mass": 3}), *pendulums()], "b.batch").counts["done"] == 4
-
-
-def test_what_a_failing_case_has_computed_is_kept(place, here):
-    """Of a wind that ends after 3 s nothing is known later."""
-    Path("wind.csv").write_text("time [s],u [m/s]\n0,8\n1,9\n2,8\n3,9\n")
-    wind = {"wind.kind": "file", "wind.file": str(place / "wind.csv")}
-    case = Case("short", "oc3_spar_rigid", wind, start="file", duration=6.0)
-    batch = run_batch([case], "b.batch")
-    row = batch.row("short")
-    assert row.state == "failed" and "are saved in short.partial.nc" in row.message
-    assert batch.result("short").time[-1] == row.simulated == pytest.approx(3, abs=0.2)
-    assert run_batch([replace(case, duration=2.5)], "b.batch").path("short") == Path("b.batch/short.nc")
+    assert here.done == ["short"]
+    batch = run_batch([replace(wrong, duration=2.5), *pendulums()], "b.batch")
+    assert batch.counts["done"] == 4 and batch.path("short") == Path("b.batch/short.nc")
     assert not Path("b.batch/short.partial.nc").exists()
+
+
+def test_what_cannot_be_run_is_found_before_anything_is(place, here):
+    wrong = Case("wrong", "pendulum.yaml", {"bob.mas": 3})
+    with pytest.raises(ModelError, match="case 'wrong'.*bob.*'mas'; did you mean 'mass'"):
+        run_batch([*pendulums(), wrong], "b.batch")
+    assert here.done == [] and Batch.open("b.batch").counts["due"] == 4
+    assert run_batch([*pendulums(), replace(wrong, parameters={"bob.mass": 3})], "b.batch").counts["done"] == 4
+
+
+def test_a_mean_is_found_once_in_a_batch(place, here, monkeypatch):
+    from fowtlib.cases import job
+    from fowtlib.solving import starts
+
+    found = []
+    monkeypatch.setattr(starts, "_found", lambda *given, find=starts._found: found.append(given[1]) or find(*given))
+    cases = [Case(f"s{seed}", "oc3_spar_rigid", {"wind.kind": "kaimal", "wind.mean_speed": 9, "wind.seed": seed},
+                  duration=1.0) for seed in (1, 2)]  # fmt: skip
+    job._plants.clear()
+    run_batch(cases[:1], "b.batch")
+    job._plants.clear()  # as another worker
+    run_batch(cases, "b.batch")
+    assert found == ["turning"] and len(list(Path("b.batch/starts").iterdir())) == 1
+    assert here.done == ["s1", "s2"]
 
 
 def test_statistics_alone_and_other_formats(place, here):

@@ -10,6 +10,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from fowtlib.components.environment.field_wind import NO_FIELD, FieldData, wind_function
+from fowtlib.components.environment.wind.mean import steady
 from fowtlib.components.environment.wind.points import Flow, positions
 from fowtlib.language import (
     Array,
@@ -107,8 +108,7 @@ class Wind(Component, selector="kind", shared=("speeds", "velocity")):
 
         omega: circular frequencies (k,) [rad/s]. Zero where the kind has none; the mean is no part of it.
         """
-        n = len(self.hubs)
-        return np.zeros((len(np.atleast_1d(omega)), n, n))
+        return np.zeros((len(np.atleast_1d(omega)), len(self.hubs), len(self.hubs)))
 
     def mean_at(self, station: int = 0) -> float:
         """Mean speed [m/s] at a station, for start values: before any step or gust."""
@@ -116,8 +116,8 @@ class Wind(Component, selector="kind", shared=("speeds", "velocity")):
         return float(self.parameter_value("mean_speed") * height ** self.parameter_value("shear_exponent"))
 
     def in_the_mean(self) -> dict[str, Any]:
-        """Steady wind of the mean speed."""
-        return _calm(self)
+        """Steady wind of the mean speed; nothing of a kind that is the same at all times."""
+        return steady(self, measured=type(self).mean_at is not Wind.mean_at)
 
     def require(self, y_range: tuple[float, float], z_range: tuple[float, float], who: str) -> None:
         """ParameterError, which names `who`, where a field does not cover y_range and z_range [m].
@@ -160,19 +160,6 @@ class Wind(Component, selector="kind", shared=("speeds", "velocity")):
         """The mean speed [m/s] as a number, for data that are made for it; see `require_speed`."""
         self.require_speed()
         return float(self.parameter_value("mean_speed"))
-
-
-def _calm(wind: Wind) -> dict[str, Any]:
-    """The mean of a wind; that of data to 1 cm/s, so that fields of one speed and several seeds have one mean."""
-    if wind.kind == "none":
-        return {}
-    exponent = 0.0 if "shear_exponent" in wind.void else float(wind.parameter_value("shear_exponent"))
-    # a shear that the kind has by itself, and steady wind has not
-    sheared = {"shear_exponent": exponent} if exponent and not wind.is_set("shear_exponent") else {}
-    if type(wind).mean_at is Wind.mean_at:
-        return {"kind": "steady", **sheared}
-    height = station_height(wind, 0) / wind.reference_height
-    return {"kind": "steady", "mean_speed": round(wind.mean_at(0) / height**exponent, 2), **sheared}
 
 
 def require_disk(wind: Wind, radius: float, station: int, who: str) -> None:
