@@ -97,14 +97,17 @@ class Spectrum:
         exponentially distributed). ``keep_level`` divides by that factor, so that broad spectra keep their variance.
         A line (regular wave) or a resonance narrower than half the window is cut off: do not read peaks from it.
         Below 0 Hz the density goes on as it does above, S(-f) = S(f), so that slow motions keep their level. Zeros in
-        its place, as a plain median filter takes them, would cut it off within half a window of 0 Hz.
+        its place, as a plain median filter takes them, would cut it off within half a window of 0 Hz. At 0 Hz itself
+        the mean has been taken off, and the next value stands for it.
         """
         from scipy.ndimage import median_filter
 
         if order < 1 or order % 2 == 0:
             raise ModelError(f"the median filter takes an odd order such as 15, not {order}.")
-        smooth = median_filter(self.density, order, mode="mirror")
-        if keep_level and order > 1:
+        if order == 1:
+            return self
+        smooth = median_filter(np.concatenate([self.density[1:2], self.density[1:]]), order, mode="mirror")
+        if keep_level:
             smooth = smooth / _median_level(order, self.averages)
         return replace(self, density=smooth)
 

@@ -28,7 +28,9 @@ if TYPE_CHECKING:
     from fowtlib.analysis.fatigue.curves import SNCurve
     from fowtlib.analysis.spectra import Spectrum
 
-NARROW = 1e-9  # below this distance of the irregularity factor from 1 a spectrum is one line: all formulas agree
+# Below this distance of the irregularity factor from 1 a spectrum is one line. All formulas agree there, and those of a
+# broad one divide differences of the order of its square.
+NARROW = 1e-6
 
 
 @dataclass(frozen=True)
