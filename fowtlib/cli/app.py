@@ -22,6 +22,7 @@ from fowtlib.cli import (
     cache,
     decay,
     export,
+    fatigue,
     inspection,
     library,
     loading,
@@ -37,7 +38,7 @@ from fowtlib.cli.files import declare_force
 from fowtlib.cli.report import write_report
 from fowtlib.language.errors import ModelError, did_you_mean
 
-GROUPS = (run, export, view, inspection, stability, decay, rao, rotor_table, wind_field, library, cache)
+GROUPS = (run, export, view, inspection, stability, decay, rao, fatigue, rotor_table, wind_field, library, cache)
 
 
 class Formatter(argparse.RawDescriptionHelpFormatter):

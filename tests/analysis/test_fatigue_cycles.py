@@ -208,6 +208,7 @@ def test_the_named_series_of_a_result():
     }
     by_label = damage_equivalent_load(a_result()["surge"], 3, frequency=0.5, discard=5.0)
     assert by_label == pytest.approx(table["surge"][3.0], rel=1e-14)
+    assert list(equivalent_loads(a_result(), names=["tension", "thrust"])) == ["tension[0]", "tension[1]", "thrust"]
     with pytest.raises(ModelError, match="there is no result 'thrusts'; did you mean 'thrust'?"):
         equivalent_loads(a_result(), names=["thrusts"])
 

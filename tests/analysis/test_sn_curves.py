@@ -77,6 +77,7 @@ def test_thickness_and_concentration():
     assert sn_curve("D", thickness=0.020) == curve  # thinner walls gain nothing
     assert sn_curve("B1", thickness=0.1) == sn_curve("B1")  # no weld
     hot = sn_curve("D", thickness=0.060, concentration=1.5)
+    assert hot.name == "D, air, 60 mm, stress x 1.5"
     assert hot.endurance(50e6) == pytest.approx(thick.endurance(75e6), rel=1e-12)
     assert sn_curve("T", thickness=0.032).factor == pytest.approx(2**0.25)  # the reference of joints is 16 mm
 

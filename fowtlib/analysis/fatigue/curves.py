@@ -63,14 +63,16 @@ class SNCurve:
         """The curve of a wall of this thickness, m; up to the reference thickness it is the same."""
         if not (math.isfinite(thickness) and thickness > 0):
             raise ModelError(f"{self.name}: the thickness of a wall is above 0 m, not {thickness:g} m.")
-        ratio = max(thickness / self.reference_thickness, 1.0)
-        return replace(self, factor=self.factor * ratio**self.thickness_exponent)
+        ratio = max(thickness / self.reference_thickness, 1.0) ** self.thickness_exponent
+        if ratio == 1.0:
+            return self
+        return replace(self, factor=self.factor * ratio, name=f"{self.name}, {1e3 * thickness:g} mm")
 
     def with_concentration(self, factor: float) -> SNCurve:
         """The curve for nominal stresses, where the stress at the weld is ``factor`` times as large."""
         if not (math.isfinite(factor) and factor > 0):
             raise ModelError(f"{self.name}: a stress concentration factor is above 0, not {factor:g}.")
-        return replace(self, factor=self.factor * factor)
+        return replace(self, factor=self.factor * factor, name=f"{self.name}, stress x {factor:g}")
 
     @property
     def knee(self) -> float:

@@ -10,7 +10,7 @@ Sources: ASTM E1049-85; MLife theory manual (Hayman, NREL, 2012).
 from __future__ import annotations
 
 import math
-from collections.abc import Iterable, Sequence
+from collections.abc import Iterable, Iterator, Sequence
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -80,14 +80,21 @@ def equivalent_loads(
     names  of the series, also any variable of the model; without them every force, moment and stress of the result
     """
     slopes = [float(m) for m in np.atleast_1d(check_exponents(exponents))]
-    columns = {name: (unit, values) for name, unit, values in result.stored.columns() if is_load(unit)}
     table = {}
-    for name in names or columns:
-        unit, values = columns[name] if name in columns else (result.unit(name), result.array(name))
-        series = Series(result.time, values, unit, name)
+    for series in _series(result, list(names)):
         loads = damage_equivalent_load(series, slopes, discard=discard, frequency=frequency, bins=bins)
-        table[name] = dict(zip(slopes, np.asarray(loads).tolist(), strict=True))
+        table[series.name] = dict(zip(slopes, np.asarray(loads).tolist(), strict=True))
     return table
+
+
+def _series(result: Result, names: Sequence[str]) -> Iterator[Series]:
+    """The named series, vectors by their elements; without names those of loads."""
+    columns = {name: Series(result.time, values, unit, name) for name, unit, values in result.stored.columns()}
+    if not names:
+        yield from (series for series in columns.values() if is_load(series.unit))
+    for name in names:
+        found = [series for column, series in columns.items() if column == name or column.startswith(f"{name}[")]
+        yield from found or [Series(result.time, result.array(name), result.unit(name), name)]
 
 
 def is_load(unit: str) -> bool:
