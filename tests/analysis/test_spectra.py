@@ -22,6 +22,16 @@ def test_the_integral_is_the_variance():
     assert spectrum.frequency[-1] == pytest.approx(5.0)
 
 
+@pytest.mark.parametrize("window", [None, "boxcar", "hamming"])
+def test_the_integral_of_the_average_is_the_variance(window):
+    """Within the scatter of what the window weighs little, for noise and for a sine beside it."""
+    time, values = noise(count=40000)
+    values = values + 2 * np.sin(2 * np.pi * 0.2 * time)
+    spectrum = power_spectrum((time, values), segment=100, window=window)
+    assert spectrum.moment(0) == pytest.approx(values.var(), rel=0.01)
+    assert spectrum.unit == "1" and spectrum.frequency[0] == 0.0
+
+
 def test_white_noise_has_a_flat_density():
     spectrum = power_spectrum(noise(), segment=50)
     expected = 1.0 / 5.0  # variance 1 over 0 to 5 Hz

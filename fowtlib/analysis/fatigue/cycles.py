@@ -54,7 +54,7 @@ class Cycles:
         """Ranges that do the same damage about the load ``mean``, after Goodman: R (L - |mean|) / (L - |cycle mean|).
 
         ultimate  load L at which the part fails without any cycle, in the unit of the load
-        Source: MLife theory manual (Hayman, NREL, 2012), eq. 4; means in tension and compression count alike.
+        Source: MLife theory manual (Hayman, NREL, 2012); means in tension and compression count alike.
         """
         reached = float(np.max(np.abs(self.means) + self.ranges / 2, initial=abs(mean)))
         if not ultimate > reached:
