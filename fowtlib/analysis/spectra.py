@@ -55,6 +55,10 @@ class Spectrum:
             inside &= f > 0
         return float(np.sum(f[inside] ** order * self.density[inside]) * (f[1] - f[0]))
 
+    def scaled(self, factor: float, unit: str) -> Spectrum:
+        """The spectrum of ``factor`` times the signal, in ``unit``: of the stress in a tube from that of its moment."""
+        return replace(self, density=self.density * factor**2, unit=unit)
+
     @property
     def std(self) -> float:
         """Standard deviation of the signal, sqrt(m_0)."""
@@ -163,6 +167,8 @@ def realisation(spectrum: Spectrum, duration: float, step: float, *, seed: int, 
     The series is periodic in ``duration`` [s]; its variance is that of the spectrum on average over seeds.
     Source: Shinozuka and Jan (1972), by inverse Fourier transform.
     """
+    if not (np.isfinite(duration) and step > 0):
+        raise ModelError(f"a series takes a duration and a step above 0 s, not {duration:g} s and {step:g} s.")
     count = int(round(duration / step))
     if count < 8:
         raise ModelError(f"a series of {duration:g} s in steps of {step:g} s is too short; it takes 8 steps or more.")

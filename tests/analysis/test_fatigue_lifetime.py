@@ -131,4 +131,10 @@ def test_errors():
     assert message(lambda: lifetime_damage([1, 2], 0, [0.5, 0.5])) == (
         "the durations of cases are numbers of seconds above 0."
     )
+    assert message(lambda: weibull_weights([5, np.nan], mean=8)) == (
+        "the edges of the bins of wind speeds are two or more rising numbers."
+    )
+    assert message(lambda: lifetime_damage([1, 2], 600, [0.5, 0.5], design_fatigue_factor=0)) == (
+        "lifetime and design_fatigue_factor are numbers above 0."
+    )
     assert message(lambda: lifetime_damage([1, -2], 600, [0.5, 0.5])) == "damages of cases are numbers of 0 or more."

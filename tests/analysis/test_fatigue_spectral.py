@@ -10,6 +10,7 @@ from scipy.integrate import quad
 
 from fowtlib.analysis.fatigue import (
     SNCurve,
+    TubeSection,
     damage_equivalent_load,
     dirlik,
     narrow_band,
@@ -17,7 +18,8 @@ from fowtlib.analysis.fatigue import (
     sn_curve,
     tovo_benasciutti,
 )
-from fowtlib.analysis.spectra import Spectrum, realisation
+from fowtlib.analysis.series import Series
+from fowtlib.analysis.spectra import Spectrum, power_spectrum, realisation
 from fowtlib.language.errors import ModelError
 
 METHODS = (narrow_band, dirlik, tovo_benasciutti)
@@ -179,6 +181,19 @@ def test_two_slopes_against_rainflow_of_gaussian_series():
     assert error < 0.04 * mean
     assert abs(found - mean) < 3 * error + 0.04 * mean
     assert found < 0.95 * dirlik(spectrum).damage(STEEL, 20000.0)  # the second slope matters
+
+
+def test_stress_from_the_spectrum_of_a_bending_moment():
+    """The same as the spectrum of the stress, and its damage."""
+    section = TubeSection(6.5, 0.027)
+    moment = realisation(bands((0.05, 0.15, 4e15), step=5e-5, unit="N*m"), 20000.0, 0.5, seed=1)
+    stress = Series(
+        moment.time, section.stress(0.0 * moment.time, moment.values, 0 * moment.time, [np.pi / 2])[:, 0], "Pa"
+    )
+    one = power_spectrum(moment).scaled(section.bending, "Pa")
+    two = power_spectrum(stress)
+    np.testing.assert_allclose(one.density, two.density, rtol=1e-6, atol=1e-9 * two.density.max())
+    assert dirlik(one).damage(sn_curve("D"), 3600) == pytest.approx(dirlik(two).damage(sn_curve("D"), 3600), rel=1e-9)
 
 
 @pytest.mark.parametrize("method", METHODS)

@@ -80,6 +80,7 @@ def test_thickness_and_concentration():
     assert hot.name == "D, air, 60 mm, stress x 1.5"
     assert hot.endurance(50e6) == pytest.approx(thick.endurance(75e6), rel=1e-12)
     assert sn_curve("T", thickness=0.032).factor == pytest.approx(2**0.25)  # the reference of joints is 16 mm
+    assert sn_curve("T", thickness=0.032, concentration=12).factor == pytest.approx(12 * 2**0.30)
 
 
 def test_damage_with_two_slopes_by_hand():
@@ -147,7 +148,13 @@ def test_errors():
         "an S-N curve: the second slope must be larger than the first, 5; it is 3. "
         "The first line is that of large ranges."
     )
-    assert message(lambda: SNCurve(3.0, 12.1, 5.0)) == "an S-N curve: the second line takes both m2 and log_a2."
+    assert (
+        message(lambda: SNCurve(3.0, 12.1, 5.0))
+        == "an S-N curve: the second line takes both m2 and log_a2, finite numbers."
+    )
+    assert message(lambda: SNCurve(3.0, 12.1, thickness_exponent=-0.1)) == (
+        "an S-N curve: thicker walls are not better: thickness_exponent is 0 or above."
+    )
     assert message(lambda: SNCurve(0.0, 12.1)).startswith(
         "an S-N curve: m1, factor and reference_thickness are above 0"
     )

@@ -157,6 +157,9 @@ def test_errors_of_realisations():
     assert message(lambda: realisation(target, 200.0, 1.0, seed=1)) == (
         "50 % of the variance of sea lies above 0.5 Hz, which steps of 1 s cannot follow; take shorter ones."
     )
+    assert message(lambda: realisation(target, 200.0, 0.0, seed=1)) == (
+        "a series takes a duration and a step above 0 s, not 200 s and 0 s."
+    )
     assert message(lambda: realisation(target, 2.0, 1.0, seed=1)) == (
         "a series of 2 s in steps of 1 s is too short; it takes 8 steps or more."
     )

@@ -47,6 +47,19 @@ def test_names_exponents_frequency_and_the_beginning(capsys):
     assert two["m = 3"] == pytest.approx(6 * 2 ** (1 / 3))
 
 
+def test_files_of_openfast(capsys):
+    """Names and units change on the way, and numbers have 16 bits."""
+    t = np.arange(25 * 40 + 1) / 40.0
+    units = {"tower_base_fore_aft_moment": "N m", "fairlead_tension_1": "kN", "surge": "m"}
+    Result(t, {name: 3 * np.cos(2 * np.pi * t) for name in units}, units).save("run.outb")
+    assert main(["fatigue", "run.outb", "--json"]) == 0
+    found = {row["result"]: row for row in json.loads(capsys.readouterr().out)}
+    size = {"N m": 6.0, "kN m": 6e-3, "kN": 6.0, "N": 6e3}
+    assert set(found) == {"tower_base_fore_aft_moment", "fairlead_tension_1"}
+    for row in found.values():
+        assert row["m = 4"] == pytest.approx(size[row["unit"]], rel=1e-3)
+
+
 def test_for_people_and_into_a_file(capsys):
     assert main(["fatigue", "run.nc", "thrust", "--discard", "5", "-o", "loads.csv"]) == 0
     shown = capsys.readouterr()

@@ -23,6 +23,8 @@ if TYPE_CHECKING:
     from fowtlib.analysis.fatigue.cycles import Cycles
 
 MEGA = 1e6  # intercepts are those of stress ranges in MPa, as they are printed
+# At joints of tubes (T) with a concentration of more than 10 the thickness counts with another exponent.
+STEEP, STEEP_EXPONENT = 10.0, 0.30
 DATA = "data/fatigue/dnv_rp_c203_2016.csv"
 
 
@@ -51,8 +53,10 @@ class SNCurve:
     def __post_init__(self) -> None:
         if not (math.isfinite(self.log_a1) and self.m1 > 0 and self.factor > 0 and self.reference_thickness > 0):
             raise ModelError(f"{self.name}: m1, factor and reference_thickness are above 0, log_a1 is a finite number.")
-        if (self.m2 is None) != (self.log_a2 is None):
-            raise ModelError(f"{self.name}: the second line takes both m2 and log_a2.")
+        if not self.thickness_exponent >= 0:
+            raise ModelError(f"{self.name}: thicker walls are not better: thickness_exponent is 0 or above.")
+        if (self.m2 is None) != (self.log_a2 is None) or not math.isfinite(self.log_a2 or 0.0):
+            raise ModelError(f"{self.name}: the second line takes both m2 and log_a2, finite numbers.")
         if self.m2 is not None and not self.m2 > self.m1:
             raise ModelError(
                 f"{self.name}: the second slope must be larger than the first, {self.m1:g}; it is {self.m2:g}. "
@@ -144,6 +148,8 @@ def sn_curve(
         others = did_you_mean(name, there, list_up_to=20)
         raise NotFoundError(f"there is no S-N curve '{name}' for {environment}{others}")
     curve = curves[environment, name]
+    if name == "T" and concentration > STEEP:
+        curve = replace(curve, thickness_exponent=STEEP_EXPONENT)
     if thickness is not None:
         curve = curve.with_thickness(thickness)
     return curve if concentration == 1.0 else curve.with_concentration(concentration)

@@ -45,7 +45,7 @@ def weibull_weights(
                          f"shape of {shape:g}.")  # fmt: skip
     if scale is None:
         size = size / math.gamma(1.0 + 1.0 / shape)
-    bounds = _middles(speeds) if edges is None else _rising(edges, "wind speeds")
+    bounds = _rising(_middles(speeds) if edges is None else edges, "wind speeds")
     cumulated = -np.expm1(-((np.maximum(bounds, 0.0) / size) ** shape))
     return _share(np.searchsorted(bounds, speeds, side="right") - 1, np.diff(cumulated), speeds, "wind speed [m/s]")
 
@@ -147,6 +147,8 @@ def lifetime_damage(
         raise ModelError("the durations of cases are numbers of seconds above 0.")
     if not np.all(values >= 0):
         raise ModelError("damages of cases are numbers of 0 or more.")
+    if not (lifetime > 0 and design_fatigue_factor > 0 and math.isfinite(lifetime * design_fatigue_factor)):
+        raise ModelError("lifetime and design_fatigue_factor are numbers above 0.")
     total = design_fatigue_factor * lifetime * np.tensordot(shares / spans, values, axes=1)
     return total if total.ndim else float(total)
 

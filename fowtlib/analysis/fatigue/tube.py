@@ -65,6 +65,11 @@ class TubeSection:
         """I about a diameter, m^4."""
         return self.area * (self.outer_diameter**2 + self.inner_diameter**2) / 16
 
+    @property
+    def bending(self) -> float:
+        """Stress at the outer surface per bending moment, R/I, Pa/(N*m)."""
+        return self.outer_radius / self.second_moment
+
     def stress(self, axial_force: ArrayLike, moment_x: ArrayLike, moment_y: ArrayLike, angles: ArrayLike) -> np.ndarray:
         """Stress along the tube at angles [rad] of its outer surface, Pa, tension positive: (..., angles).
 
@@ -73,8 +78,7 @@ class TubeSection:
         loads = (axial_force, moment_x, moment_y)
         force, about_x, about_y = (np.asarray(load, dtype=float)[..., None] for load in loads)
         angles = np.asarray(angles, dtype=float)
-        bending = self.outer_radius / self.second_moment
-        return force / self.area + bending * (about_x * np.sin(angles) - about_y * np.cos(angles))
+        return force / self.area + self.bending * (about_x * np.sin(angles) - about_y * np.cos(angles))
 
 
 @dataclass(frozen=True)
