@@ -46,7 +46,7 @@ def plot_damage_rose(damage: Any, path: str | Path | None = None) -> Figure:
     share = np.append(damage.damage, damage.damage[0]) / (damage.worst or 1.0)
     with _style():
         figure = _figure(4.6, 4.6)
-        axis = figure.add_subplot(projection="polar")
+        axis: Any = figure.add_subplot(projection="polar")
         axis.fill(closed, share, color=COLORS[0], alpha=0.25)
         axis.plot(closed, share, color=COLORS[0])
         axis.plot(damage.worst_angle, 1.0, "o", color=COLORS[1], clip_on=False)

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, overload
 
 import numpy as np
 
@@ -90,9 +90,21 @@ def table_weights(
     return weights
 
 
+# fmt: off
+@overload
+def lifetime_equivalent_load(
+    loads: ArrayLike, exponent: float, weights: ArrayLike, *, frequency: float = 1.0, lifetime: float | None = None,
+    equivalent_cycles: float | None = None,
+) -> float | np.ndarray: ...
+@overload
+def lifetime_equivalent_load(
+    loads: ArrayLike, exponent: Sequence[float] | np.ndarray, weights: ArrayLike, *, frequency: float = 1.0,
+    lifetime: float | None = None, equivalent_cycles: float | None = None,
+) -> np.ndarray: ...
+# fmt: on
 def lifetime_equivalent_load(
     loads: ArrayLike,
-    exponent: float | Sequence[float],
+    exponent: float | Sequence[float] | np.ndarray,
     weights: ArrayLike,
     *,
     frequency: float = 1.0,

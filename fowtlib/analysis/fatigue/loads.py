@@ -11,7 +11,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterable, Iterator, Sequence
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, overload
 
 import numpy as np
 
@@ -27,9 +27,23 @@ if TYPE_CHECKING:
 EXPONENTS = (4.0, 10.0)  # welded steel and glass fibre
 
 
+# fmt: off
+@overload
+def damage_equivalent_load(
+    series: SeriesLike | Cycles, exponent: float, *, discard: float = 0.0, frequency: float = 1.0,
+    equivalent_cycles: float | None = None, ultimate: float | None = None, mean: float = 0.0, bins: int | None = None,
+    repeating: bool = False,
+) -> float: ...
+@overload
+def damage_equivalent_load(
+    series: SeriesLike | Cycles, exponent: Sequence[float] | np.ndarray, *, discard: float = 0.0,
+    frequency: float = 1.0, equivalent_cycles: float | None = None, ultimate: float | None = None, mean: float = 0.0,
+    bins: int | None = None, repeating: bool = False,
+) -> np.ndarray: ...
+# fmt: on
 def damage_equivalent_load(
     series: SeriesLike | Cycles,
-    exponent: float | Sequence[float],
+    exponent: float | Sequence[float] | np.ndarray,
     *,
     discard: float = 0.0,
     frequency: float = 1.0,
@@ -105,7 +119,7 @@ def is_load(unit: str) -> bool:
         return False
 
 
-def check_exponents(exponent: float | Sequence[float]) -> np.ndarray:
+def check_exponents(exponent: float | Sequence[float] | np.ndarray) -> np.ndarray:
     """Exponents as an array of the same shape."""
     slopes = np.asarray(exponent, dtype=float)
     if not slopes.size or not np.all(np.isfinite(slopes) & (slopes > 0)):

@@ -12,7 +12,7 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, overload
 
 import numpy as np
 
@@ -66,7 +66,13 @@ class RangeDistribution:
         part = np.where(below**self.shapes > order, rests, shares)
         return float(np.sum(self.weights * np.exp(exponent * np.log(self.scales) + gammaln(order)) * part))
 
-    def equivalent_load(self, exponent: float | Sequence[float], frequency: float = 1.0) -> float | np.ndarray:
+    @overload
+    def equivalent_load(self, exponent: float, frequency: float = 1.0) -> float: ...
+    @overload
+    def equivalent_load(self, exponent: Sequence[float] | np.ndarray, frequency: float = 1.0) -> np.ndarray: ...
+    def equivalent_load(
+        self, exponent: float | Sequence[float] | np.ndarray, frequency: float = 1.0
+    ) -> float | np.ndarray:
         """Damage-equivalent load as a range, in the unit of the load: (rate / frequency x mean of R^m)^(1/m)."""
         slopes = check_exponents(exponent)
         if not (math.isfinite(frequency) and frequency > 0):
