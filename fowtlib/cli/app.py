@@ -26,6 +26,7 @@ from fowtlib.cli import (
     decay,
     export,
     extremes,
+    fatigue,
     inspection,
     library,
     loading,
@@ -42,8 +43,8 @@ from fowtlib.cli.report import write_report
 from fowtlib.language.errors import ModelError, did_you_mean
 
 GROUPS = (
-    run, cases, batch, export, view, inspection, stability, decay, rao, rotor_table, wind_field, contours, extremes,
-    library, cache,
+    run, cases, batch, export, view, inspection, stability, decay, rao, fatigue, rotor_table, wind_field, contours,
+    extremes, library, cache,
 )  # fmt: skip
 
 
