@@ -18,26 +18,29 @@ import numpy as np
 
 from fowtlib.analysis.crossings import count_up_crossings, gaussian_rate
 from fowtlib.analysis.maximum import Maximum, checked_sample, sign_of
-from fowtlib.analysis.series import as_series
+from fowtlib.analysis.series import as_records
 from fowtlib.language.errors import ModelError
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
     from numpy.typing import ArrayLike
 
-    from fowtlib.analysis.series import SeriesLike
+    from fowtlib.analysis.series import Records, Series
 
 FEWEST_MAXIMA = 5
 METHODS = ("moments", "likelihood")
 
 
-def block_maxima(series: SeriesLike, block: float, *, side: str = "max", discard: float = 0.0) -> np.ndarray:
-    """Largest (side "max") or smallest value of each block of `block` seconds.
+def block_maxima(records: Records, block: float, *, side: str = "max", discard: float = 0.0) -> np.ndarray:
+    """Largest (side "max") or smallest value of each block of `block` seconds, of one record or a list of several.
 
     A last block that is not whole is left out. Blocks should be many correlation times long, so that their maxima are
     independent.
     """
-    record = as_series(series).after(discard)
+    return np.concatenate([_block_maxima(record, block, sign_of(side)) for record in as_records(records, discard)])
+
+
+def _block_maxima(record: Series, block: float, sign: float) -> np.ndarray:
     since = record.time - record.time[0]
     step = float(since[-1]) / (since.size - 1)
     count = int((since[-1] + step) / block + 1e-9) if block > 0.0 else 0
@@ -46,7 +49,6 @@ def block_maxima(series: SeriesLike, block: float, *, side: str = "max", discard
             f"{record.name}: a record of {since[-1]:g} s at steps of {step:g} s has no block of {block:g} s."
         )
     index = np.floor(since / block + 1e-9).astype(int)
-    sign = sign_of(side)
     highest = np.full(count, -np.inf)
     inside = index < count
     np.maximum.at(highest, index[inside], sign * record.values[inside])
@@ -163,26 +165,25 @@ class GaussianMaximum(Maximum):
         return replace(self, mean=middle, std=std, mean_rate=float(crossings.sum() / span.sum()))
 
 
-def gaussian_maximum(
-    series: SeriesLike, *, side: str = "max", discard: float = 0.0, pieces: int = 20
-) -> GaussianMaximum:
+def gaussian_maximum(records: Records, *, side: str = "max", discard: float = 0.0, pieces: int = 20) -> GaussianMaximum:
     """Extreme of a series as if it were a Gaussian process: from its mean, deviation and mean crossing rate.
 
-    The check of the other fits where skewness is near 0 and kurtosis near 3. pieces: of the record, for bounds.
+    The check of the other fits where skewness is near 0 and kurtosis near 3. records: one, or a list of several of the
+    same process. pieces: into which each record is cut, for bounds.
     """
-    record = as_series(series).after(discard)
-    values, sign = record.values, sign_of(side)
-    checked_sample(values, 3, record.name)
-    mean, std, span = float(values.mean()), float(values.std()), float(record.time[-1] - record.time[0])
-    edges = np.linspace(0, values.size - 1, pieces + 1).astype(int)
+    series, sign = as_records(records, discard), sign_of(side)
+    together = checked_sample(np.concatenate([record.values for record in series]), 3, series[0].name)
+    mean = float(together.mean())
     rows = []
-    for first, last in zip(edges[:-1], edges[1:], strict=True):
-        part = values[first : last + 1]
-        crossings = count_up_crossings(part, [mean])[0]
-        length = record.time[last] - record.time[first]
-        rows.append((last - first, part[:-1].mean(), (part[:-1] ** 2).mean(), crossings, length))
-    rate = sum(row[3] for row in rows) / span
-    if not rate > 0.0:
-        raise ModelError(f"{record.name}: never passes its mean upward; the record is too short.")
-    return GaussianMaximum(mean, std, float(rate), sign=sign, unit=record.unit, name=record.name,
-                           sample=np.array(rows))  # fmt: skip
+    for record in series:
+        edges = np.linspace(0, record.values.size - 1, min(pieces, record.values.size - 1) + 1).astype(int)
+        for first, last in zip(edges[:-1], edges[1:], strict=True):
+            part = record.values[first : last + 1]
+            crossings = count_up_crossings(part, [mean])[0]
+            span = record.time[last] - record.time[first]
+            rows.append((last - first, part[:-1].mean(), (part[:-1] ** 2).mean(), crossings, span))
+    _, _, _, crossings, span = np.sum(rows, axis=0)
+    if not crossings > 0.0:
+        raise ModelError(f"{series[0].name}: never passes its mean upward; the record is too short.")
+    return GaussianMaximum(mean, float(together.std()), float(crossings / span), sign=sign, unit=series[0].unit,
+                           name=series[0].name, sample=np.array(rows))  # fmt: skip

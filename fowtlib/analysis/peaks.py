@@ -12,13 +12,13 @@ from typing import TYPE_CHECKING, Self
 import numpy as np
 
 from fowtlib.analysis.maximum import Maximum, checked_sample, sign_of
-from fowtlib.analysis.series import as_series
+from fowtlib.analysis.series import as_records
 from fowtlib.language.errors import ModelError
 
 if TYPE_CHECKING:
     from numpy.typing import ArrayLike
 
-    from fowtlib.analysis.series import SeriesLike
+    from fowtlib.analysis.series import Records
 
 FEWEST_PEAKS = 10
 THRESHOLD = 1.4  # standard deviations from the mean
@@ -40,7 +40,7 @@ class Peaks:
 
 
 def peaks(
-    series: SeriesLike,
+    records: Records,
     threshold: float | None = None,
     *,
     side: str = "max",
@@ -50,18 +50,26 @@ def peaks(
     """Peaks beyond a threshold; None takes the mean + 1.4 standard deviations (- 1.4 for minima).
 
     A cluster is what lies beyond the threshold between two passages of the mean. Peaks that are closer than
-    `separation` [s] are one, of which the larger stays: slow motions come in groups.
+    `separation` [s] are one, of which the larger stays: slow motions come in groups. Of a list of records of the same
+    process, all peaks together, with the threshold and the mean of all.
     """
-    record, sign = as_series(series).after(discard), sign_of(side)
-    values = sign * record.values
-    checked_sample(values, 3, record.name)
-    mean = values.mean()
-    edge = mean + THRESHOLD * values.std() if threshold is None else sign * threshold
+    series, sign = as_records(records, discard), sign_of(side)
+    together = sign * checked_sample(np.concatenate([record.values for record in series]), 3, series[0].name)
+    mean = float(together.mean())
+    edge = mean + THRESHOLD * float(together.std()) if threshold is None else sign * threshold
     if edge < mean:
         raise ModelError(
-            f"{record.name}: the threshold {threshold:g} lies on the inner side of the mean {sign * mean:g}, "
+            f"{series[0].name}: the threshold {threshold:g} lies on the inner side of the mean {sign * mean:g}, "
             "where clusters of peaks have no meaning. Choose one further out."
         )
+    kept = [_peaks(record.time, sign * record.values, mean, edge, separation) for record in series]
+    time, values = (np.concatenate([getattr(record, key)[chosen] for record, chosen in zip(series, kept, strict=True)])
+                    for key in ("time", "values"))  # fmt: skip
+    span = float(sum(record.time[-1] - record.time[0] for record in series))
+    return Peaks(time, values, float(sign * edge), span, side, series[0].unit, series[0].name)
+
+
+def _peaks(time: np.ndarray, values: np.ndarray, mean: float, edge: float, separation: float) -> list[int]:
     above = values > mean
     cluster = np.cumsum(np.r_[False, above[1:] & ~above[:-1]])
     highest = np.full(cluster[-1] + 1, -np.inf)
@@ -69,14 +77,12 @@ def peaks(
     chosen = np.flatnonzero((values == highest[cluster]) & (values > edge))
     chosen = chosen[np.r_[True, np.diff(cluster[chosen]) > 0]] if chosen.size else chosen  # the first of equal ones
     kept: list[int] = []
-    for i in chosen:
-        if kept and record.time[i] - record.time[kept[-1]] < separation:
-            if values[i] > values[kept[-1]]:
-                kept[-1] = int(i)
+    for i in map(int, chosen):
+        if kept and time[i] - time[kept[-1]] < separation:
+            kept[-1] = i if values[i] > values[kept[-1]] else kept[-1]
         else:
-            kept.append(int(i))
-    span = float(record.time[-1] - record.time[0])
-    return Peaks(record.time[kept], record.values[kept], float(sign * edge), span, side, record.unit, record.name)
+            kept.append(i)
+    return kept
 
 
 @dataclass(frozen=True)

@@ -6,7 +6,6 @@ Dynamics of Marine Structures, chapter 10. A Gaussian process has c = 2, b = mea
 
 from __future__ import annotations
 
-from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, Self
@@ -16,14 +15,14 @@ import numpy as np
 from fowtlib.analysis.crossings import count_up_crossings
 from fowtlib.analysis.maximum import Maximum, checked_sample, sign_of
 from fowtlib.analysis.peaks import THRESHOLD
-from fowtlib.analysis.series import Series, as_series
+from fowtlib.analysis.series import as_records
 from fowtlib.language.errors import ModelError
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
     from numpy.typing import ArrayLike
 
-    from fowtlib.analysis.series import SeriesLike
+    from fowtlib.analysis.series import Records
 
 LEVELS = 40
 FEWEST_LEVELS = 6
@@ -97,7 +96,7 @@ class CrossingTail(Maximum):
 
 
 def crossing_rates(
-    records: SeriesLike | Sequence[SeriesLike],
+    records: Records,
     threshold: float | None = None,
     *,
     side: str = "max",
@@ -110,7 +109,7 @@ def crossing_rates(
     threshold  begin of the tail; None: mean + 1.4 standard deviations (- 1.4 for minima)
     pieces     into which each record is cut, to see how certain the rates are; long against the slowest motion
     """
-    series, sign = [record.after(discard) for record in _records(records)], sign_of(side)
+    series, sign = as_records(records, discard), sign_of(side)
     values = [sign * record.values for record in series]
     together = np.concatenate(values)
     checked_sample(together, 3, series[0].name)
@@ -129,7 +128,7 @@ def crossing_rates(
 
 
 def fit_crossings(
-    records: SeriesLike | Sequence[SeriesLike],
+    records: Records,
     threshold: float | None = None,
     *,
     side: str = "max",
@@ -142,7 +141,7 @@ def fit_crossings(
     Raises ModelError where fewer than 6 levels are passed often enough to be certain.
     """
     rates = crossing_rates(records, threshold, side=side, discard=discard, levels=levels, pieces=pieces)
-    first = _records(records)[0]
+    first = as_records(records)[0]
     return fit_rates(rates, side=side, unit=first.unit, name=first.name)
 
 
@@ -194,12 +193,3 @@ def fit_rates(
         raise ModelError(f"{name or 'the series'}: the rates do not fall beyond {rates.levels[0]:g}; there is no tail.")
     return CrossingTail(float(np.exp(log_q)), float(slope / size**c), sign * b, c, float(rates.levels[0]),
                         sign=sign, unit=unit, name=name, sample=rates)  # fmt: skip
-
-
-def _records(records: SeriesLike | Sequence[SeriesLike]) -> list[Series]:
-    """One record or several: a pair of arrays is one, a list is several."""
-    if isinstance(records, list):
-        if not records:
-            raise ModelError("there are no records to take rates of.")
-        return [as_series(record) for record in records]
-    return [as_series(records)]

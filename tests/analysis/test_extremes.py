@@ -10,7 +10,8 @@ from scipy import stats
 
 from fowtlib.analysis.extremes import GaussianMaximum, Gumbel, block_maxima, fit_gumbel, gaussian_maximum
 from fowtlib.analysis.peaks import Peaks, PeakTail, fit_peaks, peaks
-from fowtlib.analysis.tails import CrossingTail, crossing_rates, fit_crossings
+from fowtlib.analysis.series import Series
+from fowtlib.analysis.tails import CrossingRates, CrossingTail, crossing_rates, fit_crossings, fit_rates
 from fowtlib.language.errors import ModelError
 
 HOUR = 3600.0
@@ -191,8 +192,6 @@ def test_crossing_rates_of_a_gaussian_process_have_its_tail():
 
 def test_exact_rates_give_their_parameters_back():
     """A series that passes each level exactly as often as q exp(-a (y - b)^c) says, in a time of 1e7 s."""
-    from fowtlib.analysis.tails import CrossingRates, fit_rates
-
     levels = np.linspace(5.0, 9.0, 40)
     truth = CrossingTail(0.1, 0.3, 2.0, 1.6, 5.0)
     counts = truth.rate(levels) * 1e6
@@ -266,6 +265,20 @@ def test_levels_and_rates_are_inverse(shape, scale, rate, p, sign):
         assert sign * tail.return_value(2 * duration, p) >= sign * value
 
 
+def test_several_records_are_one_process():
+    """Two halves of a record have the extremes of the whole, but for what lies at the cut."""
+    time, values = gaussian(7, 20 * HOUR)
+    half = time.size // 2
+    parts = [(time[:half], values[:half]), (time[half:], values[half:])]
+    assert block_maxima(parts, HOUR).tolist() == block_maxima((time, values), HOUR).tolist()
+    whole, cut = peaks((time, values), 8.0), peaks(parts, 8.0)
+    assert abs(whole.values.size - cut.values.size) <= 1
+    assert cut.span == pytest.approx(whole.span, rel=1e-4)
+    one, other = gaussian_maximum((time, values)), gaussian_maximum(parts)
+    assert other.std == pytest.approx(one.std, rel=1e-12)
+    assert other.mean_rate == pytest.approx(one.mean_rate, rel=2e-3)
+
+
 # -- errors -----------------------------------------------------------------------------------------------------------
 
 TIME = np.arange(1000.0)
@@ -288,6 +301,7 @@ SINE = np.sin(TIME)
         (lambda: fit_peaks(peaks((TIME, SINE), 1.5)), "there are 0, and a fit takes 10 or more"),
         (lambda: crossing_rates((TIME, SINE), 1.5), "nothing lies beyond the threshold 1.5"),
         (lambda: crossing_rates([]), "no records"),
+        (lambda: peaks([Series(TIME, SINE, "m"), Series(TIME, SINE, "cm")]), "different units: m, cm"),
         (lambda: fit_crossings((TIME[:50], SINE[:50])), "levels beyond .* are passed often enough"),
         (lambda: fit_crossings((TIME, np.where(TIME == 5, np.nan, SINE))), "the value at 5 s is not a finite"),
         (lambda: gaussian_maximum((TIME, np.ones(1000))), "a constant has no distribution"),
