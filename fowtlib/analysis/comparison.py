@@ -252,7 +252,7 @@ def read_pairs(path: str | Path) -> list[Pair]:
 
 def cell_text(row: Difference) -> str:
     """The difference of a row with the word of its light."""
-    return "-" if row.percent is None else f"{row.percent:+.1f} {row.light}"
+    return "-" if row.percent is None else f"{round(row.percent, 1) + 0.0:+.1f} {row.light}"
 
 
 def _columns(result: Result) -> dict[str, tuple[str, np.ndarray]]:

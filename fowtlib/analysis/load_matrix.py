@@ -221,8 +221,11 @@ def _extremes(name: str, source: Any, channels: Sequence[str], discard: float) -
     if isinstance(source, Mapping) and "at_extremes" in source:
         return _of_statistics(name, source, channels)
     if isinstance(source, Result):
+        try:
+            time, table = source.time, np.array([source.array(channel) for channel in channels])
+        except ModelError as error:
+            raise error.at(name) from None
         units = tuple(source.unit(channel) for channel in channels)
-        time, table = source.time, np.array([source.array(channel) for channel in channels])
     else:
         missing = [channel for channel in channels if channel not in source]
         if missing:

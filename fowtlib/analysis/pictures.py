@@ -1,10 +1,13 @@
-"""Figures of extremes and comparisons, in the style of the figures of results."""
+"""Figures of extremes and comparisons, in the style of the figures of results.
+
+The functions read attributes only: those of a Gumbel, a CrossingTail (and a GaussianMaximum), a Comparison.
+"""
 
 from __future__ import annotations
 
 import textwrap
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
@@ -14,16 +17,12 @@ from fowtlib.solving.results.plots import COLORS, GRID, INK, _figure, _style, _u
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
-    from fowtlib.analysis.comparison import Comparison
-    from fowtlib.analysis.extremes import GaussianMaximum, Gumbel
-    from fowtlib.analysis.tails import CrossingTail
-
 PROBABILITIES = (0.01, 0.1, 0.3, 0.5, 0.7, 0.9, 0.95, 0.99, 0.995, 0.999)
 LIGHT_COLORS = {"green": "#bfe3c6", "amber": "#fbdf9d", "red": "#f3b1a8", "none": "#eeeeee"}
 
 
 def plot_gumbel(
-    fit: Gumbel,
+    fit: Any,
     path: str | Path | None = None,
     *,
     duration: float | None = None,
@@ -73,11 +72,11 @@ def plot_gumbel(
 
 
 def plot_crossings(
-    fit: CrossingTail,
+    fit: Any,
     path: str | Path | None = None,
     *,
     duration: float | None = None,
-    gaussian: GaussianMaximum | None = None,
+    gaussian: Any = None,
 ) -> Figure:
     """Rates of up-crossings with 95 % confidence over the level, the fit, and a Gaussian process for comparison.
 
@@ -114,7 +113,7 @@ def plot_crossings(
     return save_figure(figure, path)
 
 
-def plot_lights(comparison: Comparison, path: str | Path | None = None, *, title: str = "") -> Figure:
+def plot_lights(comparison: Any, path: str | Path | None = None, *, title: str = "") -> Figure:
     """One row per channel, one column per measure: the difference in percent in the colour of its light."""
     names, measures = comparison.names, comparison.measures
     if not names:
@@ -149,7 +148,8 @@ def plot_lights(comparison: Comparison, path: str | Path | None = None, *, title
 
 
 def _percent_text(percent: float) -> str:
-    return f"{percent:+.0f}" if abs(percent) >= 99.5 else f"{percent:+.1f}"
+    digits = 0 if abs(percent) >= 99.5 else 1
+    return f"{round(percent, digits) + 0.0:+.{digits}f}"  # + 0.0 makes of -0.0 a zero
 
 
 def _time(seconds: float) -> str:

@@ -20,15 +20,19 @@ from typing import NoReturn
 
 from fowtlib.cli import (
     cache,
+    compare,
     decay,
     export,
     inspection,
     library,
     loading,
+    loads,
+    maxima,
     rao,
     rotor_table,
     run,
     stability,
+    statistics,
     view,
     wind_field,
 )
@@ -37,7 +41,8 @@ from fowtlib.cli.files import declare_force
 from fowtlib.cli.report import write_report
 from fowtlib.language.errors import ModelError, did_you_mean
 
-GROUPS = (run, export, view, inspection, stability, decay, rao, rotor_table, wind_field, library, cache)
+GROUPS = (run, export, view, inspection, stability, decay, rao, statistics, maxima, loads, compare, rotor_table,
+          wind_field, library, cache)  # fmt: skip
 
 
 class Formatter(argparse.RawDescriptionHelpFormatter):
