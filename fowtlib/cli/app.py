@@ -22,6 +22,7 @@ from fowtlib.cli import (
     batch,
     cache,
     cases,
+    compare,
     contours,
     decay,
     export,
@@ -30,10 +31,13 @@ from fowtlib.cli import (
     inspection,
     library,
     loading,
+    loads,
+    maxima,
     rao,
     rotor_table,
     run,
     stability,
+    statistics,
     view,
     wind_field,
 )
@@ -43,8 +47,8 @@ from fowtlib.cli.report import write_report
 from fowtlib.language.errors import ModelError, did_you_mean
 
 GROUPS = (
-    run, cases, batch, export, view, inspection, stability, decay, rao, fatigue, rotor_table, wind_field, contours,
-    extremes, library, cache,
+    run, cases, batch, export, view, inspection, stability, decay, rao, statistics, maxima, loads, fatigue, compare,
+    rotor_table, wind_field, contours, extremes, library, cache,
 )  # fmt: skip
 
 
