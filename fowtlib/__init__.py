@@ -35,6 +35,7 @@ if TYPE_CHECKING:
     from fowtlib.modelfile import dump, load
     from fowtlib.solving import (
         Conditions,
+        Event,
         LinearModel,
         Mode,
         Model,
@@ -57,7 +58,7 @@ _LATER = {
     "view": "fowtlib.view",
     **dict.fromkeys(("dump", "load"), "fowtlib.modelfile"),
     **dict.fromkeys(
-        ("Conditions", "LinearModel", "Mode", "Model", "NaturalMode", "Output", "Plant", "Result", "State",
+        ("Conditions", "Event", "LinearModel", "Mode", "Model", "NaturalMode", "Output", "Plant", "Result", "State",
          "mean_state", "natural_modes"),
         "fowtlib.solving",
     ),
@@ -89,6 +90,7 @@ __all__ = [
     "Assembly",
     "Component",
     "Conditions",
+    "Event",
     "LinearModel",
     "Mode",
     "Model",

@@ -2,16 +2,22 @@
 
 from __future__ import annotations
 
+import numpy as np
+
 from fowtlib.components.environment.world import World
 from fowtlib.components.mechanics.connectors import Frame
 from fowtlib.components.mooring import catenary
 from fowtlib.language import (
     Component,
+    OfferedEvent,
     Scalar,
     Vector,
     assert_,
+    assign,
     eq,
+    event,
     fix_orientation,
+    on,
     outer,
     param,
     port,
@@ -39,6 +45,7 @@ class CatenaryLine(Component):
     the seabed, and it warns. Errors: an end below the seabed; a stretch beyond greatest_strain, up to which EA is taken
     as constant; a line that would float at the surface. Warnings: half of greatest_strain; a tension above the breaking
     load, where one is given.
+    A line that is lost pulls no more at either end, from then on; what is left of it weighs nothing.
     """
 
     length: Scalar = param(unit="m", min=0, doc="unstretched length")
@@ -52,6 +59,8 @@ class CatenaryLine(Component):
     anchor_position: Vector = param(default=(0, 0, 0), unit="m", doc="anchor, world; unless a frame is its anchor")
     greatest_strain: Scalar = param(default=0.1, min=0, doc="stretch per length up to which EA is constant")
     breaking_load: Scalar = param(default=None, unit="N", min=0, doc="tension above which the line warns")
+
+    loss: OfferedEvent = event(doc="the line breaks: its tension is gone at both ends")
 
     world: World = outer(World)
     fairlead: Frame = port(doc="upper end")
@@ -68,12 +77,18 @@ class CatenaryLine(Component):
     seabed_length: Scalar = var(unit="m", doc="length of line on the seabed")
     distance: Scalar = var(unit="m", doc="horizontal distance from anchor to fairlead")
     rise: Scalar = var(unit="m", doc="height of the fairlead above the anchor")
+    intact: Scalar = var(discrete=True, start=1.0, doc="1, and 0 when the line is lost")
+    last_distance: Scalar = var(unit="m", discrete=True, start=0.0, doc="horizontal distance at its loss")
+    last_rise: Scalar = var(unit="m", discrete=True, start=0.0, doc="height at its loss")
 
     def equations(self):
-        fairlead, reach = self.fairlead, self.fairlead.r - self.anchor.r
+        fairlead, reach, there = self.fairlead, self.fairlead.r - self.anchor.r, self.intact
+        # of a lost line the equations stay solved, as they were
+        apart = m.if_else(there > 0.5, self.distance, self.last_distance)
+        rise = m.if_else(there > 0.5, self.rise, self.last_rise)
         force, aside, _ = catenary.scales(self, m)
         lateral, plan = catenary.lateral_stiffness(self.coordinate, self, m), m.vertcat(reach[0], reach[1])
-        H, V, spanned = lateral * self.distance, self.lift * force, m.sqrt(self.distance**2 + (aside / lateral) ** 2)
+        H, V, spanned = lateral * apart, self.lift * force, m.sqrt(apart**2 + (aside / lateral) ** 2)
         line = catenary.state(lateral * spanned, V, self, m)
         left = 1 - m.fmin(line.held, 1)  # of the horizontal tension, at the anchor
         return [
@@ -82,14 +97,15 @@ class CatenaryLine(Component):
             eq(self.distance, m.smooth_norm(plan, 1e-5 * self.length)),
             eq(self.rise, reach[2]),
             eq(line.grounded + lateral * spanned * line.flexibility, spanned),
-            eq(line.height, self.rise),
-            eq(self.horizontal_tension, H),
-            eq(self.vertical_tension, V),
-            eq(self.tension, m.sqrt(H**2 + V**2)),
-            eq(self.anchor_tension, m.sqrt((H * left) ** 2 + line.anchor**2)),
+            eq(line.height, rise),
+            eq(self.horizontal_tension, there * H),
+            eq(self.vertical_tension, there * V),
+            eq(self.tension, there * m.sqrt(H**2 + V**2)),
+            eq(self.anchor_tension, there * m.sqrt((H * left) ** 2 + line.anchor**2)),
             eq(self.seabed_length, line.grounded),
-            [eq(fairlead.f, m.vertcat(lateral * plan, V)), eq(fairlead.t, m.zeros(3))],
-            _hold_anchor(self, m.vertcat(-lateral * left * plan, -line.anchor)),
+            [eq(fairlead.f, there * m.vertcat(lateral * plan, V)), eq(fairlead.t, m.zeros(3))],
+            _hold_anchor(self, there * m.vertcat(-lateral * left * plan, -line.anchor)),
+            on(self.loss, assign(there, 0), assign(self.last_distance, apart), assign(self.last_rise, rise)),
             *_limits(self, line.anchor),
         ]
 
@@ -98,7 +114,10 @@ class CatenaryLine(Component):
 
         def form(at):
             line = catenary.Line(length, at["weight"][0], *more, at["clearance"][..., None])  # weight: always the same
-            return catenary.profile_between(at["anchor"], at["fairlead"], at["H"], at["V"], line, points=31)
+            lost = ((at["H"] == 0) & (at["V"] == 0))[..., None, None]
+            with np.errstate(invalid="ignore", divide="ignore"):
+                drawn = catenary.profile_between(at["anchor"], at["fairlead"], at["H"], at["V"], line, points=31)
+            return np.where(lost, np.asarray(at["anchor"])[..., None, :], drawn)
 
         scalars = {"H": "horizontal_tension", "V": "vertical_tension", "weight": "weight",
                    "clearance": "clearance"}  # fmt: skip
@@ -136,7 +155,7 @@ def _limits(line, V_anchor):
         assert_(m.logic_not(floats), "the line rises to the surface between its ends; a line that floats there is not "
                 "modelled"),
         assert_(line.coordinate > 0, "the line is slack: it hangs vertically, its excess on the seabed", "warning"),
-        assert_(line.tension >= 2 * least, "the line is slack, and has no weight in water to hang by", "warning"),
+        assert_(line.tension + (1 - line.intact) * 2 * least >= 2 * least, "the line is slack, and has no weight in water to hang by", "warning"),
         assert_(strain < line.greatest_strain / 2, "the line is stretched by {strain} of its length, more than half of "
                 "greatest_strain", "warning", strain=strain),
         *breaking,

@@ -6,7 +6,7 @@ from fowtlib.components.aero import CoefficientRotor, outlines
 from fowtlib.components.environment.wind import Wind
 from fowtlib.components.environment.world import World
 from fowtlib.components.mechanics import Frame, IdealGear, RigidBody
-from fowtlib.components.servo import BaselineController, Generator, TurbineController
+from fowtlib.components.servo import BaselineController, Generator, SafetySystem, TurbineController
 from fowtlib.components.turbine.operating_point import SteadyTurbine
 from fowtlib.components.turbine.start import controlled, give_default, start_point, unknown_start
 from fowtlib.language import Component, Matrix, RealInput, RealOutput, Scalar, Vector, eq, outer, param, part, port
@@ -16,7 +16,7 @@ from fowtlib.language.shapes import Drawing
 class RotorNacelle(Component):
     """A turbine above its tower: rotor, gear, generator, controller, and the mass of rotor and nacelle as one body.
 
-    Give the parts `rotor` and `control` with their own parameters. The inertia about the shaft belongs to the rotor,
+    Give the parts `rotor` and `control` with their own parameters; `safety` offers shutdowns and faults as events. The inertia about the shaft belongs to the rotor,
     `inertia` is the rest. The simulation starts at the steady operating point in the mean wind of the rotor's station,
     unless start values are given; without wind the rotor stands still.
     """
@@ -51,25 +51,28 @@ class RotorNacelle(Component):
 
     rotor: CoefficientRotor = part(CoefficientRotor)
     control: TurbineController = part(BaselineController)
+    safety: SafetySystem = part(SafetySystem)
     gear: IdealGear = part(IdealGear, ratio=gear_ratio)
     generator: Generator = part(Generator, inertia=generator_inertia, efficiency=generator_efficiency)
     body: RigidBody = part(RigidBody, mass=mass, inertia=inertia, r_cm=centre_of_mass)
 
     def build(self):
-        rotor, control, generator = self.rotor, self.control, self.generator
+        rotor, control, generator, safety = self.rotor, self.control, self.generator, self.safety
         for a, b in (
             (self.frame, rotor.frame), (self.frame, self.body.frame_a),
             (rotor.shaft, self.gear.flange_b), (self.gear.flange_a, generator.shaft),
-            (generator.speed, control.generator_speed), (generator.speed, self.generator_speed),
-            (control.blade_pitch, rotor.blade_pitch), (control.blade_pitch, self.blade_pitch),
-            (control.generator_torque, generator.torque), (control.generator_torque, self.generator_torque),
+            (generator.speed, safety.generator_speed), (generator.speed, self.generator_speed),
+            (safety.measured_speed, control.generator_speed), (control.blade_pitch, safety.pitch_demand),
+            (control.generator_torque, safety.torque_demand), (safety.brake, generator.brake),
+            (safety.blade_pitch, rotor.blade_pitch), (safety.blade_pitch, self.blade_pitch),
+            (safety.generator_torque, generator.torque), (safety.generator_torque, self.generator_torque),
             (generator.power, self.generator_power), (rotor.aero_power, self.aero_power), (rotor.thrust, self.thrust),
         ):  # fmt: skip
             self.connect(a, b)
         if "yaw" in control.ports:
             self.connect(self.yaw, control.yaw)
         give_default(rotor, "w_start", self.rotor_speed_start)
-        give_default(control, "pitch_start", self.blade_pitch_start)
+        give_default(control, "pitch_start", self.blade_pitch_start * (1 - safety.idling))
         give_default(control, "speed_start", self.gear_ratio * self.rotor_speed_start)
 
     @property

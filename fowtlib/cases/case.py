@@ -47,9 +47,10 @@ class Case:
     safety_factor: float = 1.0
 
     def conditions(self) -> Conditions:
-        """What a run of the compiled model takes in, but for the start, which a word cannot say by itself."""
-        return Conditions(parameters=dict(self.parameters), duration=self.duration, output_step=self.output_step,
-                          discard=self.discard, outputs=self.outputs)  # fmt: skip
+        """What a run of the compiled model takes in."""
+        return Conditions(parameters=dict(self.parameters), start=self.start, duration=self.duration,
+                          output_step=self.output_step, discard=self.discard, outputs=self.outputs,
+                          events=self.events or None)  # fmt: skip
 
     def plain(self) -> dict[str, Any]:
         """The case in what JSON can hold, without what is left out."""

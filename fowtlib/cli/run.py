@@ -100,6 +100,8 @@ def run(arguments: argparse.Namespace) -> int:
     check_target(arguments.output, RESULTS, arguments.force or onto)
     check_target(arguments.plot, FIGURES, arguments.force)
     journal = Journal(arguments.output) if arguments.output else None
+    if journal:
+        journal.require_free()
     if journal and not onto and arguments.resume != journal.path:
         _check_left(journal.path, arguments.output, arguments.force)
     earlier = _earlier(arguments.resume) if arguments.resume else None
@@ -109,7 +111,7 @@ def run(arguments: argparse.Namespace) -> int:
     require_leave(model.root)  # before the equations are made
     plant = model.compile()
     _check_discard(arguments, plant, earlier)
-    start, whence = start_values(arguments, model, plant)
+    start, whence = start_values(arguments, plant)
     conditions = Conditions(start=earlier or start, duration=arguments.time, output_step=arguments.output_step)
     options = {"solver": arguments.solver, "step": arguments.step, "tolerance": arguments.tolerance}
     try:

@@ -36,8 +36,8 @@ def declare(commands: Any) -> None:
     parser.add_argument("--time", type=positive, default=600.0, metavar="S", help="until it repeats; default: 600 s")
     parser.add_argument("--step", type=positive, default=0.05, metavar="S", help="default: %(default)g s")
     strength = parser.add_mutually_exclusive_group()
-    strength.add_argument("--class", dest="turbulence_class", choices=("A", "B", "C"), default="B", metavar="A|B|C",
-                          help="normal turbulence of IEC 61400-1; default: B")  # fmt: skip
+    strength.add_argument("--class", dest="turbulence_class", choices=("A+", "A", "B", "C"), default="B",
+                          metavar="A+|A|B|C", help="normal turbulence of IEC 61400-1; default: B")  # fmt: skip
     strength.add_argument("--intensity", type=positive, metavar="TI", help="standard deviation of u over mean speed")
     parser.add_argument("--spectrum", choices=("kaimal", "von_karman"), default="kaimal", metavar="NAME",
                         help="kaimal or von_karman; default: kaimal")  # fmt: skip

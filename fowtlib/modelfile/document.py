@@ -15,11 +15,11 @@ from fowtlib.modelfile import files
 from fowtlib.modelfile.nodes import Node, Place, parse, read_text
 from fowtlib.modelfile.reader import ComponentReader
 from fowtlib.modelfile.specs import Document, Spec, Value, as_list, check_keys, mapping, text
+from fowtlib.solving.starts import KINDS as STARTS
 
 SETTINGS = {
     "solver": "", "duration": "s", "output_step": "s", "tolerance": "1", "step": "s", "rho_inf": "1", "start": "",
 }  # fmt: skip
-STARTS = ("equilibrium", "turning", "rest", "file")  # where `fowt run` begins: see its help
 VERSION = 1
 META_KEYS = ("fowtlib", "title", "description", "python", "outputs", "simulation")
 

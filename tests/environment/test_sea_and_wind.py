@@ -244,7 +244,7 @@ def test_wind_from_a_file(tmp_path):
         (
             {},
             {"kind": "kaimal", "mean_speed": 8, "turbulence_class": "D"},
-            "wind.turbulence_class = 'D' is not one of A, B, C (IEC turbulence class).",
+            "wind.turbulence_class = 'D' is not one of A+, A, B, C (IEC turbulence class).",
         ),
     ],
 )

@@ -67,13 +67,15 @@ class Sea(Component, selector="spectrum", shared=("signal", "loads", "velocity",
         return [eq(self.elevation, elevation), warning]
 
     def drawing(self) -> shapes.Drawing:
-        waves = self.components()
-        harmonics = (waves.omega, waves.amplitude, waves.phase, waves.wave_number)
-        return [shapes.Water(self.world.water_depth, *harmonics, heading=waves.heading, build_up=self.build_up)]
+        return [_water(self)]
 
     def components(self) -> WaveComponents:
         """The harmonics of this sea as numbers; not inside equations()."""
         return still_water(self.world.water_depth, self.heading)
+
+    def in_the_mean(self) -> dict[str, Any]:
+        """Still water."""
+        return {"spectrum": "still", "heading": 0.0, "build_up": 0.0}
 
     def longest_run(self) -> float:
         """Duration [s] after which the waves are not new any more; infinite where they need not be."""
@@ -140,6 +142,12 @@ class Sea(Component, selector="spectrum", shared=("signal", "loads", "velocity",
         return value
 
 
+def _water(sea: Sea) -> shapes.Water:
+    waves = sea.components()
+    harmonics = (waves.omega, waves.amplitude, waves.phase, waves.wave_number)
+    return shapes.Water(sea.world.water_depth, *harmonics, heading=waves.heading, build_up=sea.build_up)
+
+
 def _longest(sea: Sea) -> float:
     sea.warn()
     return sea.longest_run()
@@ -153,4 +161,4 @@ def _standing(part: Component, path: str) -> Any:
 def _series(waves: WaveComponents, table: np.ndarray, build_up: float) -> Series:
     if len(waves) <= CLOSED_FORM:
         return Series.harmonics(waves.omega, waves.complex_amplitude[:, None] * table, build_up=build_up)
-    return Series.samples(waves.series(table), waves.period / waves.samples, periodic=True, build_up=build_up)
+    return Series.fourier(waves.spectrum(table), waves.samples, waves.period / waves.samples, build_up=build_up)

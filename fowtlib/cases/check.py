@@ -1,0 +1,235 @@
+"""Whether cases can be run, before any of them is: what the models say of their parameters, and impossible seas."""
+
+from __future__ import annotations
+
+import json
+import math
+import re
+from collections.abc import Callable, Mapping
+from typing import Any
+
+from fowtlib.cases.case import Case
+from fowtlib.cases.case_set import CaseSet
+from fowtlib.cases.run_keys import CONDITIONS
+from fowtlib.cases.values import as_quantity
+from fowtlib.components.environment.waves import breaking_height, steepest_sea
+from fowtlib.language.component import Component
+from fowtlib.language.declarations import SHAPES, Parameter
+from fowtlib.language.errors import ModelError, ModelFileError, did_you_mean, one_of
+from fowtlib.language.units import to_si
+from fowtlib.modelfile.loading import load
+from fowtlib.modelfile.paths import check_variable
+from fowtlib.modelfile.short_forms import Condition
+from fowtlib.solving.engines.base import SOLVERS
+from fowtlib.solving.model import Model
+
+HIGHEST = 0.78  # height of a wave over the depth above which it breaks (DNV-RP-C205, 3.4.6.1)
+
+
+def check_cases(cases: CaseSet, load_model: Callable[[str], Model] = load) -> dict[str, Model]:
+    """Refuse cases that cannot be run; gives the models by name.
+
+    Each model is loaded once, and none is compiled. Raises ModelFileError with the place and the name of the first case
+    that names what its model does not have, a value out of its bounds or of the wrong kind, an output or a solver that
+    there is not, or a sea that cannot be: steeper than DNV-RP-C205 knows (unless its set says `steep_sea: allow`),
+    breaking, or without what it needs.
+    """
+    checkers: dict[str, _Checker] = {}
+    for case in cases:
+        if case.model not in checkers:
+            try:
+                checkers[case.model] = _Checker(load_model(case.model))
+            except ModelError as error:
+                raise cases.place(case.name, "model").error(f"model: {error}") from None
+        try:
+            checkers[case.model].check(case, cases.steep)
+        except _Wrong as wrong:
+            raise cases.place(case.name, wrong.path).error(f"case '{case.name}': {wrong}") from None
+    return {name: checker.model for name, checker in checkers.items()}
+
+
+class _Wrong(Exception):
+    """What is wrong, and the key or the path of the parameter."""
+
+    def __init__(self, path: str, message: str):
+        super().__init__(message)
+        self.path = path
+
+
+class _Checker:
+    """Checks the cases of one model. Cases that differ in numbers only share the model with their parameters."""
+
+    def __init__(self, model: Model):
+        self.model = model
+        self._changed: dict[str, Component] = {}
+        self._outputs: set[str] = set(model.outputs)
+
+    def check(self, case: Case, steep: frozenset[str]) -> None:
+        root = self._root(case)
+        for path, value in case.parameters.items():
+            _check_value(root, path, value)
+        for condition in CONDITIONS.values():
+            _check_needs(root, condition)
+        _check_sea(root, case.parameters, case.name in steep)
+        if case.solver is not None and case.solver not in SOLVERS:
+            raise _Wrong("solver", f"solver: '{case.solver}' is not {one_of(SOLVERS)}.")
+        for name in case.outputs or ():
+            self._check_output(name)
+
+    def _root(self, case: Case) -> Component:
+        """The parts with the parameters of a case, or of another one that differs from it in numbers only."""
+        kind = {path: None if _is_number(value) else value for path, value in case.parameters.items()}
+        key = json.dumps(kind, sort_keys=True)
+        if key not in self._changed:
+            try:
+                root = self.model.with_parameters(case.parameters).root if case.parameters else self.model.root
+            except ModelError as error:
+                message = str(error).removeprefix("set: ")
+                raise _Wrong(_about(message, case.parameters), message) from None
+            for path in case.parameters:
+                self._check_changeable(root, path)
+            self._changed[key] = root
+        return self._changed[key]
+
+    def _check_changeable(self, root: Component, path: str) -> None:
+        """Parameters with which a model is built are not those of a case."""
+        owner, _, name = path.rpartition(".")
+        part = root.find(owner)
+        why = part.parameters[name].why_structural
+        if why:
+            raise _Wrong(path, f"{path} is structural ({why}), and all cases of a model are runs of one that is built; "
+                               "set it in a model file of its own.")  # fmt: skip
+        family = part.family
+        if family is not None and name == family.selector and type(part) is not type(self.model.root.find(owner)):
+            own = family.own_equations(type(part))
+            if own:
+                raise _Wrong(path, f"{path}: the kind '{part.parameter_value(name)}' has equations of its own ({own}); "
+                                   "choose it in a model file of its own.")  # fmt: skip
+
+    def _check_output(self, name: str) -> None:
+        if name in self._outputs:
+            return
+        try:
+            check_variable(self.model.root, name, _NoPlace(), "outputs")
+        except ModelError as error:
+            hint = did_you_mean(name, self.model.outputs, list_up_to=0)
+            message = f"{error}" if hint == "." else f"outputs: there is no result '{name}'{hint}"
+            raise _Wrong("outputs", message) from None
+        self._outputs.add(name)
+
+
+class _NoPlace:
+    """Where an error is raised that gets its place later."""
+
+    @staticmethod
+    def error(message: str) -> ModelFileError:
+        return ModelFileError(message)
+
+
+def _about(message: str, parameters: Mapping[str, Any]) -> str:
+    """The path of the parameter that a message begins with, the longest that does."""
+    named = [path for path in parameters if re.match(rf"{re.escape(path)}\b", message)]
+    if named:
+        return max(named, key=len)
+    unknown = re.search(r"has no (?:parameter|part) '([^']*)'", message)
+    words = {unknown[1]} if unknown else set()
+    return next((path for path in parameters if words & set(path.split("."))), "")
+
+
+def _is_number(value: Any) -> bool:
+    if isinstance(value, bool):
+        return False
+    return isinstance(value, (int, float)) or (isinstance(value, str) and as_quantity(value) is not None)
+
+
+def _number(field: Parameter, path: str, value: Any) -> float:
+    try:
+        return float(to_si(value, field.unit))
+    except ModelError as error:
+        raise _Wrong(path, f"{path}: {error}") from None
+
+
+def _check_value(root: Component, path: str, value: Any) -> None:
+    """A number is within the bounds of its parameter."""
+    owner, _, name = path.rpartition(".")
+    field = root.find(owner).parameters[name]
+    if not _is_number(value) or field.annotation not in (*SHAPES, int, float):
+        return
+    number = _number(field, path, value)
+    unit = "" if field.unit == "1" else f" {field.unit}"
+    if field.annotation is int and not number.is_integer():
+        raise _Wrong(path, f"{path}: got {number:g}; a whole number is expected ({field.doc}).")
+    if not math.isfinite(number):
+        raise _Wrong(path, f"{path} = {number:g} is not a finite number ({field.doc}).")
+    low, high = field.min, field.max
+    if low is not None and number < low:
+        raise _Wrong(path, f"{path} = {number:g}{unit} is below its minimum {low:g}{unit} ({field.doc}).")
+    if high is not None and number > high:
+        raise _Wrong(path, f"{path} = {number:g}{unit} is above its maximum {high:g}{unit} ({field.doc}).")
+    if field.choices is not None and number not in field.choices:
+        raise _Wrong(path, f"{path} = {number:g} is not {one_of(map(str, field.choices))} ({field.doc}).")
+
+
+def _check_needs(root: Component, condition: Condition) -> None:
+    """The kind of wind or sea has what it cannot do without."""
+    part = root.parts.get(condition.part)
+    if part is None or condition.selector not in part.parameters:
+        return
+    name = part.parameter_value(condition.selector)
+    kind = condition.kinds.get(name)
+    for key in kind.keys.values() if kind else ():
+        if key.required and not (part.is_set(key.parameter) and part.parameter_value(key.parameter) not in (None, "")):
+            path = f"{condition.part}.{key.parameter}"
+            raise _Wrong(f"{condition.part}.{condition.selector}",
+                         f"{path} has no value; {condition.part} '{name}' needs it.")  # fmt: skip
+
+
+def _check_sea(root: Component, parameters: Mapping[str, Any], steep: bool) -> None:
+    """A sea that can be."""
+    condition = CONDITIONS["sea"]
+    sea, world = root.parts.get(condition.part), root.parts.get("world")
+    if sea is None or world is None:
+        return
+
+    def value(name: str) -> float | None:
+        path = f"{condition.part}.{name}"
+        if name not in sea.parameters:
+            return None
+        given = parameters.get(path, sea.parameter_value(name))
+        return None if given is None else _number(sea.parameters[name], path, given)
+
+    depth, gravity = (float(world.parameter_value(name)) for name in ("water_depth", "gravity"))
+    for of_height, of_period in (("significant_wave_height", "peak_period"), ("wave_height", "wave_period")):
+        height, period = value(of_height), value(of_period)
+        if height is None or period is None:
+            continue
+        if period <= 0:
+            path = f"{condition.part}.{of_period}"
+            raise _Wrong(path, f"{path} is {period:g} s; it must be above zero.")
+        message = _impossible(height, period, depth, gravity, of_height == "wave_height", steep)
+        if message:
+            raise _Wrong(f"{condition.part}.{of_height}", message)
+
+
+def _impossible(height: float, period: float, depth: float, gravity: float, regular: bool, steep: bool) -> str:
+    """Why a sea cannot be; empty for one that can."""
+    if height > HIGHEST * depth:
+        return (
+            f"waves of {height:.4g} m break in water {depth:.4g} m deep, where {HIGHEST:g} times the depth is the "
+            "limit (DNV-RP-C205, 3.4.6)."
+        )
+    highest = breaking_height(period, depth, gravity) if regular else steepest_sea(period, gravity)
+    if height <= highest:
+        return ""
+    if regular:
+        return (
+            f"a regular wave of {period:g} s breaks at {highest:.3g} m (Miche; DNV-RP-C205, 3.4.6), and this one has "
+            f"{height:.4g} m; take a lower or a longer one."
+        )
+    if steep:
+        return ""
+    return (
+        f"a sea of Hs {height:.4g} m and Tp {period:.4g} s is steeper than seas are: for this Tp Hs is at most "
+        f"{highest:.3g} m (DNV-RP-C205, 3.5.4). Take a lower or a longer one, or, where it is known to occur, write "
+        "'steep_sea: allow' in its set."
+    )
