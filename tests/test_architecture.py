@@ -312,6 +312,6 @@ def test_a_component_is_short():
         f"{place} has {own} lines of statements, {whole} with the functions that take it"
         for whole, own, place in lengths()
         if (own > LONGEST_COMPONENT and "MooringSystem" not in place)
-        or whole > LONGER.get(place.rsplit(" ")[-1], LONGEST_WITH_HELPERS)
+        or whole > LONGEST_WITH_HELPERS
     ]
     assert not long, "\n".join(long)
