@@ -21,6 +21,7 @@ from typing import NoReturn
 from fowtlib.cli import (
     cache,
     decay,
+    events,
     export,
     inspection,
     library,
@@ -37,7 +38,7 @@ from fowtlib.cli.files import declare_force
 from fowtlib.cli.report import write_report
 from fowtlib.language.errors import ModelError, did_you_mean
 
-GROUPS = (run, export, view, inspection, stability, decay, rao, rotor_table, wind_field, library, cache)
+GROUPS = (run, export, view, inspection, events, stability, decay, rao, rotor_table, wind_field, library, cache)
 
 
 class Formatter(argparse.RawDescriptionHelpFormatter):
