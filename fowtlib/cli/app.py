@@ -21,15 +21,24 @@ from typing import NoReturn
 from fowtlib.cli import (
     batch,
     cache,
+    cases,
+    compare,
+    contours,
     decay,
+    events,
     export,
+    extremes,
+    fatigue,
     inspection,
     library,
     loading,
+    loads,
+    maxima,
     rao,
     rotor_table,
     run,
     stability,
+    statistics,
     view,
     wind_field,
 )
@@ -38,7 +47,10 @@ from fowtlib.cli.files import declare_force
 from fowtlib.cli.report import write_report
 from fowtlib.language.errors import ModelError, did_you_mean
 
-GROUPS = (run, batch, export, view, inspection, stability, decay, rao, rotor_table, wind_field, library, cache)
+GROUPS = (
+    run, cases, batch, export, view, inspection, events, stability, decay, rao, statistics, maxima, loads, fatigue,
+    compare, rotor_table, wind_field, contours, extremes, library, cache,
+)  # fmt: skip
 
 
 class Formatter(argparse.RawDescriptionHelpFormatter):
