@@ -83,6 +83,7 @@ class Outcome:
     bytes: int | None = None
     files: dict[str, str] = field(default_factory=dict)
     statistics: dict[str, dict[str, Any]] = field(default_factory=dict)
+    evaluation: dict[str, Any] = field(default_factory=dict)
 
     def plain(self) -> dict[str, Any]:
         """In what JSON can hold."""
@@ -157,7 +158,7 @@ def _compute(job: Job, report: Report, told: dict[str, Any]) -> None:
         raise
     result = later if earlier is None else earlier.followed_by(later)
     told["simulated"] = float(result.time[-1])
-    told["statistics"] = statistics_of(result)
+    told["statistics"], told["evaluation"] = statistics_of(result)
     if job.result:
         path = result.save(job.result)
         told |= {"result": path.name, "bytes": path.stat().st_size}

@@ -23,6 +23,7 @@ LOCK = ".lock"
 VERSION = 1
 DUE, RUNNING, DONE, FAILED = STATES = ("due", "running", "done", "failed")
 _MARK = 0x666F7774  # "fowt": what SQLite calls the application of a file
+_PLAIN = ("files", "statistics", "evaluation")  # columns that hold JSON
 _PATIENCE = 30.0  # s to wait for another process that is reading or writing
 _TABLES = """
 CREATE TABLE about (key TEXT PRIMARY KEY, value TEXT NOT NULL);
@@ -31,7 +32,7 @@ CREATE TABLE cases (
     why TEXT NOT NULL DEFAULT '', message TEXT NOT NULL DEFAULT '', warnings TEXT NOT NULL DEFAULT '',
     seconds REAL, processor REAL, simulated REAL, began TEXT, ended TEXT, worker TEXT NOT NULL DEFAULT '',
     result TEXT NOT NULL DEFAULT '', bytes INTEGER, files TEXT NOT NULL DEFAULT '{}',
-    statistics TEXT NOT NULL DEFAULT '{}'
+    statistics TEXT NOT NULL DEFAULT '{}', evaluation TEXT NOT NULL DEFAULT '{}'
 );
 """
 
@@ -46,7 +47,8 @@ class Row:
 
     state: due, running, done or failed. why: a case that was done before is due again. message: what went wrong.
     seconds: of the clock, processor: of it that the case used [s]; simulated [s]. files: digest by path of all that the
-    result depends on besides the case. statistics: by output, its unit and numbers by name. result: the name of its
+    result depends on besides the case. statistics: by output, its unit and numbers by name. evaluation: what
+    concerns several outputs, see fowtlib.cases.statistics. result: the name of its
     file in the folder, "" where none is kept; bytes: its size.
     """
 
@@ -65,6 +67,7 @@ class Row:
     bytes: int | None = None
     files: Mapping[str, str] = field(default_factory=dict)
     statistics: Mapping[str, Mapping[str, Any]] = field(default_factory=dict)
+    evaluation: Mapping[str, Any] = field(default_factory=dict)
     digest: str = ""
 
     @property
@@ -149,15 +152,14 @@ class Registry:
 
     def _rows(self, where: str, *values: str) -> Iterator[Row]:
         columns = ("data", "state", "why", "message", "warnings", "seconds", "processor", "simulated", "began", "ended",
-                   "worker", "result", "bytes", "files", "statistics", "digest")  # fmt: skip
+                   "worker", "result", "bytes", "files", "statistics", "evaluation", "digest")  # fmt: skip
         query = f"SELECT {', '.join(columns)} FROM cases {where} ORDER BY place IS NULL, place, name"
         with self._sentences():
             found = self._base.execute(query, values).fetchall()
         for item in found:
             told = dict(zip(columns, item, strict=True))
             case = Case.from_plain(json.loads(told.pop("data")))
-            files, statistics = (json.loads(told.pop(key)) for key in ("files", "statistics"))
-            yield Row(case, **told, files=files, statistics=statistics)
+            yield Row(case, **{key: json.loads(value) if key in _PLAIN else value for key, value in told.items()})
 
     def plan(self, rows: Iterable[Row]) -> None:
         """These are the cases of the batch, in this order and these states; what else is known of them stays.
@@ -198,7 +200,7 @@ class Registry:
     def ended(self, name: str, state: str, outcome: Mapping[str, Any]) -> None:
         """A case is done or has failed; outcome: the other fields of a Row by name."""
         told = {"why": "", "message": "", "warnings": "", "ended": _now(), **outcome}
-        for key in ("files", "statistics"):
+        for key in _PLAIN:
             told[key] = _text(told.get(key, {}))
         with self._transaction() as base:
             columns = ", ".join(f"{key} = ?" for key in told)

@@ -1,39 +1,40 @@
-"""Statistics of one case, as plain data for the registry."""
+"""What the registry keeps of the results of one case, as plain data."""
 
 from __future__ import annotations
 
 from typing import TYPE_CHECKING, Any
 
-import numpy as np
+from fowtlib.analysis.case_statistics import case_statistics
+from fowtlib.analysis.fatigue import equivalent_loads
+from fowtlib.analysis.fatigue.loads import is_load
+from fowtlib.language.errors import ModelError
 
 if TYPE_CHECKING:
     from fowtlib.solving.results import Result
 
-_AT_ONCE = 2**22  # numbers that are worked on together, so that long results do not double the memory
+FEWEST_POINTS = 3
 
 
-def statistics_of(result: Result) -> dict[str, dict[str, Any]]:
-    """By output (vectors by element): unit, mean, std, min, max, rms, skewness and kurtosis (3 of a normal one).
+def statistics_of(result: Result) -> tuple[dict[str, dict[str, Any]], dict[str, Any]]:
+    """Statistics by output, and what concerns several of them: see `case_statistics`, whose "channels" they are.
 
-    Of all points of the result, with equal weights. Skewness and kurtosis of what does not change are nan.
+    The second also holds "equivalent_loads": of each force, moment and stress by exponent, at 1 Hz; and under
+    "refused", by output, why something could not be computed.
     """
-    columns = list(result.stored.columns())
-    size = max(1, _AT_ONCE // max(1, result.time.size))
-    told: dict[str, dict[str, Any]] = {}
-    for first in range(0, len(columns), size):
-        some = columns[first : first + size]
-        values = np.array([column for _, _, column in some])  # (outputs, points)
-        mean, low, high = values.mean(axis=1), values.min(axis=1), values.max(axis=1)
-        values -= mean[:, None]
-        squares = values * values
-        variance = squares.mean(axis=1)
-        third, fourth = (values * squares).mean(axis=1), (squares * squares).mean(axis=1)
-        still = variance <= (1e-12 * np.maximum(np.abs(low), np.abs(high))) ** 2
-        with np.errstate(invalid="ignore", divide="ignore"):
-            skewness = np.where(still, np.nan, third / variance**1.5)
-            kurtosis = np.where(still, np.nan, fourth / variance**2)
-        numbers = {"mean": mean, "std": np.sqrt(variance), "min": low, "max": high,
-                   "rms": np.sqrt(variance + mean**2), "skewness": skewness, "kurtosis": kurtosis}  # fmt: skip
-        for k, (name, unit, _) in enumerate(some):
-            told[name] = {"unit": unit, **{key: float(array[k]) for key, array in numbers.items()}}
-    return told
+    if result.time.size < FEWEST_POINTS:
+        points = "statistics take 3 points of time or more"
+        return {}, {"points": int(result.time.size), "refused": dict.fromkeys(result.names, points)}
+    rest = case_statistics(result)
+    channels = rest.pop("channels")
+    rest["equivalent_loads"] = {}
+    for name in channels:
+        try:
+            found = equivalent_loads(result, names=[name]) if is_load(channels[name]["unit"]) else {}
+        except ModelError as error:
+            rest["refused"][name] = str(error)
+            continue
+        rest["equivalent_loads"] |= {
+            key: {f"{exponent:g}": load for exponent, load in loads.items()} for key, loads in found.items()
+        }
+    return channels, rest
+

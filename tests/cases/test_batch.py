@@ -102,11 +102,22 @@ def test_skewness_and_kurtosis_are_those_of_scipy():
 
     values = np.random.default_rng(1).gamma(2.0, size=4000)
     time = np.arange(4000.0)
-    told = statistics_of(fw.Result(time, {"x": values, "still": np.full(4000, 3.7)}, {"x": "m"}))
+    told, _ = statistics_of(fw.Result(time, {"x": values, "still": np.full(4000, 3.7)}, {"x": "m"}))
     assert told["x"]["skewness"] == pytest.approx(skew(values)) and told["x"]["unit"] == "m"
     assert told["x"]["kurtosis"] == pytest.approx(kurtosis(values, fisher=False))
     assert told["x"]["rms"] == pytest.approx(np.sqrt(np.mean(values**2)))
-    assert np.isnan(told["still"]["skewness"]) and told["still"]["std"] < 1e-14
+    assert told["still"]["skewness"] is None and told["still"]["std"] < 1e-12  # rounding
+
+
+def test_equivalent_loads_and_values_at_extremes_are_kept():
+    time = np.linspace(0.0, 100.0, 10001)
+    load, other = np.sin(2 * np.pi * time), np.cos(2 * np.pi * time)
+    channels, rest = statistics_of(fw.Result(time, {"load": load, "other": other}, {"load": "kN m", "other": "m"}))
+    assert list(rest["equivalent_loads"]) == ["load"]
+    assert rest["equivalent_loads"]["load"]["4"] == pytest.approx(2.0, rel=0.01)  # the range of a sine at 1 Hz
+    assert rest["at_extremes"]["max"][0] == pytest.approx([1.0, 0.0], abs=0.4) and channels["load"]["max"] <= 1.0
+    few, why = statistics_of(fw.Result(time[:2], {"load": load[:2]}, {"load": "kN m"}))
+    assert few == {} and "3 points" in why["refused"]["load"]
 
 
 @pytest.mark.parametrize(
