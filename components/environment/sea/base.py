@@ -84,6 +84,10 @@ class Sea(Component, selector="spectrum", shared=("signal", "loads", "velocity",
             return float(self.heading)
         return float(self.misalignment + the_wind(self, "misalignment").parameter_value("direction"))
 
+    def in_the_mean(self) -> dict[str, Any]:
+        """Still water."""
+        return {"spectrum": "still", "heading": 0.0, "build_up": 0.0}
+
     def longest_run(self) -> float:
         """Duration [s] after which the waves are not new any more; infinite where they need not be."""
         return math.inf
@@ -123,14 +127,11 @@ class Sea(Component, selector="spectrum", shared=("signal", "loads", "velocity",
 
     def velocity(self, points: ArrayLike) -> ca.SX:
         """Velocity of the water (p x 3, world) at fixed `points` (p, 3) [m] with z <= 0; zero above the water level."""
-        return self._kinematics("velocity", points, "m/s")
+        return _kinematics(self, "velocity", points, "m/s")
 
     def acceleration(self, points: ArrayLike) -> ca.SX:
         """Local acceleration of the water (p x 3, world) at fixed `points` (p, 3) [m]; zero above the water level."""
-        return self._kinematics("acceleration", points, "m/s^2")
-
-    def _kinematics(self, what: str, points: ArrayLike, unit: str) -> ca.SX:
-        return _kinematics(self, what, np.atleast_2d(np.array(points, dtype=float)), unit)
+        return _kinematics(self, "acceleration", points, "m/s^2")
 
     def given(self, name: str) -> Any:
         """The value of a parameter that this kind of sea cannot do without."""
@@ -156,7 +157,8 @@ def _water(sea: Sea) -> shapes.Water:
     return shapes.Water(sea.world.water_depth, *harmonics, heading=waves.heading, build_up=sea.build_up)
 
 
-def _kinematics(sea: Sea, what: str, places: np.ndarray, unit: str) -> ca.SX:
+def _kinematics(sea: Sea, what: str, points: ArrayLike, unit: str) -> ca.SX:
+    places = np.atleast_2d(np.array(points, dtype=float))
     count = len(places)
 
     def transfer(waves: WaveComponents) -> np.ndarray:
@@ -180,4 +182,4 @@ def _standing(part: Component, path: str) -> Any:
 def _series(waves: WaveComponents, table: np.ndarray, build_up: float) -> Series:
     if len(waves) <= CLOSED_FORM:
         return Series.harmonics(waves.omega, waves.complex_amplitude[:, None] * table, build_up=build_up)
-    return Series.samples(waves.series(table), waves.period / waves.samples, periodic=True, build_up=build_up)
+    return Series.fourier(waves.spectrum(table), waves.samples, waves.period / waves.samples, build_up=build_up)

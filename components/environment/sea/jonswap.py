@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from fowtlib.components.environment.sea.base import Sea
-from fowtlib.components.environment.waves import WaveComponents, irregular_waves, jonswap
+from fowtlib.components.environment.waves import WaveComponents, irregular_waves, jonswap, steepest_sea
 from fowtlib.language import Number, param
 
 _realisation = lru_cache(maxsize=8)(irregular_waves)
@@ -51,7 +51,7 @@ class JonswapSea(Sea, kind="jonswap"):
     def warn(self) -> None:
         """Of a sea steeper than DNV-RP-C205 knows, 3.5.4."""
         height, period = self.state()
-        highest = self.world.gravity * period**2 / (2 * np.pi) * np.interp(period, [8, 15], [1 / 15, 1 / 25])
+        highest = steepest_sea(period, self.world.gravity)
         if height > highest:
             warnings.warn(
                 f"{self.label}: Hs {height:.3g} m is too steep a sea for Tp {period:g} s, where {highest:.2g} m is the "

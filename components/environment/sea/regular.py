@@ -7,7 +7,7 @@ import warnings
 import numpy as np
 
 from fowtlib.components.environment.sea.base import Sea
-from fowtlib.components.environment.waves import WaveComponents, regular_waves
+from fowtlib.components.environment.waves import WaveComponents, breaking_height, regular_waves
 from fowtlib.language import Number, param
 
 
@@ -30,9 +30,8 @@ class RegularWaves(Sea, kind="regular"):
     def warn(self) -> None:
         """Of waves higher than Miche's limit, 0.142 L tanh(k h)."""
         waves, (height, _) = self.components(), self.wave()
-        k = float(waves.wave_number[0])
-        length = 2 * np.pi / k
-        highest = 0.142 * length * np.tanh(k * waves.depth)
+        length = 2 * np.pi / float(waves.wave_number[0])
+        highest = breaking_height(waves.period, waves.depth, self.world.gravity)
         if height > highest:
             warnings.warn(
                 f"{self.label}: a wave {length:.3g} m long breaks at {highest:.2g} m, and has {height:.3g} m here; "

@@ -1,4 +1,4 @@
-"""The short language of `--wind` and `--waves`: KIND[:VALUE][,key=value...], and of `--set`: path=value.
+"""The short language of wind and waves: KIND[:VALUE][,key=value...], and of `--set`: path=value.
 
 `kaimal:11.4,class=B,seed=1` and `jonswap:Hs=6,Tp=10,seed=1` become values of the parameters of the model's parts `wind`
 and `sea`. Numbers are in SI, headings in degrees; a number may carry a unit ("Tp=0.2 min").
@@ -29,14 +29,14 @@ class Key:
     required: bool = False
     choices: tuple[str, ...] = ()
 
-    def read(self, text: str, where: str) -> Any:
-        """The value that `text` stands for."""
+    def read(self, text: str, where: str, folder: Path = Path()) -> Any:
+        """The value that `text` stands for; relative paths of files begin at `folder`."""
         if self.choices and text not in self.choices:
             raise ParameterError(f"{where}: '{text}' is not {one_of(self.choices)}.")
         if self.unit == "":
             return text
         if self.unit == "path":
-            return str(Path(text).expanduser().resolve())
+            return str((folder / Path(text).expanduser()).resolve())
         if self.unit == "#":
             if not text.isdecimal():
                 raise ParameterError(f"{where}: '{text}' is not a whole number.")
@@ -86,8 +86,8 @@ class Condition:
         inner = inner.replace("[,", "[", 1) if inner.startswith("[,") else inner
         return f"{name}:{inner}" if inner else name
 
-    def parse(self, text: str) -> dict[str, Any]:
-        """Values by parameter path."""
+    def parse(self, text: str, folder: Path = Path()) -> dict[str, Any]:
+        """Values by parameter path; relative paths of files begin at `folder`."""
         name, _, rest = text.partition(":")
         name = name.strip()
         if name not in self.kinds:
@@ -104,7 +104,8 @@ class Condition:
             raise ParameterError(f"{self.option}: '{name}' needs {one_of(missing, 'and')}; write {self.form(name)}")
         values = {f"{self.part}.{self.selector}": name}
         for key, word in words.items():
-            values[f"{self.part}.{kind.keys[key].parameter}"] = kind.keys[key].read(word, f"{self.option}: {key}")
+            item = kind.keys[key]
+            values[f"{self.part}.{item.parameter}"] = item.read(word, f"{self.option}: {key}", folder)
         return values
 
     def _words(self, name: str, kind: Kind, rest: str) -> dict[str, str]:

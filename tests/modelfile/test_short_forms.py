@@ -7,9 +7,9 @@ from pathlib import Path
 
 import pytest
 
-from fowtlib.cli.conditions import WAVES, WIND, settings
 from fowtlib.components.environment import Sea, Wind
 from fowtlib.language.errors import ModelError
+from fowtlib.modelfile.short_forms import WAVES, WIND, settings
 
 
 @pytest.mark.parametrize(
