@@ -6,6 +6,7 @@ Dynamics of Marine Structures, chapter 10. A Gaussian process has c = 2, b = mea
 
 from __future__ import annotations
 
+import warnings
 from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, Self
@@ -157,7 +158,7 @@ def fit_rates(
 
     Levels whose lower bound is not above 0 are left out. For given b and c the best ln q and a follow from a linear
     regression, so that two numbers are searched for: b between the lowest value of the record and the threshold, c
-    between 0.5 and 5. start: b and c, for the search.
+    between 0.5 and 5, with a warning at 0.5. start: b and c, for the search.
     """
     from scipy.optimize import least_squares
 
@@ -189,6 +190,12 @@ def fit_rates(
          for z in tries), key=lambda one: one.cost)  # fmt: skip
     b, c = map(float, found.x)
     log_q, slope, _ = regression(b, c)
+    if start is None and c <= _SMALLEST_POWER * (1.0 + 1e-6):
+        warnings.warn(
+            f"{name or 'the series'}: the power c of the tail lies at its least, {c:g}: the rates fall more and more "
+            "slowly, as of a mixture of two processes. Choose a threshold further out.",
+            stacklevel=3,
+        )
     if not slope > 0.0:
         raise ModelError(f"{name or 'the series'}: the rates do not fall beyond {rates.levels[0]:g}; there is no tail.")
     return CrossingTail(float(np.exp(log_q)), float(slope / size**c), sign * b, c, float(rates.levels[0]),

@@ -203,6 +203,14 @@ def test_exact_rates_give_their_parameters_back():
     assert (fit.b, fit.c) == pytest.approx((2.0, 1.6), rel=0.01)
 
 
+def test_a_tail_that_bends_outward_is_said():
+    """A mixture of a calm process and rare storms falls more and more slowly."""
+    levels = np.linspace(3.0, 12.0, 40)
+    counts = 1e6 * (np.exp(-(levels**2) / 2) + 1e-3 * np.exp(-(levels**2) / 200))
+    with pytest.warns(UserWarning, match="surge: the power c of the tail lies at its least, 0.5"):
+        fit_rates(CrossingRates(levels, np.tile(counts, (10, 1)), np.full(10, 1e6), -4.0), name="surge")
+
+
 # -- peaks over a threshold -------------------------------------------------------------------------------------------
 
 
