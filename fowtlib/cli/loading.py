@@ -9,16 +9,15 @@ from collections.abc import Mapping
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from fowtlib.cli.conditions import WAVES, WIND, Condition, settings
 from fowtlib.cli.weather import weather
 from fowtlib.language import leave
 from fowtlib.language.errors import ModelError, ParameterError
+from fowtlib.modelfile.short_forms import WAVES, WIND, Condition, settings
 
 if TYPE_CHECKING:
     from fowtlib import Model
 
-CONSTANT_WIND = ("none", "steady", "input")
-MEASURED_WIND = ("file", "field")  # the mean is that of the data
+CONSTANT_WIND = ("none", "steady", "nwp", "ewm_steady", "input")
 
 
 def declare(parser: argparse.ArgumentParser, *, wind: bool = True, waves: bool = True, runs: bool = True) -> None:
@@ -37,6 +36,11 @@ def declare(parser: argparse.ArgumentParser, *, wind: bool = True, waves: bool =
         default=[],
         help="set a parameter, for example --set platform.hull.mass='7500 t'; may be repeated",
     )
+    declare_leave(parser, runs)
+
+
+def declare_leave(parser: argparse.ArgumentParser, runs: bool = True) -> None:
+    """Add what the model file may do; runs: also `--trust`."""
     parser.add_argument(
         "--allow-python", action="store_true", help="run the Python files that the model file names (`python:`)"
     )
@@ -114,15 +118,9 @@ def in_the_mean(model: Model) -> Model:
 
 def mean_conditions(model: Model) -> dict[str, Any]:
     """Parameters of still water, and of steady wind of the mean speed of the model's own."""
-    values: dict[str, Any] = {}
-    if WAVES.part in model.root.parts:
-        values |= WAVES.parse("still")
-    wind = model.root.parts.get(WIND.part)
-    if wind is not None and wind.kind not in CONSTANT_WIND:
-        values["wind.kind"] = "steady"
-        if wind.kind in MEASURED_WIND:
-            values["wind.mean_speed"] = float(wind.mean_at(0))
-    return values
+    from fowtlib.solving.starts import mean_values
+
+    return mean_values(model.root)
 
 
 def _require_part(model: Model, condition: Condition) -> None:

@@ -34,6 +34,7 @@ from fowtlib.language.declarations import (
 from fowtlib.language.equations import active
 from fowtlib.language.errors import NotFoundError, ParameterError, StructureError, did_you_mean, one_of
 from fowtlib.language.families import Family
+from fowtlib.language.offered import OfferedEvent, event
 from fowtlib.language.shapes import Drawing
 from fowtlib.language.units import check_si, to_si
 
@@ -74,7 +75,8 @@ class UnknownAttribute(NotFoundError, AttributeError):
     """A name that a component does not have."""
 
 
-@dataclass_transform(kw_only_default=True, field_specifiers=(param, data, port, var, outer))  # a part has a default
+# no part(): a part has a default
+@dataclass_transform(kw_only_default=True, field_specifiers=(param, data, port, var, outer, event))
 class Component(Composite):
     """A class of model parts: parameters, ports, variables, `equations()`.
 
@@ -88,6 +90,7 @@ class Component(Composite):
     declared_parts: dict[str, Part] = {}
     part_arrays: dict[str, PartArray] = {}
     outers: dict[str, Outer] = {}
+    offered_events: dict[str, OfferedEvent] = {}
 
     family: Family | None = None
 
@@ -408,10 +411,17 @@ class Component(Composite):
             raise AttributeError(name)
         if name in self.__dict__.get("_declared", {}):
             return self._declared[name].__get__(self)
-        known = [*parts, *self.parameters, *self.ports, *self.variables]
+        known = [*parts, *self.parameters, *self.ports, *self.variables, *self.offered_events]
         raise UnknownAttribute(
             f"{self.label} has no part, port, parameter or variable '{name}'{did_you_mean(name, known)}"
         )
+
+    def in_the_mean(self) -> dict[str, Any]:
+        """Parameters of its own by name, bound or tunable, with which what it does in time stands still at its mean.
+
+        A run that starts from a mean state starts from that of these; see solving.starts.
+        """
+        return {}
 
     # --- names ---------------------------------------------------------------------------------------------------
 
@@ -451,7 +461,7 @@ class Component(Composite):
 
 _TABLES: dict[type, str] = {
     Parameter: "parameters", Port: "ports", Variable: "variables", Part: "declared_parts", Outer: "outers",
-    PartArray: "part_arrays",
+    PartArray: "part_arrays", OfferedEvent: "offered_events",
 }  # fmt: skip
 
 

@@ -12,7 +12,8 @@ from scipy.signal import welch
 from fowtlib.components.environment import field_generator
 from fowtlib.components.environment.field_generator import generate_field
 from fowtlib.components.environment.field_spectra import PlaneCoherence, band_variance, spectra
-from fowtlib.components.environment.turbulence import coherence, kaimal, normal_turbulence
+from fowtlib.components.environment.iec import normal_turbulence
+from fowtlib.components.environment.turbulence import coherence, kaimal
 from fowtlib.language import ModelError
 
 V = 12.0
@@ -159,10 +160,19 @@ def test_seeds(tmp_path, monkeypatch):
     generate_field(paths[0], seed=5, **SMALL)
     generate_field(paths[1], seed=6, **SMALL)
     monkeypatch.setattr(field_generator, "BLOCK", 20_000)  # blocks of one point and one harmonic give the same field
+    monkeypatch.setattr(field_generator, "KEPT", 0)  # and series that are made twice
     generate_field(paths[2], seed=5, **SMALL)
     stored = [field_generator.read_field(path).stored.astype(int) for path in paths]
     assert np.abs(stored[0] - stored[2]).max() <= 1  # rounding of the sums
     assert np.abs(stored[0] - stored[1]).max() > 1000
+
+
+def test_a_seed_is_one_field_for_ever(tmp_path):
+    """Speeds of the first version that had seeds; a field that is made again is the one of the results that exist."""
+    field = generate_field(tmp_path / "a.bts", seed=5, lateral_coherence="iec", **SMALL)
+    found = field.speeds(field.plane)[[0, 100, 700], [0, 2, 3], [0, 4, 2]]
+    wanted = [[11.6754, -1.3470, 0.2329], [11.4305, -2.8142, 0.0357], [15.1626, -2.5099, -0.0708]]
+    np.testing.assert_allclose(found, wanted, atol=5e-4)
 
 
 def test_class_or_intensity(tmp_path):
@@ -184,7 +194,7 @@ def test_class_or_intensity(tmp_path):
         ({"columns": 400, "rows": 400}, "400 x 400 points, expected 1 to 20000."),
         ({"width": 0}, "width and height of the grid must be positive."),
         ({"duration": 1}, "8 time steps of 0.125 s, expected 16 or more."),
-        ({"turbulence_class": "D"}, "turbulence_class 'D' is not one of A, B, C."),
+        ({"turbulence_class": "D"}, "turbulence_class 'D' is not one of A+, A, B, C."),
         ({"seed": -1}, "seed and turbulence_intensity begin at 0."),
         ({"lateral_coherence": "all"}, "lateral_coherence 'all' is not one of none, iec."),
     ],
