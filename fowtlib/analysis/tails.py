@@ -7,6 +7,7 @@ Dynamics of Marine Structures, chapter 10. A Gaussian process has c = 2, b = mea
 from __future__ import annotations
 
 import warnings
+from collections.abc import Mapping
 from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, Self
@@ -17,7 +18,7 @@ from fowtlib.analysis.crossings import count_up_crossings
 from fowtlib.analysis.maximum import Maximum, checked_sample, sign_of
 from fowtlib.analysis.peaks import THRESHOLD
 from fowtlib.analysis.series import as_records
-from fowtlib.language.errors import ModelError
+from fowtlib.language.errors import ModelError, did_you_mean
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -126,6 +127,28 @@ def crossing_rates(
             counts.append(count_up_crossings(part[first : last + 1], heights))
             spans.append(record.time[last] - record.time[first])
     return CrossingRates(sign * heights, np.array(counts), np.array(spans), float(together.min()))
+
+
+def rates_of_case(
+    told: Mapping[str, Any], name: str, *, side: str = "max", threshold: float = THRESHOLD
+) -> CrossingRates:
+    """Rates of a channel from the output of `case_statistics`, `threshold` standard deviations off the mean and beyond.
+
+    One record in one piece, so that the rates are as certain as Poisson's law says.
+    """
+    sign = sign_of(side)
+    if name not in told["channels"]:
+        why = told.get("refused", {}).get(name)
+        raise ModelError(f"{name}: {why}" if why else
+                         f"the statistics have no channel '{name}'{did_you_mean(name, told['channels'])}")  # fmt: skip
+    row = told["channels"][name]
+    step, counts = row["crossings"]["step"], row["crossings"]["above" if sign > 0 else "below"]
+    first = int(np.ceil(threshold / step - 1e-9))
+    if len(counts) <= first:
+        raise ModelError(f"{name}: nothing lies beyond {threshold:g} standard deviations.")
+    levels = row["mean"] + sign * row["std"] * step * np.arange(first, len(counts))
+    lowest = sign * row["min" if sign > 0 else "max"]
+    return CrossingRates(levels, np.array([counts[first:]]), np.array([told["last"] - told["first"]]), lowest)
 
 
 def fit_crossings(

@@ -8,11 +8,14 @@ from hypothesis import given
 from hypothesis import strategies as st
 from scipy import stats
 
+from fowtlib.analysis.case_statistics import case_statistics
 from fowtlib.analysis.extremes import GaussianMaximum, Gumbel, block_maxima, fit_gumbel, gaussian_maximum
 from fowtlib.analysis.peaks import Peaks, PeakTail, fit_peaks, peaks
 from fowtlib.analysis.series import Series
-from fowtlib.analysis.tails import CrossingRates, CrossingTail, crossing_rates, fit_crossings, fit_rates
+from fowtlib.analysis.statistics import up_crossings
+from fowtlib.analysis.tails import CrossingRates, CrossingTail, crossing_rates, fit_crossings, fit_rates, rates_of_case
 from fowtlib.language.errors import ModelError
+from fowtlib.solving.results import Result
 
 HOUR = 3600.0
 # Annual maxima of the sea level at Port Pirie, 1923-1987, m: Coles (2001), example 1.1, also in R's package ismev.
@@ -188,6 +191,22 @@ def test_crossing_rates_of_a_gaussian_process_have_its_tail():
     bounds = fit.bounds(100 * HOUR, count=40)
     assert bounds.low < EXACT.return_value(100 * HOUR) < bounds.high
     assert bounds.high - bounds.low < 2.0
+
+
+def test_the_statistics_of_a_case_hold_its_rates():
+    """A fit from them is the fit from the series at the same levels."""
+    time, values = gaussian(5, 10 * HOUR)
+    told = case_statistics(Result(time, {"pitch": values}, {"pitch": "deg"}))
+    for side, exact in (("max", EXACT.return_value(10 * HOUR)), ("min", 4.0 - EXACT.return_value(10 * HOUR))):
+        rates = rates_of_case(told, "pitch", side=side)
+        sign = 1 if side == "max" else -1
+        counted = [up_crossings((time, sign * values), level=sign * level).count for level in rates.levels]
+        assert rates.counts.tolist() == [counted]
+        assert abs(rates.levels[0] - values.mean()) == pytest.approx(1.4 * values.std())
+        assert fit_rates(rates, side=side).return_value(10 * HOUR) == pytest.approx(exact, abs=0.07 * 13.8)
+    for name, words in (("roll", "no channel 'roll'"), ("pitch", "nothing lies beyond 9 standard")):
+        with pytest.raises(ModelError, match=words):
+            rates_of_case(told, name, threshold=9.0)
 
 
 def test_exact_rates_give_their_parameters_back():
