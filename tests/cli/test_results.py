@@ -69,6 +69,16 @@ def test_what_is_not_finite_is_said(capsys):
     assert "bad: b is left out: the value at 7 s is not a finite number." in capsys.readouterr().err
 
 
+def test_what_not_every_result_has_is_said(capsys):
+    Result(TIME, {"surge": TIME, "extra": TIME}, UNITS).save("more.nc")
+    (row,) = printed(capsys, "statistics", "seed_0.nc", "more.nc")
+    assert row["result"] == "surge"
+    assert main(["statistics", "seed_0.nc", "more.nc"]) == 0
+    assert "left out, because not every result has them: M, extra, thrust" in capsys.readouterr().err
+    assert main(["statistics", "seed_0.nc", "other.csv"]) == 2
+    assert "these results have no series in common" in capsys.readouterr().err
+
+
 def test_maxima(capsys):
     seeds = [f"seed_{i}.nc" for i in range(3)]
     rows = {row["method"]: row for row in printed(capsys, "maxima", *seeds, "--of", "surge", "--block", "200", *FEW)}
