@@ -131,7 +131,7 @@ def test_the_mean_of_a_kind_of_ones_own_and_of_a_part_of_a_run(plant):
 @pytest.mark.parametrize(
     ("word", "told"),
     [
-        ("fast", "start: 'fast' is not 'equilibrium', 'turning', 'rest' or 'file', nor a file of a result"),
+        ("fast", "start: 'fast' is not 'equilibrium', 'turning', 'stationary', 'rest' or 'file', nor a file"),
         ("absent.nc", "absent.nc: there is no such file"),
         (7, "start: 7 is no State, no Result, no start values by path and no word"),
     ],
