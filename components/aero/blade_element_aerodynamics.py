@@ -135,6 +135,10 @@ class BladeElementAerodynamics(RotorLoads):
     towers: list[TowerPotentialFlow] = outer(TowerPotentialFlow, many=True)
     disk_wind: RealOutput = port(unit="m/s", shape=(3,), doc="wind averaged over the nodes, world")
 
+    def disk_diameter(self) -> float:
+        """Of the disk [m]."""
+        return 2 * float(self.tip_radius)
+
     def build(self):
         if self.dynamic_inflow and self.hub_radius is not None:
             b = self.rotor.blade

@@ -105,6 +105,10 @@ class CoefficientRotor(HubWind):
     thrust_coefficient: Scalar = var(doc="C_t")
     torque_coefficient: Scalar = var(doc="C_q")
 
+    def disk_diameter(self) -> float:
+        """Of the disk [m]."""
+        return float(2 * self.parameter_value("radius") * np.cos(self.parameter_value("precone")))
+
     def drawing(self) -> Drawing:
         angles = (self.parameter_value(name) for name in ("tilt", "precone"))
         return outlines.typical_rotor(self, self.parameter_value("radius"), *angles)

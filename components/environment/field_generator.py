@@ -36,7 +36,8 @@ from fowtlib.components.environment.field_file import (
     scale,
 )
 from fowtlib.components.environment.field_spectra import PlaneCoherence, band_variance
-from fowtlib.components.environment.turbulence import coherence, normal_turbulence, power_law
+from fowtlib.components.environment.iec import TURBULENCE_CLASSES, normal_turbulence
+from fowtlib.components.environment.turbulence import coherence, power_law
 from fowtlib.language.errors import ParameterError
 from fowtlib.language.whole_files import write_whole
 
@@ -72,9 +73,9 @@ def generate_field(
     """Write a turbulent wind field to `path` (.bts) and open it.
 
     mean_speed V [m/s] at hub_height [m], power law with shear_exponent; sigma_1 by the normal turbulence model of class
-    A, B or C, or turbulence_intensity V. The grid is `width` x `height` [m], of columns x rows points, about y = 0; it
-    is centred at the hub unless the lowest row is to be at `bottom` [m]. For several rotors make it as wide as all of
-    them and their motion. The field repeats itself after `duration` [s], in steps of `time_step` [s].
+    A+, A, B or C, or turbulence_intensity V. The grid is `width` x `height` [m], of columns x rows points, about y = 0;
+    it is centred at the hub unless the lowest row is to be at `bottom` [m]. For several rotors make it as wide as all
+    of them and their motion. The field repeats itself after `duration` [s], in steps of `time_step` [s].
     spectrum: "kaimal" or "von_karman"; lateral_coherence: "none" or "iec", see the module. A seed gives one field.
     progress is told the part of the work that is done, and 1. The file appears, or is replaced, when it is complete.
     """
@@ -196,8 +197,8 @@ def _check(path: str | Path, grid: FieldGrid, turbulence_class: str, lateral_coh
         )
     elif not grid.dt > 0 or grid.steps < 16:
         problem = f"{grid.steps} time steps of {grid.dt:g} s, expected 16 or more"
-    elif turbulence_class not in ("A", "B", "C"):
-        problem = f"turbulence_class '{turbulence_class}' is not one of A, B, C"
+    elif turbulence_class not in TURBULENCE_CLASSES:
+        problem = f"turbulence_class '{turbulence_class}' is not one of {', '.join(TURBULENCE_CLASSES)}"
     elif lateral_coherence not in ("none", "iec"):
         problem = f"lateral_coherence '{lateral_coherence}' is not one of none, iec"
     if problem:

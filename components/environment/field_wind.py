@@ -26,8 +26,11 @@ from fowtlib.language.errors import ParameterError
 from fowtlib.language.externals import with_interface
 from fowtlib.language.native import compiler, open_library
 
-SHARED = ("field", "time", "base", "fluctuation", "shear_exponent", "direction", "height")
+SHARED = ("field", "time", "base", "fluctuation", "shear_exponent", "direction", "up", "across", "height", "side")
 """Inputs of the function that all points share."""
+
+SLOPES = slice(1, 8)
+"""Those by which there are derivatives: time to across."""
 
 LOWEST_HEIGHT = 1e-3  # of the station's: below, and under water, the power law keeps its value; as in full_field.c
 
@@ -110,9 +113,11 @@ def wind_function(points: int) -> ExternalFunction:
     """External function of the velocities u, v, w [m/s] at points, world; the same for all kinds of wind.
 
     Its inputs: the handle of a field, or 0; time [s]; base and fluctuation [m/s] of a station, shear_exponent,
-    direction [rad] and height [m] of the station; the positions x, y, z [m] of each point, world. Over a station it
-    blows along the direction with base (z/height)^shear_exponent + fluctuation; in a field with its velocities, turned
-    by the direction. Beyond the edge of a field it keeps the value of the edge, so that an iteration may look there.
+    direction [rad], gradients up and across [1/s], height and side (z and y [m]) of the station; the positions x, y, z
+    [m] of each point, world. Over a station it blows along the direction with
+    base (z/height)^shear_exponent + fluctuation + up (z - height) + across (y' - side), y' along the turned y axis; in
+    a field with its velocities, turned by the direction. Beyond the edge of a field it keeps the value of the edge, so
+    that an iteration may look there.
     """
     return _function(points, compiler())
 
@@ -148,18 +153,19 @@ def _function(points: int, command: tuple[str, ...]) -> ExternalFunction:
 
 
 def _sparsity(points: int) -> ca.Sparsity:
-    """Of the Jacobian: nothing by handle and height, everything by what else is shared, a point by its coordinates."""
-    n = 3 * points
+    """Of the Jacobian: nothing by handle and station, everything by what else is shared, a point by its coordinates."""
+    n, full = 3 * points, SLOPES.stop - SLOPES.start
     own = np.repeat(np.arange(n).reshape(points, 3), 3, axis=0).ravel().tolist()
-    starts = [0, *range(0, 5 * n + 1, n), 5 * n, *range(5 * n + 3, 8 * n + 1, 3)]
-    return ca.Sparsity(n, len(SHARED) + n, starts, [*range(n)] * 5 + own)
+    without = [full * n] * (len(SHARED) - SLOPES.stop)
+    starts = [0, *range(0, full * n + 1, n), *without, *range(full * n + 3, (full + 3) * n + 1, 3)]
+    return ca.Sparsity(n, len(SHARED) + n, starts, [*range(n)] * full + own)
 
 
 def _twin_values(column: np.ndarray, points: int) -> tuple[np.ndarray, np.ndarray]:
     """Velocities and Jacobian in NumPy."""
-    handle, time, base, fluctuation, shear, direction, height = column[: len(SHARED)]
+    handle, time, base, fluctuation, shear, direction, up, across, height, side = column[: len(SHARED)]
     r, c, s = column[len(SHARED) :].reshape(points, 3), math.cos(direction), math.sin(direction)
-    by_shared, own = np.zeros((5, points, 3)), np.zeros((points, 3, 3))  # time, base, fluctuation, shear, direction
+    by_shared, own = np.zeros((SLOPES.stop - SLOPES.start, points, 3)), np.zeros((points, 3, 3))
     if handle:
         world = np.array([[c, -s, 0], [s, c, 0], [0, 0, 1]])  # from the axes of the field
         places = r @ world
@@ -174,13 +180,17 @@ def _twin_values(column: np.ndarray, points: int) -> tuple[np.ndarray, np.ndarra
         along, given = np.array([c, s, 0.0]), r[:, 2] / height
         level = np.fmax(given, LOWEST_HEIGHT)
         power = level**shear
-        values = (base * power + fluctuation)[:, None] * along
+        above, beside = r[:, 2] - height, c * r[:, 1] - s * r[:, 0] - side
+        values = (base * power + fluctuation + (up * above + across * beside))[:, None] * along
         by_shared[1:4] = np.stack([power, np.ones(points), base * power * np.log(level)])[:, :, None] * along
         by_shared[4] = np.column_stack([-values[:, 1], values[:, 0], 0 * values[:, 0]])
+        by_shared[4] -= across * (r @ along)[:, None] * along
+        by_shared[5:7] = np.stack([above, beside])[:, :, None] * along
         upwards = np.where(given > LOWEST_HEIGHT, base * shear * power / (level * height), 0.0)
-        own[:, :, 2] = upwards[:, None] * along
+        own[:, :, 2] = (upwards + up)[:, None] * along
+        own[:, :, :2] = across * np.outer(along, [-s, c])
     matrix = np.zeros((points, 3, len(SHARED) + 3 * points))
-    matrix[:, :, 1:6] = np.moveaxis(by_shared, 0, 2)
+    matrix[:, :, SLOPES] = np.moveaxis(by_shared, 0, 2)
     for i in range(points):
         first = len(SHARED) + 3 * i
         matrix[i, :, first : first + 3] = own[i]

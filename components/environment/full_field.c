@@ -6,8 +6,9 @@
    Then wind and jac_wind can be called.
 
    Input: see `Input`, then x, y, z [m] of each point, world. Output: the velocity of each point [m/s], world. With the
-   handle 0 it blows along `direction` with base (z / height)^shear + fluctuation; with another it is that of the field,
-   whose x axis is turned by `direction` about z, and base, fluctuation, shear and height are not looked at. The Jacobian
+   handle 0 it blows along `direction` with base (z / height)^shear + fluctuation + up (z - height) + across (y' - side),
+   y' along the y axis turned by `direction`; with another it is that of the field, whose x axis is turned by `direction`
+   about z, and base, fluctuation, shear, up, across, height and side are not looked at. The Jacobian
    is sparse: a point depends on its own three coordinates and on what all share. Below the plane of a field the points
    of its tower serve, linear in z, whatever y is. Beyond the edge the value of the edge is returned; the caller checks
    the range. Where a file cannot be read, or has changed since it was made known, a call returns 1, and wind_problem()
@@ -33,8 +34,9 @@
 #include <sys/stat.h>
 #include <sys/types.h>
 
-/* What stands in front of the positions: handle, time [s], speeds [m/s], exponent, angle [rad], height [m]. */
-enum Input { FILE_NUMBER, TIME, BASE, FLUCTUATION, SHEAR, DIRECTION, HEIGHT, PLACES };
+/* What stands in front of the positions: handle, time [s], speeds [m/s], exponent, angle [rad], gradients [1/s], and z and
+   y of the station [m]. */
+enum Input { FILE_NUMBER, TIME, BASE, FLUCTUATION, SHEAR, DIRECTION, UP, ACROSS, HEIGHT, SIDE, PLACES };
 
 enum { FIELD_POINTS = OUTPUTS / 3, HEADER = 70, PERIODIC = 8, ENDING = 7 };
 enum { BLOCKS = 32, BLOCK_BYTES = 1 << 18 };
@@ -476,38 +478,44 @@ static void turned(double c, double s, const double *from, double *to) {
 
 static void over_station(const double *in, double *out) {
     const double c = cos(in[DIRECTION]), s = sin(in[DIRECTION]);
-    for (int p = 0; p < FIELD_POINTS; p++, out += 3) {
-        const double height = fmax(in[PLACES + 3 * p + 2] / in[HEIGHT], LOWEST);
-        const double speed = in[BASE] * pow(height, in[SHEAR]) + in[FLUCTUATION];
+    const double *r = in + PLACES;
+    for (int p = 0; p < FIELD_POINTS; p++, out += 3, r += 3) {
+        const double height = fmax(r[2] / in[HEIGHT], LOWEST), y = c * r[1] - s * r[0];
+        const double power_law = in[BASE] * pow(height, in[SHEAR]) + in[FLUCTUATION];
+        const double speed = power_law + (in[UP] * (r[2] - in[HEIGHT]) + in[ACROSS] * (y - in[SIDE]));
         out[0] = speed * c, out[1] = speed * s, out[2] = 0;
     }
 }
 
 /* What the derivatives by all that is shared are: a column each, then those of every point by its own coordinates. */
 typedef struct {
-    double *time, *base, *fluctuation, *shear, *direction, *own;
+    double *time, *base, *fluctuation, *shear, *direction, *up, *across, *own;
 } Columns;
 
 static Columns columns_of(double *entries) {
-    double *at[6];
-    for (int i = 0; i < 6; i++) at[i] = entries + i * OUTPUTS;
-    return (Columns){at[0], at[1], at[2], at[3], at[4], at[5]};
+    double *at[8];
+    for (int i = 0; i < 8; i++) at[i] = entries + i * OUTPUTS;
+    return (Columns){at[0], at[1], at[2], at[3], at[4], at[5], at[6], at[7]};
 }
 
 static void slopes_over_station(const double *in, Columns by) {
-    const double along[2] = {cos(in[DIRECTION]), sin(in[DIRECTION])};
-    for (int p = 0; p < FIELD_POINTS; p++) {
-        const double given = in[PLACES + 3 * p + 2] / in[HEIGHT], height = fmax(given, LOWEST);
-        const double power = pow(height, in[SHEAR]), speed = in[BASE] * power + in[FLUCTUATION];
+    const double along[2] = {cos(in[DIRECTION]), sin(in[DIRECTION])}, *r = in + PLACES;
+    for (int p = 0; p < FIELD_POINTS; p++, r += 3) {
+        const double given = r[2] / in[HEIGHT], height = fmax(given, LOWEST), power = pow(height, in[SHEAR]);
+        const double above = r[2] - in[HEIGHT], beside = along[0] * r[1] - along[1] * r[0] - in[SIDE];
+        const double linear = in[UP] * above + in[ACROSS] * beside;
+        const double speed = in[BASE] * power + in[FLUCTUATION] + linear;
+        const double turning = -in[ACROSS] * (along[0] * r[0] + along[1] * r[1]); /* of y' */
         const double upwards = given > LOWEST ? in[BASE] * in[SHEAR] * power / (height * in[HEIGHT]) : 0;
         const double bending = in[BASE] * power * log(height);
         for (int i = 0; i < 3; i++) {
             const double a = i < 2 ? along[i] : 0;
             by.time[3 * p + i] = 0, by.base[3 * p + i] = power * a, by.fluctuation[3 * p + i] = a;
             by.shear[3 * p + i] = bending * a;
-            by.direction[3 * p + i] = i == 0 ? -speed * along[1] : i == 1 ? speed * along[0] : 0;
-            by.own[9 * p + i] = by.own[9 * p + 3 + i] = 0;
-            by.own[9 * p + 6 + i] = isnan(given) ? given : upwards * a;
+            by.direction[3 * p + i] = (i == 0 ? -speed * along[1] : i == 1 ? speed * along[0] : 0) + turning * a;
+            by.up[3 * p + i] = above * a, by.across[3 * p + i] = beside * a;
+            by.own[9 * p + i] = -in[ACROSS] * along[1] * a, by.own[9 * p + 3 + i] = in[ACROSS] * along[0] * a;
+            by.own[9 * p + 6 + i] = isnan(given) ? given : (upwards + in[UP]) * a;
         }
     }
 }
@@ -530,6 +538,7 @@ static int in_field(const double *in, double *out, double *entries) {
                : derivatives(&look, in[TIME], places, out, by.time, by.own, 4))
         return 1;
     memset(by.base, 0, 3 * OUTPUTS * sizeof *entries); /* base, fluctuation, shear: side by side */
+    memset(by.up, 0, 2 * OUTPUTS * sizeof *entries); /* up, across */
     for (int p = 0; p < FIELD_POINTS; p++) {
         double *own = by.own + 9 * p, *v = out + 3 * p, *turning = by.direction + 3 * p;
         const double *r = places + 3 * p;

@@ -1,4 +1,4 @@
-"""Longitudinal wind at hub points: IEC 61400-1 turbulence, gust, shear, and series from a file. Plain numpy.
+"""Longitudinal wind at hub points: turbulence of IEC 61400-1 and shear. Plain numpy.
 
 One series of the longitudinal speed stands for the wind over a whole rotor (no rotational sampling, no lateral or
 vertical component). Series at several stations (the hubs) carry the Kaimal spectrum each and the exponential coherence
@@ -18,8 +18,8 @@ series stays below sigma. Lost fraction of the variance, see `lost_variance` (V 
 A harmonic above 0.5 Hz is not coherent over more than a few metres, so no rotor feels it as one; the part below 1/T
 moves the mean of the record and belongs to the choice of mean speed.
 
-Sources: IEC 61400-1 ed. 3 (2005), 6.3.1.3 (normal turbulence model), 6.3.2.2 (extreme operating gust), annex B.2
-(Kaimal spectrum, coherence); P.S. Veers, SAND88-0152 (1988).
+Sources: IEC 61400-1 ed. 3 (2005), annex B.2 (Kaimal spectrum, coherence), the same in annex C of ed. 4 (2019); P.S.
+Veers, SAND88-0152 (1988). How strong the turbulence is: module iec.
 """
 
 from __future__ import annotations
@@ -29,26 +29,13 @@ from collections.abc import Sequence
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from fowtlib.components.environment.iec import turbulence_scale
 from fowtlib.components.environment.wind_file import WindSeries
 from fowtlib.language.errors import ParameterError
 
 MOST_SAMPLES = 4_000_000  # of a period of turbulence: 11 days at 4 Hz
-REFERENCE_INTENSITY = {"A": 0.16, "B": 0.14, "C": 0.12}  # expected intensity at 15 m/s, IEC 61400-1 ed. 3, table 1
 
 Floats = NDArray[np.float64]
-
-
-def normal_turbulence(mean_speed: float, turbulence_class: str = "B") -> float:
-    """Standard deviation sigma_1 [m/s] of the longitudinal speed, normal turbulence model: Iref (0.75 V + 5.6 m/s).
-
-    This is the 90 % quantile for the mean speed V [m/s] at hub height. Classes A, B, C: Iref = 0.16, 0.14, 0.12.
-    """
-    return REFERENCE_INTENSITY[turbulence_class] * (0.75 * mean_speed + 5.6)
-
-
-def turbulence_scale(height: float) -> float:
-    """Scale parameter Lambda_1 [m] at hub height: 0.7 z up to 60 m, 42 m above."""
-    return 0.7 * min(height, 60.0)
 
 
 def kaimal(frequency: ArrayLike, mean_speed: float, sigma: float, height: float = 90.0) -> Floats:
@@ -88,24 +75,6 @@ def coherence(frequency: ArrayLike, distance: ArrayLike, mean_speed: float, heig
 def power_law(speed: float, reference_height: float, height: ArrayLike, exponent: float) -> Floats:
     """Mean speed [m/s] at `height` z [m] from `speed` at `reference_height`: V (z / z_ref)^exponent."""
     return speed * (np.asarray(height, dtype=float) / reference_height) ** exponent
-
-
-def operating_gust(
-    mean_speed: float,
-    turbulence_class: str = "B",
-    rotor_diameter: float = 126.0,
-    height: float = 90.0,
-    reference_speed: float = 50.0,
-) -> float:
-    """Gust magnitude V_gust [m/s] of the extreme operating gust, IEC 61400-1 ed. 3, (17).
-
-    The smaller of 1.35 (V_e1 - V) and 3.3 sigma_1 / (1 + 0.1 D / Lambda_1), with V_e1 = 0.8 * 1.4 V_ref at hub height;
-    V_ref [m/s] is 50, 42.5, 37.5 for wind classes I, II, III.
-    """
-    yearly = 0.8 * 1.4 * reference_speed
-    sigma = normal_turbulence(mean_speed, turbulence_class)
-    gust = min(1.35 * (yearly - mean_speed), 3.3 * sigma / (1 + 0.1 * rotor_diameter / turbulence_scale(height)))
-    return max(gust, 0.0)
 
 
 def kaimal_series(

@@ -236,6 +236,20 @@ def still_water(depth: float, heading: float = 0.0) -> WaveComponents:
     return WaveComponents(none, none, none, none, heading, math.inf, depth)
 
 
+def steepest_sea(peak_period: float, gravity: float = GRAVITY) -> float:
+    """Highest Hs [m] for a peak period [s]: the limits of steepness 2 pi Hs/(g Tp^2) of DNV-RP-C205 (2010), 3.5.4.
+
+    1/15 up to 8 s, 1/25 from 15 s on, linear between.
+    """
+    return float(gravity * peak_period**2 / (2 * np.pi) * np.interp(peak_period, [8, 15], [1 / 15, 1 / 25]))
+
+
+def breaking_height(period: float, depth: float, gravity: float = GRAVITY) -> float:
+    """Height [m] at which a regular wave breaks: 0.142 L tanh(2 pi d/L), Miche; DNV-RP-C205 (2010), 3.4.6.1."""
+    k = float(wave_number(np.array([2 * np.pi / period]), depth, gravity)[0])
+    return float(0.142 * 2 * np.pi / k * np.tanh(k * depth))
+
+
 def regular_waves(
     height: float, period: float, depth: float, *, heading: float = 0.0, gravity: float = GRAVITY
 ) -> WaveComponents:

@@ -2,11 +2,13 @@
 
 from __future__ import annotations
 
+import numpy as np
+
 from fowtlib.components.environment.world import World
 from fowtlib.components.mechanics.connectors import Frame
 from fowtlib.components.mooring import catenary
+from fowtlib.components.mooring.lost_line import LosableLine
 from fowtlib.language import (
-    Component,
     Scalar,
     Vector,
     assert_,
@@ -26,7 +28,7 @@ LEVEL = 0.01
 """Height [m] above or below the seabed up to which an end of a line lies on it."""
 
 
-class CatenaryLine(Component):
+class CatenaryLine(LosableLine):
     """Quasi-static elastic catenary from an anchor to a fairlead: taut, slack, on the seabed, lifted or in mid-water.
 
     Equations: fowtlib.components.mooring.catenary (Jonkman, NREL/TP-500-41958, 2007, section 2.6, and lines that touch
@@ -38,7 +40,7 @@ class CatenaryLine(Component):
     and friction is left out. No line dynamics, current or bending. A slack line hangs vertically, its excess lies on
     the seabed, and it warns. Errors: an end below the seabed; a stretch beyond greatest_strain, up to which EA is taken
     as constant; a line that would float at the surface. Warnings: half of greatest_strain; a tension above the breaking
-    load, where one is given.
+    load, where one is given. A line may be lost.
     """
 
     length: Scalar = param(unit="m", min=0, doc="unstretched length")
@@ -70,10 +72,11 @@ class CatenaryLine(Component):
     rise: Scalar = var(unit="m", doc="height of the fairlead above the anchor")
 
     def equations(self):
-        fairlead, reach = self.fairlead, self.fairlead.r - self.anchor.r
+        fairlead, reach, there = self.fairlead, self.fairlead.r - self.anchor.r, self.intact
+        apart, rise = self.reach(self.distance, self.rise)
         force, aside, _ = catenary.scales(self, m)
         lateral, plan = catenary.lateral_stiffness(self.coordinate, self, m), m.vertcat(reach[0], reach[1])
-        H, V, spanned = lateral * self.distance, self.lift * force, m.sqrt(self.distance**2 + (aside / lateral) ** 2)
+        H, V, spanned = lateral * apart, self.lift * force, m.sqrt(apart**2 + (aside / lateral) ** 2)
         line = catenary.state(lateral * spanned, V, self, m)
         left = 1 - m.fmin(line.held, 1)  # of the horizontal tension, at the anchor
         return [
@@ -82,14 +85,14 @@ class CatenaryLine(Component):
             eq(self.distance, m.smooth_norm(plan, 1e-5 * self.length)),
             eq(self.rise, reach[2]),
             eq(line.grounded + lateral * spanned * line.flexibility, spanned),
-            eq(line.height, self.rise),
-            eq(self.horizontal_tension, H),
-            eq(self.vertical_tension, V),
-            eq(self.tension, m.sqrt(H**2 + V**2)),
-            eq(self.anchor_tension, m.sqrt((H * left) ** 2 + line.anchor**2)),
-            eq(self.seabed_length, line.grounded),
-            [eq(fairlead.f, m.vertcat(lateral * plan, V)), eq(fairlead.t, m.zeros(3))],
-            _hold_anchor(self, m.vertcat(-lateral * left * plan, -line.anchor)),
+            eq(line.height, rise),
+            eq(self.horizontal_tension, there * H),
+            eq(self.vertical_tension, there * V),
+            eq(self.tension, there * m.sqrt(H**2 + V**2)),
+            eq(self.anchor_tension, there * m.sqrt((H * left) ** 2 + line.anchor**2)),
+            [eq(self.seabed_length, line.grounded), self.when_lost(apart, rise)],
+            [eq(fairlead.f, there * m.vertcat(lateral * plan, V)), eq(fairlead.t, m.zeros(3))],
+            _hold_anchor(self, there * m.vertcat(-lateral * left * plan, -line.anchor)),
             *_limits(self, line.anchor),
         ]
 
@@ -98,13 +101,20 @@ class CatenaryLine(Component):
 
         def form(at):
             line = catenary.Line(length, at["weight"][0], *more, at["clearance"][..., None])  # weight: always the same
-            return catenary.profile_between(at["anchor"], at["fairlead"], at["H"], at["V"], line, points=31)
+            return _profile(at["anchor"], at["fairlead"], at["H"], at["V"], line)
 
-        scalars = {"H": "horizontal_tension", "V": "vertical_tension", "weight": "weight",
-                   "clearance": "clearance"}  # fmt: skip
+        scalars = {"H": "horizontal_tension", "V": "vertical_tension", **{k: k for k in ("weight", "clearance")}}
         of = {key: join(self.path, name) for key, name in scalars.items()}
         diameter = self.parameter_value("diameter")
         return [shapes.Curve({**of, "anchor": self.anchor, "fairlead": self.fairlead}, form, diameter or None)]
+
+
+def _profile(anchor, fairlead, H, V, line):
+    """Points along a line; of one that is lost, at its anchor."""
+    lost = ((H == 0) & (V == 0))[..., None, None]
+    with np.errstate(invalid="ignore", divide="ignore"):
+        points = catenary.profile_between(anchor, fairlead, H, V, line, points=31)
+    return np.where(lost, np.asarray(anchor)[..., None, :], points)
 
 
 def _start(line):
@@ -117,7 +127,8 @@ def _start(line):
 def _limits(line, V_anchor):
     """What the equations hold for."""
     depth, anchor, fairlead = line.world.water_depth, line.anchor.r[2], line.fairlead.r[2]
-    strain, least = m.fmax(line.tension, line.anchor_tension) / line.axial_stiffness, catenary.scales(line, m)[2]
+    strain = m.fmax(line.tension, line.anchor_tension) / line.axial_stiffness
+    least = line.intact * catenary.scales(line, m)[2]
     # a line that floats is an arch, where it pulls up at both ends
     peak = (m.sqrt(line.horizontal_tension**2 + V_anchor**2) - line.horizontal_tension) / m.fmax(-line.weight, 1e-9)
     arched = m.if_else(line.weight < 0, m.fmin(V_anchor, -line.vertical_tension), 0) > 0

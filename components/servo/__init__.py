@@ -4,6 +4,7 @@ from fowtlib.components.servo.baseline import BaselineController
 from fowtlib.components.servo.bladed import BladedController
 from fowtlib.components.servo.generator import Generator
 from fowtlib.components.servo.pitch_controller import FLOATING_GAINS, ONSHORE_GAINS, PitchController
+from fowtlib.components.servo.safety_system import SafetySystem
 from fowtlib.components.servo.sampled import SampledPitchController, SampledTorqueController
 from fowtlib.components.servo.torque_controller import TorqueController
 from fowtlib.components.servo.torque_law import TorqueLaw, torque_of
@@ -16,6 +17,7 @@ __all__ = [
     "BladedController",
     "Generator",
     "PitchController",
+    "SafetySystem",
     "SampledPitchController",
     "SampledTorqueController",
     "TorqueController",

@@ -4,11 +4,10 @@ from __future__ import annotations
 
 import math
 
-from fowtlib.components.mechanics import TwoFrames
 from fowtlib.components.mechanics.rotations import axis_rotation, unit_axis
+from fowtlib.components.turbine.drive_faults import FaultyDrive
 from fowtlib.language import (
     Number,
-    RealInput,
     RealOutput,
     Scalar,
     Vector,
@@ -26,7 +25,7 @@ from fowtlib.language import (
 from fowtlib.language import math as m
 
 
-class ActuatedBearing(TwoFrames):
+class ActuatedBearing(FaultyDrive):
     """frame_b turns about the axis n of frame_a as a drive of second order follows its command.
 
     angle'' + 2 damping_ratio w0 angle' + w0^2 angle = w0^2 command, w0 = 2 pi natural_frequency. The motion does not
@@ -46,7 +45,6 @@ class ActuatedBearing(TwoFrames):
     damping_ratio: Scalar = param(default=0.02, min=0, doc="damping ratio of the drive")
     rate_limit: Number = param(default=None, unit="rad/s", min=1e-9, doc="greatest rate; without it there is no limit")
 
-    command: RealInput = port(unit="rad", default=0.0, doc="commanded angle")
     angle: RealOutput = port(unit="rad", doc="angle")
     torque: RealOutput = port(unit="N*m", doc="torque of the drive on frame_b")
 
@@ -76,11 +74,12 @@ class ActuatedBearing(TwoFrames):
     def equations(self):
         a, b, n = self.frame_a, self.frame_b, unit_axis(self.n)
         w0 = 2 * math.pi * self.natural_frequency
-        wanted = w0 * (w0 * (self.command - self.phi) - 2 * self.damping_ratio * self.w)
+        wanted = w0 * (w0 * (self.commanded() - self.phi) - 2 * self.damping_ratio * self.w)
         return [
             eq(der(self.phi), self.w),
             eq(der(self.w), wanted if self.rate_limit is None else (1 - self.limited**2) * wanted),
             [] if self.rate_limit is None else self.limit(wanted, w0**2),
+            self.faults([] if self.rate_limit is None else [assign(self.limited, 0)]),
             [initial(self.phi, self.command), initial(self.w, 0)],
             eq(b.r, a.r),
             rotation(a, b, axis_rotation(n, self.phi), n * self.w),

@@ -126,6 +126,7 @@ class Drivetrain(Component):
 
     shaft: Flange = port(doc="low speed shaft")
     generator_torque: RealInput = port(unit="N*m", default=0.0, doc="electromagnetic torque, positive when it brakes")
+    brake: RealInput = port(unit="N*m", default=0.0, doc="torque of a brake on the high speed shaft")
     generator_speed: RealOutput = port(unit="rad/s", doc="generator speed")
     generator_power: RealOutput = port(unit="W", doc="electrical power")
 
@@ -137,6 +138,7 @@ class Drivetrain(Component):
         for a, b in (
             (self.shaft, self.torsion.flange_b), (self.torsion.flange_a, self.gear.flange_b),
             (self.gear.flange_a, self.generator.shaft), (self.generator_torque, self.generator.torque),
+            (self.brake, self.generator.brake),
             (self.generator.speed, self.generator_speed), (self.generator.power, self.generator_power),
         ):  # fmt: skip
             self.connect(a, b)

@@ -2,23 +2,29 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
+
 from fowtlib.components.aero import CoefficientRotor, outlines
 from fowtlib.components.environment.wind import Wind
 from fowtlib.components.environment.world import World
 from fowtlib.components.mechanics import Frame, IdealGear, RigidBody
-from fowtlib.components.servo import BaselineController, Generator, TurbineController
+from fowtlib.components.servo import BaselineController, Generator, SafetySystem, TurbineController
 from fowtlib.components.turbine.operating_point import SteadyTurbine
 from fowtlib.components.turbine.start import controlled, give_default, start_point, unknown_start
 from fowtlib.language import Component, Matrix, RealInput, RealOutput, Scalar, Vector, eq, outer, param, part, port
 from fowtlib.language.shapes import Drawing
 
 
+def _start_of(name: str) -> Callable[[RotorNacelle], float]:
+    return lambda turbine: getattr(start_point(turbine, turbine.rotor.station), name)
+
+
 class RotorNacelle(Component):
     """A turbine above its tower: rotor, gear, generator, controller, and the mass of rotor and nacelle as one body.
 
-    Give the parts `rotor` and `control` with their own parameters. The inertia about the shaft belongs to the rotor,
-    `inertia` is the rest. The simulation starts at the steady operating point in the mean wind of the rotor's station,
-    unless start values are given; without wind the rotor stands still.
+    Give the parts `rotor` and `control` with their own parameters; `safety` offers shutdowns as events. The inertia
+    about the shaft belongs to the rotor, `inertia` is the rest. The simulation starts at the steady operating point in
+    the mean wind of the rotor's station, unless start values are given; without wind the rotor stands still.
     """
 
     mass: Scalar = param(unit="kg", min=0, doc="mass of rotor and nacelle")
@@ -29,12 +35,8 @@ class RotorNacelle(Component):
     gear_ratio: Scalar = param(min=0, doc="generator speed over rotor speed")
     generator_inertia: Scalar = param(unit="kg*m^2", min=0, doc="moment of inertia about the high speed shaft")
     generator_efficiency: Scalar = param(default=1.0, min=0, max=1, doc="electrical over mechanical power")
-    rotor_speed_start: Scalar = param(
-        default=lambda self: start_point(self, self.rotor.station).rotor_speed, unit="rad/s", doc="initial rotor speed"
-    )
-    blade_pitch_start: Scalar = param(
-        default=lambda self: start_point(self, self.rotor.station).blade_pitch, unit="rad", doc="initial blade pitch"
-    )
+    rotor_speed_start: Scalar = param(default=_start_of("rotor_speed"), unit="rad/s", doc="initial rotor speed")
+    blade_pitch_start: Scalar = param(default=_start_of("blade_pitch"), unit="rad", doc="initial blade pitch")
 
     world: World = outer(World)
     wind: Wind = outer(Wind)
@@ -51,25 +53,26 @@ class RotorNacelle(Component):
 
     rotor: CoefficientRotor = part(CoefficientRotor)
     control: TurbineController = part(BaselineController)
+    safety: SafetySystem = part(SafetySystem)
     gear: IdealGear = part(IdealGear, ratio=gear_ratio)
     generator: Generator = part(Generator, inertia=generator_inertia, efficiency=generator_efficiency)
     body: RigidBody = part(RigidBody, mass=mass, inertia=inertia, r_cm=centre_of_mass)
 
     def build(self):
-        rotor, control, generator = self.rotor, self.control, self.generator
+        rotor, control, generator, safety = self.rotor, self.control, self.generator, self.safety
         for a, b in (
-            (self.frame, rotor.frame), (self.frame, self.body.frame_a),
-            (rotor.shaft, self.gear.flange_b), (self.gear.flange_a, generator.shaft),
-            (generator.speed, control.generator_speed), (generator.speed, self.generator_speed),
-            (control.blade_pitch, rotor.blade_pitch), (control.blade_pitch, self.blade_pitch),
-            (control.generator_torque, generator.torque), (control.generator_torque, self.generator_torque),
+            (self.frame, rotor.frame), (self.frame, self.body.frame_a), (rotor.shaft, self.gear.flange_b),
+            (self.gear.flange_a, generator.shaft), *safety.around(control, generator.speed),
+            (generator.speed, self.generator_speed), (safety.brake.torque, generator.brake),
+            (safety.pitch.output, rotor.blade_pitch), (safety.pitch.output, self.blade_pitch),
+            (safety.generator.output, generator.torque), (safety.generator.output, self.generator_torque),
             (generator.power, self.generator_power), (rotor.aero_power, self.aero_power), (rotor.thrust, self.thrust),
         ):  # fmt: skip
             self.connect(a, b)
         if "yaw" in control.ports:
             self.connect(self.yaw, control.yaw)
         give_default(rotor, "w_start", self.rotor_speed_start)
-        give_default(control, "pitch_start", self.blade_pitch_start)
+        give_default(control, "pitch_start", self.blade_pitch_start * (1 - safety.idling))
         give_default(control, "speed_start", self.gear_ratio * self.rotor_speed_start)
 
     @property

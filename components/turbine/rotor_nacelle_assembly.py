@@ -51,6 +51,7 @@ class RotorNacelleAssembly(BladeDamping):
     blade_pitch: RealInput = port(unit="rad", default=0.0, doc="commanded pitch of all blades")
     individual_pitch: RealInput = port(size="blades", unit="rad", default=0.0, doc="to be added for each blade")
     generator_torque: RealInput = port(unit="N*m", default=0.0, doc="electromagnetic torque")
+    brake: RealInput = port(unit="N*m", default=0.0, doc="torque of a brake on the high speed shaft")
     yaw_command: RealInput = port(unit="rad", default=0.0, doc="commanded yaw angle of the nacelle")
     pitch_demand: RealOutput = port(size="blades", unit="rad", doc="commanded pitch of each blade")
     out_of_plane: RealOutput = port(size="blades", unit="m", doc="displacement of each tip, downwind")
@@ -76,7 +77,7 @@ class RotorNacelleAssembly(BladeDamping):
         for a, b in (
             (self.frame, self.nacelle.frame_a), (self.nacelle.hub, self.hub.frame),
             (self.nacelle.shaft, self.drivetrain.shaft), (self.yaw_command, self.nacelle.yaw_command),
-            (self.generator_torque, self.drivetrain.generator_torque),
+            (self.generator_torque, self.drivetrain.generator_torque), (self.brake, self.drivetrain.brake),
         ):  # fmt: skip
             self.connect(a, b)
         for k, blade in enumerate(self.rotor_blades):

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import fields
+from dataclasses import fields, replace
 from functools import lru_cache
 from math import cos
 from typing import TYPE_CHECKING, Any, Protocol
@@ -22,6 +22,7 @@ class InTheWind(Protocol):
 
     wind: Wind
     label: str
+    parts: dict[str, Component]
 
     @property
     def carrier(self) -> tuple[Component, str]:
@@ -35,8 +36,11 @@ def start_point(turbine: InTheWind, station: int) -> OperatingPoint:
     """Steady operation in the mean wind of the rotor's station, as far as it blows along the shaft.
 
     The shaft is turned as joints, links and a constant yaw command turn it at the start; see heading_at_start.
-    Standstill without wind, and in wind from the side or behind.
+    Standstill without wind, in wind from the side or behind, and at feather where it is idling.
     """
+    safety = turbine.parts.get("safety")
+    if safety is not None and safety.parameter_value("idling"):
+        return replace(STANDSTILL, blade_pitch=safety.parameter_value("feather_pitch"))
     wind = turbine.wind
     mean = wind.mean_at(station)  # refuses a station that does not exist
     along = mean * cos(wind.parameter_value("direction") - heading_at_start(*turbine.carrier))

@@ -17,7 +17,7 @@ from fowtlib.components.aero import (
 from fowtlib.components.environment.wind import Wind
 from fowtlib.components.environment.world import World
 from fowtlib.components.mechanics import Frame
-from fowtlib.components.servo import BaselineController, TurbineController
+from fowtlib.components.servo import BaselineController, SafetySystem, TurbineController
 from fowtlib.components.turbine.operating_point import SteadyTurbine
 from fowtlib.components.turbine.rotor_nacelle_assembly import RotorNacelleAssembly
 from fowtlib.components.turbine.start import controlled, give_default, start_point
@@ -32,9 +32,10 @@ def _start_of(name: str) -> Callable[[Turbine], float]:
 class Turbine(Component):
     """A turbine above its tower: flexible or rigid blades in the wind by blade-element momentum theory, and control.
 
-    Give the parts `assembly`, `aerodynamics` and `control` with their own parameters; blades, rotation and hub radius
-    are those of the assembly. The simulation starts at the steady operating point in the mean wind of the rotor's
-    station with unbent blades, unless start values are given; without wind the rotor stands still.
+    Give the parts `assembly`, `aerodynamics` and `control` with their own parameters (`safety` offers shutdowns as
+    events); blades, rotation and hub radius are those of the assembly. The simulation starts at the steady operating
+    point in the mean wind of the rotor's station with unbent blades, unless start values are given; without wind the
+    rotor stands still.
     """
 
     rotor_speed_start: Scalar = param(default=_start_of("rotor_speed"), unit="rad/s", doc="initial rotor speed")
@@ -58,26 +59,28 @@ class Turbine(Component):
     assembly: RotorNacelleAssembly = part(RotorNacelleAssembly)
     aerodynamics: BladeElementAerodynamics = part(BladeElementAerodynamics)
     control: TurbineController = part(BaselineController)
+    safety: SafetySystem = part(SafetySystem)
 
     def build(self):
-        body, air, control = self.assembly, self.aerodynamics, self.control
+        body, air, control, safety = self.assembly, self.aerodynamics, self.control, self.safety
         air.blades, air.rotation, air.hub_radius = body.blades, body.rotation, float(body.hub.radius)
         body.node_points = node_points(air.rotor.blade, body.rotation)
         for a, b in (
             (self.frame, body.frame), (body.nacelle.hub, air.hub), (self.yaw_command, body.yaw_command),
-            (body.drivetrain.generator_speed, control.generator_speed), (self.yaw, control.yaw),
+            *safety.around(control, body.drivetrain.generator_speed), (self.yaw, control.yaw),
             (body.drivetrain.generator_speed, self.generator_speed),
             (body.drivetrain.generator_power, self.generator_power), (body.nacelle.azimuth, self.azimuth),
-            (body.nacelle.rotor_speed, self.rotor_speed), (control.blade_pitch, body.blade_pitch),
-            (control.blade_pitch, self.blade_pitch), (control.generator_torque, body.generator_torque),
-            (control.generator_torque, self.generator_torque), (air.aero_power, self.aero_power),
-            (air.thrust, self.thrust),
+            (body.nacelle.rotor_speed, self.rotor_speed), (safety.pitch.output, body.blade_pitch),
+            (safety.pitch.output, self.blade_pitch), (safety.generator.output, body.generator_torque),
+            (safety.generator.output, self.generator_torque), (safety.brake.torque, body.brake),
+            (air.aero_power, self.aero_power), (air.thrust, self.thrust),
         ):  # fmt: skip
             self.connect(a, b)
         for k in range(body.n_nodes):
             self.connect(body.nodes[k], air.nodes[k])
         for component, name, value in (
-            (body, "rotor_speed_start", self.rotor_speed_start), (control, "pitch_start", self.blade_pitch_start),
+            (body, "rotor_speed_start", self.rotor_speed_start),
+            (control, "pitch_start", self.blade_pitch_start * (1 - safety.idling)),
             (control, "speed_start", body.drivetrain.gear_ratio * self.rotor_speed_start),
         ):  # fmt: skip
             give_default(component, name, value)

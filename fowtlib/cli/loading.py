@@ -9,15 +9,15 @@ from collections.abc import Mapping
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from fowtlib.cli.conditions import WAVES, WIND, Condition, settings
 from fowtlib.cli.weather import weather
 from fowtlib.language import leave
 from fowtlib.language.errors import ModelError, ParameterError
+from fowtlib.modelfile.short_forms import WAVES, WIND, Condition, settings
 
 if TYPE_CHECKING:
     from fowtlib import Model
 
-CONSTANT_WIND = ("none", "steady", "input")
+CONSTANT_WIND = ("none", "steady", "nwp", "ewm_steady", "input")
 
 
 def declare(parser: argparse.ArgumentParser, *, wind: bool = True, waves: bool = True, runs: bool = True) -> None:
@@ -36,6 +36,11 @@ def declare(parser: argparse.ArgumentParser, *, wind: bool = True, waves: bool =
         default=[],
         help="set a parameter, for example --set platform.hull.mass='7500 t'; may be repeated",
     )
+    declare_leave(parser, runs)
+
+
+def declare_leave(parser: argparse.ArgumentParser, runs: bool = True) -> None:
+    """Add what the model file may do; runs: also `--trust`."""
     parser.add_argument(
         "--allow-python", action="store_true", help="run the Python files that the model file names (`python:`)"
     )

@@ -11,7 +11,7 @@ import math
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from fowtlib.cli.conditions import WAVES, WIND, Condition, Key, Kind
+from fowtlib.modelfile.short_forms import WAVES, WIND, Condition, Key, Kind
 
 if TYPE_CHECKING:
     from fowtlib import Model

@@ -21,6 +21,7 @@ from fowtlib.flattening.flat_dae import (
     Event,
     External,
     FlatDAE,
+    Offer,
     Operator,
     Quantity,
     SampledUpdate,
@@ -31,6 +32,7 @@ from fowtlib.flattening.instances import Instances, Statements
 from fowtlib.flattening.orientations import resolve_orientations
 from fowtlib.flattening.system import System, element_names, residuals, scalars, with_names
 from fowtlib.language.component import Component
+from fowtlib.language.declarations import join
 from fowtlib.language.equations import place
 from fowtlib.language.errors import StructureError
 
@@ -140,6 +142,8 @@ class _Flattening:
         for _, when in statements.when:
             slots.append((when, "condition"))
             slots += [(action, name) for action in when.actions for name in ("target", "value")]
+        for _, statement in statements.on:
+            slots += [(action, name) for action in statement.actions for name in ("target", "value")]
         for _, sampled in statements.sampled:
             slots += [(action, name) for action in sampled.assignments for name in ("target", "value")]
         slots += [(statement, "angle") for _, statement in statements.symmetries]
@@ -196,6 +200,7 @@ class _Flattening:
             "values": [value for _, a in self.statements.assertions for value in a.values.values()],
             "indicators": [_indicator(path, when.condition) for path, when in self.statements.when],
             "actions": [action.value for _, when in self.statements.when for action in when.actions],
+            "offers": [action.value for _, statement in self.statements.on for action in statement.actions],
             "samples": [action.value for _, sampled in self.statements.sampled for action in sampled.assignments],
             "symmetries": [statement.angle for _, statement in self.statements.symmetries],
             "operators": [statement.inputs for _, statement in self.statements.operators],
@@ -232,7 +237,8 @@ class _Flattening:
                            for _ in range(e.numel())],
             initial_sources=[f"{path or 'the model'} ({place(statement.source)})"
                              for path, statement in self.statements.initial],
-            events=self._events(states, solved), samples=self._samples(solved), checks=self._checks(solved),
+            events=self._events(states, solved), offers=self._offers(states, solved),
+            samples=self._samples(solved), checks=self._checks(solved),
             symmetries=[CyclicSymmetry(angle, [part.path for part in statement.parts])
                    for (_, statement), angle in zip(self.statements.symmetries, solved["symmetries"], strict=True)],
             operators=[Operator(path, inputs, statement.correction, statement.transfer, statement.realization)
@@ -355,6 +361,22 @@ class _Flattening:
             on_states, from_states, on_discretes, from_discretes = self._targets(path, when.actions, states)
             events.append(Event(indicator, on_states, column[from_states], on_discretes, column[from_discretes], path))
         return events
+
+    def _offers(self, states: list[int], solved: dict[str, list[ca.SX]]) -> list[Offer]:
+        values = iter(solved["offers"])
+        found: dict[str, tuple[str, Any, list[Any], list[ca.SX]]] = {}
+        for path, statement in self.statements.on:
+            name = join(path, statement.event.declared.name)
+            _, _, actions, columns = found.setdefault(name, (path, statement.event, [], []))
+            actions += statement.actions
+            columns += [ca.vec(next(values)) for _ in statement.actions]
+        offers = []
+        for name, (path, happening, actions, columns) in found.items():
+            column, given = _column(columns), _column(list(happening.symbols.values()))
+            on_states, from_states, on_discretes, from_discretes = self._targets(path, actions, states)
+            offers.append(Offer(name, path, happening.declared, given, on_states, column[from_states], on_discretes,
+                                column[from_discretes]))  # fmt: skip
+        return offers
 
     def _samples(self, solved: dict[str, list[ca.SX]]) -> list[SampledUpdate]:
         samples, values = [], iter(solved["samples"])

@@ -143,6 +143,9 @@ class _Check:
             table[item.symbol.element_hash()] = _per_time(dimension(item.declared.unit), item.order)
         for item in system.discretes:
             table[item.symbol.element_hash()] = dimension(item.declared.unit)
+        for _, item in self.instances.statements.on:
+            for name, symbol in item.event.symbols.items():
+                table[symbol.element_hash()] = dimension(item.event.declared.values[name].unit)
         for group in (system.parameters, system.bound, system.inputs):
             for item in group.values():
                 mixed = not item.unit or (item.unit == "1" and item.symbol.shape == (6, 6))
@@ -186,6 +189,9 @@ class _Check:
             yield from ((path, pair) for pair in _pairs(item.source, item.lhs, item.rhs))
         for path, item in written.when:
             yield path, _Pair(item.source, item.condition, None)
+            for action in item.actions:
+                yield from ((path, pair) for pair in _pairs(item.source, action.target, action.value, _ASSIGNED))
+        for path, item in written.on:
             for action in item.actions:
                 yield from ((path, pair) for pair in _pairs(item.source, action.target, action.value, _ASSIGNED))
         for path, item in written.sampled:

@@ -14,6 +14,7 @@ import numpy as np
 from fowtlib.flattening.system import Bound, BoundParameter, Input, Parameter
 from fowtlib.language.equations import Process
 from fowtlib.language.errors import NotFoundError, ParameterError, did_you_mean
+from fowtlib.language.offered import OfferedEvent
 from fowtlib.language.operators import StateSpace, Transfer
 
 
@@ -60,6 +61,26 @@ class Event:
     discrete_targets: tuple[int, ...]
     discrete_values: ca.SX
     path: str
+
+    def __post_init__(self) -> None:
+        _freeze(self)
+
+
+@dataclass(frozen=True)
+class Offer:
+    """Something that can happen to the component at `owner`: targets (numbers of states or discretes) take the values.
+
+    values: expressions of the model and of `given`, a column of symbols, one for each declared value of the event.
+    """
+
+    path: str
+    owner: str
+    declared: OfferedEvent
+    given: ca.SX
+    state_targets: tuple[int, ...]
+    state_values: ca.SX
+    discrete_targets: tuple[int, ...]
+    discrete_values: ca.SX
 
     def __post_init__(self) -> None:
         _freeze(self)
@@ -155,6 +176,7 @@ class FlatDAE:
     initial_equations: ca.SX
     initial_paths: tuple[str, ...]
     events: tuple[Event, ...] = ()
+    offers: tuple[Offer, ...] = ()
     samples: tuple[SampledUpdate, ...] = ()
     checks: tuple[Check, ...] = ()
     symmetries: tuple[CyclicSymmetry, ...] = ()

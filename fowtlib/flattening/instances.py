@@ -19,6 +19,7 @@ from fowtlib.language.connectors import BoundPort, Signal
 from fowtlib.language.declarations import SHAPES, Variable, Withheld, join
 from fowtlib.language.errors import ModelError, ParameterError, StructureError
 from fowtlib.language.faults import author_line, reason
+from fowtlib.language.offered import Happening
 from fowtlib.language.operators import LinearOperator
 from fowtlib.language.units import to_si
 
@@ -29,6 +30,7 @@ class Statements:
 
     initial: list[tuple[str, statements.Initial]] = field(default_factory=list)
     when: list[tuple[str, statements.When]] = field(default_factory=list)
+    on: list[tuple[str, statements.On]] = field(default_factory=list)
     sampled: list[tuple[str, statements.Sampled]] = field(default_factory=list)
     assertions: list[tuple[str, statements.Assertion]] = field(default_factory=list)
     rotations: list[tuple[str, statements.Rotation]] = field(default_factory=list)
@@ -157,6 +159,7 @@ class Instances:
             binding[name] = component.find_outer(declared)
         for name, declared in component.variables.items():
             binding[name] = self._variable(component, declared)
+        binding |= {name: Happening(declared) for name, declared in component.offered_events.items()}
         return binding
 
     def _variable(self, component: Component, declared: Variable) -> ca.SX:
@@ -216,6 +219,7 @@ class Instances:
                         raise StructureError(f"{component.label}: {what}")
                     for statement in _flattened(returned):
                         self._take(component, statement)
+                    self._check_offers(component)
                 except ModelError as error:
                     raise _located(error, component) from None
                 except Exception as error:
@@ -233,6 +237,7 @@ class Instances:
         lists: dict[type, list[Any]] = {
             statements.Initial: self.statements.initial,
             statements.When: self.statements.when,
+            statements.On: self.statements.on,
             statements.Sampled: self.statements.sampled,
             statements.Assertion: self.statements.assertions,
             statements.Rotation: self.statements.rotations,
@@ -253,6 +258,16 @@ class Instances:
                 "which is not an equation; write eq(left, right), not left == right."
             )
         lists[type(statement)].append((path, statement))
+
+    def _check_offers(self, component: Component) -> None:
+        """Everything that is offered does something."""
+        answered = {id(item.event) for path, item in self.statements.on if path == component.path}
+        for name in component.offered_events:
+            if id((component._binding or {})[name]) not in answered:
+                raise StructureError(
+                    f"{join(component.path, name)} is offered, and its equations do not say what it does; "
+                    f"write on(self.{name}, assign(...))."
+                )
 
     def _check_targets(self, path: str, sampled: statements.Sampled) -> None:
         """A sampled part sets discrete variables only."""

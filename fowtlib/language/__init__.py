@@ -30,6 +30,7 @@ from fowtlib.language.equations import (
     fix_orientation,
     initial,
     input_rate,
+    on,
     open_input,
     reinit,
     rotation,
@@ -38,6 +39,7 @@ from fowtlib.language.equations import (
 )
 from fowtlib.language.errors import ModelError
 from fowtlib.language.externals import ExternalFunction
+from fowtlib.language.offered import OfferedEvent, event
 from fowtlib.language.operators import StateSpace, linear_operator
 from fowtlib.language.run_time import at_start, run_time_series
 from fowtlib.language.series import Series
@@ -53,6 +55,7 @@ __all__ = [
     "Matrix",
     "ModelError",
     "Number",
+    "OfferedEvent",
     "RealInput",
     "RealOutput",
     "Scalar",
@@ -66,6 +69,7 @@ __all__ = [
     "data",
     "der",
     "eq",
+    "event",
     "external",
     "fix_orientation",
     "flow",
@@ -74,6 +78,7 @@ __all__ = [
     "like",
     "linear_operator",
     "math",
+    "on",
     "open_input",
     "orientation",
     "outer",

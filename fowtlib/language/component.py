@@ -34,6 +34,7 @@ from fowtlib.language.declarations import (
 from fowtlib.language.equations import active
 from fowtlib.language.errors import NotFoundError, ParameterError, StructureError, did_you_mean, one_of
 from fowtlib.language.families import Family
+from fowtlib.language.offered import OfferedEvent, event
 from fowtlib.language.shapes import Drawing
 from fowtlib.language.units import check_si, to_si
 
@@ -74,7 +75,8 @@ class UnknownAttribute(NotFoundError, AttributeError):
     """A name that a component does not have."""
 
 
-@dataclass_transform(kw_only_default=True, field_specifiers=(param, data, port, var, outer))  # a part has a default
+# no part(): a part has a default
+@dataclass_transform(kw_only_default=True, field_specifiers=(param, data, port, var, outer, event))
 class Component(Composite):
     """A class of model parts: parameters, ports, variables, `equations()`.
 
@@ -88,6 +90,7 @@ class Component(Composite):
     declared_parts: dict[str, Part] = {}
     part_arrays: dict[str, PartArray] = {}
     outers: dict[str, Outer] = {}
+    offered_events: dict[str, OfferedEvent] = {}
 
     family: Family | None = None
 
@@ -408,7 +411,7 @@ class Component(Composite):
             raise AttributeError(name)
         if name in self.__dict__.get("_declared", {}):
             return self._declared[name].__get__(self)
-        known = [*parts, *self.parameters, *self.ports, *self.variables]
+        known = [*parts, *self.parameters, *self.ports, *self.variables, *self.offered_events]
         raise UnknownAttribute(
             f"{self.label} has no part, port, parameter or variable '{name}'{did_you_mean(name, known)}"
         )
@@ -458,7 +461,7 @@ class Component(Composite):
 
 _TABLES: dict[type, str] = {
     Parameter: "parameters", Port: "ports", Variable: "variables", Part: "declared_parts", Outer: "outers",
-    PartArray: "part_arrays",
+    PartArray: "part_arrays", OfferedEvent: "offered_events",
 }  # fmt: skip
 
 

@@ -175,6 +175,15 @@ class When:
 
 
 @dataclass(slots=True)
+class On:
+    """Actions at the instant at which an event that the part offers happens in a run; `event` is a Happening."""
+
+    event: Any
+    actions: tuple[Assign, ...]
+    source: str
+
+
+@dataclass(slots=True)
 class Sampled:
     """Assignments at multiples of a period, or one call of a process."""
 
@@ -297,6 +306,19 @@ def reinit(state: Any, value: Any) -> Assign:
 def when(condition: Any, *actions: Assign) -> When:
     """`actions` at the instant at which `condition` (a < b or a > b) becomes true."""
     return When(_column(condition), _actions("when", actions, Assign), source_line())
+
+
+def on(event: Any, *actions: Assign) -> On:
+    """`actions` at the instant at which `event`, which the class declares by `event(...)`, happens in a run.
+
+    All of them see the values before it. A run says which events happen, and when; see fowtlib.solving.timeline.
+    """
+    if not hasattr(event, "declared"):
+        raise StructureError("on() takes an event that the class declares: `loss: OfferedEvent = event(doc=...)`.")
+    taken = _actions("on", actions, Assign)
+    if not taken:
+        raise StructureError("on() has nothing to do: give it an assign(target, value), or several.")
+    return On(event, taken, source_line())
 
 
 def _actions(statement: str, items: Sequence[Any], kinds: Any) -> tuple[Any, ...]:

@@ -18,11 +18,13 @@ from fowtlib.language.errors import ModelFileError
 MOST_NODES = 100_000  # values of a file, with aliases put in
 DEEPEST = 50  # lists and mappings in each other
 LARGEST = 4_000_000  # bytes of a file
+BEGINS = "a model file begins with 'fowtlib: 1'"
 LONG = 200_000  # letters from which on the reader with the better messages takes too long
 _TAGS = tuple(f"tag:yaml.org,2002:{kind}" for kind in ("str", "seq", "map"))
 _NUMBER = re.compile(r"[+-]?(\d+(\.\d*)?|\.\d+)([eE][+-]?\d+)?")
 _WORDS = {"": None, "~": None, "null": None, "true": True, "false": False, ".inf": float("inf"), "-.inf": float("-inf")}
-_PLACEHOLDER = re.compile(r"(?<=[\w.\]}])\{([A-Za-z_]\w*)\}|\{([A-Za-z_]\w*)\}(?=[\w.\[{])")
+_FORM = r"[A-Za-z_]\w*(?::[\w.+-]*)?"  # of a name between braces, with how a number is written: {wind_speed:02.0f}
+_PLACEHOLDER = re.compile(rf"(?<=[\w.\]}}]){{{_FORM}}}|{{{_FORM}}}(?=[\w.\[{{])")
 _INDEX = re.compile(r"(?<=[\w}])\[\s*(?:\d+|\{\w+\})\s*(?:,\s*(?:\d+|\{\w+\})\s*)?\]")
 _SIGNS = "{}[],"
 _HIDDEN = "\ue000\ue001\ue002\ue003\ue004"  # the signs in names, while YAML reads the text
@@ -106,8 +108,8 @@ def read_text(path: Path, name: str) -> str:
         raise ModelFileError(f"the file cannot be read: {error.strerror or error}.", where=name) from None
 
 
-def parse(text: str, name: str) -> Node:
-    """The node at the top of a YAML document; `name` is how errors call the file."""
+def parse(text: str, name: str, begins: str = BEGINS) -> Node:
+    """The node at the top of a YAML document; `name` is how errors call the file, `begins` how it should begin."""
     import yaml
 
     hidden = text
@@ -117,11 +119,11 @@ def parse(text: str, name: str) -> Node:
         fast = getattr(yaml, "CBaseLoader", None)  # ten times as fast, where PyYAML has it
         if fast is not None:
             try:
-                return _Reader(name, yaml.parse(hidden, Loader=fast)).document()
+                return _Reader(name, yaml.parse(hidden, Loader=fast)).document(begins)
             except yaml.YAMLError:
                 if len(text) > LONG:
                     raise
-        return _Reader(name, yaml.parse(hidden, Loader=yaml.BaseLoader)).document()  # its errors say more
+        return _Reader(name, yaml.parse(hidden, Loader=yaml.BaseLoader)).document(begins)  # its errors say more
     except yaml.MarkedYAMLError as error:
         mark = error.problem_mark or error.context_mark
         raise Place(name, mark.line + 1 if mark else 0).error(f"this is not YAML: {_explained(error)}.") from None
@@ -150,16 +152,16 @@ class _Reader:
         self.count = 0
         self.anchors: dict[str, tuple[Node, int] | None] = {}  # a node and how many it holds; None while it is read
 
-    def document(self) -> Node:
+    def document(self, begins: str) -> Node:
         """The only document of the file."""
         next(self.events)  # the stream begins
         if next(self.events).__class__.__name__ == "StreamEndEvent":
-            raise ModelFileError("the file is empty; a model file begins with 'fowtlib: 1'.", where=self.name)
+            raise ModelFileError(f"the file is empty; {begins}.", where=self.name)
         top = self.node(next(self.events), 0)
         next(self.events)  # the document ends
         more = next(self.events)
         if more.__class__.__name__ != "StreamEndEvent":
-            raise self._place(more).error("this is not YAML: there is a second document; a model file is one.")
+            raise self._place(more).error("this is not YAML: there is a second document; a file is one.")
         return top
 
     def node(self, event: Any, depth: int, place: Place | None = None) -> Node:
@@ -173,7 +175,7 @@ class _Reader:
             raise place.error(f"lists and mappings are nested too deeply; the limit is {DEEPEST}.")
         if event.tag not in (None, "!", *_TAGS):
             tag = _short(event.tag.replace("tag:yaml.org,2002:", "!!"))
-            raise place.error(f"the tag {tag} has no meaning in a model file.")
+            raise place.error(f"the tag {tag} has no meaning here.")
         before = self.count
         if event.anchor is not None:
             if event.anchor in self.anchors:

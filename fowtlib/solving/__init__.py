@@ -7,10 +7,12 @@ from fowtlib.solving.modes import NaturalMode, natural_modes
 from fowtlib.solving.plant import Plant
 from fowtlib.solving.results import Result
 from fowtlib.solving.state import State
+from fowtlib.solving.timeline import Event
 from fowtlib.solving.turning import mean_state
 
 __all__ = [
     "Conditions",
+    "Event",
     "LinearModel",
     "Mode",
     "Model",

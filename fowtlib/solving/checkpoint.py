@@ -17,6 +17,7 @@ from fowtlib.solving.engines import Engine
 from fowtlib.solving.events import StateEvents
 from fowtlib.solving.results.packing import packed, unpacked
 from fowtlib.solving.sessions import Sessions
+from fowtlib.solving.timeline import Timeline
 
 
 class Run(Protocol):
@@ -24,6 +25,7 @@ class Run(Protocol):
 
     engine: Engine
     events: StateEvents
+    timeline: Timeline
     t: float
     t_start: float
     step: float
@@ -41,7 +43,8 @@ class Run(Protocol):
 
 def settings(run: Run) -> dict[str, Any]:
     """What must be the same for a run to go on exactly: the solver with its settings, and the output step."""
-    return {**run.engine.attributes, "output_step": run.step, "inputs": run.u.tolist()}
+    same = {**run.engine.attributes, "output_step": run.step, "inputs": run.u.tolist()}
+    return {**same, "events": run.timeline.settings()} if run.timeline.planned else same
 
 
 def checkpoint(run: Run) -> bytes:
@@ -55,7 +58,8 @@ def checkpoint(run: Run) -> bytes:
         "clocks": [n for _, _, n in run.clocks], "warned": list(run.warned.items()),
         "last_event": list(events.last_event.items()), "returns": list(events.returns.items()),
         "just_fired": sorted(events.just_fired), "last_act": None if np.isinf(events.last_act) else events.last_act,
-        "last_time": float(times[-1]),
+        "last_time": float(times[-1]), "happened": run.timeline.happened,
+        "done": [item.done for item in run.timeline.planned],
     }  # fmt: skip
     arrays = {"x": run.x, "z": run.z, "d": run.d, "u": run.u, "armed": events.armed.astype(np.uint8)}
     arrays |= {f"last_{key}": rows[-1] for key, rows in zip("xzd", last, strict=True)}
@@ -92,6 +96,9 @@ def restore(data: bytes, run: Run) -> None:
     events.just_fired = set(text["just_fired"])
     events.last_act = -np.inf if text["last_act"] is None else text["last_act"]
     events.armed = arrays["armed"].astype(bool)
+    run.timeline.happened = list(text.get("happened", ()))
+    for item, done in zip(run.timeline.planned, text.get("done", ()), strict=True):
+        item.done = done
     sessions = {int(name.removeprefix("session ")): name for name in arrays if name.startswith("session ")}
     run.sessions.restore({k: bytes(arrays[name]) for k, name in sessions.items()})
     run.rows = [(np.array([text["last_time"]]), *(arrays[f"last_{key}"][None] for key in "xzd"))]

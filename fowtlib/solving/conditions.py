@@ -11,6 +11,7 @@ from fowtlib.language.component import Component
 from fowtlib.language.errors import ParameterError, did_you_mean
 from fowtlib.language.units import to_si
 from fowtlib.solving.paths import by_path
+from fowtlib.solving.timeline import Event, events_of
 
 if TYPE_CHECKING:
     from fowtlib.solving.results import Result
@@ -30,7 +31,8 @@ class Conditions:
     "file", the path of a result or of a state (see solving.starts); "" is simulation.start of the model file, and None
     the start values that it gives.
     duration: the end of the run [s]; output_step: between two output points [s]; discard: time [s] at the beginning
-    that the result does not hold. outputs: names of results or paths of variables.
+    that the result does not hold. outputs: names of results or paths of variables. events: what happens in the run, of
+    what the parts offer: Event, or a line of text, "turbine.grid_loss at 100 s"; () for none.
     What is left out, None, comes from the model file. Nothing of this is flattened or compiled.
     """
 
@@ -42,6 +44,7 @@ class Conditions:
     output_step: float | str | None = None
     discard: float | str | None = None
     outputs: Sequence[str] | None = None
+    events: Sequence[Event] | None = None
 
     def __post_init__(self) -> None:
         for name in ("parts", "parameters", "inputs"):
@@ -55,6 +58,8 @@ class Conditions:
             if seconds is not None and not (seconds > 0 or (seconds == 0 and name == "discard")):
                 raise ParameterError(f"{name} is {seconds:g} s; it must be {kind}.")
             object.__setattr__(self, name, seconds)
+        if self.events is not None:
+            object.__setattr__(self, "events", events_of(self.events))
         for path, part in self.parts.items():
             if not isinstance(part, Component):
                 raise ParameterError(f"parts: '{path}' is given {part!r}, and a part is a component.")
@@ -70,7 +75,7 @@ class Conditions:
             return self
         merged: dict[str, Any] = {"parts": {**others.parts, **self.parts}}
         merged["parameters"] = {**others.parameters, **self.parameters}
-        for name in ("inputs", "start", "duration", "output_step", "discard", "outputs"):
+        for name in ("inputs", "start", "duration", "output_step", "discard", "outputs", "events"):
             mine = getattr(self, name)
             merged[name] = getattr(others, name) if mine is None else mine
         return Conditions(**merged)

@@ -1,4 +1,8 @@
-"""State events of a run: when an indicator waits, where it crosses zero, and what its event does."""
+"""Events of a run: when the indicator of a state event waits, where it crosses zero, and what an event does.
+
+They are counted through: first the `when` of the model, then all events of the timeline of the run, of which those that
+wait for a condition have an indicator too.
+"""
 
 from __future__ import annotations
 
@@ -8,16 +12,19 @@ from typing import Protocol
 import numpy as np
 from scipy.optimize import brentq
 
+from fowtlib.flattening.flat_dae import Event, Offer
 from fowtlib.language.errors import SimulationError
 from fowtlib.solving import event_rules as rules
 from fowtlib.solving.engines import Engine
 from fowtlib.solving.initial import consistent_algebraics
+from fowtlib.solving.timeline import Timeline
 
 
 class Moving(Protocol):
     """What is asked of a run: its point t, x, z, d, with q = [u; d], and its way on from there; step [s]: of output."""
 
     engine: Engine
+    timeline: Timeline
     t: float
     x: np.ndarray
     z: np.ndarray
@@ -44,10 +51,20 @@ class StateEvents:
         self.returns: dict[int, int] = {}
         self.just_fired: set[int] = set()
         self.last_act = -np.inf
-        self.armed = np.zeros(len(self.at.dae.events), bool)
+        self.own = len(self.at.dae.events)
+        self.numbers = [*range(self.own), *(self.own + k for k in run.timeline.waiting)]  # of the indicators
+        self.armed = np.zeros(len(self.numbers), bool)
+
+    @property
+    def watching(self) -> bool:
+        """Whether there is a condition that may become true."""
+        return self.own > 0 or any(not self.run.timeline.planned[k].done for k in self.run.timeline.waiting)
 
     def _indicators(self, t: float, x: np.ndarray, z: np.ndarray) -> np.ndarray:
-        return np.array(self.at.call(self.at.functions.indicators, t, x, z, self.run.q)).ravel()
+        q = self.run.q
+        own = np.array(self.at.call(self.at.functions.indicators, t, x, z, q)).ravel() if self.own else np.zeros(0)
+        more = self.run.timeline.indicators(self.at, np.array([t]), x[None], z[None], q[None])[0]
+        return np.concatenate([own, more]) if more.size else own
 
     def _indicator_values(self) -> np.ndarray:
         return self._indicators(self.run.t, self.run.x, self.run.z)
@@ -57,7 +74,9 @@ class StateEvents:
         if not len(times):
             return None
         q = np.repeat(self.run.q[None], len(times), axis=0)
-        values = self.at.along(self.at.functions.indicators, times, x, z, q)
+        values = self.run.timeline.indicators(self.at, times, x, z, q)
+        if self.own:
+            values = np.hstack([self.at.along(self.at.functions.indicators, times, x, z, q), values])
         for k in range(len(times)):
             if np.any(self.armed & (values[k] <= 0)):
                 return k
@@ -111,6 +130,8 @@ class StateEvents:
 
     def arm(self) -> None:
         """An indicator waits for its event where it is positive or zero; one that has just had it, where it rises."""
+        if not self.numbers:
+            return
         now = self._indicator_values()
         self.armed = now >= 0
         fired = list(self.just_fired) if self.last_act == self.run.t else []
@@ -136,24 +157,38 @@ class StateEvents:
                 raise self._chatter(i)
 
     def _chatter(self, i: int) -> SimulationError:
+        if i >= self.own:
+            return SimulationError(f"the event {self.run.timeline.planned[self.numbers[i] - self.own].label} returns.")
         return SimulationError(
             f"{self.at.dae.events[i].path or 'the model'}: the event of a when() returns at once, again and again, "
             f"at t = {self.run.t:.6g} s. Give the condition a hysteresis, or let the motion come to rest there."
         )
 
-    def _act(self, due: set[int]) -> None:
+    def happen(self, planned: list[int]) -> None:
+        """Carry out events of the timeline, by their numbers in it, one after the other, and what they set off."""
+        for k in planned:
+            self._act(set(), k)
+
+    def _act(self, due: set[int], planned: int | None = None) -> None:
+        """Carry out events by the numbers of their indicators, or one of the timeline, and what they set off."""
+        also = [] if planned is None else [self.own + planned]
         self.just_fired, self.last_act = set(), self.run.t
         for _ in range(rules.ROUNDS):
             self._count(due)
             self.just_fired |= due
             before = self._indicator_values()
             x, d = self.run.x.copy(), self.run.d.copy()
-            for i in sorted(due):
-                event = self.at.dae.events[i]
-                action = self.at.functions.actions[i]
-                on_states, on_discretes = self.at.call(action, self.run.t, self.run.x, self.run.z, self.run.q)
+            for number in [*(self.numbers[i] for i in sorted(due)), *also]:
+                point = self.run.t, self.run.x, self.run.z, self.run.q
+                if number < self.own:
+                    event: Event | Offer = self.at.dae.events[number]
+                    on_states, on_discretes = self.at.call(self.at.functions.actions[number], *point)
+                else:
+                    event = self.run.timeline.planned[number - self.own].offer
+                    on_states, on_discretes = self.run.timeline.carry_out(number - self.own, self.at, *point)
                 x[list(event.state_targets)] = np.array(on_states).ravel()
                 d[list(event.discrete_targets)] = np.array(on_discretes).ravel()
+            also = []
             self.run.x, self.run.d = x, d
             self.run.z = self.run.engine.algebraics(self.run.t, self.run.x, self.run.z, self.run.q)
             after = self._indicator_values()

@@ -28,6 +28,7 @@ from fowtlib.solving.results.html import table
 from fowtlib.solving.results.journal import Journal
 from fowtlib.solving.simulation import SolverChoice, simulated
 from fowtlib.solving.state import State
+from fowtlib.solving.timeline import Event, Offered, Timeline, events_of, offered
 
 
 class Plant:
@@ -76,6 +77,15 @@ class Plant:
         """The numeric functions at parameter values."""
         return self.functions.at(self.binding(parameters))
 
+    def offered_events(self) -> list[Offered]:
+        """What can happen in a run: the events that the parts offer."""
+        return offered(self.dae, self.root)
+
+    def timeline(self, events: Sequence[Event | str] | None = None, root: Component | None = None) -> Timeline:
+        """The events of a run, checked; None: those of the model file. root: the component tree of the run."""
+        asked = self.settings.get("events", ()) if events is None else events
+        return Timeline(events_of(asked), self.dae, self.outputs, self.root if root is None else root)
+
     @refusals_explained()
     def initial_state(self, parameters: Values | None = None, start: Values | None = None, inputs: Values | None = None,
                       t: float = 0.0, base: State | None = None) -> State:  # fmt: skip
@@ -116,6 +126,7 @@ class Plant:
         inputs: Values | None = None,
         outputs: Sequence[str] | None = None,
         progress: Callable[[float, float], None] | bool = False,
+        events: Sequence[Event | str] | None = None,
         conditions: Conditions | None = None,
         journal: Journal | None = None,
     ) -> Result:
@@ -133,10 +144,12 @@ class Plant:
         A run that goes on from an earlier Result with the same solver and output step computes what it would have
         without the end between, bit for bit: it begins at the last checkpoint of that result, and `earlier.followed_by`
         puts its own points in the place of those that came after. With another solver it begins at the last point.
+        events: what happens in the run, of what the parts offer; see Event and `offered_events`. None: what the model
+        file says.
         journal: where the results are kept while the run goes on; see Journal and docs/reliability.md.
         conditions: all of this as one value; what is given beside it counts more.
         """
-        given = Conditions(parts or {}, parameters or {}, inputs, start, t_end, output_step, None, outputs)
+        given = Conditions(parts or {}, parameters or {}, inputs, start, t_end, output_step, None, outputs, events)
         choice = SolverChoice(solver, step, tolerance, rho_inf)
         return simulated(self, given.over(conditions), choice, parameters is not None, progress, journal)
 

@@ -35,6 +35,7 @@ from fowtlib.solving.results.data import Stored
 from fowtlib.solving.results.journal import Journal
 from fowtlib.solving.sessions import Sessions
 from fowtlib.solving.state import State
+from fowtlib.solving.timeline import Timeline
 
 MOST_POINTS = 2e7  # output points of one run
 TOLD = 5.0  # s that a run without a compiler may take before something is said about it
@@ -87,11 +88,12 @@ class Run:
     """One run from a state, with an engine that knows the model and its parameters.
 
     names: the results to give. resumed: whether the state is the end of another run, whose samples are done. code: the
-    compiled functions that rebuild variables, where they have been made.
+    compiled functions that rebuild variables, where they have been made. timeline: the events of the run.
     """
 
     def __init__(self, engine: Engine, start: State, outputs: Outputs, names: Sequence[str], about: About,
-                 resumed: bool = False, code: Callable[[], FixedStepCode | None] = lambda: None):  # fmt: skip
+                 resumed: bool = False, code: Callable[[], FixedStepCode | None] = lambda: None,
+                 timeline: Timeline | None = None):  # fmt: skip
         self.engine, self.at, self.dae = engine, engine.at, engine.at.dae
         self.outputs, self.names, self.about, self.code = outputs, list(names), about, code
         self.binding, self.resumed = about.binding, resumed
@@ -110,6 +112,7 @@ class Run:
         self.x, self.z, self.d, self.u = start.x.copy(), start.z.copy(), start.d.copy(), start.u.copy()
         self.rows: list[tuple[np.ndarray, np.ndarray, np.ndarray, np.ndarray]] = []
         self.warned: dict[int, str] = {}
+        self.timeline = timeline or Timeline((), self.dae, outputs, about.binding.root)
         self.events = StateEvents(self)
         self._prepare_samples(start.t)
 
@@ -170,6 +173,7 @@ class Run:
                 if checkpoint:
                     self._go_on(checkpoint)
                 else:
+                    self._let_happen(0.0)
                     self._sample_now()
                     self._record(np.array([self.t]), self.x[None], self.z[None])
                 self._say_what_is_slow(t_end - self.t)
@@ -186,7 +190,12 @@ class Run:
             raise self._stopped(error) from None
         finally:
             self.sessions.close()
+            if journal is not None:
+                journal.close()
         self.wall_time = clock.perf_counter() - began
+        for text in self.timeline.missing():
+            self.warned[-1 - len(self.warned)] = text
+            warnings.warn(text, stacklevel=4)
         return self.result("finished.")
 
     def can_go_on(self, earlier: Result, t_end: float, step: float) -> bytes:
@@ -253,8 +262,10 @@ class Run:
                 "units": {name: entry.unit for name, entry in entries.items()},
                 "long_names": {name: entry.doc or name for name, entry in entries.items()},
                 "attributes": {**signature(), **self._attributes("")},
-                "raw": {**dict(zip("xzd", self._names(), strict=True)),
-                        "parameter_hash": parameter_hash(self.binding.values)},
+                "raw": {
+                    **dict(zip("xzd", self._names(), strict=True)),
+                    "parameter_hash": parameter_hash(self.binding.values),
+                },
             },
             earlier,
             self.checkpoint,
@@ -279,7 +290,13 @@ class Run:
         """To the journal: all output points but the last, which may change yet and is in the checkpoint."""
         if self.journal is None:
             return
-        t, x, z, d = (np.concatenate([row[i] for row in self.rows])[self.written : -1] for i in range(4))
+        new, left = [], sum(len(row[0]) for row in self.rows) - self.written
+        for row in reversed(self.rows):  # what is written already is not copied again
+            if left <= 0:
+                break
+            new.insert(0, tuple(column[-left:] for column in row))
+            left -= len(row[0])
+        t, x, z, d = (np.concatenate([row[i] for row in new])[:-1] for i in range(4))
         kept = t >= self.t_start + self.discard - 1e-9 * self.step
         self.written += len(t)
         t, x, z, d = t[kept], x[kept], z[kept], d[kept]
@@ -291,7 +308,7 @@ class Run:
 
     def _integrate(self, t_end: float, step: float, report: Callable[[float, float], None], goes_on: bool) -> None:
         tiny = rules.TINY * step
-        if self.dae.events and not goes_on:
+        if not goes_on:
             self.events.arm()
         while self.t < t_end - tiny:
             passed = round((self.rows[-1][0][-1] - self.t_start) / step)
@@ -299,6 +316,7 @@ class Run:
             next_output = min(after, t_end)
             next_sample = min((o + k * p for o, p, k in self.clocks), default=np.inf)
             next_break = next((t for t in self.binding.breaks if t > self.t + tiny), np.inf)
+            next_break = min(next_break, self.timeline.next_time(self.t + tiny))
             free, stop = min(next_sample, next_break), min(next_sample, next_break, t_end)
             on_grid = self.parts == 1 and abs(self.t - (self.t_start + passed * step)) < tiny
             points, most = ((min(int(min((end - self.t) / step + rules.TINY, self.most)), self.most) if on_grid else 0)
@@ -308,6 +326,7 @@ class Run:
                 self._stretch(points * step, points)
             else:
                 self._stretch(min(stop, next_output) - self.t, 1, record=False)
+            self._let_happen(tiny)
             if abs(self.t - next_sample) < tiny:
                 self._sample_now()
             recorded = self.rows[-1][0][-1]
@@ -326,11 +345,12 @@ class Run:
 
     def _stretch(self, length: float, points: int, record: bool = True) -> None:
         """Advance by `length` with `points` output points, or to the first state event."""
-        substeps = rules.SUBSTEPS if self.dae.events else 1
+        watching = self.events.watching
+        substeps = rules.SUBSTEPS if watching else 1
         x, z = self.advance(length, points * substeps)
         reached = len(x)
         times = self.t + length * np.arange(1, points * substeps + 1) / (points * substeps)
-        if self.dae.events:
+        if watching:
             crossing = self.events.first_crossing(times[:reached], x, z)
             if crossing is not None:
                 whole = (crossing // substeps) * substeps
@@ -411,8 +431,13 @@ class Run:
             self.d[list(sample.targets)] = assigned
             self.clocks[k] = (offset, period, n + 1)
         self.z = self.engine.algebraics(self.t, self.x, self.z, self.q)
-        if self.dae.events:
-            self.events.arm()
+        self.events.arm()
+
+    def _let_happen(self, tiny: float) -> None:
+        """Carry out the events of the timeline that are due."""
+        due = self.timeline.due(self.t + tiny)
+        if due:
+            self.events.happen(due)
 
     # --- output points -------------------------------------------------------------------------------------------
 
@@ -511,6 +536,7 @@ class Run:
             "data": dict(self.binding.data),
             "wall_time": self.wall_time,
             "warnings": "\n".join(self.warned.values()),
+            **({"events": "\n".join(self.timeline.happened)} if self.timeline.happened else {}),
         }
 
 

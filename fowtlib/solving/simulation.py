@@ -52,7 +52,10 @@ def simulated(plant: Plant, conditions: Conditions, choice: SolverChoice, replac
     about = About(plant.name, plant.title, plant.binding(parameters))
     state = start_state(plant, start, parameters, inputs, about.binding)
     names = list(plant.outputs) if conditions.outputs is None else conditions.outputs
-    run = Run(engine, state, plant.outputs, names, about, isinstance(start, Result), lambda: plant.code)
+    timeline = plant.timeline(conditions.events, about.binding.root)
+    resumed = isinstance(start, Result)
+    timeline.begin(state.t, resumed, str(start.attributes.get("events", "")).splitlines() if resumed else ())
+    run = Run(engine, state, plant.outputs, names, about, resumed, lambda: plant.code, timeline)
     earlier, point = (start, run.can_go_on(start, end, interval)) if isinstance(start, Result) else (None, b"")
     if journal is not None and earlier is not None:
         earlier = earlier.before(last_time(point) if point else state.t)

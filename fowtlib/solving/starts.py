@@ -90,11 +90,23 @@ def mean_values(root: Component) -> dict[str, Any]:
 
 
 def _in_the_mean(part: Component) -> dict[str, Any]:
-    """What a part says of its mean; nothing of a kind with equations of its own, such as wind from outside."""
+    """What a part says of its mean; nothing of a kind with equations of its own, such as wind from outside.
+
+    Where it becomes another kind it keeps what the two have by default in different ways, such as the shear of a wind.
+    """
     changes, family = part.in_the_mean(), part.family
-    if family is not None and family.selector in changes and family.own_equations(type(part)):
+    if family is None or family.selector not in changes:
+        return changes
+    if family.own_equations(type(part)):
         return {}
-    return changes
+    new = family.kinds[changes[family.selector]]
+    differ = {
+        name: part.parameter_value(name)
+        for name in family.base.parameters
+        if name not in changes and name not in part.void and name != family.selector and not part.is_set(name)
+        and new.parameters[name].default != type(part).parameters[name].default
+    }  # fmt: skip
+    return {**changes, **differ}
 
 
 def mean_parameters(plant: Plant, parameters: Values | None = None) -> dict[str, Any]:

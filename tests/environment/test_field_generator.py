@@ -12,7 +12,8 @@ from scipy.signal import welch
 from fowtlib.components.environment import field_generator
 from fowtlib.components.environment.field_generator import generate_field
 from fowtlib.components.environment.field_spectra import PlaneCoherence, band_variance, spectra
-from fowtlib.components.environment.turbulence import coherence, kaimal, normal_turbulence
+from fowtlib.components.environment.iec import normal_turbulence
+from fowtlib.components.environment.turbulence import coherence, kaimal
 from fowtlib.language import ModelError
 
 V = 12.0
@@ -193,7 +194,7 @@ def test_class_or_intensity(tmp_path):
         ({"columns": 400, "rows": 400}, "400 x 400 points, expected 1 to 20000."),
         ({"width": 0}, "width and height of the grid must be positive."),
         ({"duration": 1}, "8 time steps of 0.125 s, expected 16 or more."),
-        ({"turbulence_class": "D"}, "turbulence_class 'D' is not one of A, B, C."),
+        ({"turbulence_class": "D"}, "turbulence_class 'D' is not one of A+, A, B, C."),
         ({"seed": -1}, "seed and turbulence_intensity begin at 0."),
         ({"lateral_coherence": "all"}, "lateral_coherence 'all' is not one of none, iec."),
     ],

@@ -21,7 +21,7 @@ from fowtlib.language.native import compiler
 
 GRID = FieldGrid(rows=4, columns=5, steps=6000, dz=10.0, dy=12.0, dt=0.25, speed=8.0, hub_height=90.0, bottom=75.0)
 POINTS = 3
-CALM = (0, 0, 0, 0, 90)  # base, fluctuation, shear, direction, height, which a field does not need
+CALM = (0, 0, 0, 0, 0, 0, 90, 0)  # base, fluctuation, shear, direction, gradients, station, which a field does not need
 
 needs_compiler = pytest.mark.skipif(not compiler(), reason="needs a C compiler")
 
@@ -53,11 +53,11 @@ def test_twins(tmp_path, monkeypatch, periodic, shift, interpolation):
     assert twin.library is None
     slope, twin_slope = function.function.jacobian(), twin.function.jacobian()
     assert slope.sparsity_out(0) == twin_slope.sparsity_out(0)
-    assert slope.sparsity_out(0).nnz() == 3 * POINTS * 8
+    assert slope.sparsity_out(0).nnz() == 3 * POINTS * 10
     low, high = [-30, -30, 45] * POINTS, [30, 30, 110] * POINTS
     times = [*random.uniform(-20, 1520, 300), -0.1, 0.0, 0.1, 1499.6, 1499.8, 1499.9, 1500.0, 1e6]
     for time in times:
-        shared = [field_handle(lookup), time, *random.uniform(-1, 1, 4), 90]
+        shared = [field_handle(lookup), time, *random.uniform(-1, 1, 6), 90, 5]
         column = np.concatenate([shared, random.uniform(low, high)])
         accuracy = {"rtol": 0, "atol": 1e-12 if time < 1e5 else 1e-9}  # rounding of the time in cells
         np.testing.assert_allclose(function.function(column).full(), twin.function(column).full(), **accuracy)
@@ -88,7 +88,7 @@ def test_called_by_pointer_from_c(tmp_path):
     name, pointers = f"wind_field_{POINTS}", ctypes.POINTER(ctypes.c_double)
     problem = getattr(library, f"{name}_problem")
     problem.restype = ctypes.c_char_p
-    column, result = np.array([7.0, 3.0, *CALM, *[0, 1, 90] * POINTS]), np.empty(3 * POINTS * 8)
+    column, result = np.array([7.0, 3.0, *CALM, *[0, 1, 90] * POINTS]), np.empty(3 * POINTS * 10)
     arguments = (pointers * 2)(column.ctypes.data_as(pointers), pointers())
     results, nothing = (pointers * 1)(result.ctypes.data_as(pointers)), (pointers * 1)(pointers())
     problem()
@@ -100,7 +100,7 @@ def test_called_by_pointer_from_c(tmp_path):
     assert opened(ctypes.c_double(7.0), missing, ctypes.c_double(np.nan), 0) == 1
     assert problem() == missing + b": the wind field cannot be read: No such file or directory"
     assert opened(ctypes.c_double(7.0), os.fsencode(field.path), ctypes.c_double(np.nan), 0) == 0
-    for prefix, count, inputs in (("", 3 * POINTS, 1), ("jac_", 24 * POINTS, 2)):
+    for prefix, count, inputs in (("", 3 * POINTS, 1), ("jac_", 30 * POINTS, 2)):
         sizes = [ctypes.c_longlong(-1) for _ in range(4)]
         assert getattr(library, f"{prefix}{name}_work")(*map(ctypes.byref, sizes)) == 0
         assert [size.value for size in sizes] == [inputs, 1, 0, 0]

@@ -81,16 +81,18 @@ def test_wind_at_moving_points(fields, direction):
 def test_jacobian_of_the_function(fields):
     function = field_function(fields[0], 2).function
     for handle in (field_handle(fields[0]), 0):  # in the field, and over a station
-        column = np.array([handle, 3.17, 9.0, 0.7, 0.2, 0.3, 90.0, 1.0, 7.0, 83.0, -4.0, -21.0, 101.0])
+        shared = [handle, 3.17, 9.0, 0.7, 0.2, 0.3, 0.11, -0.08, 90.0, 5.0]
+        column = np.array([*shared, 1.0, 7.0, 83.0, -4.0, -21.0, 101.0])
         jacobian = function.jacobian()(column, 0).full()
-        assert jacobian.shape == (6, 13)
-        for i in set(range(1, 13)) - {6}:
-            h = np.eye(13)[i] * 1e-5
+        assert jacobian.shape == (6, 16)
+        for i in set(range(1, 16)) - {8, 9}:
+            h = np.eye(16)[i] * 1e-5
             slope = (function(column + h) - function(column - h)).full().ravel() / 2e-5
             np.testing.assert_allclose(jacobian[:, i], slope, atol=2e-7)
-        assert not jacobian[:, [0, 6]].any()
-        assert not jacobian[:3, 10:].any()
-        assert not jacobian[3:, 7:10].any()
+        assert not jacobian[:, [0, 8, 9]].any()
+        assert not jacobian[:3, 13:].any()
+        assert not jacobian[3:, 10:13].any()
+        assert jacobian[:, 6:8].any() == (handle == 0)
         assert jacobian[:, 5].any()
 
 
@@ -104,7 +106,7 @@ def test_the_function_without_a_compiler(fields, monkeypatch):
     random = np.random.default_rng(4)
     for handle in (field_handle(fields[1]), 0):
         for _ in range(20):
-            column = np.concatenate([[handle], random.uniform(-1, 1, 5), [90.0], random.uniform(-100, 100, 9)])
+            column = np.concatenate([[handle], random.uniform(-1, 1, 7), [90.0, 20.0], random.uniform(-100, 100, 9)])
             np.testing.assert_allclose(function(column), twin(column), rtol=0, atol=1e-12)
             found, expected = (np.array(one.jacobian()(column, 0)) for one in (function, twin))
             np.testing.assert_allclose(found, expected, rtol=0, atol=1e-12)
@@ -165,7 +167,7 @@ def test_many_points_cost_one_check_per_axis(fields):
     model.blade = Nodes()
     plant = fw.load(model).compile()
     checks = [check for check in plant.dae.checks if check.level == "error"]
-    ends, axes = 2, 3  # of the series, and of y, z and time of the field
+    ends, axes = 3, 3  # of the series, and of y, z and time of the field
     assert [check.path for check in checks] == ["wind"] * (ends + axes) + ["blade"] * axes
 
 

@@ -238,13 +238,13 @@ def test_wind_from_a_file(tmp_path):
         (
             {"spectrum": "pierson"},
             {},
-            "Sea.spectrum = 'pierson' is not one of still, regular, jonswap, record, input (kind of sea state); there "
-            "are 'still', 'regular', 'jonswap', 'record' and 'input'.",
+            "Sea.spectrum = 'pierson' is not one of still, regular, jonswap, nss, sss, ess, ewh, record, input (kind "
+            "of sea state); there are 'still', 'regular', 'jonswap', 'nss', 'sss', 'ess', 'ewh', 'record' and 'input'.",
         ),
         (
             {},
             {"kind": "kaimal", "mean_speed": 8, "turbulence_class": "D"},
-            "wind.turbulence_class = 'D' is not one of A, B, C (IEC turbulence class).",
+            "wind.turbulence_class = 'D' is not one of A+, A, B, C (IEC turbulence class).",
         ),
     ],
 )

@@ -11,14 +11,13 @@ from scipy.integrate import quad
 from scipy.interpolate import CubicSpline
 from scipy.stats import chi2
 
-from fowtlib.components.environment import turbulence
+from fowtlib.components.environment import iec, turbulence
+from fowtlib.components.environment.iec import normal_turbulence, operating_gust
 from fowtlib.components.environment.turbulence import (
     coherence,
     kaimal,
     kaimal_series,
     lost_variance,
-    normal_turbulence,
-    operating_gust,
 )
 from fowtlib.components.environment.wind_file import read_series
 from fowtlib.language import ModelError
@@ -46,8 +45,8 @@ def test_kaimal_spectrum():
     assert float(kaimal(0.1, 11.4, 2.0)) == pytest.approx(4 * 4 * 29.8421 / 18.90526 ** (5 / 3), rel=1e-5)
     variance = quad(lambda f: float(kaimal(f, 11.4, 2.0)), 0, 1, limit=300)[0]
     assert variance == pytest.approx(4 * (1 - float(turbulence.kaimal_above(1.0, 11.4))), rel=1e-8)
-    assert turbulence.turbulence_scale(30) == 21
-    assert turbulence.turbulence_scale(90) == 42
+    assert iec.turbulence_scale(30) == 21
+    assert iec.turbulence_scale(90) == 42
 
 
 def test_lost_variance_of_the_docstring():

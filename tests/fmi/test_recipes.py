@@ -14,8 +14,8 @@ import pytest
 import yaml
 
 import fowtlib as fw
-from fowtlib.cli.conditions import WAVES, WIND
 from fowtlib.language.errors import ModelError
+from fowtlib.modelfile.short_forms import WAVES, WIND
 
 FMUS = Path(__file__).parents[2] / "fmus"
 RECIPES = sorted((FMUS / "recipes").glob("*.yaml"))

@@ -41,7 +41,7 @@ def test_every_value_knows_its_line():
         ("a: 1\nb: [1, 2\n", "a.yaml:3: this is not YAML: expected ',' or ']', but got '<stream end>' "
          "while parsing a flow sequence."),
         ("a: !!python/object/apply:os.system [ls]", "a.yaml:1: the tag !!python/object/apply:os.system "
-         "has no meaning in a model file."),
+         "has no meaning here."),
         ("a: &x [*x]", "a.yaml:1: an alias (*name) stands within the value it names."),
         ("? [1]\n: 2", "a.yaml:1: a key must be a name; quote text that begins with a bracket or a brace."),
         ("[" * 1000, "a.yaml:1: lists and mappings are nested too deeply; the limit is 50."),

@@ -10,6 +10,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from fowtlib.components.environment.field_wind import NO_FIELD, FieldData, wind_function
+from fowtlib.components.environment.wind.points import Flow, positions
 from fowtlib.language import (
     Array,
     Component,
@@ -28,8 +29,7 @@ from fowtlib.language import (
 )
 from fowtlib.language import math as m
 from fowtlib.language.declarations import join
-from fowtlib.language.equations import active
-from fowtlib.language.errors import ParameterError, StructureError
+from fowtlib.language.errors import ParameterError
 
 
 def _per_station(wind: Wind) -> tuple[int]:
@@ -39,15 +39,16 @@ def _per_station(wind: Wind) -> tuple[int]:
 class Wind(Component, selector="kind", shared=("speeds", "velocity")):
     """Wind with power-law shear, or a full field; parts in the wind find it by `wind: Wind = outer(Wind)`.
 
-    At height z over station i, which has the height z_i, the speed along `direction` is
-    base_i(t) (z/z_i)^shear_exponent + fluctuation_i(t), and
-    base_i = (mean_speed share(t) + added(t)) (z_i/reference_height)^shear_exponent + own_i(t).
-    share, added, own and fluctuation are what the kinds of wind differ in, and with a field the velocities are its own:
-    data that are bound when a run starts. One compiled model serves all kinds but "input".
+    At (y, z) about station i at (y_i, z_i) the speed along the bearing = direction + turn(t) is
+    base_i(t) (z/z_i)^shear_exponent + fluctuation_i(t) + gradient(t) . (z - z_i, y - y_i), and
+    base_i = (mean_speed share(t) + added(t)) (z_i/reference_height)^shear_exponent + own_i(t);
+    y is across the wind. turn, share, added, own, fluctuation and gradient are what the kinds of wind differ in, and
+    with a field the velocities are its own: data that are bound when a run starts. One compiled model serves all kinds
+    but "input".
 
     A kind is a class: `SteadyWind(mean_speed=8)` and `Wind(kind="steady", mean_speed=8)` are the same. Another kind
-    says in `mean_series`, `station_series` or `field` what it blows, in `mean_at` what its mean is, and in
-    `spectral_density` what its spectrum is.
+    says in `mean_series`, `station_series`, `shape_series` or `field` what it blows, in `mean_at` what its mean is, and
+    in `spectral_density` what its spectrum is.
     """
 
     kind: str = param(default="none", bound=True, doc="kind of wind")
@@ -60,6 +61,8 @@ class Wind(Component, selector="kind", shared=("speeds", "velocity")):
     speed: RealOutput = port(unit="m/s", shape=_per_station, doc="undisturbed speed at each station")
     base: Array = var(unit="m/s", shape=_per_station, doc="sheared part of the speed at each station")
     fluctuation: Array = var(unit="m/s", shape=_per_station, doc="gust or turbulence at each station")
+    bearing: Scalar = var(unit="rad", doc="direction in which the wind blows now")
+    gradient: Array = var(unit="1/s", shape=(2,), doc="linear shear over height, and across the wind")
 
     if TYPE_CHECKING:  # the class of the kind takes further parameters
 
@@ -67,8 +70,12 @@ class Wind(Component, selector="kind", shared=("speeds", "velocity")):
 
     def equations(self):
         base, fluctuation = self.speeds()
-        speed = self.base + self.fluctuation
-        return [eq(self.base, base), eq(self.fluctuation, fluctuation), eq(self.speed, speed), *_repetition(self)]
+        shape = run_time_series(self.time, 3, "shape", lambda it: it.shape_series(), of=self)
+        return [
+            [eq(self.base, base), eq(self.fluctuation, fluctuation), eq(self.speed, self.base + self.fluctuation)],
+            [eq(self.bearing, self.direction + shape[0]), eq(self.gradient, shape[1:])],
+            _repetition(self),
+        ]
 
     def drawing(self):
         return _arrows(self)
@@ -81,6 +88,10 @@ class Wind(Component, selector="kind", shared=("speeds", "velocity")):
 
     def station_series(self) -> Series | None:
         """Part of the base, then fluctuation [m/s], of all stations: 2 n signals; None: nothing."""
+        return None
+
+    def shape_series(self) -> Series | None:
+        """Turn of the direction [rad], linear shear over height and across the wind [1/s]: 3 signals; None: nothing."""
         return None
 
     def field(self) -> FieldData | None:
@@ -96,8 +107,7 @@ class Wind(Component, selector="kind", shared=("speeds", "velocity")):
 
         omega: circular frequencies (k,) [rad/s]. Zero where the kind has none; the mean is no part of it.
         """
-        n = len(self.hubs)
-        return np.zeros((len(np.atleast_1d(omega)), n, n))
+        return np.zeros((len(np.atleast_1d(omega)), len(self.hubs), len(self.hubs)))
 
     def mean_at(self, station: int = 0) -> float:
         """Mean speed [m/s] at a station, for start values: before any step or gust."""
@@ -105,8 +115,8 @@ class Wind(Component, selector="kind", shared=("speeds", "velocity")):
         return float(self.parameter_value("mean_speed") * height ** self.parameter_value("shear_exponent"))
 
     def in_the_mean(self) -> dict[str, Any]:
-        """Steady wind of the mean speed."""
-        return _calm(self)
+        """Steady wind of the mean speed and shear; nothing of a kind that is the same at all times."""
+        return {"kind": "steady", "shear_exponent": float(self.parameter_value("shear_exponent"))}
 
     def require(self, y_range: tuple[float, float], z_range: tuple[float, float], who: str) -> None:
         """ParameterError, which names `who`, where a field does not cover y_range and z_range [m].
@@ -119,13 +129,7 @@ class Wind(Component, selector="kind", shared=("speeds", "velocity")):
 
     def speeds(self) -> tuple[Any, Any]:
         """Base and fluctuation at the stations, (n,) each [m/s]; while flattening."""
-        n = len(self.hubs)
-        mean = run_time_series(self.time, 2, "mean", lambda it: it.mean_series(), of=self)
-        own = run_time_series(self.time, 2 * n, "series", lambda it: it.station_series(), of=self, message=_ended(self))
-        over = at_start("heights", n, "1", "log(z_i/reference_height)", _logarithms, of=self)
-        field = _velocities(self, np.insert(self.hubs, 0, 0.0, axis=1).T, 0, 0, 0, 1.0)[0, :].T
-        sheared = (self.mean_speed * mean[0] + mean[1]) * m.exp(self.shear_exponent * over)
-        return sheared + own[:n] + field, own[n:]
+        return _speeds(self)
 
     def velocity(self, r: ca.SX, station: int = 0, reach: str = "tower") -> ca.SX:
         """Wind velocities (3, n, world) at n positions r (3, n, world), with the series of a station; while flattening.
@@ -134,8 +138,9 @@ class Wind(Component, selector="kind", shared=("speeds", "velocity")):
         how far down a field serves, to the lowest row of its "plane", the lowest point of its "tower", or the "ground",
         with a wind that falls linearly to nothing from there; see field_lookup.
         """
-        height = station_height(self, station)
-        return _velocities(self, r, self.base[station], self.fluctuation[station], self.direction, height, reach)
+        points, height, side = positions(r), station_height(self, station), float(self.hubs[station, 0])
+        now = self.base[station], self.fluctuation[station], self.shear_exponent, self.bearing, self.gradient
+        return Flow(self.path, self.time, *now, side, height).velocities(points, _field(self, points.shape[1]), reach)
 
     @property
     def hubs(self) -> np.ndarray:
@@ -156,17 +161,6 @@ class Wind(Component, selector="kind", shared=("speeds", "velocity")):
         return float(self.parameter_value("mean_speed"))
 
 
-def _calm(wind: Wind) -> dict[str, Any]:
-    """The mean of a wind; that of data to 1 cm/s, so that fields of one speed and several seeds have one mean."""
-    if wind.kind == "none":
-        return {}
-    if type(wind).mean_at is Wind.mean_at:
-        return {"kind": "steady"}
-    exponent = 0.0 if "shear_exponent" in wind.void else wind.parameter_value("shear_exponent")
-    height = station_height(wind, 0) / wind.reference_height
-    return {"kind": "steady", "mean_speed": round(wind.mean_at(0) / height**exponent, 2)}
-
-
 def require_disk(wind: Wind, radius: float, station: int, who: str) -> None:
     """As Wind.require, for a rotor disk [m] about a station; ParameterError also where there is no such station."""
     station_height(wind, station)
@@ -175,55 +169,22 @@ def require_disk(wind: Wind, radius: float, station: int, who: str) -> None:
     wind.require((y - radius, y + radius), (z - radius, z + radius), about)
 
 
-def _velocities(wind: Wind, r: Any, base: Any, fluctuation: Any, direction: Any, height: float,
-                reach: str = "tower") -> ca.SX:  # fmt: skip
-    """Velocities (3, n) at positions (3, n), along axes that are turned by the direction against those of the field.
+def _speeds(wind: Wind) -> tuple[ca.SX, ca.SX]:
+    n, shear = len(wind.hubs), wind.shear_exponent
+    mean = run_time_series(wind.time, 2, "mean", lambda it: it.mean_series(), of=wind)
+    own = run_time_series(wind.time, 2 * n, "series", lambda it: it.station_series(), of=wind, message=_ended(wind))
+    over = at_start("heights", n, "1", "log(z_i/reference_height)", _logarithms, of=wind)
+    hubs = positions(np.insert(wind.hubs, 0, 0.0, axis=1).T)
+    field = Flow(wind.path, wind.time, shear_exponent=shear).velocities(hubs, _field(wind, n))[0, :].T
+    sheared = (wind.mean_speed * mean[0] + mean[1]) * m.exp(shear * over)
+    return sheared + own[:n] + field, own[n:]
 
-    A run in which one of the points leaves a field, as far down as `reach` says, stops there.
-    """
-    r = ca.densify(ca.SX(r))  # fixed points are numbers
-    if r.shape[0] != 3:
-        raise StructureError(f"the wind is wanted at positions {r.shape[0]} x {r.shape[1]}; give them as 3 x n.")
-    n = r.shape[1]
-    function = wind_function(n)
+
+def _field(wind: Wind, points: int) -> ca.SX:
+    """The numbers of the field of the run, or of none, for so many points."""
     doc = "handle of the field, what it covers, its shift, 1/speed and lowest height"
-    given = at_start("field", len(NO_FIELD), "", doc, lambda it: it.field() or NO_FIELD, of=wind, functions=(function,))
-    handle, y_low, y_high, z_low, z_high, first, last, shift, per_speed, lowest = ca.vertsplit(given)
-    fall = 1.0
-    if reach == "ground":
-        fall = m.if_else(lowest > 0, m.fmax(m.fmin(r[2, :] / m.fmax(lowest, 1e-3), 1), 0), 1)
-        r = m.vertcat(r[:2, :], m.fmax(r[2, :], lowest))
-    if reach != "plane":
-        z_low = lowest
-    inside = m.rotation_z(direction).T @ r
-    places = (
-        ("y", inside[1, :], y_low, y_high),
-        ("z", inside[2, :], z_low, z_high),
-        ("time", wind.time + (shift - inside[0, :]) * per_speed, first, last),
-    )
-    for axis, place, low, high in places:
-        active().check_range(place.T, low, high, "", axis, _outside(wind, axis, n))
-    result = function(
-        field=handle, time=wind.time, base=base, fluctuation=fluctuation, shear_exponent=wind.shear_exponent,
-        direction=direction, height=height, positions=r,
-    )["velocities"]  # fmt: skip
-    velocities = m.horzcat(*[result[3 * i : 3 * i + 3] for i in range(n)])
-    return velocities * ca.repmat(fall, 3, 1) if reach == "ground" else velocities
-
-
-def _outside(wind: Wind, axis: str, points: int) -> str:
-    """What is said of a run that leaves the field."""
-    who = "the point" if points == 1 else "point {number} of %d" % points  # noqa: UP031 braces for later
-    file = "{%s}" % join(wind.path, "file")  # noqa: UP031
-    if axis == "time":
-        return (
-            f"{who} needs the wind of time {{value}} s of the field {file}, which covers {{low}} to {{high}} s; use a "
-            "longer field, a periodic one, or another field_shift."
-        )
-    return (
-        f"{who} is at {axis} = {{value}} m, and the wind field {file} covers {{low}} to {{high}} m; use a field that "
-        "is larger than all rotors with their motion."
-    )
+    functions = (wind_function(points),)
+    return at_start("field", len(NO_FIELD), "", doc, lambda it: it.field() or NO_FIELD, of=wind, functions=functions)
 
 
 def _ended(wind: Wind) -> str:

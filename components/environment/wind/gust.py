@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from fowtlib.components.environment.turbulence import operating_gust
+from fowtlib.components.environment.iec import TURBULENCE_CLASSES, operating_gust
 from fowtlib.components.environment.wind.steady import SteadyWind
 from fowtlib.language import Number, Series, param
 
@@ -35,7 +35,7 @@ class GustWind(SteadyWind, kind="gust"):
         default=50.0, unit="m/s", min=0, bound=True, doc="magnitude by IEC: V_ref, 50 m/s for wind class I"
     )
     turbulence_class: str = param(
-        default="B", choices=("A", "B", "C"), bound=True, doc="magnitude by IEC: turbulence class"
+        default="B", choices=TURBULENCE_CLASSES, bound=True, doc="magnitude by IEC: turbulence class"
     )
 
     def magnitude(self) -> float:

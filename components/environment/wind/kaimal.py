@@ -7,7 +7,7 @@ from functools import lru_cache
 import numpy as np
 from numpy.typing import ArrayLike
 
-from fowtlib.components.environment import turbulence
+from fowtlib.components.environment import iec, turbulence
 from fowtlib.components.environment.wind.steady import SteadyWind
 from fowtlib.components.environment.wind_file import WindSeries
 from fowtlib.language import Number, Series, param
@@ -21,7 +21,7 @@ class KaimalWind(SteadyWind, kind="kaimal"):
     It is the fluctuation, not sheared (IEC 61400-1 annex B). What a series holds and loses: module turbulence.
     """
 
-    turbulence_class: str = param(default="B", choices=("A", "B", "C"), bound=True, doc="IEC turbulence class")
+    turbulence_class: str = param(default="B", choices=iec.TURBULENCE_CLASSES, bound=True, doc="IEC turbulence class")
     turbulence_intensity: Number = param(
         default=None, min=0, bound=True, instead_of=("turbulence_class",), doc="sigma/V; without a value by the class"
     )
@@ -34,7 +34,7 @@ class KaimalWind(SteadyWind, kind="kaimal"):
     def standard_deviation(self) -> float:
         """Sigma [m/s] of the speed at a station, of the whole spectrum."""
         if self.turbulence_intensity is None:
-            return turbulence.normal_turbulence(self.given_speed(), self.turbulence_class)
+            return iec.normal_turbulence(self.given_speed(), self.turbulence_class)
         return self.turbulence_intensity * self.given_speed()
 
     def spectral_density(self, omega: ArrayLike) -> np.ndarray:

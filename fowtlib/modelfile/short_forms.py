@@ -1,4 +1,4 @@
-"""The short language of `--wind` and `--waves`: KIND[:VALUE][,key=value...], and of `--set`: path=value.
+"""The short language of wind and waves: KIND[:VALUE][,key=value...], and of `--set`: path=value.
 
 `kaimal:11.4,class=B,seed=1` and `jonswap:Hs=6,Tp=10,seed=1` become values of the parameters of the model's parts `wind`
 and `sea`. Numbers are in SI, headings in degrees; a number may carry a unit ("Tp=0.2 min").
@@ -29,14 +29,14 @@ class Key:
     required: bool = False
     choices: tuple[str, ...] = ()
 
-    def read(self, text: str, where: str) -> Any:
-        """The value that `text` stands for."""
+    def read(self, text: str, where: str, folder: Path = Path()) -> Any:
+        """The value that `text` stands for; relative paths of files begin at `folder`."""
         if self.choices and text not in self.choices:
             raise ParameterError(f"{where}: '{text}' is not {one_of(self.choices)}.")
         if self.unit == "":
             return text
         if self.unit == "path":
-            return str(Path(text).expanduser().resolve())
+            return str((folder / Path(text).expanduser()).resolve())
         if self.unit == "#":
             if not text.isdecimal():
                 raise ParameterError(f"{where}: '{text}' is not a whole number.")
@@ -83,14 +83,16 @@ class Condition:
         needed = [f"{key}=.." for key, value in named.items() if value.required]
         spare = [f"{key}=.." for key, value in named.items() if not value.required]
         inner = ",".join([*bare, *needed]) + "".join(f"[,{item}]" for item in spare)
+        inner = inner.replace("[,", "[", 1) if inner.startswith("[,") else inner
         return f"{name}:{inner}" if inner else name
 
-    def parse(self, text: str) -> dict[str, Any]:
-        """Values by parameter path."""
+    def parse(self, text: str, folder: Path = Path()) -> dict[str, Any]:
+        """Values by parameter path; relative paths of files begin at `folder`."""
         name, _, rest = text.partition(":")
         name = name.strip()
         if name not in self.kinds:
-            raise ParameterError(f"{self.option}: unknown kind '{name}'{did_you_mean(name, self.kinds)}")
+            hint = did_you_mean(name, self.kinds, list_up_to=len(self.kinds))
+            raise ParameterError(f"{self.option}: unknown kind '{name}'{hint}")
         kind = self.kinds[name]
         if kind.bare and kind.keys[kind.bare].unit == "path":
             file, rest = _file_first(kind, rest)  # a file name may hold anything
@@ -102,7 +104,8 @@ class Condition:
             raise ParameterError(f"{self.option}: '{name}' needs {one_of(missing, 'and')}; write {self.form(name)}")
         values = {f"{self.part}.{self.selector}": name}
         for key, word in words.items():
-            values[f"{self.part}.{kind.keys[key].parameter}"] = kind.keys[key].read(word, f"{self.option}: {key}")
+            item = kind.keys[key]
+            values[f"{self.part}.{item.parameter}"] = item.read(word, f"{self.option}: {key}", folder)
         return values
 
     def _words(self, name: str, kind: Kind, rest: str) -> dict[str, str]:
@@ -161,8 +164,19 @@ def _list(path: str, text: str) -> Any:
 
 _SPEED = {"speed": Key("mean_speed", "m/s", required=True)}
 _SHEAR = {"shear": Key("shear_exponent"), "direction": Key("direction", "deg")}
-_CLASS = {"class": Key("turbulence_class", "", choices=("A", "B", "C"))}
-_HEADING = {"heading": Key("heading", "deg")}
+_CLASS = {"class": Key("turbulence_class", "", choices=("A+", "A", "B", "C"))}
+_WIND_CLASS = {
+    "wind_class": Key("wind_class", "", choices=("I", "II", "III")), "reference": Key("reference_speed", "m/s"),
+}  # fmt: skip
+_EVENT = {**_SPEED, "at": Key("start_time", "s"), **_CLASS, "diameter": Key("rotor_diameter", "m"), **_SHEAR}
+_SIGN = {"sign": Key("sign", "1")}
+_EITHER_REFERENCE = ("wind_class", "reference")
+_PERIOD = {"period": Key("return_period", "#")}
+_DIRECTION = {"direction": Key("direction", "deg")}
+_HEADING = {"heading": Key("heading", "deg"), "misalignment": Key("misalignment", "deg")}
+_AIM = ("heading", "misalignment")
+_HEIGHTS = {"Hs50": Key("height_50", "m"), "Hs1": Key("height_1", "m"), **_PERIOD}
+_IRREGULAR = {"gamma": Key("gamma"), "seed": Key("seed", "#"), **_HEADING}
 
 WIND = Condition(
     "--wind",
@@ -199,6 +213,23 @@ WIND = Condition(
             bare="speed",
             either=("class", "intensity"),
         ),
+        "nwp": Kind({**_SPEED, **_SHEAR}, bare="speed"),
+        "ntm": Kind(
+            {**_SPEED, **_CLASS, "quantile": Key("quantile"), "seed": Key("seed", "#"), **_SHEAR}, bare="speed"
+        ),
+        "etm": Kind(
+            {**_SPEED, **_CLASS, **_WIND_CLASS, "seed": Key("seed", "#"), **_SHEAR},
+            bare="speed",
+            either=_EITHER_REFERENCE,
+        ),
+        "ewm": Kind({**_WIND_CLASS, **_PERIOD, "seed": Key("seed", "#"), **_DIRECTION}, either=_EITHER_REFERENCE),
+        "ewm_steady": Kind({**_WIND_CLASS, **_PERIOD, **_DIRECTION}, either=_EITHER_REFERENCE),
+        "eog": Kind({**_EVENT, **_WIND_CLASS}, bare="speed", either=_EITHER_REFERENCE),
+        "edc": Kind({**_EVENT, **_SIGN}, bare="speed"),
+        "ecd": Kind({**_SPEED, "at": Key("start_time", "s"), **_SIGN, **_SHEAR}, bare="speed"),
+        "ews": Kind(
+            {**_EVENT, "plane": Key("plane", "", choices=("vertical", "horizontal")), **_SIGN}, bare="speed"
+        ),
         "file": Kind({"file": Key("file", "path", required=True)}, bare="file"),
         "field": Kind({"file": Key("file", "path", required=True)}, bare="file"),
         "input": Kind({"speed": Key("mean_speed", "m/s"), **_SHEAR}, bare="speed"),
@@ -212,17 +243,29 @@ WAVES = Condition(
     {
         "still": Kind({}),
         "regular": Kind(
-            {"H": Key("wave_height", "m", required=True), "T": Key("wave_period", "s", required=True), **_HEADING}
+            {"H": Key("wave_height", "m", required=True), "T": Key("wave_period", "s", required=True), **_HEADING},
+            either=_AIM,
         ),
         "jonswap": Kind(
             {
                 "Hs": Key("significant_wave_height", "m", required=True),
                 "Tp": Key("peak_period", "s", required=True),
-                "gamma": Key("gamma"),
-                "seed": Key("seed", "#"),
-                **_HEADING,
-            }
+                **_IRREGULAR,
+            },
+            either=_AIM,
         ),
+        "nss": Kind({"wind": Key("wind_speed", "m/s"), **_IRREGULAR}, either=_AIM),
+        "sss": Kind(
+            {
+                "wind": Key("wind_speed", "m/s"),
+                "Hs": Key("significant_wave_height", "m"),
+                "Tp": Key("peak_period", "s"),
+                **_IRREGULAR,
+            },
+            either=_AIM,
+        ),
+        "ess": Kind({**_HEIGHTS, "Tp": Key("peak_period", "s"), "hours": Key("hours", "#"), **_IRREGULAR}, either=_AIM),
+        "ewh": Kind({**_HEIGHTS, "T": Key("wave_period", "s"), **_HEADING}, either=_AIM),
         "record": Kind(
             {
                 "file": Key("file", "path", required=True),
@@ -232,6 +275,7 @@ WAVES = Condition(
                 **_HEADING,
             },
             bare="file",
+            either=_AIM,
         ),
         "input": Kind({}),
     },

@@ -1,0 +1,194 @@
+"""The keys of a set that say what is run: model, wind, sea, parameters, events, start, times, outputs, solver."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping
+from dataclasses import replace
+from pathlib import Path
+from typing import Any
+
+from fowtlib.cases.scope import Scope
+from fowtlib.cases.values import filled, plain, scalar, word
+from fowtlib.language.errors import ModelError, one_of
+from fowtlib.modelfile import files
+from fowtlib.modelfile.document import STARTS
+from fowtlib.modelfile.nodes import Node, Place
+from fowtlib.modelfile.short_forms import WAVES, WIND, Condition
+from fowtlib.modelfile.specs import as_list, mapping
+from fowtlib.modelfile.values import DATA_SUFFIXES
+from fowtlib.solving.timeline import Event
+
+SECONDS = ("duration", "output_step", "discard", "step")
+RUN_KEYS = ("model", "wind", "sea", "set", "events", "start", *SECONDS, "outputs", "solver", "tolerance")
+CONDITIONS: dict[str, Condition] = {"wind": replace(WIND, option="wind"), "sea": replace(WAVES, option="sea")}
+
+Layers = tuple[Mapping[str, Node], ...]
+"""The keys of the defaults, and those of a set."""
+
+
+class RunKeys:
+    """Reads them for one case after the other; `files` collects the files that cases name."""
+
+    def __init__(self, folder: Path):
+        self.folder = folder
+        self.files: dict[Path, None] = {}
+        self._models: dict[str, str] = {}
+
+    def read(self, layers: Layers, scope: Scope) -> tuple[dict[str, Any], dict[str, Place]]:
+        """Fields of a Case, and where they are written; parameters go by their path."""
+        given = {key: node for layer in layers for key, node in layer.items()}
+        places: dict[str, Place] = {"": scope.place}
+        fields: dict[str, Any] = {"parameters": self.parameters(layers, scope, places)}
+        for key in SECONDS:
+            if key in given:
+                fields[key] = _time(given[key], key, scope)
+        if "tolerance" in given:
+            value = scalar(given["tolerance"], "tolerance", scope, "1")
+            fields["tolerance"] = _positive(given["tolerance"], "tolerance", value)
+        if "model" in given:
+            fields["model"] = self.model(given["model"], scope)
+        for key in ("solver", "start"):
+            if key in given:
+                fields[key] = word(given[key], key, scope)
+        if "start" in given:
+            fields["start"] = self.start(fields["start"], given["start"].place)
+        if "outputs" in given:
+            fields["outputs"] = tuple(word(item, "outputs", scope) for item in as_list(given["outputs"]))
+        if "events" in given:
+            fields["events"] = _events(given["events"], scope)
+        places |= {key: node.place for key, node in given.items() if key in RUN_KEYS}
+        if fields.get("discard", 0.0) >= fields.get("duration", math.inf):
+            raise places["discard"].error(
+                f"discard: {fields['discard']:g} s of a run of {fields['duration']:g} s leave nothing."
+            )
+        return fields, places
+
+    def parameters(self, layers: Layers, scope: Scope, places: dict[str, Place]) -> dict[str, Any]:
+        """Values by path: wind, sea and `set`, those of the set of cases over those of the defaults."""
+        values: dict[str, Any] = {}
+        for layer in layers:
+            for part, condition in CONDITIONS.items():
+                if part in layer:
+                    more = self.condition(condition, layer[part], scope, places)
+                    if f"{part}.{condition.selector}" in more:  # another wind altogether
+                        values = {path: value for path, value in values.items() if not path.startswith(f"{part}.")}
+                    values |= more
+        for layer in layers:
+            for path, node in self._entries(layer.get("set")).items():
+                values[path] = self.value(path, node, scope)
+                places[path] = node.place
+        return values
+
+    def condition(
+        self, condition: Condition, node: Node, scope: Scope, places: dict[str, Place]
+    ) -> dict[str, Any]:
+        """Wind or sea, in the words of the model file or in the short form of the command line."""
+        if isinstance(node.value, str):
+            try:
+                values = condition.parse(filled(node.value, scope, units=True), self.folder)
+            except ModelError as error:
+                raise node.place.error(f"{error}{_braces(node.value, scope)}") from None
+            places |= dict.fromkeys(values, node.place)
+            for path, value in values.items():
+                self._depends(path, value)
+            return values
+        form = condition.form(list(condition.kinds)[1])
+        what = f"'{condition.part}' is a mapping, as in a model file, or a short form such as '{form}'"
+        values = {}
+        for key, item in mapping(node, what).items():
+            path = f"{condition.part}.{key}"
+            values[path] = self.value(path, item, scope)
+            places[path] = item.place
+        return values
+
+    def value(self, path: str, node: Node, scope: Scope) -> Any:
+        """The value of a parameter; relative names of files begin at the folder of the cases file."""
+        if node.value is None:
+            raise node.place.error(f"{path} has no value.")
+        value = plain(node, scope)
+        if isinstance(value, str) and _is_file(path, value):
+            try:
+                given = files.data_path(value.removeprefix(files.DATA_PREFIX)) if value.startswith(files.DATA_PREFIX) \
+                    else (self.folder / Path(value).expanduser()).resolve()  # fmt: skip
+            except (ModelError, OSError, ValueError, RuntimeError) as error:
+                raise node.place.error(f"{path}: {error}") from None
+            value = str(given)
+            if not node.value.startswith(files.DATA_PREFIX):
+                self._depends(path, value)
+        return value
+
+    def model(self, node: Node, scope: Scope) -> str:
+        """A shipped name, or the whole path of a model file; relative ones begin at the folder of the cases file."""
+        name = word(node, "model", scope)
+        if name not in self._models:
+            try:
+                path = self.folder / Path(name).expanduser()
+                if files.is_file(path):
+                    self.files[path.resolve()] = None
+                    self._models[name] = str(path.resolve())
+                else:
+                    files.find_model(name if name in files.shipped_models() else path if path.suffix else name)
+                    self._models[name] = name
+            except (ModelError, RuntimeError) as error:
+                raise node.place.error(f"model: {error}") from None
+        return self._models[name]
+
+    def start(self, text: str, place: Place) -> str:
+        """A word, or the whole path of a result or a state."""
+        if text in STARTS:
+            return text
+        path = self.folder / Path(text).expanduser()
+        if path.suffix not in (".nc", ".json"):
+            files_too = "a file of a result (.nc) or a state (.json)"
+            raise place.error(f"start: '{text}' is not {one_of(STARTS)}, nor {files_too}.")
+        if not files.is_file(path):
+            raise place.error(f"start: there is no file '{text}'.")
+        self.files[path.resolve()] = None
+        return str(path.resolve())
+
+    @staticmethod
+    def _entries(node: Node | None) -> dict[str, Node]:
+        return mapping(node, "'set' is a mapping of parameters by path, such as sea.heading: 30 deg") if node else {}
+
+    def _depends(self, path: str, value: Any) -> None:
+        if isinstance(value, str) and _is_file(path, value) and files.is_file(Path(value)):
+            self.files[Path(value)] = None
+
+
+def _is_file(path: str, text: str) -> bool:
+    name = path.rpartition(".")[2]
+    by_name = name in ("file", "path") or name.endswith(("_file", "_path"))
+    return by_name or text.startswith(files.DATA_PREFIX) or text.lower().endswith((*DATA_SUFFIXES, ".bts"))
+
+
+def _time(node: Node, key: str, scope: Scope) -> float:
+    seconds = scalar(node, key, scope, "s")
+    return seconds if key == "discard" and seconds == 0 else _positive(node, key, seconds, " s")
+
+
+def _positive(node: Node, key: str, value: float, unit: str = "") -> float:
+    if not (value > 0 and math.isfinite(value)):
+        raise node.place.error(f"{key} is {value:g}{unit}; it must be above zero, and finite.")
+    return value
+
+
+def _events(node: Node, scope: Scope) -> tuple[dict[str, Any], ...]:
+    return tuple(_event(event, scope) for event in ([] if node.value is None else as_list(node)))
+
+
+def _event(node: Node, scope: Scope) -> dict[str, Any]:
+    """{event: turbine.grid_loss, at: 100 s, ...}, or the same as a line: turbine.grid_loss at 100 s."""
+    try:
+        if isinstance(node.value, str):
+            return Event.parse(filled(node.value, scope, units=True)).plain()
+        event = "an event is a mapping, such as {event: turbine.grid_loss, at: 100 s}, or a line of text"
+        return Event.from_plain(plain(Node(mapping(node, event), node.place), scope)).plain()
+    except ModelError as error:
+        raise error if error.where else node.place.error(f"events: {error}") from None
+
+
+def _braces(text: str, scope: Scope) -> str:
+    """A hint where a variable stands in a short form as in a formula."""
+    bare = [name for name in scope.names if name in text and f"{{{name}" not in text]
+    return f" A variable stands in braces here: {{{bare[0]}}}." if bare else ""

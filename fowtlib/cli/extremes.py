@@ -1,0 +1,203 @@
+"""`fowt extremes`: what to run for long-term extremes at a site, and the extremes from what the runs have given."""
+
+from __future__ import annotations
+
+import argparse
+import warnings
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+from fowtlib.cli import site, tables
+from fowtlib.cli.files import FIGURES, TABLES, check_target, say_saved
+from fowtlib.cli.run import positive
+from fowtlib.language.errors import ModelError, ParameterError
+from fowtlib.language.whole_files import write_text
+
+if TYPE_CHECKING:
+    from fowtlib.metocean import Answers, ConditionalModel, States
+
+WORTH_A_WORD = 1.02  # factor of a value of FLTA that is too high by the scatter of its fits
+METHODS = ("flta", "ecm", "mecm", "sample")
+CASE_FILES = (".yaml", ".yml")
+EXAMPLES = """First the states: flta all bins that occur once in --keep years, ecm the contour
+of the return period, mecm that one and those that end at --cut-out, sample
+random states, evaluated as flta. --cases writes them
+as a file for `fowt batch run`. Then, with the laws of the extremes
+in these states, the extremes by each method for which there are runs:
+--maxima FILE.csv: wind_speed, Hs, Tp, probability (empty on a contour), and for
+each response the largest value of a run; several runs a state.
+--fits FILE.csv: response, unit, wind_speed, Hs, Tp, probability, and location
+and scale of a Gumbel law, or q, a, b, c, threshold of an up-crossing rate.
+
+examples:
+  fowt extremes norway_5 --method flta --output states.csv
+  fowt extremes norway_5 --method mecm --cut-out 25 --cases contours.yaml --model two_rotor_spar_rigid --seeds 20
+  fowt extremes norway_5 --cut-out 25 --maxima maxima.csv --plot extremes.png
+"""
+
+
+def declare(commands: Any) -> None:
+    """Add the command of this module."""
+    text = "long-term extremes at a site: states to run, and values from what the runs gave"
+    parser = commands.add_parser("extremes", help=text, epilog=EXAMPLES)
+    site.declare(parser, height=90.0)
+    add = parser.add_argument
+    add("--method", choices=METHODS, default="flta", metavar="NAME", help="of the states: flta, ecm, mecm or sample")
+    form = "first:last:step"
+    add(
+        "--wind",
+        type=site.positives,
+        default=[*range(4, 51, 2)],
+        metavar=form,
+        help="bins or rings [m/s]; default: 4:50:2",
+    )
+    add("--waves", type=site.positives, default=[*range(1, 21)], metavar=form, help="bins of Hs [m]; default: 1:20:1")
+    add("--periods", type=site.positives, default=[*range(2, 35, 2)], metavar=form, help="bins [s]; default: 2:34:2")
+    add("--keep", type=positive, default=1000.0, metavar="YEARS", help="rarer bins are dropped; default: %(default)g")
+    add("--points", type=int, default=9, metavar="N", help="of each ring of a contour; default: %(default)d")
+    add("--whole", action="store_true", help="rings with waves below their median too")
+    add("--cut-out", type=site.positives, default=[], metavar="V", help="wind speeds [m/s] where contours end")
+    add("--fractile", type=positive, default=0.9, metavar="P", help="of ECM; default: %(default)g")
+    add("--count", type=int, default=1000, metavar="N", help="of the states of a sample; default: %(default)d")
+    add("--seed", type=int, default=1, metavar="N", help="of the sample; default: %(default)d")
+    turbulence = "draw the turbulence of each state of a sample too: IEC class A+, A, B or C"
+    add("--turbulence", choices=("A+", "A", "B", "C"), metavar="CLASS", help=turbulence)
+    given = parser.add_mutually_exclusive_group()
+    given.add_argument("--cases", type=Path, metavar="FILE", help="write the runs as a cases file: .yaml")
+    given.add_argument("--fits", type=Path, metavar="FILE", help="laws of extremes by state and response: .csv")
+    given.add_argument("--maxima", type=Path, metavar="FILE", help="largest values of runs: .csv")
+    add("--model", metavar="MODEL", help="of the cases file")
+    add("--seeds", type=int, default=1, metavar="N", help="runs of each state; default: %(default)d")
+    add("--time", type=positive, default=4000.0, metavar="S", help="length of a run; default: %(default)g s")
+    add("--discard", type=positive, default=400.0, metavar="S", help="of it not evaluated; default: %(default)g s")
+    add("--plot", type=Path, metavar="FILE", help="draw return periods over the responses: .png, .svg or .pdf")
+    tables.declare(parser)
+    parser.set_defaults(action=extremes)
+
+
+def extremes(arguments: argparse.Namespace) -> int:
+    """The states of a method, or the extremes."""
+    check_target(arguments.plot, FIGURES, arguments.force)
+    check_target(arguments.table, TABLES, arguments.force)
+    check_target(arguments.cases, CASE_FILES, arguments.force)
+    joint = site.opened(arguments)
+    if arguments.fits or arguments.maxima:
+        return _evaluate(arguments, joint)
+    if arguments.plot:
+        raise ModelError("--plot draws extremes: give --fits or --maxima, or see `fowt contours --plot`.")
+    if (arguments.cases is None) != (arguments.model is None):
+        raise ModelError("--cases and --model belong together: a file of cases of one model.")
+    return _list(arguments, joint)
+
+
+def _list(arguments: argparse.Namespace, joint: ConditionalModel) -> int:
+    from fowtlib.metocean import cases_file
+
+    states, told = _states(arguments, joint)
+    head = f"{site.words(joint)}; states of {arguments.duration / 3600:.4g} h; {told}"
+    if arguments.cases:
+        if arguments.seeds < 1 or arguments.discard >= arguments.time:
+            raise ParameterError(
+                "a state is run once or more, and the part of a run that is discarded is not all of it."
+            )
+        text = cases_file(
+            states, arguments.model, title=head, group=arguments.method.upper(), seeds=arguments.seeds,
+            duration=arguments.time, discard=arguments.discard, cut_out=max(arguments.cut_out, default=None),
+        )  # fmt: skip
+        write_text(arguments.cases, text)
+    tables.say(arguments, head)
+    if not arguments.cases or arguments.table or arguments.form:
+        rows = [list(state) for state in states]
+        columns = ["wind_speed [m/s]", "Hs [m]", "Tp [s]"]
+        if states.probability is not None:
+            columns.append("probability")
+            rows = [[*row, float(each)] for row, each in zip(rows, states.probability, strict=True)]
+        if states.turbulence_intensity is not None:
+            columns.append("turbulence_intensity")
+            rows = [[*row, float(each)] for row, each in zip(rows, states.turbulence_intensity, strict=True)]
+        tables.show(arguments, columns, rows)
+    say_saved(arguments.cases)
+    return 0
+
+
+def _states(arguments: argparse.Namespace, joint: ConditionalModel) -> tuple[States, str]:
+    from fowtlib.metocean import Turbulence, bins, cut_off, radius, surface
+
+    if arguments.turbulence and arguments.method != "sample":
+        raise ParameterError("--turbulence is drawn for the states of a sample alone: --method sample.")
+    if arguments.method == "sample":
+        states = joint.sample(arguments.count, arguments.seed)
+        if arguments.turbulence:
+            states = Turbulence(arguments.turbulence).draw(states, arguments.seed + 1)
+        return states, f"{len(states)} random states, seed {arguments.seed}"
+    if arguments.method == "flta":
+        whole = len(arguments.wind) * len(arguments.waves) * len(arguments.periods)
+        states = bins(joint, arguments.wind, arguments.waves, arguments.periods, keep=arguments.keep,
+                      duration=arguments.duration)  # fmt: skip
+        return states, (f"{len(states)} of {whole} bins occur at least once in {arguments.keep:g} years, and hold "
+                        f"{100 * states.weights.sum():.5g} % of the time")  # fmt: skip
+    levels = [(radius(arguments.return_period, arguments.duration), arguments.return_period)]
+    if arguments.method == "mecm":
+        if not arguments.cut_out:
+            raise ParameterError("the modified method needs --cut-out: the wind speed at which the turbine stops.")
+        levels += [cut_off(joint, speed, arguments.duration) for speed in arguments.cut_out]
+    parts = []
+    for beta, _ in levels:
+        top = float(joint.wind_speed.from_normal(beta))
+        speeds = [*(speed for speed in arguments.wind if speed < (1 - 1e-9) * top), top]
+        parts.append(surface(joint, beta, wind_speeds=speeds, points=arguments.points, upper=not arguments.whole))
+    told = ", ".join(f"{len(part)} of {site.time(years)}" for part, (_, years) in zip(parts, levels, strict=True))
+    return sum(parts[1:], start=parts[0]), f"{sum(map(len, parts))} states of contours: {told}"
+
+
+def _evaluate(arguments: argparse.Namespace, joint: ConditionalModel) -> int:
+    from fowtlib.metocean import compare_methods, read_fits, read_maxima
+
+    fits = read_fits(arguments.fits, arguments.duration) if arguments.fits else read_maxima(arguments.maxima)
+    answers = compare_methods(joint, fits, years=arguments.return_period, duration=arguments.duration,
+                              cut_offs=arguments.cut_out, fractile=arguments.fractile)  # fmt: skip
+    head = f"{site.words(joint)}; {site.time(arguments.return_period)}, states of {arguments.duration / 3600:.4g} h"
+    if arguments.plot:
+        from fowtlib.metocean.pictures import plot_exceedance
+
+        plot_exceedance(answers, arguments.plot, title=head)
+    tables.say(arguments, head)
+    columns = ("response", "unit", "FLTA", "ECM", "MECM", "MECM over FLTA", "wind_speed [m/s]", "Hs [m]", "Tp [s]")
+    tables.show(arguments, columns, [_row(each) for each in answers])
+    tables.say(arguments, "The state is the one that gives MECM, else ECM, else most of FLTA.")
+    _say_excess(answers)
+    say_saved(arguments.plot)
+    return 0
+
+
+def _say_excess(answers: list[Answers]) -> None:
+    """Warn of values that the scatter of fits to few runs has made too high."""
+    from fowtlib.metocean import excess_of_fits
+
+    for each in answers:
+        if each.flta is None or each.fits.runs is None:
+            continue
+        factor = excess_of_fits(each.flta, each.fits.runs, each.years)
+        if factor > WORTH_A_WORD:
+            warnings.warn(
+                f"{each.fits.response}: its laws come from {each.fits.runs.min()} runs a state, too few: what scatters "
+                f"high decides. FLTA is expected to be {100 * (factor - 1):.0f} % too high.",
+                stacklevel=1,
+            )
+
+
+def _row(answers: Answers) -> list[Any]:
+    """Values of all methods, and the state that matters most."""
+    values: list[float | None] = [None, None, None, None]
+    state: Any = (None, None, None)
+    if answers.flta is not None:
+        values[0] = answers.flta.value(answers.years)
+        shares = answers.flta.shares(values[0])
+        state = list(answers.flta.states)[int(shares.argmax())]
+    if answers.ecm is not None:
+        values[1], state = answers.ecm.value, answers.ecm.state
+    if answers.mecm is not None:
+        values[2], state = answers.mecm.value, answers.mecm.worst.state
+    if values[0] and values[2] is not None:
+        values[3] = values[2] / values[0]
+    return [answers.fits.response, answers.fits.unit, *values, *state]
