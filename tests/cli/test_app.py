@@ -74,7 +74,7 @@ def test_help_lists_every_command(capsys):
 def test_the_help_of_a_command_says_what_it_does_and_gives_an_example(capsys, monkeypatch, command):
     monkeypatch.setenv("COLUMNS", "80")
     with pytest.raises(SystemExit) as caught:
-        main([command, "--help"])
+        main([*command.split(), "--help"])
     assert caught.value.code == 0
     text = capsys.readouterr().out
     assert f"\n  fowt {command} " in text.partition("\nexamples:")[2]
