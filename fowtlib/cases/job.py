@@ -70,7 +70,7 @@ class Job:
 class Outcome:
     """What became of a case; plain data. state: done, failed, stopped (by a wish of the user) or no room (on the disk).
 
-    The other fields are those of fowtlib.cases.registry.Row.
+    statistics: all of fowtlib.analysis.case_statistics. The other fields are those of fowtlib.cases.registry.Row.
     """
 
     state: str
@@ -82,8 +82,7 @@ class Outcome:
     result: str = ""
     bytes: int | None = None
     files: dict[str, str] = field(default_factory=dict)
-    statistics: dict[str, dict[str, Any]] = field(default_factory=dict)
-    evaluation: dict[str, Any] = field(default_factory=dict)
+    statistics: dict[str, Any] = field(default_factory=dict)
 
     def plain(self) -> dict[str, Any]:
         """In what JSON can hold."""
@@ -158,7 +157,7 @@ def _compute(job: Job, report: Report, told: dict[str, Any]) -> None:
         raise
     result = later if earlier is None else earlier.followed_by(later)
     told["simulated"] = float(result.time[-1])
-    told["statistics"], told["evaluation"] = statistics_of(result)
+    told["statistics"] = statistics_of(result)
     if job.result:
         path = result.save(job.result)
         told |= {"result": path.name, "bytes": path.stat().st_size}

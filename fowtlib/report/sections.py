@@ -113,7 +113,7 @@ def fatigue(view: View) -> Section | None:
     weights = np.array([row.case.weight for row in view.done])
     shares = weights / weights.sum() if weights.sum() > 0 else np.full(len(weights), 1 / len(weights))
     for name in view.loads:
-        kept = [row.evaluation.get("equivalent_loads", {}).get(name) for row in view.done]
+        kept = [view.all[row.name].get("equivalent_loads", {}).get(name) for row in view.done]
         if any(loads is None for loads in kept):
             continue
         for exponent in kept[0]:
@@ -132,11 +132,11 @@ def fatigue(view: View) -> Section | None:
 def ultimate(view: View) -> Section | None:
     """The ultimate load matrix, with safety factors and what acts at the same time."""
     channels = view.loads[:MOST_IN_MATRIX]
-    having = [row for row in view.done if all(name in row.statistics for name in channels) and row.evaluation]
+    having = [row for row in view.done if all(name in row.statistics for name in channels)]
     if not channels or not having:
         return None
     found = ultimate_loads(
-        {row.name: {"channels": row.statistics, **row.evaluation} for row in having}, channels,
+        {row.name: view.all[row.name] for row in having}, channels,
         {row.name: row.case.safety_factor for row in having},
         load_cases={row.name: row.case.group or row.name for row in having},
     )  # fmt: skip

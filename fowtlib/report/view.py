@@ -51,6 +51,11 @@ class View:
         return {row.name: row.statistics for row in self.done}
 
     @cached_property
+    def all(self) -> dict[str, dict[str, Any]]:
+        """All statistics by case; see Batch.statistics."""
+        return {row.name: self.batch.statistics(row.name) for row in self.done}
+
+    @cached_property
     def units(self) -> dict[str, str]:
         """Of all results that a case has, in their order."""
         return {name: told["unit"] for case in self.channels.values() for name, told in case.items()}
