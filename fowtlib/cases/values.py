@@ -9,6 +9,7 @@ from __future__ import annotations
 import re
 from collections.abc import Collection
 from dataclasses import dataclass
+from functools import lru_cache
 from typing import Any, Protocol
 
 from fowtlib.language.errors import ModelError, ModelFileError, UnitError, did_you_mean
@@ -44,6 +45,9 @@ class Item:
         return _short(found[0]) if found else self.written
 
 
+_unit_text = lru_cache(maxsize=256)(unit_text)
+
+
 class Names(Protocol):
     """The variables that formulas can name."""
 
@@ -58,7 +62,7 @@ class Names(Protocol):
 def number(value: float, unit: Any = None) -> Item:
     """The item of a number that was computed; whole numbers are integers."""
     written: str | float = _short(float(value))
-    if unit is not None and (text := unit_text(unit)) != "1":
+    if unit is not None and (text := _unit_text(unit)) != "1":
         written = f"{written!r} {text}"
     return Item(written, Quantity(float(value), unit))
 
@@ -116,6 +120,7 @@ def word(node: Node, what: str, names: Names) -> str:
         raise error if error.where else node.place.error(f"{what}: {error}") from None
 
 
+@lru_cache(maxsize=4096)
 def as_quantity(text: str) -> Quantity | None:
     """The quantity that a text such as "12 m/s" writes, in SI; None for another text."""
     found = quantity(text)

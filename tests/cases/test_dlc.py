@@ -16,7 +16,7 @@ from fowtlib.components.environment import Wind
 from fowtlib.components.environment.waves import steepest_sea
 from fowtlib.language.errors import ModelError, ModelFileError
 from fowtlib.language.units import to_si
-from fowtlib.metocean import contour, radius, shipped
+from fowtlib.metocean import bins, cases_file, contour, radius, shipped
 from fowtlib.metocean import site as metocean_site
 from fowtlib.modelfile import load
 
@@ -175,3 +175,11 @@ def test_the_command_writes_shows_and_lists(tmp_path: Path, capsys, monkeypatch)
     path.write_text(path.read_text().replace("spectrum: jonswap", "spectrum: jonswop", 1))
     assert main(["cases", "dlc.yaml"]) == 2
     assert "dlc.yaml:" in (err := capsys.readouterr().err) and "did you mean 'jonswap'" in err
+
+
+def test_the_list_of_runs_of_the_long_term_is_a_cases_file(tmp_path):
+    joint = metocean_site("norway_5").at(90.0)
+    states = bins(joint, [8.0, 12.0, 16.0], [2.0, 4.0], [9.0, 11.0, 13.0])
+    cases = read_cases(tmp_path / "bins.yaml", text=cases_file(states, "oc3_spar_rigid", seeds=2))
+    assert len(cases) == 2 * len(states)
+    assert sum(case.weight for case in cases) == pytest.approx(sum(states.probability))

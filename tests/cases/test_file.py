@@ -2,13 +2,15 @@
 
 import json
 import math
+import random
+import re
 from pathlib import Path
 
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from fowtlib.cases import Case, read_cases
+from fowtlib.cases import Case, check_cases, read_cases
 from fowtlib.language.errors import ModelFileError
 from fowtlib.modelfile.yaml_text import to_text
 
@@ -201,3 +203,25 @@ def test_a_product_has_every_combination_once_and_cases_go_through_json(tmp_path
         assert {case.parameters[f"part.{name}"] for case in cases} == set(values)
     assert len({case.name.lower() for case in cases}) == len(cases)
     assert all(Case.from_plain(json.loads(json.dumps(case.plain()))) == case for case in cases)
+
+
+JUNK = ["null", "[]", "{}", "-1", "1e400", "nan", "true", "'{'", "{a}", "4:8:0", "1:2:1 kg", "*x", "[[1]]", "pi",
+        "1/0", "2**9999", "é", "../..", "data:x", "5 deg", "heading - 3", "[1, a]", "1 furlong", "{seed_number}{", "}",
+        "x.csv", "turbine.grid_loss at 3 s", "kaimal:", "jonswap:Hs=", "sqrt(-1)", "{wind_speed + }", "wind_speed",
+        ""]  # fmt: skip
+
+
+def test_no_mistake_shows_a_traceback_or_loses_its_line(tmp_path):
+    generator, words = random.Random(1), list(re.finditer(r"[\w.{}:+'\[\]-]+", FILE))
+    refused = 0
+    for _ in range(150):
+        text = FILE
+        for word in sorted(generator.sample(words, generator.choice([1, 1, 2])), key=lambda word: -word.start()):
+            new = generator.choice(words)[0] if generator.random() < 0.3 else generator.choice(JUNK)
+            text = text[: word.start()] + new + text[word.end() :]
+        try:
+            check_cases(read_cases(tmp_path / "cases.yaml", text=text))
+        except ModelFileError as error:
+            refused += 1
+            assert re.search(r"cases\.yaml:\d+: ", str(error)), f"{error}\n{text}"
+    assert refused > 110
