@@ -40,10 +40,10 @@ LIBRARY_MAY_IMPORT = {
     "capytaine",  # the optional pre-processor of hydrodynamic databases
     "fmpy",  # the optional runner of FMUs, which are sampled parts
 }
-SLOW_OR_OPTIONAL = {"matplotlib", "yaml", "pandas", "pint", "xarray", "rich", "networkx", "capytaine", "fmpy"}
+SLOW_OR_OPTIONAL = {"matplotlib", "yaml", "jinja2", "pandas", "pint", "xarray", "rich", "networkx", "capytaine", "fmpy"}
 LONGEST_COMPONENT = 60
 LONGEST_WITH_HELPERS = 110
-DATA = {".yaml", ".csv", ".nc", ".md", ".c", ".h", ".html", ".js"}
+DATA = {".yaml", ".csv", ".nc", ".md", ".c", ".h", ".html", ".js", ".jinja"}
 
 
 def modules() -> Iterator[tuple[str, Path]]:

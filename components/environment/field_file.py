@@ -227,8 +227,9 @@ def scale(low: ArrayLike, high: ArrayLike) -> tuple[tuple[float, ...], tuple[flo
 
 def encode(speeds: ArrayLike, slope: ArrayLike, offset: ArrayLike) -> NDArray[np.int16]:
     """The int16 numbers of speeds [m/s]: nearest whole number of slope * speed + offset."""
-    numbers = np.rint(np.asarray(speeds) * np.asarray(slope) + np.asarray(offset))
-    return np.clip(numbers, _LOW, _HIGH).astype("<i2")
+    numbers = np.asarray(np.asarray(speeds) * np.asarray(slope) + np.asarray(offset))
+    np.rint(numbers, out=numbers)
+    return np.clip(numbers, _LOW, _HIGH, out=numbers).astype("<i2")
 
 
 def check_grid(path: str, grid: FieldGrid) -> None:

@@ -8,7 +8,8 @@ v or w over a rotor then is not as small). The components are independent of eac
 
 What keeps it fast: where even neighbours have a coherence below LEAST_COHERENCE the points are taken as independent,
 which is most of the harmonics; below, the symmetry of the grid (field_spectra.PlaneCoherence). What keeps it small: the
-series are made for a block of points at a time, twice: for the range of int16 first, then for the file.
+series are made for a block of points at a time, and where all of them are more than KEPT twice: for the range of int16
+first, then for the file.
 
 Variance of frequencies below 1/(2 T) and above the Nyquist frequency is not in the field, and not made up for.
 
@@ -45,6 +46,7 @@ Floats = NDArray[np.float64]
 LEAST_COHERENCE = 1e-3
 LARGEST_GRID = 20_000  # points; a block of the coherence matrix has (points / 4)^2 numbers
 BLOCK = 32 * 2**20  # bytes of the numbers that are worked on at a time, about
+KEPT = 128 * 2**20  # bytes of the series of a field that are kept between the range and the file
 CACHE = 2 * 2**20  # bytes of the coherence matrices of a few harmonics; beyond a cache they take twice the time
 
 
@@ -90,18 +92,24 @@ def generate_field(
         sigma = turbulence_intensity * mean_speed
     told = progress or (lambda done, total: None)
     turbulence = _Turbulence(grid, sigma, spectrum, shear_exponent, lateral_coherence == "iec", seed, told)
-    extremes = [(block.min(axis=(0, 1)), block.max(axis=(0, 1))) for _, block in turbulence.blocks(1 / 3)]
-    slope, offset = scale(np.min([e[0] for e in extremes], axis=0), np.max([e[1] for e in extremes], axis=0))
+    kept, low_high = [], []
+    for points, block in turbulence.blocks(1 / 3):
+        low_high.append([(component.min(), component.max()) for component in block])
+        kept += [(points, block)] if 12 * grid.points * grid.steps <= KEPT else []
+    lowest, highest = np.array(low_high, dtype=np.float32).transpose(2, 0, 1)
+    slope, offset = scale(lowest.min(axis=0), highest.max(axis=0))
     scaled = replace(grid, slope=slope, offset=offset)
     check_grid(path, scaled)
 
     def fill(temporary: Path) -> None:
         new = lay_out(temporary, scaled)
-        for points, block in turbulence.blocks(2 / 3):
-            numbers = encode(block, np.float32(slope), np.float32(offset)).transpose(1, 0, 2)
-            for start, stored in new.blocks():
-                stored[:, points] = numbers[start : start + len(stored)]
-                del stored
+        told(2 / 3, 1)
+        for points, block in kept or turbulence.blocks(2 / 3):
+            for k, component in enumerate(block):
+                numbers = encode(component, np.float32(slope[k]), np.float32(offset[k])).T
+                for start, stored in new.blocks():
+                    stored[:, points, k] = numbers[start : start + len(stored)]
+                    del stored
         new.stored.flush()
 
     write_whole(path, fill)
@@ -147,16 +155,14 @@ class _Turbulence:
             result[:, :, start : start + len(f)] = plane.apply(f, noise).transpose(2, 1, 0)
         return result
 
-    def blocks(self, done: float) -> Iterator[tuple[slice, NDArray[np.float32]]]:
-        """Speeds (points of the block, steps, 3) [m/s] and their points; `done` is the part of all work before it."""
+    def blocks(self, done: float) -> Iterator[tuple[slice, list[NDArray[np.float32]]]]:
+        """Speeds u, v, w [m/s] of a block of points, (points, steps) each; `done` is the part of all work before it."""
         size = max(1, BLOCK // (12 * self.grid.steps))
         for start in range(0, self.grid.points, size):
             self.told(done + start / self.grid.points / 3, 1)
             points = slice(start, min(start + size, self.grid.points))
-            series = np.empty((points.stop - start, self.grid.steps, 3), dtype=np.float32)
-            for component in range(3):
-                series[..., component] = self._fluctuation(component, points)
-            series[..., 0] += self.mean[points, None].astype(np.float32)
+            series = [self._fluctuation(component, points) for component in range(3)]
+            series[0] += self.mean[points, None].astype(np.float32)
             yield points, series
 
     def _fluctuation(self, component: int, points: slice) -> NDArray[np.float32]:

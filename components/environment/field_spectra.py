@@ -74,29 +74,44 @@ class PlaneCoherence:
     def apply(self, frequency: Floats, noise: NDArray[np.complex128]) -> NDArray[np.complex128]:
         """H(f) times independent noise (n, rows x columns, m) at n frequencies [Hz]; the same shape."""
         kernel = coherence(frequency[:, None], self.distance, *self.wind).reshape(-1, *self.shape)
-        result = np.empty((len(frequency), *self.shape, noise.shape[-1]), dtype=complex)
+        count, m = len(frequency), noise.shape[-1]
+        result = np.empty((count, *self.shape, m), dtype=complex)
+        along_y = _combinations(kernel, self.parts_y)
         used = 0
         for z in self.parts_z:
-            for y in self.parts_y:
+            for y, sums in zip(self.parts_y, along_y, strict=True):
                 sides = z.stop - z.start, y.stop - y.start
                 rows = slice(used, used := used + sides[0] * sides[1])
-                part = _cholesky(_block(kernel, z, y)) @ np.ascontiguousarray(noise[:, rows]).view(float)
-                result[:, z, y] = part.view(complex).reshape(len(frequency), *sides, -1)
-        mixed = np.einsum("zi,fijm,yj->fzym", self.basis_z, result, self.basis_y, optimize=True)
-        return mixed.reshape(noise.shape)
+                part = _cholesky(_block(sums, z)) @ np.ascontiguousarray(noise[:, rows]).view(float)
+                result[:, z, y] = part.view(complex).reshape(count, *sides, -1)
+        numbers = result.view(float).reshape(count, self.shape[0], -1)  # small real products, which start no threads
+        mixed = np.matmul(self.basis_y, (self.basis_z @ numbers).reshape(count, *self.shape, 2 * m))
+        return mixed.view(complex).reshape(noise.shape)
 
 
-def _block(kernel: Floats, z: slice, y: slice) -> Floats:
-    """The block of one parity in z and one in y of the matrix kernel[f, |dz|, |dy|]: sums over mirror images."""
-    near, far, weight = _distances(kernel.shape[2], y)
-    along_y = (kernel[..., near] + (-1 if y.start else 1) * kernel[..., far]) * weight
-    near, far, weight = _distances(kernel.shape[1], z)
-    both = (along_y[:, near] + (-1 if z.start else 1) * along_y[:, far]) * weight[..., None, None]
-    return both.transpose(0, 1, 3, 2, 4).reshape(len(kernel), len(weight) * along_y.shape[-1], -1)
+def _combinations(kernel: Floats, parts: tuple[slice, ...]) -> list[Floats]:
+    """Of kernel[f, |dz|, |dy|] the even and the odd combinations in y, (f, |dz|, i, j): sums over mirror images."""
+    near, far, weight = _distances(kernel.shape[2], parts[0])
+    direct, mirrored = np.take(kernel, near, axis=2), np.take(kernel, far, axis=2)
+    odd = [(direct - mirrored)[..., : p.stop - p.start, : p.stop - p.start] for p in parts[1:]]  # their weights are 1
+    return [(direct + mirrored) * weight, *odd]
+
+
+def _block(along_y: Floats, z: slice) -> Floats:
+    """The block of one parity in z of combinations in y; of the symmetric matrix the lower triangle alone."""
+    near, far, weight = _distances(along_y.shape[1], z)
+    rows, side = len(weight), along_y.shape[-1]
+    block = np.zeros((len(along_y), rows, side, rows, side))
+    for i in range(rows):
+        direct, mirrored = along_y[:, near[i, : i + 1]], along_y[:, far[i, : i + 1]]
+        both = direct - mirrored if z.start else direct + mirrored
+        both *= weight[i, : i + 1, None, None]
+        block[:, i, :, : i + 1] = both.swapaxes(1, 2)
+    return block.reshape(len(along_y), rows * side, rows * side)
 
 
 def _cholesky(matrix: Floats, width: int = 16) -> Floats:
-    """Lower factors of (n, m, m) positive definite matrices, in panels.
+    """Lower factors of (n, m, m) positive definite matrices, whose lower triangle is given, in panels.
 
     Products of this size run in the thread that asks for them; LAPACK's own factorisation of one moderate matrix starts
     threads for it, which on a machine with other work costs ten times what they compute.

@@ -19,7 +19,7 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass
-from functools import lru_cache
+from functools import cache, lru_cache
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -76,10 +76,16 @@ def _peak_shape(x: Floats) -> Floats:
     return np.exp(-0.5 * ((x - 1) / width) ** 2)
 
 
+@cache
+def _gauss_points() -> tuple[Floats, Floats]:
+    """Of 100 points, whose eigenvalues take as long as all other numbers of a sea."""
+    return np.polynomial.legendre.leggauss(100)
+
+
 @lru_cache(maxsize=64)
 def _peak_energy(gamma: float) -> float:
     """Energy of the JONSWAP shape relative to Pierson-Moskowitz, by Gauss quadrature on both sides of the peak."""
-    node, weight = np.polynomial.legendre.leggauss(100)
+    node, weight = _gauss_points()
     energy = 1.0
     for low, high in ((0.3, 1.0), (1.0, 1.9)):
         x = 0.5 * (high - low) * node + 0.5 * (high + low)
@@ -186,10 +192,14 @@ class WaveComponents:
 
     def series(self, transfer: ArrayLike) -> Floats:
         """One whole period on the uniform grid t = j period / samples, by inverse FFT; shape (samples, m)."""
+        return np.fft.irfft(self.spectrum(transfer), self.samples, axis=1).T
+
+    def spectrum(self, transfer: ArrayLike) -> Complexes:
+        """The discrete Fourier transform of `series`; shape (m, samples // 2 + 1)."""
         columns = self.columns(transfer)
         half = np.zeros((columns.shape[1], self.samples // 2 + 1), dtype=complex)
         half[:, self._harmonic] = (0.5 * self.samples * self.complex_amplitude[:, None] * columns).T
-        return np.fft.irfft(half, self.samples, axis=1).T
+        return half
 
     @property
     def _harmonic(self) -> NDArray[np.int64]:

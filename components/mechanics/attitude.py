@@ -12,7 +12,7 @@ import numpy as np
 from fowtlib.components.mechanics.interfaces import TwoFrames
 from fowtlib.language import Component
 
-Place = tuple[str, str]  # path of a component, label of its port
+Place = tuple[int, str]  # id of a component, which is found faster than its path; label of its port
 
 
 def heading_at_start(component: Component, port: str) -> float:
@@ -29,40 +29,40 @@ def _attitude(component: Component, port: str) -> np.ndarray:
     """World from frame (3, 3), by the way through the fewest parts."""
     root = [component, *component.enclosing()][-1]
     links: dict[Place, list[Place]] = defaultdict(list)
-    for owner in root.walk():
+    parts = {id(part): part for part in root.walk()}
+    for owner in parts.values():
         for a, b, _ in owner.connections:
-            one, other = ((end.component.current.path, end.label) for end in (a, b))
+            one, other = (id(a.component.current), a.label), (id(b.component.current), b.label)
             links[one].append(other)
             links[other].append(one)
-    parts = {part.path: part for part in root.walk()}
-    found: dict[Place, np.ndarray] = {(component.path, port): np.eye(3)}  # frame at hand, from the frame at this place
-    for path, label in (waiting := list(found)):
-        R = found[path, label]
-        part = parts.get(path)
-        fixed = getattr(part, "fixed_rotation", None)
+    found: dict[Place, np.ndarray] = {(id(component), port): np.eye(3)}  # frame at hand, from the frame at this place
+    for number, label in (waiting := list(found)):
+        R = found[number, label]
+        part = parts.get(number)
+        fixed = getattr(type(part), "fixed_rotation", None)
         if fixed is not None and label == "frame":
-            return _numbers(fixed()) @ R
-        for place, turn in _next(part, path, label, links, parts):
+            return _numbers(fixed(part)) @ R
+        for place, turn in _next(part, number, label, links, parts):
             if place not in found:
                 found[place] = turn @ R
                 waiting.append(place)
     return np.eye(3)
 
 
-def _next(part: Any, path: str, label: str, links: Any, parts: Any) -> Iterator[tuple[Place, np.ndarray]]:
+def _next(part: Any, number: int, label: str, links: Any, parts: Any) -> Iterator[tuple[Place, np.ndarray]]:
     """The places beside one, each with the turn from here to there."""
-    for place in links[path, label]:
+    for place in links[number, label]:
         yield place, np.eye(3)
     if isinstance(part, TwoFrames) and label in ("frame_a", "frame_b") and not part.parts:
-        rotation = part.start_rotation(_command(path, links, parts))
+        rotation = part.start_rotation(_command(number, links, parts))
         if rotation is not None:
             R = _numbers(rotation)
-            yield ((path, "frame_b"), R.T) if label == "frame_a" else ((path, "frame_a"), R)
+            yield ((number, "frame_b"), R.T) if label == "frame_a" else ((number, "frame_a"), R)
 
 
-def _command(path: str, links: Any, parts: Any) -> float:
+def _command(number: int, links: Any, parts: Any) -> float:
     """What a Constant gives to the port `command` of a part; else 0."""
-    seen = [(path, "command")]
+    seen = [(number, "command")]
     for place in seen:
         for other, port in links[place]:
             if port == "y" and "value" in getattr(parts.get(other), "parameters", ()):

@@ -1,7 +1,7 @@
 """The program `fowt`: its commands, and what becomes of errors.
 
-Exit status: 0 done, 1 done and the answer is no (`fowt check`), 2 a mistake of the user (message on stderr), 3 an error
-inside fowtlib or a component, 130 stopped by Ctrl-C.
+Exit status: 0 done, 1 done and the answer is no (`fowt check`) or a case has failed (`fowt batch`), 2 a mistake of the
+user (message on stderr), 3 an error inside fowtlib or a component, 130 stopped by Ctrl-C.
 """
 
 from __future__ import annotations
@@ -15,23 +15,30 @@ import sys
 import textwrap
 import traceback
 import warnings
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from typing import NoReturn
 
 from fowtlib.cli import (
+    batch,
     cache,
     cases,
+    compare,
     contours,
     decay,
+    events,
     export,
     extremes,
+    fatigue,
     inspection,
     library,
     loading,
+    loads,
+    maxima,
     rao,
     rotor_table,
     run,
     stability,
+    statistics,
     view,
     wind_field,
 )
@@ -41,8 +48,8 @@ from fowtlib.cli.report import write_report
 from fowtlib.language.errors import ModelError, did_you_mean
 
 GROUPS = (
-    run, export, view, inspection, stability, decay, rao, rotor_table, wind_field, contours, extremes, cases, library,
-    cache,
+    run, cases, batch, export, view, inspection, events, stability, decay, rao, statistics, maxima, loads, fatigue,
+    compare, rotor_table, wind_field, contours, extremes, library, cache,
 )  # fmt: skip
 
 
@@ -93,13 +100,23 @@ def parser() -> tuple[Parser, dict[str, Parser]]:
     commands = top.add_subparsers(dest="command", metavar="COMMAND", parser_class=Parser)
     for group in GROUPS:
         group.declare(commands)
-    for line in commands._choices_actions:  # what `fowt --help` says of a command
-        commands.choices[line.dest].description = f"{line.help[0].upper()}{line.help[1:]}."
-    for command in commands.choices.values():
+    known = dict(_named(commands))
+    for command in known.values():
         if {action.dest for action in command._actions} & {"output", "plot", "table", "curve"}:
             declare_force(command)
         command.add_argument("--traceback", action="store_true", help="on an error, show where in the program it arose")
-    return top, dict(commands.choices)
+    return top, known
+
+
+def _named(commands: argparse._SubParsersAction) -> Iterator[tuple[str, Parser]]:
+    """Commands by name; those that have actions of their own (`fowt batch run`) by both words."""
+    for line in commands._choices_actions:  # what the help says of a command
+        command = commands.choices[line.dest]
+        command.description = f"{line.help[0].upper()}{line.help[1:]}."
+        below = [action for action in command._actions if isinstance(action, argparse._SubParsersAction)]
+        for actions in below:
+            yield from ((f"{line.dest} {name}", inner) for name, inner in _named(actions))
+        yield line.dest, command
 
 
 def main(argv: Sequence[str] | None = None) -> int:
@@ -116,7 +133,7 @@ def main(argv: Sequence[str] | None = None) -> int:
         top.print_help()
         return 2
     if rest:
-        commands[arguments.command].unknown(rest)
+        commands[_words(arguments)].unknown(rest)
     gc.set_threshold(200_000)  # a model is a million objects that stay: looking through them again and again costs 6 %
     with warnings.catch_warnings():
         warnings.showwarning = _warn
@@ -124,6 +141,11 @@ def main(argv: Sequence[str] | None = None) -> int:
     if status == 130 and argv is None:
         _leave(status)
     return status
+
+
+def _words(arguments: argparse.Namespace) -> str:
+    """The command, and its action where it has one."""
+    return " ".join(filter(None, (arguments.command, getattr(arguments, "verb", ""))))
 
 
 def _leave(status: int) -> None:
@@ -170,7 +192,7 @@ def _stopped(arguments: argparse.Namespace, status: int, message: str) -> int:
     if arguments.traceback:
         traceback.print_exc()
     sys.stdout.flush()
-    print(f"fowt {arguments.command}: {message}", file=sys.stderr)
+    print(f"fowt {_words(arguments)}: {message}", file=sys.stderr)
     return status
 
 

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import argparse
+import warnings
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -15,11 +16,13 @@ from fowtlib.language.whole_files import write_text
 if TYPE_CHECKING:
     from fowtlib.metocean import Answers, ConditionalModel, States
 
-METHODS = ("flta", "ecm", "mecm")
+WORTH_A_WORD = 1.02  # factor of a value of FLTA that is too high by the scatter of its fits
+METHODS = ("flta", "ecm", "mecm", "sample")
 CASE_FILES = (".yaml", ".yml")
 EXAMPLES = """First the states: flta all bins that occur once in --keep years, ecm the contour
-of the return period, mecm that one and those that end at --cut-out. --cases
-writes them as a file for `fowt batch run`. Then, with the laws of the extremes
+of the return period, mecm that one and those that end at --cut-out, sample
+random states, evaluated as flta. --cases writes them
+as a file for `fowt batch run`. Then, with the laws of the extremes
 in these states, the extremes by each method for which there are runs:
 --maxima FILE.csv: wind_speed, Hs, Tp, probability (empty on a contour), and for
 each response the largest value of a run; several runs a state.
@@ -39,7 +42,7 @@ def declare(commands: Any) -> None:
     parser = commands.add_parser("extremes", help=text, epilog=EXAMPLES)
     site.declare(parser, height=90.0)
     add = parser.add_argument
-    add("--method", choices=METHODS, default="flta", metavar="NAME", help="of the states: flta, ecm or mecm")
+    add("--method", choices=METHODS, default="flta", metavar="NAME", help="of the states: flta, ecm, mecm or sample")
     form = "first:last:step"
     add(
         "--wind",
@@ -55,6 +58,10 @@ def declare(commands: Any) -> None:
     add("--whole", action="store_true", help="rings with waves below their median too")
     add("--cut-out", type=site.positives, default=[], metavar="V", help="wind speeds [m/s] where contours end")
     add("--fractile", type=positive, default=0.9, metavar="P", help="of ECM; default: %(default)g")
+    add("--count", type=int, default=1000, metavar="N", help="of the states of a sample; default: %(default)d")
+    add("--seed", type=int, default=1, metavar="N", help="of the sample; default: %(default)d")
+    turbulence = "draw the turbulence of each state of a sample too: IEC class A+, A, B or C"
+    add("--turbulence", choices=("A+", "A", "B", "C"), metavar="CLASS", help=turbulence)
     given = parser.add_mutually_exclusive_group()
     given.add_argument("--cases", type=Path, metavar="FILE", help="write the runs as a cases file: .yaml")
     given.add_argument("--fits", type=Path, metavar="FILE", help="laws of extremes by state and response: .csv")
@@ -105,14 +112,24 @@ def _list(arguments: argparse.Namespace, joint: ConditionalModel) -> int:
         if states.probability is not None:
             columns.append("probability")
             rows = [[*row, float(each)] for row, each in zip(rows, states.probability, strict=True)]
+        if states.turbulence_intensity is not None:
+            columns.append("turbulence_intensity")
+            rows = [[*row, float(each)] for row, each in zip(rows, states.turbulence_intensity, strict=True)]
         tables.show(arguments, columns, rows)
     say_saved(arguments.cases)
     return 0
 
 
 def _states(arguments: argparse.Namespace, joint: ConditionalModel) -> tuple[States, str]:
-    from fowtlib.metocean import bins, cut_off, radius, surface
+    from fowtlib.metocean import Turbulence, bins, cut_off, radius, surface
 
+    if arguments.turbulence and arguments.method != "sample":
+        raise ParameterError("--turbulence is drawn for the states of a sample alone: --method sample.")
+    if arguments.method == "sample":
+        states = joint.sample(arguments.count, arguments.seed)
+        if arguments.turbulence:
+            states = Turbulence(arguments.turbulence).draw(states, arguments.seed + 1)
+        return states, f"{len(states)} random states, seed {arguments.seed}"
     if arguments.method == "flta":
         whole = len(arguments.wind) * len(arguments.waves) * len(arguments.periods)
         states = bins(joint, arguments.wind, arguments.waves, arguments.periods, keep=arguments.keep,
@@ -148,8 +165,25 @@ def _evaluate(arguments: argparse.Namespace, joint: ConditionalModel) -> int:
     columns = ("response", "unit", "FLTA", "ECM", "MECM", "MECM over FLTA", "wind_speed [m/s]", "Hs [m]", "Tp [s]")
     tables.show(arguments, columns, [_row(each) for each in answers])
     tables.say(arguments, "The state is the one that gives MECM, else ECM, else most of FLTA.")
+    _say_excess(answers)
     say_saved(arguments.plot)
     return 0
+
+
+def _say_excess(answers: list[Answers]) -> None:
+    """Warn of values that the scatter of fits to few runs has made too high."""
+    from fowtlib.metocean import excess_of_fits
+
+    for each in answers:
+        if each.flta is None or each.fits.runs is None:
+            continue
+        factor = excess_of_fits(each.flta, each.fits.runs, each.years)
+        if factor > WORTH_A_WORD:
+            warnings.warn(
+                f"{each.fits.response}: its laws come from {each.fits.runs.min()} runs a state, too few: what scatters "
+                f"high decides. FLTA is expected to be {100 * (factor - 1):.0f} % too high.",
+                stacklevel=1,
+            )
 
 
 def _row(answers: Answers) -> list[Any]:

@@ -18,7 +18,6 @@ if TYPE_CHECKING:
     from fowtlib import Model
 
 CONSTANT_WIND = ("none", "steady", "nwp", "ewm_steady", "input")
-MEASURED_WIND = ("file", "field", "ewm")  # the mean is that of the data, or of a class
 
 
 def declare(parser: argparse.ArgumentParser, *, wind: bool = True, waves: bool = True, runs: bool = True) -> None:
@@ -119,18 +118,9 @@ def in_the_mean(model: Model) -> Model:
 
 def mean_conditions(model: Model) -> dict[str, Any]:
     """Parameters of still water, and of steady wind of the mean speed of the model's own."""
-    values: dict[str, Any] = {}
-    if WAVES.part in model.root.parts:
-        values |= WAVES.parse("still")
-    wind = model.root.parts.get(WIND.part)
-    if wind is not None and wind.kind not in CONSTANT_WIND:
-        values["wind.kind"] = "steady"
-        if wind.kind in MEASURED_WIND:
-            values["wind.mean_speed"] = float(wind.mean_at(0))
-        shear = wind.parameter_value("shear_exponent")
-        if shear and not wind.is_set("shear_exponent"):  # what steady wind does not have by itself
-            values["wind.shear_exponent"] = float(shear)
-    return values
+    from fowtlib.solving.starts import mean_values
+
+    return mean_values(model.root)
 
 
 def _require_part(model: Model, condition: Condition) -> None:

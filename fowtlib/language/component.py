@@ -416,6 +416,13 @@ class Component(Composite):
             f"{self.label} has no part, port, parameter or variable '{name}'{did_you_mean(name, known)}"
         )
 
+    def in_the_mean(self) -> dict[str, Any]:
+        """Parameters of its own by name, bound or tunable, with which what it does in time stands still at its mean.
+
+        A run that starts from a mean state starts from that of these; see solving.starts.
+        """
+        return {}
+
     # --- names ---------------------------------------------------------------------------------------------------
 
     @property

@@ -24,7 +24,7 @@ from fowtlib.language import cache_folder as store
 from fowtlib.language.errors import ParameterError
 from fowtlib.language.externals import ExternalFunction, with_interface
 from fowtlib.language.native import compiler, open_library
-from fowtlib.language.tables import cardinal, cardinal_periodic
+from fowtlib.language.tables import cardinal, cardinal_of_spectrum, cardinal_periodic
 
 KINDS = ("constant", "cubic", "linear", "monotone", "harmonics", "transition")
 MAGIC = float.fromhex("0x1.fee1badp+40")  # as in series.c
@@ -92,6 +92,18 @@ class Series:
         count = n if interpolation == "monotone" else len(rows)
         timing = float(start), float(step)
         return cls(interpolation, m, rows.ravel(), *timing, count, 0, periodic, float(build_up), covers)
+
+    @classmethod
+    def fourier(cls, spectrum: ArrayLike, n: int, step: float, *, build_up: float = 0.0) -> Series:
+        """The periodic series of n samples from t = 0 on with this discrete Fourier transform (m, n // 2 + 1).
+
+        As `samples` of its inverse transform, which saves two transforms.
+        """
+        table = np.atleast_2d(np.asarray(spectrum, dtype=complex))
+        if not (math.isfinite(step) and step > 0 and n >= 4):
+            raise ParameterError(f"{n} samples every {step:g} s: four or more are needed, and a step above zero.")
+        rows = _rounded(cardinal_of_spectrum(_finite(table), n))
+        return cls("cubic", len(table), rows.ravel(), 0.0, float(step), len(rows), 0, True, float(build_up))
 
     @classmethod
     def harmonics(cls, omega: ArrayLike, amplitude: ArrayLike, phase: ArrayLike = 0.0, *,
@@ -341,14 +353,17 @@ def _slopes(table: np.ndarray, step: float, periodic: bool) -> np.ndarray:
 
 def _grain(table: np.ndarray) -> np.ndarray:
     """Of each column the power of two of which rounded numbers are whole multiples, DIGITS below its largest one."""
-    largest = np.maximum(np.abs(table).max(axis=0), 1e-200)
+    largest = np.maximum(np.maximum(table.max(axis=0), -table.min(axis=0)), 1e-200)
     return np.ldexp(1.0, np.frexp(largest)[1] - DIGITS)
 
 
 def _rounded(table: np.ndarray) -> np.ndarray:
     """Whole multiples of the grain of each column, within 2e-13 of its largest number: they make small files."""
     grain = _grain(table)
-    return np.rint(table / grain) * grain
+    rounded = table / grain
+    np.rint(rounded, out=rounded)
+    rounded *= grain
+    return rounded
 
 
 def _finite(array: np.ndarray) -> np.ndarray:

@@ -151,10 +151,14 @@ def cardinal(samples: np.ndarray) -> np.ndarray:
 
 def cardinal_periodic(samples: np.ndarray) -> np.ndarray:
     """The same of samples that repeat themselves, with one coefficient before them and two behind."""
-    n = len(samples)
+    return cardinal_of_spectrum(np.fft.rfft(samples.T, axis=1), len(samples))
+
+
+def cardinal_of_spectrum(spectrum: np.ndarray, n: int) -> np.ndarray:
+    """The same of n samples given by their discrete Fourier transforms (m, n // 2 + 1): (n + 3, m)."""
     kernel = (4 + 2 * np.cos(2 * np.pi * np.arange(n // 2 + 1) / n)) / 6
-    inner = np.fft.irfft(np.fft.rfft(samples, axis=0) / kernel[:, None], n, axis=0)
-    return np.concatenate([inner[-1:], inner, inner[:2]])
+    inner = np.fft.irfft(spectrum / kernel, n, axis=1)
+    return np.concatenate([inner[:, -1:], inner, inner[:, :2]], axis=1).T
 
 
 def _spline(

@@ -3,7 +3,7 @@
 from fowtlib.metocean.binning import bins
 from fowtlib.metocean.comparison import Answers, compare_methods
 from fowtlib.metocean.contours import contour, cut_off, distance, inflated, radius, return_period, surface
-from fowtlib.metocean.fits import Fits, read_fits, read_maxima
+from fowtlib.metocean.fits import Fits, read_fits, read_maxima, write_fits
 from fowtlib.metocean.joint import ConditionalModel
 from fowtlib.metocean.laws import LogNormal, Weibull
 from fowtlib.metocean.long_term import (
@@ -11,6 +11,7 @@ from fowtlib.metocean.long_term import (
     Modified,
     OnContour,
     environmental_contour,
+    excess_of_fits,
     full_long_term,
     modified_contours,
     on_contour,
@@ -48,6 +49,7 @@ __all__ = [
     "distance",
     "environment",
     "environmental_contour",
+    "excess_of_fits",
     "full_long_term",
     "inflated",
     "known",
@@ -64,4 +66,5 @@ __all__ = [
     "site",
     "states_to_cases",
     "surface",
+    "write_fits",
 ]

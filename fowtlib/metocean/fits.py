@@ -2,12 +2,18 @@
 
 from __future__ import annotations
 
+import csv
+import io
 import os
+from collections.abc import Iterable
 from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
 
 import numpy as np
 
 from fowtlib.language.errors import ParameterError
+from fowtlib.language.whole_files import write_text
 from fowtlib.metocean.csv_columns import Columns, read_columns
 from fowtlib.metocean.short_term import Extreme, Gumbel, UpCrossings
 from fowtlib.metocean.states import COLUMNS, States
@@ -20,12 +26,16 @@ _NOT_RESPONSES = ("probability", "seed", "state", "weight")
 
 @dataclass(frozen=True)
 class Fits:
-    """The laws of one response: in bins, which have probabilities, and in points of contours, which have none."""
+    """The laws of one response: in bins, which have probabilities, and in points of contours, which have none.
+
+    runs: behind the law of each bin, where it was fitted here.
+    """
 
     response: str
     unit: str
     bins: tuple[States, Extreme] | None
     points: tuple[States, Extreme] | None
+    runs: np.ndarray | None = None
 
 
 def read_fits(path: str | os.PathLike[str], duration: float = 3600.0) -> dict[str, Fits]:
@@ -63,6 +73,30 @@ def read_fits(path: str | os.PathLike[str], duration: float = 3600.0) -> dict[st
     return found
 
 
+def write_fits(path: str | os.PathLike[str], fits: Iterable[Fits]) -> None:
+    """The table that `read_fits` reads; all laws are Gumbel's, or all are rates of up-crossings with a threshold."""
+    rows: list[list[Any]] = []
+    forms = set()
+    for each in fits:
+        for states, law in filter(None, (each.bins, each.points)):
+            form = _GUMBEL if isinstance(law, Gumbel) else _RATES
+            if not isinstance(law, (Gumbel, UpCrossings)) or getattr(law, "threshold", 0) is None:
+                raise ParameterError(f"{each.response}: only Gumbel laws, and rates with a threshold, can be written.")
+            forms.add(form)
+            columns = [np.broadcast_to(getattr(law, name), (len(states),)) for name in form]
+            for index, state in enumerate(states):
+                probability = "" if states.probability is None else repr(float(states.probability[index]))
+                numbers = (repr(float(value)) for value in (*state, *(column[index] for column in columns)))
+                rows.append([each.response, each.unit, probability, *numbers])
+    if len(forms) != 1:
+        raise ParameterError("a table of fits has laws of one form, and one at least.")
+    text = io.StringIO()
+    out = csv.writer(text, lineterminator="\n")
+    head = [f"{name} [{unit}]" for name, unit in COLUMNS.items()]
+    out.writerows([["response", "unit", "probability", *head, *forms.pop()], *rows])
+    write_text(Path(path), text.getvalue())
+
+
 def read_maxima(path: str | os.PathLike[str]) -> dict[str, Fits]:
     """Gumbel laws by response, by the method of moments, from a CSV with one row for each run.
 
@@ -94,7 +128,8 @@ def read_maxima(path: str | os.PathLike[str]) -> dict[str, Fits]:
     for response in responses:
         values = table.numbers[response]
         laws = [None if part is None else (part[0], _gumbel(values, part[1], table, response)) for part in parts]
-        found[response] = Fits(response, table.units.get(response, ""), *laws)
+        runs = None if parts[0] is None else np.array([len(some) for some in parts[0][1]])
+        found[response] = Fits(response, table.units.get(response, ""), *laws, runs)
     return found
 
 

@@ -17,7 +17,7 @@ if TYPE_CHECKING:
     from fowtlib.metocean.comparison import Answers
 
 YEARS = np.geomspace(0.01, 1000, 60)
-_RINGS = 9  # sections of a surface that are drawn with a line and named
+_RINGS = 12  # sections of a surface that are drawn with a line and named
 
 
 def plot_contours(

@@ -43,20 +43,18 @@ class Gumbel:
         scale = np.sqrt(6) / np.pi * array.std(axis=-1, ddof=1)
         return cls(array.mean(axis=-1) - np.euler_gamma * scale, scale)
 
-    @property
-    def _law(self) -> Any:
-        from scipy.stats import gumbel_r
-
-        return gumbel_r(self.location, self.scale)
-
     def cdf(self, x: Any) -> np.ndarray:
-        return self._law.cdf(x)
+        return 1 - self.sf(x)
 
     def sf(self, x: Any) -> np.ndarray:
-        return self._law.sf(x)
+        """Probability of a larger value."""
+        with np.errstate(over="ignore"):  # far below the location: certain
+            return -np.expm1(-np.exp((self.location - np.asarray(x, dtype=float)) / self.scale))
 
     def isf(self, q: Any) -> np.ndarray:
-        return self._law.isf(q)
+        """The value that is exceeded with probability q."""
+        with np.errstate(divide="ignore"):
+            return self.location - self.scale * np.log(-np.log1p(-np.asarray(q, dtype=float)))
 
 
 @dataclass(frozen=True)
@@ -74,6 +72,12 @@ class UpCrossings:
     c: Any
     duration: float = 3600.0
     threshold: Any = None
+
+    @classmethod
+    def of(cls, tails: Sequence[Any], duration: float = 3600.0) -> UpCrossings:
+        """Of fits to single states, which have q, a, b, c and threshold as attributes, such as those of `analysis`."""
+        return cls(*(np.array([float(getattr(tail, name)) for tail in tails]) for name in "qabc"), duration,
+                   np.array([float(tail.threshold) for tail in tails]))  # fmt: skip
 
     def sf(self, x: Any) -> np.ndarray:
         """Probability of a larger value."""

@@ -38,12 +38,13 @@ RESERVED = ("parts", "connections", "origins", "title")
 class TreeBuilder:
     """Builds the component of a document; `allow_python` lets files name Python code of their own.
 
-    permit: what files may be named in it.
+    permit: what files may be named in it. files: what was read so far, the model file, definitions and Python code.
     """
 
     def __init__(self, allow_python: bool = False, permit: Permit | None = None):
         self.allow_python, self.permit = allow_python, permit
         self.used: list[Path] = []
+        self.files: list[Path] = []
         self.count = 0
 
     def root(self, top: Document, changes: Spec | None = None) -> Component:
@@ -99,6 +100,7 @@ class TreeBuilder:
 
     def _file_scope(self, top: Document) -> Scope:
         classes: catalogue.Classes = {}
+        self._read(top.path)
         for value in top.python:
             name = str(value.node.value)
             if not self.allow_python:
@@ -107,10 +109,16 @@ class TreeBuilder:
                     "load it with allow_python=True, or --allow-python on the command line."
                 )
             try:
-                classes.update(catalogue.classes_of_file(files.find_data(name, top.path.parent)))
+                code = files.find_data(name, top.path.parent)
+                self._read(code)
+                classes.update(catalogue.classes_of_file(code))
             except ModelFileError as error:
                 raise error.at(str(value.place)) from None
         return Scope(top.path.parent, classes, permit=self.permit)
+
+    def _read(self, path: Path) -> None:
+        if path.resolve() not in self.files:
+            self.files.append(path.resolve())
 
     def _base(self, layers: list[Layer], path: str) -> tuple[type[Component], list[Layer]]:
         """The class to start from, and the layers on top of it with definitions put in, the most important first."""

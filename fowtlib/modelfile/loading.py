@@ -45,7 +45,8 @@ def load(
     path = files.find_model(source)
     top = document.read(path)
     permit = permit_for(path, files.models_folder(), allow, trust)
-    root = TreeBuilder(allow_python, permit).root(top, _changes(values))
+    builder = TreeBuilder(allow_python, permit)
+    root = builder.root(top, _changes(values))
     if isinstance(root, Assembly):
         object.__setattr__(root, "title", top.title)
 
@@ -53,7 +54,8 @@ def load(
         return load(path, set=_merged(root, values, more), allow_python=allow_python, trust=trust, allow=allow)
 
     outputs = {name: _output(root, name, spec) for name, spec in top.outputs.items()}
-    return _changeable(Model(root, top.title, outputs, top.settings, path, path.stem), rebuild)
+    model = Model(root, top.title, outputs, top.settings, path, path.stem, files=tuple(builder.files))
+    return _changeable(model, rebuild)
 
 
 def _changeable(model: Model, rebuild: Callable[[Settings], Model]) -> Model:

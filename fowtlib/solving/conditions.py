@@ -27,7 +27,9 @@ class Conditions:
     parts: by path, components that take the place of others of their family: {"wind": SteadyWind(mean_speed=8)}.
     parameters: by path, values of tunable and of bound parameters, SI or with unit.
     inputs: by path, values of the inputs of the model.
-    start: a State, an earlier Result to go on from, or start values by path.
+    start: a State, an earlier Result to go on from, start values by path, or a word: "turning", "equilibrium", "rest",
+    "file", the path of a result or of a state (see solving.starts); "" is simulation.start of the model file, and None
+    the start values that it gives.
     duration: the end of the run [s]; output_step: between two output points [s]; discard: time [s] at the beginning
     that the result does not hold. outputs: names of results or paths of variables. events: what happens in the run, of
     what the parts offer: Event, or a line of text, "turbine.grid_loss at 100 s"; () for none.
@@ -37,7 +39,7 @@ class Conditions:
     parts: Mapping[str, Component] = field(default_factory=dict)
     parameters: Values = field(default_factory=dict)
     inputs: Values | None = None
-    start: State | Result | Values | None = None
+    start: State | Result | Values | str | None = None
     duration: float | str | None = None
     output_step: float | str | None = None
     discard: float | str | None = None

@@ -11,7 +11,7 @@ from fowtlib.flattening.structure import matching
 from fowtlib.language.errors import SimulationError
 from fowtlib.solving.functions import MANY, AtParameters, Functions
 from fowtlib.solving.layout import Layout, Values
-from fowtlib.solving.newton import NewtonResult, newton
+from fowtlib.solving.newton import NewtonResult, newton, undamped
 from fowtlib.solving.state import State
 
 
@@ -69,7 +69,8 @@ def initial_values(at: AtParameters, t: float, x: np.ndarray, z: np.ndarray, q: 
     def jacobian(values: np.ndarray) -> sparse.csc_matrix:
         return csc(at.call(slopes, t, *unpack(values), q))
 
-    solution = newton(residual, jacobian, np.concatenate([x[free], z]))
+    guess = np.concatenate([x[free], z])
+    solution = undamped(residual, jacobian, guess) or newton(residual, jacobian, guess)
     if not solution.converged:
         raise SimulationError(
             failure_text(dae, solution, "the initial equations have no solution near the start values")

@@ -41,7 +41,8 @@ class Output:
 class Model:
     """What `fw.load` gives. `compile()` makes a Plant of it.
 
-    `rebuild` makes the same model with parameters changed before construction; the loader of model files gives it.
+    `rebuild` makes the same model with parameters changed before construction; the loader of model files gives it, and
+    `files`, from which it has read the model: the model file, its definitions and their Python code.
     A model remembers what it knows of its root, so that `fw.load(model.root)` has the same outputs and settings.
     """
 
@@ -52,6 +53,7 @@ class Model:
     source: Path | None = None
     name: str = ""
     rebuild: Any = field(default=None, repr=False)
+    files: Sequence[Path] = ()
 
     def __post_init__(self) -> None:
         if self.outputs or self.settings:
@@ -68,6 +70,7 @@ class Model:
         dae = flatten(self.root, list(names.values()) if names else inputs)
         plant = self._plant(dae, names)
         plant.binding()  # a mistake in the data of the model is found now, and not at the first run
+        plant.timeline()
         driven = {path: item for path, item in dae.inputs.items() if item.driver}
         if not driven:
             return plant

@@ -70,6 +70,29 @@ def newton(
     return NewtonResult(values, r, False, limit)
 
 
+def undamped(residual: Residual, jacobian: Jacobian, start: np.ndarray, *, tolerance: float = 1e-10,
+             limit: int = 8) -> NewtonResult | None:  # fmt: skip
+    """Newton by whole steps; None where they do not become shorter from the third on.
+
+    Start values of a turbine are near enough for this, and a residual that has to fall at each step leads a long way
+    round: torques of a stiff shaft rise by far before they fall.
+    """
+    values, last = np.array(start, dtype=float), np.inf
+    for iteration in range(limit):
+        try:
+            step = -solve(jacobian(values), residual(values))
+        except RuntimeError:
+            return None
+        largest = float(np.max(np.abs(step) / (1.0 + np.abs(values)), initial=0.0))
+        if not np.isfinite(largest) or (iteration > 1 and largest > last / 2):
+            return None
+        values, last = values + step, largest
+        if largest < tolerance:
+            final = residual(values)
+            return NewtonResult(values, final, True, iteration + 1) if np.all(np.isfinite(final)) else None
+    return None
+
+
 def _step(matrix: sparse.csc_matrix, size: np.ndarray, damping: float) -> tuple[np.ndarray, bool]:
     """A step, and whether it is a full Newton step."""
     if damping == 0.0:

@@ -11,6 +11,8 @@ from fowtlib.solving.engines.fixed_step_code import FixedStepCode
 from fowtlib.solving.functions import AtParameters
 from fowtlib.solving.state import State
 
+ROWS = 4096  # points that compiled functions are given at once
+
 
 def observed(at: AtParameters, path: str, state: State) -> np.ndarray:
     """A variable at a state, SI, as a matrix."""
@@ -47,8 +49,15 @@ class Observation:
         if self.code is None or self.code.observed != list(paths):
             return None
         t, x, z, q = self.arguments
-        parameters = np.repeat(self.at.parameters[None], len(t), axis=0)
-        return self.code.observe(t, x, z, np.concatenate([q, parameters], axis=1))
+        blocks = []
+        for first in range(0, max(len(t), 1), ROWS):  # the parameters stand beside each point, and there may be many
+            part = slice(first, first + ROWS)
+            parameters = np.repeat(self.at.parameters[None], len(t[part]), axis=0)
+            values = self.code.observe(t[part], x[part], z[part], np.concatenate([q[part], parameters], axis=1))
+            if values is None:
+                return None
+            blocks.append(values)
+        return np.concatenate(blocks)
 
     def values(self, names: Sequence[str]) -> np.ndarray:
         """Columns of scalars, (n_time, n); a single vector or matrix as (n_time, *shape)."""

@@ -28,7 +28,7 @@ from fowtlib.solving.results.html import table
 from fowtlib.solving.results.journal import Journal
 from fowtlib.solving.simulation import SolverChoice, simulated
 from fowtlib.solving.state import State
-from fowtlib.solving.timeline import Event, Offered, offered
+from fowtlib.solving.timeline import Event, Offered, Timeline, events_of, offered
 
 
 class Plant:
@@ -47,6 +47,7 @@ class Plant:
         self.settings, self.input_names = dict(settings or {}), dict(input_names or {})
         self.layout, self.outputs, self.functions = Layout(dae), Outputs(dae, outputs), Functions(dae)
         self.code: FixedStepCode | None = None
+        self.kept_starts: dict[str, dict[str, float]] = {}  # means that runs have started from; see solving.starts
 
     @property
     def stats(self) -> Mapping[str, float]:
@@ -80,6 +81,11 @@ class Plant:
         """What can happen in a run: the events that the parts offer."""
         return offered(self.dae, self.root)
 
+    def timeline(self, events: Sequence[Event | str] | None = None, root: Component | None = None) -> Timeline:
+        """The events of a run, checked; None: those of the model file. root: the component tree of the run."""
+        asked = self.settings.get("events", ()) if events is None else events
+        return Timeline(events_of(asked), self.dae, self.outputs, self.root if root is None else root)
+
     @refusals_explained()
     def initial_state(self, parameters: Values | None = None, start: Values | None = None, inputs: Values | None = None,
                       t: float = 0.0, base: State | None = None) -> State:  # fmt: skip
@@ -110,7 +116,7 @@ class Plant:
         t_end: float | str | None = None,
         output_step: float | str | None = None,
         *,
-        start: State | Result | Values | None = None,
+        start: State | Result | Values | str | None = None,
         parts: Mapping[str, Component] | None = None,
         solver: str | None = None,
         step: float | str | None = None,
@@ -126,11 +132,12 @@ class Plant:
     ) -> Result:
         """Simulate to `t_end` [s] and give the outputs every `output_step` [s].
 
-        start: a State, an earlier Result to go on from, or start values by path. solver: "idas", with steps of its own,
-        or "fixed", with equal steps of at most `step` [s], whose fastest oscillations keep the share `rho_inf` of their
-        amplitude at each step. Arguments left out come from the model file, else t_end 600 s, output_step 0.1 s, solver
-        "idas", step 12.5 ms, tolerance 1e-6, rho_inf 0.8. Raises SimulationError; its attribute `result` holds what was
-        computed.
+        start: a State, an earlier Result to go on from, start values by path, or a word, see solving.starts: "turning",
+        "equilibrium", "rest", "file", the path of a result or state, or "" for that of the model file. solver: "idas",
+        with steps of its own, or "fixed", with equal steps of at most `step` [s], whose fastest oscillations keep the
+        share `rho_inf` of their amplitude at each step. Arguments left out come from the model file, else t_end 600 s,
+        output_step 0.1 s, solver "idas", step 12.5 ms, tolerance 1e-6, rho_inf 0.8. Raises SimulationError; its
+        attribute `result` holds what was computed.
 
         parameters: by path, tunable and bound ones. parts: by path, components that take the place of others of their
         family for this run, as in `parts={"wind": SteadyWind(mean_speed=8)}`; nothing is flattened or compiled anew.

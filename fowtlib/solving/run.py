@@ -190,6 +190,8 @@ class Run:
             raise self._stopped(error) from None
         finally:
             self.sessions.close()
+            if journal is not None:
+                journal.close()
         self.wall_time = clock.perf_counter() - began
         for text in self.timeline.missing():
             self.warned[-1 - len(self.warned)] = text
@@ -288,7 +290,13 @@ class Run:
         """To the journal: all output points but the last, which may change yet and is in the checkpoint."""
         if self.journal is None:
             return
-        t, x, z, d = (np.concatenate([row[i] for row in self.rows])[self.written : -1] for i in range(4))
+        new, left = [], sum(len(row[0]) for row in self.rows) - self.written
+        for row in reversed(self.rows):  # what is written already is not copied again
+            if left <= 0:
+                break
+            new.insert(0, tuple(column[-left:] for column in row))
+            left -= len(row[0])
+        t, x, z, d = (np.concatenate([row[i] for row in new])[:-1] for i in range(4))
         kept = t >= self.t_start + self.discard - 1e-9 * self.step
         self.written += len(t)
         t, x, z, d = t[kept], x[kept], z[kept], d[kept]

@@ -15,8 +15,8 @@ from fowtlib.solving.layout import Values
 from fowtlib.solving.results import Result
 from fowtlib.solving.results.journal import Journal
 from fowtlib.solving.run import About, Run, duration_settings
+from fowtlib.solving.starts import start_values
 from fowtlib.solving.state import State
-from fowtlib.solving.timeline import Timeline, events_of
 
 Plant = Any
 """fowtlib.solving.plant.Plant, which imports this module."""
@@ -52,8 +52,7 @@ def simulated(plant: Plant, conditions: Conditions, choice: SolverChoice, replac
     about = About(plant.name, plant.title, plant.binding(parameters))
     state = start_state(plant, start, parameters, inputs, about.binding)
     names = list(plant.outputs) if conditions.outputs is None else conditions.outputs
-    asked = plant.settings.get("events", ()) if conditions.events is None else conditions.events
-    timeline = Timeline(events_of(asked), plant.dae, plant.outputs, about.binding.root)
+    timeline = plant.timeline(conditions.events, about.binding.root)
     resumed = isinstance(start, Result)
     timeline.begin(state.t, resumed, str(start.attributes.get("events", "")).splitlines() if resumed else ())
     run = Run(engine, state, plant.outputs, names, about, resumed, lambda: plant.code, timeline)
@@ -64,8 +63,8 @@ def simulated(plant: Plant, conditions: Conditions, choice: SolverChoice, replac
     return run.run(end, interval, progress, conditions.discard or 0.0, point, journal, stored)
 
 
-def start_state(plant: Plant, start: State | Result | Values | None, parameters: Values | None, inputs: Values | None,
-                binding: Binding) -> State:  # fmt: skip
+def start_state(plant: Plant, start: State | Result | Values | str | None, parameters: Values | None,
+                inputs: Values | None, binding: Binding) -> State:  # fmt: skip
     """The state from which a simulation starts."""
     if isinstance(start, Result):
         start.check_resumable(binding.values, binding.structure)
@@ -75,9 +74,11 @@ def start_state(plant: Plant, start: State | Result | Values | None, parameters:
     if isinstance(start, State):
         same = parameters == start.parameters and inputs is None
         return start if same else plant.initial_state(parameters, None, inputs, base=start)
+    if isinstance(start, str):
+        start, _ = start_values(plant, start, parameters, inputs)
     if start is not None and not isinstance(start, Mapping):
         raise ParameterError(
-            f"start: {start!r} is no State, no Result and no start values by path; "
-            "write start=plant.equilibrium(), or start={'platform.motion.surge': '5 m'}."
+            f"start: {start!r} is no State, no Result, no start values by path and no word; "
+            "write start=plant.equilibrium(), start={'platform.motion.surge': '5 m'} or start='turning'."
         )
     return plant.initial_state(parameters, start, inputs)

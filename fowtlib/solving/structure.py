@@ -15,7 +15,7 @@ def structural_values(root: Any) -> dict[str, Any]:
     """The structural and bound parameters of all parts by path, ready for JSON; a file by its name, not its place."""
     parts = root.walk() if root is not None else ()
     return {
-        join(part.path, name): _data(part, name) if field.is_data else _plain(part.parameter_value(name))
+        join(part.path, name): _data(part, name) if field.is_data else plain(part.parameter_value(name))
         for part in parts
         for name, field in part.parameters.items()
         if not field.tunable
@@ -24,16 +24,17 @@ def structural_values(root: Any) -> dict[str, Any]:
 
 def _data(part: Any, name: str) -> Any:
     given = part.parameter_binding(name)
-    return named(given) if isinstance(given, str) and given else _plain(given)
+    return named(given) if isinstance(given, str) and given else plain(given)
 
 
-def _plain(value: Any) -> Any:
+def plain(value: Any) -> Any:
+    """The value of a parameter in what JSON can hold; a file by its name."""
     if isinstance(value, str):
         return Path(value).name if Path(value).is_absolute() else value
     if isinstance(value, np.ndarray | np.generic):
         return value.tolist()
     if isinstance(value, list | tuple):
-        return [_plain(item) for item in value]
+        return [plain(item) for item in value]
     if isinstance(value, dict):
-        return {str(key): _plain(item) for key, item in value.items()}
+        return {str(key): plain(item) for key, item in value.items()}
     return value if value is None or isinstance(value, bool | int | float) else type(value).__name__

@@ -32,8 +32,10 @@ from fowtlib.solving.modes import rate_states
 from fowtlib.solving.pace import mean_announcement
 
 if TYPE_CHECKING:
-    from fowtlib.solving.plant import Plant
     from fowtlib.solving.state import State
+
+Plant = Any
+"""fowtlib.solving.plant.Plant, whose runs may start from a mean state."""
 
 # Azimuths of a revolution. Numbers that no number of blades divides: three blades stand at 69 places, near enough for
 # the dam of the air in front of the tower. Surge of the OC3 spar at 16 m/s: 13.26 m of 11, 13.33 m of 23, 13.34 of 31.
@@ -69,7 +71,7 @@ def mean_state(plant: Plant, parameters: Mapping[str, Any] | None = None, inputs
     turns = _turns(plant, at, state)
     if not turns:
         return plant.equilibrium(parameters, inputs=inputs)
-    sources = time_dependence(at)
+    sources = time_dependence(at, state.d)
     if sources:
         raise SimulationError(
             f"no mean state: the equations depend on time through {', '.join(sources[:4])}. "

@@ -4,7 +4,8 @@ import sys
 from types import ModuleType
 from typing import Any
 
-from fowtlib.solving.results.plots import plot_decay, plot_modes, plot_rao, plot_result, plot_spectra, save_figure
+from fowtlib.solving.results.drawing import save_figure
+from fowtlib.solving.results.plots import plot_decay, plot_modes, plot_rao, plot_result, plot_spectra
 from fowtlib.view.rotor import plot_rotor
 from fowtlib.view.scene import Animation, view
 

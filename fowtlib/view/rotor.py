@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from fowtlib.solving.results.plots import COLORS, INK, _figure, _style, save_figure
+from fowtlib.solving.results.drawing import COLORS, INK, drawing, drawing_style, save_figure
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -24,8 +24,8 @@ def plot_rotor(
     power    power coefficients (n, m)
     points   operating points by rising wind speed: wind_speed, rotor_speed, blade_pitch, ... in SI units
     """
-    with _style():
-        figure = _figure(9.2, 8.4)
+    with drawing_style():
+        figure = drawing(9.2, 8.4)
         grid = figure.add_gridspec(4, 2, height_ratios=(3.2, 1.0, 1.0, 0.02))
         for column, (values, name, best) in enumerate(((power, "C_p", True), (table.thrust, "C_t", False))):
             _contours(figure, figure.add_subplot(grid[0, column]), table, values, name, points, best)

@@ -321,3 +321,16 @@ def test_a_run_goes_on_with_its_data():
     assert rest["cart.v"][-1] == pytest.approx(float(whole["cart.v"][-1]), abs=1e-6)
     with pytest.raises(ModelError, match="push.seed was 9, is 8"):
         plant.simulate(4, 0.1, solver="fixed", parameters={**data, "push.seed": 8}, start=first)
+
+
+def test_a_series_by_its_fourier_transform():
+    """The spline through the samples whose transform is given, two signals, whatever is built up."""
+    random = np.random.default_rng(4)
+    samples = random.normal(size=(64, 2))
+    given = Series.fourier(np.fft.rfft(samples, axis=0).T, 64, 0.25, build_up=3.0)
+    same = Series.samples(samples, 0.25, periodic=True, build_up=3.0)
+    t = np.linspace(-20, 40, 301)
+    np.testing.assert_allclose(given(t), same(t), atol=1e-11)
+    np.testing.assert_allclose(given(np.arange(16, 48) * 0.25), samples[16:48], atol=1e-11)
+    with pytest.raises(ModelError, match="four or more are needed"):
+        Series.fourier(np.zeros((1, 2)), 2, 0.25)

@@ -2,10 +2,14 @@
 
 from __future__ import annotations
 
+import subprocess
+import sys
+
 import numpy as np
 import pytest
 
 import fowtlib as fw
+from fowtlib.cli import main as fowt
 from fowtlib.language import ModelError, Scalar, assign, der, eq, math, param, reinit, sampled, var, when
 from fowtlib.solving.checkpoint import last_time
 from fowtlib.solving.conditions import Conditions
@@ -276,3 +280,22 @@ def test_a_checkpoint_behind_damage_leaves_no_gap(plant, tmp_path, options):
     later = plant.simulate(5.0, output_step=0.05, start=read, **options)
     assert later.time[0] == last_time(first.raw.checkpoint)  # it went on there, and the journal holds it
     assert _same(read.followed_by(later), whole)
+
+
+@pytest.mark.skipif(sys.platform == "win32", reason="no locks that go with a process")
+def test_two_runs_do_not_write_one_journal(tmp_path):
+    """While a run goes on, another one to its file is refused; a run that has ended or was killed leaves it free."""
+    first, path = Journal(tmp_path / "run.nc"), tmp_path / "run.nc"
+    first.begin({"units": {}, "long_names": {}, "attributes": {}, "raw": {}})
+    for refused in (Journal(path).require_free, lambda: Journal(path).begin({})):
+        with pytest.raises(ModelError, match=r"run\.nc\.part: a run to this file is going on in another process"):
+            refused()
+    assert fowt(["run", "oc3_spar_rigid", "--time", "1", "--output", str(path), "--force"]) == 2
+    first.close()
+    Journal(path).require_free()
+    script = (
+        "import sys, os; from pathlib import Path; from fowtlib.solving.results.journal import Journal\n"
+        "Journal(Path(sys.argv[1])).begin({}) or os.kill(os.getpid(), 9)"
+    )
+    assert subprocess.run([sys.executable, "-c", script, str(path)]).returncode == -9
+    Journal(path).require_free()

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import argparse
 import re
 import time
 import warnings
@@ -11,11 +10,11 @@ import numpy as np
 import pytest
 
 import fowtlib as fw
-from fowtlib.cli.start import start_values
 from fowtlib.language import ExternalFunction, Scalar, der, eq, var
 from fowtlib.solving import run as runs
 from fowtlib.solving.engines import create_engine
 from fowtlib.solving.pace import BY_AZIMUTH, BY_SECOND, BY_STEP, mean_announcement, seconds_per_second
+from fowtlib.solving.starts import start_values
 
 SOURCE = "int drag_of_test;"  # never compiled here
 PAUSE = 0.002
@@ -89,10 +88,9 @@ def test_what_the_mean_of_turning_rotors_takes_is_said_before_it_is_sought(slow)
 
 
 def test_a_model_that_starts_from_the_mean_starts_from_its_file(slow):
-    arguments = argparse.Namespace(start=None, resume=None)
     model = fw.Model(Slow(), "slow", {}, {"start": "turning"}, name="slow")
     with pytest.warns(UserWarning, match="takes long: FOWTLIB_CC .* So the run starts from the values of the model"):
-        assert start_values(arguments, model, slow) == (None, "")
+        assert start_values(model.compile(), "") == (None, "")
 
 
 def test_a_short_run_says_nothing(slow):

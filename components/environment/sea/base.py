@@ -84,6 +84,10 @@ class Sea(Component, selector="spectrum", shared=("signal", "loads", "velocity",
             return float(self.heading)
         return float(self.misalignment + the_wind(self, "misalignment").parameter_value("direction"))
 
+    def in_the_mean(self) -> dict[str, Any]:
+        """Still water."""
+        return {"spectrum": "still", "heading": 0.0, "build_up": 0.0}
+
     def longest_run(self) -> float:
         """Duration [s] after which the waves are not new any more; infinite where they need not be."""
         return math.inf
@@ -180,4 +184,4 @@ def _standing(part: Component, path: str) -> Any:
 def _series(waves: WaveComponents, table: np.ndarray, build_up: float) -> Series:
     if len(waves) <= CLOSED_FORM:
         return Series.harmonics(waves.omega, waves.complex_amplitude[:, None] * table, build_up=build_up)
-    return Series.samples(waves.series(table), waves.period / waves.samples, periodic=True, build_up=build_up)
+    return Series.fourier(waves.spectrum(table), waves.samples, waves.period / waves.samples, build_up=build_up)

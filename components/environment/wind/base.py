@@ -10,6 +10,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from fowtlib.components.environment.field_wind import NO_FIELD, FieldData, wind_function
+from fowtlib.components.environment.wind.mean import steady
 from fowtlib.components.environment.wind.points import Flow, positions
 from fowtlib.language import (
     Array,
@@ -107,13 +108,16 @@ class Wind(Component, selector="kind", shared=("speeds", "velocity")):
 
         omega: circular frequencies (k,) [rad/s]. Zero where the kind has none; the mean is no part of it.
         """
-        n = len(self.hubs)
-        return np.zeros((len(np.atleast_1d(omega)), n, n))
+        return np.zeros((len(np.atleast_1d(omega)), len(self.hubs), len(self.hubs)))
 
     def mean_at(self, station: int = 0) -> float:
         """Mean speed [m/s] at a station, for start values: before any step or gust."""
         height = station_height(self, station) / self.reference_height
         return float(self.parameter_value("mean_speed") * height ** self.parameter_value("shear_exponent"))
+
+    def in_the_mean(self) -> dict[str, Any]:
+        """Steady wind of the mean speed; nothing of a kind that is the same at all times."""
+        return steady(self, measured=type(self).mean_at is not Wind.mean_at)
 
     def require(self, y_range: tuple[float, float], z_range: tuple[float, float], who: str) -> None:
         """ParameterError, which names `who`, where a field does not cover y_range and z_range [m].

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from typing import Any
+
 from fowtlib.components.environment import iec
 from fowtlib.components.environment.wind.base import Wind, station_height
 from fowtlib.components.environment.wind.kaimal import KaimalWind
@@ -57,6 +59,10 @@ class SteadyExtremeWind(Wind, kind="ewm_steady"):
         default=None, unit="m/s", min=0, bound=True, instead_of=("wind_class",), doc="V_ref; else by the wind class"
     )
     return_period: int = param(default=50, choices=iec.RETURN_PERIODS, bound=True, doc="in years")
+
+    def in_the_mean(self) -> dict[str, Any]:
+        """Nothing: it is the same at all times."""
+        return {}
 
     def given_speed(self) -> float:
         """The speed [m/s] at the hub."""

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from typing import Any
+
 from fowtlib.components.environment.wind.base import Wind
 
 
@@ -9,6 +11,10 @@ class NoWind(Wind, kind="none"):
     """No wind; rotors with coefficients feel no air at all."""
 
     void = ("mean_speed",)
+
+    def in_the_mean(self) -> dict[str, Any]:
+        """Nothing: it is the same at all times."""
+        return {}
 
     def drawing(self):
         return []

@@ -4,7 +4,8 @@ Beside `run.nc` lies `run.nc.part`: a line that says what it is, then blocks, ea
 first says what the results are called; the others hold output points, and where the run has gone on from an earlier
 one the checkpoint of that. `run.nc.part.state` is the last checkpoint, replaced in one step, with the name of its
 journal and the length that this had: it counts only where all that it follows is sound. Both are on the disk (fsync)
-before the run goes on, and go when the final file is there.
+before the run goes on, and go when the final file is there. While a run writes, its process holds a lock on the
+journal, where the system has such; it goes with the process.
 """
 
 from __future__ import annotations
@@ -14,14 +15,19 @@ import struct
 import warnings
 from collections.abc import Mapping
 from pathlib import Path
-from typing import Any
+from typing import Any, BinaryIO
 
 import numpy as np
 
 from fowtlib.language.errors import ModelError
 from fowtlib.language.whole_files import replace_file
 from fowtlib.solving.results.data import RawTrajectory, Stored
-from fowtlib.solving.results.packing import packed, unpacked
+from fowtlib.solving.results.packing import packed, packed_pieces, unpacked
+
+try:
+    import fcntl
+except ImportError:  # Windows: who starts two runs to one file there is not warned
+    fcntl = None  # type: ignore[assignment]
 
 FIRST = b"fowtlib journal 1\n"
 ENDING, STATE = ".part", ".state"
@@ -50,10 +56,24 @@ class Journal:
 
     def __init__(self, output: Path):
         self.path = journal_of(Path(output))
-        self._waiting: list[bytes] = []
+        self._waiting: list[bytes | memoryview] = []
         self._length = 0  # of what is sound on the disk
         self._name = ""
         self._troubled = False
+        self._lock: BinaryIO | None = None
+
+    def require_free(self) -> None:
+        """Raise ModelError where a living process writes this journal."""
+        try:
+            with self.path.open("r+b") as file:
+                held = not _locked(file)
+        except OSError:  # not there, or not ours to write, which is found elsewhere
+            return
+        if held:
+            raise ModelError(
+                f"{self.path}: a run to this file is going on in another process; wait for its end, stop it, or choose "
+                "another output."
+            )
 
     def begin(self, about: Mapping[str, Any], earlier: Stored | None = None, checkpoint: bytes = b"") -> None:
         """Start anew, in one step: what a killed run has left there stays until all that it goes on from is here.
@@ -61,18 +81,19 @@ class Journal:
         about: what `Stored` holds besides numbers; earlier: what comes before the first piece; checkpoint: where the
         run goes on from.
         """
+        self.require_free()
         self._name = os.urandom(8).hex()
-        self._waiting = [_block(packed({"about": dict(about), "journal": self._name}, {}))]
+        self._waiting = _block({"about": dict(about), "journal": self._name}, {})
         if earlier is not None and earlier.raw is not None:
-            self._waiting.append(_block(_rows(earlier.raw, earlier.values)))
+            self._waiting += _rows(earlier.raw, earlier.values)
         if checkpoint:
-            self._waiting.append(_block(packed({}, {"checkpoint": np.frombuffer(checkpoint, np.uint8)})))
+            self._waiting += _block({}, {"checkpoint": np.frombuffer(checkpoint, np.uint8)})
         self._flush(new=True)
 
     def write(self, raw: RawTrajectory | None, values: Mapping[str, np.ndarray], checkpoint: bytes) -> None:
         """Add output points, where there are some, and replace the checkpoint."""
         if raw is not None:
-            self._waiting.append(_block(_rows(raw, values)))
+            self._waiting += _rows(raw, values)
         if self._flush():
             try:
                 about = {"journal": self._name, "length": self._length}
@@ -80,31 +101,44 @@ class Journal:
             except OSError as error:
                 self._trouble(error)
 
+    def close(self) -> None:
+        """The run has ended, and another one may go on from here."""
+        if self._lock is not None:
+            self._lock.close()
+            self._lock = None
+
     def remove(self) -> None:
         """Take both files away: the results are safe elsewhere."""
+        self.close()
         for path in (self.path, state_of(self.path)):
             path.unlink(missing_ok=True)
 
     def _flush(self, new: bool = False) -> bool:
-        data = b"".join(self._waiting)
+        size = sum(len(piece) for piece in self._waiting)
         try:
             if new or not self._length:
-                replace_file(self.path, FIRST + data)
-                self._length = len(FIRST) + len(data)
+                replace_file(self.path, b"".join([FIRST, *self._waiting]))
+                self._length = len(FIRST) + size
+                self._hold()
                 state_of(self.path).unlink(missing_ok=True)
             else:
                 with self.path.open("r+b") as file:
                     file.truncate(self._length)  # without what a full disk has left half written
                     file.seek(self._length)
-                    file.write(data)
+                    file.writelines(self._waiting)
                     file.flush()
                     os.fsync(file.fileno())
-                self._length += len(data)
+                self._length += size
         except OSError as error:
             self._trouble(error)
             return False
         self._waiting = []
         return True
+
+    def _hold(self) -> None:
+        self.close()
+        self._lock = self.path.open("r+b")
+        _locked(self._lock)
 
     def _trouble(self, error: OSError) -> None:
         if self._troubled:
@@ -116,13 +150,26 @@ class Journal:
         )  # fmt: skip
 
 
-def _block(data: bytes) -> bytes:
-    return struct.pack("<q", len(data)) + data
+def _locked(file: BinaryIO) -> bool:
+    """Whether this process has the lock of a file now; also where there are no locks, as on some disks of networks."""
+    try:
+        if fcntl is not None:
+            fcntl.flock(file, fcntl.LOCK_EX | fcntl.LOCK_NB)
+    except BlockingIOError:
+        return False
+    except OSError:
+        pass
+    return True
 
 
-def _rows(raw: RawTrajectory, values: Mapping[str, np.ndarray]) -> bytes:
+def _block(text: Mapping[str, Any], arrays: Mapping[str, np.ndarray]) -> list[bytes | memoryview]:
+    pieces = packed_pieces(text, arrays)
+    return [struct.pack("<q", sum(len(piece) for piece in pieces)), *pieces]
+
+
+def _rows(raw: RawTrajectory, values: Mapping[str, np.ndarray]) -> list[bytes | memoryview]:
     arrays = {"time": raw.time, "x": raw.x, "z": raw.z, "d": raw.d}
-    return packed({"names": list(values)}, {**arrays, **{f"value {name}": array for name, array in values.items()}})
+    return _block({"names": list(values)}, {**arrays, **{f"value {name}": array for name, array in values.items()}})
 
 
 def read_journal(path: Path) -> Stored:

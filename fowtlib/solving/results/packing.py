@@ -25,11 +25,20 @@ def digest(data: bytes) -> bytes:
 
 def packed(text: Mapping[str, Any], arrays: Mapping[str, np.ndarray]) -> bytes:
     """The bytes of a text that JSON can hold, and of arrays by name."""
+    return b"".join(packed_pieces(text, arrays))
+
+
+def packed_pieces(text: Mapping[str, Any], arrays: Mapping[str, np.ndarray]) -> list[bytes | memoryview]:
+    """The same as what follows one another, without a copy of the arrays: they must not change until it is written."""
     numbers = {name: _plain(array) for name, array in arrays.items()}
     shapes = [[name, array.dtype.str, list(array.shape)] for name, array in numbers.items()]
     head = json.dumps({"text": text, "arrays": shapes}).encode()
-    body = b"".join([struct.pack("<q", len(head)), head, *(array.tobytes() for array in numbers.values())])
-    return body + digest(body)
+    views = [memoryview(array).cast("B") for array in numbers.values() if array.size]
+    pieces: list[bytes | memoryview] = [struct.pack("<q", len(head)), head, *views]
+    whole = hashlib.blake2b(digest_size=DIGEST)
+    for piece in pieces:
+        whole.update(piece)
+    return [*pieces, whole.digest()]
 
 
 def unpacked(data: bytes) -> tuple[dict[str, Any], dict[str, np.ndarray]]:

@@ -17,7 +17,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from fowtlib.language.errors import ModelError
-from fowtlib.language.whole_files import write_whole
+from fowtlib.solving.results.drawing import COLORS, INK, drawing, drawing_style, save_figure
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -42,30 +42,6 @@ PANELS: tuple[tuple[str, ...], ...] = (
 # The least range of an axis: a part of the value, and an amount by its unit; smaller changes are not magnified.
 LEAST_RANGE = 0.02
 LEAST_RANGES = {"m": 0.1, "deg": 0.1, "rad": 0.002, "rpm": 0.1, "m/s": 0.1, "1": 1e-3, "-": 1e-3}
-COLORS = ("#0b5394", "#d1651b", "#2f7d4f", "#8a3d8f", "#b8860b", "#4d4d4d", "#1a9ba1", "#c2385a")
-INK, GRID = "#222222", "#d9d9d9"
-_STYLE = {
-    "font.size": 9.0,
-    "axes.edgecolor": "#888888",
-    "axes.labelcolor": INK,
-    "axes.grid": True,
-    "axes.axisbelow": True,
-    "axes.spines.top": False,
-    "axes.spines.right": False,
-    "axes.titlesize": 9.5,
-    "axes.titlelocation": "left",
-    "axes.titleweight": "bold",
-    "axes.titlepad": 4.0,
-    "axes.xmargin": 0.0,
-    "grid.color": GRID,
-    "grid.linewidth": 0.6,
-    "lines.linewidth": 1.1,
-    "legend.frameon": False,
-    "legend.fontsize": 8.5,
-    "xtick.color": INK,
-    "ytick.color": INK,
-    "svg.hashsalt": "fowtlib",
-}
 
 
 def plot_result(
@@ -84,8 +60,8 @@ def plot_result(
         raise ModelError("there is nothing to plot: the result holds no series.")
     columns = 1 if len(panels) < 6 else 2
     rows = -(-len(panels) // columns)
-    with _style():
-        figure = _figure(6.2 * columns, 0.7 + 1.45 * rows)
+    with drawing_style():
+        figure = drawing(6.2 * columns, 0.7 + 1.45 * rows)
         grid = figure.add_gridspec(rows, columns)
         first = None
         for index, (title, members) in enumerate(panels):
@@ -107,8 +83,8 @@ def plot_decay(decay: Any, path: str | Path | None = None) -> Figure:
     """Free decay with its extrema and the fitted envelope; below, damping ratio over amplitude."""
     series = decay.series
     unit = _unit(series.unit)
-    with _style():
-        figure = _figure(7.5, 5.4)
+    with drawing_style():
+        figure = drawing(7.5, 5.4)
         top, bottom = figure.subplots(2, 1, height_ratios=(1.7, 1.0))
         top.plot(series.time, series.values, color=COLORS[0], label=series.name)
         later = np.linspace(decay.extrema_time[0], decay.extrema_time[-1], 400)
@@ -157,8 +133,8 @@ def plot_rao(
     columns = 2 if phase else 1
     if logarithmic is None:
         logarithmic = any(_hides(rao.amplitude(name)) for rao in raos for name in rao.outputs if name in shown)
-    with _style():
-        figure = _figure(4.6 * columns + 0.4, 0.8 + 1.7 * len(shown))
+    with drawing_style():
+        figure = drawing(4.6 * columns + 0.4, 0.8 + 1.7 * len(shown))
         axes = figure.subplots(len(shown), columns, sharex=True, squeeze=False)
         for row, name in zip(axes, shown, strict=True):
             having = [(index, rao) for index, rao in enumerate(raos) if name in rao.outputs]
@@ -206,8 +182,8 @@ def plot_spectra(
     """
     spectra = [spectra] if hasattr(spectra, "density") else list(spectra)
     units = list(dict.fromkeys(spectrum.unit for spectrum in spectra))
-    with _style():
-        figure = _figure(7.5, 0.6 + 2.5 * len(units))
+    with drawing_style():
+        figure = drawing(7.5, 0.6 + 2.5 * len(units))
         axes = figure.subplots(len(units), 1, sharex=True, squeeze=False)[:, 0]
         for panel, (axis, unit) in enumerate(zip(axes, units, strict=True)):
             members = [spectrum for spectrum in spectra if spectrum.unit == unit]
@@ -250,8 +226,8 @@ def plot_modes(modes: Sequence[Any], path: str | Path | None = None, *, title: s
         labels = _last_words([mode.label or f"mode {i + 1}" for i, mode in enumerate(modes)])
     frequency = np.array([_frequency(mode) for mode in modes])
     damping = np.array([100.0 * mode.damping_ratio for mode in modes])
-    with _style():
-        figure = _figure(8.0, 1.1 + 0.32 * len(modes))
+    with drawing_style():
+        figure = drawing(8.0, 1.1 + 0.32 * len(modes))
         left, right = figure.subplots(1, 2, sharey=True, width_ratios=(1.4, 1.0))
         left.set_xscale("log")
         left.set_xlim(10.0 ** np.floor(np.log10(0.7 * frequency.min())), 4.0 * frequency.max())
@@ -275,42 +251,12 @@ def _frequency(mode: Any) -> float:
     return mode.frequency if hasattr(mode, "frequency") else mode.frequency_hz
 
 
-def save_figure(figure: Figure, path: str | Path | None, *, dpi: int = 150) -> Figure:
-    """Write a figure by the ending of ``path`` (png, pdf, svg); None leaves it unsaved. Returns the figure."""
-    if path is None:
-        return figure
-    path = Path(path)
-    known = (".png", ".pdf", ".svg")
-    if path.suffix.lower() not in known:
-        raise ModelError(f"{path}: a figure is saved as {', '.join(known)}, not as '{path.suffix or 'no ending'}'.")
-    if not path.parent.is_dir():
-        raise ModelError(f"{path}: the folder {path.parent} does not exist. Make it first, or choose another one.")
-    with _style():
-        write_whole(path, lambda temporary: figure.savefig(temporary, dpi=dpi))
-    return figure
-
-
 # -- inside -----------------------------------------------------------------------------------------------------------
 
 
 def _hides(amplitude: np.ndarray) -> bool:
     """True where a resonance is so high that a linear scale would show nothing else."""
     return bool(amplitude.max() > 30.0 * np.median(amplitude) > 0.0)
-
-
-def _style() -> Any:
-    import matplotlib
-
-    return matplotlib.rc_context(_STYLE)
-
-
-def _figure(width: float, height: float) -> Figure:
-    from matplotlib.backends.backend_agg import FigureCanvasAgg
-    from matplotlib.figure import Figure
-
-    figure = Figure(figsize=(width, height), layout="constrained")
-    FigureCanvasAgg(figure)
-    return figure
 
 
 class _Later:

@@ -1,0 +1,225 @@
+"""`fowt batch`: run many cases, each once, and look at what became of them."""
+
+from __future__ import annotations
+
+import argparse
+import sys
+import time
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+from fowtlib.cli import loading, tables
+from fowtlib.cli.files import TABLES, check_target
+from fowtlib.language.errors import ModelError, NotFoundError, did_you_mean
+
+if TYPE_CHECKING:
+    from fowtlib.cases import Batch, Case, Progress
+
+ENDING = ".batch"
+TOLD = 60.0  # s between two lines on the progress, where there is no terminal
+STATISTICS = ("mean", "std", "min", "max")
+EXAMPLES = """FILE lists the cases (see docs/cases.md). The results lie beside it, in a
+folder with the ending .batch, or in that of --folder: a registry, one file a
+case, batch.log. A batch that was stopped goes on where it was. Cases are done
+again where they, their model or a file of data have changed.
+
+examples:
+  fowt batch run dlc12.yaml
+  fowt batch status dlc12.yaml
+  fowt batch table dlc12.yaml --results pitch,surge --statistics mean,max --output extremes.csv
+  fowt batch run dlc12.yaml --scheduler tcp://10.0.0.1:8786
+"""
+
+
+def declare(commands: Any) -> None:
+    """Add the command of this module, with its actions."""
+    parser = commands.add_parser("batch", help="run many cases, and look at what became of them", epilog=EXAMPLES)
+    verbs = parser.add_subparsers(dest="verb", metavar="ACTION", required=True)
+    for name, text in (("run", "run the cases that are not done yet"), ("retry", "run those that have failed, too")):
+        verb = verbs.add_parser(name, help=text)
+        _declare_file(verb, "cases: a file that lists them (.yaml)")
+        _declare_run(verb)
+        verb.set_defaults(action=run, retry=name == "retry")
+    status = verbs.add_parser("status", help="how far a batch is, and what went wrong")
+    _declare_file(status, "the file that lists the cases, or the folder of the batch")
+    status.add_argument("--all", action="store_true", help="also cases that are done")
+    tables.declare(status)
+    status.set_defaults(action=show_status)
+    table = verbs.add_parser("table", help="the statistics of all cases that are done")
+    _declare_file(table, "the file that lists the cases, or the folder of the batch")
+    table.add_argument("--results", metavar="NAMES", help="of these results, for example pitch,surge; default: all")
+    table.add_argument("--statistics", metavar="NAMES", default=",".join(STATISTICS),
+                       help="for example mean,max,skewness; default: %(default)s")  # fmt: skip
+    tables.declare(table)
+    table.set_defaults(action=show_table)
+
+
+def _declare_file(parser: argparse.ArgumentParser, text: str) -> None:
+    parser.add_argument("file", type=Path, metavar="FILE", help=text)
+    parser.add_argument("--folder", type=Path, metavar="FOLDER", help=f"of the results; default: FILE with {ENDING}")
+
+
+def _declare_run(parser: argparse.ArgumentParser) -> None:
+    parser.add_argument("--workers", type=_count, metavar="N",
+                        help="processes; default: as many as cores and memory allow")  # fmt: skip
+    parser.add_argument("--format", metavar="F", help="of the results: nc or outb; default: nc")
+    parser.add_argument("--keep", metavar="WHAT", help="all, or statistics without files of results; default: all")
+    parser.add_argument("--scheduler", metavar="ADDRESS", help="of Dask, to compute there, such as tcp://10.0.0.1:8786")
+    loading.declare_leave(parser)
+
+
+def _count(text: str) -> int:
+    """A number of things, for argparse."""
+    if not text.isdecimal() or not int(text):
+        raise argparse.ArgumentTypeError(f"'{text}' is not a whole number above zero")
+    return int(text)
+
+
+def run(arguments: argparse.Namespace) -> int:
+    """Run the cases, and print what became of them; 1 where some have failed."""
+    from fowtlib.cases import run_batch
+
+    cases = _cases(arguments)
+    folder = _folder(arguments)
+    try:
+        with _progress() as report:
+            batch = run_batch(
+                cases, folder, source=str(arguments.file.resolve()), workers=arguments.workers,
+                cluster=arguments.scheduler, format=arguments.format, keep=arguments.keep, retry=arguments.retry,
+                allow_python=arguments.allow_python, progress=report,
+            )  # fmt: skip
+    except KeyboardInterrupt:
+        print(f"fowt batch {arguments.verb}: stopped. What is done is kept in {folder}; to go on, run it again.",
+              file=sys.stderr)  # fmt: skip
+        return 130
+    counts = batch.counts
+    print(f"{folder}: {_told(counts)}")
+    for row in batch.rows("failed"):
+        print(f"{row.name}: {row.message}", file=sys.stderr)
+    if counts["failed"]:
+        print(f"to try those that have failed again: fowt batch retry {arguments.file}", file=sys.stderr)
+    return 1 if counts["failed"] else 0
+
+
+def show_status(arguments: argparse.Namespace) -> int:
+    """Print how many cases are in each state, and those that are not done with what there is to say."""
+    check_target(arguments.table, TABLES, arguments.force)
+    batch = _batch(arguments)
+    rows = batch.rows()
+    tables.say(arguments, f"{batch.folder}: {_told(batch.counts)}")
+    shown = [row for row in rows if arguments.all or row.state != "done"]
+    if shown or arguments.form or arguments.table:
+        columns = ("case", "state", "simulated [s]", "took [s]", "what there is to say")
+        told = [(row.name, row.state, row.simulated, row.seconds, row.message or row.why or row.warnings)
+                for row in shown]  # fmt: skip
+        tables.show(arguments, columns, told)
+    return 0
+
+
+def show_table(arguments: argparse.Namespace) -> int:
+    """Print the statistics of the results of all cases that are done."""
+    check_target(arguments.table, TABLES, arguments.force)
+    batch = _batch(arguments)
+    rows = batch.rows("done")
+    if not rows:
+        raise ModelError(f"{batch.folder}: no case is done yet.")
+    known = list(dict.fromkeys(name for row in rows for name in row.statistics))
+    names = _chosen(arguments.results, known, "result") if arguments.results else known
+    numbers = list(dict.fromkeys(key for row in rows for told in row.statistics.values() for key, value in told.items()
+                                 if isinstance(value, (int, float))))  # fmt: skip
+    columns = _chosen(arguments.statistics, numbers, "statistic")
+    labels = list(dict.fromkeys(label for row in rows for label in row.case.labels))
+    told = [
+        (row.name, *(row.case.labels.get(label) for label in labels), name, row.statistics[name]["unit"],
+         *(tables.rounded(row.statistics[name].get(key), _size(row.statistics[name])) for key in columns))
+        for row in rows for name in names if name in row.statistics
+    ]  # fmt: skip
+    tables.say(arguments, f"{batch.folder}: {_told(batch.counts)}")
+    tables.show(arguments, ("case", *labels, "result", "unit", *columns), told)
+    return 0
+
+
+def _size(statistics: Any) -> float:
+    return max(abs(statistics.get("min", 0.0)), abs(statistics.get("max", 0.0)))
+
+
+def _chosen(text: str, known: list[str], what: str) -> list[str]:
+    names = [name.strip() for name in text.split(",") if name.strip()]
+    for name in names:
+        if name not in known:
+            raise NotFoundError(f"there is no {what} '{name}'{did_you_mean(name, known, list_up_to=30)}")
+    return names
+
+
+def _cases(arguments: argparse.Namespace) -> list[Case]:
+    """The cases of the file, all of which can be run, with the leave that the command line gives to their models."""
+    from fowtlib import check_cases, read_cases
+    from fowtlib.language import leave
+
+    cases = read_cases(arguments.file)
+    models = check_cases(cases, lambda name: loading.load_file(arguments, name))
+    for model in models.values() if arguments.trust else ():
+        for path in leave.give_native(model.root):
+            print(f"{path}: leave to run this native code is kept in {leave.leave_file()}.", file=sys.stderr)
+    return list(cases)
+
+
+def _folder(arguments: argparse.Namespace) -> Path:
+    if arguments.folder is not None:
+        return arguments.folder
+    return arguments.file if arguments.file.is_dir() else arguments.file.with_suffix(ENDING)
+
+
+def _batch(arguments: argparse.Namespace) -> Batch:
+    from fowtlib.cases import Batch
+
+    folder = _folder(arguments)
+    if not folder.exists():
+        raise ModelError(f"{folder}: there is no such folder; begin the batch with fowt batch run {arguments.file}.")
+    return Batch.open(folder)
+
+
+def _told(counts: dict[str, int]) -> str:
+    total = sum(counts.values())
+    told = [f"{counts[state]} {word}" for state, word in (("failed", "failed"), ("running", "running"), ("due", "due"))
+            if counts[state]]  # fmt: skip
+    return ", ".join([f"{counts['done']} of {total} cases done", *told])
+
+
+@contextmanager
+def _progress() -> Iterator[Callable[[Progress], None]]:
+    """A bar on stderr with rate and time left, and a line for each case that fails; elsewhere lines alone."""
+    from fowtlib.cases.batch import duration_in_words, in_words
+
+    screen = tables.console(stderr=True)
+    if not screen.is_terminal:
+        last = time.monotonic()
+
+        def say(now: Progress) -> None:
+            nonlocal last
+            if now.words.startswith(("failed", "lost")):
+                print(now.words, file=sys.stderr, flush=True)
+            if time.monotonic() - last > TOLD:
+                last = time.monotonic()
+                print(in_words(now), file=sys.stderr, flush=True)
+
+        yield say
+        return
+    from rich.progress import BarColumn, Progress, TextColumn
+
+    columns = (TextColumn("{task.description}"), BarColumn(), TextColumn("{task.fields[told]}"))
+    with Progress(*columns, console=screen, transient=True) as bar:
+        task = bar.add_task("starting", total=None, told="")
+
+        def report(now) -> None:
+            if now.words.startswith(("failed", "lost")):
+                bar.console.print(now.words, markup=False, highlight=False)
+            failed = f", {now.failed} failed" if now.failed else ""
+            rate = f"{now.rate:.0f} x real time" if now.rate else ""
+            left = f"{duration_in_words(now.left)} left" if now.left is not None else ""
+            bar.update(task, completed=now.simulated, total=now.to_simulate, told=", ".join(filter(None, (rate, left))),
+                       description=f"{now.done} of {now.cases} cases{failed}")  # fmt: skip
+
+        yield report
