@@ -127,14 +127,11 @@ class Sea(Component, selector="spectrum", shared=("signal", "loads", "velocity",
 
     def velocity(self, points: ArrayLike) -> ca.SX:
         """Velocity of the water (p x 3, world) at fixed `points` (p, 3) [m] with z <= 0; zero above the water level."""
-        return self._kinematics("velocity", points, "m/s")
+        return _kinematics(self, "velocity", points, "m/s")
 
     def acceleration(self, points: ArrayLike) -> ca.SX:
         """Local acceleration of the water (p x 3, world) at fixed `points` (p, 3) [m]; zero above the water level."""
-        return self._kinematics("acceleration", points, "m/s^2")
-
-    def _kinematics(self, what: str, points: ArrayLike, unit: str) -> ca.SX:
-        return _kinematics(self, what, np.atleast_2d(np.array(points, dtype=float)), unit)
+        return _kinematics(self, "acceleration", points, "m/s^2")
 
     def given(self, name: str) -> Any:
         """The value of a parameter that this kind of sea cannot do without."""
@@ -160,7 +157,8 @@ def _water(sea: Sea) -> shapes.Water:
     return shapes.Water(sea.world.water_depth, *harmonics, heading=waves.heading, build_up=sea.build_up)
 
 
-def _kinematics(sea: Sea, what: str, places: np.ndarray, unit: str) -> ca.SX:
+def _kinematics(sea: Sea, what: str, points: ArrayLike, unit: str) -> ca.SX:
+    places = np.atleast_2d(np.array(points, dtype=float))
     count = len(places)
 
     def transfer(waves: WaveComponents) -> np.ndarray:
