@@ -85,7 +85,7 @@ def plain(node: Node, names: Names) -> Any:
 
 
 def filled(text: str, names: Names, units: bool = False) -> str:
-    """Text with the values of `{formula}` and `{formula:form}` put in; units: with the unit of a quantity, and all digits."""
+    """Text with `{formula}` and `{formula:form}` replaced by values; units: with their units, and all digits."""
 
     def put(found: re.Match[str]) -> str:
         formula, form = found[1].strip(), found[2]
