@@ -1,7 +1,11 @@
-"""Analyses of results and linear models: free decay, response amplitude operators, spectra, statistics."""
+"""Analyses of results and linear models: free decay, response amplitude operators, spectra, statistics, extremes."""
 
+from fowtlib.analysis.case_statistics import case_statistics, over_cases
+from fowtlib.analysis.comparison import compare_results
 from fowtlib.analysis.decay import Decay, analyse_decay, free_decay
+from fowtlib.analysis.extremes import block_maxima, fit_gumbel
 from fowtlib.analysis.harmonics import HarmonicFit, harmonic_fit
+from fowtlib.analysis.load_matrix import ultimate_loads
 from fowtlib.analysis.rao import Rao, linear_rao, simulated_rao
 from fowtlib.analysis.spectra import Spectrum, average, compare, power_spectrum
 from fowtlib.analysis.static import StaticCurve, static_curve
@@ -15,14 +19,20 @@ __all__ = [
     "StaticCurve",
     "analyse_decay",
     "average",
+    "block_maxima",
+    "case_statistics",
     "compare",
+    "compare_results",
+    "fit_gumbel",
     "free_decay",
     "harmonic_fit",
     "linear_rao",
     "normalized_maxima",
+    "over_cases",
     "over_seeds",
     "power_spectrum",
     "simulated_rao",
     "static_curve",
+    "ultimate_loads",
     "up_crossings",
 ]

@@ -49,6 +49,20 @@ class Series:
 
 if TYPE_CHECKING:
     SeriesLike = xarray.DataArray | Series | tuple[ArrayLike, ArrayLike]
+    Records = SeriesLike | list[SeriesLike]
+
+
+def as_records(records: Records, discard: float = 0.0) -> list[Series]:
+    """One record, or a list of several of the same process, each without its first `discard` seconds."""
+    if not isinstance(records, list):
+        return [as_series(records).after(discard)]
+    if not records:
+        raise ModelError("there are no records to analyse.")
+    made = [as_series(record).after(discard) for record in records]
+    for record in made[1:]:
+        if record.unit != made[0].unit:
+            raise ModelError(f"{made[0].name}: the records have it in different units: {made[0].unit}, {record.unit}.")
+    return made
 
 
 def as_series(source: SeriesLike, name: str = "") -> Series:

@@ -21,6 +21,7 @@ from typing import NoReturn
 from fowtlib.cli import (
     batch,
     cache,
+    compare,
     contours,
     decay,
     export,
@@ -28,10 +29,13 @@ from fowtlib.cli import (
     inspection,
     library,
     loading,
+    loads,
+    maxima,
     rao,
     rotor_table,
     run,
     stability,
+    statistics,
     view,
     wind_field,
 )
@@ -41,8 +45,8 @@ from fowtlib.cli.report import write_report
 from fowtlib.language.errors import ModelError, did_you_mean
 
 GROUPS = (
-    run, batch, export, view, inspection, stability, decay, rao, rotor_table, wind_field, contours, extremes, library,
-    cache,
+    run, batch, export, view, inspection, stability, decay, rao, statistics, maxima, loads, compare, rotor_table,
+    wind_field, contours, extremes, library, cache,
 )  # fmt: skip
 
 

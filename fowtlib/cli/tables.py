@@ -55,6 +55,16 @@ def show(arguments: argparse.Namespace, columns: Sequence[str], rows: Iterable[R
         _show_rich(columns, list(rows), title)
 
 
+def check(arguments: argparse.Namespace) -> None:
+    """Before the work: refuse a file of `--output` that cannot be written."""
+    check_target(arguments.table, TABLES, arguments.force)
+
+
+def show_rows(columns: Sequence[str], rows: Iterable[Row], title: str = "") -> None:
+    """Print rows for a person."""
+    _show_rich(columns, [list(row) for row in rows], title)
+
+
 def save(arguments: argparse.Namespace, columns: Sequence[str], rows: Sequence[Row]) -> None:
     """Write a table into the file of `--output`, .csv or .json by its ending; without one do nothing."""
     path: Path | None = getattr(arguments, "table", None)

@@ -83,7 +83,7 @@ def _shown_unit(unit: str) -> str:
     return "-" if unit in ("", "1") else unit
 
 
-def _time_weights(time: np.ndarray) -> np.ndarray:
+def time_weights(time: np.ndarray) -> np.ndarray:
     """Weights of the samples in a mean over time: equal on a uniform grid, trapezoidal on any other."""
     steps = np.diff(time)
     if time.size < 3 or np.ptp(steps) <= 1e-6 * abs(steps[0]):
@@ -103,7 +103,7 @@ def summarise(time: np.ndarray, series: Iterable[tuple[str, str, np.ndarray]], d
             f"statistics: discarding {discard:g} s leaves nothing of a result of {duration:g} s. "
             "Discard less, or simulate longer."
         )
-    weights = _time_weights(time[keep])
+    weights = time_weights(time[keep])
     rows = []
     for name, unit, values in series:
         part = values[keep]

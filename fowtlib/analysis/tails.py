@@ -1,0 +1,195 @@
+"""Extremes from the rates at which a series passes many levels upward, extrapolated by nu(y) = q exp(-a (y - b)^c).
+
+Source: Naess and Gaidai (2008), Journal of Engineering Mechanics 134, 628-636; Naess and Moan (2012), Stochastic
+Dynamics of Marine Structures, chapter 10. A Gaussian process has c = 2, b = mean, q = the rate of the mean.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from pathlib import Path
+from typing import TYPE_CHECKING, Any, Self
+
+import numpy as np
+
+from fowtlib.analysis.crossings import count_up_crossings
+from fowtlib.analysis.maximum import Maximum, checked_sample, sign_of
+from fowtlib.analysis.peaks import THRESHOLD
+from fowtlib.analysis.series import as_records
+from fowtlib.language.errors import ModelError
+
+if TYPE_CHECKING:
+    from matplotlib.figure import Figure
+    from numpy.typing import ArrayLike
+
+    from fowtlib.analysis.series import Records
+
+LEVELS = 40
+FEWEST_LEVELS = 6
+_HALF_WIDTH = 1.96  # of a 95 % interval, in standard deviations
+_LARGEST_POWER = 5.0
+_SMALLEST_POWER = 0.5
+
+
+@dataclass(frozen=True)
+class CrossingRates:
+    """Counts of outward passages, (pieces, levels), in pieces of records that are spans [s] long."""
+
+    levels: np.ndarray
+    counts: np.ndarray
+    spans: np.ndarray
+    lowest: float  # of all values, times the sign
+
+    @property
+    def rate(self) -> np.ndarray:
+        """Passages per second of all pieces together."""
+        return self.counts.sum(axis=0) / self.spans.sum()
+
+    @property
+    def half_width(self) -> np.ndarray:
+        """Half of the 95 % confidence interval of the rate, 1.96 s / sqrt(j) over j pieces.
+
+        At least that of Poisson's law, so that pieces which happen to agree do not look certain.
+        """
+        pieces = len(self.spans)
+        spread = (self.counts / self.spans[:, None]).std(axis=0, ddof=1) / np.sqrt(pieces) if pieces > 1 else 0.0
+        return _HALF_WIDTH * np.maximum(spread, np.sqrt(self.rate / self.spans.sum()))
+
+
+@dataclass(frozen=True)
+class CrossingTail(Maximum):
+    """nu(y) = q exp(-a (y - b)^c) beyond `threshold`; of minima y - b counts downward."""
+
+    q: float
+    a: float
+    b: float
+    c: float
+    threshold: float
+    plain_only = "a fit to up-crossing rates"
+
+    def rate(self, level: ArrayLike) -> np.ndarray:
+        """On the inner side of the threshold it is that of the threshold: F is then an upper bound."""
+        away = self.sign * (np.asarray(level, dtype=float) - self.b)
+        return self.q * np.exp(-self.a * np.maximum(away, self.sign * (self.threshold - self.b)) ** self.c)
+
+    def level(self, rate: float) -> float:
+        most = float(self.rate(self.threshold))
+        if not rate <= most * (1.0 + 1e-12):
+            raise ModelError(
+                f"{self.name or 'the series'}: the level that is passed {rate:g} times a second lies on the inner side "
+                f"of the threshold, which is passed {most:g} times. Lower the threshold, or take a longer duration."
+            )
+        return float(self.b + self.sign * (np.log(self.q / rate) / self.a) ** (1.0 / self.c))
+
+    def again(self, rng: np.random.Generator, parametric: bool) -> Self:
+        """The fit to pieces of the records, drawn with replacement."""
+        rates: CrossingRates = self.sample
+        drawn = rng.integers(0, len(rates.spans), len(rates.spans))
+        again = CrossingRates(rates.levels, rates.counts[drawn], rates.spans[drawn], rates.lowest)
+        return fit_rates(again, side=self.side, unit=self.unit, name=self.name, start=(self.b, self.c))
+
+    def plot(self, path: str | Path | None = None, **options: Any) -> Figure:
+        """Rates with their confidence over the level, and the fit; options of pictures.plot_crossings."""
+        from fowtlib.analysis.pictures import plot_crossings
+
+        return plot_crossings(self, path, **options)
+
+
+def crossing_rates(
+    records: Records,
+    threshold: float | None = None,
+    *,
+    side: str = "max",
+    discard: float = 0.0,
+    levels: int = LEVELS,
+    pieces: int = 10,
+) -> CrossingRates:
+    """Rates at which one record, or several of the same process, pass `levels` levels from the threshold outward.
+
+    threshold  begin of the tail; None: mean + 1.4 standard deviations (- 1.4 for minima)
+    pieces     into which each record is cut, to see how certain the rates are; long against the slowest motion
+    """
+    series, sign = as_records(records, discard), sign_of(side)
+    values = [sign * record.values for record in series]
+    together = np.concatenate(values)
+    checked_sample(together, 3, series[0].name)
+    begin = together.mean() + THRESHOLD * together.std() if threshold is None else sign * threshold
+    end = together.max()
+    if not begin < end:
+        raise ModelError(f"{series[0].name}: nothing lies beyond the threshold {sign * begin:g}.")
+    heights = np.linspace(begin, end, levels, endpoint=False)
+    counts, spans = [], []
+    for record, part in zip(series, values, strict=True):
+        edges = np.linspace(0, part.size - 1, pieces + 1).astype(int)
+        for first, last in zip(edges[:-1], edges[1:], strict=True):
+            counts.append(count_up_crossings(part[first : last + 1], heights))
+            spans.append(record.time[last] - record.time[first])
+    return CrossingRates(sign * heights, np.array(counts), np.array(spans), float(together.min()))
+
+
+def fit_crossings(
+    records: Records,
+    threshold: float | None = None,
+    *,
+    side: str = "max",
+    discard: float = 0.0,
+    levels: int = LEVELS,
+    pieces: int = 10,
+) -> CrossingTail:
+    """Tail of the rates of one record, or of several of the same process; arguments of `crossing_rates`.
+
+    Raises ModelError where fewer than 6 levels are passed often enough to be certain.
+    """
+    rates = crossing_rates(records, threshold, side=side, discard=discard, levels=levels, pieces=pieces)
+    first = as_records(records)[0]
+    return fit_rates(rates, side=side, unit=first.unit, name=first.name)
+
+
+def fit_rates(
+    rates: CrossingRates,
+    *,
+    side: str = "max",
+    unit: str = "1",
+    name: str = "",
+    start: tuple[float, float] | None = None,
+) -> CrossingTail:
+    """Least squares of w (ln nu_i - ln q + a (y_i - b)^c)^2, w = (ln C+ - ln C-)^-2 of the 95 % bounds C of a rate.
+
+    Levels whose lower bound is not above 0 are left out. For given b and c the best ln q and a follow from a linear
+    regression, so that two numbers are searched for: b between the lowest value of the record and the threshold, c
+    between 0.5 and 5. start: b and c, for the search.
+    """
+    from scipy.optimize import least_squares
+
+    sign, nu, half = sign_of(side), rates.rate, rates.half_width
+    used = nu > half
+    if used.sum() < FEWEST_LEVELS:
+        raise ModelError(
+            f"{name or 'the series'}: only {used.sum()} levels beyond {rates.levels[0]:g} are passed often "
+            f"enough to be certain, and a fit takes {FEWEST_LEVELS}. Take longer or more records, or a threshold "
+            "nearer to the mean."
+        )
+    y, log_rate = (sign * rates.levels)[used], np.log(nu[used])
+    weight = 1.0 / np.log((nu[used] + half[used]) / (nu[used] - half[used]))  # the root of w
+    begin = float(y[0])
+    size = float(y[-1]) - begin
+    low, high = np.array([min(rates.lowest, begin - size), _SMALLEST_POWER]), np.array([begin, _LARGEST_POWER])
+
+    def regression(b: float, c: float) -> tuple[float, float, np.ndarray]:
+        """The best ln q and a, and the weighted differences."""
+        x = np.maximum((y - b) / size, 0.0) ** c
+        w = weight**2 / np.sum(weight**2)
+        middle, mean = w @ x, w @ log_rate
+        slope = -(w @ ((x - middle) * (log_rate - mean))) / (w @ (x - middle) ** 2)
+        return mean + slope * middle, slope, weight * (log_rate - mean + slope * (x - middle))
+
+    tries = [(sign * start[0], start[1])] if start else [(0.5 * (low[0] + begin), c) for c in (1.0, 2.0)]
+    found = min(
+        (least_squares(lambda z: regression(*z)[2], np.clip(z, low, high), bounds=(low, high), x_scale=(size, 1.0))
+         for z in tries), key=lambda one: one.cost)  # fmt: skip
+    b, c = map(float, found.x)
+    log_q, slope, _ = regression(b, c)
+    if not slope > 0.0:
+        raise ModelError(f"{name or 'the series'}: the rates do not fall beyond {rates.levels[0]:g}; there is no tail.")
+    return CrossingTail(float(np.exp(log_q)), float(slope / size**c), sign * b, c, float(rates.levels[0]),
+                        sign=sign, unit=unit, name=name, sample=rates)  # fmt: skip
