@@ -12,7 +12,8 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from fowtlib.language.errors import ModelError
-from fowtlib.solving.results.plots import COLORS, GRID, INK, _figure, _style, _unit, save_figure
+from fowtlib.solving.results.drawing import COLORS, GRID, INK, drawing, drawing_style, save_figure
+from fowtlib.solving.results.plots import _unit
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -46,8 +47,8 @@ def plot_gumbel(
     p = np.exp(-np.exp(-x))
     bounds = fit.bounds_over(fit.duration, p.tolist(), confidence, count, seed, parametric)
     unit = _unit(fit.unit)
-    with _style():
-        figure = _figure(7.0, 4.6)
+    with drawing_style():
+        figure = drawing(7.0, 4.6)
         axis = figure.subplots()
         band = f"{100 * confidence:g} % bounds, {'parametric' if parametric else 'plain'} bootstrap"
         low, high = [b.low for b in bounds], [b.high for b in bounds]
@@ -91,8 +92,8 @@ def plot_crossings(
     lowest = min(lowest, float(nu[seen].min()))
     end = fit.level(0.5 * lowest)
     levels = np.linspace(fit.threshold, end, 200)
-    with _style():
-        figure = _figure(7.0, 4.6)
+    with drawing_style():
+        figure = drawing(7.0, 4.6)
         axis = figure.subplots()
         low = np.where(nu > half, nu - half, 0.3 * lowest)
         axis.vlines(rates.levels[seen], low[seen], (nu + half)[seen], color=COLORS[1], linewidth=0.8, alpha=0.6)
@@ -119,8 +120,8 @@ def plot_lights(comparison: Any, path: str | Path | None = None, *, title: str =
     if not names:
         raise ModelError("there is nothing to draw: no channels were compared.")
     green, amber = comparison.limits
-    with _style():
-        figure = _figure(2.6 + 1.15 * len(measures), 1.2 + 0.27 * len(names))
+    with drawing_style():
+        figure = drawing(2.6 + 1.15 * len(measures), 1.2 + 0.27 * len(names))
         axis = figure.subplots()
         axis.grid(False)
         for row in comparison.rows:
