@@ -83,6 +83,11 @@ class Batch:
                 raise NotFoundError(f"{self.folder}: there is no case '{name}'{did_you_mean(name, registry.names())}")
             return row
 
+    def statistics(self, name: str) -> dict[str, Any]:
+        """All statistics of a case, as fowtlib.analysis.case_statistics gives them, with the values at extremes."""
+        with self._registry() as registry:
+            return registry.statistics(name)
+
     def path(self, name: str) -> Path | None:
         """The file with the results of a case, of one that has failed with what it had computed; None where none is."""
         row = self.row(name)

@@ -8,6 +8,7 @@ from __future__ import annotations
 
 import json
 import sqlite3
+import zlib
 from collections.abc import Iterable, Iterator, Mapping
 from contextlib import contextmanager
 from dataclasses import dataclass, field
@@ -31,7 +32,7 @@ CREATE TABLE cases (
     why TEXT NOT NULL DEFAULT '', message TEXT NOT NULL DEFAULT '', warnings TEXT NOT NULL DEFAULT '',
     seconds REAL, processor REAL, simulated REAL, began TEXT, ended TEXT, worker TEXT NOT NULL DEFAULT '',
     result TEXT NOT NULL DEFAULT '', bytes INTEGER, files TEXT NOT NULL DEFAULT '{}',
-    statistics TEXT NOT NULL DEFAULT '{}'
+    statistics TEXT NOT NULL DEFAULT '{}', more BLOB
 );
 """
 
@@ -46,7 +47,8 @@ class Row:
 
     state: due, running, done or failed. why: a case that was done before is due again. message: what went wrong.
     seconds: of the clock, processor: of it that the case used [s]; simulated [s]. files: digest by path of all that the
-    result depends on besides the case. statistics: by output, its unit and numbers by name. result: the name of its
+    result depends on besides the case. statistics: by channel, its unit and numbers by name, as the "channels" of
+    fowtlib.analysis.case_statistics. result: the name of its
     file in the folder, "" where none is kept; bytes: its size.
     """
 
@@ -159,6 +161,14 @@ class Registry:
             files, statistics = (json.loads(told.pop(key)) for key in ("files", "statistics"))
             yield Row(case, **told, files=files, statistics=statistics)
 
+    def statistics(self, name: str) -> dict[str, Any]:
+        """All statistics of a case as fowtlib.analysis.case_statistics gives them; empty where there are none."""
+        with self._sentences():
+            found = self._base.execute("SELECT statistics, more FROM cases WHERE name = ?", (name,)).fetchone()
+        if found is None or found[1] is None:
+            return {}
+        return {**json.loads(zlib.decompress(found[1])), "channels": json.loads(found[0])}
+
     def plan(self, rows: Iterable[Row]) -> None:
         """These are the cases of the batch, in this order and these states; what else is known of them stays.
 
@@ -196,10 +206,12 @@ class Registry:
             base.execute("UPDATE cases SET state = ?, why = ? WHERE name = ?", (DUE, why, name))
 
     def ended(self, name: str, state: str, outcome: Mapping[str, Any]) -> None:
-        """A case is done or has failed; outcome: the other fields of a Row by name."""
+        """A case is done or has failed; outcome: the other fields of a Row by name, with all statistics."""
         told = {"why": "", "message": "", "warnings": "", "ended": _now(), **outcome}
-        for key in ("files", "statistics"):
-            told[key] = _text(told.get(key, {}))
+        statistics = dict(told.get("statistics", {}))
+        told["files"] = _text(told.get("files", {}))
+        told["statistics"] = _text(statistics.pop("channels", {}))
+        told["more"] = zlib.compress(_text(statistics).encode()) if statistics else None
         with self._transaction() as base:
             columns = ", ".join(f"{key} = ?" for key in told)
             base.execute(f"UPDATE cases SET state = ?, {columns} WHERE name = ?", (state, *told.values(), name))
