@@ -9,7 +9,7 @@ from pathlib import Path
 from typing import Any
 
 from fowtlib.cases.scope import Scope
-from fowtlib.cases.values import filled, plain, scalar, word
+from fowtlib.cases.values import plain, scalar, tidy, word
 from fowtlib.language.errors import ModelError, one_of
 from fowtlib.modelfile import files
 from fowtlib.modelfile.document import STARTS
@@ -85,8 +85,10 @@ class RunKeys:
     ) -> dict[str, Any]:
         """Wind or sea, in the words of the model file or in the short form of the command line."""
         if isinstance(node.value, str):
+            text = word(node, condition.part, scope, units=True)
             try:
-                values = condition.parse(filled(node.value, scope, units=True), self.folder)
+                values = condition.parse(text, self.folder)
+                values = {path: tidy(value) if isinstance(value, float) else value for path, value in values.items()}
             except ModelError as error:
                 raise node.place.error(f"{error}{_braces(node.value, scope)}") from None
             places |= dict.fromkeys(values, node.place)
@@ -181,7 +183,7 @@ def _event(node: Node, scope: Scope) -> dict[str, Any]:
     """{event: turbine.grid_loss, at: 100 s, ...}, or the same as a line: turbine.grid_loss at 100 s."""
     try:
         if isinstance(node.value, str):
-            return Event.parse(filled(node.value, scope, units=True)).plain()
+            return Event.parse(word(node, "events", scope, units=True)).plain()
         event = "an event is a mapping, such as {event: turbine.grid_loss, at: 100 s}, or a line of text"
         return Event.from_plain(plain(Node(mapping(node, event), node.place), scope)).plain()
     except ModelError as error:

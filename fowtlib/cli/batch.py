@@ -170,17 +170,16 @@ def _chosen(text: str, known: list[str], what: str) -> list[str]:
 
 
 def _cases(arguments: argparse.Namespace) -> list[Case]:
-    """The cases of the file, with the leave that the command line gives to their models."""
-    from fowtlib.case_files import read_cases
+    """The cases of the file, all of which can be run, with the leave that the command line gives to their models."""
+    from fowtlib import check_cases, read_cases
     from fowtlib.language import leave
 
     cases = read_cases(arguments.file)
-    if arguments.trust or arguments.allow:
-        for name in dict.fromkeys(case.model for case in cases):
-            model = loading.load_file(arguments, name)
-            for path in leave.give_native(model.root) if arguments.trust else ():
-                print(f"{path}: leave to run this native code is kept in {leave.leave_file()}.", file=sys.stderr)
-    return cases
+    models = check_cases(cases, lambda name: loading.load_file(arguments, name))
+    for model in models.values() if arguments.trust else ():
+        for path in leave.give_native(model.root):
+            print(f"{path}: leave to run this native code is kept in {leave.leave_file()}.", file=sys.stderr)
+    return list(cases)
 
 
 def _folder(arguments: argparse.Namespace) -> Path:

@@ -19,9 +19,9 @@ if TYPE_CHECKING:
 
 DLC = "dlc"
 DEFAULT_MODEL = "oc3_spar"
-EXAMPLES = """A cases file lists runs: products of wind speeds, seas, seeds; see docs/cases.md.
-`fowt cases FILE` reads it, checks every case, and shows what there is. `fowt
-cases dlc NUMBER ...` writes one with design load cases of IEC 61400-3-1 and -3-2.
+EXAMPLES = """A cases file lists runs: products of wind speeds, seas, seeds (docs/cases.md).
+fowt cases FILE reads it, checks every case, and shows what there is; fowt cases
+dlc NUMBER.. writes one with design load cases of IEC 61400-3-1 and -3-2.
 
 examples:
   fowt cases dlc12.yaml --list

@@ -8,6 +8,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from fowtlib.cli import site, tables
+from fowtlib.cli.batch_fits import LAWS, fits_of_batch
 from fowtlib.cli.files import FIGURES, TABLES, check_target, say_saved
 from fowtlib.cli.run import positive
 from fowtlib.language.errors import ModelError, ParameterError
@@ -21,18 +22,19 @@ METHODS = ("flta", "ecm", "mecm", "sample")
 CASE_FILES = (".yaml", ".yml")
 EXAMPLES = """First the states: flta all bins that occur once in --keep years, ecm the contour
 of the return period, mecm that one and those that end at --cut-out, sample
-random states, evaluated as flta. --cases writes them
-as a file for `fowt batch run`. Then, with the laws of the extremes
-in these states, the extremes by each method for which there are runs:
+random states, evaluated as flta. --cases writes them as a file for `fowt batch
+run`. Then the extremes, by each method for which there are runs: of this batch
+(--batch), or of tables from elsewhere.
 --maxima FILE.csv: wind_speed, Hs, Tp, probability (empty on a contour), and for
 each response the largest value of a run; several runs a state.
 --fits FILE.csv: response, unit, wind_speed, Hs, Tp, probability, and location
-and scale of a Gumbel law, or q, a, b, c, threshold of an up-crossing rate.
+and scale of a Gumbel law, or q, a, b, c, threshold of a rate of up-crossings.
 
 examples:
   fowt extremes norway_5 --method flta --output states.csv
   fowt extremes norway_5 --method mecm --cut-out 25 --cases contours.yaml --model two_rotor_spar_rigid --seeds 20
-  fowt extremes norway_5 --cut-out 25 --maxima maxima.csv --plot extremes.png
+  fowt batch run contours.yaml
+  fowt extremes norway_5 --cut-out 25 --batch contours.yaml --results surge,yaw --plot extremes.png
 """
 
 
@@ -65,7 +67,11 @@ def declare(commands: Any) -> None:
     given = parser.add_mutually_exclusive_group()
     given.add_argument("--cases", type=Path, metavar="FILE", help="write the runs as a cases file: .yaml")
     given.add_argument("--fits", type=Path, metavar="FILE", help="laws of extremes by state and response: .csv")
+    given.add_argument("--batch", type=Path, metavar="FILE", help="a cases file that `fowt batch run` has run")
     given.add_argument("--maxima", type=Path, metavar="FILE", help="largest values of runs: .csv")
+    add("--results", metavar="NAMES", help="of the batch, for example surge,yaw; default: all")
+    add("--law", choices=LAWS, metavar="NAME", help="gumbel of maxima, rates of up-crossings, or gaussian")
+    add("--save-fits", type=Path, metavar="FILE", help="write the laws of the batch, for --fits: .csv")
     add("--model", metavar="MODEL", help="of the cases file")
     add("--seeds", type=int, default=1, metavar="N", help="runs of each state; default: %(default)d")
     add("--time", type=positive, default=4000.0, metavar="S", help="length of a run; default: %(default)g s")
@@ -81,10 +87,14 @@ def extremes(arguments: argparse.Namespace) -> int:
     check_target(arguments.table, TABLES, arguments.force)
     check_target(arguments.cases, CASE_FILES, arguments.force)
     joint = site.opened(arguments)
-    if arguments.fits or arguments.maxima:
+    check_target(arguments.save_fits, (".csv",), arguments.force)
+    for option in ("results", "law", "save_fits"):
+        if getattr(arguments, option) and not arguments.batch:
+            raise ModelError(f"--{option.replace('_', '-')} is about the runs of a batch: give --batch.")
+    if arguments.fits or arguments.maxima or arguments.batch:
         return _evaluate(arguments, joint)
     if arguments.plot:
-        raise ModelError("--plot draws extremes: give --fits or --maxima, or see `fowt contours --plot`.")
+        raise ModelError("--plot draws extremes: give --batch, --fits or --maxima, or see `fowt contours --plot`.")
     if (arguments.cases is None) != (arguments.model is None):
         raise ModelError("--cases and --model belong together: a file of cases of one model.")
     return _list(arguments, joint)
@@ -151,9 +161,16 @@ def _states(arguments: argparse.Namespace, joint: ConditionalModel) -> tuple[Sta
 
 
 def _evaluate(arguments: argparse.Namespace, joint: ConditionalModel) -> int:
-    from fowtlib.metocean import compare_methods, read_fits, read_maxima
+    from fowtlib.metocean import compare_methods, read_fits, read_maxima, write_fits
 
-    fits = read_fits(arguments.fits, arguments.duration) if arguments.fits else read_maxima(arguments.maxima)
+    if arguments.batch:
+        names = arguments.results.split(",") if arguments.results else None
+        fits = fits_of_batch(arguments.batch, names, arguments.law, arguments.duration)
+        if arguments.save_fits:
+            write_fits(arguments.save_fits, fits.values())
+            say_saved(arguments.save_fits)
+    else:
+        fits = read_fits(arguments.fits, arguments.duration) if arguments.fits else read_maxima(arguments.maxima)
     answers = compare_methods(joint, fits, years=arguments.return_period, duration=arguments.duration,
                               cut_offs=arguments.cut_out, fractile=arguments.fractile)  # fmt: skip
     head = f"{site.words(joint)}; {site.time(arguments.return_period)}, states of {arguments.duration / 3600:.4g} h"
