@@ -8,16 +8,18 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from fowtlib.cli import site, tables
-from fowtlib.cli.batch_fits import LAWS, fits_of_batch
 from fowtlib.cli.files import FIGURES, TABLES, check_target, say_saved
+from fowtlib.cli.progress import part_bar
 from fowtlib.cli.run import positive
 from fowtlib.language.errors import ModelError, ParameterError
 from fowtlib.language.whole_files import write_text
 
 if TYPE_CHECKING:
+    from fowtlib.cases import Batch
     from fowtlib.metocean import Answers, ConditionalModel, States
 
 WORTH_A_WORD = 1.02  # factor of a value of FLTA that is too high by the scatter of its fits
+LAWS = ("gumbel", "pooled", "rates", "gaussian")
 METHODS = ("flta", "ecm", "mecm", "sample")
 CASE_FILES = (".yaml", ".yml")
 EXAMPLES = """First the states: flta all bins that occur once in --keep years, ecm the contour
@@ -70,7 +72,7 @@ def declare(commands: Any) -> None:
     given.add_argument("--batch", type=Path, metavar="FILE", help="a cases file that `fowt batch run` has run")
     given.add_argument("--maxima", type=Path, metavar="FILE", help="largest values of runs: .csv")
     add("--results", metavar="NAMES", help="of the batch, for example surge,yaw; default: all")
-    add("--law", choices=LAWS, metavar="NAME", help="gumbel of maxima, rates of up-crossings, or gaussian")
+    add("--law", choices=LAWS, metavar="NAME", help="gumbel, pooled, rates or gaussian, see docs/long_term.md")
     add("--save-fits", type=Path, metavar="FILE", help="write the laws of the batch, for --fits: .csv")
     add("--model", metavar="MODEL", help="of the cases file")
     add("--seeds", type=int, default=1, metavar="N", help="runs of each state; default: %(default)d")
@@ -161,11 +163,12 @@ def _states(arguments: argparse.Namespace, joint: ConditionalModel) -> tuple[Sta
 
 
 def _evaluate(arguments: argparse.Namespace, joint: ConditionalModel) -> int:
-    from fowtlib.metocean import compare_methods, read_fits, read_maxima, write_fits
+    from fowtlib.metocean import compare_methods, fits_of_batch, read_fits, read_maxima, write_fits
 
     if arguments.batch:
         names = arguments.results.split(",") if arguments.results else None
-        fits = fits_of_batch(arguments.batch, names, arguments.law, arguments.duration)
+        with part_bar("reading the results of the runs") as report:
+            fits = fits_of_batch(_batch(arguments.batch), names, arguments.law, arguments.duration, report)
         if arguments.save_fits:
             write_fits(arguments.save_fits, fits.values())
             say_saved(arguments.save_fits)
@@ -185,6 +188,16 @@ def _evaluate(arguments: argparse.Namespace, joint: ConditionalModel) -> int:
     _say_excess(answers)
     say_saved(arguments.plot)
     return 0
+
+
+def _batch(path: Path) -> Batch:
+    """The batch of a cases file, or in a folder."""
+    from fowtlib.cases import Batch
+
+    folder = path if path.is_dir() else path.with_suffix(".batch")
+    if not folder.is_dir():
+        raise ModelError(f"{folder}: there is no such folder; begin the batch with fowt batch run {path}.")
+    return Batch.open(folder)
 
 
 def _say_excess(answers: list[Answers]) -> None:
