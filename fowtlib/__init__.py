@@ -24,9 +24,12 @@ if TYPE_CHECKING:
         case_statistics,
         compare,
         compare_results,
+        damage_equivalent_load,
+        equivalent_loads,
         fit_gumbel,
         free_decay,
         harmonic_fit,
+        lifetime_equivalent_load,
         linear_rao,
         normalized_maxima,
         over_cases,
@@ -37,6 +40,8 @@ if TYPE_CHECKING:
         ultimate_loads,
         up_crossings,
     )
+    from fowtlib.case_files import read_cases
+    from fowtlib.cases import Case, check_cases
     from fowtlib.fmi import export_fmu
     from fowtlib.modelfile import dump, load
     from fowtlib.solving import (
@@ -62,6 +67,8 @@ _PACKAGES = ("analysis", "components")
 _LATER = {
     "export_fmu": "fowtlib.fmi",
     "view": "fowtlib.view",
+    "read_cases": "fowtlib.case_files",
+    **dict.fromkeys(("Case", "check_cases"), "fowtlib.cases"),
     **dict.fromkeys(("dump", "load"), "fowtlib.modelfile"),
     **dict.fromkeys(
         ("Conditions", "Event", "LinearModel", "Mode", "Model", "NaturalMode", "Output", "Plant", "Result", "State",
@@ -69,9 +76,10 @@ _LATER = {
         "fowtlib.solving",
     ),
     **dict.fromkeys(
-        ("analyse_decay", "average", "block_maxima", "case_statistics", "compare", "compare_results", "fit_gumbel",
-         "free_decay", "harmonic_fit", "linear_rao", "normalized_maxima", "over_cases", "over_seeds", "power_spectrum",
-         "simulated_rao", "static_curve", "ultimate_loads", "up_crossings"),
+        ("analyse_decay", "average", "block_maxima", "case_statistics", "compare", "compare_results",
+         "damage_equivalent_load", "equivalent_loads", "fit_gumbel", "free_decay", "harmonic_fit",
+         "lifetime_equivalent_load", "linear_rao", "normalized_maxima", "over_cases", "over_seeds",
+         "power_spectrum", "simulated_rao", "static_curve", "ultimate_loads", "up_crossings"),
         "fowtlib.analysis",
     ),
 }  # fmt: skip
@@ -95,6 +103,7 @@ def __dir__() -> list[str]:
 
 __all__ = [
     "Assembly",
+    "Case",
     "Component",
     "Conditions",
     "Event",
@@ -112,14 +121,18 @@ __all__ = [
     "average",
     "block_maxima",
     "case_statistics",
+    "check_cases",
     "compare",
     "compare_results",
     "components",
+    "damage_equivalent_load",
     "dump",
+    "equivalent_loads",
     "export_fmu",
     "fit_gumbel",
     "free_decay",
     "harmonic_fit",
+    "lifetime_equivalent_load",
     "linear_rao",
     "load",
     "mean_state",
@@ -128,6 +141,7 @@ __all__ = [
     "over_cases",
     "over_seeds",
     "power_spectrum",
+    "read_cases",
     "simulated_rao",
     "static_curve",
     "ultimate_loads",

@@ -5,7 +5,18 @@ from fowtlib.components import mechanics as _mechanics  # noqa: F401  isort: ski
 from fowtlib.components.environment.field_file import FieldGrid, WindField, create_field, read_field, write_field
 from fowtlib.components.environment.field_generator import generate_field
 from fowtlib.components.environment.iec import extreme_turbulence, normal_turbulence, operating_gust
-from fowtlib.components.environment.sea import InputSea, JonswapSea, MeasuredSea, RegularWaves, Sea, StillSea
+from fowtlib.components.environment.sea import (
+    ExtremeSea,
+    ExtremeWave,
+    InputSea,
+    JonswapSea,
+    MeasuredSea,
+    NormalSea,
+    RegularWaves,
+    Sea,
+    SevereSea,
+    StillSea,
+)
 from fowtlib.components.environment.turbulence import kaimal, kaimal_series
 from fowtlib.components.environment.waves import WaveComponents, irregular_waves, jonswap, regular_waves, wave_number
 from fowtlib.components.environment.wind import (
@@ -34,8 +45,10 @@ from fowtlib.components.environment.world import World
 __all__ = [
     "CoherentGust",
     "DirectionChange",
+    "ExtremeSea",
     "ExtremeShear",
     "ExtremeTurbulence",
+    "ExtremeWave",
     "ExtremeWind",
     "FieldGrid",
     "FieldWind",
@@ -47,11 +60,13 @@ __all__ = [
     "MeasuredSea",
     "NoWind",
     "NormalProfile",
+    "NormalSea",
     "NormalTurbulence",
     "OperatingGust",
     "RegularWaves",
     "Sea",
     "SeriesWind",
+    "SevereSea",
     "SteadyExtremeWind",
     "SteadyWind",
     "StepWind",

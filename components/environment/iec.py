@@ -1,8 +1,8 @@
 """Wind and sea conditions of the IEC 61400 series as formulas; plain numbers, no model.
 
 Wind: IEC 61400-1 ed. 4 (2019), clause 6.3. Clauses and equations are quoted by their numbers in ed. 3 (2005), whose
-formulas ed. 4 keeps; it adds turbulence class A+, a distribution about the mean of the normal turbulence, of which the
-90 % quantile stays as it was, and wind class T of tropical cyclones. Speeds [m/s] are 10 minute means at hub height,
+formulas ed. 4 keeps; it adds turbulence class A+, Weibull's distribution for the normal turbulence, whose 90 % quantile
+stays as it was, and wind class T of tropical cyclones. Speeds [m/s] are 10 minute means at hub height,
 heights and the rotor diameter D in m, angles in rad. Offshore, IEC 61400-3-1 (2019), and 61400-3-2 for floating
 turbines, take them over with a shear exponent of 0.14 in place of 0.2.
 
@@ -19,7 +19,7 @@ REFERENCE_SPEED = {"I": 50.0, "II": 42.5, "III": 37.5}
 """V_ref [m/s] by wind class: extreme 10 minute mean with a return period of 50 years, 6.2."""
 
 REFERENCE_INTENSITY = {"A+": 0.18, "A": 0.16, "B": 0.14, "C": 0.12}
-"""I_ref by turbulence class: mean of the turbulence intensity at 15 m/s, 6.2."""
+"""I_ref by turbulence class: turbulence intensity at 15 m/s, its mean in ed. 3, its 70 % quantile in ed. 4, 6.2."""
 
 TURBULENCE_CLASSES = tuple(REFERENCE_INTENSITY)
 WIND_CLASSES = tuple(REFERENCE_SPEED)
@@ -53,6 +53,22 @@ def normal_turbulence(mean_speed: float, turbulence_class: str = "B") -> float:
     (since ed. 4), A, B, C.
     """
     return _intensity(turbulence_class) * (0.75 * mean_speed + 5.6)
+
+
+def turbulence_distribution(mean_speed: float, turbulence_class: str = "B") -> tuple[float, float]:
+    """Scale C [m/s] and shape k of Weibull's distribution of sigma_1 at a mean speed V [m/s], ed. 4, 6.3.2.3.
+
+    C = I_ref (0.75 V + 3.3 m/s), k = 0.27 V + 1.4 with V in m/s.
+    """
+    return _intensity(turbulence_class) * (0.75 * mean_speed + 3.3), 0.27 * mean_speed + 1.4
+
+
+def turbulence_quantile(mean_speed: float, turbulence_class: str, quantile: float) -> float:
+    """Sigma_1 [m/s] that is not exceeded in this share of all 10 minutes of a mean speed [m/s], by ed. 4."""
+    if not 0 < quantile < 1:
+        raise ParameterError(f"a quantile of the turbulence lies between 0 and 1, and {quantile:g} does not.")
+    scale, shape = turbulence_distribution(mean_speed, turbulence_class)
+    return scale * (-math.log1p(-quantile)) ** (1 / shape)
 
 
 def extreme_turbulence(mean_speed: float, turbulence_class: str = "B", reference_speed: float = 50.0) -> float:

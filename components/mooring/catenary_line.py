@@ -7,17 +7,13 @@ import numpy as np
 from fowtlib.components.environment.world import World
 from fowtlib.components.mechanics.connectors import Frame
 from fowtlib.components.mooring import catenary
+from fowtlib.components.mooring.lost_line import LosableLine
 from fowtlib.language import (
-    Component,
-    OfferedEvent,
     Scalar,
     Vector,
     assert_,
-    assign,
     eq,
-    event,
     fix_orientation,
-    on,
     outer,
     param,
     port,
@@ -32,7 +28,7 @@ LEVEL = 0.01
 """Height [m] above or below the seabed up to which an end of a line lies on it."""
 
 
-class CatenaryLine(Component):
+class CatenaryLine(LosableLine):
     """Quasi-static elastic catenary from an anchor to a fairlead: taut, slack, on the seabed, lifted or in mid-water.
 
     Equations: fowtlib.components.mooring.catenary (Jonkman, NREL/TP-500-41958, 2007, section 2.6, and lines that touch
@@ -44,8 +40,7 @@ class CatenaryLine(Component):
     and friction is left out. No line dynamics, current or bending. A slack line hangs vertically, its excess lies on
     the seabed, and it warns. Errors: an end below the seabed; a stretch beyond greatest_strain, up to which EA is taken
     as constant; a line that would float at the surface. Warnings: half of greatest_strain; a tension above the breaking
-    load, where one is given.
-    A line that is lost pulls no more at either end, from then on; what is left of it weighs nothing.
+    load, where one is given. A line may be lost.
     """
 
     length: Scalar = param(unit="m", min=0, doc="unstretched length")
@@ -59,8 +54,6 @@ class CatenaryLine(Component):
     anchor_position: Vector = param(default=(0, 0, 0), unit="m", doc="anchor, world; unless a frame is its anchor")
     greatest_strain: Scalar = param(default=0.1, min=0, doc="stretch per length up to which EA is constant")
     breaking_load: Scalar = param(default=None, unit="N", min=0, doc="tension above which the line warns")
-
-    loss: OfferedEvent = event(doc="the line breaks: its tension is gone at both ends")
 
     world: World = outer(World)
     fairlead: Frame = port(doc="upper end")
@@ -77,15 +70,10 @@ class CatenaryLine(Component):
     seabed_length: Scalar = var(unit="m", doc="length of line on the seabed")
     distance: Scalar = var(unit="m", doc="horizontal distance from anchor to fairlead")
     rise: Scalar = var(unit="m", doc="height of the fairlead above the anchor")
-    intact: Scalar = var(discrete=True, start=1.0, doc="1, and 0 when the line is lost")
-    last_distance: Scalar = var(unit="m", discrete=True, start=0.0, doc="horizontal distance at its loss")
-    last_rise: Scalar = var(unit="m", discrete=True, start=0.0, doc="height at its loss")
 
     def equations(self):
         fairlead, reach, there = self.fairlead, self.fairlead.r - self.anchor.r, self.intact
-        # of a lost line the equations stay solved, as they were
-        apart = m.if_else(there > 0.5, self.distance, self.last_distance)
-        rise = m.if_else(there > 0.5, self.rise, self.last_rise)
+        apart, rise = self.reach(self.distance, self.rise)
         force, aside, _ = catenary.scales(self, m)
         lateral, plan = catenary.lateral_stiffness(self.coordinate, self, m), m.vertcat(reach[0], reach[1])
         H, V, spanned = lateral * apart, self.lift * force, m.sqrt(apart**2 + (aside / lateral) ** 2)
@@ -102,10 +90,9 @@ class CatenaryLine(Component):
             eq(self.vertical_tension, there * V),
             eq(self.tension, there * m.sqrt(H**2 + V**2)),
             eq(self.anchor_tension, there * m.sqrt((H * left) ** 2 + line.anchor**2)),
-            eq(self.seabed_length, line.grounded),
+            [eq(self.seabed_length, line.grounded), self.when_lost(apart, rise)],
             [eq(fairlead.f, there * m.vertcat(lateral * plan, V)), eq(fairlead.t, m.zeros(3))],
             _hold_anchor(self, there * m.vertcat(-lateral * left * plan, -line.anchor)),
-            on(self.loss, assign(there, 0), assign(self.last_distance, apart), assign(self.last_rise, rise)),
             *_limits(self, line.anchor),
         ]
 
@@ -114,16 +101,20 @@ class CatenaryLine(Component):
 
         def form(at):
             line = catenary.Line(length, at["weight"][0], *more, at["clearance"][..., None])  # weight: always the same
-            lost = ((at["H"] == 0) & (at["V"] == 0))[..., None, None]
-            with np.errstate(invalid="ignore", divide="ignore"):
-                drawn = catenary.profile_between(at["anchor"], at["fairlead"], at["H"], at["V"], line, points=31)
-            return np.where(lost, np.asarray(at["anchor"])[..., None, :], drawn)
+            return _profile(at["anchor"], at["fairlead"], at["H"], at["V"], line)
 
-        scalars = {"H": "horizontal_tension", "V": "vertical_tension", "weight": "weight",
-                   "clearance": "clearance"}  # fmt: skip
+        scalars = {"H": "horizontal_tension", "V": "vertical_tension", **{k: k for k in ("weight", "clearance")}}
         of = {key: join(self.path, name) for key, name in scalars.items()}
         diameter = self.parameter_value("diameter")
         return [shapes.Curve({**of, "anchor": self.anchor, "fairlead": self.fairlead}, form, diameter or None)]
+
+
+def _profile(anchor, fairlead, H, V, line):
+    """Points along a line; of one that is lost, at its anchor."""
+    lost = ((H == 0) & (V == 0))[..., None, None]
+    with np.errstate(invalid="ignore", divide="ignore"):
+        points = catenary.profile_between(anchor, fairlead, H, V, line, points=31)
+    return np.where(lost, np.asarray(anchor)[..., None, :], points)
 
 
 def _start(line):
@@ -136,7 +127,8 @@ def _start(line):
 def _limits(line, V_anchor):
     """What the equations hold for."""
     depth, anchor, fairlead = line.world.water_depth, line.anchor.r[2], line.fairlead.r[2]
-    strain, least = m.fmax(line.tension, line.anchor_tension) / line.axial_stiffness, catenary.scales(line, m)[2]
+    strain = m.fmax(line.tension, line.anchor_tension) / line.axial_stiffness
+    least = line.intact * catenary.scales(line, m)[2]
     # a line that floats is an arch, where it pulls up at both ends
     peak = (m.sqrt(line.horizontal_tension**2 + V_anchor**2) - line.horizontal_tension) / m.fmax(-line.weight, 1e-9)
     arched = m.if_else(line.weight < 0, m.fmin(V_anchor, -line.vertical_tension), 0) > 0
@@ -155,7 +147,7 @@ def _limits(line, V_anchor):
         assert_(m.logic_not(floats), "the line rises to the surface between its ends; a line that floats there is not "
                 "modelled"),
         assert_(line.coordinate > 0, "the line is slack: it hangs vertically, its excess on the seabed", "warning"),
-        assert_(line.tension + (1 - line.intact) * 2 * least >= 2 * least, "the line is slack, and has no weight in water to hang by", "warning"),
+        assert_(line.tension >= 2 * least, "the line is slack, and has no weight in water to hang by", "warning"),
         assert_(strain < line.greatest_strain / 2, "the line is stretched by {strain} of its length, more than half of "
                 "greatest_strain", "warning", strain=strain),
         *breaking,

@@ -7,7 +7,7 @@ from fowtlib.language import Component, RealInput, RealOutput, Scalar, der, eq, 
 
 
 class Generator(Component):
-    """Inertia with a braking torque: inertia dw/dt = shaft torque - torque - brake; electrical power = efficiency torque w."""
+    """Inertia with braking torques: inertia dw/dt = shaft torque - torque - brake; power = efficiency torque w."""
 
     inertia: Scalar = param(unit="kg*m^2", min=0, doc="moment of inertia about its shaft")
     efficiency: Scalar = param(default=1.0, min=0, max=1, doc="electrical over mechanical power")

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
+
 from fowtlib.components.aero import CoefficientRotor, outlines
 from fowtlib.components.environment.wind import Wind
 from fowtlib.components.environment.world import World
@@ -13,12 +15,16 @@ from fowtlib.language import Component, Matrix, RealInput, RealOutput, Scalar, V
 from fowtlib.language.shapes import Drawing
 
 
+def _start_of(name: str) -> Callable[[RotorNacelle], float]:
+    return lambda turbine: getattr(start_point(turbine, turbine.rotor.station), name)
+
+
 class RotorNacelle(Component):
     """A turbine above its tower: rotor, gear, generator, controller, and the mass of rotor and nacelle as one body.
 
-    Give the parts `rotor` and `control` with their own parameters; `safety` offers shutdowns and faults as events. The inertia about the shaft belongs to the rotor,
-    `inertia` is the rest. The simulation starts at the steady operating point in the mean wind of the rotor's station,
-    unless start values are given; without wind the rotor stands still.
+    Give the parts `rotor` and `control` with their own parameters; `safety` offers shutdowns as events. The inertia
+    about the shaft belongs to the rotor, `inertia` is the rest. The simulation starts at the steady operating point in
+    the mean wind of the rotor's station, unless start values are given; without wind the rotor stands still.
     """
 
     mass: Scalar = param(unit="kg", min=0, doc="mass of rotor and nacelle")
@@ -29,12 +35,8 @@ class RotorNacelle(Component):
     gear_ratio: Scalar = param(min=0, doc="generator speed over rotor speed")
     generator_inertia: Scalar = param(unit="kg*m^2", min=0, doc="moment of inertia about the high speed shaft")
     generator_efficiency: Scalar = param(default=1.0, min=0, max=1, doc="electrical over mechanical power")
-    rotor_speed_start: Scalar = param(
-        default=lambda self: start_point(self, self.rotor.station).rotor_speed, unit="rad/s", doc="initial rotor speed"
-    )
-    blade_pitch_start: Scalar = param(
-        default=lambda self: start_point(self, self.rotor.station).blade_pitch, unit="rad", doc="initial blade pitch"
-    )
+    rotor_speed_start: Scalar = param(default=_start_of("rotor_speed"), unit="rad/s", doc="initial rotor speed")
+    blade_pitch_start: Scalar = param(default=_start_of("blade_pitch"), unit="rad", doc="initial blade pitch")
 
     world: World = outer(World)
     wind: Wind = outer(Wind)
@@ -59,13 +61,11 @@ class RotorNacelle(Component):
     def build(self):
         rotor, control, generator, safety = self.rotor, self.control, self.generator, self.safety
         for a, b in (
-            (self.frame, rotor.frame), (self.frame, self.body.frame_a),
-            (rotor.shaft, self.gear.flange_b), (self.gear.flange_a, generator.shaft),
-            (generator.speed, safety.generator_speed), (generator.speed, self.generator_speed),
-            (safety.measured_speed, control.generator_speed), (control.blade_pitch, safety.pitch_demand),
-            (control.generator_torque, safety.torque_demand), (safety.brake, generator.brake),
-            (safety.blade_pitch, rotor.blade_pitch), (safety.blade_pitch, self.blade_pitch),
-            (safety.generator_torque, generator.torque), (safety.generator_torque, self.generator_torque),
+            (self.frame, rotor.frame), (self.frame, self.body.frame_a), (rotor.shaft, self.gear.flange_b),
+            (self.gear.flange_a, generator.shaft), *safety.around(control, generator.speed),
+            (generator.speed, self.generator_speed), (safety.brake.torque, generator.brake),
+            (safety.pitch.output, rotor.blade_pitch), (safety.pitch.output, self.blade_pitch),
+            (safety.generator.output, generator.torque), (safety.generator.output, self.generator_torque),
             (generator.power, self.generator_power), (rotor.aero_power, self.aero_power), (rotor.thrust, self.thrust),
         ):  # fmt: skip
             self.connect(a, b)

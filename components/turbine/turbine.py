@@ -32,10 +32,10 @@ def _start_of(name: str) -> Callable[[Turbine], float]:
 class Turbine(Component):
     """A turbine above its tower: flexible or rigid blades in the wind by blade-element momentum theory, and control.
 
-    Give the parts `assembly`, `aerodynamics` and `control` with their own parameters (`safety` offers shutdowns and faults
-    as events); blades, rotation and hub radius
-    are those of the assembly. The simulation starts at the steady operating point in the mean wind of the rotor's
-    station with unbent blades, unless start values are given; without wind the rotor stands still.
+    Give the parts `assembly`, `aerodynamics` and `control` with their own parameters (`safety` offers shutdowns as
+    events); blades, rotation and hub radius are those of the assembly. The simulation starts at the steady operating
+    point in the mean wind of the rotor's station with unbent blades, unless start values are given; without wind the
+    rotor stands still.
     """
 
     rotor_speed_start: Scalar = param(default=_start_of("rotor_speed"), unit="rad/s", doc="initial rotor speed")
@@ -67,21 +67,20 @@ class Turbine(Component):
         body.node_points = node_points(air.rotor.blade, body.rotation)
         for a, b in (
             (self.frame, body.frame), (body.nacelle.hub, air.hub), (self.yaw_command, body.yaw_command),
-            (body.drivetrain.generator_speed, safety.generator_speed), (self.yaw, control.yaw),
-            (safety.measured_speed, control.generator_speed), (control.blade_pitch, safety.pitch_demand),
-            (control.generator_torque, safety.torque_demand), (safety.brake, body.brake),
+            *safety.around(control, body.drivetrain.generator_speed), (self.yaw, control.yaw),
             (body.drivetrain.generator_speed, self.generator_speed),
             (body.drivetrain.generator_power, self.generator_power), (body.nacelle.azimuth, self.azimuth),
-            (body.nacelle.rotor_speed, self.rotor_speed), (safety.blade_pitch, body.blade_pitch),
-            (safety.blade_pitch, self.blade_pitch), (safety.generator_torque, body.generator_torque),
-            (safety.generator_torque, self.generator_torque), (air.aero_power, self.aero_power),
-            (air.thrust, self.thrust),
+            (body.nacelle.rotor_speed, self.rotor_speed), (safety.pitch.output, body.blade_pitch),
+            (safety.pitch.output, self.blade_pitch), (safety.generator.output, body.generator_torque),
+            (safety.generator.output, self.generator_torque), (safety.brake.torque, body.brake),
+            (air.aero_power, self.aero_power), (air.thrust, self.thrust),
         ):  # fmt: skip
             self.connect(a, b)
         for k in range(body.n_nodes):
             self.connect(body.nodes[k], air.nodes[k])
         for component, name, value in (
-            (body, "rotor_speed_start", self.rotor_speed_start), (control, "pitch_start", self.blade_pitch_start * (1 - safety.idling)),
+            (body, "rotor_speed_start", self.rotor_speed_start),
+            (control, "pitch_start", self.blade_pitch_start * (1 - safety.idling)),
             (control, "speed_start", body.drivetrain.gear_ratio * self.rotor_speed_start),
         ):  # fmt: skip
             give_default(component, name, value)

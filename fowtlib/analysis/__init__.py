@@ -1,9 +1,10 @@
-"""Analyses of results and linear models: free decay, response amplitude operators, spectra, statistics, extremes."""
+"""Analyses of results and linear models: decay, response operators, spectra, statistics, extremes, fatigue."""
 
 from fowtlib.analysis.case_statistics import case_statistics, over_cases
 from fowtlib.analysis.comparison import compare_results
 from fowtlib.analysis.decay import Decay, analyse_decay, free_decay
 from fowtlib.analysis.extremes import block_maxima, fit_gumbel
+from fowtlib.analysis.fatigue import damage_equivalent_load, equivalent_loads, lifetime_equivalent_load
 from fowtlib.analysis.harmonics import HarmonicFit, harmonic_fit
 from fowtlib.analysis.load_matrix import ultimate_loads
 from fowtlib.analysis.rao import Rao, linear_rao, simulated_rao
@@ -23,9 +24,12 @@ __all__ = [
     "case_statistics",
     "compare",
     "compare_results",
+    "damage_equivalent_load",
+    "equivalent_loads",
     "fit_gumbel",
     "free_decay",
     "harmonic_fit",
+    "lifetime_equivalent_load",
     "linear_rao",
     "normalized_maxima",
     "over_cases",

@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from fowtlib.analysis.series import as_series
+from fowtlib.analysis.series import Series, as_series
 from fowtlib.language.errors import ModelError
 from fowtlib.solving.results.tables import write_table
 
@@ -45,12 +45,19 @@ class Spectrum:
         return write_table(path, heads, zip(self.frequency.tolist(), self.density.tolist(), strict=True), "a spectrum")
 
     def moment(self, order: int = 0, low: float = 0.0, high: float = np.inf) -> float:
-        """Spectral moment m_n, the integral of f^n S(f) over [low, high] Hz; m_0 is the variance."""
+        """Spectral moment m_n, the integral of f^n S(f) over [low, high] Hz; m_0 is the variance.
+
+        With circular frequencies in rad/s, as much of the literature has it, m_n is (2 pi)^n times as large.
+        """
         f = self.frequency
         inside = (f >= low) & (f <= high)
         if order < 0:
             inside &= f > 0
         return float(np.sum(f[inside] ** order * self.density[inside]) * (f[1] - f[0]))
+
+    def scaled(self, factor: float, unit: str) -> Spectrum:
+        """The spectrum of ``factor`` times the signal, in ``unit``: of the stress in a tube from that of its moment."""
+        return replace(self, density=self.density * factor**2, unit=unit)
 
     @property
     def std(self) -> float:
@@ -72,19 +79,39 @@ class Spectrum:
         """Mean period between upward zero crossings, sqrt(m_0 / m_2), s."""
         return float(np.sqrt(self.moment(0) / self.moment(2)))
 
+    @property
+    def up_crossing_rate(self) -> float:
+        """Upward crossings of the mean in a second, sqrt(m_2 / m_0), of a Gaussian signal."""
+        return float(np.sqrt(self.moment(2) / self.moment(0)))
+
+    @property
+    def maxima_rate(self) -> float:
+        """Maxima in a second, sqrt(m_4 / m_2), of a Gaussian signal."""
+        return float(np.sqrt(self.moment(4) / self.moment(2)))
+
+    @property
+    def irregularity(self) -> float:
+        """Up-crossings over maxima, m_2 / sqrt(m_0 m_4): 1 for a narrow spectrum, towards 0 for a broad one."""
+        return self.up_crossing_rate / self.maxima_rate
+
     def median_filtered(self, order: int = 15, keep_level: bool = True) -> Spectrum:
         """Smooth by a running median over ``order`` (odd) frequencies.
 
         The median of a periodogram lies below its mean (by ln 2 for many values of one periodogram, because they are
         exponentially distributed). ``keep_level`` divides by that factor, so that broad spectra keep their variance.
         A line (regular wave) or a resonance narrower than half the window is cut off: do not read peaks from it.
+        Below 0 Hz the density goes on as it does above, S(-f) = S(f), so that slow motions keep their level. Zeros in
+        its place, as a plain median filter takes them, would cut it off within half a window of 0 Hz. At 0 Hz itself
+        the mean has been taken off, and the next value stands for it.
         """
-        from scipy.signal import medfilt
+        from scipy.ndimage import median_filter
 
         if order < 1 or order % 2 == 0:
             raise ModelError(f"the median filter takes an odd order such as 15, not {order}.")
-        smooth = medfilt(self.density, order)
-        if keep_level and order > 1:
+        if order == 1:
+            return self
+        smooth = median_filter(np.concatenate([self.density[1:2], self.density[1:]]), order, mode="mirror")
+        if keep_level:
             smooth = smooth / _median_level(order, self.averages)
         return replace(self, density=smooth)
 
@@ -132,6 +159,42 @@ def power_spectrum(
     averages = 18.0 * segments**2 / (19.0 * segments - 1.0)  # half-overlapping Hann segments are nearly independent
     spectrum = Spectrum(frequency, density, record.unit, record.name, record.long_name, averages)
     return spectrum.median_filtered(median) if median else spectrum
+
+
+def realisation(spectrum: Spectrum, duration: float, step: float, *, seed: int, mean: float = 0.0) -> Series:
+    """One Gaussian series of a spectrum: a sum of its harmonics with random amplitudes and phases.
+
+    The series is periodic in ``duration`` [s]; its variance is that of the spectrum on average over seeds.
+    Source: Shinozuka and Jan (1972), by inverse Fourier transform.
+    """
+    if not (np.isfinite(duration) and step > 0):
+        raise ModelError(f"a series takes a duration and a step above 0 s, not {duration:g} s and {step:g} s.")
+    count = int(round(duration / step))
+    if count < 8:
+        raise ModelError(f"a series of {duration:g} s in steps of {step:g} s is too short; it takes 8 steps or more.")
+    spacing = 1.0 / (count * step)
+    given = spectrum.frequency[1] - spectrum.frequency[0]
+    name = spectrum.name or "the spectrum"
+    if spacing > 1.001 * given:
+        raise ModelError(
+            f"{name} has a density every {given:g} Hz; a series of {duration:g} s would take one every {spacing:g} Hz "
+            f"and miss what lies between. Take {1 / given:g} s or more."
+        )
+    lost = spectrum.moment(0, 0.5 / step) / (spectrum.moment(0) or 1.0)
+    if lost > 1e-3:
+        raise ModelError(
+            f"{100 * lost:.2g} % of the variance of {name} lies above {0.5 / step:g} Hz, which steps of {step:g} s "
+            "cannot follow; take shorter ones."
+        )
+    frequency = np.fft.rfftfreq(count, step)
+    density = np.interp(frequency, spectrum.frequency, spectrum.density, left=0.0, right=0.0)
+    density[0] = 0.0
+    if count % 2 == 0:
+        density[-1] = 0.0  # half the sampling rate has no phase
+    parts = np.random.default_rng(seed).standard_normal((2, frequency.size))
+    harmonics = 0.5 * count * np.sqrt(density * spacing) * (parts[0] - 1j * parts[1])
+    values = mean + np.fft.irfft(harmonics, count)
+    return Series(step * np.arange(count), values, spectrum.unit, f"{name}, seed {seed}", spectrum.long_name)
 
 
 def average(spectra: Sequence[Spectrum]) -> Spectrum:

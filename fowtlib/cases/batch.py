@@ -23,7 +23,7 @@ from typing import Any
 from fowtlib.cases.case import Case
 from fowtlib.cases.case_set import CaseSet
 from fowtlib.cases.check import check_cases
-from fowtlib.cases.job import DONE, NO_ROOM, Job, changes
+from fowtlib.cases.job import DONE, NO_ROOM, Job, changes, forget_journal
 from fowtlib.cases.pool import Event, LocalWorkers
 from fowtlib.cases.registry import DUE, FAILED, NAME, Registry, RegistryError, Row, held
 from fowtlib.cases.room import workers_that_fit
@@ -289,6 +289,8 @@ def _planned(registry: Registry, folder: Path, cases: CaseSet, about: Mapping[st
     rows = []
     for case in cases:
         row = known.get(case.name, Row(case))
+        if row.digest and row.digest != case.digest():
+            forget_journal(folder / f"{case.name}.{about['format']}")
         if row.state in (DONE, FAILED):
             why = reasons(row, case) or (["it has failed, and is tried again"] if retry and row.state == FAILED else [])
             row = replace(row, state=DUE if why else row.state, why="; ".join(why))
@@ -330,7 +332,7 @@ def _jobs(cases: CaseSet, folder: Path, about: Mapping[str, Any],
     for case in cases:
         result = str(folder / f"{case.name}.{about['format']}") if about["keep"] == "all" else ""
         jobs.append(Job(case.plain(), names[case.model], result, str(folder / f"{case.name}{PARTIAL}"),
-                        str(folder / STARTS), **options))  # fmt: skip
+                        str(folder / STARTS), str(folder / f"{case.name}.{about['format']}"), **options))  # fmt: skip
         settings = models[case.model].settings
         durations[case.name] = duration_settings(case.duration, case.output_step, case.tolerance, settings)[0]
     return jobs, durations

@@ -10,6 +10,7 @@ from typing import Any
 
 from fowtlib.language.errors import ParameterError, did_you_mean
 from fowtlib.solving.conditions import Conditions
+from fowtlib.solving.timeline import Event
 
 Plain = str | int | float | bool | list[Any] | dict[str, Any]
 """What JSON can hold."""
@@ -22,7 +23,8 @@ class Case:
     name: of the case and its files; unique in a batch. model: a shipped name or the path of a model file.
     parameters: by path, values of tunable and bound parameters as in `fowt run --set`, SI or with unit:
     {"wind.kind": "kaimal", "wind.mean_speed": 12, "wind.seed": 3}. events: what happens during the run, each as in the
-    `events` of a model file. start: a word of `fowt run --start`, or the path of a result; "" is the model file's.
+    `events` of a model file; without any, those of the model file itself. start: a word of `fowt run --start`, or the
+    path of a result; "" is the model file's.
     duration, output_step, discard [s] and outputs: see Conditions; None is the model file's. solver, step [s] and
     tolerance: see Plant.simulate. group: of cases that are judged together, such as "DLC 1.2". labels: what the case
     was made from, for tables and pictures: {"wind_speed": 12, "seed": 3}. weight: its share of the lifetime, in any
@@ -48,9 +50,10 @@ class Case:
 
     def conditions(self) -> Conditions:
         """What a run of the compiled model takes in."""
+        events = tuple(Event.from_plain(item, f"case {self.name}") for item in self.events) or None
         return Conditions(parameters=dict(self.parameters), start=self.start, duration=self.duration,
                           output_step=self.output_step, discard=self.discard, outputs=self.outputs,
-                          events=self.events or None)  # fmt: skip
+                          events=events)  # fmt: skip
 
     def plain(self) -> dict[str, Any]:
         """The case in what JSON can hold, without what is left out."""

@@ -5,7 +5,7 @@ from __future__ import annotations
 import json
 import math
 import re
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Mapping, Sequence
 from typing import Any
 
 from fowtlib.cases.case import Case
@@ -23,6 +23,9 @@ from fowtlib.modelfile.short_forms import Condition
 from fowtlib.solving.engines.base import SOLVERS
 from fowtlib.solving.model import Model
 
+SEA, REGULAR = "sea", "regular"
+STATED = {REGULAR: ("wave_height", "wave_period"), "jonswap": ("significant_wave_height", "peak_period")}
+"""Kinds of sea that are given height and period as numbers."""
 HIGHEST = 0.78  # height of a wave over the depth above which it breaks (DNV-RP-C205, 3.4.6.1)
 
 
@@ -63,6 +66,8 @@ class _Checker:
         self.model = model
         self._changed: dict[str, Component] = {}
         self._outputs: set[str] = set(model.outputs)
+        self._seas: dict[str, tuple[float, float]] = {}
+        self._events = [f"{part.path}.{own}" for part in model.root.walk() for own in part.offered_events]
 
     def check(self, case: Case, steep: frozenset[str]) -> None:
         root = self._root(case)
@@ -70,11 +75,13 @@ class _Checker:
             _check_value(root, path, value)
         for condition in CONDITIONS.values():
             _check_needs(root, condition)
-        _check_sea(root, case.parameters, case.name in steep)
+        self._check_sea(root, case, case.name in steep)
         if case.solver is not None and case.solver not in SOLVERS:
             raise _Wrong("solver", f"solver: '{case.solver}' is not {one_of(SOLVERS)}.")
         for name in case.outputs or ():
             self._check_output(name)
+        for event in case.events:
+            self._check_event(event, case.duration)
 
     def _root(self, case: Case) -> Component:
         """The parts with the parameters of a case, or of another one that differs from it in numbers only."""
@@ -86,6 +93,7 @@ class _Checker:
             except ModelError as error:
                 message = str(error).removeprefix("set: ")
                 raise _Wrong(_about(message, case.parameters), message) from None
+            _check_void(root)
             for path in case.parameters:
                 self._check_changeable(root, path)
             self._changed[key] = root
@@ -106,6 +114,43 @@ class _Checker:
                 raise _Wrong(path, f"{path}: the kind '{part.parameter_value(name)}' has equations of its own ({own}); "
                                    "choose it in a model file of its own.")  # fmt: skip
 
+    def _check_sea(self, root: Component, case: Case, steep: bool) -> None:
+        """A sea that can be; what a kind of sea makes of wind and site, it says itself."""
+        sea = root.parts.get(SEA)
+        if sea is None or "world" not in root.parts:
+            return
+        kind = sea.parameter_value(CONDITIONS[SEA].selector)
+        if kind in STATED:
+            _check_sea(root, case.parameters, kind == REGULAR, steep)
+            return
+        made = getattr(sea, "wave", None) or getattr(sea, "state", None)
+        if made is None:
+            return
+        parameters = {path: value for path, value in case.parameters.items()
+                      if path.partition(".")[0] in CONDITIONS and not path.endswith(".seed")}  # fmt: skip
+        key = json.dumps(parameters, sort_keys=True)
+        if key not in self._seas:
+            own = self.model.with_parameters(parameters).root.parts[SEA]
+            try:
+                self._seas[key] = (own.wave() if made.__name__ == "wave" else own.state())
+            except ModelError as error:
+                raise _Wrong(f"{SEA}.{CONDITIONS[SEA].selector}", str(error)) from None
+        height, period = self._seas[key]
+        _check_state(root, height, period, made.__name__ == "wave", steep, f"{SEA}.{CONDITIONS[SEA].selector}")
+
+    def _check_event(self, event: Mapping[str, Any], duration: float | None) -> None:
+        """Some part offers the event, and it happens within the run."""
+        name, known = str(event.get("event")), self._events
+        fits = [path for path in known if _within(name.split("."), path.split("."))]
+        if not fits:
+            hint = did_you_mean(name, known) if known else ": no part of the model offers any."
+            raise _Wrong("events", f"events: there is no event '{name}'{hint}")
+        if len(fits) > 1 and name not in fits:
+            raise _Wrong("events", f"events: '{name}' can happen at {len(fits)} places; say which: {', '.join(fits)}.")
+        end = self.model.settings.get("duration") if duration is None else duration
+        if isinstance(at := event.get("at"), (int, float)) and end is not None and at > float(end):
+            raise _Wrong("events", f"events: '{name}' is to happen at {at:g} s, and the run ends at {float(end):g} s.")
+
     def _check_output(self, name: str) -> None:
         if name in self._outputs:
             return
@@ -116,6 +161,12 @@ class _Checker:
             message = f"{error}" if hint == "." else f"outputs: there is no result '{name}'{hint}"
             raise _Wrong("outputs", message) from None
         self._outputs.add(name)
+
+
+def _within(names: Sequence[str], path: Sequence[str]) -> bool:
+    """Whether the path ends as the names do, and has the other ones in their order."""
+    rest = iter(path)
+    return path[-1] == names[-1] and all(name in rest for name in names)
 
 
 class _NoPlace:
@@ -170,6 +221,17 @@ def _check_value(root: Component, path: str, value: Any) -> None:
         raise _Wrong(path, f"{path} = {number:g} is not {one_of(map(str, field.choices))} ({field.doc}).")
 
 
+def _check_void(root: Component) -> None:
+    """No value of wind or sea stands in the way of another one, or belongs to another kind."""
+    for condition in CONDITIONS.values():
+        part = root.parts.get(condition.part)
+        try:
+            if part is not None:
+                part.refuse_void()
+        except ModelError as error:
+            raise _Wrong(f"{condition.part}.{condition.selector}", str(error)) from None
+
+
 def _check_needs(root: Component, condition: Condition) -> None:
     """The kind of wind or sea has what it cannot do without."""
     part = root.parts.get(condition.part)
@@ -184,31 +246,24 @@ def _check_needs(root: Component, condition: Condition) -> None:
                          f"{path} has no value; {condition.part} '{name}' needs it.")  # fmt: skip
 
 
-def _check_sea(root: Component, parameters: Mapping[str, Any], steep: bool) -> None:
-    """A sea that can be."""
-    condition = CONDITIONS["sea"]
-    sea, world = root.parts.get(condition.part), root.parts.get("world")
-    if sea is None or world is None:
-        return
+def _check_sea(root: Component, parameters: Mapping[str, Any], regular: bool, steep: bool) -> None:
+    """A sea whose height and period are among the parameters, or are those of the model."""
+    sea = root.parts[SEA]
+    numbers = []
+    for name in STATED[REGULAR if regular else "jonswap"]:
+        given = parameters.get(f"{SEA}.{name}", sea.parameter_value(name))
+        numbers.append(_number(sea.parameters[name], f"{SEA}.{name}", given))
+    height, period = STATED[REGULAR if regular else "jonswap"]
+    if numbers[1] <= 0:
+        raise _Wrong(f"{SEA}.{period}", f"{SEA}.{period} is {numbers[1]:g} s; it must be above zero.")
+    _check_state(root, numbers[0], numbers[1], regular, steep, f"{SEA}.{height}")
 
-    def value(name: str) -> float | None:
-        path = f"{condition.part}.{name}"
-        if name not in sea.parameters:
-            return None
-        given = parameters.get(path, sea.parameter_value(name))
-        return None if given is None else _number(sea.parameters[name], path, given)
 
-    depth, gravity = (float(world.parameter_value(name)) for name in ("water_depth", "gravity"))
-    for of_height, of_period in (("significant_wave_height", "peak_period"), ("wave_height", "wave_period")):
-        height, period = value(of_height), value(of_period)
-        if height is None or period is None:
-            continue
-        if period <= 0:
-            path = f"{condition.part}.{of_period}"
-            raise _Wrong(path, f"{path} is {period:g} s; it must be above zero.")
-        message = _impossible(height, period, depth, gravity, of_height == "wave_height", steep)
-        if message:
-            raise _Wrong(f"{condition.part}.{of_height}", message)
+def _check_state(root: Component, height: float, period: float, regular: bool, steep: bool, path: str) -> None:
+    depth, gravity = (float(root.parts["world"].parameter_value(name)) for name in ("water_depth", "gravity"))
+    message = _impossible(height, period, depth, gravity, regular, steep)
+    if message:
+        raise _Wrong(path, message)
 
 
 def _impossible(height: float, period: float, depth: float, gravity: float, regular: bool, steep: bool) -> str:

@@ -54,7 +54,8 @@ def compute(job: dict[str, Any], folder: str, token: str) -> dict[str, Any]:
         place = folder if shared else tempfile.mkdtemp(prefix="fowtlib_batch_")
         paths = {key: os.path.join(place, os.path.basename(getattr(given, key))) if getattr(given, key) else ""
                  for key in ("result", "partial")}  # fmt: skip
-        outcome = carry_out(replace(given, **paths, starts=given.starts if shared else ""), report)
+        here = {} if shared else {"starts": "", "journal": ""}
+        outcome = carry_out(replace(given, **paths, **here), report)
         left = os.path.join(place, outcome.result) if outcome.result and not shared else ""
         if not shared and not left:
             shutil.rmtree(place, ignore_errors=True)

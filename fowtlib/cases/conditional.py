@@ -11,11 +11,12 @@ import numpy as np
 
 from fowtlib.cases import csv_tables
 from fowtlib.cases.lists import variable
-from fowtlib.cases.values import Item, Names, evaluate, number
+from fowtlib.cases.values import Item, Names, evaluate, number, scalar, word
 from fowtlib.language.errors import ModelError, ModelFileError
+from fowtlib.modelfile.files import find_data
 from fowtlib.modelfile.formulas import Quantity
 from fowtlib.modelfile.nodes import Node, Place
-from fowtlib.modelfile.specs import mapping
+from fowtlib.modelfile.specs import check_keys, mapping
 
 
 class Distribution(Protocol):
@@ -96,25 +97,29 @@ def table(name: str, node: Node, names: Names, folder: Path, files: list[Path]) 
                  {key: unit for key, (_, unit) in numbers.items()})  # fmt: skip
 
 
-Opened = Callable[[Path], Distribution] | None
+Opener = Callable[[str, float], Distribution]
+"""From the name or the path of a site, and the height [m] at which wind speeds are wanted."""
 
 
-def joint(name: str, node: Node, folder: Path, files: list[Path], opened: Opened) -> Joint:
-    """The distribution of a file that `distributions` names."""
-    from fowtlib.modelfile.files import find_data
-
-    if not isinstance(node.value, str):
-        raise node.place.error(f"the distribution '{name}' is the name of its file, not {node.kind}.")
+def joint(name: str, node: Node, names: Names, folder: Path, files: list[Path], opened: Opener | None) -> Joint:
+    """A distribution that `distributions` names: {site: NAME or FILE, height: of the wind speeds, the hub}."""
+    keys = ("site", "height")
+    items = mapping(node, f"the distribution '{name}' is a mapping: {{site: name or file, height: 90 m}}")
+    check_keys(items, keys, f"the distribution '{name}'")
+    for key in keys:
+        if key not in items:
+            raise node.place.error(f"the distribution '{name}' needs '{key}'.")
     if opened is None:
-        raise node.place.error(f"the distribution '{name}': nobody here reads such files; give read_cases the object "
-                               f"in distributions={{'{name}': ...}}.")  # fmt: skip
+        raise node.place.error(f"the distribution '{name}': nobody here reads sites; give read_cases the object in "
+                               f"distributions={{'{name}': ...}}, or open_distribution.")  # fmt: skip
+    site, height = word(items["site"], "site", names), scalar(items["height"], "height", names, "m")
     try:
-        path = find_data(node.value, folder)
-        made = Joint(name, opened(path))
+        if "." in site or "/" in site:
+            files.append(find_data(site, folder))
+            site = str(files[-1])
+        return Joint(name, opened(site, height))
     except ModelError as error:
         raise node.place.error(str(error)) from None
-    files.append(path)
-    return made
 
 
 def _list(key: str, node: Node, names: Names) -> list[Item]:

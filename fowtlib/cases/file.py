@@ -6,14 +6,14 @@ A file holds `sets`; each is a product of what varies, and every row of it a `Ca
 from __future__ import annotations
 
 import os
-from collections.abc import Callable, Iterator, Mapping
+from collections.abc import Iterator, Mapping
 from dataclasses import replace
 from pathlib import Path
 
 from fowtlib.cases import conditional, lists, weights
 from fowtlib.cases.case import Case
 from fowtlib.cases.case_set import CaseSet
-from fowtlib.cases.conditional import Distribution, Source
+from fowtlib.cases.conditional import Distribution, Opener, Source
 from fowtlib.cases.lists import MOST_CASES, variable
 from fowtlib.cases.names import Register
 from fowtlib.cases.run_keys import RUN_KEYS, Layers, RunKeys
@@ -38,29 +38,33 @@ def read_cases(
     path: str | os.PathLike[str],
     *,
     distributions: Mapping[str, Distribution] | None = None,
-    open_distribution: Callable[[Path], Distribution] | None = None,
+    open_distribution: Opener | None = None,
+    text: str | None = None,
 ) -> CaseSet:
     """The cases of a file.
 
     distributions: joint distributions of wind and waves by the name under which the file looks them up, in place of
-    those of its key `distributions`; open_distribution reads the files that this key names.
+    those of its key `distributions`; open_distribution(site, height) makes those that this key describes.
+    text: what is to be written into the file, to be read before it is.
     Nothing is loaded and nothing runs: what the models say of the cases, `check_cases` finds.
     Raises ModelFileError: the file and line, what is wrong, what to do.
     """
     given = Path(path)
     require_file(given, ModelFileError)
-    if not files.is_file(given):
+    if text is None and not files.is_file(given):
         raise ModelFileError(f"there is no file '{path}'.")
-    return _File(given, distributions or {}, open_distribution).cases()
+    return _File(given, text, distributions or {}, open_distribution).cases()
 
 
 class _File:
     """Reads one file."""
 
-    def __init__(self, path: Path, distributions: Mapping[str, Distribution], opened: Callable | None):
+    def __init__(
+        self, path: Path, content: str | None, distributions: Mapping[str, Distribution], opened: Opener | None
+    ):
         self.path, self.folder = path, path.absolute().parent
         name = files.shown(path)
-        self.top = parse(read_text(path, name), name, FIRST_LINE)
+        self.top = parse(read_text(path, name) if content is None else content, name, FIRST_LINE)
         self.items = mapping(self.top, f"{FIRST_LINE}, and is a mapping")
         _check_version(self.items, self.top.place)
         check_keys(self.items, TOP_KEYS, "a cases file")
@@ -103,7 +107,7 @@ class _File:
         scope = Scope(self.top.place, {}, nodes)
         return {name: scope.item(name) for name in nodes}
 
-    def _sources(self, given: Mapping[str, Distribution], opened: Callable | None) -> dict[str, Source]:
+    def _sources(self, given: Mapping[str, Distribution], opened: Opener | None) -> dict[str, Source]:
         found: dict[str, Source] = {name: conditional.Joint(name, item) for name, item in given.items()}
         scope = Scope(self.top.place, self.variables, used=self.used)
         for key in ("tables", "distributions"):
@@ -113,7 +117,7 @@ class _File:
                 if key == "tables":
                     found[name] = conditional.table(name, node, scope, self.folder, self.files)
                 elif name not in given:
-                    found[name] = conditional.joint(name, node, self.folder, self.files, opened)
+                    found[name] = conditional.joint(name, node, scope, self.folder, self.files, opened)
         return found
 
     def _defaults(self) -> dict[str, Node]:

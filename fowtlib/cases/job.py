@@ -19,11 +19,16 @@ from fowtlib.cases.statistics import statistics_of
 from fowtlib.language.data_files import digest_of, files_of
 from fowtlib.language.errors import ModelError, SimulationError
 from fowtlib.language.whole_files import WriteError, write_text
+from fowtlib.solving.results.journal import Journal
 
 if TYPE_CHECKING:
+    import numpy as np
+
+    from fowtlib.solving.binding import Binding
     from fowtlib.solving.model import Model
     from fowtlib.solving.plant import Plant
     from fowtlib.solving.results import Result
+    from fowtlib.solving.results.data import RawTrajectory, Stored
 
 DONE, FAILED, STOPPED, NO_ROOM = "done", "failed", "stopped", "no room"
 SHIPPED = "models:"  # of a file that fowtlib brings, in place of its folder
@@ -37,7 +42,8 @@ class Job:
 
     case: see Case.plain. model: a shipped name or the whole path of the model file. result: the file to write, "" for
     none; partial: that of what a case that fails has computed. starts: a folder for the means that runs start from,
-    each found once in a batch; "" for none. allow_python, trust, allow: see fowtlib.modelfile.load.
+    each found once in a batch; "" for none. journal: the file beside which a run that takes long keeps what it has
+    computed, to go on from where it was killed; "" for none. allow_python, trust, allow: see fowtlib.modelfile.load.
     """
 
     case: Mapping[str, Any]
@@ -45,6 +51,7 @@ class Job:
     result: str
     partial: str
     starts: str = ""
+    journal: str = ""
     allow_python: bool = False
     trust: bool = False
     allow: tuple[str, ...] = ()
@@ -130,21 +137,75 @@ def _compute(job: Job, report: Report, told: dict[str, Any]) -> None:
     compiled = _compiled(job)
     told["files"] = dict(compiled.digests)
     conditions = case.conditions()
-    root = compiled.plant.binding(conditions.values or None).root
-    told["files"] |= digests(files_of(root).values())
+    binding = compiled.plant.binding(conditions.values or None)
+    told["files"] |= digests(files_of(binding.root).values())
     if Path(case.start).suffix:
         told["files"] |= digests([case.start])
-    with _means(compiled.plant, job.starts):
-        result = compiled.plant.simulate(
-            conditions=conditions, solver=case.solver, step=case.step, tolerance=case.tolerance, progress=report
-        )
-    told["simulated"] = result.duration + (case.discard or 0.0)
+    journal = LateJournal(Path(job.journal)) if job.journal else None
+    earlier = _left(journal, binding)
+    options = {"solver": case.solver, "step": case.step, "tolerance": case.tolerance, "journal": journal}
+    try:
+        with _means(compiled.plant, job.starts):
+            given = conditions if earlier is None else conditions.but(start=earlier)
+            later = compiled.plant.simulate(conditions=given, progress=report, **options)
+    except SimulationError as error:
+        partial: Result | None = getattr(error, "result", None)
+        if earlier is not None and partial is not None:
+            error.result = earlier.followed_by(partial)  # type: ignore[attr-defined]
+        if journal is not None and not _is_interrupt(error):
+            journal.remove()
+        raise
+    result = later if earlier is None else earlier.followed_by(later)
+    told["simulated"] = float(result.time[-1])
     told["statistics"] = statistics_of(result)
     if job.result:
         path = result.save(job.result)
         told |= {"result": path.name, "bytes": path.stat().st_size}
+    if journal is not None:
+        journal.remove()
     with suppress(OSError):
         os.unlink(job.partial)
+
+
+class LateJournal(Journal):
+    """A journal that begins with its first piece, when a run has taken some seconds; shorter ones write none."""
+
+    _first: tuple[Any, ...] | None = None
+
+    def begin(self, about: Mapping[str, Any], earlier: Stored | None = None, checkpoint: bytes = b"") -> None:
+        """Wait, unless there is something to go on from."""
+        if earlier is None and not checkpoint:
+            self._first = (about,)
+        else:
+            super().begin(about, earlier, checkpoint)
+
+    def write(self, raw: RawTrajectory | None, values: Mapping[str, np.ndarray], checkpoint: bytes) -> None:
+        """Add output points, and replace the checkpoint."""
+        if self._first is not None:
+            first, self._first = self._first, None
+            super().begin(*first)
+        super().write(raw, values, checkpoint)
+
+
+def _left(journal: Journal | None, binding: Binding) -> Result | None:
+    """What a run of the same that was killed has left to go on from."""
+    from fowtlib.solving.results import Result
+
+    if journal is None or not journal.path.exists():
+        return None
+    try:
+        earlier = Result.open(journal.path)
+        earlier.check_resumable(binding.values, binding.structure)
+    except ModelError:  # it was another one, or had not computed anything
+        journal.remove()
+        return None
+    return earlier
+
+
+def forget_journal(output: Path) -> None:
+    """Take away what a run to this file has left, which has become another one."""
+    with suppress(OSError):
+        Journal(output).remove()
 
 
 def _compiled(job: Job) -> _Compiled:

@@ -103,7 +103,7 @@ def _values(key: str, node: Node, names: Names) -> list[Item]:
         return items
     if node.value is None or isinstance(node.value, dict):
         raise node.place.error(f"'{key}' has {FORM}, not {node.kind}.")
-    if isinstance(node.value, str) and not node.quoted:
+    if isinstance(node.value, str):
         values = spread(node.value, node.place)
         if values is not None:
             return values

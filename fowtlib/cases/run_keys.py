@@ -17,6 +17,7 @@ from fowtlib.modelfile.nodes import Node, Place
 from fowtlib.modelfile.short_forms import WAVES, WIND, Condition
 from fowtlib.modelfile.specs import as_list, mapping
 from fowtlib.modelfile.values import DATA_SUFFIXES
+from fowtlib.solving.timeline import Event
 
 SECONDS = ("duration", "output_step", "discard", "step")
 RUN_KEYS = ("model", "wind", "sea", "set", "events", "start", *SECONDS, "outputs", "solver", "tolerance")
@@ -173,10 +174,18 @@ def _positive(node: Node, key: str, value: float, unit: str = "") -> float:
 
 
 def _events(node: Node, scope: Scope) -> tuple[dict[str, Any], ...]:
-    events = [] if node.value is None else as_list(node)
-    for event in events:
-        mapping(event, "'events' is a list of mappings, as in a model file; an event is a mapping")
-    return tuple(plain(event, scope) for event in events)
+    return tuple(_event(event, scope) for event in ([] if node.value is None else as_list(node)))
+
+
+def _event(node: Node, scope: Scope) -> dict[str, Any]:
+    """{event: turbine.grid_loss, at: 100 s, ...}, or the same as a line: turbine.grid_loss at 100 s."""
+    try:
+        if isinstance(node.value, str):
+            return Event.parse(filled(node.value, scope, units=True)).plain()
+        event = "an event is a mapping, such as {event: turbine.grid_loss, at: 100 s}, or a line of text"
+        return Event.from_plain(plain(Node(mapping(node, event), node.place), scope)).plain()
+    except ModelError as error:
+        raise error if error.where else node.place.error(f"events: {error}") from None
 
 
 def _braces(text: str, scope: Scope) -> str:

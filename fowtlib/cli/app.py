@@ -21,11 +21,14 @@ from typing import NoReturn
 from fowtlib.cli import (
     batch,
     cache,
+    cases,
     compare,
     contours,
     decay,
+    events,
     export,
     extremes,
+    fatigue,
     inspection,
     library,
     loading,
@@ -45,8 +48,8 @@ from fowtlib.cli.report import write_report
 from fowtlib.language.errors import ModelError, did_you_mean
 
 GROUPS = (
-    run, batch, export, view, inspection, stability, decay, rao, statistics, maxima, loads, compare, rotor_table,
-    wind_field, contours, extremes, library, cache,
+    run, cases, batch, export, view, inspection, events, stability, decay, rao, statistics, maxima, loads, fatigue,
+    compare, rotor_table, wind_field, contours, extremes, library, cache,
 )  # fmt: skip
 
 

@@ -9,9 +9,10 @@ from typing import Any, get_args
 from fowtlib.language.component import Component
 from fowtlib.language.connectors import RealOutput, Signal
 from fowtlib.language.declarations import SHAPES, Field, Parameter, Port, Variable
+from fowtlib.language.offered import OfferedEvent
 from fowtlib.modelfile import catalogue as library
 
-KINDS = ("parameters", "ports", "variables")
+KINDS = ("parameters", "ports", "variables", "events")
 
 
 @dataclass(frozen=True)
@@ -35,6 +36,7 @@ class Class:
     parameters: tuple[Entry, ...]
     ports: tuple[Entry, ...]
     variables: tuple[Entry, ...]
+    events: tuple[Entry, ...]
 
     @property
     def summary(self) -> str:
@@ -55,12 +57,18 @@ def _describe(item: type[Component]) -> Class:
         tuple(_entry(field, _default(field)) for field in item.parameters.values()),
         tuple(_entry(field, _nature(field)) for field in item.ports.values()),
         tuple(_entry(field, "") for field in item.variables.values()),
+        tuple(_event(field) for field in item.offered_events.values()),
     )
 
 
 def _entry(field: Parameter | Port | Variable, default: str) -> Entry:
     acausal = isinstance(field, Port) and not issubclass(field.annotation, Signal)
     return Entry(field.name, _type(field), "" if acausal else field.unit, default, field.doc)
+
+
+def _event(field: OfferedEvent) -> Entry:
+    values = (name if item.unit == "1" else f"{name} [{item.unit}]" for name, item in field.values.items())
+    return Entry(field.name, ", ".join(values), "", "", field.doc)
 
 
 def _type(field: Field) -> str:

@@ -8,7 +8,7 @@ import warnings
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from fowtlib.cli import loading, rescue, tables
+from fowtlib.cli import events, loading, rescue, tables
 from fowtlib.cli.files import FIGURES, RESULTS, check_target, say_saved
 from fowtlib.cli.progress import progress_bar
 from fowtlib.cli.start import HELP, start_values
@@ -27,6 +27,7 @@ EXAMPLES = """examples:
   fowt run oc3_spar_rigid --time 600 --wind steady:8 --waves still
   fowt run oc3_spar_rigid --wind kaimal:11.4,class=B,seed=1 --waves jonswap:Hs=6,Tp=10,seed=1 --plot run.png
   fowt run oc3_spar_rigid --time 4000 --start turning --discard 400 --output run.nc
+  fowt run oc3_spar_rigid --time 100 --event "turbine.grid_loss at 50 s"
   fowt run oc3_spar_rigid --time 8000 --output longer.nc --resume run.nc
 """
 
@@ -41,6 +42,7 @@ def declare(commands: Any) -> None:
     )
     tables.add_output(parser, "output", "save the results: .nc (resumable), .csv or .outb")
     parser.add_argument("--plot", type=Path, metavar="FILE", help="draw the results: .png, .svg or .pdf")
+    events.declare_option(parser)
     parser.add_argument("--solver", default=None, help="idas or fixed; default: the model file's, or idas")
     parser.add_argument("--step", metavar="T", help="step of the solver fixed [s], or 12.5ms")
     parser.add_argument("--tolerance", type=positive, metavar="RTOL", help="relative; default: the model file's")
@@ -104,6 +106,7 @@ def run(arguments: argparse.Namespace) -> int:
     from fowtlib.solving.conditions import Conditions
     from fowtlib.solving.results.journal import Journal
 
+    happening = events.chosen(arguments)
     onto = arguments.output is not None and arguments.output == arguments.resume  # to go on in the same file
     check_target(arguments.output, RESULTS, arguments.force or onto)
     check_target(arguments.plot, FIGURES, arguments.force)
@@ -120,7 +123,8 @@ def run(arguments: argparse.Namespace) -> int:
     plant = model.compile()
     _check_discard(arguments, plant, earlier)
     start, whence = start_values(arguments, plant)
-    conditions = Conditions(start=earlier or start, duration=arguments.time, output_step=arguments.output_step)
+    conditions = Conditions(start=earlier or start, duration=arguments.time, output_step=arguments.output_step,
+                            events=happening)  # fmt: skip
     options = {"solver": arguments.solver, "step": arguments.step, "tolerance": arguments.tolerance}
     try:
         with progress_bar(earlier.final.time if earlier else 0.0) as report:
@@ -137,6 +141,8 @@ def run(arguments: argparse.Namespace) -> int:
 
         plot_result(result, path=arguments.plot, discard=_discarded(arguments, result))
     tables.say(arguments, "; ".join(filter(None, (weather(model, arguments), whence))))
+    for line in str(result.attributes.get("events", "")).splitlines():
+        tables.say(arguments, f"event at {line}")
     _show(arguments, result, later)
     say_saved(None if problem else arguments.output, arguments.plot)
     if problem:  # at the end, where it is seen

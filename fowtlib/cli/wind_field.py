@@ -11,6 +11,7 @@ from fowtlib.cli import tables
 from fowtlib.cli.files import check_target, say_saved
 from fowtlib.cli.progress import part_bar
 from fowtlib.cli.run import finite, positive
+from fowtlib.language.errors import ParameterError
 
 ENDINGS = (".bts",)
 EXAMPLES = """The field is as wide as all rotors and their motion: two rotors of 63 m radius
@@ -36,8 +37,12 @@ def declare(commands: Any) -> None:
     parser.add_argument("--time", type=positive, default=600.0, metavar="S", help="until it repeats; default: 600 s")
     parser.add_argument("--step", type=positive, default=0.05, metavar="S", help="default: %(default)g s")
     strength = parser.add_mutually_exclusive_group()
-    strength.add_argument("--class", dest="turbulence_class", choices=("A+", "A", "B", "C"), default="B",
-                          metavar="A+|A|B|C", help="normal turbulence of IEC 61400-1; default: B")  # fmt: skip
+    parser.add_argument("--model", choices=("ntm", "etm", "ewm"), metavar="NAME",
+                        help="turbulence of IEC 61400-1: ntm, normal; etm, extreme; ewm, of the extreme wind speed; "
+                             "default: ntm")  # fmt: skip
+    parser.add_argument("--wind-class", choices=("I", "II", "III"), metavar="I|II|III", help="of etm; default: I")
+    strength.add_argument("--class", dest="turbulence_class", choices=("A+", "A", "B", "C"),
+                          metavar="A+|A|B|C", help="turbulence class of IEC 61400-1; default: B")  # fmt: skip
     strength.add_argument("--intensity", type=positive, metavar="TI", help="standard deviation of u over mean speed")
     parser.add_argument("--spectrum", choices=("kaimal", "von_karman"), default="kaimal", metavar="NAME",
                         help="kaimal or von_karman; default: kaimal")  # fmt: skip
@@ -49,11 +54,34 @@ def declare(commands: Any) -> None:
     parser.set_defaults(action=generate)
 
 
+def _intensity(arguments: argparse.Namespace) -> float | None:
+    """Standard deviation of u over the mean speed; None: that of normal turbulence. ParameterError for idle options."""
+    from fowtlib.components.environment import iec
+
+    model, given = arguments.model, arguments.intensity
+    idle = [
+        ("--model", "--intensity", model is not None and given is not None),
+        ("--wind-class", "--model other than etm", arguments.wind_class is not None and model != "etm"),
+        ("--class", "--model ewm", arguments.turbulence_class is not None and model == "ewm"),
+    ]
+    for option, because, wrong in idle:
+        if wrong:
+            raise ParameterError(f"{option} would do nothing with {because}; leave one of them out.")
+    if model == "ewm":
+        return iec.EXTREME_INTENSITY
+    if model == "etm":
+        reference = iec.REFERENCE_SPEED[arguments.wind_class or "I"]
+        sigma = iec.extreme_turbulence(arguments.speed, arguments.turbulence_class or "B", reference)
+        return sigma / arguments.speed
+    return given
+
+
 def generate(arguments: argparse.Namespace) -> int:
     """Write the field, and say what it holds."""
     from fowtlib.components.environment import generate_field
 
     check_target(arguments.file, ENDINGS, arguments.force)
+    intensity = _intensity(arguments)
     columns, rows = (
         max(2, math.ceil(size / arguments.spacing - 1e-9) + 1) for size in (arguments.width, arguments.height)
     )
@@ -61,8 +89,8 @@ def generate(arguments: argparse.Namespace) -> int:
         grid = generate_field(
             arguments.file, mean_speed=arguments.speed, width=arguments.width, height=arguments.height, columns=columns,
             rows=rows, duration=arguments.time, time_step=arguments.step, hub_height=arguments.hub_height,
-            bottom=arguments.bottom, spectrum=arguments.spectrum, turbulence_class=arguments.turbulence_class,
-            turbulence_intensity=arguments.intensity, shear_exponent=arguments.shear,
+            bottom=arguments.bottom, spectrum=arguments.spectrum, turbulence_class=arguments.turbulence_class or "B",
+            turbulence_intensity=intensity, shear_exponent=arguments.shear,
             lateral_coherence=arguments.lateral, seed=arguments.seed, progress=report,
         ).grid  # fmt: skip
     table = [

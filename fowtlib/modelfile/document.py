@@ -8,20 +8,22 @@ from __future__ import annotations
 
 import math
 from pathlib import Path
+from typing import Any
 
-from fowtlib.language.errors import UnitError, closest, one_of
+from fowtlib.language.errors import ModelFileError, ParameterError, UnitError, closest, one_of
 from fowtlib.language.units import to_si
 from fowtlib.modelfile import files
 from fowtlib.modelfile.nodes import Node, Place, parse, read_text
 from fowtlib.modelfile.reader import ComponentReader
 from fowtlib.modelfile.specs import Document, Spec, Value, as_list, check_keys, mapping, text
 from fowtlib.solving.starts import KINDS as STARTS
+from fowtlib.solving.timeline import Event
 
 SETTINGS = {
     "solver": "", "duration": "s", "output_step": "s", "tolerance": "1", "step": "s", "rho_inf": "1", "start": "",
 }  # fmt: skip
 VERSION = 1
-META_KEYS = ("fowtlib", "title", "description", "python", "outputs", "simulation")
+META_KEYS = ("fowtlib", "title", "description", "python", "outputs", "simulation", "events")
 
 
 def read(path: Path, definition: bool = False) -> Document:
@@ -34,7 +36,7 @@ def document(top: Node, path: Path, definition: bool = False) -> Document:
     """The document with this node at its top."""
     items = mapping(top, "a model file is a mapping; its first line is 'fowtlib: 1'")
     _check_version(items, top.place)
-    for key in ("outputs", "simulation") if definition else ():
+    for key in ("outputs", "simulation", "events") if definition else ():
         if key in items:
             raise items[key].place.error(f"'{key}' belongs into the model file, not into a definition.")
     spec = Spec(top.place)
@@ -48,6 +50,8 @@ def document(top: Node, path: Path, definition: bool = False) -> Document:
         result.python = [Value(node) for node in as_list(items["python"])]
     if "simulation" in items:
         result.settings = _settings(items["simulation"])
+    if "events" in items:
+        result.settings["events"] = tuple(_event(item) for item in as_list(items["events"]))
     return result
 
 
@@ -65,10 +69,21 @@ def _check_version(items: dict[str, Node], place: Place) -> None:
         raise node.place.error(f"got {given}; this version of the program reads 'fowtlib: {VERSION}'.")
 
 
-def _settings(node: Node) -> dict[str, float | str]:
+def _event(node: Node) -> Event:
+    items = mapping(node, "an event is a mapping, such as {event: turbine.grid_loss, at: 100 s}")
+    for key, item in items.items():
+        if isinstance(item.value, (list, dict, bool)) or item.value is None:
+            raise item.place.error(f"'{key}' of an event is a number or text, not {item.kind}.")
+    try:
+        return Event.from_plain({key: item.value for key, item in items.items()}, str(node.place))
+    except ParameterError as error:
+        raise ModelFileError(error.message, where=error.where) from None
+
+
+def _settings(node: Node) -> dict[str, Any]:
     items = mapping(node, f"'simulation' is a mapping: {', '.join(SETTINGS)}")
     check_keys(items, SETTINGS, "'simulation'")
-    settings: dict[str, float | str] = {}
+    settings: dict[str, Any] = {}
     for key, item in items.items():
         if isinstance(item.value, (list, dict)):
             raise item.place.error(f"simulation.{key} is one value, not {item.kind}.")

@@ -27,7 +27,7 @@ from fowtlib.modelfile.specs import (
 
 PART_KEYS = ("class", "use", "parameters", "parts", "each", "connect", "ports")
 DEFINITION_KEYS = ("fowtlib", "title", "description", "python", *PART_KEYS)
-MODEL_KEYS = (*DEFINITION_KEYS, "outputs", "simulation")
+MODEL_KEYS = (*DEFINITION_KEYS, "outputs", "simulation", "events")
 EACH_KEYS = ("for", "parts", "connect", "each", "ports", "outputs")
 PARAMETER_KEYS = ("value", "unit", "description", "min", "max")
 OUTPUT_KEYS = ("of", "unit", "description")

@@ -90,8 +90,19 @@ def _top_keys() -> Schema:
         "python": {"anyOf": [_TEXT, {"type": "array", "items": _TEXT}], "description": "Python files with own classes"},
         **_KEYS,
         "outputs": {"type": "object", "additionalProperties": output, "description": "results by name"},
+        "events": {"anyOf": [{"type": "array", "items": _event()}, _event()], "description": "what happens in a run"},
         "simulation": {"type": "object", "properties": settings, "additionalProperties": False},
     }
+
+
+def _event() -> Schema:
+    keys = {
+        "event": {**_TEXT, "description": "an event that a part offers, by its path (`fowt events`)"},
+        "at": {**_quantity("s"), "description": "time of the event"},
+        "when": {**_TEXT, "description": "instead of the time: result or path > value, or < value"},
+    }
+    more = {"type": ["number", "string"], "description": "a value that the event takes"}
+    return {"type": "object", "properties": keys, "required": ["event"], "additionalProperties": more}
 
 
 def _each() -> Schema:

@@ -83,6 +83,7 @@ class Condition:
         needed = [f"{key}=.." for key, value in named.items() if value.required]
         spare = [f"{key}=.." for key, value in named.items() if not value.required]
         inner = ",".join([*bare, *needed]) + "".join(f"[,{item}]" for item in spare)
+        inner = inner.replace("[,", "[", 1) if inner.startswith("[,") else inner
         return f"{name}:{inner}" if inner else name
 
     def parse(self, text: str, folder: Path = Path()) -> dict[str, Any]:
@@ -90,7 +91,8 @@ class Condition:
         name, _, rest = text.partition(":")
         name = name.strip()
         if name not in self.kinds:
-            raise ParameterError(f"{self.option}: unknown kind '{name}'{did_you_mean(name, self.kinds)}")
+            hint = did_you_mean(name, self.kinds, list_up_to=len(self.kinds))
+            raise ParameterError(f"{self.option}: unknown kind '{name}'{hint}")
         kind = self.kinds[name]
         if kind.bare and kind.keys[kind.bare].unit == "path":
             file, rest = _file_first(kind, rest)  # a file name may hold anything
@@ -171,7 +173,10 @@ _SIGN = {"sign": Key("sign", "1")}
 _EITHER_REFERENCE = ("wind_class", "reference")
 _PERIOD = {"period": Key("return_period", "#")}
 _DIRECTION = {"direction": Key("direction", "deg")}
-_HEADING = {"heading": Key("heading", "deg")}
+_HEADING = {"heading": Key("heading", "deg"), "misalignment": Key("misalignment", "deg")}
+_AIM = ("heading", "misalignment")
+_HEIGHTS = {"Hs50": Key("height_50", "m"), "Hs1": Key("height_1", "m"), **_PERIOD}
+_IRREGULAR = {"gamma": Key("gamma"), "seed": Key("seed", "#"), **_HEADING}
 
 WIND = Condition(
     "--wind",
@@ -209,7 +214,9 @@ WIND = Condition(
             either=("class", "intensity"),
         ),
         "nwp": Kind({**_SPEED, **_SHEAR}, bare="speed"),
-        "ntm": Kind({**_SPEED, **_CLASS, "seed": Key("seed", "#"), **_SHEAR}, bare="speed"),
+        "ntm": Kind(
+            {**_SPEED, **_CLASS, "quantile": Key("quantile"), "seed": Key("seed", "#"), **_SHEAR}, bare="speed"
+        ),
         "etm": Kind(
             {**_SPEED, **_CLASS, **_WIND_CLASS, "seed": Key("seed", "#"), **_SHEAR},
             bare="speed",
@@ -236,17 +243,29 @@ WAVES = Condition(
     {
         "still": Kind({}),
         "regular": Kind(
-            {"H": Key("wave_height", "m", required=True), "T": Key("wave_period", "s", required=True), **_HEADING}
+            {"H": Key("wave_height", "m", required=True), "T": Key("wave_period", "s", required=True), **_HEADING},
+            either=_AIM,
         ),
         "jonswap": Kind(
             {
                 "Hs": Key("significant_wave_height", "m", required=True),
                 "Tp": Key("peak_period", "s", required=True),
-                "gamma": Key("gamma"),
-                "seed": Key("seed", "#"),
-                **_HEADING,
-            }
+                **_IRREGULAR,
+            },
+            either=_AIM,
         ),
+        "nss": Kind({"wind": Key("wind_speed", "m/s"), **_IRREGULAR}, either=_AIM),
+        "sss": Kind(
+            {
+                "wind": Key("wind_speed", "m/s"),
+                "Hs": Key("significant_wave_height", "m"),
+                "Tp": Key("peak_period", "s"),
+                **_IRREGULAR,
+            },
+            either=_AIM,
+        ),
+        "ess": Kind({**_HEIGHTS, "Tp": Key("peak_period", "s"), "hours": Key("hours", "#"), **_IRREGULAR}, either=_AIM),
+        "ewh": Kind({**_HEIGHTS, "T": Key("wave_period", "s"), **_HEADING}, either=_AIM),
         "record": Kind(
             {
                 "file": Key("file", "path", required=True),
@@ -256,6 +275,7 @@ WAVES = Condition(
                 **_HEADING,
             },
             bare="file",
+            either=_AIM,
         ),
         "input": Kind({}),
     },

@@ -6,6 +6,7 @@ import re
 from collections.abc import Collection, Iterator, Mapping
 from dataclasses import dataclass, field
 from pathlib import Path
+from typing import Any
 
 from fowtlib.language.errors import did_you_mean
 from fowtlib.modelfile.nodes import Node, Place
@@ -82,7 +83,7 @@ class Document:
     description: str = ""
     python: list[Value] = field(default_factory=list)
     outputs: dict[str, OutputSpec] = field(default_factory=dict)
-    settings: dict[str, float | str] = field(default_factory=dict)
+    settings: dict[str, Any] = field(default_factory=dict)
     repeated: int = 0
 
     def repeat(self, place: Place) -> None:

@@ -16,6 +16,7 @@ from fowtlib.modelfile.formula_text import FormulaWriter
 from fowtlib.modelfile.scopes import leaves
 from fowtlib.modelfile.yaml_text import to_text
 from fowtlib.solving.model import Model, Output
+from fowtlib.solving.timeline import events_of
 
 
 def dump(source: Model | Component) -> str:
@@ -32,8 +33,12 @@ def dump(source: Model | Component) -> str:
     document |= _Writer().component(model.root)
     if model.outputs:
         document["outputs"] = {name: _output(item) for name, item in model.outputs.items()}
-    if model.settings:
-        document["simulation"] = dict(model.settings)
+    settings = dict(model.settings)
+    events = events_of(settings.pop("events", ()))
+    if settings:
+        document["simulation"] = settings
+    if events:
+        document["events"] = [event.plain() for event in events]
     return to_text(document)
 
 

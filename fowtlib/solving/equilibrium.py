@@ -13,25 +13,25 @@ from fowtlib.solving.initial import csc, failure_text
 from fowtlib.solving.newton import Jacobian, Residual, newton, solve
 
 
-def time_dependence(at: AtParameters) -> list[str]:
-    """Paths of what makes the equations depend on time: components with time functions, or the equations themselves."""
+def time_dependence(at: AtParameters, d: np.ndarray) -> list[str]:
+    """Paths of what makes the equations depend on time: components with time functions, or the equations themselves.
+
+    d: the discrete variables, by which it may be that a ramp goes on, or none.
+    """
     dae = at.dae
-    rows = ca.vertcat(dae.ode, dae.alg)
-    needed = at.functions.needed([rows])
-    moving = [dae.externals[k] for k in sorted(needed) if ca.depends_on(dae.externals[k].inputs, dae.t)]
-    steady = at.binding.steady
-    paths = [external.path for external in moving if ca.vec(external.inputs)[0].element_hash() not in steady]
+    rows, steady = ca.vertcat(dae.ode, dae.alg), at.binding.steady
+    moving = [dae.externals[k] for k in sorted(at.functions.needed([rows]))]
+    moving = [item for item in moving if ca.depends_on(item.inputs, dae.t)]
+    moving = [item for item in moving if ca.vec(item.inputs)[0].element_hash() not in steady]
+    found = [(item.path, item.inputs) for item in moving]
     if ca.depends_on(rows, dae.t):
-        names = [s.path for s in dae.states]
-        for k, row in enumerate(ca.vertsplit(dae.ode)):
-            if ca.depends_on(row, dae.t):
-                paths.append(f"der({names[k]})")
-        paths += [
-            path
-            for path, row in zip(dae.residual_paths, ca.vertsplit(dae.alg), strict=True)
-            if ca.depends_on(row, dae.t)
-        ]
-    return list(dict.fromkeys(paths))
+        found += [(f"der({s.path})", row) for s, row in zip(dae.states, ca.vertsplit(dae.ode), strict=True)]
+        found += zip(dae.residual_paths, ca.vertsplit(dae.alg), strict=True)
+    found = [(path, row) for path, row in found if ca.depends_on(row, dae.t)]
+    if found and dae.d.numel():
+        now = ca.substitute([row for _, row in found], [dae.d], [ca.SX(ca.DM(d))])
+        found = [(path, row) for (path, _), row in zip(found, now, strict=True) if ca.depends_on(row, dae.t)]
+    return list(dict.fromkeys(path for path, _ in found))
 
 
 def equilibrium(at: AtParameters, t: float, x: np.ndarray, z: np.ndarray, q: np.ndarray,
@@ -43,7 +43,7 @@ def equilibrium(at: AtParameters, t: float, x: np.ndarray, z: np.ndarray, q: np.
     angle of a turning shaft, keep their value.
     """
     dae = at.dae
-    sources = time_dependence(at)
+    sources = time_dependence(at, q[len(q) - dae.d.numel() :])
     if sources:
         raise SimulationError(
             f"no equilibrium: the equations depend on time through {', '.join(sources[:4])}. "

@@ -60,17 +60,20 @@ class Functions:
             del self._made[next(iter(self._made))]
         return made
 
-    def along(self, function: ca.Function, points: int) -> ca.Function:
-        """`(t, x, z, [u; d], p) -> values of a function` at that many points, one column of each but p for a point."""
+    def along(self, function: ca.Function, points: int, held: bool = False) -> ca.Function:
+        """`(t, x, z, [u; d], p) -> values of a function` at that many points, one column of each but p for a point.
+
+        held: [u; d] is the same at all points, too, and given once.
+        """
 
         def make() -> ca.Function:
             columns = [ca.MX.sym(n, v.shape[0]) for n, v in zip("txz", self._arguments, strict=False)]
             given, p = ca.MX.sym("given", self.q.shape[0] - self.dae.p.shape[0]), ca.MX.sym("p", self.dae.p.shape[0])
             inputs = [*columns, given, p]
             one = ca.Function("one", inputs, [ca.densify(function(*columns, ca.vertcat(given, p)))])
-            return one.map(f"along_{points}", "serial", points, [4], [])
+            return one.map(f"along_{points}", "serial", points, [3, 4] if held else [4], [])
 
-        return self.once(("along", function.__hash__(), points), make)
+        return self.once(("along", function.__hash__(), points, held), make)
 
     # --- building blocks -----------------------------------------------------------------------------------------
 
@@ -309,15 +312,17 @@ class AtParameters:
 
     def along(self, function: ca.Function, t: np.ndarray, x: np.ndarray, z: np.ndarray, q: np.ndarray) -> np.ndarray:
         """Values of one of the functions at many points: rows of the arguments and of what it returns are points."""
-        n, columns = len(t), (t[None], x.T, z.T, q.T)
+        n, columns = len(t), (t[None], x.T, z.T)
+        held = bool(n) and bool((q == q[0]).all())
         blocks, first = [], 0
         for size in POINTS:
             count = (n - first) // size
             if count:
-                at_once = self.functions.along(function, size)
+                at_once = self.functions.along(function, size, held)
             for _ in range(count):
                 part = slice(first, first + size)
-                blocks.append(np.array(at_once(*(column[:, part] for column in columns), self.parameters)))
+                given = q[0] if held else q.T[:, part]
+                blocks.append(np.array(at_once(*(column[:, part] for column in columns), given, self.parameters)))
                 first += size
         return np.concatenate(blocks, axis=1).T if blocks else np.zeros((0, function.size1_out(0)))
 

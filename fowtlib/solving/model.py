@@ -70,6 +70,7 @@ class Model:
         dae = flatten(self.root, list(names.values()) if names else inputs)
         plant = self._plant(dae, names)
         plant.binding()  # a mistake in the data of the model is found now, and not at the first run
+        plant.timeline()
         driven = {path: item for path, item in dae.inputs.items() if item.driver}
         if not driven:
             return plant

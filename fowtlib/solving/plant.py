@@ -28,7 +28,7 @@ from fowtlib.solving.results.html import table
 from fowtlib.solving.results.journal import Journal
 from fowtlib.solving.simulation import SolverChoice, simulated
 from fowtlib.solving.state import State
-from fowtlib.solving.timeline import Event, Offered, offered
+from fowtlib.solving.timeline import Event, Offered, Timeline, events_of, offered
 
 
 class Plant:
@@ -80,6 +80,11 @@ class Plant:
     def offered_events(self) -> list[Offered]:
         """What can happen in a run: the events that the parts offer."""
         return offered(self.dae, self.root)
+
+    def timeline(self, events: Sequence[Event | str] | None = None, root: Component | None = None) -> Timeline:
+        """The events of a run, checked; None: those of the model file. root: the component tree of the run."""
+        asked = self.settings.get("events", ()) if events is None else events
+        return Timeline(events_of(asked), self.dae, self.outputs, self.root if root is None else root)
 
     @refusals_explained()
     def initial_state(self, parameters: Values | None = None, start: Values | None = None, inputs: Values | None = None,

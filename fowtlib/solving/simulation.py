@@ -17,7 +17,6 @@ from fowtlib.solving.results.journal import Journal
 from fowtlib.solving.run import About, Run, duration_settings
 from fowtlib.solving.starts import start_values
 from fowtlib.solving.state import State
-from fowtlib.solving.timeline import Timeline, events_of
 
 Plant = Any
 """fowtlib.solving.plant.Plant, which imports this module."""
@@ -53,8 +52,7 @@ def simulated(plant: Plant, conditions: Conditions, choice: SolverChoice, replac
     about = About(plant.name, plant.title, plant.binding(parameters))
     state = start_state(plant, start, parameters, inputs, about.binding)
     names = list(plant.outputs) if conditions.outputs is None else conditions.outputs
-    asked = plant.settings.get("events", ()) if conditions.events is None else conditions.events
-    timeline = Timeline(events_of(asked), plant.dae, plant.outputs, about.binding.root)
+    timeline = plant.timeline(conditions.events, about.binding.root)
     resumed = isinstance(start, Result)
     timeline.begin(state.t, resumed, str(start.attributes.get("events", "")).splitlines() if resumed else ())
     run = Run(engine, state, plant.outputs, names, about, resumed, lambda: plant.code, timeline)

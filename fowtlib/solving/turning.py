@@ -71,7 +71,7 @@ def mean_state(plant: Plant, parameters: Mapping[str, Any] | None = None, inputs
     turns = _turns(plant, at, state)
     if not turns:
         return plant.equilibrium(parameters, inputs=inputs)
-    sources = time_dependence(at)
+    sources = time_dependence(at, state.d)
     if sources:
         raise SimulationError(
             f"no mean state: the equations depend on time through {', '.join(sources[:4])}. "

@@ -363,6 +363,51 @@ def test_a_batch_can_be_moved(place, here):
     assert run_batch(pendulums(), "c.batch").result("m2").time[-1] == 2 and not here.done
 
 
+@pytest.mark.parametrize("keep", ["all", "statistics"])
+def test_a_long_case_goes_on_where_it_was_killed(place, monkeypatch, keep):
+    """Killed by an end that nobody hears of; what comes out is the same, bit by bit."""
+    monkeypatch.setattr("fowtlib.solving.run.PIECE", 0.0)
+    monkeypatch.setattr("fowtlib.solving.event_rules.STRETCH", 5)
+    told, stop = [], [None]
+
+    class Killed(BaseException):
+        pass
+
+    class Workers:
+        def carry_out(self, jobs):
+            def report(t, end):
+                told.append(t)
+                if stop[0] is not None and t > stop[0]:
+                    raise Killed
+
+            for job in jobs:
+                yield Event("ended", job.name, "here", outcome=carry_out(job, report))
+
+    monkeypatch.setattr(batches, "_workers", lambda *_: Workers())
+    case = Case("m", "pendulum.yaml", duration=5.0, discard=1.0, solver="fixed", step=0.01)
+    whole = run_batch([case], "w.batch", keep=keep)
+    stop[0] = 3.0
+    with pytest.raises(Killed):
+        run_batch([case], "b.batch", keep=keep)
+    assert Batch.open("b.batch").row("m").state == "due" and list(Path("b.batch").glob("m.nc.part*"))
+    stop[0] = None
+    told.clear()
+    batch = run_batch([case], "b.batch", keep=keep)
+    assert told[0] > 2.0 and batch.row("m").statistics == whole.row("m").statistics
+    assert not list(Path("b.batch").glob("m.nc.part*"))
+    if keep == "all":
+        one, other = whole.result("m"), batch.result("m")
+        assert other.time[0] == 1.0 and np.array_equal(one.time, other.time)
+        assert np.array_equal(one.array("pitch"), other.array("pitch")) and np.array_equal(one.raw.x, other.raw.x)
+    stop[0] = 3.0
+    with pytest.raises(Killed):
+        run_batch([replace(case, duration=4.5)], "b.batch", keep=keep)
+    stop[0] = None
+    told.clear()
+    batch = run_batch([replace(case, duration=4.0, step=0.02)], "b.batch", keep=keep)  # another case by now
+    assert told[0] == 0.0 and batch.row("m").simulated == 4.0
+
+
 def test_outcomes_go_through_json():
     outcome = Outcome("done", files={"a": "b"}, statistics={"x": {"unit": "m", "skewness": float("nan")}})
     again = Outcome(**json.loads(json.dumps(outcome.plain())))

@@ -83,3 +83,33 @@ def test_a_model_is_loaded_once_and_a_thousand_cases_are_checked_quickly(tmp_pat
     begin = time.process_time()
     check_cases(cases)
     assert loaded == ["oc3_spar_rigid"] and time.process_time() - begin < 2.0
+
+
+EVENTS = [
+    ("turbine.grid_loss at 100 s, delay=0.5 s", None),
+    ("{event: turbine.safety.grid_loss, at: wind_speed * 10}", None),
+    ("turbine.grid_los at 100 s", ":8: case 'mine_8': events: there is no event 'turbine.grid_los'; did you mean"),
+    ("turbine.grid_loss at 5000 s", ":8: case 'mine_8': events: 'turbine.grid_loss' is to happen at 5000 s, and"),
+    ("mooring.loss at 5 s", ":8: case 'mine_8': events: 'mooring.loss' can happen at 3 places"),
+    ("turbine.grid_loss", "events: 'turbine.grid_loss' is no event"),
+    ("{event: turbine.grid_loss}", "events: the event 'turbine.grid_loss' needs its time"),
+]
+
+
+@pytest.mark.parametrize(("event", "message"), EVENTS)
+def test_events(tmp_path, event, message):
+    text = FILE.replace("vary: {wind_speed: [8, 12]}", "vary: {wind_speed: [8, 12]}\n    events:\n    - " + event)
+    if message is None:
+        checked(tmp_path, text)
+        return
+    with pytest.raises(ModelFileError, match=message):
+        checked(tmp_path, text)
+
+
+def test_a_sea_of_the_site_is_checked_for_the_wind_of_the_case(tmp_path):
+    states = "{spectrum: nss, states: [[4, 1, 8], [10, 12, 9]]}"
+    text = FILE.replace("jonswap:Hs=6,Tp=10", states)
+    with pytest.raises(ModelFileError, match=":10: case 'mine_8': a sea of Hs 8.333 m and Tp 8.667 s is steeper"):
+        checked(tmp_path, text.replace("[8, 12]", "[4, 8]").replace("    sea:", "    solver: fixed\n    sea:"))
+    with pytest.raises(ModelFileError, match=":9: case 'mine_12': .*covers wind of 4 to 10 m/s, and there is one"):
+        checked(tmp_path, text.replace("[8, 12]", "[4, 12]"))

@@ -185,7 +185,7 @@ numbers = st.one_of(st.integers(-1000, 1000), st.floats(-1e6, 1e6).map(lambda x:
 axes = st.dictionaries(names, st.lists(numbers, min_size=1, max_size=4, unique_by=float), min_size=1, max_size=3)
 
 
-@settings(max_examples=40, deadline=None)
+@settings(max_examples=25, deadline=None)
 @given(axes=axes)
 def test_a_product_has_every_combination_once_and_cases_go_through_json(tmp_path_factory, axes):
     axes = {f"v_{name}": values for name, values in axes.items()}

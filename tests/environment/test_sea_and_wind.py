@@ -238,8 +238,8 @@ def test_wind_from_a_file(tmp_path):
         (
             {"spectrum": "pierson"},
             {},
-            "Sea.spectrum = 'pierson' is not one of still, regular, jonswap, record, input (kind of sea state); there "
-            "are 'still', 'regular', 'jonswap', 'record' and 'input'.",
+            "Sea.spectrum = 'pierson' is not one of still, regular, jonswap, nss, sss, ess, ewh, record, input (kind "
+            "of sea state); there are 'still', 'regular', 'jonswap', 'nss', 'sss', 'ess', 'ewh', 'record' and 'input'.",
         ),
         (
             {},

@@ -70,6 +70,10 @@ def cases(files):
         "hump": {"wind.kind": "gust", "wind.mean_speed": 12.0, "wind.gust_shape": "1-cos", "wind.gust_speed": 4.0},
         "kaimal": {"wind.kind": "kaimal", "wind.mean_speed": 10.0, "wind.seed": 3, "wind.turbulence_class": "A"},
         "seed": {"wind.kind": "kaimal", "wind.mean_speed": 10.0, "wind.seed": 4, "wind.repetition_period": 600.0},
+        "ewm": {"wind.kind": "ewm", "wind.return_period": 1, "wind.seed": 2},
+        "ecd": {"wind.kind": "ecd", "wind.mean_speed": 9.0, "wind.start_time": 1.0, "wind.sign": -1},
+        "ews": {"wind.kind": "ews", "wind.mean_speed": 9.0, "wind.plane": "horizontal", "wind.direction": 0.3,
+                "wind.rotor_diameter": 100.0},
         "file": {"wind.kind": "file", "wind.file": str(files / "speeds.csv"), "wind.shear_exponent": 0.1},
         "straight": {"wind.kind": "file", "wind.file": str(files / "speeds.csv"), "wind.interpolation": "linear"},
         "field": {"wind.kind": "field", "wind.file": str(files / "1.bts")},
@@ -83,7 +87,8 @@ def test_one_compiled_model_for_every_kind(files):
     for name, case in cases(files).items():
         results = [plant.simulate(8.0, 0.1, solver="fixed", parameters=case),
                    model().with_parameters(case).compile().simulate(8.0, 0.1, solver="fixed")]  # fmt: skip
-        for path in ("kite.x", "kite.felt", "wind.speed", "wind.base", "wind.fluctuation"):
+        names = ("speed", "base", "fluctuation", "bearing", "gradient")
+        for path in ("kite.x", "kite.felt", *(f"wind.{name}" for name in names)):
             found, expected = (np.asarray(result[path]) for result in results)
             np.testing.assert_allclose(found, expected, rtol=0, atol=1e-10 * max(1, np.abs(expected).max()))
         felt[name] = np.asarray(results[0]["kite.felt"]).tobytes()

@@ -75,8 +75,8 @@ def test_a_record_of_waves_has_a_file_and_more(text, values):
 
 
 SPEED = "a speed in m/s is expected, e.g. '11.4 m/s'."
-RECORD = "record:FILE[,start=..][,low=..][,high=..][,heading=..]"
-REGULAR = "regular:H=..,T=..[,heading=..]"
+RECORD = "record:FILE[,start=..][,low=..][,high=..][,heading=..][,misalignment=..]"
+REGULAR = "regular:H=..,T=..[,heading=..][,misalignment=..]"
 
 
 @pytest.mark.parametrize(
@@ -86,14 +86,14 @@ REGULAR = "regular:H=..,T=..[,heading=..]"
         (
             WIND,
             "",
-            "--wind: unknown kind ''; there are 'none', 'steady', 'step', 'gust', 'kaimal', 'file', 'field' and "
-            "'input'.",
+            "--wind: unknown kind ''; there are 'none', 'steady', 'step', 'gust', 'kaimal', 'nwp', 'ntm', 'etm', "
+            "'ewm', 'ewm_steady', 'eog', 'edc', 'ecd', 'ews', 'file', 'field' and 'input'.",
         ),
         (WIND, "steady", "--wind: 'steady' needs 'speed'; write steady:SPEED[,shear=..][,direction=..]"),
         (WIND, "steady:fast", f"--wind: speed: got 'fast'; {SPEED}"),
         (WIND, "steady:3 kg", f"--wind: speed: got '3 kg', which is a mass; {SPEED}"),
         (WIND, "steady:8,sheer=0.2", "--wind: 'steady' has no 'sheer'; did you mean 'shear'?"),
-        (WIND, "kaimal:8,class=D", "--wind: class: 'D' is not 'A', 'B' or 'C'."),
+        (WIND, "kaimal:8,class=D", "--wind: class: 'D' is not 'A+', 'A', 'B' or 'C'."),
         (WIND, "kaimal:8,seed=1.5", "--wind: seed: '1.5' is not a whole number."),
         (WIND, "file", "--wind: 'file' needs 'file'; write file:FILE"),
         (WAVES, "regular:6,10", f"--waves: '6' should be key=value; write {REGULAR}"),
@@ -103,8 +103,12 @@ REGULAR = "regular:H=..,T=..[,heading=..]"
         (WAVES, "record", f"--waves: 'record' needs 'file'; write {RECORD}"),
         (WAVES, "still:3", "--waves: nothing follows 'still', but there is '3'."),
         (WIND, "kaimal:8,class=A,intensity=0.1", "--wind: 'kaimal' takes 'class' or 'intensity', not both."),
+        (WIND, "ewm:50", "--wind: '50' should be key=value; write ewm:[wind_class=..][,reference=..][,period=..]"
+         "[,seed=..][,direction=..]"),
+        (WIND, "ewm:wind_class=I,reference=57", "--wind: 'ewm' takes 'wind_class' or 'reference', not both."),
+        (WAVES, "ess:heading=10,misalignment=20", "--waves: 'ess' takes 'heading' or 'misalignment', not both."),
     ],
-)
+)  # fmt: skip
 def test_a_mistake_in_a_condition_is_named(condition, text, message):
     with pytest.raises(ModelError) as caught:
         condition.parse(text)

@@ -11,6 +11,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from fowtlib.components.environment.waves import WaveComponents, still_water
+from fowtlib.components.environment.wind.base import Wind
 from fowtlib.components.environment.world import World
 from fowtlib.language import (
     Component,
@@ -50,9 +51,13 @@ class Sea(Component, selector="spectrum", shared=("signal", "loads", "velocity",
     heading: Number = param(
         default=0.0, unit="rad", bound=True, doc="direction in which the waves travel, from x towards y"
     )
+    misalignment: Number = param(
+        default=None, unit="rad", bound=True, instead_of=("heading",), doc="heading less the direction of the wind"
+    )
     build_up: Number = param(default=0.0, unit="s", min=0, bound=True, doc="time in which the waves grow from nothing")
 
     world: World = outer(World)
+    winds: list[Wind] = outer(Wind, many=True)
     elevation: RealOutput = port(unit="m", doc="elevation of the water at the origin")
 
     if TYPE_CHECKING:  # the class of the kind takes further parameters
@@ -71,7 +76,13 @@ class Sea(Component, selector="spectrum", shared=("signal", "loads", "velocity",
 
     def components(self) -> WaveComponents:
         """The harmonics of this sea as numbers; not inside equations()."""
-        return still_water(self.world.water_depth, self.heading)
+        return still_water(self.world.water_depth, self.wave_heading())
+
+    def wave_heading(self) -> float:
+        """Direction [rad] in which the waves travel: given, or by the direction of the wind before it turns."""
+        if self.misalignment is None:
+            return float(self.heading)
+        return float(self.misalignment + the_wind(self, "misalignment").parameter_value("direction"))
 
     def in_the_mean(self) -> dict[str, Any]:
         """Still water."""
@@ -116,36 +127,46 @@ class Sea(Component, selector="spectrum", shared=("signal", "loads", "velocity",
 
     def velocity(self, points: ArrayLike) -> ca.SX:
         """Velocity of the water (p x 3, world) at fixed `points` (p, 3) [m] with z <= 0; zero above the water level."""
-        return self._kinematics("velocity", points, "m/s")
+        return _kinematics(self, "velocity", points, "m/s")
 
     def acceleration(self, points: ArrayLike) -> ca.SX:
         """Local acceleration of the water (p x 3, world) at fixed `points` (p, 3) [m]; zero above the water level."""
-        return self._kinematics("acceleration", points, "m/s^2")
-
-    def _kinematics(self, what: str, points: ArrayLike, unit: str) -> ca.SX:
-        places = np.atleast_2d(np.array(points, dtype=float))
-        count = len(places)
-
-        def transfer(waves: WaveComponents) -> np.ndarray:
-            table = getattr(waves, f"{what}_transfer")(places)
-            return table.transpose(0, 2, 1).reshape(len(waves), 3 * count)
-
-        value = self.signal(transfer, 3 * count, f"water {what}", unit)
-        return m.horzcat(value[:count], value[count : 2 * count], value[2 * count :])
+        return _kinematics(self, "acceleration", points, "m/s^2")
 
     def given(self, name: str) -> Any:
         """The value of a parameter that this kind of sea cannot do without."""
         value = self.parameter_value(name)
-        if value is None or value == "":
+        if value is None or (isinstance(value, str) and not value):
             kind, doc = type(self).family.kind_of(type(self)), self.parameters[name].doc
             raise ParameterError(f"{self.label}.{name} has no value; a sea of kind '{kind}' needs it ({doc}).")
         return value
+
+
+def the_wind(sea: Sea, needed_by: str) -> Wind:
+    """The wind of the model; ParameterError, which names the parameter that needs it, where there is not one."""
+    if len(sea.winds) != 1:
+        raise ParameterError(
+            f"{sea.label}.{needed_by} goes by the wind, and the model has {len(sea.winds) or 'no'} parts of class Wind."
+        )
+    return sea.winds[0]
 
 
 def _water(sea: Sea) -> shapes.Water:
     waves = sea.components()
     harmonics = (waves.omega, waves.amplitude, waves.phase, waves.wave_number)
     return shapes.Water(sea.world.water_depth, *harmonics, heading=waves.heading, build_up=sea.build_up)
+
+
+def _kinematics(sea: Sea, what: str, points: ArrayLike, unit: str) -> ca.SX:
+    places = np.atleast_2d(np.array(points, dtype=float))
+    count = len(places)
+
+    def transfer(waves: WaveComponents) -> np.ndarray:
+        table = getattr(waves, f"{what}_transfer")(places)
+        return table.transpose(0, 2, 1).reshape(len(waves), 3 * count)
+
+    value = sea.signal(transfer, 3 * count, f"water {what}", unit)
+    return m.horzcat(value[:count], value[count : 2 * count], value[2 * count :])
 
 
 def _longest(sea: Sea) -> float:

@@ -33,20 +33,24 @@ class JonswapSea(Sea, kind="jonswap"):
     )
 
     def components(self) -> WaveComponents:
-        names = ("gamma", "heading", "seed", "random_amplitudes", "repetition_period")
-        height, period, world = self.given("significant_wave_height"), self.given("peak_period"), self.world
+        names = ("gamma", "seed", "random_amplitudes", "repetition_period")
         options = {name: self.parameter_value(name) for name in names}
-        return _realisation(height, period, world.water_depth, gravity=world.gravity, **options)
+        options |= {"heading": self.wave_heading(), "gravity": self.world.gravity}
+        return _realisation(*self.state(), self.world.water_depth, **options)
+
+    def state(self) -> tuple[float, float]:
+        """Hs [m] and Tp [s]."""
+        return self.given("significant_wave_height"), self.given("peak_period")
 
     def longest_run(self) -> float:
         return self.parameter_value("repetition_period")
 
     def spectral_density(self, omega: ArrayLike) -> np.ndarray:
-        return jonswap(omega, self.given("significant_wave_height"), self.given("peak_period"), self.gamma)
+        return jonswap(omega, *self.state(), self.gamma)
 
     def warn(self) -> None:
         """Of a sea steeper than DNV-RP-C205 knows, 3.5.4."""
-        height, period = self.given("significant_wave_height"), self.given("peak_period")
+        height, period = self.state()
         highest = steepest_sea(period, self.world.gravity)
         if height > highest:
             warnings.warn(

@@ -41,7 +41,7 @@ class MeasuredSea(Sea, kind="record"):
         record, world = self.record(), self.world
         start = self.parameter_value("start")
         return _components(
-            record, world.water_depth, world.gravity, self.heading, record.start if start is None else start,
+            record, world.water_depth, world.gravity, self.wave_heading(), record.start if start is None else start,
             tuple(np.asarray(self.parameter_value("gauge"), dtype=float)[:2].tolist()), self._band(), self.taper,
             self.padding,
         )  # fmt: skip

@@ -20,12 +20,16 @@ class RegularWaves(Sea, kind="regular"):
     wave_period: Number = param(default=None, unit="s", min=0, bound=True, doc="regular waves: period")
 
     def components(self) -> WaveComponents:
-        height, period, world = self.given("wave_height"), self.given("wave_period"), self.world
-        return regular_waves(height, period, world.water_depth, heading=self.heading, gravity=world.gravity)
+        (height, period), world = self.wave(), self.world
+        return regular_waves(height, period, world.water_depth, heading=self.wave_heading(), gravity=world.gravity)
+
+    def wave(self) -> tuple[float, float]:
+        """Height [m] from trough to crest, and period [s]."""
+        return self.given("wave_height"), self.given("wave_period")
 
     def warn(self) -> None:
         """Of waves higher than Miche's limit, 0.142 L tanh(k h)."""
-        waves, height = self.components(), self.given("wave_height")
+        waves, (height, _) = self.components(), self.wave()
         length = 2 * np.pi / float(waves.wave_number[0])
         highest = breaking_height(waves.period, waves.depth, self.world.gravity)
         if height > highest:

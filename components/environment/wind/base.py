@@ -10,7 +10,6 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from fowtlib.components.environment.field_wind import NO_FIELD, FieldData, wind_function
-from fowtlib.components.environment.wind.mean import measured
 from fowtlib.components.environment.wind.points import Flow, positions
 from fowtlib.language import (
     Array,
@@ -116,8 +115,8 @@ class Wind(Component, selector="kind", shared=("speeds", "velocity")):
         return float(self.parameter_value("mean_speed") * height ** self.parameter_value("shear_exponent"))
 
     def in_the_mean(self) -> dict[str, Any]:
-        """Steady wind of the mean speed; nothing of a kind that is the same at all times."""
-        return {"kind": "steady"} if type(self).mean_at is Wind.mean_at else measured(self)
+        """Steady wind of the mean speed and shear; nothing of a kind that is the same at all times."""
+        return {"kind": "steady", "shear_exponent": float(self.parameter_value("shear_exponent"))}
 
     def require(self, y_range: tuple[float, float], z_range: tuple[float, float], who: str) -> None:
         """ParameterError, which names `who`, where a field does not cover y_range and z_range [m].

@@ -44,6 +44,10 @@ class ExtremeWind(KaimalWind, kind="ewm"):
         """Mean speed [m/s] at a station."""
         return mean_speed_at(self, self.given_speed(), station)
 
+    def in_the_mean(self) -> dict[str, Any]:
+        """Steady wind of the speed and shear of the class."""
+        return {"kind": "steady", "mean_speed": self.given_speed(), "shear_exponent": iec.EXTREME_SHEAR}
+
 
 class SteadyExtremeWind(Wind, kind="ewm_steady"):
     """Steady extreme wind speed model, EWM: the gust 1.4 V_ref, or 0.8 times that for 1 year, all the time.

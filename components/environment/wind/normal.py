@@ -17,13 +17,22 @@ class NormalProfile(SteadyWind, kind="nwp"):
 class NormalTurbulence(KaimalWind, kind="ntm"):
     """Normal turbulence model, NTM: Kaimal turbulence at the stations of sigma_1 = I_ref (0.75 V + 5.6 m/s).
 
-    The 90 % quantile of the turbulence class, on the normal profile. For rotors of blade elements, that sample the
-    turbulence in space, generate a field with the same class, and take the kind "field".
+    That is the 90 % quantile of the turbulence class; `quantile` takes another one from the Weibull distribution of ed.
+    4. The mean is the normal profile. For rotors of blade elements, which cut through eddies smaller than themselves,
+    generate a field with the same class, and take the kind "field".
     """
 
     void = ("turbulence_intensity",)
 
     shear_exponent: Scalar = param(default=iec.OFFSHORE_SHEAR, doc="exponent of the power law; on land 0.2")
+    quantile: Number = param(default=None, min=0, max=1, bound=True, doc="of sigma_1; without a value the 90 % formula")
+
+    def standard_deviation(self) -> float:
+        """Sigma [m/s] of the speed at a station, of the whole spectrum."""
+        speed, name = self.given_speed(), self.turbulence_class
+        if self.quantile is None:
+            return iec.normal_turbulence(speed, name)
+        return iec.turbulence_quantile(speed, name, self.quantile)
 
 
 class ExtremeTurbulence(NormalTurbulence, kind="etm"):
@@ -31,6 +40,8 @@ class ExtremeTurbulence(NormalTurbulence, kind="etm"):
 
     sigma_1 = c I_ref (0.072 (V_ave/c + 3) (V/c - 4) + 10), c = 2 m/s, V_ave = 0.2 V_ref; see iec.extreme_turbulence.
     """
+
+    void = ("turbulence_intensity", "quantile")
 
     wind_class: str = param(default="I", choices=iec.WIND_CLASSES, bound=True, doc="IEC wind class, of V_ref")
     reference_speed: Number = param(
