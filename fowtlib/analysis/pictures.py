@@ -138,9 +138,10 @@ def plot_lights(comparison: Any, path: str | Path | None = None, *, title: str =
         axis.set_yticks(np.arange(len(names)) + 0.5, [f"{name} [{units[name]}]" for name in names])
         axis.tick_params(length=0)
         axis.xaxis.tick_top()
-        axis.set_xlabel(
-            f"difference [%]: green to {green:g}, amber to {amber:g}, red (bold) beyond", color=INK, fontsize=8.5
+        text = (
+            f"difference [% of the {comparison.relative_to}]: green to {green:g}, amber to {amber:g}, red (bold) beyond"
         )
+        axis.set_xlabel(text, color=INK, fontsize=8.5)
         for side in ("left", "bottom"):
             axis.spines[side].set_color(GRID)
         if title:
@@ -154,8 +155,8 @@ def _percent_text(percent: float) -> str:
 
 
 def _time(seconds: float) -> str:
-    """A duration as a person says it."""
+    """A duration as a person says it: 3 h, but 1000 s."""
     for unit, size in (("years", 365.25 * 86400.0), ("h", 3600.0), ("min", 60.0)):
-        if seconds >= size:
+        if seconds >= size and abs(2.0 * seconds / size - round(2.0 * seconds / size)) < 1e-6:
             return f"{seconds / size:.4g} {unit}"
     return f"{seconds:.4g} s"

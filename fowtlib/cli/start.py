@@ -13,8 +13,9 @@ if TYPE_CHECKING:
 
 HELP = (
     "equilibrium: the mean position, in the mean of the wind; turning: the same, and rotors of blade elements turn; "
-    "rest: nothing moves, the rotors stand; file: the start values of the model file; or a FILE: the end of a result "
-    "(.nc), a saved state (.json); default: simulation.start of the model file, or file"
+    "stationary: that, and the slow motions as the wind and the waves before have made them; rest: nothing moves, the "
+    "rotors stand; file: the start values of the model file; or a FILE: the end of a result (.nc), a saved state "
+    "(.json); default: simulation.start of the model file, or file"
 )
 
 

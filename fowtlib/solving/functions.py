@@ -145,6 +145,8 @@ class Functions:
     def torn_jacobian(self, name: str, rows: ca.SX, columns: Sequence[ca.SX]) -> ca.Function:
         """`(t, x, z, q) -> d rows / d columns[0], d rows / d columns[1], ...`, through the externals too.
 
+        Columns of w are changes of what an external gives; those of a series, of its signals.
+
         The partial derivatives are expressions of scalars; their products with the Jacobians of the externals are
         sparse matrix products, because written out as scalars those of a rotor are a million operations.
         """
@@ -158,7 +160,7 @@ class Functions:
         used, pieces = [], [ca.jacobian(rows, block_of), ca.jacobian(rows, self.w)]
         for k in (k for group in self.dae.levels for k in group if k in needed):
             y = self._external_inputs[k]
-            if ca.depends_on(y, ca.vertcat(block_of, self.w)):  # those of waves and wind depend on time only
+            if ca.depends_on(y, block_of) or ca.depends_on(y, self.w):  # those of waves and wind depend on time only
                 used.append(k)
                 pieces += [ca.jacobian(y, block_of), ca.jacobian(y, self.w)]
         pieces = [ca.sparsify(piece) for piece in pieces]

@@ -22,17 +22,20 @@ from fowtlib.language.native import compiler, no_compiler
 from fowtlib.solving.modes import rate_states
 from fowtlib.solving.results import Result
 from fowtlib.solving.state import State
+from fowtlib.solving.stationary import SlowModes, slow_modes
 from fowtlib.solving.structure import plain, structural_values
 from fowtlib.solving.turning import mean_state
 
-KINDS = ("equilibrium", "turning", "rest", "file")
+KINDS = ("equilibrium", "turning", "stationary", "rest", "file")
 KEPT = 1000  # means of a plant; the oldest are dropped
+FEW = 50  # linear models of a plant, of the last means
 
 Values = Mapping[str, Any]
 Plant = Any
 """fowtlib.solving.plant.Plant, which imports this module."""
 
 _digests: WeakKeyDictionary[Plant, str] = WeakKeyDictionary()
+_modes: WeakKeyDictionary[Plant, dict[str, SlowModes]] = WeakKeyDictionary()
 
 
 def start_values(plant: Plant, word: str, parameters: Values | None = None,
@@ -40,8 +43,9 @@ def start_values(plant: Plant, word: str, parameters: Values | None = None,
     """Start values by path for a run with these parameters, and where they are from, in words.
 
     word: "equilibrium", the mean position in the mean of wind and waves; "turning", the same where rotors of blade
-    elements turn; "rest", nothing moves; "file", the start values of the model file, which is None; the path of a
-    result (.nc), for its end, or of a state (.json); "", simulation.start of the model file, else "file".
+    elements turn; "stationary", that mean and the response of the slow motions to the waves and the wind before t = 0,
+    see solving.stationary; "rest", nothing moves; "file", the start values of the model file, which is None; the path
+    of a result (.nc), for its end, or of a state (.json); "", simulation.start of the model file, else "file".
     Raises SimulationError where there is no mean; where the word is the model file's that is a warning, and the values
     are those of the file.
     """
@@ -70,6 +74,8 @@ def _by_word(plant: Plant, word: str, parameters: Values | None,
         return dict.fromkeys(rates, 0.0), "from rest"
     if word in ("equilibrium", "turning"):
         return _mean(plant, word, parameters, inputs), "from the mean position"
+    if word == "stationary":
+        return _stationary(plant, parameters, inputs), "from the stationary state about the mean position"
     if Path(word).suffix in (".nc", ".json"):
         return _of_file(Path(word), plant), f"from {word}"
     raise ModelError(f"start: '{word}' is not {one_of(KINDS)}, nor a file of a result (.nc) or a state (.json).")
@@ -138,6 +144,21 @@ def _found(plant: Plant, word: str, mean: Values, inputs: Values | None) -> Stat
         if "turns on and on" in error.message:
             error.message += " To start from the mean of a turning rotor: --start turning."
         raise
+
+
+def _stationary(plant: Plant, parameters: Values | None, inputs: Values | None) -> dict[str, float]:
+    """The mean, and the linear response of the slow motions to what has always driven the run."""
+    values, mean = _mean(plant, "turning", parameters, inputs), mean_parameters(plant, parameters)
+    known = _modes.setdefault(plant, {})
+    key = _digest(plant, parameters, mean, inputs)
+    if key not in known:
+        while len(known) >= FEW:
+            del known[next(iter(known))]
+        known[key] = slow_modes(plant.at(mean), plant, plant.initial_state(mean, values, inputs))
+    deviation = known[key].response(plant.binding(parameters))
+    for state, change in zip(plant.dae.states, deviation.tolist(), strict=True):
+        values[state.path] += change
+    return values
 
 
 def _digest(plant: Plant, parameters: Values | None, mean: Values, inputs: Values | None) -> str:

@@ -68,7 +68,7 @@ def mean_state(plant: Plant, parameters: Mapping[str, Any] | None = None, inputs
     """
     state = plant.initial_state(parameters, None, inputs)
     at = plant.at(parameters)
-    turns = _turns(plant, at, state)
+    turns = turns_of(plant, at, state)
     if not turns:
         return plant.equilibrium(parameters, inputs=inputs)
     sources = time_dependence(at, state.d)
@@ -104,7 +104,7 @@ def _equations(at: AtParameters) -> str | None:
     return "\n".join([function.serialize(), *libraries, *numbers])
 
 
-def _turns(plant: Plant, at: AtParameters, state: State) -> list[Turn]:
+def turns_of(plant: Plant, at: AtParameters, state: State) -> list[Turn]:
     """The rotors whose azimuth moves at the start, each with what is geared to it.
 
     The angle of a gear belongs to the rotor whose azimuth its acceleration depends on; they turn as their rates say.

@@ -17,6 +17,7 @@ from fowtlib.cases import batch as batches
 from fowtlib.cases.job import Job, Outcome, carry_out
 from fowtlib.cases.pool import Event
 from fowtlib.cases.registry import NAME, RUNNING, VERSION, Registry, RegistryError, held
+from fowtlib.cases.statistics import statistics_of
 from fowtlib.language.errors import ModelError, ParameterError
 
 MODEL = """fowtlib: 1
@@ -91,7 +92,8 @@ def test_each_case_is_run_once_and_its_results_are_those_of_a_single_run(place, 
     told = batch.row("m1").statistics["pitch"]
     values = alone.array("pitch")
     assert told["unit"] == "deg" and told["max"] == values.max() and told["mean"] == pytest.approx(values.mean())
-    assert batch.statistics("m1") == fw.case_statistics(alone)
+    kept = batch.statistics("m1")
+    assert kept.pop("equivalent_loads") == {} and kept == fw.case_statistics(alone)
     assert run_batch(pendulums(), "b.batch").counts == {"due": 0, "running": 0, "done": 3, "failed": 0}
     assert len(here.done) == 3
 
@@ -348,6 +350,15 @@ def test_a_batch_can_be_moved(place, here):
     shutil.move("b.batch", "c.batch")
     here.done.clear()
     assert run_batch(pendulums(), "c.batch").result("m2").time[-1] == 2 and not here.done
+
+
+def test_equivalent_loads_are_kept_of_loads_alone():
+    time = np.linspace(0.0, 100.0, 10001)
+    load = np.sin(2 * np.pi * time)
+    told = statistics_of(fw.Result(time, {"load": load, "other": 2 * load}, {"load": "kN m", "other": "m"}))
+    assert list(told["equivalent_loads"]) == ["load"]
+    assert told["equivalent_loads"]["load"]["4"] == pytest.approx(2.0, rel=1e-3)  # the range of a sine at 1 Hz
+    assert statistics_of(fw.Result(time[:2], {"load": load[:2]}, {"load": "kN m"})) == {}
 
 
 @pytest.mark.parametrize("keep", ["all", "statistics"])

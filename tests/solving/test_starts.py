@@ -99,8 +99,9 @@ def test_the_mean_of_each_kind(tmp_path):
     mean = series.in_the_mean()
     steady = SteadyWind(mean_speed=mean["mean_speed"], stations=[[0, 120]], reference_height=90, shear_exponent=0.2)
     assert steady.mean_at(0) == pytest.approx(series.mean_at(0), abs=0.01)
-    assert KaimalWind(mean_speed=9).in_the_mean() == {"kind": "steady"}
-    assert StepWind(mean_speed=9, step_speed=12).in_the_mean() == {"kind": "steady"}
+    steady = {"kind": "steady", "shear_exponent": 0.1}
+    assert KaimalWind(mean_speed=9, shear_exponent=0.1).in_the_mean() == steady
+    assert StepWind(mean_speed=9, step_speed=12, shear_exponent=0.1).in_the_mean() == steady
     assert Wind(kind="none").in_the_mean() == {}
     assert mean_values(InputWind(mean_speed=9)) == {}  # its equations are others, and do not change in time
     assert JonswapSea(heading=0.3).in_the_mean() == {"spectrum": "still", "heading": 0.0, "build_up": 0.0}
@@ -120,7 +121,7 @@ class Slope(Wind, kind="slope of test"):
 def test_the_mean_of_a_kind_of_ones_own_and_of_a_part_of_a_run(plant):
     mean = mean_parameters(plant, {"wind": Slope(), "sea.seed": 4, "sea.build_up": 20})
     assert mean == {"sea.spectrum": "still", "sea.heading": 0.0, "sea.build_up": 0.0, "wind.kind": "steady",
-                    "wind.mean_speed": 11.0}  # fmt: skip
+                    "wind.mean_speed": 11.0, "wind.shear_exponent": 0.0}  # fmt: skip
     values, whence = start_values(plant, "turning", {"wind": Slope()})
     assert whence == "from the mean position"
     state = plant.equilibrium({**STEADY, "wind.mean_speed": 11.0})
@@ -131,7 +132,7 @@ def test_the_mean_of_a_kind_of_ones_own_and_of_a_part_of_a_run(plant):
 @pytest.mark.parametrize(
     ("word", "told"),
     [
-        ("fast", "start: 'fast' is not 'equilibrium', 'turning', 'rest' or 'file', nor a file of a result"),
+        ("fast", "start: 'fast' is not 'equilibrium', 'turning', 'stationary', 'rest' or 'file', nor a file"),
         ("absent.nc", "absent.nc: there is no such file"),
         (7, "start: 7 is no State, no Result, no start values by path and no word"),
     ],

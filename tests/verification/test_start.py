@@ -95,7 +95,7 @@ def test_a_start_from_a_file(capsys, monkeypatch, tmp_path):
     assert main([*argv, "--time", "0.1", "--start", "state.json"]) == 0
     capsys.readouterr()
     for word, message in (
-        ("fast", "--start: 'fast' is not 'equilibrium', 'turning', 'rest' or 'file', nor a file of a result"),
+        ("fast", "--start: 'fast' is not 'equilibrium', 'turning', 'stationary', 'rest' or 'file', nor a file"),
         ("absent.nc", "absent.nc: there is no such file"),
         ("absent.json", "absent.json: cannot be read"),
     ):

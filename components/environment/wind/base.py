@@ -115,8 +115,8 @@ class Wind(Component, selector="kind", shared=("speeds", "velocity")):
         return float(self.parameter_value("mean_speed") * height ** self.parameter_value("shear_exponent"))
 
     def in_the_mean(self) -> dict[str, Any]:
-        """Steady wind of the mean speed and shear; nothing of a kind that is the same at all times."""
-        return {"kind": "steady", "shear_exponent": float(self.parameter_value("shear_exponent"))}
+        """Steady wind of the mean speed and shear; of a kind with a mean of its own, by that at the first station."""
+        return _mean(self)
 
     def require(self, y_range: tuple[float, float], z_range: tuple[float, float], who: str) -> None:
         """ParameterError, which names `who`, where a field does not cover y_range and z_range [m].
@@ -159,6 +159,14 @@ class Wind(Component, selector="kind", shared=("speeds", "velocity")):
         """The mean speed [m/s] as a number, for data that are made for it; see `require_speed`."""
         self.require_speed()
         return float(self.parameter_value("mean_speed"))
+
+
+def _mean(wind: Wind) -> dict[str, Any]:
+    """The steady wind of a mean, whose speed is to 1 cm/s where a kind computes it: for many realisations one mean."""
+    exponent = float(wind.parameter_value("shear_exponent"))
+    speed = wind.mean_at(0) / (station_height(wind, 0) / wind.reference_height) ** exponent
+    own = {} if type(wind).mean_at is Wind.mean_at else {"mean_speed": round(speed, 2)}
+    return {"kind": "steady", "shear_exponent": exponent, **own}
 
 
 def require_disk(wind: Wind, radius: float, station: int, who: str) -> None:

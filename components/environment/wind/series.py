@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-from typing import Any
-
 import numpy as np
 
 from fowtlib.components.environment.wind.base import Wind, station_height
@@ -44,9 +42,3 @@ class SeriesWind(Wind, kind="file"):
         """Mean [m/s] of the series of a station."""
         station_height(self, station)
         return float(self.read().values[:, station].mean())
-
-    def in_the_mean(self) -> dict[str, Any]:
-        """Steady wind of the mean of the first station, to 1 cm/s, at the reference height."""
-        steady = super().in_the_mean()
-        speed = self.mean_at(0) / (self.hubs[0, 1] / self.reference_height) ** steady["shear_exponent"]
-        return {**steady, "mean_speed": round(float(speed), 2)}

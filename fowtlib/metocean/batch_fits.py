@@ -4,53 +4,70 @@ from __future__ import annotations
 
 import warnings
 from collections import Counter
-from collections.abc import Sequence
-from pathlib import Path
-from typing import TYPE_CHECKING, Any, NamedTuple
+from collections.abc import Callable, Mapping, Sequence
+from typing import Any, Protocol
 
 import numpy as np
 
-from fowtlib.cli.progress import part_bar
 from fowtlib.language.errors import ModelError, did_you_mean
+from fowtlib.metocean.fits import Fits
+from fowtlib.metocean.pooled_tails import Pool, Tail, exponential
+from fowtlib.metocean.short_term import Gumbel, UpCrossings
+from fowtlib.metocean.states import COLUMNS, State, States
 
-if TYPE_CHECKING:
-    from fowtlib.analysis.tails import CrossingRates
-    from fowtlib.cases import Batch, Row
-    from fowtlib.metocean import Fits, State, States
-
-LAWS = ("gumbel", "rates", "gaussian")
+LAWS = ("gumbel", "pooled", "rates", "gaussian")
 EXPONENTIAL = "an exponential tail in place of one that falls slower"
 GAUSSIAN = "as of a Gaussian process, for want of a tail,"
 
 
-def fits_of_batch(path: Path, responses: Sequence[str] | None, law: str | None, duration: float) -> dict[str, Fits]:
+class Row(Protocol):
+    """What is known of a case that was run; `fowtlib.cases.Row` is one."""
+
+    name: str
+    state: str
+    simulated: float | None
+    statistics: Mapping[str, Mapping[str, Any]]
+    case: Any
+
+
+class Batch(Protocol):
+    """Cases that were run; `fowtlib.cases.Batch` is one."""
+
+    folder: Any
+
+    def rows(self) -> list[Any]: ...
+    def result(self, name: str) -> Any: ...
+
+
+def fits_of_batch(
+    batch: Batch,
+    responses: Sequence[str] | None = None,
+    law: str | None = None,
+    duration: float = 3600.0,
+    progress: Callable[[int, int], None] = lambda done, total: None,
+) -> dict[str, Fits]:
     """By response, the law of its largest value in `duration` [s] in each state of the batch.
 
-    path: of the cases file, or of the folder of the batch. responses: names of results; None is all. law: "gumbel" by
-    moments from the maxima of several runs of a state; "rates" from the up-crossings in the results of all its runs,
-    exponential where the fitted tail falls slower than that, and as of a Gaussian process where too few levels are
-    passed; "gaussian" as of such a process in all states; None is the first where each state has two runs or more, else
-    the second. A case is known as a state by its labels wind_speed, Hs and Tp, and as a bin by its label probability.
+    responses: names of results; None is all. law: "gumbel" by
+    moments from the maxima of several runs of a state. The others take the rates of up-crossings in all its runs: with
+    one shape of the tail at each wind speed ("pooled"), a tail of each state ("rates"), or as of a Gaussian process
+    ("gaussian"); a tail that falls slower than exponential is taken as such, and where there is none, the process is
+    taken as Gaussian. None is the first where each state has two runs or more, else the second. A case is known as a
+    state by its labels wind_speed, Hs and Tp, and as a bin by its label probability.
     """
-    from fowtlib.cases import Batch
-
-    folder = path if path.is_dir() else path.with_suffix(".batch")
-    if not folder.is_dir():
-        raise ModelError(f"{folder}: there is no such folder; begin the batch with fowt batch run {path}.")
-    batch = Batch.open(folder)
     groups = _groups(batch)
     known = list(dict.fromkeys(name for row in next(iter(groups.values())) for name in row.statistics))
     for name in responses or ():
         if name not in known:
             raise ModelError(f"{batch.folder}: there is no result '{name}'{did_you_mean(name, known)}")
     fewest = min(len(rows) for rows in groups.values())
-    chosen = law or ("gumbel" if fewest > 1 else "rates")
+    chosen = law or ("gumbel" if fewest > 1 else "pooled")
     if chosen == "gumbel" and fewest < 2:
-        raise ModelError(f"{batch.folder}: a state has one run alone; a Gumbel law needs several. Take --law rates.")
+        raise ModelError(f"{batch.folder}: a state has one run alone; a Gumbel law needs several. Take --law pooled.")
     names = list(responses or known)
     if chosen == "gumbel":
         return _gumbel(batch, groups, names, duration)
-    return _rates(batch, groups, names, duration, fitted=chosen == "rates")
+    return _rates(batch, groups, names, duration, chosen, progress)
 
 
 Key = tuple["State", float | None]
@@ -58,9 +75,6 @@ Key = tuple["State", float | None]
 
 def _groups(batch: Batch) -> dict[Key, list[Row]]:
     """The runs of each state that are done."""
-    from fowtlib.metocean import State
-    from fowtlib.metocean.states import COLUMNS
-
     groups: dict[Key, list[Row]] = {}
     missing: dict[Key, int] = {}
     for row in batch.rows():
@@ -86,8 +100,6 @@ def _groups(batch: Batch) -> dict[Key, list[Row]]:
 
 
 def _gumbel(batch: Batch, groups: dict[Key, list[Row]], names: list[str], duration: float) -> dict[str, Fits]:
-    from fowtlib.metocean import Gumbel
-
     spans = {round(row.simulated - (row.case.discard or 0.0), 6) for rows in groups.values() for row in rows
              if row.simulated is not None}  # fmt: skip
     if len(spans) != 1:
@@ -107,20 +119,26 @@ def _gumbel(batch: Batch, groups: dict[Key, list[Row]], names: list[str], durati
 
 
 def _rates(
-    batch: Batch, groups: dict[Key, list[Row]], names: list[str], duration: float, fitted: bool
+    batch: Batch, groups: dict[Key, list[Row]], names: list[str], duration: float, law: str, progress: Any
 ) -> dict[str, Fits]:
-    from fowtlib.metocean import UpCrossings
-
-    tails: dict[str, dict[Key, Any]] = {name: {} for name in names}
+    tails: dict[str, dict[Any, Tail]] = {name: {} for name in names}
     kinds: dict[str, Counter[str]] = {name: Counter() for name in names}
-    with part_bar("fitting rates of up-crossings") as report:
-        for number, (key, rows) in enumerate(groups.items()):
-            results = [batch.result(row.name) for row in rows]
-            for name in names:
-                records = [result[name] for result in results]
-                tails[name][key], kind = _tail(records) if fitted else (_gaussian(records), "")
-                kinds[name][kind] += 1
-            report(number + 1, len(groups))
+    pools = {name: Pool() for name in names}
+    for number, (key, rows) in enumerate(groups.items()):
+        results = [batch.result(row.name) for row in rows]
+        for name in names:
+            records = [result[name] for result in results]
+            if law == "pooled":
+                pools[name].add(key, key[0].wind_speed, records)
+                continue
+            tails[name][key], kind = _tail(records) if law == "rates" else (_gaussian(records), "")
+            kinds[name][kind] += 1
+        progress(number + 1, len(groups))
+    if law == "pooled":
+        for name, pool in pools.items():
+            tails[name], plain = pool.tails(lambda key: key[0].wind_speed)
+            if plain:
+                warnings.warn(f"{name}: {GAUSSIAN} at {plain} of {len(pool.counts)} wind speeds.", stacklevel=1)
     for name, counts in kinds.items():
         for kind in (EXPONENTIAL, GAUSSIAN):
             if counts[kind]:
@@ -131,55 +149,31 @@ def _rates(
     }
 
 
-def _tail(records: list[Any]) -> tuple[Any, str]:
+def _tail(records: list[Any]) -> tuple[Tail, str]:
     """The tail of the rates, and what was made of it where it could not be fitted as it is."""
     from fowtlib.analysis.tails import crossing_rates, fit_rates
 
     try:
         rates = crossing_rates(records)
-        tail = fit_rates(rates)
-        return (tail, "") if tail.c >= 1 else (_exponential(rates), EXPONENTIAL)
+        fit = fit_rates(rates)
+        if fit.c < 1:
+            return exponential(rates), EXPONENTIAL
+        return Tail(fit.q, fit.a, fit.b, fit.c, fit.threshold), ""
     except ModelError:
         return _gaussian(records), GAUSSIAN
 
 
-def _gaussian(records: list[Any]) -> _Tail:
+def _gaussian(records: list[Any]) -> Tail:
     from fowtlib.analysis.extremes import gaussian_maximum
 
     try:
         plain = gaussian_maximum(records)
     except ModelError as error:
         raise ModelError(f"{error} Name the results to evaluate with --results.") from None
-    return _Tail(plain.mean_rate, 0.5 / plain.std**2, plain.mean, 2.0, plain.mean)
-
-
-def _exponential(rates: CrossingRates) -> _Tail:
-    """Least squares with c = 1, and the weights of `fit_rates`.
-
-    A tail that falls slower than this comes from levels that a few slow motions have passed; far beyond the data it
-    has no end.
-    """
-    nu, half = rates.rate, rates.half_width
-    used = nu > half
-    y, log_rate = rates.levels[used], np.log(nu[used])
-    weight = 1.0 / np.log((nu[used] + half[used]) / (nu[used] - half[used]))
-    slope, at_zero = np.polyfit(y - y[0], log_rate, 1, w=weight)
-    if not slope < 0:
-        raise ModelError("the rates do not fall.")
-    return _Tail(float(np.exp(at_zero)), float(-slope), float(y[0]), 1.0, float(y[0]))
-
-
-class _Tail(NamedTuple):
-    q: float
-    a: float
-    b: float
-    c: float
-    threshold: float
+    return Tail(plain.mean_rate, 0.5 / plain.std**2, plain.mean, 2.0, plain.mean)
 
 
 def _fits(name: str, groups: dict[Key, list[Row]], law: Any) -> Fits:
-    from fowtlib.metocean import Fits, States
-
     def part(with_probability: bool) -> tuple[States, Any] | None:
         keys = [key for key in groups if (key[1] is not None) == with_probability]
         if not keys:

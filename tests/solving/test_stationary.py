@@ -1,0 +1,123 @@
+"""A start in the stationary state: exact for what is linear, and nearer than the mean for a turbine."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+import fowtlib as fw
+from fowtlib.components.environment import JonswapSea, Sea, World
+from fowtlib.language import Component, Scalar, Series, assign, der, eq, outer, param, sampled, var
+from fowtlib.language.errors import SimulationError
+from fowtlib.solving.starts import start_values
+from fowtlib.solving.stationary import harmonics
+
+
+class Buoy(Component):
+    """A damped oscillator, 20 s and 5 % of critical, that the elevation of the sea pushes."""
+
+    stiffness: Scalar = param(default=0.09869604, unit="1/s^2", doc="stiffness over mass")
+    damping: Scalar = param(default=0.0314159, unit="1/s", doc="damping over mass")
+    sea: Sea = outer(Sea)
+    x: Scalar = var(unit="m", start=3.0, fixed=True, state="prefer", doc="position")
+    v: Scalar = var(unit="m/s", start=0, fixed=True, state="prefer", doc="speed")
+
+    def equations(self):
+        push = 0.05 * self.sea.elevation
+        return [eq(der(self.x), self.v), eq(der(self.v), push - self.damping * self.v - self.stiffness * self.x)]
+
+
+def floating(part=None, **sea):
+    top = fw.Assembly("buoy")
+    top.world, top.buoy = World(), part or Buoy()
+    top.sea = JonswapSea(significant_wave_height=4, peak_period=12, repetition_period=600, **sea)
+    return fw.load(top).compile()
+
+
+@pytest.fixture(scope="module")
+def buoy():
+    return floating()
+
+
+@pytest.mark.parametrize("seed", [1, 2])
+def test_a_linear_model_has_no_transient_at_all(buoy, seed):
+    """What the oscillator does at once is what it does one period of the sea later."""
+    run = buoy.simulate(700.0, 0.5, start="stationary", parameters={"sea.seed": seed}, tolerance=1e-9)
+    x, v = run["buoy.x"].values, run["buoy.v"].values
+    np.testing.assert_allclose(x[:200], x[1200:1400], atol=2e-5 * np.abs(x).max())
+    np.testing.assert_allclose(v[:200], v[1200:1400], atol=2e-5 * np.abs(v).max())
+    rest = buoy.simulate(700.0, 0.5, start="turning", parameters={"sea.seed": seed})["buoy.x"].values
+    assert np.abs(rest[:40] - rest[1200:1240]).max() > 0.1 * np.abs(rest).max()
+
+
+def test_over_the_seeds_it_has_the_covariance_of_the_spectrum(buoy):
+    """Integral of |H|^2 S over the frequencies, against 400 seeds: 1/sqrt(2 x 400) is 3.5 %."""
+    found = [start_values(buoy, "stationary", {"sea.seed": seed})[0] for seed in range(400)]
+    x, v = (np.array([values[path] for values in found]) for path in ("buoy.x", "buoy.v"))
+    omega = np.linspace(0.05, 3, 20000)
+    part = buoy.root.buoy
+    H = 0.05 / (part.stiffness - omega**2 + 1j * omega * part.damping)
+    S = buoy.root.sea.spectral_density(omega) * np.abs(H) ** 2
+    assert x.std() == pytest.approx(np.sqrt(np.trapezoid(S, omega)), rel=0.12)
+    assert v.std() == pytest.approx(np.sqrt(np.trapezoid(S * omega**2, omega)), rel=0.12)
+    assert abs(np.corrcoef(x, v)[0, 1]) < 0.2 and abs(x.mean()) < 0.2 * x.std()
+
+
+def test_waves_that_grow_from_nothing_have_no_past(buoy):
+    values, whence = start_values(buoy, "stationary", {"sea.build_up": 30})
+    assert abs(values["buoy.x"]) < 1e-9 and whence == "from the stationary state about the mean position"
+    regular = {"sea.spectrum": "regular", "sea.wave_height": 2, "sea.wave_period": 9}
+    moved = buoy.simulate(27.0, 0.25, start="stationary", parameters=regular, tolerance=1e-9)["buoy.x"].values
+    np.testing.assert_allclose(moved[:37], moved[72:], atol=1e-5)
+    np.testing.assert_allclose(moved[:37], moved[36:73], atol=1e-5)
+
+
+class Rising(Buoy):
+    """The same, thrown out by its damping."""
+
+    damping: Scalar = param(default=-0.02, unit="1/s", doc="damping over mass")
+
+
+class Held(Buoy):
+    """The same, with a controller that samples."""
+
+    push: Scalar = var(unit="m/s^2", start=0.0, discrete=True, doc="of the controller")
+
+    def equations(self):
+        return [*super().equations(), sampled(0.5, assign(self.push, -0.1 * self.v))]
+
+
+def test_what_has_no_stationary_state(buoy):
+    with pytest.warns(UserWarning, match=r"leaves a motion of buoy.x, with a period of 20 s, at its mean"):
+        values, _ = start_values(floating(Rising()), "stationary")
+    assert abs(values["buoy.x"]) < 1e-9
+    with pytest.raises(SimulationError, match="no stationary start: buoy.* is sampled"):
+        start_values(floating(Held()), "stationary")
+
+
+@pytest.mark.parametrize("interpolation", ["cubic", "linear", "monotone"])
+def test_the_harmonics_of_a_series(interpolation):
+    t = 0.5 * np.arange(40)
+    values = 3 + np.outer(np.cos(2 * np.pi * t / 20 + 0.4), [1.0, 0.0]) + np.outer(np.sin(2 * np.pi * t / 5), [0, 2.0])
+    omega, amplitude = harmonics(Series.samples(values, 0.5, periodic=True, interpolation=interpolation))
+    large = np.abs(amplitude) > 1e-9
+    assert np.argwhere(large).tolist() == [[0, 0], [3, 1]]
+    assert omega[[0, 3]] == pytest.approx([2 * np.pi / 20, 2 * np.pi / 5])
+    assert amplitude[0, 0] == pytest.approx(np.exp(0.4j)) and amplitude[3, 1] == pytest.approx(-2j)
+    assert not len(harmonics(Series.samples(values, 0.5))[0]) and not len(harmonics(Series.constant([1.0]))[0])
+
+
+@pytest.mark.filterwarnings("ignore:.*repeats itself")
+@pytest.mark.parametrize(("intensity", "height", "left"), [(0.002, 0.02, 0.02), (0.15, 3.0, 0.55)])
+def test_a_turbine_starts_where_it_would_be(intensity, height, left):
+    """Motions at once and three periods later: the same under little wind and waves, and else nearer than the mean."""
+    parameters = {"wind.kind": "kaimal", "wind.mean_speed": 18.0, "wind.repetition_period": 600.0, "wind.seed": 2,
+                  "wind.turbulence_intensity": intensity, "sea.spectrum": "jonswap", "sea.peak_period": 10.0,
+                  "sea.significant_wave_height": height, "sea.repetition_period": 600.0, "sea.seed": 2}  # fmt: skip
+    plant = fw.load("oc3_spar_rigid").compile()
+    long = plant.simulate(1900, 0.5, solver="fixed", start="stationary", parameters=parameters)
+    short = plant.simulate(100, 0.5, solver="fixed", start="turning", parameters=parameters)
+    for name in ("surge", "roll", "pitch", "rotor_speed", "blade_pitch"):
+        settled = long[name].values[3600:3801]
+        gained = np.abs(long[name].values[:201] - settled).mean() / np.abs(short[name].values - settled).mean()
+        assert gained < left, (name, gained)
