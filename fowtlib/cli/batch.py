@@ -191,10 +191,10 @@ def _chosen(text: str, known: list[str], what: str) -> list[str]:
 
 def _cases(arguments: argparse.Namespace) -> list[Case]:
     """The cases of the file, all of which can be run, with the leave that the command line gives to their models."""
-    from fowtlib import check_cases, read_cases
+    from fowtlib import check_cases
     from fowtlib.language import leave
 
-    cases = read_cases(arguments.file)
+    cases = loading.read_cases(arguments, arguments.file)
     models = check_cases(cases, lambda name: loading.load_file(arguments, name))
     for model in models.values() if arguments.trust else ():
         for path in leave.give_native(model.root):
