@@ -5,11 +5,12 @@ them that repeats itself, too, sum_k Re((i omega_k - A)^-1 B u_k exp(i omega_k t
 run starts that has no transient. Over the seeds of the signals these starts have the stationary covariance of the
 linear model under the spectra of the signals, integral of G S G^H; and each fits the waves and the wind that follow.
 
-Only modes slower than a period are taken: a fast one forgets its start within seconds, and those of the blades depend
-on the azimuth. Near rated wind a linear model is that of one side of the controller, and a mode may grow in it, or as
-good as that: then the motions of bodies are moved alone, and rotors and controllers, which have limits that it knows
-nothing of, begin at their mean. A = V diag(lambda) W, and the response of mode j to a harmonic is
-W_j B u / (i omega - lambda_j).
+Only modes slower than a period are taken: a fast one forgets its start within seconds. Where loads depend on the
+azimuth of a rotor, the linear model is the mean over a turn; see solving.turning. Near rated wind a linear model is
+that of one side of the controller, and a mode may grow in it, or as good as that: then the motions of bodies are moved
+alone, and rotors and controllers, which have limits that it knows nothing of, begin at their mean.
+
+A = V diag(lambda) W, and the response of mode j to a harmonic is W_j B u / (i omega - lambda_j).
 """
 
 from __future__ import annotations
@@ -29,7 +30,7 @@ from fowtlib.solving.equilibrium import dependence
 from fowtlib.solving.functions import AtParameters
 from fowtlib.solving.modes import rate_states
 from fowtlib.solving.state import State
-from fowtlib.solving.turning import turns_of
+from fowtlib.solving.turning import FEW, Average, turns_of
 
 SHORTEST = 2.5  # s; modes with a longer period than this are taken
 LEAST_DAMPING = 0.01  # ratio of a mode, below which what it does is too large for a linear model
@@ -86,15 +87,22 @@ def slow_modes(at: AtParameters, plant: Any, state: State, shortest: float = SHO
         columns = [dae.x, dae.z, *(dae.w[place] for place in signals.values())]
         return at.functions.torn_jacobian("slopes", ca.vertcat(dae.ode, dae.alg), columns)
 
-    slopes = at.functions.once(("slopes by signals", tuple(signals)), make)
-    blocks = at.call(slopes, state.t, state.x, state.z, np.concatenate([state.u, state.d]))
-    by_x, by_z, *by_signals = (np.array(ca.densify(block)) for block in blocks)
-    nx, nz = by_x.shape[1], by_z.shape[1]
-    through = by_z[:nx] @ np.linalg.inv(by_z[nx:]) if nz else np.zeros((nx, 0))
-    A, *B = (block[:nx] - through @ block[nx:] for block in (by_x, *by_signals))
+    function = at.functions.once(("slopes by signals", tuple(signals)), make)
+    nx = state.x.size
+
+    def jacobian(*point: Any) -> tuple[np.ndarray, ...]:
+        by_x, by_z, *by_signals = (np.array(ca.densify(block)) for block in at.call(function, *point))
+        columns = np.hstack([by_x, *by_signals])
+        return columns[:nx], by_z[:nx], columns[nx:], by_z[nx:]
+
     around = turns_of(plant, at, state)
-    for turn in around:  # what turns with a rotor stands in the frame that turns
-        A, *B = (M - np.outer(turn.direction, M[turn.azimuth]) for M in (A, *B))
+    if around:  # loads depend on the azimuth
+        slopes = Average(at, state, around, FEW, jacobian).of_all(state.x)[1]
+    else:
+        top, top_z, bottom, bottom_z = jacobian(state.t, state.x, state.z, np.concatenate([state.u, state.d]))
+        slopes = top - top_z @ np.linalg.solve(bottom_z, bottom) if state.z.size else top
+    ends = np.cumsum([place.stop - place.start for place in signals.values()])
+    A, B = slopes[:, :nx], np.split(slopes[:, nx:], ends[:-1], axis=1)
     used = dependence(at.functions).any(axis=0)
     free = [k for k in range(nx) if used[k] and k not in {turn.azimuth for turn in around}]
     roots, right = np.linalg.eig(A[np.ix_(free, free)])
