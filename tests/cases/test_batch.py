@@ -157,6 +157,17 @@ def test_a_failing_case_keeps_its_sentence_and_what_it_has_computed_and_the_othe
     assert not Path("b.batch/short.partial.nc").exists()
 
 
+def test_the_first_of_each_wind_comes_first(place, here):
+    """So that two workers do not seek one mean at the same time."""
+    winds = [("a1", 8, 1), ("a2", 8, 2), ("b1", 9, 1), ("b2", 9, 2)]
+    cases = [Case(name, "oc3_spar_rigid", {"wind.kind": "kaimal", "wind.mean_speed": speed, "wind.seed": seed,
+                                           "sea.spectrum": "jonswap", "sea.significant_wave_height": 2.0 + seed,
+                                           "sea.peak_period": 10.0}, start="file", duration=0.2)
+             for name, speed, seed in winds]  # fmt: skip
+    batch = run_batch(cases, "b.batch", keep="statistics")
+    assert here.done == ["a1", "b1", "a2", "b2"] and [row.name for row in batch] == ["a1", "a2", "b1", "b2"]
+
+
 def test_what_cannot_be_run_is_found_before_anything_is(place, here):
     wrong = Case("wrong", "pendulum.yaml", {"bob.mas": 3})
     with pytest.raises(ModelError, match="case 'wrong'.*bob.*'mas'; did you mean 'mass'"):
