@@ -11,13 +11,13 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from fowtlib.cli import loading, tables
-from fowtlib.cli.files import TABLES, check_target
+from fowtlib.cli.files import TABLES, check_target, say_saved
 from fowtlib.language.errors import ModelError, NotFoundError, did_you_mean
 
 if TYPE_CHECKING:
     from fowtlib.cases import Batch, Case, Progress
 
-ENDING = ".batch"
+ENDING, PAGE = ".batch", ".html"
 TOLD = 60.0  # s between two lines on the progress, where there is no terminal
 STATISTICS = ("mean", "std", "min", "max")
 EACH = {
@@ -25,6 +25,7 @@ EACH = {
     "retry": "fowt batch retry dlc12.yaml",
     "status": "fowt batch status dlc12.yaml --all",
     "table": "fowt batch table dlc12.yaml --results pitch,surge --statistics mean,max --output extremes.csv",
+    "report": "fowt batch report dlc12.yaml --output dlc12.html",
 }
 EXAMPLES = """FILE lists the cases (see docs/cases.md). The results lie beside it, in a
 folder with the ending .batch, or in that of --folder: a registry, one file a
@@ -35,6 +36,7 @@ examples:
   fowt batch run dlc12.yaml
   fowt batch status dlc12.yaml
   fowt batch table dlc12.yaml --results pitch,surge --statistics mean,max --output extremes.csv
+  fowt batch report dlc12.yaml --output dlc12.html
   fowt batch run dlc12.yaml --scheduler tcp://10.0.0.1:8786
 """
 
@@ -60,6 +62,12 @@ def declare(commands: Any) -> None:
                        help="for example mean,max,p99,skewness; default: %(default)s")  # fmt: skip
     tables.declare(table)
     table.set_defaults(action=show_table)
+    report = verbs.add_parser("report", help="a page with what the batch has found", epilog=_example("report"))
+    _declare_file(report, "the file that lists the cases, or the folder of the batch")
+    report.add_argument("-o", "--output", type=Path, metavar="FILE", help="the page; default: beside the folder")
+    report.add_argument("--title", default="", metavar="TEXT", help="of the page")
+    report.add_argument("--results", metavar="NAMES", help="with figures, for example pitch,surge; default: the usual")
+    report.set_defaults(action=write_report)
 
 
 def _example(verb: str) -> str:
@@ -157,6 +165,18 @@ def _numbers(told: Any) -> dict[str, float]:
     return {key: value for key, value in {**told, **percentiles}.items() if isinstance(value, (int, float))}
 
 
+def write_report(arguments: argparse.Namespace) -> int:
+    """Write the page of a batch."""
+    from fowtlib.report import write_batch_page
+
+    batch = _batch(arguments)
+    path = arguments.output or batch.folder.with_suffix(PAGE)
+    check_target(path, (PAGE,), arguments.force)
+    channels = [name.strip() for name in arguments.results.split(",")] if arguments.results else None
+    say_saved(write_batch_page(batch, path, title=arguments.title, channels=channels))
+    return 0
+
+
 def _size(statistics: Any) -> float:
     return max(abs(statistics.get("min", 0.0)), abs(statistics.get("max", 0.0)))
 
@@ -171,10 +191,10 @@ def _chosen(text: str, known: list[str], what: str) -> list[str]:
 
 def _cases(arguments: argparse.Namespace) -> list[Case]:
     """The cases of the file, all of which can be run, with the leave that the command line gives to their models."""
-    from fowtlib import check_cases, read_cases
+    from fowtlib import check_cases
     from fowtlib.language import leave
 
-    cases = read_cases(arguments.file)
+    cases = loading.read_cases(arguments, arguments.file)
     models = check_cases(cases, lambda name: loading.load_file(arguments, name))
     for model in models.values() if arguments.trust else ():
         for path in leave.give_native(model.root):

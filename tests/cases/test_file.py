@@ -241,3 +241,33 @@ sets:
     of_command_line = WIND.parse("kaimal:12,class=C,seed=3") | WAVES.parse("regular:H=3,T=9")
     assert words.parameters == short.parameters == varied.parameters == of_command_line
     assert words.conditions() == short.conditions() and len({case.digest() for case in (words, short, varied)}) == 1
+
+
+OUTSIDE = [
+    ("model: oc3_spar_rigid", "model: ../model.yaml", ":2: model: '../model.yaml' is refused: it lies outside"),
+    ("zip: here.csv", "zip: ../there.csv", ":4: '../there.csv' is refused"),
+    ("set: {sea.heading: a}", "set: {sea.heading: a, wind.file: ../wind.csv}", ":5: wind.file: '.*' is refused"),
+    ("wind: steady:8", "wind: file:../wind.csv", ":6: wind.file: '.*wind.csv' is refused"),
+    ("start: rest", "start: ../end.nc", ":7: start: '../end.nc' is refused"),
+]
+
+
+@pytest.mark.parametrize(("old", "new", "message"), OUTSIDE)
+def test_a_file_reads_beside_itself_and_elsewhere_with_leave(tmp_path, old, new, message):
+    text = """fowtlib_cases: 1
+model: oc3_spar_rigid
+sets:
+  - vary: {zip: here.csv}
+    set: {sea.heading: a}
+    wind: steady:8
+    start: rest
+"""
+    folder = tmp_path / "inner"
+    folder.mkdir()
+    path = written(folder, text.replace(old, new), here__csv="a\n0\n1\n")
+    written(tmp_path, "", there__csv="a\n0\n1\n", wind__csv="", end__nc="", model__yaml="fowtlib: 1\n")
+    with pytest.raises(ModelFileError, match=message):
+        read_cases(path)
+    cases = read_cases(path, allow=tmp_path)
+    assert len(cases) == 2 and len(cases.files) == (2 if "there" in new else 3)
+    assert all(file.is_absolute() for file in cases.files)
