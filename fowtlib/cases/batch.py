@@ -273,7 +273,7 @@ def _tidy(folder: Path) -> None:
 def _planned(registry: Registry, folder: Path, cases: CaseSet, about: Mapping[str, Any],
              retry: bool) -> list[Row]:  # fmt: skip
     """The rows of the cases: which are due, and why."""
-    known = {row.name: row for row in registry.rows(all_of_them=True)}
+    known = {row.name: row for row in registry.rows(all_of_them=True, statistics=False)}
     changed: dict[tuple[tuple[str, str], ...], list[str]] = {}  # the same files for most cases
 
     def reasons(row: Row, case: Case) -> list[str]:

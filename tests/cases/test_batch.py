@@ -356,6 +356,22 @@ def test_rows_that_a_killed_run_has_left_are_due(place, here):
     assert not Path("b.batch/.fowtlib.half.nc").exists()
 
 
+def test_a_transaction_that_was_cut_off_is_taken_back(place, here):
+    """A copy of the files as they are in the middle of one, as a kill would leave them."""
+    run_batch(pendulums(), "b.batch")
+    registry = Registry(place / "b.batch", write=True)
+    registry._base.execute("PRAGMA cache_size = 1")  # so that it has to write before the end
+    registry._base.execute("BEGIN IMMEDIATE")
+    registry._base.execute("UPDATE cases SET state = 'failed', message = ?", ("x" * 50_000,))
+    assert Path("b.batch/registry.sqlite-journal").stat().st_size
+    shutil.copytree("b.batch", "c.batch")
+    registry._base.execute("ROLLBACK")
+    registry.close()
+    assert Batch.open("c.batch").counts["done"] == 3
+    here.done.clear()
+    assert run_batch(pendulums(), "c.batch").row("m1").message == "" and here.done == []
+
+
 def test_a_batch_can_be_moved(place, here):
     run_batch(pendulums(), "b.batch")
     shutil.move("b.batch", "c.batch")
