@@ -7,6 +7,7 @@ goes on; others may read it meanwhile. A process that is killed leaves it as it 
 from __future__ import annotations
 
 import json
+import os
 import sqlite3
 import zlib
 from collections.abc import Iterable, Iterator, Mapping
@@ -83,7 +84,9 @@ class Registry:
         if not write and not self.path.is_file():
             raise RegistryError(f"{folder}: is not the folder of a batch (there is no {NAME} in it).")
         with self._sentences():
-            target = self.path if write else f"{self.path.resolve().as_uri()}?mode=ro"
+            # who may write puts back what a process that was killed has left half done; others cannot
+            mode = "rw" if os.access(self.path, os.W_OK) else "ro"
+            target = self.path if write else f"{self.path.resolve().as_uri()}?mode={mode}"
             self._base = sqlite3.connect(target, timeout=_PATIENCE, uri=not write, check_same_thread=False,
                                          isolation_level=None)  # fmt: skip
             try:
@@ -129,9 +132,9 @@ class Registry:
 
     # --- rows --------------------------------------------------------------------------------------------------------
 
-    def rows(self, *, all_of_them: bool = False) -> list[Row]:
-        """The rows of the cases of the batch; all_of_them: also of cases that it had before."""
-        return list(self._rows("" if all_of_them else "WHERE place IS NOT NULL"))
+    def rows(self, *, all_of_them: bool = False, statistics: bool = True) -> list[Row]:
+        """The rows of the cases of the batch; all_of_them: also of cases that it had before. statistics: with them."""
+        return list(self._rows("" if all_of_them else "WHERE place IS NOT NULL", statistics=statistics))
 
     def row(self, name: str) -> Row | None:
         """The row of a case; None where there is none."""
@@ -149,17 +152,17 @@ class Registry:
                 "SELECT state, count(*) FROM cases WHERE place IS NOT NULL GROUP BY state"))  # fmt: skip
         return {state: found.get(state, 0) for state in STATES}
 
-    def _rows(self, where: str, *values: str) -> Iterator[Row]:
+    def _rows(self, where: str, *values: str, statistics: bool = True) -> Iterator[Row]:
         columns = ("data", "state", "why", "message", "warnings", "seconds", "processor", "simulated", "began", "ended",
-                   "worker", "result", "bytes", "files", "statistics", "digest")  # fmt: skip
+                   "worker", "result", "bytes", "files", "digest", "statistics" if statistics else "'{}'")  # fmt: skip
         query = f"SELECT {', '.join(columns)} FROM cases {where} ORDER BY place IS NULL, place, name"
         with self._sentences():
             found = self._base.execute(query, values).fetchall()
         for item in found:
             told = dict(zip(columns, item, strict=True))
             case = Case.from_plain(json.loads(told.pop("data")))
-            files, statistics = (json.loads(told.pop(key)) for key in ("files", "statistics"))
-            yield Row(case, **told, files=files, statistics=statistics)
+            files, numbers = json.loads(told.pop("files")), json.loads(told.pop(columns[-1]))
+            yield Row(case, **told, files=files, statistics=numbers)
 
     def statistics(self, name: str) -> dict[str, Any]:
         """All statistics of a case as fowtlib.analysis.case_statistics gives them; empty where there are none."""

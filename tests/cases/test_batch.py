@@ -157,6 +157,17 @@ def test_a_failing_case_keeps_its_sentence_and_what_it_has_computed_and_the_othe
     assert not Path("b.batch/short.partial.nc").exists()
 
 
+def test_the_first_of_each_wind_comes_first(place, here):
+    """So that two workers do not seek one mean at the same time."""
+    winds = [("a1", 8, 1), ("a2", 8, 2), ("b1", 9, 1), ("b2", 9, 2)]
+    cases = [Case(name, "oc3_spar_rigid", {"wind.kind": "kaimal", "wind.mean_speed": speed, "wind.seed": seed,
+                                           "sea.spectrum": "jonswap", "sea.significant_wave_height": 2.0 + seed,
+                                           "sea.peak_period": 10.0}, start="file", duration=0.2)
+             for name, speed, seed in winds]  # fmt: skip
+    batch = run_batch(cases, "b.batch", keep="statistics")
+    assert here.done == ["a1", "b1", "a2", "b2"] and [row.name for row in batch] == ["a1", "a2", "b1", "b2"]
+
+
 def test_what_cannot_be_run_is_found_before_anything_is(place, here):
     wrong = Case("wrong", "pendulum.yaml", {"bob.mas": 3})
     with pytest.raises(ModelError, match="case 'wrong'.*bob.*'mas'; did you mean 'mass'"):
@@ -345,6 +356,22 @@ def test_rows_that_a_killed_run_has_left_are_due(place, here):
     assert not Path("b.batch/.fowtlib.half.nc").exists()
 
 
+def test_a_transaction_that_was_cut_off_is_taken_back(place, here):
+    """A copy of the files as they are in the middle of one, as a kill would leave them."""
+    run_batch(pendulums(), "b.batch")
+    registry = Registry(place / "b.batch", write=True)
+    registry._base.execute("PRAGMA cache_size = 1")  # so that it has to write before the end
+    registry._base.execute("BEGIN IMMEDIATE")
+    registry._base.execute("UPDATE cases SET state = 'failed', message = ?", ("x" * 50_000,))
+    assert Path("b.batch/registry.sqlite-journal").stat().st_size
+    shutil.copytree("b.batch", "c.batch")
+    registry._base.execute("ROLLBACK")
+    registry.close()
+    assert Batch.open("c.batch").counts["done"] == 3
+    here.done.clear()
+    assert run_batch(pendulums(), "c.batch").row("m1").message == "" and here.done == []
+
+
 def test_a_batch_can_be_moved(place, here):
     run_batch(pendulums(), "b.batch")
     shutil.move("b.batch", "c.batch")
@@ -354,7 +381,7 @@ def test_a_batch_can_be_moved(place, here):
 
 def test_equivalent_loads_are_kept_of_loads_alone():
     time = np.linspace(0.0, 100.0, 10001)
-    load = np.sin(2 * np.pi * time)
+    load = np.cos(2 * np.pi * time)  # whole cycles, from crest to crest
     told = statistics_of(fw.Result(time, {"load": load, "other": 2 * load}, {"load": "kN m", "other": "m"}))
     assert list(told["equivalent_loads"]) == ["load"]
     assert told["equivalent_loads"]["load"]["4"] == pytest.approx(2.0, rel=1e-3)  # the range of a sine at 1 Hz
