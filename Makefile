@@ -65,7 +65,7 @@ fmus: $(STAMP)
 lock:
 	rm -rf build/lock-venv
 	$(PYTHON) -m venv build/lock-venv
-	build/lock-venv/bin/python -m pip install --quiet --disable-pip-version-check '.[dev,docs,fmi,hydro]'
+	build/lock-venv/bin/python -m pip install --quiet --disable-pip-version-check '.[dev,docs,fmi,hydro,cluster]'
 	( echo '# Made by `make lock` from pyproject.toml; every package of the environment, pinned.'; \
 	  build/lock-venv/bin/python -m pip freeze --all --exclude fowtlib --exclude pip ) > requirements.lock
 	rm -rf build/lock-venv
