@@ -15,10 +15,13 @@ from pathlib import Path
 from typing import Any
 from weakref import WeakKeyDictionary
 
+import numpy as np
+
 from fowtlib.language.component import Component
 from fowtlib.language.declarations import join
 from fowtlib.language.errors import ModelError, SimulationError, one_of
 from fowtlib.language.native import compiler, no_compiler
+from fowtlib.solving.checks import check_state
 from fowtlib.solving.modes import rate_states
 from fowtlib.solving.results import Result
 from fowtlib.solving.state import State
@@ -155,10 +158,23 @@ def _stationary(plant: Plant, parameters: Values | None, inputs: Values | None) 
         while len(known) >= FEW:
             del known[next(iter(known))]
         known[key] = slow_modes(plant.at(mean), plant, plant.initial_state(mean, values, inputs))
-    deviation = known[key].response(plant.binding(parameters))
-    for state, change in zip(plant.dae.states, deviation.tolist(), strict=True):
-        values[state.path] += change
-    return values
+    modes = known[key]
+    deviation = modes.response(plant.binding(parameters))
+    if modes.sound:
+        moved = _moved(plant, values, deviation)
+        try:
+            check_state(plant.at(parameters), plant.initial_state(parameters, moved, inputs), plant.name, warn=False)
+        except SimulationError as error:
+            warnings.warn(f"the start moves the bodies alone, not rotors and controllers: {error}", stacklevel=2)
+        else:
+            return moved
+    return _moved(plant, values, np.where(modes.moved, deviation, 0.0))
+
+
+def _moved(plant: Plant, values: Values, deviation: np.ndarray) -> dict[str, float]:
+    """Start values with the states moved."""
+    changes = zip(plant.dae.states, deviation.tolist(), strict=True)
+    return {**values, **{state.path: values[state.path] + change for state, change in changes}}
 
 
 def _digest(plant: Plant, parameters: Values | None, mean: Values, inputs: Values | None) -> str:

@@ -5,8 +5,12 @@ them that repeats itself, too, sum_k Re((i omega_k - A)^-1 B u_k exp(i omega_k t
 run starts that has no transient. Over the seeds of the signals these starts have the stationary covariance of the
 linear model under the spectra of the signals, integral of G S G^H; and each fits the waves and the wind that follow.
 
-Only modes slower than a period are taken: a fast one forgets its start within seconds, and those of the blades depend
-on the azimuth. A = V diag(lambda) W, and the response of mode j to a harmonic is W_j B u / (i omega - lambda_j).
+Only modes slower than a period are taken: a fast one forgets its start within seconds. Where loads depend on the
+azimuth of a rotor, the linear model is the mean over a turn; see solving.turning. Near rated wind a linear model is
+that of one side of the controller, and a mode may grow in it, or as good as that: then the motions of bodies are moved
+alone, and rotors and controllers, which have limits that it knows nothing of, begin at their mean.
+
+A = V diag(lambda) W, and the response of mode j to a harmonic is W_j B u / (i omega - lambda_j).
 """
 
 from __future__ import annotations
@@ -18,27 +22,33 @@ from typing import Any
 import casadi as ca
 import numpy as np
 
+from fowtlib.flattening import FlatDAE
 from fowtlib.language.errors import SimulationError
 from fowtlib.language.series import Series
 from fowtlib.solving.binding import Binding
 from fowtlib.solving.equilibrium import dependence
 from fowtlib.solving.functions import AtParameters
+from fowtlib.solving.modes import rate_states
 from fowtlib.solving.state import State
-from fowtlib.solving.turning import turns_of
+from fowtlib.solving.turning import FEW, Average, turns_of
 
 SHORTEST = 2.5  # s; modes with a longer period than this are taken
+LEAST_DAMPING = 0.01  # ratio of a mode, below which what it does is too large for a linear model
 
 
 @dataclass(frozen=True, eq=False)
 class SlowModes:
     """The slow part of a linear model about a mean, from the signals that drive it, by the paths of their handles.
 
-    shapes: (states, modes); gains: of each signal (modes, columns); roots (modes,) [1/s].
+    shapes: (states, modes); roots (modes,) [1/s]; gains: of each signal (modes, columns). moved: (states,) the motions
+    of bodies. sound: whether all modes are damped.
     """
 
     shapes: np.ndarray
     roots: np.ndarray
     gains: dict[str, np.ndarray]
+    moved: np.ndarray
+    sound: bool
 
     def response(self, binding: Binding) -> np.ndarray:
         """Deviation of all states from the mean at t = 0 under the signals of a run."""
@@ -57,8 +67,8 @@ class SlowModes:
 def slow_modes(at: AtParameters, plant: Any, state: State, shortest: float = SHORTEST) -> SlowModes:
     """The modes of a plant at a mean state with periods above `shortest` [s].
 
-    One that grows, as near rated wind, has no stationary state and is left out, with a warning. SimulationError where a
-    part is sampled.
+    One that grows or hardly decays, as near rated wind, has no stationary state that a linear model knows; it is left
+    out, with a warning. SimulationError where a part is sampled.
     """
     dae = at.dae
     if dae.samples:
@@ -77,43 +87,60 @@ def slow_modes(at: AtParameters, plant: Any, state: State, shortest: float = SHO
         columns = [dae.x, dae.z, *(dae.w[place] for place in signals.values())]
         return at.functions.torn_jacobian("slopes", ca.vertcat(dae.ode, dae.alg), columns)
 
-    slopes = at.functions.once(("slopes by signals", tuple(signals)), make)
-    blocks = at.call(slopes, state.t, state.x, state.z, np.concatenate([state.u, state.d]))
-    by_x, by_z, *by_signals = (np.array(ca.densify(block)) for block in blocks)
-    nx, nz = by_x.shape[1], by_z.shape[1]
-    through = by_z[:nx] @ np.linalg.inv(by_z[nx:]) if nz else np.zeros((nx, 0))
-    A, *B = (block[:nx] - through @ block[nx:] for block in (by_x, *by_signals))
+    function = at.functions.once(("slopes by signals", tuple(signals)), make)
+    nx = state.x.size
+
+    def jacobian(*point: Any) -> tuple[np.ndarray, ...]:
+        by_x, by_z, *by_signals = (np.array(ca.densify(block)) for block in at.call(function, *point))
+        columns = np.hstack([by_x, *by_signals])
+        return columns[:nx], by_z[:nx], columns[nx:], by_z[nx:]
+
     around = turns_of(plant, at, state)
-    for turn in around:  # what turns with a rotor stands in the frame that turns
-        A, *B = (M - np.outer(turn.direction, M[turn.azimuth]) for M in (A, *B))
+    if around:  # loads depend on the azimuth
+        slopes = Average(at, state, around, FEW, jacobian).of_all(state.x)[1]
+    else:
+        top, top_z, bottom, bottom_z = jacobian(state.t, state.x, state.z, np.concatenate([state.u, state.d]))
+        slopes = top - top_z @ np.linalg.solve(bottom_z, bottom) if state.z.size else top
+    ends = np.cumsum([place.stop - place.start for place in signals.values()])
+    A, B = slopes[:, :nx], np.split(slopes[:, nx:], ends[:-1], axis=1)
     used = dependence(at.functions).any(axis=0)
     free = [k for k in range(nx) if used[k] and k not in {turn.azimuth for turn in around}]
     roots, right = np.linalg.eig(A[np.ix_(free, free)])
     left = np.linalg.pinv(right)
     slow = np.flatnonzero(np.abs(roots) < 2 * np.pi / shortest)
-    growing = [k for k in slow if roots[k].real > -1e-9]
+    growing = [k for k in slow if -roots[k].real < LEAST_DAMPING * np.abs(roots[k])]
     if growing:
-        _say_what_grows(at, state, roots[growing], free, right[:, growing])
+        _say_what_grows(dae, roots[growing], free, right[:, growing])
         slow = np.setdiff1d(slow, growing)
-    shapes = np.zeros((nx, len(slow)), dtype=complex)
+    shapes, moved = np.zeros((nx, len(slow)), dtype=complex), np.zeros(nx, dtype=bool)
+    geared = {k for turn in around for k in np.flatnonzero(turn.direction).tolist()}
     shapes[free] = right[:, slow]
+    moved[motions(dae, [k for k in free if k not in geared])] = True
     gains = {path: left[slow] @ block[free] for path, block in zip(signals, B, strict=True)}
-    return SlowModes(shapes, roots[slow], gains)
+    return SlowModes(shapes, roots[slow], gains, moved, not growing)
 
 
-def _say_what_grows(at: AtParameters, state: State, roots: np.ndarray, free: list[int], shapes: np.ndarray) -> None:
-    names = {at.dae.states[free[int(np.argmax(np.abs(shape) / _sizes(at, state)[free]))]].path for shape in shapes.T}
+def motions(dae: FlatDAE, free: list[int]) -> list[int]:
+    """Numbers of the states that are positions and speeds of bodies; nothing of rotors that turn, and of their parts.
+
+    free: the states without coordinates that turn with a rotor, or that nothing depends on; their speeds do not count.
+    """
+    inside = tuple(f"{part}." for ring in dae.symmetries for part in ring.parts)
+    pairs = [pair for pair in rate_states(dae).items() if set(pair) <= set(free)]
+    found = {k for pair in pairs for k in pair if not dae.states[k].path.startswith(inside)}
+    linear = tuple({f"{item.path}." for item in dae.operators})  # what the water remembers
+    return sorted(found | {k for k in free if dae.states[k].path.startswith(linear)}) if linear else sorted(found)
+
+
+def _say_what_grows(dae: FlatDAE, roots: np.ndarray, free: list[int], shapes: np.ndarray) -> None:
+    positions = [row for row, k in enumerate(free) if k in rate_states(dae)] or list(range(len(free)))
+    names = {dae.states[free[positions[int(np.argmax(np.abs(shape[positions])))]]].path for shape in shapes.T}
     period = 2 * np.pi / max(abs(roots[0].imag), 1e-9)
     about = f", with a period of {period:.3g} s," if period < 1e6 else ""
     warnings.warn(
         f"the start leaves a motion of {', '.join(sorted(names))}{about} at its mean: in the linear model about the "
-        "mean it grows, and has no stationary state.", stacklevel=2
+        "mean it grows or hardly decays. So rotors and controllers begin at their mean, too.", stacklevel=2
     )  # fmt: skip
-
-
-def _sizes(at: AtParameters, state: State) -> np.ndarray:
-    """What is large for each state, for the comparison of states with different units."""
-    return 1.0 + np.abs(state.x)
 
 
 def harmonics(series: Any) -> tuple[np.ndarray, np.ndarray]:

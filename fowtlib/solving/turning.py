@@ -14,7 +14,7 @@ Kelley and D. E. Keyes, SIAM J. Numer. Anal. 35 (1998) 508).
 from __future__ import annotations
 
 import warnings
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
@@ -46,6 +46,10 @@ NEWTON = 8  # iterations of a step
 ITERATIONS = 20
 # The longest step [s], the last change over 1 + value, and how well a step is solved: of the mean, and near it.
 EXACT, NEAR = (1e4, 1e-7, 1e-4), (100.0, 1e-2, 3e-2)
+
+
+Jacobian = Callable[..., Sequence[Any]]
+"""`(t, x, z, q) -> d ode/dx, d ode/dz, d alg/dx, d alg/dz`."""
 
 
 @dataclass(frozen=True)
@@ -82,7 +86,7 @@ def mean_state(plant: Plant, parameters: Mapping[str, Any] | None = None, inputs
     def settled() -> np.ndarray:
         if line := mean_announcement(at, (state.t, state.x, state.z, np.concatenate([state.u, state.d])), azimuths):
             warnings.warn(line, RuntimeWarning, stacklevel=2)
-        return _settled(_Average(at, state, turns, azimuths), state.x, limits)
+        return _settled(Average(at, state, turns, azimuths), state.x, limits)
 
     equations = _equations(at)
     made_from = [*sources_of(__name__), repr((azimuths, limits)), equations or "", at.parameters, state.x, state.u]
@@ -137,16 +141,20 @@ def turns_of(plant: Plant, at: AtParameters, state: State) -> list[Turn]:
     return [Turn(k, direction) for k, direction in directions.items()]
 
 
-class _Average:
+class Average:
     """Mean rates of the states behind the azimuths, and their slopes.
 
     Averaged are forces, not accelerations: M(psi) a = F(psi), and a mean of M^-1 F would let what goes round with the
     blades fall freely for a part of each turn. So the accelerations are held at zero, the residual of the equations of
     motion is averaged, and the rates are those that the mean mass gives to the mean force.
+
+    jacobian: in place of that of the functions, with further columns behind those of x.
     """
 
-    def __init__(self, at: AtParameters, state: State, turns: list[Turn], azimuths: int):
+    def __init__(self, at: AtParameters, state: State, turns: list[Turn], azimuths: int,
+                 jacobian: Jacobian | None = None):  # fmt: skip
         self.at, self.t, self.turns = at, state.t, turns
+        self.jacobian = jacobian or at.jacobian
         self.q = np.concatenate([state.u, state.d])
         self.azimuths = azimuths
         self.z = [state.z.copy() for _ in range(azimuths)]
@@ -175,6 +183,11 @@ class _Average:
 
     def at_state(self, x: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
         """Mean rates (n,) of the free states and their slopes (n, n)."""
+        rates, slopes = self.of_all(x)
+        return rates[self.free], slopes[np.ix_(self.free, self.free)]
+
+    def of_all(self, x: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+        """Mean rates of all states, and their slopes by these, and by what else the Jacobian has columns for."""
         together = sum(turn.direction for turn in self.turns)
         sums: list[Any] = [0.0, 0.0, 0.0, 0.0, 0.0]
         for k in range(self.azimuths):
@@ -186,17 +199,17 @@ class _Average:
         for turn in self.turns:  # what turns with the rotor stands in the frame that turns
             rates = rates - turn.direction * rates[turn.azimuth]
             slopes = slopes - np.outer(turn.direction, slopes[turn.azimuth])
-        return rates[self.free], slopes[np.ix_(self.free, self.free)]
+        return rates, slopes
 
     def _at_azimuth(self, number: int, x: np.ndarray) -> tuple[np.ndarray, ...]:
         """Rates and slopes without accelerations; residual of the equations of motion, its slopes, and the mass."""
         a, o, m, r, v = self.accelerations, self.unknowns, self.motion, self.others, self.speeds
         z = self._unknowns(number, x)
         ode, alg = (np.array(value).ravel() for value in self.at.residual(self.t, x, z, self.q))
-        blocks = [np.array(block) for block in self.at.jacobian(self.t, x, z, self.q)]
+        blocks = [np.array(block) for block in self.jacobian(self.t, x, z, self.q)]
         self.z[number], self.slopes[number] = z, blocks
         xx, xz, zx, zz = blocks
-        by_x = np.zeros((z.size, x.size))
+        by_x = np.zeros((z.size, xx.shape[1]))
         by_x[o] = -np.linalg.solve(zz[np.ix_(r, o)], zx[r])
         by_x[a] = -np.linalg.solve(xz[np.ix_(v, a)], xx[v] + xz[np.ix_(v, o)] @ by_x[o])
         mass = zz[np.ix_(m, a)] @ np.linalg.inv(xz[np.ix_(v, a)])
@@ -208,7 +221,7 @@ class _Average:
         z, blocks = self.z[number], self.slopes[number]
         for iteration in range(ITERATIONS):
             if blocks is None or iteration % 6 == 5:
-                blocks = [np.array(block) for block in self.at.jacobian(self.t, x, z, self.q)]
+                blocks = [np.array(block) for block in self.jacobian(self.t, x, z, self.q)]
             _, xz, _, zz = blocks
             ode, alg = (np.array(value).ravel() for value in self.at.residual(self.t, x, z, self.q))
             step = np.zeros(z.size)
@@ -222,7 +235,7 @@ class _Average:
         raise SimulationError("the unknowns of a turned rotor do not settle")
 
 
-def _settled(average: _Average, x: np.ndarray, goal: tuple[float, float, float]) -> np.ndarray:
+def _settled(average: Average, x: np.ndarray, goal: tuple[float, float, float]) -> np.ndarray:
     """States at which the mean rates vanish."""
     x, length = x.copy(), 0.5
     longest, settled, close = goal
@@ -249,7 +262,7 @@ def _settled(average: _Average, x: np.ndarray, goal: tuple[float, float, float])
     )
 
 
-def _implicit_euler(average: _Average, before: np.ndarray, rates: np.ndarray, slopes: np.ndarray,
+def _implicit_euler(average: Average, before: np.ndarray, rates: np.ndarray, slopes: np.ndarray,
                     length: float, close: float) -> tuple[np.ndarray, np.ndarray, np.ndarray] | None:  # fmt: skip
     """States, mean rates and slopes one step later; None where Newton does not settle."""
     free, identity, x, last = average.free, np.eye(len(average.free)), before.copy(), np.inf

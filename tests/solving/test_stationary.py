@@ -9,6 +9,7 @@ import fowtlib as fw
 from fowtlib.components.environment import JonswapSea, Sea, World
 from fowtlib.language import Component, Scalar, Series, assign, der, eq, outer, param, sampled, var
 from fowtlib.language.errors import SimulationError
+from fowtlib.solving import starts
 from fowtlib.solving.starts import start_values
 from fowtlib.solving.stationary import harmonics
 
@@ -88,7 +89,7 @@ class Held(Buoy):
 
 
 def test_what_has_no_stationary_state(buoy):
-    with pytest.warns(UserWarning, match=r"leaves a motion of buoy.x, with a period of 20 s, at its mean"):
+    with pytest.warns(UserWarning, match=r"leaves a motion of buoy.x, with a period of 20 s, at its mean: .* grows"):
         values, _ = start_values(floating(Rising()), "stationary")
     assert abs(values["buoy.x"]) < 1e-9
     with pytest.raises(SimulationError, match="no stationary start: buoy.* is sampled"):
@@ -121,3 +122,33 @@ def test_a_turbine_starts_where_it_would_be(intensity, height, left):
         settled = long[name].values[3600:3801]
         gained = np.abs(long[name].values[:201] - settled).mean() / np.abs(short[name].values - settled).mean()
         assert gained < left, (name, gained)
+
+
+NEAR_RATED = {"wind.kind": "kaimal", "wind.mean_speed": 12.0, "sea.spectrum": "jonswap",
+              "sea.significant_wave_height": 4, "sea.peak_period": 10}  # fmt: skip
+
+
+def test_near_rated_wind_the_bodies_alone_are_moved():
+    plant = fw.load("oc3_spar_rigid").compile()
+    with pytest.warns(UserWarning, match="leaves a motion of platform.motion.surge, .* So rotors and controllers"):
+        moved, _ = start_values(plant, "stationary", NEAR_RATED)
+    mean, _ = start_values(plant, "turning", NEAR_RATED)
+    changed = {path for path in moved if moved[path] != mean[path]}
+    assert {"platform.motion.pitch", "platform.motion.velocity[0]", "platform.water.radiation.x[0]"} <= changed
+    assert not any(path.startswith("turbine.") for path in changed)
+
+
+def test_a_start_outside_of_a_range_moves_the_bodies_alone(monkeypatch):
+    plant = fw.load("oc3_spar_rigid").compile()
+    parameters = {**NEAR_RATED, "wind.mean_speed": 18.0}
+    whole, _ = start_values(plant, "stationary", parameters)
+
+    def outside(*_, **__):
+        raise SimulationError("turbine.rotor: table left at its edge.")
+
+    monkeypatch.setattr(starts, "check_state", outside)
+    with pytest.warns(UserWarning, match="moves the bodies alone, not rotors and controllers: turbine.rotor: table"):
+        bodies, _ = start_values(plant, "stationary", parameters)
+    mean, _ = start_values(plant, "turning", parameters)
+    assert bodies["platform.motion.surge"] == whole["platform.motion.surge"] != mean["platform.motion.surge"]
+    assert bodies["turbine.rotor.w"] == mean["turbine.rotor.w"] != whole["turbine.rotor.w"]
