@@ -180,6 +180,8 @@ def test_killed_at_any_moment_no_finished_case_is_lost_and_the_next_run_goes_on(
     assert batch.counts == {"due": 0, "running": 0, "done": count, "failed": 0}
     assert finished.items() <= {row.name: (row.ended, row.bytes) for row in batch}.items()
     assert {path.suffix for path in folder.iterdir()} == {".nc", ".sqlite", ".log", ""}
+    done = [line.split()[3] for line in (folder / "batch.log").read_text().splitlines() if " done  " in line]
+    assert len(done) == len(set(done)) > count / 2  # none twice
     plant = fw.load(model).compile()
     for case in chance.sample(cases, 3):
         alone = plant.simulate(conditions=case.conditions(), solver="fixed")
