@@ -22,7 +22,7 @@ OVER = ("wind_speed", "mean_speed", "speed", "significant_wave_height")  # label
 UNITS = {"wind_speed": "m/s", "significant_wave_height": "m", "peak_period": "s", "wave_heading": "deg",
          "yaw_error": "deg"}  # fmt: skip
 NOT_JUDGED = ("azimuth",)  # of which an extreme says nothing
-MOST_SHOWN = 12  # results with figures
+MOST_SHOWN = 16  # results with figures
 MOST_LINES = 5  # spectra in one figure
 
 
