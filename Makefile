@@ -1,5 +1,6 @@
 # make run     make the environment, simulate the OC3 spar in wind and waves, draw a picture
 # make test    make the environment, run the tests
+# make batch-demo  run twelve short cases and write a page about them, output/demo.html
 # make setup lint bench docs catalogue verification torture fmus lock clean: see below
 
 PYTHON ?= python3
@@ -7,7 +8,7 @@ VENV   := .venv
 BIN    := $(VENV)/bin
 STAMP  := $(VENV)/.made-from-lock
 
-.PHONY: setup run test lint bench docs catalogue verification torture fmus lock clean
+.PHONY: setup run batch-demo test lint bench docs catalogue verification torture fmus lock clean
 
 setup: $(STAMP)
 
@@ -23,6 +24,11 @@ run: $(STAMP)
 	@mkdir -p output
 	$(BIN)/fowt run oc3_spar_rigid --time 300 --wind kaimal:11.4,class=B,seed=1 --waves jonswap:Hs=6,Tp=10,seed=1 \
 		--output output/oc3_spar_rigid.nc --plot output/oc3_spar_rigid.png --force
+
+batch-demo: $(STAMP)
+	@mkdir -p output
+	$(BIN)/fowt batch run models/cases/demo.yaml --folder output/demo.batch
+	$(BIN)/fowt batch report models/cases/demo.yaml --folder output/demo.batch --output output/demo.html --force
 
 # TESTS: further words for pytest, such as TESTS="-k mooring"
 test: $(STAMP)

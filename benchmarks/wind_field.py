@@ -77,7 +77,7 @@ def look_up(path: Path) -> None:
     positions = np.stack([0.1 * radius, radius * np.sin(azimuth), 90 + radius * np.cos(azimuth)], axis=-1)
     before = resident()
     for name, prefix in (("value", ""), ("Jacobian", "jac_")):
-        column = np.concatenate([[handle, 0.0], positions.ravel()])
+        column = np.concatenate([[handle, 0.0, *np.zeros(6), 90.0, 0.0], positions.ravel()])
         result = np.empty(12 * 3 * POINTS)
         numbers = [array.ctypes.data_as(ctypes.POINTER(ctypes.c_double)) for array in (column, result)]
         call = getattr(library, prefix + function.name)

@@ -41,7 +41,7 @@ if TYPE_CHECKING:
         up_crossings,
     )
     from fowtlib.case_files import read_cases
-    from fowtlib.cases import Case, check_cases
+    from fowtlib.cases import Batch, Case, check_cases, run_batch
     from fowtlib.fmi import export_fmu
     from fowtlib.modelfile import dump, load
     from fowtlib.solving import (
@@ -68,7 +68,7 @@ _LATER = {
     "export_fmu": "fowtlib.fmi",
     "view": "fowtlib.view",
     "read_cases": "fowtlib.case_files",
-    **dict.fromkeys(("Case", "check_cases"), "fowtlib.cases"),
+    **dict.fromkeys(("Batch", "Case", "check_cases", "run_batch"), "fowtlib.cases"),
     **dict.fromkeys(("dump", "load"), "fowtlib.modelfile"),
     **dict.fromkeys(
         ("Conditions", "Event", "LinearModel", "Mode", "Model", "NaturalMode", "Output", "Plant", "Result", "State",
@@ -103,6 +103,7 @@ def __dir__() -> list[str]:
 
 __all__ = [
     "Assembly",
+    "Batch",
     "Case",
     "Component",
     "Conditions",
@@ -142,6 +143,7 @@ __all__ = [
     "over_seeds",
     "power_spectrum",
     "read_cases",
+    "run_batch",
     "simulated_rao",
     "static_curve",
     "ultimate_loads",

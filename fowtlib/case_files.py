@@ -9,6 +9,7 @@ from pathlib import Path
 from fowtlib import cases, metocean
 from fowtlib.cases import CaseSet
 from fowtlib.cases.conditional import Distribution
+from fowtlib.cases.folder import Allowed
 from fowtlib.cases.site import Site, is_site_file, site_from
 from fowtlib.cases.site import read_site as _of_file
 
@@ -16,11 +17,15 @@ DEFAULT_SITE = "norway_5"
 
 
 def read_cases(
-    path: str | os.PathLike[str], *, distributions: Mapping[str, Distribution] | None = None, text: str | None = None
+    path: str | os.PathLike[str],
+    *,
+    distributions: Mapping[str, Distribution] | None = None,
+    text: str | None = None,
+    allow: Allowed = (),
 ) -> CaseSet:
     """The cases of a file; see fowtlib.cases.read_cases. Sites of `distributions` are those of fowtlib.metocean."""
     opened = metocean.open_distribution
-    return cases.read_cases(path, distributions=distributions, open_distribution=opened, text=text)
+    return cases.read_cases(path, distributions=distributions, open_distribution=opened, text=text, allow=allow)
 
 
 def read_site(source: str | os.PathLike[str], hub_height: float) -> Site:

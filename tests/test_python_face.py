@@ -153,10 +153,15 @@ def test_the_root_of_a_model_knows_its_outputs():
     assert alone.outputs == {} and alone.settings == {}
 
 
-@pytest.mark.parametrize("start", ["equilibrium", 3.0, [0.1, 0.2]])
+@pytest.mark.parametrize("start", [3.0, [0.1, 0.2]])
 def test_a_start_of_another_kind_is_refused(plant, start):
-    with pytest.raises(ModelError, match=r"^start: .* is no State, no Result and no start values by path; write"):
+    with pytest.raises(ModelError, match=r"^start: .* is no State, no Result, no start values by path and no word; w"):
         plant.simulate(1.0, start=start)
+
+
+def test_a_start_by_an_unknown_word_is_refused(plant):
+    with pytest.raises(ModelError, match=r"^start: 'equilibrum' is not 'equilibrium', 'turning', 'stationary', 'rest'"):
+        plant.simulate(1.0, start="equilibrum")
 
 
 def test_a_mode_shows_itself_in_a_line(plant):

@@ -8,10 +8,13 @@ from fowtlib.language import (
     Array,
     Component,
     Number,
+    OfferedEvent,
     RealOutput,
     Scalar,
     assign,
     eq,
+    event,
+    on,
     param,
     port,
     time_series,
@@ -54,6 +57,8 @@ class Step(Component):
     start_time: Scalar = param(default=0.0, unit="s", doc="time of the step")
     offset: Scalar = param(default=0.0, doc="value before the step")
 
+    trigger: OfferedEvent = event(doc="the step comes now, whatever start_time says")
+
     y: RealOutput = port(doc="output")
 
     raised: Scalar = var(discrete=True, start=1 - m.sign(m.fmax(start_time, 0.0)), doc="1 after the step, else 0")
@@ -61,6 +66,7 @@ class Step(Component):
     def equations(self):
         return [
             when(self.time > self.start_time, assign(self.raised, 1.0)),
+            on(self.trigger, assign(self.raised, 1.0)),
             eq(self.y, self.offset + self.height * self.raised),
         ]
 

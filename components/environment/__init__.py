@@ -37,6 +37,7 @@ from fowtlib.components.environment.wind import (
     SteadyExtremeWind,
     SteadyWind,
     StepWind,
+    TurbulentWind,
     Wind,
 )
 from fowtlib.components.environment.wind_file import WindSeries, read_series
@@ -70,6 +71,7 @@ __all__ = [
     "SteadyExtremeWind",
     "SteadyWind",
     "StepWind",
+    "TurbulentWind",
     "StillSea",
     "WaveComponents",
     "Wind",

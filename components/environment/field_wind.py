@@ -60,6 +60,11 @@ def _open(path: str, shift: float | None, interpolation: str, version: Version) 
     return FieldLookup(read_field(path), shift, interpolation)
 
 
+def forget_fields() -> None:
+    """Let go of the look-ups that `open_field` keeps, and of the memory of files that are gone."""
+    _open.cache_clear()
+
+
 def field_handle(lookup: FieldLookup) -> float:
     """The number under which `field_function` knows a file, its version, its shift and its interpolation.
 
@@ -88,6 +93,11 @@ class FieldData:
         lookup = self.lookup
         ranges = [end for axis in AXES for end in lookup.covers.get(axis, (-math.inf, math.inf))]
         return field_handle(lookup), *ranges, lookup.shift, 1 / lookup.grid.speed, lookup.lowest
+
+    @property
+    def there(self) -> bool:
+        """Whether its file still is, which may have been made for a run."""
+        return Path(self.lookup.field.path).is_file()
 
     def open_in(self, function: ExternalFunction) -> FieldLookup:
         """Make the file known to a function of `wind_function`."""

@@ -7,7 +7,7 @@
 
 Of a channel: mean, std, rms, min, max, min_time, max_time [s], skewness, kurtosis (3 for a Gaussian process),
 percentiles {"50": ...}, mean_crossing_rate (upward, 1/s), and crossings: how often the series leaves the band within
-mean +- k/4 std upward ("above") and downward ("below"), k = 0, 1, ... until never. A constant has neither skewness nor
+mean +- k/10 std upward ("above") and downward ("below"), k = 0, 1, ... until never. A constant has neither skewness nor
 kurtosis (None) and no crossings. Row i of at_extremes["max"] holds the values of all channels at the time at which
 names[i] is largest.
 """
@@ -27,7 +27,7 @@ if TYPE_CHECKING:
     from fowtlib.solving.results import Result
 
 PERCENTILES = (1.0, 5.0, 25.0, 50.0, 75.0, 95.0, 99.0)
-CROSSING_STEP = 0.25  # of the standard deviation, between the levels at which crossings are counted
+CROSSING_STEP = 0.1  # of the standard deviation, between the levels at which crossings are counted
 _CONSTANT = 1e-12  # a standard deviation below this part of the largest value is rounding
 
 

@@ -73,6 +73,7 @@ class Comparison:
     first_only: tuple[str, ...] = ()
     second_only: tuple[str, ...] = ()
     refused: Mapping[str, str] = field(default_factory=dict)
+    relative_to: str = "value"
 
     @property
     def measures(self) -> list[str]:
@@ -206,10 +207,9 @@ def compare_results(
             percent = _percent(a, b, span if relative_to == "range" else abs(b), largest)
             rows.append(Difference(name, pair.second, one.unit(name), key, a, b, percent, _light(percent, limits)))
     used = {pair.second for pair in chosen.values()}
-    return Comparison(
-        tuple(rows), limits, tuple(name for name in ours if name not in chosen),
-        tuple(name for name in theirs if name not in used), refused,
-    )  # fmt: skip
+    first_only = tuple(name for name in ours if name not in chosen)
+    second_only = tuple(name for name in theirs if name not in used)
+    return Comparison(tuple(rows), limits, first_only, second_only, refused, relative_to)
 
 
 def read_pairs(path: str | Path) -> list[Pair]:

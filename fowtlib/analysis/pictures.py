@@ -12,7 +12,8 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from fowtlib.language.errors import ModelError
-from fowtlib.solving.results.plots import COLORS, GRID, INK, _figure, _style, _unit, save_figure
+from fowtlib.solving.results.drawing import COLORS, GRID, INK, drawing, drawing_style, save_figure
+from fowtlib.solving.results.plots import _unit
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -46,8 +47,8 @@ def plot_gumbel(
     p = np.exp(-np.exp(-x))
     bounds = fit.bounds_over(fit.duration, p.tolist(), confidence, count, seed, parametric)
     unit = _unit(fit.unit)
-    with _style():
-        figure = _figure(7.0, 4.6)
+    with drawing_style():
+        figure = drawing(7.0, 4.6)
         axis = figure.subplots()
         band = f"{100 * confidence:g} % bounds, {'parametric' if parametric else 'plain'} bootstrap"
         low, high = [b.low for b in bounds], [b.high for b in bounds]
@@ -91,8 +92,8 @@ def plot_crossings(
     lowest = min(lowest, float(nu[seen].min()))
     end = fit.level(0.5 * lowest)
     levels = np.linspace(fit.threshold, end, 200)
-    with _style():
-        figure = _figure(7.0, 4.6)
+    with drawing_style():
+        figure = drawing(7.0, 4.6)
         axis = figure.subplots()
         low = np.where(nu > half, nu - half, 0.3 * lowest)
         axis.vlines(rates.levels[seen], low[seen], (nu + half)[seen], color=COLORS[1], linewidth=0.8, alpha=0.6)
@@ -119,8 +120,8 @@ def plot_lights(comparison: Any, path: str | Path | None = None, *, title: str =
     if not names:
         raise ModelError("there is nothing to draw: no channels were compared.")
     green, amber = comparison.limits
-    with _style():
-        figure = _figure(2.6 + 1.15 * len(measures), 1.2 + 0.27 * len(names))
+    with drawing_style():
+        figure = drawing(2.6 + 1.15 * len(measures), 1.2 + 0.27 * len(names))
         axis = figure.subplots()
         axis.grid(False)
         for row in comparison.rows:
@@ -137,9 +138,10 @@ def plot_lights(comparison: Any, path: str | Path | None = None, *, title: str =
         axis.set_yticks(np.arange(len(names)) + 0.5, [f"{name} [{units[name]}]" for name in names])
         axis.tick_params(length=0)
         axis.xaxis.tick_top()
-        axis.set_xlabel(
-            f"difference [%]: green to {green:g}, amber to {amber:g}, red (bold) beyond", color=INK, fontsize=8.5
+        text = (
+            f"difference [% of the {comparison.relative_to}]: green to {green:g}, amber to {amber:g}, red (bold) beyond"
         )
+        axis.set_xlabel(text, color=INK, fontsize=8.5)
         for side in ("left", "bottom"):
             axis.spines[side].set_color(GRID)
         if title:
@@ -153,8 +155,8 @@ def _percent_text(percent: float) -> str:
 
 
 def _time(seconds: float) -> str:
-    """A duration as a person says it."""
+    """A duration as a person says it: 3 h, but 1000 s."""
     for unit, size in (("years", 365.25 * 86400.0), ("h", 3600.0), ("min", 60.0)):
-        if seconds >= size:
+        if seconds >= size and abs(2.0 * seconds / size - round(2.0 * seconds / size)) < 1e-6:
             return f"{seconds / size:.4g} {unit}"
     return f"{seconds:.4g} s"

@@ -6,6 +6,8 @@ Dynamics of Marine Structures, chapter 10. A Gaussian process has c = 2, b = mea
 
 from __future__ import annotations
 
+import warnings
+from collections.abc import Mapping
 from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, Self
@@ -16,7 +18,7 @@ from fowtlib.analysis.crossings import count_up_crossings
 from fowtlib.analysis.maximum import Maximum, checked_sample, sign_of
 from fowtlib.analysis.peaks import THRESHOLD
 from fowtlib.analysis.series import as_records
-from fowtlib.language.errors import ModelError
+from fowtlib.language.errors import ModelError, did_you_mean
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -127,6 +129,28 @@ def crossing_rates(
     return CrossingRates(sign * heights, np.array(counts), np.array(spans), float(together.min()))
 
 
+def rates_of_case(
+    told: Mapping[str, Any], name: str, *, side: str = "max", threshold: float = THRESHOLD
+) -> CrossingRates:
+    """Rates of a channel from the output of `case_statistics`, `threshold` standard deviations off the mean and beyond.
+
+    One record in one piece, so that the rates are as certain as Poisson's law says.
+    """
+    sign = sign_of(side)
+    if name not in told["channels"]:
+        why = told.get("refused", {}).get(name)
+        raise ModelError(f"{name}: {why}" if why else
+                         f"the statistics have no channel '{name}'{did_you_mean(name, told['channels'])}")  # fmt: skip
+    row = told["channels"][name]
+    step, counts = row["crossings"]["step"], row["crossings"]["above" if sign > 0 else "below"]
+    first = int(np.ceil(threshold / step - 1e-9))
+    if len(counts) <= first:
+        raise ModelError(f"{name}: nothing lies beyond {threshold:g} standard deviations.")
+    levels = row["mean"] + sign * row["std"] * step * np.arange(first, len(counts))
+    lowest = sign * row["min" if sign > 0 else "max"]
+    return CrossingRates(levels, np.array([counts[first:]]), np.array([told["last"] - told["first"]]), lowest)
+
+
 def fit_crossings(
     records: Records,
     threshold: float | None = None,
@@ -157,7 +181,7 @@ def fit_rates(
 
     Levels whose lower bound is not above 0 are left out. For given b and c the best ln q and a follow from a linear
     regression, so that two numbers are searched for: b between the lowest value of the record and the threshold, c
-    between 0.5 and 5. start: b and c, for the search.
+    between 0.5 and 5, with a warning at 0.5. start: b and c, for the search.
     """
     from scipy.optimize import least_squares
 
@@ -189,6 +213,12 @@ def fit_rates(
          for z in tries), key=lambda one: one.cost)  # fmt: skip
     b, c = map(float, found.x)
     log_q, slope, _ = regression(b, c)
+    if start is None and c <= _SMALLEST_POWER * (1.0 + 1e-6):
+        warnings.warn(
+            f"{name or 'the series'}: the power c of the tail lies at its least, {c:g}: the rates fall more and more "
+            "slowly, as of a mixture of two processes. Choose a threshold further out.",
+            stacklevel=3,
+        )
     if not slope > 0.0:
         raise ModelError(f"{name or 'the series'}: the rates do not fall beyond {rates.levels[0]:g}; there is no tail.")
     return CrossingTail(float(np.exp(log_q)), float(slope / size**c), sign * b, c, float(rates.levels[0]),

@@ -11,6 +11,7 @@ processes print in `workers.log`; `starts` holds the means that runs have starte
 
 from __future__ import annotations
 
+import json
 import os
 import time
 from collections.abc import Callable, Iterator, Mapping, Sequence
@@ -82,6 +83,11 @@ class Batch:
             if row is None:
                 raise NotFoundError(f"{self.folder}: there is no case '{name}'{did_you_mean(name, registry.names())}")
             return row
+
+    def statistics(self, name: str) -> dict[str, Any]:
+        """All statistics of a case, as fowtlib.analysis.case_statistics gives them, with the values at extremes."""
+        with self._registry() as registry:
+            return registry.statistics(name)
 
     def path(self, name: str) -> Path | None:
         """The file with the results of a case, of one that has failed with what it had computed; None where none is."""
@@ -267,7 +273,7 @@ def _tidy(folder: Path) -> None:
 def _planned(registry: Registry, folder: Path, cases: CaseSet, about: Mapping[str, Any],
              retry: bool) -> list[Row]:  # fmt: skip
     """The rows of the cases: which are due, and why."""
-    known = {row.name: row for row in registry.rows(all_of_them=True)}
+    known = {row.name: row for row in registry.rows(all_of_them=True, statistics=False)}
     changed: dict[tuple[tuple[str, str], ...], list[str]] = {}  # the same files for most cases
 
     def reasons(row: Row, case: Case) -> list[str]:
@@ -335,7 +341,20 @@ def _jobs(cases: CaseSet, folder: Path, about: Mapping[str, Any],
                         str(folder / STARTS), str(folder / f"{case.name}.{about['format']}"), **options))  # fmt: skip
         settings = models[case.model].settings
         durations[case.name] = duration_settings(case.duration, case.output_step, case.tolerance, settings)[0]
-    return jobs, durations
+    return _ordered(jobs), durations
+
+
+def _ordered(jobs: list[Job]) -> list[Job]:
+    """Of cases that are likely to start from the same mean one first, so that no two workers seek it at one time."""
+    seen: set[str] = set()
+    first, others = [], []
+    for job in jobs:
+        kept = {path: value for path, value in job.case.get("parameters", {}).items()
+                if not path.startswith("sea.") and not path.endswith(".seed")}  # fmt: skip
+        key = json.dumps([job.model, job.case.get("start"), kept], sort_keys=True)
+        (others if key in seen else first).append(job)
+        seen.add(key)
+    return first + others
 
 
 # --- while it runs ---------------------------------------------------------------------------------------------------

@@ -88,6 +88,9 @@ class _Checker:
         kind = {path: None if _is_number(value) else value for path, value in case.parameters.items()}
         key = json.dumps(kind, sort_keys=True)
         if key not in self._changed:
+            for path in case.parameters:
+                if _has(self.model.root, path):  # before anything is built with it
+                    self._check_changeable(self.model.root, path)
             try:
                 root = self.model.with_parameters(case.parameters).root if case.parameters else self.model.root
             except ModelError as error:
@@ -161,6 +164,14 @@ class _Checker:
             message = f"{error}" if hint == "." else f"outputs: there is no result '{name}'{hint}"
             raise _Wrong("outputs", message) from None
         self._outputs.add(name)
+
+
+def _has(root: Component, path: str) -> bool:
+    owner, _, name = path.rpartition(".")
+    try:
+        return name in root.find(owner).parameters
+    except ModelError:
+        return False
 
 
 def _within(names: Sequence[str], path: Sequence[str]) -> bool:

@@ -10,10 +10,10 @@ from typing import Any, Protocol
 import numpy as np
 
 from fowtlib.cases import csv_tables
+from fowtlib.cases.folder import Folder
 from fowtlib.cases.lists import variable
 from fowtlib.cases.values import Item, Names, evaluate, number, scalar, word
 from fowtlib.language.errors import ModelError, ModelFileError
-from fowtlib.modelfile.files import find_data
 from fowtlib.modelfile.formulas import Quantity
 from fowtlib.modelfile.nodes import Node, Place
 from fowtlib.modelfile.specs import check_keys, mapping
@@ -75,7 +75,7 @@ class Joint:
         return {"Hs": number(float(height)), "Tp": number(float(period))}
 
 
-def table(name: str, node: Node, names: Names, folder: Path, files: list[Path]) -> Table:
+def table(name: str, node: Node, names: Names, folder: Folder, files: list[Path]) -> Table:
     """A table that the file holds as lists by column, or a CSV file that it names; the first column is the argument."""
     if isinstance(node.value, str):
         columns = csv_tables.read(node, folder, files)
@@ -101,7 +101,7 @@ Opener = Callable[[str, float], Distribution]
 """From the name or the path of a site, and the height [m] at which wind speeds are wanted."""
 
 
-def joint(name: str, node: Node, names: Names, folder: Path, files: list[Path], opened: Opener | None) -> Joint:
+def joint(name: str, node: Node, names: Names, folder: Folder, files: list[Path], opened: Opener | None) -> Joint:
     """A distribution that `distributions` names: {site: NAME or FILE, height: of the wind speeds, the hub}."""
     keys = ("site", "height")
     items = mapping(node, f"the distribution '{name}' is a mapping: {{site: name or file, height: 90 m}}")
@@ -115,7 +115,7 @@ def joint(name: str, node: Node, names: Names, folder: Path, files: list[Path], 
     site, height = word(items["site"], "site", names), scalar(items["height"], "height", names, "m")
     try:
         if "." in site or "/" in site:
-            files.append(find_data(site, folder))
+            files.append(folder.find(site))
             site = str(files[-1])
         return Joint(name, opened(site, height))
     except ModelError as error:

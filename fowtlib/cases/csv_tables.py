@@ -6,6 +6,7 @@ import csv
 import re
 from pathlib import Path
 
+from fowtlib.cases.folder import Folder
 from fowtlib.cases.values import Item, as_quantity, number
 from fowtlib.language.data_files import text_of
 from fowtlib.language.errors import ModelError, ModelFileError, UnitError
@@ -17,10 +18,10 @@ from fowtlib.modelfile.nodes import Node
 _HEAD = re.compile(r"([^\W\d]\w*)\s*(?:\[([^\]]*)\])?")
 
 
-def read(node: Node, folder: Path, files: list[Path]) -> dict[str, list[Item]]:
+def read(node: Node, folder: Folder, files: list[Path]) -> dict[str, list[Item]]:
     """Columns by name of the file that a node names; its path is added to `files`."""
     try:
-        path = file_names.find_data(str(node.value), folder)
+        path = folder.find(str(node.value))
         columns = _columns(path)
     except ModelError as error:
         raise node.place.error(str(error)) from None

@@ -23,18 +23,18 @@ from fowtlib.cases.plant_facts import (
     rotors_for_front_wind,
 )
 from fowtlib.cases.site import Site, site_error
-from fowtlib.components.environment import Wind
-from fowtlib.language.errors import ModelError, ParameterError, did_you_mean
+from fowtlib.components.environment import Wind, iec
+from fowtlib.language.errors import ModelError, ParameterError
 from fowtlib.modelfile.nodes import Place, parse, read_text
 from fowtlib.modelfile.yaml_text import to_text
 from fowtlib.solving.model import Model
 
 TABLE = Path(__file__).with_name("load_cases.yaml")
 CLASS = re.compile(r"(I{1,3})(A\+|A|B|C)")
-REFERENCE = {"I": 50.0, "II": 42.5, "III": 37.5}  # V_ref [m/s], IEC 61400-1, 6.2
 BEFORE, AFTER = 30.0, 300.0  # s of a short run about an event, after what is discarded: before the event, and after it
 SEAS = {"normal": "normal_sea", "severe": "severe_sea"}
-UNIT = {"sign": ":+d", "yaw_error": ":+.0f", "misalignment": ":+.0f", "wind_speed": ":04.1f", "delay": ":.2f"}
+FORMS = {"sign": ":+d", "yaw_error": ":+.0f", "misalignment": ":+.0f", "wind_speed": ":04.1f", "delay": ":.2f"}
+"""How values stand in the names of cases."""
 
 
 @dataclass(frozen=True)
@@ -120,7 +120,7 @@ class _Writer:
         made: dict[str, Any] = {"group": f"DLC {number}"}
         events, over = self._events(number, entry)
         vary |= over
-        made["name"] = f"dlc{number}" + "".join(f"_{_short(key)}{{{key}{UNIT.get(key, '')}}}" for key in vary) \
+        made["name"] = f"dlc{number}" + "".join(f"_{_short(key)}{{{key}{FORMS.get(key, '')}}}" for key in vary) \
             + "_s{seed_number}"  # fmt: skip
         made |= {"vary": vary} if vary else {}
         made["seeds"] = self.request.seeds
@@ -149,7 +149,7 @@ class _Writer:
         if number in self.table["others"]:
             raise ModelError(f"DLC {number} is not written: {self.table['others'][number]}.")
         if number not in known:
-            raise ModelError(f"there is no DLC '{number}'; there are {', '.join(known)}{_hint(number, known)}")
+            raise ModelError(f"there is no DLC '{number}'; there are {', '.join(known)}.")
         return known[number]
 
     def _vary(self, number: str, entry: dict[str, Any]) -> dict[str, Any]:
@@ -182,7 +182,7 @@ class _Writer:
             return self.request.wind
         if word == "standing":
             step = self.operating[1] - first if len(self.operating) > 1 else 2.0
-            above = np.arange(last + step, 0.7 * REFERENCE[self.wind_class] + 1e-9, step)
+            above = np.arange(last + step, 0.7 * iec.REFERENCE_SPEED[self.wind_class] + 1e-9, step)
             below = np.arange(first - step, 0.5 * step, -step)[::-1]
             return [_plain(v) for v in (*below, *above)]
         rated = self.rated
@@ -284,7 +284,3 @@ def _plain(value: float) -> int | float:
 
 def _short(name: str) -> str:
     return {"wind_speed": "u", "yaw_error": "yaw", "misalignment": "mis", "part": "", "plane": ""}.get(name, name)
-
-
-def _hint(number: str, known: dict[str, Any]) -> str:
-    return did_you_mean(number, known, list_up_to=0)

@@ -14,6 +14,7 @@ from fowtlib.cases import conditional, lists, weights
 from fowtlib.cases.case import Case
 from fowtlib.cases.case_set import CaseSet
 from fowtlib.cases.conditional import Distribution, Opener, Source
+from fowtlib.cases.folder import Allowed, folder_of
 from fowtlib.cases.lists import MOST_CASES, variable
 from fowtlib.cases.names import Register
 from fowtlib.cases.run_keys import RUN_KEYS, Layers, RunKeys
@@ -40,12 +41,14 @@ def read_cases(
     distributions: Mapping[str, Distribution] | None = None,
     open_distribution: Opener | None = None,
     text: str | None = None,
+    allow: Allowed = (),
 ) -> CaseSet:
     """The cases of a file.
 
     distributions: joint distributions of wind and waves by the name under which the file looks them up, in place of
     those of its key `distributions`; open_distribution(site, height) makes those that this key describes.
     text: what is to be written into the file, to be read before it is.
+    allow: folders in which the file may name models and data, beside its own and the shipped ones.
     Nothing is loaded and nothing runs: what the models say of the cases, `check_cases` finds.
     Raises ModelFileError: the file and line, what is wrong, what to do.
     """
@@ -53,16 +56,17 @@ def read_cases(
     require_file(given, ModelFileError)
     if text is None and not files.is_file(given):
         raise ModelFileError(f"there is no file '{path}'.")
-    return _File(given, text, distributions or {}, open_distribution).cases()
+    return _File(given, text, distributions or {}, open_distribution, allow).cases()
 
 
 class _File:
     """Reads one file."""
 
     def __init__(
-        self, path: Path, content: str | None, distributions: Mapping[str, Distribution], opened: Opener | None
-    ):
-        self.path, self.folder = path, path.absolute().parent
+        self, path: Path, content: str | None, distributions: Mapping[str, Distribution], opened: Opener | None,
+        allow: Allowed,
+    ):  # fmt: skip
+        self.path, self.folder = path, folder_of(path, allow)
         name = files.shown(path)
         self.top = parse(read_text(path, name) if content is None else content, name, FIRST_LINE)
         self.items = mapping(self.top, f"{FIRST_LINE}, and is a mapping")

@@ -70,7 +70,7 @@ class Job:
 class Outcome:
     """What became of a case; plain data. state: done, failed, stopped (by a wish of the user) or no room (on the disk).
 
-    The other fields are those of fowtlib.cases.registry.Row.
+    statistics: all of fowtlib.analysis.case_statistics. The other fields are those of fowtlib.cases.registry.Row.
     """
 
     state: str
@@ -82,7 +82,7 @@ class Outcome:
     result: str = ""
     bytes: int | None = None
     files: dict[str, str] = field(default_factory=dict)
-    statistics: dict[str, dict[str, Any]] = field(default_factory=dict)
+    statistics: dict[str, Any] = field(default_factory=dict)
 
     def plain(self) -> dict[str, Any]:
         """In what JSON can hold."""

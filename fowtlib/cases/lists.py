@@ -10,6 +10,7 @@ from decimal import Decimal
 from pathlib import Path
 
 from fowtlib.cases import csv_tables
+from fowtlib.cases.folder import Folder
 from fowtlib.cases.values import Item, Names, evaluate
 from fowtlib.language.errors import ModelError
 from fowtlib.modelfile import formulas
@@ -42,7 +43,7 @@ class Product:
             yield {name: item for row in rows for name, item in row.items()}
 
 
-def product(node: Node | None, names: Names, folder: Path, files: list[Path]) -> Product:
+def product(node: Node | None, names: Names, folder: Folder, files: list[Path]) -> Product:
     """The product that `vary` says; a file that is read is added to `files`."""
     axes: list[list[Row]] = []
     for key, item in mapping(node, f"'vary' is a mapping; a variable has {FORM}").items() if node else ():
@@ -114,7 +115,7 @@ def _nested(key: str, node: Node) -> list[Item]:
     raise node.place.error(f"'{key}': a list within a list; lists that go together stand under '{ZIP}'.")
 
 
-def _together(node: Node, names: Names, folder: Path, files: list[Path]) -> list[Row]:
+def _together(node: Node, names: Names, folder: Folder, files: list[Path]) -> list[Row]:
     """Lists of the same length, from a mapping or from the columns of a CSV file."""
     if isinstance(node.value, str):
         columns = csv_tables.read(node, folder, files)

@@ -7,7 +7,9 @@ goes on; others may read it meanwhile. A process that is killed leaves it as it 
 from __future__ import annotations
 
 import json
+import os
 import sqlite3
+import zlib
 from collections.abc import Iterable, Iterator, Mapping
 from contextlib import contextmanager
 from dataclasses import dataclass, field
@@ -31,7 +33,7 @@ CREATE TABLE cases (
     why TEXT NOT NULL DEFAULT '', message TEXT NOT NULL DEFAULT '', warnings TEXT NOT NULL DEFAULT '',
     seconds REAL, processor REAL, simulated REAL, began TEXT, ended TEXT, worker TEXT NOT NULL DEFAULT '',
     result TEXT NOT NULL DEFAULT '', bytes INTEGER, files TEXT NOT NULL DEFAULT '{}',
-    statistics TEXT NOT NULL DEFAULT '{}'
+    statistics TEXT NOT NULL DEFAULT '{}', more BLOB
 );
 """
 
@@ -46,7 +48,8 @@ class Row:
 
     state: due, running, done or failed. why: a case that was done before is due again. message: what went wrong.
     seconds: of the clock, processor: of it that the case used [s]; simulated [s]. files: digest by path of all that the
-    result depends on besides the case. statistics: by output, its unit and numbers by name. result: the name of its
+    result depends on besides the case. statistics: by channel, its unit and numbers by name, as the "channels" of
+    fowtlib.analysis.case_statistics. result: the name of its
     file in the folder, "" where none is kept; bytes: its size.
     """
 
@@ -81,7 +84,9 @@ class Registry:
         if not write and not self.path.is_file():
             raise RegistryError(f"{folder}: is not the folder of a batch (there is no {NAME} in it).")
         with self._sentences():
-            target = self.path if write else f"{self.path.resolve().as_uri()}?mode=ro"
+            # who may write puts back what a process that was killed has left half done; others cannot
+            mode = "rw" if os.access(self.path, os.W_OK) else "ro"
+            target = self.path if write else f"{self.path.resolve().as_uri()}?mode={mode}"
             self._base = sqlite3.connect(target, timeout=_PATIENCE, uri=not write, check_same_thread=False,
                                          isolation_level=None)  # fmt: skip
             try:
@@ -127,9 +132,9 @@ class Registry:
 
     # --- rows --------------------------------------------------------------------------------------------------------
 
-    def rows(self, *, all_of_them: bool = False) -> list[Row]:
-        """The rows of the cases of the batch; all_of_them: also of cases that it had before."""
-        return list(self._rows("" if all_of_them else "WHERE place IS NOT NULL"))
+    def rows(self, *, all_of_them: bool = False, statistics: bool = True) -> list[Row]:
+        """The rows of the cases of the batch; all_of_them: also of cases that it had before. statistics: with them."""
+        return list(self._rows("" if all_of_them else "WHERE place IS NOT NULL", statistics=statistics))
 
     def row(self, name: str) -> Row | None:
         """The row of a case; None where there is none."""
@@ -147,17 +152,25 @@ class Registry:
                 "SELECT state, count(*) FROM cases WHERE place IS NOT NULL GROUP BY state"))  # fmt: skip
         return {state: found.get(state, 0) for state in STATES}
 
-    def _rows(self, where: str, *values: str) -> Iterator[Row]:
+    def _rows(self, where: str, *values: str, statistics: bool = True) -> Iterator[Row]:
         columns = ("data", "state", "why", "message", "warnings", "seconds", "processor", "simulated", "began", "ended",
-                   "worker", "result", "bytes", "files", "statistics", "digest")  # fmt: skip
+                   "worker", "result", "bytes", "files", "digest", "statistics" if statistics else "'{}'")  # fmt: skip
         query = f"SELECT {', '.join(columns)} FROM cases {where} ORDER BY place IS NULL, place, name"
         with self._sentences():
             found = self._base.execute(query, values).fetchall()
         for item in found:
             told = dict(zip(columns, item, strict=True))
             case = Case.from_plain(json.loads(told.pop("data")))
-            files, statistics = (json.loads(told.pop(key)) for key in ("files", "statistics"))
-            yield Row(case, **told, files=files, statistics=statistics)
+            files, numbers = json.loads(told.pop("files")), json.loads(told.pop(columns[-1]))
+            yield Row(case, **told, files=files, statistics=numbers)
+
+    def statistics(self, name: str) -> dict[str, Any]:
+        """All statistics of a case as fowtlib.analysis.case_statistics gives them; empty where there are none."""
+        with self._sentences():
+            found = self._base.execute("SELECT statistics, more FROM cases WHERE name = ?", (name,)).fetchone()
+        if found is None or found[1] is None:
+            return {}
+        return {**json.loads(zlib.decompress(found[1])), "channels": json.loads(found[0])}
 
     def plan(self, rows: Iterable[Row]) -> None:
         """These are the cases of the batch, in this order and these states; what else is known of them stays.
@@ -196,10 +209,12 @@ class Registry:
             base.execute("UPDATE cases SET state = ?, why = ? WHERE name = ?", (DUE, why, name))
 
     def ended(self, name: str, state: str, outcome: Mapping[str, Any]) -> None:
-        """A case is done or has failed; outcome: the other fields of a Row by name."""
+        """A case is done or has failed; outcome: the other fields of a Row by name, with all statistics."""
         told = {"why": "", "message": "", "warnings": "", "ended": _now(), **outcome}
-        for key in ("files", "statistics"):
-            told[key] = _text(told.get(key, {}))
+        statistics = dict(told.get("statistics", {}))
+        told["files"] = _text(told.get("files", {}))
+        told["statistics"] = _text(statistics.pop("channels", {}))
+        told["more"] = zlib.compress(_text(statistics).encode()) if statistics else None
         with self._transaction() as base:
             columns = ", ".join(f"{key} = ?" for key in told)
             base.execute(f"UPDATE cases SET state = ?, {columns} WHERE name = ?", (state, *told.values(), name))

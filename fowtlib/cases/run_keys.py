@@ -8,8 +8,9 @@ from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
+from fowtlib.cases.folder import Folder
 from fowtlib.cases.scope import Scope
-from fowtlib.cases.values import filled, plain, scalar, word
+from fowtlib.cases.values import plain, scalar, tidy, word
 from fowtlib.language.errors import ModelError, one_of
 from fowtlib.modelfile import files
 from fowtlib.modelfile.document import STARTS
@@ -30,7 +31,7 @@ Layers = tuple[Mapping[str, Node], ...]
 class RunKeys:
     """Reads them for one case after the other; `files` collects the files that cases name."""
 
-    def __init__(self, folder: Path):
+    def __init__(self, folder: Folder):
         self.folder = folder
         self.files: dict[Path, None] = {}
         self._models: dict[str, str] = {}
@@ -85,14 +86,14 @@ class RunKeys:
     ) -> dict[str, Any]:
         """Wind or sea, in the words of the model file or in the short form of the command line."""
         if isinstance(node.value, str):
+            text = word(node, condition.part, scope, units=True)
             try:
-                values = condition.parse(filled(node.value, scope, units=True), self.folder)
+                values = condition.parse(text, self.folder.path)
+                values = {path: tidy(value) if isinstance(value, float) else value for path, value in values.items()}
             except ModelError as error:
                 raise node.place.error(f"{error}{_braces(node.value, scope)}") from None
             places |= dict.fromkeys(values, node.place)
-            for path, value in values.items():
-                self._depends(path, value)
-            return values
+            return {path: self._file(path, value, node.place) for path, value in values.items()}
         form = condition.form(list(condition.kinds)[1])
         what = f"'{condition.part}' is a mapping, as in a model file, or a short form such as '{form}'"
         values = {}
@@ -106,31 +107,21 @@ class RunKeys:
         """The value of a parameter; relative names of files begin at the folder of the cases file."""
         if node.value is None:
             raise node.place.error(f"{path} has no value.")
-        value = plain(node, scope)
-        if isinstance(value, str) and _is_file(path, value):
-            try:
-                given = files.data_path(value.removeprefix(files.DATA_PREFIX)) if value.startswith(files.DATA_PREFIX) \
-                    else (self.folder / Path(value).expanduser()).resolve()  # fmt: skip
-            except (ModelError, OSError, ValueError, RuntimeError) as error:
-                raise node.place.error(f"{path}: {error}") from None
-            value = str(given)
-            if not node.value.startswith(files.DATA_PREFIX):
-                self._depends(path, value)
-        return value
+        return self._file(path, plain(node, scope), node.place)
 
     def model(self, node: Node, scope: Scope) -> str:
         """A shipped name, or the whole path of a model file; relative ones begin at the folder of the cases file."""
         name = word(node, "model", scope)
         if name not in self._models:
             try:
-                path = self.folder / Path(name).expanduser()
-                if files.is_file(path):
-                    self.files[path.resolve()] = None
-                    self._models[name] = str(path.resolve())
-                else:
-                    files.find_model(name if name in files.shipped_models() else path if path.suffix else name)
+                if "." not in name and "/" not in name and not files.is_file(self.folder.path / name):
+                    files.find_model(name)  # one that is shipped, or an error
                     self._models[name] = name
-            except (ModelError, RuntimeError) as error:
+                else:
+                    path = files.find_model(self.folder.allowed(name))
+                    self.files[path] = None
+                    self._models[name] = str(path)
+            except ModelError as error:
                 raise node.place.error(f"model: {error}") from None
         return self._models[name]
 
@@ -138,22 +129,31 @@ class RunKeys:
         """A word, or the whole path of a result or a state."""
         if text in STARTS:
             return text
-        path = self.folder / Path(text).expanduser()
-        if path.suffix not in (".nc", ".json"):
+        if Path(text).suffix not in (".nc", ".json"):
             files_too = "a file of a result (.nc) or a state (.json)"
             raise place.error(f"start: '{text}' is not {one_of(STARTS)}, nor {files_too}.")
-        if not files.is_file(path):
-            raise place.error(f"start: there is no file '{text}'.")
-        self.files[path.resolve()] = None
-        return str(path.resolve())
+        try:
+            path = self.folder.find(text)
+        except ModelError as error:
+            raise place.error(f"start: {error}") from None
+        self.files[path] = None
+        return str(path)
 
     @staticmethod
     def _entries(node: Node | None) -> dict[str, Node]:
         return mapping(node, "'set' is a mapping of parameters by path, such as sea.heading: 30 deg") if node else {}
 
-    def _depends(self, path: str, value: Any) -> None:
-        if isinstance(value, str) and _is_file(path, value) and files.is_file(Path(value)):
-            self.files[Path(value)] = None
+    def _file(self, path: str, value: Any, place: Place) -> Any:
+        """A value that names a file with its whole path, of one that may be read; others as they are."""
+        if not isinstance(value, str) or not _is_file(path, value):
+            return value
+        try:
+            found = self.folder.allowed(value)
+        except ModelError as error:
+            raise place.error(f"{path}: {error}") from None
+        if files.is_file(found) and not value.startswith(files.DATA_PREFIX):
+            self.files[found] = None
+        return str(found)
 
 
 def _is_file(path: str, text: str) -> bool:
@@ -181,7 +181,7 @@ def _event(node: Node, scope: Scope) -> dict[str, Any]:
     """{event: turbine.grid_loss, at: 100 s, ...}, or the same as a line: turbine.grid_loss at 100 s."""
     try:
         if isinstance(node.value, str):
-            return Event.parse(filled(node.value, scope, units=True)).plain()
+            return Event.parse(word(node, "events", scope, units=True)).plain()
         event = "an event is a mapping, such as {event: turbine.grid_loss, at: 100 s}, or a line of text"
         return Event.from_plain(plain(Node(mapping(node, event), node.place), scope)).plain()
     except ModelError as error:

@@ -6,6 +6,7 @@ import hashlib
 import json
 from collections.abc import Collection, Mapping, Sequence
 from dataclasses import dataclass, field
+from functools import cached_property
 
 from fowtlib.cases.conditional import Source
 from fowtlib.cases.values import Item, evaluate, number
@@ -27,8 +28,9 @@ class Scope:
     found: dict[str, Item] = field(default_factory=dict)
     _asked: list[str] = field(default_factory=list)
 
-    @property
+    @cached_property
     def names(self) -> Collection[str]:
+        """All names."""
         return {*self.fixed, *self.formulas, *(name for source in self.sources for name in source.columns)}
 
     def item(self, name: str) -> Item:

@@ -15,6 +15,7 @@ from scipy.stats import norm
 
 from fowtlib.cases import conditional
 from fowtlib.cases.conditional import Table
+from fowtlib.cases.folder import Folder, folder_of
 from fowtlib.cases.scope import Scope
 from fowtlib.cases.values import scalar
 from fowtlib.components.environment.waves import steepest_sea
@@ -92,7 +93,7 @@ def read_site(source: str | os.PathLike[str]) -> Site:
     return Site(
         path.stem, text(items, "title") or path.stem, text(items, "source"), _weibull(items["wind"], scope),
         scalar(items["hub_height"], "hub_height", scope, "m"),
-        {key: _sea(key, items[key], scope, path.parent) for key in SEAS if key in items},
+        {key: _sea(key, items[key], scope, folder_of(path)) for key in SEAS if key in items},
         _extreme(items.get("extreme_sea"), scope),
         scalar(items["water_depth"], "water_depth", scope, "m") if "water_depth" in items else None,
     )  # fmt: skip
@@ -161,7 +162,7 @@ def _weibull(node: Node, scope: Scope) -> tuple[float, float]:
     return numbers[0], numbers[1]
 
 
-def _sea(key: str, node: Node, scope: Scope, folder: Path) -> Table:
+def _sea(key: str, node: Node, scope: Scope, folder: Folder) -> Table:
     made = conditional.table(key, node, scope, folder, [])
     if (made.argument, *made.columns) != SEA_COLUMNS:
         raise node.place.error(f"'{key}' has the columns {', '.join(SEA_COLUMNS)}, in this order.")

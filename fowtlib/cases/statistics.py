@@ -1,39 +1,33 @@
-"""Statistics of one case, as plain data for the registry."""
+"""What the registry keeps of the results of one case, as plain data."""
 
 from __future__ import annotations
 
 from typing import TYPE_CHECKING, Any
 
-import numpy as np
+from fowtlib.language.errors import ModelError
 
 if TYPE_CHECKING:
     from fowtlib.solving.results import Result
 
-_AT_ONCE = 2**22  # numbers that are worked on together, so that long results do not double the memory
 
+def statistics_of(result: Result) -> dict[str, Any]:
+    """See fowtlib.analysis.case_statistics; of fewer than three points there are none.
 
-def statistics_of(result: Result) -> dict[str, dict[str, Any]]:
-    """By output (vectors by element): unit, mean, std, min, max, rms, skewness and kurtosis (3 of a normal one).
-
-    Of all points of the result, with equal weights. Skewness and kurtosis of what does not change are nan.
+    With "equivalent_loads": of each force, moment and stress by exponent, at 1 Hz.
     """
-    columns = list(result.stored.columns())
-    size = max(1, _AT_ONCE // max(1, result.time.size))
-    told: dict[str, dict[str, Any]] = {}
-    for first in range(0, len(columns), size):
-        some = columns[first : first + size]
-        values = np.array([column for _, _, column in some])  # (outputs, points)
-        mean, low, high = values.mean(axis=1), values.min(axis=1), values.max(axis=1)
-        values -= mean[:, None]
-        squares = values * values
-        variance = squares.mean(axis=1)
-        third, fourth = (values * squares).mean(axis=1), (squares * squares).mean(axis=1)
-        still = variance <= (1e-12 * np.maximum(np.abs(low), np.abs(high))) ** 2
-        with np.errstate(invalid="ignore", divide="ignore"):
-            skewness = np.where(still, np.nan, third / variance**1.5)
-            kurtosis = np.where(still, np.nan, fourth / variance**2)
-        numbers = {"mean": mean, "std": np.sqrt(variance), "min": low, "max": high,
-                   "rms": np.sqrt(variance + mean**2), "skewness": skewness, "kurtosis": kurtosis}  # fmt: skip
-        for k, (name, unit, _) in enumerate(some):
-            told[name] = {"unit": unit, **{key: float(array[k]) for key, array in numbers.items()}}
+    from fowtlib.analysis import case_statistics, equivalent_loads
+    from fowtlib.analysis.fatigue.loads import is_load
+
+    if result.time.size < 3:
+        return {}
+    told = case_statistics(result)
+    told["equivalent_loads"] = loads = {}
+    for name, channel in told["channels"].items():
+        if is_load(channel["unit"]):
+            try:
+                found = equivalent_loads(result, names=[name])[name]
+            except ModelError as error:
+                told["refused"][f"equivalent load of {name}"] = str(error)
+            else:
+                loads[name] = {f"{exponent:g}": load for exponent, load in found.items()}
     return told

@@ -9,6 +9,7 @@ from __future__ import annotations
 import re
 from collections.abc import Collection
 from dataclasses import dataclass
+from functools import lru_cache
 from typing import Any, Protocol
 
 from fowtlib.language.errors import ModelError, ModelFileError, UnitError, did_you_mean
@@ -41,7 +42,10 @@ class Item:
         if self.quantity is None or not isinstance(self.written, str):
             return self.written
         found = quantity(self.written)
-        return _short(found[0]) if found else self.written
+        return tidy(found[0]) if found else self.written
+
+
+_unit_text = lru_cache(maxsize=256)(unit_text)
 
 
 class Names(Protocol):
@@ -57,8 +61,8 @@ class Names(Protocol):
 
 def number(value: float, unit: Any = None) -> Item:
     """The item of a number that was computed; whole numbers are integers."""
-    written: str | float = _short(float(value))
-    if unit is not None and (text := unit_text(unit)) != "1":
+    written: str | float = tidy(float(value))
+    if unit is not None and (text := _unit_text(unit)) != "1":
         written = f"{written!r} {text}"
     return Item(written, Quantity(float(value), unit))
 
@@ -81,7 +85,7 @@ def plain(node: Node, names: Names) -> Any:
 
 
 def filled(text: str, names: Names, units: bool = False) -> str:
-    """Text with the values of `{formula}` and `{formula:form}` put in; units: with the unit of a quantity."""
+    """Text with `{formula}` and `{formula:form}` replaced by values; units: with their units, and all digits."""
 
     def put(found: re.Match[str]) -> str:
         formula, form = found[1].strip(), found[2]
@@ -106,16 +110,17 @@ def scalar(node: Node, what: str, names: Names, unit: str) -> float:
         raise error if error.where else node.place.error(f"{what}: {error}") from None
 
 
-def word(node: Node, what: str, names: Names) -> str:
-    """Text, with placeholders filled."""
+def word(node: Node, what: str, names: Names, units: bool = False) -> str:
+    """Text, with placeholders filled; units: with the unit of a quantity."""
     if not isinstance(node.value, (str, int, float)) or isinstance(node.value, bool):
         raise node.place.error(f"{what} is text, not {node.kind}.")
     try:
-        return filled(str(node.value), names)
+        return filled(str(node.value), names, units)
     except ModelError as error:
         raise error if error.where else node.place.error(f"{what}: {error}") from None
 
 
+@lru_cache(maxsize=4096)
 def as_quantity(text: str) -> Quantity | None:
     """The quantity that a text such as "12 m/s" writes, in SI; None for another text."""
     found = quantity(text)
@@ -174,7 +179,7 @@ def _formula(text: str, names: Names) -> Item | None:
 def _formatted(item: Item, form: str | None, text: str, units: bool) -> str:
     value = item.written if units and form is None else item.label
     if form is None:
-        return str(value) if not isinstance(value, float) else f"{value:.12g}"
+        return str(value) if units or not isinstance(value, float) else f"{value:.12g}"
     match = _FORM.fullmatch(form)
     if match is None or isinstance(value, bool):
         raise ModelFileError(f"'{text}': '{form}' is not how a number is written; there are {NUMBER_FORMS}.")
@@ -185,7 +190,8 @@ def _formatted(item: Item, form: str | None, text: str, units: bool) -> str:
     return format(value, form)
 
 
-def _short(value: float) -> int | float:
+def tidy(value: float) -> int | float:
+    """A number as it is written down: whole ones as integers."""
     return int(value) if value.is_integer() and abs(value) < 2**53 else value
 
 

@@ -8,6 +8,7 @@ from dataclasses import dataclass
 from pathlib import Path
 
 from fowtlib.cases import csv_tables
+from fowtlib.cases.folder import Folder
 from fowtlib.cases.values import Item, Names, evaluate, scalar, word
 from fowtlib.language.errors import one_of
 from fowtlib.modelfile.nodes import Node
@@ -59,7 +60,7 @@ class Weights:
         return {values[value]: share for value, share in self.share(sorted(values)).items()}
 
 
-def read(node: Node, variables: Sequence[str], names: Names, folder: Path, files: list[Path]) -> Weights:
+def read(node: Node, variables: Sequence[str], names: Names, folder: Folder, files: list[Path]) -> Weights:
     """What `weights` says; `variables` are those that vary."""
     items = mapping(node, f"'weights' is a mapping with {one_of([*FORMS, SCATTER])}")
     check_keys(items, KEYS, "'weights'")
@@ -109,7 +110,7 @@ def _shares(form: str, node: Node, width: float | None, whole: Node, names: Name
     return shares
 
 
-def _scatter(node: Node, variables: Sequence[str], names: Names, folder: Path, files: list[Path]) -> Weights:
+def _scatter(node: Node, variables: Sequence[str], names: Names, folder: Folder, files: list[Path]) -> Weights:
     """Rows of states with their weight."""
     if isinstance(node.value, str):
         columns = csv_tables.read(node, folder, files)

@@ -76,7 +76,9 @@ class Parser(argparse.ArgumentParser):
 
     def _check_value(self, action: argparse.Action, value: object) -> None:
         if action.choices is not None and value not in action.choices:
-            what = "command" if isinstance(action, argparse._SubParsersAction) else action.metavar or action.dest
+            what = action.metavar or action.dest
+            if isinstance(action, argparse._SubParsersAction):
+                what = what.lower()
             self.error(f"unknown {what} '{value}'{did_you_mean(str(value), map(str, action.choices), list_up_to=20)}")
 
     def error(self, message: str) -> NoReturn:

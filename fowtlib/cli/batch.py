@@ -11,15 +11,22 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from fowtlib.cli import loading, tables
-from fowtlib.cli.files import TABLES, check_target
+from fowtlib.cli.files import TABLES, check_target, say_saved
 from fowtlib.language.errors import ModelError, NotFoundError, did_you_mean
 
 if TYPE_CHECKING:
     from fowtlib.cases import Batch, Case, Progress
 
-ENDING = ".batch"
+ENDING, PAGE = ".batch", ".html"
 TOLD = 60.0  # s between two lines on the progress, where there is no terminal
 STATISTICS = ("mean", "std", "min", "max")
+EACH = {
+    "run": "fowt batch run dlc12.yaml --workers 4",
+    "retry": "fowt batch retry dlc12.yaml",
+    "status": "fowt batch status dlc12.yaml --all",
+    "table": "fowt batch table dlc12.yaml --results pitch,surge --statistics mean,max --output extremes.csv",
+    "report": "fowt batch report dlc12.yaml --output dlc12.html",
+}
 EXAMPLES = """FILE lists the cases (see docs/cases.md). The results lie beside it, in a
 folder with the ending .batch, or in that of --folder: a registry, one file a
 case, batch.log. A batch that was stopped goes on where it was. Cases are done
@@ -29,6 +36,7 @@ examples:
   fowt batch run dlc12.yaml
   fowt batch status dlc12.yaml
   fowt batch table dlc12.yaml --results pitch,surge --statistics mean,max --output extremes.csv
+  fowt batch report dlc12.yaml --output dlc12.html
   fowt batch run dlc12.yaml --scheduler tcp://10.0.0.1:8786
 """
 
@@ -38,22 +46,32 @@ def declare(commands: Any) -> None:
     parser = commands.add_parser("batch", help="run many cases, and look at what became of them", epilog=EXAMPLES)
     verbs = parser.add_subparsers(dest="verb", metavar="ACTION", required=True)
     for name, text in (("run", "run the cases that are not done yet"), ("retry", "run those that have failed, too")):
-        verb = verbs.add_parser(name, help=text)
+        verb = verbs.add_parser(name, help=text, epilog=_example(name))
         _declare_file(verb, "cases: a file that lists them (.yaml)")
         _declare_run(verb)
         verb.set_defaults(action=run, retry=name == "retry")
-    status = verbs.add_parser("status", help="how far a batch is, and what went wrong")
+    status = verbs.add_parser("status", help="how far a batch is, and what went wrong", epilog=_example("status"))
     _declare_file(status, "the file that lists the cases, or the folder of the batch")
     status.add_argument("--all", action="store_true", help="also cases that are done")
     tables.declare(status)
     status.set_defaults(action=show_status)
-    table = verbs.add_parser("table", help="the statistics of all cases that are done")
+    table = verbs.add_parser("table", help="the statistics of all cases that are done", epilog=_example("table"))
     _declare_file(table, "the file that lists the cases, or the folder of the batch")
     table.add_argument("--results", metavar="NAMES", help="of these results, for example pitch,surge; default: all")
     table.add_argument("--statistics", metavar="NAMES", default=",".join(STATISTICS),
-                       help="for example mean,max,skewness; default: %(default)s")  # fmt: skip
+                       help="for example mean,max,p99,skewness; default: %(default)s")  # fmt: skip
     tables.declare(table)
     table.set_defaults(action=show_table)
+    report = verbs.add_parser("report", help="a page with what the batch has found", epilog=_example("report"))
+    _declare_file(report, "the file that lists the cases, or the folder of the batch")
+    report.add_argument("-o", "--output", type=Path, metavar="FILE", help="the page; default: beside the folder")
+    report.add_argument("--title", default="", metavar="TEXT", help="of the page")
+    report.add_argument("--results", metavar="NAMES", help="with figures, for example pitch,surge; default: the usual")
+    report.set_defaults(action=write_report)
+
+
+def _example(verb: str) -> str:
+    return f"examples:\n  {EACH[verb]}\n"
 
 
 def _declare_file(parser: argparse.ArgumentParser, text: str) -> None:
@@ -125,19 +143,37 @@ def show_table(arguments: argparse.Namespace) -> int:
     rows = batch.rows("done")
     if not rows:
         raise ModelError(f"{batch.folder}: no case is done yet.")
-    known = list(dict.fromkeys(name for row in rows for name in row.statistics))
+    found = {row.name: {name: _numbers(told) for name, told in row.statistics.items()} for row in rows}
+    known = list(dict.fromkeys(name for told in found.values() for name in told))
     names = _chosen(arguments.results, known, "result") if arguments.results else known
-    numbers = list(dict.fromkeys(key for row in rows for told in row.statistics.values() for key, value in told.items()
-                                 if isinstance(value, (int, float))))  # fmt: skip
+    numbers = list(dict.fromkeys(key for told in found.values() for one in told.values() for key in one))
     columns = _chosen(arguments.statistics, numbers, "statistic")
     labels = list(dict.fromkeys(label for row in rows for label in row.case.labels))
     told = [
         (row.name, *(row.case.labels.get(label) for label in labels), name, row.statistics[name]["unit"],
-         *(tables.rounded(row.statistics[name].get(key), _size(row.statistics[name])) for key in columns))
+         *(tables.rounded(found[row.name][name].get(key), _size(row.statistics[name])) for key in columns))
         for row in rows for name in names if name in row.statistics
     ]  # fmt: skip
     tables.say(arguments, f"{batch.folder}: {_told(batch.counts)}")
     tables.show(arguments, ("case", *labels, "result", "unit", *columns), told)
+    return 0
+
+
+def _numbers(told: Any) -> dict[str, float]:
+    """The single numbers of the statistics of a channel, percentiles by p1, p50 and so on."""
+    percentiles = {f"p{key}": value for key, value in told.get("percentiles", {}).items()}
+    return {key: value for key, value in {**told, **percentiles}.items() if isinstance(value, (int, float))}
+
+
+def write_report(arguments: argparse.Namespace) -> int:
+    """Write the page of a batch."""
+    from fowtlib.report import write_batch_page
+
+    batch = _batch(arguments)
+    path = arguments.output or batch.folder.with_suffix(PAGE)
+    check_target(path, (PAGE,), arguments.force)
+    channels = [name.strip() for name in arguments.results.split(",")] if arguments.results else None
+    say_saved(write_batch_page(batch, path, title=arguments.title, channels=channels))
     return 0
 
 
@@ -154,17 +190,16 @@ def _chosen(text: str, known: list[str], what: str) -> list[str]:
 
 
 def _cases(arguments: argparse.Namespace) -> list[Case]:
-    """The cases of the file, with the leave that the command line gives to their models."""
-    from fowtlib.cases import read_cases
+    """The cases of the file, all of which can be run, with the leave that the command line gives to their models."""
+    from fowtlib import check_cases
     from fowtlib.language import leave
 
-    cases = read_cases(arguments.file)
-    if arguments.trust or arguments.allow:
-        for name in dict.fromkeys(case.model for case in cases):
-            model = loading.load_file(arguments, name)
-            for path in leave.give_native(model.root) if arguments.trust else ():
-                print(f"{path}: leave to run this native code is kept in {leave.leave_file()}.", file=sys.stderr)
-    return cases
+    cases = loading.read_cases(arguments, arguments.file)
+    models = check_cases(cases, lambda name: loading.load_file(arguments, name))
+    for model in models.values() if arguments.trust else ():
+        for path in leave.give_native(model.root):
+            print(f"{path}: leave to run this native code is kept in {leave.leave_file()}.", file=sys.stderr)
+    return list(cases)
 
 
 def _folder(arguments: argparse.Namespace) -> Path:

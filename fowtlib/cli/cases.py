@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING, Any
 from fowtlib.cli import loading, tables
 from fowtlib.cli.files import TABLES, check_target, say_saved
 from fowtlib.cli.run import finite, numbers, positive
+from fowtlib.language import leave
 from fowtlib.language.errors import ModelError
 from fowtlib.language.whole_files import write_text
 
@@ -19,9 +20,9 @@ if TYPE_CHECKING:
 
 DLC = "dlc"
 DEFAULT_MODEL = "oc3_spar"
-EXAMPLES = """A cases file lists runs: products of wind speeds, seas, seeds; see docs/cases.md.
-`fowt cases FILE` reads it, checks every case, and shows what there is. `fowt
-cases dlc NUMBER ...` writes one with design load cases of IEC 61400-3-1 and -3-2.
+EXAMPLES = """A cases file lists runs: products of wind speeds, seas, seeds (docs/cases.md).
+fowt cases FILE reads it, checks every case, and shows what there is; fowt cases
+dlc NUMBER.. writes one with design load cases of IEC 61400-3-1 and -3-2.
 
 examples:
   fowt cases dlc12.yaml --list
@@ -72,13 +73,6 @@ def _angles(text: str) -> list[float]:
     return values.tolist()
 
 
-def read(path: Path) -> CaseSet:
-    """The cases of a file."""
-    from fowtlib.case_files import read_cases
-
-    return read_cases(path)
-
-
 def cases(arguments: argparse.Namespace) -> int:
     """Show the cases of a file, or write named sets."""
     if arguments.words[0] == DLC:
@@ -91,7 +85,7 @@ def cases(arguments: argparse.Namespace) -> int:
         raise ModelError(f"'{arguments.words[1]}': one file is shown at a time; for load cases: fowt cases dlc 1.2 6.1")
     check_target(arguments.output, TABLES, arguments.force)
     arguments.table = arguments.output
-    found = read(Path(arguments.words[0]))
+    found = loading.read_cases(arguments, Path(arguments.words[0]))
     models = _checked(arguments, found)
     if arguments.all:
         _list(arguments, found, models)
@@ -128,6 +122,10 @@ def _write(arguments: argparse.Namespace) -> int:
         folder = arguments.output.absolute().parent.resolve()
         whole = path.resolve()
         name = str(whole.relative_to(folder)) if whole.is_relative_to(folder) else str(whole)
+        if not whole.is_relative_to(folder):  # named by the user, who allows it by that
+            leave.give_folder(whole.parent, arguments.output)
+            print(f"{arguments.output}: leave to read in {whole.parent} is kept in {leave.leave_file()}.",
+                  file=sys.stderr)  # fmt: skip
     text = write_dlc(Request(arguments.words[1:], name, site, **given), model)
     found = read_cases(arguments.output, text=text)
     models = _checked(arguments, found)

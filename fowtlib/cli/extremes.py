@@ -9,30 +9,34 @@ from typing import TYPE_CHECKING, Any
 
 from fowtlib.cli import site, tables
 from fowtlib.cli.files import FIGURES, TABLES, check_target, say_saved
+from fowtlib.cli.progress import part_bar
 from fowtlib.cli.run import positive
 from fowtlib.language.errors import ModelError, ParameterError
 from fowtlib.language.whole_files import write_text
 
 if TYPE_CHECKING:
+    from fowtlib.cases import Batch
     from fowtlib.metocean import Answers, ConditionalModel, States
 
 WORTH_A_WORD = 1.02  # factor of a value of FLTA that is too high by the scatter of its fits
+LAWS = ("gumbel", "pooled", "rates", "gaussian")
 METHODS = ("flta", "ecm", "mecm", "sample")
 CASE_FILES = (".yaml", ".yml")
 EXAMPLES = """First the states: flta all bins that occur once in --keep years, ecm the contour
 of the return period, mecm that one and those that end at --cut-out, sample
-random states, evaluated as flta. --cases writes them
-as a file for `fowt batch run`. Then, with the laws of the extremes
-in these states, the extremes by each method for which there are runs:
+random states, evaluated as flta. --cases writes them as a file for `fowt batch
+run`. Then the extremes, by each method for which there are runs: of this batch
+(--batch), or of tables from elsewhere.
 --maxima FILE.csv: wind_speed, Hs, Tp, probability (empty on a contour), and for
 each response the largest value of a run; several runs a state.
 --fits FILE.csv: response, unit, wind_speed, Hs, Tp, probability, and location
-and scale of a Gumbel law, or q, a, b, c, threshold of an up-crossing rate.
+and scale of a Gumbel law, or q, a, b, c, threshold of a rate of up-crossings.
 
 examples:
   fowt extremes norway_5 --method flta --output states.csv
   fowt extremes norway_5 --method mecm --cut-out 25 --cases contours.yaml --model two_rotor_spar_rigid --seeds 20
-  fowt extremes norway_5 --cut-out 25 --maxima maxima.csv --plot extremes.png
+  fowt batch run contours.yaml
+  fowt extremes norway_5 --cut-out 25 --batch contours.yaml --results surge,yaw --plot extremes.png
 """
 
 
@@ -63,9 +67,14 @@ def declare(commands: Any) -> None:
     turbulence = "draw the turbulence of each state of a sample too: IEC class A+, A, B or C"
     add("--turbulence", choices=("A+", "A", "B", "C"), metavar="CLASS", help=turbulence)
     given = parser.add_mutually_exclusive_group()
-    given.add_argument("--cases", type=Path, metavar="FILE", help="write the runs as a cases file: .yaml")
+    add("--cases", type=Path, metavar="FILE", help="write the runs as a cases file: .yaml")
     given.add_argument("--fits", type=Path, metavar="FILE", help="laws of extremes by state and response: .csv")
+    given.add_argument("--batch", type=Path, metavar="FILE", help="a cases file that `fowt batch run` has run")
     given.add_argument("--maxima", type=Path, metavar="FILE", help="largest values of runs: .csv")
+    add("--results", metavar="NAMES", help="of the batch, for example surge,yaw; default: all")
+    add("--law", choices=LAWS, metavar="NAME", help="gumbel, pooled, rates or gaussian, see docs/long_term.md")
+    add("--worst", type=int, metavar="N", help="--cases of the N worst states of each contour and response alone")
+    add("--save-fits", type=Path, metavar="FILE", help="write the laws of the batch, for --fits: .csv")
     add("--model", metavar="MODEL", help="of the cases file")
     add("--seeds", type=int, default=1, metavar="N", help="runs of each state; default: %(default)d")
     add("--time", type=positive, default=4000.0, metavar="S", help="length of a run; default: %(default)g s")
@@ -81,30 +90,30 @@ def extremes(arguments: argparse.Namespace) -> int:
     check_target(arguments.table, TABLES, arguments.force)
     check_target(arguments.cases, CASE_FILES, arguments.force)
     joint = site.opened(arguments)
-    if arguments.fits or arguments.maxima:
-        return _evaluate(arguments, joint)
-    if arguments.plot:
-        raise ModelError("--plot draws extremes: give --fits or --maxima, or see `fowt contours --plot`.")
+    check_target(arguments.save_fits, (".csv",), arguments.force)
+    for option in ("results", "law", "save_fits"):
+        if getattr(arguments, option) and not arguments.batch:
+            raise ModelError(f"--{option.replace('_', '-')} is about the runs of a batch: give --batch.")
     if (arguments.cases is None) != (arguments.model is None):
         raise ModelError("--cases and --model belong together: a file of cases of one model.")
+    if arguments.cases and (arguments.seeds < 1 or arguments.discard >= arguments.time):
+        raise ModelError("a state is run once or more, and what is discarded of a run is not all of it.")
+    if arguments.fits or arguments.maxima or arguments.batch:
+        if (arguments.cases is None) != (arguments.worst is None):
+            raise ModelError("with runs, --cases and --worst belong together: the worst states, to be run again.")
+        return _evaluate(arguments, joint)
+    if arguments.plot or arguments.worst:
+        raise ModelError(
+            "--plot and --worst are about extremes: give --batch, --fits or --maxima; or see fowt contours."
+        )
     return _list(arguments, joint)
 
 
 def _list(arguments: argparse.Namespace, joint: ConditionalModel) -> int:
-    from fowtlib.metocean import cases_file
-
     states, told = _states(arguments, joint)
     head = f"{site.words(joint)}; states of {arguments.duration / 3600:.4g} h; {told}"
     if arguments.cases:
-        if arguments.seeds < 1 or arguments.discard >= arguments.time:
-            raise ParameterError(
-                "a state is run once or more, and the part of a run that is discarded is not all of it."
-            )
-        text = cases_file(
-            states, arguments.model, title=head, group=arguments.method.upper(), seeds=arguments.seeds,
-            duration=arguments.time, discard=arguments.discard, cut_out=max(arguments.cut_out, default=None),
-        )  # fmt: skip
-        write_text(arguments.cases, text)
+        _write_cases(arguments, states, head, arguments.method.upper())
     tables.say(arguments, head)
     if not arguments.cases or arguments.table or arguments.form:
         rows = [list(state) for state in states]
@@ -118,6 +127,16 @@ def _list(arguments: argparse.Namespace, joint: ConditionalModel) -> int:
         tables.show(arguments, columns, rows)
     say_saved(arguments.cases)
     return 0
+
+
+def _write_cases(arguments: argparse.Namespace, states: States, title: str, group: str) -> None:
+    from fowtlib.metocean import cases_file
+
+    text = cases_file(
+        states, arguments.model, title=title, group=group, seeds=arguments.seeds, duration=arguments.time,
+        discard=arguments.discard, cut_out=max(arguments.cut_out, default=None),
+    )  # fmt: skip
+    write_text(arguments.cases, text)
 
 
 def _states(arguments: argparse.Namespace, joint: ConditionalModel) -> tuple[States, str]:
@@ -151,9 +170,17 @@ def _states(arguments: argparse.Namespace, joint: ConditionalModel) -> tuple[Sta
 
 
 def _evaluate(arguments: argparse.Namespace, joint: ConditionalModel) -> int:
-    from fowtlib.metocean import compare_methods, read_fits, read_maxima
+    from fowtlib.metocean import compare_methods, fits_of_batch, read_fits, read_maxima, worst_states, write_fits
 
-    fits = read_fits(arguments.fits, arguments.duration) if arguments.fits else read_maxima(arguments.maxima)
+    if arguments.batch:
+        names = arguments.results.split(",") if arguments.results else None
+        with part_bar("reading the results of the runs") as report:
+            fits = fits_of_batch(_batch(arguments.batch), names, arguments.law, arguments.duration, report)
+        if arguments.save_fits:
+            write_fits(arguments.save_fits, fits.values())
+            say_saved(arguments.save_fits)
+    else:
+        fits = read_fits(arguments.fits, arguments.duration) if arguments.fits else read_maxima(arguments.maxima)
     answers = compare_methods(joint, fits, years=arguments.return_period, duration=arguments.duration,
                               cut_offs=arguments.cut_out, fractile=arguments.fractile)  # fmt: skip
     head = f"{site.words(joint)}; {site.time(arguments.return_period)}, states of {arguments.duration / 3600:.4g} h"
@@ -166,8 +193,23 @@ def _evaluate(arguments: argparse.Namespace, joint: ConditionalModel) -> int:
     tables.show(arguments, columns, [_row(each) for each in answers])
     tables.say(arguments, "The state is the one that gives MECM, else ECM, else most of FLTA.")
     _say_excess(answers)
-    say_saved(arguments.plot)
+    if arguments.cases:
+        worst = worst_states(answers, arguments.worst)
+        told = f"{len(worst)} states, the {arguments.worst} worst of each contour and response"
+        _write_cases(arguments, worst, f"{head}; {told}", "WORST")
+        tables.say(arguments, told)
+    say_saved(arguments.plot, arguments.cases)
     return 0
+
+
+def _batch(path: Path) -> Batch:
+    """The batch of a cases file, or in a folder."""
+    from fowtlib.cases import Batch
+
+    folder = path if path.is_dir() else path.with_suffix(".batch")
+    if not folder.is_dir():
+        raise ModelError(f"{folder}: there is no such folder; begin the batch with fowt batch run {path}.")
+    return Batch.open(folder)
 
 
 def _say_excess(answers: list[Answers]) -> None:

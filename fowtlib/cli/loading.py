@@ -16,6 +16,7 @@ from fowtlib.modelfile.short_forms import WAVES, WIND, Condition, settings
 
 if TYPE_CHECKING:
     from fowtlib import Model
+    from fowtlib.cases import CaseSet
 
 CONSTANT_WIND = ("none", "steady", "nwp", "ewm_steady", "input")
 
@@ -87,6 +88,15 @@ def load_file(arguments: argparse.Namespace, name: str) -> Model:
         leave.give_folder(folder, find_model(name))
     trust = getattr(arguments, "trust", False)
     return fw.load(name, allow_python=arguments.allow_python, trust=trust)
+
+
+def read_cases(arguments: argparse.Namespace, path: Path) -> CaseSet:
+    """The cases of a file, with the leave that the command line gives."""
+    import fowtlib as fw
+
+    for folder in getattr(arguments, "allow", ()):
+        leave.give_folder(folder, path)
+    return fw.read_cases(path)
 
 
 def message(error: ModelError, arguments: argparse.Namespace) -> str:

@@ -62,6 +62,11 @@ def show_statistics(arguments: argparse.Namespace) -> int:
     several = len(cases) > 1
     if several and not arguments.each:
         over = over_cases(cases)
+        missing = sorted({name for told in cases.values() for name in told["channels"]} - {*over})
+        if missing:
+            warnings.warn(f"left out, because not every result has them: {', '.join(missing)}", stacklevel=1)
+        if not over:
+            raise ModelError("these results have no series in common.")
         keys = ("unit", "mean", "std", "total_std", "max", "max_case", "mean_max", "min", "min_case", "mean_min")
         rows = []
         for name, told in over.items():

@@ -119,13 +119,15 @@ class Curve:
 class Arrow:
     """An arrow in the world with its tip at `tip`, along `direction`; its length is scale [m per unit] times `value`.
 
-    value: path of a scalar variable.
+    value: path of a scalar variable. bearing: path of the angle [rad] about z, from x, along which it points now; then
+    it is level, and direction is where it starts.
     """
 
     tip: tuple[float, float, float]
     direction: tuple[float, float, float]
     value: str
     scale: float = 1.0
+    bearing: str = ""
 
 
 @dataclass(frozen=True, eq=False)

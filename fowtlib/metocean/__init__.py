@@ -1,7 +1,8 @@
 """Wind and sea as random variables: joint distributions, contours, bins, extremes of the long term."""
 
+from fowtlib.metocean.batch_fits import fits_of_batch
 from fowtlib.metocean.binning import bins
-from fowtlib.metocean.comparison import Answers, compare_methods
+from fowtlib.metocean.comparison import Answers, compare_methods, worst_states
 from fowtlib.metocean.contours import contour, cut_off, distance, inflated, radius, return_period, surface
 from fowtlib.metocean.fits import Fits, read_fits, read_maxima, write_fits
 from fowtlib.metocean.joint import ConditionalModel
@@ -50,6 +51,7 @@ __all__ = [
     "environment",
     "environmental_contour",
     "excess_of_fits",
+    "fits_of_batch",
     "full_long_term",
     "inflated",
     "known",
@@ -66,5 +68,6 @@ __all__ = [
     "site",
     "states_to_cases",
     "surface",
+    "worst_states",
     "write_fits",
 ]

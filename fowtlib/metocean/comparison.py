@@ -13,7 +13,7 @@ from fowtlib.metocean.fits import Fits
 from fowtlib.metocean.joint import ConditionalModel
 from fowtlib.metocean.long_term import LongTerm, Modified, OnContour, full_long_term, on_contour
 from fowtlib.metocean.short_term import known
-from fowtlib.metocean.states import YEAR
+from fowtlib.metocean.states import YEAR, State, States
 
 _NEAR = 0.01  # of the radius: how far a point may lie beside its contour, for states are written with some digits only
 
@@ -61,6 +61,23 @@ def compare_methods(
         Answers(each, years, _flta(each, duration), tuple(_on_contours(joint, each, years, levels, duration)))
         for each in fits.values()
     ]
+
+
+def worst_states(answers: Sequence[Answers], count: int) -> States:
+    """The worst states of each contour, so many for each response and each once: those that deserve more seeds.
+
+    ParameterError where no response has points of a contour.
+    """
+    if count < 1:
+        raise ParameterError(f"one worst state or more is to be found, not {count}.")
+    found: dict[State, None] = {}
+    for each in answers:
+        for line in each.contours:
+            states = list(line.states)
+            found.update(dict.fromkeys(states[index] for index in np.argsort(-line.values, kind="stable")[:count]))
+    if not found:
+        raise ParameterError("there are no runs on a contour, whose worst states could be found.")
+    return States(*np.array(list(found)).T)
 
 
 def _flta(fits: Fits, duration: float) -> LongTerm | None:

@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from fowtlib.metocean.states import States
-from fowtlib.solving.results.plots import COLORS, INK, _figure, _style, save_figure
+from fowtlib.solving.results.drawing import COLORS, INK, drawing, drawing_style, save_figure
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -35,8 +35,8 @@ def plot_contours(
     sections of a surface at wind speeds, drawn over the peak period; without any it shows the period that goes with the
     line. height: of the wind speed [m].
     """
-    with _style():
-        figure = _figure(9.4, 4.4)
+    with drawing_style():
+        figure = drawing(9.4, 4.4)
         left, right = figure.subplots(1, 2, sharey=True)
         for index, (label, states) in enumerate(contours):
             color = COLORS[index % len(COLORS)]
@@ -73,8 +73,8 @@ def plot_exceedance(answers: Sequence[Answers], path: str | Path | None = None, 
     """Return period over the response, one panel each: from all states a line, from contours their points."""
     columns = min(3, len(answers))
     rows = -(-len(answers) // columns)
-    with _style():
-        figure = _figure(3.3 * columns + 0.6, 2.6 * rows + 0.7)
+    with drawing_style():
+        figure = drawing(3.3 * columns + 0.6, 2.6 * rows + 0.7)
         axes = figure.subplots(rows, columns, squeeze=False)
         for axis, each in zip(axes.ravel(), answers, strict=False):
             if each.flta is not None:

@@ -98,7 +98,7 @@ def _are_data(root: Component, values: Settings) -> bool:
         if family is None or family.own_equations(type(part)):
             return False
         if name == family.selector:
-            kinds[owner] = family.kinds.get(value, type(part))
+            kinds[owner] = family.kinds.get(value if isinstance(value, str) else "", type(part))
         elif name not in family.parameters or not (family.parameters[name].bound or family.parameters[name].tunable):
             return False
     return not any(kind.family.own_equations(kind) for kind in kinds.values())

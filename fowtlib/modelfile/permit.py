@@ -13,10 +13,12 @@ from fowtlib.language.errors import ModelFileError
 
 @dataclass(frozen=True)
 class Permit:
-    """What one model file may; `trust`: it may also name native code, wherever it is."""
+    """What one file may; `trust`: it may also name native code, wherever it is. of, by: words for messages."""
 
     folders: tuple[Path, ...]
     trust: bool = False
+    of: str = "model file"
+    by: str = "fw.load"
 
     def require(self, path: Path, name: str, *, native: bool = False) -> None:
         """ModelFileError for a path, resolved, that may not be read; nothing is said of what is there."""
@@ -25,8 +27,8 @@ class Permit:
         if native and (self.trust or leave.has_leave(path)):
             return
         raise ModelFileError(
-            f"'{name}' is refused: it lies outside of the folder of the model file. To let it be read, allow its "
-            f"folder: --allow {path.parent}, or fw.load(..., allow=['{path.parent}']) in Python."
+            f"'{name}' is refused: it lies outside of the folder of the {self.of}. To let it be read, allow its "
+            f"folder: --allow {path.parent}, or {self.by}(..., allow=['{path.parent}']) in Python."
         )
 
 

@@ -213,6 +213,19 @@ WIND = Condition(
             bare="speed",
             either=("class", "intensity"),
         ),
+        "turbulence": Kind(
+            {
+                **_SPEED,
+                **_CLASS,
+                "intensity": Key("turbulence_intensity"),
+                "seed": Key("seed", "#"),
+                "spacing": Key("point_spacing", "m"),
+                "period": Key("repetition_period", "s"),
+                **_SHEAR,
+            },
+            bare="speed",
+            either=("class", "intensity"),
+        ),
         "nwp": Kind({**_SPEED, **_SHEAR}, bare="speed"),
         "ntm": Kind(
             {**_SPEED, **_CLASS, "quantile": Key("quantile"), "seed": Key("seed", "#"), **_SHEAR}, bare="speed"

@@ -30,8 +30,10 @@ def batch_page(batch: Batch, *, title: str = "", channels: Sequence[str] | None 
     loads. command: what to write as the way to make the page again. Raises ModelError where no case is done.
     """
     view = View(batch, list(channels or ()))
-    parts = [part(view) for part in (sections.cases, sections.over_the_label, sections.statistics, sections.extremes,
-                                     sections.worst_cases, sections.spectra, sections.failures)]  # fmt: skip
+    of = sections
+    kinds = (of.cases, of.over_the_label, of.statistics, of.extremes, of.ultimate, of.fatigue, of.worst_cases,
+             of.spectra, of.failures)  # fmt: skip
+    parts = [kind(view) for kind in kinds]
     shown = [part for part in (*parts, sections.provenance(view, command)) if part is not None]
     name = title or view.title
     made = f"Made by fowtlib {version('fowtlib')} on {datetime.now().astimezone():%Y-%m-%d %H:%M %Z}."

@@ -15,6 +15,7 @@ if TYPE_CHECKING:
     from fowtlib.analysis import Spectrum
 
 SIZE = (4.6, 2.9)  # inches
+EDGES = {"left": 0.17, "right": 0.98, "bottom": 0.16, "top": 0.97}  # fixed: to find them takes as long as to draw
 MOST_POINTS = 1500  # of a line; of more, the lowest and highest of each stretch are drawn
 
 
@@ -24,7 +25,7 @@ def over_label(title: str, unit: str, label: str, groups: Mapping[str, np.ndarra
     groups: by group of cases, rows of label, mean, min, max.
     """
     with drawing_style():
-        figure = drawing(*SIZE)
+        figure = drawing(*SIZE, EDGES)
         axis = figure.subplots()
         everything = np.concatenate(list(groups.values()))
         places = np.unique(everything[:, 0])
@@ -47,7 +48,7 @@ def over_label(title: str, unit: str, label: str, groups: Mapping[str, np.ndarra
 def spectra(title: str, unit: str, found: Mapping[str, Spectrum], highest: float) -> Figure:
     """Densities over frequency, one line for each label."""
     with drawing_style():
-        figure = drawing(*SIZE)
+        figure = drawing(*SIZE, EDGES)
         axis = figure.subplots()
         top = 0.0
         for index, (name, spectrum) in enumerate(found.items()):
@@ -57,8 +58,10 @@ def spectra(title: str, unit: str, found: Mapping[str, Spectrum], highest: float
             top = max(top, float(density.max(initial=0.0)))
         if top > 0:
             axis.set_yscale("log")
+            axis.yaxis.set_major_formatter(lambda value, _: f"{value:.0e}")  # no formulas, which are slow to set
+            axis.yaxis.set_minor_formatter("")
             axis.set_ylim(top * 1e-6, top * 3)
-        axis.set(xlabel="frequency [Hz]", ylabel=f"{title} [({unit})$^2$/Hz]", xlim=(0.0, highest))
+        axis.set(xlabel="frequency [Hz]", ylabel=f"{title} [({unit})²/Hz]", xlim=(0.0, highest))
         axis.legend(loc="best")
     return figure
 
@@ -66,7 +69,8 @@ def spectra(title: str, unit: str, found: Mapping[str, Spectrum], highest: float
 def around(time: np.ndarray, rows: Sequence[tuple[str, str, np.ndarray]], at: float) -> Figure:
     """Series one above the other, with a line at an instant. rows: title, unit and values of each."""
     with drawing_style():
-        figure = drawing(9.4, 0.7 + 1.25 * len(rows))
+        height = 0.7 + 1.25 * len(rows)
+        figure = drawing(9.4, height, {"left": 0.09, "right": 0.99, "bottom": 0.5 / height, "top": 1 - 0.08 / height})
         axes = figure.subplots(len(rows), 1, sharex=True, squeeze=False)[:, 0]
         for index, (axis, (title, unit, values)) in enumerate(zip(axes, rows, strict=True)):
             axis.plot(*thinned(time, values), color=COLORS[index % len(COLORS)])

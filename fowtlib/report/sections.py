@@ -10,14 +10,15 @@ from typing import Any
 
 import numpy as np
 
-from fowtlib.analysis import Spectrum, average, power_spectrum
+from fowtlib.analysis import Spectrum, average, lifetime_equivalent_load, power_spectrum, ultimate_loads
 from fowtlib.language.errors import ModelError
 from fowtlib.report import drawings
 from fowtlib.report.content import Link, Section, Table, anchor, drawn, number
-from fowtlib.report.view import LOADS, View, words
+from fowtlib.report.view import View, words
 
 AROUND = 60.0  # s before and after an extreme
 HIGHEST = 0.5  # Hz in spectra
+MOST_IN_MATRIX = 12  # loads in the ultimate load matrix
 SEGMENTS = 4  # of a record, for its spectrum
 
 
@@ -95,7 +96,7 @@ def extremes(view: View) -> Section:
         worst = view.worst(name)
         place = f"worst-{anchor(name)}" if name in view.shown and view.batch.path(worst[0].name) else None
         factored = [told[end] * row.case.safety_factor for (row, told), end in ((high, "max"), (low, "min"))]
-        design = max(factored, key=abs) if view.units[name] in LOADS else None
+        design = max(factored, key=abs) if name in view.loads else None
         rows.append([
             Link(name, place) if place else name, view.units[name],
             high[1]["max"], Link(high[0].name, case_anchor(high[0].name)), high[1].get("max_time"),
@@ -104,6 +105,50 @@ def extremes(view: View) -> Section:
     heads = ["result", "unit", "largest", "in case", "at [s]", "least", "in case", "at [s]", "times safety factor"]
     sentence = "A name leads to the series around the extreme. Loads are multiplied by the safety factor of the case."
     return Section("Extremes", [sentence], tables=[Table(heads, rows)])
+
+
+def fatigue(view: View) -> Section | None:
+    """Damage-equivalent loads: of the life by the weights of the cases, and for each value of the label."""
+    rows, places = [], view.places()
+    weights = np.array([row.case.weight for row in view.done])
+    shares = weights / weights.sum() if weights.sum() > 0 else np.full(len(weights), 1 / len(weights))
+    for name in view.loads:
+        kept = [view.all[row.name].get("equivalent_loads", {}).get(name) for row in view.done]
+        if any(loads is None for loads in kept):
+            continue
+        for exponent in kept[0]:
+            loads = np.array([loads[exponent] for loads in kept])
+            m = float(exponent)
+            by_place = [float(np.mean(loads[inside] ** m) ** (1 / m)) for inside in places.values()]
+            rows.append([name, view.units[name], m, lifetime_equivalent_load(loads, m, shares), *by_place])
+    if not rows:
+        return None
+    heads = ["load", "unit", "exponent m", "all cases by weight", *places]
+    sentence = ("Ranges at 1 Hz, by rainflow counting. The weights of the cases count as shares of the time; the load "
+                "of one value is the mean over its cases.")  # fmt: skip
+    return Section("Damage-equivalent loads", [sentence], tables=[Table(heads, rows)])
+
+
+def ultimate(view: View) -> Section | None:
+    """The ultimate load matrix, with safety factors and what acts at the same time."""
+    channels = view.loads[:MOST_IN_MATRIX]
+    having = [row for row in view.done if all(name in row.statistics for name in channels)]
+    if not channels or not having:
+        return None
+    found = ultimate_loads(
+        {row.name: view.all[row.name] for row in having}, channels,
+        {row.name: row.case.safety_factor for row in having},
+        load_cases={row.name: row.case.group or row.name for row in having},
+    )  # fmt: skip
+    rows = [
+        [row.extreme, row.load_case, row.safety_factor, *row.values, Link(row.case, case_anchor(row.case)), row.time]
+        for row in found.rows
+    ]
+    heads = ["extreme", "group", "safety factor",
+             *(f"{name} [{unit}]" for name, unit in zip(found.channels, found.units, strict=True)),
+             "case", "at [s]"]  # fmt: skip
+    sentence = "Each row has the extreme of one load over all cases and the other loads at the same time, all factored."
+    return Section("Ultimate loads", [sentence], tables=[Table(heads, rows)])
 
 
 def worst_cases(view: View) -> Section | None:

@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from fowtlib.analysis.fatigue.loads import is_load
 from fowtlib.language.errors import ModelError, NotFoundError, did_you_mean
 from fowtlib.report.content import number, time_span
 from fowtlib.solving.results.plots import PANELS
@@ -17,12 +18,11 @@ if TYPE_CHECKING:
     from fowtlib.cases import Batch
     from fowtlib.cases.registry import Row
 
-LOADS = ("N", "kN", "MN", "N m", "N*m", "kN m", "MN m")
 OVER = ("wind_speed", "mean_speed", "speed", "significant_wave_height")  # labels to draw over, where there are some
 UNITS = {"wind_speed": "m/s", "significant_wave_height": "m", "peak_period": "s", "wave_heading": "deg",
          "yaw_error": "deg"}  # fmt: skip
 NOT_JUDGED = ("azimuth",)  # of which an extreme says nothing
-MOST_SHOWN = 12  # results with figures
+MOST_SHOWN = 16  # results with figures
 MOST_LINES = 5  # spectra in one figure
 
 
@@ -48,7 +48,12 @@ class View:
     @cached_property
     def channels(self) -> dict[str, dict[str, dict[str, Any]]]:
         """Statistics by case and result."""
-        return {row.name: row.statistics.get("channels", row.statistics) for row in self.done}
+        return {row.name: row.statistics for row in self.done}
+
+    @cached_property
+    def all(self) -> dict[str, dict[str, Any]]:
+        """All statistics by case; see Batch.statistics."""
+        return {row.name: self.batch.statistics(row.name) for row in self.done}
 
     @cached_property
     def units(self) -> dict[str, str]:
@@ -61,13 +66,17 @@ class View:
         return [name for name in self.units if name not in NOT_JUDGED]
 
     @cached_property
+    def loads(self) -> list[str]:
+        """Forces, moments and stresses."""
+        return [name for name in self.judged if is_load(self.units[name])]
+
+    @cached_property
     def shown(self) -> list[str]:
         """Results with figures: those asked for, else the usual ones and the loads that vary."""
         if self.chosen:
             return self.chosen
         usual = [name for panel in PANELS for start in panel for name in self.judged if name.startswith(start)]
-        loads = [name for name in self.judged if self.units[name] in LOADS]
-        moving = [name for name in dict.fromkeys([*usual, *loads, *self.judged]) if self._moves(name)]
+        moving = [name for name in dict.fromkeys([*usual, *self.loads, *self.judged]) if self._moves(name)]
         return moving[:MOST_SHOWN]
 
     def _moves(self, name: str) -> bool:
@@ -125,6 +134,14 @@ class View:
             words.append(f"{time_span(simulated)} were simulated in {time_span(spent)} of one processor core, "
                          f"{number(simulated / spent)} times real time.")  # fmt: skip
         return words
+
+    def places(self) -> dict[str, np.ndarray]:
+        """Which of the cases that are done have each value of the label, by the value in words."""
+        if not self.label:
+            return {}
+        values = np.array([self.label_of(row) for row in self.done])
+        unit = f" {UNITS[self.label]}" if self.label in UNITS else ""
+        return {f"{value:g}{unit}": values == value for value in np.unique(values[np.isfinite(values)])}
 
     def groups(self) -> dict[str, list[Row]]:
         """Cases whose results are there, by label; of many values a few, evenly chosen."""

@@ -63,6 +63,11 @@ class Binding:
         values = structural_values(self.root)
         return values | {path: text for path, text in self.data.items() if path in values}
 
+    @property
+    def holds(self) -> bool:
+        """Whether all its data are still there: those that were made for a run alone may be gone."""
+        return all(getattr(source, "there", True) for source in self.sources.values())
+
     def words(self, message: str) -> str:
         """A message with the values of bound parameters put in for their paths in braces, as in {wind.file}."""
         if self.root is None or "{" not in message:
@@ -88,6 +93,7 @@ class Bindings:
     def __call__(self, parameters: Values | None = None) -> Binding:
         """The binding of these values; see `bind`."""
         key = tuple(sorted((path, _content(value)) for path, value in by_path(parameters or {}).items()))
+        self._kept = {known: binding for known, binding in self._kept.items() if binding.holds}
         found = self._kept.pop(key, None)
         if found is None or found.data != {**self._compiled, **_data(found.root)}:
             found = bind(self.dae, self.root, parameters)

@@ -66,7 +66,8 @@ class Cast:
     def bytes_per_moment(self, readings: int) -> float:
         """Size of one moment in the file, as base64."""
         points = POINTS * len(self.curves)
-        raw = POSE * len(self.frames) + POINT * points + SCALAR * (readings + len(self.arrows) + 1)
+        turning = [arrow for arrow in self.arrows if arrow.bearing]
+        raw = POSE * len(self.frames) + POINT * points + SCALAR * (readings + len(self.arrows) + len(turning) + 1)
         return raw * 4 / 3
 
     def poses(self, observe: Observe, moments: int) -> np.ndarray:
@@ -108,6 +109,12 @@ class Cast:
     def speeds(self, observe: Observe, moments: int) -> np.ndarray:
         """The values of the arrows: (n_time, n_arrows)."""
         return _observed(observe, [arrow.value for arrow in self.arrows], moments)
+
+    def bearings(self, observe: Observe, moments: int) -> list[np.ndarray | None]:
+        """The angles about z [rad] of the arrows that turn, (n_time,) each; None for another."""
+        paths = list(dict.fromkeys(arrow.bearing for arrow in self.arrows if arrow.bearing))
+        found = dict(zip(paths, _observed(observe, paths, moments).T, strict=True))
+        return [found.get(arrow.bearing) for arrow in self.arrows]
 
 
 def moments_of(time: np.ndarray, rate: float | None, most: int) -> np.ndarray:

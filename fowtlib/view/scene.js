@@ -16,7 +16,10 @@ const times = unpack(scene.time, Float64Array), moments = times.length, last = m
 const poses = unpack(scene.poses, Float32Array), frames = scene.frames.length;
 for (const item of scene.readings) item.values = unpack(item.values, Float32Array);
 for (const item of scene.curves) item.points = unpack(item.points, Uint16Array);
-for (const item of scene.arrows) item.lengths = unpack(item.lengths, Float32Array);
+for (const item of scene.arrows) {
+  item.lengths = unpack(item.lengths, Float32Array);
+  if (item.bearings) item.bearings = unpack(item.bearings, Float32Array);
+}
 const water = scene.water;
 if (water) for (const name of ["omega", "amplitude", "phase", "wave_number"]) water[name] = unpack(water[name], Float64Array);
 
@@ -99,6 +102,12 @@ function linePoints(curve, t) {
 function valueAt(values, t) {
   const [low, high, f] = bracket(t);
   return values[low] * (1 - f) + values[high] * f;
+}
+
+function arrowDirection(arrow, t) {
+  if (!arrow.bearings) return arrow.direction;
+  const angle = valueAt(arrow.bearings, t);
+  return [Math.cos(angle), Math.sin(angle), 0];
 }
 
 // Elevation at n places first, first + step, ... along the heading of the waves. Waves shorter than `shortest` are left
@@ -419,8 +428,8 @@ function render() {
     draw(body);
   }
   for (const arrow of scene.arrows) {
-    const length = valueAt(arrow.lengths, time), direction = length < 0 ? arrow.direction.map((x) => -x) : arrow.direction;
-    use(SOLID, { place: arrow.tip, turn: turnTo(direction), size: Math.abs(length), tint: colors.wind });
+    const length = valueAt(arrow.lengths, time), along = arrowDirection(arrow, time);
+    use(SOLID, { place: arrow.tip, turn: turnTo(length < 0 ? along.map((x) => -x) : along), size: Math.abs(length), tint: colors.wind });
     draw(arrowMesh);
   }
   const focal = height / 2 / Math.tan(FIELD / 2);

@@ -114,7 +114,7 @@ def scene(cast: Cast, recording: Recording) -> dict[str, Any]:
     moments = recording.time.size
     poses = cast.poses(recording.observe, moments)
     lines = cast.lines(recording.observe, moments)
-    speeds = cast.speeds(recording.observe, moments)
+    speeds, bearings = cast.speeds(recording.observe, moments), cast.bearings(recording.observe, moments)
     bodies = _bounds([_placed(poses[0], number, _points(shape)) for number, shape in cast.solids] or [lines[0][0]])
     solids = [(number, shape, meshes.mesh(shape, bodies["size"])) for number, shape in cast.solids]
     seen = poses[np.linspace(0, moments - 1, min(moments, 25)).astype(int)]
@@ -137,9 +137,13 @@ def scene(cast: Cast, recording: Recording) -> dict[str, Any]:
         ],
         "curves": [_curve(shape, line, bodies["size"]) for shape, line in zip(cast.curves, lines, strict=True)],
         "arrows": [
-            {"tip": list(arrow.tip), "direction": list(arrow.direction), "lengths": _packed(lengths, "<f4")}
-            for arrow, lengths in zip(cast.arrows, (speeds * [a.scale for a in cast.arrows]).T, strict=True)
-        ],
+            {
+                "tip": list(arrow.tip), "direction": list(arrow.direction),
+                "lengths": _packed(arrow.scale * speed, "<f4"),
+                "bearings": None if bearing is None else _packed(bearing, "<f4"),
+            }
+            for arrow, speed, bearing in zip(cast.arrows, speeds.T, bearings, strict=True)
+        ],  # fmt: skip
         "arrow": _mesh(meshes.arrow()),
         "water": _water(cast.water),
         "readings": [

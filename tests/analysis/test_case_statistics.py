@@ -50,7 +50,7 @@ def test_a_sine_has_the_statistics_of_a_sine():
     assert told["percentiles"]["50"] == pytest.approx(2.0, abs=0.02)
     assert told["percentiles"]["75"] == pytest.approx(2.0 + 3.0 * np.sin(np.pi / 4), abs=0.02)
     assert told["mean_crossing_rate"] == pytest.approx(0.1, rel=0.011)  # the first of 100 is at the edge
-    assert len(told["crossings"]["above"]) == 6  # the amplitude is 1.414 standard deviations, 5 steps of 0.25
+    assert len(told["crossings"]["above"]) == 15  # the amplitude is 1.414 standard deviations, 14 steps of 0.1
     assert set(told["crossings"]["above"][1:]) == {100}
 
 
@@ -92,7 +92,7 @@ def test_json_can_hold_it_and_it_is_quick():
     told = case_statistics(result)
     assert json.loads(json.dumps(told, allow_nan=False)) == told
     assert told["channels"]["constant"]["skewness"] is None
-    assert told["channels"]["constant"]["crossings"] == {"step": 0.25, "above": [], "below": []}
+    assert told["channels"]["constant"]["crossings"] == {"step": 0.1, "above": [], "below": []}
     spent = []
     for _ in range(3):
         start = clock.process_time()

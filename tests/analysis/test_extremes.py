@@ -8,11 +8,14 @@ from hypothesis import given
 from hypothesis import strategies as st
 from scipy import stats
 
+from fowtlib.analysis.case_statistics import case_statistics
 from fowtlib.analysis.extremes import GaussianMaximum, Gumbel, block_maxima, fit_gumbel, gaussian_maximum
 from fowtlib.analysis.peaks import Peaks, PeakTail, fit_peaks, peaks
 from fowtlib.analysis.series import Series
-from fowtlib.analysis.tails import CrossingRates, CrossingTail, crossing_rates, fit_crossings, fit_rates
+from fowtlib.analysis.statistics import up_crossings
+from fowtlib.analysis.tails import CrossingRates, CrossingTail, crossing_rates, fit_crossings, fit_rates, rates_of_case
 from fowtlib.language.errors import ModelError
+from fowtlib.solving.results import Result
 
 HOUR = 3600.0
 # Annual maxima of the sea level at Port Pirie, 1923-1987, m: Coles (2001), example 1.1, also in R's package ismev.
@@ -190,6 +193,22 @@ def test_crossing_rates_of_a_gaussian_process_have_its_tail():
     assert bounds.high - bounds.low < 2.0
 
 
+def test_the_statistics_of_a_case_hold_its_rates():
+    """A fit from them is the fit from the series at the same levels."""
+    time, values = gaussian(5, 10 * HOUR)
+    told = case_statistics(Result(time, {"pitch": values}, {"pitch": "deg"}))
+    for side, exact in (("max", EXACT.return_value(10 * HOUR)), ("min", 4.0 - EXACT.return_value(10 * HOUR))):
+        rates = rates_of_case(told, "pitch", side=side)
+        sign = 1 if side == "max" else -1
+        counted = [up_crossings((time, sign * values), level=sign * level).count for level in rates.levels]
+        assert rates.counts.tolist() == [counted]
+        assert abs(rates.levels[0] - values.mean()) == pytest.approx(1.4 * values.std())
+        assert fit_rates(rates, side=side).return_value(10 * HOUR) == pytest.approx(exact, abs=0.07 * 13.8)
+    for name, words in (("roll", "no channel 'roll'"), ("pitch", "nothing lies beyond 9 standard")):
+        with pytest.raises(ModelError, match=words):
+            rates_of_case(told, name, threshold=9.0)
+
+
 def test_exact_rates_give_their_parameters_back():
     """A series that passes each level exactly as often as q exp(-a (y - b)^c) says, in a time of 1e7 s."""
     levels = np.linspace(5.0, 9.0, 40)
@@ -201,6 +220,14 @@ def test_exact_rates_give_their_parameters_back():
     for rate in (1e-4, 1e-7, 1e-10):
         assert fit.level(rate) == pytest.approx(truth.level(rate), rel=1e-4)
     assert (fit.b, fit.c) == pytest.approx((2.0, 1.6), rel=0.01)
+
+
+def test_a_tail_that_bends_outward_is_said():
+    """A mixture of a calm process and rare storms falls more and more slowly."""
+    levels = np.linspace(3.0, 12.0, 40)
+    counts = 1e6 * (np.exp(-(levels**2) / 2) + 1e-3 * np.exp(-(levels**2) / 200))
+    with pytest.warns(UserWarning, match="surge: the power c of the tail lies at its least, 0.5"):
+        fit_rates(CrossingRates(levels, np.tile(counts, (10, 1)), np.full(10, 1e6), -4.0), name="surge")
 
 
 # -- peaks over a threshold -------------------------------------------------------------------------------------------

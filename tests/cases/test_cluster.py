@@ -43,7 +43,7 @@ def spars(count, duration=100.0):
 def same(batch, case, plant):
     alone = plant.simulate(conditions=case.conditions())
     assert np.array_equal(batch.result(case.name).array("surge"), alone.array("surge"))
-    assert batch.row(case.name).statistics == statistics_of(alone)
+    assert batch.statistics(case.name) == statistics_of(alone)
 
 
 def test_a_cluster_computes_the_same_and_a_killed_worker_costs_only_its_cases(tmp_path, cluster, plant):

@@ -16,7 +16,7 @@ from fowtlib.components.environment import Wind
 from fowtlib.components.environment.waves import steepest_sea
 from fowtlib.language.errors import ModelError, ModelFileError
 from fowtlib.language.units import to_si
-from fowtlib.metocean import contour, radius, shipped
+from fowtlib.metocean import bins, cases_file, contour, radius, shipped
 from fowtlib.metocean import site as metocean_site
 from fowtlib.modelfile import load
 
@@ -175,3 +175,38 @@ def test_the_command_writes_shows_and_lists(tmp_path: Path, capsys, monkeypatch)
     path.write_text(path.read_text().replace("spectrum: jonswap", "spectrum: jonswop", 1))
     assert main(["cases", "dlc.yaml"]) == 2
     assert "dlc.yaml:" in (err := capsys.readouterr().err) and "did you mean 'jonswap'" in err
+
+
+JOINT = """fowtlib_cases: 1
+model: oc3_spar_rigid
+distributions: {north: {site: norway_5, height: 90 m}}
+sets:
+  - {name: "u{wind_speed}", vary: {wind_speed: [8, 24]}, look_up: north, sea: "jonswap:Hs={Hs},Tp={Tp}",
+     wind: "ntm:{wind_speed}"}
+"""
+
+
+def test_a_joint_distribution_gives_the_sea_of_the_wind():
+    cases = case_files.read_cases("joint.yaml", text=JOINT)
+    for case in cases:
+        height, period = metocean_site("norway_5").at(90.0).conditional(case.labels["wind_speed"])
+        assert (case.parameters["sea.significant_wave_height"], case.parameters["sea.peak_period"]) == (height, period)
+
+
+@pytest.mark.parametrize(("old", "new", "message"), [
+    ("24]", "300]", r"^joint.yaml:5: norway_5: at 300 m/s of wind .* beyond the form"),
+    ("24]", "-3]", r"^joint.yaml:5: norway_5: at -3 m/s"),
+    ("norway_5", "norway_7", r"^joint.yaml:3: there is no site 'norway_7'; did you mean 'norway_5'"),
+    (", height: 90 m", "", "^joint.yaml:3: the distribution 'north' needs 'height'"),
+])  # fmt: skip
+def test_a_distribution_outside_its_range_is_a_sentence(old, new, message):
+    with pytest.raises(ModelFileError, match=message):
+        case_files.read_cases("joint.yaml", text=JOINT.replace(old, new))
+
+
+def test_the_list_of_runs_of_the_long_term_is_a_cases_file(tmp_path):
+    joint = metocean_site("norway_5").at(90.0)
+    states = bins(joint, [8.0, 12.0, 16.0], [2.0, 4.0], [9.0, 11.0, 13.0])
+    cases = read_cases(tmp_path / "bins.yaml", text=cases_file(states, "oc3_spar_rigid", seeds=2))
+    assert len(cases) == 2 * len(states)
+    assert sum(case.weight for case in cases) == pytest.approx(sum(states.probability))

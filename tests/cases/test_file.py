@@ -2,14 +2,17 @@
 
 import json
 import math
+import random
+import re
 from pathlib import Path
 
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from fowtlib.cases import Case, read_cases
+from fowtlib.cases import Case, check_cases, read_cases
 from fowtlib.language.errors import ModelFileError
+from fowtlib.modelfile.short_forms import WAVES, WIND
 from fowtlib.modelfile.yaml_text import to_text
 
 FILE = """fowtlib_cases: 1
@@ -127,7 +130,7 @@ sets:
     assert {path.name for path in made.files} == {"cases.yaml", "states.csv", "weights.csv"}
 
 
-WIND = "{kind: kaimal, mean_speed: wind_speed, turbulence_class: B, seed: seed}"
+OWN_WIND = "{kind: kaimal, mean_speed: wind_speed, turbulence_class: B, seed: seed}"
 WRONG = [
     ("fowtlib_cases: 1", "fowtlib_cases: 2", ":1: got 'fowtlib_cases: 2'"),
     ("fowtlib_cases: 1", "fowtlib: 1", ":1: this is a model file"),
@@ -158,8 +161,8 @@ WRONG = [
     ("safety_factor: 1", "safety_factor: 0", ":22: safety_factor is 0"),
     ("Hs: [1, 2, 5]", "Hs: [1, 2]", ":6: the columns of the table 'site' have the same length"),
     ("wind_speed: [4, 12, 24]", "wind_speed: [4, 12, 12]", ":6: the table 'site': 'wind_speed', its first column"),
-    (WIND, "kaimul:9", ":13: wind: unknown kind 'kaimul'"),
-    (WIND, "kaimal:wind_speed", ":13: .*A variable stands in braces here: {wind_speed}"),
+    (OWN_WIND, "kaimul:9", ":13: wind: unknown kind 'kaimul'"),
+    (OWN_WIND, "kaimal:wind_speed", ":13: .*A variable stands in braces here: {wind_speed}"),
     ("    seeds: 3\n", "    values: {seed: wave_seed, wave_seed: seed}\n",
      "'seed' needs itself|'wave_seed' needs itself"),
     ("    seeds: 3\n", "    seeds: 3\n    values: {Hs: 3}\n", ":17: 'Hs' is given twice"),
@@ -201,3 +204,70 @@ def test_a_product_has_every_combination_once_and_cases_go_through_json(tmp_path
         assert {case.parameters[f"part.{name}"] for case in cases} == set(values)
     assert len({case.name.lower() for case in cases}) == len(cases)
     assert all(Case.from_plain(json.loads(json.dumps(case.plain()))) == case for case in cases)
+
+
+JUNK = ["null", "[]", "{}", "-1", "1e400", "nan", "true", "'{'", "{a}", "4:8:0", "1:2:1 kg", "*x", "[[1]]", "pi",
+        "1/0", "2**9999", "é", "../..", "data:x", "5 deg", "heading - 3", "[1, a]", "1 furlong", "{seed_number}{", "}",
+        "x.csv", "turbine.grid_loss at 3 s", "kaimal:", "jonswap:Hs=", "sqrt(-1)", "{wind_speed + }", "wind_speed",
+        ""]  # fmt: skip
+
+
+def test_no_mistake_shows_a_traceback_or_loses_its_line(tmp_path):
+    generator, words = random.Random(1), list(re.finditer(r"[\w.{}:+'\[\]-]+", FILE))
+    refused = 0
+    for _ in range(150):
+        text = FILE
+        for word in sorted(generator.sample(words, generator.choice([1, 1, 2])), key=lambda word: -word.start()):
+            new = generator.choice(words)[0] if generator.random() < 0.3 else generator.choice(JUNK)
+            text = text[: word.start()] + new + text[word.end() :]
+        try:
+            check_cases(read_cases(tmp_path / "cases.yaml", text=text))
+        except ModelFileError as error:
+            refused += 1
+            assert re.search(r"cases\.yaml:\d+: ", str(error)), f"{error}\n{text}"
+    assert refused > 110
+
+
+def test_the_file_the_command_line_and_the_model_file_build_the_same_conditions(tmp_path):
+    text = """fowtlib_cases: 1
+model: oc3_spar_rigid
+sets:
+  - {name: words, wind: {kind: kaimal, mean_speed: 12, turbulence_class: C, seed: 3}, sea: {spectrum: regular,
+     wave_height: 3, wave_period: 9}}
+  - {name: short, wind: "kaimal:12,class=C,seed=3", sea: "regular:H=3,T=9"}
+  - {name: varied, vary: {v: [12]}, wind: "kaimal:{v},class=C,seed=3", sea: "regular:H=3,T={v - 3}"}
+"""
+    words, short, varied = read_cases(tmp_path / "cases.yaml", text=text)
+    of_command_line = WIND.parse("kaimal:12,class=C,seed=3") | WAVES.parse("regular:H=3,T=9")
+    assert words.parameters == short.parameters == varied.parameters == of_command_line
+    assert words.conditions() == short.conditions() and len({case.digest() for case in (words, short, varied)}) == 1
+
+
+OUTSIDE = [
+    ("model: oc3_spar_rigid", "model: ../model.yaml", ":2: model: '../model.yaml' is refused: it lies outside"),
+    ("zip: here.csv", "zip: ../there.csv", ":4: '../there.csv' is refused"),
+    ("set: {sea.heading: a}", "set: {sea.heading: a, wind.file: ../wind.csv}", ":5: wind.file: '.*' is refused"),
+    ("wind: steady:8", "wind: file:../wind.csv", ":6: wind.file: '.*wind.csv' is refused"),
+    ("start: rest", "start: ../end.nc", ":7: start: '../end.nc' is refused"),
+]
+
+
+@pytest.mark.parametrize(("old", "new", "message"), OUTSIDE)
+def test_a_file_reads_beside_itself_and_elsewhere_with_leave(tmp_path, old, new, message):
+    text = """fowtlib_cases: 1
+model: oc3_spar_rigid
+sets:
+  - vary: {zip: here.csv}
+    set: {sea.heading: a}
+    wind: steady:8
+    start: rest
+"""
+    folder = tmp_path / "inner"
+    folder.mkdir()
+    path = written(folder, text.replace(old, new), here__csv="a\n0\n1\n")
+    written(tmp_path, "", there__csv="a\n0\n1\n", wind__csv="", end__nc="", model__yaml="fowtlib: 1\n")
+    with pytest.raises(ModelFileError, match=message):
+        read_cases(path)
+    cases = read_cases(path, allow=tmp_path)
+    assert len(cases) == 2 and len(cases.files) == (2 if "there" in new else 3)
+    assert all(file.is_absolute() for file in cases.files)

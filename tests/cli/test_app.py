@@ -67,14 +67,14 @@ def test_help_lists_every_command(capsys):
     assert main([]) == 2
     text = capsys.readouterr().out
     _, commands = app.parser()
-    assert all(f"\n    {name}" in text for name in commands)
+    assert all(f"\n    {name.split()[0]}" in text for name in commands) and "batch run" in commands
 
 
 @pytest.mark.parametrize("command", sorted(set(app.parser()[1]) - {"models"}))
 def test_the_help_of_a_command_says_what_it_does_and_gives_an_example(capsys, monkeypatch, command):
     monkeypatch.setenv("COLUMNS", "80")
     with pytest.raises(SystemExit) as caught:
-        main([command, "--help"])
+        main([*command.split(), "--help"])
     assert caught.value.code == 0
     text = capsys.readouterr().out
     assert f"\n  fowt {command} " in text.partition("\nexamples:")[2]

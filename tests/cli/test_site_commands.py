@@ -113,6 +113,25 @@ def test_extremes_from_maxima(capsys):
     assert "saved e.png" in shown.err and "too high" not in shown.err
 
 
+def test_the_worst_states_are_listed_for_more_seeds(capsys):
+    joint = site("norway_5").at(90)
+    ring = surface(joint, radius(50), wind_speeds=[10, 20, 30], points=5, upper=True)
+    with open("fits.csv", "w", newline="") as file:
+        out = csv.writer(file)
+        out.writerow(["response", "wind_speed", "Hs", "Tp", "location", "scale"])
+        for u, h, t in ring:  # two responses, one of the waves and one of calm
+            out.writerows([["high", u, h, t, h, 0.1], ["low", u, h, t, 20 - h, 0.1]])
+    words = ["extremes", "norway_5", "--fits", "fits.csv", "--cases", "worst.yaml", "--model", "oc3_spar_rigid"]
+    assert main([*words, "--worst", "2", "--seeds", "20"]) == 0
+    assert "4 states, the 2 worst of each contour and response" in capsys.readouterr().out
+    (part,) = yaml.safe_load(Path("worst.yaml").read_text())["sets"]
+    heights = np.sort(ring.wave_height)
+    assert sorted(part["vary"]["zip"]["Hs"]) == pytest.approx([*heights[:2], *heights[-2:]])
+    assert "probability" not in part["vary"]["zip"]
+    assert main([*words, "--force"]) == 2
+    assert "--cases and --worst belong together" in capsys.readouterr().err
+
+
 def test_few_runs_are_named(capsys):
     states = bins(site("norway_5").at(90), [8, 12, 16, 20], [1, 2, 3, 4], [8, 10, 12])
     rng = np.random.default_rng(1)
@@ -136,8 +155,13 @@ def test_few_runs_are_named(capsys):
         (["contours", "norway_5", "--return-period", "5000"], "Take the upper half of the contour"),
         (["extremes", "norway_5", "--method", "mecm"], "the modified method needs --cut-out"),
         (["extremes", "norway_5", "--cases", "c.yaml"], "--cases and --model belong together"),
+        (["extremes", "norway_5", "--results", "surge"], "--results is about the runs of a batch: give --batch."),
+        (["extremes", "norway_5", "--batch", "none.yaml"], "begin the batch with fowt batch run none.yaml"),
         (["extremes", "norway_5", "--turbulence", "B"], "--turbulence is drawn for the states of a sample alone"),
-        (["extremes", "norway_5", "--plot", "e.png"], "--plot draws extremes: give --fits or --maxima"),
+        (
+            ["extremes", "norway_5", "--plot", "e.png"],
+            "--plot and --worst are about extremes: give --batch, --fits or --maxima",
+        ),
         (["extremes", "norway_5", "--fits", "none.csv"], "cannot read the table of fits"),
         (["extremes", "norway_5", "--method", "form"], "unknown NAME 'form'"),
         (["extremes", "norway_5", "--cases", "c.txt", "--model", "m"], "the file must end in"),

@@ -247,7 +247,7 @@ def test_a_signal_that_cannot_be_opened():
         ("turbine.blade_pich", "there is no signal 'turbine.blade_pich'; did you mean 'turbine.blade_pitch' or "
          "'turbine.rotor.blade_pitch'?"),
         ("turbine.control.pitch.blade_pitch", "turbine.control.pitch.blade_pitch drives this signal; to give it from "
-         "outside, name 'turbine.blade_pitch', 'turbine.rotor.blade_pitch' or 'turbine.control.blade_pitch' instead."),
+         "outside, name 'turbine.control.blade_pitch' or 'turbine.safety.pitch.demand' instead."),
     ):  # fmt: skip
         with pytest.raises(ModelError) as refused:
             model.compile([path])

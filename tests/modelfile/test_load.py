@@ -298,3 +298,9 @@ def test_errors_while_flattening_name_the_line(write):
     with pytest.raises(fw.ModelError) as error:
         load(write(text + "connect: [[world.frame, ball.frame_a]]\n")).compile()
     assert str(error.value) == "model.yaml:6: ball.mass = -3000 kg is below its minimum 0 kg (mass)."
+
+
+@pytest.mark.parametrize("kind", [[], {"a": 1}, 3])
+def test_a_kind_that_is_no_name_is_refused(kind):
+    with pytest.raises(ModelFileError, match="wind.kind"):
+        load("oc3_spar_rigid").with_parameters({"wind.kind": kind})

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import html
 import re
 from html.parser import HTMLParser
 
@@ -56,8 +57,15 @@ def batch(tmp_path_factory):
         )
         for speed in SPEEDS for seed in SEEDS
     ]  # fmt: skip
-    wrong = Case("wrong", "oc3_spar_rigid", {"sea.no_such": 1}, duration=10.0, labels={"wind_speed": 8, "seed": 1})
-    return run_batch([*cases, wrong], tmp_path_factory.mktemp("batch") / "b", workers=1)
+    folder = tmp_path_factory.mktemp("batch")
+    return run_batch([*cases, ending(folder)], folder / "b", workers=1)
+
+
+def ending(folder):
+    """A case of a wind of which nothing is known after 3 s."""
+    (folder / "wind.csv").write_text("time [s],u [m/s]\n0,8\n1,9\n2,8\n3,9\n")
+    wind = {"wind.kind": "file", "wind.file": str(folder / "wind.csv")}
+    return Case("wrong", "oc3_spar_rigid", wind, start="file", duration=6.0, labels={"wind_speed": 8, "seed": 1})
 
 
 @pytest.fixture(scope="module")
@@ -103,9 +111,17 @@ def test_every_figure_has_its_number_and_its_sentence(page):
     assert all(caption.endswith(".") and any(letter.isdigit() for letter in caption[12:]) for caption in page.captions)
 
 
+def test_loads_are_told_with_their_weights_and_factors(batch, text):
+    loads = [batch.statistics(f"u{speed}_s{seed}")["equivalent_loads"]["fairlead_tension_1"]["4"]
+             for speed in SPEEDS for seed in SEEDS]  # fmt: skip
+    assert f"<td>{number(float(np.mean(np.power(loads, 4)) ** 0.25))}</td>" in text
+    highest = max(batch.result(row.name).array("thrust").max() for row in batch.rows("done"))
+    assert "thrust max" in text and f"<td>{number(1.35 * highest)}</td>" in text
+
+
 def test_failures_are_told_in_their_own_words_and_texts_are_only_texts(batch, text):
-    assert "there is no" in batch.row("wrong").message and "Failures and warnings" in text
-    assert "sea.no_such" in text
+    assert "wind.csv" in batch.row("wrong").message and "Failures and warnings" in text
+    assert batch.row("wrong").message in html.unescape(text)
     assert "Spar &lt;in&gt; storms" in text and "<in>" not in text
 
 
@@ -120,7 +136,7 @@ def test_provenance_names_versions_files_and_the_command(batch, text):
 def test_what_cannot_be_reported_is_said(batch, tmp_path):
     with pytest.raises(NotFoundError, match="no result 'pich'.*pitch"):
         batch_page(batch, channels=["pich"])
-    nothing = run_batch([Case("a", "oc3_spar_rigid", {"sea.no_such": 1}, duration=1.0)], tmp_path / "n", workers=1)
+    nothing = run_batch([ending(tmp_path)], tmp_path / "n", workers=1)
     with pytest.raises(ModelError, match="no case is done, so there is nothing to report"):
         batch_page(nothing)
     path = write_batch_page(batch, tmp_path / "page.html", channels=["surge"])

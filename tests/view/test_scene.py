@@ -250,6 +250,17 @@ def test_the_sea_is_that_of_the_result(spar, tmp_path):
     assert water["depth"] == 320
 
 
+def test_the_arrow_of_the_wind_turns_with_it(tmp_path):
+    turned = {"wind.kind": "edc", "wind.mean_speed": 12.0, "wind.direction": 0.2, "sea.spectrum": "still"}
+    result = fw.load("oc3_spar_rigid").compile().simulate(8.0, 1.0, solver="fixed", parameters=turned)
+    (arrow,) = scene_of(fw.view(result, tmp_path / "turned.html").path)["arrows"]
+    assert arrow["direction"] == pytest.approx([np.cos(0.2), np.sin(0.2), 0])
+    assert unpacked(arrow["lengths"], "<f4") == pytest.approx(36.0)
+    bearings = unpacked(arrow["bearings"], "<f4")
+    np.testing.assert_allclose(bearings, np.asarray(result["wind.bearing"]), atol=1e-6)
+    assert bearings[-1] - bearings[0] > 0.5
+
+
 def test_a_small_file_shows_fewer_moments(spar, tmp_path):
     _, result = spar
     whole = fw.view(result, tmp_path / "whole.html")

@@ -13,6 +13,7 @@ from fowtlib.components.environment.wind.extreme import ExtremeWind, SteadyExtre
 from fowtlib.components.environment.wind.transient import CoherentGust, DirectionChange, ExtremeShear, OperatingGust
 from fowtlib.components.environment.wind.series import SeriesWind
 from fowtlib.components.environment.wind.field import FieldWind
+from fowtlib.components.environment.wind.turbulent import TurbulentWind
 from fowtlib.components.environment.wind.input import InputWind
 # isort: on
 
@@ -34,6 +35,7 @@ __all__ = [
     "SteadyExtremeWind",
     "SteadyWind",
     "StepWind",
+    "TurbulentWind",
     "Wind",
     "require_disk",
 ]

@@ -230,5 +230,5 @@ def _arrows(wind: Wind) -> list[shapes.Drawn]:
     angle = wind.parameter_value("direction")
     direction = np.array([math.cos(angle), math.sin(angle), 0.0])
     places = np.insert(wind.hubs, 0, 0.0, axis=1) - 30.0 * direction
-    speeds = [join(wind.path, f"speed[{i}]") for i in range(len(places))]
-    return [shapes.Arrow(place, direction, speed, 3.0) for place, speed in zip(places, speeds, strict=True)]
+    speeds, now = [join(wind.path, f"speed[{i}]") for i in range(len(places))], join(wind.path, "bearing")
+    return [shapes.Arrow(place, direction, speed, 3.0, now) for place, speed in zip(places, speeds, strict=True)]

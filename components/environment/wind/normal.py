@@ -18,8 +18,8 @@ class NormalTurbulence(KaimalWind, kind="ntm"):
     """Normal turbulence model, NTM: Kaimal turbulence at the stations of sigma_1 = I_ref (0.75 V + 5.6 m/s).
 
     That is the 90 % quantile of the turbulence class; `quantile` takes another one from the Weibull distribution of ed.
-    4. The mean is the normal profile. For rotors of blade elements, which cut through eddies smaller than themselves,
-    generate a field with the same class, and take the kind "field".
+    4. The mean is the normal profile. Rotors of blade elements, which cut through eddies smaller than themselves, need
+    a field of the same class: the kinds "turbulence" and "field".
     """
 
     void = ("turbulence_intensity",)

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from typing import Any
 
 import numpy as np
 
@@ -19,6 +20,20 @@ RETURN = [(0.0, 1.0), (2 * math.pi, -1.0)]
 """Harmonics of 1 - cos(2 pi s), which rises from 0 to 2 and falls back."""
 
 
+def rotor_diameter(wind: Any) -> float:
+    """D [m] that is given, or that of the largest rotor; ParameterError where the model has no rotor either."""
+    if wind.rotor_diameter is not None:
+        return float(wind.rotor_diameter)
+    parts = [wind, *wind.enclosing()][-1].walk()
+    found = [part.disk_diameter() for part in parts if hasattr(part, "disk_diameter")]
+    if not found:
+        raise ParameterError(
+            f"{wind.label}.rotor_diameter has no value and the model has no rotor; a wind of kind '{wind.kind}' needs "
+            "it."
+        )
+    return max(found)
+
+
 class Transient(NormalProfile):
     """Wind of the normal profile in which something happens from `start_time` on. Partial."""
 
@@ -30,22 +45,9 @@ class Transient(NormalProfile):
         default=None, unit="m", min=0, bound=True, doc="D; without a value that of the largest rotor of the model"
     )
 
-    def diameter(self) -> float:
-        """Rotor diameter [m]; ParameterError where nobody has given one and the model has no rotor."""
-        if self.rotor_diameter is not None:
-            return float(self.rotor_diameter)
-        parts = [self, *self.enclosing()][-1].walk()
-        found = [part.disk_diameter() for part in parts if hasattr(part, "disk_diameter")]
-        if not found:
-            raise ParameterError(
-                f"{self.label}.rotor_diameter has no value and the model has no rotor; a wind of kind '{self.kind}' "
-                "needs it."
-            )
-        return max(found)
-
     def sizes(self) -> tuple[float, str, float, float]:
         """What most of the formulas need: mean speed, turbulence class, rotor diameter, height of the hub."""
-        return self.given_speed(), self.turbulence_class, self.diameter(), self.reference_height
+        return self.given_speed(), self.turbulence_class, rotor_diameter(self), self.reference_height
 
 
 class OperatingGust(Transient, kind="eog"):

@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from fowtlib.language.errors import ModelError
-from fowtlib.solving.results.plots import COLORS, INK, _figure, _style, save_figure
+from fowtlib.solving.results.drawing import COLORS, INK, drawing, drawing_style, save_figure
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -22,8 +22,8 @@ def plot_sn_curves(curves: Sequence[Any], path: str | Path | None = None) -> Fig
     if not curves:
         raise ModelError("there are no S-N curves to plot.")
     ranges = np.geomspace(1e6, 1e10, 2000)
-    with _style():
-        figure = _figure(6.5, 4.2)
+    with drawing_style():
+        figure = drawing(6.5, 4.2)
         axis = figure.subplots()
         for index, curve in enumerate(curves):
             color = COLORS[index % len(COLORS)]
@@ -44,8 +44,8 @@ def plot_damage_rose(damage: Any, path: str | Path | None = None) -> Figure:
     """Damage around a tube over the angle from x (downwind, to the right) to y (port, up), as share of the largest."""
     closed = np.append(damage.angles, damage.angles[0] + 2 * np.pi)
     share = np.append(damage.damage, damage.damage[0]) / (damage.worst or 1.0)
-    with _style():
-        figure = _figure(4.6, 4.6)
+    with drawing_style():
+        figure = drawing(4.6, 4.6)
         axis: Any = figure.add_subplot(projection="polar")
         axis.fill(closed, share, color=COLORS[0], alpha=0.25)
         axis.plot(closed, share, color=COLORS[0])

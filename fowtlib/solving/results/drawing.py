@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from contextlib import AbstractContextManager
 from pathlib import Path
 from typing import TYPE_CHECKING
@@ -45,12 +46,17 @@ def drawing_style() -> AbstractContextManager[None]:
     return matplotlib.rc_context(_STYLE)
 
 
-def drawing(width: float, height: float) -> Figure:
-    """An empty figure of so many inches."""
+def drawing(width: float, height: float, edges: Mapping[str, float] | None = None) -> Figure:
+    """An empty figure of so many inches.
+
+    edges: left, right, bottom and top of the axes as parts of the figure; without them all labels find their room.
+    """
     from matplotlib.backends.backend_agg import FigureCanvasAgg
     from matplotlib.figure import Figure
 
-    figure = Figure(figsize=(width, height), layout="constrained")
+    figure = Figure(figsize=(width, height), layout="none" if edges else "constrained")
+    if edges:
+        figure.subplots_adjust(**edges)
     FigureCanvasAgg(figure)
     return figure
 
