@@ -101,8 +101,8 @@ def slow_modes(at: AtParameters, plant: Any, state: State, shortest: float = SHO
     else:
         top, top_z, bottom, bottom_z = jacobian(state.t, state.x, state.z, np.concatenate([state.u, state.d]))
         slopes = top - top_z @ np.linalg.solve(bottom_z, bottom) if state.z.size else top
-    ends = np.cumsum([place.stop - place.start for place in signals.values()])
-    A, B = slopes[:, :nx], np.split(slopes[:, nx:], ends[:-1], axis=1)
+    ends = np.cumsum([nx, *(place.stop - place.start for place in signals.values())])
+    A, *B = np.split(slopes, ends[:-1], axis=1) if signals else [slopes]
     used = dependence(at.functions).any(axis=0)
     free = [k for k in range(nx) if used[k] and k not in {turn.azimuth for turn in around}]
     roots, right = np.linalg.eig(A[np.ix_(free, free)])

@@ -11,7 +11,8 @@ from fowtlib.language import Component, Scalar, Series, assign, der, eq, outer, 
 from fowtlib.language.errors import SimulationError
 from fowtlib.solving import starts
 from fowtlib.solving.starts import start_values
-from fowtlib.solving.stationary import harmonics
+from fowtlib.solving.stationary import harmonics, slow_modes
+from fowtlib.solving.turning import turns_of
 
 
 class Buoy(Component):
@@ -40,6 +41,11 @@ def buoy():
     return floating()
 
 
+@pytest.fixture(scope="module")
+def spar():
+    return fw.load("oc3_spar_rigid").compile()
+
+
 @pytest.mark.parametrize("seed", [1, 2])
 def test_a_linear_model_has_no_transient_at_all(buoy, seed):
     """What the oscillator does at once is what it does one period of the sea later."""
@@ -52,15 +58,15 @@ def test_a_linear_model_has_no_transient_at_all(buoy, seed):
 
 
 def test_over_the_seeds_it_has_the_covariance_of_the_spectrum(buoy):
-    """Integral of |H|^2 S over the frequencies, against 400 seeds: 1/sqrt(2 x 400) is 3.5 %."""
-    found = [start_values(buoy, "stationary", {"sea.seed": seed})[0] for seed in range(400)]
+    """Integral of |H|^2 S over the frequencies, against 250 seeds: 1/sqrt(2 x 250) is 4.5 %."""
+    found = [start_values(buoy, "stationary", {"sea.seed": seed})[0] for seed in range(250)]
     x, v = (np.array([values[path] for values in found]) for path in ("buoy.x", "buoy.v"))
     omega = np.linspace(0.05, 3, 20000)
     part = buoy.root.buoy
     H = 0.05 / (part.stiffness - omega**2 + 1j * omega * part.damping)
     S = buoy.root.sea.spectral_density(omega) * np.abs(H) ** 2
-    assert x.std() == pytest.approx(np.sqrt(np.trapezoid(S, omega)), rel=0.12)
-    assert v.std() == pytest.approx(np.sqrt(np.trapezoid(S * omega**2, omega)), rel=0.12)
+    assert x.std() == pytest.approx(np.sqrt(np.trapezoid(S, omega)), rel=0.15)
+    assert v.std() == pytest.approx(np.sqrt(np.trapezoid(S * omega**2, omega)), rel=0.15)
     assert abs(np.corrcoef(x, v)[0, 1]) < 0.2 and abs(x.mean()) < 0.2 * x.std()
 
 
@@ -71,6 +77,20 @@ def test_waves_that_grow_from_nothing_have_no_past(buoy):
     moved = buoy.simulate(27.0, 0.25, start="stationary", parameters=regular, tolerance=1e-9)["buoy.x"].values
     np.testing.assert_allclose(moved[:37], moved[72:], atol=1e-5)
     np.testing.assert_allclose(moved[:37], moved[36:73], atol=1e-5)
+
+
+def test_without_anything_that_drives_it_is_the_mean():
+    class Hanging(Component):
+        """A mass on a spring."""
+
+        x: Scalar = var(unit="m", start=0.1, state="prefer", doc="position")
+        v: Scalar = var(unit="m/s", start=0.3, state="prefer", doc="speed")
+
+        def equations(self):
+            return [eq(der(self.x), self.v), eq(der(self.v), 1.0 - 4 * self.x - self.v)]
+
+    values, _ = start_values(fw.load(Hanging()).compile(), "stationary")
+    assert values["x"] == pytest.approx(0.25) and values["v"] == pytest.approx(0, abs=1e-9)
 
 
 class Rising(Buoy):
@@ -110,14 +130,13 @@ def test_the_harmonics_of_a_series(interpolation):
 
 @pytest.mark.filterwarnings("ignore:.*repeats itself")
 @pytest.mark.parametrize(("intensity", "height", "left"), [(0.002, 0.02, 0.02), (0.15, 3.0, 0.55)])
-def test_a_turbine_starts_where_it_would_be(intensity, height, left):
+def test_a_turbine_starts_where_it_would_be(spar, intensity, height, left):
     """Motions at once and three periods later: the same under little wind and waves, and else nearer than the mean."""
     parameters = {"wind.kind": "kaimal", "wind.mean_speed": 18.0, "wind.repetition_period": 600.0, "wind.seed": 2,
                   "wind.turbulence_intensity": intensity, "sea.spectrum": "jonswap", "sea.peak_period": 10.0,
                   "sea.significant_wave_height": height, "sea.repetition_period": 600.0, "sea.seed": 2}  # fmt: skip
-    plant = fw.load("oc3_spar_rigid").compile()
-    long = plant.simulate(1900, 0.5, solver="fixed", start="stationary", parameters=parameters)
-    short = plant.simulate(100, 0.5, solver="fixed", start="turning", parameters=parameters)
+    long = spar.simulate(1900, 0.5, solver="fixed", start="stationary", parameters=parameters)
+    short = spar.simulate(100, 0.5, solver="fixed", start="turning", parameters=parameters)
     for name in ("surge", "roll", "pitch", "rotor_speed", "blade_pitch"):
         settled = long[name].values[3600:3801]
         gained = np.abs(long[name].values[:201] - settled).mean() / np.abs(short[name].values - settled).mean()
@@ -128,27 +147,41 @@ NEAR_RATED = {"wind.kind": "kaimal", "wind.mean_speed": 12.0, "sea.spectrum": "j
               "sea.significant_wave_height": 4, "sea.peak_period": 10}  # fmt: skip
 
 
-def test_near_rated_wind_the_bodies_alone_are_moved():
-    plant = fw.load("oc3_spar_rigid").compile()
+def test_near_rated_wind_the_bodies_alone_are_moved(spar):
     with pytest.warns(UserWarning, match="leaves a motion of platform.motion.surge, .* So rotors and controllers"):
-        moved, _ = start_values(plant, "stationary", NEAR_RATED)
-    mean, _ = start_values(plant, "turning", NEAR_RATED)
+        moved, _ = start_values(spar, "stationary", NEAR_RATED)
+    mean, _ = start_values(spar, "turning", NEAR_RATED)
     changed = {path for path in moved if moved[path] != mean[path]}
     assert {"platform.motion.pitch", "platform.motion.velocity[0]", "platform.water.radiation.x[0]"} <= changed
     assert not any(path.startswith("turbine.") for path in changed)
 
 
-def test_a_start_outside_of_a_range_moves_the_bodies_alone(monkeypatch):
-    plant = fw.load("oc3_spar_rigid").compile()
+def test_a_start_outside_of_a_range_moves_the_bodies_alone(spar, monkeypatch):
     parameters = {**NEAR_RATED, "wind.mean_speed": 18.0}
-    whole, _ = start_values(plant, "stationary", parameters)
+    whole, _ = start_values(spar, "stationary", parameters)
 
     def outside(*_, **__):
         raise SimulationError("turbine.rotor: table left at its edge.")
 
     monkeypatch.setattr(starts, "check_state", outside)
     with pytest.warns(UserWarning, match="moves the bodies alone, not rotors and controllers: turbine.rotor: table"):
-        bodies, _ = start_values(plant, "stationary", parameters)
-    mean, _ = start_values(plant, "turning", parameters)
+        bodies, _ = start_values(spar, "stationary", parameters)
+    mean, _ = start_values(spar, "turning", parameters)
     assert bodies["platform.motion.surge"] == whole["platform.motion.surge"] != mean["platform.motion.surge"]
     assert bodies["turbine.rotor.w"] == mean["turbine.rotor.w"] != whole["turbine.rotor.w"]
+
+
+def test_a_rotor_of_blade_elements_counts_by_its_mean_over_a_turn():
+    """The start does not depend on the azimuth at which the mean stands; of one azimuth alone by 3 % in sway here."""
+    plant = fw.load("oc3_spar_rigid_bem").compile()
+    parameters = {**NEAR_RATED, "wind.mean_speed": 18.0}
+    mean, binding = starts.mean_parameters(plant, parameters), plant.binding(parameters)
+    values, _ = start_values(plant, "turning", parameters)
+    (angle,) = [turn.azimuth for turn in turns_of(plant, plant.at(mean), plant.initial_state(mean, values))]
+    found = []
+    for turned in (0.0, 0.3):
+        values[plant.dae.states[angle].path] += turned
+        found.append(slow_modes(plant.at(mean), plant, plant.initial_state(mean, values)).response(binding))
+    for name in ("surge", "sway", "heave", "roll", "pitch", "yaw"):
+        k = next(k for k, state in enumerate(plant.dae.states) if state.path == f"platform.motion.{name}")
+        assert found[0][k] == pytest.approx(found[1][k], rel=0.02, abs=1e-4), name
