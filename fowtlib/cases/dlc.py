@@ -17,6 +17,7 @@ import numpy as np
 from fowtlib.cases.lists import spread
 from fowtlib.cases.plant_facts import (
     event_paths,
+    has_blade_elements,
     hub_height,
     idling_parameters,
     rated_wind_speed,
@@ -129,7 +130,7 @@ class _Writer:
         made["start"] = "rest" if idling else "turning"
         length = BEFORE + AFTER if transient else self.request.time
         made["duration"] = f"{self.request.discard + length:g} s"
-        made["wind"], made["sea"] = self._wind(entry, vary), self._sea(number, entry, vary)
+        made["wind"], made["sea"] = self._wind(entry, vary, made["duration"]), self._sea(number, entry, vary)
         if SEAS.get(entry["sea"]):
             made["look_up"] = SEAS[entry["sea"]]
         if idling:
@@ -214,13 +215,29 @@ class _Writer:
         columns = {"wind_speed": table.at_values, **{key: table.values[key] for key in table.columns}}
         self.tables[name] = {key: [_plain(value) for value in values] for key, values in columns.items()}
 
-    def _wind(self, entry: dict[str, Any], vary: dict[str, Any]) -> dict[str, Any]:
-        wind = dict(self.table["winds"][entry["wind"]])
+    def _wind(self, entry: dict[str, Any], vary: dict[str, Any], duration: str) -> dict[str, Any]:
+        name = entry["wind"]
+        field = self.in_fields and name in self.table["fields"]
+        wind = dict(self.table["fields" if field else "winds"][name])
         kind = Wind.family.kinds[wind["kind"]]
-        known = [name for name in kind.parameters if name not in kind.void]
+        known = [key for key in kind.parameters if key not in kind.void]
         classes = {"turbulence_class": self.turbulence_class, "wind_class": self.wind_class}
+        if field:
+            wind["repetition_period"] = duration
+            if "mean_speed" not in wind:
+                reference, years = iec.REFERENCE_SPEED[self.wind_class], int(name.removeprefix("ewm_"))
+                wind["mean_speed"] = _plain(iec.extreme_speed(reference, years, turbulent=True))
+            if "turbulence_intensity" in wind:
+                classes = {}
+            elif wind.get("turbulence_model") != "etm":
+                del classes["wind_class"]
         wind |= {key: value for key, value in classes.items() if key in known}
         return wind | ({"direction": "yaw_error"} if "yaw_error" in vary else {})
+
+    @cached_property
+    def in_fields(self) -> bool:
+        """Whether the rotors of the model need fields of turbulence."""
+        return has_blade_elements(self.model)
 
     def _sea(self, number: str, entry: dict[str, Any], vary: dict[str, Any]) -> dict[str, Any]:
         height: Any = "Hs"

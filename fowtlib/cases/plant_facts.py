@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from fowtlib.components.aero import CoefficientRotor
+from fowtlib.components.aero import BladeElementAerodynamics, CoefficientRotor
 from fowtlib.language.errors import ModelError, ParameterError
 from fowtlib.solving.model import Model
 
@@ -25,6 +25,11 @@ def idling_parameters(model: Model) -> list[str]:
 def rotors_for_front_wind(model: Model) -> list[str]:
     """Paths of the rotors whose data hold for wind from the front only."""
     return [part.path for part in model.root.walk() if isinstance(part, CoefficientRotor)]
+
+
+def has_blade_elements(model: Model) -> bool:
+    """Whether a rotor feels the wind at the elements of its blades."""
+    return any(isinstance(part, BladeElementAerodynamics) for part in model.root.walk())
 
 
 def event_paths(model: Model, name: str) -> list[str]:

@@ -218,6 +218,8 @@ WIND = Condition(
                 **_SPEED,
                 **_CLASS,
                 "intensity": Key("turbulence_intensity"),
+                "model": Key("turbulence_model", "", choices=("ntm", "etm")),
+                "wind_class": Key("wind_class", "", choices=("I", "II", "III")),
                 "seed": Key("seed", "#"),
                 "spacing": Key("point_spacing", "m"),
                 "period": Key("repetition_period", "s"),

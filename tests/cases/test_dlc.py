@@ -44,7 +44,8 @@ def test_every_load_case_is_written_read_and_can_be_run(model, numbers):
     for case in cases:
         entry = TABLE["load_cases"][case.group.removeprefix("DLC ")]
         assert case.safety_factor == TABLE["factors"][entry["factor"]]
-        assert case.parameters["wind.kind"] == TABLE["winds"][entry["wind"]]["kind"]
+        kinds = TABLE["winds"] | (TABLE["fields"] if model == "oc3_spar" else {})  # elements of blades feel fields
+        assert case.parameters["wind.kind"] == kinds[entry["wind"]]["kind"]
         assert bool(case.events) == bool(entry.get("events"))
         assert ("turbine.safety.idling" in case.parameters) == entry.get("idling", False)
 
@@ -57,6 +58,16 @@ def test_the_safety_factors_and_the_kinds_of_wind_are_those_of_the_standard():
     assert {factor[number] for number in ("2.2", "2.3", "6.2", "7.1", "9.1", "10.1")} == {1.1}
     assert {wind["kind"] for wind in TABLE["winds"].values()} <= set(Wind.family.kinds)
     assert not set(TABLE["others"]) & set(TABLE["load_cases"])
+
+
+def test_fields_are_as_strong_as_series_and_as_long_as_the_run():
+    cases = written(["1.2", "1.3", "6.1"], "oc3_spar", wind_class="IIA", wind="12:12:2", seeds=1, time=100.0,
+                    discard=20.0)  # fmt: skip
+    normal, extreme, storm = (next(case for case in cases if case.group == f"DLC {n}") for n in ("1.2", "1.3", "6.1"))
+    assert {case.parameters["wind.repetition_period"] for case in cases} == {"120 s"}
+    assert normal.parameters["wind.turbulence_class"] == "A" and "wind.turbulence_model" not in normal.parameters
+    assert extreme.parameters["wind.turbulence_model"] == "etm" and extreme.parameters["wind.wind_class"] == "II"
+    assert storm.parameters["wind.mean_speed"] == 42.5 and storm.parameters["wind.turbulence_intensity"] == 0.11
 
 
 def test_class_speeds_directions_and_times(rigid):

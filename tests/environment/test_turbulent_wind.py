@@ -54,6 +54,13 @@ def test_strength_and_seed_and_shear_change_it(plant):
     assert np.allclose(np.diff(strong) / 20, np.diff(weak), atol=2e-3)  # of one seed, in the steps of int16
 
 
+def test_extreme_turbulence_is_that_of_the_point_series(plant):
+    both = {"wind.mean_speed": 14, "wind.turbulence_class": "A", "wind.wind_class": "II"}
+    made = plant.binding({**WIND, **both, "wind.turbulence_model": "etm"}).root.find("wind").numbers()
+    point = plant.binding({**both, "wind.kind": "etm"}).root.find("wind").standard_deviation()
+    assert made["turbulence_intensity"] * 14 == pytest.approx(point, rel=1e-12)
+
+
 def test_no_field_is_made_for_a_mean(monkeypatch):
     def refuse(*_, **__):
         raise AssertionError("a field is made")

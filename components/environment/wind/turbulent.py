@@ -27,8 +27,9 @@ class TurbulentWind(FieldWind, kind="turbulence"):
     """Turbulence u, v, w in space and time by Veers' method, made for the run from its numbers; see field_generator.
 
     For rotors of blade elements, which feel eddies smaller than themselves. Its plane holds the disks of all rotors at
-    the stations with a margin. It repeats itself after `repetition_period`. Sigma_1 is that of the normal turbulence
-    model, or of an intensity. Nothing of it stays on the disk; `fowt wind-field` writes one to keep.
+    the stations with a margin. It repeats itself after `repetition_period`. Sigma_1 is that of the normal or the
+    extreme turbulence model of IEC 61400-1, or of an intensity. Nothing of it stays on the disk; `fowt wind-field`
+    writes one to keep.
     """
 
     void = ("file",)
@@ -37,9 +38,12 @@ class TurbulentWind(FieldWind, kind="turbulence"):
     turbulence_class: str = param(
         default="B", choices=iec.TURBULENCE_CLASSES, bound=True, doc="IEC turbulence class, of sigma_1"
     )
+    turbulence_model: str = param(default="ntm", choices=("ntm", "etm"), bound=True, doc="normal or extreme sigma_1")
+    wind_class: str = param(default="I", choices=iec.WIND_CLASSES, bound=True, doc="of etm: IEC wind class, of V_ref")
     turbulence_intensity: Number = param(
-        default=None, min=0, bound=True, instead_of=("turbulence_class",), doc="sigma/V; without a value by the class"
-    )
+        default=None, min=0, bound=True, instead_of=("turbulence_class", "turbulence_model", "wind_class"),
+        doc="sigma/V; without a value by the class",
+    )  # fmt: skip
     field_spectrum: str = param(default="kaimal", choices=("kaimal", "von_karman"), bound=True, doc="spectra")
     seed: int = param(default=1, min=0, bound=True, doc="number of the realisation")
     rotor_diameter: Number = param(
@@ -65,9 +69,16 @@ class TurbulentWind(FieldWind, kind="turbulence"):
             "mean_speed": self.given_speed(), "width": width, "height": height, "columns": columns, "rows": rows,
             "duration": float(self.repetition_period), "time_step": float(self.sample_step), "bottom": low,
             "hub_height": float(self.reference_height), "spectrum": self.field_spectrum, "seed": int(self.seed),
-            "turbulence_class": self.turbulence_class, "turbulence_intensity": self.turbulence_intensity,
+            "turbulence_class": self.turbulence_class, "turbulence_intensity": self.intensity(),
             "shear_exponent": float(self.parameter_value("shear_exponent")),
         }  # fmt: skip
+
+    def intensity(self) -> float | None:
+        """Sigma/V; None for that of the normal turbulence model."""
+        if self.turbulence_intensity is not None or self.turbulence_model == "ntm":
+            return self.turbulence_intensity
+        speed, reference = self.given_speed(), iec.REFERENCE_SPEED[self.wind_class]
+        return iec.extreme_turbulence(speed, self.turbulence_class, reference) / speed
 
     def mean_at(self, station: int = 0) -> float:
         """Mean speed [m/s] at a station, of the profile."""
