@@ -204,8 +204,10 @@ class _Reader:
     def _counted(self, more: int, place: Place) -> None:
         self.count += more
         if self.count > MOST_NODES:
+            filled = " when its aliases (*name) are put in" if self.anchors else ""
             raise place.error(
-                f"the file becomes too large when its aliases (*name) are put in; it has more than {MOST_NODES} values."
+                f"the file becomes too large{filled}: it has more than {MOST_NODES} values. Long tables belong into a "
+                "CSV file, which the model names."
             )
 
     def _sequence(self, depth: int) -> list[Node]:
