@@ -15,7 +15,7 @@ from fowtlib.cli.files import TABLES, check_target, say_saved
 from fowtlib.language.errors import ModelError, NotFoundError, did_you_mean
 
 if TYPE_CHECKING:
-    from fowtlib.cases import Batch, Case, Progress
+    from fowtlib.cases import Batch, CaseSet, Progress
 
 ENDING, PAGE = ".batch", ".html"
 TOLD = 60.0  # s between two lines on the progress, where there is no terminal
@@ -189,7 +189,7 @@ def _chosen(text: str, known: list[str], what: str) -> list[str]:
     return names
 
 
-def _cases(arguments: argparse.Namespace) -> list[Case]:
+def _cases(arguments: argparse.Namespace) -> CaseSet:
     """The cases of the file, all of which can be run, with the leave that the command line gives to their models."""
     from fowtlib import check_cases
     from fowtlib.language import leave
@@ -199,7 +199,7 @@ def _cases(arguments: argparse.Namespace) -> list[Case]:
     for model in models.values() if arguments.trust else ():
         for path in leave.give_native(model.root):
             print(f"{path}: leave to run this native code is kept in {leave.leave_file()}.", file=sys.stderr)
-    return list(cases)
+    return cases
 
 
 def _folder(arguments: argparse.Namespace) -> Path:

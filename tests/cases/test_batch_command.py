@@ -112,3 +112,27 @@ def test_a_stopped_batch_says_how_to_go_on(place, capsys, monkeypatch):
     monkeypatch.setattr(Here, "carry_out", lambda *_: (stop(job) for job in (1,)))
     assert main(["batch", "run", "few.yaml"]) == 130
     assert "stopped. What is done is kept in few.batch; to go on, run it again." in capsys.readouterr().err
+
+
+def test_a_steep_sea_runs_where_the_file_allows_it(place, capsys):
+    text = CASES[: CASES.index("- name: short")].replace("DURATION", "2 s")
+    steep = text.replace("  wind: {kind: steady", "  sea: 'jonswap:Hs=1,Tp=2'\n  wind: {kind: steady")
+    Path("steep.yaml").write_text(steep)
+    assert main(["batch", "run", "steep.yaml"]) == 2
+    assert "steeper than seas are" in capsys.readouterr().err and not Path("steep.batch").exists()
+    Path("steep.yaml").write_text(steep.replace("start: file", "start: file, steep_sea: allow"))
+    assert main(["batch", "run", "steep.yaml"]) == 0
+
+
+def test_the_page_of_a_batch(place, capsys):
+    main(["batch", "run", "few.yaml"])
+    assert main(["batch", "report", "few.yaml", "--results", "pitch", "--title", "A few"]) == 0
+    assert "saved few.html" in capsys.readouterr().err
+    page = Path("few.html").read_text()
+    assert "<title>A few</title>" in page and "worst-pitch" in page and "wind.csv" in page
+    assert main(["batch", "report", "few.batch", "--results", "pitch"]) == 2
+    assert "few.html is there already" in capsys.readouterr().err
+    assert main(["batch", "report", "few.yaml", "--output", "page.pdf"]) == 2
+    assert "page.pdf: the file must end in '.html'" in capsys.readouterr().err
+    assert main(["batch", "report", "none.yaml"]) == 2
+    assert "none.batch: there is no such folder; begin the batch with" in capsys.readouterr().err
