@@ -32,7 +32,7 @@ batch-demo: $(STAMP)
 
 # TESTS: further words for pytest, such as TESTS="-k mooring"
 test: $(STAMP)
-	$(BIN)/python -m pytest -n auto $(TESTS)
+	$(BIN)/python -m pytest -n auto --dist worksteal $(TESTS)
 
 lint: $(STAMP)
 	$(BIN)/ruff check .

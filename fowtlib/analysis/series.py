@@ -10,6 +10,8 @@ import numpy as np
 from fowtlib.language.errors import ModelError
 
 if TYPE_CHECKING:
+    from collections.abc import Sequence
+
     import xarray
     from numpy.typing import ArrayLike
 
@@ -49,7 +51,7 @@ class Series:
 
 if TYPE_CHECKING:
     SeriesLike = xarray.DataArray | Series | tuple[ArrayLike, ArrayLike]
-    Records = SeriesLike | list[SeriesLike]
+    Records = SeriesLike | Sequence[SeriesLike]
 
 
 def as_records(records: Records, discard: float = 0.0) -> list[Series]:

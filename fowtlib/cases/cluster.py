@@ -141,7 +141,7 @@ class ClusterWorkers:
             return client.submit(compute, job.plain(), str(self.folder), token, key=key, pure=False)
 
         waiting = {future.key: future for future in map(submit, jobs)}
-        ready = as_completed(waiting.values(), raise_errors=False)
+        ready = as_completed(waiting.values(), loop=client.loop, raise_errors=False)
         running: set[str] = set()
         looked = 0.0
         try:
@@ -241,7 +241,7 @@ def _client(cluster: Any) -> tuple[Client, bool]:
     if not isinstance(cluster, str) and not hasattr(cluster, "scheduler_address"):
         raise ParameterError(f"cluster is {cluster!r}; give the address of a scheduler, a Client or a cluster of Dask.")
     try:
-        return Client(cluster, timeout=_ANSWER), True
+        return Client(cluster, timeout=_ANSWER, set_as_default=False), True
     except (OSError, TimeoutError):
         raise ModelError(f"no Dask scheduler answers at {cluster} within {_ANSWER:g} s. Is it running, and is its port "
                          "open to this computer?") from None  # fmt: skip

@@ -2,10 +2,10 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
 from typing import Any
 
 import numpy as np
+from numpy.typing import ArrayLike
 
 from fowtlib.language.errors import ParameterError
 from fowtlib.metocean.joint import BEYOND, VARIABLES, ConditionalModel
@@ -16,9 +16,9 @@ _POINTS = 6  # of the rule of Gauss in each bin, along wind speed and along wave
 
 def bins(
     joint: ConditionalModel,
-    wind_speeds: Sequence[float],
-    wave_heights: Sequence[float],
-    peak_periods: Sequence[float],
+    wind_speeds: ArrayLike,
+    wave_heights: ArrayLike,
+    peak_periods: ArrayLike,
     *,
     keep: float | None = 1000.0,
     duration: float = 3600.0,
@@ -64,7 +64,7 @@ def bins(
     return States(u[i], h[j], t[k], probability[kept])
 
 
-def _centres(values: Sequence[float], name: str) -> tuple[np.ndarray, float]:
+def _centres(values: ArrayLike, name: str) -> tuple[np.ndarray, float]:
     array = np.asarray(values, dtype=float)
     if array.ndim != 1 or array.size < 2:
         raise ParameterError(f"bins of {name}: two centres or more are needed.")

@@ -213,21 +213,6 @@ WIND = Condition(
             bare="speed",
             either=("class", "intensity"),
         ),
-        "turbulence": Kind(
-            {
-                **_SPEED,
-                **_CLASS,
-                "intensity": Key("turbulence_intensity"),
-                "model": Key("turbulence_model", "", choices=("ntm", "etm")),
-                "wind_class": Key("wind_class", "", choices=("I", "II", "III")),
-                "seed": Key("seed", "#"),
-                "spacing": Key("point_spacing", "m"),
-                "period": Key("repetition_period", "s"),
-                **_SHEAR,
-            },
-            bare="speed",
-            either=("class", "intensity"),
-        ),
         "nwp": Kind({**_SPEED, **_SHEAR}, bare="speed"),
         "ntm": Kind(
             {**_SPEED, **_CLASS, "quantile": Key("quantile"), "seed": Key("seed", "#"), **_SHEAR}, bare="speed"
@@ -247,6 +232,21 @@ WIND = Condition(
         ),
         "file": Kind({"file": Key("file", "path", required=True)}, bare="file"),
         "field": Kind({"file": Key("file", "path", required=True)}, bare="file"),
+        "turbulence": Kind(
+            {
+                **_SPEED,
+                **_CLASS,
+                "intensity": Key("turbulence_intensity"),
+                "model": Key("turbulence_model", "", choices=("ntm", "etm")),
+                "wind_class": Key("wind_class", "", choices=("I", "II", "III")),
+                "seed": Key("seed", "#"),
+                "spacing": Key("point_spacing", "m"),
+                "period": Key("repetition_period", "s"),
+                **_SHEAR,
+            },
+            bare="speed",
+            either=("class", "intensity"),
+        ),
         "input": Kind({"speed": Key("mean_speed", "m/s"), **_SHEAR}, bare="speed"),
     },
 )

@@ -55,7 +55,7 @@ def test_a_field_that_does_not_reach_the_rotors(capsys):
         (["two.csv", *SMALL], "fowt wind-field: two.csv: the file must end in '.bts'."),
         (["none/two.bts", *SMALL], "none/two.bts: the folder none does not exist; make it first"),
         (["two.bts", *SMALL, "--hub-height", "50"], "the lowest row is at -25 m, where the power law has no wind"),
-        (["two.bts", *SMALL, "--class", "D"], "unknown A|B|C 'D'"),
+        (["two.bts", *SMALL, "--class", "D"], "unknown A+|A|B|C 'D'"),
         (["two.bts", *SMALL, "--speed", "-1"], "'-1' is not a positive number"),
         (["two.bts", "--speed", "8"], "the following arguments are required: --width, --height"),
         (["two.bts", *SMALL, "--seed", "-1"], "seed and turbulence_intensity begin at 0."),
