@@ -36,6 +36,7 @@ class Batch(Protocol):
     folder: Any
 
     def rows(self) -> list[Any]: ...
+    def path(self, name: str) -> Any: ...
     def result(self, name: str) -> Any: ...
 
 
@@ -125,6 +126,10 @@ def _rates(
     kinds: dict[str, Counter[str]] = {name: Counter() for name in names}
     pools = {name: Pool() for name in names}
     for number, (key, rows) in enumerate(groups.items()):
+        if law == "pooled" and len(rows) == 1 and batch.path(rows[0].name) is None:
+            _add_kept(pools, key, rows[0])
+            progress(number + 1, len(groups))
+            continue
         results = [batch.result(row.name) for row in rows]
         for name in names:
             records = [result[name] for result in results]
@@ -147,6 +152,16 @@ def _rates(
         name: _fits(name, groups, lambda keys, name=name: UpCrossings.of([tails[name][key] for key in keys], duration))
         for name in names
     }
+
+
+def _add_kept(pools: dict[str, Pool], key: Key, row: Row) -> None:
+    """A run of which statistics alone are kept."""
+    span = float(row.simulated or 0.0) - float(row.case.discard or 0.0)
+    for name, pool in pools.items():
+        try:
+            pool.add_kept(key, key[0].wind_speed, row.statistics[name], span)
+        except ModelError as error:
+            raise ModelError(f"{row.name}: {name}: {error} Name the results to evaluate with --results.") from None
 
 
 def _tail(records: list[Any]) -> tuple[Tail, str]:

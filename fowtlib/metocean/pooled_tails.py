@@ -9,7 +9,7 @@ the rate nu_0 at which it passes its mean; what they share is the rate over (x -
 
 from __future__ import annotations
 
-from collections.abc import Callable, Hashable
+from collections.abc import Callable, Hashable, Mapping
 from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
@@ -73,6 +73,22 @@ class Pool:
             self.lowest[group] = min(self.lowest.get(group, 0.0), float(values.min()))
         self.states[key] = _Own(mean, std, passages / span)
         self.mean_passages[group] = self.mean_passages.get(group, 0.0) + passages
+
+    def add_kept(self, key: Hashable, group: float, kept: Mapping[str, Any], span: float) -> None:
+        """The one run of a state, of `span` [s], by what case_statistics gives of it; it is not cut into pieces."""
+        crossings = kept["crossings"]
+        steps = LEVELS / crossings["step"]
+        if not np.allclose(steps, steps.round(), atol=1e-6) or not kept["std"] > 0:
+            raise ModelError("the statistics that are kept do not count passages at the levels that are needed.")
+        passed = np.zeros(int(steps.round().max()) + 1)
+        counts = crossings["above"][: len(passed)]
+        passed[: len(counts)] = counts
+        self.counts.setdefault(group, []).append(passed[steps.round().astype(int)])
+        self.spans.setdefault(group, []).append(span)
+        lowest = (kept["min"] - kept["mean"]) / kept["std"]
+        self.lowest[group] = min(self.lowest.get(group, 0.0), lowest)
+        self.states[key] = _Own(kept["mean"], kept["std"], float(passed[0]) / span)
+        self.mean_passages[group] = self.mean_passages.get(group, 0.0) + float(passed[0])
 
     def tails(self, group_of: Callable[[Hashable], float]) -> tuple[dict[Hashable, Tail], int]:
         """The tail of each state; and for how many groups there was none, so that a Gaussian process stands for it."""

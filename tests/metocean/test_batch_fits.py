@@ -50,6 +50,9 @@ class Made:
     def rows(self) -> list[Row]:
         return self.rows_
 
+    def path(self, name: str) -> Path:
+        return self.folder / f"{name}.nc"
+
     def result(self, name: str) -> dict[str, xarray.DataArray]:
         time = {"time": np.arange(0, SPAN, STEP)}
         return {"surge": xarray.DataArray(self.series[name], time, ["time"], "surge", {"units": "m"})}

@@ -1,0 +1,40 @@
+"""Tails from what a registry keeps of each run, against those from the series themselves."""
+
+import numpy as np
+import pytest
+
+import fowtlib as fw
+from fowtlib.analysis import Spectrum
+from fowtlib.analysis.spectra import realisation
+from fowtlib.language.errors import ModelError
+from fowtlib.metocean.pooled_tails import Pool
+
+
+def records(count):
+    f = np.linspace(0.0, 0.2, 401)
+    slow = Spectrum(f, np.exp(-(((f - 0.03) / 0.01) ** 2)), "m", "surge")
+    return [realisation(slow, 3600.0, 0.5, seed=seed) for seed in range(count)]
+
+
+def test_tails_from_statistics_are_those_from_series():
+    series, kept = Pool(), Pool()
+    for number, record in enumerate(records(40)):
+        series.add(number, 12.0, [record])
+        result = fw.Result(record.time, {"surge": record.values}, {"surge": "m"})
+        told = fw.case_statistics(result)["channels"]["surge"]
+        kept.add_kept(number, 12.0, told, float(record.time[-1] - record.time[0]))
+    one, other = sum(series.counts[12.0]), sum(kept.counts[12.0])
+    assert np.abs(one - other).max() <= 0.02 * one.max()  # passages between two pieces are counted in neither
+    assert kept.lowest[12.0] == pytest.approx(series.lowest[12.0], rel=1e-9)
+    whole, _ = series.tails(lambda key: 12.0)
+    short, _ = kept.tails(lambda key: 12.0)
+    for level in (2.0, 3.0, 3.5):
+        rates = [tail.q * np.exp(-tail.a * max(level * own.std + own.mean - tail.b, 0.0) ** tail.c)
+                 for tail, own in ((whole[3], series.states[3]), (short[3], kept.states[3]))]  # fmt: skip
+        assert rates[1] == pytest.approx(rates[0], rel=0.15), level
+
+
+def test_levels_that_are_not_kept_are_refused():
+    kept = {"mean": 0.0, "std": 1.0, "min": -3.0, "crossings": {"step": 0.25, "above": [10, 5]}}
+    with pytest.raises(ModelError, match="do not count passages at the levels"):
+        Pool().add_kept(0, 12.0, kept, 3600.0)
