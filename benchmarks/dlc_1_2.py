@@ -44,7 +44,8 @@ def tables(batch: Batch) -> str:
     body = []
     for speed, members in at.items():
         found = [[kept[row.name]["equivalent_loads"][name][m] for row in members] for name, m, _ in loads]
-        body.append([f"{speed:g}", *(_load(np.mean(np.power(values, float(m))) ** (1 / float(m)), name)
+        equal = np.full(len(members), 1 / len(members))
+        body.append([f"{speed:g}", *(_load(fw.lifetime_equivalent_load(values, float(m), equal), name)
                                      for values, (name, m, _) in zip(found, loads, strict=True))])  # fmt: skip
     life = [
         fw.lifetime_equivalent_load([kept[row.name]["equivalent_loads"][name][m] for row in rows], float(m), weights)

@@ -10,11 +10,18 @@ from typing import Any
 
 import numpy as np
 
-from fowtlib.analysis import Spectrum, average, lifetime_equivalent_load, power_spectrum, ultimate_loads
+from fowtlib.analysis import (
+    Spectrum,
+    average,
+    lifetime_equivalent_load,
+    over_cases,
+    power_spectrum,
+    ultimate_loads,
+)
 from fowtlib.language.errors import ModelError
 from fowtlib.report import drawings
-from fowtlib.report.content import Link, Section, Table, anchor, drawn, number
-from fowtlib.report.view import View, words
+from fowtlib.report.content import Cell, Link, Section, Table, anchor, drawn, number
+from fowtlib.report.view import ENDS, View, words
 
 AROUND = 60.0  # s before and after an extreme
 HIGHEST = 0.5  # Hz in spectra
@@ -50,7 +57,7 @@ def over_the_label(view: View) -> Section | None:
     for name in view.shown:
         groups: dict[str, list[list[float]]] = {}
         for row in view.done:
-            told = view.channels[row.name].get(name)
+            told = row.statistics.get(name)
             if told and np.isfinite(view.label_of(row)):
                 entry = [view.label_of(row), told["mean"], told["min"], told["max"]]
                 groups.setdefault(row.case.group, []).append(entry)
@@ -71,16 +78,14 @@ def over_the_label(view: View) -> Section | None:
 
 def statistics(view: View) -> Section:
     """Mean and deviation over all cases, by weight."""
-    weights = np.array([row.case.weight for row in view.done])
     rows = []
     for name in view.units:
-        told = [view.channels[row.name].get(name) for row in view.done]
-        held = np.array([item is not None for item in told])
-        shares = weights[held] / weights[held].sum() if weights[held].sum() > 0 else np.full(held.sum(), 1 / held.sum())
-        mean, std = (np.array([item[key] for item in told if item]) for key in ("mean", "std"))
-        overall = float(shares @ mean)
-        within, total = (float(np.sqrt(shares @ values)) for values in (std**2, std**2 + (mean - overall) ** 2))
-        rows.append([name, view.units[name], overall, within, total, float(std.max()), int(held.sum())])
+        having = {row.name: row for row in view.done if name in row.statistics}
+        weights = {key: row.case.weight for key, row in having.items()}
+        kept = {key: {"channels": {name: row.statistics[name]}} for key, row in having.items()}
+        told = over_cases(kept, weights if any(weights.values()) else None)[name]
+        largest = max(row.statistics[name]["std"] for row in having.values())
+        rows.append([name, told["unit"], told["mean"], told["std"], told["total_std"], largest, told["cases"]])
     heads = ["result", "unit", "mean", "deviation within cases", "deviation of all", "largest deviation", "cases"]
     sentence = "Each case counts by its weight; the deviation within cases is about the mean of each."
     return Section("Statistics", [sentence], tables=[Table(heads, rows)])
@@ -90,18 +95,15 @@ def extremes(view: View) -> Section:
     """The largest and least value of each result, and the case; with the safety factor for loads."""
     rows = []
     for name in view.judged:
-        high, low = view.extreme(name, "max"), view.extreme(name, "min")
-        if high is None or low is None:
-            continue
-        worst = view.worst(name)
-        place = f"worst-{anchor(name)}" if name in view.shown and view.batch.path(worst[0].name) else None
-        factored = [told[end] * row.case.safety_factor for (row, told), end in ((high, "max"), (low, "min"))]
-        design = max(factored, key=abs) if name in view.loads else None
-        rows.append([
-            Link(name, place) if place else name, view.units[name],
-            high[1]["max"], Link(high[0].name, case_anchor(high[0].name)), high[1].get("max_time"),
-            low[1]["min"], Link(low[0].name, case_anchor(low[0].name)), low[1].get("min_time"), design,
-        ])  # fmt: skip
+        ends = {end: view.extreme(name, end) for end in ENDS}
+        place = f"worst-{anchor(name)}" if name in view.shown and view.worst(name)[0].name in view.kept else None
+        factored = [row.statistics[name][end] * row.case.safety_factor for end, row in ends.items()]
+        told: list[Cell] = []
+        for end, row in ends.items():
+            found = row.statistics[name]
+            told += [found[end], Link(row.name, case_anchor(row.name)), found[f"{end}_time"]]
+        rows.append([Link(name, place) if place else name, view.units[name], *told,
+                     max(factored, key=abs) if name in view.loads else None])  # fmt: skip
     heads = ["result", "unit", "largest", "in case", "at [s]", "least", "in case", "at [s]", "times safety factor"]
     sentence = "A name leads to the series around the extreme. Loads are multiplied by the safety factor of the case."
     return Section("Extremes", [sentence], tables=[Table(heads, rows)])
@@ -109,24 +111,29 @@ def extremes(view: View) -> Section:
 
 def fatigue(view: View) -> Section | None:
     """Damage-equivalent loads: of the life by the weights of the cases, and for each value of the label."""
-    rows, places = [], view.places()
-    weights = np.array([row.case.weight for row in view.done])
-    shares = weights / weights.sum() if weights.sum() > 0 else np.full(len(weights), 1 / len(weights))
+    counted = [row for row in view.done if row.case.weight] or view.done  # others stand for no time
+    weights = np.array([row.case.weight for row in counted])
+    shares = weights / max(weights.sum(), 1.0) if weights.any() else equal(len(weights))
+    places, rows = view.places(counted), []
     for name in view.loads:
-        kept = [view.all[row.name].get("equivalent_loads", {}).get(name) for row in view.done]
+        kept = [view.all[row.name].get("equivalent_loads", {}).get(name) for row in counted]
         if any(loads is None for loads in kept):
             continue
         for exponent in kept[0]:
-            loads = np.array([loads[exponent] for loads in kept])
-            m = float(exponent)
-            by_place = [float(np.mean(loads[inside] ** m) ** (1 / m)) for inside in places.values()]
-            rows.append([name, view.units[name], m, lifetime_equivalent_load(loads, m, shares), *by_place])
+            loads, m = np.array([loads[exponent] for loads in kept]), float(exponent)
+            at = [lifetime_equivalent_load(loads[inside], m, equal(inside.sum())) for inside in places.values()]
+            rows.append([name, view.units[name], m, lifetime_equivalent_load(loads, m, shares), *at])
     if not rows:
         return None
     heads = ["load", "unit", "exponent m", "all cases by weight", *places]
     sentence = ("Ranges at 1 Hz, by rainflow counting. The weights of the cases count as shares of the time; the load "
                 "of one value is the mean over its cases.")  # fmt: skip
     return Section("Damage-equivalent loads", [sentence], tables=[Table(heads, rows)])
+
+
+def equal(count: int) -> np.ndarray:
+    """Equal shares of so many cases."""
+    return np.full(count, 1 / count)
 
 
 def ultimate(view: View) -> Section | None:
@@ -156,15 +163,11 @@ def worst_cases(view: View) -> Section | None:
     section = Section("Worst cases")
     causes = [name for name in ("wind_speed", "wave_elevation") if name in view.units]
     for name in view.shown:
-        row, told, end = view.worst(name)
-        path = view.batch.path(row.name)
-        if path is None:
+        row, end = view.worst(name)
+        if row.name not in view.kept:
             continue
-        result = view.batch.result(row.name)
-        at = told.get(f"{end}_time")
-        if at is None:
-            values = result.array(name)
-            at = float(result.time[int(values.argmax() if end == "max" else values.argmin())])
+        result, told = view.batch.result(row.name), row.statistics[name]
+        at = told[f"{end}_time"]
         near = np.abs(result.time - at) <= AROUND
         rows = [
             (words(item), result.unit(item), result.array(item)[near])
@@ -179,16 +182,19 @@ def worst_cases(view: View) -> Section | None:
 
 def spectra(view: View) -> Section | None:
     """Mean spectra of the cases with equal label."""
-    groups = view.groups()
     section = Section("Spectra")
-    results = {row.name: view.batch.result(row.name) for rows in groups.values() for row in rows}
-    for name in view.shown if results else ():
-        found: dict[str, Spectrum] = {}
-        for key, rows in groups.items():
-            singles = [single for row in rows if (single := _spectrum(results[row.name], name)) is not None]
-            same = [single for single in singles if single.frequency.shape == singles[0].frequency.shape]
+    by_name: dict[str, dict[str, Spectrum]] = {name: {} for name in view.shown}
+    for key, rows in view.groups().items():
+        singles: dict[str, list[Spectrum]] = {name: [] for name in view.shown}
+        for row in rows:
+            result = view.batch.result(row.name)
+            for name, found in singles.items():
+                found += _spectrum(result, name)
+        for name, found in singles.items():
+            same = [single for single in found if single.frequency.shape == found[0].frequency.shape]
             if same:
-                found[key] = average(same)
+                by_name[name][key] = average(same)
+    for name, found in by_name.items():
         if not found:
             continue
         key, spectrum = max(found.items(), key=lambda item: item[1].std)
@@ -235,12 +241,12 @@ def case_anchor(name: str) -> str:
     return f"case-{anchor(name)}"
 
 
-def _spectrum(result: Any, name: str) -> Spectrum | None:
-    """Of a result; None where it is too short or its points are not equally spaced."""
+def _spectrum(result: Any, name: str) -> list[Spectrum]:
+    """Of a result; none where it is too short or its points are not equally spaced."""
     if name not in result.names:
-        return None
+        return []
     span = float(result.time[-1] - result.time[0])
     try:
-        return power_spectrum(result[name], segment=2 * span / (SEGMENTS + 1))
+        return [power_spectrum(result[name], segment=2 * span / (SEGMENTS + 1))]
     except ModelError:
-        return None
+        return []

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import cached_property
 from pathlib import Path
@@ -24,6 +25,7 @@ UNITS = {"wind_speed": "m/s", "significant_wave_height": "m", "peak_period": "s"
 NOT_JUDGED = ("azimuth",)  # of which an extreme says nothing
 MOST_SHOWN = 16  # results with figures
 MOST_LINES = 5  # spectra in one figure
+ENDS = {"max": max, "min": min}
 
 
 @dataclass
@@ -46,11 +48,6 @@ class View:
     # --- what there is -----------------------------------------------------------------------------------------------
 
     @cached_property
-    def channels(self) -> dict[str, dict[str, dict[str, Any]]]:
-        """Statistics by case and result."""
-        return {row.name: row.statistics for row in self.done}
-
-    @cached_property
     def all(self) -> dict[str, dict[str, Any]]:
         """All statistics by case; see Batch.statistics."""
         return {row.name: self.batch.statistics(row.name) for row in self.done}
@@ -58,7 +55,12 @@ class View:
     @cached_property
     def units(self) -> dict[str, str]:
         """Of all results that a case has, in their order."""
-        return {name: told["unit"] for case in self.channels.values() for name, told in case.items()}
+        return {name: told["unit"] for row in self.done for name, told in row.statistics.items()}
+
+    @cached_property
+    def kept(self) -> dict[str, Row]:
+        """By name, those of which the file of results is there."""
+        return {row.name: row for row in self.done if row.result and (self.batch.folder / row.result).is_file()}
 
     @cached_property
     def judged(self) -> list[str]:
@@ -80,7 +82,7 @@ class View:
         return moving[:MOST_SHOWN]
 
     def _moves(self, name: str) -> bool:
-        return any(told.get(name, {}).get("std") for told in self.channels.values())
+        return any(row.statistics.get(name, {}).get("std") for row in self.done)
 
     @cached_property
     def label(self) -> str:
@@ -94,26 +96,30 @@ class View:
         return next((key for key in (*OVER, *several) if key in several), "")
 
     @property
+    def unit(self) -> str:
+        """That of the label, where it is known."""
+        return UNITS.get(self.label, "")
+
+    @property
     def label_words(self) -> str:
-        """The label as the title of an axis, with its unit where that is known."""
-        return words(self.label) + (f" [{UNITS[self.label]}]" if self.label in UNITS else "")
+        """The label as the title of an axis."""
+        return words(self.label) + (f" [{self.unit}]" if self.unit else "")
 
     def label_of(self, row: Row) -> float:
         """The value of that label; nan where a case has none."""
         value = row.case.labels.get(self.label, np.nan)
         return float(value) if isinstance(value, (int, float)) else np.nan
 
-    def extreme(self, name: str, kind: str) -> tuple[Row, dict[str, Any]] | None:
-        """The case in which a result is largest ("max") or least ("min"), and its statistics there."""
-        having = [(row, self.channels[row.name][name]) for row in self.done if name in self.channels[row.name]]
-        best = max if kind == "max" else min
-        return best(having, key=lambda item: item[1][kind]) if having else None
+    def extreme(self, name: str, end: str) -> Row:
+        """The case in which a result is largest ("max") or least ("min")."""
+        having = [row for row in self.done if name in row.statistics]
+        return ENDS[end](having, key=lambda row: row.statistics[name][end])
 
-    def worst(self, name: str) -> tuple[Row, dict[str, Any], str]:
-        """The case in which a result is farthest from its mean over all cases; its statistics, and at which end."""
-        ends = [(*found, kind) for kind in ("max", "min") if (found := self.extreme(name, kind))]
-        middle = np.mean([told[name]["mean"] for told in self.channels.values() if name in told])
-        return max(ends, key=lambda item: abs(item[1][item[2]] - middle))
+    def worst(self, name: str) -> tuple[Row, str]:
+        """The case in which a result is farthest from its mean over all cases, and at which end."""
+        middle = np.mean([row.statistics[name]["mean"] for row in self.done if name in row.statistics])
+        ends = [(self.extreme(name, end), end) for end in ENDS]
+        return max(ends, key=lambda item: abs(item[0].statistics[name][item[1]] - middle))
 
     @property
     def title(self) -> str:
@@ -129,31 +135,30 @@ class View:
         spent = sum(row.processor or row.seconds or 0.0 for row in self.done)
         due = len(self.rows) - len(self.done) - len(self.failed)
         rest = [f"{len(self.failed)} failed"] * bool(self.failed) + [f"{due} not run yet"] * bool(due)
-        words = [f"{len(self.done)} of {len(self.rows)} cases are done{''.join(f', {text}' for text in rest)}."]
+        told = [f"{len(self.done)} of {len(self.rows)} cases are done{''.join(f', {text}' for text in rest)}."]
         if simulated and spent:
-            words.append(f"{time_span(simulated)} were simulated in {time_span(spent)} of one processor core, "
-                         f"{number(simulated / spent)} times real time.")  # fmt: skip
-        return words
+            told.append(f"{time_span(simulated)} were simulated in {time_span(spent)} of one processor core, "
+                        f"{number(simulated / spent)} times real time.")  # fmt: skip
+        return told
 
-    def places(self) -> dict[str, np.ndarray]:
-        """Which of the cases that are done have each value of the label, by the value in words."""
+    def places(self, rows: Sequence[Row]) -> dict[str, np.ndarray]:
+        """Which of these cases have each value of the label, by the value in words."""
         if not self.label:
             return {}
-        values = np.array([self.label_of(row) for row in self.done])
-        unit = f" {UNITS[self.label]}" if self.label in UNITS else ""
-        return {f"{value:g}{unit}": values == value for value in np.unique(values[np.isfinite(values)])}
+        values = np.array([self.label_of(row) for row in rows])
+        return {f"{value:g} {self.unit}".strip(): values == value for value in np.unique(values[np.isfinite(values)])}
 
     def groups(self) -> dict[str, list[Row]]:
         """Cases whose results are there, by label; of many values a few, evenly chosen."""
-        there = [row for row in self.done if self.batch.path(row.name)]
+        kept = list(self.kept.values())
         if not self.label:
-            return {"all cases": there} if there else {}
-        values = np.unique([value for row in there if np.isfinite(value := self.label_of(row))])
-        if not values.size:
-            return {}
-        picked = values[np.unique(np.linspace(0, len(values) - 1, min(MOST_LINES, len(values))).round().astype(int))]
-        label, unit = words(self.label), f" {UNITS[self.label]}" if self.label in UNITS else ""
-        return {f"{label} {value:g}{unit}": [row for row in there if self.label_of(row) == value] for value in picked}
+            return {"all cases": kept} if kept else {}
+        found = list(self.places(kept).items())
+        picked = np.unique(np.linspace(0, len(found) - 1, min(MOST_LINES, len(found))).round().astype(int))
+        return {
+            f"{words(self.label)} {value}": [row for row, inside in zip(kept, rows, strict=True) if inside]
+            for value, rows in (found[k] for k in picked)
+        }
 
 
 def words(name: str) -> str:

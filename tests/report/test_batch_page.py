@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import html
 import re
+from dataclasses import replace
 from html.parser import HTMLParser
 
 import numpy as np
@@ -11,8 +12,9 @@ import pytest
 
 from fowtlib.cases import Case, run_batch
 from fowtlib.language.errors import ModelError, NotFoundError
-from fowtlib.report import batch_page, write_batch_page
+from fowtlib.report import batch_page, sections, write_batch_page
 from fowtlib.report.content import number
+from fowtlib.report.view import View
 
 SPEEDS, SEEDS = (8, 16), (1, 2)
 
@@ -117,6 +119,15 @@ def test_loads_are_told_with_their_weights_and_factors(batch, text):
     assert f"<td>{number(float(np.mean(np.power(loads, 4)) ** 0.25))}</td>" in text
     highest = max(batch.result(row.name).array("thrust").max() for row in batch.rows("done"))
     assert "thrust max" in text and f"<td>{number(1.35 * highest)}</td>" in text
+
+
+def test_cases_that_stand_for_no_time_do_not_count_for_the_life(batch, monkeypatch):
+    rows = [replace(row, case=replace(row.case, weight=0.3 if row.name == "u8_s1" else 0.0)) for row in batch.rows()]
+    monkeypatch.setattr(batch, "rows", lambda *_: rows)
+    table = sections.fatigue(View(batch, [])).tables[0]
+    row = next(row for row in table.rows if row[0] == "thrust" and row[2] == 4.0)
+    alone = batch.statistics("u8_s1")["equivalent_loads"]["thrust"]["4"]
+    assert row[3] == pytest.approx(0.3**0.25 * alone) and len(row) == len(table.heads)
 
 
 def test_failures_are_told_in_their_own_words_and_texts_are_only_texts(batch, text):
