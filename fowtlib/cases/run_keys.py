@@ -81,9 +81,7 @@ class RunKeys:
                 places[path] = node.place
         return values
 
-    def condition(
-        self, condition: Condition, node: Node, scope: Scope, places: dict[str, Place]
-    ) -> dict[str, Any]:
+    def condition(self, condition: Condition, node: Node, scope: Scope, places: dict[str, Place]) -> dict[str, Any]:
         """Wind or sea, in the words of the model file or in the short form of the command line."""
         if isinstance(node.value, str):
             text = word(node, condition.part, scope, units=True)
