@@ -276,8 +276,8 @@ def _planned(registry: Registry, folder: Path, cases: CaseSet, about: Mapping[st
     known = {row.name: row for row in registry.rows(all_of_them=True, statistics=False)}
     changed: dict[tuple[tuple[str, str], ...], list[str]] = {}  # the same files for most cases
 
-    def reasons(row: Row, case: Case) -> list[str]:
-        if row.digest != case.digest():
+    def reasons(row: Row, case: Case, digest: str) -> list[str]:
+        if row.digest != digest:
             return [f"the case has changed: {_difference(row.case, case)}"]
         files = tuple(row.files.items())
         if files not in changed:
@@ -294,13 +294,15 @@ def _planned(registry: Registry, folder: Path, cases: CaseSet, about: Mapping[st
 
     rows = []
     for case in cases:
-        row = known.get(case.name, Row(case))
-        if row.digest and row.digest != case.digest():
+        row, digest = known.get(case.name, Row(case)), case.digest()
+        if row.digest and row.digest != digest:
             forget_journal(folder / f"{case.name}.{about['format']}")
         if row.state in (DONE, FAILED):
-            why = reasons(row, case) or (["it has failed, and is tried again"] if retry and row.state == FAILED else [])
+            why = reasons(row, case, digest)
+            if not why and retry and row.state == FAILED:
+                why = ["it has failed, and is tried again"]
             row = replace(row, state=DUE if why else row.state, why="; ".join(why))
-        rows.append(replace(row, case=case))
+        rows.append(replace(row, case=case, digest=digest))
     return rows
 
 
