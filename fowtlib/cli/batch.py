@@ -11,7 +11,8 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from fowtlib.cli import loading, tables
-from fowtlib.cli.files import TABLES, check_target, say_saved
+from fowtlib.cli.files import check_target, say_saved
+from fowtlib.cli.run import count
 from fowtlib.language.errors import ModelError, NotFoundError, did_you_mean
 
 if TYPE_CHECKING:
@@ -80,19 +81,12 @@ def _declare_file(parser: argparse.ArgumentParser, text: str) -> None:
 
 
 def _declare_run(parser: argparse.ArgumentParser) -> None:
-    parser.add_argument("--workers", type=_count, metavar="N",
+    parser.add_argument("--workers", type=count, metavar="N",
                         help="processes; default: as many as cores and memory allow")  # fmt: skip
     parser.add_argument("--format", metavar="F", help="of the results: nc or outb; default: nc")
     parser.add_argument("--keep", metavar="WHAT", help="all, or statistics without files of results; default: all")
     parser.add_argument("--scheduler", metavar="ADDRESS", help="of Dask, to compute there, such as tcp://10.0.0.1:8786")
     loading.declare_leave(parser)
-
-
-def _count(text: str) -> int:
-    """A number of things, for argparse."""
-    if not text.isdecimal() or not int(text):
-        raise argparse.ArgumentTypeError(f"'{text}' is not a whole number above zero")
-    return int(text)
 
 
 def run(arguments: argparse.Namespace) -> int:
@@ -123,7 +117,7 @@ def run(arguments: argparse.Namespace) -> int:
 
 def show_status(arguments: argparse.Namespace) -> int:
     """Print how many cases are in each state, and those that are not done with what there is to say."""
-    check_target(arguments.table, TABLES, arguments.force)
+    tables.check(arguments)
     batch = _batch(arguments)
     rows = batch.rows()
     tables.say(arguments, f"{batch.folder}: {_told(batch.counts)}")
@@ -138,7 +132,7 @@ def show_status(arguments: argparse.Namespace) -> int:
 
 def show_table(arguments: argparse.Namespace) -> int:
     """Print the statistics of the results of all cases that are done."""
-    check_target(arguments.table, TABLES, arguments.force)
+    tables.check(arguments)
     batch = _batch(arguments)
     rows = batch.rows("done")
     if not rows:

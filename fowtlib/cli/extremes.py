@@ -8,7 +8,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from fowtlib.cli import site, tables
-from fowtlib.cli.files import FIGURES, TABLES, check_target, say_saved
+from fowtlib.cli.files import FIGURES, check_target, say_saved
 from fowtlib.cli.progress import part_bar
 from fowtlib.cli.run import positive
 from fowtlib.language.errors import ModelError, ParameterError
@@ -87,7 +87,7 @@ def declare(commands: Any) -> None:
 def extremes(arguments: argparse.Namespace) -> int:
     """The states of a method, or the extremes."""
     check_target(arguments.plot, FIGURES, arguments.force)
-    check_target(arguments.table, TABLES, arguments.force)
+    tables.check(arguments)
     check_target(arguments.cases, CASE_FILES, arguments.force)
     joint = site.opened(arguments)
     check_target(arguments.save_fits, (".csv",), arguments.force)
