@@ -10,7 +10,7 @@ from contextlib import contextmanager
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from fowtlib.cli import loading, tables
+from fowtlib.cli import loading, results, tables
 from fowtlib.cli.files import check_target, say_saved
 from fowtlib.cli.run import count
 from fowtlib.language.errors import ModelError, NotFoundError, did_you_mean
@@ -58,8 +58,9 @@ def declare(commands: Any) -> None:
     status.set_defaults(action=show_status)
     table = verbs.add_parser("table", help="the statistics of all cases that are done", epilog=_example("table"))
     _declare_file(table, "the file that lists the cases, or the folder of the batch")
-    table.add_argument("--results", metavar="NAMES", help="of these results, for example pitch,surge; default: all")
-    table.add_argument("--statistics", metavar="NAMES", default=",".join(STATISTICS),
+    table.add_argument("--results", type=results.names, metavar="NAMES",
+                       help="of these results, for example pitch,surge; default: all")  # fmt: skip
+    table.add_argument("--statistics", type=results.names, metavar="NAMES", default=",".join(STATISTICS),
                        help="for example mean,max,p99,skewness; default: %(default)s")  # fmt: skip
     tables.declare(table)
     table.set_defaults(action=show_table)
@@ -67,7 +68,8 @@ def declare(commands: Any) -> None:
     _declare_file(report, "the file that lists the cases, or the folder of the batch")
     report.add_argument("-o", "--output", type=Path, metavar="FILE", help="the page; default: beside the folder")
     report.add_argument("--title", default="", metavar="TEXT", help="of the page")
-    report.add_argument("--results", metavar="NAMES", help="with figures, for example pitch,surge; default: the usual")
+    report.add_argument("--results", type=results.names, metavar="NAMES",
+                        help="with figures, for example pitch,surge; default: the usual")  # fmt: skip
     report.set_defaults(action=write_report)
 
 
@@ -94,7 +96,7 @@ def run(arguments: argparse.Namespace) -> int:
     from fowtlib.cases import run_batch
 
     cases = _cases(arguments)
-    folder = _folder(arguments)
+    folder = _folder(arguments.file, arguments.folder)
     try:
         with _progress() as report:
             batch = run_batch(
@@ -118,7 +120,7 @@ def run(arguments: argparse.Namespace) -> int:
 def show_status(arguments: argparse.Namespace) -> int:
     """Print how many cases are in each state, and those that are not done with what there is to say."""
     tables.check(arguments)
-    batch = _batch(arguments)
+    batch = opened(arguments.file, arguments.folder)
     rows = batch.rows()
     tables.say(arguments, f"{batch.folder}: {_told(batch.counts)}")
     shown = [row for row in rows if arguments.all or row.state != "done"]
@@ -133,7 +135,7 @@ def show_status(arguments: argparse.Namespace) -> int:
 def show_table(arguments: argparse.Namespace) -> int:
     """Print the statistics of the results of all cases that are done."""
     tables.check(arguments)
-    batch = _batch(arguments)
+    batch = opened(arguments.file, arguments.folder)
     rows = batch.rows("done")
     if not rows:
         raise ModelError(f"{batch.folder}: no case is done yet.")
@@ -163,11 +165,10 @@ def write_report(arguments: argparse.Namespace) -> int:
     """Write the page of a batch."""
     from fowtlib.report import write_batch_page
 
-    batch = _batch(arguments)
+    batch = opened(arguments.file, arguments.folder)
     path = arguments.output or batch.folder.with_suffix(PAGE)
     check_target(path, (PAGE,), arguments.force)
-    channels = [name.strip() for name in arguments.results.split(",")] if arguments.results else None
-    say_saved(write_batch_page(batch, path, title=arguments.title, channels=channels))
+    say_saved(write_batch_page(batch, path, title=arguments.title, channels=arguments.results))
     return 0
 
 
@@ -175,8 +176,7 @@ def _size(statistics: Any) -> float:
     return max(abs(statistics.get("min", 0.0)), abs(statistics.get("max", 0.0)))
 
 
-def _chosen(text: str, known: list[str], what: str) -> list[str]:
-    names = [name.strip() for name in text.split(",") if name.strip()]
+def _chosen(names: list[str], known: list[str], what: str) -> list[str]:
     for name in names:
         if name not in known:
             raise NotFoundError(f"there is no {what} '{name}'{did_you_mean(name, known, list_up_to=30)}")
@@ -196,18 +196,17 @@ def _cases(arguments: argparse.Namespace) -> CaseSet:
     return cases
 
 
-def _folder(arguments: argparse.Namespace) -> Path:
-    if arguments.folder is not None:
-        return arguments.folder
-    return arguments.file if arguments.file.is_dir() else arguments.file.with_suffix(ENDING)
+def _folder(file: Path, folder: Path | None) -> Path:
+    return folder or (file if file.is_dir() else file.with_suffix(ENDING))
 
 
-def _batch(arguments: argparse.Namespace) -> Batch:
+def opened(file: Path, folder: Path | None = None) -> Batch:
+    """The batch of a cases file, or in a folder; folder: where it is not the one beside the file."""
     from fowtlib.cases import Batch
 
-    folder = _folder(arguments)
+    folder = _folder(file, folder)
     if not folder.exists():
-        raise ModelError(f"{folder}: there is no such folder; begin the batch with fowt batch run {arguments.file}.")
+        raise ModelError(f"{folder}: there is no such folder; begin the batch with fowt batch run {file}.")
     return Batch.open(folder)
 
 

@@ -75,6 +75,17 @@ def test_a_batch_from_the_first_run_to_its_table(place, capsys):
     assert "due     w8: the case has changed: duration was 5.0, is 2.5" in Path("few.batch/batch.log").read_text()
 
 
+def test_names_with_a_comma_in_brackets_are_one_result(place, capsys):
+    text = CASES[: CASES.index("- name: short")].replace("DURATION", "1 s")
+    Path("matrix.yaml").write_text(text.replace("pitch", "platform.hull.frame_a.R"))
+    assert main(["batch", "run", "matrix.yaml"]) == 0
+    capsys.readouterr()
+    one, other = (f"platform.hull.frame_a.R[{index}]" for index in ("0,1", "2,2"))
+    assert main(["batch", "table", "matrix.yaml", "--results", f"{one}, surge,{other}", "--json"]) == 0
+    assert [row["result"] for row in json.loads(capsys.readouterr().out)] == [one, "surge", other] * 2
+    assert main(["batch", "report", "matrix.yaml", "--results", f"{one},surge"]) == 0
+
+
 def test_retry_runs_those_that_have_failed(place, capsys):
     assert main(["batch", "run", "few.yaml", "--folder", "f"]) == 1
     assert main(["batch", "run", "few.yaml", "--folder", "f"]) == 1
