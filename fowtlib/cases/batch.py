@@ -44,7 +44,8 @@ class Progress:
     """How far a batch is. done and failed count the cases of the whole batch, with those of earlier runs.
 
     simulated: what this run of the batch has computed, of `to_simulate` [s]. rate: simulated seconds per second of the
-    clock, of all workers; left: seconds of the clock, None while that is not known. words: what has just happened.
+    clock, of all workers; left: seconds of the clock, None while that is not known. words: what has just happened, to
+    the case `name`.
     """
 
     cases: int
@@ -56,6 +57,7 @@ class Progress:
     rate: float = 0.0
     left: float | None = None
     words: str = ""
+    name: str = ""
 
 
 class Batch:
@@ -418,7 +420,7 @@ class _Runner:
             words = self._ended(event)
         if words:
             self._log(words)
-        self._report(words)
+        self._report(words, event.name)
 
     def _ended(self, event: Event) -> str:
         outcome = event.outcome
@@ -436,13 +438,14 @@ class _Runner:
         pace = outcome.simulated / max(outcome.seconds, 1e-9)
         return f"done    {event.name}: {outcome.simulated:g} s in {outcome.seconds:.1f} s, {pace:.0f} x real time"
 
-    def _report(self, words: str) -> None:
+    def _report(self, words: str, name: str) -> None:
         running = sum(self.running.values())
         settled, rate = self.settled + running, 0.0
         if self.began is not None:
             rate = (self.simulated + running) / max(time.monotonic() - self.began, 1e-3)
         left = max(0.0, self.total - settled) / rate if rate > 0 else None
-        now = Progress(self.cases, self.done, self.failed, len(self.running), settled, self.total, rate, left, words)
+        now = Progress(self.cases, self.done, self.failed, len(self.running), settled, self.total, rate, left, words,
+                       name)  # fmt: skip
         if time.monotonic() - self.logged > _LOGGED:
             self._log(f"so far: {in_words(now)}")
         if self.tell is not None:

@@ -21,6 +21,7 @@ if TYPE_CHECKING:
 ENDING, PAGE = ".batch", ".html"
 TOLD = 60.0  # s between two lines on the progress, where there is no terminal
 STATISTICS = ("mean", "std", "min", "max")
+GONE_WRONG = ("failed", "lost")  # first words of what is said of a case while a batch runs
 EACH = {
     "run": "fowt batch run dlc12.yaml --workers 4",
     "retry": "fowt batch retry dlc12.yaml",
@@ -97,8 +98,9 @@ def run(arguments: argparse.Namespace) -> int:
 
     cases = _cases(arguments)
     folder = _folder(arguments.file, arguments.folder)
+    told: set[str] = set()
     try:
-        with _progress() as report:
+        with _progress(told) as report:
             batch = run_batch(
                 cases, folder, source=str(arguments.file.resolve()), workers=arguments.workers,
                 cluster=arguments.scheduler, format=arguments.format, keep=arguments.keep, retry=arguments.retry,
@@ -111,7 +113,8 @@ def run(arguments: argparse.Namespace) -> int:
     counts = batch.counts
     print(f"{folder}: {_told(counts)}")
     for row in batch.rows("failed"):
-        print(f"{row.name}: {row.message}", file=sys.stderr)
+        if row.name not in told:  # it has failed before
+            print(f"{row.name}: {row.message}", file=sys.stderr)
     if counts["failed"]:
         print(f"to try those that have failed again: fowt batch retry {arguments.file}", file=sys.stderr)
     return 1 if counts["failed"] else 0
@@ -218,8 +221,11 @@ def _told(counts: dict[str, int]) -> str:
 
 
 @contextmanager
-def _progress() -> Iterator[Callable[[Progress], None]]:
-    """A bar on stderr with rate and time left, and a line for each case that fails; elsewhere lines alone."""
+def _progress(told: set[str]) -> Iterator[Callable[[Progress], None]]:
+    """A bar on stderr with rate and time left, and a line for each case that fails; elsewhere lines alone.
+
+    told: gets the names of these cases.
+    """
     from fowtlib.cases.batch import duration_in_words, in_words
 
     screen = tables.console(stderr=True)
@@ -228,7 +234,8 @@ def _progress() -> Iterator[Callable[[Progress], None]]:
 
         def say(now: Progress) -> None:
             nonlocal last
-            if now.words.startswith(("failed", "lost")):
+            if now.words.startswith(GONE_WRONG):
+                told.add(now.name)
                 print(now.words, file=sys.stderr, flush=True)
             if time.monotonic() - last > TOLD:
                 last = time.monotonic()
@@ -243,7 +250,8 @@ def _progress() -> Iterator[Callable[[Progress], None]]:
         task = bar.add_task("starting", total=None, told="")
 
         def report(now) -> None:
-            if now.words.startswith(("failed", "lost")):
+            if now.words.startswith(GONE_WRONG):
+                told.add(now.name)
                 bar.console.print(now.words, markup=False, highlight=False)
             failed = f", {now.failed} failed" if now.failed else ""
             rate = f"{now.rate:.0f} x real time" if now.rate else ""

@@ -52,6 +52,10 @@ def test_a_batch_from_the_first_run_to_its_table(place, capsys):
     assert (
         "failed  short: " in said.err and "to try those that have failed again: fowt batch retry few.yaml" in said.err
     )
+    sentence = Batch.open("few.batch").row("short").message
+    assert said.err.count(" ".join(sentence.split())) == 1 and "\nshort: " not in said.err
+    assert main(["batch", "run", "few.yaml"]) == 1  # nothing is due, and the reason is said all the same
+    assert capsys.readouterr().err.startswith(f"short: {sentence}\n")
     assert {path.name for path in Path("few.batch").iterdir()} >= {"w8.nc", "w10.nc", "short.partial.nc", "batch.log"}
 
     assert main(["batch", "status", "few.yaml", "--json"]) == 0
