@@ -59,9 +59,8 @@ def declare(commands: Any) -> None:
     status.set_defaults(action=show_status)
     table = verbs.add_parser("table", help="the statistics of all cases that are done", epilog=_example("table"))
     _declare_file(table, "the file that lists the cases, or the folder of the batch")
-    table.add_argument("--results", type=results.names, metavar="NAMES",
-                       help="of these results, for example pitch,surge; default: all")  # fmt: skip
-    table.add_argument("--statistics", type=results.names, metavar="NAMES", default=",".join(STATISTICS),
+    table.add_argument("--results", metavar="NAMES", help="of these results, for example pitch,surge; default: all")
+    table.add_argument("--statistics", metavar="NAMES", default=",".join(STATISTICS),
                        help="for example mean,max,p99,skewness; default: %(default)s")  # fmt: skip
     tables.declare(table)
     table.set_defaults(action=show_table)
@@ -69,8 +68,7 @@ def declare(commands: Any) -> None:
     _declare_file(report, "the file that lists the cases, or the folder of the batch")
     report.add_argument("-o", "--output", type=Path, metavar="FILE", help="the page; default: beside the folder")
     report.add_argument("--title", default="", metavar="TEXT", help="of the page")
-    report.add_argument("--results", type=results.names, metavar="NAMES",
-                        help="with figures, for example pitch,surge; default: the usual")  # fmt: skip
+    report.add_argument("--results", metavar="NAMES", help="with figures, for example pitch,surge; default: the usual")
     report.set_defaults(action=write_report)
 
 
@@ -171,7 +169,8 @@ def write_report(arguments: argparse.Namespace) -> int:
     batch = opened(arguments.file, arguments.folder)
     path = arguments.output or batch.folder.with_suffix(PAGE)
     check_target(path, (PAGE,), arguments.force)
-    say_saved(write_batch_page(batch, path, title=arguments.title, channels=arguments.results))
+    channels = _names(arguments.results, "result") if arguments.results else None
+    say_saved(write_batch_page(batch, path, title=arguments.title, channels=channels))
     return 0
 
 
@@ -179,7 +178,15 @@ def _size(statistics: Any) -> float:
     return max(abs(statistics.get("min", 0.0)), abs(statistics.get("max", 0.0)))
 
 
-def _chosen(names: list[str], known: list[str], what: str) -> list[str]:
+def _names(text: str, what: str) -> list[str]:
+    names = [name for name in results.split(text) if name]
+    if not names:
+        raise ModelError(f"'{text}' names no {what}; give names with commas between them.")
+    return names
+
+
+def _chosen(text: str, known: list[str], what: str) -> list[str]:
+    names = _names(text, what)
     for name in names:
         if name not in known:
             raise NotFoundError(f"there is no {what} '{name}'{did_you_mean(name, known, list_up_to=30)}")
