@@ -17,7 +17,7 @@ from fowtlib.language.errors import ModelError, NotFoundError, did_you_mean
 if TYPE_CHECKING:
     from fowtlib.cases import Batch, CaseSet, Progress
 
-ENDING, PAGE = ".batch", ".html"
+ENDING, PAGE, LISTS = ".batch", ".html", (".yaml", ".yml")
 TOLD = 60.0  # s between two lines on the progress, where there is no terminal
 STATISTICS = ("mean", "std", "min", "max")
 EACH = {
@@ -172,7 +172,7 @@ def write_report(arguments: argparse.Namespace) -> int:
     batch = _batch(arguments)
     path = arguments.output or batch.folder.with_suffix(PAGE)
     check_target(path, (PAGE,), arguments.force)
-    channels = [name.strip() for name in arguments.results.split(",")] if arguments.results else None
+    channels = _names(arguments.results, "result") if arguments.results else None
     say_saved(write_batch_page(batch, path, title=arguments.title, channels=channels))
     return 0
 
@@ -181,8 +181,15 @@ def _size(statistics: Any) -> float:
     return max(abs(statistics.get("min", 0.0)), abs(statistics.get("max", 0.0)))
 
 
-def _chosen(text: str, known: list[str], what: str) -> list[str]:
+def _names(text: str, what: str) -> list[str]:
     names = [name.strip() for name in text.split(",") if name.strip()]
+    if not names:
+        raise ModelError(f"'{text}' names no {what}; give names with commas between them.")
+    return names
+
+
+def _chosen(text: str, known: list[str], what: str) -> list[str]:
+    names = _names(text, what)
     for name in names:
         if name not in known:
             raise NotFoundError(f"there is no {what} '{name}'{did_you_mean(name, known, list_up_to=30)}")
@@ -194,6 +201,8 @@ def _cases(arguments: argparse.Namespace) -> CaseSet:
     from fowtlib import check_cases
     from fowtlib.language import leave
 
+    if arguments.file.is_dir():
+        raise ModelError(f"{arguments.file}: is a folder; give the file that lists the cases.")
     cases = loading.read_cases(arguments, arguments.file)
     models = check_cases(cases, lambda name: loading.load_file(arguments, name))
     for model in models.values() if arguments.trust else ():
@@ -212,9 +221,16 @@ def _batch(arguments: argparse.Namespace) -> Batch:
     from fowtlib.cases import Batch
 
     folder = _folder(arguments)
+    file, option = arguments.file, f" --folder {folder}" if arguments.folder is not None else ""
     if not folder.exists():
-        raise ModelError(f"{folder}: there is no such folder; begin the batch with fowt batch run {arguments.file}.")
-    return Batch.open(folder)
+        if file.is_file() and file.suffix not in LISTS:
+            raise ModelError(f"{file}: is neither a file that lists cases (.yaml) nor the folder of a batch.")
+        raise ModelError(f"{folder}: there is no such folder; begin the batch with fowt batch run {file}{option}.")
+    batch = Batch.open(folder)
+    source = batch.about.get("source")
+    if source and not file.is_dir() and Path(source) != file.resolve():
+        print(f"{folder}: holds the batch of {source}, not of {file}.", file=sys.stderr)
+    return batch
 
 
 def _told(counts: dict[str, int]) -> str:
