@@ -226,12 +226,15 @@ def _started(client: Client, known: dict[str, Job], waiting: dict[str, Any], run
 def _client(cluster: Any) -> tuple[Client, bool]:
     """A client of the cluster, and whether it was made here."""
     from distributed import Client
+    from distributed.comm import resolve_address
 
     if isinstance(cluster, Client):
         return cluster, False
     if not isinstance(cluster, str) and not hasattr(cluster, "scheduler_address"):
         raise ParameterError(f"cluster is {cluster!r}; give the address of a scheduler, a Client or a cluster of Dask.")
     try:
+        if isinstance(cluster, str):
+            resolve_address(cluster)  # a Client that fails at this closes itself late, with a traceback
         return Client(cluster, timeout=_ANSWER, set_as_default=False), True
     except (OSError, TimeoutError):
         raise ModelError(f"no Dask scheduler answers at {cluster} within {_ANSWER:g} s. Is it running, and is its port "

@@ -18,7 +18,7 @@ from fowtlib.language.errors import ModelError, NotFoundError, did_you_mean
 if TYPE_CHECKING:
     from fowtlib.cases import Batch, CaseSet, Progress
 
-ENDING, PAGE = ".batch", ".html"
+ENDING, PAGE, LISTS = ".batch", ".html", (".yaml", ".yml")
 TOLD = 60.0  # s between two lines on the progress, where there is no terminal
 STATISTICS = ("mean", "std", "min", "max")
 GONE_WRONG = ("failed", "lost")  # first words of what is said of a case while a batch runs
@@ -198,6 +198,8 @@ def _cases(arguments: argparse.Namespace) -> CaseSet:
     from fowtlib import check_cases
     from fowtlib.language import leave
 
+    if arguments.file.is_dir():
+        raise ModelError(f"{arguments.file}: is a folder; give the file that lists the cases.")
     cases = loading.read_cases(arguments, arguments.file)
     models = check_cases(cases, lambda name: loading.load_file(arguments, name))
     for model in models.values() if arguments.trust else ():
@@ -214,10 +216,17 @@ def opened(file: Path, folder: Path | None = None) -> Batch:
     """The batch of a cases file, or in a folder; folder: where it is not the one beside the file."""
     from fowtlib.cases import Batch
 
+    option = f" --folder {folder}" if folder is not None else ""
     folder = _folder(file, folder)
     if not folder.exists():
-        raise ModelError(f"{folder}: there is no such folder; begin the batch with fowt batch run {file}.")
-    return Batch.open(folder)
+        if file.is_file() and file.suffix not in LISTS:
+            raise ModelError(f"{file}: is neither a file that lists cases (.yaml) nor the folder of a batch.")
+        raise ModelError(f"{folder}: there is no such folder; begin the batch with fowt batch run {file}{option}.")
+    batch = Batch.open(folder)
+    source = batch.about.get("source")
+    if source and not file.is_dir() and Path(source) != file.resolve():
+        print(f"{folder}: holds the batch of {source}, not of {file}.", file=sys.stderr)
+    return batch
 
 
 def _told(counts: dict[str, int]) -> str:

@@ -103,6 +103,10 @@ def test_retry_runs_those_that_have_failed(place, capsys):
     [
         (["run", "fw.yaml"], "fowt batch run: there is no file 'fw.yaml'."),
         (["status", "few.yaml"], "few.batch: there is no such folder; begin the batch with fowt batch run few.yaml"),
+        (["status", "few.yaml", "--folder", "b"], "b: there is no such folder; begin the batch with fowt batch run "
+         "few.yaml --folder b."),
+        (["table", "wind.csv"], "wind.csv: is neither a file that lists cases (.yaml) nor the folder of a batch."),
+        (["run", "."], ".: is a folder; give the file that lists the cases."),
         (["run", "few.yaml", "--folder", "few.yaml"], "few.yaml: is a file; a batch needs a folder."),
         (["run", "few.yaml", "--workers", "0"], "'0' is not a whole number above zero"),
         (["run", "few.yaml", "--worker", "2"], "unknown option '--worker'; did you mean '--workers'?"),
@@ -118,6 +122,21 @@ def test_mistakes(place, capsys, words, message):
         status = end.code
     assert status == 2 and message in capsys.readouterr().err
     assert not Path("few.batch").exists()
+
+
+def test_what_is_asked_of_a_batch_in_a_wrong_way(place, capsys):
+    main(["batch", "run", "few.yaml"])
+    capsys.readouterr()
+    assert main(["batch", "table", "few.yaml", "--results", ","]) == 2
+    assert "',' names no result; give names with commas between them." in capsys.readouterr().err
+    assert main(["batch", "report", "few.yaml", "--results", "pitch,heave"]) == 2
+    assert "the cases have no result 'heave'; there are 'surge' and 'pitch'." in capsys.readouterr().err
+    Path("other.yaml").write_text(CASES.replace("DURATION", "5 s"))
+    assert main(["batch", "status", "other.yaml", "--folder", "few.batch"]) == 0
+    assert f"few.batch: holds the batch of {place / 'few.yaml'}, not of other.yaml." in capsys.readouterr().err
+    for words in (["few.yaml"], ["few.batch"], ["few.yaml", "--folder", "few.batch"]):
+        assert main(["batch", "status", *words]) == 0
+        assert "holds the batch" not in capsys.readouterr().err
 
 
 def test_a_stopped_batch_says_how_to_go_on(place, capsys, monkeypatch):
