@@ -13,7 +13,7 @@ import numpy as np
 from scipy.optimize import brentq
 from scipy.stats import norm
 
-from fowtlib.cases import conditional
+from fowtlib.cases import conditional, weights
 from fowtlib.cases.conditional import Table
 from fowtlib.cases.folder import Folder, folder_of
 from fowtlib.cases.scope import Scope
@@ -149,17 +149,8 @@ def _weibull(node: Node, scope: Scope) -> tuple[float, float]:
     check_keys(items, ("weibull",), "'wind' of a site")
     if "weibull" not in items:
         raise node.place.error(f"'wind' of a site is {form}.")
-    inner = mapping(items["weibull"], "'weibull' is a mapping: scale, shape")
-    check_keys(inner, ("scale", "shape"), "'weibull'")
-    numbers = []
-    for key, unit in (("scale", "m/s"), ("shape", "1")):
-        if key not in inner:
-            raise items["weibull"].place.error(f"'weibull' needs '{key}'.")
-        value = scalar(inner[key], key, scope, unit)
-        if not (value > 0 and math.isfinite(value)):
-            raise inner[key].place.error(f"weibull: {key} is {value:g}, and must be above zero.")
-        numbers.append(value)
-    return numbers[0], numbers[1]
+    law = weights.law("weibull", items["weibull"], scope)
+    return law["scale"], law["shape"]
 
 
 def _sea(key: str, node: Node, scope: Scope, folder: Folder) -> Table:

@@ -8,7 +8,6 @@ import random
 import signal
 import sys
 import time
-from functools import partial
 from pathlib import Path
 
 import numpy as np
@@ -121,9 +120,7 @@ def test_workers_that_cannot_start_are_a_sentence(tmp_path, monkeypatch):
 
 
 @posix
-def test_a_batch_that_is_asked_to_end_does_so_soon(tmp_path, request):
-    request.addfinalizer(partial(signal.signal, signal.SIGINT, signal.getsignal(signal.SIGINT)))
-    signal.signal(signal.SIGINT, signal.default_int_handler)  # a shell may have taken it away
+def test_a_batch_that_is_asked_to_end_does_so_soon(tmp_path, python_handler):
     folder, asked, others = tmp_path / "b.batch", [], set(children(os.getpid()))  # of other tests
     cases = [*spars(1, 10.0), Case("long", "oc3_spar_rigid", start="file", duration=1e6, output_step=10.0)]
 
