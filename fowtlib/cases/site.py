@@ -11,7 +11,7 @@ from typing import Any, Protocol
 
 import numpy as np
 from scipy.optimize import brentq
-from scipy.stats import norm
+from scipy.special import ndtri
 
 from fowtlib.cases import conditional, weights
 from fowtlib.cases.conditional import Table
@@ -108,7 +108,7 @@ def site_from(joint: Joint, hub_height: float, name: str, title: str = "", sourc
     DNV-RP-C205 knows, where that is longer.
     """
     per_year = 365.25 * 24 * 3600 / joint.averaging
-    beta = {years: float(norm.isf(1 / (int(years) * per_year))) for years in YEARS}
+    beta = {years: float(-ndtri(1 / (int(years) * per_year))) for years in YEARS}
     highest = float(joint.wind_speed.from_normal(beta["50"]))
     speeds = np.array([v for v in np.arange(2.0, FASTEST + 1, 2.0) if v < highest])
     normal = [float(joint.wave_height(v).mean()) for v in speeds]
