@@ -53,7 +53,7 @@ class Pool:
 
     def add(self, key: Hashable, group: float, records: list[Any]) -> None:
         """The runs of a state, which belongs to a group such as its wind speed."""
-        from fowtlib.analysis.crossings import count_up_crossings
+        from fowtlib.analysis.crossings import count_in_pieces, count_up_crossings
         from fowtlib.analysis.series import as_records
 
         series = as_records(records)
@@ -66,10 +66,9 @@ class Pool:
             values = (record.values - mean) / std
             passages += float(count_up_crossings(values, [0.0])[0])
             span += float(record.time[-1] - record.time[0])
-            edges = np.linspace(0, values.size - 1, PIECES + 1).astype(int)
-            for first, last in zip(edges[:-1], edges[1:], strict=True):
-                self.counts.setdefault(group, []).append(count_up_crossings(values[first : last + 1], LEVELS))
-                self.spans.setdefault(group, []).append(float(record.time[last] - record.time[first]))
+            counts, spans = count_in_pieces(record.time, values, LEVELS, PIECES)
+            self.counts.setdefault(group, []).extend(counts)
+            self.spans.setdefault(group, []).extend(spans)
             self.lowest[group] = min(self.lowest.get(group, 0.0), float(values.min()))
         self.states[key] = _Own(mean, std, passages / span)
         self.mean_passages[group] = self.mean_passages.get(group, 0.0) + passages
@@ -125,10 +124,7 @@ def exponential(rates: CrossingRates) -> Tail:
     A tail that falls slower than this comes from levels that a few slow motions have passed; far beyond the data it
     has no end. Raises ModelError where the rates do not fall.
     """
-    nu, half = rates.rate, rates.half_width
-    used = nu > half
-    y, log_rate = rates.levels[used], np.log(nu[used])
-    weight = 1.0 / np.log((nu[used] + half[used]) / (nu[used] - half[used]))
+    y, log_rate, weight = rates.certain()
     slope, at_zero = np.polyfit(y - y[0], log_rate, 1, w=weight)
     if not slope < 0:
         raise ModelError("the rates do not fall.")
