@@ -124,7 +124,7 @@ def _rates(
 ) -> dict[str, Fits]:
     tails: dict[str, dict[Any, Tail]] = {name: {} for name in names}
     kinds: dict[str, Counter[str]] = {name: Counter() for name in names}
-    pools = {name: Pool() for name in names}
+    pools = {name: Pool(name) for name in names}
     for number, (key, rows) in enumerate(groups.items()):
         if law == "pooled" and len(rows) == 1 and batch.path(rows[0].name) is None:
             _add_kept(pools, key, rows[0])
@@ -136,7 +136,7 @@ def _rates(
             if law == "pooled":
                 pools[name].add(key, key[0].wind_speed, records)
                 continue
-            tails[name][key], kind = _tail(records) if law == "rates" else (_gaussian(records), "")
+            tails[name][key], kind = _tail(name, records) if law == "rates" else (_gaussian(records), "")
             kinds[name][kind] += 1
         progress(number + 1, len(groups))
     if law == "pooled":
@@ -164,13 +164,13 @@ def _add_kept(pools: dict[str, Pool], key: Key, row: Row) -> None:
             raise ModelError(f"{row.name}: {name}: {error} Name the results to evaluate with --results.") from None
 
 
-def _tail(records: list[Any]) -> tuple[Tail, str]:
+def _tail(name: str, records: list[Any]) -> tuple[Tail, str]:
     """The tail of the rates, and what was made of it where it could not be fitted as it is."""
     from fowtlib.analysis.tails import crossing_rates, fit_rates
 
     try:
         rates = crossing_rates(records)
-        fit = fit_rates(rates)
+        fit = fit_rates(rates, name=name)
         if fit.c < 1:
             return exponential(rates), EXPONENTIAL
         return Tail(fit.q, fit.a, fit.b, fit.c, fit.threshold), ""

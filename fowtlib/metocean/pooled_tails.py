@@ -9,7 +9,7 @@ the rate nu_0 at which it passes its mean; what they share is the rate over (x -
 
 from __future__ import annotations
 
-from collections.abc import Callable, Hashable, Mapping
+from collections.abc import Callable, Hashable, Iterable, Mapping
 from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
@@ -42,9 +42,10 @@ class _Own(NamedTuple):
 
 
 class Pool:
-    """Collects counts of passages, run by run, so that no series has to be kept."""
+    """Collects counts of passages of one response, run by run, so that no series has to be kept."""
 
-    def __init__(self) -> None:
+    def __init__(self, name: str = "") -> None:
+        self.name = name
         self.states: dict[Hashable, _Own] = {}
         self.counts: dict[float, list[np.ndarray]] = {}
         self.spans: dict[float, list[float]] = {}
@@ -59,35 +60,46 @@ class Pool:
         series = as_records(records)
         together = np.concatenate([record.values for record in series])
         mean, std = float(together.mean()), float(together.std())
-        if not std > 1e-9 * max(abs(mean), 1e-300):
+        if _constant(mean, std):
             raise ModelError(f"{series[0].name} does not change; name the results to evaluate with --results.")
-        passages, span = 0.0, 0.0
-        for record in series:
-            values = (record.values - mean) / std
-            passages += float(count_up_crossings(values, [0.0])[0])
-            span += float(record.time[-1] - record.time[0])
-            counts, spans = count_in_pieces(record.time, values, LEVELS, PIECES)
-            self.counts.setdefault(group, []).extend(counts)
-            self.spans.setdefault(group, []).extend(spans)
-            self.lowest[group] = min(self.lowest.get(group, 0.0), float(values.min()))
-        self.states[key] = _Own(mean, std, passages / span)
-        self.mean_passages[group] = self.mean_passages.get(group, 0.0) + passages
+        values = [(record.values - mean) / std for record in series]
+        pieces = [count_in_pieces(one.time, part, LEVELS, PIECES) for one, part in zip(series, values, strict=True)]
+        counts, spans = (np.concatenate(parts) for parts in zip(*pieces, strict=True))
+        passages = sum(int(count_up_crossings(part, [0.0])[0]) for part in values)
+        lowest = float((together.min() - mean) / std)
+        self._keep(key, group, _Own(mean, std, passages / float(spans.sum())), passages, counts, spans, lowest)
 
     def add_kept(self, key: Hashable, group: float, kept: Mapping[str, Any], span: float) -> None:
         """The one run of a state, of `span` [s], by what case_statistics gives of it; it is not cut into pieces."""
         crossings = kept["crossings"]
         steps = LEVELS / crossings["step"]
-        if not np.allclose(steps, steps.round(), atol=1e-6) or not kept["std"] > 0:
+        if _constant(kept["mean"], kept["std"]):
+            raise ModelError("it does not change.")
+        if not np.allclose(steps, steps.round(), atol=1e-6):
             raise ModelError("the statistics that are kept do not count passages at the levels that are needed.")
         passed = np.zeros(int(steps.round().max()) + 1)
         counts = crossings["above"][: len(passed)]
         passed[: len(counts)] = counts
-        self.counts.setdefault(group, []).append(passed[steps.round().astype(int)])
-        self.spans.setdefault(group, []).append(span)
+        own = _Own(kept["mean"], kept["std"], float(passed[0]) / span)
         lowest = (kept["min"] - kept["mean"]) / kept["std"]
+        self._keep(key, group, own, float(passed[0]), [passed[steps.round().astype(int)]], [span], lowest)
+
+    def _keep(
+        self,
+        key: Hashable,
+        group: float,
+        own: _Own,
+        passages: float,
+        counts: Iterable[np.ndarray],
+        spans: Iterable[float],
+        lowest: float,
+    ) -> None:
+        """passages: of the mean. counts, spans [s]: of each piece. lowest: in deviations from the mean."""
+        self.states[key] = own
+        self.mean_passages[group] = self.mean_passages.get(group, 0.0) + passages
+        self.counts.setdefault(group, []).extend(counts)
+        self.spans.setdefault(group, []).extend(spans)
         self.lowest[group] = min(self.lowest.get(group, 0.0), lowest)
-        self.states[key] = _Own(kept["mean"], kept["std"], float(passed[0]) / span)
-        self.mean_passages[group] = self.mean_passages.get(group, 0.0) + float(passed[0])
 
     def tails(self, group_of: Callable[[Hashable], float]) -> tuple[dict[Hashable, Tail], int]:
         """The tail of each state; and for how many groups there was none, so that a Gaussian process stands for it."""
@@ -111,11 +123,15 @@ class Pool:
             return None
         rates = CrossingRates(LEVELS, np.array(self.counts[group]), np.array(self.spans[group]), self.lowest[group])
         try:
-            fit = fit_rates(rates)
+            fit = fit_rates(rates, name=self.name)
             tail = exponential(rates) if fit.c < 1 else Tail(fit.q, fit.a, fit.b, fit.c, fit.threshold)
         except ModelError:
             return None
         return tail._replace(q=tail.q / rate)
+
+
+def _constant(mean: float, std: float) -> bool:
+    return not std > 1e-9 * max(abs(mean), 1e-300)
 
 
 def exponential(rates: CrossingRates) -> Tail:
