@@ -66,6 +66,12 @@ def fits_of_batch(
     if chosen == "gumbel" and fewest < 2:
         raise ModelError(f"{batch.folder}: a state has one run alone; a Gumbel law needs several. Take --law pooled.")
     names = list(responses or known)
+    for row in (row for rows in groups.values() for row in rows):
+        for name in names:
+            if name not in row.statistics:
+                raise ModelError(
+                    f"{batch.folder}: the case '{row.name}' has no statistics of '{name}'; name others with --results."
+                )
     if chosen == "gumbel":
         return _gumbel(batch, groups, names, duration)
     return _rates(batch, groups, names, duration, chosen, progress)
