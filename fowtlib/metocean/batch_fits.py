@@ -114,13 +114,12 @@ def _gumbel(batch: Batch, groups: dict[Key, list[Row]], names: list[str], durati
     longer = duration / spans.pop()
 
     def law(name: str, keys: list[Key]) -> Gumbel:
-        fits = [Gumbel.of_maxima([row.statistics[name]["max"] for row in groups[key]]) for key in keys]
-        scale = np.array([fit.scale for fit in fits])
-        if not (scale > 0).all():
+        fit = Gumbel.of_runs([row.statistics[name]["max"] for row in groups[key]] for key in keys)
+        if not (fit.scale > 0).all():
             raise ModelError(
                 f"{batch.folder}: '{name}' has one maximum in all runs of a state; name others with --results."
             )
-        return Gumbel(np.array([fit.location for fit in fits]) + scale * np.log(longer), scale)
+        return Gumbel(fit.location + fit.scale * np.log(longer), fit.scale)
 
     return {name: _fits(name, groups, lambda keys, name=name: law(name, keys)) for name in names}
 
