@@ -21,7 +21,6 @@ import numpy as np
 
 from fowtlib.analysis.maximum import SIDES
 from fowtlib.language.errors import ModelError, did_you_mean, one_of
-from fowtlib.language.whole_files import write_text
 from fowtlib.solving.results import Result
 from fowtlib.solving.results.tables import write_table
 
@@ -92,12 +91,7 @@ class LoadMatrix:
 
     def save(self, path: str | Path) -> Path:
         """Write the table as .csv, or as .md (markdown)."""
-        path = Path(path)
-        if path.suffix == ".md":
-            return write_text(path, self.markdown())
-        if path.suffix != ".csv":
-            raise ModelError(f"{path}: a load matrix is saved as .csv or .md, not as '{path.suffix or 'no ending'}'.")
-        return write_table(path, self.heads(), self.table(), "a load matrix")
+        return write_table(path, self.heads(), self.table(), "a load matrix", self.markdown)
 
     def broken_rules(self) -> list[str]:
         """Sentences about what cannot be in a load matrix; [] for a sound one.
