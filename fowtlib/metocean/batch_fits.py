@@ -11,13 +11,11 @@ import numpy as np
 
 from fowtlib.language.errors import ModelError, did_you_mean
 from fowtlib.metocean.fits import Fits
-from fowtlib.metocean.pooled_tails import Pool, Tail, exponential
+from fowtlib.metocean.pooled_tails import EXPONENTIAL, GAUSSIAN, Pool, Tail, tail_of
 from fowtlib.metocean.short_term import Gumbel, UpCrossings
 from fowtlib.metocean.states import COLUMNS, State, States
 
 LAWS = ("gumbel", "pooled", "rates", "gaussian")
-EXPONENTIAL = "an exponential tail in place of one that falls slower"
-GAUSSIAN = "as of a Gaussian process, for want of a tail,"
 
 
 class Row(Protocol):
@@ -146,13 +144,12 @@ def _rates(
         progress(number + 1, len(groups))
     if law == "pooled":
         for name, pool in pools.items():
-            tails[name], plain = pool.tails(lambda key: key[0].wind_speed)
-            if plain:
-                warnings.warn(f"{name}: {GAUSSIAN} at {plain} of {len(pool.counts)} wind speeds.", stacklevel=1)
+            tails[name], kinds[name] = pool.tails(lambda key: key[0].wind_speed)
     for name, counts in kinds.items():
+        places = f"{len(pools[name].counts)} wind speeds" if law == "pooled" else f"{len(groups)} states"
         for kind in (EXPONENTIAL, GAUSSIAN):
             if counts[kind]:
-                warnings.warn(f"{name}: {kind} in {counts[kind]} of {len(groups)} states.", stacklevel=1)
+                warnings.warn(f"{name}: {kind} in {counts[kind]} of {places}.", stacklevel=1)
     return {
         name: _fits(name, groups, lambda keys, name=name: UpCrossings.of([tails[name][key] for key in keys], duration))
         for name in names
@@ -171,14 +168,10 @@ def _add_kept(pools: dict[str, Pool], key: Key, row: Row) -> None:
 
 def _tail(name: str, records: list[Any]) -> tuple[Tail, str]:
     """The tail of the rates, and what was made of it where it could not be fitted as it is."""
-    from fowtlib.analysis.tails import crossing_rates, fit_rates
+    from fowtlib.analysis.tails import crossing_rates
 
     try:
-        rates = crossing_rates(records)
-        fit = fit_rates(rates, name=name)
-        if fit.c < 1:
-            return exponential(rates), EXPONENTIAL
-        return Tail(fit.q, fit.a, fit.b, fit.c, fit.threshold), ""
+        return tail_of(crossing_rates(records), name)
     except ModelError:
         return _gaussian(records), GAUSSIAN
 

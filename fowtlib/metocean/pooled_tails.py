@@ -9,7 +9,9 @@ the rate nu_0 at which it passes its mean; what they share is the rate over (x -
 
 from __future__ import annotations
 
+from collections import Counter
 from collections.abc import Callable, Hashable, Iterable, Mapping
+from contextlib import suppress
 from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
@@ -20,6 +22,8 @@ if TYPE_CHECKING:
     from fowtlib.analysis.tails import CrossingRates
 
 LEVELS = np.arange(1.4, 8.01, 0.1)  # deviations above the mean at which passages are counted
+EXPONENTIAL = "an exponential tail in place of one that falls slower"
+GAUSSIAN = "as of a Gaussian process, for want of a tail,"
 PIECES = 10  # into which each run is cut, to see how certain the rates are
 
 
@@ -101,37 +105,44 @@ class Pool:
         self.spans.setdefault(group, []).extend(spans)
         self.lowest[group] = min(self.lowest.get(group, 0.0), lowest)
 
-    def tails(self, group_of: Callable[[Hashable], float]) -> tuple[dict[Hashable, Tail], int]:
-        """The tail of each state; and for how many groups there was none, so that a Gaussian process stands for it."""
-        shapes, plain = {}, 0
+    def tails(self, group_of: Callable[[Hashable], float]) -> tuple[dict[Hashable, Tail], Counter[str]]:
+        """The tail of each state; and for how many groups it is EXPONENTIAL or GAUSSIAN, for want of a better."""
+        shapes: dict[float, Tail] = {}
+        kinds: Counter[str] = Counter()
         for group in self.counts:
-            rate = self.mean_passages[group] / sum(self.spans[group])
-            shape = self._shape(group, rate)
-            plain += shape is None
-            shapes[group] = shape or Tail(1.0, 0.5, 0.0, 2.0, 0.0)
+            shapes[group], kind = self._shape(group)
+            kinds[kind] += 1
         found = {}
         for key, (mean, std, own) in self.states.items():
             q, a, b, c, threshold = shapes[group_of(key)]
             found[key] = Tail(own * q, a / std**c, mean + std * b, c, mean + std * threshold)
-        return found, plain
+        return found, kinds
 
-    def _shape(self, group: float, rate: float) -> Tail | None:
-        """Over the mean and in deviations, relative to the rate at which the mean is passed; None without a tail."""
-        from fowtlib.analysis.tails import CrossingRates, fit_rates
+    def _shape(self, group: float) -> tuple[Tail, str]:
+        """Over the mean and in deviations, relative to the rate at which the mean is passed; and its kind."""
+        from fowtlib.analysis.tails import CrossingRates
 
-        if not rate > 0:
-            return None
+        rate = self.mean_passages[group] / sum(self.spans[group])
         rates = CrossingRates(LEVELS, np.array(self.counts[group]), np.array(self.spans[group]), self.lowest[group])
-        try:
-            fit = fit_rates(rates, name=self.name)
-            tail = exponential(rates) if fit.c < 1 else Tail(fit.q, fit.a, fit.b, fit.c, fit.threshold)
-        except ModelError:
-            return None
-        return tail._replace(q=tail.q / rate)
+        if rate > 0:
+            with suppress(ModelError):
+                tail, kind = tail_of(rates, self.name)
+                return tail._replace(q=tail.q / rate), kind
+        return Tail(1.0, 0.5, 0.0, 2.0, 0.0), GAUSSIAN
 
 
 def _constant(mean: float, std: float) -> bool:
     return not std > 1e-9 * max(abs(mean), 1e-300)
+
+
+def tail_of(rates: CrossingRates, name: str) -> tuple[Tail, str]:
+    """The tail that fits the rates, and "", or EXPONENTIAL where that falls slower. ModelError without a tail."""
+    from fowtlib.analysis.tails import fit_rates
+
+    fit = fit_rates(rates, name=name)
+    if fit.c < 1:
+        return exponential(rates), EXPONENTIAL
+    return Tail(fit.q, fit.a, fit.b, fit.c, fit.threshold), ""
 
 
 def exponential(rates: CrossingRates) -> Tail:

@@ -7,7 +7,7 @@ import fowtlib as fw
 from fowtlib.analysis import Spectrum
 from fowtlib.analysis.spectra import realisation
 from fowtlib.language.errors import ModelError
-from fowtlib.metocean.pooled_tails import Pool
+from fowtlib.metocean.pooled_tails import EXPONENTIAL, Pool
 
 
 def records(count):
@@ -57,4 +57,5 @@ def test_warnings_of_a_tail_name_the_response():
         values = np.random.default_rng(seed).standard_normal(time.size)
         pool.add(seed, 12.0, [(time, np.sign(values) * values**6)])
     with pytest.warns(UserWarning, match="^surge: the power c of the tail lies at its least"):
-        pool.tails(lambda key: 12.0)
+        _, kinds = pool.tails(lambda key: 12.0)
+    assert kinds == {EXPONENTIAL: 1}
