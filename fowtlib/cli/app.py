@@ -80,7 +80,8 @@ class Parser(argparse.ArgumentParser):
             if isinstance(action, argparse._SubParsersAction):
                 what = what.lower()
             of = f" of {action.option_strings[-1]}" if action.option_strings else ""
-            self.error(f"unknown {what} '{value}'{of}{did_you_mean(str(value), map(str, action.choices), list_up_to=20)}")
+            meant = did_you_mean(str(value), map(str, action.choices), list_up_to=20)
+            self.error(f"unknown {what} '{value}'{of}{meant}")
 
     def error(self, message: str) -> NoReturn:
         """Say what is wrong and where help is, and exit with status 2."""

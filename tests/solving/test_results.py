@@ -209,7 +209,8 @@ def test_file_errors(tmp_path):
     )
     for text in ("t,surge\n0,1\n", "case,state\nu8,done\n"):
         (tmp_path / "r.csv").write_text(text)
-        assert message(lambda: Result.open(tmp_path / "r.csv")).startswith("TMP/r.csv:1: the header must read 'time [s]")
+        told = message(lambda: Result.open(tmp_path / "r.csv"))
+        assert told.startswith("TMP/r.csv:1: the header must read 'time [s]")
     head = "time [s],surge [m]\n0,1\n"
     for rows, wrong in (
         ("1,\n", "TMP/r.csv:3: '' is not a number."),
