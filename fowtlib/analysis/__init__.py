@@ -8,6 +8,7 @@ from fowtlib.analysis.fatigue import damage_equivalent_load, equivalent_loads, l
 from fowtlib.analysis.harmonics import HarmonicFit, harmonic_fit
 from fowtlib.analysis.load_matrix import ultimate_loads
 from fowtlib.analysis.rao import Rao, linear_rao, simulated_rao
+from fowtlib.analysis.sheet import Sheet, model_sheet
 from fowtlib.analysis.spectra import Spectrum, average, compare, power_spectrum
 from fowtlib.analysis.static import StaticCurve, static_curve
 from fowtlib.analysis.statistics import normalized_maxima, over_seeds, up_crossings
@@ -16,6 +17,7 @@ __all__ = [
     "Decay",
     "HarmonicFit",
     "Rao",
+    "Sheet",
     "Spectrum",
     "StaticCurve",
     "analyse_decay",
@@ -31,6 +33,7 @@ __all__ = [
     "harmonic_fit",
     "lifetime_equivalent_load",
     "linear_rao",
+    "model_sheet",
     "normalized_maxima",
     "over_cases",
     "over_seeds",
