@@ -162,16 +162,14 @@ class Wind(Component, selector="kind", shared=("speeds", "velocity")):
 
 def _mean(wind: Wind) -> dict[str, Any]:
     """The steady wind of a mean, whose speed is to 1 cm/s where a kind computes it: for many realisations one mean."""
-    own = {}
-    if type(wind).mean_at is not Wind.mean_at:
-        own["mean_speed"] = round(wind.mean_at(0) / mean_speed_at(wind, 1.0, 0), 2)
+    of_its_own = type(wind).mean_at is not Wind.mean_at
+    own = {"mean_speed": round(wind.mean_at(0) / mean_speed_at(wind, 1.0, 0), 2)} if of_its_own else {}
     return {"kind": "steady", "shear_exponent": float(wind.parameter_value("shear_exponent")), **own}
 
 
 def require_disk(wind: Wind, radius: float, station: int, who: str) -> None:
     """As Wind.require, for a rotor disk [m] about a station; ParameterError also where there is no such station."""
-    station_height(wind, station)
-    y, z = wind.hubs[station].tolist()
+    z, y = station_height(wind, station), float(wind.hubs[station, 0])
     about = f"{who}, of radius {radius:g} m about station {station} of the wind at ({y:g}, {z:g}) m,"
     wind.require((y - radius, y + radius), (z - radius, z + radius), about)
 
