@@ -13,7 +13,6 @@ from fowtlib.language import (
     Vector,
     assert_,
     eq,
-    facts,
     fix_orientation,
     outer,
     param,
@@ -108,9 +107,6 @@ class CatenaryLine(LosableLine):
         of = {key: join(self.path, name) for key, name in scalars.items()}
         diameter = self.parameter_value("diameter")
         return [shapes.Curve({**of, "anchor": self.anchor, "fairlead": self.fairlead}, form, diameter or None)]
-
-    def facts(self) -> list[facts.Fact]:
-        return [facts.Reading("tension"), facts.Reading("anchor_tension")]
 
 
 def _profile(anchor, fairlead, H, V, line):

@@ -47,7 +47,7 @@ class Entry:
 
 @dataclass(frozen=True)
 class Difference:
-    """A quantity of two sheets, in the unit of the first; percent of the second, None where that is zero."""
+    """A quantity of two sheets, in the unit of the first."""
 
     quantity: str
     unit: str
@@ -55,9 +55,11 @@ class Difference:
     second: float
 
     @property
-    def percent(self) -> float | None:
-        """Of the second value."""
-        return 100.0 * (self.first - self.second) / abs(self.second) if self.second else None
+    def percent(self) -> float:
+        """The difference in percent of the second value; infinite where that alone is zero."""
+        if self.first == self.second:
+            return 0.0
+        return 100.0 * (self.first - self.second) / abs(self.second) if self.second else math.inf
 
 
 @dataclass(frozen=True)
