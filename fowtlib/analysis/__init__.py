@@ -7,6 +7,7 @@ from fowtlib.analysis.extremes import block_maxima, fit_gumbel
 from fowtlib.analysis.fatigue import damage_equivalent_load, equivalent_loads, lifetime_equivalent_load
 from fowtlib.analysis.harmonics import HarmonicFit, harmonic_fit
 from fowtlib.analysis.load_matrix import ultimate_loads
+from fowtlib.analysis.maps import ParameterMap, parameter_map
 from fowtlib.analysis.rao import Rao, linear_rao, simulated_rao
 from fowtlib.analysis.sheet import Sheet, model_sheet
 from fowtlib.analysis.spectra import Spectrum, average, compare, power_spectrum
@@ -16,6 +17,7 @@ from fowtlib.analysis.statistics import normalized_maxima, over_seeds, up_crossi
 __all__ = [
     "Decay",
     "HarmonicFit",
+    "ParameterMap",
     "Rao",
     "Sheet",
     "Spectrum",
@@ -37,6 +39,7 @@ __all__ = [
     "normalized_maxima",
     "over_cases",
     "over_seeds",
+    "parameter_map",
     "power_spectrum",
     "simulated_rao",
     "static_curve",

@@ -160,19 +160,20 @@ def model_sheet(
     """
     plant = compiled(model)
     state = mean_state(plant)
-    told = [(part, fact) for part in plant.root.walk() for fact in part.facts()]
-    entries = [
-        *_masses(plant, state, [(part, fact) for part, fact in told if isinstance(fact, facts.Mass)]),
-        *_water([(part, fact) for part, fact in told if isinstance(fact, (facts.Number, facts.Loads))]),
-        *_rest(plant, state, [(part, fact) for part, fact in told if isinstance(fact, facts.Reading)]),
-        *_modes(plant, state),
-    ]
+    entries = [*what_parts_say(plant.root, state), *_rest(plant, state), *modes_of(plant, state)]
     if wave_inputs(plant.root):
         entries += _response(linear_rao(plant, frequencies, heading=heading, state=state))
     return Sheet(plant.name, tuple(entries))
 
 
-def _masses(plant: Any, state: Any, bodies: Sequence[tuple[Any, facts.Mass]]) -> Iterator[Entry]:
+def what_parts_say(root: Any, state: Any) -> Iterator[Entry]:
+    """Masses, and numbers and matrices of floating bodies; root: the parts with their values, state: where they are."""
+    told = [(part, fact) for part in root.walk() for fact in part.facts()]
+    yield from _masses(root, state, [(part, fact) for part, fact in told if isinstance(fact, facts.Mass)])
+    yield from _water([(part, fact) for part, fact in told if isinstance(fact, (facts.Number, facts.Loads))])
+
+
+def _masses(root: Any, state: Any, bodies: Sequence[tuple[Any, facts.Mass]]) -> Iterator[Entry]:
     """Of the whole, and of each part below the root that has a mass."""
     groups: dict[str, list[tuple[float, np.ndarray, np.ndarray]]] = {"": []}
     for part, body in bodies:
@@ -194,7 +195,7 @@ def _masses(plant: Any, state: Any, bodies: Sequence[tuple[Any, facts.Mass]]) ->
         for axis, value in zip("xyz", np.diag(inertia), strict=True):
             yield Entry("mass", f"{own}inertia {axis}{axis}", float(value), "kg m^2")
     if groups[""]:
-        gravity = [part.parameter_value("gravity") for part in plant.root.walk() if "gravity" in part.parameters]
+        gravity = [part.parameter_value("gravity") for part in root.walk() if "gravity" in part.parameters]
         if gravity:
             yield Entry("mass", "weight", sum(item[0] for item in groups[""]) * float(gravity[0]), "N")
 
@@ -232,7 +233,8 @@ def _elements(own: str, loads: facts.Loads) -> Iterator[Entry]:
                 yield Entry("water", name, float(matrix[i, j]), _WITH_LENGTHS[loads.unit][(i > 2) + (j > 2)])
 
 
-def _rest(plant: Any, state: Any, readings: Sequence[tuple[Any, facts.Reading]]) -> Iterator[Entry]:
+def _rest(plant: Any, state: Any) -> Iterator[Entry]:
+    readings = [(part, fact) for part in plant.root.walk() for fact in part.facts() if isinstance(fact, facts.Reading)]
     for name in MOTIONS:
         if name in plant.outputs:
             unit = shown_unit(plant, name)
@@ -242,7 +244,8 @@ def _rest(plant: Any, state: Any, readings: Sequence[tuple[Any, facts.Reading]])
         yield Entry("at rest", path, float(np.asarray(state[path])), plant.describe(path)[0])
 
 
-def _modes(plant: Any, state: Any) -> Iterator[Entry]:
+def modes_of(plant: Any, state: Any) -> Iterator[Entry]:
+    """Periods and damping ratios of the natural modes about a state."""
     seen: dict[str, int] = {}
     for mode in natural_modes(plant, state):
         if mode.motion and mode.oscillates:

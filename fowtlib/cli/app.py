@@ -33,6 +33,7 @@ from fowtlib.cli import (
     library,
     loading,
     loads,
+    maps,
     maxima,
     rao,
     rotor_table,
@@ -49,7 +50,7 @@ from fowtlib.cli.report import write_report
 from fowtlib.language.errors import ModelError, did_you_mean
 
 GROUPS = (
-    run, cases, batch, export, view, inspection, events, stability, sheet, decay, rao, statistics, maxima, loads,
+    run, cases, batch, export, view, inspection, events, stability, sheet, maps, decay, rao, statistics, maxima, loads,
     fatigue, compare, rotor_table, wind_field, contours, extremes, library, cache,
 )  # fmt: skip
 
