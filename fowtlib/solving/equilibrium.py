@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from functools import cached_property
 
 import casadi as ca
 import numpy as np
@@ -11,7 +12,7 @@ from scipy import sparse
 from fowtlib.flattening import FlatDAE
 from fowtlib.language.errors import SimulationError
 from fowtlib.solving.functions import AtParameters, Functions
-from fowtlib.solving.initial import csc, failure_text
+from fowtlib.solving.initial import failure_text
 from fowtlib.solving.newton import Jacobian, Residual, newton, solve, undamped
 from fowtlib.solving.state import State
 
@@ -21,8 +22,13 @@ def time_dependence(at: AtParameters, d: np.ndarray) -> list[str]:
 
     d: the discrete variables, by which it may be that a ramp goes on, or none.
     """
+    steady = at.binding.steady
+    return at.functions.once(("time", steady, d.tobytes()), lambda: _time_dependence(at, steady, d))
+
+
+def _time_dependence(at: AtParameters, steady: frozenset[int], d: np.ndarray) -> list[str]:
     dae = at.dae
-    rows, steady = ca.vertcat(dae.ode, dae.alg), at.binding.steady
+    rows = ca.vertcat(dae.ode, dae.alg)
     moving = [dae.externals[k] for k in sorted(at.functions.needed([rows]))]
     moving = [item for item in moving if ca.depends_on(item.inputs, dae.t)]
     moving = [item for item in moving if ca.vec(item.inputs)[0].element_hash() not in steady]
@@ -83,9 +89,29 @@ class _Rest:
         return np.concatenate([np.array(ode).ravel()[self.moving], np.array(alg).ravel()])
 
     def slopes(self, values: np.ndarray) -> sparse.csc_matrix:
-        xx, xz, zx, zz = (csc(block) for block in self.at.jacobian(self.t, *self.unpack(values), self.q))
-        top = sparse.hstack([xx[self.moving, :][:, self.moving], xz[self.moving, :]])
-        return sparse.csc_matrix(sparse.vstack([top, sparse.hstack([zx[:, self.moving], zz])]))
+        blocks = self.at.jacobian(self.t, *self.unpack(values), self.q)
+        entries = np.concatenate([block.nonzeros() for block in blocks])
+        kept, rows, columns = self.places
+        return sparse.csc_matrix((entries[kept], (rows, columns)), shape=(self.size, self.size))
+
+    @property
+    def size(self) -> int:
+        return len(self.moving) + self.at.dae.z.numel()
+
+    @cached_property
+    def places(self) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+        """Of the four blocks of the Jacobian: the entries that are taken, their rows and their columns."""
+        states, moved = np.full(self.x.size, -1), len(self.moving)
+        states[self.moving] = np.arange(moved)
+        unknown = {"x": states, "z": moved + np.arange(self.at.dae.z.numel())}
+        rows, columns = [], []
+        for k, (row, column) in enumerate(("xx", "xz", "zx", "zz")):
+            sparsity = self.at.functions.jacobian.sparsity_out(k)
+            rows.append(unknown[row][np.array(sparsity.row(), int)])
+            columns.append(unknown[column][np.array(sparsity.get_col(), int)])
+        found = np.concatenate(rows), np.concatenate(columns)
+        kept = np.flatnonzero((found[0] >= 0) & (found[1] >= 0))
+        return kept, found[0][kept], found[1][kept]
 
 
 def _rest(at: AtParameters, t: float, x: np.ndarray, q: np.ndarray, held: set[int]) -> _Rest:
