@@ -114,13 +114,15 @@ def _freed_states(dae: FlatDAE, given: set[int]) -> tuple[list[int], list[int]]:
 def _matched_states(dae: FlatDAE, given: set[int]) -> tuple[int, list[int], np.ndarray]:
     """How many initial equations there are, the states that give way, and which of these for each equation."""
     n = dae.initial_equations.shape[0]
-    pattern = ca.Function("i", [dae.x, dae.z], [dae.initial_equations], {"allow_free": True})
+    pattern = ca.Function("i", [dae.x, dae.z, dae.w], [dae.initial_equations], {"allow_free": True})
     members: list[set[int]] = [set() for _ in range(n)]
     for r, c in zip(*pattern.jac_sparsity(0, 0).get_triplet(), strict=True):
         members[r].add(int(c))
     if dae.z.shape[0]:  # through the algebraic unknowns, every state counts
         for r in set(pattern.jac_sparsity(0, 1).get_triplet()[0]):
             members[r] = set(range(len(dae.states)))
+    for r in set(pattern.jac_sparsity(0, 2).get_triplet()[0]):
+        members[r] = members[r] or set(range(len(dae.states)))  # and where an external function alone knows them
     owners = tuple({f"{path}." for path in dae.initial_paths})
     order = sorted(
         (c for c in range(len(dae.states)) if not dae.states[c].fixed),
