@@ -8,7 +8,9 @@ import numpy as np
 
 from fowtlib.components.aero.blade_aerodynamics import Airfoil
 
-NEAR = np.radians(20.0)  # the lift is zero, and its slope greatest, within this of 0 deg and of zero lift
+NEAR = np.radians(20.0)  # the lift rises through zero within this of 0 deg
+WINDOW = np.radians(5.0)  # over which the slope of the lift is measured
+ATTACHED = np.radians(3.0)  # the flow is attached within this of zero lift, where quotients would be of small numbers
 LEAST_SLOPE = 1.0  # [1/rad]: below it a section is no airfoil: a cylinder at the blade root
 
 
@@ -16,12 +18,13 @@ LEAST_SLOPE = 1.0  # [1/rad]: below it a section is no airfoil: a cylinder at th
 class Separation:
     """Attached and separated flow of one airfoil.
 
-    lifts: whether it is an airfoil; the rest counts then. zero_lift a_0 [rad]: where the lift rises through zero,
-    nearest to 0 deg; lift_slope k [1/rad]: the greatest c_l / (a - a_0) from 1 to 20 deg away from it, so that no
-    polar exceeds the line of attached flow there; zero_lift_drag: the drag at a_0. place f (n,): 1 attached, 0 fully
-    separated, at the angles of the polar, by Kirchhoff, c_l = k (a - a_0) ((1 + sqrt(f)) / 2)^2; beyond the first angle
-    on either side where f is 0 it stays 0. separated (n,): c_l,fs with c_l = f k (a - a_0) + (1 - f) c_l,fs. cubics
-    (n - 1, 5, 4): of the polar, f and c_l,fs, by power of (angle - knot), monotone between the angles.
+    lifts: whether it is an airfoil; the rest counts then. lift_slope k [1/rad]: that of the steepest straight line
+    through two points of the lift 5 deg apart, the lower of them from 0 to 5 deg above the angle nearest to 0 deg where
+    the lift rises through zero; zero_lift a_0 [rad]: where this line is zero; zero_lift_drag: the drag there. place f
+    (n,): 1 attached, 0 fully separated, at the angles of the polar, by Kirchhoff, c_l = k (a - a_0)
+    ((1 + sqrt(f)) / 2)^2, between 0 and 1; it is 1 within 3 deg of a_0, and 0 from the first angle on either side on
+    where it becomes 0. separated (n,): c_l,fs with c_l = f k (a - a_0) + (1 - f) c_l,fs. cubics (n - 1, 5, 4): of the
+    polar, f and c_l,fs, by power of (angle - knot), monotone between the angles.
     """
 
     lifts: bool
@@ -39,7 +42,7 @@ def separation(foil: Airfoil) -> Separation:
 
     angle, lift = foil.angle, foil.coefficients[:, 0]
     zero, slope = _attached(foil)
-    lifts = slope >= LEAST_SLOPE
+    lifts = slope > 0
     place = _place(foil, zero, slope) if lifts else np.ones_like(angle)
     s, line = np.sqrt(place), slope * (angle - zero)
     # (c_l - f line) / (1 - f) without its quotient of zeros; where the polar lies above the line, half of it
@@ -57,27 +60,26 @@ def _value(foil: Airfoil, angle: float) -> np.ndarray:
 
 def _attached(foil: Airfoil) -> tuple[float, float]:
     """Angle of zero lift and slope; slope 0 where the lift does not rise through zero near 0 deg."""
-    from scipy.optimize import brentq
-
     angle = np.unique(np.concatenate([foil.angle[np.abs(foil.angle) <= NEAR], np.linspace(-NEAR, NEAR, 161)]))
     lift = np.array([_value(foil, a)[0] for a in angle])
     rises = np.flatnonzero((lift[:-1] < 0) & (lift[1:] >= 0))
     if not rises.size:
         return 0.0, 0.0
     i = rises[np.argmin(np.abs(angle[rises] + angle[rises + 1]))]
-    zero = float(brentq(lambda a: _value(foil, a)[0], angle[i], angle[i + 1], xtol=1e-14))
-    around = zero + np.radians(np.concatenate([np.linspace(-20, -1, 153), np.linspace(1, 20, 153)]))
-    ratio = np.array([_value(foil, a)[0] for a in around]) / (around - zero)
-    return zero, float(ratio.max())
+    rise = lift[i + 1] - lift[i]
+    low = angle[i] - lift[i] * (angle[i + 1] - angle[i]) / rise + np.linspace(0, WINDOW, 21)
+    at_low, at_high = (np.array([_value(foil, a)[0] for a in some]) for some in (low, low + WINDOW))
+    slopes = (at_high - at_low) / WINDOW
+    best = int(slopes.argmax())
+    if slopes[best] < LEAST_SLOPE:
+        return 0.0, 0.0
+    return float(low[best] - at_low[best] / slopes[best]), float(slopes[best])
 
 
 def _place(foil: Airfoil, zero: float, slope: float) -> np.ndarray:
-    angle, lift = foil.angle, foil.coefficients[:, 0]
-    away = angle - zero
-    near = np.abs(away) < np.radians(0.5)  # a quotient of small numbers: there the slope at zero lift
-    i = int(np.searchsorted(angle, zero, side="right") - 1)
-    steepness = foil.cubics[i, 0, 1:] @ (np.arange(1, 4) * (zero - angle[i]) ** np.arange(3))
-    ratio = np.where(near, steepness, lift / np.where(near, 1, away)) / slope
+    away = foil.angle - zero
+    near = np.abs(away) < ATTACHED
+    ratio = np.where(near, 1.0, foil.coefficients[:, 0] / np.where(near, 1.0, slope * away))
     place = np.clip(2 * np.sqrt(np.maximum(ratio, 0)) - 1, 0, 1) ** 2
     for side in (away >= 0, away < 0):
         order = np.flatnonzero(side)[np.argsort(np.abs(away[side]))]
