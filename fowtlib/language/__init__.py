@@ -43,6 +43,7 @@ from fowtlib.language.offered import OfferedEvent, event
 from fowtlib.language.operators import StateSpace, linear_operator
 from fowtlib.language.run_time import at_start, run_time_series
 from fowtlib.language.series import Series
+from fowtlib.language.stages import stage_step
 from fowtlib.language.tables import table1d, table2d, time_series
 
 __all__ = [
@@ -94,6 +95,7 @@ __all__ = [
     "sampled",
     "facts",
     "shapes",
+    "stage_step",
     "table1d",
     "table2d",
     "time_series",
