@@ -12,6 +12,7 @@ from scipy.interpolate import Akima1DInterpolator, CubicSpline
 from fowtlib.components.hydro import wamit
 from fowtlib.components.hydro.conventions import check_conventions
 from fowtlib.components.hydro.errors import HydrodynamicDataError
+from fowtlib.components.hydro.wamit_writing import write_wamit
 from fowtlib.language.data_files import require_file
 from fowtlib.language.netcdf_files import add_variable, read_netcdf, set_attributes, write_netcdf
 from fowtlib.language.whole_files import write_whole
@@ -130,6 +131,13 @@ class HydrodynamicDatabase:
                    centre_of_buoyancy=centre_of_buoyancy, rho=rho, g=g, water_depth=water_depth,
                    source=source or f"WAMIT {Path(stem).name}")
         return data._checked(stem)
+
+    def to_wamit(self, stem: str | Path, *, length: float = 1.0) -> list[Path]:
+        """Write `stem`.1, `stem`.3 and `stem`.hst (see the module wamit_writing); what was written.
+
+        length [m] is ULEN, which whoever reads the files must give again, with rho, g, volume and centre of buoyancy.
+        """
+        return write_wamit(self, stem, length=length)
 
     @classmethod
     def read(cls, path: str | Path) -> HydrodynamicDatabase:
