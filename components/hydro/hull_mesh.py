@@ -188,7 +188,7 @@ def lid_of(panels: np.ndarray) -> np.ndarray:
     for line in waterlines(panels):
         centre = line.mean(axis=0)
         ahead = np.roll(line, -1, axis=0)
-        turns = np.cross((line - centre)[:, :2], (ahead - centre)[:, :2])
+        turns = np.cross(line - centre, ahead - centre)[:, 2]
         if (turns <= 0).any():
             return np.zeros((0, 4, 3))
         side = np.linalg.norm(ahead - line, axis=1).mean()

@@ -21,7 +21,7 @@ _SHOWN = 3  # leaks that a message names
 
 
 def check_closed(panels: np.ndarray, name: str = "hull") -> None:
-    """Raise ParameterError, with the places of the gaps, if the panels (n, 4, 3) do not close below z = 0."""
+    """Raise ParameterError, with the places of the gaps [m], if the panels (n, 4, 3) do not close below z = 0."""
     points, edges = _edges(panels)
     if turned := _twice(edges):
         a, b = points[list(turned)]
@@ -33,10 +33,11 @@ def check_closed(panels: np.ndarray, name: str = "hull") -> None:
         return
     holes = _holes(free)
     holes.sort(key=lambda hole: -_length(points, hole))
-    shown = "; ".join(_told(points, hole) for hole in holes[:_SHOWN])
+    loose = points[np.unique(free)]
+    shown = "; ".join(_told(points, hole, loose) for hole in holes[:_SHOWN])
     more = f"; and {len(holes) - _SHOWN} more" if len(holes) > _SHOWN else ""
-    number = "a gap" if len(holes) == 1 else f"{len(holes)} gaps"
-    raise ParameterError(f"{name}: the mesh leaks, through {number}: {shown}{more}. Join the corners there, or close "
+    number = "an open rim" if len(holes) == 1 else f"{len(holes)} open rims"
+    raise ParameterError(f"{name}: the mesh leaks, along {number}: {shown}{more}. Join the corners there, or close "
                          "the gap with panels")
 
 
@@ -103,17 +104,17 @@ def _holes(edges: list[tuple[int, int]]) -> list[list[tuple[int, int]]]:
     return list(groups.values())
 
 
-def _told(points: np.ndarray, hole: list[tuple[int, int]]) -> str:
-    """How many edges a gap has, the longest of them, and how near its corners come to each other."""
+def _told(points: np.ndarray, hole: list[tuple[int, int]], loose: np.ndarray) -> str:
+    """How many edges a rim has, the longest of them, and how near its corners come to another one on a rim."""
     ends = np.array(hole)
     lengths = np.linalg.norm(points[ends[:, 1]] - points[ends[:, 0]], axis=1)
     a, b = ends[int(lengths.argmax())]
     corners = points[np.unique(ends)]
-    nearest, index = cKDTree(corners).query(corners, k=2)
+    nearest, index = cKDTree(loose).query(corners, k=2)
     at = int(nearest[:, 1].argmin())
     count = "one edge" if len(hole) == 1 else f"{len(hole)} edges"
     return (f"{count} without a neighbour, the longest from {_place(points[a])} to {_place(points[b])}, the nearest "
-            f"two corners {nearest[at, 1]:.3g} m apart, at {_place(corners[at])} and {_place(corners[index[at, 1]])}")
+            f"two corners {nearest[at, 1]:.3g} m apart, at {_place(corners[at])} and {_place(loose[index[at, 1]])}")
 
 
 def _length(points: np.ndarray, hole: list[tuple[int, int]]) -> float:
