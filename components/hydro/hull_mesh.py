@@ -8,16 +8,18 @@ water; triangles repeat a corner. z is measured upwards from the still water lev
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass, field
+import warnings
+from dataclasses import dataclass, field, replace
 from functools import cached_property
 
 import numpy as np
 from scipy.spatial import cKDTree
 
-from fowtlib.components.hydro.mesh_leaks import check_closed, free_edges
+from fowtlib.components.hydro.mesh_leaks import check_closed, free_edges, joined
 from fowtlib.language.errors import ParameterError
 
 SAME = 1e-5  # of the extent of the mesh: what is nearer is the same point
+CLOSED = 1e-6  # largest difference between the volumes by x, y and z of a closed mesh, relative
 VOLUME_ERROR = 5e-3  # largest difference between a mesh and the formulas of its members, relative
 ROUND = 12  # a body of this many equal wedges or more, each one panel wide, stands for a body of revolution
 
@@ -52,12 +54,16 @@ class HullMesh:
     """Wetted panels (n, 4, 3) of a hull, and panels (m, 4, 3) on the water level inside of it (the lid).
 
     Made without a lid it gets one from its waterline: the lid takes away the irregular frequencies. `name` stands in
-    messages. Raises ParameterError for panels that leak, lie above the water, or whose normals point inwards.
+    messages. Corners nearer than `join` [m] become one point (meshes in files are rounded). Raises ParameterError for
+    panels that leak, lie above the water, or whose normals point inwards; with `leaky` it is a warning as long as the
+    three volumes, by x, y and z, agree within 0.5 %.
     """
 
     panels: np.ndarray
     lid: np.ndarray | None = None
     name: str = "hull"
+    join: float = 0.0
+    leaky: bool = False
 
     volume: float = field(init=False)
     centre_of_buoyancy: np.ndarray = field(init=False)
@@ -70,11 +76,18 @@ class HullMesh:
         if (high := float(panels[:, :, 2].max())) > SAME * np.ptp(panels, axis=(0, 1)).max():
             raise ParameterError(f"{self.name}: the mesh reaches {high:.4g} m above the still water level; cut it at "
                                  "z = 0 (`clipped`), or move it down")
-        check_closed(panels, self.name)
+        panels = joined(panels, self.join) if self.join else panels
+        try:
+            check_closed(panels, self.name, self.join)
+        except ParameterError as error:
+            if not self.leaky:
+                raise
+            warnings.warn(f"{error}.", stacklevel=3)
         object.__setattr__(self, "panels", panels)
         lid = lid_of(panels) if self.lid is None else np.array(self.lid, dtype=float).reshape(-1, 4, 3)
         object.__setattr__(self, "lid", lid)
-        found = hydrostatics(panels, self.name)
+        closed = VOLUME_ERROR if self.leaky else CLOSED - self.join / float(panels[:, :, 2].min())
+        found = hydrostatics(panels, self.name, closed)
         for name, value in zip(("volume", "centre_of_buoyancy", "stiffness"), found, strict=True):
             object.__setattr__(self, name, value)
 
@@ -105,7 +118,7 @@ class HullMesh:
 
     def without_lid(self) -> HullMesh:
         """The same with no lid: irregular frequencies are left in."""
-        return HullMesh(self.panels, np.zeros((0, 4, 3)), self.name)
+        return replace(self, lid=np.zeros((0, 4, 3)))
 
     def expect(self, volume: float | None = None, waterplane_area: float | None = None,
                tolerance: float = VOLUME_ERROR) -> None:
@@ -123,20 +136,22 @@ class HullMesh:
                                      "too coarse, or are the units or the draft others?")
 
 
-def hydrostatics(panels: np.ndarray, name: str = "hull") -> tuple[float, np.ndarray, np.ndarray]:
+def hydrostatics(
+    panels: np.ndarray, name: str = "hull", closed: float = CLOSED
+) -> tuple[float, np.ndarray, np.ndarray]:
     """Volume [m^3], centre of buoyancy (3,) [m] and stiffness C / (rho g) (6, 6) without weight, about the origin.
 
     From the wetted panels by Gauss' theorem, exact for flat triangles. Raises ParameterError if the panels do not close
-    below z = 0, or enclose nothing.
+    below z = 0 (the volumes by x, y and z differ by more than `closed`, relative), or enclose nothing.
     """
     triangles = np.concatenate([panels[:, [0, 1, 2]], panels[:, [0, 2, 3]]])
     normal = np.cross(triangles[:, 1] - triangles[:, 0], triangles[:, 2] - triangles[:, 0]) / 2  # times the area
     centre = triangles.mean(axis=1)
     volumes = np.einsum("nk,nk->k", centre, normal)
-    volume = volumes[2]
+    volume = float(np.median(volumes))
     if volume < 0 and np.abs(volumes - volume).max() < 1e-3 * -volume:
         raise ParameterError(f"{name}: the normals of the panels point into the hull: turn the order of their corners")
-    if volume <= 0 or np.abs(volumes - volume).max() > 1e-6 * abs(volume):
+    if volume <= 0 or np.abs(volumes - volume).max() > closed * abs(volume):
         raise ParameterError(f"{name}: the panels are not a closed hull: the volumes by x, y, z are {volumes} m^3")
 
     def integral(i: int, j: int) -> float:  # of x_i x_j n_z
@@ -154,7 +169,7 @@ def hydrostatics(panels: np.ndarray, name: str = "hull") -> tuple[float, np.ndar
     C[3, 4] = C[4, 3] = integral(0, 1)
     C[3, 5], C[4, 5] = -volume * buoyancy[0], -volume * buoyancy[1]
     C[np.abs(C) < 1e-9 * np.abs(C).max()] = 0.0
-    return float(volume), buoyancy, C
+    return volume, buoyancy, C
 
 
 def clipped(panels: np.ndarray) -> np.ndarray:

@@ -20,15 +20,18 @@ _LEVEL = 1e-5  # of the extent of the mesh: what is nearer to z = 0 lies on the 
 _SHOWN = 3  # leaks that a message names
 
 
-def check_closed(panels: np.ndarray, name: str = "hull") -> None:
-    """Raise ParameterError, with the places of the gaps [m], if the panels (n, 4, 3) do not close below z = 0."""
+def check_closed(panels: np.ndarray, name: str = "hull", reach: float = 0.0) -> None:
+    """Raise ParameterError, with the places of the gaps [m], if the panels (n, 4, 3) do not close below z = 0.
+
+    reach: how far from an edge a corner may lie that divides it [m]; at least a millionth of the extent.
+    """
     points, edges = _edges(panels)
     if turned := _twice(edges):
         a, b = points[list(turned)]
         raise ParameterError(f"{name}: two panels run the same way along the edge from {_place(a)} to {_place(b)}: the "
                              "normal of one of them points into the hull, or the two cover each other")
     level = _LEVEL * _extent(points)
-    free = [(a, b) for a, b in _unmatched(points, edges) if min(points[a][2], points[b][2]) < -level]
+    free = [(a, b) for a, b in _unmatched(points, edges, reach) if min(points[a][2], points[b][2]) < -level]
     if not free:
         return
     holes = _holes(free)
@@ -41,23 +44,35 @@ def check_closed(panels: np.ndarray, name: str = "hull") -> None:
                          "the gap with panels")
 
 
+def joined(panels: np.ndarray, reach: float) -> np.ndarray:
+    """The panels (n, 4, 3) with corners that are nearer than `reach` [m] put on one point, their mean."""
+    label, points = _clusters(panels.reshape(-1, 3), reach)
+    return points[label].reshape(-1, 4, 3)
+
+
 def free_edges(panels: np.ndarray) -> tuple[np.ndarray, list[tuple[int, int]]]:
     """Points (k, 3), and the edges (from, to) that belong to one panel only, in the direction in which it runs."""
     points, edges = _edges(panels)
-    return points, _unmatched(points, edges)
+    return points, _unmatched(points, edges, 0.0)
 
 
 def _edges(panels: np.ndarray) -> tuple[np.ndarray, list[tuple[int, int]]]:
     """Points, near ones joined, and the directed edges of all panels; those that cancel within a panel left out."""
     corners = panels.reshape(-1, 3)
-    pairs = cKDTree(corners).query_pairs(SAME * _extent(corners), output_type="ndarray")
-    links = coo_matrix((np.ones(len(pairs)), (pairs[:, 0], pairs[:, 1])), shape=(len(corners),) * 2)
-    number, label = connected_components(links, directed=False)
-    points = np.zeros((number, 3))
-    points[label] = corners
+    label, points = _clusters(corners, SAME * _extent(corners))
     quads = label.reshape(-1, 4)
     ends = np.stack([quads, np.roll(quads, -1, axis=1)], axis=2).reshape(-1, 2)
     return points, [(int(a), int(b)) for a, b in ends if a != b]
+
+
+def _clusters(corners: np.ndarray, reach: float) -> tuple[np.ndarray, np.ndarray]:
+    """Which point (k, 3) each corner belongs to, corners within `reach` being one point."""
+    pairs = cKDTree(corners).query_pairs(reach, output_type="ndarray")
+    links = coo_matrix((np.ones(len(pairs)), (pairs[:, 0], pairs[:, 1])), shape=(len(corners),) * 2)
+    number, label = connected_components(links, directed=False)
+    points, count = np.zeros((number, 3)), np.bincount(label)
+    np.add.at(points, label, corners)
+    return label, points / count[:, None]
 
 
 def _twice(edges: list[tuple[int, int]]) -> tuple[int, int] | None:
@@ -66,13 +81,13 @@ def _twice(edges: list[tuple[int, int]]) -> tuple[int, int] | None:
     return next((edge for edge, n in counts.items() if n > counts[edge[::-1]] + 1), None)
 
 
-def _unmatched(points: np.ndarray, edges: list[tuple[int, int]]) -> list[tuple[int, int]]:
+def _unmatched(points: np.ndarray, edges: list[tuple[int, int]], reach: float) -> list[tuple[int, int]]:
     """Edges without their counterpart, after long ones were divided at the free points that lie on them."""
     rest = _without_counterparts(edges)
     if not rest:
         return []
     loose = np.unique(rest)
-    tree, near = cKDTree(points[loose]), SAME * _extent(points)
+    tree, near = cKDTree(points[loose]), max(SAME * _extent(points), reach)
     divided = []
     for a, b in rest:
         start, end = points[a], points[b]
