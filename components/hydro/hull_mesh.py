@@ -159,6 +159,7 @@ def hydrostatics(
         return float(((a * b).sum(1) + a.sum(1) * b.sum(1)) @ normal[:, 2]) / 12
 
     buoyancy = np.array([integral(0, 2), integral(1, 2), integral(2, 2) / 2]) / volume
+    buoyancy[np.abs(buoyancy) < 1e-9 * np.abs(panels).max()] = 0.0
     area, mx, my = -normal[:, 2].sum(), -centre[:, 0] @ normal[:, 2], -centre[:, 1] @ normal[:, 2]
     C = np.zeros((6, 6))
     C[2, 2] = area

@@ -32,6 +32,13 @@ def irregular_frequency(hull: HullMesh, g: float) -> float:
     return lowest
 
 
+def good_up_to(hull: HullMesh, water_depth: float, g: float) -> float:
+    """The highest frequency [rad/s], to 1 %, below which every wave has four panels on its length."""
+    omega = np.geomspace(0.05, 20.0, 603)
+    coarse = coarse_from(hull, omega, water_depth, g)
+    return math.inf if coarse is None else coarse[0] / 1.01
+
+
 def coarse_from(
     hull: HullMesh, omega: np.ndarray, water_depth: float, g: float
 ) -> tuple[float, float, np.ndarray] | None:

@@ -74,7 +74,8 @@ class PanelSolver:
     def _solve(self, omega: float, headings: np.ndarray) -> dict[str, np.ndarray]:
         cpt, symmetric = self.capytaine, self.hull.symmetry.round
         if self._body is None:
-            self._body, self._bem = self._floating_body(), cpt.BEMSolver(method="direct")
+            with _quiet("capytaine"):
+                self._body, self._bem = self._floating_body(), cpt.BEMSolver(method="direct")
         flow = {"body": self._body, "omega": omega, "water_depth": self.water_depth, "rho": 1.0, "g": self.g}
         waves = headings if not symmetric else [0.0] * bool(headings.size)
         problems = [cpt.RadiationProblem(radiating_dof=dof, **flow) for dof in self._body.dofs]
