@@ -182,15 +182,18 @@ def clipped(panels: np.ndarray) -> np.ndarray:
             kept.append(panel)
         elif (z < 0).any():
             corners = []
+            panel = panel[(panel != np.roll(panel, 1, axis=0)).any(axis=1)]  # the three of a triangle
             for a, b in zip(panel, np.roll(panel, -1, axis=0), strict=True):
                 if a[2] <= 0:
                     corners.append(a)
                 if a[2] * b[2] < 0:
                     corners.append(np.append((a + (b - a) * a[2] / (a[2] - b[2]))[:2], 0.0))
-            rest = corners[:4] if len(corners) >= 4 else [*corners, corners[-1]]
-            kept.append(np.array(rest))
-            if len(corners) == 5:
-                kept.append(np.array([corners[0], corners[3], corners[4], corners[4]]))
+            if len(corners) == 5:  # one corner is cut off: the same pieces for a panel and its mirror image
+                first = next(k for k in range(5) if corners[k][2] == 0 == corners[k - 1][2]) - 1
+                p, q, r, opposite, s = (corners[(first + k) % 5] for k in range(5))
+                kept += [np.array([p, q, r, s]), np.array([r, opposite, s, s])]
+            else:
+                kept.append(np.array(corners if len(corners) == 4 else [*corners, corners[-1]]))
     return np.array(kept).reshape(-1, 4, 3)
 
 

@@ -16,6 +16,7 @@ import numpy as np
 
 from fowtlib.components.hydro.hull_mesh import HullMesh
 from fowtlib.components.hydro.linear_loads import Hydrostatics
+from fowtlib.components.hydro.mesh_mirror import with_mirrored_panels
 from fowtlib.components.hydro.morison import MorisonDrag
 from fowtlib.components.hydro.panel_mesh import Column, members_mesh
 from fowtlib.components.mechanics.visual import VisualTube
@@ -56,7 +57,7 @@ def _floater_mesher(part: Any) -> Callable[[float], HullMesh]:
         hull = part.hull()
         made = HullMesh(hull.panels(size), hull.lids(size), part.path or "hull")
         made.expect(hull.buoyancy.volume, hull.buoyancy.waterplane[2, 2])
-        return made
+        return with_mirrored_panels(made)
 
     return mesh
 

@@ -215,11 +215,16 @@ def _choose(found: dict[str, Any], path: str | None, model: Any, what: str) -> A
 
 def _mesh_file(arguments: argparse.Namespace) -> tuple[Callable[[float], HullMesh], dict[str, float], float | None]:
     from fowtlib.components.hydro.gdf_files import read_gdf
+    from fowtlib.components.hydro.mesh_mirror import with_mirrored_panels
 
     if len(arguments.size) > 1:
         raise ModelError(f"{arguments.model}: a mesh in a file has the panels that it has; leave --size away.")
     water = {"depth": DEPTH, "density": DENSITY, "gravity": GRAVITY}
-    return lambda size: read_gdf(arguments.model, leaky=arguments.leaky), water, arguments.volume
+
+    def mesh(_: float) -> HullMesh:
+        return with_mirrored_panels(read_gdf(arguments.model, leaky=arguments.leaky))
+
+    return mesh, water, arguments.volume
 
 
 def _options(water: dict[str, float], arguments: argparse.Namespace) -> dict[str, Any]:

@@ -7,6 +7,7 @@ from hypothesis import strategies as st
 
 from fowtlib.components.hydro.hull_mesh import HullMesh, Symmetry, clipped, waterlines
 from fowtlib.components.hydro.mesh_leaks import check_closed
+from fowtlib.components.hydro.mesh_mirror import with_mirrored_panels
 from fowtlib.components.hydro.panel_limits import coarse_from, irregular_frequency, warnings_of
 from fowtlib.components.hydro.panel_mesh import Column, Pontoon, members_mesh, members_volume
 from fowtlib.language.errors import ParameterError
@@ -265,3 +266,59 @@ def test_panels_wide_for_their_waves_are_named_with_frequency_and_place():
     assert "from 3.9" in warnings_of(hull, np.array([0.5, 1.001 * good]), np.inf, 9.81)[0]
     deep = members_mesh([Column(((-60.0, 9.0), (-50.0, 9.0)))], [], 3.0)  # short waves do not reach it
     assert coarse_from(deep, np.array([0.3, 3.0]), np.inf, 9.81) is None
+
+
+# --- panels that are made mirror images ---------------------------------------------------------------------------
+
+
+def skewed(panels, seed=3):
+    """The same surface with panels cut along one diagonal or the other, as it comes."""
+    random = np.random.default_rng(seed)
+    triangles = []
+    for panel in panels:
+        a, b, c, d = panel if random.random() < 0.5 else np.roll(panel, 1, axis=0)
+        triangles += [[a, b, c, c], [a, c, d, d]]
+    return np.array(triangles)
+
+
+@pytest.mark.parametrize(
+    ("panels", "planes"),
+    [
+        (lambda: barge(n=(7, 4, 2)), ("xOz", "yOz")),
+        (lambda: skewed(barge(n=(7, 5, 2))), ("xOz", "yOz")),
+        (lambda: skewed(barge(x=1.0, n=(7, 5, 2))), ("xOz",)),
+        (lambda: skewed(members_mesh(*triangle(diameter=4.0), 3.0).panels), ("xOz",)),
+    ],
+)
+def test_a_symmetric_hull_of_other_panels_gets_mirror_images(panels, planes):
+    hull = HullMesh(panels())
+    found = with_mirrored_panels(hull)
+    assert hull.symmetry.fold < found.symmetry.fold
+    assert found.symmetry.planes == planes
+    assert found.volume == pytest.approx(hull.volume, rel=1e-3)
+    assert found.waterplane_area == pytest.approx(hull.waterplane_area, rel=1e-3)
+    np.testing.assert_allclose(found.stiffness, hull.stiffness, atol=2e-3 * np.abs(hull.stiffness).max())
+    assert len(found.panels) < 1.3 * len(hull.panels)
+
+
+@pytest.mark.parametrize(
+    "panels",
+    [
+        lambda: skewed(barge(x=1.0, y=1.0)),
+        # a second, small hull on one side only, then one of another shape and the same volume on the other side
+        lambda: np.concatenate([skewed(barge()), barge(2, 1, 1, (2, 1, 1), y=4.0)]),
+        lambda: np.concatenate([skewed(barge()), barge(2, 1, 1, (2, 1, 1), y=4.0), barge(1, 1, 2, (1, 1, 2), y=-4.0)]),
+    ],
+)
+def test_a_hull_that_is_not_symmetric_stays(panels):
+    hull = HullMesh(panels())
+    found = with_mirrored_panels(hull)
+    assert "xOz" not in found.symmetry.planes
+    assert found.volume == pytest.approx(hull.volume, rel=1e-12)
+
+
+def test_what_is_symmetric_already_stays_as_it_is():
+    hull = HullMesh(barge())
+    assert with_mirrored_panels(hull) is hull
+    spar = members_mesh([OC3], [], 4.0)
+    assert with_mirrored_panels(spar) is spar
