@@ -77,6 +77,7 @@ class HullMesh:
             raise ParameterError(f"{self.name}: the mesh reaches {high:.4g} m above the still water level; cut it at "
                                  "z = 0 (`clipped`), or move it down")
         panels = joined(panels, self.join) if self.join else panels
+        panels = panels[_areas(panels) > SAME**2 * np.ptp(panels, axis=(0, 1)).max() ** 2]  # the rest are lines
         try:
             check_closed(panels, self.name, self.join)
         except ParameterError as error:
@@ -248,7 +249,7 @@ def find_symmetry(panels: np.ndarray, lid: np.ndarray) -> Symmetry:
 
 def part_of(panels: np.ndarray, symmetry: Symmetry) -> np.ndarray:
     """One panel of each set of panels that the symmetry makes the same."""
-    centre = panels.mean(axis=1)
+    centre = _centres(panels)
     if symmetry.rotation > 1:
         step = 2 * np.pi / symmetry.rotation
         taken = np.zeros(len(panels), dtype=bool)
@@ -269,16 +270,16 @@ def part_of(panels: np.ndarray, symmetry: Symmetry) -> np.ndarray:
 def _mirrors(panels: np.ndarray, axis: int) -> bool:
     flip = np.ones(3)
     flip[axis] = -1
-    return bool(np.abs(panels.mean(axis=1)[:, axis]).min() > _near(panels)) and _same(panels * flip, panels)
+    return bool(np.abs(_centres(panels)[:, axis]).min() > _near(panels)) and _same(panels * flip, panels)
 
 
 def _rotation(parts: list[np.ndarray]) -> int:
     """The largest n for which a turn by 2 pi / n about z leaves all parts as they are; none of them on the axis."""
-    if any((np.linalg.norm(part.mean(axis=1)[:, :2], axis=1) < _near(part)).any() for part in parts):
+    if any((np.linalg.norm(_centres(part)[:, :2], axis=1) < _near(part)).any() for part in parts):
         return 1
     counts = []
     for part in parts:
-        centre = part.mean(axis=1)
+        centre = _centres(part)
         rings = np.stack([np.hypot(centre[:, 0], centre[:, 1]), centre[:, 2]], axis=1)
         pairs = cKDTree(rings).query_ball_point(rings, _near(part), return_length=True)
         counts.append(int(np.gcd.reduce(pairs)))
@@ -292,7 +293,7 @@ def _rotation(parts: list[np.ndarray]) -> int:
 def _one_panel_wide(panels: np.ndarray, rotation: int) -> bool:
     angle = np.arctan2(panels[:, :, 1], panels[:, :, 0])
     off_axis = np.hypot(panels[:, :, 0], panels[:, :, 1]) > _near(panels)
-    middle = np.arctan2(panels.mean(axis=1)[:, 1], panels.mean(axis=1)[:, 0])
+    middle = np.arctan2(*_centres(panels)[:, [1, 0]].T)
     aside = np.abs(np.mod(angle - middle[:, None] + np.pi, 2 * np.pi) - np.pi)
     return bool((np.abs(aside[off_axis] - np.pi / rotation) < 1e-4).all())
 
@@ -300,18 +301,28 @@ def _one_panel_wide(panels: np.ndarray, rotation: int) -> bool:
 def _same(one: np.ndarray, other: np.ndarray) -> bool:
     """Whether two meshes have the same panels, whichever corner comes first and whichever way they turn.
 
-    Told by their centres and by the distances of their corners from them.
+    Told by their centres, the nearest and the farthest corner from them, and the lowest corner.
     """
     near = _near(other)
 
     def marks(panels: np.ndarray) -> np.ndarray:
-        centre = panels.mean(axis=1)
-        reach = np.sort(np.linalg.norm(panels - centre[:, None], axis=2), axis=1)
-        lowest = np.sort(panels[:, :, 2], axis=1)
-        return np.concatenate([centre, reach, lowest], axis=1)
+        centre = _centres(panels)
+        reach = np.sort(np.linalg.norm(panels - centre[:, None], axis=2), axis=1)[:, [0, 3]]
+        return np.concatenate([centre, reach, panels[:, :, 2].min(axis=1)[:, None]], axis=1)
 
     distance, index = cKDTree(marks(other)).query(marks(one))
     return bool((distance < 3 * near).all()) and np.unique(index).size == len(other)
+
+
+def _areas(panels: np.ndarray) -> np.ndarray:
+    diagonals = panels[:, 2] - panels[:, 0], panels[:, 3] - panels[:, 1]
+    return np.linalg.norm(np.cross(*diagonals), axis=1) / 2
+
+
+def _centres(panels: np.ndarray) -> np.ndarray:
+    """Mean (n, 3) of the corners of each panel, the one that a triangle repeats counted once."""
+    counts = (panels != np.roll(panels, 1, axis=1)).any(axis=2)
+    return (panels * counts[:, :, None]).sum(axis=1) / np.maximum(counts.sum(axis=1), 1)[:, None]
 
 
 def _near(panels: np.ndarray) -> float:
