@@ -47,9 +47,9 @@ def hulls(root: Component) -> dict[str, ModelHull]:
                 tube for tube in own if isinstance(tube, VisualTube) and tube.parameter_value("material") == "hull"]
             if tubes:
                 found[part.path] = ModelHull(part.path, _column_mesher(part, tubes), _volume(part))
-    floaters = [path for path in found if callable(getattr(type(root.find(path) if path else root), "hull", None))]
-    return {path: hull for path, hull in found.items()
-            if not any(path != other and path.startswith(f"{other}.") for other in floaters)}  # fmt: skip
+    floaters = [part for part in root.walk() if callable(getattr(type(part), "hull", None))]
+    inside = {below.path for floater in floaters for below in floater.walk() if below is not floater}
+    return {path: hull for path, hull in found.items() if path not in inside}
 
 
 def _floater_mesher(part: Any) -> Callable[[float], HullMesh]:

@@ -108,8 +108,8 @@ def solve_hull(
                                         for name in ("A", "B", "A_inf", "A_zero")})  # fmt: skip
         check_conventions(database)
     except ModelError as error:
-        error.message = (f"{error.message.rstrip('.')}. If it is the mesh, take smaller panels. What was solved is kept "
-                         "(`fowt cache`), no frequency is lost")
+        error.message = (f"{error.message.rstrip('.')}. If it is the mesh, take smaller panels. What was solved is "
+                         "kept (`fowt cache`), no frequency is lost")
         raise
     if path is not None:
         database.write(path)
