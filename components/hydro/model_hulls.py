@@ -40,7 +40,7 @@ def hulls(root: Component) -> dict[str, ModelHull]:
     found: dict[str, ModelHull] = {}
     for part in root.walk():
         if callable(getattr(type(part), "hull", None)):
-            found[part.path] = ModelHull(part.path, _floater_mesher(part), _volume(part))
+            found[part.path] = ModelHull(part.path, _floater_mesher(part), part.hull().buoyancy.volume)
         else:
             own = list(part.parts.values())
             tubes = [tube for tube in own if isinstance(tube, MorisonDrag)] or [
