@@ -6,17 +6,21 @@ both sides of x = 0 or y = 0, one side is cut off at the plane and taken twice; 
 
 from __future__ import annotations
 
+import contextlib
 from dataclasses import replace
 
 import numpy as np
 from scipy.spatial import cKDTree
 
 from fowtlib.components.hydro.hull_mesh import HullMesh, clipped
+from fowtlib.language.errors import ParameterError
 
 _SNAP = 0.01  # of the median width of panels: corners nearer to the plane are put on it, so that no slivers are cut
+_TOUCH = 1e-6  # the same, where that opens the hull
 _ASIDE = 0.25  # of the same: how far the two sides may lie apart (polygons of circles do not turn alike)
 _VOLUME = 1e-3  # relative difference of the volumes of the two sides
-_NEIGHBOURS = 16  # panels whose distance from a point is computed
+_SAMPLES = 5  # points along each side of a panel, by which the panels near a point are found
+_NEIGHBOURS = 24  # of such points
 
 
 def with_mirrored_panels(hull: HullMesh) -> HullMesh:
@@ -29,19 +33,22 @@ def with_mirrored_panels(hull: HullMesh) -> HullMesh:
     for axis, plane in ((1, "xOz"), (0, "yOz")):
         if plane in found.symmetry.planes or found.symmetry.rotation > 2:
             continue
-        halves = [_half(found.panels, axis, sign) for sign in (1, -1)]
-        if not all(map(len, halves)) or not _alike(*halves, axis):
-            continue
-        lid = _half(found.lid, axis, 1) if len(found.lid) else found.lid
-        found = replace(found, panels=_with_image(halves[0], axis), lid=_with_image(lid, axis))
+        for snap in (_SNAP, _TOUCH):
+            halves = [_half(found.panels, axis, sign, snap) for sign in (1, -1)]
+            if not all(map(len, halves)) or not _alike(*halves):
+                break
+            lid = _half(found.lid, axis, 1, snap) if len(found.lid) else found.lid
+            with contextlib.suppress(ParameterError):  # a corner that divides an edge was moved off it
+                found = replace(found, panels=_with_image(halves[0], axis), lid=_with_image(lid, axis))
+                break
     return found if found.symmetry.fold > hull.symmetry.fold else hull
 
 
-def _half(panels: np.ndarray, axis: int, sign: int) -> np.ndarray:
+def _half(panels: np.ndarray, axis: int, sign: int, snap: float) -> np.ndarray:
     """What of the panels lies where the coordinate has this sign; the other side turned to it by a mirror."""
     turned = panels.copy()
     turned[:, :, axis] *= sign
-    turned[:, :, axis][np.abs(turned[:, :, axis]) < _SNAP * _width(panels)] = 0.0
+    turned[:, :, axis][np.abs(turned[:, :, axis]) < snap * _width(panels)] = 0.0
     order = [1 - axis, 2, axis]
     cut = turned[:, :, order] * [1, 1, -1]
     inside = clipped(cut) * [1, 1, -1]
@@ -56,7 +63,7 @@ def _with_image(half: np.ndarray, axis: int) -> np.ndarray:
     return np.concatenate([half, image])
 
 
-def _alike(one: np.ndarray, other: np.ndarray, axis: int) -> bool:
+def _alike(one: np.ndarray, other: np.ndarray) -> bool:
     """Whether two halves are the same surface: by their volumes, and by the distance of one from the other."""
     volumes = [_volume(half) for half in (one, other)]
     if abs(volumes[0] - volumes[1]) > _VOLUME * abs(volumes[0]):
@@ -75,8 +82,11 @@ def _volume(half: np.ndarray) -> float:
 def _distances(panels: np.ndarray, surface: np.ndarray) -> np.ndarray:
     """Distance (n,) of the centre of each panel from another surface [m]."""
     points = panels.mean(axis=1)
-    _, near = cKDTree(surface.mean(axis=1)).query(points, k=min(_NEIGHBOURS, len(surface)))
-    near = near.reshape(len(points), -1)
+    s, t = (c.reshape(-1, 1, 1) for c in np.meshgrid(np.linspace(0, 1, _SAMPLES), np.linspace(0, 1, _SAMPLES)))
+    a, b, c, d = surface.transpose(1, 0, 2)
+    samples = (1 - s) * ((1 - t) * a + t * b) + s * ((1 - t) * d + t * c)  # small panels lie beside large ones
+    _, near = cKDTree(samples.reshape(-1, 3)).query(points, k=_NEIGHBOURS)
+    near = near % len(surface)
     found = np.full(len(points), np.inf)
     for k in range(near.shape[1]):
         quads = surface[near[:, k]]
