@@ -29,6 +29,7 @@ from fowtlib.cli import (
     export,
     extremes,
     fatigue,
+    hydro,
     inspection,
     library,
     loading,
@@ -51,7 +52,7 @@ from fowtlib.language.errors import ModelError, did_you_mean
 
 GROUPS = (
     run, cases, batch, export, view, inspection, events, stability, sheet, maps, decay, rao, statistics, maxima, loads,
-    fatigue, compare, rotor_table, wind_field, contours, extremes, library, cache,
+    fatigue, compare, rotor_table, hydro, wind_field, contours, extremes, library, cache,
 )  # fmt: skip
 
 
