@@ -1,0 +1,26 @@
+"""Linear design of controllers from the model itself."""
+
+from fowtlib.control.estimators import Estimator, compensator, kalman
+from fowtlib.control.margins import Margins, disk_margin, margins
+from fowtlib.control.points import OperatingPoint, OperatingPoints
+from fowtlib.control.reduction import SampledModel, discretized, reduced
+from fowtlib.control.regulators import DesignError, Regulator, lqi, lqr, poles_of
+
+__all__ = [
+    "DesignError",
+    "Estimator",
+    "Margins",
+    "OperatingPoint",
+    "OperatingPoints",
+    "Regulator",
+    "SampledModel",
+    "compensator",
+    "discretized",
+    "disk_margin",
+    "kalman",
+    "lqi",
+    "lqr",
+    "margins",
+    "poles_of",
+    "reduced",
+]
