@@ -5,6 +5,7 @@ from fowtlib.control.margins import Margins, disk_margin, margins
 from fowtlib.control.points import OperatingPoint, OperatingPoints
 from fowtlib.control.reduction import SampledModel, discretized, reduced
 from fowtlib.control.regulators import DesignError, Regulator, lqi, lqr, poles_of
+from fowtlib.control.schedules import gain_table
 
 __all__ = [
     "DesignError",
@@ -17,6 +18,7 @@ __all__ = [
     "compensator",
     "discretized",
     "disk_margin",
+    "gain_table",
     "kalman",
     "lqi",
     "lqr",
