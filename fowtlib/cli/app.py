@@ -39,6 +39,7 @@ from fowtlib.cli import (
     run,
     stability,
     statistics,
+    tune,
     view,
     wind_field,
 )
@@ -48,8 +49,8 @@ from fowtlib.cli.report import write_report
 from fowtlib.language.errors import ModelError, did_you_mean
 
 GROUPS = (
-    run, cases, batch, export, view, inspection, events, stability, decay, rao, statistics, maxima, loads, fatigue,
-    compare, rotor_table, wind_field, contours, extremes, library, cache,
+    run, cases, batch, export, view, inspection, events, stability, tune, decay, rao, statistics, maxima, loads,
+    fatigue, compare, rotor_table, wind_field, contours, extremes, library, cache,
 )  # fmt: skip
 
 

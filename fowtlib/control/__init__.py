@@ -2,8 +2,9 @@
 
 from fowtlib.control.estimators import Estimator, compensator, kalman
 from fowtlib.control.margins import Margins, disk_margin, margins
+from fowtlib.control.pi_tuning import PitchLoop, Poles, RotorResponse, Shaved, Tuned, shave_peak, tune_pi
 from fowtlib.control.points import OperatingPoint, OperatingPoints
-from fowtlib.control.reduction import SampledModel, discretized, reduced
+from fowtlib.control.reduction import SampledModel, discretized, opened, reduced
 from fowtlib.control.regulators import DesignError, Regulator, lqi, lqr, poles_of
 from fowtlib.control.schedules import gain_table
 
@@ -13,8 +14,13 @@ __all__ = [
     "Margins",
     "OperatingPoint",
     "OperatingPoints",
+    "PitchLoop",
+    "Poles",
     "Regulator",
+    "RotorResponse",
     "SampledModel",
+    "Shaved",
+    "Tuned",
     "compensator",
     "discretized",
     "disk_margin",
@@ -23,6 +29,9 @@ __all__ = [
     "lqi",
     "lqr",
     "margins",
+    "opened",
     "poles_of",
     "reduced",
+    "shave_peak",
+    "tune_pi",
 ]

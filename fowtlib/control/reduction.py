@@ -81,6 +81,23 @@ def reduced(model: LinearModel, states: Sequence[str], held: Sequence[str] = ())
     return LinearModel(Ak, Bk, Ck, D.copy(), [model.states[i] for i in keep], model.inputs, model.outputs, model.units)
 
 
+def opened(model: LinearModel, states: Sequence[str]) -> LinearModel:
+    """The model with states taken as inputs, behind its own: the loop through each of them is cut there.
+
+    So a loop is cut at the output of a controller that is a state, without a second model: what the state does to the
+    others stays, what drives it is gone. Its value at the operating point is that of the state there.
+    """
+    if isinstance(model, SampledModel):
+        raise ParameterError("a sampled model is not opened at states; open the continuous one and sample it.")
+    cut = numbers_of(states, model.states, "state")
+    rest = [k for k in range(len(model.states)) if k not in cut]
+    A, B, C, D = (model.matrices[name] for name in "ABCD")
+    return LinearModel(
+        A[np.ix_(rest, rest)], np.hstack([B[rest], A[np.ix_(rest, cut)]]), C[:, rest], np.hstack([D, C[:, cut]]),
+        [model.states[k] for k in rest], [*model.inputs, *states], model.outputs, model.units,
+    )  # fmt: skip
+
+
 def _heard(A: Matrix, C: Matrix, keep: Sequence[int], still: set[int]) -> list[int]:
     """Numbers of the other states that the kept ones, or the outputs, depend on, directly or through each other."""
     found: set[int] = set()
