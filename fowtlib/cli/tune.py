@@ -66,7 +66,7 @@ def tune(arguments: argparse.Namespace) -> int:
             (item.wind, float(np.degrees(item.least_pitch)), *(value / 1e3 for value in (*item.thrust, *item.power)))
             for item in shaved
         ]
-        columns = ("wind [m/s]", "least pitch [deg]", "thrust [kN]", "then [kN]", "power [kW]", "then [kW] ")
+        columns = ("wind [m/s]", "least pitch [deg]", "thrust [kN]", "shaved [kN]", "power [kW]", "shaved [kW]")
         tables.show(arguments, columns, rows)
         return 0
     tuned = None
