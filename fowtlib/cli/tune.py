@@ -28,7 +28,7 @@ examples:
 
 def declare(commands: Any) -> None:
     """Add the command of this module."""
-    text = "PI gains of the blade pitch from the model, and the damping of the platform over the wind"
+    text = "PI gains of the blade pitch; damping of the platform over the wind"
     parser = commands.add_parser("tune", help=text, epilog=EXAMPLES)
     loading.declare(parser, wind=False, waves=False)
     parser.add_argument("--winds", type=winds, metavar="first:last:step", default=winds("12:24:2"),
