@@ -73,10 +73,7 @@ class Tuned:
 
 @dataclass(frozen=True)
 class Poles:
-    """The modes of the whole model in a wind [m/s], with the blade pitch [rad] there, and its rotor among them.
-
-    modes: all of them, by fowtlib.natural_modes. `damping` gives the ratio of a watched motion, None without it.
-    """
+    """The modes of the whole model in a wind [m/s], by fowtlib.natural_modes, and the blade pitch [rad] there."""
 
     wind: float
     pitch: float

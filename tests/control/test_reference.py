@@ -92,6 +92,21 @@ def test_signs_at_rated_and_above(points, above):
     assert_allclose([own, other, yaw], [-1.617, 1.0, 5.04], rtol=0.5)
 
 
+def test_platform_pitch_needs_its_gains():
+    """The printed regulators have none for it. In the whole model it grows without, and decays with them."""
+    model = fw.load("two_rotor_spar_rigid_feedback")
+    plant = model.with_parameters({"wind.kind": "steady", "sea.spectrum": "still"}).compile()
+    table = model.root.feedback.table
+    damping = {}
+    for name, gains in (("with", table.gains), ("without", table.gains.copy())):
+        if name == "without":
+            gains[:, :, 2:4] = 0.0
+        given = {"wind.mean_speed": 15.0, "feedback.gains": gains.reshape(len(gains), -1)}
+        modes = fw.natural_modes(plant, fw.mean_state(plant, given))
+        damping[name] = next(mode.damping_ratio for mode in modes if mode.name.startswith("platform pitch"))
+    assert damping["with"] > 0.01 and damping["without"] < -0.01
+
+
 def test_the_point_is_the_one_printed(above):
     """13 m/s: 0.118 rad of blade pitch at rated speed; the trim of this rotor differs by 0.005 rad."""
     assert_allclose(above["left"], 0.118, atol=0.006)
