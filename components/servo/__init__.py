@@ -2,10 +2,13 @@
 
 from fowtlib.components.servo.baseline import BaselineController
 from fowtlib.components.servo.bladed import BladedController
+from fowtlib.components.servo.estimator import StateEstimator
+from fowtlib.components.servo.gain_table import GainTable, read_gains
 from fowtlib.components.servo.generator import Generator
 from fowtlib.components.servo.pitch_controller import FLOATING_GAINS, ONSHORE_GAINS, PitchController
 from fowtlib.components.servo.safety_system import SafetySystem
 from fowtlib.components.servo.sampled import SampledPitchController, SampledTorqueController
+from fowtlib.components.servo.state_feedback import DemandedController, PitchDrive, ScheduledFeedback
 from fowtlib.components.servo.torque_controller import TorqueController
 from fowtlib.components.servo.torque_law import TorqueLaw, torque_of
 from fowtlib.components.servo.turbine_controller import TurbineController
@@ -15,13 +18,19 @@ __all__ = [
     "ONSHORE_GAINS",
     "BaselineController",
     "BladedController",
+    "DemandedController",
+    "GainTable",
     "Generator",
     "PitchController",
+    "PitchDrive",
     "SafetySystem",
     "SampledPitchController",
     "SampledTorqueController",
+    "ScheduledFeedback",
+    "StateEstimator",
     "TorqueController",
     "TorqueLaw",
     "TurbineController",
+    "read_gains",
     "torque_of",
 ]
