@@ -1,0 +1,1 @@
+"""Floaters: hulls described by their members."""
