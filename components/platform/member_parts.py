@@ -128,8 +128,8 @@ class CircularMember(Member):
 class RectangularMember(Member):
     """A member with a rectangular section: a pontoon, a barge.
 
-    Its width is horizontal and its height upright, or as upright as the axis allows; of a vertical member they are along
-    x and y. `turn` turns them about the direction from start to end. See Member.
+    Its width is horizontal and its height upright, or as upright as the axis allows; of a vertical member they are
+    along x and y. `turn` turns them about the direction from start to end. See Member.
     """
 
     widths: Array = param(unit="m", min=0, doc="outer width, one or at each station")
@@ -141,7 +141,7 @@ class RectangularMember(Member):
     )  # fmt: skip
     added_mass_coefficient: Array = param(
         default=None, shape=(2,), min=0,
-        doc="C_a along the width and along the height, on the displaced water; without a value: no inertia",
+        doc="C_a along the width and along the height, on the displaced water; if not given: no inertia",
     )  # fmt: skip
 
     def equations(self):

@@ -26,7 +26,8 @@ def member(name, start, end, sizes, walls=(), stations=None, **more):
     fractions = np.linspace(0, 1, len(sizes)) if stations is None else np.array(stations)
     places = tuple(float(s) for s in fractions * length)
     walls = tuple(np.broadcast_to(walls, len(sizes))) if np.size(walls) else ()
-    return MemberShape(name, tuple(map(float, start)), tuple(map(float, end)), places, tuple(sizes), walls=walls, **more)
+    ends = (tuple(map(float, point)) for point in (start, end))
+    return MemberShape(name, *ends, places, tuple(sizes), walls=walls, **more)
 
 
 def tube(name, start, end, diameter, **more):
@@ -97,23 +98,24 @@ def test_the_wall_of_a_tube_and_its_bulkhead():
 
 @pytest.mark.parametrize("upright", [True, False])
 def test_ballast_in_a_cylinder(upright):
-    """Upright to a third of its height; lying, to half of its diameter: a half cylinder has its centre at 4 r / 3 pi."""
+    """Upright to a third of its height; lying, to half of its diameter, the centre of which is at 4 r / 3 pi."""
     if upright:
-        one = tube("leg", (0, 0, -9), (0, 0, 3), 4.2, walls=0.1, fills=(Fill("leg.water", 1000.0, -5.0, 0.0, 12.0),))
+        one = tube("leg", (0, 0, -9), (0, 0, 3), 4.2, walls=0.1, fills=(Fill("leg.w", 1000.0, -5.0, 0.0, 12.0),))
         volume, centre = math.pi * 4 * 4, [0, 0, -7.0]
     else:
-        one = tube("leg", (0, 0, -9), (12, 0, -9), 4.2, walls=0.1, fills=(Fill("leg.water", 1000.0, -9.0, 2.0, 12.0),))
+        one = tube("leg", (0, 0, -9), (12, 0, -9), 4.2, walls=0.1, fills=(Fill("leg.w", 1000.0, -9.0, 2.0, 12.0),))
         volume, centre = math.pi * 2 * 10, [7.0, 0, -9 - 8 / (3 * math.pi)]
-    water = Hull((one,)).fills["leg.water"]
+    water = Hull((one,)).fills["leg.w"]
     assert water.mass == pytest.approx(1000 * volume, rel=1e-6)
     assert water.centre == pytest.approx(centre, abs=2e-3)
-    full = replace(one, fills=(replace(one.fills[0], level=3.0 if upright else -7.0),))
-    assert Hull((full,)).fills["leg.water"].mass == pytest.approx(1000 * math.pi * 4 * (12 if upright else 10), rel=1e-6)
+    full = Hull((replace(one, fills=(replace(one.fills[0], level=3.0 if upright else -7.0),)),))
+    volume = math.pi * 4 * (12 if upright else 10)
+    assert full.fills["leg.w"].mass == pytest.approx(1000 * volume, rel=1e-6)
 
 
 def test_ballast_above_its_tank_is_named_with_its_numbers():
-    one = tube("leg", (0, 0, -9), (0, 0, 3), 4.2, walls=0.1, fills=(Fill("leg.water", 1000.0, -1.0, 0.0, 6.0),))
-    with pytest.raises(ParameterError, match=r"leg.water.*z = -1 m is above its tank.*z = -9 m to -3 m"):
+    one = tube("leg", (0, 0, -9), (0, 0, 3), 4.2, walls=0.1, fills=(Fill("leg.w", 1000.0, -1.0, 0.0, 6.0),))
+    with pytest.raises(ParameterError, match=r"leg.w.*z = -1 m is above its tank.*z = -9 m to -3 m"):
         Hull((one,)).mass  # noqa: B018
     with pytest.raises(ParameterError, match=r"from 0 m to 13 m is not within"):
         Hull((replace(one, fills=(replace(one.fills[0], high=13.0),)),)).mass  # noqa: B018
