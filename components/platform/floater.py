@@ -7,6 +7,7 @@ from functools import lru_cache
 
 import numpy as np
 
+from fowtlib.components.environment.sea import Sea
 from fowtlib.components.environment.world import World
 from fowtlib.components.hydro.database import HydrodynamicDatabase
 from fowtlib.components.hydro.linear_loads import Hydrostatics, read_database
@@ -16,6 +17,7 @@ from fowtlib.components.mechanics.connectors import Frame
 from fowtlib.components.platform.hull import Hull
 from fowtlib.components.platform.member_parts import MemberLoads, members_of
 from fowtlib.components.platform.members import MemberShape
+from fowtlib.components.platform.regimes import regime
 from fowtlib.language import Array, Component, Data, Scalar, Vector, data, outer, param, port, shapes
 from fowtlib.language.errors import ParameterError
 from fowtlib.language.expressions import StartNumbers
@@ -51,6 +53,7 @@ class Floater(Component):
     nodes: Frame = port(size=lambda self: len(self.node_rows()), optional=True, doc="frames at the node_points")
 
     world: World = outer(World)
+    sea: Sea = outer(Sea, optional=True)
 
     def build(self):
         found = StartNumbers(self, "hull", _NUMBERS, hull_numbers)
@@ -103,6 +106,9 @@ class Floater(Component):
         """How much higher [m] than it is drawn the hull floats with its ballast; load as in `ballast_level`."""
         return self.hull().rise(load, density)
 
+    def remarks(self) -> list[str]:
+        return _regimes(self) if self.sea is not None else []
+
     def drawing(self) -> shapes.Drawing:
         return [_drawn(self.frame, member) for member in self.hull().members] if members_of(self) else []
 
@@ -140,6 +146,18 @@ def hull_numbers(floater: Floater) -> Sequence[float]:
     return np.concatenate(
         [[mass.mass], mass.centre, mass.inertia.ravel(), [water.volume], water.centre, stiffness.ravel()]
     )
+
+
+def _regimes(floater: Floater) -> list[str]:
+    """What `fowt check` says of each member in the sea of the model."""
+    waves, gravity = floater.sea.components(), float(floater.world.parameter_value("gravity"))
+    if not len(waves):
+        return []
+    hull, known, lines = floater.hull(), floater.database is not None, []
+    for k, member in enumerate(members_of(floater)):
+        found = regime(hull, k, waves, gravity)
+        lines.append(f"{member.label}: {found.says(known, member.is_set('added_mass_coefficient'))}")
+    return lines
 
 
 def _drawn(frame, member: MemberShape) -> shapes.Shape:

@@ -306,6 +306,31 @@ def test_a_floater_in_a_model_file_with_named_joints(tmp_path):
     assert copy.mass.mass == pytest.approx(hull.mass.mass) and copy.members[3].fills == hull.members[3].fills
 
 
+def test_the_check_of_a_model_says_the_regime_of_each_member():
+    """Regular wave in deep water: KC = pi H / D at the surface, L = g T^2 / 2 pi."""
+
+    def remarks_in(**sea):
+        floater = hull(CircularMember(**COLUMN, added_mass_coefficient=1.0), RectangularMember(**PONTOON),
+                       CircularMember(start=(0, 0, 5), end=(20, 0, 5), diameters=1.0))  # fmt: skip
+        report = fw.load(model(floater, Sea(**sea))).check()
+        assert all(f"\n  {remark}" in str(report) for remark in report.remarks)
+        return report.remarks
+
+    remarks = remarks_in(spectrum="regular", wave_height=8.0, wave_period=8.0)
+    length = G * 64 / (2 * math.pi)
+    pattern = "member_0: KC 2.51, diameter over wave length 0.1: inertia and drag both matter"
+    assert remarks[0].endswith(pattern) and 8 * math.pi / 10 == pytest.approx(2.51, abs=0.01)
+    assert 10 / length == pytest.approx(0.1, abs=2e-3)
+    down = math.exp(-2 * math.pi / length * 17)  # waves along the pontoon move the water across it up and down
+    found = float(remarks[1].partition("KC ")[2].partition(",")[0])
+    assert found == pytest.approx(8 * math.pi / 3 * down, rel=0.01)
+    assert "give it an added_mass_coefficient, or the floater a database" in remarks[1]
+    assert remarks[2].endswith("above the water")
+    short = remarks_in(spectrum="regular", wave_height=2.0, wave_period=5.0)
+    assert "it scatters the waves; Morison's formula does not hold, give the floater a database" in short[0]
+    assert not remarks_in(spectrum="still")
+
+
 def test_pictures_show_every_member():
     floater = hull(CircularMember(**COLUMN), RectangularMember(**PONTOON))
     tube, loft = model(floater).floater.drawing()
