@@ -68,7 +68,7 @@ def between_rings(low: Floats, high: Floats, outline: Floats, steps: tuple[int, 
     """
     along, outwards = steps
     facets = []
-    levels = [low + t * (high - low) for t in np.linspace(0, 1, along + 1)]
+    levels = [low + t * (high - low) for t in _closer(along, at_start=True)]
     for below, above in zip(levels[:-1], levels[1:], strict=True):
         for k in range(len(low)):
             after = (k + 1) % len(low)
@@ -95,12 +95,19 @@ def disc(ring: Floats, steps: int) -> list[Floats]:
     if not steps:
         return [ring]
     middle, polygons = ring.mean(axis=0), []
-    for inner, outer in zip(range(steps), range(1, steps + 1), strict=True):
-        a, b = middle + inner / steps * (ring - middle), middle + outer / steps * (ring - middle)
+    scale = _closer(steps, at_start=False)
+    for inner, outer in zip(scale[:-1], scale[1:], strict=True):
+        a, b = middle + inner * (ring - middle), middle + outer * (ring - middle)
         for k in range(len(ring)):
             after = (k + 1) % len(ring)
             polygons.append(_distinct(np.array([a[k], b[k], b[after], a[after]])))
     return polygons
+
+
+def _closer(steps: int, at_start: bool) -> Floats:
+    """Values, one more than steps, from 0 to 1, closer at the end, and at the start if asked: edges need it."""
+    t = np.linspace(0, 1, steps + 1)
+    return 0.4 * t + 0.6 * ((1 - np.cos(np.pi * t)) / 2 if at_start else np.sin(np.pi / 2 * t))
 
 
 def _distinct(corners: Floats) -> Floats:

@@ -186,11 +186,11 @@ class Hull:
         """Panels (n, 4, 3) of the water level inside of the members that reach it, normals downwards."""
         bodies = [member.body(a, b, k, size, divided=False)
                   for k, member in enumerate(self.members) for a, b in member.pieces()]  # fmt: skip
+        rings = [(body, ring) for body in bodies if len(ring := _cut(body))]
         found = []
-        for body in bodies:
-            ring = _cut(body)
-            polygons = disc(ring[::-1], max(1, math.ceil(np.ptp(ring, axis=0).max() / 2 / size))) if len(ring) else []
-            for other in bodies:
+        for body, ring in rings:
+            polygons = disc(ring[::-1], max(1, math.ceil(np.ptp(ring, axis=0).max() / 2 / size)))
+            for other, _ in rings:
                 if other.number < body.number:
                     polygons = [rest for polygon in polygons for rest in outside(polygon, other, False)]
             found += polygons

@@ -2,12 +2,14 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
+from functools import partial
 from typing import TYPE_CHECKING
 
 import numpy as np
 
 from fowtlib.components.environment.sea import Sea
-from fowtlib.components.environment.waves import WaveComponents
+from fowtlib.components.environment.waves import WaveComponents, wave_number
 from fowtlib.components.environment.world import World
 from fowtlib.components.hydro.linear_loads import PlatformLoad
 from fowtlib.components.hydro.strips import Strip, drag_loads, inertia_loads
@@ -27,13 +29,30 @@ _PER_MEMBER = 13  # axes, waterline and its place
 class MemberLoads(PlatformLoad):
     """What the water does to the members of a floater, on the frame of the floater: the sum over its members.
 
-    It is a part of a Floater; the loads of each member are variables of the member.
+    It is a part of a Floater; the loads of each member are variables of the member. `extra_force` and `extra_moment`
+    are the inputs of linear models; with `wave_transfer`, which there is where a member has the inertia of the water,
+    they give response amplitude operators.
     """
+
+    wave_inputs = ("extra_force", "extra_moment")
+
+    extra_force: Vector = param(default=(0, 0, 0), unit="N", doc="force added to those of the members, world")
+    extra_moment: Vector = param(default=(0, 0, 0), unit="N*m", doc="moment added to those of the members, world")
+
+    world: World = outer(World)
 
     def equations(self):
         members = members_of(next(iter(self.enclosing())))
         loads = [m.vertcat(member.force, member.moment) for member in members]
-        return self.push(sum(loads, m.zeros(6)))
+        return self.push(sum(loads, m.vertcat(self.extra_force, self.extra_moment)))
+
+    @property
+    def wave_transfer(self) -> Callable[[np.ndarray, float], np.ndarray]:
+        """Complex load (n, 6) per unit wave amplitude, a function of frequencies [rad/s] and a heading [rad]."""
+        members = members_of(next(iter(self.enclosing())))
+        if not any(member.is_set("added_mass_coefficient") for member in members):
+            raise AttributeError("no member has the inertia of the water")
+        return partial(_wave_loads, self.world, members)
 
 
 class Member(Component):
@@ -264,6 +283,32 @@ def _acceleration(waves: WaveComponents, member: Member) -> np.ndarray:
 def _elevation(waves: WaveComponents, member: Member) -> np.ndarray:
     place = _strip_numbers(member)[10:13] + floater_of(member).parameter_value("position")
     return waves.elevation_transfer(place)
+
+
+def _wave_loads(world: World, members: list[Member], omega: np.ndarray, heading: float) -> np.ndarray:
+    """Complex load (n, 6) of a wave of unit amplitude on members at rest, about their frame."""
+    depth, gravity, rho = (float(world.parameter_value(name)) for name in ("water_depth", "gravity", "water_density"))
+    omega = np.asarray(omega, dtype=float)
+    one, number = np.ones(len(omega)), wave_number(omega, depth, gravity)
+    waves = WaveComponents(omega, one, 0 * one, number, heading, np.inf, depth)
+    total = np.zeros((len(omega), 6), dtype=complex)
+    for member in members:
+        added = member.parameter_value("added_mass_coefficient")
+        if added is None or not member.sections:
+            continue
+        found, a = _strip_numbers(member), waves.acceleration_transfer(_places(member))
+        axes, rows = found[:9].reshape(3, 3), found[_PER_MEMBER:].reshape(-1, _PER_STRIP)
+        ends = np.zeros(len(rows))
+        ends[-2:] = rows[-2:, 7] * member.parameter_value("end_added_mass")
+        mass = np.einsum(
+            "k,ij->kij", rows[:, 5], np.eye(3) + axes[:2].T @ np.diag(np.broadcast_to(added, 2)) @ axes[:2]
+        )
+        mass += np.einsum("k,i,j->kij", ends, axes[2], axes[2])
+        force = rho * np.einsum("kij,nkj->nki", mass, a)
+        lift = rho * gravity * found[9] * _elevation(waves, member) * [[0, 0, 1]]
+        force, places = np.concatenate([force, lift[:, None, :]], axis=1), np.vstack([rows[:, :3], found[10:13]])
+        total += np.concatenate([force.sum(axis=1), np.cross(places, force).sum(axis=1)], axis=1)
+    return total
 
 
 def _lifted(member: Member, found):

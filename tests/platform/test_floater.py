@@ -11,8 +11,9 @@ import pytest
 import fowtlib as fw
 from fowtlib.components.blocks import Constant
 from fowtlib.components.environment import Sea, World
+from fowtlib.components.environment.waves import wave_number
 from fowtlib.components.hydro import HydrodynamicDatabase, MorisonDrag, waterplane_stiffness
-from fowtlib.components.mechanics import FreeMotion, PointMass, WorldForce
+from fowtlib.components.mechanics import Fixed, FreeMotion, PointMass, WorldForce
 from fowtlib.components.platform import Ballast, Bulkhead, CircularMember, Floater, RectangularMember
 from fowtlib.language.errors import ModelError, ParameterError
 from fowtlib.modelfile import dump
@@ -198,6 +199,46 @@ def test_a_long_wave_lifts_and_pushes_as_archimedes_and_newton_say():
     lift = RHO * area * (G * 1.0 + 20 * acceleration[2])  # at the crest, less the inertia of the water above the keel
     assert force[2] == pytest.approx(lift, rel=2e-3)
     assert abs(acceleration[2]) == pytest.approx(omega**2, rel=0.2)
+
+
+@pytest.mark.parametrize("place", [0.0, 20.0])
+def test_the_transfer_of_the_wave_is_the_load_on_a_floater_that_is_held(place):
+    """Response operators take X(omega); at t = 0 a wave of 1 m has Re X, and 20 m further on another phase."""
+    floater = braced()
+    for member in floater.parts.values():
+        if "drag_coefficient" in member.parameters:
+            member.drag_coefficient = 0.0 * np.asarray(member.parameter_value("drag_coefficient"))
+            member.end_drag = (0, 0)
+    floater.position = (place, 0, 0)
+    whole = fw.Assembly("held")
+    whole.world = World(water_depth=200.0, water_density=RHO)
+    whole.sea = Sea(spectrum="regular", wave_height=2.0, wave_period=9.0, heading=0.4)
+    whole.ground, whole.floater = Fixed(r=(place, 0, 0)), floater
+    whole.connect(whole.ground.frame, floater.frame)
+    state = fw.load(whole).compile().initial_state()
+    found = -np.concatenate([state[f"floater.member_loads.frame.{name}"].ravel() for name in ("f", "t")])
+    wanted = floater.member_loads.wave_transfer(np.array([2 * math.pi / 9.0]), 0.4)[0].real
+    assert found == pytest.approx(wanted, rel=1e-9, abs=1e-6 * np.abs(wanted).max())
+    floater_of_drag = hull(CircularMember(**COLUMN, drag_coefficient=0.6))
+    assert not hasattr(model(floater_of_drag).floater.member_loads, "wave_transfer")
+
+
+def test_the_response_operator_of_a_column_in_heave():
+    """(C cosh k(h - d) / cosh kh - A w^2 sinh k(h - d) / sinh kh) / (C - w^2 (m + A)), d the draft."""
+    column = CircularMember(**COLUMN, added_mass_coefficient=1.0, end_added_mass=(1.0, 0.0))
+    column.sand = Ballast(density=2000.0, level=-15.0)
+    floater = Floater()
+    floater.column = column
+    column.sand.level = floater.ballast_level("column.sand")
+    frequencies = np.array([0.01, 0.03, 0.05])
+    rao = fw.linear_rao(fw.load(model(floater)), frequencies, outputs=["motion.heave"])
+    omega, depth, area = 2 * math.pi * frequencies, 200.0, math.pi * 25
+    k, C, A = wave_number(omega, depth), RHO * G * area, RHO * 2 / 3 * math.pi * 125
+    push = C * np.cosh(k * (depth - 20)) / np.cosh(k * depth)
+    push -= A * omega**2 * np.sinh(k * (depth - 20)) / np.sinh(k * depth)
+    wanted = push / (C - omega**2 * (RHO * area * 20 + A))
+    assert rao.response[:, 0].real == pytest.approx(wanted, rel=1e-3)
+    assert np.abs(rao.response[:, 0].imag).max() < 1e-6
 
 
 def test_a_column_has_the_drag_of_the_older_part():

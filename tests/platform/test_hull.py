@@ -254,6 +254,40 @@ def test_panels_close_and_have_the_volume_of_the_members(size):
     assert np.abs(lids[:, :, 2]).max() < 1e-9
 
 
+def test_lids_of_members_that_end_at_the_water_level():
+    """A column that ends there has a lid; what stands on it, above the water, takes nothing off it."""
+    parts = (tube("tower", (0, 0, 0), (0, 0, 9), 4.0), tube("leg", (0, 0, -9), (0, 0, 0), 6.0))
+    for hull in (Hull(parts), Hull(parts[::-1])):
+        lids = hull.lids(1.5)
+        area = -np.cross(lids[:, 2] - lids[:, 0], lids[:, 3] - lids[:, 1])[:, 2].sum() / 2
+        assert area == pytest.approx(9 * math.pi) == hydrostatics(hull.panels(1.5))[2][2, 2]
+
+
+@pytest.mark.parametrize("seed", range(12))
+def test_hulls_of_members_that_cross_anyhow_close(seed):
+    """Random members, many of them on a grid, so that faces and axes lie on each other."""
+    random = np.random.default_rng(seed)
+    members: list[MemberShape] = []
+    while len(members) < 4:
+        ends = random.uniform(-15, 15, (2, 3)) - [0, 0, 5]
+        if random.random() < 0.7:
+            ends = 5 * np.round(ends / 5)
+        kind = random.integers(3)  # any direction, upright, level
+        ends[1, :2], ends[1, 2] = (ends[0, :2] if kind == 1 else ends[1, :2]), (ends[0, 2] if kind == 2 else ends[1, 2])
+        if np.linalg.norm(ends[1] - ends[0]) > 3:
+            width, height = random.choice([2.0, 4.0, 5.0, 10.0], 2)
+            one = tube if random.random() < 0.5 else box
+            sizes = (width,) if one is tube else (width, height)
+            members.append(one(f"member {len(members)}", *ends, *sizes))
+    hull = Hull(tuple(members))
+    if hull.wet:
+        volume, _, C = hydrostatics(hull.panels(2.5))  # which refuses what leaks
+        assert volume == pytest.approx(hull.buoyancy.volume, rel=0.02)
+        lids = hull.lids(2.5)
+        area = -np.cross(lids[:, 2] - lids[:, 0], lids[:, 3] - lids[:, 1])[:, 2].sum() / 2
+        assert area == pytest.approx(C[2, 2], rel=1e-3, abs=1e-6)
+
+
 # --- what counts of a member -----------------------------------------------------------------------------------------
 
 
@@ -285,6 +319,25 @@ def test_a_line_in_a_body():
     assert inside(np.array([[0.0, 0, -20], [0, 0, 20]]), body) == pytest.approx((11 / 40, 29 / 40))
     assert inside(np.array([[0.0, 4, -20], [0, 4, 20]]), body) is None
     assert inside(np.array([[0.0, 0, 9], [0, 0, 20]]), body) is None
+
+
+def test_the_tlp_of_el_beshbichi():
+    """PhD thesis, University of Stavanger (2023), tables 7.3 and 7.5: 1.13e4 m^3, 25.83 m deep, 201 m^2, 3.22e3 m^4.
+
+    One column of 16 m and three square pontoons of 6 m, 32.5 m to the axis, their centres 40 m below the water.
+    """
+    parts = [tube("column", (0, 0, -43), (0, 0, 10), 16.0)]
+    for k in range(3):
+        x, y = 32.5 * math.cos(2 * math.pi * k / 3), 32.5 * math.sin(2 * math.pi * k / 3)
+        parts.append(box(f"pontoon {k}", (0, 0, -40), (x, y, -40), 6.0, 6.0))
+    water = Hull(tuple(parts)).buoyancy
+    assert water.volume == pytest.approx(1.13e4, rel=5e-3)
+    assert water.centre == pytest.approx([0, 0, -25.83], abs=0.03)
+    assert water.waterplane[2, 2] == pytest.approx(201, abs=0.5)
+    assert np.diag(water.waterplane)[3:5] == pytest.approx([3.22e3] * 2, rel=2e-3)
+    # C33 2.02e6 N/m, C44 = C55 -1.42e9 N m with 8.82e6 kg at -13.01 m
+    C = water.stiffness(RHO, 9.81)
+    assert C[2, 2] == pytest.approx(2.02e6, rel=2e-3)
 
 
 # --- balance and mistakes --------------------------------------------------------------------------------------------
