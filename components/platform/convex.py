@@ -180,7 +180,7 @@ def surface(bodies: list[ConvexBody], below: float | None = None) -> list[tuple[
                     corners = split(corners, heights)[1]
             parts = [corners]
             for other, there in zip(near, reached, strict=True):
-                if there[k]:
+                if there[k] and parts:
                     parts = [rest for part in parts for rest in outside(part, other, body.number < other.number)]
             found += [(body, Facet(part, facet.where)) for part in parts]
     return found

@@ -23,7 +23,7 @@ from fowtlib.language.errors import ParameterError
 Floats = NDArray[np.float64]
 Span = tuple[float, float, float]
 
-MEET = 0.02  # m: members whose surfaces are nearer than that meet, for plans are rounded to centimetres
+MEET = 0.05  # m: members nearer than that meet, for plans are rounded to centimetres and circles are polygons here
 
 
 @dataclass(frozen=True)
@@ -379,7 +379,7 @@ class Hull:
             distance, a, b = min(apart)
             raise ParameterError(
                 f"{self.members[a].name} and {self.members[b].name} do not meet, nor do the members that hang on them: "
-                f"the gap is {distance:.3g} m. Let one end in the other, or join them by a member."
+                f"the gap is {distance:.2g} m. Let one end in the other, or join them by a member."
             )
 
     def check_upright(self) -> None:
