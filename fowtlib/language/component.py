@@ -173,6 +173,13 @@ class Component(Composite):
         """
         return ()
 
+    def remarks(self) -> list[str]:
+        """Sentences that `fowt check` adds to its report: what one should know of this component as it stands here.
+
+        Called outside of flattening, like `drawing`.
+        """
+        return []
+
     # --- parameters ----------------------------------------------------------------------------------------------
 
     def assign(self, field: Field, value: Any) -> None:

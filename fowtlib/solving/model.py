@@ -101,7 +101,8 @@ class Model:
         title = self.title or self.name or "model"
         dae = flatten(self.root)
         bind(dae, self.root)
-        return ModelReport(title, sum(1 for _ in self.root.walk()) - 1, dae, dimensions)
+        remarks = tuple(remark for part in self.root.walk() for remark in part.remarks())
+        return ModelReport(title, sum(1 for _ in self.root.walk()) - 1, dae, dimensions, remarks)
 
     def tree(self) -> str:
         """The component tree as text: names and classes."""
