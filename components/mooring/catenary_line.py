@@ -92,7 +92,7 @@ class CatenaryLine(LosableLine):
             eq(self.anchor_tension, there * m.sqrt((H * left) ** 2 + line.anchor**2)),
             [eq(self.seabed_length, line.grounded), self.when_lost(apart, rise)],
             [eq(fairlead.f, there * m.vertcat(lateral * plan, V)), eq(fairlead.t, m.zeros(3))],
-            _hold_anchor(self, there * m.vertcat(-lateral * left * plan, -line.anchor)),
+            hold_anchor(self, there * m.vertcat(-lateral * left * plan, -line.anchor)),
             *_limits(self, line.anchor),
         ]
 
@@ -166,7 +166,7 @@ def _weight(line):
     return catenary.weight_in_water(line.mass_per_length, line.diameter, line.world.gravity, line.world.water_density)
 
 
-def _hold_anchor(line, load):
+def hold_anchor(line, load):
     """The anchor is a frame of a body, which takes the load of the line, or a point of the seabed."""
     if line.anchor.connected:
         return [eq(line.anchor.f, load), eq(line.anchor.t, m.zeros(3))]
