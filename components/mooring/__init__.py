@@ -3,6 +3,7 @@
 from fowtlib.components.mooring.catenary_line import CatenaryLine
 from fowtlib.components.mooring.mooring_system import MooringSystem
 from fowtlib.components.mooring.sectioned_line import SectionedLine
+from fowtlib.components.mooring.tendon import Tendon
 from fowtlib.components.mooring.yaw_spring import YawSpring
 
-__all__ = ["CatenaryLine", "MooringSystem", "SectionedLine", "YawSpring"]
+__all__ = ["CatenaryLine", "MooringSystem", "SectionedLine", "Tendon", "YawSpring"]

@@ -228,9 +228,7 @@ def stiffness(horizontal: float, vertical: float, line: Line) -> np.ndarray:
     return np.linalg.inv(np.array(ca.Function("flexibility", [H, V], [jacobian])(horizontal, vertical)))
 
 
-def profile(
-    horizontal: Any, vertical: Any, line: Line, points: int = 100, drawn: Any = None
-) -> dict[str, np.ndarray]:
+def profile(horizontal: Any, vertical: Any, line: Line, points: int = 100, drawn: Any = None) -> dict[str, np.ndarray]:
     """Shape of a line with these fairlead tensions [N], from the anchor to the fairlead.
 
     drawn: the tension T_h of the catenary, where the line is a section of another that is drawn aside as a whole.

@@ -107,7 +107,7 @@ class Plant:
         at = self.at(parameters)
         x, z = equilibrium(at, state.t, state.x, state.z, q, held)
         found = self.state(state.t, x, z, state.d, state.u, parameters)
-        check_state(at, found, self.name)
+        check_state(at, found, self.name, rest=True)
         return found
 
     @refusals_explained()
