@@ -34,6 +34,23 @@ def time_dependence(at: AtParameters, d: np.ndarray) -> list[str]:
     return list(dict.fromkeys(path for path, _ in found))
 
 
+def refuse_time(at: AtParameters, q: np.ndarray) -> None:
+    """SimulationError where the equations depend on time, so that nothing is at rest."""
+    sources = time_dependence(at, q[len(q) - at.dae.d.numel() :])
+    if sources:
+        raise SimulationError(
+            f"no equilibrium: the equations depend on time through {', '.join(sources[:4])}. "
+            "Take still water and steady wind: in Python set={'wind.kind': 'steady', 'sea.spectrum': 'still'}, "
+            "on the command line --wind steady:8 --waves still."
+        )
+
+
+def moving_states(functions: Functions, held: set[int]) -> list[int]:
+    """Numbers of the states that an equilibrium seeks: those that anything depends on, and that are not held."""
+    pattern = dependence(functions)
+    return [k for k in range(pattern.shape[1]) if pattern[:, k].any() and k not in held]
+
+
 def equilibrium(at: AtParameters, t: float, x: np.ndarray, z: np.ndarray, q: np.ndarray,
                 held: set[int]) -> tuple[np.ndarray, np.ndarray]:  # fmt: skip
     """Solve ode = 0 and alg = 0 for the states that anything depends on, except the `held` ones.
@@ -43,16 +60,8 @@ def equilibrium(at: AtParameters, t: float, x: np.ndarray, z: np.ndarray, q: np.
     angle of a turning shaft, keep their value.
     """
     dae = at.dae
-    sources = time_dependence(at, q[len(q) - dae.d.numel() :])
-    if sources:
-        raise SimulationError(
-            f"no equilibrium: the equations depend on time through {', '.join(sources[:4])}. "
-            "Take still water and steady wind: in Python set={'wind.kind': 'steady', 'sea.spectrum': 'still'}, "
-            "on the command line --wind steady:8 --waves still."
-        )
-    nx = x.size
-    pattern = dependence(at.functions)
-    moving = [k for k in range(nx) if pattern[:, k].any() and k not in held]
+    refuse_time(at, q)
+    moving = moving_states(at.functions, held)
     residual, jacobian = at.residual, at.jacobian
 
     def unpack(values: np.ndarray) -> tuple[np.ndarray, np.ndarray]:

@@ -17,6 +17,7 @@ from fowtlib.solving.checks import check_state
 from fowtlib.solving.conditions import Conditions
 from fowtlib.solving.engines import FixedStepCode
 from fowtlib.solving.equilibrium import equilibrium
+from fowtlib.solving.freed import freed_equilibrium
 from fowtlib.solving.functions import AtParameters, Functions
 from fowtlib.solving.initial import start_point
 from fowtlib.solving.layout import Layout, Values
@@ -99,8 +100,17 @@ class Plant:
 
     @refusals_explained()
     def equilibrium(self, parameters: Values | None = None, hold: Values | None = None, start: Values | None = None,
-                    inputs: Values | None = None) -> State:  # fmt: skip
-        """The state at which nothing changes, with the controllers in the loop; `hold` keeps states at values."""
+                    inputs: Values | None = None, *, free: Values | Sequence[str] | None = None,
+                    targets: Values | None = None) -> State:  # fmt: skip
+        """The state at which nothing changes, with the controllers in the loop; `hold` keeps states at values.
+
+        free: tunable parameters by path, perhaps with first guesses, that take the values at which `targets` hold: as
+        many conditions on results or variables. The state's `parameters` hold them; see fowtlib.solving.freed.
+        """
+        if free or targets:
+            found = freed_equilibrium(self, free or (), targets or {}, parameters, hold, start, inputs)
+            check_state(self.at(found.parameters), found, self.name, rest=True)
+            return found
         state = self.initial_state(parameters, {**(start or {}), **(hold or {})}, inputs)
         held = {self.layout.x[path] for path in hold or {}}
         q = np.concatenate([state.u, state.d])
