@@ -63,8 +63,10 @@ def show_equilibrium(arguments: argparse.Namespace) -> int:
     free, targets = _pairs(arguments.free), _pairs(arguments.target)
     plant = model.compile()
     state = plant.equilibrium(free=free, targets=targets) if free or targets else mean_state(plant)
-    units, found = plant.dae.parameters, state.parameters
-    rows = [(path, found[path], units[path].unit) for path in dict.fromkeys(_parameter(path, units) for path in free)]
+    units, found = plant.dae.parameters, plant.parameter_values(state.parameters)
+    stated = free or model.settings.get("equilibrium", {}).get("free", {})
+    paths = dict.fromkeys(_parameter(path, units) for path in stated)
+    rows = [(path, found[path].tolist(), units[path].unit) for path in paths]
     rows += [(name, tables.rounded(state[name], 1.0), unit) for name, (_, unit, _) in plant.outputs.items()]
     tables.say(arguments, conditions)
     tables.show(arguments, ("result", "value", "unit"), rows)
