@@ -27,7 +27,7 @@ def body():
 
 
 def spar(leg=50.0, spread=60.0, **changes):
-    """The lines of OC3-Hywind with their last `leg` metres doubled, at fairleads `spread` degrees off their headings."""
+    """The lines of OC3-Hywind, their last `leg` metres doubled, to fairleads `spread` degrees off their headings."""
     model = body()
     for i, heading in enumerate(HEADINGS):
         angles = heading + np.radians([spread, -spread])
@@ -101,11 +101,6 @@ def test_against_the_yaw_spring_of_oc3():
     substitute, delta = np.ravel(states[0]["mooring.frame.t"])[2], -moment(states[1])
     assert substitute == pytest.approx(11.0e6, rel=0.01)
     assert delta / substitute == pytest.approx(0.90, abs=0.01)
-    surge = [
-        np.ravel(states[0]["mooring.frame.f"])[2],
-        sum(np.ravel(states[1][f"line_{i}.frame.f"])[2] for i in (1, 2, 3)),
-    ]
-    assert surge[1] == pytest.approx(surge[0] + 3 * 50 * WEIGHT, rel=0.05)  # the second leg weighs too
 
 
 def test_both_engines_turn_a_spar_until_legs_are_slack(oc3):
