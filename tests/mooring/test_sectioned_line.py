@@ -206,6 +206,28 @@ def moored(**line):
     return model
 
 
+def test_what_is_drawn_goes_through_the_points_and_ends_at_the_frames(tmp_path):
+    """Also with a point on the seabed, and of a line that is lost."""
+    model = fw.load(moored())
+    plant, line = model.compile(), model.root.left
+    curve = line.drawing()[0]
+    paths = {key: f"{source.path}.r" if hasattr(source, "path") else source for key, source in curve.of.items()}
+    result = plant.simulate(2.0, 0.5, outputs=[*paths.values(), "left.seabed_lengths"], events=["left.loss at 1.9 s"])
+    columns = {key: result.array(path) for key, path in paths.items()}
+    points = curve.points(columns)
+    assert points.shape == (5, 91, 3) and np.all(np.isfinite(points))
+    assert points[:4, 0] == pytest.approx(columns["anchor"][:4], abs=1e-6)
+    assert points[:4, -1] == pytest.approx(columns["fairlead"][:4], abs=1e-6)
+    for i in (0, 1):
+        assert points[:4, 30 * (i + 1), 2] + 220 == pytest.approx(columns[f"heights[{i}]"][:4], abs=0.02)
+    assert points[:4, :, 2].min() >= -220.011
+    assert np.ptp(points[-1], axis=0).max() == 0
+    steps = np.linalg.norm(np.diff(points[0], axis=0), axis=1).sum()
+    assert steps == pytest.approx(660, rel=2e-3)
+    fw.view(result, tmp_path / "lines.html")
+    assert (tmp_path / "lines.html").stat().st_size > 1000
+
+
 def test_both_engines_lift_a_clump_weight_off_the_seabed_and_agree():
     plant = fw.load(moored()).compile()
     names = ["slide.s", "left.tension", "right.tension", "right.heights[1]"]
