@@ -6,16 +6,20 @@ from fowtlib.language import Component, OfferedEvent, Scalar, assign, event, fac
 from fowtlib.language import math as m
 
 
-class LosableLine(Component):
+class Losable(Component):
     """Partial: a line between two points that may be lost; then it pulls no more at either end.
 
-    The equations of a lost line stay solved as they were, for where its ends were then. What is left of it weighs
-    nothing.
+    What is left of it weighs nothing.
     """
 
     loss: OfferedEvent = event(doc="the line breaks: its tension is gone at both ends")
 
     intact: Scalar = var(discrete=True, start=1.0, doc="1, and 0 when the line is lost")
+
+
+class LosableLine(Losable):
+    """Partial: a line with unknowns of its own, which stay solved as they were at its loss, for where its ends were."""
+
     last_distance: Scalar = var(unit="m", discrete=True, start=0.0, doc="horizontal distance of its ends at its loss")
     last_rise: Scalar = var(unit="m", discrete=True, start=0.0, doc="vertical distance of its ends at its loss")
 

@@ -43,6 +43,23 @@ def _time_dependence(at: AtParameters, steady: frozenset[int], d: np.ndarray) ->
     return list(dict.fromkeys(path for path, _ in found))
 
 
+def refuse_time(at: AtParameters, q: np.ndarray) -> None:
+    """SimulationError where the equations depend on time, so that nothing is at rest."""
+    sources = time_dependence(at, q[len(q) - at.dae.d.numel() :])
+    if sources:
+        raise SimulationError(
+            f"no equilibrium: the equations depend on time through {', '.join(sources[:4])}. "
+            "Take still water and steady wind: in Python set={'wind.kind': 'steady', 'sea.spectrum': 'still'}, "
+            "on the command line --wind steady:8 --waves still."
+        )
+
+
+def moving_states(functions: Functions, held: set[int]) -> list[int]:
+    """Numbers of the states that an equilibrium seeks: those that anything depends on, and that are not held."""
+    pattern = dependence(functions)
+    return [k for k in range(pattern.shape[1]) if pattern[:, k].any() and k not in held]
+
+
 def equilibrium(at: AtParameters, t: float, x: np.ndarray, z: np.ndarray, q: np.ndarray,
                 held: set[int]) -> tuple[np.ndarray, np.ndarray]:  # fmt: skip
     """Solve ode = 0 and alg = 0 for the states that anything depends on, except the `held` ones.
@@ -52,13 +69,7 @@ def equilibrium(at: AtParameters, t: float, x: np.ndarray, z: np.ndarray, q: np.
     angle of a turning shaft, keep their value.
     """
     dae = at.dae
-    sources = time_dependence(at, q[len(q) - dae.d.numel() :])
-    if sources:
-        raise SimulationError(
-            f"no equilibrium: the equations depend on time through {', '.join(sources[:4])}. "
-            "Take still water and steady wind: in Python set={'wind.kind': 'steady', 'sea.spectrum': 'still'}, "
-            "on the command line --wind steady:8 --waves still."
-        )
+    refuse_time(at, q)
     rest = _rest(at, t, x, q, held)
     moving = rest.moving
     values = _continuation(rest.rates, rest.slopes, np.concatenate([x[moving], z]), len(moving))
@@ -115,8 +126,7 @@ class _Rest:
 
 
 def _rest(at: AtParameters, t: float, x: np.ndarray, q: np.ndarray, held: set[int]) -> _Rest:
-    pattern = dependence(at.functions)
-    return _Rest(at, t, x, q, [k for k in range(x.size) if pattern[:, k].any() and k not in held])
+    return _Rest(at, t, x, q, moving_states(at.functions, held))
 
 
 def next_equilibrium(at: AtParameters, near: State) -> tuple[np.ndarray, np.ndarray, np.ndarray] | None:
