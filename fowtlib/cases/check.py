@@ -5,7 +5,7 @@ from __future__ import annotations
 import json
 import math
 import re
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Mapping
 from typing import Any
 
 from fowtlib.cases.case import Case
@@ -22,6 +22,7 @@ from fowtlib.modelfile.paths import check_variable
 from fowtlib.modelfile.short_forms import Condition
 from fowtlib.solving.engines.base import SOLVERS
 from fowtlib.solving.model import Model
+from fowtlib.solving.timeline import EVERY, means
 
 SEA, REGULAR = "sea", "regular"
 STATED = {REGULAR: ("wave_height", "wave_period"), "jonswap": ("significant_wave_height", "peak_period")}
@@ -144,11 +145,11 @@ class _Checker:
     def _check_event(self, event: Mapping[str, Any], duration: float | None) -> None:
         """Some part offers the event, and it happens within the run."""
         name, known = str(event.get("event")), self._events
-        fits = [path for path in known if _within(name.split("."), path.split("."))]
+        fits = [path for path in known if means(name, path)]
         if not fits:
             hint = did_you_mean(name, known) if known else ": no part of the model offers any."
             raise _Wrong("events", f"events: there is no event '{name}'{hint}")
-        if len(fits) > 1 and name not in fits:
+        if len(fits) > 1 and name not in fits and EVERY not in name:
             raise _Wrong("events", f"events: '{name}' can happen at {len(fits)} places; say which: {', '.join(fits)}.")
         end = self.model.settings.get("duration") if duration is None else duration
         if isinstance(at := event.get("at"), (int, float)) and end is not None and at > float(end):
@@ -172,12 +173,6 @@ def _has(root: Component, path: str) -> bool:
         return name in root.find(owner).parameters
     except ModelError:
         return False
-
-
-def _within(names: Sequence[str], path: Sequence[str]) -> bool:
-    """Whether the path ends as the names do, and has the other ones in their order."""
-    rest = iter(path)
-    return path[-1] == names[-1] and all(name in rest for name in names)
 
 
 class _NoPlace:
