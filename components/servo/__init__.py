@@ -6,9 +6,11 @@ from fowtlib.components.servo.generator import Generator
 from fowtlib.components.servo.pitch_controller import FLOATING_GAINS, ONSHORE_GAINS, PitchController
 from fowtlib.components.servo.safety_system import SafetySystem
 from fowtlib.components.servo.sampled import SampledPitchController, SampledTorqueController
+from fowtlib.components.servo.supervisor import Supervisor
 from fowtlib.components.servo.torque_controller import TorqueController
 from fowtlib.components.servo.torque_law import TorqueLaw, torque_of
 from fowtlib.components.servo.turbine_controller import TurbineController
+from fowtlib.components.servo.yaw_controller import YawController
 
 __all__ = [
     "FLOATING_GAINS",
@@ -20,8 +22,10 @@ __all__ = [
     "SafetySystem",
     "SampledPitchController",
     "SampledTorqueController",
+    "Supervisor",
     "TorqueController",
     "TorqueLaw",
     "TurbineController",
+    "YawController",
     "torque_of",
 ]

@@ -72,6 +72,7 @@ class RotorNacelle(Component):
         give_default(rotor, "w_start", self.rotor_speed_start)
         give_default(control, "pitch_start", self.blade_pitch_start * (1 - safety.idling))
         give_default(control, "speed_start", self.gear_ratio * self.rotor_speed_start)
+        give_default(safety, "station", rotor.station)
 
     @property
     def carrier(self) -> tuple[Component, str]:

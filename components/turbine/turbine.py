@@ -82,6 +82,7 @@ class Turbine(Component):
             (body, "rotor_speed_start", self.rotor_speed_start),
             (control, "pitch_start", self.blade_pitch_start * (1 - safety.idling)),
             (control, "speed_start", body.drivetrain.gear_ratio * self.rotor_speed_start),
+            (safety, "station", air.station),
         ):  # fmt: skip
             give_default(component, name, value)
 
