@@ -3,6 +3,8 @@
 from fowtlib.components.servo.baseline import BaselineController
 from fowtlib.components.servo.bladed import BladedController
 from fowtlib.components.servo.generator import Generator
+from fowtlib.components.servo.individual_pitch import IndividualPitchController
+from fowtlib.components.servo.nacelle_velocity import NacelleVelocity
 from fowtlib.components.servo.pitch_controller import FLOATING_GAINS, ONSHORE_GAINS, PitchController
 from fowtlib.components.servo.safety_system import SafetySystem
 from fowtlib.components.servo.sampled import SampledPitchController, SampledTorqueController
@@ -18,6 +20,8 @@ __all__ = [
     "BaselineController",
     "BladedController",
     "Generator",
+    "IndividualPitchController",
+    "NacelleVelocity",
     "PitchController",
     "SafetySystem",
     "SampledPitchController",
