@@ -11,6 +11,8 @@ from fowtlib.language import math as m
 IDLING, START_UP, PRODUCTION, STORM, NORMAL_STOP, OVERSPEED, EMERGENCY_STOP, RESTART = range(8)
 STATES = ("idling", "start-up", "production", "storm", "normal stop", "overspeed", "emergency stop", "restart")
 """Names of the values of Supervisor.state, in their order."""
+NEARLY = 0.01
+"""Pitch [rad] by which the blades may be short of feather when a stop has ended."""
 
 
 class Supervisor(SafetySystem):
@@ -30,17 +32,18 @@ class Supervisor(SafetySystem):
 
     station: int = param(default=0, min=0, doc="number of the wind's station at this turbine")
     averaging_time: Scalar = param(default=60.0, unit="s", min=1e-3, doc="time constant of the mean wind")
-    start_wind: Scalar = param(default=3.5, unit="m/s", min=0, doc="mean wind above which it starts")
-    stop_wind: Scalar = param(default=3.0, unit="m/s", min=0, doc="mean wind below which it stops")
-    storm_wind: Scalar = param(default=25.0, unit="m/s", min=0, doc="mean wind above which it stops")
-    restart_wind: Scalar = param(default=22.0, unit="m/s", min=0, doc="mean wind below which it starts after a storm")
-    production_speed: Scalar = param(default="700 rpm", unit="rad/s", min=0, doc="generator speed that ends a start-up")
-    idle_speed: Scalar = param(default="200 rpm", unit="rad/s", min=0, doc="generator speed at which a stop has ended")
-    overspeed: Scalar = param(default="1408.4 rpm", unit="rad/s", min=0, doc="measured speed of a stop: 1.2 rated")
-    emergency_speed: Scalar = param(default="1525.8 rpm", unit="rad/s", min=0, doc="speed of an emergency stop")
+    start_wind: Scalar = param(default=3.5, unit="m/s", min=1e-3, doc="mean wind above which it starts")
+    stop_wind: Scalar = param(default=3.0, unit="m/s", min=1e-3, doc="mean wind below which it stops")
+    storm_wind: Scalar = param(default=25.0, unit="m/s", min=1e-3, doc="mean wind above which it stops")
+    restart_wind: Scalar = param(default=22.0, unit="m/s", min=1e-3, doc="mean wind below which it starts again")
+    production_speed: Scalar = param(default="700 rpm", unit="rad/s", min=1e-3, doc="speed that ends a start-up")
+    idle_speed: Scalar = param(default="200 rpm", unit="rad/s", min=1e-3, doc="speed at which a stop has ended")
+    overspeed: Scalar = param(default="1408.4 rpm", unit="rad/s", min=1e-3, doc="measured speed of a stop: 1.2 rated")
+    emergency_speed: Scalar = param(default="1525.8 rpm", unit="rad/s", min=1e-3, doc="speed of an emergency stop")
     start_rate: Scalar = param(default="2 deg/s", unit="rad/s", min=0, doc="pitch rate of a start-up")
     stop_rate: Scalar = param(default="2 deg/s", unit="rad/s", min=0, doc="pitch rate of a normal stop")
     overspeed_rate: Scalar = param(default="4 deg/s", unit="rad/s", min=0, doc="pitch rate of a stop in overspeed")
+    settling_time: Scalar = param(default=1.0, unit="s", min=1e-3, doc="least time in a state, but for overspeed")
     start_delay: Scalar = param(default=10.0, unit="s", min=1e-3, doc="least time of idling before a start")
     start_time: Scalar = param(default=300.0, unit="s", min=1e-3, doc="longest time of a start-up")
     restart_delay: Scalar = param(default=60.0, unit="s", min=1e-3, doc="least time before it starts again")
@@ -79,12 +82,25 @@ def _enter(unit: Supervisor, state):
     return [assign(unit.state, state), assign(unit.entered, unit.time)]
 
 
-def _go(unit: Supervisor, states, to, *conditions, then=(), after=1.0):
-    """From one of the states to another as soon as all conditions are above zero, and it has been there for a time."""
-    margin = m.fmin(_within(unit, *states), unit.time - unit.entered - after)
+def _go(unit: Supervisor, states, to, *conditions, then=()):
+    """From one of the states to another as soon as all conditions are above zero."""
+    margin = _within(unit, *states)
     for condition in conditions:
         margin = m.fmin(margin, condition)
     return when(margin > 0, *_enter(unit, to), *then)
+
+
+def _above(value, limit):
+    return value / limit - 1
+
+
+def _below(value, limit):
+    return 1 - value / limit
+
+
+def _after(unit: Supervisor, delay):
+    """It has been in its state for a time."""
+    return _above(unit.time - unit.entered, delay)
 
 
 def _running(unit: Supervisor):
@@ -120,41 +136,38 @@ def _by_events(unit: Supervisor):
 
 
 def _starts(unit: Supervisor):
-    mean, free = unit.mean_wind, 0.5 - unit.waits
-    enough, calm = mean - unit.start_wind, unit.restart_wind - mean
-    slow, then = unit.idle_speed - unit.sensor.measured, _running(unit)
-    again = unit.restart_delay
+    mean, then, again = unit.mean_wind, _running(unit), _after(unit, unit.restart_delay)
+    free = 0.5 - unit.waits, _above(mean, unit.start_wind), _below(mean, unit.restart_wind)
+    slow = _below(unit.sensor.measured, unit.idle_speed)
+    fast = _above(unit.sensor.measured, unit.production_speed)
     return [
-        _go(unit, [IDLING], START_UP, enough, calm, free, then=then, after=unit.start_delay),
-        _go(unit, [STORM], START_UP, enough, calm, slow, free, then=then, after=again),
-        _go(unit, [RESTART], START_UP, enough, calm, free, then=then, after=again),
-        _go(unit, [START_UP], PRODUCTION, unit.sensor.measured - unit.production_speed),
+        _go(unit, [IDLING], START_UP, *free, _after(unit, unit.start_delay), then=then),
+        _go(unit, [STORM], START_UP, *free, slow, again, then=then),
+        _go(unit, [RESTART], START_UP, *free, again, then=then),
+        _go(unit, [START_UP], PRODUCTION, fast, _after(unit, unit.settling_time)),
     ]
 
 
 def _stops(unit: Supervisor):
-    mean, measured, stop = unit.mean_wind, unit.sensor.measured, _stopping(unit, unit.stop_rate)
-    feathered = unit.pitch.output - unit.feather_pitch + 0.01
-    slow = unit.idle_speed - measured
+    mean, stop, settled = unit.mean_wind, _stopping(unit, unit.stop_rate), _after(unit, unit.settling_time)
+    ended = _below(unit.sensor.measured, unit.idle_speed), unit.pitch.output - unit.feather_pitch + NEARLY, settled
     return [
-        _go(unit, [PRODUCTION], NORMAL_STOP, unit.stop_wind - mean, then=stop),
-        _go(unit, [START_UP], NORMAL_STOP, then=stop, after=unit.start_time),
-        _go(unit, [START_UP, PRODUCTION], STORM, mean - unit.storm_wind, then=stop),
-        _go(unit, [NORMAL_STOP], IDLING, slow, feathered),
-        _go(unit, [OVERSPEED], RESTART, slow, feathered),
+        _go(unit, [PRODUCTION], NORMAL_STOP, _below(mean, unit.stop_wind), settled, then=stop),
+        _go(unit, [START_UP], NORMAL_STOP, _after(unit, unit.start_time), then=stop),
+        _go(unit, [START_UP, PRODUCTION], STORM, _above(mean, unit.storm_wind), settled, then=stop),
+        _go(unit, [NORMAL_STOP], IDLING, *ended),
+        _go(unit, [OVERSPEED], RESTART, *ended),
     ]
 
 
 def _protection(unit: Supervisor):
     """Against overspeed, at once in any state; the later of two at one instant counts."""
-    measured, true, count = unit.sensor.measured, unit.generator.speed, unit.overspeeds + 1
-    running, tired = [START_UP, PRODUCTION, STORM, NORMAL_STOP], count - unit.most_overspeeds - 0.5
-    fast = measured - unit.overspeed
+    running, count = [START_UP, PRODUCTION, STORM, NORMAL_STOP], unit.overspeeds + 1
+    fast, tired = _above(unit.sensor.measured, unit.overspeed), count - unit.most_overspeeds - 0.5
     counted = assign(unit.overspeeds, count)
+    over = _above(unit.generator.speed, unit.emergency_speed)
     return [
-        _go(unit, running, OVERSPEED, fast, -tired, after=-1,
-            then=[*_stopping(unit, unit.overspeed_rate), counted]),
-        _go(unit, running, EMERGENCY_STOP, fast, tired, after=-1, then=[*_emergency(unit), counted]),
-        _go(unit, [*running, IDLING, OVERSPEED, RESTART], EMERGENCY_STOP, true - unit.emergency_speed, after=-1,
-            then=_emergency(unit)),
-    ]  # fmt: skip
+        _go(unit, running, OVERSPEED, fast, -tired, then=[*_stopping(unit, unit.overspeed_rate), counted]),
+        _go(unit, running, EMERGENCY_STOP, fast, tired, then=[*_emergency(unit), counted]),
+        _go(unit, [*running, IDLING, OVERSPEED, RESTART], EMERGENCY_STOP, over, then=_emergency(unit)),
+    ]
