@@ -22,7 +22,7 @@ from fowtlib.modelfile.paths import check_variable
 from fowtlib.modelfile.short_forms import Condition
 from fowtlib.solving.engines.base import SOLVERS
 from fowtlib.solving.model import Model
-from fowtlib.solving.timeline import meant
+from fowtlib.solving.timeline import EVERY, meant
 
 SEA, REGULAR = "sea", "regular"
 STATED = {REGULAR: ("wave_height", "wave_period"), "jonswap": ("significant_wave_height", "peak_period")}
@@ -149,7 +149,7 @@ class _Checker:
         if not fits:
             hint = did_you_mean(name, known) if known else ": no part of the model offers any."
             raise _Wrong("events", f"events: there is no event '{name}'{hint}")
-        if len(fits) > 1:
+        if len(fits) > 1 and EVERY not in name:
             raise _Wrong("events", f"events: '{name}' can happen at {len(fits)} places; say which: {', '.join(fits)}.")
         end = self.model.settings.get("duration") if duration is None else duration
         if isinstance(at := event.get("at"), (int, float)) and end is not None and at > float(end):
