@@ -1,9 +1,12 @@
-"""Pictures of design maps: curves over one parameter, contours over two, with what the limits leave."""
+"""Pictures of design maps: curves over one parameter, contours over two, with what the limits leave.
+
+The functions read attributes only: those of a ParameterMap.
+"""
 
 from __future__ import annotations
 
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
@@ -13,14 +16,12 @@ if TYPE_CHECKING:
     from matplotlib.axes import Axes
     from matplotlib.figure import Figure
 
-    from fowtlib.analysis.maps import ParameterMap
-
 LEVELS = 9
 COLUMNS = 2  # of panels
 BROKEN = COLORS[1]
 
 
-def plot_map(map_: ParameterMap, path: str | Path | None = None, title: str = "") -> Figure:
+def plot_map(map_: Any, path: str | Path | None = None, title: str = "") -> Figure:
     """One panel for each quantity; what breaks a limit is hatched, the limit itself a dashed line."""
     names = list(map_.table)
     rows = -(-len(names) // COLUMNS)
@@ -38,7 +39,7 @@ def plot_map(map_: ParameterMap, path: str | Path | None = None, title: str = ""
     return save_figure(figure, path)
 
 
-def _curve(axis: Axes, map_: ParameterMap, name: str) -> None:
+def _curve(axis: Axes, map_: Any, name: str) -> None:
     x, values, kept = map_.axes[0].values, map_[name], map_.feasible
     axis.plot(x, values, color=COLORS[0])
     axis.plot(x[~kept], values[~kept], "x", color=BROKEN, ms=5)
@@ -47,7 +48,7 @@ def _curve(axis: Axes, map_: ParameterMap, name: str) -> None:
             axis.axhline(limit.number(map_.units[name]), color=INK, lw=1.0, ls="--")
 
 
-def _contours(axis: Axes, map_: ParameterMap, name: str) -> None:
+def _contours(axis: Axes, map_: Any, name: str) -> None:
     x, y = map_.axes[0].values, map_.axes[1].values
     values = np.ma.masked_invalid(map_[name].T)
     axis.set_ylabel(f"{map_.axes[1].path} [{map_.axes[1].unit}]")
