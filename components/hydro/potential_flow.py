@@ -13,7 +13,7 @@ from fowtlib.components.hydro.linear_loads import (
     waterplane_stiffness,
 )
 from fowtlib.components.mechanics.connectors import Frame
-from fowtlib.language import Component, Data, Vector, data, outer, param, port
+from fowtlib.language import Component, Data, Vector, data, facts, outer, param, port
 from fowtlib.language.errors import ParameterError
 
 
@@ -63,3 +63,8 @@ class LinearPotentialFlow(Component):
                     f"{expected:g} {unit}: change the one or compute the other again."
                 )
         return []
+
+    def facts(self) -> list[facts.Fact]:
+        known = self.database
+        scale = self.world.parameter_value("water_density") / known.rho
+        return [] if known.A_zero is None else [facts.Loads("A(0)", scale * known.A_zero, "kg")]

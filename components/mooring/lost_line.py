@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from fowtlib.language import Component, OfferedEvent, Scalar, assign, event, on, var
+from fowtlib.language import Component, OfferedEvent, Scalar, assign, event, facts, on, var
 from fowtlib.language import math as m
 
 
@@ -27,3 +27,6 @@ class LosableLine(Component):
     def when_lost(self, distance, rise):
         """What happens then."""
         return on(self.loss, assign(self.intact, 0), assign(self.last_distance, distance), assign(self.last_rise, rise))
+
+    def facts(self) -> list[facts.Fact]:
+        return [facts.Reading(name) for name in ("tension", "anchor_tension") if name in self.variables]

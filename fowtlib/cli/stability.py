@@ -7,7 +7,7 @@ from pathlib import Path
 from typing import Any
 
 from fowtlib.cli import loading, tables
-from fowtlib.cli.files import FIGURES, TABLES, check_target, say_saved
+from fowtlib.cli.files import FIGURES, check_target, say_saved
 
 EQUILIBRIUM = """In still water, and in the wind of --wind or of the model, at its mean speed.
 
@@ -44,7 +44,7 @@ def show_equilibrium(arguments: argparse.Namespace) -> int:
     """Print the results of the model at its equilibrium."""
     from fowtlib.solving import mean_state
 
-    check_target(arguments.table, TABLES, arguments.force)
+    tables.check(arguments)
     model, conditions = loading.load_at_rest(arguments)
     plant = model.compile()
     state = mean_state(plant)
@@ -58,7 +58,7 @@ def show_modes(arguments: argparse.Namespace) -> int:
     """Print the modes of the linear model at the equilibrium, slowest first."""
     from fowtlib.solving import mean_state, natural_modes
 
-    check_target(arguments.table, TABLES, arguments.force)
+    tables.check(arguments)
     check_target(arguments.plot, FIGURES, arguments.force)
     model, conditions = loading.load_at_rest(arguments)
     plant = model.compile()

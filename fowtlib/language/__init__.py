@@ -1,6 +1,6 @@
 """Floor 1: what an author of components writes with."""
 
-from fowtlib.language import math, shapes
+from fowtlib.language import facts, math, shapes
 from fowtlib.language.component import Assembly, Component
 from fowtlib.language.connectors import Connector, RealInput, RealOutput, flow, orientation, potential
 from fowtlib.language.declarations import (
@@ -92,6 +92,7 @@ __all__ = [
     "rotation",
     "run_time_series",
     "sampled",
+    "facts",
     "shapes",
     "table1d",
     "table2d",

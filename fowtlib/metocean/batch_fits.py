@@ -11,13 +11,11 @@ import numpy as np
 
 from fowtlib.language.errors import ModelError, did_you_mean
 from fowtlib.metocean.fits import Fits
-from fowtlib.metocean.pooled_tails import Pool, Tail, exponential
+from fowtlib.metocean.pooled_tails import EXPONENTIAL, GAUSSIAN, Pool, Tail, tail_of
 from fowtlib.metocean.short_term import Gumbel, UpCrossings
 from fowtlib.metocean.states import COLUMNS, State, States
 
 LAWS = ("gumbel", "pooled", "rates", "gaussian")
-EXPONENTIAL = "an exponential tail in place of one that falls slower"
-GAUSSIAN = "as of a Gaussian process, for want of a tail,"
 
 
 class Row(Protocol):
@@ -66,6 +64,12 @@ def fits_of_batch(
     if chosen == "gumbel" and fewest < 2:
         raise ModelError(f"{batch.folder}: a state has one run alone; a Gumbel law needs several. Take --law pooled.")
     names = list(responses or known)
+    for row in (row for rows in groups.values() for row in rows):
+        for name in names:
+            if name not in row.statistics:
+                raise ModelError(
+                    f"{batch.folder}: the case '{row.name}' has no statistics of '{name}'; name others with --results."
+                )
     if chosen == "gumbel":
         return _gumbel(batch, groups, names, duration)
     return _rates(batch, groups, names, duration, chosen, progress)
@@ -108,13 +112,12 @@ def _gumbel(batch: Batch, groups: dict[Key, list[Row]], names: list[str], durati
     longer = duration / spans.pop()
 
     def law(name: str, keys: list[Key]) -> Gumbel:
-        fits = [Gumbel.of_maxima([row.statistics[name]["max"] for row in groups[key]]) for key in keys]
-        scale = np.array([fit.scale for fit in fits])
-        if not (scale > 0).all():
+        fit = Gumbel.of_runs([row.statistics[name]["max"] for row in groups[key]] for key in keys)
+        if not (fit.scale > 0).all():
             raise ModelError(
                 f"{batch.folder}: '{name}' has one maximum in all runs of a state; name others with --results."
             )
-        return Gumbel(np.array([fit.location for fit in fits]) + scale * np.log(longer), scale)
+        return Gumbel(fit.location + fit.scale * np.log(longer), fit.scale)
 
     return {name: _fits(name, groups, lambda keys, name=name: law(name, keys)) for name in names}
 
@@ -124,7 +127,7 @@ def _rates(
 ) -> dict[str, Fits]:
     tails: dict[str, dict[Any, Tail]] = {name: {} for name in names}
     kinds: dict[str, Counter[str]] = {name: Counter() for name in names}
-    pools = {name: Pool() for name in names}
+    pools = {name: Pool(name) for name in names}
     for number, (key, rows) in enumerate(groups.items()):
         if law == "pooled" and len(rows) == 1 and batch.path(rows[0].name) is None:
             _add_kept(pools, key, rows[0])
@@ -136,18 +139,17 @@ def _rates(
             if law == "pooled":
                 pools[name].add(key, key[0].wind_speed, records)
                 continue
-            tails[name][key], kind = _tail(records) if law == "rates" else (_gaussian(records), "")
+            tails[name][key], kind = _tail(name, records) if law == "rates" else (_gaussian(records), "")
             kinds[name][kind] += 1
         progress(number + 1, len(groups))
     if law == "pooled":
         for name, pool in pools.items():
-            tails[name], plain = pool.tails(lambda key: key[0].wind_speed)
-            if plain:
-                warnings.warn(f"{name}: {GAUSSIAN} at {plain} of {len(pool.counts)} wind speeds.", stacklevel=1)
+            tails[name], kinds[name] = pool.tails(lambda key: key[0].wind_speed)
     for name, counts in kinds.items():
+        places = f"{len(pools[name].counts)} wind speeds" if law == "pooled" else f"{len(groups)} states"
         for kind in (EXPONENTIAL, GAUSSIAN):
             if counts[kind]:
-                warnings.warn(f"{name}: {kind} in {counts[kind]} of {len(groups)} states.", stacklevel=1)
+                warnings.warn(f"{name}: {kind} in {counts[kind]} of {places}.", stacklevel=1)
     return {
         name: _fits(name, groups, lambda keys, name=name: UpCrossings.of([tails[name][key] for key in keys], duration))
         for name in names
@@ -164,16 +166,12 @@ def _add_kept(pools: dict[str, Pool], key: Key, row: Row) -> None:
             raise ModelError(f"{row.name}: {name}: {error} Name the results to evaluate with --results.") from None
 
 
-def _tail(records: list[Any]) -> tuple[Tail, str]:
+def _tail(name: str, records: list[Any]) -> tuple[Tail, str]:
     """The tail of the rates, and what was made of it where it could not be fitted as it is."""
-    from fowtlib.analysis.tails import crossing_rates, fit_rates
+    from fowtlib.analysis.tails import crossing_rates
 
     try:
-        rates = crossing_rates(records)
-        fit = fit_rates(rates)
-        if fit.c < 1:
-            return exponential(rates), EXPONENTIAL
-        return Tail(fit.q, fit.a, fit.b, fit.c, fit.threshold), ""
+        return tail_of(crossing_rates(records), name)
     except ModelError:
         return _gaussian(records), GAUSSIAN
 

@@ -152,15 +152,12 @@ def _default(offer: Offer, item: Parameter, root: Component | None) -> float:
 
 def _chosen(event: Event, dae: FlatDAE) -> int:
     """Number of the offer that an event means."""
-    names = event.what.split(".")
-    fits = [k for k, offer in enumerate(dae.offers) if _within(names, offer.path.split("."))]
-    exact = [k for k in fits if dae.offers[k].path == event.what]
-    if len(exact or fits) == 1:
-        return (exact or fits)[0]
-    paths = [dae.offers[k].path for k in fits]
+    known = [offer.path for offer in dae.offers]
+    paths = meant(event.what, known)
+    if len(paths) == 1:
+        return known.index(paths[0])
     if paths:
         raise event.error(f"it can happen at {len(paths)} places; say at which: {_listed(paths)}.")
-    known = [offer.path for offer in dae.offers]
     if not known:
         raise NotFoundError(f"there is no event '{event.what}': no part of this model offers any.", where=event.place)
     hint = did_you_mean(event.what, known, list_up_to=0)
@@ -168,8 +165,16 @@ def _chosen(event: Event, dae: FlatDAE) -> int:
     raise NotFoundError(text, where=event.place)
 
 
+def meant(what: str, paths: Sequence[str]) -> list[str]:
+    """The paths of events that a text can mean: the one that it is, or all that end as it does.
+
+    Names in the middle of a path may be left out; those that are given stand in its order.
+    """
+    names = what.split(".")
+    return [what] if what in paths else [path for path in paths if _within(names, path.split("."))]
+
+
 def _within(names: Sequence[str], path: Sequence[str]) -> bool:
-    """Whether the path ends as the names do, and has the other ones in their order."""
     rest = iter(path)
     return path[-1] == names[-1] and all(name in rest for name in names)
 

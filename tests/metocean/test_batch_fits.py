@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 
 import numpy as np
@@ -139,6 +139,16 @@ def test_cases_that_are_missing_are_told(monkeypatch):
     with pytest.warns(UserWarning, match=rf"2 cases of made.batch are not done; states without any hold {share:.2g} %"):
         fits = fits_of_batch(batch, ["surge"], "gaussian", 3600.0)
     assert len(fits["surge"].bins[0]) == len(STATES) - 2
+
+
+@pytest.mark.parametrize(("seeds", "law"), [(1, "pooled"), (2, "gumbel"), (1, "gaussian")])
+def test_a_response_that_one_case_lacks(seeds, law, monkeypatch):
+    """As one with a value that is not finite, of which no statistics are kept."""
+    batch = made(seeds, monkeypatch)
+    row = batch.rows_[3]
+    batch.rows_[3] = replace(row, statistics={"power": row.statistics["surge"]})
+    with pytest.raises(ModelError, match=f"the case '{row.name}' has no statistics of 'surge'; name others with"):
+        fits_of_batch(batch, None, law, 3600.0)
 
 
 def test_refusals(monkeypatch):
