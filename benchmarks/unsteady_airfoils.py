@@ -23,8 +23,9 @@ CASES = {
 DURATION, DISCARDED = 400.0, 200.0  # [s]
 MOMENT = "blade_root_flapwise_moment_1"
 SHOWN = (
-    ("aero_power", "mean", "mean power"), ("thrust", "mean", "mean thrust"), (MOMENT, "mean", "mean flapwise moment"),
-    (MOMENT, "std", "its deviation"), ("tower_base_fore_aft_moment", "std", "deviation of tower base"),
+    ("aero_power", "mean", "mean power [kW]", 1.0), ("thrust", "mean", "mean thrust [kN]", 1.0),
+    (MOMENT, "mean", "mean flapwise moment [kN m]", 1e-3), (MOMENT, "std", "its deviation [kN m]", 1e-3),
+    ("tower_base_fore_aft_moment", "std", "deviation of the tower base [kN m]", 1e-3),
 )  # fmt: skip
 
 
@@ -39,7 +40,7 @@ def of_case(settings: dict) -> tuple[dict[str, dict[tuple[str, str], float]], di
         spent[word] = time.process_time() - before
         after = np.asarray(result.time) >= DISCARDED
         found[word] = {
-            (name, what): float(getattr(np.asarray(result[name])[after], what)()) for name, what, _ in SHOWN
+            (name, what): float(getattr(np.asarray(result[name])[after], what)()) for name, what, *_ in SHOWN
         }
     return found, spent
 
@@ -50,15 +51,15 @@ def main() -> None:
     for title, settings in CASES.items():
         found, spent = of_case(settings)
         steady = found["steady"]
-        rows.append([title, "steady", *(f"{steady[name, what] / 1e3:.5g} k" for name, what, _ in SHOWN)])
+        rows.append([title, "steady", *(f"{steady[name, what] * factor:.5g}" for name, what, _, factor in SHOWN)])
         for word in list(AIRFOIL_MODELS)[1:]:
-            change = [f"{100 * (found[word][name, what] / steady[name, what] - 1):+.2f} %" for name, what, _ in SHOWN]
+            change = [f"{100 * (found[word][name, what] / steady[name, what] - 1):+.2f} %" for name, what, *_ in SHOWN]
             rows.append([title, word, *change])
         costs.append([title, *(f"{spent[word]:.2f} s, {spent[word] / spent['steady']:.2f}" for word in AIRFOIL_MODELS)])
-        print(markdown((("wind", "model", *(head for *_, head in SHOWN)), rows)), flush=True)
+        print(markdown((("wind", "model", *(head for *_, head, _ in SHOWN)), rows)), flush=True)
         print(markdown((("wind", *AIRFOIL_MODELS), costs)), flush=True)
     page = PAGE.read_text(encoding="utf-8")
-    page = fill(page, "effects", markdown((("wind", "airfoils", *(head for *_, head in SHOWN)), rows)))
+    page = fill(page, "effects", markdown((("wind", "airfoils", *(head for *_, head, _ in SHOWN)), rows)))
     page = fill(page, "costs", markdown((("processor time of 400 s", *AIRFOIL_MODELS), costs)))
     PAGE.write_text(page, encoding="utf-8")
 
