@@ -1,10 +1,10 @@
 """PI gains of blade pitch control for a wanted frequency and damping, from the model's own linearisation.
 
-The rotor alone, with the platform and the other rotors held and what is fast within the turbine residualised, follows
-w' = a w + b pitch for small changes of the generator speed w. The gains k_P = -(2 zeta omega + a) / b and
-k_I = -omega^2 / b give it the wanted frequency omega and damping ratio zeta in each wind. J. Jonkman et al.,
-NREL/TP-500-38060 (2009), section 7.3 has the same without a, and fits b linearly in the pitch, as here: the gains of a
-PitchController are those at zero pitch over 1 + 2 pitch / doubling_pitch.
+The rotor alone, with the platform and the other rotors held, answers at the wanted frequency like w' = a w + b pitch
+for small changes of the generator speed w; drive train, blades, wake and generator torque of its turbine take part. The
+gains k_P = -(2 zeta omega + a) / b and k_I = -omega^2 / b give it the wanted frequency omega and damping ratio zeta in
+each wind. J. Jonkman et al., NREL/TP-500-38060 (2009), section 7.3 has the same without a, and fits b linearly in the
+pitch, as here: the gains of a PitchController are those at zero pitch over 1 + 2 pitch / doubling_pitch.
 
 On a floating platform the rotor is not alone: the poles of the whole model in each wind say whether pitch or yaw of the
 platform lose their damping (T. J. Larsen and T. D. Hanson, J. Phys.: Conf. Ser. 75 (2007) 012073).
@@ -20,9 +20,9 @@ import numpy as np
 
 from fowtlib.components.servo import PitchController
 from fowtlib.control.points import OVER
-from fowtlib.control.reduction import opened, reduced
+from fowtlib.control.reduction import opened
 from fowtlib.language.errors import ModelError, ParameterError, SimulationError
-from fowtlib.solving import LinearModel, Model, NaturalMode, Plant, State, mean_state, natural_modes
+from fowtlib.solving import Model, NaturalMode, Plant, State, mean_state, natural_modes
 from fowtlib.solving.starts import mean_values
 
 LEAST_PITCH = np.radians(0.5)
@@ -134,32 +134,17 @@ class PitchLoop:
         except SimulationError as error:
             raise error.at(f"{OVER} = {wind:g} m/s") from None
 
-    def response(self, wind: float) -> RotorResponse:
-        """How the rotor answers in a wind; the turbine is at its own operating point there."""
+    def response(self, wind: float, frequency: float = 0.2) -> RotorResponse:
+        """How the rotor answers in a wind at a frequency [rad/s]; the turbine is at its own operating point there."""
         state = self.state(wind)
-        linear = self.plant.linearize(state, outputs=[self.speed])
-        return self._rotor(linear, wind, float(state[f"{self.path}.pitch"]))
-
-    def _rotor(self, linear: LinearModel, wind: float, pitch: float) -> RotorResponse:
-        cut = opened(linear, [f"{self.path}.pitch"])
+        cut = opened(self.plant.linearize(state, outputs=[self.speed]), [f"{self.path}.pitch"])
         turbine = self.path.split(".")[0] + "."
-        rotor = cut.states[int(np.argmax(np.abs(cut.matrices["C"][0])))]
-        held = [name for name in cut.states if not name.startswith(turbine)]
-        held += [name for name in self._angles() if name in cut.states]
-        small = reduced(cut, [rotor], [name for name in dict.fromkeys(held) if name != rotor])
-        A, B, C = (small.matrices[name] for name in "ABC")
-        return RotorResponse(wind, pitch, float(A[0, 0]), float(C[0, 0] * B[0, -1]))
-
-    def _angles(self) -> list[str]:
-        """Azimuths, and what is geared to them: coordinates that turn on and on."""
-        from fowtlib.solving.modes import rate_states
-
-        dae = self.plant.dae
-        start = self.plant.initial_state()
-        return [
-            dae.states[k].path for k, rate in rate_states(dae).items()
-            if dae.states[k].unit == "rad" and abs(start.x[rate]) > 1e-6
-        ]  # fmt: skip
+        own = [k for k, name in enumerate(cut.states) if name.startswith(turbine)]
+        A, B, C, D = (cut.matrices[name] for name in "ABCD")
+        motion = np.linalg.solve(1j * frequency * np.eye(len(own)) - A[np.ix_(own, own)], B[own, -1])
+        inverse = 1 / (C[0, own] @ motion + D[0, -1])  # (i omega - a) / b
+        b = frequency / inverse.imag
+        return RotorResponse(wind, float(state[f"{self.path}.pitch"]), float(-b * inverse.real), float(b))
 
     def poles(self, winds: Iterable[float], tuned: Tuned | None = None) -> list[Poles]:
         """The modes of the whole model in each wind, with the gains of the model or with tuned ones."""
@@ -225,7 +210,7 @@ def tune_pi(loop: PitchLoop, winds: Iterable[float], frequency: float, damping: 
     if not (np.isfinite(frequency) and frequency > 0 and np.isfinite(damping) and damping > 0):
         raise ParameterError(f"frequency {frequency:g} rad/s and damping ratio {damping:g}: both must be positive.")
     winds = [float(wind) for wind in winds]
-    responses = [response for wind in winds if (response := loop.response(wind)).pitch > LEAST_PITCH]
+    responses = [response for wind in winds if (response := loop.response(wind, frequency)).pitch > LEAST_PITCH]
     if len(responses) < 2:
         raise ParameterError(
             f"of the winds {', '.join(f'{wind:g}' for wind in winds)} m/s the blades are pitched in {len(responses)}; "

@@ -55,6 +55,14 @@ def test_the_response_is_the_slope_of_the_torque(loop):
     assert_allclose(response.pitch, state["turbine.blade_pitch"], rtol=1e-9)
 
 
+def test_a_rotor_of_blade_elements_behind_a_soft_drive_train(loop):
+    """Its speed has several states, of rotor, gear and generator; the answer is nearly that of the table."""
+    blades = PitchLoop(fw.load("oc3_spar_rigid_bem")).response(14.0)
+    table = loop.response(14.0)
+    assert_allclose(blades.b, table.b, rtol=0.2)
+    assert_allclose(blades.pitch, table.pitch, atol=np.radians(0.5))
+
+
 def test_the_schedule_meets_the_frequency_and_no_wind_has_less_damping(tuned):
     assert [item.wind for item in tuned.responses] == [13.0, 17.0, 21.0]  # at 9 m/s the blades are not pitched
     for item in tuned.responses:
@@ -128,7 +136,7 @@ def test_the_command_prints_gains_and_damping(capsys):
     rows = json.loads(printed.out)
     assert [row["wind [m/s]"] for row in rows] == [13.0, 18.0]
     assert rows[0]["pitch damping"] > 0.1 > rows[0]["pitch damping, new"]
-    assert rows[0]["its damping"] == pytest.approx(0.7, abs=0.05)
+    assert min(row["its damping"] for row in rows) == pytest.approx(0.7, abs=1e-6)
     assert "--set turbine.control.proportional_gain=" in printed.err
     assert "13 m/s: with the new gains platform pitch grows" in printed.err
 
