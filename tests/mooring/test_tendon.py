@@ -178,11 +178,12 @@ def test_a_tendon_that_is_slack_at_rest_is_an_error(lift):
         plant.simulate(0.05, 0.01, start={"motion.heave": heave})
 
 
-def test_a_lost_tendon_leaves_the_others():
+def test_a_lost_tendon_leaves_the_others_and_is_not_called_slack(recwarn):
     plant = fw.load(platform(2)).compile()
     result = plant.simulate(1.0, 0.1, start=plant.equilibrium(), outputs=["tendon_1.tension", "tendon_2.tension"],
                             events=["tendon_1.loss at 0.5 s"])  # fmt: skip
     assert result["tendon_1.tension"][-1] == 0 < result["tendon_2.tension"][-1]
+    assert not [warning for warning in recwarn if "tendon_1" in str(warning.message)]
 
 
 @pytest.mark.parametrize(
