@@ -10,6 +10,7 @@ from fowtlib.components.blocks import Constant
 from fowtlib.components.mechanics import Fixed, FreeMotion, RigidBody, World, WorldForce
 from fowtlib.components.mooring import Tendon
 from fowtlib.components.mooring.catenary import Line, fairlead_tension
+from fowtlib.fmi.guards import guarded
 from fowtlib.language import Assembly
 from fowtlib.language.errors import ModelError, SimulationError
 
@@ -176,6 +177,13 @@ def test_a_tendon_that_is_slack_at_rest_is_an_error(lift):
     assert "Give the platform more buoyancy or less ballast" in str(error.value)
     with pytest.warns(UserWarning, match="slack from the start"):  # a run may begin so, and pass through
         plant.simulate(0.05, 0.01, start={"motion.heave": heave})
+
+
+def test_an_fmu_has_no_condition_of_an_equilibrium():
+    plant = fw.load(platform()).compile()
+    levels = [[check.level for check in item.dae.checks] for item in (plant, guarded(plant, plant.binding()))]
+    assert levels[0].count("rest") == 1 and "rest" not in levels[1]
+    assert [level for level in levels[0] if level != "rest"] == levels[1][: len(levels[0]) - 1]
 
 
 def test_a_lost_tendon_leaves_the_others_and_is_not_called_slack(recwarn):
