@@ -179,6 +179,10 @@ def test_a_tendon_that_is_slack_at_rest_is_an_error(lift):
         plant.simulate(0.05, 0.01, start={"motion.heave": heave})
 
 
+def test_dimensions_agree():
+    assert "nothing wrong" in str(fw.load(platform(2)).check())
+
+
 def test_an_fmu_has_no_condition_of_an_equilibrium():
     plant = fw.load(platform()).compile()
     levels = [[check.level for check in item.dae.checks] for item in (plant, guarded(plant, plant.binding()))]
