@@ -68,8 +68,8 @@ class Tendon(Losable):
             [eq(self.fairlead.f, along * pull + weight), eq(self.fairlead.t, m.zeros(3))],
             hold_anchor(self, weight - along * pull),
             on(self.loss, assign(self.intact, 0)),
-            when(self.least_tension + (1 - there) * self.slack_tension < 0, assign(self.slack_events, self.slack_events + 1),
-                 assign(self.first_slack, first)),
+            when(self.least_tension + (1 - there) * self.slack_tension < 0,
+                 assign(self.slack_events, self.slack_events + 1), assign(self.first_slack, first)),
             *_limits(self, half),
         ]  # fmt: skip
 
