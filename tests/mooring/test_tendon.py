@@ -44,6 +44,13 @@ def test_pretension_is_the_tension_at_the_fairlead_of_the_given_length(weight):
     assert f == pytest.approx([0, 0, weight * unstretched], abs=1e-6)
 
 
+def test_tension_of_the_mit_nrel_tlp():
+    """3833.3 kN at the fairlead and 3680.0 kN at the anchor: OpenFAST r-test 5MW_TLP, one of its eight tendons."""
+    state = between(right=(0, 0, -47.89), length=151.73, mass_per_length=116.027, diameter=0.127,
+                    weight_per_length=None).initial_state()  # fmt: skip
+    assert [state["line.tension"], state["line.anchor_tension"]] == pytest.approx([3833.3e3, 3680.0e3], rel=5e-4)
+
+
 @pytest.mark.parametrize("direction", [(0, 0, 1), (0.3, -0.2, 1), (1, 1, 0.5)])
 def test_stiffness_along_and_across(direction):
     along = np.array(direction) / np.linalg.norm(direction)
