@@ -13,9 +13,9 @@ from fowtlib.language import math as m
 class Tendon(Losable):
     """A straight heavy tendon from an anchor to a fairlead: EA / L along it, T / L across it, its weight half and half.
 
-    `length` is the distance of its ends at which an upright tendon has the tension `pretension` at its fairlead: with
-    pretension 0, the unstretched length and the weight apart. With the mean tension T_0 = pretension - w length / 2, w
-    the weight in water, and the unstretched length L = length / (1 + T_0 / EA), the mean tension is T = T_0 + EA / L
+    `length` is the distance of its ends at which an upright tendon has the tension `pretension` at its fairlead; where
+    no pretension is given, its unstretched length. With the mean tension T_0 = pretension - w length / 2, or 0, w the
+    weight in water, and the unstretched length L = length / (1 + T_0 / EA), the mean tension is T = T_0 + EA / L
     (distance - length) + damping d(distance)/dt, and (T + sqrt(T^2 + slack_tension^2)) / 2 in its place: smooth, never
     negative, within (slack_tension / 2 T)^2 of T where it is taut. Towards its ends the tension differs from the mean
     by half of the weight, w L / 2 upwards.
@@ -25,8 +25,8 @@ class Tendon(Losable):
     drag or bending. Errors: an end below the seabed. Warnings: a tension above the breaking load. It may be lost.
     """
 
-    length: Scalar = param(unit="m", min=1e-3, doc="distance of the ends at which the tension is the pretension")
-    pretension: Scalar = param(default=0.0, unit="N", min=0, doc="tension at the fairlead at that distance, upright")
+    length: Scalar = param(unit="m", min=1e-3, doc="distance at which it has the pretension; without one, unstretched")
+    pretension: Scalar = param(default=None, unit="N", min=0, doc="tension at the fairlead at that distance, upright")
     axial_stiffness: Scalar = param(unit="N", min=1e-3, doc="axial stiffness EA")
     mass_per_length: Scalar = param(default=None, unit="kg/m", min=0, doc="mass per length in air")
     diameter: Scalar = param(default=0.0, unit="m", min=0, doc="diameter of a bar that displaces the same water")
@@ -54,7 +54,7 @@ class Tendon(Losable):
         line = self.fairlead.r - self.anchor.r
         along, half = line / self.distance, w * self.unstretched / 2
         rate = m.dot(along, der(self.fairlead.r) - der(self.anchor.r))
-        start = self.pretension - w * self.length / 2
+        start = 0 if self.pretension is None else self.pretension - w * self.length / 2
         pull = there * m.smooth_max(self.mean_tension, 0, self.slack_tension)
         weight = m.vertcat(0, 0, there * half)
         first = m.if_else(self.slack_events > 0.5, self.first_slack, self.time)
@@ -68,8 +68,8 @@ class Tendon(Losable):
             [eq(self.fairlead.f, along * pull + weight), eq(self.fairlead.t, m.zeros(3))],
             hold_anchor(self, weight - along * pull),
             on(self.loss, assign(self.intact, 0)),
-            when(self.least_tension < 0, assign(self.slack_events, self.slack_events + 1),
-                 assign(self.first_slack, first)),
+            when(self.least_tension + (1 - there) * self.slack_tension < 0,
+                 assign(self.slack_events, self.slack_events + 1), assign(self.first_slack, first)),
             *_limits(self, half),
         ]  # fmt: skip
 

@@ -8,7 +8,7 @@ the conditions move from what they are there to what is wanted, in steps that be
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Any
 
 import casadi as ca
@@ -29,7 +29,8 @@ Values = Mapping[str, Any]
 Plant = Any
 """fowtlib.solving.plant.Plant, which calls this module."""
 
-SHORTEST = 1 / 64  # of the way to the wanted conditions, in one step
+SHORTEST = 1 / 32  # of the way to the wanted conditions, in one step
+ITERATIONS = 30  # of one step; from a start that is near enough some ten are needed
 NONE = 1e-10  # relative change of a condition by relative changes of the parameters that counts as none
 
 
@@ -91,6 +92,32 @@ class _Problem:
         start = np.array([values[item.path].T.flat[item.number] for item in sought])
         self.scale = np.where(start == 0, 1.0, np.abs(start))
         self.want = np.array([item.value for item in wanted])
+        self.places = [plant.layout.p[item.path].start + item.number for item in sought]
+        self.base, self.alone = plant.binding(self.parameters(np.zeros(len(sought)))), False
+        self.alone = self._moves_alone()
+
+    def _moves_alone(self) -> bool:
+        """Whether no other number of a run follows from those that are freed, so that nothing is bound anew."""
+        if any(item.path in reads for reads in self.base.reads.values() for item in self.sought):
+            return False
+        try:
+            moved = self.plant.binding(self.parameters(np.full(len(self.sought), 1e-6))).p
+        except ModelError:
+            return False
+        return set(np.flatnonzero(moved != self.base.p)) <= set(self.places)
+
+    def at(self, shares: np.ndarray) -> AtParameters:
+        """The functions with those that are freed at these shares; ModelError where one is out of its bounds."""
+        if not self.alone:
+            return self.plant.at(self.parameters(shares))
+        p = self.base.p.copy()
+        p[self.places] += shares * self.scale
+        for item, value in zip(self.sought, p[self.places], strict=True):
+            bounds = self.plant.dae.parameters[item.path]
+            if (bounds.min is not None and value < bounds.min) or (bounds.max is not None and value > bounds.max):
+                raise ParameterError(f"{item.name} = {value:g} is out of its bounds.")
+        self.plant.dae.check_dependents(p)
+        return self.plant.functions.at(replace(self.base, p=p))
 
     def parameters(self, shares: np.ndarray) -> dict[str, Any]:
         """The parameters of a run, with those that are freed at these shares."""
@@ -201,7 +228,7 @@ class _Equations:
     def _rows(self, values: np.ndarray) -> np.ndarray:
         x, z, shares = self.unpack(values)
         try:
-            at = self.problem.plant.at(self.problem.parameters(shares))
+            at = self.problem.at(shares)
         except ModelError:  # a parameter out of its bounds
             return np.full(self.nx + self.nz + len(self.problem.wanted), np.nan)
         return np.array(at.call(self.value, self.t, x, z, self.q)).ravel()
@@ -210,20 +237,22 @@ class _Equations:
         """The unknowns with these conditions; None where they are not found."""
         kept = np.r_[self.moving, self.nx : self.nx + self.nz + want.size].astype(int)
         shift = np.concatenate([np.zeros(len(self.moving) + self.nz), want])
-        solution = newton(lambda v: self._rows(v)[kept] - shift, lambda v: self._slopes(v)[kept], values)
+        solution = newton(
+            lambda v: self._rows(v)[kept] - shift, lambda v: self._slopes(v)[kept], values, limit=ITERATIONS
+        )
         return solution.values if solution.converged else None
 
     def _slopes(self, values: np.ndarray) -> sparse.csr_matrix:
         x, z, shares = self.unpack(values)
         problem = self.problem
-        at = problem.plant.at(problem.parameters(shares))
+        at = problem.at(shares)
         by_x, by_z, *by_numbers = (csc(block) for block in at.call(self.jacobian, self.t, x, z, self.q))
         by = dict(zip(self.columns, by_numbers, strict=True))
-        through = {path: start_slopes(at.dae, at.binding, path) for path in self.paths}
+        through = {} if problem.alone else {path: start_slopes(at.dae, at.binding, path) for path in self.paths}
         columns = []
         for item, scale in zip(problem.sought, problem.scale, strict=True):
             column = by[item.path][:, [item.number]].toarray()
-            for name, slope in through[item.path].items():
+            for name, slope in through.get(item.path, {}).items():
                 column = column + by[name] @ slope[:, [item.number]]
             columns.append(column * scale)
         return sparse.csr_matrix(sparse.hstack([by_x[:, self.moving], by_z, np.hstack(columns)]))

@@ -123,3 +123,7 @@ def test_legs_and_line_are_tunable(oc3):
 def test_a_delta_has_two_fairleads():
     with pytest.raises(ParameterError, match="fairleads"):
         fw.load(spar(fairleads=[(0, 0, 0)] * 3)).compile()
+
+
+def test_dimensions_agree():
+    assert "nothing wrong" in str(fw.load(spar()).check())

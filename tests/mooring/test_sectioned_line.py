@@ -272,3 +272,7 @@ def test_warnings_of_a_slack_and_of_a_loaded_line():
         plant.equilibrium()
     with pytest.warns(UserWarning, match="the line is slack"):
         plant.equilibrium({"right.r": (100, 0, -20), "line.breaking_load": 1e9})
+
+
+def test_dimensions_agree():
+    assert "nothing wrong" in str(fw.load(moored()).check())

@@ -10,6 +10,7 @@ from fowtlib.components.blocks import Constant
 from fowtlib.components.mechanics import Fixed, FreeMotion, RigidBody, World, WorldForce
 from fowtlib.components.mooring import Tendon
 from fowtlib.components.mooring.catenary import Line, fairlead_tension
+from fowtlib.fmi.guards import guarded
 from fowtlib.language import Assembly
 from fowtlib.language.errors import ModelError, SimulationError
 
@@ -41,6 +42,13 @@ def test_pretension_is_the_tension_at_the_fairlead_of_the_given_length(weight):
     assert state["line.tension"] - state["line.anchor_tension"] == pytest.approx(weight * unstretched)
     f = np.ravel(state["line.fairlead.f"]) + np.ravel(state["line.anchor.f"])
     assert f == pytest.approx([0, 0, weight * unstretched], abs=1e-6)
+
+
+def test_tension_of_the_mit_nrel_tlp():
+    """3833.3 kN at the fairlead and 3680.0 kN at the anchor: OpenFAST r-test 5MW_TLP, one of its eight tendons."""
+    state = between(right=(0, 0, -47.89), length=151.73, mass_per_length=116.027, diameter=0.127,
+                    weight_per_length=None).initial_state()  # fmt: skip
+    assert [state["line.tension"], state["line.anchor_tension"]] == pytest.approx([3833.3e3, 3680.0e3], rel=5e-4)
 
 
 @pytest.mark.parametrize("direction", [(0, 0, 1), (0.3, -0.2, 1), (1, 1, 0.5)])
@@ -178,11 +186,23 @@ def test_a_tendon_that_is_slack_at_rest_is_an_error(lift):
         plant.simulate(0.05, 0.01, start={"motion.heave": heave})
 
 
-def test_a_lost_tendon_leaves_the_others():
+def test_dimensions_agree():
+    assert "nothing wrong" in str(fw.load(platform(2)).check())
+
+
+def test_an_fmu_has_no_condition_of_an_equilibrium():
+    plant = fw.load(platform()).compile()
+    levels = [[check.level for check in item.dae.checks] for item in (plant, guarded(plant, plant.binding()))]
+    assert levels[0].count("rest") == 1 and "rest" not in levels[1]
+    assert [level for level in levels[0] if level != "rest"] == levels[1][: len(levels[0]) - 1]
+
+
+def test_a_lost_tendon_leaves_the_others_and_is_not_called_slack(recwarn):
     plant = fw.load(platform(2)).compile()
     result = plant.simulate(1.0, 0.1, start=plant.equilibrium(), outputs=["tendon_1.tension", "tendon_2.tension"],
                             events=["tendon_1.loss at 0.5 s"])  # fmt: skip
     assert result["tendon_1.tension"][-1] == 0 < result["tendon_2.tension"][-1]
+    assert not [warning for warning in recwarn if "tendon_1" in str(warning.message)]
 
 
 @pytest.mark.parametrize(
