@@ -9,7 +9,7 @@ the rate nu_0 at which it passes its mean; what they share is the rate over (x -
 
 from __future__ import annotations
 
-from collections.abc import Callable, Hashable, Mapping
+from collections.abc import Callable, Hashable
 from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
@@ -17,6 +17,7 @@ import numpy as np
 from fowtlib.language.errors import ModelError
 
 if TYPE_CHECKING:
+    from fowtlib.analysis.kept import KeptRuns
     from fowtlib.analysis.tails import CrossingRates
 
 LEVELS = np.arange(1.4, 8.01, 0.1)  # deviations above the mean at which passages are counted
@@ -74,21 +75,14 @@ class Pool:
         self.states[key] = _Own(mean, std, passages / span)
         self.mean_passages[group] = self.mean_passages.get(group, 0.0) + passages
 
-    def add_kept(self, key: Hashable, group: float, kept: Mapping[str, Any], span: float) -> None:
-        """The one run of a state, of `span` [s], by what case_statistics gives of it; it is not cut into pieces."""
-        crossings = kept["crossings"]
-        steps = LEVELS / crossings["step"]
-        if not np.allclose(steps, steps.round(), atol=1e-6) or not kept["std"] > 0:
-            raise ModelError("the statistics that are kept do not count passages at the levels that are needed.")
-        passed = np.zeros(int(steps.round().max()) + 1)
-        counts = crossings["above"][: len(passed)]
-        passed[: len(counts)] = counts
-        self.counts.setdefault(group, []).append(passed[steps.round().astype(int)])
-        self.spans.setdefault(group, []).append(span)
-        lowest = (kept["min"] - kept["mean"]) / kept["std"]
-        self.lowest[group] = min(self.lowest.get(group, 0.0), lowest)
-        self.states[key] = _Own(kept["mean"], kept["std"], float(passed[0]) / span)
-        self.mean_passages[group] = self.mean_passages.get(group, 0.0) + float(passed[0])
+    def add_kept(self, key: Hashable, group: float, runs: KeptRuns) -> None:
+        """The runs of a state by what `case_statistics` has kept of them; they are not cut into pieces."""
+        self.counts.setdefault(group, []).extend(runs.passages(runs.mean + LEVELS * runs.std))
+        self.spans.setdefault(group, []).extend(runs.spans)
+        self.lowest[group] = min(self.lowest.get(group, 0.0), (runs.lowest - runs.mean) / runs.std)
+        self.states[key] = _Own(runs.mean, runs.std, runs.mean_rate)
+        passages = runs.mean_rate * float(runs.spans.sum())
+        self.mean_passages[group] = self.mean_passages.get(group, 0.0) + passages
 
     def tails(self, group_of: Callable[[Hashable], float]) -> tuple[dict[Hashable, Tail], int]:
         """The tail of each state; and for how many groups there was none, so that a Gaussian process stands for it."""

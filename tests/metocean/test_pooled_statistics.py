@@ -5,6 +5,7 @@ import pytest
 
 import fowtlib as fw
 from fowtlib.analysis import Spectrum
+from fowtlib.analysis.kept import kept_runs
 from fowtlib.analysis.spectra import realisation
 from fowtlib.language.errors import ModelError
 from fowtlib.metocean.pooled_tails import Pool
@@ -22,7 +23,7 @@ def test_tails_from_statistics_are_those_from_series():
         series.add(number, 12.0, [record])
         result = fw.Result(record.time, {"surge": record.values}, {"surge": "m"})
         told = fw.case_statistics(result)["channels"]["surge"]
-        kept.add_kept(number, 12.0, told, float(record.time[-1] - record.time[0]))
+        kept.add_kept(number, 12.0, kept_runs([told], [float(record.time[-1] - record.time[0])], "surge"))
     one, other = sum(series.counts[12.0]), sum(kept.counts[12.0])
     assert np.abs(one - other).max() <= 0.02 * one.max()  # passages between two pieces are counted in neither
     assert kept.lowest[12.0] == pytest.approx(series.lowest[12.0], rel=1e-9)
@@ -37,4 +38,4 @@ def test_tails_from_statistics_are_those_from_series():
 def test_levels_that_are_not_kept_are_refused():
     kept = {"mean": 0.0, "std": 1.0, "min": -3.0, "crossings": {"step": 0.25, "above": [10, 5]}}
     with pytest.raises(ModelError, match="do not count passages at the levels"):
-        Pool().add_kept(0, 12.0, kept, 3600.0)
+        kept_runs([kept], [3600.0], "surge")
