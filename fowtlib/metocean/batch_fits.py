@@ -99,7 +99,7 @@ def _rates(
     ends = [(name, end) for name, side in sides.items() for end in (("max", "min") if side == "abs" else (side,))]
     tails: dict[tuple[str, str], dict[Any, Tail]] = {end: {} for end in ends}
     kinds: dict[tuple[str, str], Counter[str]] = {end: Counter() for end in ends}
-    pools = {end: Pool() for end in ends}
+    pools = {end: Pool(label(*end)) for end in ends}
     for number, (key, rows) in enumerate(groups.items()):
         whole = all(batch.path(row.name) is not None for row in rows)
         results = [batch.result(row.name) for row in rows] if whole else []
@@ -108,7 +108,7 @@ def _rates(
             if law == "pooled":
                 _add(pools[end], key, runs)
                 continue
-            tails[end][key], kind = _tail(runs, end[0]) if law == "rates" else (_gaussian(runs, end[0]), "")
+            tails[end][key], kind = _tail(runs, label(*end)) if law == "rates" else (_gaussian(runs, label(*end)), "")
             kinds[end][kind] += 1
         progress(number + 1, len(groups))
     if law == "pooled":
@@ -143,7 +143,7 @@ def _tail(runs: list[Series] | KeptRuns, name: str) -> tuple[Tail, str]:
 
     try:
         rates = crossing_rates(runs) if isinstance(runs, list) else rates_of_runs(runs, name)
-        fit = fit_rates(rates)
+        fit = fit_rates(rates, name=name)
         if fit.c < 1:
             return exponential(rates), EXPONENTIAL
         return Tail(fit.q, fit.a, fit.b, fit.c, fit.threshold), ""

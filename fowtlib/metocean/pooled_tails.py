@@ -45,7 +45,8 @@ class _Own(NamedTuple):
 class Pool:
     """Collects counts of passages, run by run, so that no series has to be kept."""
 
-    def __init__(self) -> None:
+    def __init__(self, name: str = "") -> None:
+        self.name = name  # for messages
         self.states: dict[Hashable, _Own] = {}
         self.counts: dict[float, list[np.ndarray]] = {}
         self.spans: dict[float, list[float]] = {}
@@ -106,7 +107,7 @@ class Pool:
             return None
         rates = CrossingRates(LEVELS, np.array(self.counts[group]), np.array(self.spans[group]), self.lowest[group])
         try:
-            fit = fit_rates(rates)
+            fit = fit_rates(rates, name=self.name)
             tail = exponential(rates) if fit.c < 1 else Tail(fit.q, fit.a, fit.b, fit.c, fit.threshold)
         except ModelError:
             return None
