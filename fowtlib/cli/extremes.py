@@ -29,11 +29,13 @@ random states, evaluated as flta. --cases writes them as a file for `fowt batch
 run`. Then the extremes, by each method for which there are runs: of this batch
 (--batch), or of tables from elsewhere.
 --maxima FILE.csv: wind_speed, Hs, Tp, probability (empty on a contour), and for
-each response the largest value of a run, or what --side says; several runs a state.
---fits FILE.csv: response, unit, side, wind_speed, Hs, Tp, probability, and location
-and scale of a Gumbel law, or q, a, b, c, threshold of a rate of up-crossings.
---side min is about smallest values, --side abs about largest absolute ones, of all
-results; --side heave=min,yaw=abs of those, and largest values of the others.
+each response the largest value of a run; several runs a state.
+--fits FILE.csv: response, unit, side, wind_speed, Hs, Tp, probability, and
+location and scale of a Gumbel law, or q, a, b, c, threshold of a rate of
+up-crossings.
+--side: of the batch, or of the values of --maxima, min is about smallest ones
+and abs about largest absolute ones. With heave=min,yaw=abs it is about these
+results, and about the largest values of the others.
 
 examples:
   fowt extremes norway_5 --method flta --output states.csv
