@@ -6,7 +6,19 @@ import importlib as _importlib
 from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
-    from fowtlib.components import aero, blocks, environment, fmu, hydro, mechanics, mooring, servo, support, turbine
+    from fowtlib.components import (
+        aero,
+        blocks,
+        environment,
+        fmu,
+        hydro,
+        mechanics,
+        mooring,
+        platform,
+        servo,
+        support,
+        turbine,
+    )
 
 
 def __getattr__(name: str) -> Any:
@@ -27,6 +39,7 @@ __all__ = [
     "hydro",
     "mechanics",
     "mooring",
+    "platform",
     "servo",
     "support",
     "turbine",

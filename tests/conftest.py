@@ -4,6 +4,7 @@ Searching for new examples is a task of its own: `HYPOTHESIS_PROFILE=explore pyt
 """
 
 import os
+import signal
 
 import pytest
 from hypothesis import settings
@@ -11,6 +12,14 @@ from hypothesis import settings
 settings.register_profile("fowtlib", deadline=None, derandomize=True)
 settings.register_profile("explore", deadline=None)
 settings.load_profile(os.environ.get("HYPOTHESIS_PROFILE", "fowtlib"))
+
+
+@pytest.fixture
+def python_handler():
+    """The handler of Ctrl-C of an interactive start; a shell may have taken it away."""
+    before = signal.signal(signal.SIGINT, signal.default_int_handler)
+    yield
+    signal.signal(signal.SIGINT, before)
 
 
 @pytest.fixture

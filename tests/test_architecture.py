@@ -21,8 +21,8 @@ FLOORS = [
     {"fowtlib.language"},
     {"fowtlib.flattening"},
     {"fowtlib.solving"},
-    {"fowtlib.fmi", "fowtlib.modelfile", "fowtlib.analysis", "fowtlib.cases", "fowtlib.metocean", "fowtlib.report",
-     "fowtlib.view"},
+    {"fowtlib.fmi", "fowtlib.modelfile", "fowtlib.analysis", "fowtlib.cases", "fowtlib.control", "fowtlib.metocean",
+     "fowtlib.report", "fowtlib.view"},
     {"fowtlib"},
     {"fowtlib.cli"},
 ]
@@ -43,7 +43,7 @@ LIBRARY_MAY_IMPORT = {
 SLOW_OR_OPTIONAL = {"matplotlib", "yaml", "jinja2", "pandas", "pint", "xarray", "rich", "networkx", "capytaine", "fmpy"}
 LONGEST_COMPONENT = 60
 LONGEST_WITH_HELPERS = 110
-DATA = {".yaml", ".csv", ".nc", ".md", ".c", ".h", ".html", ".js", ".jinja"}
+DATA = {".yaml", ".csv", ".nc", ".json", ".md", ".c", ".h", ".html", ".js", ".jinja"}
 
 
 def modules() -> Iterator[tuple[str, Path]]:

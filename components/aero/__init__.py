@@ -1,5 +1,6 @@
 """Aerodynamics of rotors: coefficient tables and the rotor described by them; blade-element momentum theory."""
 
+from fowtlib.components.aero.airfoil_models import AirfoilModel
 from fowtlib.components.aero.bem import BladeElementRotor
 from fowtlib.components.aero.bem_steady import RigidRotor, coefficient_table
 from fowtlib.components.aero.blade_aerodynamics import Airfoil, BladeAerodynamics, read_airfoils, read_blade
@@ -9,19 +10,32 @@ from fowtlib.components.aero.coefficient_table import CoefficientTable, read_coe
 from fowtlib.components.aero.dynamic_inflow import DynamicInflow
 from fowtlib.components.aero.rotor import Rotor
 from fowtlib.components.aero.tower_flow import TowerDrag, TowerPotentialFlow
+from fowtlib.components.aero.unsteady_airfoils import (
+    AIRFOIL_MODELS,
+    AttachedFlow,
+    BeddoesLeishman,
+    OyeStall,
+    UnsteadyAirfoil,
+)
 
 __all__ = [
+    "AIRFOIL_MODELS",
     "Airfoil",
+    "AirfoilModel",
+    "AttachedFlow",
+    "BeddoesLeishman",
     "BladeAerodynamics",
     "BladeElementAerodynamics",
     "BladeElementRotor",
     "CoefficientRotor",
     "CoefficientTable",
     "DynamicInflow",
+    "OyeStall",
     "RigidRotor",
     "Rotor",
     "TowerDrag",
     "TowerPotentialFlow",
+    "UnsteadyAirfoil",
     "coefficient_table",
     "node_points",
     "read_airfoils",

@@ -1,11 +1,11 @@
 /* Blade-element momentum (BEM) loads of one rotor, with their exact Jacobian.
  *
- * In front of this text components/aero/bem.py writes CasADi's interface and the data of one rotor: the macros BLADES,
- * STATIONS, SENSE, TIP_RADIUS, SKEW, SKEWED_WAKE, DYNAMIC_INFLOW, AXIAL_DRAG, TANGENTIAL_DRAG, and constant arrays:
- * - of the stations: length; tip_loss, hub_loss, the lesser of them least_loss, F at pi/2 upright_loss; polar,
- *   its number, its largest |c_l| and |c_d| most_lift, most_drag, a line through its lift lift_slope, zero_lift;
- * - of the polars: knot and cubic of all in a row, last_knot with a cubic, first_in (see airfoil).
- * There is no state: every call stands alone.
+ * In front of this text stand CasADi's interface and the data of one rotor (bem_data.py), polar.c and the airfoil model.
+ * The data are the macros BLADES, STATIONS, SENSE, TIP_RADIUS, SKEW, SKEWED_WAKE, DYNAMIC_INFLOW, AXIAL_DRAG,
+ * TANGENTIAL_DRAG, those of polar.c and of the airfoil model, and constant arrays of the stations: length; tip_loss,
+ * hub_loss, the lesser of them least_loss, F at pi/2 upright_loss; of the polar its largest |c_l| and |c_d| most_lift,
+ * most_drag, and a line through its lift lift_slope, zero_lift. Every call stands alone: the states of the airfoil model
+ * are inputs, and their rates outputs. Momentum balances the polars; the loads are those of the airfoil model.
  *
  * Physics, per node (Ning 2014, Wind Energy 17:1327; Burton et al. 2011, section 3): e_x and e_t span the plane of the
  * blade section, e_t against the motion, e_x downwind. With the relative wind (Vx, Vt) before induction and the speed W
@@ -19,27 +19,30 @@
  * At a tip F goes to 0. The axial induction has a limit on Buhl's line, but the swirl would grow as 1/F, and the load of
  * a section with it without bound. Below 0.1, some centimetres from the tip, the F of the swirl is therefore held. */
 
-#include <math.h>
-#include <stddef.h>
-
 #define NODES (BLADES * STATIONS)
-#define ROWS (6 + DYNAMIC_INFLOW) /* of a node: force, moment, and with dynamic inflow the quasi-steady induced speed */
+/* of a node: force, moment, with dynamic inflow the quasi-steady induced speed, and the rates of the airfoil's states */
+#define ROWS (6 + DYNAMIC_INFLOW + AIRFOIL_STATES)
+#define LOADS_AND_RATES (6 + AIRFOIL_STATES)
 
-static const double pi = 3.14159265358979323846;
 static const double held_loss = 0.1; /* below, the F of the swirl goes to half of this, by a parabola */
 static const double edge = 1e-6; /* the inflow angle stays this far from the rotor plane */
 
 /* Where the inputs lie in their column, and where each group starts among the non-zeros of the Jacobian. A column of a
  * node holds ROWS of them, a column of the hub those of every node and one of a station those of its nodes, in the order
- * of the outputs; the y axes are not used and have none. The wake and the air density do not change the quasi-steady
- * induced speed. */
+ * of the outputs; the y axes are not used and have none, nor has STAGE_STEP. The wake, the induced speed, the turning of
+ * the sections and the states do not change the quasi-steady induced speed, and the air density only the loads. */
 enum { POSITION = 0, ORIENTATION = 3 * NODES, VELOCITY = 12 * NODES, WIND = 15 * NODES, HUB = 18 * NODES };
 enum { HUB_POSITION = HUB, HUB_ORIENTATION = HUB + 3, HUB_VELOCITY = HUB + 12, DISK_WIND = HUB + 15,
-       DENSITY = HUB + 18, CHORD_LENGTH = HUB + 19, INDUCED_SPEED = CHORD_LENGTH + STATIONS };
+       DENSITY = HUB + 18, CHORD_LENGTH = HUB + 19, INDUCED_SPEED = CHORD_LENGTH + STATIONS,
+       TURN_RATE = INDUCED_SPEED + DYNAMIC_INFLOW * STATIONS, STATE = TURN_RATE + NODES,
+       STAGE_STEP = STATE + AIRFOIL_STATES * NODES };
 enum { NZ_POSITION = 0, NZ_ORIENTATION = 3 * ROWS * NODES, NZ_VELOCITY = 9 * ROWS * NODES, NZ_WIND = 12 * ROWS * NODES,
        NZ_HUB_POSITION = 15 * ROWS * NODES, NZ_HUB_NORMAL = 18 * ROWS * NODES, NZ_HUB_VELOCITY = 21 * ROWS * NODES,
-       NZ_DISK_WIND = NZ_HUB_VELOCITY + 3 * ROWS * NODES, NZ_DENSITY = NZ_DISK_WIND + (SKEWED_WAKE ? 18 * NODES : 0),
-       NZ_CHORD = NZ_DENSITY + 6 * NODES, NZ_INDUCED_SPEED = NZ_CHORD + ROWS * NODES };
+       NZ_DISK_WIND = NZ_HUB_VELOCITY + 3 * ROWS * NODES, 
+       NZ_DENSITY = NZ_DISK_WIND + (SKEWED_WAKE ? 3 * LOADS_AND_RATES * NODES : 0),
+       NZ_CHORD = NZ_DENSITY + 6 * NODES, NZ_INDUCED_SPEED = NZ_CHORD + ROWS * NODES,
+       NZ_TURN_RATE = NZ_INDUCED_SPEED + DYNAMIC_INFLOW * LOADS_AND_RATES * NODES,
+       NZ_STATE = NZ_TURN_RATE + LOADS_AND_RATES * NODES };
 
 static double dot(const double *a, const double *b) { return a[0] * b[0] + a[1] * b[1] + a[2] * b[2]; }
 
@@ -47,31 +50,6 @@ static void cross(const double *a, const double *b, double *c) {
     c[0] = a[1] * b[2] - a[2] * b[1];
     c[1] = a[2] * b[0] - a[0] * b[2];
     c[2] = a[0] * b[1] - a[1] * b[0];
-}
-
-/* 0 below 0, 1 above 1, a cubic with level ends between; *slope is its derivative. */
-static double smooth_step(double x, double *slope) {
-    *slope = 0;
-    if (x <= 0) return 0;
-    if (x >= 1) return 1;
-    *slope = 6 * x * (1 - x);
-    return x * x * (3 - 2 * x);
-}
-
-/* The first ones wanted of c_l, c_d, c_m at an angle of attack, and their slopes; returns the knot below the angle.
- * first_in holds for every degree from -180 the knot below its begin. */
-static int airfoil(int station, double alpha, int wanted, double *value, double *slope) {
-    if (!(alpha >= -pi && alpha < pi)) alpha -= 2 * pi * floor((alpha + pi) / (2 * pi));
-    double degree = (alpha + pi) * (180 / pi); /* an angle that is no number must not lead astray */
-    int low = first_in[360 * polar[station] + (degree >= 0 ? degree < 359 ? (int)degree : 359 : 0)];
-    while (knot[low + 1] <= alpha && low < last_knot[polar[station]]) low++;
-    double x = alpha - knot[low];
-    for (int i = 0; i < wanted; i++) {
-        const double *c = cubic + 12 * low + 4 * i;
-        value[i] = ((c[3] * x + c[2]) * x + c[1]) * x + c[0];
-        slope[i] = (3 * c[3] * x + 2 * c[2]) * x + c[1];
-    }
-    return low;
 }
 
 /* Prandtl's loss factor of one end, 2/pi acos(exp(-f)) with f = distance / |sin(phi)|, and d ln(factor) / d phi. */
@@ -98,7 +76,7 @@ static void balance(int station, double phi, double twist, double sigma, struct 
     double cot = side * c * per_size;
     double F = loss(tip_loss[station] * per_size, cot, &tip) * loss(hub_loss[station] * per_size, cot, &hub);
     double F_log = tip + hub, F_phi = F * F_log, square = s * size, h_k = 1;
-    int low = airfoil(station, phi - twist, 2, v, d);
+    int low = airfoil(station, phi - twist, 0, 2, v, d);
     double ca = AXIAL_DRAG * v[1], da = AXIAL_DRAG * d[1];
     double ct_drag = TANGENTIAL_DRAG * v[1], dt = TANGENTIAL_DRAG * d[1];
     double cn = v[0] * c + ca * s, cn_alpha = d[0] * c + da * s, cn_phi = cn_alpha - v[0] * s + ca * c;
@@ -219,10 +197,12 @@ static double near_angle(double y, double x, double angle, double s, double c) {
 }
 
 /* Loads of a section per length and air density: along e_x, along e_t, and the nose-up moment; then the quasi-steady
- * induced speed against e_x. The inputs and their derivatives come in this order. SPIN is the part of Vt from the turning
+ * induced speed against e_x, and the rates of the airfoil's states. The inputs and their derivatives come in this order. SPIN is the part of Vt from the turning
  * of the rotor, SPANWISE the relative wind along the blade, SKEWED is (d . s) / R of the wake below. With dynamic inflow
- * the induced speed is an input; what the skew adds and the swirl follow at once. Returns the first input that counts. */
-enum { SPIN, SPANWISE, CHORD, VX, VT, TWIST, RADIUS, SKEWED, ANGLE, INDUCED, NUMBERS };
+ * the induced speed is an input; what the skew adds and the swirl follow at once. TURN: nose up, against the rotor's
+ * turning. Returns the first input that counts. */
+enum { SPIN, SPANWISE, CHORD, VX, VT, TWIST, RADIUS, SKEWED, ANGLE, INDUCED, TURN, FIRST_STATE };
+#define NUMBERS (AIRFOIL_STATES ? FIRST_STATE + AIRFOIL_STATES : TURN)
 
 /* The share of the induction, with its slopes by SPIN to RADIUS; returns the first of these that is not 0. None in a rotor
  * that is parked or slow, with its tips slower than the relative wind less what the turning adds to it, from any side, and
@@ -250,7 +230,7 @@ static int share_of(const double *in, double per_r, double *share, double *slope
     return SPIN;
 }
 
-static int section(int station, const double *in, double *load, double (*slope)[NUMBERS]) {
+static int section(int station, const double *in, double step, double *load, double (*slope)[NUMBERS]) {
     double Vx = in[VX], Vt = in[VT], r = in[RADIUS], per_r = 1 / r, chord = in[CHORD], share, share_slope[NUMBERS] = {0};
     double sigma = BLADES / (2 * pi) * chord * per_r;
     double given = DYNAMIC_INFLOW ? in[INDUCED] : 0, U = Vx - given, T = Vt, induced = 0;
@@ -304,29 +284,35 @@ static int section(int station, const double *in, double *load, double (*slope)[
             dU[ANGLE] = -induced * SKEW * in[SKEWED] * T_chi;
         }
     }
-    double square = U * U + T * T, speed = sqrt(square), v[3], d[3], half = chord / 2;
-    airfoil(station, near_angle(U, T, phi, b.s, b.c) - in[TWIST], 3, v, d);
+    double square = U * U + T * T, speed = sqrt(square), v[FLOW_VALUES], d[FLOW_VALUES][FLOW_INPUTS], half = chord / 2;
+    double told[FLOW_STATE + AIRFOIL_STATES] = {near_angle(U, T, phi, b.s, b.c) - in[TWIST], speed, chord};
+    if (AIRFOIL_STATES) told[FLOW_TURN] = in[TURN];
+    for (int i = 0; i < AIRFOIL_STATES; i++) told[FLOW_STATE + i] = in[FIRST_STATE + i];
+    flow(station, told, step, v, slope ? d : NULL);
     double along = v[0] * T + v[1] * U, across = v[1] * T - v[0] * U;
     load[0] = half * speed * along;
     load[1] = half * speed * across;
     load[2] = half * chord * square * v[2];
     load[3] = induced;
+    for (int i = 0; i < AIRFOIL_STATES; i++) load[4 + i] = v[3 + i];
     if (!slope) return begin;
-    double along_alpha = speed * (d[0] * T + d[1] * U), across_alpha = speed * (d[1] * T - d[0] * U);
     double u = speed > 0 ? U / speed : 0, t = speed > 0 ? T / speed : 0, turn = speed > 0 ? 1 / speed : 0;
-    for (int j = CHORD; j < NUMBERS; j++) {
+    for (int j = begin; j < NUMBERS; j++) {
         double dspeed = u * dU[j] + t * dT[j], dalpha = (t * dU[j] - u * dT[j]) * turn - (j == TWIST);
-        slope[0][j] = half * (dspeed * along + speed * (v[0] * dT[j] + v[1] * dU[j]) + along_alpha * dalpha);
-        slope[1][j] = half * (dspeed * across + speed * (v[1] * dT[j] - v[0] * dU[j]) + across_alpha * dalpha);
-        slope[2][j] = half * chord * speed * (2 * dspeed * v[2] + speed * d[2] * dalpha);
+        double by[FLOW_VALUES];
+        for (int i = 0; i < FLOW_VALUES; i++) {
+            by[i] = d[i][FLOW_ANGLE] * dalpha;
+            if (AIRFOIL_STATES) {
+                by[i] += d[i][FLOW_SPEED] * dspeed;
+                if (j == CHORD) by[i] += d[i][FLOW_CHORD];
+                if (j >= TURN) by[i] += d[i][FLOW_TURN + j - TURN];
+            }
+        }
+        slope[0][j] = half * (dspeed * along + speed * (v[0] * dT[j] + v[1] * dU[j] + by[0] * T + by[1] * U));
+        slope[1][j] = half * (dspeed * across + speed * (v[1] * dT[j] - v[0] * dU[j] + by[1] * T - by[0] * U));
+        slope[2][j] = half * chord * speed * (2 * dspeed * v[2] + speed * by[2]);
         slope[3][j] = dinduced[j];
-    }
-    for (int j = begin; j < CHORD; j++) {
-        double dspeed = u * dU[j] + t * dT[j], dalpha = (t * dU[j] - u * dT[j]) * turn;
-        slope[0][j] = half * (dspeed * along + speed * (v[0] * dT[j] + v[1] * dU[j]) + along_alpha * dalpha);
-        slope[1][j] = half * (dspeed * across + speed * (v[1] * dT[j] - v[0] * dU[j]) + across_alpha * dalpha);
-        slope[2][j] = half * chord * speed * (2 * dspeed * v[2] + speed * d[2] * dalpha);
-        slope[3][j] = dinduced[j];
+        for (int i = 0; i < AIRFOIL_STATES; i++) slope[4 + i][j] = by[3 + i];
     }
     for (int i = 0; i < 3; i++) slope[i][CHORD] += (i == 2 ? 2 : 1) * load[i] / chord;
     return begin;
@@ -369,10 +355,13 @@ static void column(double (*of)[ROWS], const double *change, int first, int last
         for (int row = 0; row < ROWS; row++) out[row] += change[j] * of[j][row];
 }
 
-/* Puts the column of node i into one of the hub, which has all loads before all induced speeds. */
-static void put(int i, double sign, const double *out, int rows, double *at) {
+/* Puts the column of node i of n into one that has all loads before all induced speeds, if any, and these before all
+ * rates. */
+static void put(int i, int n, int induced, double sign, const double *out, double *at) {
     for (int row = 0; row < 6; row++) at[6 * i + row] = sign * out[row];
-    if (rows > 6) at[6 * NODES + i] = sign * out[6];
+    if (DYNAMIC_INFLOW && induced) at[6 * n + i] = sign * out[6];
+    double *rate = at + (6 + (DYNAMIC_INFLOW && induced)) * n + AIRFOIL_STATES * i;
+    for (int k = 0; k < AIRFOIL_STATES; k++) rate[k] = sign * out[6 + DYNAMIC_INFLOW + k];
 }
 
 /* The slopes of the outputs of a node by its number j, from those of the section. */
@@ -382,14 +371,15 @@ static inline void outputs_of(double (*slope)[NUMBERS], int j, double scale, con
         of[k] = scale * (slope[0][j] * ex[k] + slope[1][j] * et[k]);
         of[3 + k] = scale * SENSE * slope[2][j] * z[k];
     }
-    if (DYNAMIC_INFLOW) of[ROWS - 1] = slope[3][j];
+    if (DYNAMIC_INFLOW) of[6] = slope[3][j];
+    for (int k = 0; k < AIRFOIL_STATES; k++) of[6 + DYNAMIC_INFLOW + k] = slope[4 + k][j];
 }
 
 /* Loads of one node into f, and its part of the Jacobian into jac when that is not null. */
 static void node(int i, const double *u, const struct wake *wake, double *f, double *jac) {
     const double *x = u + ORIENTATION + 9 * i, *z = x + 6, *n = u + HUB_ORIENTATION;
     int station = i % STATIONS;
-    double v[3], d[3], c[3], turning[3], ey[3], ex[3], et[3], in[NUMBERS], load[4], slope[4][NUMBERS];
+    double v[3], d[3], c[3], turning[3], ey[3], ex[3], et[3], in[NUMBERS], load[4 + AIRFOIL_STATES], slope[4 + AIRFOIL_STATES][NUMBERS];
     for (int k = 0; k < 3; k++) {
         v[k] = u[WIND + 3 * i + k] - u[VELOCITY + 3 * i + k];
         d[k] = u[POSITION + 3 * i + k] - u[HUB_POSITION + k];
@@ -405,13 +395,17 @@ static void node(int i, const double *u, const struct wake *wake, double *f, dou
     in[TWIST] = atan2(p, q), in[RADIUS] = sqrt(dot(d, d) - along * along);
     in[SKEWED] = dot(d, wake->s) / TIP_RADIUS, in[ANGLE] = wake->chi;
     in[INDUCED] = DYNAMIC_INFLOW ? u[INDUCED_SPEED + station] : 0;
-    int begin = section(station, in, load, jac ? slope : NULL), partial = begin == SPIN;
+    for (int k = TURN; k < NUMBERS; k++)
+        in[k] = k == TURN ? SENSE * u[TURN_RATE + i] : u[STATE + AIRFOIL_STATES * i + k - FIRST_STATE];
+    int begin = section(station, in, AIRFOIL_STATES ? u[STAGE_STEP] : 0, load, jac ? slope : NULL);
+    int partial = begin == SPIN;
     if (!jac) {
         for (int k = 0; k < 3; k++) {
             f[6 * i + k] = scale * (load[0] * ex[k] + load[1] * et[k]);
             f[6 * i + 3 + k] = scale * SENSE * load[2] * z[k];
         }
         if (DYNAMIC_INFLOW) f[6 * NODES + i] = load[3];
+        for (int k = 0; k < AIRFOIL_STATES; k++) f[(6 + DYNAMIC_INFLOW) * NODES + AIRFOIL_STATES * i + k] = load[4 + k];
         return;
     }
 
@@ -425,7 +419,7 @@ static void node(int i, const double *u, const struct wake *wake, double *f, dou
         double *wind = own + NZ_WIND + ROWS * k;
         change[RADIUS] = (d[k] - along * n[k]) * per_radius, change[SKEWED] = wake->s[k] / TIP_RADIUS;
         column(of, change, RADIUS, SKEWED, position);
-        put(i, -1, position, ROWS, jac + NZ_HUB_POSITION + hub);
+        put(i, NODES, 1, -1, position, jac + NZ_HUB_POSITION + hub);
         change[VX] = ex[k], change[VT] = et[k];
         column(of, change, VX, VT, wind);
         for (int row = 0; row < ROWS && partial; row++) wind[row] += z[k] * of[SPANWISE][row];
@@ -456,7 +450,7 @@ static void node(int i, const double *u, const struct wake *wake, double *f, dou
                 out[3 + k] += scale * SENSE * load[2];
                 for (int row = 0; row < ROWS; row++) axis[ROWS * (3 + k) + row] = out[row];
             } else {
-                put(i, 1, out, ROWS, jac + NZ_HUB_NORMAL + hub);
+                put(i, NODES, 1, 1, out, jac + NZ_HUB_NORMAL + hub);
             }
         }
         for (int row = 0; row < ROWS; row++) out[row] = 0;
@@ -465,17 +459,21 @@ static void node(int i, const double *u, const struct wake *wake, double *f, dou
             change[SKEWED] =
                 (d[0] * wake->s_wind[0][k] + d[1] * wake->s_wind[1][k] + d[2] * wake->s_wind[2][k]) / TIP_RADIUS;
             column(of, change, SKEWED, ANGLE, out);
-            put(i, 1, out, 6, jac + NZ_DISK_WIND + 6 * NODES * k);
+            put(i, NODES, 0, 1, out, jac + NZ_DISK_WIND + LOADS_AND_RATES * NODES * k);
         }
         for (int row = 0; row < ROWS && partial; row++) out[row] -= et[k] * of[SPIN][row];
-        put(i, -1, out, ROWS, jac + NZ_HUB_VELOCITY + hub);
+        put(i, NODES, 1, -1, out, jac + NZ_HUB_VELOCITY + hub);
         jac[NZ_DENSITY + 6 * i + k] = length[station] * (load[0] * ex[k] + load[1] * et[k]);
         jac[NZ_DENSITY + 6 * i + 3 + k] = length[station] * SENSE * load[2] * z[k];
     }
-    double *by_chord = jac + NZ_CHORD + ROWS * BLADES * station;
-    for (int row = 0; row < 6; row++) by_chord[6 * (i / STATIONS) + row] = of[CHORD][row];
-    if (DYNAMIC_INFLOW) by_chord[6 * BLADES + i / STATIONS] = of[CHORD][6];
-    if (DYNAMIC_INFLOW) put(i / STATIONS, 1, of[INDUCED], 6, jac + NZ_INDUCED_SPEED + 6 * BLADES * station);
+    put(i / STATIONS, BLADES, 1, 1, of[CHORD], jac + NZ_CHORD + ROWS * BLADES * station);
+    if (DYNAMIC_INFLOW)
+        put(i / STATIONS, BLADES, 0, 1, of[INDUCED], jac + NZ_INDUCED_SPEED + LOADS_AND_RATES * BLADES * station);
+    for (int k = TURN; k < NUMBERS; k++) {
+        double sign = k == TURN ? SENSE : 1;
+        put(0, 1, 0, sign, of[k], jac + (k == TURN ? NZ_TURN_RATE + LOADS_AND_RATES * i : NZ_STATE
+            + LOADS_AND_RATES * (AIRFOIL_STATES * i + k - FIRST_STATE)));
+    }
 }
 
 static void rotor(const double *u, double *f, double *jac) {

@@ -11,10 +11,14 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from fowtlib.components.aero.airfoil_models import SectionFlow
+
 if TYPE_CHECKING:
     from fowtlib.components.aero.bem import BladeElementRotor
 
 Loads = Callable[[np.ndarray], np.ndarray]
+Coefficients = Callable[[np.ndarray, np.ndarray], np.ndarray]  # c_l, c_d, c_m at angle of attack and speed
+PER_NODE = ("position", "orientation", "velocity", "wind", "turn_rate", "airfoil_states")
 EDGE = 1e-6
 LEAST_SWIRL_LOSS = 0.1
 """Below this factor of the tip and hub loss the swirl no longer grows as one over it, see bem.c."""
@@ -42,11 +46,24 @@ def loads(rotor: BladeElementRotor, inputs: np.ndarray) -> np.ndarray:
     section = _Sections(rotor, _dot(relative, downwind), _dot(relative, tangent), twist, radius, chord)
     section.turning(spin, relative - spin[:, None] * tangent, radius)
     given = np.tile(part["induced"], rotor.blades) if rotor.dynamic_inflow else None
-    axial, tangential, moment, induced = section.loads(_skew(rotor, skew_wind, normal, arm), given)
+    model, airfoils = rotor.airfoil_model, np.tile(section.airfoil, rotor.blades)
+    turn = states = np.zeros((0, n))
+    if model.states:
+        turn, states = rotor.rotation * part["turn_rate"], part["airfoil_states"].reshape(n, -1).T
+    step, rates = float(part["stage_step"][0]) if model.states else 0.0, []
+
+    def flow(angle: np.ndarray, speed: np.ndarray) -> np.ndarray:
+        told = SectionFlow(angle, speed, chord, turn, states, step, airfoils)
+        found, rate = model.flow(section.coefficients, told, section.foils)
+        rates.append(rate)
+        return found
+
+    axial, tangential, moment, induced = section.loads(_skew(rotor, skew_wind, normal, arm), flow, given)
     scale = (part["air_density"] * np.tile(rotor.lengths, rotor.blades))[:, None]
     force = axial[:, None] * downwind + tangential[:, None] * tangent
     result = np.hstack([scale * force, scale * rotor.rotation * moment[:, None] * span]).ravel()
-    return np.append(result, induced) if rotor.dynamic_inflow else result
+    more = [induced] if rotor.dynamic_inflow else []
+    return np.concatenate([result, *more, *(rate.T.ravel() for rate in rates)])
 
 
 def jacobian(
@@ -58,9 +75,12 @@ def jacobian(
     """
     function, u = function or (lambda x: loads(rotor, x)), np.asarray(inputs, dtype=float)
     n, result = rotor.nodes, np.zeros((sum(rotor.outputs.values()), len(inputs)))
-    start, rows = 0, [np.arange(6 * n).reshape(n, 6), np.arange(6 * n, len(result)).reshape(n, -1)]
+    start, ends = 0, np.cumsum([0, *rotor.outputs.values()])
+    rows = [np.arange(first, end).reshape(n, -1) for first, end in zip(ends[:-1], ends[1:], strict=True)]
     for name, size in rotor.inputs.items():
-        per_node = size // n if name in ("position", "orientation", "velocity", "wind") else 0
+        per_node = size // n if name in PER_NODE else 0
+        if name == "stage_step":  # nobody needs it
+            continue
         for k in range(per_node or size):
             columns = start + k + per_node * np.arange(n) if per_node else np.array([start + k])
             step = relative_step * max(1.0, np.abs(u[columns]).max())
@@ -139,11 +159,12 @@ class _Sections:
         self.tip, self.hub = (np.tile(loss, B) for loss in rotor.losses)
         self.side = np.where(Vx < 0, -1.0, 1.0)
         used = sorted(set(blade.airfoil))
-        foils = [blade.airfoils[name] for name in used]
-        self.shift = 10.0 * np.tile([used.index(name) for name in blade.airfoil], B)  # every airfoil on its own stretch
+        self.foils = foils = [blade.airfoils[name] for name in used]
+        self.airfoil = np.array([used.index(name) for name in blade.airfoil])
+        self.shift = 10.0 * np.tile(self.airfoil, B)  # every airfoil on its own stretch
         self.knots = np.concatenate([foil.angle[:-1] for foil in foils])
         self.shifted = np.concatenate([foil.angle[:-1] + 10.0 * k for k, foil in enumerate(foils)])
-        self.cubics = np.concatenate([foil.cubics for foil in foils])
+        self.cubics = np.concatenate([rotor.airfoil_model.cubics(foil) for foil in foils])
 
     def turning(self, spin: np.ndarray, wind: np.ndarray, r: np.ndarray) -> None:
         """The share of the induction, by the speed of the rotation at the nodes and the relative wind without it."""
@@ -153,7 +174,7 @@ class _Sections:
         self.share = _smooth(np.abs(self.Vx) / tip_speed / 0.02) * _smooth(2 - 2 * slow) * _smooth(4 * forward)
 
     def coefficients(self, angle: np.ndarray) -> tuple[np.ndarray, ...]:
-        """c_l, c_d, c_m of all elements."""
+        """c_l, c_d, c_m of all elements, and what the airfoil model adds to the polars."""
         angle = (angle + np.pi) % (2 * np.pi) - np.pi
         index = np.searchsorted(self.shifted, np.maximum(angle, -3.1415926) + self.shift, side="right") - 1
         powers = (angle - self.knots[index])[:, None] ** np.arange(4)
@@ -162,7 +183,7 @@ class _Sections:
     def induction(self, phi: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
         """1 / (1 - a) and 1 / (1 + a') at inflow angles: momentum theory, and Buhl's line above k = 2/3."""
         s, c = np.sin(phi), np.cos(phi)
-        lift, drag, _ = self.coefficients(phi - self.twist)
+        lift, drag = self.coefficients(phi - self.twist)[:2]
         cn = lift * c + self.rotor.axial_drag * drag * s
         ct = lift * s - self.rotor.tangential_drag * drag * c
         F = np.ones_like(phi)
@@ -193,7 +214,8 @@ class _Sections:
         held, end = np.where(steep, high_out, low_out), np.where(steep, high, low)
         return self.side * np.where(held, end, _root(lambda angle: self.residual(self.side * angle), low, high))
 
-    def loads(self, skew: tuple[float, np.ndarray], given: np.ndarray | None = None) -> tuple[np.ndarray, ...]:
+    def loads(self, skew: tuple[float, np.ndarray], flow: Coefficients, given: np.ndarray | None = None
+              ) -> tuple[np.ndarray, ...]:  # fmt: skip
         """Force downwind and to the trailing edge, and nose-up moment, of each element, per length and air density.
 
         Last the quasi-steady induced speed; where one is given it takes its place, but for the part of the skew.
@@ -214,7 +236,7 @@ class _Sections:
         U, T = Vx - induced * yaw, Vt + share * swirl
         if given is not None:
             U += induced - given
-        lift, drag, moment = self.coefficients(np.arctan2(U, T) - self.twist)
+        lift, drag, moment = flow(np.arctan2(U, T) - self.twist, np.hypot(U, T))
         phi, pressure = np.arctan2(U, T), self.chord / 2 * (U**2 + T**2)
         s, c = np.sin(phi), np.cos(phi)
         force = pressure * (lift * c + drag * s), pressure * (drag * c - lift * s)

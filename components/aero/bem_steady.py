@@ -9,6 +9,7 @@ from typing import Any
 import casadi as ca
 import numpy as np
 
+from fowtlib.components.aero.airfoil_models import STEADY
 from fowtlib.components.aero.bem import BladeElementRotor
 from fowtlib.components.aero.coefficient_table import CoefficientTable
 from fowtlib.language.errors import ParameterError
@@ -58,6 +59,8 @@ class RigidRotor:
                   blade.chord]
         if rotor.dynamic_inflow:
             groups.append(np.broadcast_to(induced, len(blade.radius)))
+        if rotor.airfoil_model.states:  # after a long step: in equilibrium
+            groups += [np.zeros(rotor.nodes), np.zeros(rotor.airfoil_model.states * rotor.nodes), [1e15]]
         return np.concatenate(groups)
 
     def loads(self, inputs: np.ndarray) -> np.ndarray:
@@ -105,7 +108,9 @@ def coefficient_table(
     depend on it: the airfoils have no Reynolds number. A rotor that stands, idles or turns backwards has tip speed
     ratios of 0 and below. progress(done, all) is called after each pitch angle.
     """
-    quasi_steady = replace(rotor, dynamic_inflow=False) if rotor.dynamic_inflow else rotor
+    quasi_steady = rotor
+    if rotor.dynamic_inflow or rotor.airfoil_model.states:
+        quasi_steady = replace(rotor, dynamic_inflow=False, airfoil_model=STEADY)
     rigid, radius = RigidRotor(quasi_steady, precone), rotor.blade.tip_radius
     R = radius * np.cos(precone)
     ratios, pitches = np.asarray(tip_speed_ratios, dtype=float), np.asarray(blade_pitch, dtype=float)

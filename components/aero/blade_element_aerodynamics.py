@@ -9,10 +9,12 @@ from functools import lru_cache
 import casadi as ca
 import numpy as np
 
+from fowtlib.components.aero.airfoil_states import AirfoilStates
 from fowtlib.components.aero.bem import LINE_LOADS, PITT_PETERS, BladeElementRotor
 from fowtlib.components.aero.blade_aerodynamics import BladeAerodynamics, read_airfoils, read_blade
 from fowtlib.components.aero.dynamic_inflow import DynamicInflow
 from fowtlib.components.aero.tower_flow import TowerPotentialFlow
+from fowtlib.components.aero.unsteady_airfoils import AIRFOIL_MODELS
 from fowtlib.components.environment.wind import Wind, require_disk
 from fowtlib.components.environment.world import World
 from fowtlib.components.mechanics import Frame
@@ -123,11 +125,15 @@ class BladeElementAerodynamics(RotorLoads):
     `nodes` are parallel to the pitched blade root when nothing bends, blade by blade from root to tip, and lie at the
     aerodynamic centres (`node_points`); the twist of the airfoils is added here. `force` and `moment` are the sums over
     all nodes, the moment about the hub; thrust and torque are their parts along and about the shaft. The nodes meet the
-    wind that every TowerPotentialFlow of the model deflects; dynamic_inflow adds the part `inflow`, see DynamicInflow.
+    wind that every TowerPotentialFlow of the model deflects; dynamic_inflow adds the part `inflow`, see DynamicInflow,
+    and an airfoil_model with memory the part `airfoil_states`.
     A wind field that does not cover the disk of tip_radius about the rotor's station is refused, see Wind.require.
     """
 
     dynamic_inflow: bool = param(default=False, doc="the induced speed follows the loads with a delay: DynamicInflow")
+    airfoil_model: str = param(
+        default="steady", choices=tuple(AIRFOIL_MODELS), doc="what the airfoils make of the flow, see UnsteadyAirfoil"
+    )
     station: int = param(default=0, min=0, doc="number of the wind's station at this rotor")
 
     world: World = outer(World)
@@ -144,6 +150,9 @@ class BladeElementAerodynamics(RotorLoads):
         return 2 * float(self.tip_radius)
 
     def build(self):
+        model = AIRFOIL_MODELS[self.airfoil_model]
+        if model.states and self.hub_radius is not None:
+            self.airfoil_states = AirfoilStates(sections=self.rotor.nodes, units=list(model.state_units))
         if self.dynamic_inflow and self.hub_radius is not None:
             b = self.rotor.blade
             self.inflow = DynamicInflow(radius=b.radius.tolist(), length=b.length.tolist(), tip_radius=b.tip_radius)
@@ -157,6 +166,7 @@ class BladeElementAerodynamics(RotorLoads):
             self.passed_on(outputs["loads"]),
             eq(self.disk_wind, wind @ (np.ones((n, 1)) / n)),
             self.wake(outputs["quasi_steady"]) if self.dynamic_inflow else [],
+            self.airfoil_states.moved(outputs["airfoil_rates"]) if "airfoil_rates" in outputs else [],
             [assert_(tower.clearance(places) > 0, "a blade strikes the tower") for tower in towers],
         ]
 
@@ -164,13 +174,22 @@ class BladeElementAerodynamics(RotorLoads):
         """What the external function says, with the wind (3, n) at the places (3, n) of the nodes."""
         rotor, hub, more = self.rotor, self.hub, {}
         if self.dynamic_inflow:
-            rotor, more = _dynamic(rotor), {"induced": self.inflow.induced}
+            more = {"induced": self.inflow.induced}
+        if self.airfoil_model != "steady":
+            more["airfoil_states"], more["stage_step"] = self.airfoil_states.by_section()
+            more["turn_rate"] = m.vertcat(*self.turning())
+        rotor = _with_states(rotor, self.dynamic_inflow, self.airfoil_model)
         return rotor.external(
             position=m.vec(places), orientation=m.vertcat(*[m.vec(R) for R in self.section_axes(self.nodes)]),
             velocity=m.vertcat(*[der(node.r) for node in self.nodes]), wind=m.vec(wind), hub_position=hub.r,
             hub_orientation=m.vec(hub.R), hub_velocity=der(hub.r), disk_wind=self.disk_wind,
             air_density=self.world.air_density, chord=self.chord, **more,
         )  # fmt: skip
+
+    def turning(self):
+        """Angular velocity of each node along its blade, without what the turning of the rotor has of it."""
+        shaft, w = self.hub.R[:, 0], self.hub.w
+        return [m.dot(node.w - m.dot(w, shaft) * shaft, node.R[:, 2]) for node in self.nodes]
 
     def wake(self, quasi_steady):
         """What the wake is told: the mean over the blades, and the wind through the disk."""
@@ -192,8 +211,10 @@ def _rotor(blade: BladeAerodynamics, blades: int, rotation: int, options: tuple)
 
 
 @lru_cache(maxsize=16)
-def _dynamic(rotor: BladeElementRotor) -> BladeElementRotor:
-    return replace(rotor, dynamic_inflow=True)
+def _with_states(rotor: BladeElementRotor, dynamic_inflow: bool, airfoil_model: str) -> BladeElementRotor:
+    if not dynamic_inflow and airfoil_model == "steady":
+        return rotor
+    return replace(rotor, dynamic_inflow=dynamic_inflow, airfoil_model=AIRFOIL_MODELS[airfoil_model])
 
 
 @lru_cache(maxsize=16)

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import warnings
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
@@ -12,13 +13,15 @@ from scipy.interpolate import Akima1DInterpolator, CubicSpline
 from fowtlib.components.hydro import wamit
 from fowtlib.components.hydro.conventions import check_conventions
 from fowtlib.components.hydro.errors import HydrodynamicDataError
+from fowtlib.components.hydro.wamit_writing import write_wamit
 from fowtlib.language.data_files import require_file
 from fowtlib.language.netcdf_files import add_variable, read_netcdf, set_attributes, write_netcdf
 from fowtlib.language.whole_files import write_whole
 
 _MODES = ("surge", "sway", "heave", "roll", "pitch", "yaw")
 _SYMMETRY = 0.05  # largest |M_ij - M_ji| / sqrt(M_ii M_jj) of a believable matrix
-_NEGATIVE = 1e-3  # largest negative damping, relative to the maximum of the same mode
+_NEGATIVE = 1e-3  # negative damping, relative to the maximum of the same mode, that is forgiven in silence
+_TOO_NEGATIVE = 1e-2  # the same, that is refused; published sets have some that is negative at short waves
 _TAIL = 0.05  # |X| at the highest frequency, relative to its maximum, below which X is zero beyond
 _SAME_OMEGA = 1e-5  # relative; periods in WAMIT files have six digits
 _GAP = np.radians(60) + 1e-6  # headings further apart are not interpolated
@@ -59,8 +62,9 @@ class HydrodynamicDatabase:
     source              one line on the origin of the data
 
     Checked when made: shapes, finite numbers, A and B symmetric within 5 % of sqrt(M_ii M_jj), no negative damping on
-    the diagonal (0.1 % of the mode's maximum is forgiven). Data from files and from the panel method must have the
-    limit of long waves besides (module conventions). Raises HydrodynamicDataError. The arrays are read-only.
+    the diagonal (0.1 % of the mode's maximum is forgiven, up to 1 % is warned of). Data from files and from the panel
+    method must have the limit of long waves besides (module conventions). Raises HydrodynamicDataError. The arrays are
+    read-only.
 
     Source: Newman, Marine Hydrodynamics (1977), chapter 6; Falnes, Ocean Waves and Oscillating Systems (2002), ch. 5.
     """
@@ -130,6 +134,13 @@ class HydrodynamicDatabase:
                    centre_of_buoyancy=centre_of_buoyancy, rho=rho, g=g, water_depth=water_depth,
                    source=source or f"WAMIT {Path(stem).name}")
         return data._checked(stem)
+
+    def to_wamit(self, stem: str | Path, *, length: float = 1.0) -> list[Path]:
+        """Write `stem`.1, `stem`.3 and `stem`.hst (see the module wamit_writing); what was written.
+
+        length [m] is ULEN, which whoever reads the files must give again, with rho, g, volume and centre of buoyancy.
+        """
+        return write_wamit(self, stem, length=length)
 
     @classmethod
     def read(cls, path: str | Path) -> HydrodynamicDatabase:
@@ -278,12 +289,17 @@ class HydrodynamicDatabase:
             self._check_symmetry("A_zero", self.A_zero[None], floor)
         self._check_symmetry("B", self.B, floor * self.omega[-1])
         diagonal = np.einsum("nii->ni", self.B)
-        allowed = _NEGATIVE * np.maximum(diagonal.max(axis=0), 0.0) + floor * self.omega[-1]
-        bad = np.argwhere(diagonal < -allowed)
-        if bad.size:
-            k, i = bad[0]
-            raise self._error(f"the radiation damping of {_MODES[i]} is negative at {self.omega[k]:.4g} rad/s "
-                              f"({diagonal[k, i]:.4g}): irregular frequency or too coarse a mesh?")
+        largest = np.maximum(diagonal.max(axis=0), 0.0)
+        part = -diagonal / np.maximum(largest, floor * self.omega[-1])
+        worst = np.where(diagonal < -_NEGATIVE * largest - floor * self.omega[-1], part, 0.0)
+        if worst.any():
+            k, i = np.unravel_index(int(worst.argmax()), worst.shape)
+            error = self._error(f"the radiation damping of {_MODES[i]} is negative at {self.omega[k]:.4g} rad/s "
+                                f"({diagonal[k, i]:.4g}, {worst[k, i]:.2g} of its maximum): irregular frequency or too "
+                                "coarse a mesh?")
+            if worst[k, i] > _TOO_NEGATIVE:
+                raise error
+            warnings.warn(str(error), stacklevel=5)
 
     def _check_symmetry(self, name: str, M: np.ndarray, floor: np.ndarray) -> None:
         size = np.sqrt(np.abs(np.einsum("nii->ni", M)).max(axis=0) + floor)

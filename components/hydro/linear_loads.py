@@ -40,7 +40,7 @@ from functools import lru_cache
 from pathlib import Path
 
 import numpy as np
-from numpy.typing import NDArray
+from numpy.typing import ArrayLike, NDArray
 from scipy.interpolate import Akima1DInterpolator
 
 from fowtlib.components.environment.sea import Sea
@@ -61,6 +61,7 @@ from fowtlib.language import (
     data,
     der,
     eq,
+    facts,
     linear_operator,
     outer,
     param,
@@ -154,17 +155,36 @@ class Hydrostatics(PlatformLoad):
             ),
         ]
 
+    def facts(self) -> list[facts.Fact]:
+        volume, centre, stiffness, reference = (
+            np.asarray(self.parameter_value(name), dtype=float)
+            for name in ("volume", "centre_of_buoyancy", "stiffness", "reference_density")
+        )
+        density, gravity = (self.world.parameter_value(name) for name in ("water_density", "gravity"))
+        turning = -stiffness_without_buoyancy(np.zeros((6, 6)), density * gravity * volume, centre)
+        return [
+            facts.Number("displaced volume", volume, "m^3"),
+            facts.Number("centre of buoyancy", centre, "m"),
+            facts.Loads("C", density / reference * stiffness + turning, "N/m"),
+        ]
+
 
 def waterplane_stiffness(database: HydrodynamicDatabase) -> NDArray[np.float64]:
     """C (6, 6) of the database without the moments of the buoyancy: what Hydrostatics takes; noise is set to zero."""
     lift = database.rho * database.g * database.volume
-    x, y, z = database.centre_of_buoyancy
-    stiffness = database.C.copy()
-    stiffness[[3, 4], [3, 4]] -= lift * z
-    stiffness[[3, 4], [5, 5]] += lift * np.array([x, y])
+    stiffness = stiffness_without_buoyancy(database.C, lift, database.centre_of_buoyancy)
     length = np.array([1.0, 1.0, 1.0, *[database.volume ** (1 / 3)] * 3])
     noise = 1e-9 * database.rho * database.g * database.volume ** (2 / 3) * np.outer(length, length)
     return np.where(np.abs(stiffness) > noise, stiffness, 0.0)
+
+
+def stiffness_without_buoyancy(stiffness: NDArray[np.float64], lift: float, centre: ArrayLike) -> NDArray[np.float64]:
+    """C (6, 6) without the moments of the buoyancy `lift` [N] at its centre (3,): C44, C55, C46 and C56."""
+    x, y, z = np.asarray(centre, dtype=float)
+    plane = np.array(stiffness, dtype=float)
+    plane[[3, 4], [3, 4]] -= lift * z
+    plane[[3, 4], [5, 5]] += lift * np.array([x, y])
+    return plane
 
 
 class AddedMass(PlatformLoad):
@@ -183,6 +203,11 @@ class AddedMass(PlatformLoad):
     def equations(self):
         scale = self.world.water_density / self.reference_density
         return self.push_in_own_axes(-scale * m.mtimes(self.matrix, self.in_own_axes(der(self.velocity()))))
+
+    def facts(self) -> list[facts.Fact]:
+        matrix, reference = (np.asarray(self.parameter_value(name)) for name in ("matrix", "reference_density"))
+        scale = self.world.parameter_value("water_density") / reference
+        return [facts.Loads("A(inf)", scale * matrix, "kg")]
 
 
 class LinearDamping(PlatformLoad):

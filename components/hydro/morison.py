@@ -9,14 +9,13 @@ from numpy.typing import ArrayLike, NDArray
 
 from fowtlib.components.environment.sea import Sea
 from fowtlib.components.environment.world import World
+from fowtlib.components.hydro.strips import Strip, drag_loads
 from fowtlib.components.mechanics.connectors import Frame
-from fowtlib.language import Array, Component, Scalar, Vector, der, eq, outer, param, port, shapes, var
+from fowtlib.language import Array, Component, Scalar, Vector, eq, outer, param, port, shapes, var
 from fowtlib.language import math as m
 from fowtlib.language.errors import ParameterError
 
 Floats = NDArray[np.float64]
-
-STILL = 1e-3  # m/s; the speed in |u| u is sqrt(u^2 + STILL^2), smooth where the relative velocity passes zero
 
 
 class MorisonDrag(Component):
@@ -61,14 +60,8 @@ class MorisonDrag(Component):
         along = half * m.pi / 4 * diameters**2 * ends
         still = m.zeros(len(wet.places), 3)
         water = self.sea.velocity(wet.places + self.position) if self.sea is not None else still
-        force, moment, R, v = m.zeros(3), m.zeros(3), self.frame.R, der(self.frame.r)
-        for k, (place, axis) in enumerate(zip(wet.places, wet.axes, strict=True)):
-            arm, e = m.mtimes(R, place), m.mtimes(R, axis)
-            u = water[k, :].T - v - m.cross(self.frame.w, arm)
-            u_a = m.dot(u, e)
-            u_n = u - e * u_a
-            load = across[k] * m.smooth_norm(u_n, STILL) * u_n + along[k] * m.smooth_abs(u_a, STILL) * u_a * e
-            force, moment = force + load, moment + m.cross(arm, load)
+        strips = [Strip(wet.places[k], wet.axes[k], across[k], along[k]) for k in range(len(wet.places))]
+        force, moment = drag_loads(self.frame, water, strips)
         return [eq(self.force, force), eq(self.moment, moment), eq(self.frame.f, -force), eq(self.frame.t, -moment)]
 
     def drawing(self) -> shapes.Drawing:

@@ -8,12 +8,19 @@ inscribed polygon of 24 sides would lose 1.1 % of the volume.
 
 from __future__ import annotations
 
+import itertools
 import math
 from dataclasses import dataclass
 
 import numpy as np
 
+from fowtlib.components.hydro.hull_mesh import HullMesh, hydrostatics
 from fowtlib.language.errors import ParameterError
+
+__all__ = [
+    "Column", "HullMesh", "Pontoon", "floater_mesh", "hydrostatics", "lid_panels", "members_mesh", "members_volume",
+    "profile", "round_factor", "sides",
+]  # fmt: skip
 
 _BOX = 1.3  # a round pontoon is tied to its column within a square patch of this width over its diameter
 _TOUCH = 1e-6  # m
@@ -48,6 +55,12 @@ class Column:
         above = int(np.argmax(z >= 0))
         part = -z[above - 1] / (z[above] - z[above - 1])
         return [*wet, (0.0, float(d[above - 1] + part * (d[above] - d[above - 1])))]
+
+    @property
+    def waterline_diameter(self) -> float:
+        """Diameter at the still water level [m]; zero for a column that ends below it."""
+        z, diameter = self.wetted()[-1]
+        return diameter if z == 0 else 0.0
 
     def diameter_between(self, low: float, high: float) -> float | None:
         """The diameter if it is constant from z = low to z = high within the column, else None."""
@@ -163,36 +176,33 @@ def lid_panels(columns: list[Column], pontoons: list[Pontoon], size: float) -> n
     return np.concatenate(lids)
 
 
-def hydrostatics(panels: np.ndarray) -> tuple[float, np.ndarray, np.ndarray]:
-    """Volume [m^3], centre of buoyancy (3,) [m] and stiffness C / (rho g) (6, 6) without weight, about the origin.
+def members_mesh(columns: list[Column], pontoons: list[Pontoon], size: float, name: str = "hull") -> HullMesh:
+    """Hull and lid of the members, with panels about `size` [m] wide.
 
-    From the wetted panels by Gauss' theorem, exact for flat triangles. Raises ParameterError if the panels do not close
-    below z = 0.
+    Raises ParameterError if members meet in a way that this mesher does not know, and where volume or waterplane are
+    not those of the formulas (0.5 %).
     """
-    triangles = np.concatenate([panels[:, [0, 1, 2]], panels[:, [0, 2, 3]]])
-    normal = np.cross(triangles[:, 1] - triangles[:, 0], triangles[:, 2] - triangles[:, 0]) / 2  # times the area
-    centre = triangles.mean(axis=1)
-    volumes = np.einsum("nk,nk->k", centre, normal)
-    volume = volumes[2]
-    if volume <= 0 or np.abs(volumes - volume).max() > 1e-6 * abs(volume):
-        raise ParameterError(f"the panels are not a closed hull: the volumes by x, y, z are {volumes}")
+    mesh = HullMesh(floater_mesh(columns, pontoons, size), lid_panels(columns, pontoons, size), name)
+    mesh.expect(members_volume(columns, pontoons), sum(math.pi / 4 * c.waterline_diameter**2 for c in columns))
+    return mesh
 
-    def integral(i: int, j: int) -> float:  # of x_i x_j n_z
-        a, b = triangles[:, :, i], triangles[:, :, j]
-        return float(((a * b).sum(1) + a.sum(1) * b.sum(1)) @ normal[:, 2]) / 12
 
-    buoyancy = np.array([integral(0, 2), integral(1, 2), integral(2, 2) / 2]) / volume
-    area, mx, my = -normal[:, 2].sum(), -centre[:, 0] @ normal[:, 2], -centre[:, 1] @ normal[:, 2]
-    C = np.zeros((6, 6))
-    C[2, 2] = area
-    C[2, 3] = C[3, 2] = my
-    C[2, 4] = C[4, 2] = -mx
-    C[3, 3] = -integral(1, 1) + volume * buoyancy[2]
-    C[4, 4] = -integral(0, 0) + volume * buoyancy[2]
-    C[3, 4] = C[4, 3] = integral(0, 1)
-    C[3, 5], C[4, 5] = -volume * buoyancy[0], -volume * buoyancy[1]
-    C[np.abs(C) < 1e-9 * np.abs(C).max()] = 0.0
-    return float(volume), buoyancy, C
+def members_volume(columns: list[Column], pontoons: list[Pontoon]) -> float:
+    """Displaced volume [m^3] by formulas: truncated cones, and what of the pontoons lies outside of the columns."""
+    total = 0.0
+    for column in columns:
+        for (z, d), (above, e) in itertools.pairwise(column.wetted()):
+            total += math.pi / 12 * (above - z) * (d * d + d * e + e * e)
+    nodes, weights = np.polynomial.legendre.leggauss(40)
+    for pontoon in pontoons:
+        radii = [c.diameter_between(*pontoon.patch) / 2 for c in columns for _ in _ends(pontoon, c)]
+        half = pontoon.diameter / 2 or pontoon.width / 2
+        angle = nodes * np.pi / 2  # across = half sin(angle): smooth where a round section begins
+        height = pontoon.diameter * np.cos(angle) if pontoon.diameter else pontoon.height
+        length = math.dist(pontoon.start, pontoon.end) - sum(
+            np.sqrt(r**2 - (half * np.sin(angle)) ** 2) for r in radii)
+        total += float(np.sum(weights * np.pi / 2 * half * np.cos(angle) * height * length))
+    return total
 
 
 def _column_panels(column: Column, pontoons: list[Pontoon], levels: np.ndarray, size: float) -> np.ndarray:
@@ -247,7 +257,8 @@ def _angles(column: Column, joined: list[Pontoon], size: float):
             gap = behind - span[-1]
             if gap < 1e-3 or (end is not None and span[0] < end):
                 raise ParameterError(f"column at ({column.x:g}, {column.y:g}): its pontoons overlap on its wall")
-            filling = np.linspace(span[-1], behind, max(1, math.ceil(gap * number / (2 * np.pi))) + 1)
+            pieces = 2 * math.ceil(gap * number / (4 * np.pi))  # even: no panel lies across a plane of symmetry
+            filling = np.linspace(span[-1], behind, pieces + 1)
             masks[key] = (len(nodes), len(nodes) + len(span) - 1)
             nodes += [*span[:-1], *filling[:-1]]
             end = span[-1]
@@ -289,7 +300,7 @@ def _pontoon_panels(pontoon: Pontoon, columns, pontoons, levels: np.ndarray, siz
             rings = np.array([place(box + t * (section - box)) for t in (0.0, 0.5, 1.0)])
             panels.append(_loft(rings if sign > 0 else rings[::-1]).reshape(-1, 4, 3))
     length = np.linalg.norm(ends[1] - ends[0], axis=1).mean()
-    steps = _spacing(max(1, math.ceil(length / size)), bool(caps[0]), bool(caps[1]))
+    steps = _spacing(2 * max(1, math.ceil(length / size / 2)), bool(caps[0]), bool(caps[1]))
     rings = [*caps[0], *(ends[0] + t * (ends[1] - ends[0]) for t in steps), *caps[1][::-1]]
     return np.concatenate([*panels, _loft(np.array(rings)).reshape(-1, 4, 3)])
 

@@ -13,7 +13,7 @@ from fowtlib.components.hydro.linear_loads import (
     waterplane_stiffness,
 )
 from fowtlib.components.mechanics.connectors import Frame
-from fowtlib.language import Component, Data, Vector, data, outer, param, port
+from fowtlib.language import Component, Data, Vector, data, facts, outer, param, port
 from fowtlib.language.errors import ParameterError
 
 
@@ -28,6 +28,7 @@ class LinearPotentialFlow(Component):
     database: Data[HydrodynamicDatabase] = data(read_database, doc="file of a HydrodynamicDatabase, or one itself")
     radiation_order: int = param(default=4, min=0, doc="states per motion of the radiation memory; 0: none")
     excitation: bool = param(default=True, doc="wave loads; the model needs a Sea for them")
+    buoyancy: bool = param(default=True, doc="hydrostatics of the database; false where another part has them")
     position: Vector = param(default=(0, 0, 0), unit="m", doc="place of the frame at rest, world")
 
     world: World = outer(World)
@@ -35,13 +36,14 @@ class LinearPotentialFlow(Component):
 
     def build(self):
         known, given, place = self.database, self.parameter_binding("database"), self.position
-        self.hydrostatics = Hydrostatics(
-            volume=known.volume,
-            centre_of_buoyancy=known.centre_of_buoyancy,
-            stiffness=waterplane_stiffness(known),
-            reference_density=known.rho,
-            position=place,
-        )
+        if self.buoyancy:
+            self.hydrostatics = Hydrostatics(
+                volume=known.volume,
+                centre_of_buoyancy=known.centre_of_buoyancy,
+                stiffness=waterplane_stiffness(known),
+                reference_density=known.rho,
+                position=place,
+            )
         self.added_mass = AddedMass(matrix=known.A_inf, reference_density=known.rho)
         if self.radiation_order:
             self.radiation = Radiation(database=given, order=self.radiation_order)
@@ -61,3 +63,8 @@ class LinearPotentialFlow(Component):
                     f"{expected:g} {unit}: change the one or compute the other again."
                 )
         return []
+
+    def facts(self) -> list[facts.Fact]:
+        known = self.database
+        scale = self.world.parameter_value("water_density") / known.rho
+        return [] if known.A_zero is None else [facts.Loads("A(0)", scale * known.A_zero, "kg")]

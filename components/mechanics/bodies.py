@@ -14,6 +14,7 @@ from fowtlib.language import (
     Vector,
     der,
     eq,
+    facts,
     fix_orientation,
     outer,
     param,
@@ -122,6 +123,10 @@ class RigidBody(Component):
     def drawing(self) -> shapes.Drawing:
         return [shapes.Ball(self.frame_a, self.parameter_value("r_cm"), material="body")]
 
+    def facts(self) -> list[facts.Fact]:
+        mass, centre, inertia = (self.parameter_value(name) for name in ("mass", "r_cm", "inertia"))
+        return [facts.Mass(self.frame_a, mass, centre, inertia)]
+
 
 class PointMass(Component):
     """A mass without extension at the origin of its frame, under gravity: f = m (dv/dt - g), t = 0.
@@ -146,3 +151,6 @@ class PointMass(Component):
 
     def drawing(self) -> shapes.Drawing:
         return [shapes.Ball(self.frame_a, material="body")]
+
+    def facts(self) -> list[facts.Fact]:
+        return [facts.Mass(self.frame_a, self.parameter_value("mass"))]

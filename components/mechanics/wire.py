@@ -6,7 +6,7 @@ import math
 
 from fowtlib.components.environment.world import World
 from fowtlib.components.mechanics.interfaces import TwoFrames
-from fowtlib.language import Number, RealOutput, Scalar, assert_, der, eq, outer, param, port, shapes, var
+from fowtlib.language import Number, RealOutput, Scalar, assert_, der, eq, facts, outer, param, port, shapes, var
 from fowtlib.language import math as m
 
 
@@ -60,3 +60,9 @@ class AxialWire(TwoFrames):
     def drawing(self) -> shapes.Drawing:
         diameter = (4 * self.mass_per_length / (math.pi * 7850)) ** 0.5 or None  # of a bar of steel
         return [shapes.link(self.frame_a, self.frame_b, diameter, "line")]
+
+    def facts(self) -> list[facts.Fact]:
+        length, pretension, stiffness = (self.parameter_value(n) for n in ("length", "pretension", "axial_stiffness"))
+        half = self.parameter_value("mass_per_length") * length / (1 + pretension / stiffness) / 2
+        ends = [facts.Mass(end, half) for end in (self.frame_a, self.frame_b)]
+        return [*ends, facts.Reading("tension")]

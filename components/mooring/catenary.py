@@ -228,16 +228,17 @@ def stiffness(horizontal: float, vertical: float, line: Line) -> np.ndarray:
     return np.linalg.inv(np.array(ca.Function("flexibility", [H, V], [jacobian])(horizontal, vertical)))
 
 
-def profile(horizontal: Any, vertical: Any, line: Line, points: int = 100) -> dict[str, np.ndarray]:
+def profile(horizontal: Any, vertical: Any, line: Line, points: int = 100, drawn: Any = None) -> dict[str, np.ndarray]:
     """Shape of a line with these fairlead tensions [N], from the anchor to the fairlead.
 
+    drawn: the tension T_h of the catenary, where the line is a section of another that is drawn aside as a whole.
     Returns arrays of `points` values: "arc_length" (unstretched), "x", "z" [m] and "tension" [N]; for tensions (n,)
     arrays (n, points) of the last three. Seen in its plane: the excess length of a slack line, which lies aside, is
     drawn shortened.
     """
     w, s = line.weight, np.linspace(0.0, line.length, points)
     H, V = (np.asarray(value, dtype=float)[..., None] for value in (horizontal, vertical))
-    T = catenary_tension(H, line)
+    T = catenary_tension(H, line) if drawn is None else np.asarray(drawn, dtype=float)[..., None]
     now = state(T, V, line)
     grounded, divisor = now.grounded, np.where(now.grounded > 0, now.grounded, 1.0)
     touch = np.where(grounded > 0, np.maximum(-now.anchor, 0) / (w if w > 0 else 1), 0.0)

@@ -80,7 +80,7 @@ class CatenaryLine(LosableLine):
         line = catenary.state(lateral * spanned, V, self, m)
         left = 1 - m.fmin(line.held, 1)  # of the horizontal tension, at the anchor
         return [
-            eq(self.weight, _weight(self)),
+            eq(self.weight, line_weight(self)),
             eq(self.clearance, m.fmax(self.anchor.r[2] + self.world.water_depth - LEVEL, 0)),
             eq(self.distance, m.smooth_norm(plan, 1e-5 * self.length)),
             eq(self.rise, reach[2]),
@@ -92,7 +92,7 @@ class CatenaryLine(LosableLine):
             eq(self.anchor_tension, there * m.sqrt((H * left) ** 2 + line.anchor**2)),
             [eq(self.seabed_length, line.grounded), self.when_lost(apart, rise)],
             [eq(fairlead.f, there * m.vertcat(lateral * plan, V)), eq(fairlead.t, m.zeros(3))],
-            _hold_anchor(self, there * m.vertcat(-lateral * left * plan, -line.anchor)),
+            hold_anchor(self, there * m.vertcat(-lateral * left * plan, -line.anchor)),
             *_limits(self, line.anchor),
         ]
 
@@ -119,7 +119,7 @@ def _profile(anchor, fairlead, H, V, line):
 
 def _start(line):
     """Start value of the lift: 0.6 of the weight."""
-    weight, stiffness = _weight(line), line.axial_stiffness
+    weight, stiffness = line_weight(line), line.axial_stiffness
     plain = catenary.Line(line.length, weight, stiffness)
     return 0.6 * weight * line.length / catenary.scales(plain, m)[0]
 
@@ -138,10 +138,7 @@ def _limits(line, V_anchor):
                 tension=line.tension)
     ]  # fmt: skip
     return [
-        assert_(anchor > -depth - LEVEL, "the anchor is at {z} m, below the seabed at {seabed} m (World.water_depth)",
-                z=anchor, seabed=-depth),
-        assert_(fairlead > -depth - LEVEL, "the fairlead is at {z} m, below the seabed at {seabed} m",
-                z=fairlead, seabed=-depth),
+        *ends_above_seabed(depth, anchor, fairlead),
         assert_(strain < line.greatest_strain, "the line is stretched by {strain} of its length; its axial stiffness "
                 "is taken as constant up to greatest_strain = {limit}", strain=strain, limit=line.greatest_strain),
         assert_(m.logic_not(floats), "the line rises to the surface between its ends; a line that floats there is not "
@@ -154,7 +151,17 @@ def _limits(line, V_anchor):
     ]  # fmt: skip
 
 
-def _weight(line):
+def ends_above_seabed(depth, anchor, fairlead):
+    """Heights z of the ends of a line that are not below the seabed."""
+    return [
+        assert_(anchor > -depth - LEVEL, "the anchor is at {z} m, below the seabed at {seabed} m (World.water_depth)",
+                z=anchor, seabed=-depth),
+        assert_(fairlead > -depth - LEVEL, "the fairlead is at {z} m, below the seabed at {seabed} m",
+                z=fairlead, seabed=-depth),
+    ]  # fmt: skip
+
+
+def line_weight(line):
     """Weight in water per length, given or from mass and diameter."""
     given, by_mass = (line.parameter_value(name) is not None for name in ("weight_per_length", "mass_per_length"))
     if given == by_mass:
@@ -166,7 +173,7 @@ def _weight(line):
     return catenary.weight_in_water(line.mass_per_length, line.diameter, line.world.gravity, line.world.water_density)
 
 
-def _hold_anchor(line, load):
+def hold_anchor(line, load):
     """The anchor is a frame of a body, which takes the load of the line, or a point of the seabed."""
     if line.anchor.connected:
         return [eq(line.anchor.f, load), eq(line.anchor.t, m.zeros(3))]

@@ -2,20 +2,24 @@
 
 from __future__ import annotations
 
-from fowtlib.language import Component, OfferedEvent, Scalar, assign, event, on, var
+from fowtlib.language import Component, OfferedEvent, Scalar, assign, event, facts, on, var
 from fowtlib.language import math as m
 
 
-class LosableLine(Component):
+class Losable(Component):
     """Partial: a line between two points that may be lost; then it pulls no more at either end.
 
-    The equations of a lost line stay solved as they were, for where its ends were then. What is left of it weighs
-    nothing.
+    What is left of it weighs nothing.
     """
 
     loss: OfferedEvent = event(doc="the line breaks: its tension is gone at both ends")
 
     intact: Scalar = var(discrete=True, start=1.0, doc="1, and 0 when the line is lost")
+
+
+class LosableLine(Losable):
+    """Partial: a line with unknowns of its own, which stay solved as they were at its loss, for where its ends were."""
+
     last_distance: Scalar = var(unit="m", discrete=True, start=0.0, doc="horizontal distance of its ends at its loss")
     last_rise: Scalar = var(unit="m", discrete=True, start=0.0, doc="vertical distance of its ends at its loss")
 
@@ -27,3 +31,6 @@ class LosableLine(Component):
     def when_lost(self, distance, rise):
         """What happens then."""
         return on(self.loss, assign(self.intact, 0), assign(self.last_distance, distance), assign(self.last_rise, rise))
+
+    def facts(self) -> list[facts.Fact]:
+        return [facts.Reading(name) for name in ("tension", "anchor_tension") if name in self.variables]

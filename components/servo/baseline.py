@@ -9,7 +9,7 @@ from fowtlib.components.servo.pitch_controller import PitchController
 from fowtlib.components.servo.sampled import SampledPitchController, SampledTorqueController
 from fowtlib.components.servo.torque_controller import TorqueController
 from fowtlib.components.servo.turbine_controller import TurbineController
-from fowtlib.language import Number, RealInput, Scalar, param, port
+from fowtlib.language import Number, RealInput, Scalar, like, param, port
 
 PITCH = ("proportional_gain", "integral_gain", "rated_speed", "yaw_gain", "pitch_start")
 
@@ -27,6 +27,8 @@ class BaselineController(TurbineController):
     yaw_gain: Scalar = param(
         default=0.0, doc="pitch per yaw angle, with the sign of the rotor's y; see PitchController"
     )
+    pitch_per_velocity: Scalar = like(PitchController.velocity_gain)
+    torque_per_velocity: Scalar = like(TorqueController.velocity_gain)
     rated_speed: Scalar = param(default="1173.7 rpm", unit="rad/s", doc="rated generator speed")
     region_3: str = param(
         default="constant_torque", choices=("constant_torque", "constant_power"), doc="what is held above rated speed"
@@ -37,10 +39,11 @@ class BaselineController(TurbineController):
     speed_start: Scalar = param(default=0.0, unit="rad/s", doc="sampled: initial generator speed")
 
     yaw: RealInput = port(default=0.0, unit="rad", doc="yaw angle of the platform, for the yaw control")
+    velocity: RealInput = port(default=0.0, unit="m/s", doc="velocity of the nacelle downwind, for floating feedback")
 
     def build(self):
-        pitch = {name: getattr(self, name) for name in PITCH}
-        torque = {"rated_speed": self.rated_speed, "region_3": self.region_3}
+        pitch = {name: getattr(self, name) for name in PITCH} | {"velocity_gain": self.pitch_per_velocity}
+        torque = {"rated_speed": self.rated_speed, "region_3": self.region_3, "velocity_gain": self.torque_per_velocity}
         if self.sample_period is None:
             self.speed_filter = FirstOrder(time_constant=1 / (2 * math.pi * self.filter_frequency))
             self.connect(self.generator_speed, self.speed_filter.u)
@@ -52,7 +55,8 @@ class BaselineController(TurbineController):
             self.pitch = SampledPitchController(**pitch, **samples)
             self.torque = SampledTorqueController(**torque, **samples)
             speed = self.generator_speed
-        for pair in ((speed, self.pitch.speed), (speed, self.torque.speed), (self.yaw, self.pitch.yaw)):
+        for pair in ((speed, self.pitch.speed), (speed, self.torque.speed), (self.yaw, self.pitch.yaw),
+                     (self.velocity, self.pitch.velocity), (self.velocity, self.torque.velocity)):  # fmt: skip
             self.connect(*pair)
         self.connect(self.pitch.collective, self.torque.collective)
         self.connect(self.pitch.blade_pitch, self.blade_pitch)

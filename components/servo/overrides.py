@@ -1,7 +1,8 @@
-"""What a safety system acts by: measured speed, pitch, generator and brake, each as it is asked for until an event."""
+"""What a safety system acts by: pitch, generator and brake, each as it is asked for until an event."""
 
 from __future__ import annotations
 
+from fowtlib.components.servo.command_faults import CommandFaults
 from fowtlib.language import (
     Component,
     OfferedEvent,
@@ -26,28 +27,11 @@ SLOW = 1.0
 """Generator speed [rad/s] around standstill within which the torque of a brake changes its sign."""
 
 
-class SpeedMeasurement(Component):
-    """The speed as it is, or as it was when the sensor got stuck."""
+class PitchRamp(CommandFaults):
+    """The larger one of a demand and of a ramp in time, which ends at a highest pitch; at first there is no ramp.
 
-    stuck: OfferedEvent = event(doc="what is measured stays as it is")
-    restored: OfferedEvent = event(doc="the sensor measures again")
-
-    speed: RealInput = port(unit="rad/s", doc="speed")
-    measured: RealOutput = port(unit="rad/s", doc="speed that is measured")
-
-    faulty: Scalar = var(discrete=True, start=0.0, doc="1 while it is stuck")
-    held: Scalar = var(unit="rad/s", discrete=True, start=0.0, doc="speed at which it is stuck")
-
-    def equations(self):
-        return [
-            eq(self.measured, m.if_else(self.faulty > 0.5, self.held, self.speed)),
-            on(self.stuck, assign(self.faulty, 1), assign(self.held, self.measured)),
-            on(self.restored, assign(self.faulty, 0)),
-        ]
-
-
-class PitchRamp(Component):
-    """The larger one of a demand and of a ramp in time, which ends at a highest pitch; at first there is no ramp."""
+    Faults are those of all blades together, which then heed neither controller nor shutdown.
+    """
 
     highest: Scalar = param(default="90 deg", unit="rad", doc="pitch at which a ramp ends")
     feathered: Scalar = param(default=0.0, min=0, max=1, doc="1: it starts at the highest pitch; 0: at the demand")
@@ -70,8 +54,9 @@ class PitchRamp(Component):
     def equations(self):
         ramp = self.origin + self.rate * (self.time - self.since)
         return [
-            eq(self.output, m.fmax(self.demand + self.offset, m.fmin(ramp, self.highest))),
+            eq(self.output, self.unless_faulty(m.fmax(self.demand + self.offset, m.fmin(ramp, self.highest)))),
             on(self.step, assign(self.offset, self.offset + self.step.by)),
+            self.faults_of(self.output),
         ]
 
     def ramp_at(self, rate, delay=0.0):
@@ -88,6 +73,7 @@ class GeneratorSwitch(Component):
     step: OfferedEvent = event(
         doc="the demand is raised", by=param(default="1 kN*m", unit="N*m", doc="what is added to it")
     )
+    trip: OfferedEvent = event(doc="its breaker opens: no torque from now on, and nothing else happens by itself")
 
     speed: RealInput = port(unit="rad/s", doc="generator speed")
     demand: RealInput = port(unit="N*m", doc="generator torque that is asked for")
@@ -103,6 +89,7 @@ class GeneratorSwitch(Component):
         return [
             eq(self.output, self.connected * turning * (self.demand + self.offset)),
             on(self.step, assign(self.offset, self.offset + self.step.by)),
+            on(self.trip, assign(self.connected, 0)),
         ]
 
 
@@ -110,16 +97,36 @@ class ShaftBrake(Component):
     """A torque against the motion of a shaft, which comes up linearly; around standstill it is viscous."""
 
     rise_time: Scalar = param(default=0.6, unit="s", min=1e-3, doc="time in which the torque comes up")
+    rated_torque: Scalar = param(default=0.0, unit="N*m", min=0, doc="torque of an event that does not say it")
+
+    apply: OfferedEvent = event(
+        doc="the brake comes on, and nothing else happens",
+        torque=param(default=rated_torque, unit="N*m", min=0, doc="torque when it is up"),
+        delay=param(default=0.0, unit="s", min=0, doc="time until it comes on"),
+    )  # fmt: skip
+    release: OfferedEvent = event(doc="the brake is off")
+    failure: OfferedEvent = event(doc="what is left of its torque from now on, whenever it is on",
+                                  left=param(default=0.0, min=0, max=1, doc="share that is left"))  # fmt: skip
 
     speed: RealInput = port(unit="rad/s", doc="speed of the shaft")
     torque: RealOutput = port(unit="N*m", doc="torque against the motion")
 
     applied: Scalar = var(unit="N*m", discrete=True, start=0.0, doc="torque when it is up; 0: the brake is off")
     since: Scalar = var(unit="s", discrete=True, start=0.0, doc="time at which the brake comes on")
+    share: Scalar = var(discrete=True, start=1.0, doc="of its torque that it still has")
 
     def equations(self):
-        up = _inside((self.time - self.since) / self.rise_time)
-        return [eq(self.torque, self.applied * up * self.speed / m.sqrt(self.speed**2 + SLOW**2))]
+        up = self.share * _inside((self.time - self.since) / self.rise_time)
+        return [
+            eq(self.torque, self.applied * up * self.speed / m.sqrt(self.speed**2 + SLOW**2)),
+            on(self.apply, *self.on_at(self.apply.torque, self.apply.delay)),
+            on(self.release, assign(self.applied, 0)),
+            on(self.failure, assign(self.share, self.failure.left)),
+        ]
+
+    def on_at(self, torque, delay=0.0):
+        """Actions: the brake comes on after a delay."""
+        return [assign(self.applied, torque), assign(self.since, self.time + delay)]
 
 
 def _inside(share):

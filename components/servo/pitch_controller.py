@@ -22,6 +22,10 @@ class PitchController(Component):
     Yaw control (PI-P): pitch + max(0, -yaw_gain yaw), which takes thrust off a rotor that moves downwind when the
     platform yaws (positive: counter-clockwise from above). The gain has the sign of the rotor's y: positive for the
     left one, looking downwind. Source: O. El Beshbichi, thesis, Univ. of Stavanger (2023), eq. 4.11-4.12, gain 1.5.
+
+    Floating feedback: velocity_gain times the velocity of the nacelle downwind is added before the lower limit, which
+    takes thrust off while it moves downwind: damping of the platform's pitch that the control of the speed takes away.
+    Source: J. Jonkman, AIAA-2008-1358; N. Abbas et al., Wind Energ. Sci. 7 (2022) 53, section 2.5.
     """
 
     memory = "controller"
@@ -37,10 +41,12 @@ class PitchController(Component):
     antiwindup_band: Scalar = param(default="0.1 deg", unit="rad", min=1e-6, doc="range before a limit of the integral")
     pitch_rounding: Scalar = param(default="0.1 deg", unit="rad", min=1e-6, doc="width of rounded corners")
     yaw_gain: Scalar = param(default=0.0, doc="pitch per yaw angle, with the sign of the rotor's y")
+    velocity_gain: Scalar = param(default=0.0, unit="rad*s/m", doc="pitch per velocity of the nacelle downwind")
     pitch_start: Scalar = param(default=0.0, unit="rad", doc="initial pitch")
 
     speed: RealInput = port(unit="rad/s", doc="filtered generator speed")
     yaw: RealInput = port(default=0.0, unit="rad", doc="yaw angle of the platform")
+    velocity: RealInput = port(default=0.0, unit="m/s", doc="velocity of the nacelle, downwind")
     blade_pitch: RealOutput = port(unit="rad", doc="blade pitch")
     collective: RealOutput = port(unit="rad", doc="blade pitch without the part of the yaw control")
 
@@ -66,7 +72,7 @@ class PitchController(Component):
         to_upper = (self.greatest_pitch / gain - self.integral) / self.antiwindup_band
         to_lower = (self.integral - self.least_pitch / gain) / self.antiwindup_band
         fade = smaller(m.if_else(error > 0, to_upper, to_lower), 1, 0.2, m)
-        free = gain * (self.proportional_gain * error + self.integral)
+        free = gain * (self.proportional_gain * error + self.integral) + self.velocity_gain * self.velocity
         above = larger(free, self.least_pitch, self.pitch_rounding, m) + self.yaw_part
         rate = (self.command - self.pitch) / self.response_time
         return [

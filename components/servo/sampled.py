@@ -74,7 +74,7 @@ class SampledPitchController(PitchController):
         self.refuse_unused("antiwindup_band", because="the sampled integral is held at its limits")
         error, gain = self.filtered - self.rated_speed, 1 / (1 + self.held / self.doubling_pitch)
         summed = self.summed + self.integral_gain * error * self.period
-        wanted = gain * (self.proportional_gain * error + self.summed)
+        wanted = gain * (self.proportional_gain * error + self.summed) + self.velocity_gain * self.velocity
         command = _held(
             _held(wanted, self.least_pitch, m.inf) + self.yaw_pitch(), self.least_pitch, self.greatest_pitch
         )

@@ -15,6 +15,8 @@ class TorqueController(Component):
     cut_in_speed it fades out: a generator at standstill is not connected. Torque follows its command with
     response_time as long as that asks for less than the greatest rate. Defaults: NREL 5 MW (NREL/TP-500-38060, 2009,
     table 7-2), with the constant torque of its OC3-Hywind version (NREL/TP-500-47535, 2010, section 6).
+    velocity_gain times the velocity of the nacelle downwind is taken off, which holds the speed of a rotor whose air
+    fails; only where the generator turns and between zero and the greatest torque.
     """
 
     memory = "controller"
@@ -36,9 +38,13 @@ class TorqueController(Component):
     greatest_torque: Scalar = param(default=47402.91, unit="N*m", min=0, doc="limit of the torque")
     greatest_rate: Scalar = param(default=15000.0, unit="N*m/s", min=0, doc="limit of the torque rate")
     response_time: Scalar = param(default=0.05, unit="s", min=1e-3, doc="time constant of the torque")
+    velocity_gain: Scalar = param(
+        default=0.0, unit="N*s", doc="torque taken off per velocity of the nacelle downwind"
+    )
 
     speed: RealInput = port(unit="rad/s", doc="filtered generator speed")
     collective: RealInput = port(default=0.0, unit="rad", doc="blade pitch without the part of the yaw control")
+    velocity: RealInput = port(default=0.0, unit="m/s", doc="velocity of the nacelle, downwind")
     torque: RealOutput = port(unit="N*m", doc="generator torque")
 
     actual: Scalar = var(unit="N*m", state="prefer", doc="generator torque")
@@ -49,7 +55,9 @@ class TorqueController(Component):
         by_speed, above = torque_law.torque_of(speed, self, m), torque_law.region_3_torque(speed, self, m)
         pitched = _step((self.collective - self.region_3_pitch) / self.pitch_transition + 0.5)
         turns = _step((speed - self.cut_in_speed) / (self.region_2_speed - self.cut_in_speed))
-        return m.fmin(by_speed + (above - by_speed) * pitched * turns, self.greatest_torque)
+        lawful = by_speed + (above - by_speed) * pitched * turns
+        floating = turns * self.velocity_gain * self.velocity
+        return m.fmin(m.fmax(lawful - floating, 0), self.greatest_torque)
 
     def equations(self):
         rate = (self.command - self.actual) / self.response_time

@@ -74,7 +74,7 @@ class ActuatedBearing(FaultyDrive):
     def equations(self):
         a, b, n = self.frame_a, self.frame_b, unit_axis(self.n)
         w0 = 2 * math.pi * self.natural_frequency
-        wanted = w0 * (w0 * (self.commanded() - self.phi) - 2 * self.damping_ratio * self.w)
+        wanted = self.acceleration(w0, self.damping_ratio)
         return [
             eq(der(self.phi), self.w),
             eq(der(self.w), wanted if self.rate_limit is None else (1 - self.limited**2) * wanted),

@@ -62,18 +62,17 @@ class RotorNacelle(Component):
         rotor, control, generator, safety = self.rotor, self.control, self.generator, self.safety
         for a, b in (
             (self.frame, rotor.frame), (self.frame, self.body.frame_a), (rotor.shaft, self.gear.flange_b),
-            (self.gear.flange_a, generator.shaft), *safety.around(control, generator.speed),
+            (self.gear.flange_a, generator.shaft), *safety.around(control, generator.speed, self.yaw),
             (generator.speed, self.generator_speed), (safety.brake.torque, generator.brake),
             (safety.pitch.output, rotor.blade_pitch), (safety.pitch.output, self.blade_pitch),
             (safety.generator.output, generator.torque), (safety.generator.output, self.generator_torque),
             (generator.power, self.generator_power), (rotor.aero_power, self.aero_power), (rotor.thrust, self.thrust),
         ):  # fmt: skip
             self.connect(a, b)
-        if "yaw" in control.ports:
-            self.connect(self.yaw, control.yaw)
         give_default(rotor, "w_start", self.rotor_speed_start)
         give_default(control, "pitch_start", self.blade_pitch_start * (1 - safety.idling))
         give_default(control, "speed_start", self.gear_ratio * self.rotor_speed_start)
+        give_default(safety, "station", rotor.station)
 
     @property
     def carrier(self) -> tuple[Component, str]:

@@ -67,7 +67,7 @@ class Turbine(Component):
         body.node_points = node_points(air.rotor.blade, body.rotation)
         for a, b in (
             (self.frame, body.frame), (body.nacelle.hub, air.hub), (self.yaw_command, body.yaw_command),
-            *safety.around(control, body.drivetrain.generator_speed), (self.yaw, control.yaw),
+            *safety.around(control, body.drivetrain.generator_speed, self.yaw),
             (body.drivetrain.generator_speed, self.generator_speed),
             (body.drivetrain.generator_power, self.generator_power), (body.nacelle.azimuth, self.azimuth),
             (body.nacelle.rotor_speed, self.rotor_speed), (safety.pitch.output, body.blade_pitch),
@@ -82,6 +82,7 @@ class Turbine(Component):
             (body, "rotor_speed_start", self.rotor_speed_start),
             (control, "pitch_start", self.blade_pitch_start * (1 - safety.idling)),
             (control, "speed_start", body.drivetrain.gear_ratio * self.rotor_speed_start),
+            (safety, "station", air.station),
         ):  # fmt: skip
             give_default(component, name, value)
 

@@ -7,7 +7,9 @@ from fowtlib.analysis.extremes import block_maxima, fit_gumbel
 from fowtlib.analysis.fatigue import damage_equivalent_load, equivalent_loads, lifetime_equivalent_load
 from fowtlib.analysis.harmonics import HarmonicFit, harmonic_fit
 from fowtlib.analysis.load_matrix import ultimate_loads
+from fowtlib.analysis.maps import ParameterMap, parameter_map
 from fowtlib.analysis.rao import Rao, linear_rao, simulated_rao
+from fowtlib.analysis.sheet import Sheet, model_sheet
 from fowtlib.analysis.spectra import Spectrum, average, compare, power_spectrum
 from fowtlib.analysis.static import StaticCurve, static_curve
 from fowtlib.analysis.statistics import normalized_maxima, over_seeds, up_crossings
@@ -15,7 +17,9 @@ from fowtlib.analysis.statistics import normalized_maxima, over_seeds, up_crossi
 __all__ = [
     "Decay",
     "HarmonicFit",
+    "ParameterMap",
     "Rao",
+    "Sheet",
     "Spectrum",
     "StaticCurve",
     "analyse_decay",
@@ -31,9 +35,11 @@ __all__ = [
     "harmonic_fit",
     "lifetime_equivalent_load",
     "linear_rao",
+    "model_sheet",
     "normalized_maxima",
     "over_cases",
     "over_seeds",
+    "parameter_map",
     "power_spectrum",
     "simulated_rao",
     "static_curve",

@@ -20,6 +20,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from fowtlib.analysis.crossings import count_up_crossings
+from fowtlib.analysis.series import scalar_series
 from fowtlib.language.errors import ModelError
 from fowtlib.solving.results.statistics import time_weights
 
@@ -40,9 +41,9 @@ def case_statistics(
 ) -> dict[str, Any]:
     """Statistics of all scalar series of a result, without its first `discard` seconds, as what JSON can hold.
 
-    names: of the channels, also elements such as "force[2]"; None takes all. Vectors and matrices count element by
-    element. A channel with a value that is not finite is listed under "refused" with a sentence. Raises ModelError
-    when `discard` leaves fewer than 3 points, or a percentile is not between 0 and 100.
+    names: of the channels, also elements such as "force[2]" and variables of the model; None takes all. Vectors and
+    matrices count element by element. A channel with a value that is not finite is listed under "refused" with a
+    sentence. Raises ModelError when `discard` leaves fewer than 3 points, or a percentile is not between 0 and 100.
     """
     wanted = sorted(map(float, percentiles))
     if wanted and not (wanted[0] >= 0.0 and wanted[-1] <= 100.0):
@@ -56,10 +57,7 @@ def case_statistics(
         )
     start = int(np.argmax(keep))
     time = time[start:]
-    if names is None:
-        columns = [(name, unit, values[start:]) for name, unit, values in result.stored.columns()]
-    else:
-        columns = [(name, result.unit(name), result.array(name)[start:]) for name in names]
+    columns = [(series.name, series.unit, series.values[start:]) for series in scalar_series(result, names)]
     refused = {name: _not_finite(time, values) for name, _, values in columns if not np.isfinite(values).all()}
     columns = [column for column in columns if column[0] not in refused]
     channels, at = _channels(time, columns, wanted)

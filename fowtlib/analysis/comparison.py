@@ -7,7 +7,6 @@ Lights after Serret (2019), section 3.10: green up to 10 %, amber up to 30 %, re
 
 from __future__ import annotations
 
-import csv
 import math
 from collections import Counter
 from collections.abc import Callable, Mapping, Sequence
@@ -19,9 +18,9 @@ import numpy as np
 
 from fowtlib.analysis.case_statistics import case_statistics
 from fowtlib.analysis.series import Series
+from fowtlib.language.data_files import cells_of
 from fowtlib.language.errors import ModelError, UnitError, did_you_mean
 from fowtlib.language.units import conversion, parse_unit
-from fowtlib.language.whole_files import write_text
 from fowtlib.solving.results import Result
 from fowtlib.solving.results.openfast import result_of
 from fowtlib.solving.results.tables import write_table
@@ -124,12 +123,7 @@ class Comparison:
 
     def save(self, path: str | Path) -> Path:
         """Write all numbers as .csv, or the differences as .md (markdown)."""
-        path = Path(path)
-        if path.suffix == ".md":
-            return write_text(path, self.markdown())
-        if path.suffix != ".csv":
-            raise ModelError(f"{path}: a comparison is saved as .csv or .md, not as '{path.suffix or 'no ending'}'.")
-        return write_table(path, self.heads(), self.table(), "a comparison")
+        return write_table(path, self.heads(), self.table(), "a comparison", self.markdown)
 
     def plot(self, path: str | Path | None = None, **options: Any) -> Figure:
         """Differences in the colours of their lights; options of pictures.plot_lights."""
@@ -222,7 +216,7 @@ def read_pairs(path: str | Path) -> list[Pair]:
         lines = path.read_text(encoding="utf-8-sig").splitlines()
     except (OSError, UnicodeDecodeError) as error:
         raise ModelError(f"{path}: cannot be read: {getattr(error, 'strerror', None) or error}.") from None
-    rows = [(number, [cell.strip() for cell in next(csv.reader([line]))]) for number, line in enumerate(lines, 1)
+    rows = [(number, cells_of(line)) for number, line in enumerate(lines, 1)
             if line.strip() and not line.lstrip().startswith("#")]  # fmt: skip
     if not rows:
         raise ModelError(f"{path}: is empty; its first line is {','.join(MAP_COLUMNS[:2])}.")

@@ -27,6 +27,15 @@ def count_up_crossings(values: np.ndarray, levels: ArrayLike) -> np.ndarray:
     return np.cumsum(begun - ended)[: levels.size]
 
 
+def count_in_pieces(
+    time: np.ndarray, values: np.ndarray, levels: ArrayLike, pieces: int
+) -> tuple[np.ndarray, np.ndarray]:
+    """Upward crossings in pieces of a record, (pieces, levels), and the spans [s] of these."""
+    edges = np.linspace(0, values.size - 1, pieces + 1).astype(int)
+    parts = [values[first : last + 1] for first, last in zip(edges[:-1], edges[1:], strict=True)]
+    return np.array([count_up_crossings(part, levels) for part in parts]), np.diff(time[edges])
+
+
 def gaussian_rate(level: ArrayLike, mean: float, std: float, mean_rate: float) -> np.ndarray:
     """Rate [1/s] at which a stationary Gaussian process passes a level upward, nu_0 exp(-(y - mean)^2 / (2 std^2)).
 

@@ -53,6 +53,11 @@ class KeptRuns:
         return float(self.passages([self.mean]).sum() / self.spans.sum())
 
 
+def is_constant(mean: float, std: float) -> bool:
+    """Whether a standard deviation is 0, but for rounding."""
+    return not std > _CONSTANT * max(abs(mean), 1e-300)
+
+
 def kept_runs(channels: Sequence[Mapping[str, Any]], spans: Sequence[float], name: str, side: str = "max") -> KeptRuns:
     """Of the rows of one channel in the "channels" of `case_statistics`, a row for each run, and their lengths [s].
 
@@ -62,8 +67,8 @@ def kept_runs(channels: Sequence[Mapping[str, Any]], spans: Sequence[float], nam
     outer, inner = ("above", "below") if sign > 0 else ("below", "above")
     weights = np.asarray(spans, dtype=float)
     means, stds = (np.array([row[key] for row in channels], dtype=float) for key in ("mean", "std"))
-    if not stds.min() > _CONSTANT * np.abs(means).max():
-        raise ModelError(f"{name} does not change.")
+    if any(map(is_constant, means, stds)):
+        raise ModelError(f"{name}: it does not change.")
     share = weights / weights.sum()
     mean = float(share @ means)
     std = float(np.sqrt(share @ (stds**2 + (means - mean) ** 2)))

@@ -21,7 +21,6 @@ import numpy as np
 
 from fowtlib.analysis.maximum import SIDES
 from fowtlib.language.errors import ModelError, did_you_mean, one_of
-from fowtlib.language.whole_files import write_text
 from fowtlib.solving.results import Result
 from fowtlib.solving.results.tables import write_table
 
@@ -92,12 +91,7 @@ class LoadMatrix:
 
     def save(self, path: str | Path) -> Path:
         """Write the table as .csv, or as .md (markdown)."""
-        path = Path(path)
-        if path.suffix == ".md":
-            return write_text(path, self.markdown())
-        if path.suffix != ".csv":
-            raise ModelError(f"{path}: a load matrix is saved as .csv or .md, not as '{path.suffix or 'no ending'}'.")
-        return write_table(path, self.heads(), self.table(), "a load matrix")
+        return write_table(path, self.heads(), self.table(), "a load matrix", self.markdown)
 
     def broken_rules(self) -> list[str]:
         """Sentences about what cannot be in a load matrix; [] for a sound one.
@@ -222,7 +216,7 @@ def _extremes(name: str, source: Any, channels: Sequence[str], discard: float) -
         return _of_statistics(name, source, channels)
     if isinstance(source, Result):
         try:
-            time, table = source.time, np.array([source.array(channel) for channel in channels])
+            time, loads = source.time, [source.array(channel) for channel in channels]
         except ModelError as error:
             raise error.at(name) from None
         units = tuple(source.unit(channel) for channel in channels)
@@ -231,14 +225,17 @@ def _extremes(name: str, source: Any, channels: Sequence[str], discard: float) -
         if missing:
             raise ModelError(f"{name}: has no channel '{missing[0]}'{did_you_mean(missing[0], source)}")
         units = ("1",) * len(channels)
-        table = np.array([source[channel] for channel in channels], dtype=float)
-        time = np.asarray(source.get("time", np.arange(table.shape[-1])), dtype=float)
+        loads = [np.asarray(source[channel], dtype=float) for channel in channels]
+        time = np.asarray(source.get("time", np.arange(loads[0].size)), dtype=float)
         if discard and "time" not in source:
             raise ModelError(f"{name}: has no 'time', so that nothing can be left out of its beginning.")
-    if table.ndim != 2 or table.shape[1] != time.size or not time.size:
-        raise ModelError(
-            f"{name}: the channels of a load matrix have one value for each of {time.size} points of time."
-        )
+    for channel, values in zip(channels, loads, strict=True):
+        if values.shape != time.shape or not time.size:
+            raise ModelError(
+                f"{name}: the channels of a load matrix have one value for each of {time.size} points of time; "
+                f"{channel} has values of shape {values.shape}."
+            )
+    table = np.array(loads)
     keep = time >= time[0] + discard - 1e-9
     if not keep.any():
         raise ModelError(f"{name}: discarding {discard:g} s leaves nothing of {time[-1] - time[0]:g} s.")

@@ -10,10 +10,12 @@ import numpy as np
 from fowtlib.language.errors import ModelError
 
 if TYPE_CHECKING:
-    from collections.abc import Sequence
+    from collections.abc import Iterable, Sequence
 
     import xarray
     from numpy.typing import ArrayLike
+
+    from fowtlib.solving.results import Result
 
 
 @dataclass(frozen=True)
@@ -65,6 +67,20 @@ def as_records(records: Records, discard: float = 0.0) -> list[Series]:
         if record.unit != made[0].unit:
             raise ModelError(f"{made[0].name}: the records have it in different units: {made[0].unit}, {record.unit}.")
     return made
+
+
+def scalar_series(result: Result, names: Iterable[str] | None = None) -> list[Series]:
+    """All scalar series of a result, or those named; vectors and matrices element by element.
+
+    A name may be that of an element, such as "force[2]", and of any variable of the model.
+    """
+    stored = result.stored
+    if names is not None:
+        from fowtlib.solving.results import Result
+
+        values = {name: result.array(name) for name in names}
+        stored = Result(result.time, values, {name: result.unit(name) for name in values}).stored
+    return [Series(result.time, values, unit, name) for name, unit, values in stored.columns()]
 
 
 def as_series(source: SeriesLike, name: str = "") -> Series:

@@ -11,6 +11,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from fowtlib.analysis.crossings import count_up_crossings
 from fowtlib.analysis.series import as_series
 from fowtlib.language.errors import ModelError
 from fowtlib.solving.results import Statistics, Summary
@@ -60,7 +61,6 @@ def up_crossings(series: SeriesLike, *, level: float | None = None, discard: flo
     """Upward crossings of ``level`` (None: the mean of the series)."""
     record = as_series(series).after(discard)
     height = float(record.values.mean()) if level is None else float(level)
-    above = record.values > height
-    count = int(np.sum(~above[:-1] & above[1:]))
+    count = int(count_up_crossings(record.values, [height])[0])
     rate = count / float(record.time[-1] - record.time[0])
     return Crossings(height, count, rate, 1.0 / rate if count else float("inf"))

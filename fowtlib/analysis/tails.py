@@ -15,7 +15,7 @@ from typing import TYPE_CHECKING, Any, Self
 import numpy as np
 
 from fowtlib.analysis.case_statistics import CROSSING_STEP
-from fowtlib.analysis.crossings import count_up_crossings
+from fowtlib.analysis.crossings import count_in_pieces
 from fowtlib.analysis.kept import KeptRuns, kept_runs
 from fowtlib.analysis.maximum import Maximum, checked_sample, sign_of
 from fowtlib.analysis.peaks import THRESHOLD
@@ -58,6 +58,13 @@ class CrossingRates:
         pieces = len(self.spans)
         spread = (self.counts / self.spans[:, None]).std(axis=0, ddof=1) / np.sqrt(pieces) if pieces > 1 else 0.0
         return _HALF_WIDTH * np.maximum(spread, np.sqrt(self.rate / self.spans.sum()))
+
+    def certain(self) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+        """Levels whose lower bound C- is above 0, ln of their rates, and weights 1 / (ln C+ - ln C-) for a fit."""
+        nu, half = self.rate, self.half_width
+        used = nu > half
+        nu, half = nu[used], half[used]
+        return self.levels[used], np.log(nu), 1.0 / np.log((nu + half) / (nu - half))
 
 
 @dataclass(frozen=True)
@@ -122,13 +129,9 @@ def crossing_rates(
     if not begin < end:
         raise ModelError(f"{series[0].name}: nothing lies beyond the threshold {sign * begin:g}.")
     heights = np.linspace(begin, end, levels, endpoint=False)
-    counts, spans = [], []
-    for record, part in zip(series, values, strict=True):
-        edges = np.linspace(0, part.size - 1, pieces + 1).astype(int)
-        for first, last in zip(edges[:-1], edges[1:], strict=True):
-            counts.append(count_up_crossings(part[first : last + 1], heights))
-            spans.append(record.time[last] - record.time[first])
-    return CrossingRates(sign * heights, np.array(counts), np.array(spans), float(together.min()))
+    counted = [count_in_pieces(record.time, part, heights, pieces) for record, part in zip(series, values, strict=True)]
+    counts, spans = (np.concatenate(parts) for parts in zip(*counted, strict=True))
+    return CrossingRates(sign * heights, counts, spans, float(together.min()))
 
 
 def rates_of_case(
@@ -192,16 +195,15 @@ def fit_rates(
     """
     from scipy.optimize import least_squares
 
-    sign, nu, half = sign_of(side), rates.rate, rates.half_width
-    used = nu > half
-    if used.sum() < FEWEST_LEVELS:
+    sign = sign_of(side)
+    used, log_rate, weight = rates.certain()  # weight: the root of w
+    if used.size < FEWEST_LEVELS:
         raise ModelError(
-            f"{name or 'the series'}: only {used.sum()} levels beyond {rates.levels[0]:g} are passed often "
+            f"{name or 'the series'}: only {used.size} levels beyond {rates.levels[0]:g} are passed often "
             f"enough to be certain, and a fit takes {FEWEST_LEVELS}. Take longer or more records, or a threshold "
             "nearer to the mean."
         )
-    y, log_rate = (sign * rates.levels)[used], np.log(nu[used])
-    weight = 1.0 / np.log((nu[used] + half[used]) / (nu[used] - half[used]))  # the root of w
+    y = sign * used
     begin = float(y[0])
     size = float(y[-1]) - begin
     low, high = np.array([min(rates.lowest, begin - size), _SMALLEST_POWER]), np.array([begin, _LARGEST_POWER])

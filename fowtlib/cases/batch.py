@@ -44,7 +44,8 @@ class Progress:
     """How far a batch is. done and failed count the cases of the whole batch, with those of earlier runs.
 
     simulated: what this run of the batch has computed, of `to_simulate` [s]. rate: simulated seconds per second of the
-    clock, of all workers; left: seconds of the clock, None while that is not known. words: what has just happened.
+    clock, of all workers; left: seconds of the clock, None while that is not known. words: what has just happened, to
+    the case `name`.
     """
 
     cases: int
@@ -56,6 +57,7 @@ class Progress:
     rate: float = 0.0
     left: float | None = None
     words: str = ""
+    name: str = ""
 
 
 class Batch:
@@ -276,8 +278,8 @@ def _planned(registry: Registry, folder: Path, cases: CaseSet, about: Mapping[st
     known = {row.name: row for row in registry.rows(all_of_them=True, statistics=False)}
     changed: dict[tuple[tuple[str, str], ...], list[str]] = {}  # the same files for most cases
 
-    def reasons(row: Row, case: Case) -> list[str]:
-        if row.digest != case.digest():
+    def reasons(row: Row, case: Case, digest: str) -> list[str]:
+        if row.digest != digest:
             return [f"the case has changed: {_difference(row.case, case)}"]
         files = tuple(row.files.items())
         if files not in changed:
@@ -294,13 +296,15 @@ def _planned(registry: Registry, folder: Path, cases: CaseSet, about: Mapping[st
 
     rows = []
     for case in cases:
-        row = known.get(case.name, Row(case))
-        if row.digest and row.digest != case.digest():
+        row, digest = known.get(case.name, Row(case)), case.digest()
+        if row.digest and row.digest != digest:
             forget_journal(folder / f"{case.name}.{about['format']}")
         if row.state in (DONE, FAILED):
-            why = reasons(row, case) or (["it has failed, and is tried again"] if retry and row.state == FAILED else [])
+            why = reasons(row, case, digest)
+            if not why and retry and row.state == FAILED:
+                why = ["it has failed, and is tried again"]
             row = replace(row, state=DUE if why else row.state, why="; ".join(why))
-        rows.append(replace(row, case=case))
+        rows.append(replace(row, case=case, digest=digest))
     return rows
 
 
@@ -416,7 +420,7 @@ class _Runner:
             words = self._ended(event)
         if words:
             self._log(words)
-        self._report(words)
+        self._report(words, event.name)
 
     def _ended(self, event: Event) -> str:
         outcome = event.outcome
@@ -434,13 +438,14 @@ class _Runner:
         pace = outcome.simulated / max(outcome.seconds, 1e-9)
         return f"done    {event.name}: {outcome.simulated:g} s in {outcome.seconds:.1f} s, {pace:.0f} x real time"
 
-    def _report(self, words: str) -> None:
+    def _report(self, words: str, name: str) -> None:
         running = sum(self.running.values())
         settled, rate = self.settled + running, 0.0
         if self.began is not None:
             rate = (self.simulated + running) / max(time.monotonic() - self.began, 1e-3)
         left = max(0.0, self.total - settled) / rate if rate > 0 else None
-        now = Progress(self.cases, self.done, self.failed, len(self.running), settled, self.total, rate, left, words)
+        now = Progress(self.cases, self.done, self.failed, len(self.running), settled, self.total, rate, left, words,
+                       name)  # fmt: skip
         if time.monotonic() - self.logged > _LOGGED:
             self._log(f"so far: {in_words(now)}")
         if self.tell is not None:

@@ -5,7 +5,7 @@ from __future__ import annotations
 import json
 import math
 import re
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Mapping
 from typing import Any
 
 from fowtlib.cases.case import Case
@@ -22,6 +22,7 @@ from fowtlib.modelfile.paths import check_variable
 from fowtlib.modelfile.short_forms import Condition
 from fowtlib.solving.engines.base import SOLVERS
 from fowtlib.solving.model import Model
+from fowtlib.solving.timeline import EVERY, meant
 
 SEA, REGULAR = "sea", "regular"
 STATED = {REGULAR: ("wave_height", "wave_period"), "jonswap": ("significant_wave_height", "peak_period")}
@@ -126,7 +127,7 @@ class _Checker:
         if kind in STATED:
             _check_sea(root, case.parameters, kind == REGULAR, steep)
             return
-        made = getattr(sea, "wave", None) or getattr(sea, "state", None)
+        made = next((name for name in ("wave", "state") if hasattr(sea, name)), None)
         if made is None:
             return
         parameters = {path: value for path, value in case.parameters.items()
@@ -135,20 +136,20 @@ class _Checker:
         if key not in self._seas:
             own = self.model.with_parameters(parameters).root.parts[SEA]
             try:
-                self._seas[key] = (own.wave() if made.__name__ == "wave" else own.state())
+                self._seas[key] = getattr(own, made)()
             except ModelError as error:
                 raise _Wrong(f"{SEA}.{CONDITIONS[SEA].selector}", str(error)) from None
         height, period = self._seas[key]
-        _check_state(root, height, period, made.__name__ == "wave", steep, f"{SEA}.{CONDITIONS[SEA].selector}")
+        _check_state(root, height, period, made == "wave", steep, f"{SEA}.{CONDITIONS[SEA].selector}")
 
     def _check_event(self, event: Mapping[str, Any], duration: float | None) -> None:
         """Some part offers the event, and it happens within the run."""
         name, known = str(event.get("event")), self._events
-        fits = [path for path in known if _within(name.split("."), path.split("."))]
+        fits = meant(name, known)
         if not fits:
             hint = did_you_mean(name, known) if known else ": no part of the model offers any."
             raise _Wrong("events", f"events: there is no event '{name}'{hint}")
-        if len(fits) > 1 and name not in fits:
+        if len(fits) > 1 and EVERY not in name:
             raise _Wrong("events", f"events: '{name}' can happen at {len(fits)} places; say which: {', '.join(fits)}.")
         end = self.model.settings.get("duration") if duration is None else duration
         if isinstance(at := event.get("at"), (int, float)) and end is not None and at > float(end):
@@ -172,12 +173,6 @@ def _has(root: Component, path: str) -> bool:
         return name in root.find(owner).parameters
     except ModelError:
         return False
-
-
-def _within(names: Sequence[str], path: Sequence[str]) -> bool:
-    """Whether the path ends as the names do, and has the other ones in their order."""
-    rest = iter(path)
-    return path[-1] == names[-1] and all(name in rest for name in names)
 
 
 class _NoPlace:

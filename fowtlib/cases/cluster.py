@@ -7,7 +7,6 @@ more than one piece goes through the scheduler, which keeps nothing of it.
 
 from __future__ import annotations
 
-import hashlib
 import importlib.metadata
 import os
 import shutil
@@ -23,6 +22,7 @@ from typing import TYPE_CHECKING, Any
 
 from fowtlib.cases.job import DONE, FAILED, STOPPED, Job, Outcome, carry_out
 from fowtlib.cases.pool import MOST_TRIES, TICK, Event
+from fowtlib.language.data_files import digest_of
 from fowtlib.language.errors import ModelError, ParameterError
 from fowtlib.language.whole_files import write_whole
 
@@ -59,7 +59,7 @@ def compute(job: dict[str, Any], folder: str, token: str) -> dict[str, Any]:
         left = os.path.join(place, outcome.result) if outcome.result and not shared else ""
         if not shared and not left:
             shutil.rmtree(place, ignore_errors=True)
-        check = _check(left) if left else ""
+        check = digest_of(left) if left else ""
     return {"outcome": outcome.plain(), "worker": get_worker().address, "left": left, "check": check}
 
 
@@ -67,11 +67,6 @@ def _sees(folder: str, token: str) -> bool:
     with suppress(OSError):
         return (Path(folder) / _TOKEN).read_text() == token
     return False
-
-
-def _check(path: str) -> str:
-    with open(path, "rb") as file:
-        return hashlib.file_digest(file, "blake2b").hexdigest()
 
 
 def piece(path: str, offset: int) -> bytes:
@@ -91,16 +86,12 @@ def stop(token: str) -> None:
     _stopped.add(token)
 
 
+# --- where the batch is run ------------------------------------------------------------------------------------------
+
+
 def version() -> str:
     """Of fowtlib, here."""
     return importlib.metadata.version("fowtlib")
-
-
-def _theirs() -> str:
-    return importlib.metadata.version("fowtlib")
-
-
-# --- where the batch is run ------------------------------------------------------------------------------------------
 
 
 class ClusterWorkers:
@@ -199,7 +190,7 @@ class ClusterWorkers:
                 raise ModelError(f"{error} What is finished is kept; make room, and run the batch again.") from None
             except (OSError, KeyError, ValueError, RuntimeError) as error:
                 return Event("lost", job.name, worker, words=f"its results cannot be fetched: {error}")
-            if _check(str(target)) != told["check"]:
+            if digest_of(target) != told["check"]:
                 return Event("lost", job.name, worker, words="its results have come back damaged")
             with suppress(Exception):
                 client.run(forget, told["left"], workers=[worker], on_error="ignore")
@@ -235,12 +226,15 @@ def _started(client: Client, known: dict[str, Job], waiting: dict[str, Any], run
 def _client(cluster: Any) -> tuple[Client, bool]:
     """A client of the cluster, and whether it was made here."""
     from distributed import Client
+    from distributed.comm import resolve_address
 
     if isinstance(cluster, Client):
         return cluster, False
     if not isinstance(cluster, str) and not hasattr(cluster, "scheduler_address"):
         raise ParameterError(f"cluster is {cluster!r}; give the address of a scheduler, a Client or a cluster of Dask.")
     try:
+        if isinstance(cluster, str):
+            resolve_address(cluster)  # a Client that fails at this closes itself late, with a traceback
         return Client(cluster, timeout=_ANSWER, set_as_default=False), True
     except (OSError, TimeoutError):
         raise ModelError(f"no Dask scheduler answers at {cluster} within {_ANSWER:g} s. Is it running, and is its port "
@@ -253,7 +247,7 @@ def _client(cluster: Any) -> tuple[Client, bool]:
 def _check_versions(client: Client) -> None:
     """Workers that are there have to have the same fowtlib."""
     try:
-        found = client.run(_theirs)
+        found = client.run(importlib.metadata.version, "fowtlib")
     except ModuleNotFoundError as error:
         raise ModelError(f"a worker of the cluster has no fowtlib ({error}); install the same one there.") from None
     for worker, theirs in found.items():

@@ -2,13 +2,12 @@
 
 from __future__ import annotations
 
-import csv
 import re
 from pathlib import Path
 
 from fowtlib.cases.folder import Folder
 from fowtlib.cases.values import Item, as_quantity, number
-from fowtlib.language.data_files import text_of
+from fowtlib.language.data_files import cells_of, lines_of
 from fowtlib.language.errors import ModelError, ModelFileError, UnitError
 from fowtlib.language.unit_grammar import parse_unit
 from fowtlib.language.units import si_unit, to_si
@@ -31,12 +30,10 @@ def read(node: Node, folder: Folder, files: list[Path]) -> dict[str, list[Item]]
 
 def _columns(path: Path) -> dict[str, list[Item]]:
     shown = file_names.shown(path)
-    lines = [(k, line) for k, line in enumerate(text_of(path, "the table", ModelFileError).split("\n"), start=1)]
-    lines = [(k, line) for k, line in lines if line.strip() and not line.lstrip().startswith("#")]
-    rows = [(k, next(csv.reader([line], skipinitialspace=True))) for k, line in lines]
+    rows = [(number, cells_of(line)) for number, line in lines_of(path, "the table", ModelFileError)]
     if len(rows) < 2:
         raise ModelFileError(f"{shown}: a table has a line with the names of its columns, and rows under it.")
-    heads = [_HEAD.fullmatch(text.strip()) for text in rows[0][1]]
+    heads = [_HEAD.fullmatch(text) for text in rows[0][1]]
     for text, head in zip(rows[0][1], heads, strict=True):
         if head is None:
             where = f"{shown}:{rows[0][0]}"
@@ -50,7 +47,7 @@ def _columns(path: Path) -> dict[str, list[Item]]:
             raise ModelFileError(f"{shown}:{line}: the row has {len(row)} values, and there are {len(names)} columns.")
         for head, text in zip(heads, row, strict=True):
             assert head is not None
-            columns[head[1]].append(_item(text.strip(), head[2] or "", f"{shown}:{line}: {head[1]}"))
+            columns[head[1]].append(_item(text, head[2] or "", f"{shown}:{line}: {head[1]}"))
     return columns
 
 

@@ -21,6 +21,7 @@ from fowtlib.cases.plant_facts import (
     hub_height,
     idling_parameters,
     rated_wind_speed,
+    require_weather,
     rotors_for_front_wind,
 )
 from fowtlib.cases.site import Site, site_error
@@ -86,6 +87,7 @@ class _Writer:
             )
         self.wind_class, self.turbulence_class = found[1], found[2]
         self.operating = _speeds(request.wind)
+        require_weather(model)
         height = hub_height(model)
         if abs(height - self.site.hub_height) > 0.5:
             raise ParameterError(

@@ -7,7 +7,6 @@ from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
 
-from fowtlib.language.errors import ModelFileError
 from fowtlib.modelfile import files
 from fowtlib.modelfile.permit import Permit, permit_for
 
@@ -27,14 +26,7 @@ class Folder:
 
     def allowed(self, name: str) -> Path:
         """The whole path of a name, whether there is such a file or not."""
-        if name.startswith(files.DATA_PREFIX):
-            return files.data_path(name.removeprefix(files.DATA_PREFIX))
-        try:
-            path = (self.path / Path(name).expanduser()).resolve()
-        except (OSError, ValueError, RuntimeError) as error:
-            raise ModelFileError(f"'{name[:60]}' is not the name of a file: {error}.") from None
-        self.permit.require(path, name)
-        return path
+        return files.data_place(name, self.path, self.permit)
 
 
 def folder_of(file: Path, allow: Allowed = ()) -> Folder:

@@ -170,20 +170,20 @@ def _compute(job: Job, report: Report, told: dict[str, Any]) -> None:
 class LateJournal(Journal):
     """A journal that begins with its first piece, when a run has taken some seconds; shorter ones write none."""
 
-    _first: tuple[Any, ...] | None = None
+    _about: Mapping[str, Any] | None = None
 
     def begin(self, about: Mapping[str, Any], earlier: Stored | None = None, checkpoint: bytes = b"") -> None:
         """Wait, unless there is something to go on from."""
         if earlier is None and not checkpoint:
-            self._first = (about,)
+            self._about = about
         else:
             super().begin(about, earlier, checkpoint)
 
     def write(self, raw: RawTrajectory | None, values: Mapping[str, np.ndarray], checkpoint: bytes) -> None:
         """Add output points, and replace the checkpoint."""
-        if self._first is not None:
-            first, self._first = self._first, None
-            super().begin(*first)
+        if self._about is not None:
+            about, self._about = self._about, None
+            super().begin(about)
         super().write(raw, values, checkpoint)
 
 

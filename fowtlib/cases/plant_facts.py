@@ -9,6 +9,13 @@ from fowtlib.solving.model import Model
 SLOWEST, FASTEST = 3.0, 30.0  # wind speeds [m/s] between which the rated one is sought
 
 
+def require_weather(model: Model) -> None:
+    """Refuse a model without a part that load cases give their wind or their sea to, such as a turbine on land."""
+    for name in ("wind", "sea"):
+        if name not in model.root.parts:
+            raise ParameterError(f"the model has no part '{name}', which load cases give their {name} to.")
+
+
 def hub_height(model: Model) -> float:
     """Height [m] at which the mean wind of the model is given."""
     wind = model.root.parts.get("wind")

@@ -49,8 +49,8 @@ class Row:
     state: due, running, done or failed. why: a case that was done before is due again. message: what went wrong.
     seconds: of the clock, processor: of it that the case used [s]; simulated [s]. files: digest by path of all that the
     result depends on besides the case. statistics: by channel, its unit and numbers by name, as the "channels" of
-    fowtlib.analysis.case_statistics. result: the name of its
-    file in the folder, "" where none is kept; bytes: its size.
+    fowtlib.analysis.case_statistics. result: the name of its file in the folder, "" where none is kept; bytes: its
+    size. digest: that of the case.
     """
 
     case: Case
@@ -186,7 +186,7 @@ class Registry:
                 "place = excluded.place, data = excluded.data, digest = excluded.digest, "
                 "state = excluded.state, why = excluded.why, "
                 "message = CASE excluded.state WHEN 'due' THEN '' ELSE message END",
-                [(row.name, place, _text(row.case.plain()), row.case.digest(), row.state, row.why)
+                [(row.name, place, _text(row.case.plain()), row.digest, row.state, row.why)
                  for place, row in enumerate(rows)],
             )  # fmt: skip
 

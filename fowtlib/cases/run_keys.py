@@ -17,7 +17,6 @@ from fowtlib.modelfile.document import STARTS
 from fowtlib.modelfile.nodes import Node, Place
 from fowtlib.modelfile.short_forms import WAVES, WIND, Condition
 from fowtlib.modelfile.specs import as_list, mapping
-from fowtlib.modelfile.values import DATA_SUFFIXES
 from fowtlib.solving.timeline import Event
 
 SECONDS = ("duration", "output_step", "discard", "step")
@@ -81,9 +80,7 @@ class RunKeys:
                 places[path] = node.place
         return values
 
-    def condition(
-        self, condition: Condition, node: Node, scope: Scope, places: dict[str, Place]
-    ) -> dict[str, Any]:
+    def condition(self, condition: Condition, node: Node, scope: Scope, places: dict[str, Place]) -> dict[str, Any]:
         """Wind or sea, in the words of the model file or in the short form of the command line."""
         if isinstance(node.value, str):
             text = word(node, condition.part, scope, units=True)
@@ -145,7 +142,7 @@ class RunKeys:
 
     def _file(self, path: str, value: Any, place: Place) -> Any:
         """A value that names a file with its whole path, of one that may be read; others as they are."""
-        if not isinstance(value, str) or not _is_file(path, value):
+        if not isinstance(value, str) or not files.names_file(path.rpartition(".")[2], value):
             return value
         try:
             found = self.folder.allowed(value)
@@ -154,12 +151,6 @@ class RunKeys:
         if files.is_file(found) and not value.startswith(files.DATA_PREFIX):
             self.files[found] = None
         return str(found)
-
-
-def _is_file(path: str, text: str) -> bool:
-    name = path.rpartition(".")[2]
-    by_name = name in ("file", "path") or name.endswith(("_file", "_path"))
-    return by_name or text.startswith(files.DATA_PREFIX) or text.lower().endswith((*DATA_SUFFIXES, ".bts"))
 
 
 def _time(node: Node, key: str, scope: Scope) -> float:

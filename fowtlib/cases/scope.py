@@ -81,5 +81,3 @@ def seeds_of(values: Mapping[str, Item], count: int) -> list[dict[str, Item]]:
 def _number(text: str) -> int:
     digest = hashlib.blake2b(text.encode(), digest_size=8).digest()
     return 1 + int.from_bytes(digest, "big") % (2**31 - 2)
-
-

@@ -11,9 +11,9 @@ from typing import Any, Protocol
 
 import numpy as np
 from scipy.optimize import brentq
-from scipy.stats import norm
+from scipy.special import ndtri
 
-from fowtlib.cases import conditional
+from fowtlib.cases import conditional, weights
 from fowtlib.cases.conditional import Table
 from fowtlib.cases.folder import Folder, folder_of
 from fowtlib.cases.scope import Scope
@@ -108,7 +108,7 @@ def site_from(joint: Joint, hub_height: float, name: str, title: str = "", sourc
     DNV-RP-C205 knows, where that is longer.
     """
     per_year = 365.25 * 24 * 3600 / joint.averaging
-    beta = {years: float(norm.isf(1 / (int(years) * per_year))) for years in YEARS}
+    beta = {years: float(-ndtri(1 / (int(years) * per_year))) for years in YEARS}
     highest = float(joint.wind_speed.from_normal(beta["50"]))
     speeds = np.array([v for v in np.arange(2.0, FASTEST + 1, 2.0) if v < highest])
     normal = [float(joint.wave_height(v).mean()) for v in speeds]
@@ -149,17 +149,8 @@ def _weibull(node: Node, scope: Scope) -> tuple[float, float]:
     check_keys(items, ("weibull",), "'wind' of a site")
     if "weibull" not in items:
         raise node.place.error(f"'wind' of a site is {form}.")
-    inner = mapping(items["weibull"], "'weibull' is a mapping: scale, shape")
-    check_keys(inner, ("scale", "shape"), "'weibull'")
-    numbers = []
-    for key, unit in (("scale", "m/s"), ("shape", "1")):
-        if key not in inner:
-            raise items["weibull"].place.error(f"'weibull' needs '{key}'.")
-        value = scalar(inner[key], key, scope, unit)
-        if not (value > 0 and math.isfinite(value)):
-            raise inner[key].place.error(f"weibull: {key} is {value:g}, and must be above zero.")
-        numbers.append(value)
-    return numbers[0], numbers[1]
+    law = weights.law("weibull", items["weibull"], scope)
+    return law["scale"], law["shape"]
 
 
 def _sea(key: str, node: Node, scope: Scope, folder: Folder) -> Table:

@@ -91,6 +91,8 @@ def filled(text: str, names: Names, units: bool = False) -> str:
         formula, form = found[1].strip(), found[2]
         item = _formula(formula, names)
         if item is None:
+            if formula.isidentifier():
+                raise ModelFileError(f"'{text}': there is no variable '{formula}'{did_you_mean(formula, names.names)}")
             raise ModelFileError(f"'{text}': '{formula}' is not a formula of variables{_there_are(names)}")
         return _formatted(item, form, text, units)
 

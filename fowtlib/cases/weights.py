@@ -79,7 +79,8 @@ def read(node: Node, variables: Sequence[str], names: Names, folder: Folder, fil
     return Weights((of,), _shares(chosen[0], items[chosen[0]], width, node, names), {}, node)
 
 
-def _shares(form: str, node: Node, width: float | None, whole: Node, names: Names):
+def law(form: str, node: Node, names: Names) -> dict[str, float]:
+    """The parameters of a distribution of the wind speed by their names in FORMS; scale and mean [m/s]."""
     items = mapping(node, f"'{form}' is a mapping: {', '.join(FORMS[form])}")
     check_keys(items, FORMS[form], f"'{form}'")
     for key in FORMS[form]:
@@ -90,6 +91,11 @@ def _shares(form: str, node: Node, width: float | None, whole: Node, names: Name
     for key, value in values.items():
         if not (value > 0 and math.isfinite(value)):
             raise items[key].place.error(f"{form}: {key} is {value:g}, and must be above zero.")
+    return values
+
+
+def _shares(form: str, node: Node, width: float | None, whole: Node, names: Names):
+    values = law(form, node, names)
     if form == "rayleigh":
         values = {"shape": 2.0, "scale": values["mean"] * 2 / math.sqrt(math.pi)}
 

@@ -29,16 +29,20 @@ from fowtlib.cli import (
     export,
     extremes,
     fatigue,
+    hydro,
     inspection,
     library,
     loading,
     loads,
+    maps,
     maxima,
     rao,
     rotor_table,
     run,
+    sheet,
     stability,
     statistics,
+    tune,
     view,
     wind_field,
 )
@@ -48,8 +52,8 @@ from fowtlib.cli.report import write_report
 from fowtlib.language.errors import ModelError, did_you_mean
 
 GROUPS = (
-    run, cases, batch, export, view, inspection, events, stability, decay, rao, statistics, maxima, loads, fatigue,
-    compare, rotor_table, wind_field, contours, extremes, library, cache,
+    run, cases, batch, export, view, inspection, events, stability, tune, sheet, maps, decay, rao, statistics, maxima,
+    loads, fatigue, compare, rotor_table, hydro, wind_field, contours, extremes, library, cache,
 )  # fmt: skip
 
 
@@ -79,7 +83,9 @@ class Parser(argparse.ArgumentParser):
             what = action.metavar or action.dest
             if isinstance(action, argparse._SubParsersAction):
                 what = what.lower()
-            self.error(f"unknown {what} '{value}'{did_you_mean(str(value), map(str, action.choices), list_up_to=20)}")
+            of = f" of {action.option_strings[-1]}" if action.option_strings else ""
+            meant = did_you_mean(str(value), map(str, action.choices), list_up_to=20)
+            self.error(f"unknown {what} '{value}'{of}{meant}")
 
     def error(self, message: str) -> NoReturn:
         """Say what is wrong and where help is, and exit with status 2."""

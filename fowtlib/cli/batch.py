@@ -10,16 +10,18 @@ from contextlib import contextmanager
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from fowtlib.cli import loading, tables
-from fowtlib.cli.files import TABLES, check_target, say_saved
+from fowtlib.cli import loading, results, tables
+from fowtlib.cli.files import check_target, say_saved
+from fowtlib.cli.run import count
 from fowtlib.language.errors import ModelError, NotFoundError, did_you_mean
 
 if TYPE_CHECKING:
     from fowtlib.cases import Batch, CaseSet, Progress
 
-ENDING, PAGE = ".batch", ".html"
+ENDING, PAGE, LISTS = ".batch", ".html", (".yaml", ".yml")
 TOLD = 60.0  # s between two lines on the progress, where there is no terminal
 STATISTICS = ("mean", "std", "min", "max")
+GONE_WRONG = ("failed", "lost")  # first words of what is said of a case while a batch runs
 EACH = {
     "run": "fowt batch run dlc12.yaml --workers 4",
     "retry": "fowt batch retry dlc12.yaml",
@@ -80,7 +82,7 @@ def _declare_file(parser: argparse.ArgumentParser, text: str) -> None:
 
 
 def _declare_run(parser: argparse.ArgumentParser) -> None:
-    parser.add_argument("--workers", type=_count, metavar="N",
+    parser.add_argument("--workers", type=count, metavar="N",
                         help="processes; default: as many as cores and memory allow")  # fmt: skip
     parser.add_argument("--format", metavar="F", help="of the results: nc or outb; default: nc")
     parser.add_argument("--keep", metavar="WHAT", help="all, or statistics without files of results; default: all")
@@ -88,21 +90,15 @@ def _declare_run(parser: argparse.ArgumentParser) -> None:
     loading.declare_leave(parser)
 
 
-def _count(text: str) -> int:
-    """A number of things, for argparse."""
-    if not text.isdecimal() or not int(text):
-        raise argparse.ArgumentTypeError(f"'{text}' is not a whole number above zero")
-    return int(text)
-
-
 def run(arguments: argparse.Namespace) -> int:
     """Run the cases, and print what became of them; 1 where some have failed."""
     from fowtlib.cases import run_batch
 
     cases = _cases(arguments)
-    folder = _folder(arguments)
+    folder = _folder(arguments.file, arguments.folder)
+    told: set[str] = set()
     try:
-        with _progress() as report:
+        with _progress(told) as report:
             batch = run_batch(
                 cases, folder, source=str(arguments.file.resolve()), workers=arguments.workers,
                 cluster=arguments.scheduler, format=arguments.format, keep=arguments.keep, retry=arguments.retry,
@@ -115,7 +111,8 @@ def run(arguments: argparse.Namespace) -> int:
     counts = batch.counts
     print(f"{folder}: {_told(counts)}")
     for row in batch.rows("failed"):
-        print(f"{row.name}: {row.message}", file=sys.stderr)
+        if row.name not in told:  # it has failed before
+            print(f"{row.name}: {row.message}", file=sys.stderr)
     if counts["failed"]:
         print(f"to try those that have failed again: fowt batch retry {arguments.file}", file=sys.stderr)
     return 1 if counts["failed"] else 0
@@ -123,8 +120,8 @@ def run(arguments: argparse.Namespace) -> int:
 
 def show_status(arguments: argparse.Namespace) -> int:
     """Print how many cases are in each state, and those that are not done with what there is to say."""
-    check_target(arguments.table, TABLES, arguments.force)
-    batch = _batch(arguments)
+    tables.check(arguments)
+    batch = opened(arguments.file, arguments.folder)
     rows = batch.rows()
     tables.say(arguments, f"{batch.folder}: {_told(batch.counts)}")
     shown = [row for row in rows if arguments.all or row.state != "done"]
@@ -138,8 +135,8 @@ def show_status(arguments: argparse.Namespace) -> int:
 
 def show_table(arguments: argparse.Namespace) -> int:
     """Print the statistics of the results of all cases that are done."""
-    check_target(arguments.table, TABLES, arguments.force)
-    batch = _batch(arguments)
+    tables.check(arguments)
+    batch = opened(arguments.file, arguments.folder)
     rows = batch.rows("done")
     if not rows:
         raise ModelError(f"{batch.folder}: no case is done yet.")
@@ -169,10 +166,10 @@ def write_report(arguments: argparse.Namespace) -> int:
     """Write the page of a batch."""
     from fowtlib.report import write_batch_page
 
-    batch = _batch(arguments)
+    batch = opened(arguments.file, arguments.folder)
     path = arguments.output or batch.folder.with_suffix(PAGE)
     check_target(path, (PAGE,), arguments.force)
-    channels = [name.strip() for name in arguments.results.split(",")] if arguments.results else None
+    channels = _names(arguments.results, "result") if arguments.results else None
     say_saved(write_batch_page(batch, path, title=arguments.title, channels=channels))
     return 0
 
@@ -181,8 +178,15 @@ def _size(statistics: Any) -> float:
     return max(abs(statistics.get("min", 0.0)), abs(statistics.get("max", 0.0)))
 
 
+def _names(text: str, what: str) -> list[str]:
+    names = [name for name in results.split(text) if name]
+    if not names:
+        raise ModelError(f"'{text}' names no {what}; give names with commas between them.")
+    return names
+
+
 def _chosen(text: str, known: list[str], what: str) -> list[str]:
-    names = [name.strip() for name in text.split(",") if name.strip()]
+    names = _names(text, what)
     for name in names:
         if name not in known:
             raise NotFoundError(f"there is no {what} '{name}'{did_you_mean(name, known, list_up_to=30)}")
@@ -194,6 +198,8 @@ def _cases(arguments: argparse.Namespace) -> CaseSet:
     from fowtlib import check_cases
     from fowtlib.language import leave
 
+    if arguments.file.is_dir():
+        raise ModelError(f"{arguments.file}: is a folder; give the file that lists the cases.")
     cases = loading.read_cases(arguments, arguments.file)
     models = check_cases(cases, lambda name: loading.load_file(arguments, name))
     for model in models.values() if arguments.trust else ():
@@ -202,19 +208,25 @@ def _cases(arguments: argparse.Namespace) -> CaseSet:
     return cases
 
 
-def _folder(arguments: argparse.Namespace) -> Path:
-    if arguments.folder is not None:
-        return arguments.folder
-    return arguments.file if arguments.file.is_dir() else arguments.file.with_suffix(ENDING)
+def _folder(file: Path, folder: Path | None) -> Path:
+    return folder or (file if file.is_dir() else file.with_suffix(ENDING))
 
 
-def _batch(arguments: argparse.Namespace) -> Batch:
+def opened(file: Path, folder: Path | None = None) -> Batch:
+    """The batch of a cases file, or in a folder; folder: where it is not the one beside the file."""
     from fowtlib.cases import Batch
 
-    folder = _folder(arguments)
+    option = f" --folder {folder}" if folder is not None else ""
+    folder = _folder(file, folder)
     if not folder.exists():
-        raise ModelError(f"{folder}: there is no such folder; begin the batch with fowt batch run {arguments.file}.")
-    return Batch.open(folder)
+        if file.is_file() and file.suffix not in LISTS:
+            raise ModelError(f"{file}: is neither a file that lists cases (.yaml) nor the folder of a batch.")
+        raise ModelError(f"{folder}: there is no such folder; begin the batch with fowt batch run {file}{option}.")
+    batch = Batch.open(folder)
+    source = batch.about.get("source")
+    if source and not file.is_dir() and Path(source) != file.resolve():
+        print(f"{folder}: holds the batch of {source}, not of {file}.", file=sys.stderr)
+    return batch
 
 
 def _told(counts: dict[str, int]) -> str:
@@ -225,8 +237,11 @@ def _told(counts: dict[str, int]) -> str:
 
 
 @contextmanager
-def _progress() -> Iterator[Callable[[Progress], None]]:
-    """A bar on stderr with rate and time left, and a line for each case that fails; elsewhere lines alone."""
+def _progress(told: set[str]) -> Iterator[Callable[[Progress], None]]:
+    """A bar on stderr with rate and time left, and a line for each case that fails; elsewhere lines alone.
+
+    told: gets the names of these cases.
+    """
     from fowtlib.cases.batch import duration_in_words, in_words
 
     screen = tables.console(stderr=True)
@@ -235,7 +250,8 @@ def _progress() -> Iterator[Callable[[Progress], None]]:
 
         def say(now: Progress) -> None:
             nonlocal last
-            if now.words.startswith(("failed", "lost")):
+            if now.words.startswith(GONE_WRONG):
+                told.add(now.name)
                 print(now.words, file=sys.stderr, flush=True)
             if time.monotonic() - last > TOLD:
                 last = time.monotonic()
@@ -250,7 +266,8 @@ def _progress() -> Iterator[Callable[[Progress], None]]:
         task = bar.add_task("starting", total=None, told="")
 
         def report(now) -> None:
-            if now.words.startswith(("failed", "lost")):
+            if now.words.startswith(GONE_WRONG):
+                told.add(now.name)
                 bar.console.print(now.words, markup=False, highlight=False)
             failed = f", {now.failed} failed" if now.failed else ""
             rate = f"{now.rate:.0f} x real time" if now.rate else ""

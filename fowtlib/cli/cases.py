@@ -8,8 +8,8 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from fowtlib.cli import loading, tables
-from fowtlib.cli.files import TABLES, check_target, say_saved
-from fowtlib.cli.run import finite, numbers, positive
+from fowtlib.cli.files import check_target, say_saved
+from fowtlib.cli.run import count, not_negative, numbers, positive
 from fowtlib.language import leave
 from fowtlib.language.errors import ModelError
 from fowtlib.language.whole_files import write_text
@@ -42,28 +42,15 @@ def declare(commands: Any) -> None:
     parser.add_argument("--site", metavar="SITE", help="dlc: a site as of `fowt contours`; default: norway_5")
     parser.add_argument("--wind", metavar="FIRST:LAST:STEP", help="dlc: speeds in operation [m/s]; default: 4:24:2")
     parser.add_argument("--rated", type=positive, metavar="V", help="dlc: rated wind speed [m/s]; default: the model's")
-    parser.add_argument("--seeds", type=_count, metavar="N", help="dlc: realisations of each state; default: 6")
+    parser.add_argument("--seeds", type=count, metavar="N", help="dlc: realisations of each state; default: 6")
     parser.add_argument("--time", type=positive, metavar="S", help="dlc: length that is judged [s]; default: 3600")
-    parser.add_argument("--discard", type=_not_negative, metavar="S", help="dlc: length before it [s]; default: 400")
+    parser.add_argument("--discard", type=not_negative, metavar="S", help="dlc: length before it [s]; default: 400")
     parser.add_argument("--misalignment", type=_angles, metavar="DEG,..", help="dlc: of waves and wind, where a load "
                         "case has it; default: 0")  # fmt: skip
     tables.add_output(parser, "output", "dlc: the cases file (.yaml); else save the table: .csv or .json")
     tables.declare(parser, output=False)
     loading.declare_leave(parser, runs=False)
     parser.set_defaults(action=cases)
-
-
-def _count(text: str) -> int:
-    if not text.isdecimal() or not int(text):
-        raise argparse.ArgumentTypeError(f"'{text}' is not a whole number above zero")
-    return int(text)
-
-
-def _not_negative(text: str) -> float:
-    value = finite(text)
-    if value < 0:
-        raise argparse.ArgumentTypeError(f"'{text}' is below zero")
-    return value
 
 
 def _angles(text: str) -> list[float]:
@@ -83,8 +70,8 @@ def cases(arguments: argparse.Namespace) -> int:
         raise ModelError(f"--{option} belongs to load cases: fowt cases dlc NUMBER ... --{option}")
     if len(arguments.words) > 1:
         raise ModelError(f"'{arguments.words[1]}': one file is shown at a time; for load cases: fowt cases dlc 1.2 6.1")
-    check_target(arguments.output, TABLES, arguments.force)
     arguments.table = arguments.output
+    tables.check(arguments)
     found = loading.read_cases(arguments, Path(arguments.words[0]))
     models = _checked(arguments, found)
     if arguments.all:

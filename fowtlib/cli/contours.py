@@ -7,7 +7,7 @@ from pathlib import Path
 from typing import Any
 
 from fowtlib.cli import site, tables
-from fowtlib.cli.files import FIGURES, TABLES, check_target, say_saved
+from fowtlib.cli.files import FIGURES, check_target, say_saved
 from fowtlib.cli.run import positive
 
 EXAMPLES = """Without --wind the contour of wind speed and wave height, with the median peak
@@ -47,7 +47,7 @@ def show_contours(arguments: argparse.Namespace) -> int:
     from fowtlib.metocean import contour, cut_off, inflated, radius, surface
 
     check_target(arguments.plot, FIGURES, arguments.force)
-    check_target(arguments.table, TABLES, arguments.force)
+    tables.check(arguments)
     joint = site.opened(arguments)
     beta = radius(arguments.return_period, arguments.duration)
     name = site.time(arguments.return_period)

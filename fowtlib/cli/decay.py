@@ -7,7 +7,7 @@ from pathlib import Path
 from typing import Any
 
 from fowtlib.cli import loading, tables
-from fowtlib.cli.files import FIGURES, TABLES, check_target, say_saved
+from fowtlib.cli.files import FIGURES, check_target, say_saved
 from fowtlib.cli.progress import progress_bar
 from fowtlib.cli.run import finite, positive
 
@@ -36,7 +36,7 @@ def show_decay(arguments: argparse.Namespace) -> int:
     from fowtlib.analysis import free_decay
 
     check_target(arguments.plot, FIGURES, arguments.force)
-    check_target(arguments.table, TABLES, arguments.force)
+    tables.check(arguments)
     model, conditions = loading.load_at_rest(arguments)
     plant = model.compile()
     with progress_bar() as report:

@@ -7,15 +7,14 @@ import warnings
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from fowtlib.cli import site, tables
-from fowtlib.cli.files import FIGURES, TABLES, check_target, say_saved
+from fowtlib.cli import batch, results, site, tables
+from fowtlib.cli.files import FIGURES, check_target, say_saved
 from fowtlib.cli.progress import part_bar
 from fowtlib.cli.run import positive
 from fowtlib.language.errors import ModelError, ParameterError
 from fowtlib.language.whole_files import write_text
 
 if TYPE_CHECKING:
-    from fowtlib.cases import Batch
     from fowtlib.metocean import Answers, ConditionalModel, States
 
 WORTH_A_WORD = 1.02  # factor of a value of FLTA that is too high by the scatter of its fits
@@ -76,7 +75,7 @@ def declare(commands: Any) -> None:
     given.add_argument("--fits", type=Path, metavar="FILE", help="laws of extremes by state and response: .csv")
     given.add_argument("--batch", type=Path, metavar="FILE", help="a cases file that `fowt batch run` has run")
     given.add_argument("--maxima", type=Path, metavar="FILE", help="extreme values of runs: .csv")
-    add("--results", metavar="NAMES", help="of the batch, for example surge,yaw; default: all")
+    add("--results", type=results.names, metavar="NAMES", help="of the batch, for example surge,yaw; default: all")
     add("--side", type=sides, metavar="SIDE", help="max, min or abs, of all or by name: yaw=abs; default: max")
     add("--law", choices=LAWS, metavar="NAME", help="gumbel, pooled, rates or gaussian, see docs/long_term.md")
     add("--worst", type=int, metavar="N", help="--cases of the N worst states of each contour and response alone")
@@ -106,7 +105,7 @@ def sides(text: str) -> dict[str, str]:
 def extremes(arguments: argparse.Namespace) -> int:
     """The states of a method, or the extremes."""
     check_target(arguments.plot, FIGURES, arguments.force)
-    check_target(arguments.table, TABLES, arguments.force)
+    tables.check(arguments)
     check_target(arguments.cases, CASE_FILES, arguments.force)
     joint = site.opened(arguments)
     check_target(arguments.save_fits, (".csv",), arguments.force)
@@ -194,10 +193,9 @@ def _evaluate(arguments: argparse.Namespace, joint: ConditionalModel) -> int:
     from fowtlib.metocean import compare_methods, fits_of_batch, read_fits, read_maxima, worst_states, write_fits
 
     if arguments.batch:
-        names = arguments.results.split(",") if arguments.results else None
         with part_bar("reading the results of the runs") as report:
-            fits = fits_of_batch(_batch(arguments.batch), names, arguments.law, arguments.duration, report,
-                                 arguments.side or "max")  # fmt: skip
+            fits = fits_of_batch(batch.opened(arguments.batch), arguments.results, arguments.law, arguments.duration,
+                                 report, arguments.side or "max")  # fmt: skip
         if arguments.save_fits:
             write_fits(arguments.save_fits, fits.values())
             say_saved(arguments.save_fits)
@@ -224,16 +222,6 @@ def _evaluate(arguments: argparse.Namespace, joint: ConditionalModel) -> int:
         tables.say(arguments, told)
     say_saved(arguments.plot, arguments.cases)
     return 0
-
-
-def _batch(path: Path) -> Batch:
-    """The batch of a cases file, or in a folder."""
-    from fowtlib.cases import Batch
-
-    folder = path if path.is_dir() else path.with_suffix(".batch")
-    if not folder.is_dir():
-        raise ModelError(f"{folder}: there is no such folder; begin the batch with fowt batch run {path}.")
-    return Batch.open(folder)
 
 
 def _say_excess(answers: list[Answers]) -> None:

@@ -7,7 +7,6 @@ from pathlib import Path
 from typing import Any
 
 from fowtlib.cli import tables
-from fowtlib.cli.files import TABLES, check_target
 from fowtlib.cli.run import finite, positive
 from fowtlib.language.errors import ModelError
 
@@ -60,7 +59,7 @@ def show_loads(arguments: argparse.Namespace) -> int:
     from fowtlib.analysis import equivalent_loads
     from fowtlib.solving.results import Result
 
-    check_target(arguments.table, TABLES, arguments.force)
+    tables.check(arguments)
     path, exponents = arguments.result, list(dict.fromkeys(arguments.exponent))
     result = Result.open(path)
     try:

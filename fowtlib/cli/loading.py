@@ -122,15 +122,10 @@ def load_at_rest(arguments: argparse.Namespace) -> tuple[Model, str]:
 
 def in_the_mean(model: Model) -> Model:
     """The model in still water, and in steady wind of the mean speed of its own."""
-    values = mean_conditions(model)
-    return model.with_parameters(values) if values else model
-
-
-def mean_conditions(model: Model) -> dict[str, Any]:
-    """Parameters of still water, and of steady wind of the mean speed of the model's own."""
     from fowtlib.solving.starts import mean_values
 
-    return mean_values(model.root)
+    values = mean_values(model.root)
+    return model.with_parameters(values) if values else model
 
 
 def _require_part(model: Model, condition: Condition) -> None:

@@ -9,7 +9,7 @@ from pathlib import Path
 from typing import Any
 
 from fowtlib.cli import loading, tables
-from fowtlib.cli.files import FIGURES, TABLES, check_target, say_saved
+from fowtlib.cli.files import FIGURES, check_target, say_saved
 from fowtlib.cli.run import finite, numbers
 
 AT_REST = 1e-9  # amplitude per metre of wave below which a person is not shown a motion
@@ -49,7 +49,7 @@ def show_rao(arguments: argparse.Namespace) -> int:
     from fowtlib.analysis import linear_rao
 
     check_target(arguments.plot, FIGURES, arguments.force)
-    check_target(arguments.table, TABLES, arguments.force)
+    tables.check(arguments)
     model, conditions = loading.load_at_rest(arguments)
     plant = model.compile()
     rao = linear_rao(plant, arguments.frequencies, heading=math.radians(arguments.heading))

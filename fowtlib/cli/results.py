@@ -22,7 +22,15 @@ def declare(parser: argparse.ArgumentParser) -> None:
 
 
 def names(text: str) -> list[str]:
-    """Names between commas, for argparse; a comma in brackets belongs to a name: `force[0,1]`."""
+    """Names between commas, for argparse; see split."""
+    found = split(text)
+    if not all(found):
+        raise argparse.ArgumentTypeError(f"'{text}' is not a list of names, such as surge,pitch")
+    return found
+
+
+def split(text: str) -> list[str]:
+    """What stands between commas; a comma in brackets belongs to a name: `force[0,1]`."""
     found, depth = [""], 0
     for letter in text:
         depth += (letter == "[") - (letter == "]")
@@ -30,10 +38,7 @@ def names(text: str) -> list[str]:
             found.append("")
         else:
             found[-1] += letter
-    found = [name.strip() for name in found]
-    if not all(found):
-        raise argparse.ArgumentTypeError(f"'{text}' is not a list of names, such as surge,pitch")
-    return found
+    return [name.strip() for name in found]
 
 
 def series(paths: list[Path], name: str) -> list[xarray.DataArray]:

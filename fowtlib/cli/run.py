@@ -101,6 +101,13 @@ def not_negative(text: str) -> float:
     return value
 
 
+def count(text: str) -> int:
+    """A whole number above zero, for argparse."""
+    if not text.isdecimal() or not int(text):
+        raise argparse.ArgumentTypeError(f"'{text}' is not a whole number above zero")
+    return int(text)
+
+
 def run(arguments: argparse.Namespace) -> int:
     """Simulate, save, draw, and print the statistics of the results."""
     from fowtlib.solving.conditions import Conditions

@@ -18,7 +18,7 @@ def declare(parser: Any, height: float | None) -> None:
         "--return-period", type=positive, default=50.0, metavar="YEARS", help="default: %(default)g years"
     )
     parser.add_argument(
-        "--duration", type=seconds, default=3600.0, metavar="TIME", help="of a state: 10min, 1h, 3h; default: 1h"
+        "--duration", type=seconds, default=3600.0, metavar="TIME", help="of a state [s], or 10min, 1h, 3h; default: 1h"
     )
     default = f"{height:g} m" if height else "that of the distribution"
     parser.add_argument(

@@ -3,16 +3,22 @@
 from __future__ import annotations
 
 import argparse
+from collections.abc import Container
 from pathlib import Path
 from typing import Any
 
 from fowtlib.cli import loading, tables
-from fowtlib.cli.files import FIGURES, TABLES, check_target, say_saved
+from fowtlib.cli.files import FIGURES, check_target, say_saved
+from fowtlib.language.errors import ModelError
 
 EQUILIBRIUM = """In still water, and in the wind of --wind or of the model, at its mean speed.
 
+With --free the parameters of the model take the values at which the conditions
+of --target hold, as many as parameters are freed.
+
 examples:
   fowt equilibrium oc3_spar_rigid --wind steady:8
+  fowt equilibrium oc3_spar_rigid --wind none --free platform.mooring.length --target "fairlead_tension_2=950 kN"
 """
 EIGEN = """About the mean position: in still water, and in the wind of --wind or of the
 model, at its mean speed. A mode is named after the motion that takes the
@@ -28,6 +34,14 @@ examples:
 def declare(commands: Any) -> None:
     """Add the commands of this module."""
     equilibrium = commands.add_parser("equilibrium", help="the mean position in steady wind", epilog=EQUILIBRIUM)
+    equilibrium.add_argument(
+        "--free", metavar="PATH[=GUESS]", action="append", default=[],
+        help="a tunable parameter that takes the value at which the conditions hold; may be repeated",
+    )  # fmt: skip
+    equilibrium.add_argument(
+        "--target", metavar="RESULT=VALUE", action="append", default=[],
+        help="a condition, for example --target 'fairlead_tension_1=950 kN'; one for each --free",
+    )  # fmt: skip
     equilibrium.set_defaults(action=show_equilibrium)
     text = "natural modes by name: frequency, period, damping ratio"
     eigen = commands.add_parser("eigen", help=text, epilog=EIGEN)
@@ -44,21 +58,44 @@ def show_equilibrium(arguments: argparse.Namespace) -> int:
     """Print the results of the model at its equilibrium."""
     from fowtlib.solving import mean_state
 
-    check_target(arguments.table, TABLES, arguments.force)
+    tables.check(arguments)
     model, conditions = loading.load_at_rest(arguments)
+    free, targets = _pairs(arguments.free), _pairs(arguments.target)
     plant = model.compile()
-    state = mean_state(plant)
-    rows = [(name, tables.rounded(state[name], 1.0), unit) for name, (_, unit, _) in plant.outputs.items()]
+    state = plant.equilibrium(free=free, targets=targets) if free or targets else mean_state(plant)
+    units, found = plant.dae.parameters, plant.parameter_values(state.parameters)
+    stated = free or model.settings.get("equilibrium", {}).get("free", {})
+    paths = dict.fromkeys(_parameter(path, units) for path in stated)
+    rows = [(path, found[path].tolist(), units[path].unit) for path in paths]
+    rows += [(name, tables.rounded(state[name], 1.0), unit) for name, (_, unit, _) in plant.outputs.items()]
     tables.say(arguments, conditions)
     tables.show(arguments, ("result", "value", "unit"), rows)
     return 0
+
+
+def _pairs(texts: list[str]) -> dict[str, str | None]:
+    """Names with what is given for them behind `=`; None without."""
+    pairs: dict[str, str | None] = {}
+    for text in texts:
+        name, equals, value = (word.strip() for word in text.partition("="))
+        if not name or (equals and not value):
+            raise ModelError(f"'{text}': a name is expected, and a value behind '='.")
+        if name in pairs:
+            raise ModelError(f"{name} is given twice.")
+        pairs[name] = value if equals else None
+    return pairs
+
+
+def _parameter(name: str, known: Container[str]) -> str:
+    """The path of the parameter that a freed element belongs to."""
+    return name if name in known else name.partition("[")[0]
 
 
 def show_modes(arguments: argparse.Namespace) -> int:
     """Print the modes of the linear model at the equilibrium, slowest first."""
     from fowtlib.solving import mean_state, natural_modes
 
-    check_target(arguments.table, TABLES, arguments.force)
+    tables.check(arguments)
     check_target(arguments.plot, FIGURES, arguments.force)
     model, conditions = loading.load_at_rest(arguments)
     plant = model.compile()

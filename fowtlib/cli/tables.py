@@ -48,9 +48,7 @@ def show(arguments: argparse.Namespace, columns: Sequence[str], rows: Iterable[R
     if arguments.form == "json":
         show_json([dict(zip(columns, map(_plain, row), strict=True)) for row in rows])
     elif arguments.form == "csv":
-        writer = csv.writer(sys.stdout, lineterminator="\n")
-        writer.writerow(columns)
-        writer.writerows([_plain(value) for value in row] for row in rows)
+        sys.stdout.write(csv_text(columns, ([_plain(value) for value in row] for row in rows)))
     else:
         _show_rich(columns, list(rows), title)
 

@@ -30,6 +30,7 @@ from fowtlib.flattening.incidence import Incidence
 from fowtlib.flattening.index_reduction import IndexReduction
 from fowtlib.flattening.instances import Instances, Statements
 from fowtlib.flattening.orientations import resolve_orientations
+from fowtlib.flattening.stages import stages
 from fowtlib.flattening.system import System, element_names, residuals, scalars, with_names
 from fowtlib.language.component import Component
 from fowtlib.language.declarations import join
@@ -148,6 +149,7 @@ class _Flattening:
             slots += [(action, name) for action in sampled.assignments for name in ("target", "value")]
         slots += [(statement, "angle") for _, statement in statements.symmetries]
         slots += [(statement, "inputs") for _, statement in statements.operators]
+        slots += [(stage, "states") for stage in system.stages]
         slots += [(system.rates, key) for key in system.rates]
         slots += [(system.aliases, path) for path in system.aliases]
         values = [_get(owner, name) for owner, name in slots]
@@ -223,13 +225,14 @@ class _Flattening:
             position += len(members)
 
         observed, units, docs = self._observed(states, causal, symbols, assigned, solved)
+        externals = _externals(calls, solved["inputs"])
         return FlatDAE(
             t=system.time, x=x, z=z, u=u, d=d, p=p, w=w,
             ode=_column(solved["ode"]), alg=_column(solved["alg"]),
             states=[self._quantity(j) for j in states], algebraics=[self._quantity(j) for j in causal.torn],
             discretes=[self._discrete(item) for item in system.discretes],
             inputs=system.inputs, parameters=system.parameters, bound=system.bound,
-            bound_parameters=system.bound_parameters, externals=_externals(calls, solved["inputs"]),
+            bound_parameters=system.bound_parameters, externals=externals,
             dependents=system.dependents, observed=observed, units=units, docs=docs,
             residual_paths=[self._residual_path(i) for i in causal.residuals],
             initial_equations=_column([ca.vec(e) for e in solved["initial"]]),
@@ -244,6 +247,7 @@ class _Flattening:
             operators=[Operator(path, inputs, statement.correction, statement.transfer, statement.realization)
                        for (path, statement), inputs in zip(self.statements.operators, solved["operators"],
                                                             strict=True)],
+            stages=stages(system.stages, x, [*solved["ode"], *solved["alg"]], externals),
         )  # fmt: skip
 
     def _quantity(self, number: int) -> Quantity:

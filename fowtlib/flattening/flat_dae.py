@@ -16,6 +16,7 @@ from fowtlib.language.equations import Process
 from fowtlib.language.errors import NotFoundError, ParameterError, did_you_mean
 from fowtlib.language.offered import OfferedEvent
 from fowtlib.language.operators import StateSpace, Transfer
+from fowtlib.language.stages import Stage
 
 
 def _freeze(item: Any) -> None:
@@ -181,6 +182,7 @@ class FlatDAE:
     checks: tuple[Check, ...] = ()
     symmetries: tuple[CyclicSymmetry, ...] = ()
     operators: tuple[Operator, ...] = ()
+    stages: tuple[Stage, ...] = ()
     bound: Mapping[str, Bound] = field(default_factory=dict)
     bound_parameters: Mapping[str, BoundParameter] = field(default_factory=dict)
     dependents: Mapping[str, Parameter] = field(default_factory=dict)

@@ -14,6 +14,7 @@ import numpy as np
 from fowtlib.language.declarations import Variable, join
 from fowtlib.language.equations import Assertion, AtStart
 from fowtlib.language.errors import StructureError
+from fowtlib.language.stages import Stage
 
 _TOKEN = re.compile(r"[A-Za-z_][\w.\[\]]*")
 
@@ -205,6 +206,7 @@ class System:
         self.places: dict[str, str] = {}  # file and line of components that stand in a model file
         self.eliminated: list[FlatEquation] = []
         self.range_checks: list[tuple[str, Assertion]] = []
+        self.stages: list[Stage] = []
         self.current_path = ""
         self._external_of: dict[int, int] = {}
 
@@ -306,6 +308,10 @@ class System:
         """What the derivative of a signal from outside of the model is, in place of zero."""
         for element, value in zip(scalars(signal), scalars(ca.densify(rate)), strict=True):
             self.rates[element.element_hash()] = value
+
+    def stage(self, states: ca.SX, step: ca.SX) -> None:
+        """States whose implicit steps an external function solves, and its input for that."""
+        self.stages.append(Stage(self.current_path, states, step))
 
     def check_range(self, value: ca.SX, low: Any, high: Any, name: str, argument: str, message: str = "") -> None:
         """Stop the simulation where a table is left: one check for all elements of a column.

@@ -169,7 +169,8 @@ class Tables:
         starts = np.cumsum([0, *(len(level) for level in dae.levels)])
         levels = [f"level_{k}" for k in range(len(dae.levels))]
         of_stage, at_point = self.program.masks
-        moving = (("fmu_stage", of_stage, dae.z.shape[0] + len(r.free)), ("fmu_point", at_point, dae.z.shape[0]))
+        moved = dae.z.shape[0] + len(r.free) + len(r.inside)
+        moving = (("fmu_stage", of_stage, moved), ("fmu_point", at_point, dae.z.shape[0]))
         lines = [_integers("fmu_piece_start", self.program.starts), _integers("fmu_place", self.program.places)]
         for name, masks, unknowns in moving:
             first, pieces = moved_pieces(self.program, len(dae.levels), masks, unknowns)
@@ -187,6 +188,7 @@ class Tables:
         return "".join([
             *lines, _integers("fmu_level_start", starts), _integers("fmu_free_rate", r.free),
             _integers("fmu_order", r.order), _integers("fmu_source", r.source),
+            _integers("fmu_inside_state", r.inside), _integers("fmu_stage_step", r.steps),
             _table("fs_code", "fmu_level_inputs", levels),
             "static const fs_model fmu_model = {.states = NX, .algebraics = NZ, .given = NQ, .inputs = NY, "
             f".outputs = NW, .externals = EXTERNALS, .levels = {len(dae.levels)}, .scratch = SCRATCH, "
@@ -196,7 +198,8 @@ class Tables:
             ".free_rates = FREE_RATES, "
             f".substituted = {len(r.order)}, .free_rate = fmu_free_rate, .order = fmu_order, .source = fmu_source, "
             ".x_nominal = fmu_x_nominal, .z_nominal = fmu_z_nominal, "
-            f".symmetries = {len(symmetries)}, .symmetry = fmu_symmetry}};\n",
+            f".symmetries = {len(symmetries)}, .symmetry = fmu_symmetry, .inside = {len(r.inside)}, "
+            f".inside_state = fmu_inside_state, .stage_steps = {len(r.steps)}, .stage_step = fmu_stage_step}};\n",
         ])  # fmt: skip
 
     def _events(self) -> str:

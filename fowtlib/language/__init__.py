@@ -1,6 +1,6 @@
 """Floor 1: what an author of components writes with."""
 
-from fowtlib.language import math, shapes
+from fowtlib.language import facts, math, shapes
 from fowtlib.language.component import Assembly, Component
 from fowtlib.language.connectors import Connector, RealInput, RealOutput, flow, orientation, potential
 from fowtlib.language.declarations import (
@@ -43,6 +43,7 @@ from fowtlib.language.offered import OfferedEvent, event
 from fowtlib.language.operators import StateSpace, linear_operator
 from fowtlib.language.run_time import at_start, run_time_series
 from fowtlib.language.series import Series
+from fowtlib.language.stages import stage_step
 from fowtlib.language.tables import table1d, table2d, time_series
 
 __all__ = [
@@ -92,7 +93,9 @@ __all__ = [
     "rotation",
     "run_time_series",
     "sampled",
+    "facts",
     "shapes",
+    "stage_step",
     "table1d",
     "table2d",
     "time_series",

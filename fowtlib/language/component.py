@@ -33,6 +33,7 @@ from fowtlib.language.declarations import (
 )
 from fowtlib.language.equations import active
 from fowtlib.language.errors import NotFoundError, ParameterError, StructureError, did_you_mean, one_of
+from fowtlib.language.facts import Fact
 from fowtlib.language.families import Family
 from fowtlib.language.offered import OfferedEvent, event
 from fowtlib.language.shapes import Drawing
@@ -164,6 +165,20 @@ class Component(Composite):
         Called outside of flattening: numbers come from `parameter_value`.
         """
         return [shape for part in self.parts.values() for shape in part.drawing()]
+
+    def facts(self) -> Sequence[Fact]:
+        """What the sheet of a model says of this component, without its parts: see fowtlib.language.facts.
+
+        Called outside of flattening: numbers come from `parameter_value`.
+        """
+        return ()
+
+    def remarks(self) -> list[str]:
+        """Sentences that `fowt check` adds to its report: what one should know of this component as it stands here.
+
+        Called outside of flattening, like `drawing`.
+        """
+        return []
 
     # --- parameters ----------------------------------------------------------------------------------------------
 

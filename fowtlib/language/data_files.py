@@ -78,8 +78,8 @@ def lines_of(
 
 
 def cells_of(line: str) -> list[str]:
-    """The cells of a line of a CSV, without the spaces around them."""
-    return [cell.strip() for cell in next(csv.reader([line]))]
+    """The cells of a line of a CSV, without the spaces around them, also around quotes."""
+    return [cell.strip() for cell in next(csv.reader([line], skipinitialspace=True))]
 
 
 def digest_of(path: str | os.PathLike[str]) -> str:

@@ -23,6 +23,8 @@ class Flattener(Protocol):
 
     def at_start(self, numbers: AtStart) -> ca.SX: ...
 
+    def stage(self, states: ca.SX, step: ca.SX) -> None: ...
+
     @property
     def time(self) -> ca.SX: ...
 
@@ -361,10 +363,11 @@ def sampled(period: Any, *assignments: Assign | Call, offset: Any = 0.0) -> Samp
 def assert_(condition: Any, message: str, level: str = "error", **values: Any) -> Assertion:
     """Checked at every output point: "error" stops the simulation there, "warning" is said once.
 
+    "rest" is an error of an equilibrium, and says nothing in a run, which may pass through such a state.
     values: scalars that are put into the message where it has their name in braces.
     """
-    if level not in ("error", "warning"):
-        raise StructureError(f"assert_(level={level!r}): choose 'error' or 'warning'.")
+    if level not in ("error", "warning", "rest"):
+        raise StructureError(f"assert_(level={level!r}): choose 'error', 'warning' or 'rest'.")
     return Assertion(_column(condition), message, level, source_line(), {k: _column(v) for k, v in values.items()})
 
 

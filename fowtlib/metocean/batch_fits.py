@@ -16,14 +16,14 @@ from fowtlib.metocean.batch_runs import (
     Key,
     Row,
     groups_of,
-    kept_of,
     largest_of,
+    require_statistics,
     series_of,
     span_of,
     statistics_of,
 )
 from fowtlib.metocean.fits import Fits
-from fowtlib.metocean.pooled_tails import Pool, Tail, exponential
+from fowtlib.metocean.pooled_tails import EXPONENTIAL, GAUSSIAN, Pool, Tail, tail_of
 from fowtlib.metocean.short_term import Either, Extreme, Gumbel, UpCrossings
 from fowtlib.metocean.sides import Sides, check_sides, label, side_of
 from fowtlib.metocean.states import States
@@ -33,8 +33,6 @@ if TYPE_CHECKING:
     from fowtlib.analysis.series import Series
 
 LAWS = ("gumbel", "pooled", "rates", "gaussian")
-EXPONENTIAL = "an exponential tail in place of one that falls slower"
-GAUSSIAN = "as of a Gaussian process, for want of a tail,"
 
 
 def fits_of_batch(
@@ -68,6 +66,7 @@ def fits_of_batch(
     chosen = law or ("gumbel" if fewest > 1 else "pooled")
     if chosen == "gumbel" and fewest < 2:
         raise ModelError(f"{batch.folder}: a state has one run alone; a Gumbel law needs several. Take --law pooled.")
+    require_statistics(batch, groups, names)
     if chosen == "gumbel":
         found = _gumbel(batch, groups, sides, duration)
     else:
@@ -82,13 +81,12 @@ def _gumbel(batch: Batch, groups: dict[Key, list[Row]], sides: dict[str, str], d
     longer = duration / spans.pop()
 
     def law(name: str, keys: list[Key]) -> Gumbel:
-        fits = [Gumbel.of_maxima([largest_of(row, name, sides[name]) for row in groups[key]]) for key in keys]
-        scale = np.array([fit.scale for fit in fits])
-        if not (scale > 0).all():
+        fit = Gumbel.of_runs([largest_of(row, name, sides[name]) for row in groups[key]] for key in keys)
+        if not (fit.scale > 0).all():
             raise ModelError(
                 f"{batch.folder}: '{name}' has one maximum in all runs of a state; name others with --results."
             )
-        return Gumbel(np.array([fit.location for fit in fits]) + scale * np.log(longer), scale)
+        return Gumbel(fit.location + fit.scale * np.log(longer), fit.scale)
 
     return [_fits(name, side, groups, lambda keys, name=name: law(name, keys)) for name, side in sides.items()]
 
@@ -113,13 +111,12 @@ def _rates(
         progress(number + 1, len(groups))
     if law == "pooled":
         for end, pool in pools.items():
-            tails[end], plain = pool.tails(lambda key: key[0].wind_speed)
-            if plain:
-                warnings.warn(f"{label(*end)}: {GAUSSIAN} at {plain} of {len(pool.counts)} wind speeds.", stacklevel=1)
+            tails[end], kinds[end] = pool.tails(lambda key: key[0].wind_speed)
     for end, counts in kinds.items():
+        places = f"{len(pools[end].counts)} wind speeds" if law == "pooled" else f"{len(groups)} states"
         for kind in (EXPONENTIAL, GAUSSIAN):
             if counts[kind]:
-                warnings.warn(f"{label(*end)}: {kind} in {counts[kind]} of {len(groups)} states.", stacklevel=1)
+                warnings.warn(f"{label(*end)}: {kind} in {counts[kind]} of {places}.", stacklevel=1)
 
     def of(name: str, side: str, keys: list[Key]) -> Extreme:
         if side == "abs":
@@ -139,14 +136,10 @@ def _add(pool: Pool, key: Key, runs: list[Series] | KeptRuns) -> None:
 
 def _tail(runs: list[Series] | KeptRuns, name: str) -> tuple[Tail, str]:
     """The tail of the rates, and what was made of it where it could not be fitted as it is."""
-    from fowtlib.analysis.tails import crossing_rates, fit_rates, rates_of_runs
+    from fowtlib.analysis.tails import crossing_rates, rates_of_runs
 
     try:
-        rates = crossing_rates(runs) if isinstance(runs, list) else rates_of_runs(runs, name)
-        fit = fit_rates(rates, name=name)
-        if fit.c < 1:
-            return exponential(rates), EXPONENTIAL
-        return Tail(fit.q, fit.a, fit.b, fit.c, fit.threshold), ""
+        return tail_of(crossing_rates(runs) if isinstance(runs, list) else rates_of_runs(runs, name), name)
     except ModelError:
         return _gaussian(runs, name), GAUSSIAN
 
@@ -176,7 +169,7 @@ def _fits(name: str, side: str, groups: dict[Key, list[Row]], law: Any) -> Fits:
         probability = np.array([key[1] for key in keys], dtype=float) if with_probability else None
         return States(*columns, probability), law(keys)
 
-    unit = str(kept_of(next(iter(groups.values()))[0], name)["unit"])
+    unit = str(next(iter(groups.values()))[0].statistics[name]["unit"])
     runs = np.array([len(rows) for key, rows in groups.items() if key[1] is not None])
     bins = part(True)
     return Fits(name, unit, bins, part(False), runs if bins and hasattr(bins[1], "location") else None, side)

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import warnings
-from collections.abc import Mapping
+from collections.abc import Iterable, Mapping
 from dataclasses import replace
 from typing import TYPE_CHECKING, Any, Protocol
 
@@ -67,11 +67,16 @@ def groups_of(batch: Batch) -> dict[Key, list[Row]]:
     return groups
 
 
-def kept_of(row: Row, name: str) -> Mapping[str, Any]:
-    """What the registry has of a result of a run."""
-    if name not in row.statistics:
-        raise ModelError(f"{row.name}: there are no statistics of '{name}'. {HINT}")
-    return row.statistics[name]
+def require_statistics(batch: Batch, groups: Mapping[Key, list[Row]], names: Iterable[str]) -> None:
+    """Refuse a run without statistics of a result: its values are not finite, or it has fewer than three points."""
+    for row in (row for rows in groups.values() for row in rows):
+        for name in names:
+            if name in row.statistics:
+                continue
+            the_case = f"{batch.folder}: the case '{row.name}'"
+            if row.statistics:
+                raise ModelError(f"{the_case} has no statistics of '{name}'; name others with --results.")
+            raise ModelError(f"{the_case} has none of any result: there are no statistics of '{name}'. {HINT}")
 
 
 def span_of(row: Row) -> float:
@@ -81,7 +86,7 @@ def span_of(row: Row) -> float:
 
 def largest_of(row: Row, name: str, side: str) -> float:
     """The extreme of a run, outward positive."""
-    kept = kept_of(row, name)
+    kept = row.statistics[name]
     if side == "max":
         return float(kept["max"])
     lowest = -float(kept["min"])
@@ -100,7 +105,7 @@ def statistics_of(rows: list[Row], name: str, side: str) -> KeptRuns:
     """What is kept of a result in all runs of a state, outward positive."""
     from fowtlib.analysis.kept import kept_runs
 
-    channels = [kept_of(row, name) for row in rows]
+    channels = [row.statistics[name] for row in rows]
     try:
         return kept_runs(channels, [span_of(row) for row in rows], name, side)
     except ModelError as error:

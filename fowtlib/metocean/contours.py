@@ -119,7 +119,11 @@ def cut_off(joint: ConditionalModel, wind_speed: float, duration: float = 3600.0
 
     It is the rarest contour on which the turbine still operates: the wind is stronger once in the return period.
     """
+    from scipy.special import ndtr
+
     beta = float(joint.wind_speed.to_normal(_positive(wind_speed)))
+    if ndtr(-beta) == 0:
+        raise ParameterError(f"{wind_speed:g} m/s of wind is never exceeded: no contour ends there.", where=joint.name)
     if not beta > 0:
         raise ParameterError(
             f"{wind_speed:g} m/s is below the median of the wind, "

@@ -189,12 +189,11 @@ def read_maxima(path: str | os.PathLike[str], side: Sides = "max") -> dict[str, 
 
 
 def _gumbel(values: np.ndarray, runs: list[np.ndarray], table: Columns, response: str) -> Gumbel:
-    fits = [Gumbel.of_maxima(values[some]) for some in runs]
-    scale = np.array([fit.scale for fit in fits])
-    for some, each in zip(runs, scale, strict=True):
+    law = Gumbel.of_runs(values[some] for some in runs)
+    for some, each in zip(runs, law.scale, strict=True):
         if not each > 0:
             table.refuse(np.isin(np.arange(values.size), some), f"'{response}' has one maximum in all runs of a state.")
-    return Gumbel(np.array([fit.location for fit in fits]), scale)
+    return law
 
 
 def _parts(table: Columns, rows: np.ndarray, once: bool = True) -> list[tuple[np.ndarray, np.ndarray | None]]:

@@ -9,7 +9,9 @@ the rate nu_0 at which it passes its mean; what they share is the rate over (x -
 
 from __future__ import annotations
 
-from collections.abc import Callable, Hashable
+from collections import Counter
+from collections.abc import Callable, Hashable, Iterable
+from contextlib import suppress
 from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
@@ -21,6 +23,8 @@ if TYPE_CHECKING:
     from fowtlib.analysis.tails import CrossingRates
 
 LEVELS = np.arange(1.4, 8.01, 0.1)  # deviations above the mean at which passages are counted
+EXPONENTIAL = "an exponential tail in place of one that falls slower"
+GAUSSIAN = "as of a Gaussian process, for want of a tail,"
 PIECES = 10  # into which each run is cut, to see how certain the rates are
 
 
@@ -43,7 +47,7 @@ class _Own(NamedTuple):
 
 
 class Pool:
-    """Collects counts of passages, run by run, so that no series has to be kept."""
+    """Collects counts of passages of one response, run by run, so that no series has to be kept."""
 
     def __init__(self, name: str = "") -> None:
         self.name = name  # for messages
@@ -55,63 +59,80 @@ class Pool:
 
     def add(self, key: Hashable, group: float, records: list[Any]) -> None:
         """The runs of a state, which belongs to a group such as its wind speed."""
-        from fowtlib.analysis.crossings import count_up_crossings
+        from fowtlib.analysis.crossings import count_in_pieces, count_up_crossings
+        from fowtlib.analysis.kept import is_constant
         from fowtlib.analysis.series import as_records
 
         series = as_records(records)
         together = np.concatenate([record.values for record in series])
         mean, std = float(together.mean()), float(together.std())
-        if not std > 1e-9 * max(abs(mean), 1e-300):
+        if is_constant(mean, std):
             raise ModelError(f"{series[0].name} does not change; name the results to evaluate with --results.")
-        passages, span = 0.0, 0.0
-        for record in series:
-            values = (record.values - mean) / std
-            passages += float(count_up_crossings(values, [0.0])[0])
-            span += float(record.time[-1] - record.time[0])
-            edges = np.linspace(0, values.size - 1, PIECES + 1).astype(int)
-            for first, last in zip(edges[:-1], edges[1:], strict=True):
-                self.counts.setdefault(group, []).append(count_up_crossings(values[first : last + 1], LEVELS))
-                self.spans.setdefault(group, []).append(float(record.time[last] - record.time[first]))
-            self.lowest[group] = min(self.lowest.get(group, 0.0), float(values.min()))
-        self.states[key] = _Own(mean, std, passages / span)
-        self.mean_passages[group] = self.mean_passages.get(group, 0.0) + passages
+        values = [(record.values - mean) / std for record in series]
+        pieces = [count_in_pieces(one.time, part, LEVELS, PIECES) for one, part in zip(series, values, strict=True)]
+        counts, spans = (np.concatenate(parts) for parts in zip(*pieces, strict=True))
+        passages = sum(int(count_up_crossings(part, [0.0])[0]) for part in values)
+        lowest = float((together.min() - mean) / std)
+        self._keep(key, group, _Own(mean, std, passages / float(spans.sum())), passages, counts, spans, lowest)
 
     def add_kept(self, key: Hashable, group: float, runs: KeptRuns) -> None:
         """The runs of a state by what `case_statistics` has kept of them; they are not cut into pieces."""
-        self.counts.setdefault(group, []).extend(runs.passages(runs.mean + LEVELS * runs.std))
-        self.spans.setdefault(group, []).extend(runs.spans)
-        self.lowest[group] = min(self.lowest.get(group, 0.0), (runs.lowest - runs.mean) / runs.std)
-        self.states[key] = _Own(runs.mean, runs.std, runs.mean_rate)
-        passages = runs.mean_rate * float(runs.spans.sum())
-        self.mean_passages[group] = self.mean_passages.get(group, 0.0) + passages
+        passages = float(runs.passages([runs.mean]).sum())
+        counts = runs.passages(runs.mean + LEVELS * runs.std)
+        lowest = (runs.lowest - runs.mean) / runs.std
+        self._keep(key, group, _Own(runs.mean, runs.std, runs.mean_rate), passages, counts, runs.spans, lowest)
 
-    def tails(self, group_of: Callable[[Hashable], float]) -> tuple[dict[Hashable, Tail], int]:
-        """The tail of each state; and for how many groups there was none, so that a Gaussian process stands for it."""
-        shapes, plain = {}, 0
+    def _keep(
+        self,
+        key: Hashable,
+        group: float,
+        own: _Own,
+        passages: float,
+        counts: Iterable[np.ndarray],
+        spans: Iterable[float],
+        lowest: float,
+    ) -> None:
+        """passages: of the mean. counts, spans [s]: of each piece. lowest: in deviations from the mean."""
+        self.states[key] = own
+        self.mean_passages[group] = self.mean_passages.get(group, 0.0) + passages
+        self.counts.setdefault(group, []).extend(counts)
+        self.spans.setdefault(group, []).extend(spans)
+        self.lowest[group] = min(self.lowest.get(group, 0.0), lowest)
+
+    def tails(self, group_of: Callable[[Hashable], float]) -> tuple[dict[Hashable, Tail], Counter[str]]:
+        """The tail of each state; and for how many groups it is EXPONENTIAL or GAUSSIAN, for want of a better."""
+        shapes: dict[float, Tail] = {}
+        kinds: Counter[str] = Counter()
         for group in self.counts:
-            rate = self.mean_passages[group] / sum(self.spans[group])
-            shape = self._shape(group, rate)
-            plain += shape is None
-            shapes[group] = shape or Tail(1.0, 0.5, 0.0, 2.0, 0.0)
+            shapes[group], kind = self._shape(group)
+            kinds[kind] += 1
         found = {}
         for key, (mean, std, own) in self.states.items():
             q, a, b, c, threshold = shapes[group_of(key)]
             found[key] = Tail(own * q, a / std**c, mean + std * b, c, mean + std * threshold)
-        return found, plain
+        return found, kinds
 
-    def _shape(self, group: float, rate: float) -> Tail | None:
-        """Over the mean and in deviations, relative to the rate at which the mean is passed; None without a tail."""
-        from fowtlib.analysis.tails import CrossingRates, fit_rates
+    def _shape(self, group: float) -> tuple[Tail, str]:
+        """Over the mean and in deviations, relative to the rate at which the mean is passed; and its kind."""
+        from fowtlib.analysis.tails import CrossingRates
 
-        if not rate > 0:
-            return None
+        rate = self.mean_passages[group] / sum(self.spans[group])
         rates = CrossingRates(LEVELS, np.array(self.counts[group]), np.array(self.spans[group]), self.lowest[group])
-        try:
-            fit = fit_rates(rates, name=self.name)
-            tail = exponential(rates) if fit.c < 1 else Tail(fit.q, fit.a, fit.b, fit.c, fit.threshold)
-        except ModelError:
-            return None
-        return tail._replace(q=tail.q / rate)
+        if rate > 0:
+            with suppress(ModelError):
+                tail, kind = tail_of(rates, self.name)
+                return tail._replace(q=tail.q / rate), kind
+        return Tail(1.0, 0.5, 0.0, 2.0, 0.0), GAUSSIAN
+
+
+def tail_of(rates: CrossingRates, name: str) -> tuple[Tail, str]:
+    """The tail that fits the rates, and "", or EXPONENTIAL where that falls slower. ModelError without a tail."""
+    from fowtlib.analysis.tails import fit_rates
+
+    fit = fit_rates(rates, name=name)
+    if fit.c < 1:
+        return exponential(rates), EXPONENTIAL
+    return Tail(fit.q, fit.a, fit.b, fit.c, fit.threshold), ""
 
 
 def exponential(rates: CrossingRates) -> Tail:
@@ -120,10 +141,7 @@ def exponential(rates: CrossingRates) -> Tail:
     A tail that falls slower than this comes from levels that a few slow motions have passed; far beyond the data it
     has no end. Raises ModelError where the rates do not fall.
     """
-    nu, half = rates.rate, rates.half_width
-    used = nu > half
-    y, log_rate = rates.levels[used], np.log(nu[used])
-    weight = 1.0 / np.log((nu[used] + half[used]) / (nu[used] - half[used]))
+    y, log_rate, weight = rates.certain()
     slope, at_zero = np.polyfit(y - y[0], log_rate, 1, w=weight)
     if not slope < 0:
         raise ModelError("the rates do not fall.")

@@ -6,7 +6,7 @@ scipy.stats with parameters of shape (n,), one of the two classes here, or anyth
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass
 from typing import Any, Protocol
 
@@ -43,6 +43,12 @@ class Gumbel:
             raise ParameterError("a Gumbel law needs the maxima of two runs or more with different seeds.")
         scale = np.sqrt(6) / np.pi * array.std(axis=-1, ddof=1)
         return cls(array.mean(axis=-1) - np.euler_gamma * scale, scale)
+
+    @classmethod
+    def of_runs(cls, maxima: Iterable[Any]) -> Gumbel:
+        """The same of the runs of each state, of which there may be more in one than in another."""
+        laws = [cls.of_maxima(each) for each in maxima]
+        return cls(np.array([law.location for law in laws]), np.array([law.scale for law in laws]))
 
     def cdf(self, x: Any) -> np.ndarray:
         return 1 - self.sf(x)

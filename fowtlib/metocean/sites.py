@@ -82,6 +82,8 @@ def _read(path: Path, name: str) -> ConditionalModel:
     for key, value in data.items():
         if key == "notes":
             continue
+        if str(key).startswith("fowtlib"):
+            raise ParameterError(f"this is no site: a file with '{key}' is of another kind.", where=str(path))
         if key not in known:
             raise ParameterError(f"a site has no '{key}'{did_you_mean(str(key), [*known, 'notes'])}", where=str(path))
         values[key] = value if key in _WORDS else _number(key, value, str(path))

@@ -15,15 +15,16 @@ from fowtlib.language.units import to_si
 from fowtlib.modelfile import files
 from fowtlib.modelfile.nodes import Node, Place, parse, read_text
 from fowtlib.modelfile.reader import ComponentReader
-from fowtlib.modelfile.specs import Document, Spec, Value, as_list, check_keys, mapping, text
+from fowtlib.modelfile.specs import Document, Spec, Value, as_list, check_keys, mapping, text, text_node
 from fowtlib.solving.starts import KINDS as STARTS
 from fowtlib.solving.timeline import Event
 
 SETTINGS = {
     "solver": "", "duration": "s", "output_step": "s", "tolerance": "1", "step": "s", "rho_inf": "1", "start": "",
 }  # fmt: skip
+EQUILIBRIUM = ("free", "targets", "set")
 VERSION = 1
-META_KEYS = ("fowtlib", "title", "description", "python", "outputs", "simulation", "events")
+META_KEYS = ("fowtlib", "title", "description", "python", "outputs", "simulation", "events", "equilibrium")
 
 
 def read(path: Path, definition: bool = False) -> Document:
@@ -36,7 +37,7 @@ def document(top: Node, path: Path, definition: bool = False) -> Document:
     """The document with this node at its top."""
     items = mapping(top, "a model file is a mapping; its first line is 'fowtlib: 1'")
     _check_version(items, top.place)
-    for key in ("outputs", "simulation", "events") if definition else ():
+    for key in ("outputs", "simulation", "events", "equilibrium") if definition else ():
         if key in items:
             raise items[key].place.error(f"'{key}' belongs into the model file, not into a definition.")
     spec = Spec(top.place)
@@ -52,7 +53,29 @@ def document(top: Node, path: Path, definition: bool = False) -> Document:
         result.settings = _settings(items["simulation"])
     if "events" in items:
         result.settings["events"] = tuple(_event(item) for item in as_list(items["events"]))
+    if "equilibrium" in items:
+        result.settings["equilibrium"] = _equilibrium(items["equilibrium"])
     return result
+
+
+def _equilibrium(node: Node) -> dict[str, dict[str, Any]]:
+    """Freed parameters, conditions, and parameters of the state at which these hold, each by path."""
+    items = mapping(node, f"'equilibrium' is a mapping: {', '.join(EQUILIBRIUM)}")
+    check_keys(items, EQUILIBRIUM, "'equilibrium'")
+    found: dict[str, dict[str, Any]] = {}
+    for key, item in items.items():
+        if key == "free" and isinstance(item.value, (list, str)):
+            found[key] = {text_node(path, "the path of a parameter").value: None for path in as_list(item)}
+            continue
+        found[key] = {}
+        for path, value in mapping(item, f"equilibrium.{key} is a mapping from paths to values").items():
+            if isinstance(value.value, (list, dict)):
+                raise value.place.error(f"equilibrium.{key}: {path} is one value, not {value.kind}.")
+            found[key][path] = value.value
+    for key in ("free", "targets"):
+        if not found.get(key):
+            raise node.place.error(f"'equilibrium' has no {key}: give as many targets as freed parameters.")
+    return found
 
 
 def _check_version(items: dict[str, Node], place: Place) -> None:

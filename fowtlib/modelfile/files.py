@@ -11,6 +11,8 @@ from fowtlib.modelfile.permit import Permit
 
 SUFFIX = ".yaml"
 DATA_PREFIX = "data:"
+DATA_SUFFIXES = (".nc", ".csv", ".yaml", ".yml", ".json", ".dat", ".txt", ".npz", ".1", ".3", ".hst", ".so", ".dll",
+                 ".bts")  # fmt: skip
 LONGEST_NAME = 1000  # letters of a path
 LONGEST_PART = 240  # bytes of one name in it; a file system takes 255, and an ending may follow
 
@@ -83,12 +85,7 @@ def find_data(name: str, folder: Path, permit: Permit | None = None, *, native: 
 
     permit: what is allowed, where a model file names it; what the user names is allowed by that. native: it is code.
     """
-    _check_length(name)
-    if name.startswith(DATA_PREFIX):
-        return data_path(name.removeprefix(DATA_PREFIX))
-    path = _resolved(folder, name, expand=True)
-    if permit is not None:
-        permit.require(path, name, native=native)
+    path = data_place(name, folder, permit, native=native)
     if path.is_dir():
         raise ModelFileError(f"'{name}' is a folder; a file is expected.")
     require_file(path, ModelFileError)
@@ -96,6 +93,23 @@ def find_data(name: str, folder: Path, permit: Permit | None = None, *, native: 
         known = [item.name for item in sorted(path.parent.glob("*"))] if path.parent.is_dir() else []
         raise ModelFileError(f"there is no file '{name}'{did_you_mean(path.name, known)}")
     return path
+
+
+def data_place(name: str, folder: Path, permit: Permit | None = None, *, native: bool = False) -> Path:
+    """Where the file of `find_data` lies, whether there is one or not; a shipped one is."""
+    _check_length(name)
+    if name.startswith(DATA_PREFIX):
+        return data_path(name.removeprefix(DATA_PREFIX))
+    path = _resolved(folder, name, expand=True)
+    if permit is not None:
+        permit.require(path, name, native=native)
+    return path
+
+
+def names_file(parameter: str, text: str) -> bool:
+    """Whether the text of a parameter names a file: by its prefix or suffix, or because this is called `file`."""
+    by_name = parameter in ("file", "path") or parameter.endswith(("_file", "_path"))
+    return by_name or text.startswith(DATA_PREFIX) or text.lower().endswith(DATA_SUFFIXES)
 
 
 def _check_length(name: str) -> None:

@@ -70,6 +70,11 @@ def schema() -> Schema:
     }
 
 
+_BY_PATH = {"type": "object", "additionalProperties": {"type": ["number", "string", "boolean", "null"]}}
+_EQUILIBRIUM = {"free": {"anyOf": [_TEXT, {"type": "array", "items": _TEXT}, _BY_PATH]}, "targets": _BY_PATH,
+                "set": _BY_PATH}  # fmt: skip
+
+
 def _top_keys() -> Schema:
     output = {
         "anyOf": [
@@ -92,6 +97,13 @@ def _top_keys() -> Schema:
         "outputs": {"type": "object", "additionalProperties": output, "description": "results by name"},
         "events": {"anyOf": [{"type": "array", "items": _event()}, _event()], "description": "what happens in a run"},
         "simulation": {"type": "object", "properties": settings, "additionalProperties": False},
+        "equilibrium": {
+            "type": "object",
+            "properties": _EQUILIBRIUM,
+            "required": ["free", "targets"],
+            "additionalProperties": False,
+            "description": "parameters that take the values at which conditions hold at the mean position",
+        },
     }
 
 

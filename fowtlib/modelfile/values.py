@@ -20,7 +20,6 @@ from fowtlib.modelfile.nodes import Node
 from fowtlib.modelfile.permit import Permit
 from fowtlib.modelfile.specs import Declared, Value, substituted
 
-DATA_SUFFIXES = (".nc", ".csv", ".yaml", ".yml", ".json", ".dat", ".txt", ".npz", ".1", ".3", ".hst", ".so", ".dll")
 _WORD = re.compile(r"[^\W\d]\w*")
 _NAME = re.compile(r"[^\W\d][\w.]*")
 _EXPONENT = re.compile(r"(\^|\*\*)\s*-?\d+(\.\d+)?")
@@ -194,11 +193,10 @@ class ValueReader:
 
 
 def is_file(text: str, field: Parameter) -> bool:
-    """True for text that names a file: by its prefix or suffix, or because the parameter is called `file`."""
+    """True for text that names a file: because the parameter is one of files, or as files.names_file says."""
     if not text or field.choices is not None:
         return False
-    by_name = field.is_data or field.native or field.name in ("file", "path") or field.name.endswith(("_file", "_path"))
-    return by_name or text.startswith(files.DATA_PREFIX) or text.lower().endswith(DATA_SUFFIXES)
+    return field.is_data or field.native or files.names_file(field.name, text)
 
 
 def _check_rows(node: Node) -> None:

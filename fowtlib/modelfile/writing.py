@@ -34,11 +34,13 @@ def dump(source: Model | Component) -> str:
     if model.outputs:
         document["outputs"] = {name: _output(item) for name, item in model.outputs.items()}
     settings = dict(model.settings)
-    events = events_of(settings.pop("events", ()))
+    events, equilibrium = events_of(settings.pop("events", ())), settings.pop("equilibrium", None)
     if settings:
         document["simulation"] = settings
     if events:
         document["events"] = [event.plain() for event in events]
+    if equilibrium:
+        document["equilibrium"] = equilibrium
     return to_text(document)
 
 

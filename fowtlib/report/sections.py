@@ -171,7 +171,7 @@ def worst_cases(view: View) -> Section | None:
         near = np.abs(result.time - at) <= AROUND
         rows = [
             (words(item), result.unit(item), result.array(item)[near])
-            for item in dict.fromkeys([name, *causes]) if item in result.names
+            for item in dict.fromkeys([name, *causes]) if item == name or item in result.names
         ]  # fmt: skip
         which, value = "largest" if end == "max" else "least", f"{number(told[end])} {view.units[name]}"
         caption = f"{words(name)}: {which} value {value} at {at:.1f} s of the case {row.name}."

@@ -43,7 +43,7 @@ class View:
             raise ModelError(f"{self.batch.folder}: no case is done, so there is nothing to report; fowt batch run.")
         for name in self.chosen:
             if name not in self.units:
-                raise NotFoundError(f"the cases have no result '{name}'{did_you_mean(name, self.units)}")
+                raise NotFoundError(f"the cases have no result '{name}'{did_you_mean(name, self.units, list_up_to=30)}")
 
     # --- what there is -----------------------------------------------------------------------------------------------
 

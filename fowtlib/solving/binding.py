@@ -8,7 +8,7 @@ components at their places compute the second.
 from __future__ import annotations
 
 import copy
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field, replace
 from functools import cached_property
 from types import MappingProxyType
@@ -96,7 +96,7 @@ class Bindings:
         self._kept = {known: binding for known, binding in self._kept.items() if binding.holds}
         found = self._kept.pop(key, None)
         if found is None or found.data != {**self._compiled, **_data(found.root)}:
-            found = bind(self.dae, self.root, parameters)
+            found = bind(self.dae, self.root, parameters, lambda: self.needs)
             found = replace(found, data={**self._compiled, **found.data})
         self._kept[key] = found
         while len(self._kept) > self.KEPT:
@@ -104,9 +104,24 @@ class Bindings:
         return found
 
 
-def bind(dae: FlatDAE, root: Component | None, parameters: Values | None = None) -> Binding:
+    @cached_property
+    def needs(self) -> dict[str, frozenset[str]]:
+        """The parameters that each tunable one is computed from, by their paths; those that are just given: none."""
+        return {path: _read_for(self.root, path) for path in self.dae.parameters} if self.root is not None else {}
+
+
+def _read_for(root: Component, path: str) -> frozenset[str]:
+    owner, _, name = path.rpartition(".")
+    with parameters_read() as read:
+        root.find(owner).parameter_value(name)
+    return frozenset(join(*item) for item in read) - {path}
+
+
+def bind(dae: FlatDAE, root: Component | None, parameters: Values | None = None,
+         needs: Callable[[], Mapping[str, frozenset[str]]] | None = None) -> Binding:  # fmt: skip
     """The binding of a run.
 
+    needs: gives what each tunable parameter is computed from, so that only what is changed is computed anew.
     parameters: by path the values of tunable and of bound parameters, SI or with unit, or a component that takes the
     place of the part at the path, of the same family (what it was not given, it takes from that part, as far as all
     kinds have it).
@@ -133,8 +148,9 @@ def bind(dae: FlatDAE, root: Component | None, parameters: Values | None = None)
     for path in changed | {path.rpartition(".")[0] for path in given}:
         tree.find(path).refuse_void()
     if tree is not root:
+        by = needs() if needs is not None and not changed else None
         for path in values:  # those that were computed from what is changed now
-            if path not in given:
+            if path not in given and (by is None or not by[path].isdisjoint(given)):
                 owner, _, name = path.rpartition(".")
                 now = np.asarray(tree.find(owner).parameter_value(name), dtype=float)
                 values[path] = np.broadcast_to(now, values[path].shape).copy()

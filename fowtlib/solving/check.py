@@ -10,12 +10,16 @@ from fowtlib.flattening.dimensions import DimensionReport
 
 @dataclass(frozen=True)
 class ModelReport:
-    """A model that flattens: its flat DAE, with the counts in `dae.stats`, and the findings of the dimension check."""
+    """A model that flattens: its flat DAE, with the counts in `dae.stats`, and the findings of the dimension check.
+
+    remarks: what its parts say of themselves, which is nothing wrong.
+    """
 
     title: str
     parts: int
     dae: FlatDAE
     dimensions: DimensionReport
+    remarks: tuple[str, ...] = ()
 
     @property
     def ok(self) -> bool:
@@ -33,6 +37,7 @@ class ModelReport:
             f"{_n(len(dae.externals), 'external function')}, {_n(len(dae.events), 'state event')}, "
             f"{_n(len(dae.samples), 'sampled part')}, {_n(len(dae.checks), 'check')} while it runs",
             *str(self.dimensions).splitlines(),
+            *self.remarks,
         ]
         return "\n  ".join([f"{self.title}: {'nothing wrong.' if self.ok else ''}".rstrip(), *counts])
 

@@ -11,9 +11,10 @@ from fowtlib.solving.functions import AtParameters
 from fowtlib.solving.state import State
 
 
-def check_state(at: AtParameters, state: State, model: str, *, warn: bool = True) -> None:
+def check_state(at: AtParameters, state: State, model: str, *, warn: bool = True, rest: bool = False) -> None:
     """SimulationError where a condition of level "error" is broken; with `warn`, a warning for each of that level.
 
+    rest: the state is an equilibrium, for which conditions of level "rest" are errors too.
     A run checks its output points by itself; a state that no run has passed through is checked here.
     """
     if not at.dae.checks:
@@ -21,10 +22,10 @@ def check_state(at: AtParameters, state: State, model: str, *, warn: bool = True
     point = state.t, state.x, state.z, np.concatenate([state.u, state.d])
     numbers = np.flatnonzero(np.array(at.call(at.functions.conditions, *point)).ravel() == 0)
     for i in sorted(numbers.tolist(), key=lambda i: at.dae.checks[i].level):  # errors first
-        text = broken(at, i, model, *point) + "."
-        if at.dae.checks[i].level == "error":
+        text, level = broken(at, i, model, *point) + ".", at.dae.checks[i].level
+        if level == "error" or (rest and level == "rest"):
             raise SimulationError(text)
-        if warn:
+        if warn and level == "warning":
             warnings.warn(text, stacklevel=4)
 
 

@@ -2,6 +2,9 @@
 
 from __future__ import annotations
 
+from dataclasses import dataclass
+from functools import cached_property
+
 import casadi as ca
 import numpy as np
 from scipy import sparse
@@ -9,8 +12,9 @@ from scipy import sparse
 from fowtlib.flattening import FlatDAE
 from fowtlib.language.errors import SimulationError
 from fowtlib.solving.functions import AtParameters, Functions
-from fowtlib.solving.initial import csc, failure_text
-from fowtlib.solving.newton import Jacobian, Residual, newton, solve
+from fowtlib.solving.initial import failure_text
+from fowtlib.solving.newton import Jacobian, Residual, newton, solve, undamped
+from fowtlib.solving.state import State
 
 
 def time_dependence(at: AtParameters, d: np.ndarray) -> list[str]:
@@ -18,8 +22,13 @@ def time_dependence(at: AtParameters, d: np.ndarray) -> list[str]:
 
     d: the discrete variables, by which it may be that a ramp goes on, or none.
     """
+    steady = at.binding.steady
+    return at.functions.once(("time", steady, d.tobytes()), lambda: _time_dependence(at, steady, d))
+
+
+def _time_dependence(at: AtParameters, steady: frozenset[int], d: np.ndarray) -> list[str]:
     dae = at.dae
-    rows, steady = ca.vertcat(dae.ode, dae.alg), at.binding.steady
+    rows = ca.vertcat(dae.ode, dae.alg)
     moving = [dae.externals[k] for k in sorted(at.functions.needed([rows]))]
     moving = [item for item in moving if ca.depends_on(item.inputs, dae.t)]
     moving = [item for item in moving if ca.vec(item.inputs)[0].element_hash() not in steady]
@@ -34,6 +43,23 @@ def time_dependence(at: AtParameters, d: np.ndarray) -> list[str]:
     return list(dict.fromkeys(path for path, _ in found))
 
 
+def refuse_time(at: AtParameters, q: np.ndarray) -> None:
+    """SimulationError where the equations depend on time, so that nothing is at rest."""
+    sources = time_dependence(at, q[len(q) - at.dae.d.numel() :])
+    if sources:
+        raise SimulationError(
+            f"no equilibrium: the equations depend on time through {', '.join(sources[:4])}. "
+            "Take still water and steady wind: in Python set={'wind.kind': 'steady', 'sea.spectrum': 'still'}, "
+            "on the command line --wind steady:8 --waves still."
+        )
+
+
+def moving_states(functions: Functions, held: set[int]) -> list[int]:
+    """Numbers of the states that an equilibrium seeks: those that anything depends on, and that are not held."""
+    pattern = dependence(functions)
+    return [k for k in range(pattern.shape[1]) if pattern[:, k].any() and k not in held]
+
+
 def equilibrium(at: AtParameters, t: float, x: np.ndarray, z: np.ndarray, q: np.ndarray,
                 held: set[int]) -> tuple[np.ndarray, np.ndarray]:  # fmt: skip
     """Solve ode = 0 and alg = 0 for the states that anything depends on, except the `held` ones.
@@ -43,38 +69,74 @@ def equilibrium(at: AtParameters, t: float, x: np.ndarray, z: np.ndarray, q: np.
     angle of a turning shaft, keep their value.
     """
     dae = at.dae
-    sources = time_dependence(at, q[len(q) - dae.d.numel() :])
-    if sources:
-        raise SimulationError(
-            f"no equilibrium: the equations depend on time through {', '.join(sources[:4])}. "
-            "Take still water and steady wind: in Python set={'wind.kind': 'steady', 'sea.spectrum': 'still'}, "
-            "on the command line --wind steady:8 --waves still."
-        )
-    nx = x.size
-    pattern = dependence(at.functions)
-    moving = [k for k in range(nx) if pattern[:, k].any() and k not in held]
-    residual, jacobian = at.residual, at.jacobian
-
-    def unpack(values: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-        states = x.copy()
-        states[moving] = values[: len(moving)]
-        return states, values[len(moving) :]
-
-    def rates(values: np.ndarray) -> np.ndarray:
-        ode, alg = residual(t, *unpack(values), q)
-        return np.concatenate([np.array(ode).ravel()[moving], np.array(alg).ravel()])
-
-    def slopes(values: np.ndarray) -> sparse.csc_matrix:
-        xx, xz, zx, zz = (csc(block) for block in jacobian(t, *unpack(values), q))
-        top = sparse.hstack([xx[moving, :][:, moving], xz[moving, :]])
-        return sparse.csc_matrix(sparse.vstack([top, sparse.hstack([zx[:, moving], zz])]))
-
-    values = _continuation(rates, slopes, np.concatenate([x[moving], z]), len(moving))
-    solution = newton(rates, slopes, values, tolerance=1e-11)
+    refuse_time(at, q)
+    rest = _rest(at, t, x, q, held)
+    moving = rest.moving
+    values = _continuation(rest.rates, rest.slopes, np.concatenate([x[moving], z]), len(moving))
+    solution = newton(rest.rates, rest.slopes, values, tolerance=1e-11)
     if not solution.converged:
         _refuse_turning(dae, moving, values[: len(moving)] - x[moving])
         raise SimulationError(failure_text(dae, _renamed(solution, moving, dae), "no equilibrium found"))
-    return unpack(solution.values)
+    return rest.unpack(solution.values)
+
+
+@dataclass(frozen=True)
+class _Rest:
+    """The equations of an equilibrium at a time and inputs: unknowns are the states that move, and the algebraics."""
+
+    at: AtParameters
+    t: float
+    x: np.ndarray
+    q: np.ndarray
+    moving: list[int]
+
+    def unpack(self, values: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+        states = self.x.copy()
+        states[self.moving] = values[: len(self.moving)]
+        return states, values[len(self.moving) :]
+
+    def rates(self, values: np.ndarray) -> np.ndarray:
+        ode, alg = self.at.residual(self.t, *self.unpack(values), self.q)
+        return np.concatenate([np.array(ode).ravel()[self.moving], np.array(alg).ravel()])
+
+    def slopes(self, values: np.ndarray) -> sparse.csc_matrix:
+        blocks = self.at.jacobian(self.t, *self.unpack(values), self.q)
+        entries = np.concatenate([block.nonzeros() for block in blocks])
+        kept, rows, columns = self.places
+        return sparse.csc_matrix((entries[kept], (rows, columns)), shape=(self.size, self.size))
+
+    @property
+    def size(self) -> int:
+        return len(self.moving) + self.at.dae.z.numel()
+
+    @cached_property
+    def places(self) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+        """Of the four blocks of the Jacobian: the entries that are taken, their rows and their columns."""
+        states, moved = np.full(self.x.size, -1), len(self.moving)
+        states[self.moving] = np.arange(moved)
+        unknown = {"x": states, "z": moved + np.arange(self.at.dae.z.numel())}
+        rows, columns = [], []
+        for k, (row, column) in enumerate(("xx", "xz", "zx", "zz")):
+            sparsity = self.at.functions.jacobian.sparsity_out(k)
+            rows.append(unknown[row][np.array(sparsity.row(), int)])
+            columns.append(unknown[column][np.array(sparsity.get_col(), int)])
+        found = np.concatenate(rows), np.concatenate(columns)
+        kept = np.flatnonzero((found[0] >= 0) & (found[1] >= 0))
+        return kept, found[0][kept], found[1][kept]
+
+
+def _rest(at: AtParameters, t: float, x: np.ndarray, q: np.ndarray, held: set[int]) -> _Rest:
+    return _Rest(at, t, x, q, moving_states(at.functions, held))
+
+
+def next_equilibrium(at: AtParameters, near: State) -> tuple[np.ndarray, np.ndarray, np.ndarray] | None:
+    """x, z and d of the equilibrium that Newton finds by whole steps from one of other parameters; None: none."""
+    d = at.start_values()[2]
+    if time_dependence(at, d):
+        return None
+    rest = _rest(at, near.t, near.x, np.concatenate([near.u, d]), set())
+    solution = undamped(rest.rates, rest.slopes, np.concatenate([near.x[rest.moving], near.z]), tolerance=1e-11)
+    return None if solution is None else (*rest.unpack(solution.values), d)
 
 
 def _refuse_turning(dae: FlatDAE, moving: list[int], way: np.ndarray) -> None:

@@ -157,8 +157,7 @@ class StateEvents:
                 raise self._chatter(i)
 
     def _chatter(self, i: int) -> SimulationError:
-        if i >= self.own:
-            return SimulationError(f"the event {self.run.timeline.planned[self.numbers[i] - self.own].label} returns.")
+        """Of a when(); an event of the timeline happens once."""
         return SimulationError(
             f"{self.at.dae.events[i].path or 'the model'}: the event of a when() returns at once, again and again, "
             f"at t = {self.run.t:.6g} s. Give the condition a hysteresis, or let the motion come to rest there."

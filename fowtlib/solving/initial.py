@@ -83,12 +83,20 @@ def _initial_functions(functions: Functions, kept: list[int], free: list[int]) -
     dae = functions.dae
     rows = ca.vertcat(dae.alg, dae.initial_equations[kept])
     columns = ca.vertcat(dae.x[free], dae.z)
-    many = columns.shape[0] > MANY
-    slopes = (
-        functions.torn_jacobian("initial_jacobian", rows, [columns])
-        if many
-        else functions.directional_jacobian("initial_jacobian", rows, columns)
-    )
+    hidden = {element.element_hash() for stage in dae.stages for element in ca.vertsplit(stage.states)}
+    of_externals = [c for c in range(columns.shape[0]) if columns[c].element_hash() in hidden]
+    others = [c for c in range(columns.shape[0]) if c not in set(of_externals)]
+    if columns.shape[0] - len(of_externals) > MANY:
+        slopes = functions.torn_jacobian("initial_jacobian", rows, [columns])
+    elif not of_externals:
+        slopes = functions.directional_jacobian("initial_jacobian", rows, columns)
+    else:  # only an external function reads them, so that few expressions lead from them
+        parts = [functions.torn_jacobian("initial_jacobian_of_externals", rows, [columns[of_externals]]),
+                 functions.directional_jacobian("initial_jacobian_of_others", rows, columns[others])]  # fmt: skip
+        arguments = parts[0].mx_in()
+        both = ca.horzcat(*[part(*arguments) for part in parts])
+        order = np.argsort([*of_externals, *others]).tolist()
+        slopes = ca.Function("initial_jacobian", arguments, [both[:, order]])
     return functions.function("initial", [rows]), slopes
 
 
@@ -114,13 +122,15 @@ def _freed_states(dae: FlatDAE, given: set[int]) -> tuple[list[int], list[int]]:
 def _matched_states(dae: FlatDAE, given: set[int]) -> tuple[int, list[int], np.ndarray]:
     """How many initial equations there are, the states that give way, and which of these for each equation."""
     n = dae.initial_equations.shape[0]
-    pattern = ca.Function("i", [dae.x, dae.z], [dae.initial_equations], {"allow_free": True})
+    pattern = ca.Function("i", [dae.x, dae.z, dae.w], [dae.initial_equations], {"allow_free": True})
     members: list[set[int]] = [set() for _ in range(n)]
     for r, c in zip(*pattern.jac_sparsity(0, 0).get_triplet(), strict=True):
         members[r].add(int(c))
     if dae.z.shape[0]:  # through the algebraic unknowns, every state counts
         for r in set(pattern.jac_sparsity(0, 1).get_triplet()[0]):
             members[r] = set(range(len(dae.states)))
+    for r in set(pattern.jac_sparsity(0, 2).get_triplet()[0]):
+        members[r] = members[r] or set(range(len(dae.states)))  # and where an external function alone knows them
     owners = tuple({f"{path}." for path in dae.initial_paths})
     order = sorted(
         (c for c in range(len(dae.states)) if not dae.states[c].fixed),

@@ -14,10 +14,12 @@ import numpy as np
 from fowtlib.flattening import FlatDAE, flatten
 from fowtlib.flattening.dimensions import check_dimensions
 from fowtlib.language.component import Component
+from fowtlib.language.errors import ModelError
 from fowtlib.solving.binding import bind
 from fowtlib.solving.check import ModelReport
 from fowtlib.solving.plant import Plant
 from fowtlib.solving.results.html import table
+from fowtlib.solving.starts import mean_parameters
 
 # What is known of the root of a model besides its parts: title, outputs, settings, name.
 _KNOWN: WeakKeyDictionary[Component, tuple[str, dict[str, Any], dict[str, Any], str]] = WeakKeyDictionary()
@@ -65,7 +67,10 @@ class Model:
         inputs: paths of signals, such as "turbine.blade_pitch", that become inputs of the plant; or names of your own
         for them, {"pitch": "turbine.blade_pitch"}. What drove them, a controller, goes on by itself unheard; what it
         gives at the start is the value of the input where nobody gives another.
+        A model with a statement `equilibrium` is solved first; see `solved`.
         """
+        if "equilibrium" in self.settings:
+            return self.solved().compile(inputs)
         names = dict(inputs) if isinstance(inputs, Mapping) else {}
         dae = flatten(self.root, list(names.values()) if names else inputs)
         plant = self._plant(dae, names)
@@ -78,6 +83,27 @@ class Model:
         values = {path: np.ravel(start[item.driver], order="F") for path, item in driven.items()}
         defaults = {path: replace(item, default=values.get(path, item.default)) for path, item in dae.inputs.items()}
         return self._plant(replace(dae, inputs=defaults), names)
+
+    def solved(self) -> Model:
+        """The model with its freed parameters at the values that its statement `equilibrium` asks for.
+
+        settings["equilibrium"]: the mappings `free` from paths to first guesses or None, `targets` from results to
+        values, and `set`, parameters of the state at which they hold, beside those of the mean of wind and waves. This
+        compiles the model once by itself. A model without the statement is returned as it is.
+        """
+        statement = self.settings.get("equilibrium")
+        if not statement:
+            return self
+        rest = {key: value for key, value in self.settings.items() if key != "equilibrium"}
+        plant = replace(self, settings=rest).compile()
+        try:
+            mean = mean_parameters(plant, statement.get("set"))
+            state = plant.equilibrium(mean, free=statement["free"], targets=statement["targets"])
+        except ModelError as error:
+            raise error.at(f"{self.source or self.name or 'model'}, equilibrium") from None
+        paths = {path if path in plant.dae.parameters else path.partition("[")[0] for path in statement["free"]}
+        found = self.with_parameters({path: state.parameters[path] for path in sorted(paths)})
+        return replace(found, settings=rest)
 
     def _plant(self, dae: FlatDAE, names: Mapping[str, str]) -> Plant:
         return Plant(
@@ -101,7 +127,8 @@ class Model:
         title = self.title or self.name or "model"
         dae = flatten(self.root)
         bind(dae, self.root)
-        return ModelReport(title, sum(1 for _ in self.root.walk()) - 1, dae, dimensions)
+        remarks = tuple(remark for part in self.root.walk() for remark in part.remarks())
+        return ModelReport(title, sum(1 for _ in self.root.walk()) - 1, dae, dimensions, remarks)
 
     def tree(self) -> str:
         """The component tree as text: names and classes."""

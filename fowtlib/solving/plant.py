@@ -16,7 +16,8 @@ from fowtlib.solving.binding import Binding, Bindings
 from fowtlib.solving.checks import check_state
 from fowtlib.solving.conditions import Conditions
 from fowtlib.solving.engines import FixedStepCode
-from fowtlib.solving.equilibrium import equilibrium
+from fowtlib.solving.equilibrium import equilibrium, next_equilibrium
+from fowtlib.solving.freed import freed_equilibrium
 from fowtlib.solving.functions import AtParameters, Functions
 from fowtlib.solving.initial import start_point
 from fowtlib.solving.layout import Layout, Values
@@ -99,15 +100,29 @@ class Plant:
 
     @refusals_explained()
     def equilibrium(self, parameters: Values | None = None, hold: Values | None = None, start: Values | None = None,
-                    inputs: Values | None = None) -> State:  # fmt: skip
-        """The state at which nothing changes, with the controllers in the loop; `hold` keeps states at values."""
-        state = self.initial_state(parameters, {**(start or {}), **(hold or {})}, inputs)
-        held = {self.layout.x[path] for path in hold or {}}
-        q = np.concatenate([state.u, state.d])
+                    inputs: Values | None = None, *, free: Values | Sequence[str] | None = None,
+                    targets: Values | None = None, near: State | None = None) -> State:  # fmt: skip
+        """The state at which nothing changes, with the controllers in the loop; `hold` keeps states at values.
+
+        free: tunable parameters by path, perhaps with first guesses, that take the values at which `targets` hold: as
+        many conditions on results or variables. The state's `parameters` hold them; see fowtlib.solving.freed.
+        near: an equilibrium of other parameters, from which Newton is tried first, in a tenth of the time.
+        """
+        if free or targets:
+            found = freed_equilibrium(self, free or (), targets or {}, parameters, hold, start, inputs)
+            check_state(self.at(found.parameters), found, self.name, rest=True)
+            return found
         at = self.at(parameters)
-        x, z = equilibrium(at, state.t, state.x, state.z, q, held)
-        found = self.state(state.t, x, z, state.d, state.u, parameters)
-        check_state(at, found, self.name)
+        alone = near is None or hold or start or inputs
+        beside = None if alone else next_equilibrium(at, near)
+        if beside is not None:
+            found = self.state(near.t, *beside, near.u, parameters)
+        else:
+            state = self.initial_state(parameters, {**(start or {}), **(hold or {})}, inputs)
+            held = {self.layout.x[path] for path in hold or {}}
+            x, z = equilibrium(at, state.t, state.x, state.z, np.concatenate([state.u, state.d]), held)
+            found = self.state(state.t, x, z, state.d, state.u, parameters)
+        check_state(at, found, self.name, rest=True)
         return found
 
     @refusals_explained()

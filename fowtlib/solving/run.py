@@ -460,7 +460,7 @@ class Run:
         for k in np.flatnonzero((values == 0).any(axis=1)):
             for i in np.flatnonzero(values[k] == 0):
                 check = self.dae.checks[i]
-                if check.level == "warning" and int(i) in self.warned:
+                if check.level == "rest" or (check.level == "warning" and int(i) in self.warned):
                     continue
                 text = f"{broken(self.at, i, self.about.name, times[k], x[k], z[k], self.q)} (t = {times[k]:g} s)."
                 if check.level == "warning":

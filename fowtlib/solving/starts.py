@@ -134,7 +134,7 @@ def _mean(plant: Plant, word: str, parameters: Values | None, inputs: Values | N
         found = _found(plant, word, mean, inputs)
         while len(plant.kept_starts) >= KEPT:
             del plant.kept_starts[next(iter(plant.kept_starts))]
-        plant.kept_starts[key] = _by_path(found, plant)
+        plant.kept_starts[key] = _by_path(found)
     return dict(plant.kept_starts[key])
 
 
@@ -192,46 +192,35 @@ def _digest(plant: Plant, parameters: Values | None, mean: Values, inputs: Value
 
     files = {path: digest for path, digest in binding.data.items() if path in mean}
     given = {path: plain(item) for path, item in plant.input_paths(inputs).items()}
-    content = [model_digest(plant), {path: value(path) for path in sorted(mean)}, files, given]
-    return hashlib.blake2b(json.dumps(content, sort_keys=True).encode(), digest_size=16).hexdigest()
+    return _hashed([model_digest(plant), {path: value(path) for path in mean}, files, given])
 
 
 def model_digest(plant: Plant) -> str:
     """Of the states, the structure, the data files and the parameters that a plant was compiled with."""
     if plant not in _digests:
-        _digests[plant] = _model_digest(plant)
+        binding = plant.binding()
+        values = {path: value.tolist() for path, value in binding.values.items()}
+        structure = structural_values(plant.root) | dict(binding.data)
+        _digests[plant] = _hashed([[state.path for state in plant.dae.states], structure, values])
     return _digests[plant]
 
 
-def _model_digest(plant: Plant) -> str:
-    binding = plant.binding()
-    values = {path: value.tolist() for path, value in binding.values.items()}
-    structure = structural_values(plant.root) | dict(binding.data)
-    content = [[state.path for state in plant.dae.states], structure, values]
+def _hashed(content: Any) -> str:
     return hashlib.blake2b(json.dumps(content, sort_keys=True).encode(), digest_size=16).hexdigest()
 
 
 # --- states and results -------------------------------------------------------------------------------------------
 
 
-def _names(plant: Plant) -> set[str]:
-    return {q.path for group in (plant.dae.states, plant.dae.algebraics, plant.dae.discretes) for q in group}
-
-
-def _by_path(state: State, plant: Plant) -> dict[str, float]:
-    known, dae = _names(plant), state.plant.dae
+def _by_path(state: State) -> dict[str, float]:
+    dae = state.plant.dae
     groups = ((dae.states, state.x), (dae.algebraics, state.z), (dae.discretes, state.d))
-    return {
-        q.path: float(value)
-        for quantities, values in groups
-        for q, value in zip(quantities, values, strict=True)
-        if q.path in known
-    }
+    return {q.path: float(value) for known, values in groups for q, value in zip(known, values, strict=True)}
 
 
 def _of_file(path: Path, plant: Plant) -> dict[str, float]:
     if path.suffix == ".json":
-        return _by_path(State.open(path, plant), plant)
+        return _by_path(State.open(path, plant))
     result = Result.open(path)
     if result.raw is None or not result.raw.time.size:
         raise ModelError(f"{path}: the file holds no states to start from.")
@@ -239,5 +228,5 @@ def _of_file(path: Path, plant: Plant) -> dict[str, float]:
     missing = [q.path for q in plant.dae.states if q.path not in end.x]
     if missing:
         raise ModelError(f"{path}: the result is of another model: it has no {missing[0]}.")
-    names = _names(plant)
+    names = {q.path for group in (plant.dae.states, plant.dae.algebraics, plant.dae.discretes) for q in group}
     return {key: float(value) for part in (end.x, end.z, end.d) for key, value in part.items() if key in names}

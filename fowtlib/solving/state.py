@@ -29,7 +29,7 @@ class State:
     z: np.ndarray
     d: np.ndarray
     u: np.ndarray
-    parameters: Mapping[str, object] = field(default_factory=dict)
+    parameters: Mapping[str, Any] = field(default_factory=dict)
     observe: Callable[[str, State], np.ndarray] | None = field(default=None, repr=False, compare=False)
     plant: Any = field(default=None, repr=False, compare=False)
 

@@ -25,6 +25,7 @@ from fowtlib.solving.functions import AtParameters
 from fowtlib.solving.outputs import Outputs
 from fowtlib.solving.paths import by_path
 
+EVERY = "*"  # in a name: any letters, and the event happens at every place that fits
 MOST_LISTED = 40  # events in the message about an unknown one
 _CONDITION = re.compile(r"\s*(?P<name>[^<>]+?)\s*(?P<sign>[<>])\s*(?P<value>[^<>=]+?)\s*")
 _TEXT = re.compile(r"\s*(?P<what>\S+)\s+(?P<word>at|when)\s+(?P<instant>[^,]+?)\s*(?P<values>(,.*)?)", re.DOTALL)
@@ -37,7 +38,8 @@ class Event:
     """Something that happens in a run, once.
 
     what: an event that a part offers, by its path: "turbine.safety.grid_loss". Names may be left out of the path as
-    long as it says which one is meant: "turbine.grid_loss". Or the event itself: `turbine.safety.grid_loss`.
+    long as it says which one is meant: "turbine.grid_loss". Or the event itself: `turbine.safety.grid_loss`. With stars
+    for letters of a name it happens wherever it fits: "*.grid_loss" at every turbine.
     at: the time [s], or with a unit. when: instead of it, a result or the path of a variable, and what it has to reach:
     "generator_speed > 1400 rpm". The event comes at the instant at which that becomes true; where it is true at the
     start, that is after it has been false. values: what the event takes, by name, SI or with unit.
@@ -150,17 +152,17 @@ def _default(offer: Offer, item: Parameter, root: Component | None) -> float:
     return float(to_si(value, item.unit, f"{offer.path}, {item.name}"))
 
 
-def _chosen(event: Event, dae: FlatDAE) -> int:
-    """Number of the offer that an event means."""
-    names = event.what.split(".")
-    fits = [k for k, offer in enumerate(dae.offers) if _within(names, offer.path.split("."))]
-    exact = [k for k in fits if dae.offers[k].path == event.what]
-    if len(exact or fits) == 1:
-        return (exact or fits)[0]
-    paths = [dae.offers[k].path for k in fits]
-    if paths:
-        raise event.error(f"it can happen at {len(paths)} places; say at which: {_listed(paths)}.")
+def _chosen(event: Event, dae: FlatDAE) -> list[int]:
+    """Numbers of the offers that an event means: one, or with stars in its name all that fit."""
     known = [offer.path for offer in dae.offers]
+    paths = meant(event.what, known)
+    if len(paths) == 1 or (paths and EVERY in event.what):
+        return [known.index(path) for path in paths]
+    if paths:
+        raise event.error(
+            f"it can happen at {len(paths)} places; say at which: {_listed(paths)}, or with a star in its name at all "
+            f"of them: {EVERY}.{event.what.rpartition('.')[2]}."
+        )
     if not known:
         raise NotFoundError(f"there is no event '{event.what}': no part of this model offers any.", where=event.place)
     hint = did_you_mean(event.what, known, list_up_to=0)
@@ -168,10 +170,18 @@ def _chosen(event: Event, dae: FlatDAE) -> int:
     raise NotFoundError(text, where=event.place)
 
 
-def _within(names: Sequence[str], path: Sequence[str]) -> bool:
-    """Whether the path ends as the names do, and has the other ones in their order."""
-    rest = iter(path)
-    return path[-1] == names[-1] and all(name in rest for name in names)
+def meant(what: str, paths: Sequence[str]) -> list[str]:
+    """The paths of events that a text can mean: the one that it is, or all that end as it does; * is any letters.
+
+    Names in the middle of a path may be left out; those that are given stand in its order.
+    """
+    names = [re.compile(re.escape(name).replace(re.escape(EVERY), ".*")) for name in what.split(".")]
+    return [what] if what in paths else [path for path in paths if _within(names, path.split("."))]
+
+
+def _within(names: Sequence[re.Pattern[str]], path: Sequence[str]) -> bool:
+    left = iter(path)
+    return bool(names[-1].fullmatch(path[-1])) and all(any(name.fullmatch(known) for known in left) for name in names)
 
 
 def _listed(paths: Sequence[str]) -> str:
@@ -201,11 +211,11 @@ class Timeline:
 
     def __init__(self, events: Sequence[Event], dae: FlatDAE, outputs: Outputs, root: Component | None):
         self.dae, self.outputs, self.root = dae, outputs, root
-        self.planned = [self._planned(event) for event in events]
+        self.planned = [self._planned(event, number) for event in events for number in _chosen(event, self.dae)]
         self.happened: list[str] = []  # a line for each that has happened, as a result tells it
 
-    def _planned(self, event: Event) -> Planned:
-        offer = self.dae.offers[_chosen(event, self.dae)]
+    def _planned(self, event: Event, number: int) -> Planned:
+        offer = self.dae.offers[number]
         given = self._given(event, offer)
         if event.at is not None:
             return Planned(offer, given, offer.path, float(event.at))

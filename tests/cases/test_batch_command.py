@@ -52,6 +52,10 @@ def test_a_batch_from_the_first_run_to_its_table(place, capsys):
     assert (
         "failed  short: " in said.err and "to try those that have failed again: fowt batch retry few.yaml" in said.err
     )
+    sentence = Batch.open("few.batch").row("short").message
+    assert said.err.count(" ".join(sentence.split())) == 1 and "\nshort: " not in said.err
+    assert main(["batch", "run", "few.yaml"]) == 1  # nothing is due, and the reason is said all the same
+    assert capsys.readouterr().err.startswith(f"short: {sentence}\n")
     assert {path.name for path in Path("few.batch").iterdir()} >= {"w8.nc", "w10.nc", "short.partial.nc", "batch.log"}
 
     assert main(["batch", "status", "few.yaml", "--json"]) == 0
@@ -75,6 +79,17 @@ def test_a_batch_from_the_first_run_to_its_table(place, capsys):
     assert "due     w8: the case has changed: duration was 5.0, is 2.5" in Path("few.batch/batch.log").read_text()
 
 
+def test_names_with_a_comma_in_brackets_are_one_result(place, capsys):
+    text = CASES[: CASES.index("- name: short")].replace("DURATION", "1 s")
+    Path("matrix.yaml").write_text(text.replace("pitch", "platform.hull.frame_a.R"))
+    assert main(["batch", "run", "matrix.yaml"]) == 0
+    capsys.readouterr()
+    one, other = (f"platform.hull.frame_a.R[{index}]" for index in ("0,1", "2,2"))
+    assert main(["batch", "table", "matrix.yaml", "--results", f"{one}, surge,{other}", "--json"]) == 0
+    assert [row["result"] for row in json.loads(capsys.readouterr().out)] == [one, "surge", other] * 2
+    assert main(["batch", "report", "matrix.yaml", "--results", f"{one},surge"]) == 0
+
+
 def test_retry_runs_those_that_have_failed(place, capsys):
     assert main(["batch", "run", "few.yaml", "--folder", "f"]) == 1
     assert main(["batch", "run", "few.yaml", "--folder", "f"]) == 1
@@ -88,6 +103,10 @@ def test_retry_runs_those_that_have_failed(place, capsys):
     [
         (["run", "fw.yaml"], "fowt batch run: there is no file 'fw.yaml'."),
         (["status", "few.yaml"], "few.batch: there is no such folder; begin the batch with fowt batch run few.yaml"),
+        (["status", "few.yaml", "--folder", "b"], "b: there is no such folder; begin the batch with fowt batch run "
+         "few.yaml --folder b."),
+        (["table", "wind.csv"], "wind.csv: is neither a file that lists cases (.yaml) nor the folder of a batch."),
+        (["run", "."], ".: is a folder; give the file that lists the cases."),
         (["run", "few.yaml", "--folder", "few.yaml"], "few.yaml: is a file; a batch needs a folder."),
         (["run", "few.yaml", "--workers", "0"], "'0' is not a whole number above zero"),
         (["run", "few.yaml", "--worker", "2"], "unknown option '--worker'; did you mean '--workers'?"),
@@ -103,6 +122,21 @@ def test_mistakes(place, capsys, words, message):
         status = end.code
     assert status == 2 and message in capsys.readouterr().err
     assert not Path("few.batch").exists()
+
+
+def test_what_is_asked_of_a_batch_in_a_wrong_way(place, capsys):
+    main(["batch", "run", "few.yaml"])
+    capsys.readouterr()
+    assert main(["batch", "table", "few.yaml", "--results", ","]) == 2
+    assert "',' names no result; give names with commas between them." in capsys.readouterr().err
+    assert main(["batch", "report", "few.yaml", "--results", "pitch,heave"]) == 2
+    assert "the cases have no result 'heave'; there are 'surge' and 'pitch'." in capsys.readouterr().err
+    Path("other.yaml").write_text(CASES.replace("DURATION", "5 s"))
+    assert main(["batch", "status", "other.yaml", "--folder", "few.batch"]) == 0
+    assert f"few.batch: holds the batch of {place / 'few.yaml'}, not of other.yaml." in capsys.readouterr().err
+    for words in (["few.yaml"], ["few.batch"], ["few.yaml", "--folder", "few.batch"]):
+        assert main(["batch", "status", *words]) == 0
+        assert "holds the batch" not in capsys.readouterr().err
 
 
 def test_a_stopped_batch_says_how_to_go_on(place, capsys, monkeypatch):

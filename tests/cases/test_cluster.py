@@ -95,6 +95,15 @@ def test_a_scheduler_that_is_not_there_is_a_sentence(tmp_path, address, message,
         run_batch(spars(1), tmp_path / "b.batch", cluster=address)
 
 
+@pytest.mark.parametrize("address", ["nowhere", "tcp://", "post://here:8786"])
+def test_a_wrong_address_makes_no_client(address, monkeypatch):
+    import distributed
+
+    monkeypatch.setattr(distributed.Client, "__init__", lambda *_, **__: pytest.fail("a client was made"))
+    with pytest.raises(ModelError, match="is not the address of a Dask scheduler"):
+        clusters._client(address)
+
+
 def test_workers_with_another_fowtlib_are_refused(tmp_path, cluster, monkeypatch):
     monkeypatch.setattr(clusters, "version", lambda: "9.9")
     with pytest.raises(ModelError, match="has fowtlib .*, and here is 9.9"):

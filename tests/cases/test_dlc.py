@@ -130,6 +130,12 @@ WRONG = [
 ]
 
 
+@pytest.mark.parametrize(("model", "part"), [("nrel5mw_land", "sea"), ("two_rotor_support", "wind")])
+def test_a_model_without_wind_or_sea_is_a_sentence(model, part):
+    with pytest.raises(ModelError, match=f"^the model has no part '{part}', which load cases give their {part} to"):
+        write_dlc(Request(["1.2"], model, NORWAY), load(model))
+
+
 @pytest.mark.parametrize(("numbers", "request_", "message"), WRONG)
 def test_what_cannot_be_written_is_a_sentence(rigid, numbers, request_, message):
     with pytest.raises(ModelError, match=message):

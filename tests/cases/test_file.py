@@ -150,6 +150,7 @@ WRONG = [
     ("seeds: 3", "seeds: 2.5", ":20: seeds is 2.5"),
     ("_s{seed_number}", "", ":18: two cases are called 'u04_h0'; the first is of"),
     ("u{wind_speed:02.0f}", "../u{wind_speed}", ":18: '../u4_h0_s1' cannot be the name of a case"),
+    ("{wind_speed:02.0f}", "{wind_sped}", "there is no variable 'wind_sped'; did you mean 'wind_speed'"),
     ("{wind_speed:02.0f}", "{wind_sped}", ":18: name: .*no.* 'wind_sped'|:18: .*'wind_sped' is not a formula"),
     ("{wind_speed:02.0f}", "{wind_speed:99999d}", ":18: .*is not how a number is written"),
     (", heading: heading}", "}", ":19: 'heading' varies, and nothing in the cases depends on it"),

@@ -2,13 +2,13 @@
 
 from __future__ import annotations
 
-import contextlib
+import multiprocessing
 import os
 import random
 import signal
 import sys
 import time
-from functools import partial
+from contextlib import suppress
 from pathlib import Path
 
 import numpy as np
@@ -36,16 +36,6 @@ def spars(count, duration=100.0, **changes):
     return [Case(f"s{k}", "oc3_spar_rigid", {"wind.kind": "steady", "wind.mean_speed": 7.0 + 0.1 * k},
                  start="file", duration=duration, output_step=0.5, outputs=("surge", "pitch"), **changes)
             for k in range(count)]  # fmt: skip
-
-
-def forked(cases, folder, workers):
-    """A process that runs a batch; it begins with what this one has imported."""
-    pid = os.fork()
-    if not pid:
-        with contextlib.suppress(BaseException):
-            run_batch(cases, folder, workers=workers)
-        os._exit(0)
-    return pid
 
 
 def children(pid: int) -> list[int]:
@@ -121,9 +111,7 @@ def test_workers_that_cannot_start_are_a_sentence(tmp_path, monkeypatch):
 
 
 @posix
-def test_a_batch_that_is_asked_to_end_does_so_soon(tmp_path, request):
-    request.addfinalizer(partial(signal.signal, signal.SIGINT, signal.getsignal(signal.SIGINT)))
-    signal.signal(signal.SIGINT, signal.default_int_handler)  # a shell may have taken it away
+def test_a_batch_that_is_asked_to_end_does_so_soon(tmp_path, python_handler):
     folder, asked, others = tmp_path / "b.batch", [], set(children(os.getpid()))  # of other tests
     cases = [*spars(1, 10.0), Case("long", "oc3_spar_rigid", start="file", duration=1e6, output_step=10.0)]
 
@@ -146,46 +134,53 @@ def test_a_batch_that_is_asked_to_end_does_so_soon(tmp_path, request):
 
 
 @posix
-@pytest.mark.filterwarnings("ignore:.*fork:DeprecationWarning")
 def test_killed_at_any_moment_no_finished_case_is_lost_and_the_next_run_goes_on(tmp_path):
     """20 kills: of a worker, of the other, of the process that runs the batch; FOWTLIB_TEST_KILLS asks for more."""
     kills = int(os.environ.get("FOWTLIB_TEST_KILLS", "20"))
-    count = 3 * kills  # more than can be done between the kills
     model, folder = tmp_path / "m.yaml", tmp_path / "b.batch"
     model.write_text(MODEL.replace("python: own.py\n", ""))
-    cases = [Case(f"m{k}", str(model), {"bob.mass": 1.0 + k}, duration=300.0, output_step=0.02, solver="fixed")
-             for k in range(count)]  # fmt: skip
-    run_batch(cases[:1], folder, workers=1)  # what has to be compiled is
+
+    def cases(count):
+        return [Case(f"m{k}", str(model), {"bob.mass": 1.0 + k}, duration=1000.0, output_step=0.02, solver="fixed")
+                for k in range(count)]  # fmt: skip
+
+    run_batch(cases(1), folder, workers=1)  # what has to be compiled is
+    started = multiprocessing.get_context("forkserver")  # of a process without threads, so that no lock stays shut
+    started.set_forkserver_preload(["fowtlib.cases"])
     chance, finished, dead = random.Random("kills"), {}, 0
 
     def number_of_done():
         return Batch.open(folder).counts["done"]
 
     while dead < kills:
-        pid = forked(cases, folder, 2)
+        runs = started.Process(target=run_batch, args=(cases(len(finished) + 8), folder), kwargs={"workers": 2})
+        runs.start()
         if chance.random() < 0.7:  # else while the workers start
             before = len(finished)
             wait_until(lambda before=before: number_of_done() > before)
-        mine = children(pid)
-        for victim in (*chance.sample(mine, len(mine)), pid):
+        mine = children(runs.pid)
+        for victim in (*chance.sample(mine, len(mine)), runs.pid):
             time.sleep(chance.uniform(0.0, 0.1))
-            os.kill(victim, signal.SIGKILL)
-            dead += 1
-        os.waitpid(pid, 0)
+            with suppress(ProcessLookupError):  # all was done already
+                os.kill(victim, signal.SIGKILL)
+                dead += 1
+        runs.join()
+        assert runs.exitcode in (-signal.SIGKILL, 0)
         wait_until(lambda mine=mine: not any(map(alive, mine)), 5.0)  # none goes on alone
         now = {row.name: (row.ended, row.bytes) for row in Batch.open(folder).rows("done")}
         assert finished.items() <= now.items()  # what was finished was not done again
         for name in now.keys() - finished.keys():
-            assert Batch.open(folder).result(name).time[-1] == 300.0
+            assert Batch.open(folder).result(name).time[-1] == 1000.0
         finished = now
-    assert 1 < len(finished) < count
-    batch = run_batch(cases, folder, workers=2)
-    assert batch.counts == {"due": 0, "running": 0, "done": count, "failed": 0}
+    assert len(finished) > 1
+    every = cases(len(finished) + 8)
+    batch = run_batch(every, folder, workers=2)
+    assert batch.counts == {"due": 0, "running": 0, "done": len(every), "failed": 0}
     assert finished.items() <= {row.name: (row.ended, row.bytes) for row in batch}.items()
     assert {path.suffix for path in folder.iterdir()} == {".nc", ".sqlite", ".log", ""}
     done = [line.split()[3] for line in (folder / "batch.log").read_text().splitlines() if " done  " in line]
-    assert len(done) == len(set(done)) > count / 2  # none twice
+    assert len(done) == len(set(done)) > len(every) / 2  # none twice
     plant = fw.load(model).compile()
-    for case in chance.sample(cases, 3):
+    for case in chance.sample(every, 3):
         alone = plant.simulate(conditions=case.conditions(), solver="fixed")
         assert np.array_equal(batch.result(case.name).array("hinge.phi"), alone.array("hinge.phi"))

@@ -159,8 +159,8 @@ def test_an_error_of_the_program_says_how_to_find_it(capsys, failing):
     assert "Traceback (most recent call last)" in capsys.readouterr().err
 
 
-def test_help_and_the_catalogue_need_no_plotting():
-    slow = ["matplotlib", "pandas", "xarray"]
+def test_help_and_the_catalogue_need_no_plotting_and_no_solver():
+    slow = ["matplotlib", "pandas", "xarray", "scipy", "networkx", "yaml", "fowtlib.solving", "fowtlib.flattening"]
     script = f"import sys; from fowtlib.cli import app; app.parser(); print([m for m in {slow} if m in sys.modules])"
     assert subprocess.run([sys.executable, "-c", script], capture_output=True, text=True).stdout == "[]\n"
 

@@ -18,6 +18,11 @@ from fowtlib.solving.results.result import Result
 
 pytestmark = pytest.mark.usefixtures("shipped_pendulum")
 RUN = ["run", "pendulum", "--time", "4"]
+RAMP = """fowtlib: 1
+parts: {c: {class: Constant, value: 1}, i: {class: Integrator}}
+connect: [[c.y, i.u]]
+outputs: {y: i.y}
+"""
 
 
 @pytest.fixture
@@ -102,10 +107,7 @@ def test_what_was_there_stays(capsys, monkeypatch, elsewhere):
 def test_a_limit_of_the_size_of_files_ends_in_a_sentence(tmp_path, ending):
     import resource
 
-    (tmp_path / "ramp.yaml").write_text(
-        "fowtlib: 1\nparts: {c: {class: Constant, value: 1}, i: {class: Integrator}}\nconnect: [[c.y, i.u]]\n"
-        "outputs: {y: i.y}\n"
-    )
+    (tmp_path / "ramp.yaml").write_text(RAMP)
     (tmp_path / "tmp").mkdir()
     words = ["run", "ramp.yaml", "--solver", "idas", "--time", "800", "--output-step", "0.1", "--output"]
     run = subprocess.run(
@@ -147,10 +149,7 @@ def test_a_wind_field_without_room_is_a_sentence_and_no_signal(tmp_path):
     ],
 )  # fmt: skip
 def test_a_full_disk_ends_in_a_sentence(tmp_path, words, size, status):
-    (tmp_path / "ramp.yaml").write_text(
-        "fowtlib: 1\nparts: {c: {class: Constant, value: 1}, i: {class: Integrator}}\nconnect: [[c.y, i.u]]\n"
-        "outputs: {y: i.y}\n"
-    )
+    (tmp_path / "ramp.yaml").write_text(RAMP)
     (disk := tmp_path / "disk").mkdir()
     (tmp_path / "tmp").mkdir()
     mount = ["mount", "-t", "tmpfs", "-o", f"size={size}", "tmpfs", str(disk)]

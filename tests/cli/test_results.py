@@ -176,7 +176,7 @@ def test_compare_with_equivalent_loads(capsys):
         ("statistics seed_0.nc seed_0.nc", "seed_0.nc: is named twice"),
         ("maxima seed_0.nc --of surge --samples 3", "20 or more"),
         ("maxima seed_0.nc --of surge --fractile 2", "not a probability"),
-        ("maxima seed_0.nc --of surge --method best", "unknown METHOD 'best'"),
+        ("maxima seed_0.nc --of surge --method best", "unknown METHOD 'best' of --method; there are"),
         ("maxima seed_0.nc other.csv --of surge", "other: there is no result 'surge'"),
         ("loads seed_0.nc --of N", "seed_0: there is no result 'N'"),
         ("loads seed_0.nc --of M --cases none.csv", "none.csv: cannot be read"),

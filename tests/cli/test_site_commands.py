@@ -150,6 +150,8 @@ def test_few_runs_are_named(capsys):
         (["contours", "norway_6"], "there is no site 'norway_6'; did you mean 'norway_5'?"),
         (["contours", "norway_5", "--wind", "10,50"], "50 m/s is beyond the contour, whose wind speeds are"),
         (["contours", "norway_5", "--duration", "soon"], "'soon' is not a time, for example 10min or 1h"),
+        (["contours", "norway_5", "--cut-out", "500"], "500 m/s of wind is never exceeded: no contour ends there."),
+        (["contours", "cases.yaml"], "cases.yaml: this is no site: a file with 'fowtlib_cases' is of another kind."),
         (["contours", "norway_5", "--points", "2"], "a contour has 3 points or more, not 2."),
         (["contours", "norway_5", "--wind", "-4:4:1"], "--wind"),
         (["contours", "norway_5", "--return-period", "5000"], "Take the upper half of the contour"),
@@ -163,11 +165,12 @@ def test_few_runs_are_named(capsys):
             "--plot and --worst are about extremes: give --batch, --fits or --maxima",
         ),
         (["extremes", "norway_5", "--fits", "none.csv"], "cannot read the table of fits"),
-        (["extremes", "norway_5", "--method", "form"], "unknown NAME 'form'"),
+        (["extremes", "norway_5", "--method", "form"], "unknown NAME 'form' of --method; there are"),
         (["extremes", "norway_5", "--cases", "c.txt", "--model", "m"], "the file must end in"),
     ],
 )
 def test_mistakes_are_sentences(words, says, capsys):
+    Path("cases.yaml").write_text("fowtlib_cases: 1\n")
     try:
         status = main(words)
     except SystemExit as left:
@@ -175,4 +178,4 @@ def test_mistakes_are_sentences(words, says, capsys):
     shown = capsys.readouterr().err
     assert status == 2
     assert says in shown and "Traceback" not in shown
-    assert not list(Path().iterdir())
+    assert list(Path().iterdir()) == [Path("cases.yaml")]  # nothing else was written

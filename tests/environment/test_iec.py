@@ -170,6 +170,35 @@ def test_transient_conditions_at_points(plant, name, direction):
     np.testing.assert_allclose(np.asarray(result["wind.bearing"]), bearing, atol=2e-6)
 
 
+# Numbers of the files EOGR, EDC+R, ECD+R and EWSV+12.0 that pyIECWind 0.2 (github.com/SMI-Lab-Inha/pyIECWind, after
+# NREL's IECWind) makes, three decimals; rotor and hub 80 m. Times since the start; gust [m/s], turn [deg], and of EWS
+# the difference of the speeds over a diameter by that at the hub.
+OTHER_PROGRAM = {
+    "eog": ("I", "A", 10.0, {0.4: -0.022, 1.0: -0.292, 2.5: -1.555, 3.5: 0.0, 4.5: 3.195, 5.2: 4.294, 8.0: -1.555}),
+    "edc": ("III", "C", 10.0, {0.5: 0.513, 1.5: 4.406, 3.0: 15.045, 4.5: 25.683, 5.5: 29.576, 6.0: 30.089}),
+    "ecd": ("III", "C", 10.0, {0.5: 0.092, 2.0: 1.432, 3.3: 3.682, 5.0: 7.5, 7.0: 11.908, 10.0: 15.0}),
+    "ews": ("III", "C", 12.0, {0.5: 0.015, 2.0: 0.214, 4.0: 0.642, 6.0: 0.856, 9.0: 0.428, 11.5: 0.015}),
+}
+
+
+@pytest.mark.parametrize("kind", list(OTHER_PROGRAM))
+def test_transient_conditions_are_those_of_another_program(plant, kind):
+    """To the last digit of its files."""
+    wind_class, turbulence_class, speed, expected = OTHER_PROGRAM[kind]
+    values = {"wind.kind": kind, "wind.mean_speed": speed, "wind.reference_height": 80.0, "wind.start_time": 0.0}
+    values |= {"wind.wind_class": wind_class} if kind == "eog" else {}
+    values |= {} if kind == "ecd" else {"wind.turbulence_class": turbulence_class, "wind.rotor_diameter": 80.0}
+    result = plant.simulate(12.0, 0.1, solver="fixed", step=0.1, parameters=values)
+    felt = np.asarray(result["vane.felt"]).reshape(-1, 4, 3)
+    change = np.linalg.norm(felt, axis=2) - np.linalg.norm(felt[0], axis=1)
+    turn = np.degrees(np.asarray(result["wind.bearing"]))
+    told = {"edc": turn, "ews": (change[:, 1] - change[:, 2]) / 120 * 80 / speed}.get(kind, change[:, 0])
+    rows = [round(10 * time) for time in expected]
+    np.testing.assert_allclose(told[rows], list(expected.values()), atol=6e-4)
+    if kind == "ecd":
+        assert turn[[5, 50, 100]] == pytest.approx([0.443, 36.0, 72.0], abs=6e-4)
+
+
 @pytest.mark.parametrize(
     ("values", "mean", "sigma"),
     [

@@ -9,7 +9,6 @@ import sys
 import tempfile
 import threading
 import time
-from functools import partial
 from pathlib import Path
 
 import numpy as np
@@ -147,10 +146,8 @@ def test_a_whole_number_that_the_type_does_not_have(fmu, value):
     session.close()
 
 
-def test_ctrl_c_during_a_call_that_hangs(fmu, request):
+def test_ctrl_c_during_a_call_that_hangs(fmu, python_handler):
     """Both the simulation and the process of the FMU get it; it is answered at once, with the results so far."""
-    request.addfinalizer(partial(signal.signal, signal.SIGINT, signal.getsignal(signal.SIGINT)))
-    signal.signal(signal.SIGINT, signal.default_int_handler)  # a shell may have taken it away
     one = plant(fmu(), HANG)
     threading.Timer(1.5, os.kill, (os.getpid(), signal.SIGINT)).start()
     begin = time.monotonic()

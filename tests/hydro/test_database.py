@@ -278,3 +278,16 @@ def test_a_file_of_an_earlier_version_is_read(tmp_path):
         for name, variable in old.variables.items():
             new.createVariable(name, "f8", variable.dimensions).data[...] = variable.data
     np.testing.assert_array_equal(HydrodynamicDatabase.read(tmp_path / "b.nc").A, HydrodynamicDatabase.read(OC3).A)
+
+
+@pytest.mark.parametrize(("part", "mode"), [(1.2e-3, 5), (9e-3, 2), (2e-3, 0)])
+def test_a_little_negative_damping_is_warned_of(part, mode):
+    """As in the published files of the VolturnUS-S: 0.12 % of the maximum in yaw, at 4.35 rad/s."""
+    B = np.tile(np.eye(6), (3, 1, 1))
+    B[1, mode, mode] = -part
+    name = ("surge", "sway", "heave", "roll", "pitch", "yaw")[mode]
+    with pytest.warns(UserWarning, match=f"damping of {name} is negative at 1 rad/s .*{part:.2g} of its maximum"):
+        small(B=B)
+    B[1, mode, mode] = -0.011
+    with pytest.raises(HydrodynamicDataError, match=f"damping of {name} is negative at 1 rad/s"):
+        small(B=B)

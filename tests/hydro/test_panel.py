@@ -1,6 +1,7 @@
 """Panel meshes (always) and the panel method against WAMIT (only with the extra `fowtlib[hydro]`)."""
 
 import importlib.util
+import math
 import sys
 from pathlib import Path
 
@@ -179,47 +180,87 @@ BUOY = Column(((-10.0, 8.0), (4.0, 8.0)))
 COARSE = {"omega": [0.4, 0.6, 0.8], "headings": [0.0, 0.5], "water_depth": 100.0, "panel_size": 2.5}
 
 
-@needs_capytaine
-def test_nothing_is_lost_when_the_computation_stops(tmp_path, monkeypatch):
-    """Stopped in the middle it goes on where it was, with the numbers of one that was never stopped."""
-    import capytaine
+@pytest.fixture
+def own_cache(tmp_path, monkeypatch):
+    """An empty folder for what is kept."""
+    folder = tmp_path / "cache"
+    monkeypatch.setenv("FOWTLIB_CACHE", str(folder))
+    return folder
 
-    whole = compute([BUOY], **COARSE)
-    solved = []
+
+@pytest.fixture
+def solved(monkeypatch):
+    """Frequencies [rad/s] that Capytaine is asked to solve, in this order; stops at those in the list's `stop_at`."""
+    capytaine = pytest.importorskip("capytaine")
+
+    class Frequencies(list):
+        stop_at = ()
+
+    frequencies = Frequencies()
     original = capytaine.BEMSolver.solve_all
 
-    def stopping(self, problems, **options):
-        if len(solved) == 4:
+    def solve_all(self, problems, **options):
+        if problems[0].omega in frequencies.stop_at:
             raise KeyboardInterrupt
-        solved.append(problems[0].omega)
+        frequencies.append(float(problems[0].omega))
         return original(self, problems, **options)
 
-    monkeypatch.setattr(capytaine.BEMSolver, "solve_all", stopping)
-    target, partial = tmp_path / "buoy.nc", tmp_path / "buoy.nc.partial.npz"
+    monkeypatch.setattr(capytaine.BEMSolver, "solve_all", solve_all)
+    return frequencies
+
+
+def test_nothing_is_lost_when_the_computation_stops(tmp_path, own_cache, solved):
+    """Stopped in the middle it goes on where it was; done once, it is not done again, whatever file it goes to."""
+    target = tmp_path / "buoy.nc"
+    solved.stop_at = (0.6,)
     with pytest.raises(KeyboardInterrupt):
         compute([BUOY], **COARSE, path=target)
-    assert partial.exists() and not target.exists()
-    solved[:] = [0.0] * 100
-    database = compute([BUOY], **COARSE, path=target)
-    assert len(solved) == 100 + 8 - 4  # the infinite, the lowest and three frequencies, and three of waves
-    assert not partial.exists()
+    assert not target.exists()
+    assert solved == [math.inf, pytest.approx(0.0774, abs=1e-4), 0.4]
+    solved.stop_at = ()
+    done = []
+    database = compute([BUOY], **COARSE, path=target, progress=lambda k, n: done.append((k, n)))
+    assert solved[3:] == [0.6, 0.8]
+    assert done == [(1, 5), (2, 5), (3, 5), (4, 5), (5, 5)]
+    again = compute([BUOY], **COARSE)
+    assert len(solved) == 5
     for name in ("A", "B", "X", "A_inf", "A_zero"):
-        one, two = getattr(database, name), getattr(whole, name)
-        # two whole computations in one process differ by as much, at the lowest frequency: tables of Capytaine
-        np.testing.assert_allclose(one, two, rtol=1e-3, atol=1e-5 * np.abs(two).max())
+        np.testing.assert_array_equal(getattr(again, name), getattr(database, name))
     np.testing.assert_array_equal(HydrodynamicDatabase.read(target).A, database.A)
 
 
-@needs_capytaine
-def test_what_was_solved_for_another_floater_is_not_taken(tmp_path):
-    target, partial = tmp_path / "buoy.nc", tmp_path / "buoy.nc.partial.npz"
-    np.savez(partial, inputs="another", **{"A_0.40000000000000002": np.zeros((2, 6, 6))})
-    database = compute([BUOY], **{**COARSE, "omega": [0.4, 0.6]}, path=target)
-    assert database.A[0, 0, 0] > 0
+def test_what_was_solved_for_another_floater_is_not_taken(own_cache, solved):
+    """Other frequencies and another density take what there is; depth, headings, hull, mesh and gravity do not."""
+    compute([BUOY], **COARSE)
+    solved.clear()
+    heavy = compute([BUOY], **COARSE | {"omega": [0.4, 0.8]}, rho=2000.0)
+    assert heavy.A[0, 0, 0] == pytest.approx(2000 / 1025 * compute([BUOY], **COARSE).A[0, 0, 0])
+    assert not solved
+    compute([BUOY], **COARSE | {"omega": [0.4, 0.5, 0.8]})
+    assert solved == [0.5]
+    wide = Column(((-10.0, 8.1), (4.0, 8.1)))
+    for hull, other in ((BUOY, {"water_depth": 110.0}), (BUOY, {"panel_size": 2.0}), (BUOY, {"g": 9.7}), (wide, {})):
+        solved.clear()
+        compute([hull], **COARSE | {"omega": [0.4, 0.8]} | other)
+        assert len(solved) == 4
+    solved.clear()
+    compute([BUOY], **COARSE | {"omega": [0.4, 0.8], "headings": [0.0, 0.6]})
+    assert solved == [0.4, 0.8]  # the limits have no waves
+
+
+def test_a_damaged_result_is_made_again(own_cache, solved):
+    compute([BUOY], **COARSE)
+    kept = sorted(own_cache.glob("panels_*.json"))
+    assert len(kept) == 5
+    kept[0].write_bytes(kept[0].read_bytes()[:-40])
+    solved.clear()
+    with pytest.warns(UserWarning, match="this file is damaged; it is made again"):
+        compute([BUOY], **COARSE)
+    assert len(solved) == 1
 
 
 @needs_capytaine
-def test_a_result_that_is_refused_is_kept(tmp_path, monkeypatch):
+def test_a_result_that_is_refused_is_kept(own_cache, monkeypatch):
     """The checks at the end come after hours of work."""
     from fowtlib.components.hydro import panel
 
@@ -227,23 +268,10 @@ def test_a_result_that_is_refused_is_kept(tmp_path, monkeypatch):
         raise HydrodynamicDataError("the load of long waves is not that of the buoyancy.")
 
     monkeypatch.setattr(panel, "check_conventions", refuse)
-    with pytest.raises(HydrodynamicDataError, match=r"What was solved is kept in .*buoy\.nc\.partial\.npz") as caught:
-        compute([BUOY], **{**COARSE, "omega": [0.4, 0.6]}, path=tmp_path / "buoy.nc")
+    with pytest.raises(HydrodynamicDataError, match="of the buoyancy. .* What was solved is kept") as caught:
+        compute([BUOY], **COARSE | {"omega": [0.4, 0.6]})
     assert str(caught.value).startswith("the load of long waves")
-    with np.load(tmp_path / "buoy.nc.partial.npz") as kept:
-        assert sum(name.startswith("X_") for name in kept.files) == 2
-
-
-@pytest.mark.parametrize("damage", [lambda b: b"", lambda b: b[:99], lambda b: b[:-99], lambda b: b[:60] + b"?" * 99])
-def test_damaged_results_in_between_are_computed_again(tmp_path, damage):
-    from fowtlib.components.hydro.panel_store import Store
-
-    target = tmp_path / "buoy.nc"
-    Store(target, "inputs").once("A", lambda: np.arange(30.0))
-    assert list(Store(target, "inputs").arrays) == ["A"]
-    kept = tmp_path / "buoy.nc.partial.npz"
-    kept.write_bytes(damage(kept.read_bytes()))
-    assert Store(target, "inputs").once("A", lambda: np.arange(3.0)).tolist() == [0, 1, 2]
+    assert len(list(own_cache.glob("panels_*.json"))) == 4
 
 
 @needs_capytaine

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import csv
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 from functools import lru_cache
 from pathlib import Path
 
@@ -51,12 +51,13 @@ def run(sign: float, *process: float) -> tuple[np.ndarray, dict]:
 
 @dataclass
 class Made:
-    """What `fits_of_batch` asks of a batch."""
+    """What `fits_of_batch` and the command ask of a batch."""
 
     rows_: list[Row]
     series: dict[str, np.ndarray]
     folder: Path = Path("made.batch")
     kept: bool = False  # statistics alone
+    about: dict = field(default_factory=dict)
 
     def rows(self) -> list[Row]:
         return self.rows_
@@ -154,6 +155,16 @@ def test_cases_that_are_missing_are_told(monkeypatch):
     with pytest.warns(UserWarning, match=rf"2 cases of made.batch are not done; states without any hold {share:.2g} %"):
         fits = fits_of_batch(batch, ["surge"], "gaussian", 3600.0)
     assert len(fits["surge"].bins[0]) == len(STATES) - 2
+
+
+@pytest.mark.parametrize(("seeds", "law"), [(1, "pooled"), (2, "gumbel"), (1, "gaussian")])
+def test_a_response_that_one_case_lacks(seeds, law, monkeypatch):
+    """As one with a value that is not finite, of which no statistics are kept."""
+    batch = made(seeds, monkeypatch)
+    row = batch.rows_[3]
+    batch.rows_[3] = replace(row, statistics={"power": row.statistics["surge"]})
+    with pytest.raises(ModelError, match=f"the case '{row.name}' has no statistics of 'surge'; name others with"):
+        fits_of_batch(batch, None, law, 3600.0)
 
 
 def test_refusals(monkeypatch):

@@ -8,7 +8,7 @@ from fowtlib.analysis import Spectrum
 from fowtlib.analysis.kept import kept_runs
 from fowtlib.analysis.spectra import realisation
 from fowtlib.language.errors import ModelError
-from fowtlib.metocean.pooled_tails import Pool
+from fowtlib.metocean.pooled_tails import EXPONENTIAL, Pool
 
 
 def records(count):
@@ -60,3 +60,24 @@ def test_passages_of_runs_with_means_of_their_own(side):
         further = runs.passages(own + 0.1 * values.std())[row]
         assert np.all((between - runs.passages(own)[row]) * (between - further) <= 1e-9)
     assert runs.passages([together.max() + 1.0]).tolist() == [[0.0], [0.0]]
+
+
+def test_a_constant_is_refused_alike():
+    time = np.arange(0.0, 3600.0, 0.5)
+    result = fw.Result(time, {"surge": np.full(time.size, 0.1)}, {"surge": "m"})
+    told = fw.case_statistics(result)["channels"]["surge"]
+    with pytest.raises(ModelError, match="it does not change"):
+        Pool("surge").add_kept(0, 12.0, kept_runs([told], [3600.0], "surge"))
+    with pytest.raises(ModelError, match="surge does not change"):
+        Pool("surge").add(0, 12.0, [result["surge"]])
+
+
+def test_warnings_of_a_tail_name_the_response():
+    """The sixth power of a Gaussian value lies beyond y with a probability like exp(-y^(1/3) / 2)."""
+    pool, time = Pool("surge"), np.arange(0.0, 3600.0, 0.5)
+    for seed in range(10):
+        values = np.random.default_rng(seed).standard_normal(time.size)
+        pool.add(seed, 12.0, [(time, np.sign(values) * values**6)])
+    with pytest.warns(UserWarning, match="^surge: the power c of the tail lies at its least"):
+        _, kinds = pool.tails(lambda key: 12.0)
+    assert kinds == {EXPONENTIAL: 1}

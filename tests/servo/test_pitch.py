@@ -5,7 +5,13 @@ import pytest
 
 import fowtlib as fw
 from fowtlib.components.blocks import Constant, Step
-from fowtlib.components.servo import FLOATING_GAINS, ONSHORE_GAINS, PitchController, SampledPitchController
+from fowtlib.components.servo import (
+    FLOATING_GAINS,
+    ONSHORE_GAINS,
+    NacelleVelocity,
+    PitchController,
+    SampledPitchController,
+)
 from fowtlib.language import Assembly
 
 RATED = 1173.7 * np.pi / 30
@@ -126,3 +132,40 @@ def test_sampled_pi_follows_the_continuous_one():
     time, held = run(sampled, 11.0)
     late = time > 1.5
     assert held[late] == pytest.approx(np.interp(time[late], np.arange(len(continuous)) * 0.1, continuous), abs=2e-3)
+
+
+@pytest.mark.parametrize("kind", [PitchController, SampledPitchController])
+def test_floating_feedback_adds_pitch_while_the_nacelle_moves_downwind(kind):
+    """At rated speed: pitch = x / (1 + pitch / doubling_pitch) + gain velocity, with the integral x of the start."""
+    start, gain, doubling = np.radians(10), 0.02, 0.1099965
+    sampled = {"speed_start": RATED} if kind is SampledPitchController else {}
+    model = Assembly()
+    model.speed, model.velocity = Constant(value=RATED), Constant(value=0.5)
+    model.control = kind(**ONSHORE_GAINS, pitch_start=start, velocity_gain=gain, **sampled)
+    model.connect(model.speed.y, model.control.speed)
+    model.connect(model.velocity.y, model.control.velocity)
+    plant = fw.load(model).compile()
+    for velocity in (0.5, -0.5, -100.0):
+        result = plant.simulate(10, 0.5, tolerance=1e-8, parameters={"velocity.value": velocity},
+                                outputs=["control.blade_pitch"])  # fmt: skip
+        pitch, x = float(result["control.blade_pitch"][-1]), start * (1 + start / doubling)
+        expected = x / (1 + pitch / doubling) + gain * velocity
+        assert pitch == pytest.approx(max(expected, 0), abs=1e-6)  # and never below the least pitch
+
+
+def test_floating_feedback_damps_the_pitch_of_a_platform():
+    """Of the OC3 spar at 18 m/s, by its linear model; without feedback the controller has taken most of it."""
+    model = fw.load("oc3_spar_rigid")
+    model.root.sensor = NacelleVelocity()
+    model.root.connect(model.root.tower_to_hub.frame_b, model.root.sensor.frame)
+    model.root.connect(model.root.sensor.velocity, model.root.turbine.control.velocity)
+    plant, calm = model.compile(), {"wind.kind": "steady", "wind.mean_speed": 18.0, "sea.spectrum": "still"}
+    found = []
+    for pitch, torque in ((0, 0), (0.02, 0), (0.04, 0), (0, 2000.0)):
+        gains = {"pitch_per_velocity": pitch, "torque_per_velocity": torque}
+        given = calm | {f"turbine.control.{name}": value for name, value in gains.items()}
+        eigen = np.linalg.eigvals(np.asarray(plant.linearize(plant.equilibrium(given)).A))
+        slow = [w for w in eigen if 0.026 < w.imag / (2 * np.pi) < 0.0315]
+        found.append(-slow[0].real / abs(slow[0]))
+    none, some, more, torque = found
+    assert 0.055 < none < 0.075 and some > 1.3 * none and more > 1.6 * none and torque > 1.1 * none

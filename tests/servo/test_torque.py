@@ -136,3 +136,18 @@ def test_generator():
     result = plant.simulate(2.0, 1.0, outputs=["generator.speed", "generator.power"])
     assert result["generator.speed"].to_numpy() == pytest.approx([10.0, 9.0, 8.0])
     assert result["generator.power"].to_numpy() == pytest.approx([45.0, 40.5, 36.0])
+
+
+@pytest.mark.parametrize(("rpm", "pitch_deg", "velocity", "expected"), [
+    (1173.7, 5.0, 0.5, 43093.55 - 1000), (1173.7, 5.0, -0.5, 43093.55 + 1000), (1173.7, 5.0, -10.0, 47402.91),
+    (1173.7, 5.0, 40.0, 0.0), (0.0, 5.0, -5.0, 0.0), (1000, 0.0, 1.0, 0.0255764 * 1000**2 - 2000),
+])  # fmt: skip
+def test_torque_is_taken_off_while_the_nacelle_moves_downwind(rpm, pitch_deg, velocity, expected):
+    """Within the limits of the generator; none at standstill."""
+    model = Assembly()
+    model.speed, model.pitch = Constant(value=rpm * RPM), Constant(value=np.radians(pitch_deg))
+    model.velocity, model.control = Constant(value=velocity), TorqueController(velocity_gain=2000.0)
+    for name, port in (("speed", "speed"), ("pitch", "collective"), ("velocity", "velocity")):
+        model.connect(getattr(model, name).y, getattr(model.control, port))
+    state = fw.load(model).compile().initial_state()
+    assert float(state["control.torque"]) == pytest.approx(expected, rel=1e-9, abs=1e-9)

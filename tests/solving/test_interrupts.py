@@ -13,13 +13,7 @@ from fowtlib.solving import run as runs
 from fowtlib.solving.interrupts import deferred_interrupt
 from fowtlib.solving.run import Interrupted
 
-
-@pytest.fixture(autouse=True)
-def python_handler():
-    """The handler of an interactive start; a test run in the background may have been started without."""
-    before = signal.signal(signal.SIGINT, signal.default_int_handler)
-    yield
-    signal.signal(signal.SIGINT, before)
+pytestmark = pytest.mark.usefixtures("python_handler")
 
 
 def test_control_c_is_kept_until_it_is_asked_for():

@@ -207,6 +207,18 @@ def test_file_errors(tmp_path):
     assert message(lambda: Result.open(tmp_path / "other.nc")) == (
         "TMP/other.nc: is a netCDF file, but not a result of fowtlib (attribute format = 'fowtlib result 1')."
     )
+    for text in ("t,surge\n0,1\n", "case,state\nu8,done\n"):
+        (tmp_path / "r.csv").write_text(text)
+        told = message(lambda: Result.open(tmp_path / "r.csv"))
+        assert told.startswith("TMP/r.csv:1: the header must read 'time [s]")
+    head = "time [s],surge [m]\n0,1\n"
+    for rows, wrong in (
+        ("1,\n", "TMP/r.csv:3: '' is not a number."),
+        ("1,2\n2,high\n", "TMP/r.csv:4: 'high' is not a number."),
+        ("1,2\n\n2,3,4\n", "TMP/r.csv:5: has 3 values, and the header names 2 columns."),
+    ):
+        (tmp_path / "r.csv").write_text(head + rows)
+        assert message(lambda: Result.open(tmp_path / "r.csv")) == wrong
     (tmp_path / "r.csv").write_text("t,surge\n0,1\n")
     assert message(lambda: Result.open(tmp_path / "r.csv")) == (
         "TMP/r.csv:1: the header must read 'time [s],surge [m],...': one name and unit per column."

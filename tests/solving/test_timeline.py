@@ -241,3 +241,15 @@ def test_a_state_holds_what_has_happened(plant):
     result = simulated(plant, SOLVERS[1], ["left.shove at 1 s"])
     going_on = plant.simulate(1, 0.1, start={"left.push": result["left.push"][-1]}, solver="fixed")
     assert going_on["left.v"][-1] == pytest.approx(3.0)
+
+
+def test_a_star_in_a_name_means_every_place(plant):
+    result = simulated(plant, SOLVERS[1], ["*.shove at 1 s, size=3", "*t.stop when left.x > 2"])
+    lines = result.attributes["events"].splitlines()
+    assert [line.partition(": ")[2].split()[0] for line in lines] == [
+        "left.shove", "right.shove", "left.stop", "right.stop"
+    ]  # fmt: skip
+    with pytest.raises(NotFoundError, match="there is no event 'middle"):
+        plant.timeline(["middle*.shove at 1 s"])
+    with pytest.raises(ParameterError, match="at all of them"):
+        plant.timeline(["shove at 1 s"])

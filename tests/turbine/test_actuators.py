@@ -95,3 +95,55 @@ def test_nacelle_and_hub_pass_their_limits_on():
     hub = Hub(radius=1.5, pitch_rate="8 deg/s")
     assert [hub.parts[f"bearing_{k}"].rate_limit for k in (1, 2, 3)] == pytest.approx([np.radians(8)] * 3)
     assert Nacelle().yaw.rate_limit is None
+
+
+def faulty(events, t_end, height=0.5, **options):
+    """Angle and rate of a drive of 3 Hz, whose command steps at 0.5 s."""
+    plant = bearing(Step(height=height, start_time=0.5), natural_frequency=3, damping_ratio=0.7)
+    result = plant.simulate(t_end, 0.01, events=events, **{"tolerance": 1e-9, **options})
+    return [np.asarray(result[f"bearing.{name}"]) for name in ("angle", "w")]
+
+
+def test_a_slow_drive_is_the_drive_of_its_new_frequency_and_damping():
+    """A small step, without the limit of the rate: the closed form of the second order."""
+    w0, zeta = 2 * np.pi * 0.5, 0.6
+    angle, _ = faulty(["bearing.slow at 0.2 s, frequency=0.5 Hz, damping=0.6, rate=10"], 6.0, height=0.1)
+    t = np.maximum(np.arange(0, 6.005, 0.01) - 0.5, 0)
+    wd = w0 * np.sqrt(1 - zeta**2)
+    exact = 0.1 * (1 - np.exp(-zeta * w0 * t) * (np.cos(wd * t) + zeta * w0 / wd * np.sin(wd * t)))
+    np.testing.assert_allclose(angle, exact, atol=1e-6)
+
+
+def test_a_slow_drive_comes_to_its_rate_and_arrives():
+    angle, w = faulty(["bearing.slow at 0.2 s, frequency=2 Hz, damping=0.9, rate=0.1"], 9.0)
+    decay = 2 * 0.9 * 2 * np.pi * 2  # the rate follows a first order of this corner, as long as the way is long
+    t = np.arange(0, 9.005, 0.01) - 0.5
+    far = (t > 0) & (angle < 0.5 - 0.1 * 2 * 0.9 / (4 * np.pi) - 1e-3)
+    np.testing.assert_allclose(w[far], 0.1 * (1 - np.exp(-decay * t[far])), atol=1e-6)
+    assert far.sum() > 400 and w.max() <= 0.1 * (1 + 1e-9)
+    assert angle[-1] == pytest.approx(0.5, abs=1e-6)
+
+
+def test_a_slow_drive_that_is_released_is_as_fast_as_ever():
+    angle, w = faulty(["bearing.slow at 0.2 s, rate=0.02", "bearing.released at 3 s"], 5.0)
+    assert angle[300] == pytest.approx(0.02 * 2.5, abs=0.01) and w.max() > 1.0
+    assert angle[-1] == pytest.approx(0.5, abs=1e-6)
+
+
+@pytest.mark.parametrize(("solver", "options"), [("fixed", {"step": 2e-3}), ("idas", {})])
+def test_a_drive_that_is_slow_gets_stuck_and_runs_away_too(solver, options):
+    events = ["bearing.slow at 0.2 s, rate=0.1", "bearing.stuck at 2 s",
+              "bearing.runaway at 3 s, to=-0.5, rate=1"]  # fmt: skip
+    angle, w = faulty(events, 6.0, solver=solver, **options)
+    np.testing.assert_allclose(angle[201:300], angle[200], atol=1e-9)
+    assert 0.1 < angle[200] < 0.15 and not w[201:300].any()
+    assert w.min() == pytest.approx(-0.1, rel=1e-4)  # it has no strength for the rate of the fault
+
+
+@pytest.mark.parametrize("rate_limit", [None, 0.4])
+def test_a_slow_drive_within_its_limit_is_slow_alike(rate_limit):
+    plant = bearing(
+        Step(height=0.5, start_time=0.5), natural_frequency=3, damping_ratio=0.7, rate_limit=rate_limit
+    )
+    angle, w, *_ = run(plant, 4.0, 0.01, events=["bearing.slow at 0.2 s, frequency=0.5 Hz, rate=0.2"])
+    assert w.max() == pytest.approx(0.2, rel=1e-3) and angle[-1] == pytest.approx(0.5, abs=0.05)

@@ -21,6 +21,11 @@ def bladed():
     return fw.load("oc3_spar_rigid_bem").compile()
 
 
+@pytest.fixture(scope="module")
+def pair():
+    return fw.load("two_rotor_spar_rigid").compile()
+
+
 def run(plant, *events, end=20.0, every=0.1, wind=12.0, **options):
     parameters = {**CALM, "wind.mean_speed": wind, **options.pop("parameters", {})}
     return plant.simulate(end, every, parameters=parameters, events=events, **options)
@@ -178,3 +183,103 @@ def test_the_nacelle_yaws_by_a_step_and_a_turbine_with_blade_elements_shuts_down
     yaw, speed, torque = (column(result, name) for name in names)
     assert np.degrees(yaw[-1]) == pytest.approx(5, abs=0.1) and np.all(torque[20:] == 0)
     assert speed[-1] < 0.2 * speed[20]
+
+
+def test_sensors_that_show_more_a_share_or_nothing(spar):
+    names = [*spar.outputs, "turbine.safety.sensor.measured"]
+    events = ("sensor.offset at 2 s, by=20 rpm", "sensor.scaled at 4 s, by=0.9",
+              "sensor.drop_out at 6 s, value=900 rpm", "turbine.sensor.restored at 8 s")  # fmt: skip
+    result = run(spar, *events, end=10, outputs=names)
+    seen, true = column(result, names[-1]) * 30 / np.pi, column(result, "generator_speed")
+    for part, expected in ((slice(0, 20), true), (slice(20, 40), true + 20), (slice(40, 60), 0.9 * true + 20),
+                           (slice(60, 80), 0 * true + 900), (slice(80, 101), true)):  # fmt: skip
+        np.testing.assert_allclose(seen[part], expected[part], rtol=1e-12)
+
+
+def test_a_sensor_that_shows_too_much_lowers_the_speed_by_that(spar):
+    """Above rated speed the integral holds what is measured, so the rotor turns slower by the offset."""
+    result = run(spar, "sensor.offset at 5 s, by=30 rpm", end=400, wind=18.0)
+    assert column(result, "generator_speed")[-200:].mean() == pytest.approx(1173.7 - 30, abs=1.5)
+
+
+def test_a_sensor_that_drops_out_lets_the_rotor_run_away(spar):
+    """The controller sees standstill: no torque, blades to their lower limit, and the rotor accelerates freely."""
+    names = [*spar.outputs, *TORQUES]
+    result = run(spar, "sensor.drop_out at 2 s", end=14, every=0.02, outputs=names, step=0.02)
+    torque, speed, pitch = column(result, TORQUES[0]), column(result, TORQUES[1]), column(result, "blade_pitch")
+    assert column(result, "generator_torque")[-1] < 1 and pitch[-1] == pytest.approx(0, abs=0.1)
+    assert speed[-1] * 30 / np.pi > 15
+    gone = slice(350, 701)  # the generator torque has fallen to nothing by then, at 15 kN m/s
+    assert np.all(np.abs(column(result, "generator_torque")[gone]) < 5)
+    assert INERTIA * (speed[700] - speed[350]) == pytest.approx(impulse(result, torque, 350, 700), rel=1e-3)
+
+
+def test_a_sensor_of_the_yaw_angle_drives_the_yaw_control(pair):
+    """The pitch of one rotor follows yaw_gain times what its sensor shows, and the platform turns to the other's."""
+    names = [*pair.outputs, *(f"turbine_{side}.control.pitch.yaw_part" for side in ("left", "right"))]
+    result = run(pair, "turbine_left.yaw_sensor.drop_out at 2 s, value=-4 deg", end=40, outputs=names)
+    left, right = (np.degrees(column(result, name)) for name in names[-2:])
+    np.testing.assert_allclose(left[20:], 6.0, atol=1e-9)  # yaw_gain is 1.5
+    assert left[19] < 0.3 and column(result, "thrust_left")[60] < 0.9 * column(result, "thrust_right")[60]
+    yaw = column(result, "yaw")
+    assert yaw.max() > 2
+    np.testing.assert_allclose(right[yaw > 0.2], 1.5 * yaw[yaw > 0.2], atol=1e-6)
+
+
+def test_a_star_stops_every_turbine_and_each_may_stop_at_its_time(pair):
+    t = np.arange(0, 15.05, 0.1)
+    together = run(pair, "*.emergency_shutdown at 5 s, rate=6 deg/s", end=15)
+    later = run(pair, "turbine_left.emergency_shutdown at 5 s, rate=6 deg/s",
+                "turbine_right.emergency_shutdown at 5 s, rate=6 deg/s, delay=2 s", end=15)  # fmt: skip
+    assert together.attributes["events"].splitlines() == [
+        f"t = 5 s: turbine_{side}.safety.emergency_shutdown" for side in ("left", "right")
+    ]
+    for result, delay in ((together, 0), (later, 2)):
+        pitch = column(result, "blade_pitch_right")
+        origin = pitch[50]  # the controller itself may ask for more in the time of the delay
+        np.testing.assert_allclose(pitch[75:140], origin + 6 * (t[75:140] - 5 - delay), atol=1e-6)
+        assert not column(result, "generator_torque_right")[50:].any()
+    np.testing.assert_allclose(column(later, "blade_pitch_left"), column(together, "blade_pitch_left"), atol=0.2)
+    assert abs(column(together, "yaw")[:150]).max() < 0.5 < column(later, "yaw")[50:].max()
+
+
+def test_a_trip_of_the_generator_does_nothing_by_itself(spar):
+    names = [*spar.outputs, *TORQUES]
+    tripped = run(spar, "generator.trip at 2 s", "turbine.emergency_shutdown when generator_speed > 1300 rpm", end=12,
+                  every=0.02, outputs=names, step=0.02)  # fmt: skip
+    t, torque, speed, pitch = (column(tripped, name) for name in ("time", *TORQUES[:2], "blade_pitch"))
+    instant = float(tripped.attributes["events"].splitlines()[-1].split()[2])
+    assert INERTIA * (speed[150] - speed[100]) == pytest.approx(impulse(tripped, torque, 100, 150), rel=5e-4)
+    assert 3 < instant < 8 and np.degrees(np.interp(instant, t, speed)) / 6 * GEAR == pytest.approx(1300, abs=0.1)
+    assert speed.max() * 30 / np.pi * GEAR > 1301 and pitch[-1] > 20
+
+
+def test_the_brake_alone_slows_the_rotor_by_its_torque(spar):
+    """On an idling turbine, whose air torque is small: up in its time, and half where half of it has failed."""
+    names = [*spar.outputs, *TORQUES]
+    idle = {"turbine.safety.idling": 1.0, "turbine.rotor_speed_start": 1.0}
+
+    def braked(*more):
+        return run(spar, *more, "brake.apply at 2 s, torque=5 kN*m, delay=0.5 s", end=6, every=0.01, outputs=names,
+                   step=0.01, parameters=idle)  # fmt: skip
+    for result, share in ((braked(), 1.0), (braked("brake.failure at 1 s, left=0.5"), 0.5)):
+        torque, speed, brake = (column(result, TORQUES[k]) for k in (0, 1, 3))
+        t = column(result, "time")
+        fast = GEAR * speed / np.hypot(GEAR * speed, 1)  # around standstill the brake is viscous
+        np.testing.assert_allclose(brake, fast * share * 5e3 * np.clip((t - 2.5) / 0.6, 0, 1), rtol=1e-9, atol=1e-6)
+        net = torque - GEAR * brake
+        assert INERTIA * (speed[400] - speed[250]) == pytest.approx(impulse(result, net, 250, 400), rel=1e-4)
+
+
+def test_blocked_blades_heed_no_shutdown(spar):
+    events = ("safety.pitch.stuck at 5 s", "turbine.emergency_shutdown at 6 s, brake_torque=0")
+    result = run(spar, *events, end=15)
+    pitch, speed = column(result, "blade_pitch"), column(result, "rotor_speed")
+    np.testing.assert_allclose(pitch[50:], pitch[50], atol=1e-12)
+    assert speed[-1] > 1.15 * speed[60]  # without pitch, generator and brake it runs away
+
+
+def test_blades_that_run_away_together_go_at_their_rate(spar):
+    result = run(spar, "safety.pitch.runaway at 5 s, to=-2 deg, rate=3 deg/s", end=15, wind=18.0)
+    pitch, t = column(result, "blade_pitch"), column(result, "time")
+    np.testing.assert_allclose(pitch[50:], np.maximum(pitch[50] - 3 * (t[50:] - 5), -2), atol=1e-9)

@@ -111,8 +111,7 @@ class Wind(Component, selector="kind", shared=("speeds", "velocity")):
 
     def mean_at(self, station: int = 0) -> float:
         """Mean speed [m/s] at a station, for start values: before any step or gust."""
-        height = station_height(self, station) / self.reference_height
-        return float(self.parameter_value("mean_speed") * height ** self.parameter_value("shear_exponent"))
+        return mean_speed_at(self, self.parameter_value("mean_speed"), station)
 
     def in_the_mean(self) -> dict[str, Any]:
         """Steady wind of the mean speed and shear; of a kind with a mean of its own, by that at the first station."""
@@ -163,16 +162,14 @@ class Wind(Component, selector="kind", shared=("speeds", "velocity")):
 
 def _mean(wind: Wind) -> dict[str, Any]:
     """The steady wind of a mean, whose speed is to 1 cm/s where a kind computes it: for many realisations one mean."""
-    exponent = float(wind.parameter_value("shear_exponent"))
-    speed = wind.mean_at(0) / (station_height(wind, 0) / wind.reference_height) ** exponent
-    own = {} if type(wind).mean_at is Wind.mean_at else {"mean_speed": round(speed, 2)}
-    return {"kind": "steady", "shear_exponent": exponent, **own}
+    of_its_own = type(wind).mean_at is not Wind.mean_at
+    own = {"mean_speed": round(wind.mean_at(0) / mean_speed_at(wind, 1.0, 0), 2)} if of_its_own else {}
+    return {"kind": "steady", "shear_exponent": float(wind.parameter_value("shear_exponent")), **own}
 
 
 def require_disk(wind: Wind, radius: float, station: int, who: str) -> None:
     """As Wind.require, for a rotor disk [m] about a station; ParameterError also where there is no such station."""
-    station_height(wind, station)
-    y, z = wind.hubs[station].tolist()
+    z, y = station_height(wind, station), float(wind.hubs[station, 0])
     about = f"{who}, of radius {radius:g} m about station {station} of the wind at ({y:g}, {z:g}) m,"
     wind.require((y - radius, y + radius), (z - radius, z + radius), about)
 
@@ -223,6 +220,12 @@ def station_height(wind: Wind, station: int) -> float:
             "set its parameter stations to the (y, z) of every hub."
         )
     return float(wind.hubs[station, 1])
+
+
+def mean_speed_at(wind: Wind, speed: float, station: int) -> float:
+    """Speed [m/s] at a station by the power law, from the speed at the reference height."""
+    height = station_height(wind, station) / wind.reference_height
+    return float(speed * height ** wind.parameter_value("shear_exponent"))
 
 
 def _arrows(wind: Wind) -> list[shapes.Drawn]:

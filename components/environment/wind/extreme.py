@@ -5,7 +5,7 @@ from __future__ import annotations
 from typing import Any
 
 from fowtlib.components.environment import iec
-from fowtlib.components.environment.wind.base import Wind, station_height
+from fowtlib.components.environment.wind.base import Wind, mean_speed_at
 from fowtlib.components.environment.wind.kaimal import KaimalWind
 from fowtlib.components.environment.wind.normal import reference_speed
 from fowtlib.language import Number, Scalar, Series, param
@@ -44,10 +44,6 @@ class ExtremeWind(KaimalWind, kind="ewm"):
         """Mean speed [m/s] at a station."""
         return mean_speed_at(self, self.given_speed(), station)
 
-    def in_the_mean(self) -> dict[str, Any]:
-        """Steady wind of the speed and shear of the class."""
-        return {"kind": "steady", "mean_speed": self.given_speed(), "shear_exponent": iec.EXTREME_SHEAR}
-
 
 class SteadyExtremeWind(Wind, kind="ewm_steady"):
     """Steady extreme wind speed model, EWM: the gust 1.4 V_ref, or 0.8 times that for 1 year, all the time.
@@ -79,9 +75,3 @@ class SteadyExtremeWind(Wind, kind="ewm_steady"):
     def mean_at(self, station: int = 0) -> float:
         """Speed [m/s] at a station."""
         return mean_speed_at(self, self.given_speed(), station)
-
-
-def mean_speed_at(wind: Wind, speed: float, station: int) -> float:
-    """Speed [m/s] at a station by the power law, from the speed at the reference height."""
-    height = station_height(wind, station) / wind.reference_height
-    return float(speed * height ** wind.parameter_value("shear_exponent"))

@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-from typing import Any
-
 import numpy as np
 
 from fowtlib.components.environment.field_lookup import FieldLookup
@@ -65,10 +63,6 @@ class FieldWind(Wind, kind="field"):
         values = np.hstack([np.zeros_like(speeds), speeds - speeds.mean(axis=0)])
         start = -lookup.shift / lookup.grid.speed
         return {"series": Series.samples(values, lookup.grid.dt, start, periodic=True, interpolation="linear")}
-
-    def in_the_mean(self) -> dict[str, Any]:
-        """Steady wind of the mean at the first station, to 1 cm/s: fields of one speed and several seeds have one."""
-        return {"kind": "steady", "mean_speed": round(self.mean_at(0), 2)}
 
     def require(self, y_range: tuple[float, float], z_range: tuple[float, float], who: str) -> None:
         """ParameterError where the field does not cover the ranges [m]."""

@@ -5,6 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from fowtlib.components.environment.iec import TURBULENCE_CLASSES, operating_gust
+from fowtlib.components.environment.wind.base import Wind
 from fowtlib.components.environment.wind.steady import SteadyWind
 from fowtlib.language import Number, Series, param
 
@@ -47,7 +48,15 @@ class GustWind(SteadyWind, kind="gust"):
 
     def station_series(self) -> Series | None:
         """The gust in the fluctuation."""
-        n = len(self.hubs)
-        size, calm = self.magnitude() * np.repeat([0.0, 1.0], n), np.zeros(2 * n)
-        waves = [(omega, amplitude * size) for omega, amplitude in SHAPES[self.gust_shape]]
-        return Series.transition(self.start_time, self.gust_duration, calm, calm, harmonics=waves)
+        return fluctuation(self, self.magnitude(), SHAPES[self.gust_shape], self.gust_duration)
+
+
+def fluctuation(wind: Wind, size: float, shape: list, duration: float, after: float = 0.0) -> Series:
+    """Series of the stations: a fluctuation of a shape and a size from `start_time` on, the same at all."""
+    return transition(wind, size * np.repeat([0.0, 1.0], len(wind.hubs)), shape, duration, after)
+
+
+def transition(wind: Wind, sizes: np.ndarray, shape: list, duration: float, after: float = 0.0) -> Series:
+    """Signals that follow the harmonics of a shape, each by its size, from `start_time` on; then `after` times that."""
+    waves = [(omega, amplitude * sizes) for omega, amplitude in shape]
+    return Series.transition(wind.start_time, duration, 0 * sizes, after * sizes, harmonics=waves)

@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 
 from fowtlib.components.environment import iec
-from fowtlib.components.environment.wind.gust import SHAPES
+from fowtlib.components.environment.wind.gust import SHAPES, fluctuation, transition
 from fowtlib.components.environment.wind.normal import NormalProfile, reference_speed
 from fowtlib.language import Number, Series, param
 from fowtlib.language.errors import ParameterError
@@ -64,7 +64,7 @@ class OperatingGust(Transient, kind="eog"):
     def station_series(self) -> Series | None:
         """The gust in the fluctuation."""
         size = iec.operating_gust(*self.sizes(), reference_speed(self.wind_class, self.reference_speed))
-        return _fluctuation(self, size, SHAPES["eog"], iec.DURATIONS["eog"], after=0.0)
+        return fluctuation(self, size, SHAPES["eog"], iec.DURATIONS["eog"])
 
 
 class DirectionChange(Transient, kind="edc"):
@@ -93,7 +93,7 @@ class CoherentGust(Transient, kind="ecd"):
 
     def station_series(self) -> Series | None:
         """The gust in the fluctuation."""
-        return _fluctuation(self, iec.COHERENT_GUST, RISE, iec.DURATIONS["ecd"], after=1.0)
+        return fluctuation(self, iec.COHERENT_GUST, RISE, iec.DURATIONS["ecd"], after=1.0)
 
     def shape_series(self) -> Series | None:
         """The turn."""
@@ -115,20 +115,9 @@ class ExtremeShear(Transient, kind="ews"):
         """The shear."""
         column = 1 if self.plane == "vertical" else 2
         size = self.sign * iec.extreme_shear(*self.sizes())
-        return _shape(self, column, size, RETURN, iec.DURATIONS["ews"], after=0.0)
+        return _shape(self, column, size, RETURN, iec.DURATIONS["ews"])
 
 
-def _fluctuation(wind: Transient, size: float, shape: list, duration: float, after: float) -> Series:
-    """Series of the stations: a fluctuation of a shape and a size, the same at all."""
-    n = len(wind.hubs)
-    return _transition(wind, size * np.repeat([0.0, 1.0], n), shape, duration, after)
-
-
-def _shape(wind: Transient, column: int, size: float, shape: list, duration: float, after: float) -> Series:
+def _shape(wind: Transient, column: int, size: float, shape: list, duration: float, after: float = 0.0) -> Series:
     """Turn and shears, of which one has a shape and a size."""
-    return _transition(wind, size * np.eye(3)[column], shape, duration, after)
-
-
-def _transition(wind: Transient, sizes: np.ndarray, shape: list, duration: float, after: float) -> Series:
-    waves = [(omega, amplitude * sizes) for omega, amplitude in shape]
-    return Series.transition(wind.start_time, duration, 0 * sizes, after * sizes, harmonics=waves)
+    return transition(wind, size * np.eye(3)[column], shape, duration, after)

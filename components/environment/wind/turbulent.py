@@ -13,7 +13,7 @@ from fowtlib.components.environment.field_generator import generate_field
 from fowtlib.components.environment.field_lookup import FieldLookup
 from fowtlib.components.environment.field_store import made_field
 from fowtlib.components.environment.field_wind import open_field
-from fowtlib.components.environment.wind.base import Wind
+from fowtlib.components.environment.wind.base import mean_speed_at
 from fowtlib.components.environment.wind.field import FieldWind
 from fowtlib.components.environment.wind.transient import rotor_diameter
 from fowtlib.language import Number, Scalar, param
@@ -81,13 +81,8 @@ class TurbulentWind(FieldWind, kind="turbulence"):
         return iec.extreme_turbulence(speed, self.turbulence_class, reference) / speed
 
     def mean_at(self, station: int = 0) -> float:
-        """Mean speed [m/s] at a station, of the profile."""
-        self.require_speed()
-        return Wind.mean_at(self, station)
-
-    def in_the_mean(self) -> dict[str, Any]:
-        """Steady wind of the mean speed and shear; no field is made for it."""
-        return Wind.in_the_mean(self)
+        """Mean speed [m/s] at a station, of the profile; no field is made for it."""
+        return mean_speed_at(self, self.given_speed(), station)
 
     def period(self) -> float:
         """That of the field [s]."""

@@ -10,13 +10,13 @@ Sources: ASTM E1049-85; MLife theory manual (Hayman, NREL, 2012).
 from __future__ import annotations
 
 import math
-from collections.abc import Iterable, Iterator, Sequence
+from collections.abc import Iterable, Sequence
 from typing import TYPE_CHECKING, overload
 
 import numpy as np
 
 from fowtlib.analysis.fatigue.cycles import Cycles, rainflow_cycles
-from fowtlib.analysis.series import Series
+from fowtlib.analysis.series import scalar_series
 from fowtlib.language.errors import ModelError, UnitError
 from fowtlib.language.units import dimension
 
@@ -95,20 +95,13 @@ def equivalent_loads(
     """
     slopes = [float(m) for m in np.atleast_1d(check_exponents(exponents))]
     table = {}
-    for series in _series(result, list(names)):
+    wanted = list(names)
+    for series in scalar_series(result, wanted or None):
+        if not wanted and not is_load(series.unit):
+            continue
         loads = damage_equivalent_load(series, slopes, discard=discard, frequency=frequency, bins=bins)
         table[series.name] = dict(zip(slopes, np.asarray(loads).tolist(), strict=True))
     return table
-
-
-def _series(result: Result, names: Sequence[str]) -> Iterator[Series]:
-    """The named series, vectors by their elements; without names those of loads."""
-    columns = {name: Series(result.time, values, unit, name) for name, unit, values in result.stored.columns()}
-    if not names:
-        yield from (series for series in columns.values() if is_load(series.unit))
-    for name in names:
-        found = [series for column, series in columns.items() if column == name or column.startswith(f"{name}[")]
-        yield from found or [Series(result.time, result.array(name), result.unit(name), name)]
 
 
 def is_load(unit: str) -> bool:

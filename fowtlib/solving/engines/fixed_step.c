@@ -10,7 +10,8 @@
    xbar = x_n + (alpha_f h - k) rate_n.
 
    Rows of ode that are one state or one algebraic unknown are substituted, so that the unknowns of a stage are z and the
-   rates of the other states. The Newton matrix is made of directional differences, with the exact Jacobians of the
+   rates of the other states. Where an external solves xbar + k f = x_f for states of its own (inside), it is given xbar and
+   k, and their rates are what it says. The Newton matrix is made of directional differences, with the exact Jacobians of the
    externals, and kept over many steps.
 
    An instance is created from a table of sizes and function pointers. There are no globals, and nothing is allocated
@@ -69,6 +70,10 @@ typedef struct {
   const double *x_nominal, *z_nominal;
   int symmetries;
   const fs_symmetry *symmetry;
+  int inside;                   /* states whose implicit steps the externals solve */
+  const int *inside_state;
+  int stage_steps;              /* numbers in q that tell the externals how far: k in a stage, else zero */
+  const int *stage_step;
 } fs_model;
 
 typedef struct {
@@ -372,6 +377,13 @@ static void fs_place(const fs_instance *s, double k, const double *unknown, doub
     v[state] = source >= 0 ? xf[source] : unknown[-1 - source];
     xf[state] = s->xbar[state] + k * v[state];
   }
+  for (i = 0; i < m->inside; i++) xf[m->inside_state[i]] = s->xbar[m->inside_state[i]];
+}
+
+/* Tell the externals that solve steps of their own how far the stage reaches; 0 outside of a stage. */
+static void fs_reach(fs_instance *s, double k) {
+  int i;
+  for (i = 0; i < s->m.stage_steps; i++) s->q[s->m.stage_step[i]] = k;
 }
 
 static double fs_scale(double value, double nominal) {
@@ -646,6 +658,7 @@ static int fs_step(fs_instance *s, double t, double h) {
   int i, attempt, status = FS_STAGE;
   for (i = 0; i < s->m.states; i++) s->xbar[i] = s->x[i] + (af * h - k) * s->rate[i];
   fs_weigh(s);
+  fs_reach(s, k);
   if (a->age >= s->o.keep || fabs(k - a->k) > 0.2 * a->k) a->made = 0;
   /* the kept matrix; a new one at the prediction; a new one in every iteration, from the last stage */
   for (attempt = a->made ? 0 : 1; attempt < 3 && status; attempt++) {
@@ -653,12 +666,14 @@ static int fs_step(fs_instance *s, double t, double h) {
     else memcpy(s->unknown, s->past[0], sizeof(double) * (size_t)s->n);
     status = fs_iterate_stage(s, stage, k, attempt);
   }
+  fs_reach(s, 0.0);
   if (status) {
     a->made = 0;
     return status;
   }
   a->age++;
   s->count[FS_STEPS]++;
+  for (i = 0; i < s->m.inside; i++) s->v[s->m.inside_state[i]] = s->ode[s->m.inside_state[i]];
   for (i = 0; i < s->m.states; i++) {
     double change = (s->v[i] - s->rate[i]) / am;
     s->x[i] += h * (s->rate[i] + g * change);

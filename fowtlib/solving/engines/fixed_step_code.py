@@ -76,7 +76,8 @@ class Model(c.Structure):
         ("residual", c.c_void_p), ("pieces", c.c_void_p), ("piece_start", INTEGERS), ("place", INTEGERS),
         ("of_stage", Moving), ("at_point", Moving), ("free_rates", c.c_int), ("substituted", c.c_int),
         ("free_rate", INTEGERS), ("order", INTEGERS), ("source", INTEGERS), ("x_nominal", DOUBLES),
-        ("z_nominal", DOUBLES), ("symmetries", c.c_int), ("symmetry", c.POINTER(CyclicSymmetry)),
+        ("z_nominal", DOUBLES), ("symmetries", c.c_int), ("symmetry", c.POINTER(CyclicSymmetry)), ("inside", c.c_int),
+        ("inside_state", INTEGERS), ("stage_steps", c.c_int), ("stage_step", INTEGERS),
     ]  # fmt: skip
 
 
@@ -173,11 +174,14 @@ class FixedStepCode:
             level_start=self.integers(starts), external=externals, level_inputs=inputs,
             residual=self.address("model"), pieces=self.address("pieces"),
             piece_start=self.integers(self.program.starts), place=self.integers(self.program.places),
-            of_stage=self._moving(of_stage, unknowns), at_point=self._moving(at_point, dae.z.shape[0]),
+            of_stage=self._moving(of_stage, unknowns + len(reduced.inside)),
+            at_point=self._moving(at_point, dae.z.shape[0]),
             free_rates=len(reduced.free), substituted=len(reduced.order),
             free_rate=self.integers(reduced.free), order=self.integers(reduced.order),
             source=self.integers(reduced.source), x_nominal=self.doubles([s.nominal for s in dae.states]),
             z_nominal=self.doubles([a.nominal for a in dae.algebraics]), symmetries=len(symmetries), symmetry=table,
+            inside=len(reduced.inside), inside_state=self.integers(reduced.inside), stage_steps=len(reduced.steps),
+            stage_step=self.integers(reduced.steps),
         )  # fmt: skip
 
     def observe(self, t: np.ndarray, x: np.ndarray, z: np.ndarray, q: np.ndarray) -> np.ndarray | None:

@@ -29,7 +29,7 @@ class FixedStepTwin:
         self.tolerance = NEWTON * tolerance
         self.alpha_m, self.alpha_f = 0.5 * (3 - rho_inf) / (1 + rho_inf), 1 / (1 + rho_inf)
         self.gamma = 0.5 + self.alpha_m - self.alpha_f
-        self.reduced = reduction(self.dae)
+        self.reduced = reduction(self.dae, stages=False)
         self.x_nominal = np.array([s.nominal for s in self.dae.states])
         self.z_scale = np.array([a.nominal for a in self.dae.algebraics])
         self.attributes = {"solver": "fixed", "step": step, "rho_inf": rho_inf, "tolerance": tolerance}

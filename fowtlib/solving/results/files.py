@@ -192,15 +192,15 @@ def _write_csv(stored: Stored, path: Path) -> None:
 def _read_csv(path: Path) -> Stored:
     with path.open(newline="", encoding="utf-8") as file:
         heads = next(csv.reader(file), [])
+        matches = [_HEADER.match(head.strip()) for head in heads]
+        if not heads or None in matches or matches[0]["name"] != "time" or matches[0]["unit"] != "s":
+            raise ModelError(f"{path}:1: the header must read 'time [s],surge [m],...': one name and unit per column.")
         try:
             with warnings.catch_warnings():
                 warnings.simplefilter("ignore", UserWarning)  # of a file without rows
                 rows = np.loadtxt(file, delimiter=",", ndmin=2)
         except ValueError as error:
-            raise ModelError(f"{path}: {error}.") from error
-    matches = [_HEADER.match(head.strip()) for head in heads]
-    if not heads or None in matches or matches[0]["name"] != "time" or matches[0]["unit"] != "s":
-        raise ModelError(f"{path}:1: the header must read 'time [s],surge [m],...': one name and unit per column.")
+            raise ModelError(_wrong_row(path, len(heads)) or f"{path}: {error}.") from error
     if rows.size and rows.shape[1] != len(heads):
         raise ModelError(f"{path}: the header names {len(heads)} columns, the rows have {rows.shape[1]}.")
     rows = rows.reshape(-1, len(heads))
@@ -208,6 +208,22 @@ def _read_csv(path: Path) -> Stored:
     values = {name: rows[:, i] for i, name in enumerate(names) if i > 0}
     units = {match["name"]: "1" if match["unit"] == "-" else match["unit"] for match in matches[1:]}
     return Stored(rows[:, 0], values, units, attributes={"status": f"read from {path.name}."})
+
+
+def _wrong_row(path: Path, width: int) -> str:
+    """What is wrong with the first row that is not `width` numbers, with its line; empty where there is none."""
+    with path.open(newline="", encoding="utf-8") as file:
+        rows = csv.reader(file)
+        next(rows, None)
+        for row in rows:
+            if row and len(row) != width:
+                return f"{path}:{rows.line_num}: has {len(row)} values, and the header names {width} columns."
+            for value in row:
+                try:
+                    float(value)
+                except ValueError:
+                    return f"{path}:{rows.line_num}: '{value.strip()}' is not a number."
+    return ""
 
 
 # -- OpenFAST ---------------------------------------------------------------------------------------------------------

@@ -1,0 +1,155 @@
+"""One frequency of the linear potential flow about a hull, by Capytaine; what was solved is kept.
+
+Needs the extra: pip install "fowtlib[hydro]". Capytaine is imported when something is solved, never before.
+
+The direct formulation (potentials as unknowns, as WAMIT does) is for slender spars far closer than the source
+formulation with the same panels. Radiation and diffraction of a frequency are solved together, with one matrix. Of a
+symmetric hull only a part is meshed (hull_mesh.Symmetry), which saves time and memory by nearly its fold; a body of
+revolution is solved for surge, heave and pitch in waves along x, from which sway, roll and all headings follow.
+Capytaine uses exp(-i omega t); its loads are conjugated to our exp(+i omega t).
+
+The results of a frequency lie in the folder of what is kept (`fowt cache`), under a digest of all that they follow
+from: panels, lid, frequency, headings, depth, gravity, version of Capytaine, text of this module. They are per unit of
+density.
+
+Source: Ancellin and Dias, Capytaine: a Python-based linear potential flow solver, JOSS 4 (2019) 1341.
+"""
+
+from __future__ import annotations
+
+import contextlib
+import logging
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+
+from fowtlib.components.hydro.errors import MissingExtraError
+from fowtlib.components.hydro.hull_mesh import HullMesh, Symmetry
+from fowtlib.language.cache import cached, sources
+
+_DOFS = ("Surge", "Sway", "Heave", "Roll", "Pitch", "Yaw")
+_ROUND_DOFS = ("Surge", "Heave", "Pitch")
+
+
+@dataclass(frozen=True, eq=False)
+class Flow:
+    """Added mass A and damping B (6, 6) and wave load X (nh, 6) per amplitude, all divided by the density."""
+
+    A: np.ndarray
+    B: np.ndarray
+    X: np.ndarray
+
+
+class PanelSolver:
+    """Solves one frequency after the other for a hull [m] in water of a depth [m, inf: deep] and gravity [m/s^2].
+
+    Raises MissingExtraError without Capytaine.
+    """
+
+    def __init__(self, hull: HullMesh, water_depth: float, g: float):
+        self.capytaine = _capytaine()
+        self.hull, self.water_depth, self.g = hull, water_depth, g
+        self.part, self.lid = (hull.part(panels) if len(panels) else panels for panels in (hull.panels, hull.lid))
+        self._body: Any = None
+        self._bem: Any = None
+
+    @property
+    def unknowns(self) -> int:
+        """Panels of the part that is meshed, with its lid."""
+        return len(self.part) + len(self.lid)
+
+    def solve(self, omega: float, headings: np.ndarray) -> Flow:
+        """The flow at a frequency [rad/s, also 0 in deep water, and inf] and headings (nh,) [rad]; kept, if it can be.
+
+        Without headings X is (0, 6): at zero and infinite frequency there are no waves.
+        """
+        headings = np.asarray(headings, dtype=float)
+        about = f"{omega!r} {self.water_depth!r} {self.g!r} {self.hull.symmetry} {self.capytaine.__version__}"
+        found = cached("panels", [about, self.part, self.lid, headings, *sources(__name__)],
+                       lambda: self._solve(omega, headings))  # fmt: skip
+        X = np.array(found["X_real"]) + 1j * np.array(found["X_imaginary"])
+        return Flow(np.array(found["A"]), np.array(found["B"]), X.reshape(-1, 6))
+
+    def _solve(self, omega: float, headings: np.ndarray) -> dict[str, np.ndarray]:
+        cpt, symmetric = self.capytaine, self.hull.symmetry.round
+        if self._body is None:
+            with _quiet("capytaine"):
+                self._body, self._bem = self._floating_body(), cpt.BEMSolver(method="direct")
+        flow = {"body": self._body, "omega": omega, "water_depth": self.water_depth, "rho": 1.0, "g": self.g}
+        waves = headings if not symmetric else [0.0] * bool(headings.size)
+        problems = [cpt.RadiationProblem(radiating_dof=dof, **flow) for dof in self._body.dofs]
+        problems += [cpt.DiffractionProblem(wave_direction=float(wave), **flow) for wave in waves]
+        A, B, X = np.zeros((6, 6)), np.zeros((6, 6)), np.zeros((len(waves), 6), dtype=complex)
+        with _quiet("capytaine"):
+            results = self._bem.solve_all(problems, progress_bar=False, _check_wavelength=False, keep_details=False)
+        for k, result in enumerate(results):
+            if error := getattr(result, "exception", None):  # Capytaine goes on after a failure
+                raise error
+            wave = k - len(self._body.dofs)
+            for dof in self._body.dofs:
+                row = _DOFS.index(dof)
+                if wave < 0:
+                    A[row, _DOFS.index(result.radiating_dof)] = result.added_masses[dof]
+                    B[row, _DOFS.index(result.radiating_dof)] = result.radiation_dampings[dof]
+                else:
+                    X[wave, row] = np.conj(result.forces[dof])
+        for wave, problem in enumerate(problems[len(self._body.dofs) :]):
+            for dof, load in cpt.bem.airy_waves.froude_krylov_force(problem).items():
+                X[wave, _DOFS.index(dof)] += np.conj(load)
+        if symmetric:
+            A, B = _turned(A), _turned(B)
+            X = _all_headings(X[0], headings) if headings.size else X
+        return {"A": A, "B": B, "X_real": X.real, "X_imaginary": X.imag}
+
+    def _floating_body(self) -> Any:
+        symmetry = self.hull.symmetry
+        lid = _mesh(self.capytaine, self.lid, symmetry) if len(self.lid) else None
+        dofs = self.capytaine.rigid_body_dofs(only=list(_ROUND_DOFS) if symmetry.round else None,
+                                              rotation_center=(0, 0, 0))  # fmt: skip
+        mesh = _mesh(self.capytaine, self.part, symmetry)
+        return self.capytaine.FloatingBody(mesh=mesh, lid_mesh=lid, dofs=dofs, name="floater")
+
+
+def _mesh(cpt: Any, part: np.ndarray, symmetry: Symmetry) -> Any:
+    mesh = cpt.Mesh(vertices=part.reshape(-1, 3), faces=np.arange(4 * len(part)).reshape(-1, 4))
+    if symmetry.rotation > 1:
+        return cpt.RotationSymmetricMesh(mesh, n=symmetry.rotation)
+    for plane in symmetry.planes:
+        mesh = cpt.ReflectionSymmetricMesh(mesh, plane=plane)
+    return mesh
+
+
+@contextlib.contextmanager
+def _quiet(name: str):
+    """Keep the logger from warning of every frequency; what matters is checked here."""
+    logger = logging.getLogger(name)
+    level = logger.level
+    logger.setLevel(logging.ERROR)
+    try:
+        yield
+    finally:
+        logger.setLevel(level)
+
+
+def _capytaine() -> Any:
+    try:
+        import capytaine
+    except ImportError:
+        raise MissingExtraError(
+            'the panel method needs Capytaine, which is not installed: pip install "fowtlib[hydro]"') from None
+    return capytaine
+
+
+def _turned(M: np.ndarray) -> np.ndarray:
+    """Sway and roll of a body of revolution from its surge and pitch (a quarter turn about z)."""
+    full = M.copy()
+    full[1, 1], full[3, 3] = M[0, 0], M[4, 4]
+    full[1, 3], full[3, 1] = -M[0, 4], -M[4, 0]
+    return full
+
+
+def _all_headings(X: np.ndarray, headings: np.ndarray) -> np.ndarray:
+    """Loads (nh, 6) of a body of revolution from those in waves along x: its loads turn with the waves."""
+    cos, sin = np.cos(headings), np.sin(headings)
+    return np.stack([X[0] * cos, X[0] * sin, X[2] * np.ones_like(cos), -X[4] * sin, X[4] * cos, 0 * cos], axis=1)

@@ -1,0 +1,25 @@
+"""Floaters: hulls described by their members."""
+
+# the connectors of the mechanics come first, see components/environment
+from fowtlib.components import mechanics as _mechanics  # noqa: F401  isort: skip
+from fowtlib.components.platform.contents import Ballast, Bulkhead, LumpedMass
+from fowtlib.components.platform.floater import Floater
+from fowtlib.components.platform.hull import Buoyancy, Hull
+from fowtlib.components.platform.member_parts import CircularMember, Member, MemberLoads, RectangularMember
+from fowtlib.components.platform.members import MemberShape
+from fowtlib.components.platform.solids import MassProperties
+
+__all__ = [
+    "Ballast",
+    "Buoyancy",
+    "Bulkhead",
+    "CircularMember",
+    "Floater",
+    "Hull",
+    "LumpedMass",
+    "MassProperties",
+    "Member",
+    "MemberLoads",
+    "MemberShape",
+    "RectangularMember",
+]

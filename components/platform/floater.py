@@ -1,0 +1,169 @@
+"""Floaters that are described by their members."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from functools import lru_cache
+
+import numpy as np
+
+from fowtlib.components.environment.sea import Sea
+from fowtlib.components.environment.world import World
+from fowtlib.components.hydro.database import HydrodynamicDatabase
+from fowtlib.components.hydro.linear_loads import Hydrostatics, read_database
+from fowtlib.components.hydro.potential_flow import LinearPotentialFlow
+from fowtlib.components.mechanics.bodies import FixedTranslation, RigidBody
+from fowtlib.components.mechanics.connectors import Frame
+from fowtlib.components.platform.hull import Hull
+from fowtlib.components.platform.member_parts import MemberLoads, members_of
+from fowtlib.components.platform.members import MemberShape
+from fowtlib.components.platform.regimes import regime
+from fowtlib.language import Array, Component, Data, Scalar, Vector, data, outer, param, port, shapes
+from fowtlib.language.errors import ParameterError
+from fowtlib.language.expressions import StartNumbers
+
+_NUMBERS = 1 + 3 + 9 + 1 + 3 + 36  # mass, centre, inertia, volume, centre of buoyancy, stiffness
+_RHO = 1025.0  # density for which the stiffness is computed; Hydrostatics scales it
+_APART = 0.05  # relative difference of the volumes of members and database beyond which they are not the same hull
+
+
+class Floater(Component):
+    """A rigid hull of members: its mass, its buoyancy, the drag of its members, and, where given, a potential flow.
+
+    Its parts of class CircularMember and RectangularMember, added under any name and at any depth, are its members.
+    Mass, centre and inertia, displaced volume and waterplane follow from them when a run starts, so that diameters,
+    drafts and levels of ballast may be changed in a built model. What members share counts once (see `hull`).
+
+    frame is the reference point of the hull, on the still water level at rest; `nodes` are frames at further points,
+    for towers and moorings. With a `database` added mass, radiation and wave loads come from there; buoyancy and
+    stiffness stay those of the members, whose volume must be that of the database within 5 %. Without one, members with
+    an `added_mass_coefficient` have the inertia of the water.
+    Raises ParameterError for members that do not meet, ballast above its tank, and a hull that turns over.
+    """
+
+    raised: Scalar = param(default=0.0, unit="m", doc="how much higher members lie than their coordinates say")
+    position: Vector = param(default=(0, 0, 0), unit="m", doc="place of the frame at rest, world; z is zero")
+    database: Data[HydrodynamicDatabase] = data(read_database, default=None, doc="potential flow of the hull, or none")
+    radiation_order: int = param(default=4, min=0, doc="states per motion of the radiation memory; 0: none")
+    excitation: bool = param(default=True, doc="wave loads of the database; the model needs a Sea for them")
+    held_upright: bool = param(default=False, doc="moorings hold it upright, as a TLP: it may be unstable without them")
+    node_points: Array = param(default=(), unit="m", doc="points (n, 3) that get frames of their own, in the frame")
+
+    frame: Frame = port(doc="reference point, on the still water level")
+    nodes: Frame = port(size=lambda self: len(self.node_rows()), optional=True, doc="frames at the node_points")
+
+    world: World = outer(World)
+    sea: Sea = outer(Sea, optional=True)
+
+    def build(self):
+        found = StartNumbers(self, "hull", _NUMBERS, hull_numbers)
+        self.body = RigidBody(
+            mass=found[0],
+            r_cm=[found[k] for k in (1, 2, 3)],
+            inertia=[[found[4 + 3 * i + k] for k in range(3)] for i in range(3)],
+        )
+        self.hydrostatics = Hydrostatics(
+            volume=found[13], centre_of_buoyancy=[found[k] for k in (14, 15, 16)],
+            stiffness=[[found[17 + 6 * i + k] for k in range(6)] for i in range(6)], reference_density=_RHO,
+            position=self.position,
+        )  # fmt: skip
+        self.member_loads = MemberLoads()
+        self.connect(self.frame, self.body.frame_a)
+        self.connect(self.frame, self.hydrostatics.frame)
+        self.connect(self.frame, self.member_loads.frame)
+        if self.database is not None:
+            self.potential_flow = LinearPotentialFlow(
+                database=self.parameter_binding("database"), radiation_order=self.radiation_order,
+                excitation=self.excitation, position=self.position, buoyancy=False,
+            )  # fmt: skip
+            self.connect(self.frame, self.potential_flow.frame)
+        for k, (x, y, z) in enumerate(self.node_rows()):
+            rod = self.add(f"to_node_{k + 1}", FixedTranslation(r=[x, y, z + self.raised], diameter=0))
+            self.connect(self.frame, rod.frame_a)
+            self.connect(rod.frame_b, self.nodes[k])
+
+    def node_rows(self) -> list:
+        """The points of the nodes, row by row."""
+        points = np.asarray(self.parameter_value("node_points"), dtype=float)
+        if points.size and (points.ndim != 2 or points.shape[1] != 3):
+            raise ParameterError(f"{self.label}.node_points must be a list of points (x, y, z).")
+        return [[self.node_points[k, i] for i in range(3)] for k in range(len(points))] if points.size else []
+
+    def hull(self) -> Hull:
+        """The hull with the values that the parameters have now: mass, buoyancy, panels, see Hull."""
+        raised = float(self.parameter_value("raised"))
+        return _hull(tuple(member.numbers(raised) for member in members_of(self)), self.label)
+
+    def ballast_level(self, *names: str, load: float = 0.0, density: float = _RHO) -> float:
+        """The level [m], z in the frame, of ballast by name below the floater, with which it floats as it is drawn.
+
+        load [kg]: mass that the hull carries besides, with the vertical pull of moorings over gravity.
+        """
+        paths = [self.find(name).label for name in names]
+        return self.hull().ballast_level(paths, load, density) - float(self.parameter_value("raised"))
+
+    def rise(self, load: float = 0.0, density: float = _RHO) -> float:
+        """How much higher [m] than it is drawn the hull floats with its ballast; load as in `ballast_level`."""
+        return self.hull().rise(load, density)
+
+    def remarks(self) -> list[str]:
+        return _regimes(self) if self.sea is not None else []
+
+    def drawing(self) -> shapes.Drawing:
+        return [_drawn(self.frame, member) for member in self.hull().members] if members_of(self) else []
+
+
+@lru_cache(maxsize=32)
+def _hull(members: tuple[MemberShape, ...], name: str) -> Hull:
+    """The same object for the same members, so that what it has computed is found again."""
+    return Hull(members, name)
+
+
+@lru_cache(maxsize=32)
+def _checked(hull: Hull, held_upright: bool) -> Hull:
+    hull.check_joined()
+    if not held_upright:
+        hull.check_upright()
+    return hull
+
+
+def hull_numbers(floater: Floater) -> Sequence[float]:
+    """What the body and the buoyancy of a floater are made of, when a run starts; everything is checked then."""
+    if abs(float(floater.parameter_value("position")[2])) > 1e-9:
+        raise ParameterError(
+            f"{floater.label}.position: its z must be zero, for the frame lies on the still water level; to float "
+            "higher or deeper, set raised."
+        )
+    hull = _checked(floater.hull(), floater.held_upright)
+    known = floater.database
+    if known is not None and abs(hull.buoyancy.volume / known.volume - 1) > _APART:
+        raise ParameterError(
+            f"{floater.label}: its members displace {hull.buoyancy.volume:.6g} m^3, and the hull of its database "
+            f"{known.volume:.6g} m^3; they are not the same hull, or not at the same draft."
+        )
+    mass, water = hull.mass, hull.buoyancy
+    stiffness = _RHO * float(floater.world.parameter_value("gravity")) * water.waterplane
+    return np.concatenate(
+        [[mass.mass], mass.centre, mass.inertia.ravel(), [water.volume], water.centre, stiffness.ravel()]
+    )
+
+
+def _regimes(floater: Floater) -> list[str]:
+    """What `fowt check` says of each member in the sea of the model."""
+    waves, gravity = floater.sea.components(), float(floater.world.parameter_value("gravity"))
+    if not len(waves):
+        return []
+    hull, known, lines = floater.hull(), floater.database is not None, []
+    for k, member in enumerate(members_of(floater)):
+        found = regime(hull, k, waves, gravity)
+        lines.append(f"{member.label}: {found.says(known, member.is_set('added_mass_coefficient'))}")
+    return lines
+
+
+def _drawn(frame, member: MemberShape) -> shapes.Shape:
+    points = [member.at(s) for s in member.stations]
+    if member.is_round:
+        return shapes.Tube(frame, points, [size[0] for size in member.sizes], material="hull")
+    corners = np.array([(-0.5, -0.5), (0.5, -0.5), (0.5, 0.5), (-0.5, 0.5)])
+    rings = [at + (corners * size) @ member.axes[:, :2].T for at, size in zip(points, member.sizes, strict=True)]
+    return shapes.Loft(frame, np.array(rings), material="hull")

@@ -1,0 +1,59 @@
+"""Estimated states: a copy of a linear model that measured signals correct."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from fowtlib.language import Array, Component, RealInput, RealOutput, der, eq, param, port, var
+from fowtlib.language import math as m
+from fowtlib.language.errors import ParameterError
+
+
+def _zeros(columns):
+    return lambda self: np.zeros(np.shape(self.A)[0] if columns is None else np.shape(getattr(self, columns))[-1])
+
+
+class StateEstimator(Component):
+    """States from inputs and outputs: x = x0 + z, z' = A z + B (u - u0) + L (y - y0 - C z - D (u - u0)).
+
+    With L of fowtlib.control.kalman it is the stationary Kalman estimator about the rest x0, u0, y0. The matrices are
+    tunable: A (n, n), B (n, inputs), C (outputs, n), D (outputs, inputs), L (n, outputs), in SI. It starts at x0.
+    Source: A. E. Bryson and Y.-C. Ho, Applied Optimal Control (1975), chapter 12. Raises ParameterError where the
+    shapes do not fit.
+    """
+
+    memory = "controller"
+
+    A: Array = param(shape=lambda self: np.shape(self.A), doc="rates of the states by the states")
+    B: Array = param(shape=lambda self: np.shape(self.B), doc="by the inputs")
+    C: Array = param(shape=lambda self: np.shape(self.C), doc="outputs by the states")
+    D: Array = param(
+        default=lambda self: np.zeros((np.shape(self.C)[0], np.shape(self.B)[1])),
+        shape=lambda self: (np.shape(self.C)[0], np.shape(self.B)[1]), doc="outputs by the inputs"
+    )  # fmt: skip
+    L: Array = param(shape=lambda self: np.shape(self.L), doc="gain of what the outputs differ by")
+    u0: Array = param(default=_zeros("B"), shape=lambda self: (np.shape(self.B)[1],), doc="inputs at rest")
+    y0: Array = param(default=_zeros("L"), shape=lambda self: (np.shape(self.L)[1],), doc="outputs at rest")
+    x0: Array = param(default=_zeros(None), shape=lambda self: (np.shape(self.A)[0],), doc="states at rest")
+
+    u: RealInput = port(size=lambda self: np.shape(self.B)[1], doc="known inputs")
+    y: RealInput = port(size=lambda self: np.shape(self.C)[0], doc="measured outputs")
+    x: RealOutput = port(size=lambda self: np.shape(self.A)[0], doc="estimated states")
+
+    z: Array = var(shape=lambda self: (np.shape(self.A)[0],), state="prefer", fixed=True, doc="x less its rest")
+
+    def build(self):
+        sizes = {name: np.shape(getattr(self, name)) for name in "ABCL"}
+        if any(len(size) != 2 for size in sizes.values()):
+            raise ParameterError(f"{self.label}: A, B, C and L are matrices; their shapes are {list(sizes.values())}.")
+        n, inputs, outputs = sizes["A"][0], sizes["B"][1], sizes["C"][0]
+        wanted = {"A": (n, n), "B": (n, inputs), "C": (outputs, n), "L": (n, outputs)}
+        for name, shape in wanted.items():
+            if sizes[name] != shape:
+                raise ParameterError(f"{self.label}.{name} has the shape {sizes[name]}; {shape} fits the others.")
+
+    def equations(self):
+        u, y = (m.vertcat(*ports) - rest for ports, rest in ((self.u, self.u0), (self.y, self.y0)))
+        missed = y - m.mtimes(self.C, self.z) - m.mtimes(self.D, u)
+        rates = m.mtimes(self.A, self.z) + m.mtimes(self.B, u) + m.mtimes(self.L, missed)
+        return [eq(der(self.z), rates), [eq(self.x[i], self.x0[i] + self.z[i]) for i in range(len(self.x))]]

@@ -1,0 +1,226 @@
+"""Design maps: what a model is like over one or two of its parameters, and where it keeps its limits."""
+
+from __future__ import annotations
+
+import itertools
+import re
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from dataclasses import dataclass, field
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from fowtlib.analysis.plants import compiled, shown_unit
+from fowtlib.analysis.sheet import modes_of, what_parts_say
+from fowtlib.language.errors import ModelError, did_you_mean
+from fowtlib.language.units import from_si, si_unit, to_si
+
+if TYPE_CHECKING:
+    import xarray
+    from matplotlib.figure import Figure
+
+_LIMIT = re.compile(r"\s*(.+?)\s*(<=|>=|<|>)\s*(.+?)\s*$")
+_OF_MODES = ("period of ", "damping ratio of ")
+
+
+@dataclass(frozen=True)
+class Axis:
+    """A parameter of a map: its path, values (n,) in SI, its SI unit and what it means."""
+
+    path: str
+    values: np.ndarray
+    unit: str
+    doc: str = ""
+
+
+@dataclass(frozen=True)
+class Limit:
+    """A quantity that must lie below or above a bound, in the unit of the quantity: `Limit.parse("pitch < 5 deg")`."""
+
+    quantity: str
+    below: bool
+    bound: str
+
+    @staticmethod
+    def parse(text: str) -> Limit:
+        """From a text. Raises ModelError where it is none."""
+        found = _LIMIT.match(text)
+        if found is None:
+            raise ModelError(f"'{text}' is not a limit, such as 'pitch < 5 deg' or 'period of platform pitch > 25 s'.")
+        return Limit(found[1], found[2].startswith("<"), found[3])
+
+    def number(self, unit: str) -> float:
+        """The bound in a unit; a bare number is in it already."""
+        try:
+            return float(self.bound)
+        except ValueError:
+            si = si_unit(unit)
+            return float(from_si(to_si(self.bound, si, self.quantity), si, unit))
+
+    def kept(self, values: np.ndarray, unit: str) -> np.ndarray:
+        """Where the values keep it; not where they are nan."""
+        bound = self.number(unit)
+        return values <= bound if self.below else values >= bound
+
+    def __str__(self) -> str:
+        return f"{self.quantity} {'<' if self.below else '>'} {self.bound}"
+
+
+@dataclass(frozen=True)
+class ParameterMap:
+    """Quantities over a grid of one or two parameters: `table[quantity]` has the shape of the grid, in `units`.
+
+    A point without equilibrium has nan, and its sentence in `failures` under its place in the grid.
+    """
+
+    axes: tuple[Axis, ...]
+    table: Mapping[str, np.ndarray]
+    units: Mapping[str, str]
+    limits: tuple[Limit, ...] = ()
+    failures: Mapping[tuple[int, ...], str] = field(default_factory=dict)
+
+    def __getitem__(self, quantity: str) -> np.ndarray:
+        if quantity not in self.table:
+            raise ModelError(f"the map has no '{quantity}'{did_you_mean(quantity, self.table, list_up_to=20)}")
+        return self.table[quantity]
+
+    @property
+    def feasible(self) -> np.ndarray:
+        """Where all limits are kept."""
+        kept = [limit.kept(self[limit.quantity], self.units[limit.quantity]) for limit in self.limits]
+        return np.all(kept, axis=0) if kept else np.isfinite(next(iter(self.table.values())))
+
+    @property
+    def dataset(self) -> xarray.Dataset:
+        """Quantities, and `feasible` (1 or 0), over coordinates that are called like the parameters."""
+        import xarray
+
+        names = [axis.path for axis in self.axes]
+        columns = {
+            name: (names, values, {"units": self.units[name], "long_name": name}) for name, values in self.table.items()
+        }
+        columns["feasible"] = (names, self.feasible.astype(int), {"units": "1", "long_name": "all limits are kept"})
+        return xarray.Dataset(columns, {a.path: (a.path, a.values, {"units": a.unit}) for a in self.axes})
+
+    def rows(self) -> Iterator[list[float]]:
+        """The parameters, the quantities and whether all limits are kept, point by point."""
+        kept = self.feasible
+        for place in np.ndindex(*kept.shape):
+            point = [float(axis.values[k]) for axis, k in zip(self.axes, place, strict=True)]
+            yield [*point, *(float(values[place]) for values in self.table.values()), int(kept[place])]
+
+    def heads(self) -> list[str]:
+        """Of `rows`, with units."""
+        return [*(f"{axis.path} [{axis.unit}]" for axis in self.axes),
+                *(f"{name} [{self.units[name]}]" for name in self.table), "feasible"]  # fmt: skip
+
+    def plot(self, path: str | Path | None = None, title: str = "") -> Figure:
+        """Curves over one parameter; over two, contours. What breaks a limit is hatched, limits are dashed."""
+        from fowtlib.analysis.map_pictures import plot_map
+
+        return plot_map(self, path, title)
+
+
+def parameter_map(
+    model: Any,
+    over: Mapping[str, Sequence[Any]],
+    of: Sequence[str],
+    *,
+    limits: Sequence[str | Limit] = (),
+    parameters: Mapping[str, Any] | None = None,
+    progress: Callable[[int, int], None] | None = None,
+) -> ParameterMap:
+    """Quantities of a model at rest over a grid of one or two of its tunable parameters.
+
+    model    a compiled model as it is; another is first put into still water without wind
+    over     values by the path of a parameter, in SI or with units
+    of       results of the model, any of its variables, what `model_sheet` says ("mass", "C33", "turbine: mass"), and
+             "period of ..." and "damping ratio of ..." a natural mode
+    limits   such as "pitch < 5 deg"; their quantities are computed too
+    parameters  values of further parameters, the same everywhere
+    progress    is told how many points of how many are done
+
+    Each point starts from the equilibrium beside it. Raises ModelError for what is unknown; a point without equilibrium
+    is told in `failures`.
+    """
+    plant = compiled(model)
+    axes = tuple(_axis(plant, path, values) for path, values in over.items())
+    if not 1 <= len(axes) <= 2:
+        raise ModelError(f"a map is over one or two parameters, not over {len(axes)}.")
+    asked = [limit if isinstance(limit, Limit) else Limit.parse(limit) for limit in limits]
+    names = list(dict.fromkeys([*of, *(limit.quantity for limit in asked)]))
+    if not names:
+        raise ModelError("a map needs quantities, such as 'pitch' or 'period of platform pitch'.")
+    shape = tuple(axis.values.size for axis in axes)
+    table = {name: np.full(shape, np.nan) for name in names}
+    units: dict[str, str] = {}
+    failures: dict[tuple[int, ...], str] = {}
+    near, total = None, int(np.prod(shape))
+    for number, place in enumerate(_path(shape)):
+        given = {axis.path: float(axis.values[k]) for axis, k in zip(axes, place, strict=True)}
+        values = {**(parameters or {}), **given}
+        try:
+            near = plant.equilibrium(values, near=near)
+        except ModelError as error:
+            failures[place] = str(error)
+        else:
+            for name, value, unit in _quantities(plant, near, values, names):
+                table[name][place], units[name] = value, unit
+        if progress is not None:
+            progress(number + 1, total)
+    if len(failures) == total:
+        raise ModelError(f"no point of the map has an equilibrium; the first one: {next(iter(failures.values()))}")
+    return ParameterMap(axes, table, units, tuple(asked), failures)
+
+
+def _axis(plant: Any, path: str, values: Sequence[Any]) -> Axis:
+    declared = plant.dae.parameters.get(path)
+    if declared is None:
+        plant.parameter_values({path: next(iter(values), 0.0)})  # says what is wrong with it
+        raise ModelError(f"{path} is read when a run starts; a map is over tunable parameters.")
+    numbers = np.array([float(to_si(value, declared.unit, path)) for value in values])
+    if declared.value.shape or not numbers.size:
+        raise ModelError(f"{path}: a map is over numbers, one or more, and over no element of an array.")
+    return Axis(path, numbers, declared.unit, declared.doc)
+
+
+def _path(shape: tuple[int, ...]) -> Iterator[tuple[int, ...]]:
+    """All places, each beside the one before: along the last axis, back and forth."""
+    for *first, row in itertools.product(*map(range, shape[:-1]), [range(shape[-1])]):
+        yield from ((*first, k) for k in (row if sum(first) % 2 == 0 else reversed(row)))
+
+
+def _quantities(
+    plant: Any, state: Any, values: Mapping[str, Any], names: Sequence[str]
+) -> Iterator[tuple[str, float, str]]:
+    """Name, value and unit of quantities at a state."""
+    modes = {}
+    if any(name.startswith(_OF_MODES) for name in names):
+        modes = {entry.quantity: entry for entry in modes_of(plant, state)}
+    told = None
+    for name in names:
+        if name.startswith(_OF_MODES):
+            if name not in modes:
+                raise ModelError(f"there is no '{name}'{did_you_mean(name, modes, list_up_to=20)}")
+            yield name, modes[name].value, modes[name].unit
+        elif name in plant.outputs:
+            yield name, float(np.asarray(state[name])), shown_unit(plant, name)
+        else:
+            if told is None:
+                told = {entry.quantity: entry for entry in what_parts_say(plant.binding(values).root, state)}
+            if name in told:
+                yield name, told[name].value, told[name].unit
+            else:
+                yield name, _variable(plant, state, name, told), plant.describe(name)[0]
+
+
+def _variable(plant: Any, state: Any, name: str, told: Mapping[str, Any]) -> float:
+    try:
+        value = np.asarray(state[name])
+    except ModelError:
+        known = [*plant.outputs, *told]
+        raise ModelError(f"the model has no quantity '{name}'{did_you_mean(name, known)}") from None
+    if value.shape:
+        raise ModelError(f"{name} is an array of shape {value.shape}; name one element, as in {name}[0].")
+    return float(value)

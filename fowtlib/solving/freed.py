@@ -1,0 +1,289 @@
+"""An equilibrium with freed parameters: as many parameters are sought as there are conditions on what comes out.
+
+The states, the algebraic unknowns and the freed parameters are the unknowns of one Newton iteration, from the
+equilibrium at the values that the parameters have, or the start values where there is none. Where it does not converge
+the conditions move from what they are there to what is wanted, in steps that become shorter.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from typing import Any
+
+import casadi as ca
+import numpy as np
+from scipy import sparse
+
+from fowtlib.flattening.system import element_names
+from fowtlib.language.errors import ModelError, ParameterError, SimulationError
+from fowtlib.language.units import to_si
+from fowtlib.solving.binding import start_slopes
+from fowtlib.solving.equilibrium import equilibrium, moving_states, refuse_time
+from fowtlib.solving.functions import AtParameters
+from fowtlib.solving.initial import csc
+from fowtlib.solving.newton import newton
+from fowtlib.solving.state import State
+
+Values = Mapping[str, Any]
+Plant = Any
+"""fowtlib.solving.plant.Plant, which calls this module."""
+
+SHORTEST = 1 / 64  # of the way to the wanted conditions, in one step
+NONE = 1e-10  # relative change of a condition by relative changes of the parameters that counts as none
+
+
+@dataclass(frozen=True)
+class Freed:
+    """An element of a tunable parameter that is sought: path, its number in column order, its name."""
+
+    path: str
+    number: int
+    name: str
+
+
+@dataclass(frozen=True)
+class Target:
+    """What a result or a variable shall be [SI]; name: what the user calls it, and text: the value in his words."""
+
+    name: str
+    expression: ca.SX
+    value: float
+    text: str
+
+
+def freed_equilibrium(plant: Plant, free: Values | Sequence[str], targets: Values, parameters: Values | None,
+                      hold: Values | None, start: Values | None, inputs: Values | None) -> State:  # fmt: skip
+    """The equilibrium at which `targets` hold, with the parameters `free` at the values that this takes.
+
+    free: paths, or first guesses by path. The state's `parameters` hold what was found. Raises ParameterError where
+    the conditions are not as many as the freed parameters, or a parameter is not tunable, and SimulationError where no
+    such equilibrium is found.
+    """
+    guesses = dict(free) if isinstance(free, Mapping) else dict.fromkeys(free)
+    wanted = [_target(plant, name, value) for name, value in targets.items()]
+    given = {**(parameters or {})}
+    sought = _elements(plant, guesses)
+    if len(sought) != len(wanted):
+        raise ParameterError(
+            f"{_count(len(sought), 'parameter')} freed ({_names(item.name for item in sought)}) and "
+            f"{_count(len(wanted), 'condition')} given ({_names(item.name for item in wanted)}): give as many "
+            "conditions as freed parameters."
+        )
+    values = {path: value.astype(float) for path, value in plant.parameter_values(given).items()}
+    for item in sought:
+        guess = guesses.get(item.name, guesses.get(item.path))
+        if guess is not None:
+            numbers = np.ravel(np.asarray(to_si(guess, plant.dae.parameters[item.path].unit, item.name), dtype=float))
+            values[item.path].T.flat[item.number] = numbers[min(item.number, numbers.size - 1)]
+    problem = _Problem(plant, sought, wanted, given, values)
+    state = plant.initial_state(problem.parameters(np.zeros(len(sought))), {**(start or {}), **(hold or {})}, inputs)
+    return problem.solved(state, {plant.layout.x[path] for path in hold or {}})
+
+
+class _Problem:
+    """One search; its unknowns are moving states, algebraic unknowns and shares s, p = p_0 + scale s."""
+
+    def __init__(self, plant: Plant, sought: list[Freed], wanted: list[Target], given: Values,
+                 values: Mapping[str, np.ndarray]):  # fmt: skip
+        self.plant, self.sought, self.wanted, self.given = plant, sought, wanted, given
+        self.first = {item.path: values[item.path] for item in sought}
+        start = np.array([values[item.path].T.flat[item.number] for item in sought])
+        self.scale = np.where(start == 0, 1.0, np.abs(start))
+        self.want = np.array([item.value for item in wanted])
+
+    def parameters(self, shares: np.ndarray) -> dict[str, Any]:
+        """The parameters of a run, with those that are freed at these shares."""
+        values = {path: np.array(value) for path, value in self.first.items()}
+        for item, step in zip(self.sought, shares * self.scale, strict=True):
+            values[item.path].T.flat[item.number] += step
+        return {**self.given, **{path: value if value.shape else float(value) for path, value in values.items()}}
+
+    def solved(self, state: State, held: set[int]) -> State:
+        """The state at which all conditions hold."""
+        q, plant = np.concatenate([state.u, state.d]), self.plant
+        at = plant.at(self.parameters(np.zeros(len(self.sought))))
+        refuse_time(at, q)
+        zero = any(self.first[item.path].T.flat[item.number] == 0 for item in self.sought)
+        moving, why = moving_states(at.general if zero else at.functions, held), ""
+        x, z, known = state.x, state.z, True
+        try:
+            x, z = equilibrium(at, state.t, state.x, state.z, q, held)
+        except SimulationError as error:
+            known, why = False, f" Without the conditions, too, there is {error.message}"
+        equations = _Equations(self, at, moving, state.t, x, q)
+        unknowns = np.concatenate([x[moving], z, np.zeros(len(self.sought))])
+        if known:
+            self._refuse_unmoved(equations, unknowns)
+        reached, unknowns = self._on_the_way(equations, unknowns, known)
+        if reached < 1:
+            raise SimulationError(self._failure(equations, unknowns, known) + why)
+        x, z, shares = equations.unpack(unknowns)
+        return plant.state(state.t, x, z, state.d, state.u, self.parameters(shares))
+
+    def _on_the_way(self, equations: _Equations, unknowns: np.ndarray, known: bool) -> tuple[float, np.ndarray]:
+        """How far the conditions have come, 1 is all the way, and the unknowns there."""
+        begin, reached, step = equations.conditions(unknowns), 0.0, 1.0
+        while reached < 1 and step >= SHORTEST:
+            share = min(reached + step, 1.0)
+            solution = equations.solve(unknowns, begin + share * (self.want - begin) if known else self.want)
+            if solution is not None:
+                reached, unknowns, step = share, solution, 2 * step
+            elif not known:
+                break
+            else:
+                step /= 2
+        return reached, unknowns
+
+    def _refuse_unmoved(self, equations: _Equations, unknowns: np.ndarray) -> None:
+        """SimulationError where a condition does not depend on what is freed."""
+        slopes = equations.slopes_at_rest(unknowns)
+        sizes = np.maximum(np.abs(equations.conditions(unknowns)), np.abs(self.want))
+        for target, row, size in zip(self.wanted, slopes, sizes, strict=True):
+            if np.max(np.abs(row)) <= NONE * max(size, 1e-9):
+                raise SimulationError(
+                    f"{target.name} = {target.text} cannot be reached: at the equilibrium it does not change with "
+                    f"{_names(item.name for item in self.sought)}. Free a parameter that moves it."
+                )
+        rows = slopes / np.max(np.abs(slopes), axis=1, keepdims=True)
+        if len(rows) > 1 and np.linalg.cond(rows / np.maximum(np.linalg.norm(rows, axis=0), 1e-300)) > 1e9:
+            raise SimulationError(
+                f"{_names(item.name for item in self.sought)} move the conditions "
+                f"{_names(item.name for item in self.wanted)} all alike, so that they are not determined. Free other "
+                "parameters, or ask for something else."
+            )
+
+    def _failure(self, equations: _Equations, unknowns: np.ndarray, known: bool) -> str:
+        asked = ", ".join(f"{item.name} = {item.text}" for item in self.wanted)
+        text = f"no equilibrium with {asked} is found by freeing {_names(item.name for item in self.sought)}."
+        if not known:
+            return text + " Give first guesses nearer to a solution."
+        shares, there = equations.unpack(unknowns)[2], equations.conditions(unknowns)
+        units = self.plant.dae.units
+        at = ", ".join(f"{item.name} = {value:.6g}" for item, value in zip(self.wanted, there, strict=True))
+        values = [value.T.flat[item.number] for item, value in self._values(shares)]
+        found = ", ".join(f"{item.name} = {value:.6g} {units.get(item.path, '')}".rstrip()
+                          for item, value in zip(self.sought, values, strict=True))  # fmt: skip
+        return f"{text} The search came to {at} (SI) with {found}. Ask for something nearer, or give first guesses."
+
+    def _values(self, shares: np.ndarray) -> list[tuple[Freed, np.ndarray]]:
+        values = self.parameters(shares)
+        return [(item, np.asarray(values[item.path])) for item in self.sought]
+
+
+class _Equations:
+    """Residual and Jacobian of a search, at the values of the parameters that its unknowns say."""
+
+    def __init__(self, problem: _Problem, at: AtParameters, moving: list[int], t: float, x: np.ndarray, q: np.ndarray):
+        self.problem, self.moving, self.t, self.x, self.q = problem, moving, t, x, q
+        self.nx, self.nz = x.size, at.dae.z.numel()
+        dae, self.paths = at.dae, list(dict.fromkeys(item.path for item in problem.sought))
+        self.computed = sorted({k for path in self.paths for k in start_slopes(dae, at.binding, path)})
+        self.columns = {path: dae.parameters[path].symbol for path in self.paths}
+        self.columns |= {name: dae.bound[name].symbol for name in self.computed}
+        rows = ca.vertcat(dae.ode, dae.alg, *(item.expression for item in problem.wanted))
+        blocks = [dae.x, dae.z, *map(ca.vec, self.columns.values())]
+        key = ("freed", tuple(item.name for item in problem.wanted), tuple(self.columns))
+        general = at.general
+        self.value = general.once((*key, "value"), lambda: general.function("freed", [rows]))
+        self.jacobian = general.once((*key, "slopes"), lambda: general.torn_jacobian("freed_slopes", rows, blocks))
+
+    def unpack(self, values: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+        """States, algebraic unknowns, shares."""
+        x, n = self.x.copy(), len(self.moving)
+        x[self.moving] = values[:n]
+        return x, values[n : n + self.nz], values[n + self.nz :]
+
+    def conditions(self, values: np.ndarray) -> np.ndarray:
+        """Values of the targets [SI]."""
+        return self._rows(values)[self.nx + self.nz :]
+
+    def _rows(self, values: np.ndarray) -> np.ndarray:
+        x, z, shares = self.unpack(values)
+        try:
+            at = self.problem.plant.at(self.problem.parameters(shares))
+        except ModelError:  # a parameter out of its bounds
+            return np.full(self.nx + self.nz + len(self.problem.wanted), np.nan)
+        return np.array(at.call(self.value, self.t, x, z, self.q)).ravel()
+
+    def solve(self, values: np.ndarray, want: np.ndarray) -> np.ndarray | None:
+        """The unknowns with these conditions; None where they are not found."""
+        kept = np.r_[self.moving, self.nx : self.nx + self.nz + want.size].astype(int)
+        shift = np.concatenate([np.zeros(len(self.moving) + self.nz), want])
+        solution = newton(lambda v: self._rows(v)[kept] - shift, lambda v: self._slopes(v)[kept], values)
+        return solution.values if solution.converged else None
+
+    def _slopes(self, values: np.ndarray) -> sparse.csr_matrix:
+        x, z, shares = self.unpack(values)
+        problem = self.problem
+        at = problem.plant.at(problem.parameters(shares))
+        by_x, by_z, *by_numbers = (csc(block) for block in at.call(self.jacobian, self.t, x, z, self.q))
+        by = dict(zip(self.columns, by_numbers, strict=True))
+        through = {path: start_slopes(at.dae, at.binding, path) for path in self.paths}
+        columns = []
+        for item, scale in zip(problem.sought, problem.scale, strict=True):
+            column = by[item.path][:, [item.number]].toarray()
+            for name, slope in through[item.path].items():
+                column = column + by[name] @ slope[:, [item.number]]
+            columns.append(column * scale)
+        return sparse.csr_matrix(sparse.hstack([by_x[:, self.moving], by_z, np.hstack(columns)]))
+
+    def slopes_at_rest(self, values: np.ndarray) -> np.ndarray:
+        """Derivatives of the targets at the equilibrium by the shares; what is free to move, as a yaw, stays."""
+        whole, n = self._slopes(values).toarray(), len(self.moving) + self.nz
+        rest = whole[np.r_[self.moving, self.nx : self.nx + self.nz].astype(int)]
+        rest = rest / np.maximum(np.max(np.abs(rest[:, :n]), axis=1, keepdims=True), 1e-300)
+        moved = -np.linalg.lstsq(rest[:, :n], rest[:, n:], rcond=1e-14)[0]
+        targets = whole[self.nx + self.nz :]
+        return targets[:, n:] + targets[:, :n] @ moved
+
+
+def _elements(plant: Plant, guesses: Values) -> list[Freed]:
+    """The elements of tunable parameters behind paths; a path without a number stands for all of its elements."""
+    found = []
+    for name in guesses:
+        path = name if name in plant.dae.parameters else name.partition("[")[0]
+        if path not in plant.dae.parameters:
+            plant.binding({path: 0.0})  # says that it is no tunable one, and what was meant
+            raise ParameterError(f"{path} is bound when a run starts, and no number that can be freed.")
+        item = plant.dae.parameters[path]
+        names = element_names(path, item.symbol.shape)
+        if name != path and name not in names:
+            raise ParameterError(f"{name} cannot be freed: the elements of {path} are {names[0]} to {names[-1]}.")
+        found += [Freed(path, k, own) for k, own in enumerate(names) if name in (path, own)]
+    return found
+
+
+def _target(plant: Plant, name: str, value: Any) -> Target:
+    """A condition; a number, also as a text, is in the unit of the result of that name, or SI."""
+    entry = plant.outputs.entry(name)
+    expression = ca.vec(plant.dae.observe_expression(entry.path))
+    if expression.numel() != 1:
+        raise ParameterError(f"a condition is on one number, and {name} has {expression.numel()}: take {name}[0].")
+    si = plant.describe(entry.path)[0]
+    if value is None:
+        raise ParameterError(f"the condition on {name} has no value: say which it shall take.")
+    if isinstance(value, str) and not _is_number(value):
+        number, text = float(np.asarray(to_si(value, si, name))), value
+    else:
+        number = float(value) / plant.outputs.factor(name)
+        text = f"{float(value):g}" + ("" if entry.unit == "1" else f" {entry.unit}")
+    if not np.isfinite(number):
+        raise ParameterError(f"the condition {name} = {value} is not a finite number.")
+    return Target(name, expression, number, text)
+
+
+def _is_number(text: str) -> bool:
+    try:
+        float(text)
+    except ValueError:
+        return False
+    return True
+
+
+def _count(number: int, what: str) -> str:
+    return f"{number} {what} is" if number == 1 else f"{number or 'no'} {what}s are"
+
+
+def _names(items: Any) -> str:
+    return ", ".join(items) or "none"

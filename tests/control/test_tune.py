@@ -1,0 +1,148 @@
+"""PI gains from the model, and the damping of the platform with them: closed forms, textbook cases, runs in time."""
+
+from __future__ import annotations
+
+import json
+
+import numpy as np
+import pytest
+from numpy.testing import assert_allclose
+
+import fowtlib as fw
+from fowtlib.cli.app import main
+from fowtlib.components.servo import FLOATING_GAINS, ONSHORE_GAINS
+from fowtlib.control import PitchLoop, RotorResponse, Tuned, opened, shave_peak, tune_pi
+from fowtlib.language.errors import ModelError, ParameterError
+
+
+@pytest.fixture(scope="module")
+def loop():
+    return PitchLoop(fw.load("oc3_spar_rigid"))
+
+
+@pytest.fixture(scope="module")
+def tuned(loop):
+    return tune_pi(loop, (9, 13, 17, 21), 0.2, 0.7)
+
+
+def test_gains_give_frequency_and_damping():
+    """The roots of s^2 - (a + b k_P) s - b k_I."""
+    response = RotorResponse(15.0, 0.2, -0.1, -80.0)
+    k_p, k_i = response.gains(0.3, 0.6)
+    roots = np.roots([1, -(response.a + response.b * k_p), -response.b * k_i])
+    assert_allclose(np.abs(roots), 0.3, rtol=1e-12)
+    assert_allclose(-roots.real / np.abs(roots), 0.6, rtol=1e-12)
+    assert_allclose(response.closed(k_p, k_i), (0.3, 0.6), rtol=1e-12)
+
+
+def test_the_response_is_the_slope_of_the_torque(loop):
+    """By differences of the torque Q of the rotor: b = n dQ/dpitch / (I + n^2 I_g), and a over its speed."""
+    wind, step = 15.0, 1e-4
+    state = loop.state(wind)
+    paths = dict(zip(loop.plant.layout.x, state.x, strict=True))
+    inertia, ratio = 38759227 + 97**2 * 534.116, 97
+
+    def torque(name, by):
+        moved = loop.plant.initial_state({"wind.mean_speed": wind}, {**paths, name: paths[name] + by})
+        return moved["turbine.rotor.torque"]
+
+    def slope(name):
+        return (torque(name, step) - torque(name, -step)) / (2 * step)
+
+    response = loop.response(wind)
+    assert_allclose(response.b, ratio * slope("turbine.control.pitch.pitch") / inertia, rtol=1e-5)
+    assert_allclose(response.a, slope("turbine.rotor.w") / inertia, rtol=1e-4)  # that of the generator is constant
+    assert_allclose(response.pitch, state["turbine.blade_pitch"], rtol=1e-9)
+
+
+def test_the_schedule_meets_the_frequency_and_no_wind_has_less_damping(tuned):
+    assert [item.wind for item in tuned.responses] == [13.0, 17.0, 21.0]  # at 9 m/s the blades are not pitched
+    for item in tuned.responses:
+        omega, damping = item.closed(*tuned.at(item.pitch))
+        assert_allclose(omega, 0.2, rtol=0.06)
+        assert damping > 0.7 - 1e-9
+    assert min(item.closed(*tuned.at(item.pitch))[1] for item in tuned.responses) < 0.7 + 1e-6
+    double = Tuned(0.01, 0.002, 0.1, (), 0.0)
+    assert double.at(0.05) == (0.005, 0.001)
+
+
+def test_the_gains_of_a_turbine_on_land_take_the_damping_of_a_floating_one(loop):
+    """At 13 m/s platform pitch grows with the onshore gains and decays with the floating ones: poles, and a run."""
+    wind, grown = 13.0, {}
+    for name, gains in (("land", ONSHORE_GAINS), ("floating", FLOATING_GAINS)):
+        values = Tuned(gains["proportional_gain"], gains["integral_gain"], 0.1099965, (), 0.0)
+        poles = loop.poles([wind], values)[0]
+        mode = poles.mode("platform pitch")
+        assert (mode.damping_ratio < 0) == (name == "land")
+        assert (mode in poles.growing()) is (name == "land")
+        parameters = {**loop.parameters(values), "wind.mean_speed": wind}
+        rest = loop.state(wind, parameters)
+        start = dict(zip(loop.plant.layout.x, rest.x, strict=True))
+        start["platform.motion.pitch"] += np.radians(0.1)
+        result = loop.plant.simulate(400.0, 1.0, start=start, parameters=parameters, solver="fixed", step=0.05)
+        away = np.abs(np.asarray(result["platform.motion.pitch"]) - rest["platform.motion.pitch"])
+        grown[name] = away[300:].max() / away[:60].max()
+    assert grown["land"] > 1.5 and grown["floating"] < 0.5
+
+
+def test_a_loop_opened_at_a_state_is_the_cut_plant(loop):
+    """What the pitch does to the others, without what drives it."""
+    state = loop.state(15.0)
+    closed = loop.plant.linearize(state, outputs=["turbine.rotor.w"])
+    name = "turbine.control.pitch.pitch"
+    cut = opened(closed, [name])
+    k = closed.states.index(name)
+    rest = [i for i in range(len(closed.states)) if i != k]
+    assert cut.inputs == [name] and name not in cut.states
+    assert_allclose(cut.matrices["B"][:, 0], closed.matrices["A"][rest, k])
+    assert_allclose(cut.matrices["A"], closed.matrices["A"][np.ix_(rest, rest)])
+
+
+def test_peak_shaving_holds_the_thrust_at_its_share(loop):
+    rows = shave_peak(loop, (9.0, 11.0, 15.0), 0.85)
+    largest = max(row.thrust[0] for row in rows)
+    by_wind = {row.wind: row for row in rows}
+    assert_allclose(by_wind[11.0].thrust[1], 0.85 * largest, rtol=1e-3)
+    assert by_wind[11.0].least_pitch > np.radians(1) and by_wind[11.0].power[1] < by_wind[11.0].power[0]
+    assert by_wind[9.0].least_pitch == 0.0 and by_wind[15.0].thrust[0] == by_wind[15.0].thrust[1]
+
+
+def test_mistakes_are_sentences(loop):
+    with pytest.raises(ParameterError, match="the blades are pitched in 1; give at least two above rated"):
+        tune_pi(loop, (8, 15), 0.2)
+    with pytest.raises(ParameterError, match="both must be positive"):
+        tune_pi(loop, (13, 15), -0.2)
+    with pytest.raises(ModelError, match="'turbine.pitch' is no PitchController; there are turbine.control.pitch"):
+        PitchLoop(loop.model, "turbine.pitch")
+    with pytest.raises(ModelError, match="has no PitchController"):
+        PitchLoop(fw.load("two_rotor_spar_rigid_feedback"))
+    with pytest.raises(ModelError, match="sampled controller has no linear model"):
+        PitchLoop(fw.load("oc3_spar_rigid").with_parameters({"turbine.control.sample_period": 0.1}))
+    with pytest.raises(ParameterError, match="give 0.5 to 1"):
+        shave_peak(loop, (9.0, 11.0), 85.0)
+
+
+def test_the_command_prints_gains_and_damping(capsys):
+    assert main(["tune", "oc3_spar_rigid", "--winds", "13,18", "--frequency", "0.2", "--json"]) == 0
+    printed = capsys.readouterr()
+    rows = json.loads(printed.out)
+    assert [row["wind [m/s]"] for row in rows] == [13.0, 18.0]
+    assert rows[0]["pitch damping"] > 0.1 > rows[0]["pitch damping, new"]
+    assert rows[0]["its damping"] == pytest.approx(0.7, abs=0.05)
+    assert "--set turbine.control.proportional_gain=" in printed.err
+    assert "13 m/s: with the new gains platform pitch grows" in printed.err
+
+
+@pytest.mark.parametrize(("options", "message"), [
+    (["--winds", "12:24"], "'12:24' is not first:last:step in m/s"),
+    (["--damping", "0.7"], "--damping goes with --frequency"),
+    (["--peak-shaving", "0.9", "--frequency", "0.2"], "two questions"),
+    (["--frequency", "fast"], "'fast' is not a number"),
+    (["--controller", "turbine.control"], "is no PitchController"),
+])  # fmt: skip
+def test_mistakes_on_the_command_line(capsys, options, message):
+    try:
+        status = main(["tune", "oc3_spar_rigid", *options])
+    except SystemExit as end:
+        status = end.code
+    assert status == 2 and message in capsys.readouterr().err
