@@ -141,6 +141,10 @@ class BladeElementAerodynamics(RotorLoads):
     towers: list[TowerPotentialFlow] = outer(TowerPotentialFlow, many=True)
     disk_wind: RealOutput = port(unit="m/s", shape=(3,), doc="wind averaged over the nodes, world")
 
+    def felt_disk(self) -> tuple[int, float]:
+        """Station, and radius [m] about it within which the wind counts."""
+        return self.station, float(self.tip_radius)
+
     def disk_diameter(self) -> float:
         """Of the disk [m]."""
         return 2 * float(self.tip_radius)

@@ -105,6 +105,10 @@ class CoefficientRotor(HubWind):
     thrust_coefficient: Scalar = var(doc="C_t")
     torque_coefficient: Scalar = var(doc="C_q")
 
+    def felt_disk(self) -> tuple[int, float]:
+        """Station, and radius [m] about it within which the wind counts: that at the hub alone."""
+        return self.station, 0.0
+
     def disk_diameter(self) -> float:
         """Of the disk [m]."""
         return float(2 * self.parameter_value("radius") * np.cos(self.parameter_value("precone")))

@@ -121,6 +121,19 @@ class FieldLookup:
         total = sum(block[:, about, 0].sum(axis=0, dtype=float) for _, block in self.field.blocks())
         return float((weights @ total / grid.steps - grid.offset[0]) / grid.slope[0])
 
+    def over_disk(self, y: float, z: float, radius: float) -> Floats:
+        """Mean of u [m/s] over the grid points within `radius` [m] of (y, z), at the time steps (steps,).
+
+        Without a point that near it is u at the place itself.
+        """
+        grid = self.grid
+        inside = np.hypot(grid.y - y, grid.z[:, None] - z) <= radius
+        about, weights = np.flatnonzero(inside), np.full(inside.sum(), 1 / max(inside.sum(), 1))
+        if not about.size:
+            about, weights = self._plane_weights(np.array([[0.0, y, z]]))
+        stored = np.concatenate([block[:, about, 0] @ weights for _, block in self.field.blocks()])
+        return (stored - grid.offset[0]) / grid.slope[0]
+
     def _plane_weights(self, points: Floats) -> tuple[NDArray[np.int64], Floats]:
         """Numbers and weights of the stored points about one in the plane."""
         cells = list(zip(*self._cells(points, 0.0), strict=True))[:2]

@@ -95,6 +95,9 @@ def kaimal_series(
     seed, and it does not change when stations are added; the variance of the others scatters about the same mean.
     Mean speed V and `height` [m] of the hub fix the length scale, the same sigma [m/s] holds at every station
     (IEC 61400-1 annex B). The series repeats after `repetition_period` [s], which is rounded to whole samples.
+
+    The first station shares its random numbers with a sea of the same seed; what that does: waves.irregular_waves.
+    Give wind and sea different seeds.
     """
     points = np.asarray(stations, dtype=float).reshape(len(stations), -1)
     if points.shape[1:] != (2,):

@@ -281,6 +281,12 @@ def irregular_waves(
     the same variance. The noise belongs to the number of the harmonic: seas of one seed and one repetition period have
     the same phases whatever their peak period is.
 
+    Turbulence of the same seed draws from the same stream (numpy takes 3 and [3, 0] for one seed): the phase of the
+    k-th harmonic is that of the 2k-th of turbulence.kaimal_series at its first station. Of equal periods these are
+    different frequencies, and no harmonic of the one is coherent with that of the other; but over the seeds elevation
+    and wind are correlated at t = 0 (0.15 to 0.23), below 0.05 after 2 to 4 s. Where the wind has twice the period of
+    the sea they are the same frequencies, and coherent (coherence squared pi/4). Give wind and sea different seeds.
+
     The upper end leaves out 0.1 to 0.2 % of the elevation's variance (not made up for by scaling); particle
     accelerations near the surface, whose spectrum decays as 1/omega only, are those of this cut-off sea.
     """

@@ -8,13 +8,15 @@ from __future__ import annotations
 
 import warnings
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, Self
 
 import numpy as np
 
+from fowtlib.analysis.case_statistics import CROSSING_STEP
 from fowtlib.analysis.crossings import count_in_pieces
+from fowtlib.analysis.kept import KeptRuns, kept_runs
 from fowtlib.analysis.maximum import Maximum, checked_sample, sign_of
 from fowtlib.analysis.peaks import THRESHOLD
 from fowtlib.analysis.series import as_records
@@ -139,19 +141,24 @@ def rates_of_case(
 
     One record in one piece, so that the rates are as certain as Poisson's law says.
     """
-    sign = sign_of(side)
     if name not in told["channels"]:
         why = told.get("refused", {}).get(name)
         raise ModelError(f"{name}: {why}" if why else
                          f"the statistics have no channel '{name}'{did_you_mean(name, told['channels'])}")  # fmt: skip
-    row = told["channels"][name]
-    step, counts = row["crossings"]["step"], row["crossings"]["above" if sign > 0 else "below"]
-    first = int(np.ceil(threshold / step - 1e-9))
-    if len(counts) <= first:
+    runs = kept_runs([told["channels"][name]], [told["last"] - told["first"]], name, side)
+    rates = rates_of_runs(runs, name, threshold)
+    return replace(rates, levels=sign_of(side) * rates.levels)
+
+
+def rates_of_runs(runs: KeptRuns, name: str, threshold: float = THRESHOLD) -> CrossingRates:
+    """Rates at which runs pass levels from `threshold` standard deviations above the mean on, each run in one piece."""
+    first = int(np.ceil(threshold / CROSSING_STEP - 1e-9))
+    last = max(int(np.floor((mean + std * CROSSING_STEP * steps[-1] - runs.mean) / (runs.std * CROSSING_STEP) + 1e-9))
+               for mean, std, steps, _ in runs.passed)  # fmt: skip
+    levels = runs.mean + runs.std * CROSSING_STEP * np.arange(first, max(last, first))
+    if not levels.size:
         raise ModelError(f"{name}: nothing lies beyond {threshold:g} standard deviations.")
-    levels = row["mean"] + sign * row["std"] * step * np.arange(first, len(counts))
-    lowest = sign * row["min" if sign > 0 else "max"]
-    return CrossingRates(levels, np.array([counts[first:]]), np.array([told["last"] - told["first"]]), lowest)
+    return CrossingRates(levels, runs.passages(levels), runs.spans, runs.lowest)
 
 
 def fit_crossings(

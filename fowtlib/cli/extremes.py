@@ -20,6 +20,7 @@ if TYPE_CHECKING:
 WORTH_A_WORD = 1.02  # factor of a value of FLTA that is too high by the scatter of its fits
 LAWS = ("gumbel", "pooled", "rates", "gaussian")
 METHODS = ("flta", "ecm", "mecm", "sample")
+SIDES = ("max", "min", "abs")
 CASE_FILES = (".yaml", ".yml")
 EXAMPLES = """First the states: flta all bins that occur once in --keep years, ecm the contour
 of the return period, mecm that one and those that end at --cut-out, sample
@@ -28,14 +29,18 @@ run`. Then the extremes, by each method for which there are runs: of this batch
 (--batch), or of tables from elsewhere.
 --maxima FILE.csv: wind_speed, Hs, Tp, probability (empty on a contour), and for
 each response the largest value of a run; several runs a state.
---fits FILE.csv: response, unit, wind_speed, Hs, Tp, probability, and location
-and scale of a Gumbel law, or q, a, b, c, threshold of a rate of up-crossings.
+--fits FILE.csv: response, unit, side, wind_speed, Hs, Tp, probability, and
+location and scale of a Gumbel law, or q, a, b, c, threshold of a rate of
+up-crossings.
+--side: of the batch, or of the values of --maxima, min is about smallest ones
+and abs about largest absolute ones. With heave=min,yaw=abs it is about these
+results, and about the largest values of the others.
 
 examples:
   fowt extremes norway_5 --method flta --output states.csv
   fowt extremes norway_5 --method mecm --cut-out 25 --cases contours.yaml --model two_rotor_spar_rigid --seeds 20
   fowt batch run contours.yaml
-  fowt extremes norway_5 --cut-out 25 --batch contours.yaml --results surge,yaw --plot extremes.png
+  fowt extremes norway_5 --cut-out 25 --batch contours.yaml --results surge,yaw --side yaw=abs --plot extremes.png
 """
 
 
@@ -69,8 +74,9 @@ def declare(commands: Any) -> None:
     add("--cases", type=Path, metavar="FILE", help="write the runs as a cases file: .yaml")
     given.add_argument("--fits", type=Path, metavar="FILE", help="laws of extremes by state and response: .csv")
     given.add_argument("--batch", type=Path, metavar="FILE", help="a cases file that `fowt batch run` has run")
-    given.add_argument("--maxima", type=Path, metavar="FILE", help="largest values of runs: .csv")
+    given.add_argument("--maxima", type=Path, metavar="FILE", help="extreme values of runs: .csv")
     add("--results", type=results.names, metavar="NAMES", help="of the batch, for example surge,yaw; default: all")
+    add("--side", type=sides, metavar="SIDE", help="max, min or abs, of all or by name: yaw=abs; default: max")
     add("--law", choices=LAWS, metavar="NAME", help="gumbel, pooled, rates or gaussian, see docs/long_term.md")
     add("--worst", type=int, metavar="N", help="--cases of the N worst states of each contour and response alone")
     add("--save-fits", type=Path, metavar="FILE", help="write the laws of the batch, for --fits: .csv")
@@ -83,6 +89,19 @@ def declare(commands: Any) -> None:
     parser.set_defaults(action=extremes)
 
 
+def sides(text: str) -> dict[str, str]:
+    """Sides by the name of the result, with "" for those that are not named, for argparse."""
+    found: dict[str, str] = {}
+    for part in text.split(","):
+        name, equals, side = part.rpartition("=")
+        if side not in SIDES or name in found or (equals and not name):
+            raise argparse.ArgumentTypeError(
+                f"'{text}' is neither max, min or abs of all results, nor one of them by name, as in heave=min,yaw=abs"
+            )
+        found[name] = side
+    return found
+
+
 def extremes(arguments: argparse.Namespace) -> int:
     """The states of a method, or the extremes."""
     check_target(arguments.plot, FIGURES, arguments.force)
@@ -93,6 +112,8 @@ def extremes(arguments: argparse.Namespace) -> int:
     for option in ("results", "law", "save_fits"):
         if getattr(arguments, option) and not arguments.batch:
             raise ModelError(f"--{option.replace('_', '-')} is about the runs of a batch: give --batch.")
+    if arguments.side and not (arguments.batch or arguments.maxima):
+        raise ModelError("--side is about runs: give --batch or --maxima; a table of --fits has a column for it.")
     if (arguments.cases is None) != (arguments.model is None):
         raise ModelError("--cases and --model belong together: a file of cases of one model.")
     if arguments.cases and (arguments.seeds < 1 or arguments.discard >= arguments.time):
@@ -173,14 +194,15 @@ def _evaluate(arguments: argparse.Namespace, joint: ConditionalModel) -> int:
 
     if arguments.batch:
         with part_bar("reading the results of the runs") as report:
-            fits = fits_of_batch(
-                batch.opened(arguments.batch), arguments.results, arguments.law, arguments.duration, report
-            )
+            fits = fits_of_batch(batch.opened(arguments.batch), arguments.results, arguments.law, arguments.duration,
+                                 report, arguments.side or "max")  # fmt: skip
         if arguments.save_fits:
             write_fits(arguments.save_fits, fits.values())
             say_saved(arguments.save_fits)
+    elif arguments.fits:
+        fits = read_fits(arguments.fits, arguments.duration)
     else:
-        fits = read_fits(arguments.fits, arguments.duration) if arguments.fits else read_maxima(arguments.maxima)
+        fits = read_maxima(arguments.maxima, arguments.side or "max")
     answers = compare_methods(joint, fits, years=arguments.return_period, duration=arguments.duration,
                               cut_offs=arguments.cut_out, fractile=arguments.fractile)  # fmt: skip
     head = f"{site.words(joint)}; {site.time(arguments.return_period)}, states of {arguments.duration / 3600:.4g} h"
@@ -211,25 +233,27 @@ def _say_excess(answers: list[Answers]) -> None:
             continue
         factor = excess_of_fits(each.flta, each.fits.runs, each.years)
         if factor > WORTH_A_WORD:
+            far = "low" if each.fits.side == "min" else "high"
             warnings.warn(
-                f"{each.fits.response}: its laws come from {each.fits.runs.min()} runs a state, too few: what scatters "
-                f"high decides. FLTA is expected to be {100 * (factor - 1):.0f} % too high.",
+                f"{each.fits.label}: its laws come from {each.fits.runs.min()} runs a state, too few: what scatters "
+                f"{far} decides. FLTA is expected to be {100 * (factor - 1):.0f} % too {far}.",
                 stacklevel=1,
             )
 
 
 def _row(answers: Answers) -> list[Any]:
     """Values of all methods, and the state that matters most."""
+    sign = answers.fits.sign
     values: list[float | None] = [None, None, None, None]
     state: Any = (None, None, None)
     if answers.flta is not None:
-        values[0] = answers.flta.value(answers.years)
-        shares = answers.flta.shares(values[0])
-        state = list(answers.flta.states)[int(shares.argmax())]
+        value = answers.flta.value(answers.years)
+        shares = answers.flta.shares(value)
+        values[0], state = sign * value, list(answers.flta.states)[int(shares.argmax())]
     if answers.ecm is not None:
-        values[1], state = answers.ecm.value, answers.ecm.state
+        values[1], state = sign * answers.ecm.value, answers.ecm.state
     if answers.mecm is not None:
-        values[2], state = answers.mecm.value, answers.mecm.worst.state
+        values[2], state = sign * answers.mecm.value, answers.mecm.worst.state
     if values[0] and values[2] is not None:
         values[3] = values[2] / values[0]
-    return [answers.fits.response, answers.fits.unit, *values, *state]
+    return [answers.fits.label, answers.fits.unit, *values, *state]

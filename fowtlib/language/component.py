@@ -438,6 +438,14 @@ class Component(Composite):
         """
         return {}
 
+    def before_the_run(self) -> dict[str, Any]:
+        """By their names, what stands for its `run_time_series` before the run where they do not say it themselves.
+
+        A Series that repeats itself, with the changes about the mean, in place of one that is none; None: nobody knows.
+        A stationary start takes it; see solving.stationary.
+        """
+        return {}
+
     # --- names ---------------------------------------------------------------------------------------------------
 
     @property

@@ -58,6 +58,11 @@ def at_start(name: str, size: int = 1, unit: str = "1", doc: str = "", compute: 
     return active().at_start(AtStart(name, size, unit, doc, compute, of, tuple(functions)))
 
 
+def series_handle(name: str) -> str:
+    """Under which name the handle of a `run_time_series` is found."""
+    return f"{name} handle"
+
+
 def run_time_series(time: Any, size: int, name: str, compute: Callable[[Any], Series | None], *,
                     of: Any = None, message: str = "") -> ca.SX:  # fmt: skip
     """A column of `size` signals of time, from the Series that `compute(component)` returns when a run starts.
@@ -68,7 +73,9 @@ def run_time_series(time: Any, size: int, name: str, compute: Callable[[Any], Se
     """
     function = series_function(size)
     handle, low, high = ca.vertsplit(
-        at_start(f"{name} handle", 3, "", f"{name}: handle, first and last time", compute, of=of, functions=(function,))
+        at_start(
+            series_handle(name), 3, "", f"{name}: handle, first and last time", compute, of=of, functions=(function,)
+        )
     )
     active().check_range(time, low, high, name, "time", message)
     return function(handle=handle, time=time)["values"]

@@ -19,7 +19,7 @@ from fowtlib.metocean.long_term import (
 )
 from fowtlib.metocean.run_lists import cases_file, states_to_cases
 from fowtlib.metocean.scatter import ScatterTable, read_scatter
-from fowtlib.metocean.short_term import Each, Extreme, Gumbel, ShortTerm, UpCrossings, known, one_by_one
+from fowtlib.metocean.short_term import Each, Either, Extreme, Gumbel, ShortTerm, UpCrossings, known, one_by_one
 from fowtlib.metocean.sites import environment, open_distribution, shipped, site
 from fowtlib.metocean.states import State, States
 from fowtlib.metocean.turbulence import Turbulence
@@ -28,6 +28,7 @@ __all__ = [
     "Answers",
     "ConditionalModel",
     "Each",
+    "Either",
     "Extreme",
     "Fits",
     "Gumbel",

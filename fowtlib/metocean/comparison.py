@@ -20,7 +20,10 @@ _NEAR = 0.01  # of the radius: how far a point may lie beside its contour, for s
 
 @dataclass(frozen=True)
 class Answers:
-    """What each method says of one response; None where there are no runs for it."""
+    """What each method says of one response; None where there are no runs for it.
+
+    Values are those of the laws: `fits.sign` times a value is the response, of a minimum its negative.
+    """
 
     fits: Fits
     years: float

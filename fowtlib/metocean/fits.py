@@ -15,12 +15,15 @@ import numpy as np
 from fowtlib.language.errors import ParameterError
 from fowtlib.language.whole_files import write_text
 from fowtlib.metocean.csv_columns import Columns, read_columns
-from fowtlib.metocean.short_term import Extreme, Gumbel, UpCrossings
+from fowtlib.metocean.short_term import Either, Extreme, Gumbel, UpCrossings
+from fowtlib.metocean.sides import SIDES, Sides, check_sides, label, side_of
 from fowtlib.metocean.states import COLUMNS, States
 
 _GUMBEL = ("location", "scale")
 _RATES = ("q", "a", "b", "c", "threshold")
-_WORDS = ("response", "unit", "name")
+_PLACES = {"location", "b", "threshold"}  # numbers that lie on the axis of the response
+_HALVES = ("abs above", "abs below")
+_WORDS = ("response", "unit", "side", "name")
 _NOT_RESPONSES = ("probability", "seed", "state", "weight")
 
 
@@ -28,7 +31,8 @@ _NOT_RESPONSES = ("probability", "seed", "state", "weight")
 class Fits:
     """The laws of one response: in bins, which have probabilities, and in points of contours, which have none.
 
-    runs: behind the law of each bin, where it was fitted here.
+    runs: behind the law of each bin, where it was fitted here. side: "max"; "min", whose laws are of the largest value
+    of the negative response, so that `sign` times their values is the response again; or "abs", of its absolute value.
     """
 
     response: str
@@ -36,14 +40,28 @@ class Fits:
     bins: tuple[States, Extreme] | None
     points: tuple[States, Extreme] | None
     runs: np.ndarray | None = None
+    side: str = "max"
+
+    @property
+    def sign(self) -> float:
+        """Of the response in the values of the laws."""
+        return -1.0 if self.side == "min" else 1.0
+
+    @property
+    def label(self) -> str:
+        """The response with its side: surge, heave (min), |yaw|."""
+        return label(self.response, self.side)
 
 
 def read_fits(path: str | os.PathLike[str], duration: float = 3600.0) -> dict[str, Fits]:
-    """Laws by response, from a CSV with one row for each response and state.
+    """Laws by response and side, `Fits.label`, from a CSV with one row for each of them and state.
 
-    Columns: response, unit (optional), wind_speed [m/s], Hs [m], Tp [s], probability (empty, or left out, where the
-    state is a point of a contour), and location and scale of a Gumbel law, or q, a, b, c and threshold of a rate of
-    up-crossings q exp(-a (y - b)^c) [1/s], for extremes in `duration` [s].
+    Columns: response, unit and side (optional), wind_speed [m/s], Hs [m], Tp [s], probability (empty, or left out,
+    where the state is a point of a contour), and location and scale of a Gumbel law, or q, a, b, c and threshold of a
+    rate of up-crossings q exp(-a (y - b)^c) [1/s], for extremes in `duration` [s]. side: max, which is meant without
+    it; min, of which location, b and threshold have the sign of the response, and distances from them count downward;
+    abs, of the absolute value; or "abs above" and "abs below", whose rates of y up through x and of -y up through x
+    together are that of the absolute value.
     """
     table = read_columns(
         path, "the table of fits", (*_GUMBEL, *_RATES, "probability"), words=_WORDS, may_be_empty=("probability",)
@@ -63,14 +81,37 @@ def read_fits(path: str | os.PathLike[str], duration: float = 3600.0) -> dict[st
         values = {name: table.numbers[name][rows] for name in forms[0]}
         return Gumbel(**values) if forms[0] == _GUMBEL else UpCrossings(**values, duration=duration)
 
-    found = {}
-    names = np.array(table.words["response"])
-    for response in dict.fromkeys(table.words["response"]):
-        rows = np.flatnonzero(names == response)
+    names, sides = np.array(table.words["response"]), np.array(table.words.get("side", ["max"] * table.lines.size))
+    sides[sides == ""] = "max"
+    table.refuse(~np.isin(sides, (*SIDES, *_HALVES)), f"a side is {', '.join((*SIDES, *_HALVES))}.")
+    down = sides == "min"
+    for name in _PLACES & set(table.numbers):
+        table.numbers[name][down] *= -1
+    found: dict[tuple[str, str], Fits] = {}
+    for response, side in dict.fromkeys(zip(names.tolist(), sides.tolist(), strict=True)):
+        rows = np.flatnonzero((names == response) & (sides == side))
         unit = table.words["unit"][rows[0]] if "unit" in table.words else ""
         parts = [None if not some.size else (table.states(some, p), law(some)) for some, p in _parts(table, rows)]
-        found[response] = Fits(response, unit, *parts)
-    return found
+        found[response, side] = Fits(response, unit, *parts, side=side)
+    for response in dict.fromkeys(names.tolist()):
+        halves = [found.pop((response, side), None) for side in _HALVES]
+        if any(halves):
+            found[response, "abs"] = _whole(response, halves, (response, "abs") in found, table.path)
+    return {each.label: each for each in found.values()}
+
+
+def _whole(response: str, halves: list[Fits | None], twice: bool, path: str) -> Fits:
+    """The absolute value from the rates above and below."""
+    one, other = halves
+    if one is None or other is None or twice:
+        raise ParameterError(f"'{response}' has the sides {' and '.join(_HALVES)} together, or abs.", where=path)
+    parts: list[tuple[States, Extreme] | None] = []
+    for above, below in ((one.bins, other.bins), (one.points, other.points)):
+        if (above and list(above[0])) != (below and list(below[0])):
+            raise ParameterError(f"'{response}': {' and '.join(_HALVES)} are of the same states in the same order.",
+                                 where=path)  # fmt: skip
+        parts.append(None if above is None or below is None else (above[0], Either(above[1], below[1])))
+    return Fits(response, one.unit, *parts, side="abs")
 
 
 def write_fits(path: str | os.PathLike[str], fits: Iterable[Fits]) -> None:
@@ -79,30 +120,40 @@ def write_fits(path: str | os.PathLike[str], fits: Iterable[Fits]) -> None:
     forms = set()
     for each in fits:
         for states, law in filter(None, (each.bins, each.points)):
-            form = _GUMBEL if isinstance(law, Gumbel) else _RATES
-            if not isinstance(law, (Gumbel, UpCrossings)) or getattr(law, "threshold", 0) is None:
-                raise ParameterError(f"{each.response}: only Gumbel laws, and rates with a threshold, can be written.")
-            forms.add(form)
-            columns = [np.broadcast_to(getattr(law, name), (len(states),)) for name in form]
-            for index, state in enumerate(states):
-                probability = "" if states.probability is None else repr(float(states.probability[index]))
-                numbers = (repr(float(value)) for value in (*state, *(column[index] for column in columns)))
-                rows.append([each.response, each.unit, probability, *numbers])
+            pairs = zip(_HALVES, (law.one, law.other), strict=True) if isinstance(law, Either) else [(each.side, law)]
+            for side, single in pairs:
+                form, columns = _columns(each.response, side, single, len(states))
+                forms.add(form)
+                for index, state in enumerate(states):
+                    probability = "" if states.probability is None else repr(float(states.probability[index]))
+                    numbers = (repr(float(value)) for value in (*state, *columns[:, index]))
+                    rows.append([each.response, each.unit, side, probability, *numbers])
     if len(forms) != 1:
         raise ParameterError("a table of fits has laws of one form, and one at least.")
     text = io.StringIO()
     out = csv.writer(text, lineterminator="\n")
     head = [f"{name} [{unit}]" for name, unit in COLUMNS.items()]
-    out.writerows([["response", "unit", "probability", *head, *forms.pop()], *rows])
+    out.writerows([["response", "unit", "side", "probability", *head, *forms.pop()], *rows])
     write_text(Path(path), text.getvalue())
 
 
-def read_maxima(path: str | os.PathLike[str]) -> dict[str, Fits]:
-    """Gumbel laws by response, by the method of moments, from a CSV with one row for each run.
+def _columns(response: str, side: str, law: Extreme, count: int) -> tuple[tuple[str, ...], np.ndarray]:
+    """The numbers of laws as they are written, (columns, states), with the names of the columns."""
+    form = _GUMBEL if isinstance(law, Gumbel) else _RATES
+    if not isinstance(law, (Gumbel, UpCrossings)) or getattr(law, "threshold", 0) is None:
+        raise ParameterError(f"{response}: only Gumbel laws, and rates with a threshold, can be written.")
+    signs = [-1.0 if side == "min" and name in _PLACES else 1.0 for name in form]
+    return form, np.array([sign * np.broadcast_to(getattr(law, name), (count,))
+                           for sign, name in zip(signs, form, strict=True)])  # fmt: skip
+
+
+def read_maxima(path: str | os.PathLike[str], side: Sides = "max") -> dict[str, Fits]:
+    """Gumbel laws by `Fits.label`, by the method of moments, from a CSV with one row for each run.
 
     Columns: wind_speed [m/s], Hs [m], Tp [s], probability (as in `read_fits`), name, seed, state and weight, which are
     left aside, and one for each response with its largest value in the run, the unit in brackets behind its name. Each
-    state needs two runs or more.
+    state needs two runs or more. side: of all responses or by name: "min", where the column has the smallest values,
+    or "abs", where it has the largest absolute ones.
     """
     table = read_columns(path, "the table of maxima", None, words=_WORDS, may_be_empty=("probability",))
     responses = [name for name in table.numbers if name not in (*COLUMNS, *_NOT_RESPONSES)]
@@ -124,12 +175,16 @@ def read_maxima(path: str | os.PathLike[str]) -> dict[str, Fits]:
                     where=f"{table.path}:{table.lines[some[0]]}",
                 )
         parts.append((table.states(rows[first], None if probability is None else probability[first]), runs))
+    check_sides(side, responses, table.path)
     found = {}
     for response in responses:
-        values = table.numbers[response]
+        which = side_of(side, response)
+        values = -table.numbers[response] if which == "min" else table.numbers[response]
+        table.refuse((values < 0) & (which == "abs"), f"'{response}': an absolute value is not negative.")
         laws = [None if part is None else (part[0], _gumbel(values, part[1], table, response)) for part in parts]
         runs = None if parts[0] is None else np.array([len(some) for some in parts[0][1]])
-        found[response] = Fits(response, table.units.get(response, ""), *laws, runs)
+        each = Fits(response, table.units.get(response, ""), *laws, runs, which)
+        found[each.label] = each
     return found
 
 

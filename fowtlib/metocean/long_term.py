@@ -109,7 +109,8 @@ def excess_of_fits(found: LongTerm, runs: Any, years: float, *, draws: int = 12,
 
     runs: maxima behind each law, (n,) or a number. The scale of a law scatters, and of many states those with too large
     a one decide. The parametric bootstrap draws as many maxima from the fitted laws, fits these, and compares; the
-    value over this factor is the estimate without bias, as good as the bootstrap.
+    value over this factor is the estimate without bias, as good as the bootstrap. Of a negative value, such as that of
+    a least tension with its sign turned, it is 1 + the excess over its size.
     """
     if not isinstance(found.laws, Gumbel):
         raise ParameterError("the excess of fits is known of Gumbel laws that were fitted to maxima.")
@@ -125,7 +126,8 @@ def excess_of_fits(found: LongTerm, runs: Any, years: float, *, draws: int = 12,
             law = Gumbel.of_maxima(drawn)
             again[:, some] = law.location, law.scale
         values.append(LongTerm(found.states, Gumbel(*again), found.duration).value(years))
-    return float(np.mean(values)) / found.value(years)
+    value = found.value(years)
+    return 1.0 + (float(np.mean(values)) - value) / abs(value)
 
 
 def on_contour(

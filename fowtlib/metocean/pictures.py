@@ -78,21 +78,19 @@ def plot_exceedance(answers: Sequence[Answers], path: str | Path | None = None, 
         axes = figure.subplots(rows, columns, squeeze=False)
         for axis, each in zip(axes.ravel(), answers, strict=False):
             if each.flta is not None:
-                axis.plot(
-                    each.flta.curve(_reachable(each)), _reachable(each), color=COLORS[0], label="all states (FLTA)"
-                )
+                values = each.fits.sign * each.flta.curve(_reachable(each))
+                axis.plot(values, _reachable(each), color=COLORS[0], label="all states (FLTA)")
             marks: list[tuple[str, Any, str]] = [
                 (f"contour (ECM, {100 * each.ecm.fractile:g} %)", each.ecm.value, "o") if each.ecm else ("", None, ""),
                 ("several contours (MECM)", each.mecm.value, "s") if each.mecm else ("", None, ""),
             ]
             for index, (label, value, marker) in enumerate(marks, start=1):
                 if value is not None:
-                    axis.plot(
-                        value, each.years, marker, color=COLORS[index], markersize=8 - 3 * (index - 1), label=label
-                    )
+                    axis.plot(each.fits.sign * value, each.years, marker, color=COLORS[index],
+                              markersize=8 - 3 * (index - 1), label=label)  # fmt: skip
             axis.axhline(each.years, color=INK, linewidth=0.7, linestyle=":")
             axis.set_yscale("log")
-            axis.set(xlabel=f"{each.fits.response.replace('_', ' ')}{f' [{each.fits.unit}]' if each.fits.unit else ''}")
+            axis.set(xlabel=f"{each.fits.label.replace('_', ' ')}{f' [{each.fits.unit}]' if each.fits.unit else ''}")
             axis.margins(x=0.06)
         for row in axes:
             row[0].set_ylabel("return period [years]")

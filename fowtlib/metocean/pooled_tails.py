@@ -10,7 +10,7 @@ the rate nu_0 at which it passes its mean; what they share is the rate over (x -
 from __future__ import annotations
 
 from collections import Counter
-from collections.abc import Callable, Hashable, Iterable, Mapping
+from collections.abc import Callable, Hashable, Iterable
 from contextlib import suppress
 from typing import TYPE_CHECKING, Any, NamedTuple
 
@@ -19,6 +19,7 @@ import numpy as np
 from fowtlib.language.errors import ModelError
 
 if TYPE_CHECKING:
+    from fowtlib.analysis.kept import KeptRuns
     from fowtlib.analysis.tails import CrossingRates
 
 LEVELS = np.arange(1.4, 8.01, 0.1)  # deviations above the mean at which passages are counted
@@ -49,7 +50,7 @@ class Pool:
     """Collects counts of passages of one response, run by run, so that no series has to be kept."""
 
     def __init__(self, name: str = "") -> None:
-        self.name = name
+        self.name = name  # for messages
         self.states: dict[Hashable, _Own] = {}
         self.counts: dict[float, list[np.ndarray]] = {}
         self.spans: dict[float, list[float]] = {}
@@ -59,12 +60,13 @@ class Pool:
     def add(self, key: Hashable, group: float, records: list[Any]) -> None:
         """The runs of a state, which belongs to a group such as its wind speed."""
         from fowtlib.analysis.crossings import count_in_pieces, count_up_crossings
+        from fowtlib.analysis.kept import is_constant
         from fowtlib.analysis.series import as_records
 
         series = as_records(records)
         together = np.concatenate([record.values for record in series])
         mean, std = float(together.mean()), float(together.std())
-        if _constant(mean, std):
+        if is_constant(mean, std):
             raise ModelError(f"{series[0].name} does not change; name the results to evaluate with --results.")
         values = [(record.values - mean) / std for record in series]
         pieces = [count_in_pieces(one.time, part, LEVELS, PIECES) for one, part in zip(series, values, strict=True)]
@@ -73,20 +75,12 @@ class Pool:
         lowest = float((together.min() - mean) / std)
         self._keep(key, group, _Own(mean, std, passages / float(spans.sum())), passages, counts, spans, lowest)
 
-    def add_kept(self, key: Hashable, group: float, kept: Mapping[str, Any], span: float) -> None:
-        """The one run of a state, of `span` [s], by what case_statistics gives of it; it is not cut into pieces."""
-        crossings = kept["crossings"]
-        steps = LEVELS / crossings["step"]
-        if _constant(kept["mean"], kept["std"]):
-            raise ModelError("it does not change.")
-        if not np.allclose(steps, steps.round(), atol=1e-6):
-            raise ModelError("the statistics that are kept do not count passages at the levels that are needed.")
-        passed = np.zeros(int(steps.round().max()) + 1)
-        counts = crossings["above"][: len(passed)]
-        passed[: len(counts)] = counts
-        own = _Own(kept["mean"], kept["std"], float(passed[0]) / span)
-        lowest = (kept["min"] - kept["mean"]) / kept["std"]
-        self._keep(key, group, own, float(passed[0]), [passed[steps.round().astype(int)]], [span], lowest)
+    def add_kept(self, key: Hashable, group: float, runs: KeptRuns) -> None:
+        """The runs of a state by what `case_statistics` has kept of them; they are not cut into pieces."""
+        passages = float(runs.passages([runs.mean]).sum())
+        counts = runs.passages(runs.mean + LEVELS * runs.std)
+        lowest = (runs.lowest - runs.mean) / runs.std
+        self._keep(key, group, _Own(runs.mean, runs.std, runs.mean_rate), passages, counts, runs.spans, lowest)
 
     def _keep(
         self,
@@ -129,10 +123,6 @@ class Pool:
                 tail, kind = tail_of(rates, self.name)
                 return tail._replace(q=tail.q / rate), kind
         return Tail(1.0, 0.5, 0.0, 2.0, 0.0), GAUSSIAN
-
-
-def _constant(mean: float, std: float) -> bool:
-    return not std > 1e-9 * max(abs(mean), 1e-300)
 
 
 def tail_of(rates: CrossingRates, name: str) -> tuple[Tail, str]:

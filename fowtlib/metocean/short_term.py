@@ -25,6 +25,7 @@ class Extreme(Protocol):
 
 
 ShortTerm = Callable[[States], Extreme]
+_HALVINGS = 60  # of the interval of a root, to the last digit
 
 
 @dataclass(frozen=True)
@@ -124,6 +125,33 @@ class Each:
         return np.array([float(getattr(law, name)(value)) for law, value in zip(self.laws, each, strict=True)])
 
 
+@dataclass(frozen=True)
+class Either:
+    """The larger of two independent values: of a response and of its negative, so that it is the absolute value."""
+
+    one: Extreme
+    other: Extreme
+
+    def sf(self, x: Any) -> np.ndarray:
+        """Probability of a larger value."""
+        first, second = self.one.sf(x), self.other.sf(x)
+        return first + second - first * second
+
+    def cdf(self, x: Any) -> np.ndarray:
+        return self.one.cdf(x) * self.other.cdf(x)
+
+    def isf(self, q: Any) -> np.ndarray:
+        """The value that is exceeded with probability q: it lies between those of q and of q/2 of the single laws."""
+        wanted = np.asarray(q, dtype=float)
+        low, high = (np.array(np.maximum(self.one.isf(p), self.other.isf(p)), dtype=float)
+                     for p in (wanted, wanted / 2))  # fmt: skip
+        for _ in range(_HALVINGS):
+            middle = 0.5 * (low + high)
+            beyond = self.sf(middle) > wanted
+            low, high = np.where(beyond, middle, low), np.where(beyond, high, middle)
+        return high
+
+
 def one_by_one(law: Callable[[State], Extreme]) -> ShortTerm:
     """A function of one state (wind speed, wave height, peak period) as a function of many."""
     return lambda states: Each([law(state) for state in states])
@@ -142,13 +170,18 @@ def known(states: States, laws: Extreme) -> ShortTerm:
                 f"Hs {h:.4g} m, Tp {t:.4g} s."
             )
         index = np.array([places[state] for state in wanted])
-        if np.array_equal(index, np.arange(len(states))):
-            return laws
-        if isinstance(laws, Each):
-            return Each([laws.laws[i] for i in index])
-        if isinstance(laws, (Gumbel, UpCrossings)):
-            some = {key: np.asarray(value)[index] if np.ndim(value) else value for key, value in vars(laws).items()}
-            return type(laws)(**some)
-        raise ParameterError("these laws cannot be taken apart; give Gumbel, UpCrossings or Each.")
+        return laws if np.array_equal(index, np.arange(len(states))) else _some(laws, index)
 
     return find
+
+
+def _some(laws: Extreme, index: np.ndarray) -> Extreme:
+    """The laws of some states."""
+    if isinstance(laws, Each):
+        return Each([laws.laws[i] for i in index])
+    if isinstance(laws, Either):
+        return Either(_some(laws.one, index), _some(laws.other, index))
+    if isinstance(laws, (Gumbel, UpCrossings)):
+        some = {key: np.asarray(value)[index] if np.ndim(value) else value for key, value in vars(laws).items()}
+        return type(laws)(**some)
+    raise ParameterError("these laws cannot be taken apart; give Gumbel, UpCrossings, Either or Each.")

@@ -23,7 +23,9 @@ import casadi as ca
 import numpy as np
 
 from fowtlib.flattening import FlatDAE
+from fowtlib.language.declarations import join
 from fowtlib.language.errors import SimulationError
+from fowtlib.language.run_time import series_handle
 from fowtlib.language.series import Series
 from fowtlib.solving.binding import Binding
 from fowtlib.solving.equilibrium import dependence
@@ -54,8 +56,9 @@ class SlowModes:
         """Deviation of all states from the mean at t = 0 under the signals of a run."""
         total = np.zeros(len(self.roots), dtype=complex)
         conjugate = np.zeros_like(total)
+        sources = before_the_run(binding)
         for path, gain in self.gains.items():
-            omega, amplitude = harmonics(binding.sources.get(path))
+            omega, amplitude = harmonics(sources.get(path))
             if not len(omega):
                 continue
             driven = amplitude @ gain.T
@@ -141,6 +144,23 @@ def _say_what_grows(dae: FlatDAE, roots: np.ndarray, free: list[int], shapes: np
         f"the start leaves a motion of {', '.join(sorted(names))}{about} at its mean: in the linear model about the "
         "mean it grows or hardly decays. So rotors and controllers begin at their mean, too.", stacklevel=2
     )  # fmt: skip
+
+
+def before_the_run(binding: Binding) -> dict[str, Any]:
+    """What has driven a model before a run, by the paths of the handles; a warning tells of what nobody knows."""
+    sources, parts = dict(binding.sources), binding.root.walk() if binding.root is not None else ()
+    own = {join(part.path, series_handle(name)): series
+           for part in parts for name, series in part.before_the_run().items()}  # fmt: skip
+    unknown = [path for path, series in own.items() if series is None]
+    unknown += [
+        path for path, series in sources.items() if isinstance(series, Series) and np.isfinite(series.covers[1])
+    ]
+    if unknown:
+        names = ", ".join(sorted({path.rpartition(".")[0] for path in unknown}))
+        warnings.warn(
+            f"the start takes {names} as steady before the run: what does not repeat itself has no past.", stacklevel=2
+        )
+    return sources | own
 
 
 def harmonics(series: Any) -> tuple[np.ndarray, np.ndarray]:

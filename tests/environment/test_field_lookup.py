@@ -52,6 +52,19 @@ def test_against_scipy(lookups):
         np.testing.assert_allclose(lookup.velocity(points, t), expected, atol=1e-11)
 
 
+def test_the_mean_over_a_disk(lookups):
+    """Of u, over the points within the radius; at radius 0 it is that of the place."""
+    for lookup in lookups:
+        grid, start = lookup.grid, -lookup.shift / lookup.grid.speed
+        times = start + grid.dt * np.arange(grid.steps)
+        for y, z, radius in ((0.0, 90.0, 20.0), (5.0, 88.0, 13.0), (-3.0, 91.0, 0.0), (6.0, 80.0, 1.0)):
+            points = [[0.0, a, b] for a in grid.y for b in grid.z if np.hypot(a - y, b - z) <= radius]
+            points = points or [[0.0, y, z]]
+            assert len(points) == {20.0: 12, 13.0: 4}.get(radius, 1)
+            expected = [lookup.velocity(points, time)[:, 0].mean() for time in times]
+            np.testing.assert_allclose(lookup.over_disk(y, z, radius), expected, atol=1e-11)
+
+
 @pytest.mark.parametrize("interpolation", ["linear", "cubic"])
 def test_derivatives(lookups, interpolation):
     """Central differences in the cells."""

@@ -19,6 +19,7 @@ from fowtlib.components.environment.turbulence import (
     kaimal_series,
     lost_variance,
 )
+from fowtlib.components.environment.waves import irregular_waves
 from fowtlib.components.environment.wind_file import read_series
 from fowtlib.language import ModelError
 
@@ -137,6 +138,25 @@ def test_seeds_are_uncorrelated_on_average():
     a, b = (np.angle(np.fft.rfft(s)[1:4097]) for s in series)
     for phase in (a, b, a - b):
         assert 2 * 4096 * abs(np.mean(np.exp(1j * phase))) ** 2 < chi2.ppf(1 - 1e-5, 2)
+
+
+@pytest.mark.parametrize(("wind_period", "coherent"), [(1024.0, 0.0), (2048.0, math.pi / 4)])
+def test_wind_and_sea_of_one_seed(wind_period, coherent):
+    """Coherence squared of their harmonics at one frequency over seeds: that of chance with equal periods, 1/n.
+
+    With a wind of twice the period it is what the docstring of irregular_waves warns of.
+    """
+    seeds = range(1, 121)
+    waves = [irregular_waves(4.0, 10.0, 200.0, seed=seed, repetition_period=1024.0) for seed in seeds]
+    sea = np.array([each.amplitude * np.exp(1j * each.phase) for each in waves])
+    places = np.round(waves[0].omega * wind_period / (2 * math.pi)).astype(int)
+    wind = np.array([
+        np.fft.rfft(kaimal_series([[0, 90]], 15.0, 2.0, seed=seed, repetition_period=wind_period).values[:, 0])[places]
+        for seed in seeds
+    ])  # fmt: skip
+    cross = np.abs((sea * wind.conj()).mean(axis=0)) ** 2
+    found = np.mean(cross / (np.abs(sea) ** 2).mean(axis=0) / (np.abs(wind) ** 2).mean(axis=0))
+    assert found == pytest.approx(coherent + (1 - coherent) / len(seeds), abs=0.02)
 
 
 def test_a_spline_through_the_samples_follows_the_series():

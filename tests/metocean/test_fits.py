@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import csv
+from dataclasses import replace
 from pathlib import Path
 from types import SimpleNamespace
 
@@ -27,6 +28,7 @@ from fowtlib.metocean import (
     write_fits,
 )
 from fowtlib.metocean.pictures import plot_contours, plot_exceedance
+from fowtlib.metocean.short_term import Either, known
 
 JOINT = site("norway_5").at(90)
 BINS = bins(JOINT, np.arange(4, 51, 4.0), np.arange(1, 21, 2.0), np.arange(2, 35, 4.0))
@@ -119,6 +121,51 @@ def test_maxima_of_runs_are_fitted_state_by_state(tmp_path):
     assert len(fits["surge"].points[0]) == 2
 
 
+def test_sides_of_maxima(tmp_path):
+    rows = [[10, 3, 9, 1.0, 4.0 + seed, -5.0 - seed, 6.0 + seed**2] for seed in range(3)]
+    head = ["wind_speed", "Hs", "Tp", "probability", "surge [m]", "heave [m]", "yaw [deg]"]
+    path = write(tmp_path / "maxima.csv", head, rows)
+    surge, heave, yaw = read_maxima(path, {"heave": "min", "yaw": "abs"}).values()
+    assert [each.label for each in (surge, heave, yaw)] == ["surge", "heave (min)", "|yaw|"]
+    assert heave.bins[1].location - 5.0 == pytest.approx(surge.bins[1].location - 4.0)  # as deep as surge is high
+    (least,) = compare_methods(JOINT, {"heave": heave}, years=1.0)
+    assert least.fits.sign * least.flta.value(1.0) < -7.0
+    with pytest.raises(ParameterError, match=r"maxima.csv:2: 'heave': an absolute value is not negative."):
+        read_maxima(path, "abs")
+    with pytest.raises(ParameterError, match=r"maxima.csv: a side is given for 'yav'; did you mean 'yaw'"):
+        read_maxima(path, {"yav": "abs"})
+
+
+def test_sides_are_written_as_they_lie_on_the_axis_of_the_response(tmp_path):
+    above, below = UpCrossings(0.1, 0.3, 2.0, 2.0, 3600.0, 3.0), UpCrossings(0.1, 0.2, -2.0, 2.0, 3600.0, -1.0)
+    low = Fits("heave", "m", (BINS, below), None, side="min")
+    both = Fits("heave", "m", (BINS, Either(above, below)), (POINTS[0], Either(above, below)), side="abs")
+    write_fits(tmp_path / "sides.csv", [low, both])
+    first, *_ = csv.DictReader((tmp_path / "sides.csv").read_text().splitlines())
+    assert (first["side"], float(first["b"]), float(first["threshold"])) == ("min", 2.0, 1.0)
+    found = read_fits(tmp_path / "sides.csv")
+    assert list(found) == ["heave (min)", "|heave|"]
+    assert found["heave (min)"].bins[1].sf(2.0) == pytest.approx(np.full(len(BINS), below.sf(2.0)), rel=1e-12)
+    for part in ("bins", "points"):
+        values = getattr(found["|heave|"], part)[1].isf(1e-3)
+        np.testing.assert_allclose(values, both.bins[1].isf(1e-3), rtol=1e-12)
+
+
+def test_the_absolute_value_of_two_rates():
+    """F = exp(-(nu_+ + nu_-) T), so that with equal rates it is the law of twice the time, exactly."""
+    one = UpCrossings(0.1, np.array([0.5, 0.02]), 0.0, 2.0, 3600.0, 0.0)
+    twice = UpCrossings(0.1, one.a, 0.0, 2.0, 7200.0, 0.0)
+    both = Either(one, one)
+    for q in (0.9, 0.5, 1e-2, 1e-9):
+        assert both.isf(q) == pytest.approx(twice.isf(q), rel=1e-12)
+        assert both.sf(both.isf(q)) == pytest.approx(q, rel=1e-9)
+    assert both.cdf(9.0) == pytest.approx(twice.cdf(9.0), rel=1e-12)
+    lopsided = Either(one, UpCrossings(0.1, one.a, -3.0, 2.0, 3600.0, 0.0))
+    assert np.all(one.isf(1e-3) < lopsided.isf(1e-3)) and np.all(lopsided.isf(1e-3) < both.isf(1e-3))
+    where = known(BINS[:2], lopsided)
+    assert where(BINS[[1]]).isf(1e-3) == pytest.approx(lopsided.isf(1e-3)[1:])
+
+
 HEAD = ["response", "wind_speed", "Hs", "Tp", "probability", "location", "scale"]
 ROW = ["surge", 10, 3, 9, 0.4, 5, 1]
 
@@ -126,6 +173,13 @@ ROW = ["surge", 10, 3, 9, 0.4, 5, 1]
 @pytest.mark.parametrize(
     ("head", "rows", "says"),
     [
+        ([*HEAD, "side"], [[*ROW, "up"]], "fits.csv:2: a side is max, min, abs, abs above, abs below."),
+        ([*HEAD, "side"], [[*ROW, "abs above"]], "'surge' has the sides abs above and abs below together, or abs."),
+        (
+            [*HEAD, "side"],
+            [[*ROW, "abs above"], ["surge", 11, *ROW[2:], "abs below"]],
+            "'surge': abs above and abs below are of the same states in the same order.",
+        ),
         (HEAD[1:], [ROW[1:]], "needs the column 'response'"),
         (HEAD[:-1], [ROW[:-1]], "needs the columns location, scale, or q, a, b, c, threshold."),
         ([*HEAD[:-1], "scales"], [ROW], "has no column 'scales'; did you mean 'scale'?"),
@@ -175,6 +229,9 @@ def test_pictures(tmp_path):
     assert at_50 == pytest.approx(answers[0].flta.value(50), rel=1e-3)
     assert figure.get_suptitle() == "a site"
     assert (tmp_path / "extremes.svg").read_text().startswith("<?xml")
+    low = replace(answers[0], fits=replace(answers[0].fits, side="min"))  # the same laws, of the negative
+    (axis,) = plot_exceedance([low]).axes
+    assert axis.get_xlabel() == "surge (min) [m]" and np.array_equal(axis.get_lines()[0].get_xdata(), -line.get_xdata())
     figure = plot_contours([("50 years", POINTS[0])], rings=[("8 m/s", POINTS[0][:5])], height=90)
     labels = [axis.get_xlabel() for axis in figure.axes]
     assert labels == ["mean wind speed at 90 m [m/s]", "peak period [s]"]

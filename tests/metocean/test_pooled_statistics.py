@@ -5,6 +5,7 @@ import pytest
 
 import fowtlib as fw
 from fowtlib.analysis import Spectrum
+from fowtlib.analysis.kept import kept_runs
 from fowtlib.analysis.spectra import realisation
 from fowtlib.language.errors import ModelError
 from fowtlib.metocean.pooled_tails import EXPONENTIAL, Pool
@@ -22,7 +23,7 @@ def test_tails_from_statistics_are_those_from_series():
         series.add(number, 12.0, [record])
         result = fw.Result(record.time, {"surge": record.values}, {"surge": "m"})
         told = fw.case_statistics(result)["channels"]["surge"]
-        kept.add_kept(number, 12.0, told, float(record.time[-1] - record.time[0]))
+        kept.add_kept(number, 12.0, kept_runs([told], [float(record.time[-1] - record.time[0])], "surge"))
     one, other = sum(series.counts[12.0]), sum(kept.counts[12.0])
     assert np.abs(one - other).max() <= 0.02 * one.max()  # passages between two pieces are counted in neither
     assert kept.lowest[12.0] == pytest.approx(series.lowest[12.0], rel=1e-9)
@@ -37,7 +38,28 @@ def test_tails_from_statistics_are_those_from_series():
 def test_levels_that_are_not_kept_are_refused():
     kept = {"mean": 0.0, "std": 1.0, "min": -3.0, "crossings": {"step": 0.25, "above": [10, 5]}}
     with pytest.raises(ModelError, match="do not count passages at the levels"):
-        Pool().add_kept(0, 12.0, kept, 3600.0)
+        kept_runs([kept], [3600.0], "surge")
+
+
+@pytest.mark.parametrize("side", ["max", "min"])
+def test_passages_of_runs_with_means_of_their_own(side):
+    """Two runs: mean and deviation are those of both together, and passages those of the series, below the mean too."""
+    sign = 1.0 if side == "max" else -1.0
+    series = [record.values + shift for record, shift in zip(records(2), (0.0, 0.7), strict=True)]
+    told = [fw.case_statistics(fw.Result(np.arange(values.size) * 0.5, {"surge": values}, {"surge": "m"}))
+            for values in series]  # fmt: skip
+    runs = kept_runs([each["channels"]["surge"] for each in told], [3600.0, 3600.0], "surge", side)
+    together = sign * np.concatenate(series)
+    assert runs.mean == pytest.approx(together.mean(), abs=1e-3) and runs.lowest == together.min()
+    assert runs.std == pytest.approx(together.std(), rel=1e-3)
+    for row, values in enumerate(sign * each for each in series):
+        own = values.mean() + values.std() * np.array([-1.2, -0.4, 0.0, 0.3, 1.5, 2.0])
+        counted = [np.count_nonzero((values[:-1] <= level) & (values[1:] > level)) for level in own]
+        assert np.abs(runs.passages(own)[row] - counted).max() <= 1  # upward for downward ones
+        between = runs.passages(own + 0.05 * values.std())[row]
+        further = runs.passages(own + 0.1 * values.std())[row]
+        assert np.all((between - runs.passages(own)[row]) * (between - further) <= 1e-9)
+    assert runs.passages([together.max() + 1.0]).tolist() == [[0.0], [0.0]]
 
 
 def test_a_constant_is_refused_alike():
@@ -45,7 +67,7 @@ def test_a_constant_is_refused_alike():
     result = fw.Result(time, {"surge": np.full(time.size, 0.1)}, {"surge": "m"})
     told = fw.case_statistics(result)["channels"]["surge"]
     with pytest.raises(ModelError, match="it does not change"):
-        Pool("surge").add_kept(0, 12.0, told, 3600.0)
+        Pool("surge").add_kept(0, 12.0, kept_runs([told], [3600.0], "surge"))
     with pytest.raises(ModelError, match="surge does not change"):
         Pool("surge").add(0, 12.0, [result["surge"]])
 

@@ -2,11 +2,14 @@
 
 from __future__ import annotations
 
+import warnings
+
 import numpy as np
 import pytest
 
 import fowtlib as fw
 from fowtlib.components.environment import JonswapSea, Sea, World
+from fowtlib.components.environment.field_file import FieldGrid, write_field
 from fowtlib.language import Component, Scalar, Series, assign, der, eq, outer, param, sampled, var
 from fowtlib.language.errors import SimulationError
 from fowtlib.solving import starts
@@ -143,6 +146,40 @@ def test_a_turbine_starts_where_it_would_be(spar, intensity, height, left):
         assert gained < left, (name, gained)
 
 
+def test_in_a_field_each_rotor_counts_its_own_disk(spar):
+    """The same in a field, of which a rotor of coefficients feels the wind at the hub."""
+    wind = {"kind": "turbulence", "mean_speed": 18.0, "repetition_period": 300.0, "seed": 3, "point_spacing": 10.0,
+            "sample_step": 0.2, "turbulence_intensity": 0.03}  # fmt: skip
+    parameters = {f"wind.{name}": value for name, value in wind.items()} | {"sea.spectrum": "still"}
+    with warnings.catch_warnings():
+        warnings.filterwarnings("ignore", ".*repeats itself")
+        long = spar.simulate(1000, 0.5, solver="fixed", start="stationary", parameters=parameters)
+        short = spar.simulate(100, 0.5, solver="fixed", start="turning", parameters=parameters)
+    for name in ("surge", "pitch", "rotor_speed", "blade_pitch"):
+        settled = long[name].values[1800:2001]
+        gained = np.abs(long[name].values[:201] - settled).mean() / np.abs(short[name].values - settled).mean()
+        assert gained < 0.35, (name, gained)
+    made = spar.binding(parameters).root.find("wind")
+    (series,) = made.before_the_run().values()
+    hub = made.lookup().velocity([[0.0, 0.0, 90.0]] * 5, np.arange(5.0) * 0.2)[:, 0]
+    np.testing.assert_allclose(np.diff(series(np.arange(5.0) * 0.2)[:, 1]), np.diff(hub), atol=1e-9)
+
+
+def test_what_has_no_past_is_said(spar, tmp_path):
+    """A record of wind and a field that ends; the start is that of steady wind."""
+    np.savetxt(tmp_path / "wind.csv", np.c_[np.arange(0, 60.0), 17 + np.sin(np.arange(60.0))], "%.6f", ",")
+    grid = FieldGrid(rows=6, columns=6, steps=300, dz=30.0, dy=30.0, dt=0.2, speed=17.0, hub_height=90.0, bottom=15.0,
+                     periodic=False)  # fmt: skip
+    speeds = np.random.default_rng(1).normal((17, 0, 0), 0.5, (300, 6, 6, 3))
+    write_field(tmp_path / "wind.bts", grid, speeds)
+    for kind, file in (("file", "wind.csv"), ("field", "wind.bts")):
+        given = {"wind.kind": kind, "wind.file": str(tmp_path / file), "sea.spectrum": "still"}
+        with pytest.warns(UserWarning, match="the start takes wind as steady before the run"):
+            moved = start_values(spar, "stationary", given)[0]
+        mean = start_values(spar, "turning", given)[0]
+        assert moved["platform.motion.surge"] == pytest.approx(mean["platform.motion.surge"], abs=1e-9)
+
+
 NEAR_RATED = {"wind.kind": "kaimal", "wind.mean_speed": 12.0, "sea.spectrum": "jonswap",
               "sea.significant_wave_height": 4, "sea.peak_period": 10}  # fmt: skip
 
@@ -178,6 +215,7 @@ def test_a_rotor_of_blade_elements_counts_by_its_mean_over_a_turn():
     mean, binding = starts.mean_parameters(plant, parameters), plant.binding(parameters)
     values, _ = start_values(plant, "turning", parameters)
     (angle,) = [turn.azimuth for turn in turns_of(plant, plant.at(mean), plant.initial_state(mean, values))]
+    assert plant.root.find("turbine.aerodynamics").felt_disk() == (0, 63.0)
     found = []
     for turned in (0.0, 0.3):
         values[plant.dae.states[angle].path] += turned

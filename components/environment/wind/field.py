@@ -7,7 +7,7 @@ import numpy as np
 from fowtlib.components.environment.field_lookup import FieldLookup
 from fowtlib.components.environment.field_wind import FieldData, check_mean, open_field, require_range
 from fowtlib.components.environment.wind.base import Wind, station_height
-from fowtlib.language import Number, param
+from fowtlib.language import Number, Series, param
 from fowtlib.language.errors import ParameterError
 
 
@@ -48,6 +48,21 @@ class FieldWind(Wind, kind="field"):
         """Mean [m/s] of u at a station."""
         station_height(self, station)
         return self.lookup().mean(*self.hubs[station].tolist())
+
+    def before_the_run(self) -> dict[str, Series | None]:
+        """A fluctuation of the stations, what each rotor's disk has of the field on average; none of a field that ends.
+
+        A rotor of coefficients feels the wind at the hub. What differs over a disk, and yaws it, is no part.
+        """
+        lookup = self.lookup()
+        if not lookup.grid.periodic:
+            return {"series": None}
+        parts = [self, *self.enclosing()][-1].walk()
+        radii = dict(part.felt_disk() for part in parts if hasattr(part, "felt_disk"))
+        speeds = np.column_stack([lookup.over_disk(y, z, radii.get(k, 0.0)) for k, (y, z) in enumerate(self.hubs)])
+        values = np.hstack([np.zeros_like(speeds), speeds - speeds.mean(axis=0)])
+        start = -lookup.shift / lookup.grid.speed
+        return {"series": Series.samples(values, lookup.grid.dt, start, periodic=True, interpolation="linear")}
 
     def require(self, y_range: tuple[float, float], z_range: tuple[float, float], who: str) -> None:
         """ParameterError where the field does not cover the ranges [m]."""
