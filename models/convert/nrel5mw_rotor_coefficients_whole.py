@@ -22,7 +22,7 @@ FAST = np.concatenate(
 )
 """Tip speed ratios above the published ones, to rated speed (79.8 m/s) in the least wind of CoefficientRotor (0.5 m/s).
 
-Lulls of 4 m/s reach 60. From 25 on both coefficients are nearly parabolas.
+Lulls of 4 m/s reach 94. From 25 on both coefficients are nearly parabolas.
 """
 FADES = {"below": 2.0, "above": 10.5, "pitch": np.radians(20.0)}
 """Ways from the border to where the difference is gone: tip speed ratio to rest and to 25, pitch."""
