@@ -17,7 +17,7 @@ from fowtlib.language.whole_files import write_text
 COLUMNS = ("tip_speed_ratio", "blade_pitch_deg", "thrust_coefficient", "torque_coefficient")
 REMEDY = "give a table that covers the state (`fowt rotor-table` makes one from the blades), or start elsewhere"
 LARGEST_RATIO = 25.0
-"""Largest tip speed ratio of an extended table."""
+"""Largest tip speed ratio of an extended table; above, the estimate is no good: such a table comes from the blades."""
 
 
 @dataclass(frozen=True, eq=False)

@@ -7,7 +7,7 @@ import pytest
 from scipy.interpolate import PchipInterpolator
 
 import fowtlib.models
-from fowtlib.components.aero import read_blade, read_coefficients
+from fowtlib.components.aero import BladeElementRotor, coefficient_table, read_blade, read_coefficients
 from fowtlib.language.errors import ModelError
 
 DATA = Path(fowtlib.models.__file__).parent / "data" / "nrel5mw"
@@ -115,11 +115,24 @@ def test_the_whole_table_continues_the_published_one():
     table, whole = read_coefficients(CSV), read_coefficients(WHOLE)
     tips, pitches = np.meshgrid(table.tip_speed_ratio, table.blade_pitch)
     assert np.array(whole(tips, pitches)) == pytest.approx(np.array(table(tips, pitches)), abs=1e-7)
-    for path in (np.linspace(-1, 25, 521), np.linspace(-5, 100, 421)):  # no jump at a border
+    for path in (np.linspace(-1, 60, 1221), np.linspace(-5, 100, 421)):  # no jump at a border
         at = (path, np.radians(2.0)) if path[0] == -1 else (1.5, np.radians(path))
         for values in whole(*at):
             steps = np.abs(np.diff(values))
             assert steps.max() < 6 * np.median(steps) + 0.02
+
+
+@pytest.mark.parametrize(("pitch", "tolerance"), [(-5, 1e-3), (0, 1e-3), (20, 1e-3), (90, 1e-3), (2.5, 6e-3)])
+def test_a_rotor_that_is_fast_for_the_wind_is_braked(pitch, tolerance):
+    """Above a tip speed ratio of 25 the whole table is blade-element theory, also between its rows and pitch angles."""
+    whole, ratios = read_coefficients(WHOLE), np.linspace(25, 160, 100)
+    assert whole.tip_speed_ratio[-1] >= 12.1 * np.pi / 30 * 63 / 0.5  # rated speed in the least wind of the rotor
+    blade = read_blade(str(DATA / "blade_aerodynamics.csv"), str(DATA / "airfoils.csv"), 1.5, 63.0)
+    theory = coefficient_table(BladeElementRotor(blade), ratios, np.radians([pitch]), precone=np.radians(2.5))
+    thrust, torque = whole(ratios, np.radians(pitch))
+    assert thrust == pytest.approx(theory.thrust[:, 0], abs=tolerance * np.abs(thrust).max())
+    assert torque == pytest.approx(theory.torque[:, 0], abs=tolerance * np.abs(torque).max() + 0.02)
+    assert torque.max() < -0.01
 
 
 @pytest.mark.parametrize(

@@ -268,6 +268,27 @@ def test_shipped_spar_in_yawed_wind_and_in_none():
     assert float(model.compile().initial_state()["turbine.rotor_speed"]) == 0
 
 
+LULLS = [  # each left a table that ends at tip speed ratio 25, after the time in the comment
+    ("oc3_spar_rigid", 6, {"significant_wave_height": 1.0, "seed": 1}, ["turbine"], 300),  # 286 s
+    ("two_rotor_spar_rigid", 38373629, {"significant_wave_height": 5.0, "peak_period": 14.0, "seed": 116937156},
+     ["turbine_left", "turbine_right"], 60),  # 50 s
+    ("two_rotor_spar_rigid", 1536558342, {"significant_wave_height": 5.0, "peak_period": 8.0, "seed": 1214556571},
+     ["turbine_left", "turbine_right"], 10),  # 3 s
+]  # fmt: skip
+
+
+@pytest.mark.parametrize(("name", "seed", "sea", "turbines", "end"), LULLS)
+def test_shipped_spars_pass_the_lulls_of_a_light_wind(name, seed, sea, turbines, end):
+    """4 m/s of class B: where the mean wind falls below 2 m/s the air brakes the rotors."""
+    wind = {"wind.mean_speed": 4.0, "wind.turbulence_class": "B", "wind.seed": seed}
+    plant = fw.load(name, set={**wind, **{f"sea.{key}": value for key, value in sea.items()}}).compile()
+    names = [f"{turbine}.rotor.{of}" for turbine in turbines for of in ("tip_speed_ratio", "torque_coefficient", "w")]
+    result = plant.simulate(end, 0.25, outputs=names)
+    ratio, torque, speed = (np.stack([result[n].to_numpy() for n in names[i::3]]) for i in range(3))
+    assert result.time[-1] == end and 25 < ratio.max() < 60
+    assert torque[ratio > 25].max() < 0 and speed.min() > 0.3 and speed.max() < 12.1 * RPM
+
+
 @pytest.mark.parametrize(("direction", "yaw"), [(0, 40), (30, 30), (-20, 25)])
 def test_a_spar_that_starts_turned_has_the_wind_along_its_shaft(direction, yaw):
     """By the model, and by a parameter of the run; yaw 30 deg in wind from 30 deg is no yaw at all."""
