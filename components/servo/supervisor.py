@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from fowtlib.components.environment.wind import Wind
+from fowtlib.components.environment.wind.base import station_height
 from fowtlib.components.servo.overrides import NEVER
 from fowtlib.components.servo.safety_system import SafetySystem
 from fowtlib.language import RealOutput, Scalar, assign, der, eq, initial, on, outer, param, port, var, when
@@ -61,6 +62,7 @@ class Supervisor(SafetySystem):
     overspeeds: Scalar = var(discrete=True, start=0.0, doc="stops in overspeed since somebody has started it")
 
     def equations(self):
+        station_height(self.wind, self.station)  # refuses a station that does not exist
         blows, mean = self.wind.speed[self.station], self.mean_wind
         return [
             super().equations(),

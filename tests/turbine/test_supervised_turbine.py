@@ -4,6 +4,7 @@ import numpy as np
 import pytest
 
 import fowtlib as fw
+from fowtlib.language.errors import ModelError
 
 TEXT = """
 fowtlib: 1
@@ -69,3 +70,10 @@ def test_a_storm_stops_it(turbine):
 def test_without_wind_enough_it_goes_on_idling(turbine):
     result = turbine.simulate(60, 0.5, solver="fixed", step=0.025, parameters={"wind.mean_speed": 3.0})
     assert states(result)[0] == [0] and not np.asarray(result["generator_power"]).any()
+
+
+def test_a_station_that_does_not_exist_is_refused(tmp_path):
+    path = tmp_path / "turbine.yaml"
+    path.write_text(TEXT.replace("idling: 1,", "idling: 1, station: 3,"))
+    with pytest.raises(ModelError, match="station 3 of wind does not exist"):
+        fw.load(path).compile()
