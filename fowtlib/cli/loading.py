@@ -116,16 +116,8 @@ def load_at_rest(arguments: argparse.Namespace) -> tuple[Model, str]:
     if arguments.wind and model.root.parts[WIND.part].kind not in CONSTANT_WIND:
         kind = model.root.parts[WIND.part].kind
         raise ParameterError(f"--wind: '{kind}' changes in time; give none or {WIND.form('steady')} here.")
-    calm = in_the_mean(model)
+    calm = model.in_the_mean()
     return calm, weather(calm, arguments, model)
-
-
-def in_the_mean(model: Model) -> Model:
-    """The model in still water, and in steady wind of the mean speed of its own."""
-    from fowtlib.solving.starts import mean_values
-
-    values = mean_values(model.root)
-    return model.with_parameters(values) if values else model
 
 
 def _require_part(model: Model, condition: Condition) -> None:

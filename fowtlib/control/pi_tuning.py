@@ -19,11 +19,10 @@ from typing import Any
 import numpy as np
 
 from fowtlib.components.servo import PitchController
-from fowtlib.control.points import OVER
+from fowtlib.control.points import OVER, rest_at
 from fowtlib.control.reduction import opened
-from fowtlib.language.errors import ModelError, ParameterError, SimulationError
-from fowtlib.solving import Model, NaturalMode, Plant, State, mean_state, natural_modes
-from fowtlib.solving.starts import mean_values
+from fowtlib.language.errors import ModelError, ParameterError
+from fowtlib.solving import Model, NaturalMode, Plant, State, natural_modes
 
 LEAST_PITCH = np.radians(0.5)
 """Blade pitch below which a rotor is not in the region where pitch holds its speed."""
@@ -96,8 +95,7 @@ class PitchLoop:
     """
 
     def __init__(self, model: Model, path: str | None = None):
-        values = mean_values(model.root)
-        self.model = model.with_parameters(values) if values else model
+        self.model = model.in_the_mean()
         self.paths = [part.path for part in self.model.root.walk() if isinstance(part, PitchController)]
         if not self.paths:
             raise ModelError("the model has no PitchController, the part whose gains are tuned.")
@@ -129,10 +127,7 @@ class PitchLoop:
 
     def state(self, wind: float, parameters: Mapping[str, Any] | None = None) -> State:
         """The model at rest in a wind [m/s]. Raises SimulationError that names it."""
-        try:
-            return mean_state(self.plant, {**(parameters or {}), OVER: wind})
-        except SimulationError as error:
-            raise error.at(f"{OVER} = {wind:g} m/s") from None
+        return rest_at(self.plant, OVER, wind, parameters)
 
     def response(self, wind: float, frequency: float = 0.2) -> RotorResponse:
         """How the rotor answers in a wind at a frequency [rad/s]; the turbine is at its own operating point there."""

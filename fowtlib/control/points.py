@@ -12,9 +12,17 @@ from dataclasses import dataclass
 
 from fowtlib.language.errors import NotFoundError, SimulationError, did_you_mean
 from fowtlib.solving import LinearModel, Model, Plant, State, mean_state
-from fowtlib.solving.starts import mean_values
 
 OVER = "wind.mean_speed"
+
+
+def rest_at(plant: Plant, over: str, value: float, parameters: Mapping[str, object] | None = None) -> State:
+    """A plant at rest at a value of the schedule. Raises SimulationError that names it."""
+    try:
+        return mean_state(plant, {**(parameters or {}), over: value})
+    except SimulationError as error:
+        unit = plant.dae.parameters[over].unit
+        raise error.at(f"{over} = {value:g}{'' if unit == '1' else f' {unit}'}") from None
 
 
 @dataclass(frozen=True, eq=False)
@@ -41,8 +49,7 @@ class OperatingPoints:
 
     def __init__(self, model: Model, inputs: Mapping[str, str], outputs: Sequence[str] | None = None, *,
                  disturbances: Sequence[str] = (OVER,), over: str = OVER):  # fmt: skip
-        values = mean_values(model.root)
-        self.model = model.with_parameters(values) if values else model
+        self.model = model.in_the_mean()
         self.over, self.inputs = over, dict(inputs)
         self.disturbances, self.outputs = list(disturbances), outputs
         self.closed: Plant = self.model.compile()
@@ -55,14 +62,11 @@ class OperatingPoints:
         held: values of inputs [SI] at which the plant is to be at rest instead of those of its own controllers.
         parameters: further ones, by path. Raises SimulationError where there is no rest.
         """
-        given = {**(parameters or {}), self.over: value}
         for name in held or {}:
             if name not in self.inputs:
                 raise NotFoundError(f"the points have no input '{name}'{did_you_mean(name, self.inputs)}")
-        try:
-            closed = mean_state(self.closed, given)
-        except SimulationError as error:
-            raise error.at(f"{self.over} = {value:g}") from None
+        given = {**(parameters or {}), self.over: value}
+        closed = rest_at(self.closed, self.over, value, parameters)
         known = dict(zip(self.closed.layout.x, closed.x.tolist(), strict=True))
         known = {path: x for path, x in known.items() if path in self.plant.layout.x}
         signals = {name: float(closed[path]) for name, path in self.inputs.items()} | dict(held or {})

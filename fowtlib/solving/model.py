@@ -19,7 +19,7 @@ from fowtlib.solving.binding import bind
 from fowtlib.solving.check import ModelReport
 from fowtlib.solving.plant import Plant
 from fowtlib.solving.results.html import table
-from fowtlib.solving.starts import mean_parameters
+from fowtlib.solving.starts import mean_parameters, mean_values
 
 # What is known of the root of a model besides its parts: title, outputs, settings, name.
 _KNOWN: WeakKeyDictionary[Component, tuple[str, dict[str, Any], dict[str, Any], str]] = WeakKeyDictionary()
@@ -162,3 +162,8 @@ class Model:
                 raise component.no_parameter(name)
             setattr(component, name, value)
         return replace(self, root=root)
+
+    def in_the_mean(self) -> Model:
+        """The same model in still water, and in steady wind of the mean speed of its own."""
+        values = mean_values(self.root)
+        return self.with_parameters(values) if values else self
