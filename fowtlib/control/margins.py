@@ -18,6 +18,7 @@ from scipy import linalg
 from fowtlib.control.checks import Matrix
 from fowtlib.control.reduction import SampledModel
 from fowtlib.language.errors import ModelError
+from fowtlib.language.operators import transfer_matrix
 from fowtlib.solving.linear import LinearModel
 
 System = tuple[Matrix, Matrix, Matrix, Matrix]
@@ -107,10 +108,10 @@ def _others_closed(system: System, k: int) -> System:
 
 
 def _of_one(system: System, period: float | None) -> Margins:
-    A, B, C, D = system
+    D = system[-1]
 
     def value(s: complex) -> complex:
-        return complex((C @ np.linalg.solve(s * np.eye(len(A)) - A, B) + D)[0, 0])
+        return complex(transfer_matrix(s, *system)[0, 0, 0])
 
     def frequency(omega: float) -> float:
         return omega if period is None else 2 / period * float(np.arctan(omega * period / 2))
@@ -174,11 +175,11 @@ def largest_gain(system: System, tolerance: float = 1e-10) -> float:
 
     N. A. Bruinsma and M. Steinbuch, Systems & Control Letters 14 (1990) 287.
     """
-    A, B, C, D = system
+    A, D = system[0], system[-1]
     poles = np.linalg.eigvals(A)
 
     def at(omega: float) -> float:
-        return float(np.linalg.norm(C @ np.linalg.solve(1j * omega * np.eye(len(A)) - A, B) + D, 2))
+        return float(np.linalg.norm(transfer_matrix(1j * omega, *system)[0], 2))
 
     best = max([float(np.linalg.norm(D, 2)), at(0.0), *(at(abs(pole)) for pole in poles)])
     for _ in range(60):

@@ -22,6 +22,7 @@ from fowtlib.components.servo import PitchController
 from fowtlib.control.points import OVER, rest_at
 from fowtlib.control.reduction import opened
 from fowtlib.language.errors import ModelError, ParameterError
+from fowtlib.language.operators import transfer_matrix
 from fowtlib.solving import Model, NaturalMode, Plant, State, natural_modes
 
 LEAST_PITCH = np.radians(0.5)
@@ -136,8 +137,8 @@ class PitchLoop:
         turbine = self.path.split(".")[0] + "."
         own = [k for k, name in enumerate(cut.states) if name.startswith(turbine)]
         A, B, C, D = (cut.matrices[name] for name in "ABCD")
-        motion = np.linalg.solve(1j * frequency * np.eye(len(own)) - A[np.ix_(own, own)], B[own, -1])
-        inverse = 1 / (C[0, own] @ motion + D[0, -1])  # (i omega - a) / b
+        to_speed = transfer_matrix(1j * frequency, A[np.ix_(own, own)], B[own, -1:], C[:, own], D[:, -1:])
+        inverse = 1 / to_speed[0, 0, 0]  # (i omega - a) / b
         b = frequency / inverse.imag
         return RotorResponse(wind, float(state[f"{self.path}.pitch"]), float(-b * inverse.real), float(b))
 

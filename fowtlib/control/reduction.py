@@ -9,6 +9,7 @@ from scipy import signal
 
 from fowtlib.control.checks import Matrix, numbers_of
 from fowtlib.language.errors import ParameterError
+from fowtlib.language.operators import transfer_matrix
 from fowtlib.solving.linear import LinearModel, Mode
 
 
@@ -22,9 +23,8 @@ class SampledModel(LinearModel):
 
     def frequency_response(self, omega: Sequence[float], *, realized: bool = False) -> np.ndarray:
         """Outputs per input at circular frequencies [rad/s] up to pi / period: complex (n, outputs, inputs)."""
-        A, B, C, D = (self.matrices[name] for name in "ABCD")
-        z = np.exp(1j * np.atleast_1d(np.asarray(omega, dtype=float)) * self.period)
-        return np.array([C @ np.linalg.solve(value * np.eye(len(A)) - A, B) + D for value in z])
+        z = np.exp(1j * np.asarray(omega, dtype=float) * self.period)
+        return transfer_matrix(z, *(self.matrices[name] for name in "ABCD"))
 
     def modes(self) -> list[Mode]:
         """The modes of the continuous motion that has these samples, s = log(z) / period; those with z = 0 are gone."""

@@ -51,8 +51,14 @@ class StateSpace:
         omega = np.atleast_1d(np.asarray(omega, dtype=float))
         if not self.states:
             return np.broadcast_to(self.D.astype(complex), (omega.size, *self.D.shape))
-        pencil = 1j * omega[:, None, None] * np.eye(self.states) - self.A
-        return self.D + self.C @ np.linalg.solve(pencil, np.broadcast_to(self.B, (omega.size, *self.B.shape)))
+        return transfer_matrix(1j * omega, self.A, self.B, self.C, self.D)
+
+
+def transfer_matrix(s: ArrayLike, A: np.ndarray, B: np.ndarray, C: np.ndarray, D: np.ndarray) -> np.ndarray:
+    """D + C (s - A)^-1 B at complex s (q,), of samples at z: complex (q, n, m)."""
+    s, one = np.atleast_1d(np.asarray(s, dtype=complex)), np.eye(len(A))
+    found = [D + C @ np.linalg.solve(value * one - A, B) for value in s]  # one by one: all at once is q large matrices
+    return np.array(found, dtype=complex).reshape(s.size, *D.shape)
 
 
 @dataclass(slots=True)

@@ -13,6 +13,7 @@ import numpy as np
 from fowtlib.flattening.flat_dae import Operator
 from fowtlib.flattening.system import element_names
 from fowtlib.language.errors import ModelError, SimulationError
+from fowtlib.language.operators import transfer_matrix
 from fowtlib.language.whole_files import write_whole
 from fowtlib.solving.binding import start_slopes
 from fowtlib.solving.functions import AtParameters
@@ -94,7 +95,7 @@ class LinearModel:
         """
         omega = np.atleast_1d(np.asarray(omega, dtype=float))
         A, B, C, D = (self.matrices[name] for name in "ABCD")
-        plain = _response(omega, A, B, C, D)
+        plain = transfer_matrix(1j * omega, A, B, C, D)
         if realized or self.operators is None:
             return plain
         return self.operators.corrected(omega, A, B, C, plain)
@@ -178,9 +179,9 @@ class Operators:
         w = E u with E = H - H_realized, and u = G_ui i + G_uw w; so the outputs gain G_yw (1 - E G_uw)^-1 E G_ui i.
         """
         E = self.errors(omega)
-        by_input = _response(omega, A, B, self.C, self.D_input)
-        by_w = _of_signal(omega, _response(omega, A, self.B, self.C, self.D))
-        to_output = _of_signal(omega, _response(omega, A, self.B, C, self.D_output))
+        by_input = transfer_matrix(1j * omega, A, B, self.C, self.D_input)
+        by_w = _of_signal(omega, transfer_matrix(1j * omega, A, self.B, self.C, self.D))
+        to_output = _of_signal(omega, transfer_matrix(1j * omega, A, self.B, C, self.D_output))
         return plain + to_output @ np.linalg.solve(np.eye(E.shape[1]) - E @ by_w, E @ by_input)
 
     def errors(self, omega: np.ndarray) -> np.ndarray:
@@ -205,13 +206,6 @@ def _of_signal(omega: np.ndarray, G: np.ndarray) -> np.ndarray:
     q, n, _ = G.shape
     powers = (1j * omega)[:, None] ** np.arange(3)
     return np.einsum("qndm,qd->qnm", G.reshape(q, n, 3, -1), powers)
-
-
-def _response(omega: np.ndarray, A: np.ndarray, B: np.ndarray, C: np.ndarray, D: np.ndarray) -> np.ndarray:
-    if not len(A):
-        return np.broadcast_to(D.astype(complex), (omega.size, *D.shape))
-    identity = np.eye(len(A))
-    return np.array([C @ np.linalg.solve(1j * w * identity - A, B) + D for w in omega])
 
 
 def linearize(at: AtParameters, layout: Layout, outputs: Outputs, state: State, inputs: Sequence[str],
