@@ -10,6 +10,7 @@ from numpy.typing import ArrayLike, NDArray
 from fowtlib.language.errors import NotFoundError, ParameterError, did_you_mean
 
 Matrix = NDArray[np.float64]
+Eigenvalues = NDArray[np.complex128] | NDArray[np.float64]
 Weights = Mapping[str, float] | ArrayLike
 """By name, where what is not named has none; or a number for all, a diagonal, or a whole symmetric matrix."""
 
@@ -28,23 +29,24 @@ def weight_matrix(weights: Weights, names: Sequence[str], what: str, *, definite
     definite: each direction needs a positive weight; else none may have a negative one. Raises ParameterError.
     """
     n = len(names)
-    if isinstance(weights, Mapping):
-        numbers_of(list(weights), names, what)
-        matrix = np.diag([float(weights.get(name, 0.0)) for name in names])
+    try:
+        if isinstance(weights, Mapping):
+            numbers_of(list(weights), names, what)
+            weights = [float(weights.get(name, 0.0)) for name in names]
+        given = np.array(weights, dtype=float)
+    except (TypeError, ValueError):
+        raise ParameterError(f"the weights of the {what}s are not numbers.") from None
+    if given.ndim == 0:
+        matrix = float(given) * np.eye(n)
+    elif given.shape == (n,):
+        matrix = np.diag(given)
+    elif given.shape == (n, n):
+        matrix = given
     else:
-        given = np.asarray(weights, dtype=float)
-        if given.ndim == 0:
-            matrix = float(given) * np.eye(n)
-        elif given.shape == (n,):
-            matrix = np.diag(given)
-        elif given.shape == (n, n):
-            matrix = given
-        else:
-            raise ParameterError(
-                f"the weights of the {what}s have the shape {given.shape}; there are {n} {what}s, so give a number, "
-                f"{n} numbers, a matrix {(n, n)}, or weights by name."
-            )
-    matrix = matrix.reshape(n, n)
+        raise ParameterError(
+            f"the weights of the {what}s have the shape {given.shape}; there are {n} {what}s, so give a number, "
+            f"{n} numbers, a matrix {(n, n)}, or weights by name."
+        )
     if not np.all(np.isfinite(matrix)):
         raise ParameterError(f"the weights of the {what}s are not all finite numbers.")
     if not np.allclose(matrix, matrix.T, rtol=1e-9, atol=0):

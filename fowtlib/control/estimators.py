@@ -7,7 +7,7 @@ from dataclasses import dataclass, field
 
 import numpy as np
 
-from fowtlib.control.checks import Matrix, Weights, numbers_of, weight_matrix
+from fowtlib.control.checks import Eigenvalues, Matrix, Weights, numbers_of, weight_matrix
 from fowtlib.control.reduction import SampledModel, like
 from fowtlib.control.regulators import Regulator, poles_of, refuse_unreached, riccati, step_of
 from fowtlib.language.errors import ParameterError
@@ -35,7 +35,7 @@ class Estimator:
                     np.zeros((n, len(inputs))), self.model.states, inputs, self.model.states, {})  # fmt: skip
 
     @property
-    def poles(self) -> np.ndarray:
+    def poles(self) -> Eigenvalues:
         """Eigenvalues of the error: [1/s], of a sampled model z; slowest first."""
         return poles_of(self.filter)
 

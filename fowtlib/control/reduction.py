@@ -129,8 +129,8 @@ def discretized(model: LinearModel, period: float, method: str = "zoh") -> Sampl
     """
     if isinstance(model, SampledModel):
         raise ParameterError(f"the model is sampled already, every {model.period:g} s.")
-    if not period > 0:
-        raise ParameterError(f"the period of sampling is {period:g} s; it must be positive.")
+    if not 0 < period < np.inf:
+        raise ParameterError(f"the period of sampling is {period:g} s; it must be positive and finite.")
     if method not in ("zoh", "tustin"):
         raise ParameterError(f"there is no method '{method}' of sampling; there are 'zoh' and 'tustin'.")
     system = tuple(model.matrices[name] for name in "ABCD")

@@ -15,7 +15,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 from scipy import linalg
 
-from fowtlib.control.checks import Matrix, Weights, numbers_of, weight_matrix
+from fowtlib.control.checks import Eigenvalues, Matrix, Weights, numbers_of, weight_matrix
 from fowtlib.control.reduction import SampledModel, like
 from fowtlib.language.errors import ModelError
 from fowtlib.solving.linear import LinearModel
@@ -69,7 +69,7 @@ class Regulator:
                     self.model.outputs, self.model.units)  # fmt: skip
 
     @property
-    def poles(self) -> np.ndarray:
+    def poles(self) -> Eigenvalues:
         """Eigenvalues of the closed loop: [1/s], of a sampled model z; slowest first."""
         return poles_of(self.closed_loop)
 
@@ -82,7 +82,7 @@ class Regulator:
         return like(self.model, A, B, self.gain, none, self.model.states, names, names, {})
 
 
-def poles_of(model: LinearModel) -> np.ndarray:
+def poles_of(model: LinearModel) -> Eigenvalues:
     """Eigenvalues of A, slowest first: by distance from 0, of a sampled model from 1."""
     values = np.linalg.eigvals(model.matrices["A"])
     distance = np.abs(values - 1.0) if isinstance(model, SampledModel) else np.abs(values)

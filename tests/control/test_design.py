@@ -225,5 +225,11 @@ def test_mistakes_are_sentences():
         kalman(cart(), {"force": 1.0}, {"y1": 1.0})
     with pytest.raises(ParameterError, match="nothing is measured"):
         kalman(cart(), {"force": 1.0}, {})
-    with pytest.raises(ParameterError, match="period of sampling is -1"):
-        discretized(cart(), -1.0)
+    for period in (-1.0, float("inf"), float("nan")):
+        with pytest.raises(ParameterError, match=f"period of sampling is {period:g}"):
+            discretized(cart(), period)
+    for weights in ("heavy", {"position": "heavy"}, {"position": [1.0, 2.0]}, [[1.0], [2.0, 3.0]], None):
+        with pytest.raises(ParameterError, match="weights of the states are not"):
+            lqr(cart(), weights, 1.0)
+    with pytest.raises(ParameterError, match="weights of the process noises are not numbers"):
+        kalman(cart(), {"force": "loud"}, {"y1": 1.0})
