@@ -28,6 +28,10 @@ from fowtlib.components.mooring import CatenaryLine, MooringSystem
 from fowtlib.components.servo import BaselineController, BladedController
 from fowtlib.components.support import FlexibleTower
 from fowtlib.components.turbine import RotorNacelle
+from fowtlib.control import (
+    Margins, OperatingPoints, PitchLoop, Regulator, compensator, discretized, gain_table, kalman, lqi, lqr, margins,
+    reduced, shave_peak, tune_pi,
+)
 from fowtlib.language import (
     Array, Component, Number, RealInput, RealOutput, Scalar, Vector, der, eq, outer, param, part, port, var,
 )
@@ -107,6 +111,17 @@ model = fw.load(root, set={"plate.diameter": "10 m"})
 speed = model.compile().simulate(10.0)["plate.v"]
 print(float(speed[-1]), half)
 
+linear = fw.LinearModel(-np.eye(1), np.eye(1), np.eye(1), np.zeros((1, 1)), ["x"], ["u"], ["y"], {})
+regulator: Regulator = lqi(linear, {"x": 1}, {"u": 100}, {"y": 0.1})
+estimator = kalman(linear, {"x": 1.0}, {"y": 0.01})
+lqr(reduced(linear, ["x"]), 1, np.eye(1), used=["u"])
+loop: dict[str, Margins] = margins(discretized(linear, 0.1, method="tustin"))
+print(regulator.poles.real, compensator(regulator, estimator).modes()[0].period, loop["u"].disk_gain[0])
+points = OperatingPoints(model, {"pitch": "rotor.blade_pitch"}, ["rotor.w"], over="depth")  # needs files
+gain_table([points.at(13, held={"pitch": 0.1})], [regulator]).save(Path("gains.json"))  # needs files
+pitch = PitchLoop(model, "turbine.control.pitch")  # needs files
+print(tune_pi(pitch, [13, 15.0], 0.2).at(0.1)[0], shave_peak(pitch, (11, 12), 0.9)[0].thrust)  # needs files
+
 Plate()  # wrong
 Plate(diameter=8, diametre=8)  # wrong
 Plate(diameter=[1, 2])  # wrong
@@ -128,6 +143,8 @@ RotorNacelle(mass=1, gear_ratio=97, generator_inertia=1, control=World())  # wro
 FixedTranslation(r="3 m", length=3)  # wrong
 FlexibleTower(properties=3.0, hinges=2)  # wrong
 FlexibleTower(properties=World(), hinges=2)  # wrong
+lqr(linear, plate, 1)  # wrong
+kalman(linear, {"x": 1.0}, ["y"])  # wrong
 '''
 
 
