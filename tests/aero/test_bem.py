@@ -134,8 +134,8 @@ def test_jacobian_is_that_of_the_loads(blade, options):
             size = np.abs(exact[rows]).max()
             smooth = np.isclose(steps[0][rows], steps[1][rows], rtol=1e-5, atol=1e-5 * size)  # no knot between them
             assert smooth.mean() > (0.999 if len(rows) == 6 * rotor.nodes else 0.99)
-            # the induction has the slopes before a last small step, which the rates of a section feel more than loads
-            assert error[rows][smooth].max() <= (4e-6 if rotor.airfoil_model.states else 1e-6) * size
+            # the induction has the slopes before a last small step, which unsteady sections feel more: 2.2e-6
+            assert error[rows][smooth].max() <= (3e-6 if rotor.airfoil_model.states else 1e-6) * size
 
 
 @needs_compiler
