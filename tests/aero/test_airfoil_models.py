@@ -47,8 +47,8 @@ def test_the_balance_is_the_polar_at_all_angles(blade, word):
     for foil in blade.airfoils.values():
         steady, _ = sections(foil, AIRFOIL_MODELS["steady"], angle)
         found, rates = sections(foil, UNSTEADY[word], angle)
-        assert np.abs(found - steady).max() < 1e-13
-        assert np.abs(rates).max() < 1e-9  # of 50 m/s and 25 chords a second
+        assert np.abs(found - steady).max() < 1e-14
+        assert np.abs(rates).max() < 1e-12  # of 50 m/s and 25 chords a second
 
 
 @needs_compiler
@@ -61,7 +61,7 @@ def test_a_rotor_in_equilibrium_has_the_loads_of_its_polars(blade, word):
         wind = [wind, generator.normal() * 3, 0]
         steady, unsteady = (RigidRotor(r, PRECONE, TILT) for r in (rotor, other))
         loads = steady.loads(steady.inputs(wind, speed, pitch))
-        assert unsteady.loads(unsteady.inputs(wind, speed, pitch)) == pytest.approx(loads, abs=1e-12 * abs(loads).max())
+        assert unsteady.loads(unsteady.inputs(wind, speed, pitch)) == pytest.approx(loads, abs=1e-14 * abs(loads).max())
 
 
 # --- closed forms of the linear part ---------------------------------------------------------------------------------
@@ -134,10 +134,10 @@ def test_harmonic_pitching_is_the_closed_form(k, constants):
     found, _ = run(model, flat_plate(), angle, turn, times, speed, chord, np.array(start))
     effective = np.array([lagged(t, lambda n: lags(n, model)) for t in times])
     exact = 2 * np.pi * effective + np.pi * half * np.array([turn(t) for t in times])
-    assert found[0] == pytest.approx(exact, abs=1e-6 * np.abs(exact).max())
+    assert found[0] == pytest.approx(exact, abs=1e-9 * np.abs(exact).max())  # the integrator's
     shift = np.array([seen(t) for t in times]) - effective
-    assert found[1] == pytest.approx(shift * 2 * np.pi * effective, abs=1e-6 * np.abs(exact).max())
-    assert found[2] == pytest.approx([-np.pi / 2 * half * turn(t) for t in times], abs=1e-9)
+    assert found[1] == pytest.approx(shift * 2 * np.pi * effective, abs=1e-11 * np.abs(exact).max())
+    assert found[2] == pytest.approx([-np.pi / 2 * half * turn(t) for t in times], abs=1e-14)
 
 
 @pytest.mark.parametrize("constants", [{}, OTHER])
@@ -148,8 +148,8 @@ def test_a_step_is_the_closed_form(constants):
     step = np.radians(2.0)
     found, _ = run(model, flat_plate(), lambda t: step, lambda t: 0.0, s * chord / (2 * speed), states=np.zeros(2))
     wagner = 1 - sum(A * np.exp(-b * s) for A, b in zip(model.wake_share, model.wake_decay, strict=True))
-    assert found[0] == pytest.approx(2 * np.pi * step * wagner, rel=1e-6)
-    assert found[1] == pytest.approx((1 - wagner) * 2 * np.pi * step**2 * wagner, abs=1e-9)
+    assert found[0] == pytest.approx(2 * np.pi * step * wagner, rel=1e-10)
+    assert found[1] == pytest.approx((1 - wagner) * 2 * np.pi * step**2 * wagner, abs=1e-12)
 
 
 def wagner(s):
@@ -170,7 +170,7 @@ def test_jones_constants_are_those_of_a_flat_plate():
     error = np.abs(lags(k, model) / theodorsen(k) - 1)
     assert error[:4].max() < 0.012
     assert error.max() < 0.024
-    assert lags(0.077, model) == pytest.approx(0.8570 - 0.1529j, abs=1e-4)
+    assert lags(0.077, model) == pytest.approx(0.8570 - 0.1529j, abs=5e-5)
     for s in (0.0, 0.5, 1, 2, 5, 10, 20, 50):
         jones = 1 - sum(A * np.exp(-b * s) for A, b in zip(model.wake_share, model.wake_decay, strict=True))
         assert jones == pytest.approx(wagner(s), rel=0.011)
@@ -187,11 +187,11 @@ def test_the_pressure_and_the_separation_lag_are_first_order():
     exact = 1 - np.exp(-p * s)
     for A, b in zip(model.wake_share, model.wake_decay, strict=True):
         exact = exact - A * p / (p - b) * (np.exp(-b * s) - np.exp(-p * s))
-    assert states[2] == pytest.approx(2 * np.pi * step * exact, abs=1e-6 * 2 * np.pi * step)
+    assert states[2] == pytest.approx(2 * np.pi * step * exact, abs=1e-10 * 2 * np.pi * step)
     for unsteady in (model, OyeStall()):  # f from 0.2 to 1 where the flow is attached
         start = np.concatenate([np.zeros(unsteady.states - 1), [0.2]])
         _, states = run(unsteady, flat_plate(), lambda t: 0.0, lambda t: 0.0, time, states=start)
-        assert states[-1] == pytest.approx(1 - 0.8 * np.exp(-s / unsteady.separation_time), abs=1e-8)
+        assert states[-1] == pytest.approx(1 - 0.8 * np.exp(-s / unsteady.separation_time), abs=1e-10)
 
 
 # --- work, and stall -------------------------------------------------------------------------------------------------
@@ -221,7 +221,7 @@ def test_attached_flow_takes_energy_from_pitching_and_plunging(k):
     assert trapezoid(found[2], angle) == pytest.approx(-np.pi / 2 * half * omega * np.pi * amplitude**2, rel=2e-3)
     angle, found = cycle(model, flat_plate(), 0.0, amplitude, k, turning=False)
     work = np.mean(found[0][:-1] * angle[:-1]) / (np.pi * amplitude**2)  # of lift against the motion, which is -angle
-    assert work == pytest.approx(lags(k, model).real, rel=0.01)  # what the start leaves dies out with b_1
+    assert work == pytest.approx(lags(k, model).real, rel=1e-3)  # what the start leaves dies out with b_1
     assert 0.5 < work < 1
 
 
@@ -245,16 +245,17 @@ MEASURED = {8: (1.22, 0.50), 14: (1.20, 0.65)}  # greatest and least lift, +-0.0
 def test_loops_of_lift_of_the_s809(model, mean):
     """Pitching by 5.5 deg about 8 and 14 deg, k = 0.077: the overshoot of lift, and a loop the way of the clock.
 
-    Nothing is tuned. The least lift, on the way back, comes out 22 % low to 27 % high.
+    Nothing is tuned. The greatest lift comes out 7 % low to 1 % high, the least, on the way back, 22 % low to 27 %
+    high; the overshoot over the steady lift is 0.11 to 0.15.
     """
     foil = s809()
     angle, found = cycle(model, foil, np.radians(mean), np.radians(5.5), 0.077)
     steady, _ = sections(foil, AIRFOIL_MODELS["steady"], angle)
     greatest, least = MEASURED[mean]
-    assert found[0].max() == pytest.approx(greatest, rel=0.12)
-    assert found[0].max() > steady[0].max() + 0.08
-    assert least * 0.75 < found[0].min() < least * 1.30
-    assert trapezoid(found[0], np.degrees(angle)) > 1.0  # more lift on the way up
+    assert found[0].max() == pytest.approx(greatest, rel=0.075)
+    assert found[0].max() > steady[0].max() + 0.1
+    assert least * 0.77 < found[0].min() < least * 1.28
+    assert trapezoid(found[0], np.degrees(angle)) > 1.5  # more lift on the way up
 
 
 def test_separation_of_the_polars(blade):
@@ -267,7 +268,7 @@ def test_separation_of_the_polars(blade):
         line = flow.lift_slope * (foil.angle - flow.zero_lift)
         rebuilt = flow.place * line + (1 - flow.place) * flow.separated
         part = (flow.place > 0) & (flow.place < 1)
-        assert rebuilt[part] == pytest.approx(foil.coefficients[part, 0], abs=1e-12)
+        assert rebuilt[part] == pytest.approx(foil.coefficients[part, 0], abs=1e-14)
         assert 5.5 < flow.lift_slope < 8.5 and -5 < np.degrees(flow.zero_lift) < 0
         assert np.all(flow.place[np.abs(degrees) > 60] == 0)
         zero = np.degrees(flow.zero_lift)
