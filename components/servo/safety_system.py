@@ -38,6 +38,17 @@ class SafetyActuators(Component):
             (yaw, self.yaw_sensor.angle), *seen,
         ]  # fmt: skip
 
+    def stop_at(self, rate, cut_out_speed, delay=0.0):
+        """Actions: the blades pitch to feather, and the generator brakes on down to a speed."""
+        return [*self.pitch.ramp_at(rate, delay), assign(self.generator.cut_out_speed, cut_out_speed)]
+
+    def start_at(self, rate):
+        """Actions: the blades pitch towards operation, the generator is there, the brake is off."""
+        return [
+            *self.pitch.ramp_at(-rate), assign(self.brake.applied, 0), assign(self.generator.connected, 1),
+            assign(self.generator.cut_out_speed, NEVER),
+        ]  # fmt: skip
+
 
 class SafetySystem(SafetyActuators):
     """Leaves speed, pitch and torque of a controller as they are until an event; then it acts over its head.
@@ -78,15 +89,12 @@ class SafetySystem(SafetyActuators):
         normal, emergency, grid, start = self.normal_shutdown, self.emergency_shutdown, self.grid_loss, self.start_up
         generator, brake, ramp = self.generator, self.brake, self.pitch.ramp_at
         return [
-            on(normal, *ramp(normal.rate, normal.delay), assign(generator.cut_out_speed, normal.cut_out_speed)),
+            on(normal, *self.stop_at(normal.rate, normal.cut_out_speed, normal.delay)),
             on(
                 emergency, *ramp(emergency.rate, emergency.delay),
                 *brake.on_at(emergency.brake_torque, emergency.brake_delay),
                 assign(generator.connected, generator.connected * emergency.generator),
             ),
             on(grid, *ramp(grid.rate, grid.delay), assign(generator.connected, 0)),
-            on(
-                start, *ramp(-start.rate), assign(brake.applied, 0), assign(generator.connected, 1),
-                assign(generator.cut_out_speed, NEVER),
-            ),
+            on(start, *self.start_at(start.rate)),
         ]  # fmt: skip

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from fowtlib.components.environment.wind import Wind
 from fowtlib.components.environment.wind.base import station_height
-from fowtlib.components.servo.overrides import NEVER
 from fowtlib.components.servo.safety_system import SafetySystem
 from fowtlib.language import RealOutput, Scalar, assign, der, eq, initial, on, outer, param, port, var, when
 from fowtlib.language import math as m
@@ -105,20 +104,6 @@ def _after(unit: Supervisor, delay):
     return _above(unit.time - unit.entered, delay)
 
 
-def _running(unit: Supervisor):
-    """Actions of a start-up."""
-    generator = unit.generator
-    return [
-        *unit.pitch.ramp_at(-unit.start_rate), assign(unit.brake.applied, 0), assign(generator.connected, 1),
-        assign(generator.cut_out_speed, NEVER),
-    ]  # fmt: skip
-
-
-def _stopping(unit: Supervisor, rate):
-    """Actions of a stop with the generator."""
-    return [*unit.pitch.ramp_at(rate), assign(unit.generator.cut_out_speed, unit.production_speed)]
-
-
 def _emergency(unit: Supervisor):
     """Actions of an emergency stop."""
     brake = unit.brake
@@ -138,7 +123,7 @@ def _by_events(unit: Supervisor):
 
 
 def _starts(unit: Supervisor):
-    mean, then, again = unit.mean_wind, _running(unit), _after(unit, unit.restart_delay)
+    mean, then, again = unit.mean_wind, unit.start_at(unit.start_rate), _after(unit, unit.restart_delay)
     free = 0.5 - unit.waits, _above(mean, unit.start_wind), _below(mean, unit.restart_wind)
     slow = _below(unit.sensor.measured, unit.idle_speed)
     fast = _above(unit.sensor.measured, unit.production_speed)
@@ -151,7 +136,8 @@ def _starts(unit: Supervisor):
 
 
 def _stops(unit: Supervisor):
-    mean, stop, settled = unit.mean_wind, _stopping(unit, unit.stop_rate), _after(unit, unit.settling_time)
+    mean, settled = unit.mean_wind, _after(unit, unit.settling_time)
+    stop = unit.stop_at(unit.stop_rate, unit.production_speed)
     ended = _below(unit.sensor.measured, unit.idle_speed), unit.pitch.output - unit.feather_pitch + NEARLY, settled
     return [
         _go(unit, [PRODUCTION], NORMAL_STOP, _below(mean, unit.stop_wind), settled, then=stop),
@@ -166,10 +152,10 @@ def _protection(unit: Supervisor):
     """Against overspeed, at once in any state; the later of two at one instant counts."""
     running, count = [START_UP, PRODUCTION, STORM, NORMAL_STOP], unit.overspeeds + 1
     fast, tired = _above(unit.sensor.measured, unit.overspeed), count - unit.most_overspeeds - 0.5
-    counted = assign(unit.overspeeds, count)
+    counted, stop = assign(unit.overspeeds, count), unit.stop_at(unit.overspeed_rate, unit.production_speed)
     over = _above(unit.generator.speed, unit.emergency_speed)
     return [
-        _go(unit, running, OVERSPEED, fast, -tired, then=[*_stopping(unit, unit.overspeed_rate), counted]),
+        _go(unit, running, OVERSPEED, fast, -tired, then=[*stop, counted]),
         _go(unit, running, EMERGENCY_STOP, fast, tired, then=[*_emergency(unit), counted]),
         _go(unit, [*running, IDLING, OVERSPEED, RESTART], EMERGENCY_STOP, over, then=_emergency(unit)),
     ]
