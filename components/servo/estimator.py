@@ -9,8 +9,12 @@ from fowtlib.language import math as m
 from fowtlib.language.errors import ParameterError
 
 
-def _zeros(columns):
-    return lambda self: np.zeros(np.shape(self.A)[0] if columns is None else np.shape(getattr(self, columns))[-1])
+def _columns(name):
+    return lambda self: np.shape(getattr(self, name))[-1:]
+
+
+def _zeros(name):
+    return lambda self: np.zeros(_columns(name)(self))
 
 
 class StateEstimator(Component):
@@ -32,15 +36,15 @@ class StateEstimator(Component):
         shape=lambda self: (np.shape(self.C)[0], np.shape(self.B)[1]), doc="outputs by the inputs"
     )  # fmt: skip
     L: Array = param(shape=lambda self: np.shape(self.L), doc="gain of what the outputs differ by")
-    u0: Array = param(default=_zeros("B"), shape=lambda self: (np.shape(self.B)[1],), doc="inputs at rest")
-    y0: Array = param(default=_zeros("L"), shape=lambda self: (np.shape(self.L)[1],), doc="outputs at rest")
-    x0: Array = param(default=_zeros(None), shape=lambda self: (np.shape(self.A)[0],), doc="states at rest")
+    u0: Array = param(default=_zeros("B"), shape=_columns("B"), doc="inputs at rest")
+    y0: Array = param(default=_zeros("L"), shape=_columns("L"), doc="outputs at rest")
+    x0: Array = param(default=_zeros("A"), shape=_columns("A"), doc="states at rest")
 
     u: RealInput = port(size=lambda self: np.shape(self.B)[1], doc="known inputs")
     y: RealInput = port(size=lambda self: np.shape(self.C)[0], doc="measured outputs")
     x: RealOutput = port(size=lambda self: np.shape(self.A)[0], doc="estimated states")
 
-    z: Array = var(shape=lambda self: (np.shape(self.A)[0],), state="prefer", fixed=True, doc="x less its rest")
+    z: Array = var(shape=_columns("A"), state="prefer", fixed=True, doc="x less its rest")
 
     def build(self):
         sizes = {name: np.shape(getattr(self, name)) for name in "ABCL"}

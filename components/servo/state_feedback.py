@@ -6,6 +6,7 @@ import numpy as np
 
 from fowtlib.components.blocks import FirstOrder
 from fowtlib.components.servo.gain_table import GainTable, read_gains
+from fowtlib.components.servo.pitch_controller import PitchController
 from fowtlib.components.servo.torque_controller import TorqueController
 from fowtlib.components.servo.torque_law import larger, smaller
 from fowtlib.components.servo.turbine_controller import TurbineController
@@ -19,6 +20,7 @@ from fowtlib.language import (
     data,
     der,
     eq,
+    like,
     param,
     port,
     var,
@@ -109,12 +111,12 @@ class PitchDrive(Component):
 
     memory = "controller"
 
-    least_pitch: Scalar = param(default=0.0, unit="rad", doc="lower limit")
-    greatest_pitch: Scalar = param(default="90 deg", unit="rad", doc="upper limit")
-    greatest_rate: Scalar = param(default="8 deg/s", unit="rad/s", min=0, doc="limit of the pitch rate")
-    response_time: Scalar = param(default=0.05, unit="s", min=1e-3, doc="time constant of the pitch")
-    pitch_rounding: Scalar = param(default="0.1 deg", unit="rad", min=1e-6, doc="width of the rounded corner")
-    pitch_start: Scalar = param(default=0.0, unit="rad", doc="initial pitch")
+    least_pitch: Scalar = like(PitchController.least_pitch)
+    greatest_pitch: Scalar = like(PitchController.greatest_pitch)
+    greatest_rate: Scalar = like(PitchController.greatest_rate)
+    response_time: Scalar = like(PitchController.response_time)
+    pitch_rounding: Scalar = like(PitchController.pitch_rounding, doc="width of the rounded corner")
+    pitch_start: Scalar = like(PitchController.pitch_start)
 
     demand: RealInput = port(unit="rad", doc="pitch asked for")
     blade_pitch: RealOutput = port(unit="rad", doc="blade pitch")
@@ -136,10 +138,8 @@ class DemandedController(TurbineController):
     The torque follows the filtered speed, and the collective pitch, so that a pitch against yaw does not raise it.
     """
 
-    rated_speed: Scalar = param(default="1173.7 rpm", unit="rad/s", doc="rated generator speed")
-    region_3: str = param(
-        default="constant_torque", choices=("constant_torque", "constant_power"), doc="what is held above rated speed"
-    )
+    rated_speed: Scalar = like(TorqueController.rated_speed)
+    region_3: str = like(TorqueController.region_3)
     filter_frequency: Scalar = param(default=0.25, unit="Hz", min=1e-6, doc="corner of the speed filter, single pole")
     pitch_start: Scalar = param(default=0.0, unit="rad", doc="initial blade pitch")
 
