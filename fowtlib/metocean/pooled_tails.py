@@ -73,27 +73,28 @@ class Pool:
         counts, spans = (np.concatenate(parts) for parts in zip(*pieces, strict=True))
         passages = sum(int(count_up_crossings(part, [0.0])[0]) for part in values)
         lowest = float((together.min() - mean) / std)
-        self._keep(key, group, _Own(mean, std, passages / float(spans.sum())), passages, counts, spans, lowest)
+        self._keep(key, group, mean, std, passages, counts, spans, lowest)
 
     def add_kept(self, key: Hashable, group: float, runs: KeptRuns) -> None:
         """The runs of a state by what `case_statistics` has kept of them; they are not cut into pieces."""
         passages = float(runs.passages([runs.mean]).sum())
         counts = runs.passages(runs.mean + LEVELS * runs.std)
         lowest = (runs.lowest - runs.mean) / runs.std
-        self._keep(key, group, _Own(runs.mean, runs.std, runs.mean_rate), passages, counts, runs.spans, lowest)
+        self._keep(key, group, runs.mean, runs.std, passages, counts, runs.spans, lowest)
 
     def _keep(
         self,
         key: Hashable,
         group: float,
-        own: _Own,
+        mean: float,
+        std: float,
         passages: float,
         counts: Iterable[np.ndarray],
-        spans: Iterable[float],
+        spans: np.ndarray,
         lowest: float,
     ) -> None:
         """passages: of the mean. counts, spans [s]: of each piece. lowest: in deviations from the mean."""
-        self.states[key] = own
+        self.states[key] = _Own(mean, std, passages / float(spans.sum()))
         self.mean_passages[group] = self.mean_passages.get(group, 0.0) + passages
         self.counts.setdefault(group, []).extend(counts)
         self.spans.setdefault(group, []).extend(spans)
