@@ -21,6 +21,7 @@ import numpy as np
 from fowtlib.components.servo import PitchController
 from fowtlib.control.points import OVER, rest_at
 from fowtlib.control.reduction import opened
+from fowtlib.language.declarations import join
 from fowtlib.language.errors import ModelError, ParameterError
 from fowtlib.language.operators import transfer_matrix
 from fowtlib.solving import Model, NaturalMode, Plant, State, natural_modes
@@ -114,6 +115,14 @@ class PitchLoop:
         part = self.model.root.find(owner) if owner else self.model.root
         return f"{owner}.generator_speed" if "generator_speed" in part.ports else f"{self.path}.speed"
 
+    @property
+    def turbine(self) -> str:
+        """Path of the turbine, the nearest part around the PitchController that has a thrust; empty for the model."""
+        path = self.path
+        while path and "thrust" not in self.model.root.find(path).ports:
+            path = path.rpartition(".")[0]
+        return path
+
     def parameter(self, name: str, path: str | None = None) -> str:
         """Where a parameter of the PitchController is set: its own path, or the one that it is taken from."""
         path = path or self.path
@@ -134,8 +143,7 @@ class PitchLoop:
         """How the rotor answers in a wind at a frequency [rad/s]; the turbine is at its own operating point there."""
         state = self.state(wind)
         cut = opened(self.plant.linearize(state, outputs=[self.speed]), [f"{self.path}.pitch"])
-        turbine = self.path.split(".")[0] + "."
-        own = [k for k, name in enumerate(cut.states) if name.startswith(turbine)]
+        own = [k for k, name in enumerate(cut.states) if name.startswith(join(self.turbine, ""))]
         A, B, C, D = (cut.matrices[name] for name in "ABCD")
         to_speed = transfer_matrix(1j * frequency, A[np.ix_(own, own)], B[own, -1:], C[:, own], D[:, -1:])
         inverse = 1 / to_speed[0, 0, 0]  # (i omega - a) / b
@@ -171,14 +179,14 @@ def shave_peak(loop: PitchLoop, winds: Iterable[float], share: float) -> list[Sh
 
     if not 0.5 <= share <= 1:
         raise ParameterError(f"peak shaving to {share:g} of the largest thrust; give 0.5 to 1.")
-    turbine = loop.path.split(".")[0]
     least = loop.parameter("least_pitch")
     own = float(np.ravel(loop.plant.parameter_values()[least])[0])
 
     def at(wind: float, pitch: float) -> tuple[float, float]:
         given = {loop.parameter("least_pitch", path): pitch for path in loop.paths}
         state = loop.state(wind, given)
-        return float(state[f"{turbine}.thrust"]), float(state[f"{turbine}.generator_power"])
+        thrust, power = (float(state[join(loop.turbine, name)]) for name in ("thrust", "generator_power"))
+        return thrust, power
 
     before = {float(wind): at(float(wind), own) for wind in winds}
     limit = share * max(thrust for thrust, _ in before.values())

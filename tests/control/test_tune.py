@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+from pathlib import Path
 
 import numpy as np
 import pytest
@@ -10,9 +11,13 @@ from numpy.testing import assert_allclose
 
 import fowtlib as fw
 from fowtlib.cli.app import main
+from fowtlib.components.environment import Wind, World
+from fowtlib.components.mechanics import FixedTranslation
 from fowtlib.components.servo import FLOATING_GAINS, ONSHORE_GAINS
 from fowtlib.control import PitchLoop, RotorResponse, Tuned, opened, shave_peak, tune_pi
 from fowtlib.language.errors import ModelError, ParameterError
+
+MODELS = Path(__file__).parents[2] / "models"
 
 
 @pytest.fixture(scope="module")
@@ -53,6 +58,29 @@ def test_the_response_is_the_slope_of_the_torque(loop):
     assert_allclose(response.b, ratio * slope("turbine.control.pitch.pitch") / inertia, rtol=1e-5)
     assert_allclose(response.a, slope("turbine.rotor.w") / inertia, rtol=1e-4)  # that of the generator is constant
     assert_allclose(response.pitch, state["turbine.blade_pitch"], rtol=1e-9)
+
+
+def standing(within: str) -> fw.Model:
+    """The turbine on a rigid tower, in the parts that `within` names."""
+    root = fw.Assembly("turbine on the ground")
+    root.world, root.wind = World(), Wind(kind="steady", mean_speed=15)
+    root.tower = FixedTranslation(r=(0, 0, 87.6))
+    unit = root
+    for name in within.split():
+        unit = unit.add(name, fw.Assembly(name))
+    unit.turbine = fw.load(MODELS / "turbines/nrel5mw_rigid.yaml").root
+    root.connect(root.world.frame, root.tower.frame_a)
+    root.connect(root.tower.frame_b, unit.turbine.frame)
+    return fw.Model(root)
+
+
+def test_a_turbine_within_other_parts_is_found():
+    found = []
+    for within in ("", "farm row"):
+        loop = PitchLoop(standing(within))
+        assert loop.turbine == ".".join([*within.split(), "turbine"])
+        found.append((loop.response(15.0), shave_peak(loop, (12,), 0.9)))
+    assert found[0] == found[1]
 
 
 def test_a_rotor_of_blade_elements_behind_a_soft_drive_train(loop):
