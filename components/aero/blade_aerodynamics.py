@@ -8,6 +8,7 @@ from functools import cached_property
 from typing import Any
 
 import numpy as np
+from numpy.typing import ArrayLike
 
 from fowtlib.language.data_files import cells_of, lines_of, remembered
 from fowtlib.language.errors import ParameterError, did_you_mean
@@ -75,6 +76,12 @@ class Airfoil:
         lines[..., 0] = self.coefficients[:-1]
         lines[..., 1] = np.diff(self.coefficients, axis=0) / np.diff(self.angle)[:, None]
         return lines
+
+    def at(self, angle: ArrayLike) -> np.ndarray:
+        """The coefficients at an angle between -pi and pi, (3,), or at several, (n, 3)."""
+        angle = np.asarray(angle, dtype=float)
+        i = np.clip(np.searchsorted(self.angle, angle, side="right") - 1, 0, len(self.angle) - 2)
+        return np.einsum("...jk,...k->...j", self.cubics[i], (angle - self.angle[i])[..., None] ** np.arange(4))
 
 
 @dataclass(frozen=True, eq=False)

@@ -49,26 +49,21 @@ def separation(foil: Airfoil) -> Separation:
     between = line * (1 + 3 * s) / (4 * (1 + s))
     separated = np.where(place >= 1, lift / 2, np.where(place <= 0, lift, between))
     more = np.moveaxis(PchipInterpolator(angle, np.column_stack([place, separated])).c[::-1], 0, -1)
-    drag = float(_value(foil, zero)[1])
+    drag = float(foil.at(zero)[1])
     return Separation(lifts, zero, slope, drag, place, separated, np.concatenate([foil.cubics, more], axis=1))
-
-
-def _value(foil: Airfoil, angle: float) -> np.ndarray:
-    i = int(np.clip(np.searchsorted(foil.angle, angle, side="right") - 1, 0, len(foil.angle) - 2))
-    return foil.cubics[i] @ (angle - foil.angle[i]) ** np.arange(4)
 
 
 def _attached(foil: Airfoil) -> tuple[float, float]:
     """Angle of zero lift and slope; slope 0 where the lift does not rise through zero near 0 deg."""
     angle = np.unique(np.concatenate([foil.angle[np.abs(foil.angle) <= NEAR], np.linspace(-NEAR, NEAR, 161)]))
-    lift = np.array([_value(foil, a)[0] for a in angle])
+    lift = foil.at(angle)[:, 0]
     rises = np.flatnonzero((lift[:-1] < 0) & (lift[1:] >= 0))
     if not rises.size:
         return 0.0, 0.0
     i = rises[np.argmin(np.abs(angle[rises] + angle[rises + 1]))]
     rise = lift[i + 1] - lift[i]
     low = angle[i] - lift[i] * (angle[i + 1] - angle[i]) / rise + np.linspace(0, WINDOW, 21)
-    at_low, at_high = (np.array([_value(foil, a)[0] for a in some]) for some in (low, low + WINDOW))
+    at_low, at_high = (foil.at(some)[:, 0] for some in (low, low + WINDOW))
     slopes = (at_high - at_low) / WINDOW
     best = int(slopes.argmax())
     if slopes[best] < LEAST_SLOPE:
