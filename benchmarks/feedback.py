@@ -67,12 +67,8 @@ def damping(plant: fw.Plant, wind: float, gains: dict[str, float]) -> float:
     """Damping ratio [%] of the platform's pitch, by the linear model of oc3_spar_rigid."""
     calm = {"wind.kind": "steady", "wind.mean_speed": wind, "sea.spectrum": "still"}
     own = {path: value for path, value in gains.items() if path.startswith(CONTROL)}
-    linear = plant.linearize(plant.equilibrium(calm | own))
-    row = list(linear.states).index("platform.motion.pitch")
-    values, vectors = np.linalg.eig(np.asarray(linear.A))
-    slow = [k for k, w in enumerate(values) if 0.1 < w.imag < 0.25 and abs(w.real) < 0.5 * abs(w)]
-    best = max(slow, key=lambda k: abs(vectors[row, k]) / np.abs(vectors[:, k]).max())
-    return float(-100 * values[best].real / abs(values[best]))
+    modes = fw.natural_modes(plant, fw.mean_state(plant, calm | own))
+    return 100 * float(next(mode.damping_ratio for mode in modes if mode.name.split(",")[0] == "platform pitch"))
 
 
 def main() -> None:
