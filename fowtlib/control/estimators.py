@@ -7,7 +7,7 @@ from dataclasses import dataclass, field
 
 import numpy as np
 
-from fowtlib.control.checks import Eigenvalues, Matrix, Weights, numbers_of, weight_matrix
+from fowtlib.control.checks import Eigenvalues, Matrix, numbers_of, weight_matrix
 from fowtlib.control.reduction import SampledModel, like
 from fowtlib.control.regulators import Regulator, poles_of, refuse_unreached, riccati, step_of
 from fowtlib.language.errors import ParameterError
@@ -52,11 +52,9 @@ def kalman(model: LinearModel, process: Mapping[str, float], measured: Mapping[s
     numbers_of(list(process), known, "input or state")
     noisy = [name for name in process if name in model.inputs]
     A, B, C, D = (model.matrices[name] for name in "ABCD")
-    columns = [B[:, model.inputs.index(name)] for name in noisy]
-    columns += [np.eye(len(A))[:, model.states.index(name)] for name in process if name not in noisy]
-    densities = [process[name] for name in noisy] + [process[name] for name in process if name not in noisy]
-    weights: Weights = dict(zip(map(str, range(len(densities))), densities, strict=True))
-    W = weight_matrix(weights, list(map(str, range(len(densities)))), "process noise", definite=False)
+    columns = [B[:, model.inputs.index(name)] if name in noisy else np.eye(len(A))[:, model.states.index(name)]
+               for name in process]  # fmt: skip
+    W = weight_matrix(process, list(process), "process noise", definite=False)
     rows = numbers_of(list(measured), model.outputs, "output")
     if not rows:
         raise ParameterError("nothing is measured; name the outputs that are, with the density of their noise.")

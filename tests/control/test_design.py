@@ -231,5 +231,7 @@ def test_mistakes_are_sentences():
     for weights in ("heavy", {"position": "heavy"}, {"position": [1.0, 2.0]}, [[1.0], [2.0, 3.0]], None):
         with pytest.raises(ParameterError, match="weights of the states are not"):
             lqr(cart(), weights, 1.0)
+    with pytest.raises(ParameterError, match="weight of the process noise 'force' must not be negative"):
+        kalman(cart(), {"speed": 1.0, "force": -1.0}, {"y1": 1.0})
     with pytest.raises(ParameterError, match="weights of the process noises are not numbers"):
         kalman(cart(), {"force": "loud"}, {"y1": 1.0})
