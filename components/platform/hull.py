@@ -15,15 +15,13 @@ import numpy as np
 from numpy.typing import NDArray
 
 from fowtlib.components.hydro import panel_mesh
-from fowtlib.components.platform.convex import TOUCH, ConvexBody, as_panels, disc, gap, outside, surface
+from fowtlib.components.platform.convex import TOUCH, ConvexBody, Facet, as_panels, disc, outside, surface
 from fowtlib.components.platform.members import Fill, MemberShape
 from fowtlib.components.platform.solids import MassProperties, section, together
+from fowtlib.components.platform.union import Span, Union, union
 from fowtlib.language.errors import ParameterError
 
 Floats = NDArray[np.float64]
-Span = tuple[float, float, float]
-
-MEET = 0.05  # m: members nearer than that meet, for plans are rounded to centimetres and circles are polygons here
 
 
 @dataclass(frozen=True)
@@ -81,50 +79,20 @@ class Hull:
                 f"{self.name} has no members; give it parts of class CircularMember or RectangularMember."
             )
 
-    # --- which parts of members count ----------------------------------------------------------------------------
-
     @cached_property
-    def bodies(self) -> list[ConvexBody]:
-        """The members as convex bodies; the number of a body is that of its member."""
-        return [body for k, member in enumerate(self.members) for body in member.bodies(k)]
+    def union(self) -> Union:
+        """The members from outside; hulls that differ in ballast alone have the same."""
+        return union(self.members)
 
-    @cached_property
+    @property
     def spans(self) -> list[list[Span]]:
         """For each member the parts of its axis (from, to [m], share) that lie in no larger member."""
-        return [self._spans(k) for k in range(len(self.members))]
+        return self.union.spans
 
-    def _spans(self, number: int) -> list[Span]:
-        member = self.members[number]
-        line = np.array([member.start, member.end])
-        low, high = line.min(axis=0) - TOUCH, line.max(axis=0) + TOUCH
-        covers = []
-        for other in {
-            body.number for body in self.bodies if (low <= body.box[1]).all() and (body.box[0] <= high).all()
-        }:
-            if other != number:
-                covers += [(a, b, other) for a, b in self.members[other].covers(line)]
-        ends = {end for a, b, _ in covers for end in (a, b)}
-        cuts = sorted(ends | {0.0, member.length} | set(member.stations))
-        found: list[Span] = []
-        for a, b in zip(cuts[:-1], cuts[1:], strict=True):
-            if b - a <= TOUCH:
-                continue
-            over = [other for low, high, other in covers if low < (a + b) / 2 < high]
-            own = self._section(number, (a + b) / 2)
-            larger = [self._section_of(other, member.at((a + b) / 2)) / own for other in over]
-            if all(ratio <= 1 + 1e-9 for ratio in larger):
-                found.append((a, b, 1 / (1 + sum(ratio > 1 - 1e-9 for ratio in larger))))
-        return found
-
-    def _section(self, number: int, s: float) -> float:
-        member = self.members[number]
-        return float(section(member.size_at(s)[None], member.is_round)[0][0])
-
-    def _section_of(self, number: int, place: Floats) -> float:
-        """Area of the section of a member nearest to a point."""
-        member = self.members[number]
-        s = float((place - member.start) @ member.axes[:, 2])
-        return self._section(number, min(max(s, TOUCH), member.length - TOUCH))
+    @property
+    def wet(self) -> list[tuple[ConvexBody, Facet]]:
+        """The surface of the union under water, in large facets, each with the body that it belongs to."""
+        return self.union.wet
 
     # --- mass ----------------------------------------------------------------------------------------------------
 
@@ -148,17 +116,12 @@ class Hull:
     # --- water ---------------------------------------------------------------------------------------------------
 
     @cached_property
-    def wet(self):
-        """The surface of the union under water, in large facets."""
-        return surface(self.bodies, below=0.0)
-
-    @cached_property
     def buoyancy(self) -> Buoyancy:
         """Volume, centre and waterplane of what is under water. Raises ParameterError where that is nothing."""
         if not self.wet:
             raise ParameterError(
                 f"{self.name} lies above the water: its lowest point is at z = "
-                f"{min(body.box[0][2] for body in self.bodies):g} m."
+                f"{min(body.box[0][2] for body in self.union.bodies):g} m."
             )
         volume, centre, C = panel_mesh.hydrostatics(as_panels([facet.corners for _, facet in self.wet]))
         waterplane = C.copy()
@@ -266,7 +229,7 @@ class Hull:
             s = -member.start[2] / slope
             for a, b, share in self.spans[number]:
                 if a < s <= b:
-                    return share * self._section(number, s) / abs(slope), member.at(s)
+                    return share * self.union.section(number, s) / abs(slope), member.at(s)
         return 0.0, np.array([*np.asarray(member.start)[:2], 0.0])
 
     # --- balance -------------------------------------------------------------------------------------------------
@@ -331,8 +294,8 @@ class Hull:
         Raises ParameterError where it sinks, or floats on top of the water.
         """
         wanted = (self.mass.mass + load) / density
-        bottom = min(body.box[0][2] for body in self.bodies)
-        top = max(body.box[1][2] for body in self.bodies)
+        bottom = min(body.box[0][2] for body in self.union.bodies)
+        top = max(body.box[1][2] for body in self.union.bodies)
         whole = self.raised(-top).buoyancy.volume
         if wanted >= whole:
             raise ParameterError(
@@ -353,30 +316,8 @@ class Hull:
 
     def check_joined(self) -> None:
         """Raises ParameterError where members do not meet: the hull falls to pieces."""
-        group = list(range(len(self.members)))
-
-        def root(k: int) -> int:
-            while group[k] != k:
-                k = group[k]
-            return k
-
-        pairs = sorted((_box_gap(a, b), i, j) for i, a in enumerate(self.bodies) for j, b in enumerate(self.bodies[:i]))
-        nearest = []
-        for distance, i, j in pairs:
-            a, b = self.bodies[i], self.bodies[j]
-            if root(a.number) == root(b.number):
-                continue
-            if distance > MEET:
-                nearest.append((distance, a.number, b.number))
-                continue
-            between = gap(a, b)
-            if between <= MEET:
-                group[root(a.number)] = root(b.number)
-            else:
-                nearest.append((between, a.number, b.number))
-        apart = [(d, a, b) for d, a, b in nearest if root(a) != root(b)]
-        if apart:
-            distance, a, b = min(apart)
+        if self.union.apart is not None:
+            distance, a, b = self.union.apart
             raise ParameterError(
                 f"{self.members[a].name} and {self.members[b].name} do not meet, nor do the members that hang on them: "
                 f"the gap is {distance:.2g} m. Let one end in the other, or join them by a member."
@@ -416,12 +357,6 @@ def _cut(body: ConvexBody) -> Floats:
     corners = corners[np.unique(np.round(corners / (10 * TOUCH)), axis=0, return_index=True)[1]] * [1, 1, 0]
     middle = (corners.min(axis=0) + corners.max(axis=0)) / 2
     return corners[np.argsort(np.arctan2(corners[:, 1] - middle[1], corners[:, 0] - middle[0]))]
-
-
-def _box_gap(a: ConvexBody, b: ConvexBody) -> float:
-    """Distance of the boxes about two bodies; zero where they overlap."""
-    (low_a, high_a), (low_b, high_b) = a.box, b.box
-    return float(np.linalg.norm(np.maximum(0.0, np.maximum(low_a - high_b, low_b - high_a))))
 
 
 def _portions(lengths: list[float], count: int) -> list[int]:
