@@ -21,6 +21,7 @@ from fowtlib.language.errors import ParameterError
 
 if TYPE_CHECKING:
     from fowtlib.components.platform.floater import Floater
+    from fowtlib.components.platform.hull import Hull
 
 _PER_STRIP = 8  # place, across_1, across_2, volume, end, volume of an end
 _PER_MEMBER = 13  # axes, waterline and its place
@@ -202,8 +203,11 @@ def _loads(member: Member) -> list:
     """The equations of a member: its force and moment."""
     force, moment = m.zeros(3), m.zeros(3)
     if member.sections:
-        size = _PER_MEMBER + _PER_STRIP * (member.sections + 2)
-        found = at_start("strips", size, "", "places and sizes of the strips in the water", _strip_numbers)
+        floater = floater_of(member)
+        ends = np.cumsum([0, *(_count(one) for one in members_of(floater))]).tolist()
+        number = _number(floater, member)
+        found = at_start("strips", ends[-1], "", "places and sizes of the strips in the water", _all_strips, of=floater)
+        found = found[ends[number] : ends[number + 1]]
         frame, strips = member.carrier.frame, _strips(member, found)
         force, moment = drag_loads(frame, _water(member, "velocity", len(strips), "m/s"), strips)
         if strips[0].added_mass is not None:
@@ -230,11 +234,30 @@ def _stations(member: Member, counts: dict[str, int]) -> np.ndarray:
     return places
 
 
+def _number(floater: Floater, member: Member) -> int:
+    return [one.path for one in members_of(floater)].index(member.path)
+
+
+def _count(member: Member) -> int:
+    """How many numbers its strips take."""
+    sections = member.parameter_value("sections")
+    return _PER_MEMBER + _PER_STRIP * (sections + 2) if sections else 0
+
+
+def _all_strips(floater: Floater) -> np.ndarray:
+    """Places and sizes of the strips of all members, when a run starts."""
+    hull, members = floater.hull(), members_of(floater)
+    return np.concatenate([_numbers(hull, k, one) for k, one in enumerate(members) if _count(one)])
+
+
 def _strip_numbers(member: Member) -> np.ndarray:
-    """Places and sizes of the strips of a member, when a run starts."""
+    """Those of one member."""
     floater = floater_of(member)
-    number = [one.path for one in members_of(floater)].index(member.path)
-    strips = floater.hull().strips(number, member.sections)
+    return _numbers(floater.hull(), _number(floater, member), member)
+
+
+def _numbers(hull: Hull, number: int, member: Member) -> np.ndarray:
+    strips = hull.strips(number, member.parameter_value("sections"))
     rows = np.column_stack(
         [strips.places, strips.across_1, strips.across_2, strips.volume, strips.ends, strips.end_volumes]
     )
