@@ -14,7 +14,8 @@ from functools import cached_property
 import numpy as np
 from numpy.typing import NDArray
 
-from fowtlib.components.hydro import panel_mesh
+from fowtlib.components.hydro.hull_mesh import hydrostatics
+from fowtlib.components.hydro.linear_loads import stiffness_with_buoyancy, stiffness_without_buoyancy
 from fowtlib.components.platform.convex import TOUCH, ConvexBody, Facet, as_panels, disc, outside, surface
 from fowtlib.components.platform.members import Fill, MemberShape
 from fowtlib.components.platform.solids import MassProperties, together
@@ -38,12 +39,7 @@ class Buoyancy:
 
     def stiffness(self, density: float = 1025.0, gravity: float = 9.80665) -> Floats:
         """Hydrostatic stiffness C (6, 6) about the origin without weight, as in a WAMIT .hst file, times rho g."""
-        C = self.waterplane.copy()
-        C[3, 3] += self.volume * self.centre[2]
-        C[4, 4] += self.volume * self.centre[2]
-        C[3, 5] -= self.volume * self.centre[0]
-        C[4, 5] -= self.volume * self.centre[1]
-        return density * gravity * C
+        return density * gravity * stiffness_with_buoyancy(self.waterplane, self.volume, self.centre)
 
 
 @dataclass(frozen=True)
@@ -103,17 +99,13 @@ class Hull:
                 f"{self.name} lies above the water: its lowest point is at z = "
                 f"{min(body.box[0][2] for body in self.union.bodies):g} m."
             )
-        volume, centre, C = panel_mesh.hydrostatics(as_panels([facet.corners for _, facet in self.wet]))
-        waterplane = C.copy()
-        waterplane[3, 3] -= volume * centre[2]
-        waterplane[4, 4] -= volume * centre[2]
-        waterplane[3, 5] = waterplane[4, 5] = 0.0
-        return Buoyancy(volume, centre, waterplane)
+        volume, centre, C = hydrostatics(as_panels([facet.corners for _, facet in self.wet]))
+        return Buoyancy(volume, centre, stiffness_without_buoyancy(C, volume, centre))
 
     def metacentric_height(self) -> float:
         """Smallest metacentric height [m] of the hull alone, over all directions in which it may lean."""
         water, mass = self.buoyancy, self.mass
-        about_centre = water.waterplane.copy()
+        about_centre = water.waterplane
         area = max(about_centre[2, 2], 1e-12)
         sx, sy = -about_centre[2, 4] / area, about_centre[2, 3] / area
         second = np.array([[about_centre[3, 3] - area * sy**2, about_centre[3, 4] + area * sx * sy],
