@@ -202,6 +202,10 @@ class HydrodynamicDatabase:
 
         write_whole(path, lambda temporary: write_netcdf(temporary, fill))
 
+    def nearest_heading(self, heading: float = 0.0) -> int:
+        """The number of the heading of the data that is nearest to a heading [rad], all round."""
+        return int(np.argmin(np.abs(np.mod(self.heading - heading + np.pi, 2 * np.pi) - np.pi)))
+
     def excitation_at(self, omega, heading: float) -> np.ndarray:
         """Complex wave load (n, 6) per unit amplitude at the frequencies omega [rad/s] and one heading [rad].
 

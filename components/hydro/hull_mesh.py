@@ -104,9 +104,8 @@ class HullMesh:
 
     @property
     def widths(self) -> np.ndarray:
-        """Largest width (n,) of each panel: the longer one of the two lines that join the middles of its sides [m]."""
-        middle = (self.panels + np.roll(self.panels, -1, axis=1)) / 2
-        return np.linalg.norm(middle[:, :2] - middle[:, 2:], axis=2).max(axis=1)
+        """Largest width (n,) of each panel [m]."""
+        return widths_of(self.panels)
 
     @cached_property
     def symmetry(self) -> Symmetry:
@@ -135,6 +134,12 @@ class HullMesh:
                 raise ParameterError(f"{self.name}: the mesh {what} {found:.6g} {unit}, and {wanted:.6g} {unit} are "
                                      f"expected ({off}, allowed {tolerance:.2%}): do members overlap, are the panels "
                                      "too coarse, or are the units or the draft others?")
+
+
+def widths_of(panels: np.ndarray) -> np.ndarray:
+    """Largest width (n,) of each panel: the longer one of the two lines that join the middles of its sides [m]."""
+    middle = (panels + np.roll(panels, -1, axis=1)) / 2
+    return np.linalg.norm(middle[:, :2] - middle[:, 2:], axis=2).max(axis=1)
 
 
 def hydrostatics(

@@ -161,11 +161,11 @@ class Hydrostatics(PlatformLoad):
             for name in ("volume", "centre_of_buoyancy", "stiffness", "reference_density")
         )
         density, gravity = (self.world.parameter_value(name) for name in ("water_density", "gravity"))
-        turning = -stiffness_without_buoyancy(np.zeros((6, 6)), density * gravity * volume, centre)
+        C = stiffness_with_buoyancy(density / reference * stiffness, density * gravity * volume, centre)
         return [
             facts.Number("displaced volume", volume, "m^3"),
             facts.Number("centre of buoyancy", centre, "m"),
-            facts.Loads("C", density / reference * stiffness + turning, "N/m"),
+            facts.Loads("C", C, "N/m"),
         ]
 
 
@@ -185,6 +185,11 @@ def stiffness_without_buoyancy(stiffness: NDArray[np.float64], lift: float, cent
     plane[[3, 4], [3, 4]] -= lift * z
     plane[[3, 4], [5, 5]] += lift * np.array([x, y])
     return plane
+
+
+def stiffness_with_buoyancy(plane: NDArray[np.float64], lift: float, centre: ArrayLike) -> NDArray[np.float64]:
+    """C (6, 6) of a waterplane with the moments of the buoyancy `lift` [N] at its centre (3,)."""
+    return stiffness_without_buoyancy(plane, -lift, centre)
 
 
 class AddedMass(PlatformLoad):

@@ -12,7 +12,7 @@ import math
 import numpy as np
 
 from fowtlib.components.environment.waves import wave_number
-from fowtlib.components.hydro.hull_mesh import HullMesh, waterlines
+from fowtlib.components.hydro.hull_mesh import HullMesh, waterlines, widths_of
 
 _PER_WAVE = 4  # panels a wave must have along its length
 _REACH = 0.5  # wave lengths below the surface at which a wave has died out (exp(-pi) = 0.04)
@@ -49,8 +49,7 @@ def coarse_from(
     None if every wave has four panels on its length, down to half of it.
     """
     panels = np.concatenate([hull.panels, hull.lid])
-    middle = (panels + np.roll(panels, -1, axis=1)) / 2
-    width = np.linalg.norm(middle[:, :2] - middle[:, 2:], axis=2).max(axis=1)
+    width = widths_of(panels)
     depth = -panels[:, :, 2].max(axis=1)
     for frequency in omega:
         length = 2 * math.pi / float(wave_number(float(frequency), water_depth, g))

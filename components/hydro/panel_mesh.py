@@ -19,7 +19,7 @@ from fowtlib.language.errors import ParameterError
 
 __all__ = [
     "Column", "HullMesh", "Pontoon", "floater_mesh", "hydrostatics", "lid_panels", "members_mesh", "members_volume",
-    "profile", "round_factor", "sides",
+    "profile", "round_factor", "sides", "spacing",
 ]  # fmt: skip
 
 _BOX = 1.3  # a round pontoon is tied to its column within a square patch of this width over its diameter
@@ -136,7 +136,7 @@ def profile(column: Column, size: float) -> np.ndarray:
         last = k + 2 == len(corners) or _turn(a, b, corners[k + 2])
         wanted = length / size / (_TALL if a[1] < b[1] else 1.0)
         number = 5 if b[1] == 0 and length < 2.001 * depth else max(1, math.ceil(wanted))
-        for t in _spacing(number, bool(first), bool(last))[1:]:
+        for t in spacing(number, bool(first), bool(last))[1:]:
             points.append((a[0] + t * (b[0] - a[0]), a[1] + t * (b[1] - a[1])))
     return np.array(points)
 
@@ -294,13 +294,13 @@ def _pontoon_panels(pontoon: Pontoon, columns, pontoons, levels: np.ndarray, siz
             return np.array(point) + along[:, None] * axis + at[:, :1] * left + at[:, 1:] * [0.0, 0.0, 1.0]
 
         ends.append(place(section))
-        scale = [] if column else _spacing(max(1, math.ceil(np.abs(section).max() / size)), False, True)[:-1]
+        scale = [] if column else spacing(max(1, math.ceil(np.abs(section).max() / size)), False, True)[:-1]
         caps.append([np.array(point) + t * (place(section) - point) for t in scale])
         if column and pontoon.diameter:
             rings = np.array([place(box + t * (section - box)) for t in (0.0, 0.5, 1.0)])
             panels.append(_loft(rings if sign > 0 else rings[::-1]).reshape(-1, 4, 3))
     length = np.linalg.norm(ends[1] - ends[0], axis=1).mean()
-    steps = _spacing(2 * max(1, math.ceil(length / size / 2)), bool(caps[0]), bool(caps[1]))
+    steps = spacing(2 * max(1, math.ceil(length / size / 2)), bool(caps[0]), bool(caps[1]))
     rings = [*caps[0], *(ends[0] + t * (ends[1] - ends[0]) for t in steps), *caps[1][::-1]]
     return np.concatenate([*panels, _loft(np.array(rings)).reshape(-1, 4, 3)])
 
@@ -356,7 +356,7 @@ def _loft(rings: np.ndarray) -> np.ndarray:
     return np.stack([rings[:-1], ahead[:-1], ahead[1:], rings[1:]], axis=2)
 
 
-def _spacing(number: int, fine_first: bool, fine_last: bool) -> np.ndarray:
+def spacing(number: int, fine_first: bool, fine_last: bool) -> np.ndarray:
     """Values, one more than number, from 0 to 1, closer at the ends that are asked for."""
     t = np.linspace(0, 1, number + 1)
     if fine_first and fine_last:

@@ -129,10 +129,7 @@ def _limits(line, V_anchor):
     depth, anchor, fairlead = line.world.water_depth, line.anchor.r[2], line.fairlead.r[2]
     strain = m.fmax(line.tension, line.anchor_tension) / line.axial_stiffness
     least = line.intact * catenary.scales(line, m)[2]
-    # a line that floats is an arch, where it pulls up at both ends
-    peak = (m.sqrt(line.horizontal_tension**2 + V_anchor**2) - line.horizontal_tension) / m.fmax(-line.weight, 1e-9)
-    arched = m.if_else(line.weight < 0, m.fmin(V_anchor, -line.vertical_tension), 0) > 0
-    floats = m.if_else(arched, anchor + peak > m.fmax(m.fmax(anchor, fairlead), 0), 0)
+    peak = anchor + arch(line.weight, line.horizontal_tension, V_anchor, line.vertical_tension)
     breaking = [] if line.breaking_load is None else [
         assert_(line.tension < line.breaking_load, "the tension of {tension} N is above the breaking load", "warning",
                 tension=line.tension)
@@ -141,14 +138,24 @@ def _limits(line, V_anchor):
         *ends_above_seabed(depth, anchor, fairlead),
         assert_(strain < line.greatest_strain, "the line is stretched by {strain} of its length; its axial stiffness "
                 "is taken as constant up to greatest_strain = {limit}", strain=strain, limit=line.greatest_strain),
-        assert_(m.logic_not(floats), "the line rises to the surface between its ends; a line that floats there is not "
-                "modelled"),
+        assert_(peak <= m.fmax(m.fmax(anchor, fairlead), 0), "the line rises to the surface between its "
+                "ends; a line that floats there is not modelled"),
         assert_(line.coordinate > 0, "the line is slack: it hangs vertically, its excess on the seabed", "warning"),
         assert_(line.tension >= 2 * least, "the line is slack, and has no weight in water to hang by", "warning"),
         assert_(strain < line.greatest_strain / 2, "the line is stretched by {strain} of its length, more than half of "
                 "greatest_strain", "warning", strain=strain),
         *breaking,
     ]  # fmt: skip
+
+
+def arch(weight, horizontal, lower, upper):
+    """How far a line rises above its lower end: one that floats is an arch, where it pulls up at both ends; else 0.
+
+    weight: in water per length; horizontal, lower, upper: tensions, the vertical ones positive where it pulls down at
+    its upper end, and up at its lower one.
+    """
+    arched = m.if_else(weight < 0, m.fmin(lower, -upper), 0) > 0
+    return m.if_else(arched, (m.sqrt(horizontal**2 + lower**2) - horizontal) / m.fmax(-weight, 1e-9), 0)
 
 
 def ends_above_seabed(depth, anchor, fairlead):
@@ -161,14 +168,19 @@ def ends_above_seabed(depth, anchor, fairlead):
     ]  # fmt: skip
 
 
-def line_weight(line):
-    """Weight in water per length, given or from mass and diameter."""
+def weight_is_given(line):
+    """Whether the weight in water is given, and not mass and diameter; ParameterError for both or none of them."""
     given, by_mass = (line.parameter_value(name) is not None for name in ("weight_per_length", "mass_per_length"))
     if given == by_mass:
         raise ParameterError(
             f"{line.label} needs its weight once: give mass_per_length and diameter, or weight_per_length (in water)."
         )
-    if given:
+    return given
+
+
+def line_weight(line):
+    """Weight in water per length, given or from mass and diameter."""
+    if weight_is_given(line):
         return line.weight_per_length
     return catenary.weight_in_water(line.mass_per_length, line.diameter, line.world.gravity, line.world.water_density)
 

@@ -15,6 +15,7 @@ from fowtlib.language import (
     Vector,
     assert_,
     eq,
+    facts,
     fix_orientation,
     outer,
     param,
@@ -72,6 +73,9 @@ class CrowFoot(Component):
     def drawing(self) -> shapes.Drawing:
         diameter = self.parameter_value("diameter") or None
         return [shapes.link(self.node, end, diameter, "line") for end in (self.left, self.right)]
+
+    def facts(self) -> list[facts.Fact]:
+        return [facts.Reading("left_tension"), facts.Reading("right_tension")]
 
 
 class DeltaLine(Component):

@@ -6,6 +6,7 @@ import numpy as np
 
 from fowtlib.components.environment.world import World
 from fowtlib.components.mooring import catenary, sections
+from fowtlib.components.mooring.catenary_line import weight_is_given
 from fowtlib.components.mooring.lost_line import LosableLine
 from fowtlib.language import Array, outer, param
 from fowtlib.language import math as m
@@ -46,13 +47,7 @@ class LineOfSections(LosableLine):
 
     def section_weights(self):
         """Weights in water per length of the sections."""
-        given, by_mass = (self.parameter_value(name) is not None for name in ("weight_per_length", "mass_per_length"))
-        if given == by_mass:
-            raise ParameterError(
-                f"{self.label} needs its weight once: give mass_per_length and diameter, or weight_per_length (in "
-                "water)."
-            )
-        if given:
+        if weight_is_given(self):
             return self.each("weight_per_length")
         pairs = zip(self.each("mass_per_length"), self.each("diameter"), strict=True)
         return [catenary.weight_in_water(*pair, self.world.gravity, self.world.water_density) for pair in pairs]

@@ -16,6 +16,9 @@ class Losable(Component):
 
     intact: Scalar = var(discrete=True, start=1.0, doc="1, and 0 when the line is lost")
 
+    def facts(self) -> list[facts.Fact]:
+        return [facts.Reading(name) for name in ("tension", "anchor_tension") if name in self.variables]
+
 
 class LosableLine(Losable):
     """Partial: a line with unknowns of its own, which stay solved as they were at its loss, for where its ends were."""
@@ -31,6 +34,3 @@ class LosableLine(Losable):
     def when_lost(self, distance, rise):
         """What happens then."""
         return on(self.loss, assign(self.intact, 0), assign(self.last_distance, distance), assign(self.last_rise, rise))
-
-    def facts(self) -> list[facts.Fact]:
-        return [facts.Reading(name) for name in ("tension", "anchor_tension") if name in self.variables]

@@ -6,7 +6,7 @@ import numpy as np
 
 from fowtlib.components.mechanics.connectors import Frame
 from fowtlib.components.mooring import catenary, sections
-from fowtlib.components.mooring.catenary_line import LEVEL, ends_above_seabed, hold_anchor
+from fowtlib.components.mooring.catenary_line import LEVEL, arch, ends_above_seabed, hold_anchor
 from fowtlib.components.mooring.line_of_sections import LineOfSections
 from fowtlib.language import Array, Scalar, Vector, assert_, eq, param, port, shapes, var
 from fowtlib.language import math as m
@@ -123,13 +123,11 @@ def _limits(line: SectionedLine, hung, heights):
     anchor, fairlead = line.anchor.r[2], line.fairlead.r[2]
     strain, highest = 0, -m.inf
     for item, height in zip(hung, heights, strict=False):
-        T, lower, upper, w = item.horizontal, item.state.anchor, item.vertical, item.line.weight
+        T, lower, upper = item.horizontal, item.state.anchor, item.vertical
         stretching = m.fmax(m.sqrt(T**2 + upper**2), m.sqrt(T**2 + lower**2))
         strain = m.fmax(strain, line.intact * stretching / item.line.axial_stiffness)
-        # a section that floats is an arch, where it pulls up at both ends
-        arched = m.if_else(w < 0, m.fmin(lower, -upper), 0) > 0
-        peak = m.if_else(arched, (m.sqrt(T**2 + lower**2) - T) / m.fmax(-w, 1e-9), 0)
-        highest = m.fmax(highest, anchor - line.clearance + height + peak)
+        peak = height + arch(item.line.weight, T, lower, upper)
+        highest = m.fmax(highest, anchor - line.clearance + peak)
     breaking = [] if line.parameter_value("breaking_load") is None else [
         assert_(line.tensions[i] < load, f"the tension of {{tension}} N in section {i + 1} is above its breaking load",
                 "warning", tension=line.tensions[i])

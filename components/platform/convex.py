@@ -14,6 +14,8 @@ from functools import cached_property
 import numpy as np
 from numpy.typing import NDArray
 
+from fowtlib.components.hydro.panel_mesh import spacing
+
 Floats = NDArray[np.float64]
 
 TOUCH = 1e-6  # m: nearer than that, things are at the same place
@@ -68,7 +70,7 @@ def between_rings(low: Floats, high: Floats, outline: Floats, steps: tuple[int, 
     """
     along, outwards = steps
     facets = []
-    levels = [low + t * (high - low) for t in _closer(along, at_start=True)]
+    levels = [low + t * (high - low) for t in spacing(along, True, True)]
     for below, above in zip(levels[:-1], levels[1:], strict=True):
         for k in range(len(low)):
             after = (k + 1) % len(low)
@@ -95,19 +97,13 @@ def disc(ring: Floats, steps: int) -> list[Floats]:
     if not steps:
         return [ring]
     middle, polygons = ring.mean(axis=0), []
-    scale = _closer(steps, at_start=False)
+    scale = spacing(steps, False, True)
     for inner, outer in zip(scale[:-1], scale[1:], strict=True):
         a, b = middle + inner * (ring - middle), middle + outer * (ring - middle)
         for k in range(len(ring)):
             after = (k + 1) % len(ring)
             polygons.append(_distinct(np.array([a[k], b[k], b[after], a[after]])))
     return polygons
-
-
-def _closer(steps: int, at_start: bool) -> Floats:
-    """Values, one more than steps, from 0 to 1, closer at the end, and at the start if asked: edges need it."""
-    t = np.linspace(0, 1, steps + 1)
-    return 0.4 * t + 0.6 * ((1 - np.cos(np.pi * t)) / 2 if at_start else np.sin(np.pi / 2 * t))
 
 
 def _distinct(corners: Floats) -> Floats:

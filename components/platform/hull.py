@@ -14,16 +14,15 @@ from functools import cached_property
 import numpy as np
 from numpy.typing import NDArray
 
-from fowtlib.components.hydro import panel_mesh
-from fowtlib.components.platform.convex import TOUCH, ConvexBody, as_panels, disc, gap, outside, surface
+from fowtlib.components.hydro.hull_mesh import hydrostatics
+from fowtlib.components.hydro.linear_loads import stiffness_with_buoyancy, stiffness_without_buoyancy
+from fowtlib.components.platform.convex import TOUCH, ConvexBody, Facet, as_panels, disc, outside, surface
 from fowtlib.components.platform.members import Fill, MemberShape
-from fowtlib.components.platform.solids import MassProperties, section, together
+from fowtlib.components.platform.solids import MassProperties, together
+from fowtlib.components.platform.union import Span, Strips, Union, union
 from fowtlib.language.errors import ParameterError
 
 Floats = NDArray[np.float64]
-Span = tuple[float, float, float]
-
-MEET = 0.05  # m: members nearer than that meet, for plans are rounded to centimetres and circles are polygons here
 
 
 @dataclass(frozen=True)
@@ -40,32 +39,7 @@ class Buoyancy:
 
     def stiffness(self, density: float = 1025.0, gravity: float = 9.80665) -> Floats:
         """Hydrostatic stiffness C (6, 6) about the origin without weight, as in a WAMIT .hst file, times rho g."""
-        C = self.waterplane.copy()
-        C[3, 3] += self.volume * self.centre[2]
-        C[4, 4] += self.volume * self.centre[2]
-        C[3, 5] -= self.volume * self.centre[0]
-        C[4, 5] -= self.volume * self.centre[1]
-        return density * gravity * C
-
-
-@dataclass(frozen=True)
-class Strips:
-    """Sections of one member in the water: places (k, 3), directions (k, 3) of the section and axis, and their sizes.
-
-    across_1, across_2 [m^2]: length times the size that a flow along the first or second direction meets. volume [m^3]
-    of the strip. ends [m^2], end_volumes [m^3]: wet area of an end and the half ball over it; zero but for the last two
-    strips, which are the start and the end. waterline: horizontal section [m^2] at the water level, and its place.
-    """
-
-    places: Floats
-    directions: Floats
-    across_1: Floats
-    across_2: Floats
-    volume: Floats
-    ends: Floats
-    end_volumes: Floats
-    waterline: float
-    waterline_place: Floats
+        return density * gravity * stiffness_with_buoyancy(self.waterplane, self.volume, self.centre)
 
 
 @dataclass(frozen=True)
@@ -81,50 +55,20 @@ class Hull:
                 f"{self.name} has no members; give it parts of class CircularMember or RectangularMember."
             )
 
-    # --- which parts of members count ----------------------------------------------------------------------------
-
     @cached_property
-    def bodies(self) -> list[ConvexBody]:
-        """The members as convex bodies; the number of a body is that of its member."""
-        return [body for k, member in enumerate(self.members) for body in member.bodies(k)]
+    def union(self) -> Union:
+        """The members from outside; hulls that differ in ballast alone have the same."""
+        return union(self.members)
 
-    @cached_property
+    @property
     def spans(self) -> list[list[Span]]:
         """For each member the parts of its axis (from, to [m], share) that lie in no larger member."""
-        return [self._spans(k) for k in range(len(self.members))]
+        return self.union.spans
 
-    def _spans(self, number: int) -> list[Span]:
-        member = self.members[number]
-        line = np.array([member.start, member.end])
-        low, high = line.min(axis=0) - TOUCH, line.max(axis=0) + TOUCH
-        covers = []
-        for other in {
-            body.number for body in self.bodies if (low <= body.box[1]).all() and (body.box[0] <= high).all()
-        }:
-            if other != number:
-                covers += [(a, b, other) for a, b in self.members[other].covers(line)]
-        ends = {end for a, b, _ in covers for end in (a, b)}
-        cuts = sorted(ends | {0.0, member.length} | set(member.stations))
-        found: list[Span] = []
-        for a, b in zip(cuts[:-1], cuts[1:], strict=True):
-            if b - a <= TOUCH:
-                continue
-            over = [other for low, high, other in covers if low < (a + b) / 2 < high]
-            own = self._section(number, (a + b) / 2)
-            larger = [self._section_of(other, member.at((a + b) / 2)) / own for other in over]
-            if all(ratio <= 1 + 1e-9 for ratio in larger):
-                found.append((a, b, 1 / (1 + sum(ratio > 1 - 1e-9 for ratio in larger))))
-        return found
-
-    def _section(self, number: int, s: float) -> float:
-        member = self.members[number]
-        return float(section(member.size_at(s)[None], member.is_round)[0][0])
-
-    def _section_of(self, number: int, place: Floats) -> float:
-        """Area of the section of a member nearest to a point."""
-        member = self.members[number]
-        s = float((place - member.start) @ member.axes[:, 2])
-        return self._section(number, min(max(s, TOUCH), member.length - TOUCH))
+    @property
+    def wet(self) -> list[tuple[ConvexBody, Facet]]:
+        """The surface of the union under water, in large facets, each with the body that it belongs to."""
+        return self.union.wet
 
     # --- mass ----------------------------------------------------------------------------------------------------
 
@@ -148,29 +92,20 @@ class Hull:
     # --- water ---------------------------------------------------------------------------------------------------
 
     @cached_property
-    def wet(self):
-        """The surface of the union under water, in large facets."""
-        return surface(self.bodies, below=0.0)
-
-    @cached_property
     def buoyancy(self) -> Buoyancy:
         """Volume, centre and waterplane of what is under water. Raises ParameterError where that is nothing."""
         if not self.wet:
             raise ParameterError(
                 f"{self.name} lies above the water: its lowest point is at z = "
-                f"{min(body.box[0][2] for body in self.bodies):g} m."
+                f"{min(body.box[0][2] for body in self.union.bodies):g} m."
             )
-        volume, centre, C = panel_mesh.hydrostatics(as_panels([facet.corners for _, facet in self.wet]))
-        waterplane = C.copy()
-        waterplane[3, 3] -= volume * centre[2]
-        waterplane[4, 4] -= volume * centre[2]
-        waterplane[3, 5] = waterplane[4, 5] = 0.0
-        return Buoyancy(volume, centre, waterplane)
+        volume, centre, C = hydrostatics(as_panels([facet.corners for _, facet in self.wet]))
+        return Buoyancy(volume, centre, stiffness_without_buoyancy(C, volume, centre))
 
     def metacentric_height(self) -> float:
         """Smallest metacentric height [m] of the hull alone, over all directions in which it may lean."""
         water, mass = self.buoyancy, self.mass
-        about_centre = water.waterplane.copy()
+        about_centre = water.waterplane
         area = max(about_centre[2, 2], 1e-12)
         sx, sy = -about_centre[2, 4] / area, about_centre[2, 3] / area
         second = np.array([[about_centre[3, 3] - area * sy**2, about_centre[3, 4] + area * sx * sy],
@@ -211,63 +146,11 @@ class Hull:
 
     def wet_spans(self, number: int) -> list[Span]:
         """The parts of the axis of a member that count and lie under water."""
-        member = self.members[number]
-        z, slope = member.start[2], member.axes[2, 2]
-        level = -z / slope if abs(slope) > 1e-12 else (math.inf if z <= 0 else -math.inf)
-        cut = [(a, min(b, level), share) if slope > -1e-12 else (max(a, level), b, share)
-               for a, b, share in self.spans[number]]  # fmt: skip
-        if abs(slope) <= 1e-12:
-            cut = self.spans[number] if z <= 0 else []
-        return [(a, b, share) for a, b, share in cut if b - a > TOUCH]
+        return self.union.wet_spans(number)
 
     def strips(self, number: int, count: int) -> Strips:
-        """`count` strips of a member, at Gauss points of its wet parts, and its ends; those that it lacks are empty."""
-        member, spans = self.members[number], self.wet_spans(number)
-        axes = member.axes
-        rows = []  # s, length
-        for (a, b, share), points in zip(spans, _portions([b - a for a, b, _ in spans], count), strict=True):
-            if not points:
-                raise ParameterError(
-                    f"{member.name}.sections = {count} are too few: {len(spans)} parts of the member are in the water."
-                )
-            nodes, weights = np.polynomial.legendre.leggauss(points)
-            rows += [
-                ((a + b) / 2 + (b - a) / 2 * x, (b - a) / 2 * w * share) for x, w in zip(nodes, weights, strict=True)
-            ]
-        rows += [(0.0, 0.0)] * (count - len(rows)) + [(0.0, 0.0), (member.length, 0.0)]
-        sizes = np.array([member.size_at(s, after=s < member.length) for s, _ in rows])
-        lengths = np.array([length for _, length in rows])
-        area = section(sizes, member.is_round)[0]
-        ends, volumes = np.zeros(len(rows)), np.zeros(len(rows))
-        ends[-2:] = self._wet_end(number, "start"), self._wet_end(number, "end")
-        volumes[-2:] = 2 / 3 * math.pi * (area[-2:] / math.pi) ** 1.5 * (ends[-2:] > 0.01 * area[-2:])
-        line, place = self._waterline(number)
-        return Strips(
-            np.array([member.at(s) for s, _ in rows]), np.tile(axes.T.reshape(1, 9), (len(rows), 1)),
-            lengths * sizes[:, 1], lengths * sizes[:, 0], lengths * area, ends, volumes, line, place,
-        )  # fmt: skip
-
-    def _wet_end(self, number: int, where: str) -> float:
-        """Area of an end of a member that is on the surface of the hull, under water."""
-        member = self.members[number]
-        plane, sign = (member.start, -1) if where == "start" else (member.end, 1)
-        outward = sign * member.axes[:, 2]
-        return sum(
-            float(np.linalg.norm(facet.area_vector)) for body, facet in self.wet
-            if body.number == number and facet.where == where
-            and abs((facet.corners[0] - plane) @ outward) < TOUCH
-        )  # fmt: skip
-
-    def _waterline(self, number: int) -> tuple[float, Floats]:
-        """Horizontal section of a member at the water level, as far as it counts, and its place."""
-        member = self.members[number]
-        slope = member.axes[2, 2]
-        if abs(slope) > 1e-3:
-            s = -member.start[2] / slope
-            for a, b, share in self.spans[number]:
-                if a < s <= b:
-                    return share * self._section(number, s) / abs(slope), member.at(s)
-        return 0.0, np.array([*np.asarray(member.start)[:2], 0.0])
+        """`count` strips of a member, at Gauss points of its wet parts, and its ends; see Union."""
+        return self.union.strips(number, count)
 
     # --- balance -------------------------------------------------------------------------------------------------
 
@@ -331,8 +214,8 @@ class Hull:
         Raises ParameterError where it sinks, or floats on top of the water.
         """
         wanted = (self.mass.mass + load) / density
-        bottom = min(body.box[0][2] for body in self.bodies)
-        top = max(body.box[1][2] for body in self.bodies)
+        bottom = min(body.box[0][2] for body in self.union.bodies)
+        top = max(body.box[1][2] for body in self.union.bodies)
         whole = self.raised(-top).buoyancy.volume
         if wanted >= whole:
             raise ParameterError(
@@ -353,30 +236,8 @@ class Hull:
 
     def check_joined(self) -> None:
         """Raises ParameterError where members do not meet: the hull falls to pieces."""
-        group = list(range(len(self.members)))
-
-        def root(k: int) -> int:
-            while group[k] != k:
-                k = group[k]
-            return k
-
-        pairs = sorted((_box_gap(a, b), i, j) for i, a in enumerate(self.bodies) for j, b in enumerate(self.bodies[:i]))
-        nearest = []
-        for distance, i, j in pairs:
-            a, b = self.bodies[i], self.bodies[j]
-            if root(a.number) == root(b.number):
-                continue
-            if distance > MEET:
-                nearest.append((distance, a.number, b.number))
-                continue
-            between = gap(a, b)
-            if between <= MEET:
-                group[root(a.number)] = root(b.number)
-            else:
-                nearest.append((between, a.number, b.number))
-        apart = [(d, a, b) for d, a, b in nearest if root(a) != root(b)]
-        if apart:
-            distance, a, b = min(apart)
+        if self.union.apart is not None:
+            distance, a, b = self.union.apart
             raise ParameterError(
                 f"{self.members[a].name} and {self.members[b].name} do not meet, nor do the members that hang on them: "
                 f"the gap is {distance:.2g} m. Let one end in the other, or join them by a member."
@@ -416,20 +277,3 @@ def _cut(body: ConvexBody) -> Floats:
     corners = corners[np.unique(np.round(corners / (10 * TOUCH)), axis=0, return_index=True)[1]] * [1, 1, 0]
     middle = (corners.min(axis=0) + corners.max(axis=0)) / 2
     return corners[np.argsort(np.arctan2(corners[:, 1] - middle[1], corners[:, 0] - middle[0]))]
-
-
-def _box_gap(a: ConvexBody, b: ConvexBody) -> float:
-    """Distance of the boxes about two bodies; zero where they overlap."""
-    (low_a, high_a), (low_b, high_b) = a.box, b.box
-    return float(np.linalg.norm(np.maximum(0.0, np.maximum(low_a - high_b, low_b - high_a))))
-
-
-def _portions(lengths: list[float], count: int) -> list[int]:
-    """Gauss points for parts of these lengths, `count` together: one each at least, the rest by roots of lengths."""
-    if not lengths:
-        return []
-    roots = np.sqrt(lengths)
-    shares = np.ones(len(lengths), dtype=int) if count >= len(lengths) else np.zeros(len(lengths), dtype=int)
-    for _ in range(count - int(shares.sum()) if shares.any() else 0):
-        shares[int(np.argmax(roots / shares))] += 1
-    return [int(share) for share in shares]

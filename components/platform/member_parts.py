@@ -15,12 +15,13 @@ from fowtlib.components.hydro.linear_loads import PlatformLoad
 from fowtlib.components.hydro.strips import Strip, drag_loads, inertia_loads
 from fowtlib.components.platform.contents import Ballast, Bulkhead, LumpedMass
 from fowtlib.components.platform.members import MemberShape
-from fowtlib.language import Array, Component, Scalar, Vector, at_start, eq, outer, param, shapes, var
+from fowtlib.language import Array, Component, Scalar, Vector, at_start, eq, facts, outer, param, shapes, var
 from fowtlib.language import math as m
 from fowtlib.language.errors import ParameterError
 
 if TYPE_CHECKING:
     from fowtlib.components.platform.floater import Floater
+    from fowtlib.components.platform.hull import Hull
 
 _PER_STRIP = 8  # place, across_1, across_2, volume, end, volume of an end
 _PER_MEMBER = 13  # axes, waterline and its place
@@ -50,9 +51,15 @@ class MemberLoads(PlatformLoad):
     def wave_transfer(self) -> Callable[[np.ndarray, float], np.ndarray]:
         """Complex load (n, 6) per unit wave amplitude, a function of frequencies [rad/s] and a heading [rad]."""
         members = members_of(next(iter(self.enclosing())))
-        if not any(member.is_set("added_mass_coefficient") for member in members):
+        if not any(map(_has_inertia, members)):
             raise AttributeError("no member has the inertia of the water")
         return partial(_wave_loads, self.world, members)
+
+    def facts(self) -> list[facts.Fact]:
+        members = [one for one in members_of(next(iter(self.enclosing()))) if _has_inertia(one)]
+        density = float(self.world.parameter_value("water_density"))
+        matrix = sum((_added_mass(member) for member in members), np.zeros((6, 6)))
+        return [facts.Loads("A(inf)", density * matrix, "kg")] if members else []
 
 
 class Member(Component):
@@ -196,8 +203,11 @@ def _loads(member: Member) -> list:
     """The equations of a member: its force and moment."""
     force, moment = m.zeros(3), m.zeros(3)
     if member.sections:
-        size = _PER_MEMBER + _PER_STRIP * (member.sections + 2)
-        found = at_start("strips", size, "", "places and sizes of the strips in the water", _strip_numbers)
+        floater = floater_of(member)
+        ends = np.cumsum([0, *(_count(one) for one in members_of(floater))]).tolist()
+        number = _number(floater, member)
+        found = at_start("strips", ends[-1], "", "places and sizes of the strips in the water", _all_strips, of=floater)
+        found = found[ends[number] : ends[number + 1]]
         frame, strips = member.carrier.frame, _strips(member, found)
         force, moment = drag_loads(frame, _water(member, "velocity", len(strips), "m/s"), strips)
         if strips[0].added_mass is not None:
@@ -224,11 +234,30 @@ def _stations(member: Member, counts: dict[str, int]) -> np.ndarray:
     return places
 
 
+def _number(floater: Floater, member: Member) -> int:
+    return [one.path for one in members_of(floater)].index(member.path)
+
+
+def _count(member: Member) -> int:
+    """How many numbers its strips take."""
+    sections = member.parameter_value("sections")
+    return _PER_MEMBER + _PER_STRIP * (sections + 2) if sections else 0
+
+
+def _all_strips(floater: Floater) -> np.ndarray:
+    """Places and sizes of the strips of all members, when a run starts."""
+    hull, members = floater.hull(), members_of(floater)
+    return np.concatenate([_numbers(hull, k, one) for k, one in enumerate(members) if _count(one)])
+
+
 def _strip_numbers(member: Member) -> np.ndarray:
-    """Places and sizes of the strips of a member, when a run starts."""
+    """Those of one member."""
     floater = floater_of(member)
-    number = [one.path for one in members_of(floater)].index(member.path)
-    strips = floater.hull().strips(number, member.sections)
+    return _numbers(floater.hull(), _number(floater, member), member)
+
+
+def _numbers(hull: Hull, number: int, member: Member) -> np.ndarray:
+    strips = hull.strips(number, member.parameter_value("sections"))
     rows = np.column_stack(
         [strips.places, strips.across_1, strips.across_2, strips.volume, strips.ends, strips.end_volumes]
     )
@@ -285,6 +314,28 @@ def _elevation(waves: WaveComponents, member: Member) -> np.ndarray:
     return waves.elevation_transfer(place)
 
 
+def _has_inertia(member: Member) -> bool:
+    return bool(member.sections) and member.parameter_value("added_mass_coefficient") is not None
+
+
+def _added_volumes(member: Member, found: np.ndarray) -> np.ndarray:
+    """Added mass (k, 3, 3) of the strips over the density of the water, in the axes of the floater."""
+    axes, rows = found[:9].reshape(3, 3), found[_PER_MEMBER:].reshape(-1, _PER_STRIP)
+    added = np.diag(np.broadcast_to(member.parameter_value("added_mass_coefficient"), 2))
+    ends = np.zeros(len(rows))
+    ends[-2:] = rows[-2:, 7] * member.parameter_value("end_added_mass")
+    along = np.einsum("k,i,j->kij", ends, axes[2], axes[2])
+    return along + np.einsum("k,ij->kij", rows[:, 5], axes[:2].T @ added @ axes[:2])
+
+
+def _added_mass(member: Member) -> np.ndarray:
+    """Added mass (6, 6) of a member about the frame of the floater, over the density of the water."""
+    found = _strip_numbers(member)
+    places = found[_PER_MEMBER:].reshape(-1, _PER_STRIP)[:, :3]
+    motion = np.array([np.hstack([np.eye(3), np.cross(place, np.eye(3))]) for place in places])  # v + w x place
+    return np.einsum("kia,kij,kjb->ab", motion, _added_volumes(member, found), motion)
+
+
 def _wave_loads(world: World, members: list[Member], omega: np.ndarray, heading: float) -> np.ndarray:
     """Complex load (n, 6) of a wave of unit amplitude on members at rest, about their frame."""
     depth, gravity, rho = (float(world.parameter_value(name)) for name in ("water_depth", "gravity", "water_density"))
@@ -292,18 +343,10 @@ def _wave_loads(world: World, members: list[Member], omega: np.ndarray, heading:
     one, number = np.ones(len(omega)), wave_number(omega, depth, gravity)
     waves = WaveComponents(omega, one, 0 * one, number, heading, np.inf, depth)
     total = np.zeros((len(omega), 6), dtype=complex)
-    for member in members:
-        added = member.parameter_value("added_mass_coefficient")
-        if added is None or not member.sections:
-            continue
+    for member in filter(_has_inertia, members):
         found, a = _strip_numbers(member), waves.acceleration_transfer(_places(member))
-        axes, rows = found[:9].reshape(3, 3), found[_PER_MEMBER:].reshape(-1, _PER_STRIP)
-        ends = np.zeros(len(rows))
-        ends[-2:] = rows[-2:, 7] * member.parameter_value("end_added_mass")
-        mass = np.einsum(
-            "k,ij->kij", rows[:, 5], np.eye(3) + axes[:2].T @ np.diag(np.broadcast_to(added, 2)) @ axes[:2]
-        )
-        mass += np.einsum("k,i,j->kij", ends, axes[2], axes[2])
+        rows = found[_PER_MEMBER:].reshape(-1, _PER_STRIP)
+        mass = rows[:, 5, None, None] * np.eye(3) + _added_volumes(member, found)
         force = rho * np.einsum("kij,nkj->nki", mass, a)
         lift = rho * gravity * found[9] * _elevation(waves, member) * [[0, 0, 1]]
         force, places = np.concatenate([force, lift[:, None, :]], axis=1), np.vstack([rows[:, :3], found[10:13]])

@@ -14,6 +14,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from fowtlib.components.hydro.panel_mesh import round_factor
 from fowtlib.components.platform.convex import TOUCH, ConvexBody, between_rings, inside, split
 from fowtlib.components.platform.solids import NOTHING, MassProperties, piece, point, together
 from fowtlib.language.errors import ParameterError
@@ -312,9 +313,8 @@ def _interpolated(stations: tuple[float, ...], values: Floats, s: float, after: 
 def _round_ring(diameter: float, size: float | None) -> tuple[Floats, NDArray[np.int64]]:
     """Points (k, 2) about a circle of diameter 1 whose polygon has its area, and the numbers of its corners."""
     count = FINE if size is None else 4 * max(3, math.ceil(math.pi * diameter / size / 4))
-    step = 2 * math.pi / count
-    angle = step * np.arange(count)
-    return math.sqrt(step / math.sin(step)) / 2 * np.stack([np.cos(angle), np.sin(angle)], axis=1), np.arange(count)
+    angle = 2 * math.pi / count * np.arange(count)
+    return round_factor(count) / 2 * np.stack([np.cos(angle), np.sin(angle)], axis=1), np.arange(count)
 
 
 def _box_ring(widths: Floats, size: float | None) -> tuple[Floats, NDArray[np.int64]]:

@@ -32,22 +32,18 @@ class Regime:
         """One sentence, with advice where the model has no load that the regime asks for."""
         if self.keulegan_carpenter is None or self.diameter_over_length is None:
             return "above the water"
-        number, ratio = self.keulegan_carpenter, self.diameter_over_length
+        number, ratio, advice = self.keulegan_carpenter, self.diameter_over_length, ""
         if ratio > LARGE:
             what = "it scatters the waves"
             advice = "" if in_database else "; Morison's formula does not hold, give the floater a database"
-        elif number < ATTACHED:
-            what = "inertia of the water governs, drag is small"
-            advice = (
-                "" if in_database or has_inertia else "; give it an added_mass_coefficient, or the floater a database"
-            )
         elif number < SEPARATED:
-            what = "inertia and drag both matter"
-            advice = (
-                "" if in_database or has_inertia else "; give it an added_mass_coefficient, or the floater a database"
+            what = (
+                "inertia of the water governs, drag is small" if number < ATTACHED else "inertia and drag both matter"
             )
+            if not (in_database or has_inertia):
+                advice = "; give it an added_mass_coefficient, or the floater a database"
         else:
-            what, advice = "drag governs", ""
+            what = "drag governs"
         return f"KC {number:.3g}, diameter over wave length {ratio:.3g}: {what}{advice}"
 
 

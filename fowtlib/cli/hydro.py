@@ -317,7 +317,7 @@ def _show_database(database: HydrodynamicDatabase, arguments: argparse.Namespace
     import numpy as np
 
     _save(database, arguments)
-    nearest = int(np.argmin(np.abs(np.mod(database.heading + np.pi, 2 * np.pi) - np.pi)))
+    nearest = database.nearest_heading()
     at = math.degrees(database.heading[nearest])
     rows: list[tuple[Any, ...]] = []
     for name, matrix in (("zero", database.A_zero), ("infinite", database.A_inf)):

@@ -103,7 +103,6 @@ class Bindings:
             del self._kept[next(iter(self._kept))]
         return found
 
-
     @cached_property
     def needs(self) -> dict[str, frozenset[str]]:
         """The parameters that each tunable one is computed from, by their paths; those that are just given: none."""
@@ -302,27 +301,26 @@ def start_slopes(dae: FlatDAE, binding: Binding, path: str) -> dict[str, np.ndar
     """
     given = np.asarray(binding.values[path], dtype=float)
     owner, _, name = path.rpartition(".")
-    slopes: dict[str, np.ndarray] = {}
-    for item in dae.bound.values():
-        if path not in binding.reads.get(item.path, ()):
-            continue
+    following = [item for item in dae.bound.values() if path in binding.reads.get(item.path, ())]
+    for item in following:
         if item.path in binding.sources:
             raise ParameterError(
                 f"{item.path} is computed from {path} when a run starts, as data that have no derivative by it; "
                 "run with two values of it, and take the difference."
             )
-        columns = []
-        for k in range(given.size):
-            step = 1e-5 * (abs(given.flat[k]) or 1.0)
-            both = []
-            for sign in (1, -1):
-                tree, moved = copy.deepcopy(binding.root), given.copy()
-                moved.flat[k] += sign * step
-                tree.find(owner)._values[name] = moved if moved.shape else float(moved)
-                both.append(np.ravel(_numbers(item, tree.find(item.owner))))
-            columns.append((both[0] - both[1]) / (2 * step))
-        slopes[item.path] = np.column_stack(columns)
-    return slopes
+    if not following:
+        return {}
+    columns = []  # of each element of the parameter, by the numbers that follow from it
+    for k in range(given.size):
+        step = 1e-5 * (abs(given.flat[k]) or 1.0)
+        both = []
+        for sign in (1, -1):
+            tree, moved = copy.deepcopy(binding.root), given.copy()
+            moved.flat[k] += sign * step
+            tree.find(owner)._values[name] = moved if moved.shape else float(moved)
+            both.append([np.ravel(_numbers(item, tree.find(item.owner))) for item in following])
+        columns.append([(above - below) / (2 * step) for above, below in zip(*both, strict=True)])
+    return {item.path: np.column_stack([column[i] for column in columns]) for i, item in enumerate(following)}
 
 
 def _numbers(item: Bound, component: Component) -> Any:

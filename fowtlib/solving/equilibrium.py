@@ -81,7 +81,7 @@ def equilibrium(at: AtParameters, t: float, x: np.ndarray, z: np.ndarray, q: np.
 
 
 @dataclass(frozen=True)
-class _Rest:
+class Rest:
     """The equations of an equilibrium at a time and inputs: unknowns are the states that move, and the algebraics."""
 
     at: AtParameters
@@ -91,6 +91,7 @@ class _Rest:
     moving: list[int]
 
     def unpack(self, values: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+        """All states, and the algebraic unknowns."""
         states = self.x.copy()
         states[self.moving] = values[: len(self.moving)]
         return states, values[len(self.moving) :]
@@ -125,8 +126,8 @@ class _Rest:
         return kept, found[0][kept], found[1][kept]
 
 
-def _rest(at: AtParameters, t: float, x: np.ndarray, q: np.ndarray, held: set[int]) -> _Rest:
-    return _Rest(at, t, x, q, moving_states(at.functions, held))
+def _rest(at: AtParameters, t: float, x: np.ndarray, q: np.ndarray, held: set[int]) -> Rest:
+    return Rest(at, t, x, q, moving_states(at.functions, held))
 
 
 def next_equilibrium(at: AtParameters, near: State) -> tuple[np.ndarray, np.ndarray, np.ndarray] | None:

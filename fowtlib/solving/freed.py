@@ -19,7 +19,7 @@ from fowtlib.flattening.system import element_names
 from fowtlib.language.errors import ModelError, ParameterError, SimulationError
 from fowtlib.language.units import to_si
 from fowtlib.solving.binding import start_slopes
-from fowtlib.solving.equilibrium import equilibrium, moving_states, refuse_time
+from fowtlib.solving.equilibrium import Rest, equilibrium, moving_states, refuse_time
 from fowtlib.solving.functions import AtParameters
 from fowtlib.solving.initial import csc
 from fowtlib.solving.newton import newton
@@ -138,7 +138,7 @@ class _Problem:
             x, z = equilibrium(at, state.t, state.x, state.z, q, held)
         except SimulationError as error:
             known, why = False, f" Without the conditions, too, there is {error.message}"
-        equations = _Equations(self, at, moving, state.t, x, q)
+        equations = _Equations(self, Rest(at, state.t, x, q, moving))
         unknowns = np.concatenate([x[moving], z, np.zeros(len(self.sought))])
         if known:
             self._refuse_unmoved(equations, unknowns)
@@ -201,9 +201,8 @@ class _Problem:
 class _Equations:
     """Residual and Jacobian of a search, at the values of the parameters that its unknowns say."""
 
-    def __init__(self, problem: _Problem, at: AtParameters, moving: list[int], t: float, x: np.ndarray, q: np.ndarray):
-        self.problem, self.moving, self.t, self.x, self.q = problem, moving, t, x, q
-        self.nx, self.nz = x.size, at.dae.z.numel()
+    def __init__(self, problem: _Problem, rest: Rest):
+        self.problem, self.rest, at = problem, rest, rest.at
         dae, self.paths = at.dae, list(dict.fromkeys(item.path for item in problem.sought))
         self.computed = sorted({k for path in self.paths for k in start_slopes(dae, at.binding, path)})
         self.columns = {path: dae.parameters[path].symbol for path in self.paths}
@@ -214,29 +213,27 @@ class _Equations:
         general = at.general
         self.value = general.once((*key, "value"), lambda: general.function("freed", [rows]))
         self.jacobian = general.once((*key, "slopes"), lambda: general.torn_jacobian("freed_slopes", rows, blocks))
+        self.kept = np.r_[rest.moving, rest.x.size : rows.numel()].astype(int)  # rows of the search
 
     def unpack(self, values: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
         """States, algebraic unknowns, shares."""
-        x, n = self.x.copy(), len(self.moving)
-        x[self.moving] = values[:n]
-        return x, values[n : n + self.nz], values[n + self.nz :]
+        return *self.rest.unpack(values[: self.rest.size]), values[self.rest.size :]
 
     def conditions(self, values: np.ndarray) -> np.ndarray:
         """Values of the targets [SI]."""
-        return self._rows(values)[self.nx + self.nz :]
+        return self._rows(values)[-len(self.problem.wanted) :]
 
     def _rows(self, values: np.ndarray) -> np.ndarray:
         x, z, shares = self.unpack(values)
         try:
             at = self.problem.at(shares)
         except ModelError:  # a parameter out of its bounds
-            return np.full(self.nx + self.nz + len(self.problem.wanted), np.nan)
-        return np.array(at.call(self.value, self.t, x, z, self.q)).ravel()
+            return np.full(self.value.size1_out(0), np.nan)
+        return np.array(at.call(self.value, self.rest.t, x, z, self.rest.q)).ravel()
 
     def solve(self, values: np.ndarray, want: np.ndarray) -> np.ndarray | None:
         """The unknowns with these conditions; None where they are not found."""
-        kept = np.r_[self.moving, self.nx : self.nx + self.nz + want.size].astype(int)
-        shift = np.concatenate([np.zeros(len(self.moving) + self.nz), want])
+        kept, shift = self.kept, np.concatenate([np.zeros(self.rest.size), want])
         solution = newton(
             lambda v: self._rows(v)[kept] - shift, lambda v: self._slopes(v)[kept], values, limit=ITERATIONS
         )
@@ -246,7 +243,7 @@ class _Equations:
         x, z, shares = self.unpack(values)
         problem = self.problem
         at = problem.at(shares)
-        by_x, by_z, *by_numbers = (csc(block) for block in at.call(self.jacobian, self.t, x, z, self.q))
+        by_x, by_z, *by_numbers = (csc(block) for block in at.call(self.jacobian, self.rest.t, x, z, self.rest.q))
         by = dict(zip(self.columns, by_numbers, strict=True))
         through = {} if problem.alone else {path: start_slopes(at.dae, at.binding, path) for path in self.paths}
         columns = []
@@ -255,15 +252,14 @@ class _Equations:
             for name, slope in through.get(item.path, {}).items():
                 column = column + by[name] @ slope[:, [item.number]]
             columns.append(column * scale)
-        return sparse.csr_matrix(sparse.hstack([by_x[:, self.moving], by_z, np.hstack(columns)]))
+        return sparse.csr_matrix(sparse.hstack([by_x[:, self.rest.moving], by_z, np.hstack(columns)]))
 
     def slopes_at_rest(self, values: np.ndarray) -> np.ndarray:
         """Derivatives of the targets at the equilibrium by the shares; what is free to move, as a yaw, stays."""
-        whole, n = self._slopes(values).toarray(), len(self.moving) + self.nz
-        rest = whole[np.r_[self.moving, self.nx : self.nx + self.nz].astype(int)]
+        whole, n = self._slopes(values).toarray()[self.kept], self.rest.size
+        rest, targets = whole[:n], whole[n:]
         rest = rest / np.maximum(np.max(np.abs(rest[:, :n]), axis=1, keepdims=True), 1e-300)
         moved = -np.linalg.lstsq(rest[:, :n], rest[:, n:], rcond=1e-14)[0]
-        targets = whole[self.nx + self.nz :]
         return targets[:, n:] + targets[:, :n] @ moved
 
 

@@ -24,7 +24,7 @@ def plot_database(database: Any, path: str | Path | None = None, *, heading: flo
 
     database: a HydrodynamicDatabase.
     """
-    nearest = int(np.argmin(np.abs(np.mod(database.heading - heading + np.pi, 2 * np.pi) - np.pi)))
+    nearest = database.nearest_heading(heading)
     degrees = np.degrees(database.heading[nearest])
     rows = (
         ("added mass", ("[kg]", "[kg m²]"), np.einsum("nii->ni", database.A), np.diag(database.A_inf)),

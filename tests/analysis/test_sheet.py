@@ -2,13 +2,27 @@
 
 from __future__ import annotations
 
+import math
+
 import numpy as np
 import pytest
 
 import fowtlib as fw
 from fowtlib.analysis import Sheet, model_sheet
+from fowtlib.components.blocks import Constant
 from fowtlib.components.environment import World
-from fowtlib.components.mechanics import AxialWire, Fixed, FixedRotation, FixedTranslation, PointMass, RigidBody
+from fowtlib.components.mechanics import (
+    AxialWire,
+    Fixed,
+    FixedRotation,
+    FixedTranslation,
+    FreeMotion,
+    PointMass,
+    RigidBody,
+    WorldForce,
+)
+from fowtlib.components.mooring import DeltaLine, SectionedLine, Tendon
+from fowtlib.components.platform import Ballast, CircularMember, Floater, RectangularMember
 from fowtlib.language import ModelError
 
 HALF = np.sqrt(0.5)
@@ -70,6 +84,95 @@ def test_the_spar_has_its_published_numbers(spar):
     assert "A12(inf)" not in spar  # zero by symmetry
     surge = next(m for m in fw.natural_modes(fw.load("oc3_spar_rigid", set=STILL).compile()) if "surge" in m.name)
     assert spar["period of platform surge"] == pytest.approx(surge.period)
+
+
+def floating(*members, density=1000.0):
+    """A floater with these members, free in still water."""
+    top = fw.Assembly("a floater")
+    top.world, top.motion, top.floater = World(water_depth=200.0, water_density=density), FreeMotion(), Floater()
+    for k, member in enumerate(members):
+        top.floater.add(f"member_{k}", member)
+    top.connect(top.world.frame, top.motion.frame_a)
+    top.connect(top.motion.frame_b, top.floater.frame)
+    return top
+
+
+def test_a_floater_says_its_mass_volume_stiffness_and_the_mass_of_its_water():
+    """A column of 10 m and 20 m draft without a wall, half full of ballast of twice the density of the light water."""
+    density, gravity, area, across = 1000.0, 9.80665, math.pi * 25, 0.9
+    column = CircularMember(start=(0, 0, -20), end=(0, 0, 10), diameters=10.0, added_mass_coefficient=across,
+                            end_added_mass=(0.8, 0.0))  # fmt: skip
+    column.stone = Ballast(density=2 * density, level=-10.0)
+    sheet = model_sheet(fw.load(floating(column, density=density)).compile())
+    mass, ball = density * 20 * area, 0.8 * density * 2 / 3 * math.pi * 125
+    expected = {
+        "mass": mass, "floater: mass": mass, "centre of mass z": -15.0, "weight": mass * gravity,
+        "inertia zz": mass * 25 / 2, "inertia xx": mass * (25 / 4 + 100 / 12), "displaced volume": 20 * area,
+        "centre of buoyancy z": -10.0, "C33": density * gravity * area,
+        "C55": density * gravity * (math.pi * 5**4 / 4 - 200 * area),
+        "A11(inf)": across * mass, "A15(inf)": -10 * across * mass, "A24(inf)": 10 * across * mass,
+        "A55(inf)": across * mass * (100 + 400 / 12), "A33(inf)": ball,
+        "period of heave": 2 * math.pi * math.sqrt((mass + ball) / (density * gravity * area)),
+    }  # fmt: skip
+    for quantity, value in expected.items():
+        assert sheet[quantity] == pytest.approx(value, rel=2e-5), quantity
+
+
+def test_added_mass_of_members_is_about_the_frame_whichever_way_they_run():
+    """A box of 3 m by 2 m at y = 4 m, from x = 5 m to 20 m at z = -17 m, and a column with some at its end alone."""
+    box = RectangularMember(start=(20, 4, -17), end=(5, 4, -17), widths=3.0, heights=2.0,
+                            added_mass_coefficient=(0.8, 1.3))  # fmt: skip
+    leaning = CircularMember(start=(0, 0, -10), end=(6, 0, -2), diameters=2.0, added_mass_coefficient=0.0,
+                             end_added_mass=(0.0, 1.0))  # fmt: skip
+    dry = CircularMember(start=(0, 0, 1), end=(0, 0, 9), diameters=2.0, added_mass_coefficient=1.0)
+    (water,) = floating(box, dry).floater.member_loads.facts()
+    side, lift, run = 0.8 * 6000, 1.3 * 6000, 20 - 5
+    first, second = (20**2 - 5**2) / 2, (20**3 - 5**3) / 3  # integrals of x and x^2
+    wanted = np.zeros((6, 6))
+    wanted[1, 1], wanted[1, 3], wanted[1, 5] = side * run, 17 * side * run, side * first
+    wanted[2, 2], wanted[2, 3], wanted[2, 4] = lift * run, 4 * lift * run, -lift * first
+    wanted[3, 3], wanted[3, 4] = (17**2 * side + 4**2 * lift) * run, -4 * lift * first
+    wanted[3, 5], wanted[4, 4], wanted[5, 5] = 17 * side * first, lift * second, side * second
+    wanted = np.triu(wanted) + np.triu(wanted, 1).T
+    assert water.matrix == pytest.approx(wanted, rel=1e-9, abs=1e-3)
+
+    (water,) = floating(leaning).floater.member_loads.facts()
+    along, ball = np.array([0.6, 0.0, 0.8]), 1000 * 2 / 3 * math.pi
+    direction = np.array([*along, *np.cross((6.0, 0.0, -2.0), along)])
+    assert water.matrix == pytest.approx(ball * np.outer(direction, direction), rel=1e-9, abs=1e-9)
+    assert not floating(CircularMember(start=(0, 0, -9), end=(0, 0, 9), diameters=2.0)).floater.member_loads.facts()
+
+
+def test_tensions_of_tendons_and_lines_with_legs_and_sections():
+    """Of no weight, so that they are straight: a mass that is lifted off its tendon, and lines between fixed points."""
+    stiffness, pull = 1e9, 1e7
+    top = fw.Assembly("lines")
+    top.world, top.support, top.motion = World(water_depth=200.0), Fixed(r=(0.0, 0.0, -50.0)), FreeMotion()
+    top.body = RigidBody(mass=4e6, inertia=np.eye(3) * 1e9)
+    top.lift, top.force = Constant(value=(0, 0, 4e7)), WorldForce()
+    top.tendon = Tendon(length=150.0, axial_stiffness=stiffness, weight_per_length=0.0, pretension=1e6,
+                        anchor_position=(0, 0, -150))  # fmt: skip
+    leg, line = 50 / (1 + pull / stiffness), 800 / (1 + 1.6 * pull / stiffness)  # 3-4-5: the node is at x = 40 m
+    top.delta = DeltaLine(fairleads=((0, 30, 0), (0, -30, 0)), leg_length=leg, length=line, weight_per_length=0.0,
+                          axial_stiffness=stiffness, anchor_position=(840, 0, -50))  # fmt: skip
+    soft = 300 + 500 * 2  # m of the first stiffness
+    top.sections = SectionedLine(lengths=[300, 500], axial_stiffness=[stiffness, stiffness / 2],
+                                 weight_per_length=0.0, anchor_position=(-820, 0, -50))  # fmt: skip
+    top.connect(top.world.frame, top.motion.frame_a)
+    top.connect(top.lift.y, top.force.force)
+    for frame in (top.body.frame_a, top.force.frame, top.tendon.fairlead):
+        top.connect(top.motion.frame_b, frame)
+    for frame in (top.delta.frame, top.sections.fairlead):
+        top.connect(top.support.frame, frame)
+    sheet = model_sheet(fw.load(top).compile())
+    assert sheet["mass"] == pytest.approx(4e6)
+    for name in ("tendon.tension", "tendon.anchor_tension"):
+        assert sheet[name] == pytest.approx(4e7 - 4e6 * 9.80665, rel=1e-5)
+    for name in ("delta.delta.left_tension", "delta.delta.right_tension"):
+        assert sheet[name] == pytest.approx(pull, rel=1e-5)
+    assert sheet["delta.line.tension"] == pytest.approx(1.6 * pull, rel=1e-5)
+    for name in ("sections.tension", "sections.anchor_tension"):
+        assert sheet[name] == pytest.approx(20 * stiffness / soft, rel=1e-5)
 
 
 def test_a_sheet_comes_back_from_its_file_and_meets_numbers_in_other_units(spar, tmp_path):

@@ -82,6 +82,23 @@ def test_drag_of_a_turning_pontoon_grows_with_the_square_of_the_radius():
     assert moment[2] == pytest.approx(-half * (20**4 - 5**4) / 4, rel=1e-4)
 
 
+def test_each_member_has_its_own_of_the_strips_of_all():
+    """With as many as it likes, or none: the load on the pontoon does not go by those of the columns."""
+    found = []
+    for counts in ((0, 5), (6, 0), (3, 1)):
+        pontoon = RectangularMember(**PONTOON, drag_coefficient=(1.5, 2.5), sections=4)
+        first, last = (CircularMember(**{**COLUMN, "start": (x, 0, -20), "end": (x, 0, 10)}, drag_coefficient=1.0,
+                                      sections=count) for x, count in zip((0, 30), counts, strict=True))  # fmt: skip
+        brace = RectangularMember(**{**PONTOON, "start": (20, 0, -17), "end": (30, 0, -17)}, sections=0)
+        plant = fw.load(model(hull(first, pontoon, brace, last), velocity_start=(2.0, 1.0, 0.5))).compile()
+        assert [path for path in plant.dae.bound if "strips" in path] == ["floater.strips"]
+        state = plant.initial_state()
+        found.append(np.concatenate(loads(state, "member_1")))
+        drags = [np.any(loads(state, f"member_{k}")[0]) for k in (0, 3)]
+        assert drags == [bool(count) for count in counts] and not np.any(loads(state, "member_2")[0])
+    assert found[1] == pytest.approx(found[0], rel=1e-12) and found[2] == pytest.approx(found[0], rel=1e-12)
+
+
 def test_drag_of_heave_plates_is_on_what_the_water_touches():
     """A plate of 18 m below a column of 10 m: its upper side is a ring."""
     plate = CircularMember(start=(0, 0, -21), end=(0, 0, -20), diameters=18.0, end_drag=(4.0, 2.0))

@@ -344,6 +344,17 @@ def test_the_tlp_of_el_beshbichi():
 # --- balance and mistakes --------------------------------------------------------------------------------------------
 
 
+def test_hulls_that_differ_inside_alone_are_the_same_from_outside():
+    """Their surface is cut once; another diameter or place makes another one."""
+    given = {"walls": 0.05, "density": 7850.0, "fills": (Fill("water", 1025.0, -5.0, 0.0, 20.0),)}
+    hull = Hull((tube("column", (0, 0, -20), (0, 0, 10), 8.0, **given),))
+    fuller, bare = hull.with_level(["water"], -2.0), Hull((tube("column", (0, 0, -20), (0, 0, 10), 8.0),))
+    assert fuller.union is hull.union and bare.union is hull.union
+    assert fuller.mass.mass - hull.mass.mass == pytest.approx(1025 * 3 * math.pi / 4 * 7.9**2) and not bare.mass.mass
+    for other in (hull.raised(1.0), Hull((tube("column", (0, 0, -20), (0, 0, 10), 8.1, **given),))):
+        assert other.union is not hull.union and other.buoyancy.volume != hull.buoyancy.volume
+
+
 def test_ballast_to_a_draft_and_the_draft_of_a_ballast_are_inverse():
     parts = semi().members  # a column, its plate and two braces of the semi
     hull, names = Hull((*parts[:3], parts[4], parts[8])), ["column 0.water"]
