@@ -55,7 +55,7 @@ def test_tension_at_rest(rest):
 
 
 def test_offset_in_wind(rest):
-    """[R] at 8 m/s from 30 deg: 4.40 m, 3.10 m, -0.0146 rad, 0.0277 rad, turned into the wind; here the lines are turned.
+    """[R] at 8 m/s from 30 deg: 4.40 m, 3.10 m, -0.0146 rad, 0.0277 rad, turned into the wind; the lines turn here.
 
     Its rotor and nacelle have no overhang: the tilt at rest is subtracted. Within 3 %: -1.9 % and +1.2 %.
     """
