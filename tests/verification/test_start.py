@@ -11,8 +11,10 @@ from fowtlib.cli.app import main
 STEADY = {"sea.spectrum": "still", "wind.kind": "steady"}
 
 
-@pytest.mark.parametrize("name", ["two_rotor_spar", "two_rotor_spar_rigid", "oc3_spar_rigid", "oc3_spar"])
-def test_a_spar_starts_at_its_depth_of_rest(name):
+@pytest.mark.parametrize("name", [
+    "two_rotor_spar", "two_rotor_spar_rigid", "oc3_spar_rigid", "oc3_spar", "oc4_semi_rigid",
+])  # fmt: skip
+def test_a_floater_starts_at_its_depth_of_rest(name):
     plant = fw.load(name, set={"sea.spectrum": "still", "wind.kind": "none"}).compile()
     assert plant.initial_state()["heave"] == pytest.approx(plant.equilibrium()["heave"], abs=0.02)
 
