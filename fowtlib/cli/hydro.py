@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import argparse
 import math
-import re
 import time
 from collections.abc import Callable
 from pathlib import Path
@@ -59,7 +58,6 @@ def declare(commands: Any) -> None:
     text = "added mass, damping and wave loads of the hull, by the panel method"
     parser = commands.add_parser("hydro", help=text, epilog=EXAMPLES)
     loading.declare(parser, wind=False, waves=False, runs=False)
-    parser._negative_number_matcher = re.compile(r"-[\d.]")  # -180:180:30 is a value, no option
     form = "first:last:step"
     parser.add_argument("--omega", type=series, default=OMEGA, metavar=form, help=f"wave frequencies [rad/s]; {OMEGA}")
     parser.add_argument("--headings", type=series, default=HEADINGS, metavar=form,

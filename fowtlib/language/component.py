@@ -474,12 +474,21 @@ class Component(Composite):
         component: Component = self
         for name in path.split(".") if path else ():
             if name not in component.parts:
-                raise NotFoundError(f"{component.label} has no part '{name}'{did_you_mean(name, component.parts)}")
+                raise NotFoundError(f"{component.label} has no part '{name}'{did_you_mean_part(name, component)}")
             component = component.parts[name]
         return component
 
     def __repr__(self) -> str:
         return f"<{type(self).__name__} {self.path}>" if self.path else f"<{type(self).__name__}>"
+
+
+def did_you_mean_part(name: str, component: Component) -> str:
+    """The end of a message about a part that a component lacks: parts of this very name further down come first."""
+    within = f"{component.path}." if component.path else ""
+    below = [part.path.removeprefix(within) for part in component.walk() if part.path.rpartition(".")[2] == name]
+    if 0 < len(below) <= 3:
+        return f"; did you mean {one_of(below)}?"
+    return did_you_mean(name, component.parts)
 
 
 _TABLES: dict[type, str] = {
