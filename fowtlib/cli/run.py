@@ -74,7 +74,7 @@ def finite(text: str) -> float:
 def numbers(text: str) -> np.ndarray:
     """`0.02:0.2:0.005`, both ends included, or single values `3,5,8`; empty where the text says neither.
 
-    Raises argparse.ArgumentTypeError for steps that lead away from the end, and for more than MOST_VALUES.
+    Raises argparse.ArgumentTypeError for more than MOST_VALUES.
     """
     import numpy as np
 
@@ -86,13 +86,11 @@ def numbers(text: str) -> np.ndarray:
         steps = (last - first) / step
     except (argparse.ArgumentTypeError, ValueError, ZeroDivisionError):
         return np.zeros(0)
-    if steps < -1e-9:
-        raise argparse.ArgumentTypeError(f"'{text}': steps of {step:g} do not lead from {first:g} to {last:g}")
     if steps >= MOST_VALUES:
         raise argparse.ArgumentTypeError(
             f"'{text}' would be {steps:.3g} values; {MOST_VALUES} is the most, take a larger step"
         )
-    return first + step * np.arange(int(steps + 1 + 1e-9))
+    return first + step * np.arange(int(max(steps + 1 + 1e-9, 0)))
 
 
 def positive(text: str) -> float:
