@@ -32,10 +32,11 @@ from fowtlib.language.declarations import (
     var,
 )
 from fowtlib.language.equations import active
-from fowtlib.language.errors import NotFoundError, ParameterError, StructureError, did_you_mean, one_of
+from fowtlib.language.errors import ModelError, NotFoundError, ParameterError, StructureError, did_you_mean, one_of
 from fowtlib.language.facts import Fact
 from fowtlib.language.families import Family
 from fowtlib.language.offered import OfferedEvent, event
+from fowtlib.language.placing import placed
 from fowtlib.language.shapes import Drawing
 from fowtlib.language.units import check_si, to_si
 
@@ -338,7 +339,10 @@ class Component(Composite):
     def resolve(self, value: Any) -> Any:
         """A declared value for this instance: functions called, class-body parameters replaced by this instance's."""
         if inspect.isfunction(value):
-            value = value(self)
+            try:
+                value = value(self)
+            except ModelError as error:
+                raise placed(error, self) from None
         return expressions.rebind(value, self)
 
     # --- what is around -------------------------------------------------------------------------------------------

@@ -352,6 +352,7 @@ def test_a_floater_in_a_model_file_with_named_joints(tmp_path):
     [
         ("wall_thickness: 30 mm", "wall_thickness: 30", 29, "hull.pontoon_1: its wall of 30 m is thicker than half"),
         ("heights: 2 m", "heights: -2 m", 29, "hull.pontoon_1: a diameter, width or height of -2 m is not above zero"),
+        ("water_depth: 200 m", "water_depth: 15 m", 12, "hull: its lowest point is at z = -18 m, below the seabed at"),
         ("level: -9 m", "level: 30 m", 28, "hull.column_1.water: its surface at z = 30 m is above its tank"),
     ],
 )
