@@ -299,7 +299,7 @@ def _target(plant: Plant, name: str, value: Any) -> Target:
         expression = ca.vec(plant.dae.observe_expression(entry.path))
     except NotFoundError:
         known = [*dict(plant.outputs.items()), *plant.dae.names]
-        raise NotFoundError(f"{name}: there is no result or variable of this name{did_you_mean(name, known)}") from None
+        raise NotFoundError(f"there is no variable '{name}'{did_you_mean(name, known)}") from None
     if expression.numel() != 1:
         raise ParameterError(f"a condition is on one number, and {name} has {expression.numel()}: take {name}[0].")
     si = plant.describe(entry.path)[0]

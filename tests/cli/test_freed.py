@@ -63,11 +63,11 @@ def test_a_length_for_a_tension_and_a_place(model, capsys):
         (["--free", "left.lenght", "--target", "tension=600"], "did you mean 'left.length'"),
         (
             ["--free", "left.length", "--target", "tensio=600"],
-            "tensio: there is no result or variable of this name; did you mean 'tension'",
+            "there is no variable 'tensio'; did you mean 'tension'",
         ),
         (
             ["--free", "left.length", "--target", "surg=600 m"],
-            "surg: there is no result or variable of this name; did you mean 'surge'",
+            "there is no variable 'surg'; did you mean 'surge'",
         ),
         (
             ["--free", "left.length", "--target", "tension=600 m"],
