@@ -153,7 +153,8 @@ def _check(omega: np.ndarray, headings: np.ndarray, water_depth: float, g: float
     lowest = 0.0 if deep else math.sqrt(g / water_depth * _SHALLOWEST * math.tanh(_SHALLOWEST))
     if omega.size < 2 or omega[0] <= 0 or omega[0] < lowest or not np.isfinite(omega).all():
         raise HydrodynamicDataError("panel method: two frequencies or more are needed, finite and at least "
-                                    f"{lowest:.3g} rad/s at the depth {water_depth:g} m")
+                                    f"{lowest:.3g} rad/s at the depth {water_depth:g} m; found "
+                                    f"{', '.join(f'{value:g}' for value in omega[:3])}{' ...' * (omega.size > 3)}")
     if not headings.size or not np.isfinite(headings).all():
         raise HydrodynamicDataError("panel method: one heading or more is needed, all finite")
     return lowest

@@ -42,7 +42,10 @@ class LineOfSections(LosableLine):
         shape, value = np.shape(self.parameter_value(name)), values(name) if values else getattr(self, name)
         if shape and shape[0] != count:
             of = "points between the sections" if name in OF_POINTS else "sections"
-            raise ParameterError(f"{self.label}.{name} has {shape[0]} values for {count} {of}.")
+            raise ParameterError(
+                f"{self.label}.{name} has {shape[0]} values for {count} {of}; give one for all of them, or one for "
+                f"each. There are as many sections as lengths, {self.count()}."
+            )
         return [value[i] if shape else value for i in range(count)]
 
     def section_weights(self):

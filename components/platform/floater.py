@@ -135,6 +135,12 @@ def hull_numbers(floater: Floater) -> Sequence[float]:
             "higher or deeper, set raised."
         )
     hull = _checked(floater.hull(), floater.held_upright)
+    depth = float(floater.world.parameter_value("water_depth"))
+    if hull.lowest < -depth:
+        raise ParameterError(
+            f"{floater.label}: its lowest point is at z = {hull.lowest:g} m, below the seabed at {-depth:g} m; change "
+            "the draft, or the water_depth of the World."
+        )
     known = floater.database
     if known is not None and abs(hull.buoyancy.volume / known.volume - 1) > _APART:
         raise ParameterError(

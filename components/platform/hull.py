@@ -91,13 +91,18 @@ class Hull:
 
     # --- water ---------------------------------------------------------------------------------------------------
 
+    @property
+    def lowest(self) -> float:
+        """The z of its lowest point [m]."""
+        return min(body.box[0][2] for body in self.union.bodies)
+
     @cached_property
     def buoyancy(self) -> Buoyancy:
         """Volume, centre and waterplane of what is under water. Raises ParameterError where that is nothing."""
         if not self.wet:
             raise ParameterError(
-                f"{self.name} lies above the water: its lowest point is at z = "
-                f"{min(body.box[0][2] for body in self.union.bodies):g} m."
+                f"{self.name} lies above the water: its lowest point is at z = {self.lowest:g} m; draw it deeper, or "
+                "lower it with raised."
             )
         volume, centre, C = hydrostatics(as_panels([facet.corners for _, facet in self.wet]))
         return Buoyancy(volume, centre, stiffness_without_buoyancy(C, volume, centre))

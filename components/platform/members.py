@@ -78,7 +78,9 @@ class MemberShape:
 
     def __post_init__(self):
         if self.length < TOUCH:
-            raise ParameterError(f"{self.name}: its start and its end are the same point, {self.start}.")
+            raise ParameterError(
+                f"{self.name}: its start and its end are the same point, {self.start}; let it end at another joint."
+            )
         stations = np.array(self.stations)
         if len(stations) < 2 or (np.diff(stations) < 0).any() or abs(stations[0]) > TOUCH or (
             abs(stations[-1] - self.length) > TOUCH
@@ -87,12 +89,15 @@ class MemberShape:
                 f"{self.name}: its stations must go from 0 to its length, {self.length:g} m, and up; "
                 f"they are {', '.join(f'{s:g}' for s in stations)} m."
             )
-        if min(map(min, self.sizes)) <= 0:
-            raise ParameterError(f"{self.name}: a diameter, width or height is not above zero.")
+        if (least := min(map(min, self.sizes))) <= 0:
+            raise ParameterError(
+                f"{self.name}: a diameter, width or height of {least:g} m is not above zero; give it more."
+            )
         for wall, sizes in zip(self.walls, self.sizes, strict=False):
             if wall > min(sizes) / 2 + 1e-12:
                 raise ParameterError(
-                    f"{self.name}: its wall of {wall:g} m is thicker than half of its {min(sizes):g} m."
+                    f"{self.name}: its wall of {wall:g} m is thicker than half of its {min(sizes):g} m. A number "
+                    "without a unit is in m; write, for example, 40 mm."
                 )
         for plate in self.plates:
             if not -TOUCH <= plate.place <= self.length + TOUCH:

@@ -2,10 +2,13 @@
 
 from __future__ import annotations
 
+from functools import reduce
+from itertools import pairwise
+
 from fowtlib.components.environment.wind import Wind
 from fowtlib.components.environment.wind.base import station_height
 from fowtlib.components.servo.safety_system import SafetySystem
-from fowtlib.language import RealOutput, Scalar, assign, der, eq, initial, on, outer, param, port, var, when
+from fowtlib.language import RealOutput, Scalar, assert_, assign, der, eq, initial, on, outer, param, port, var, when
 from fowtlib.language import math as m
 
 IDLING, START_UP, PRODUCTION, STORM, NORMAL_STOP, OVERSPEED, EMERGENCY_STOP, RESTART = range(8)
@@ -71,7 +74,11 @@ class Supervisor(SafetySystem):
             _starts(self),
             _stops(self),
             _protection(self),
-        ]
+            _rising("m/s", stop_wind=self.stop_wind, start_wind=self.start_wind, restart_wind=self.restart_wind,
+                    storm_wind=self.storm_wind),
+            _rising("rad/s", idle_speed=self.idle_speed, production_speed=self.production_speed,
+                    overspeed=self.overspeed, emergency_speed=self.emergency_speed),
+        ]  # fmt: skip
 
 
 def _within(unit: Supervisor, *states):
@@ -102,6 +109,15 @@ def _below(value, limit):
 def _after(unit: Supervisor, delay):
     """It has been in its state for a time."""
     return _above(unit.time - unit.entered, delay)
+
+
+def _rising(unit, **limits):
+    """Limits out of order would leave a state as soon as it is entered, or never enter it."""
+    values = list(limits.values())
+    steps = [above - below for below, above in pairwise(values)]
+    told = ", ".join(f"{{{name}}}" for name in limits)
+    text = f"{', '.join(limits)} must go up in this order; they are {told} {unit}"
+    return assert_(reduce(m.fmin, steps) >= 0, text, **limits)
 
 
 def _emergency(unit: Supervisor):

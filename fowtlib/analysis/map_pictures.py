@@ -5,6 +5,7 @@ The functions read attributes only: those of a ParameterMap.
 
 from __future__ import annotations
 
+import textwrap
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -18,6 +19,7 @@ if TYPE_CHECKING:
 
 LEVELS = 9
 COLUMNS = 2  # of panels
+LETTERS = 11  # of a title, per inch
 BROKEN = COLORS[1]
 
 
@@ -25,8 +27,10 @@ def plot_map(map_: Any, path: str | Path | None = None, title: str = "") -> Figu
     """One panel for each quantity; what breaks a limit is hatched, the limit itself a dashed line."""
     names = list(map_.table)
     rows = -(-len(names) // COLUMNS)
+    width = 9.0 if len(names) > 1 else 5.5
+    title = "\n".join(textwrap.fill(line, int(LETTERS * width)) for line in title.splitlines())
     with drawing_style():
-        figure = drawing(9.0 if len(names) > 1 else 5.5, 3.6 * rows + (0.5 if title else 0.0))
+        figure = drawing(width, 3.6 * rows + (0.1 + 0.2 * len(title.splitlines()) if title else 0.0))
         panels = figure.subplots(rows, min(COLUMNS, len(names)), squeeze=False).ravel()
         for axis, name in zip(panels, names, strict=False):
             (_curve if len(map_.axes) == 1 else _contours)(axis, map_, name)
@@ -41,7 +45,7 @@ def plot_map(map_: Any, path: str | Path | None = None, title: str = "") -> Figu
 
 def _curve(axis: Axes, map_: Any, name: str) -> None:
     x, values, kept = map_.axes[0].values, map_[name], map_.feasible
-    axis.plot(x, values, color=COLORS[0])
+    axis.plot(x, values, color=COLORS[0], marker=".", ms=4)
     axis.plot(x[~kept], values[~kept], "x", color=BROKEN, ms=5)
     for limit in map_.limits:
         if limit.quantity == name:

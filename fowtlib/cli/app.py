@@ -11,6 +11,7 @@ import atexit
 import contextlib
 import gc
 import os
+import re
 import sys
 import textwrap
 import traceback
@@ -77,6 +78,7 @@ class Parser(argparse.ArgumentParser):
         kwargs.setdefault("allow_abbrev", False)
         kwargs.setdefault("formatter_class", Formatter)
         super().__init__(*args, **kwargs)
+        self._negative_number_matcher = re.compile(r"-[\d.]")  # -180:180:30 and -1,0,0 are values, no options
 
     def _check_value(self, action: argparse.Action, value: object) -> None:
         if action.choices is not None and value not in action.choices:

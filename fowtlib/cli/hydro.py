@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import argparse
 import math
-import re
 import time
 from collections.abc import Callable
 from pathlib import Path
@@ -24,6 +23,7 @@ OMEGA, HEADINGS, SIZE = "0.1:2.5:0.1", "-180:180:30", "2"
 DEPTH, DENSITY, GRAVITY = math.inf, 1025.0, 9.80665  # where no model says it
 WAMIT = (".1", ".3", ".hst")
 TARGETS = (".nc", *WAMIT, ".gdf")
+MOST_PANELS = 50_000  # the matrix of so many takes 40 GB
 COLUMNS = (
     "limit", "omega [rad/s]", "A11 [kg]", "A33 [kg]", "A55 [kg m^2]", "B11 [N s/m]", "B33 [N s/m]", "B55 [N m s]",
     "|X1| [N/m]", "|X3| [N/m]", "|X5| [N m/m]",
@@ -59,7 +59,6 @@ def declare(commands: Any) -> None:
     text = "added mass, damping and wave loads of the hull, by the panel method"
     parser = commands.add_parser("hydro", help=text, epilog=EXAMPLES)
     loading.declare(parser, wind=False, waves=False, runs=False)
-    parser._negative_number_matcher = re.compile(r"-[\d.]")  # -180:180:30 is a value, no option
     form = "first:last:step"
     parser.add_argument("--omega", type=series, default=OMEGA, metavar=form, help=f"wave frequencies [rad/s]; {OMEGA}")
     parser.add_argument("--headings", type=series, default=HEADINGS, metavar=form,
@@ -122,11 +121,15 @@ def show_hydro(arguments: argparse.Namespace) -> int:
     kind = Path(arguments.model).suffix
     if kind == ".nc" or kind in WAMIT:
         return _show_database(_read(arguments, kind), arguments)
-    if kind != ".gdf" and arguments.database:
+    if arguments.database and (kind == ".gdf" or arguments.mesh_only):
+        raise ModelError("--database shows the database that a model reads, without a mesh; leave it away.")
+    if arguments.database:
         return _show_database(_of_model(loading.load(arguments), arguments), arguments)
     mesher, water, volume = _mesh_file(arguments) if kind == ".gdf" else _hull_of_model(arguments)
     chosen = {name: value if getattr(arguments, name) is None else getattr(arguments, name)
               for name, value in water.items()}  # fmt: skip
+    if kind != ".gdf":
+        _refuse_too_many(arguments, volume)
     if len(arguments.size) > 1 and not arguments.mesh_only:
         return _study(mesher, chosen, arguments)
     hulls = [mesher(size) for size in arguments.size]
@@ -199,6 +202,19 @@ def _hull_of_model(arguments: argparse.Namespace) -> tuple[Callable[[float], Hul
     names = {"depth": "water_depth", "density": "water_density", "gravity": "gravity"}
     water = {name: float(world.parameter_value(of_world)) for name, of_world in names.items()} if world else {}
     return hull.mesh, {"depth": DEPTH, "density": DENSITY, "gravity": GRAVITY} | water, hull.volume
+
+
+def _refuse_too_many(arguments: argparse.Namespace, volume: float | None) -> None:
+    """Refuse a size with which even a sphere of the volume, the body of least surface, would have too many panels."""
+    if volume is None:
+        return
+    surface = (36 * math.pi * volume**2) ** (1 / 3)
+    size = min(arguments.size)
+    if surface / size**2 > MOST_PANELS:
+        raise ModelError(
+            f"--size: panels of {size:g} m would be more than {surface / size**2:.2g}, and {MOST_PANELS} is the most; "
+            f"take {math.sqrt(surface / MOST_PANELS):.2g} m or more."
+        )
 
 
 def _choose(found: dict[str, Any], path: str | None, model: Any, what: str) -> Any:

@@ -76,6 +76,10 @@ def show_map(arguments: argparse.Namespace) -> int:
     tables.show(arguments, found.heads(), found.rows())
     for place, sentence in list(found.failures.items())[:1]:
         at = ", ".join(f"{a.path} = {a.values[k]:.6g} {a.unit}" for a, k in zip(found.axes, place, strict=True))
-        warnings.warn(f"{len(found.failures)} points have no equilibrium; at {at}: {sentence}", stacklevel=1)
+        warnings.warn(f"{_points(len(found.failures))} no equilibrium; at {at}: {sentence}", stacklevel=1)
     say_saved(arguments.plot)
     return int(bool(found.limits) and not found.feasible.any())
+
+
+def _points(number: int) -> str:
+    return "1 point has" if number == 1 else f"{number} points have"

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import argparse
 import math
-import re
 import warnings
 from collections.abc import Sequence
 from pathlib import Path
@@ -45,7 +44,6 @@ def declare(commands: Any) -> None:
     text = "coefficients and steady operation of a blade-element rotor"
     parser = commands.add_parser("rotor-table", help=text, epilog=EXAMPLES)
     loading.declare(parser, wind=False, waves=False, runs=False)
-    parser._negative_number_matcher = re.compile(r"-[\d.]")  # -5:30:1 is a value, no option
     form = "first:last:step"
     for option, default, what in (
         ("--ratios", RATIOS, "tip speed ratios"),

@@ -23,6 +23,8 @@ if TYPE_CHECKING:
     from fowtlib.solving.results import Result
     from fowtlib.solving.results.journal import Journal
 
+MOST_VALUES = 100_000  # of first:last:step: a step with a zero too many would take all memory
+
 EXAMPLES = """examples:
   fowt run oc3_spar_rigid --time 600 --wind steady:8 --waves still
   fowt run oc3_spar_rigid --wind kaimal:11.4,class=B,seed=1 --waves jonswap:Hs=6,Tp=10,seed=1 --plot run.png
@@ -70,16 +72,25 @@ def finite(text: str) -> float:
 
 
 def numbers(text: str) -> np.ndarray:
-    """`0.02:0.2:0.005`, both ends included, or single values `3,5,8`; empty where the text says neither."""
+    """`0.02:0.2:0.005`, both ends included, or single values `3,5,8`; empty where the text says neither.
+
+    Raises argparse.ArgumentTypeError for more than MOST_VALUES.
+    """
     import numpy as np
 
     try:
-        if ":" in text:
-            first, last, step = map(float, text.split(":"))
-            return first + step * np.arange(int((last - first) / step + 1 + 1e-9))
-        return np.array([float(word) for word in text.split(",")])
-    except (ValueError, ZeroDivisionError, OverflowError):
+        if ":" not in text:
+            values = np.array([float(word) for word in text.split(",")])
+            return values if np.isfinite(values).all() else np.zeros(0)
+        first, last, step = map(finite, text.split(":"))
+        steps = (last - first) / step
+    except (argparse.ArgumentTypeError, ValueError, ZeroDivisionError):
         return np.zeros(0)
+    if steps >= MOST_VALUES:
+        raise argparse.ArgumentTypeError(
+            f"'{text}' would be {steps:.3g} values; {MOST_VALUES} is the most, take a larger step"
+        )
+    return first + step * np.arange(int(max(steps + 1 + 1e-9, 0)))
 
 
 def positive(text: str) -> float:

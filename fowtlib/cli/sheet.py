@@ -27,7 +27,7 @@ under the same names of quantities. Differences are in percent of them.
 examples:
   fowt sheet oc3_spar_rigid -o spar.csv
   fowt sheet two_rotor_spar_rigid --against oc3_spar_rigid
-  fowt sheet oc3_spar_rigid --against published.csv --set mooring.length=900
+  fowt sheet oc3_spar_rigid --against published.csv --set platform.mooring.length=900
 """
 
 

@@ -21,6 +21,7 @@ from fowtlib.language.errors import ModelError, ParameterError, StructureError
 from fowtlib.language.faults import author_line, reason
 from fowtlib.language.offered import Happening
 from fowtlib.language.operators import LinearOperator
+from fowtlib.language.placing import placed
 from fowtlib.language.units import to_si
 
 
@@ -367,5 +368,5 @@ def _located(error: ModelError, component: Component) -> ModelError:
         if error.message.startswith(f"{component.label} ") and not error.where:
             return type(error)(f"{where}{error.message.removeprefix(component.label)}")
     if re.search(rf"(?<![\w.]){re.escape(component.label)}(?!\w)", str(error)):
-        return error
+        return placed(error, component)
     return error.at(where)

@@ -32,10 +32,11 @@ from fowtlib.language.declarations import (
     var,
 )
 from fowtlib.language.equations import active
-from fowtlib.language.errors import NotFoundError, ParameterError, StructureError, did_you_mean, one_of
+from fowtlib.language.errors import ModelError, NotFoundError, ParameterError, StructureError, did_you_mean, one_of
 from fowtlib.language.facts import Fact
 from fowtlib.language.families import Family
 from fowtlib.language.offered import OfferedEvent, event
+from fowtlib.language.placing import placed
 from fowtlib.language.shapes import Drawing
 from fowtlib.language.units import check_si, to_si
 
@@ -338,7 +339,10 @@ class Component(Composite):
     def resolve(self, value: Any) -> Any:
         """A declared value for this instance: functions called, class-body parameters replaced by this instance's."""
         if inspect.isfunction(value):
-            value = value(self)
+            try:
+                value = value(self)
+            except ModelError as error:
+                raise placed(error, self) from None
         return expressions.rebind(value, self)
 
     # --- what is around -------------------------------------------------------------------------------------------
@@ -474,12 +478,21 @@ class Component(Composite):
         component: Component = self
         for name in path.split(".") if path else ():
             if name not in component.parts:
-                raise NotFoundError(f"{component.label} has no part '{name}'{did_you_mean(name, component.parts)}")
+                raise NotFoundError(f"{component.label} has no part '{name}'{did_you_mean_part(name, component)}")
             component = component.parts[name]
         return component
 
     def __repr__(self) -> str:
         return f"<{type(self).__name__} {self.path}>" if self.path else f"<{type(self).__name__}>"
+
+
+def did_you_mean_part(name: str, component: Component) -> str:
+    """The end of a message about a part that a component lacks: parts of this very name further down come first."""
+    within = f"{component.path}." if component.path else ""
+    below = [part.path.removeprefix(within) for part in component.walk() if part.path.rpartition(".")[2] == name]
+    if 0 < len(below) <= 3:
+        return f"; did you mean {one_of(below)}?"
+    return did_you_mean(name, component.parts)
 
 
 _TABLES: dict[type, str] = {

@@ -13,6 +13,9 @@ from typing import Any
 
 import numpy as np
 
+from fowtlib.language.errors import ModelError
+from fowtlib.language.placing import placed
+
 Lookup = Callable[[Any], Any]
 
 
@@ -181,7 +184,10 @@ def rebind(value: Any, component: Any) -> Any:
 
 def _number(leaf: Any) -> Any:
     if isinstance(leaf, StartNumbers):
-        return np.asarray(leaf.compute(leaf.component), dtype=float)
+        try:
+            return np.asarray(leaf.compute(leaf.component), dtype=float)
+        except ModelError as error:
+            raise placed(error, leaf.component) from None
     if not isinstance(leaf, ParameterReference):
         raise TypeError(f"{leaf!r} has no value outside of an instance")
     return leaf.component.current.parameter_value(leaf.name)

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from pathlib import Path
 
-from fowtlib.language.component import Assembly, Component
+from fowtlib.language.component import Assembly, Component, did_you_mean_part
 from fowtlib.language.composition import check_fits
 from fowtlib.language.declarations import join
 from fowtlib.language.errors import ModelFileError, did_you_mean
@@ -167,7 +167,7 @@ class TreeBuilder:
     def _add(self, component: Component, name: str, layers: list[Layer], path: str) -> None:
         place = layers[0].spec.place
         if not has_base(layers) and not any(layer.spec.parts for layer in layers if layer.spec.place.line):
-            hint = did_you_mean(name, component.parts) + (" A new part needs 'class' or 'use'." if place.line else "")
+            hint = did_you_mean_part(name, component) + (" A new part needs 'class' or 'use'." if place.line else "")
             raise place.error(f"{path or 'the model'} has no part '{name}'{hint}")
         if (hasattr(type(component), name) and name not in component.declared_parts) or name in RESERVED:
             raise place.error(f"a part cannot be called '{name}', which has a meaning in every component.")

@@ -5,7 +5,7 @@ from __future__ import annotations
 import re
 from typing import Any
 
-from fowtlib.language.component import Component
+from fowtlib.language.component import Component, did_you_mean_part
 from fowtlib.language.connectors import Signal
 from fowtlib.language.declarations import PortReference
 from fowtlib.language.errors import ModelError, did_you_mean
@@ -20,7 +20,7 @@ def find_part(component: Component, path: str, place: Place) -> Component:
     for name in path.split(".") if path else ():
         if name not in found.parts:
             owner = found.path or "the model"
-            raise place.error(f"'{path}': {owner} has no part '{name}'{did_you_mean(name, found.parts)}")
+            raise place.error(f"'{path}': {owner} has no part '{name}'{did_you_mean_part(name, found)}")
         found = found.parts[name]
     return found
 

@@ -16,7 +16,7 @@ import numpy as np
 from scipy import sparse
 
 from fowtlib.flattening.system import element_names
-from fowtlib.language.errors import ModelError, ParameterError, SimulationError
+from fowtlib.language.errors import ModelError, NotFoundError, ParameterError, SimulationError, did_you_mean
 from fowtlib.language.units import to_si
 from fowtlib.solving.binding import start_slopes
 from fowtlib.solving.equilibrium import Rest, equilibrium, moving_states, refuse_time
@@ -45,12 +45,21 @@ class Freed:
 
 @dataclass(frozen=True)
 class Target:
-    """What a result or a variable shall be [SI]; name: what the user calls it, and text: the value in his words."""
+    """What a result or a variable shall be [SI]; name: what the user calls it, and text: the value in his words.
+
+    factor, unit: of the result, value [SI] times factor is in this unit.
+    """
 
     name: str
     expression: ca.SX
     value: float
     text: str
+    factor: float
+    unit: str
+
+    def told(self, value: float) -> str:
+        """A value [SI] in the unit of the result."""
+        return f"{value * self.factor:.6g}" + ("" if self.unit == "1" else f" {self.unit}")
 
 
 def freed_equilibrium(plant: Plant, free: Values | Sequence[str], targets: Values, parameters: Values | None,
@@ -187,11 +196,11 @@ class _Problem:
             return text + " Give first guesses nearer to a solution."
         shares, there = equations.unpack(unknowns)[2], equations.conditions(unknowns)
         units = self.plant.dae.units
-        at = ", ".join(f"{item.name} = {value:.6g}" for item, value in zip(self.wanted, there, strict=True))
+        at = ", ".join(f"{item.name} = {item.told(value)}" for item, value in zip(self.wanted, there, strict=True))
         values = [value.T.flat[item.number] for item, value in self._values(shares)]
         found = ", ".join(f"{item.name} = {value:.6g} {units.get(item.path, '')}".rstrip()
                           for item, value in zip(self.sought, values, strict=True))  # fmt: skip
-        return f"{text} The search came to {at} (SI) with {found}. Ask for something nearer, or give first guesses."
+        return f"{text} The search came to {at} with {found}. Ask for something nearer, or give first guesses."
 
     def _values(self, shares: np.ndarray) -> list[tuple[Freed, np.ndarray]]:
         values = self.parameters(shares)
@@ -282,7 +291,11 @@ def _elements(plant: Plant, guesses: Values) -> list[Freed]:
 def _target(plant: Plant, name: str, value: Any) -> Target:
     """A condition; a number, also as a text, is in the unit of the result of that name, or SI."""
     entry = plant.outputs.entry(name)
-    expression = ca.vec(plant.dae.observe_expression(entry.path))
+    try:
+        expression = ca.vec(plant.dae.observe_expression(entry.path))
+    except NotFoundError:
+        known = [*dict(plant.outputs.items()), *plant.dae.names]
+        raise NotFoundError(f"there is no variable '{name}'{did_you_mean(name, known)}") from None
     if expression.numel() != 1:
         raise ParameterError(f"a condition is on one number, and {name} has {expression.numel()}: take {name}[0].")
     si = plant.describe(entry.path)[0]
@@ -295,7 +308,7 @@ def _target(plant: Plant, name: str, value: Any) -> Target:
         text = f"{float(value):g}" + ("" if entry.unit == "1" else f" {entry.unit}")
     if not np.isfinite(number):
         raise ParameterError(f"the condition {name} = {value} is not a finite number.")
-    return Target(name, expression, number, text)
+    return Target(name, expression, number, text, plant.outputs.factor(name), entry.unit)
 
 
 def _is_number(text: str) -> bool:

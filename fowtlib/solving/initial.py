@@ -160,8 +160,12 @@ def failure_text(dae: FlatDAE, solution: NewtonResult, what: str) -> str:
     paths = [*dae.residual_paths, *dae.initial_paths, *(f"der({s.path})" for s in dae.states)]
     bad = np.flatnonzero(~np.isfinite(solution.residual))
     if len(bad):
-        names = ", ".join(paths[i] if i < len(paths) else str(i) for i in bad[:3])
+        names = _first_paths(paths, bad)
         return f"{what}: the residual is not a finite number in {names}. Check the start values and parameters there."
-    worst = np.argsort(-np.abs(solution.residual))[:3]
-    names = ", ".join(paths[i] if i < len(paths) else str(i) for i in worst)
+    names = _first_paths(paths, np.argsort(-np.abs(solution.residual)))
     return f"{what}: the equations furthest from being satisfied are {names}. Give start values nearer to a solution."
+
+
+def _first_paths(paths: list[str], rows: np.ndarray) -> str:
+    """The first three different paths of rows; the six balances of a frame have one path."""
+    return ", ".join(list(dict.fromkeys(paths[i] if i < len(paths) else str(i) for i in rows))[:3])

@@ -124,3 +124,12 @@ def test_pictures(plant, over, tmp_path):
     shown = [axis for axis in figure.axes if axis.get_visible() and axis.get_title(loc="left")]
     assert [axis.get_title(loc="left") for axis in shown] == ["guide.s [m]", "mass [kg]", "wire.tension [N]"]
     assert shown[0].get_xlabel() == "bob.mass [kg]" and (tmp_path / "map.png").stat().st_size > 10_000
+
+
+def test_a_picture_of_one_point_shows_it_and_its_whole_title(plant):
+    title = "a bob that hangs on a wire\nwind steady:11.4 (mean of the model's), waves still (mean of the model's)"
+    figure = parameter_map(plant, {"bob.mass": [2.0]}, ["mass"]).plot(title=title)
+    assert figure.axes[0].lines[0].get_marker() == "."
+    figure.draw_without_rendering()
+    assert figure._suptitle.get_window_extent().x1 <= figure.bbox.x1
+    assert " ".join(figure._suptitle.get_text().split()) == " ".join(title.split())

@@ -117,6 +117,21 @@ def test_the_version_is_the_installed_one(capsys):
             "fowt rao: argument --frequencies: '0.1:0.2' is not first:last:step in Hz, for example 0.02:0.2:0.005\n"
             "See fowt rao --help\n",
         ),
+        (
+            ["sheet", "a", "--frequencies", "0:1:1e-9"],
+            "fowt sheet: argument --frequencies: '0:1:1e-9' would be 1e+09 values; 100000 is the most, take a larger "
+            "step\nSee fowt sheet --help\n",
+        ),
+        (
+            ["tune", "a", "--winds", "nan"],
+            "fowt tune: argument --winds: 'nan' is not first:last:step in m/s, for example 12:24:2\n"
+            "See fowt tune --help\n",
+        ),
+        (  # a minus in front makes no option of it
+            ["sheet", "a", "--frequencies", "-0.1:0.1:0.1"],
+            "fowt sheet: argument --frequencies: '-0.1:0.1:0.1' is not first:last:step in Hz, for example "
+            "0.02:0.2:0.005\nSee fowt sheet --help\n",
+        ),
     ],
 )
 def test_a_mistake_on_the_command_line_is_named(capsys, argv, message):

@@ -62,6 +62,14 @@ def test_a_length_for_a_tension_and_a_place(model, capsys):
         (["--target", "=5"], "'=5': a name is expected, and a value behind '='"),
         (["--free", "left.lenght", "--target", "tension=600"], "did you mean 'left.length'"),
         (
+            ["--free", "left.length", "--target", "tensio=600"],
+            "there is no variable 'tensio'; did you mean 'tension'",
+        ),
+        (
+            ["--free", "left.length", "--target", "surg=600 m"],
+            "there is no variable 'surg'; did you mean 'surge'",
+        ),
+        (
             ["--free", "left.length", "--target", "tension=600 m"],
             "tension: got '600 m', which is a length; a force in N is expected",
         ),

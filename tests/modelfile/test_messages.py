@@ -355,6 +355,8 @@ SETTINGS = {
     ),
     "body.a.q": (3, "set: body.a: FixedTranslation has no parameter 'q'; there are 'r' and 'diameter'."),
     "body.c.r": (3, "set: body has no part 'c'; there are 'a' and 'b'."),
+    "a.r": (3, "set: the model has no part 'a'; did you mean 'body.a'?"),
+    "b.diameter": (3, "set: the model has no part 'b'; did you mean 'body.b'?"),
     "body.a": (3, "set: body.a is a part, not a parameter; give values to its parameters."),
     "world.": (3, "set: 'world.' is not the path of a parameter: a name, or names joined by dots."),
 }

@@ -248,8 +248,8 @@ def test_a_lost_line_pulls_no_more():
 @pytest.mark.parametrize(
     ("line", "message"),
     [
-        ({"point_mass": [1, 2, 3]}, "point_mass has 3 values for 2 points between the sections"),
-        ({"friction": [1, 2]}, "friction has 2 values for 3 sections"),
+        ({"point_mass": [1, 2, 3]}, "point_mass has 3 values for 2 points between the sections; give one for all"),
+        ({"friction": [1, 2]}, "friction has 2 values for 3 sections; give one for all of them, or one for each"),
         ({"mass_per_length": 100}, "needs its weight once"),
         ({"anchor_position": (-540, 0, -230)}, "has its anchor at z = -230 m, below the seabed"),
     ],

@@ -364,6 +364,25 @@ def test_a_floater_in_a_model_file_with_named_joints(tmp_path):
     assert copy.mass.mass == pytest.approx(hull.mass.mass) and copy.members[3].fills == hull.members[3].fills
 
 
+@pytest.mark.parametrize(
+    ("old", "new", "line", "says"),
+    [
+        ("wall_thickness: 30 mm", "wall_thickness: 30", 29, "hull.pontoon_1: its wall of 30 m is thicker than half"),
+        ("heights: 2 m", "heights: -2 m", 29, "hull.pontoon_1: a diameter, width or height of -2 m is not above zero"),
+        ("water_depth: 200 m", "water_depth: 15 m", 12, "hull: its lowest point is at z = -18 m, below the seabed at"),
+        ("level: -9 m", "level: 30 m", 28, "hull.column_1.water: its surface at z = 30 m is above its tank"),
+    ],
+)
+def test_a_mistake_in_a_drawing_has_its_line(tmp_path, old, new, line, says):
+    path = tmp_path / "floater.yaml"
+    assert old in FILE
+    path.write_text(FILE.replace(old, new))
+    with pytest.raises(ParameterError) as error:
+        fw.load(path).compile()
+    place, _, message = str(error.value).partition(": ")
+    assert place.endswith(f"floater.yaml:{line}") and message.startswith(says)
+
+
 def test_the_check_of_a_model_says_the_regime_of_each_member():
     """Regular wave in deep water: KC = pi H / D at the surface, L = g T^2 / 2 pi."""
 

@@ -13,6 +13,7 @@ from fowtlib.components.servo import FLOATING_GAINS, BaselineController, Supervi
 from fowtlib.components.servo.supervisor import STATES
 from fowtlib.language import Array, Component, RealOutput, eq, param, port
 from fowtlib.language import math as m
+from fowtlib.language.errors import ModelError
 from fowtlib.language.native import compiler
 
 RPM = np.pi / 30
@@ -213,3 +214,16 @@ def test_an_fmu_makes_the_same_decisions(stand, tmp_path):
         for name in names:
             np.testing.assert_allclose(rows[name][picked], np.asarray(run[name]), atol=close)
     assert history(run) == [(12.3, "overspeed"), (40.3, "restart"), (100.3, "start-up")]
+
+
+@pytest.mark.parametrize(
+    ("given", "says"),
+    [
+        ({"start_wind": 30.0}, "storm_wind must go up in this order; they are 3, 30, 22, 25 m/s"),
+        ({"storm_wind": 2.0}, "must go up in this order; they are 3, 3.5, 22, 2 m/s"),
+        ({"overspeed": 5.0}, "production_speed, overspeed, emergency_speed must go up in this order"),
+    ],
+)
+def test_limits_out_of_order_are_refused(watched, given, says):
+    with pytest.raises(ModelError, match=rf"^safety: .*{says}"):
+        watched(end=4.0, **given)
