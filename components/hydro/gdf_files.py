@@ -18,15 +18,14 @@ Source: WAMIT User Manual, version 7, section 6.1 (the geometric data file).
 
 from __future__ import annotations
 
-import math
 from pathlib import Path
 
 import numpy as np
 
 from fowtlib.components.hydro.errors import HydrodynamicDataError
+from fowtlib.components.hydro.fortran_numbers import number_of, wrong
 from fowtlib.components.hydro.hull_mesh import HullMesh, clipped
 from fowtlib.language.data_files import text_of
-from fowtlib.language.errors import ModelError
 from fowtlib.language.whole_files import write_text
 
 _LEVEL = 1e-6  # of the extent: panels that are nearer to z = 0 with all corners are a lid
@@ -45,18 +44,18 @@ def read_gdf(path: str | Path, *, leaky: bool = False) -> HullMesh:
     path = Path(path)
     lines = text_of(path, "the GDF file", HydrodynamicDataError).splitlines()
     if len(lines) < 5:
-        raise _error(path, None, "the file ends before its first panel")
+        raise wrong(path, None, "the file ends before its first panel")
     _, g = _head(path, lines, 2, "ULEN GRAV")
     isx, isy = _head(path, lines, 3, "ISX ISY")
     (count,) = _head(path, lines, 4, "NPAN")
     if not g > 0:
-        raise _error(path, 2, f"gravity is {g:g}; a GDF file has ULEN and GRAV in its second line")
+        raise wrong(path, 2, f"gravity is {g:g}; a GDF file has ULEN and GRAV in its second line")
     if isx not in (0, 1) or isy not in (0, 1):
-        raise _error(path, 3, f"ISX and ISY are 0 or 1, found {isx:g} {isy:g}")
+        raise wrong(path, 3, f"ISX and ISY are 0 or 1, found {isx:g} {isy:g}")
     if count != int(count) or count < 1:
-        raise _error(path, 4, f"'{count:g}' is not a number of panels")
+        raise wrong(path, 4, f"'{count:g}' is not a number of panels")
     if _patches(lines[3]):
-        raise _error(path, 4, "this is a file of patches (IGDEF > 0); export flat panels (IGDEF = 0, ILOWHI = 0)")
+        raise wrong(path, 4, "this is a file of patches (IGDEF > 0); export flat panels (IGDEF = 0, ILOWHI = 0)")
     corners = _corners(path, lines, 12 * int(count))
     panels = np.array(corners).reshape(-1, 4, 3)
     for mirrored, axis in ((isx, "x"), (isy, "y")):
@@ -66,7 +65,7 @@ def read_gdf(path: str | Path, *, leaky: bool = False) -> HullMesh:
     flat = np.abs(panels[:, :, 2]).max(axis=1) < _LEVEL * extent
     hull, lid = clipped(panels[~flat]), panels[flat]
     if not len(hull):
-        raise _error(path, None, "no panel lies below the still water level, z = 0")
+        raise wrong(path, None, "no panel lies below the still water level, z = 0")
     join = min(_rounding(lines[4:]), _JOIN * extent)
     return HullMesh(hull, lid if len(lid) else None, name=str(path), join=join, leaky=leaky)
 
@@ -85,8 +84,8 @@ def _head(path: Path, lines: list[str], line: int, names: str) -> list[float]:
     wanted = names.split()
     words = lines[line - 1].replace(",", " ").split()[: len(wanted)]
     if len(words) < len(wanted):
-        raise _error(path, line, f"expected '{names}', found '{lines[line - 1].strip()}'")
-    return [_number(path, line, word, f", expected '{names}'") for word in words]
+        raise wrong(path, line, f"expected '{names}', found '{lines[line - 1].strip()}'")
+    return [number_of(path, line, word, f", expected '{names}'") for word in words]
 
 
 def _corners(path: Path, lines: list[str], wanted: int) -> list[float]:
@@ -98,12 +97,12 @@ def _corners(path: Path, lines: list[str], wanted: int) -> list[float]:
     for number, line in enumerate(lines[4:], start=5):
         words = line.replace(",", " ").split()
         if len(found) == wanted and words:
-            if _number(path, number, words[0]) != 0:
-                raise _error(path, number, f"more than the {wanted // 12} panels of line 4; dipole panels are unknown")
+            if number_of(path, number, words[0]) != 0:
+                raise wrong(path, number, f"more than the {wanted // 12} panels of line 4; dipole panels are unknown")
             break
-        found += [_number(path, number, word) for word in words[: 12 - len(found) % 12]]
+        found += [number_of(path, number, word) for word in words[: 12 - len(found) % 12]]
     if len(found) != wanted:
-        raise _error(path, len(lines), f"{wanted // 12} panels have {wanted} numbers, and the file has {len(found)}")
+        raise wrong(path, len(lines), f"{wanted // 12} panels have {wanted} numbers, and the file has {len(found)}")
     return found
 
 
@@ -118,21 +117,7 @@ def _parts(word: str) -> tuple[str, str, str]:
     return word.upper().replace("D", "E").partition("E")
 
 
-def _number(path: Path, line: int, word: str, hint: str = "") -> float:
-    try:
-        value = float(word.replace("D", "E").replace("d", "e")) if "_" not in word else math.nan
-    except ValueError:
-        raise _error(path, line, f"'{word}' is not a number{hint}") from None
-    if not math.isfinite(value):
-        raise _error(path, line, f"'{word}' is not a finite number")
-    return value
-
-
 def _patches(line: str) -> bool:
     """Whether the line of NPAN has an IGDEF above zero behind it."""
     words = line.split()
     return len(words) > 1 and words[1].isdigit() and int(words[1]) > 0
-
-
-def _error(path: Path, line: int | None, message: str) -> ModelError:
-    return HydrodynamicDataError(f"{path}:{line}: {message}" if line else f"{path}: {message}")

@@ -39,6 +39,7 @@ from pathlib import Path
 import numpy as np
 
 from fowtlib.components.hydro.errors import HydrodynamicDataError
+from fowtlib.components.hydro.fortran_numbers import number_of, wrong
 from fowtlib.language.data_files import text_of
 
 _MODES = range(1, 7)
@@ -76,20 +77,20 @@ def read_radiation(path: str | Path, *, rho: float, length: float = 1.0) -> Radi
     infinite: dict[tuple[int, int], float] = {}
     finite: dict[float, dict[tuple[int, int], tuple[float, float]]] = {}
     for line, words in _lines(path):
-        limit = _number(path, line, words[0]) <= 0
+        limit = number_of(path, line, words[0]) <= 0
         expected = (4, 5) if limit else (5,)
         if len(words) not in expected:
             what = "PER I J A" if limit else "PER I J A B"
-            raise _error(path, line, f"expected '{what}', found {len(words)} columns")
-        period = _number(path, line, words[0])
+            raise wrong(path, line, f"expected '{what}', found {len(words)} columns")
+        period = number_of(path, line, words[0])
         pair = _mode(path, line, words[1]), _mode(path, line, words[2])
-        values = [_number(path, line, word) for word in words[3:]]
+        values = [number_of(path, line, word) for word in words[3:]]
         table = zero if period < 0 else infinite if period == 0 else finite.setdefault(period, {})
         if pair in table:
-            raise _error(path, line, f"the pair {_pair(pair)} is given twice for the period {period:g} s")
+            raise wrong(path, line, f"the pair {_pair(pair)} is given twice for the period {period:g} s")
         table[pair] = values[0] if limit else (values[0], values[1])
     if not finite:
-        raise _error(path, None, "no line with a positive period: there is no radiation damping in this file")
+        raise wrong(path, None, "no line with a positive period: there is no radiation damping in this file")
     periods = sorted(finite, reverse=True)
     _check_pairs(path, {f"the period {p:g} s": set(finite[p]) for p in periods}
                  | ({"zero frequency (PER < 0)": set(zero)} if zero else {})
@@ -117,27 +118,27 @@ def read_excitation(path: str | Path, *, rho: float, g: float, length: float = 1
     suspicious: list[tuple[float, int, list[str]]] = []
     for line, words in _lines(path):
         if len(words) != 7:
-            raise _error(path, line, f"expected 'PER BETA I MOD PHA RE IM', found {len(words)} columns")
+            raise wrong(path, line, f"expected 'PER BETA I MOD PHA RE IM', found {len(words)} columns")
         period, beta, modulus, phase, real, imaginary = (
-            _number(path, line, words[i]) for i in (0, 1, 3, 4, 5, 6)
+            number_of(path, line, words[i]) for i in (0, 1, 3, 4, 5, 6)
         )
         if period <= 0:
-            raise _error(path, line, f"the period must be positive, found {words[0]}")
+            raise wrong(path, line, f"the period must be positive, found {words[0]}")
         key = period, beta, _mode(path, line, words[2])
         if key in table:
-            raise _error(path, line, f"mode {key[2]} is given twice for the period {period:g} s, heading {beta:g} deg")
+            raise wrong(path, line, f"mode {key[2]} is given twice for the period {period:g} s, heading {beta:g} deg")
         table[key] = complex(real, imaginary)
         polar = modulus * complex(math.cos(math.radians(phase)), math.sin(math.radians(phase)))
         mismatch = abs(polar - table[key])
         if mismatch > _PHASE_MISMATCH * abs(modulus):
             suspicious.append((mismatch, line, words))
     if not table:
-        raise _error(path, None, "the file is empty")
+        raise wrong(path, None, "the file is empty")
     largest = max(abs(value) for value in table.values())
     for mismatch, line, words in suspicious:
         if mismatch > _NOISE * largest:
-            raise _error(path, line, f"modulus and phase ({words[3]}, {words[4]}) contradict the real and imaginary "
-                                     f"part ({words[5]}, {words[6]}): are the columns in the order of WAMIT?")
+            raise wrong(path, line, f"modulus and phase ({words[3]}, {words[4]}) contradict the real and imaginary "
+                                    f"part ({words[5]}, {words[6]}): are the columns in the order of WAMIT?")
     periods = sorted({key[0] for key in table}, reverse=True)
     headings = sorted({key[1] for key in table})
     modes = sorted({key[2] for key in table})
@@ -146,7 +147,7 @@ def read_excitation(path: str | Path, *, rho: float, g: float, length: float = 1
         for j, beta in enumerate(headings):
             for mode in modes:
                 if (period, beta, mode) not in table:
-                    raise _error(path, None, f"mode {mode} is missing for the period {period:g} s, "
+                    raise wrong(path, None, f"mode {mode} is missing for the period {period:g} s, "
                                              f"heading {beta:g} deg, but present elsewhere in the file")
                 X[i, j, mode - 1] = table[period, beta, mode]
     X *= rho * g * length ** np.array([2.0, 2.0, 2.0, 3.0, 3.0, 3.0])
@@ -162,14 +163,14 @@ def read_hydrostatics(path: str | Path, *, rho: float, g: float, length: float =
     table: dict[tuple[int, int], float] = {}
     for line, words in _lines(path):
         if len(words) != 3:
-            raise _error(path, line, f"expected 'I J C', found {len(words)} columns")
+            raise wrong(path, line, f"expected 'I J C', found {len(words)} columns")
         pair = _mode(path, line, words[0]), _mode(path, line, words[1])
         if pair in table:
-            raise _error(path, line, f"the pair {_pair(pair)} is given twice")
-        table[pair] = _number(path, line, words[2])
+            raise wrong(path, line, f"the pair {_pair(pair)} is given twice")
+        table[pair] = number_of(path, line, words[2])
     missing = [(i, j) for i in _MODES for j in _MODES if (i, j) not in table]
     if missing:
-        raise _error(path, None, f"{len(missing)} of the 36 pairs are missing, the first is {_pair(missing[0])}")
+        raise wrong(path, None, f"{len(missing)} of the 36 pairs are missing, the first is {_pair(missing[0])}")
     return _matrix(table) * rho * g * length ** (2 + _rotations())
 
 
@@ -194,20 +195,10 @@ def _is_number(word: str) -> bool:
     return True
 
 
-def _number(path: Path, line: int, word: str) -> float:
-    try:
-        value = float(word.replace("D", "E").replace("d", "e")) if "_" not in word else math.nan
-    except ValueError:
-        raise _error(path, line, f"'{word}' is not a number") from None
-    if not math.isfinite(value):
-        raise _error(path, line, f"'{word}' is not a finite number")
-    return value
-
-
 def _mode(path: Path, line: int, word: str) -> int:
-    value = _number(path, line, word)
+    value = number_of(path, line, word)
     if value not in _MODES:
-        raise _error(path, line, f"'{word}' is not a mode: one rigid body has the modes 1 to 6 (surge to yaw)")
+        raise wrong(path, line, f"'{word}' is not a mode: one rigid body has the modes 1 to 6 (surge to yaw)")
     return int(value)
 
 
@@ -215,7 +206,7 @@ def _check_pairs(path: Path, groups: dict[str, set[tuple[int, int]]]) -> None:
     every = set().union(*groups.values())
     for name, pairs in groups.items():
         if missing := sorted(every - pairs):
-            raise _error(path, None, f"the pair {_pair(missing[0])} is missing for {name}, but present elsewhere "
+            raise wrong(path, None, f"the pair {_pair(missing[0])} is missing for {name}, but present elsewhere "
                                      "in the file")
 
 
@@ -233,7 +224,3 @@ def _rotations() -> np.ndarray:
 
 def _pair(pair: tuple[int, int]) -> str:
     return f"({pair[0]}, {pair[1]})"
-
-
-def _error(path: Path, line: int | None, message: str) -> HydrodynamicDataError:
-    return HydrodynamicDataError(f"{path}:{line}: {message}" if line else f"{path}: {message}")
