@@ -10,6 +10,7 @@ from __future__ import annotations
 import csv
 import io
 import math
+import warnings
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from pathlib import Path
@@ -21,7 +22,7 @@ from fowtlib.analysis.plants import MOTIONS, compiled, shown_unit
 from fowtlib.analysis.rao import linear_rao, wave_inputs
 from fowtlib.language import facts
 from fowtlib.language.declarations import join
-from fowtlib.language.errors import ModelError, UnitError, did_you_mean
+from fowtlib.language.errors import ModelError, SimulationError, UnitError, did_you_mean
 from fowtlib.language.units import from_si, si_unit, to_si
 from fowtlib.language.whole_files import write_text
 from fowtlib.solving import mean_state, natural_modes
@@ -156,13 +157,17 @@ def model_sheet(
     Bodies count where they are at rest: centre of mass [m] in the world, inertia [kg m^2] about it, of the whole and of
     every part of the model with a mass. Matrices of floating bodies are about their frames, C without the weight.
     Periods are those of the natural modes about the position at rest. The response to waves is that of the linear
-    model, in still water, at `frequencies` [Hz] and a `heading` [rad].
+    model, in still water, at `frequencies` [Hz] and a `heading` [rad]; a model that is unstable at rest has none, which is
+    told by a warning.
     """
     plant = compiled(model)
     state = mean_state(plant)
     entries = [*what_parts_say(plant.root, state), *_rest(plant, state), *modes_of(plant, state)]
     if wave_inputs(plant.root):
-        entries += _response(linear_rao(plant, frequencies, heading=heading, state=state))
+        try:
+            entries += _response(linear_rao(plant, frequencies, heading=heading, state=state))
+        except SimulationError as error:  # what does not come back after a push has all else
+            warnings.warn(f"no response to waves: {error}", stacklevel=2)
     return Sheet(plant.name, tuple(entries))
 
 
@@ -252,7 +257,7 @@ def modes_of(plant: Any, state: Any) -> Iterator[Entry]:
             seen[mode.name] = seen.get(mode.name, 0) + 1
             name = mode.name if seen[mode.name] == 1 else f"{mode.name} ({seen[mode.name]})"
             yield Entry("modes", f"period of {name}", float(mode.period), "s")
-            yield Entry("modes", f"damping ratio of {name}", float(mode.damping_ratio), "1")
+            yield Entry("modes", f"damping ratio of {name}", float(mode.damping_ratio) + 0.0, "1")  # + 0.0: no -0.0
 
 
 def _response(rao: Any) -> Iterator[Entry]:

@@ -175,6 +175,16 @@ def test_tensions_of_tendons_and_lines_with_legs_and_sections():
         assert sheet[name] == pytest.approx(20 * stiffness / soft, rel=1e-5)
 
 
+def test_a_hull_that_does_not_stay_upright_has_all_but_its_response():
+    """The mass of the hull raised by 30 m: the metacentric height is negative."""
+    model = fw.load("oc3_spar_rigid", set={**STILL, "platform.hull.r_cm": [0, 0, -59.9], "platform.hull.mass": 7.4e6})
+    plant = model.compile()
+    with pytest.warns(UserWarning, match="no response to waves: the state is unstable"):
+        sheet = model_sheet(plant)
+    assert sheet["platform: mass"] == 7.4e6 and "C33" in sheet
+    assert not any("per wave amplitude" in entry.quantity for entry in sheet)
+
+
 def test_a_sheet_comes_back_from_its_file_and_meets_numbers_in_other_units(spar, tmp_path):
     again = Sheet.read(spar.save(tmp_path / "spar.csv"))
     assert again.rows() == spar.rows()
