@@ -157,8 +157,8 @@ def model_sheet(
     Bodies count where they are at rest: centre of mass [m] in the world, inertia [kg m^2] about it, of the whole and of
     every part of the model with a mass. Matrices of floating bodies are about their frames, C without the weight.
     Periods are those of the natural modes about the position at rest. The response to waves is that of the linear
-    model, in still water, at `frequencies` [Hz] and a `heading` [rad]; a model that is unstable at rest has none, which is
-    told by a warning.
+    model, in still water, at `frequencies` [Hz] and a `heading` [rad]; a model that is unstable at rest has none, and
+    a warning says so.
     """
     plant = compiled(model)
     state = mean_state(plant)
