@@ -230,6 +230,13 @@ def depth_decay(number: Floats, z: Floats, depth: float) -> tuple[Floats, Floats
     )
 
 
+def unit_waves(omega: ArrayLike, depth: float, heading: float = 0.0, gravity: float = GRAVITY) -> WaveComponents:
+    """Harmonics of 1 m of amplitude, whose crests pass the origin at t = 0, at omega (n,) [rad/s]."""
+    omega = np.atleast_1d(np.asarray(omega, dtype=float))
+    number = wave_number(omega, depth, gravity)
+    return WaveComponents(omega, np.ones(omega.size), np.zeros(omega.size), number, heading, math.inf, depth)
+
+
 def still_water(depth: float, heading: float = 0.0) -> WaveComponents:
     """No waves at all."""
     none = np.zeros(0)

@@ -18,7 +18,9 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Any
 
-from fowtlib.language import der
+import casadi as ca
+
+from fowtlib.language import der, quadratic
 from fowtlib.language import math as m
 
 STILL = 1e-3  # m/s; the speed in |u| u is sqrt(u^2 + STILL^2), smooth where the relative velocity passes zero
@@ -48,10 +50,13 @@ def drag_loads(frame: Any, velocity: Any, strips: Sequence[Strip]) -> tuple[Any,
 
     def load(k: int, strip: Strip, arm: Any, axes: Any) -> Any:
         u = velocity[k, :].T - der(frame.r) - m.cross(frame.w, arm)
-        along, *across = _split(u, axes)
-        speed = m.smooth_norm(u - axes[0] * along, STILL)
-        normal = _across(strip.across, u, axes, along, across)
-        return speed * normal + strip.along * m.smooth_abs(along, STILL) * along * axes[0]
+        along = m.dot(u, axes[0])
+        normal = quadratic(u - axes[0] * along, STILL)
+        side = [m.dot(normal, axis) for axis in axes[1:]]
+        across = _across(strip.across, normal, axes, 0, side)
+        if ca.SX(strip.along).is_zero():
+            return across
+        return across + strip.along * quadratic(along, STILL, "end drag") * axes[0]
 
     return _summed(frame, strips, load)
 

@@ -7,6 +7,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
+from functools import cached_property
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -24,7 +25,7 @@ if TYPE_CHECKING:
 
 @dataclass(frozen=True)
 class Spectrum:
-    """One-sided density S(f) [unit^2/Hz] over equally spaced frequencies f [Hz], from 0 upward."""
+    """One-sided density S(f) [unit^2/Hz] over rising frequencies f [Hz]: of a record equally spaced from 0 upward."""
 
     frequency: np.ndarray
     density: np.ndarray
@@ -53,7 +54,15 @@ class Spectrum:
         inside = (f >= low) & (f <= high)
         if order < 0:
             inside &= f > 0
-        return float(np.sum(f[inside] ** order * self.density[inside]) * (f[1] - f[0]))
+        return float(np.sum(f[inside] ** order * (self.density * self._widths)[inside]))
+
+    @cached_property
+    def _widths(self) -> np.ndarray:
+        """What each density stands for [Hz]: the spacing of a record's, else up to the middles between them."""
+        steps = np.diff(self.frequency)
+        if np.allclose(steps, steps[0], rtol=1e-6, atol=0.0):
+            return np.full(self.frequency.size, steps[0])
+        return (np.append(steps, 0.0) + np.append(0.0, steps)) / 2
 
     def scaled(self, factor: float, unit: str) -> Spectrum:
         """The spectrum of ``factor`` times the signal, in ``unit``: of the stress in a tube from that of its moment."""

@@ -23,6 +23,7 @@ from fowtlib.flattening.flat_dae import (
     FlatDAE,
     Offer,
     Operator,
+    Quadratic,
     Quantity,
     SampledUpdate,
 )
@@ -150,6 +151,7 @@ class _Flattening:
         slots += [(statement, "angle") for _, statement in statements.symmetries]
         slots += [(statement, "inputs") for _, statement in statements.operators]
         slots += [(stage, "states") for stage in system.stages]
+        slots += [(law, "inputs") for law in system.quadratics]
         slots += [(system.rates, key) for key in system.rates]
         slots += [(system.aliases, path) for path in system.aliases]
         values = [_get(owner, name) for owner, name in slots]
@@ -206,6 +208,7 @@ class _Flattening:
             "samples": [action.value for _, sampled in self.statements.sampled for action in sampled.assignments],
             "symmetries": [statement.angle for _, statement in self.statements.symmetries],
             "operators": [statement.inputs for _, statement in self.statements.operators],
+            "quadratics": [law.inputs for law in system.quadratics],
             "aliases": list(system.aliases.values()),
             "replaced": [ca.SX(value) for value in self.replaced.values()],
         }
@@ -247,6 +250,8 @@ class _Flattening:
             operators=[Operator(path, inputs, statement.correction, statement.transfer, statement.realization)
                        for (path, statement), inputs in zip(self.statements.operators, solved["operators"],
                                                             strict=True)],
+            quadratics=[Quadratic(law.path, inputs, law.added)
+                        for law, inputs in zip(system.quadratics, solved["quadratics"], strict=True)],
             stages=stages(system.stages, x, [*solved["ode"], *solved["alg"]], externals),
         )  # fmt: skip
 

@@ -145,6 +145,15 @@ class Operator:
     realization: StateSpace
 
 
+@dataclass(frozen=True)
+class Quadratic:
+    """A law |u| u: expressions of u (n,), and entries of p (n,) that are added to it, see language.quadratic_laws."""
+
+    path: str
+    inputs: ca.SX
+    added: ca.SX
+
+
 @dataclass(frozen=True, repr=False)
 class FlatDAE:
     """Semi-explicit DAE of index one, torn at the external functions; a value that nothing changes once it is made.
@@ -182,6 +191,7 @@ class FlatDAE:
     checks: tuple[Check, ...] = ()
     symmetries: tuple[CyclicSymmetry, ...] = ()
     operators: tuple[Operator, ...] = ()
+    quadratics: tuple[Quadratic, ...] = ()
     stages: tuple[Stage, ...] = ()
     bound: Mapping[str, Bound] = field(default_factory=dict)
     bound_parameters: Mapping[str, BoundParameter] = field(default_factory=dict)
@@ -217,6 +227,20 @@ class FlatDAE:
                         f"{item.path} = {numbers[wrong][0]:g}{unit} is {what} ({item.doc}); it follows from the values "
                         "that were given."
                     )
+
+    @cached_property
+    def silent(self) -> list[int]:
+        """Numbers of the entries of p that only the frequency domain uses for quadratic laws; zero in time."""
+        if not self.quadratics:
+            return []
+        place = {symbol.element_hash(): k for k, symbol in enumerate(self.p.elements())}
+        return [place[symbol.element_hash()] for law in self.quadratics for symbol in law.added.elements()]
+
+    def in_time(self, expressions: list[ca.SX]) -> list[ca.SX]:
+        """Expressions without what only the frequency domain adds."""
+        if not self.silent:
+            return expressions
+        return ca.substitute(expressions, [self.p[self.silent]], [ca.SX.zeros(len(self.silent))])
 
     @cached_property
     def equation_table(self) -> list[tuple[str, str, str]]:

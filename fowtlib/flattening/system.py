@@ -14,6 +14,7 @@ import numpy as np
 from fowtlib.language.declarations import Variable, join
 from fowtlib.language.equations import Assertion, AtStart
 from fowtlib.language.errors import StructureError
+from fowtlib.language.quadratic_laws import QuadraticLaw
 from fowtlib.language.stages import Stage
 
 _TOKEN = re.compile(r"[A-Za-z_][\w.\[\]]*")
@@ -207,6 +208,7 @@ class System:
         self.eliminated: list[FlatEquation] = []
         self.range_checks: list[tuple[str, Assertion]] = []
         self.stages: list[Stage] = []
+        self.quadratics: list[QuadraticLaw] = []
         self.current_path = ""
         self._external_of: dict[int, int] = {}
 
@@ -312,6 +314,10 @@ class System:
     def stage(self, states: ca.SX, step: ca.SX) -> None:
         """States whose implicit steps an external function solves, and its input for that."""
         self.stages.append(Stage(self.current_path, states, step))
+
+    def quadratic(self, inputs: ca.SX, added: ca.SX) -> None:
+        """A quadratic law of the part whose equations are being written."""
+        self.quadratics.append(QuadraticLaw(inputs, added, self.current_path))
 
     def check_range(self, value: ca.SX, low: Any, high: Any, name: str, argument: str, message: str = "") -> None:
         """Stop the simulation where a table is left: one check for all elements of a column.

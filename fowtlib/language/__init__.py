@@ -41,6 +41,7 @@ from fowtlib.language.errors import ModelError
 from fowtlib.language.externals import ExternalFunction
 from fowtlib.language.offered import OfferedEvent, event
 from fowtlib.language.operators import StateSpace, linear_operator
+from fowtlib.language.quadratic_laws import quadratic
 from fowtlib.language.run_time import at_start, run_time_series
 from fowtlib.language.series import Series
 from fowtlib.language.stages import stage_step
@@ -88,6 +89,7 @@ __all__ = [
     "parts",
     "port",
     "potential",
+    "quadratic",
     "reinit",
     "cyclic_symmetry",
     "rotation",

@@ -10,6 +10,7 @@ from collections.abc import Callable
 from typing import Any, Protocol
 
 import casadi as ca
+import numpy as np
 
 from fowtlib.language.equations import AtStart, active
 from fowtlib.language.errors import StructureError
@@ -29,6 +30,23 @@ class Source(Protocol):
 
     def file_for(self, function: ExternalFunction) -> Any:
         """File, and further arguments, with which `<name>_open(handle, file, ...)` of a library finds the data."""
+
+
+class RandomSignals(Protocol):
+    """`compute` of a `run_time_series` whose signals follow a random process linearly: the frequency domain asks it.
+
+    The process is a component with `spectral_density(omega)`, one-sided, of each of its channels and across them:
+    (q,), or (q, channels, channels) [unit^2 s/rad].
+    """
+
+    def __call__(self, component: Any) -> Series | None:
+        """The signals of one run."""
+
+    def process(self, component: Any) -> Any:
+        """The component of a run that they follow, from the one that `compute` is given."""
+
+    def response(self, component: Any, omega: np.ndarray) -> np.ndarray:
+        """Signals per channel at circular frequencies (q,) [rad/s]: complex (q, signals, channels), exp(+i omega t)."""
 
 
 def at_start(name: str, size: int = 1, unit: str = "1", doc: str = "", compute: Callable[[Any], Any] = float, *,

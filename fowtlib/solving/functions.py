@@ -30,8 +30,8 @@ class Functions:
     They are made when first asked for, and hold no number that a run may change: other values of parameters need no
     other functions. `at` gives them with the parameters put in.
 
-    zeros: numbers of tunable parameters in p that are zero, and what they multiply is left out: a fifth of the
-    operations of two turbines, whose parts stand on straight lines. `at` chooses them, and makes other functions where
+    zeros: numbers of parameters in p that are zero, and what they multiply is left out: a fifth of the operations of
+    two turbines, whose parts stand on straight lines. `at` chooses them, and makes other functions where
     one of them is zero no longer.
     """
 
@@ -47,7 +47,7 @@ class Functions:
     def at(self, binding: Binding) -> AtParameters:
         """The functions at what a run takes in, without those parameters that have been zero in all runs so far."""
         tunable = sum(item.symbol.numel() for item in self.dae.parameters.values())
-        zeros = frozenset(np.flatnonzero(binding.p[:tunable] == 0).tolist())
+        zeros = frozenset(np.flatnonzero(binding.p[:tunable] == 0).tolist()) | frozenset(self.dae.silent)
         if self._lean is None or not self._lean.zeros <= zeros:
             self._lean = Functions(self.dae, zeros & self._lean.zeros if self._lean else zeros)
         return AtParameters(self._lean, binding, self)

@@ -2,8 +2,9 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
+from functools import cached_property
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -24,6 +25,12 @@ from fowtlib.solving.state import State
 
 if TYPE_CHECKING:
     import xarray
+
+
+EIGENVECTORS = 1e-9  # error of A from its eigenvectors, relative, up to which they serve
+
+Labelled = Mapping[str, ca.SX]
+"""Scalar symbols or expressions of the flat model, by what they are called."""
 
 
 @dataclass(frozen=True)
@@ -100,6 +107,21 @@ class LinearModel:
             return plain
         return self.operators.corrected(omega, A, B, C, plain)
 
+    def driven(self, omega: np.ndarray, drive: np.ndarray, errors: np.ndarray | None = None) -> np.ndarray:
+        """Outputs (q, outputs, k) at circular frequencies (q,) [rad/s], for amplitudes of the inputs (q, inputs, k).
+
+        The same as `frequency_response` times the amplitudes, in a small part of the time where these are few.
+        errors: `operators.errors(omega)`, where it is known.
+        """
+        A, B, C, D = (self.matrices[name] for name in "ABCD")
+        resolvent = Resolvent(omega, A)
+        x = resolvent(B @ drive)
+        plain = C @ x + D @ drive
+        if self.operators is None:
+            return plain
+        u = self.operators.C @ x + self.operators.D_input @ drive
+        return plain + self.operators.added(resolvent, C, u, errors)
+
     def modes(self) -> list[Mode]:
         """Oscillating and decaying modes, lowest frequency first; a conjugate pair counts once."""
         A, C = self.matrices["A"], self.matrices["C"]
@@ -157,6 +179,40 @@ class LinearModel:
         return f"<LinearModel: {len(self.states)} states, {len(self.inputs)} inputs, {len(self.outputs)} outputs>"
 
 
+class Resolvent:
+    """(i omega - A)^-1 at many circular frequencies omega (q,) [rad/s], by the eigenvectors of A where these serve."""
+
+    def __init__(self, omega: np.ndarray, A: np.ndarray):
+        self.omega, self.A = omega, A
+        self.roots, self.right = np.linalg.eig(A)
+        try:
+            self.left = np.linalg.inv(self.right)
+        except np.linalg.LinAlgError:
+            self.left = None
+            return
+        left = (self.right * self.roots) @ self.left
+        if not np.linalg.norm(left - A) < EIGENVECTORS * np.linalg.norm(A):
+            self.left = None
+
+    def __call__(self, b: np.ndarray) -> np.ndarray:
+        """(i omega - A)^-1 b, for b (q, n, k)."""
+        if self.left is None:
+            one = np.eye(len(self.A))
+            rows = zip(self.omega, b, strict=True)
+            return np.array([np.linalg.solve(1j * w * one - self.A, column) for w, column in rows])
+        return self.right @ ((self.left @ b) * self._shares[:, :, None])
+
+    def between(self, C: np.ndarray, B: np.ndarray) -> np.ndarray:
+        """C (i omega - A)^-1 B, for constant C (m, n) and B (n, k): (q, m, k)."""
+        if self.left is None:
+            return C @ self(np.broadcast_to(B, (self.omega.size, *B.shape)))
+        return ((C @ self.right) * self._shares[:, None, :]) @ (self.left @ B)
+
+    @cached_property
+    def _shares(self) -> np.ndarray:
+        return 1 / (1j * self.omega[:, None] - self.roots)
+
+
 @dataclass(frozen=True, eq=False)
 class Operators:
     """The linear operators of a linear model, by what columns w, w', w'' added to their outputs do.
@@ -184,6 +240,33 @@ class Operators:
         to_output = _of_signal(omega, transfer_matrix(1j * omega, A, self.B, C, self.D_output))
         return plain + to_output @ np.linalg.solve(np.eye(E.shape[1]) - E @ by_w, E @ by_input)
 
+    def added(self, resolvent: Resolvent, C: np.ndarray, u: np.ndarray, errors: np.ndarray | None) -> np.ndarray:
+        """What the operators add to the outputs, from their inputs u (q, m, k) with the realizations alone."""
+        omega = resolvent.omega
+        E = self.errors(omega) if errors is None else errors
+        by_w = _of_signal(omega, resolvent.between(self.C, self.B) + self.D)
+        w = np.linalg.solve(np.eye(E.shape[1]) - E @ by_w, E @ u)
+        rates = (1j * omega)[:, None, None]
+        all_three = np.concatenate([w, rates * w, rates**2 * w], axis=1)
+        return C @ resolvent(self.B @ all_three) + self.D_output @ all_three
+
+    def fed_back(self, loop: np.ndarray, inputs: int, outputs: int, matrices: Mapping[str, np.ndarray]) -> Operators:
+        """The operators of the model whose inputs behind the first ones are `loop` @ its outputs behind the first ones.
+
+        matrices: A, B, C, D of the model without that.
+        """
+        n, m = inputs, outputs
+        B, C, D = (matrices[name] for name in "BCD")
+        by_loop, of_output = self.D_input[:, n:] @ loop, self.D_output[m:]
+        return Operators(
+            self.B + B[:, n:] @ loop @ of_output,
+            self.C + by_loop @ C[m:],
+            self.D + by_loop @ of_output,
+            self.D_input[:, :n] + by_loop @ D[m:, :n],
+            self.D_output + D[:, n:] @ loop @ of_output,
+            self.items,
+        )
+
     def errors(self, omega: np.ndarray) -> np.ndarray:
         """Transfer functions less those of the realizations, (q, n, m) of all operators together."""
         rows, columns = (sum(shape) for shape in zip(*(item.realization.D.shape for item in self.items), strict=True))
@@ -209,9 +292,11 @@ def _of_signal(omega: np.ndarray, G: np.ndarray) -> np.ndarray:
 
 
 def linearize(at: AtParameters, layout: Layout, outputs: Outputs, state: State, inputs: Sequence[str],
-              names: Sequence[str]) -> LinearModel:  # fmt: skip
+              names: Sequence[str], further_inputs: Labelled | None = None,
+              further_outputs: Labelled | None = None) -> LinearModel:  # fmt: skip
     """The linear model at a state, from inputs or tunable parameters by path to results or variables.
 
+    further_inputs: symbols of the flat model behind them, also outputs of externals; further_outputs: expressions.
     What is computed from a parameter when a run starts counts with it, by central differences (start_slopes).
     All states are kept; the algebraic unknowns are eliminated by the implicit function theorem.
     """
@@ -226,6 +311,8 @@ def linearize(at: AtParameters, layout: Layout, outputs: Outputs, state: State, 
             through += [(place, name, slope) for name, slope in start_slopes(dae, at.binding, path).items()]
         columns += symbols
         labels += fresh
+    columns += (further_inputs or {}).values()
+    labels += further_inputs or ()
     computed = list(dict.fromkeys(name for _, name, _ in through))
     rows, factors, shown, units = [], [], [], {}
     for name in names:
@@ -235,6 +322,9 @@ def linearize(at: AtParameters, layout: Layout, outputs: Outputs, state: State, 
         factors += [outputs.factor(name)] * len(fresh)
         shown += fresh
         units |= dict.fromkeys(fresh, outputs.entry(name).unit)
+    rows += (further_outputs or {}).values()
+    shown += further_outputs or ()
+    factors += [1.0] * len(further_outputs or ())
 
     number, count = len(columns), len(factors)
     for order in range(3):
@@ -247,7 +337,7 @@ def linearize(at: AtParameters, layout: Layout, outputs: Outputs, state: State, 
         u = ca.vertcat(*columns, *(dae.bound[name].symbol for name in computed)) if columns else ca.SX(0, 1)
         return at.general.torn_jacobian("linear", ca.vertcat(dae.ode, dae.alg, *rows), [dae.x, dae.z, u])
 
-    slopes = at.general.once(("linear", tuple(labels), tuple(computed), tuple(names)), make)
+    slopes = at.general.once(("linear", tuple(labels), tuple(computed), tuple(shown)), make)
     blocks = at.call(slopes, state.t, state.x, state.z, np.concatenate([state.u, state.d]))
     by_x, by_z, by_all = (np.array(ca.densify(block)) for block in blocks)
     by_u, first = by_all[:, : len(columns)], len(columns)

@@ -4,13 +4,13 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable
-from dataclasses import replace
+from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from numpy.typing import ArrayLike
 
-from fowtlib.components.environment.waves import WaveComponents, still_water
+from fowtlib.components.environment.waves import WaveComponents, still_water, unit_waves
 from fowtlib.components.environment.wind.base import Wind
 from fowtlib.components.environment.world import World
 from fowtlib.language import (
@@ -109,17 +109,8 @@ class Sea(Component, selector="spectrum", shared=("signal", "loads", "velocity",
         the sea of that run. `of`: a part whose values of that run it needs: transfer(waves, part); `name` must then be
         one that this part uses once. Many components become a periodic cubic spline through the inverse FFT.
         """
-        path, wants_part = self.path, of is not None
-
-        def series(part: Component) -> Series | None:
-            sea = _standing(part, path)
-            waves = sea.components()
-            if not len(waves):
-                return None
-            table = waves.columns(transfer(waves, part) if wants_part else transfer(waves))
-            return _series(waves, table, sea.parameter_value("build_up"))
-
-        return run_time_series(self.time, columns, name, series, of=of)
+        signals = WaveSignals(self.path, transfer, of is not None)
+        return run_time_series(self.time, columns, name, signals, of=of)
 
     def loads(self, transfer: Transfer, name: str = "wave load", *, of: Any = None) -> ca.SX:
         """The time function of a force and a moment, a column of 6 [N, N m]; transfer: (n, 6), as for `signal`."""
@@ -140,6 +131,31 @@ class Sea(Component, selector="spectrum", shared=("signal", "loads", "velocity",
             kind, doc = type(self).family.kind_of(type(self)), self.parameters[name].doc
             raise ParameterError(f"{self.label}.{name} has no value; a sea of kind '{kind}' needs it ({doc}).")
         return value
+
+
+@dataclass(frozen=True)
+class WaveSignals:
+    """Signals of the waves of the sea at `path`, when a run starts; see RandomSignals of fowtlib.language.run_time."""
+
+    path: str
+    transfer: Transfer
+    wants_part: bool
+
+    def __call__(self, part: Component) -> Series | None:
+        sea = self.process(part)
+        waves = sea.components()
+        return _series(waves, self._table(waves, part), sea.parameter_value("build_up")) if len(waves) else None
+
+    def process(self, part: Component) -> Any:
+        return [part, *part.enclosing()][-1].find(self.path)
+
+    def response(self, part: Component, omega: np.ndarray) -> np.ndarray:
+        sea = self.process(part)
+        waves = unit_waves(omega, sea.world.water_depth, sea.wave_heading(), sea.world.gravity)
+        return self._table(waves, part)[:, :, None]
+
+    def _table(self, waves: WaveComponents, part: Component) -> np.ndarray:
+        return waves.columns(self.transfer(waves, part) if self.wants_part else self.transfer(waves))
 
 
 def the_wind(sea: Sea, needed_by: str) -> Wind:
@@ -172,11 +188,6 @@ def _kinematics(sea: Sea, what: str, points: ArrayLike, unit: str) -> ca.SX:
 def _longest(sea: Sea) -> float:
     sea.warn()
     return sea.longest_run()
-
-
-def _standing(part: Component, path: str) -> Any:
-    """The component at a path of the model that `part` stands in."""
-    return [part, *part.enclosing()][-1].find(path)
 
 
 def _series(waves: WaveComponents, table: np.ndarray, build_up: float) -> Series:

@@ -174,10 +174,25 @@ def require_disk(wind: Wind, radius: float, station: int, who: str) -> None:
     wind.require((y - radius, y + radius), (z - radius, z + radius), about)
 
 
+class StationSignals:
+    """Own part of the base, and fluctuation, of all stations; see RandomSignals of fowtlib.language.run_time."""
+
+    def __call__(self, wind: Wind) -> Series | None:
+        return wind.station_series()
+
+    def process(self, wind: Wind) -> Wind:
+        return wind
+
+    def response(self, wind: Wind, omega: ArrayLike) -> np.ndarray:
+        n = len(wind.hubs)
+        channels = np.vstack([np.zeros((n, n)), np.eye(n)]).astype(complex)
+        return np.broadcast_to(channels, (np.size(omega), 2 * n, n))
+
+
 def _speeds(wind: Wind) -> tuple[ca.SX, ca.SX]:
     n, shear = len(wind.hubs), wind.shear_exponent
     mean = run_time_series(wind.time, 2, "mean", lambda it: it.mean_series(), of=wind)
-    own = run_time_series(wind.time, 2 * n, "series", lambda it: it.station_series(), of=wind, message=_ended(wind))
+    own = run_time_series(wind.time, 2 * n, "series", StationSignals(), of=wind, message=_ended(wind))
     over = at_start("heights", n, "1", "log(z_i/reference_height)", _logarithms, of=wind)
     hubs = positions(np.insert(wind.hubs, 0, 0.0, axis=1).T)
     field = Flow(wind.path, wind.time, shear_exponent=shear).velocities(hubs, _field(wind, n))[0, :].T

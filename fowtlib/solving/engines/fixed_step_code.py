@@ -314,7 +314,7 @@ def _arguments(dae: FlatDAE) -> list[ca.SX]:
 def _function(dae: FlatDAE, observed: Sequence[str], options: dict[str, Any]) -> ca.Function:
     """Inputs of the externals, level by level, ode, alg and variables as one function."""
     variables = ca.vertcat(*[ca.vec(dae.observe_expression(path)) for path in observed])
-    results = [ca.densify(e) for e in [*dae.level_inputs, dae.ode, dae.alg, variables]]
+    results = [ca.densify(e) for e in dae.in_time([*dae.level_inputs, dae.ode, dae.alg, variables])]
     return ca.Function("model", _arguments(dae), results, options)
 
 

@@ -1,0 +1,30 @@
+"""Frequencies at which a response is computed: close where it changes fast."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+
+import numpy as np
+
+from fowtlib.solving import Mode
+
+LOWEST, HIGHEST = 0.001, 2.0  # Hz
+BROAD = 200  # equally spaced in the logarithm, over all frequencies
+WAVES = (0.03, 0.35, 160)  # Hz, and so many equally spaced
+PEAK = 33  # about a resonance
+
+
+def response_frequencies(modes: Iterable[Mode], low: float = LOWEST, high: float = HIGHEST) -> np.ndarray:
+    """Frequencies [Hz] for the integrals of a response: all over, of waves, and about each mode.
+
+    About a mode those at which the phase of its resonance has moved on by equal steps.
+    """
+    points = [np.geomspace(low, high, BROAD), np.linspace(*WAVES)]
+    angles = np.linspace(-1.5, 1.5, PEAK)
+    for mode in modes:
+        width = max(mode.damping_ratio, 1e-5) * mode.frequency_hz
+        if low < mode.frequency_hz < high and mode.damping_ratio < 0.5:
+            points.append(abs(mode.eigenvalue.imag) / (2 * np.pi) + width * np.tan(angles))
+    frequency = np.sort(np.concatenate(points))
+    frequency = frequency[(frequency >= low) & (frequency <= high)]
+    return frequency[np.diff(frequency, prepend=0.0) > 1e-7 * frequency]
