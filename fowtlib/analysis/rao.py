@@ -34,7 +34,7 @@ from fowtlib.analysis.plants import (
     still_water,
 )
 from fowtlib.language.errors import ModelError, did_you_mean
-from fowtlib.solving import mean_state
+from fowtlib.solving import mean_linear_model, mean_state
 from fowtlib.solving.results.html import table
 
 if TYPE_CHECKING:
@@ -173,7 +173,7 @@ def linear_rao(
     names = chosen_outputs(plant, outputs)
     if state is None:
         state = mean_state(plant, {**still_water(plant), **(parameters or {})})
-    linear = plant.linearize(state, inputs=[path for paths, _ in inputs for path in paths], outputs=names)
+    linear = mean_linear_model(plant, state, inputs=[path for paths, _ in inputs for path in paths], outputs=names)
     refuse_unstable(linear)
     if frequency is None:
         frequency = wave_frequencies(linear, [transfer for _, transfer in inputs], heading)

@@ -8,7 +8,7 @@ import numpy as np
 
 from fowtlib.solving import Mode
 
-LOWEST, HIGHEST = 0.001, 2.0  # Hz
+LOWEST, HIGHEST = 0.5 / 3600, 2.0  # Hz; what is slower than an hour is the mean of a record
 BROAD = 200  # equally spaced in the logarithm, over all frequencies
 WAVES = (0.03, 0.35, 160)  # Hz, and so many equally spaced
 PEAK = 33  # about a resonance

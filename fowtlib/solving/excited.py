@@ -16,7 +16,8 @@ import numpy as np
 
 from fowtlib.language.run_time import RandomSignals
 from fowtlib.solving.binding import Binding
-from fowtlib.solving.linear import LinearModel, linearize
+from fowtlib.solving.linear import LinearModel
+from fowtlib.solving.mean_linear import mean_linear_model
 from fowtlib.solving.state import State
 
 
@@ -82,7 +83,7 @@ def excited_model(plant: Any, state: State, names: Sequence[str]) -> ExcitedMode
 
     names: results and variables.
     """
-    dae, at = plant.dae, plant.at(state.parameters)
+    dae = plant.dae
     bound = {item.symbol[0].element_hash(): item for item in dae.bound.values() if item.functions}
     inputs: dict[str, ca.SX] = {}
     signals = []
@@ -101,5 +102,5 @@ def excited_model(plant: Any, state: State, names: Sequence[str]) -> ExcitedMode
         outputs |= {f"law {number} of [{k}]": element for k, element in enumerate(law.inputs.elements())}
         laws.append((law.path, slice(first, first + n)))
         first += n
-    linear = linearize(at, plant.layout, plant.outputs, state, (), names, inputs, outputs)
+    linear = mean_linear_model(plant, state, (), names, (inputs, outputs))
     return ExcitedModel(linear, tuple(signals), tuple(laws), len(linear.outputs) - first)
