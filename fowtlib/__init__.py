@@ -45,6 +45,7 @@ if TYPE_CHECKING:
     from fowtlib.case_files import read_cases
     from fowtlib.cases import Batch, Case, check_cases, run_batch
     from fowtlib.fmi import export_fmu
+    from fowtlib.frequency import Response, response
     from fowtlib.modelfile import dump, load
     from fowtlib.solving import (
         Conditions,
@@ -69,6 +70,7 @@ _PACKAGES = ("analysis", "components")
 _LATER = {
     "export_fmu": "fowtlib.fmi",
     "view": "fowtlib.view",
+    **dict.fromkeys(("Response", "response"), "fowtlib.frequency"),
     "read_cases": "fowtlib.case_files",
     **dict.fromkeys(("Batch", "Case", "check_cases", "run_batch"), "fowtlib.cases"),
     **dict.fromkeys(("dump", "load"), "fowtlib.modelfile"),
@@ -117,6 +119,7 @@ __all__ = [
     "NaturalMode",
     "Output",
     "Plant",
+    "Response",
     "Result",
     "State",
     "analyse_decay",
@@ -147,6 +150,7 @@ __all__ = [
     "parameter_map",
     "power_spectrum",
     "read_cases",
+    "response",
     "run_batch",
     "simulated_rao",
     "static_curve",

@@ -1,6 +1,6 @@
 """Response of a model to wind and waves in the frequency domain: spectra, deviations, extremes and fatigue, no runs."""
 
 from fowtlib.frequency.drag import best_gain
-from fowtlib.frequency.response import Response, response
+from fowtlib.frequency.responses import Response, response
 
 __all__ = ["Response", "best_gain", "response"]

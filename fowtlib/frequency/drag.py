@@ -1,4 +1,4 @@
-"""The best linear law of drag: stochastic linearisation of |u| u for a random velocity u in any number of directions."""
+"""The best linear law of drag: stochastic linearisation of |u| u, for a random velocity u in some directions."""
 
 from __future__ import annotations
 
@@ -11,8 +11,8 @@ _ANGLES, _WEIGHTS = (1 + _ANGLES) * np.pi / 4, _WEIGHTS * np.pi / 4
 def best_gain(covariance: np.ndarray) -> np.ndarray:
     """G (n, n) of the linear law G u nearest to |u| u in the mean square, for a Gaussian u of this covariance (n, n).
 
-    G = E[|u| u u^T] E[u u^T]^-1 = E[d(|u| u)/du], with mean zero. Along the principal axes, with sqrt(x) as the integral
-    of (1 - exp(-x t)) t^(-3/2) / (2 sqrt(pi)) over t > 0,
+    G = E[|u| u u^T] E[u u^T]^-1 = E[d(|u| u)/du], with mean zero. Along the principal axes, with sqrt(x) as the
+    integral of (1 - exp(-x t)) t^(-3/2) / (2 sqrt(pi)) over t > 0,
 
         G_i = 1/(2 sqrt(pi)) int_0^inf t^(-3/2) (1 - 1/(1 + 2 t s_i^2) prod_j (1 + 2 t s_j^2)^(-1/2)) dt,
 

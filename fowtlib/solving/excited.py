@@ -1,13 +1,14 @@
 """The linear model about a mean, from the signals that drive it at random, with quadratic laws as linear ones.
 
-Signals are what the parts take from waves and wind (`run_time_series`); they are inputs here, and each part says how its
-own follow from the process. A quadratic law |u| u (drag) has hardly a slope at a mean of zero. Its best linear law for
-a random u is G u, with a matrix G of the covariance of u (language.quadratic_laws); `with_gains` puts such matrices in.
+Signals are what the parts take from waves and wind (`run_time_series`); they are inputs here, and each part says how
+its own follow from the process. A quadratic law |u| u (drag) has hardly a slope at a mean of zero. Its best linear law
+for a random u is G u, with a matrix G of the covariance of u (language.quadratic_laws); `with_gains` puts such matrices
+in.
 """
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Any
 

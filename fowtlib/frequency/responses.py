@@ -33,6 +33,7 @@ from fowtlib.solving.starts import mean_parameters
 
 if TYPE_CHECKING:
     import xarray
+    from matplotlib.figure import Figure
 
 ITERATIONS = 60
 GUESS = 1.0  # m/s; deviation of the velocities of drag before the first iteration
@@ -67,6 +68,10 @@ class Response:
             raise ModelError(f"the response has no output '{name}'{did_you_mean(name, self.outputs)}")
         return self.outputs.index(name)
 
+    def unit(self, name: str) -> str:
+        """Unit of a result."""
+        return self.units[self._number(name)]
+
     def __getitem__(self, name: str) -> Spectrum:
         return self.spectrum(name)
 
@@ -98,12 +103,19 @@ class Response:
         crossings = spectrum.up_crossing_rate * duration
         size = 2 * np.log(crossings / -np.log(quantile))
         if not size > 0:
-            raise ModelError(f"{name}: {duration:g} s hold {crossings:.2g} up-crossings of the mean; take a longer time.")
+            hold = f"{duration:g} s hold {crossings:.2g} up-crossings of the mean"
+            raise ModelError(f"{name}: {hold}; take a longer time.")
         return mean + sign * spectrum.std * float(np.sqrt(size))
 
     def equivalent_load(self, name: str, exponent: float = 4.0, frequency: float = 1.0) -> float:
         """Damage-equivalent range of a result by Dirlik's law, of `frequency` [Hz] cycles."""
         return dirlik(self.spectrum(name)).equivalent_load(exponent, frequency)
+
+    def plot(self, path: str | Path | None = None, outputs: Sequence[str] | None = None, **options: Any) -> Figure:
+        """Spectra over frequency; options of fowtlib.view.plot_spectra."""
+        from fowtlib.solving.results.plots import plot_spectra
+
+        return plot_spectra([self.spectrum(name) for name in outputs or self.outputs], path, **options)
 
     @property
     def dataset(self) -> xarray.Dataset:
@@ -161,35 +173,43 @@ def response(
     if not processes:
         raise ModelError("no part of this model takes anything from random waves or wind; there is no response.")
     given = None if frequencies is None else np.asarray(frequencies, dtype=float)
+    linear, grid, iterations = _settled(excited, binding, processes, given, tolerance)
+    refuse_unstable(linear)
+    m = excited.results
+    H = {path: answer[:, :m] for path, answer in grid.answers(linear).items()}
+    shares = {path: _spectra(H[path], grid.spectra[path]) for path in H}
+    mean = np.concatenate([np.ravel(state[name]) for name in names])
+    labels = linear.outputs[:m]
+    units = tuple(linear.units.get(name, "1") for name in labels)
+    return Response(grid.frequency, tuple(labels), units, mean, shares, H, linear, state, iterations)
+
+
+Processes = Mapping[str, tuple[Any, Sequence[Signal]]]
+"""The random processes by path, each with the signals that follow it."""
+
+
+def _settled(excited: ExcitedModel, binding: Binding, processes: Processes, frequency: np.ndarray | None,
+             tolerance: float) -> tuple[LinearModel, Grid, int]:  # fmt: skip
+    """The linear model with the drag of its own response, the frequencies, and the count of iterations."""
     gains = [best_gain(GUESS**2 * np.eye(place.stop - place.start)) for _, place in excited.laws]
     linear = excited.with_gains(gains)
     refuse_unstable(linear)
-    settled, change = given is not None, np.inf
-    grid = Grid(excited, binding, processes, response_frequencies(linear.modes()) if given is None else given)
+    final = frequency is not None or not excited.laws
+    grid = Grid(excited, binding, processes, response_frequencies(linear.modes()) if frequency is None else frequency)
     for iteration in range(1, ITERATIONS + 1):
-        linear = excited.with_gains(gains)
-        if not settled and change < REGRIDDED:
-            settled, grid = True, Grid(excited, binding, processes, response_frequencies(linear.modes()))
-        answers = grid.answers(linear)
-        found = grid.gains(answers)
-        change = max((np.linalg.norm(new - old) / max(np.linalg.norm(new), 1e-12)
+        found = grid.gains(grid.answers(linear))
+        change = max((float(np.linalg.norm(new - old) / max(np.linalg.norm(new), 1e-12))
                       for new, old in zip(found, gains, strict=True)), default=0.0)  # fmt: skip
-        gains = found
-        if (change < tolerance and settled) or not excited.laws:
-            break
-    else:
-        raise SimulationError(f"the linearised drag does not settle in {ITERATIONS} iterations (by {change:.2g}).")
-    refuse_unstable(linear)
-    m = excited.results
-    labels, units = linear.outputs[:m], [linear.units.get(name, "1") for name in linear.outputs[:m]]
-    H = {path: answer[:, :m] for path, answer in answers.items()}
-    shares = {path: _spectra(H[path], grid.spectra[path]) for path in H}
-    mean = np.concatenate([np.ravel(state[name]) for name in names])
-    return Response(grid.frequency, tuple(labels), tuple(units), mean, shares, H, linear, state, iteration)
+        gains, linear = found, excited.with_gains(found)
+        if final and change < tolerance:
+            return linear, grid, iteration
+        if not final and change < REGRIDDED:
+            final, grid = True, Grid(excited, binding, processes, response_frequencies(linear.modes()))
+    raise SimulationError(f"the linearised drag does not settle within {ITERATIONS} iterations (last change {change:.2g}).")
 
 
 def _processes(excited: ExcitedModel, binding: Binding) -> dict[str, tuple[Any, list[Signal]]]:
-    """The random processes that drive the signals, by their paths, with these."""
+    """The random processes that drive the signals, with these."""
     found: dict[str, tuple[Any, list[Signal]]] = {}
     for signal in excited.signals:
         process = signal.process(binding)
@@ -204,8 +224,7 @@ class Grid:
     spectra: of the processes (q, channels, channels) per Hz.
     """
 
-    def __init__(self, excited: ExcitedModel, binding: Binding, processes: Mapping[str, tuple[Any, list[Signal]]],
-                 frequency: np.ndarray):  # fmt: skip
+    def __init__(self, excited: ExcitedModel, binding: Binding, processes: Processes, frequency: np.ndarray):
         self.excited, self.frequency, self.omega = excited, frequency, 2 * np.pi * frequency
         steps = np.diff(frequency)
         self.widths = (np.append(steps, 0.0) + np.append(0.0, steps)) / 2

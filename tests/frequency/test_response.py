@@ -1,0 +1,155 @@
+"""Stationary response: textbook oscillators, drag in a closed form, RAOs times spectra, and the words of mistakes."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+import fowtlib as fw
+from fowtlib.frequency import best_gain, response
+from fowtlib.language import Component, Number, Scalar, der, eq, param, quadratic, run_time_series, var
+from fowtlib.language.errors import ModelError, SimulationError
+
+MASS, STIFFNESS, LINEAR = 3.0, 12.0, 0.3
+
+
+class Push:
+    """White noise up to a circular frequency, as a force."""
+
+    def __call__(self, part):
+        return None
+
+    def process(self, part):
+        return part
+
+    def response(self, part, omega):
+        return np.ones((len(omega), 1, 1), dtype=complex)
+
+
+class Oscillator(Component):
+    """M x'' + b x' + c |x'| x' + k x = a random force, white up to `highest`."""
+
+    damping: Scalar = param(default=LINEAR, unit="N*s/m", doc="linear damping")
+    drag: Scalar = param(default=0.0, unit="kg/m", doc="of the square of the speed")
+    level: Number = param(default=2.0, bound=True, doc="one-sided spectrum of the force [N^2 s/rad]")
+    highest: Number = param(default=60.0, bound=True, doc="circular frequency up to which the force has energy")
+
+    x: Scalar = var(unit="m", start=0.0, doc="displacement")
+    v: Scalar = var(unit="m/s", start=0.0, doc="velocity")
+
+    def equations(self):
+        force = run_time_series(self.time, 1, "push", Push(), of=self)
+        resistance = self.damping * self.v + self.drag * quadratic(self.v, 1e-6)
+        return [eq(der(self.x), self.v), eq(MASS * der(self.v), force - resistance - STIFFNESS * self.x)]
+
+    def spectral_density(self, omega):
+        return np.where(np.asarray(omega) < self.highest, self.level, 0.0)
+
+
+def oscillator(**parameters):
+    root = fw.Assembly("oscillators")
+    root.one = Oscillator(**parameters)
+    return fw.Model(root, outputs={"x": "one.x", "v": "one.v"})
+
+
+FINE = np.unique(np.concatenate([np.geomspace(1e-4, 9.0, 4000), 0.3183 + np.linspace(-0.1, 0.1, 4000)]))
+
+
+def test_an_oscillator_in_white_noise_has_the_deviation_of_the_textbook():
+    # variance pi S / (2 b k) for a one-sided S per rad/s (Newland, Random Vibrations, ch. 7)
+    found = response(oscillator(), frequencies=FINE)
+    assert found.std("x") == pytest.approx(np.sqrt(np.pi * 2.0 / (2 * LINEAR * STIFFNESS)), rel=2e-3)
+    assert found.std("v") == pytest.approx(np.sqrt(np.pi * 2.0 / (2 * LINEAR * MASS)), rel=2e-2)  # force ends at 60
+    assert found["x"].up_crossing_rate == pytest.approx(np.sqrt(STIFFNESS / MASS) / (2 * np.pi), rel=2e-2)
+
+
+def test_the_frequencies_of_a_response_are_close_where_it_changes_fast():
+    coarse, fine = response(oscillator()), response(oscillator(), frequencies=FINE)
+    assert coarse.std("x") == pytest.approx(fine.std("x"), rel=5e-3)
+    assert coarse.frequency.size < FINE.size / 5
+
+
+def test_drag_is_the_best_linear_law_of_the_response_itself():
+    # b = c sqrt(8 / pi) s and s^2 = pi S / (2 b m), so s^3 = pi S / (2 c m sqrt(8 / pi))
+    drag = 1.5
+    wanted = (np.pi * 2.0 / (2 * drag * MASS * np.sqrt(8 / np.pi))) ** (1 / 3)
+    found = response(oscillator(damping=0.0, drag=drag, highest=60.0), frequencies=np.linspace(1e-3, 9.5, 40000))
+    assert found.std("v") == pytest.approx(wanted, rel=2e-2)  # the part above 60 rad/s: 2 b / (pi m 60) = 1.3 %
+    assert 3 < found.iterations < 40
+
+
+def test_gains_of_drag_in_one_two_and_three_directions():
+    assert best_gain(np.array([[4.0]])) == pytest.approx(np.sqrt(8 / np.pi) * 2, rel=1e-9)
+    assert best_gain(9 * np.eye(2)) == pytest.approx(1.5 * np.sqrt(np.pi / 2) * 3 * np.eye(2), rel=1e-9)
+    assert best_gain(4 * np.eye(3)) == pytest.approx(32 / (3 * np.sqrt(2 * np.pi)) * np.eye(3), rel=1e-9)
+    assert not best_gain(np.zeros((2, 2))).any()
+
+
+def test_gains_of_drag_for_an_ellipse_against_its_angle():
+    # E[|u| u u^T] over the angle of a Gaussian in two directions: the radius has E[r^3] = 3 sqrt(pi / 2)
+    covariance = np.array([[1.3, 0.5], [0.5, 0.4]])
+    angle = 2 * np.pi * (np.arange(4000) + 0.5) / 4000
+    u = np.linalg.cholesky(covariance) @ np.array([np.cos(angle), np.sin(angle)])
+    mean = 3 * np.sqrt(np.pi / 2) * (np.linalg.norm(u, axis=0) * u) @ u.T / angle.size
+    assert best_gain(covariance) == pytest.approx(mean @ np.linalg.inv(covariance), rel=1e-6)
+
+
+def test_gains_turn_with_the_axes():
+    c, s = np.cos(0.7), np.sin(0.7)
+    turn, covariance = np.array([[c, -s], [s, c]]), np.diag([2.0, 0.1])
+    turned = best_gain(turn @ covariance @ turn.T)
+    assert turned == pytest.approx(turn @ best_gain(covariance) @ turn.T, rel=1e-9)
+
+
+@pytest.fixture(scope="module")
+def spar():
+    return fw.load("oc3_spar_rigid").compile()
+
+
+def test_small_waves_give_the_response_operator_times_the_spectrum(spar):
+    # the operator takes another way to the load: tunable parameters of the part, in place of its series
+    frequency = np.linspace(0.04, 0.3, 200)
+    names = ["surge", "heave", "pitch", "fairlead_tension_2"]
+    calm = {"wind.kind": "none", "sea.significant_wave_height": 1e-3, "sea.peak_period": 10.0}
+    found = response(spar, outputs=names, parameters=calm, frequencies=frequency)
+    rao = fw.linear_rao(spar, frequency, outputs=names, parameters={"wind.kind": "none"})
+    sea = found.spectrum("surge", "sea").density / np.abs(rao["surge"]) ** 2
+    for name in names:
+        expected = np.abs(rao[name]) ** 2 * sea
+        assert found[name].density == pytest.approx(expected, rel=2e-3, abs=1e-4 * expected.max())
+    assert found.transfer["sea"][:, 1, 0] == pytest.approx(rao["heave"], rel=2e-3)
+
+
+def test_processes_add_up_and_are_what_they_were_given(spar):
+    given = {"sea.significant_wave_height": 4.0, "sea.peak_period": 9.0, "wind.mean_speed": 18.0}
+    found = response(spar, parameters=given)
+    assert set(found.shares) == {"sea", "wind"}
+    assert found.std("wave_elevation") == pytest.approx(1.0, rel=5e-3)
+    both = [found.std("pitch", process) ** 2 for process in ("sea", "wind")]
+    assert found.std("pitch") ** 2 == pytest.approx(sum(both), rel=1e-9)
+
+
+@pytest.mark.parametrize("side", ["max", "min"])
+def test_extremes_are_those_of_rice(spar, side):
+    found = response(oscillator(), frequencies=FINE)
+    level = found.extreme("x", 600.0, 0.9, side)
+    rate = found["x"].up_crossing_rate * np.exp(-0.5 * (level / found.std("x")) ** 2)
+    assert np.exp(-600.0 * rate) == pytest.approx(0.9, rel=1e-9)
+    assert (level > 0) == (side == "max")
+
+
+def test_mistakes_are_named(spar):
+    still = {"wind.kind": "none", "sea.spectrum": "still"}
+    with pytest.raises(ModelError, match="takes anything from random waves or wind"):
+        response(spar, parameters=still)
+    found = response(oscillator())
+    with pytest.raises(ModelError, match="no output 'y'"):
+        found.std("y")
+    with pytest.raises(ModelError, match="no process 'sea'"):
+        found.std("x", "sea")
+    with pytest.raises(ModelError, match="'top' is not 'max' or 'min'"):
+        found.extreme("x", side="top")
+    with pytest.raises(SimulationError, match="unstable"):
+        response(oscillator(damping=-0.2))
+    with pytest.raises(ModelError, match="hold 0.01.* up-crossings"):
+        found.extreme("x", 0.05)
