@@ -205,7 +205,8 @@ def _settled(excited: ExcitedModel, binding: Binding, processes: Processes, freq
             return linear, grid, iteration
         if not final and change < REGRIDDED:
             final, grid = True, Grid(excited, binding, processes, response_frequencies(linear.modes()))
-    raise SimulationError(f"the linearised drag does not settle within {ITERATIONS} iterations (last change {change:.2g}).")
+    last = f"the last change is {change:.2g}"
+    raise SimulationError(f"the linearised drag does not settle within {ITERATIONS} iterations; {last}.")
 
 
 def _processes(excited: ExcitedModel, binding: Binding) -> dict[str, tuple[Any, list[Signal]]]:
