@@ -1,0 +1,79 @@
+"""Turbulence as a turning rotor feels it: spectra of its means over the blades, from those at rest.
+
+On a ring of radius r the fluctuation along the wind is u(r, theta, t) = sum_m a_m(r, t) exp(i m theta). Where turbulence
+is homogeneous and isotropic across the wind, amplitudes of different m are independent, and
+
+    <a_m(r_j) a_m(r_k)*> = K_m S,  K_m = 1/pi int_0^pi coherence(d(angle)) cos(m angle) d angle,
+    d^2 = r_j^2 + r_k^2 - 2 r_j r_k cos(angle).
+
+What all n blades of a rotor do together, at azimuths psi = Omega t + 2 pi b / n, depends on the sums
+
+    g_p = sum_k a_(p + n k) exp(i n k Omega t):  p = 0 thrust and torque, p = 1 the tilt and yaw moments,
+
+so that the shift of a ring's eddies by the rotation puts energy at multiples of n Omega and none between.
+Source: P.S. Veers, SAND88-0152 (1988); A. Halfpenny, Dynamic analysis of both on and offshore wind turbines in the
+frequency domain, PhD thesis (1998), ch. 4.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+Floats = NDArray[np.float64]
+Complexes = NDArray[np.complex128]
+
+ANGLES = 96  # of the integral over a ring
+HARMONICS = 4  # multiples of the number of blades, on both sides
+
+Coherence = Callable[[Floats, Floats], Floats]
+"""`(frequency [Hz] (q, 1, 1, 1), distance [m] (1, r, r, angles)) -> coherence`."""
+
+
+def ring_shares(frequency: ArrayLike, radii: ArrayLike, orders: ArrayLike, coherence: Coherence) -> Floats:
+    """K_m of the rings: (q, orders, r, r), at frequencies [Hz], of radii [m], for whole orders m.
+
+    The sum over all orders is the coherence of two points on one ray, and 1 on one ring.
+    """
+    r, order = np.atleast_1d(np.asarray(radii, dtype=float)), np.atleast_1d(np.asarray(orders, dtype=int))
+    f = np.atleast_1d(np.asarray(frequency, dtype=float))[:, None, None, None]
+    angle = 2 * np.pi * np.arange(ANGLES) / ANGLES
+    square = r[:, None, None] ** 2 + r[None, :, None] ** 2 - 2 * r[:, None, None] * r[None, :, None] * np.cos(angle)
+    values = coherence(f, np.sqrt(np.maximum(square, 0.0))[None])
+    shares = np.fft.rfft(values, axis=3).real / ANGLES
+    return np.moveaxis(shares[..., np.abs(order)], 3, 1)
+
+
+def turning_density(omega: ArrayLike, radii: ArrayLike, rotor_speed: float, spectrum: Callable[[Floats], Floats],
+                    coherence: Coherence, blades: int = 3) -> Complexes:  # fmt: skip
+    """One-sided spectra of g_0, 2 Re g_1 and -2 Im g_1 of all rings: (q, 3 r, 3 r) [unit of the spectrum], Hermitian.
+
+    omega: circular frequencies (q,) [rad/s]; spectrum: one-sided, of omega, at a point; rotor_speed [rad/s]. Channels in
+    this order, each ring after the other. A load sum_b B_b u(psi_b) of the blades is then, but for what turns with the
+    rotor, B_0 g_0 + B_c (2 Re g_1) + B_s (-2 Im g_1), where B_0, B_c and B_s are the means over a turn of the sums over
+    the blades of B_b, B_b cos(psi_b) and B_b sin(psi_b).
+    """
+    omega = np.atleast_1d(np.asarray(omega, dtype=float))
+    r = np.atleast_1d(np.asarray(radii, dtype=float))
+    uniform = np.zeros((omega.size, r.size, r.size))
+    forward, backward = np.zeros_like(uniform), np.zeros_like(uniform)  # of g_1 at omega and at -omega, two-sided
+    for k in range(-HARMONICS, HARMONICS + 1):
+        shift = blades * k * rotor_speed
+
+        def shifted(order: int, at: Floats) -> Floats:
+            moved = np.maximum(np.abs(at), 1e-9)
+            shares = ring_shares(moved / (2 * np.pi), r, [order], coherence)[:, 0]
+            return shares * np.asarray(spectrum(moved))[:, None, None]
+
+        uniform += shifted(blades * k, omega - shift)
+        forward += shifted(1 + blades * k, omega - shift) / 2
+        backward += shifted(1 + blades * k, -omega - shift) / 2
+    n = r.size
+    density = np.zeros((omega.size, 3 * n, 3 * n), dtype=complex)
+    density[:, :n, :n] = uniform
+    density[:, n : 2 * n, n : 2 * n] = density[:, 2 * n :, 2 * n :] = 2 * (forward + backward)
+    density[:, n : 2 * n, 2 * n :] = -2j * (forward - backward)
+    density[:, 2 * n :, n : 2 * n] = 2j * (forward - backward)
+    return density
