@@ -1,7 +1,6 @@
 """Turbulence as a turning rotor feels it: spectra of its means over the blades, from those at rest.
 
-On a ring of radius r the fluctuation along the wind is u(r, theta, t) = sum_m a_m(r, t) exp(i m theta). Where turbulence
-is homogeneous and isotropic across the wind, amplitudes of different m are independent, and
+On a ring of radius r the fluctuation along the wind is u = sum_m a_m(r, t) exp(i m theta). Where turbulence is homogeneous and isotropic across the wind, amplitudes of different m are independent, and
 
     <a_m(r_j) a_m(r_k)*> = K_m S,  K_m = 1/pi int_0^pi coherence(d(angle)) cos(m angle) d angle,
     d^2 = r_j^2 + r_k^2 - 2 r_j r_k cos(angle).
@@ -17,15 +16,21 @@ frequency domain, PhD thesis (1998), ch. 4.
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
+from typing import Any
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
+from scipy.interpolate import PchipInterpolator
+
+from fowtlib.language.run_time import RestingPlaces, TurningRings
 
 Floats = NDArray[np.float64]
 Complexes = NDArray[np.complex128]
 
 ANGLES = 96  # of the integral over a ring
+AROUND = 12  # points on a ring, for what rings of two rotors have in common
+TABLE = np.geomspace(1e-4, 20.0, 80)  # Hz, of a table of the shares; below they do not change, above there are none
 HARMONICS = 4  # multiples of the number of blades, on both sides
 
 Coherence = Callable[[Floats, Floats], Floats]
@@ -46,17 +51,25 @@ def ring_shares(frequency: ArrayLike, radii: ArrayLike, orders: ArrayLike, coher
     return np.moveaxis(shares[..., np.abs(order)], 3, 1)
 
 
+def _interpolated_shares(radii: Floats, most: int, coherence: Coherence) -> Callable[[int, Floats], Floats]:
+    """`(order, frequency [Hz] (q,)) -> shares (q, r, r)` from a table over the logarithm of the frequency."""
+    table = ring_shares(TABLE, radii, np.arange(most + 1), coherence)
+    splines = [PchipInterpolator(np.log(TABLE), table[:, order], axis=0) for order in range(most + 1)]
+    return lambda order, frequency: splines[order](np.log(np.clip(frequency, TABLE[0], TABLE[-1])))
+
+
 def turning_density(omega: ArrayLike, radii: ArrayLike, rotor_speed: float, spectrum: Callable[[Floats], Floats],
                     coherence: Coherence, blades: int = 3) -> Complexes:  # fmt: skip
     """One-sided spectra of g_0, 2 Re g_1 and -2 Im g_1 of all rings: (q, 3 r, 3 r) [unit of the spectrum], Hermitian.
 
-    omega: circular frequencies (q,) [rad/s]; spectrum: one-sided, of omega, at a point; rotor_speed [rad/s]. Channels in
-    this order, each ring after the other. A load sum_b B_b u(psi_b) of the blades is then, but for what turns with the
+    omega: circular frequencies (q,) [rad/s]; spectrum: one-sided, of omega, at a point; rotor_speed [rad/s]. Channels
+    in this order, each ring after the other. A load sum_b B_b u(psi_b) of the blades is then, but for what turns with the
     rotor, B_0 g_0 + B_c (2 Re g_1) + B_s (-2 Im g_1), where B_0, B_c and B_s are the means over a turn of the sums over
     the blades of B_b, B_b cos(psi_b) and B_b sin(psi_b).
     """
     omega = np.atleast_1d(np.asarray(omega, dtype=float))
     r = np.atleast_1d(np.asarray(radii, dtype=float))
+    shares_at = _interpolated_shares(r, 1 + blades * HARMONICS, coherence)
     uniform = np.zeros((omega.size, r.size, r.size))
     forward, backward = np.zeros_like(uniform), np.zeros_like(uniform)  # of g_1 at omega and at -omega, two-sided
     for k in range(-HARMONICS, HARMONICS + 1):
@@ -64,8 +77,7 @@ def turning_density(omega: ArrayLike, radii: ArrayLike, rotor_speed: float, spec
 
         def shifted(order: int, at: Floats) -> Floats:
             moved = np.maximum(np.abs(at), 1e-9)
-            shares = ring_shares(moved / (2 * np.pi), r, [order], coherence)[:, 0]
-            return shares * np.asarray(spectrum(moved))[:, None, None]
+            return shares_at(abs(order), moved / (2 * np.pi)) * np.asarray(spectrum(moved))[:, None, None]
 
         uniform += shifted(blades * k, omega - shift)
         forward += shifted(1 + blades * k, omega - shift) / 2
@@ -77,3 +89,47 @@ def turning_density(omega: ArrayLike, radii: ArrayLike, rotor_speed: float, spec
     density[:, n : 2 * n, 2 * n :] = -2j * (forward - backward)
     density[:, 2 * n :, n : 2 * n] = 2j * (forward - backward)
     return density
+
+
+def places_density(omega: ArrayLike, places: Sequence[TurningRings | RestingPlaces],
+                   spectrum: Callable[[Floats], Floats], coherence: Coherence) -> Complexes:  # fmt: skip
+    """One-sided spectra of all channels of places, see TurningRings and RestingPlaces: (q, channels, channels).
+
+    Between rotors, and between rotors and places at rest, the uniform parts of the rings go together, with the mean of
+    the coherence over the rings; what goes once round is taken as independent there.
+    """
+    omega = np.atleast_1d(np.asarray(omega, dtype=float))
+    ends = np.cumsum([0, *(item.channels for item in places)])
+    density = np.zeros((omega.size, ends[-1], ends[-1]), dtype=complex)
+    alone = np.asarray(spectrum(omega))[:, None, None]
+    for i, one in enumerate(places):
+        own = slice(ends[i], ends[i + 1])
+        if isinstance(one, TurningRings):
+            density[:, own, own] = turning_density(omega, one.radii, abs(one.speed), spectrum, coherence, one.blades)
+        else:
+            density[:, own, own] = _together(omega, one, one, coherence) * alone
+        for k in range(i):
+            other = places[k]
+            cross = _together(omega, one, other, coherence) * alone
+            rows, columns = (slice(ends[j], ends[j] + cross.shape[1 + n]) for n, j in enumerate((i, k)))
+            density[:, rows, columns] = cross
+            density[:, columns, rows] = cross.transpose(0, 2, 1)
+    return density
+
+
+def _together(omega: Floats, one: Any, other: Any, coherence: Coherence) -> Floats:
+    """Mean coherence of each ring or place of one with each of the other: (q, r, r)."""
+    a, b = _points(one), _points(other)
+    distance = np.linalg.norm(a[:, None, :, None] - b[None, :, None, :], axis=-1)
+    frequency = (omega / (2 * np.pi))[:, None, None]
+    flat = distance.reshape(len(a), len(b), -1)
+    return sum(coherence(frequency, flat[..., k]) for k in range(flat.shape[-1])) / flat.shape[-1]
+
+
+def _points(places: Any) -> Floats:
+    """Points across the flow (y, z) of rings (r, angles, 2), or of places (n, 1, 2)."""
+    if isinstance(places, RestingPlaces):
+        return places.positions[:, None, 1:]
+    angle = 2 * np.pi * (np.arange(AROUND) + 0.5) / AROUND
+    around = np.stack([np.cos(angle), np.sin(angle)], axis=-1)
+    return places.centre[1:] + places.radii[:, None, None] * around

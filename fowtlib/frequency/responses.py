@@ -12,8 +12,9 @@ the turbulence, dead bands and limits.
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field
+from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -28,6 +29,7 @@ from fowtlib.language.errors import ModelError, SimulationError, did_you_mean
 from fowtlib.solving import LinearModel, State, mean_state
 from fowtlib.solving.binding import Binding
 from fowtlib.solving.excited import ExcitedModel, Signal, excited_model
+from fowtlib.solving.random_fields import density as field_density
 from fowtlib.solving.results.tables import write_table
 from fowtlib.solving.starts import mean_parameters
 
@@ -168,7 +170,7 @@ def response(
     binding = plant.binding(parameters)
     if state is None:
         state = mean_state(plant, mean_parameters(plant, parameters))
-    excited = excited_model(plant, state, names)
+    excited = excited_model(plant, state, names, binding)
     processes = _processes(excited, binding)
     if not processes:
         raise ModelError("no part of this model takes anything from random waves or wind; there is no response.")
@@ -184,8 +186,16 @@ def response(
     return Response(grid.frequency, tuple(labels), units, mean, shares, H, linear, state, iterations)
 
 
-Processes = Mapping[str, tuple[Any, Sequence[Signal]]]
-"""The random processes by path, each with the signals that follow it."""
+Processes = Mapping[str, "Process"]
+"""The random processes by path."""
+
+
+@dataclass(frozen=True, eq=False)
+class Process:
+    """A random process: its spectrum [unit^2 s/rad] and what it drives, complex (q, inputs, channels), over omega."""
+
+    density: Callable[[np.ndarray], np.ndarray]
+    drive: Callable[[np.ndarray], np.ndarray]
 
 
 def _settled(excited: ExcitedModel, binding: Binding, processes: Processes, frequency: np.ndarray | None,
@@ -209,14 +219,32 @@ def _settled(excited: ExcitedModel, binding: Binding, processes: Processes, freq
     raise SimulationError(f"the linearised drag does not settle within {ITERATIONS} iterations; {last}.")
 
 
-def _processes(excited: ExcitedModel, binding: Binding) -> dict[str, tuple[Any, list[Signal]]]:
-    """The random processes that drive the signals, with these."""
-    found: dict[str, tuple[Any, list[Signal]]] = {}
+def _processes(excited: ExcitedModel, binding: Binding) -> dict[str, Process]:
+    """The random processes that drive the signals, and the fields."""
+    members: dict[str, tuple[Any, list[Signal]]] = {}
     for signal in excited.signals:
         process = signal.process(binding)
         if np.any(process.spectral_density(np.geomspace(1e-2, 10.0, 50))):
-            found.setdefault(process.path, (process, []))[1].append(signal)
+            members.setdefault(process.path, (process, []))[1].append(signal)
+    found = {path: Process(process.spectral_density, partial(_of_signals, excited.driven, signals, binding))
+             for path, (process, signals) in members.items()}  # fmt: skip
+    for columns, places in excited.fields:
+        path = places[0].compute.process(binding.root.find(places[0].owner)).path
+        found[path] = Process(partial(field_density, places, binding), partial(_of_field, excited.driven, columns))
     return found
+
+
+def _of_signals(driven: int, signals: Sequence[Signal], binding: Binding, omega: np.ndarray) -> np.ndarray:
+    responses = [signal.response(binding, omega) for signal in signals]
+    drive = np.zeros((omega.size, driven, responses[0].shape[2]), dtype=complex)
+    for signal, values in zip(signals, responses, strict=True):
+        drive[:, signal.columns] = values
+    return drive
+
+
+def _of_field(driven: int, columns: slice, omega: np.ndarray) -> np.ndarray:
+    chosen = np.eye(driven, dtype=complex)[:, columns]
+    return np.broadcast_to(chosen, (omega.size, *chosen.shape))
 
 
 class Grid:
@@ -234,14 +262,11 @@ class Grid:
         self.spectra: dict[str, np.ndarray] = {}
         self.columns: dict[str, slice] = {}
         drives, first = [], 0
-        for path, (process, signals) in processes.items():
-            density = 2 * np.pi * np.asarray(process.spectral_density(self.omega), dtype=float)
+        for path, process in processes.items():
+            density = 2 * np.pi * np.asarray(process.density(self.omega))
             self.spectra[path] = density.reshape(len(density), *(density.shape[1:] or (1, 1)))
             channels = self.spectra[path].shape[1]
-            drive = np.zeros((frequency.size, excited.driven, channels), dtype=complex)
-            for signal in signals:
-                drive[:, signal.columns] = signal.response(binding, self.omega)
-            drives.append(drive)
+            drives.append(process.drive(self.omega))
             self.columns[path] = slice(first, first + channels)
             first += channels
         self.drive = np.concatenate(drives, axis=2)

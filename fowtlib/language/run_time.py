@@ -6,7 +6,8 @@ numbers are computed at the start of each run, from the component that stands in
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
 from typing import Any, Protocol
 
 import casadi as ca
@@ -47,6 +48,52 @@ class RandomSignals(Protocol):
 
     def response(self, component: Any, omega: np.ndarray) -> np.ndarray:
         """Signals per channel at circular frequencies (q,) [rad/s]: complex (q, signals, channels), exp(+i omega t)."""
+
+
+@dataclass(frozen=True, eq=False)
+class TurningRings:
+    """Places that turn about an axis along a flow: on rings of radii (r,) [m] about a centre (3,), one for each blade.
+
+    speed [rad/s]: of the turning.
+    """
+
+    centre: np.ndarray
+    radii: np.ndarray
+    speed: float
+    blades: int
+
+    @property
+    def channels(self) -> int:
+        """Three a ring: uniform, and once round in two directions."""
+        return 3 * len(self.radii)
+
+
+@dataclass(frozen=True, eq=False)
+class RestingPlaces:
+    """Places (n, 3) [m] that do not turn."""
+
+    positions: np.ndarray
+
+    @property
+    def channels(self) -> int:
+        """One a place."""
+        return len(self.positions)
+
+
+class RandomField(Protocol):
+    """`compute` of the numbers by which an external function finds a field of velocities, which is random in a run.
+
+    The function takes the handle first and positions last, (3 n); it gives n velocities. The frequency domain asks.
+    """
+
+    def process(self, component: Any) -> Any:
+        """The component of a run whose field it is; one with a spectrum has `field_density`, see below."""
+
+    def along(self, component: Any) -> np.ndarray:
+        """Unit vector (3,) of the fluctuation that counts."""
+
+    def density(self, component: Any, omega: np.ndarray, places: Sequence[TurningRings | RestingPlaces]) -> np.ndarray:
+        """One-sided spectra (q, channels, channels) [unit^2 s/rad] of all places together; Hermitian."""
 
 
 def at_start(name: str, size: int = 1, unit: str = "1", doc: str = "", compute: Callable[[Any], Any] = float, *,

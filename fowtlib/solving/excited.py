@@ -14,22 +14,34 @@ from typing import Any
 
 import casadi as ca
 import numpy as np
+from scipy.linalg import block_diag
 
+from fowtlib.flattening import FlatDAE
 from fowtlib.language.run_time import RandomSignals
 from fowtlib.solving.binding import Binding
-from fowtlib.solving.linear import LinearModel
+from fowtlib.solving.linear import Further, LinearModel
 from fowtlib.solving.mean_linear import mean_linear_model
+from fowtlib.solving.random_fields import FieldPlaces, blows, field_places
 from fowtlib.solving.state import State
+from fowtlib.solving.turning import turns_of
 
 
 @dataclass(frozen=True, eq=False)
 class Signal:
-    """Signals that follow a random process: their path, their columns of the inputs, and who knows the process."""
+    """Signals that follow a random process: their path, their columns of the inputs, who knows the process.
+
+    outputs: their places among the outputs of all externals.
+    """
 
     path: str
     owner: str
     columns: slice
+    outputs: slice
     compute: RandomSignals
+
+    def elements(self, dae: FlatDAE) -> list[ca.SX]:
+        """Their symbols."""
+        return dae.w[self.outputs].elements()
 
     def process(self, binding: Binding) -> Any:
         """The component of a run that they follow."""
@@ -46,24 +58,25 @@ class Signal:
 
 @dataclass(frozen=True, eq=False)
 class ExcitedModel:
-    """Linear model whose inputs are signals, and then what is added to quadratic laws; see the module.
+    """Linear model whose inputs are signals, channels of fields, and then what is added to quadratic laws; see above.
 
-    linear: its outputs are the results, and then the inputs of the laws. laws: paths of the laws, and their columns
-    among what is added.
+    linear: its outputs are the results, and then the inputs of the laws. fields: columns of the inputs, and the places
+    of one field. laws: paths of the laws, and their columns among what is added.
     """
 
     linear: LinearModel
     signals: tuple[Signal, ...]
+    fields: tuple[tuple[slice, tuple[FieldPlaces, ...]], ...]
     laws: tuple[tuple[str, slice], ...]
     results: int
 
     @property
     def driven(self) -> int:
-        """Number of the signals, one by one."""
-        return sum(item.columns.stop - item.columns.start for item in self.signals)
+        """Number of the signals and channels, one by one."""
+        return len(self.linear.inputs) - sum(place.stop - place.start for _, place in self.laws)
 
     def with_gains(self, gains: Sequence[np.ndarray]) -> LinearModel:
-        """The linear model from the signals to the results and the inputs of the laws, whose outputs are gain @ u."""
+        """The linear model from what drives it to the results and the inputs u of the laws, which give gain @ u."""
         n, m = self.driven, self.results
         linear = self.linear
         A, B, C, D = (linear.matrices[name] for name in "ABCD")
@@ -79,29 +92,50 @@ class ExcitedModel:
         return LinearModel(A, B, C, D, linear.states, linear.inputs[:n], linear.outputs, linear.units, operators)
 
 
-def excited_model(plant: Any, state: State, names: Sequence[str]) -> ExcitedModel:
-    """The linear model of a plant at a mean state, from all signals that say how they follow from a random process.
+def excited_model(plant: Any, state: State, names: Sequence[str], binding: Binding) -> ExcitedModel:
+    """The linear model of a plant at a mean state, from all that follows from the random processes of a run.
 
-    names: results and variables.
+    names: results and variables. binding: of the run, whose mean the state is.
     """
-    dae = plant.dae
-    bound = {item.symbol[0].element_hash(): item for item in dae.bound.values() if item.functions}
-    inputs: dict[str, ca.SX] = {}
-    signals = []
-    for external in dae.externals:
-        item = bound.get(ca.vec(external.inputs)[0].element_hash())
-        if item is None or not hasattr(item.compute, "response"):
-            continue
-        elements = dae.w[external.outputs].elements()
-        place = slice(len(inputs), len(inputs) + len(elements))
-        inputs |= {f"{item.path} [{k}]": element for k, element in enumerate(elements)}
-        signals.append(Signal(item.path, item.owner, place, item.compute))
+    dae, at = plant.dae, plant.at(state.parameters)
+    signals = _signals(dae)
+    places = [item for item in field_places(plant, at, state, turns_of(plant, at, state)) if blows([item], binding)]
+    symbols = {f"{item.path} [{k}]": element for item in signals for k, element in enumerate(item.elements(dae))}
+    labels = list(symbols)
+    fields, raw, start = [], len(symbols), len(symbols)
+    for owner in dict.fromkeys(item.owner for item in places):
+        members = tuple(item for item in places if item.owner == owner)
+        fields.append((slice(start, start := start + sum(item.places.channels for item in members)), members))
+        for item in members:
+            velocities = dae.w[dae.externals[item.external].outputs].elements()
+            symbols |= {f"{item.path} {item.external} velocity [{k}]": v for k, v in enumerate(velocities)}
+            labels += item.labels
     laws, outputs, first = [], {}, 0
     for number, law in enumerate(dae.quadratics):
         n = law.added.numel()
-        inputs |= {f"law {number} added [{k}]": symbol for k, symbol in enumerate(law.added.elements())}
+        symbols |= (added := {f"law {number} added [{k}]": symbol for k, symbol in enumerate(law.added.elements())})
+        labels += added
         outputs |= {f"law {number} of [{k}]": element for k, element in enumerate(law.inputs.elements())}
         laws.append((law.path, slice(first, first + n)))
         first += n
-    linear = mean_linear_model(plant, state, (), names, (inputs, outputs))
-    return ExcitedModel(linear, tuple(signals), tuple(laws), len(linear.outputs) - first)
+
+    def mixing(*point: Any) -> np.ndarray:
+        blocks = [item.mixing(at, *point) for _, members in fields for item in members]
+        return block_diag(np.eye(raw), *blocks, np.eye(first))
+
+    further = Further(symbols, outputs, tuple(labels), mixing if fields else None)
+    linear = mean_linear_model(plant, state, (), names, further)
+    return ExcitedModel(linear, tuple(signals), tuple(fields), tuple(laws), len(linear.outputs) - first)
+
+
+def _signals(dae: FlatDAE) -> list[Signal]:
+    """All signals of a model that say how they follow from a random process."""
+    bound = {item.symbol[0].element_hash(): item for item in dae.bound.values() if item.functions}
+    found, first = [], 0
+    for external in dae.externals:
+        item = bound.get(ca.vec(external.inputs)[0].element_hash())
+        if item is not None and hasattr(item.compute, "response"):
+            last = first + external.outputs.stop - external.outputs.start
+            found.append(Signal(item.path, item.owner, slice(first, last), external.outputs, item.compute))
+            first = last
+    return found

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field
 from functools import cached_property
 from pathlib import Path
@@ -29,8 +29,30 @@ if TYPE_CHECKING:
 
 EIGENVECTORS = 1e-9  # error of A from its eigenvectors, relative, up to which they serve
 
-Further = tuple[Mapping[str, ca.SX], Mapping[str, ca.SX]]
-"""Scalar symbols of the flat model that are inputs, and expressions that are outputs, by what they are called."""
+Mixing = Callable[..., np.ndarray]
+"""`(t, x, z, q) -> ` how the symbols of the flat model follow from the inputs, (symbols, inputs)."""
+
+
+@dataclass(frozen=True, eq=False)
+class Further:
+    """What a linear model has beside parameters and results, by what it is called.
+
+    symbols: scalars of the flat model, also outputs of externals; they are inputs, or where there is a `mixing` they
+    follow from `inputs`, as it says. outputs: expressions.
+    """
+
+    symbols: Mapping[str, ca.SX] = field(default_factory=dict)
+    outputs: Mapping[str, ca.SX] = field(default_factory=dict)
+    inputs: tuple[str, ...] | None = None
+    mixing: Mixing | None = None
+
+    @property
+    def labels(self) -> tuple[str, ...]:
+        """What the inputs are called."""
+        return tuple(self.symbols) if self.inputs is None else self.inputs
+
+
+NOTHING = Further()
 
 
 @dataclass(frozen=True)
@@ -308,18 +330,23 @@ class Slopes:
     shown: tuple[str, ...]
     units: dict[str, str]
     scale: np.ndarray
+    further: Further = NOTHING
 
     def __call__(self, t: float, x: np.ndarray, z: np.ndarray, q: np.ndarray) -> tuple[np.ndarray, ...]:
         """All rows by x, by z, and by the inputs and the columns of the operators."""
         dae = self.at.dae
         by_x, by_z, by_all = (np.array(ca.densify(block)) for block in self.at.call(self.function, t, x, z, q))
-        first = len(self.inputs) + self.operator_columns
+        symbols = len(self.inputs) - len(self.further.labels) + len(self.further.symbols)
+        first = symbols + self.operator_columns
         by_u = by_all[:, :first]
         for name in dict.fromkeys(name for _, name, _ in self.through):
             last = first + dae.bound[name].symbol.numel()
             for place, _, slope in (item for item in self.through if item[1] == name):
                 by_u[:, place] += by_all[:, first:last] @ slope
             first = last
+        if self.further.mixing is not None:
+            own, mixed, rest = np.split(by_u, [symbols - len(self.further.symbols), symbols], axis=1)
+            by_u = np.hstack([own, mixed @ self.further.mixing(t, x, z, q), rest])
         return by_x, by_z, by_u
 
     def model(self, A: np.ndarray, B: np.ndarray, C: np.ndarray, D: np.ndarray, states: Sequence[str]) -> LinearModel:
@@ -335,10 +362,10 @@ class Slopes:
 
 
 def slopes_of(at: AtParameters, layout: Layout, outputs: Outputs, inputs: Sequence[str], names: Sequence[str],
-              further: Further = ({}, {})) -> Slopes:  # fmt: skip
+              further: Further = NOTHING) -> Slopes:  # fmt: skip
     """Slopes by inputs or tunable parameters by path, of results or variables by name.
 
-    further: symbols that are inputs behind these, also outputs of externals, and expressions that are outputs.
+    further: what else there is, behind these.
 
     further_inputs: symbols of the flat model behind them, also outputs of externals; further_outputs: expressions.
     What is computed from a parameter when a run starts counts with it, by central differences (start_slopes).
@@ -354,8 +381,9 @@ def slopes_of(at: AtParameters, layout: Layout, outputs: Outputs, inputs: Sequen
             through += [(place, name, slope) for name, slope in start_slopes(dae, at.binding, path).items()]
         columns += symbols
         labels += fresh
-    columns += further[0].values()
-    labels += further[0]
+    columns += further.symbols.values()
+    key = (*labels, *further.symbols)
+    labels += further.labels
     computed = list(dict.fromkeys(name for _, name, _ in through))
     rows, factors, shown, units = [], [], [], {}
     for name in names:
@@ -365,9 +393,9 @@ def slopes_of(at: AtParameters, layout: Layout, outputs: Outputs, inputs: Sequen
         factors += [outputs.factor(name)] * len(fresh)
         shown += fresh
         units |= dict.fromkeys(fresh, outputs.entry(name).unit)
-    rows += further[1].values()
-    shown += further[1]
-    factors += [1.0] * len(further[1])
+    rows += further.outputs.values()
+    shown += further.outputs
+    factors += [1.0] * len(further.outputs)
 
     number = len(columns)
     for order in range(3):
@@ -380,13 +408,13 @@ def slopes_of(at: AtParameters, layout: Layout, outputs: Outputs, inputs: Sequen
         u = ca.vertcat(*columns, *(dae.bound[name].symbol for name in computed)) if columns else ca.SX(0, 1)
         return at.general.torn_jacobian("linear", ca.vertcat(dae.ode, dae.alg, *rows), [dae.x, dae.z, u])
 
-    function = at.general.once(("linear", tuple(labels), tuple(computed), tuple(shown)), make)
+    function = at.general.once(("linear", key, tuple(computed), tuple(shown)), make)
     return Slopes(at, function, tuple(labels), len(columns) - number, tuple(through), tuple(shown), units,
-                  np.array(factors).reshape(-1, 1))  # fmt: skip
+                  np.array(factors).reshape(-1, 1), further)  # fmt: skip
 
 
 def linearize(at: AtParameters, layout: Layout, outputs: Outputs, state: State, inputs: Sequence[str],
-              names: Sequence[str], further: Further = ({}, {})) -> LinearModel:  # fmt: skip
+              names: Sequence[str], further: Further = NOTHING) -> LinearModel:  # fmt: skip
     """The linear model at a state, from inputs or tunable parameters by path to results or variables.
 
     All states are kept; the algebraic unknowns are eliminated by the implicit function theorem.

@@ -15,7 +15,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from fowtlib.solving.checks import check_state
-from fowtlib.solving.linear import Further, LinearModel, linearize, slopes_of
+from fowtlib.solving.linear import NOTHING, Further, LinearModel, linearize, slopes_of
 from fowtlib.solving.turning import AZIMUTHS, Average, turns_of
 
 if TYPE_CHECKING:
@@ -25,7 +25,7 @@ Plant = Any
 
 
 def mean_linear_model(plant: Plant, state: State, inputs: Sequence[str] = (),
-                      outputs: Sequence[str] | None = None, further: Further = ({}, {})) -> LinearModel:  # fmt: skip
+                      outputs: Sequence[str] | None = None, further: Further = NOTHING) -> LinearModel:  # fmt: skip
     """The linear model of the mean over a revolution at a mean state; `plant.linearize` where no rotor turns there.
 
     inputs: inputs or tunable parameters by path; outputs: results or variables, None for all results. Angles of rotors
@@ -33,7 +33,7 @@ def mean_linear_model(plant: Plant, state: State, inputs: Sequence[str] = (),
     """
     at = plant.at(state.parameters)
     turns = turns_of(plant, at, state)
-    if not turns and not any(further):
+    if not turns and further is NOTHING:
         return plant.linearize(state, inputs, outputs)
     check_state(at, state, plant.name, warn=False)
     names = list(plant.outputs) if outputs is None else outputs

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Sequence
 from typing import TYPE_CHECKING, Any
 
 import casadi as ca
@@ -30,6 +31,7 @@ from fowtlib.language import (
 from fowtlib.language import math as m
 from fowtlib.language.declarations import join
 from fowtlib.language.errors import ParameterError
+from fowtlib.language.run_time import RestingPlaces, TurningRings
 
 
 def _per_station(wind: Wind) -> tuple[int]:
@@ -108,6 +110,11 @@ class Wind(Component, selector="kind", shared=("speeds", "velocity")):
         omega: circular frequencies (k,) [rad/s]. Zero where the kind has none; the mean is no part of it.
         """
         return np.zeros((len(np.atleast_1d(omega)), len(self.hubs), len(self.hubs)))
+
+    def field_density(self, omega: np.ndarray, places: Sequence[TurningRings | RestingPlaces]) -> np.ndarray:
+        """One-sided spectra of the field along the wind at places of parts, see RandomField; zero without a field."""
+        channels = sum(item.channels for item in places)
+        return np.zeros((len(omega), channels, channels))
 
     def mean_at(self, station: int = 0) -> float:
         """Mean speed [m/s] at a station, for start values: before any step or gust."""
@@ -204,7 +211,24 @@ def _field(wind: Wind, points: int) -> ca.SX:
     """The numbers of the field of the run, or of none, for so many points."""
     doc = "handle of the field, what it covers, its shift, 1/speed and lowest height"
     functions = (wind_function(points),)
-    return at_start("field", len(NO_FIELD), "", doc, lambda it: it.field() or NO_FIELD, of=wind, functions=functions)
+    return at_start("field", len(NO_FIELD), "", doc, FieldNumbers(), of=wind, functions=functions)
+
+
+class FieldNumbers:
+    """The numbers of the field of a run; see RandomField of fowtlib.language.run_time."""
+
+    def __call__(self, wind: Wind) -> Any:
+        return wind.field() or NO_FIELD
+
+    def process(self, wind: Wind) -> Wind:
+        return wind
+
+    def along(self, wind: Wind) -> np.ndarray:
+        angle = float(wind.parameter_value("direction"))
+        return np.array([math.cos(angle), math.sin(angle), 0.0])
+
+    def density(self, wind: Wind, omega: np.ndarray, places: Sequence[TurningRings | RestingPlaces]) -> np.ndarray:
+        return wind.field_density(omega, places)
 
 
 def _ended(wind: Wind) -> str:

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
+
 import numpy as np
 
 from fowtlib.components.environment.field_lookup import FieldLookup
@@ -9,6 +11,7 @@ from fowtlib.components.environment.field_wind import FieldData, check_mean, ope
 from fowtlib.components.environment.wind.base import Wind, station_height
 from fowtlib.language import Number, Series, param
 from fowtlib.language.errors import ParameterError
+from fowtlib.language.run_time import RestingPlaces, TurningRings
 
 
 class FieldWind(Wind, kind="field"):
@@ -43,6 +46,13 @@ class FieldWind(Wind, kind="field"):
         """That of a periodic field [s]."""
         grid = self.lookup().grid
         return grid.duration if grid.periodic else np.inf
+
+    def field_density(self, omega: np.ndarray, places: Sequence[TurningRings | RestingPlaces]) -> np.ndarray:
+        """Nobody knows the spectrum of a file."""
+        raise ParameterError(
+            f"{self.label}: the spectrum of a field in a file is not known; give the wind that it was made of, as in "
+            "--wind turbulence:12."
+        )
 
     def mean_at(self, station: int = 0) -> float:
         """Mean [m/s] of u at a station."""

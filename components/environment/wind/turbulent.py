@@ -3,21 +3,26 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Sequence
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 
 from fowtlib.components.environment import iec
+from fowtlib.components.environment.disc_turbulence import places_density
 from fowtlib.components.environment.field_generator import generate_field
 from fowtlib.components.environment.field_lookup import FieldLookup
+from fowtlib.components.environment.field_spectra import spectra
 from fowtlib.components.environment.field_store import made_field
 from fowtlib.components.environment.field_wind import open_field
+from fowtlib.components.environment.turbulence import coherence
 from fowtlib.components.environment.wind.base import mean_speed_at
 from fowtlib.components.environment.wind.field import FieldWind
 from fowtlib.components.environment.wind.transient import rotor_diameter
 from fowtlib.language import Number, Scalar, param
 from fowtlib.language.errors import ParameterError
+from fowtlib.language.run_time import RestingPlaces, TurningRings
 
 MARGIN = 0.15  # of the rotor diameter, around the disks: for the motion of the turbine
 LEAST_HEIGHT = 1.0  # m of the lowest row
@@ -72,6 +77,17 @@ class TurbulentWind(FieldWind, kind="turbulence"):
             "turbulence_class": self.turbulence_class, "turbulence_intensity": self.intensity(),
             "shear_exponent": float(self.parameter_value("shear_exponent")),
         }  # fmt: skip
+
+    def field_density(self, omega: np.ndarray, places: Sequence[TurningRings | RestingPlaces]) -> np.ndarray:
+        """Of u, by its spectrum and coherence, without the limits of a grid; v and w are left out."""
+        speed, height = self.given_speed(), float(self.reference_height)
+        intensity = self.intensity()
+        sigma = iec.normal_turbulence(speed, self.turbulence_class) if intensity is None else intensity * speed
+
+        def spectrum(omega: np.ndarray) -> np.ndarray:
+            return spectra(omega / (2 * np.pi), speed, sigma, height, self.field_spectrum)[..., 0] / (2 * np.pi)
+
+        return places_density(omega, places, spectrum, lambda f, d: coherence(f, d, speed, height))
 
     def intensity(self) -> float | None:
         """Sigma/V; None for that of the normal turbulence model."""
