@@ -1,6 +1,7 @@
 """Turbulence as a turning rotor feels it: spectra of its means over the blades, from those at rest.
 
-On a ring of radius r the fluctuation along the wind is u = sum_m a_m(r, t) exp(i m theta). Where turbulence is homogeneous and isotropic across the wind, amplitudes of different m are independent, and
+On a ring of radius r the fluctuation along the wind is u = sum_m a_m(r, t) exp(i m theta). Where turbulence is the same
+at all places and in all directions across the wind, amplitudes of different m are independent, and
 
     <a_m(r_j) a_m(r_k)*> = K_m S,  K_m = 1/pi int_0^pi coherence(d(angle)) cos(m angle) d angle,
     d^2 = r_j^2 + r_k^2 - 2 r_j r_k cos(angle).
@@ -63,9 +64,9 @@ def turning_density(omega: ArrayLike, radii: ArrayLike, rotor_speed: float, spec
     """One-sided spectra of g_0, 2 Re g_1 and -2 Im g_1 of all rings: (q, 3 r, 3 r) [unit of the spectrum], Hermitian.
 
     omega: circular frequencies (q,) [rad/s]; spectrum: one-sided, of omega, at a point; rotor_speed [rad/s]. Channels
-    in this order, each ring after the other. A load sum_b B_b u(psi_b) of the blades is then, but for what turns with the
-    rotor, B_0 g_0 + B_c (2 Re g_1) + B_s (-2 Im g_1), where B_0, B_c and B_s are the means over a turn of the sums over
-    the blades of B_b, B_b cos(psi_b) and B_b sin(psi_b).
+    in this order, each ring after the other. A load sum_b B_b u(psi_b) of the blades is then, but for what turns with
+    the rotor, B_0 g_0 + B_c (2 Re g_1) + B_s (-2 Im g_1), where B_0, B_c and B_s are the means over a turn of the sums
+    over the blades of B_b, B_b cos(psi_b) and B_b sin(psi_b).
     """
     omega = np.atleast_1d(np.asarray(omega, dtype=float))
     r = np.atleast_1d(np.asarray(radii, dtype=float))
