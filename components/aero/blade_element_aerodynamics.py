@@ -9,6 +9,7 @@ from functools import lru_cache
 import casadi as ca
 import numpy as np
 
+from fowtlib.components.aero.added_mass import added_mass_loads
 from fowtlib.components.aero.airfoil_states import AirfoilStates
 from fowtlib.components.aero.bem import LINE_LOADS, PITT_PETERS, BladeElementRotor
 from fowtlib.components.aero.blade_aerodynamics import BladeAerodynamics, read_airfoils, read_blade
@@ -126,7 +127,7 @@ class BladeElementAerodynamics(RotorLoads):
     aerodynamic centres (`node_points`); the twist of the airfoils is added here. `force` and `moment` are the sums over
     all nodes, the moment about the hub; thrust and torque are their parts along and about the shaft. The nodes meet the
     wind that every TowerPotentialFlow of the model deflects; dynamic_inflow adds the part `inflow`, see DynamicInflow,
-    and an airfoil_model with memory the part `airfoil_states`.
+    and an airfoil_model with memory the part `airfoil_states`. added_mass: what the air adds to the mass of the blades.
     A wind field that does not cover the disk of tip_radius about the rotor's station is refused, see Wind.require.
     """
 
@@ -134,6 +135,7 @@ class BladeElementAerodynamics(RotorLoads):
     airfoil_model: str = param(
         default="steady", choices=tuple(AIRFOIL_MODELS), doc="what the airfoils make of the flow, see UnsteadyAirfoil"
     )
+    added_mass: bool = param(default=False, doc="the air that accelerates with the sections, see added_mass_loads")
     station: int = param(default=0, min=0, doc="number of the wind's station at this rotor")
 
     world: World = outer(World)
@@ -162,8 +164,11 @@ class BladeElementAerodynamics(RotorLoads):
         at_start("place in the wind", doc="a wind field that is too small is refused", compute=_require_wind)
         wind, n = self.wind.velocity(places, self.station, reach="plane"), self.rotor.nodes
         outputs = self.air(places, wind + sum(tower.change(wind, places) for tower in towers))
+        loads = outputs["loads"]
+        if self.added_mass:
+            loads = loads + self.of_added_mass()
         return [
-            self.passed_on(outputs["loads"]),
+            self.passed_on(loads),
             eq(self.disk_wind, wind @ (np.ones((n, 1)) / n)),
             self.wake(outputs["quasi_steady"]) if self.dynamic_inflow else [],
             self.airfoil_states.moved(outputs["airfoil_rates"]) if "airfoil_rates" in outputs else [],
@@ -190,6 +195,17 @@ class BladeElementAerodynamics(RotorLoads):
         """Angular velocity of each node along its blade, without what the turning of the rotor has of it."""
         shaft, w = self.hub.R[:, 0], self.hub.w
         return [m.dot(node.w - m.dot(w, shaft) * shaft, node.R[:, 2]) for node in self.nodes]
+
+    def of_added_mass(self):
+        """Loads (6n) of the air that accelerates with the sections; see added_mass_loads."""
+        chords, lengths = ca.vertsplit(self.chord), self.rotor.lengths
+        parts = []
+        for i, (node, axes, turn) in enumerate(
+            zip(self.nodes, self.section_axes(self.nodes), self.turning(), strict=True)
+        ):
+            k = i % len(chords)
+            parts += added_mass_loads(node, axes, turn, chords[k], self.rotation, self.world.air_density * lengths[k])
+        return m.vertcat(*parts)
 
     def wake(self, quasi_steady):
         """What the wake is told: the mean over the blades, and the wind through the disk."""

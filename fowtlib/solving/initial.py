@@ -86,7 +86,7 @@ def _initial_functions(functions: Functions, kept: list[int], free: list[int]) -
     hidden = {element.element_hash() for stage in dae.stages for element in ca.vertsplit(stage.states)}
     of_externals = [c for c in range(columns.shape[0]) if columns[c].element_hash() in hidden]
     others = [c for c in range(columns.shape[0]) if c not in set(of_externals)]
-    if columns.shape[0] - len(of_externals) > MANY:
+    if not others or len(others) > MANY:
         slopes = functions.torn_jacobian("initial_jacobian", rows, [columns])
     elif not of_externals:
         slopes = functions.directional_jacobian("initial_jacobian", rows, columns)
