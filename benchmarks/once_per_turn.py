@@ -2,8 +2,8 @@
 
 Elastic blades on a hub that turns at a constant speed and is held at the tilt and mean pitch of oc3_spar, in steady
 uniform wind: periodic deflections from modes of a beam (two flapwise and one edgewise of OpenFAST's ElastoDyn, or
-more), by virtual work, with forces of the blade-element rotor and d'Alembert's of the exact motion. No line is shared with the
-blades of hinges. python benchmarks/once_per_turn.py
+more), by virtual work, with forces of the blade-element rotor and d'Alembert's of the exact motion. No line is shared
+with the blades of hinges. python benchmarks/once_per_turn.py
 """
 
 from __future__ import annotations

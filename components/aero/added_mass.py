@@ -1,17 +1,32 @@
-"""The air that a blade section takes along when it accelerates."""
+"""The air that the sections of a blade take along when they accelerate."""
 
 from __future__ import annotations
 
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
+import casadi as ca
 import numpy as np
 
 from fowtlib.components.mechanics import Frame
 from fowtlib.language import der
 from fowtlib.language import math as m
 
+if TYPE_CHECKING:
+    from fowtlib.components.aero.blade_element_aerodynamics import BladeElementAerodynamics
 
-def added_mass_loads(node: Frame, axes: Any, turn: Any, chord: Any, rotation: int, density: Any) -> tuple[Any, Any]:
+
+def added_mass_loads(air: BladeElementAerodynamics) -> Any:
+    """Force and moment of each node of a rotor (6n), world; see section_added_mass."""
+    chords, sections = ca.vertsplit(air.chord), zip(air.nodes, air.section_axes(air.nodes), air.turning(), strict=True)
+    loads = []
+    for i, (node, axes, turn) in enumerate(sections):
+        k = i % len(chords)
+        density = air.world.air_density * float(air.rotor.lengths[k])
+        loads += section_added_mass(node, axes, turn, chords[k], air.rotation, density)
+    return m.vertcat(*loads)
+
+
+def section_added_mass(node: Frame, axes: Any, turn: Any, chord: Any, rotation: int, density: Any) -> tuple[Any, Any]:
     """Force and moment about a node (world) of the air that accelerates with a flat plate of the section's chord c.
 
     Theodorsen (1935, NACA report 496), the terms with accelerations: at the middle of the chord -pi/4 rho c^2 dv/dt

@@ -135,7 +135,7 @@ class BladeElementAerodynamics(RotorLoads):
     airfoil_model: str = param(
         default="steady", choices=tuple(AIRFOIL_MODELS), doc="what the airfoils make of the flow, see UnsteadyAirfoil"
     )
-    added_mass: bool = param(default=False, doc="the air that accelerates with the sections, see added_mass_loads")
+    added_mass: bool = param(default=False, doc="the air that accelerates with the sections, see section_added_mass")
     station: int = param(default=0, min=0, doc="number of the wind's station at this rotor")
 
     world: World = outer(World)
@@ -164,11 +164,8 @@ class BladeElementAerodynamics(RotorLoads):
         at_start("place in the wind", doc="a wind field that is too small is refused", compute=_require_wind)
         wind, n = self.wind.velocity(places, self.station, reach="plane"), self.rotor.nodes
         outputs = self.air(places, wind + sum(tower.change(wind, places) for tower in towers))
-        loads = outputs["loads"]
-        if self.added_mass:
-            loads = loads + self.of_added_mass()
         return [
-            self.passed_on(loads),
+            self.passed_on(outputs["loads"] + (added_mass_loads(self) if self.added_mass else 0)),
             eq(self.disk_wind, wind @ (np.ones((n, 1)) / n)),
             self.wake(outputs["quasi_steady"]) if self.dynamic_inflow else [],
             self.airfoil_states.moved(outputs["airfoil_rates"]) if "airfoil_rates" in outputs else [],
@@ -180,7 +177,7 @@ class BladeElementAerodynamics(RotorLoads):
         rotor, hub, more = self.rotor, self.hub, {}
         if self.dynamic_inflow:
             more = {"induced": self.inflow.induced}
-        if self.airfoil_model != "steady":
+        if AIRFOIL_MODELS[self.airfoil_model].states:
             more["airfoil_states"], more["stage_step"] = self.airfoil_states.by_section()
             more["turn_rate"] = m.vertcat(*self.turning())
         rotor = _with_states(rotor, self.dynamic_inflow, self.airfoil_model)
@@ -195,17 +192,6 @@ class BladeElementAerodynamics(RotorLoads):
         """Angular velocity of each node along its blade, without what the turning of the rotor has of it."""
         shaft, w = self.hub.R[:, 0], self.hub.w
         return [m.dot(node.w - m.dot(w, shaft) * shaft, node.R[:, 2]) for node in self.nodes]
-
-    def of_added_mass(self):
-        """Loads (6n) of the air that accelerates with the sections; see added_mass_loads."""
-        chords, lengths = ca.vertsplit(self.chord), self.rotor.lengths
-        parts = []
-        for i, (node, axes, turn) in enumerate(
-            zip(self.nodes, self.section_axes(self.nodes), self.turning(), strict=True)
-        ):
-            k = i % len(chords)
-            parts += added_mass_loads(node, axes, turn, chords[k], self.rotation, self.world.air_density * lengths[k])
-        return m.vertcat(*parts)
 
     def wake(self, quasi_steady):
         """What the wake is told: the mean over the blades, and the wind through the disk."""
