@@ -62,7 +62,7 @@ def test_mass_of_the_members(hull):
     assert mass.inertia[0, 0] == pytest.approx(1.2507e10, rel=0.03)
 
 
-def test_draft_and_trim_at_rest(rest):
+def test_draft_and_trim_at_rest(calm, rest):
     """Hand sums: weight less buoyancy over the stiffness of water and lines; rotor and nacelle beside the axis.
 
     Masses: nacelle with bearing 673,106 kg, hub 69,131 kg, blades 3 x 66,912 kg; tower 1,483,464 kg at 56.49 m.
@@ -82,6 +82,7 @@ def test_draft_and_trim_at_rest(rest):
     assert rest["platform.motion.pitch"] == pytest.approx(-arm * G / upright, rel=0.03)
     for motion in ("sway", "roll", "yaw"):
         assert rest[f"platform.motion.{motion}"] == pytest.approx(0.0, abs=5e-3)
+    assert calm.initial_state()["heave"] == pytest.approx(rest["heave"], abs=0.02)  # where the model starts
 
 
 def test_natural_frequencies(calm, rest):
