@@ -2,8 +2,8 @@
 
 [D] C. Allen et al., NREL/TP-5000-76773 (2020), definition of the VolturnUS-S. [R] RAFT 2.0, values of its tests, rigid.
 [O] OpenFAST of 2021: operating points in the 240 linearisations in rosco 2.10.6 (`IEA-15-240-RWT-UMaineSemi/
-linearizations`), means over 12 azimuths; rigid blades, surge, heave, pitch, tower bending fore-aft and generator, an earlier
-version of the turbine, peak shaving. [T] tabulated power and thrust of the definition, as in floris 4.7
+linearizations`), means over 12 azimuths; rigid blades, surge, heave, pitch, tower bending fore-aft and generator, an
+earlier version of the turbine, peak shaving. [T] tabulated power and thrust of the definition, as in floris 4.7
 (`turbine_library/iea_15MW.yaml`). [B] pyBmodes 1.19.1, sample `09_iea15_umainesemi`, its own readme.
 """
 

@@ -3,9 +3,9 @@
     python models/convert/iea15_blade_aerodynamics.py FOLDER
 
 FOLDER is the unzipped wheel of rosco 2.10.6 (Apache-2.0). The AeroDyn file has 50 nodes at equal distances from root to
-tip, each with an airfoil of its own. Every second one of them, from the second on, becomes the middle of an element that
-reaches from the node before to the node behind it: 24 elements with the digits of the file. What is left, from the 49th node
-to the tip, is one element with the mean of both nodes and the airfoil of the 49th. All 50 airfoils are kept.
+tip, each with an airfoil of its own. Every second one of them, from the second on, becomes the middle of an element
+that reaches from the node before to the node behind it: 24 elements with the digits of the file. What is left, from the
+49th node to the tip, is one element with the mean of both nodes and the airfoil of the 49th. All 50 airfoils are kept.
 """
 
 import re

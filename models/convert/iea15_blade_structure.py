@@ -2,8 +2,8 @@
 
     python models/convert/iea15_blade_structure.py FOLDER
 
-FOLDER is the unzipped wheel of rosco 2.10.6 (Apache-2.0). The BeamDyn files have matrices (6, 6) of stiffness and mass of
-26 sections, about the reference axis and in axes turned by the twist. A beam with one axis and principal stiffnesses is:
+FOLDER is the unzipped wheel of rosco 2.10.6 (Apache-2.0). The BeamDyn files have matrices (6, 6) of stiffness and mass
+of 26 sections, about the reference axis, in axes turned by the twist. A beam with one axis and principal stiffnesses:
 
 - its axis is the line of the shear centres, so that a load beside it twists the blade as it should;
 - bending stiffnesses about the elastic centre (where an axial force does not bend), in their principal axes, which are
@@ -24,13 +24,15 @@ SOURCE = Path("Examples") / "Test_Cases" / "IEA-15-240-RWT" / "IEA-15-240-RWT"
 LENGTH, STATIONS, KEY_POINTS = 117.0, 26, 50
 HEAD = """\
 # IEA 15-MW blade, structural properties. z: distance from the blade root (3.97 m off the rotor axis).
-# Linear between the stations; twist: leading edge upwind positive. The axis is the line of the shear centres; centres of
-# mass are off that, along the principal axes.
+# Linear between the stations; twist: leading edge upwind positive. The axis is the line of the shear centres; centres
+# of mass are off that, along the principal axes.
 # Source: rosco 2.10.6 (Apache-2.0), IEA-15-240-RWT_BeamDyn{,_blade}.dat, see SOURCES.md.
 """
-COLUMNS = ("z_m,mass_per_length_kg_per_m,bending_stiffness_flapwise_N_m2,bending_stiffness_edgewise_N_m2,"
-           "torsional_stiffness_N_m2,axial_stiffness_N,structural_twist_deg,rotary_inertia_flapwise_kg_m,"
-           "rotary_inertia_edgewise_kg_m,reference_x_m,reference_y_m,centre_of_mass_x_m,centre_of_mass_y_m")  # fmt: skip
+COLUMNS = (
+    "z_m,mass_per_length_kg_per_m,bending_stiffness_flapwise_N_m2,bending_stiffness_edgewise_N_m2,"
+    "torsional_stiffness_N_m2,axial_stiffness_N,structural_twist_deg,rotary_inertia_flapwise_kg_m,"
+    "rotary_inertia_edgewise_kg_m,reference_x_m,reference_y_m,centre_of_mass_x_m,centre_of_mass_y_m"
+)
 
 
 def section(stiffness: np.ndarray, mass: np.ndarray) -> dict[str, float]:
@@ -86,8 +88,21 @@ def convert(folder: Path, target: Path = TARGET) -> None:
         turned = np.radians(np.interp(s, along, twist))  # about -z
         axes = np.array([[np.cos(turned), np.sin(turned)], [-np.sin(turned), np.cos(turned)]])
         place = np.array([np.interp(s, along, x), np.interp(s, along, y)]) + axes @ one["shear"]
-        rows.append([s, one["mass"], one["flap"], one["edge"], one["torsion"], one["axial"],
-                     np.degrees(turned - one["turn"]), one["rotary_flap"], one["rotary_edge"], *place, *one["gravity"]])
+        rows.append(
+            [
+                s,
+                one["mass"],
+                one["flap"],
+                one["edge"],
+                one["torsion"],
+                one["axial"],
+                np.degrees(turned - one["turn"]),
+                one["rotary_flap"],
+                one["rotary_edge"],
+                *place,
+                *one["gravity"],
+            ]
+        )
     target.parent.mkdir(parents=True, exist_ok=True)
     target.write_text(HEAD + COLUMNS + "\n" + "".join(",".join(f"{v:.7g}" for v in row) + "\n" for row in rows))
     s = np.linspace(0, LENGTH, 200001)

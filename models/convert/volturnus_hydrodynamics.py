@@ -4,8 +4,8 @@
 
 FOLDER is the unzipped wheel of rosco 2.10.6 (Apache-2.0). The numbers are made dimensional with rho = 1025 kg/m^3,
 g = 9.80665 m/s^2 and ULEN = 1 m, as in the HydroDyn input file of that package. All of the 100 frequencies, 0.05 rad/s
-apart, are kept; of the 37 headings, 10 deg apart, every second one, 20 deg apart. The damping of yaw at 4.35 rad/s, which is
-negative there (-0.12 % of its maximum), becomes zero.
+apart, are kept; of the 37 headings, 10 deg apart, every second one, 20 deg apart. The damping of yaw at 4.35 rad/s,
+which is negative there (-0.12 % of its maximum), becomes zero.
 """
 
 import sys

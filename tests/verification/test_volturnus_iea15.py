@@ -1,4 +1,4 @@
-"""The IEA 15-MW turbine on the VolturnUS-S (models volturnus_iea15_rigid and volturnus_iea15) against published numbers.
+"""The IEA 15-MW turbine on the VolturnUS-S (volturnus_iea15_rigid and volturnus_iea15) against published numbers.
 
 Sources: benchmarks/verification_iea15.py; docs/verification.md has the tables and where the differences come from.
 """
@@ -75,7 +75,7 @@ def test_draft_and_trim_at_rest(calm, rest):
     hanging = 3 * np.sqrt(one**2 - level**2) / G
     surplus = platform + tower + nacelle + rotor + hanging - RHO * 20206.39
     assert rest["platform.motion.heave"] == pytest.approx(-surplus * G / (4.49e6 + 6.07e4), abs=0.06)
-    # the centre of a blade, 27.3 m from its root, is off the shaft by cone, tilt and prebend; three blades are in balance
+    # the centre of a blade, 27.3 m from its root, is off the plane of the hub by the cone
     along_shaft = (3.97 + 27.33) * np.sin(np.radians(4.0))
     arm = nacelle * 4.9099 - 69131 * hub_at + 3 * 66911.7 * (-hub_at + along_shaft * np.cos(np.radians(6.0)))
     upright = 2.2287e9 + 2.592e8 + G * (platform * 14.4156 - tower * 56.49 - (nacelle + rotor) * 148.9)
@@ -130,7 +130,7 @@ def test_mass_of_the_blade():
 
 
 def test_modes_of_the_blade():
-    """First flapwise 0.555 Hz in the definition; pyBmodes has 0.5585, 0.7281, 1.5916 Hz at 7.55 rpm (ElastoDyn file)."""
+    """In pyBmodes 0.5585, 0.7281 and 1.5916 Hz at 7.55 rpm, from the ElastoDyn file; 0.555 Hz in the definition."""
     found = iea15.blade_frequencies(7.55, hinges=8)
     assert [name for name, _ in found[:4]] == ["flap", "edge", "flap", "edge"]
     flap, edge, second = (found[i][1] for i in range(3))
