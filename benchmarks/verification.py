@@ -20,6 +20,7 @@ from pathlib import Path
 import numpy as np
 import pitch_step
 import verification_cases as cases
+import verification_iea15 as iea15
 import verification_modes as turbine_modes
 from pages import Table, fill, markdown
 
@@ -459,6 +460,56 @@ def _draw_pitch_steps(time: np.ndarray, torque: np.ndarray) -> None:
     axis.grid(color="#d9d9d9", linewidth=0.6)
     axis.spines[["top", "right"]].set_visible(False)
     figure.savefig(_figure("tjaereborg_pitch_steps.png"), dpi=120)
+
+
+@section
+def iea15_steady() -> Table:
+    """The IEA 15 MW by blade elements and its controller, rigid blades, against tabulated curves and OpenFAST."""
+    rows = []
+    for wind in sorted({*iea15.TABULATED, *iea15.OPENFAST}):
+        point = iea15.steady().operating_point(wind)
+        power, thrust = iea15.EFFICIENCY * point.aero_power / 1e3, point.thrust / 1e3
+        row: list[object] = [wind, f"{point.rotor_speed * 30 / np.pi:.2f}", f"{np.degrees(point.blade_pitch):.2f}"]
+        other = iea15.OPENFAST.get(wind)
+        row += [f"{other[0]:.2f}", f"{other[1]:.2f}"] if other else ["", ""]
+        tabulated = iea15.TABULATED.get(wind)
+        row += [power, *((tabulated[0], _percent(power, tabulated[0])) if tabulated else ("", "")), thrust]
+        row += [tabulated[1], _percent(thrust, tabulated[1])] if tabulated else ["", ""]
+        row += [other[2], _percent(thrust, other[2])] if other else ["", ""]
+        rows.append(tuple(row))
+    heads = ("wind [m/s]", "speed [rpm]", "pitch [deg]", "OpenFAST [rpm]", "OpenFAST [deg]", "electrical power [kW]",
+             "tabulated", "difference", "thrust [kN]", "tabulated", "difference", "OpenFAST", "difference")  # fmt: skip
+    return heads, rows
+
+
+@section
+def iea15_frequencies() -> Table:
+    """Platform modes of the IEA 15 MW on the VolturnUS-S, and the bending of its tower with rigid blades."""
+    rows: list[tuple[object, ...]] = []
+    for motion, mode in cases.modes_by_motion(cases.calm_plant("volturnus_iea15_rigid")).items():
+        printed, raft = iea15.FREQUENCIES[motion]
+        rows.append((motion, mode.frequency_hz, printed, raft))
+    found = iea15.tower_frequencies()
+    rows += [("tower fore-aft 1", found["tower fore-aft 1"], "0.496", "0.5256 (pyBmodes)")]
+    rows += [("tower side-side 1", found["tower side-side 1"], "", "")]
+    return ("mode", "frequency [Hz]", "definition [Hz]", "other codes [Hz]"), rows
+
+
+@section
+def iea15_blade() -> Table:
+    """First modes of the blade of the IEA 15 MW at rest and turning."""
+    rows: list[tuple[object, ...]] = []
+    for rpm in (0.0, 7.55):
+        for hinges in (6, 10, 20):
+            found = iea15.blade_frequencies(rpm, hinges)
+            flap, edge, twist = (
+                [hertz for name, hertz in found if name == kind] for kind in ("flap", "edge", "torsion")
+            )
+            rows.append((rpm, hinges, flap[0], edge[0], flap[1], edge[1], twist[0]))
+    rows.append(("7.55, pyBmodes", "", 0.5585, 0.7281, 1.5916, "", ""))
+    rows.append(("definition", "", 0.555, 0.642, "", "", ""))
+    heads = ("speed [rpm]", "hinges", "flap 1 [Hz]", "edge 1 [Hz]", "flap 2 [Hz]", "edge 2 [Hz]", "torsion 1 [Hz]")
+    return heads, rows
 
 
 def _figure(name: str) -> Path:

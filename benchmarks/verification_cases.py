@@ -39,9 +39,9 @@ def calm_plant(name: str, parameters: dict[str, Any] | None = None) -> Plant:
     return fw.load(name).with_parameters({**CALM, **(parameters or {})}).compile()
 
 
-def modes_by_motion(plant: Plant) -> dict[str, Mode]:
-    """For each motion of the platform the mode in which its state takes part most, about rest."""
-    modes = plant.linearize(plant.equilibrium(), outputs=[]).modes()
+def modes_by_motion(plant: Plant, rest: Any = None) -> dict[str, Mode]:
+    """For each motion of the platform the mode in which its state takes part most, about rest (found if not given)."""
+    modes = plant.linearize(plant.equilibrium() if rest is None else rest, outputs=[]).modes()
     moving = [mode for mode in modes if np.isfinite(mode.period)]
 
     def share(mode: Mode, motion: str) -> float:
