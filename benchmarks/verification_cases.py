@@ -187,7 +187,7 @@ def surge_pitch(model: Model, heave: float = 0.0) -> SurgePitch:
 def oo_star_hydrostatics(model: Model) -> dict[str, tuple[float, float]]:
     """Numbers of the OO-Star with two rotors, and those printed in table 7.5 of the thesis; C44 recomputed from these.
 
-    Printed is a C44 of 2.16e9 N m, from a centre of mass 3.42 m above that of buoyancy; 10.24 m and 14.2 m are 3.96 m apart.
+    Printed is a C44 of 2.16e9 N m, with a centre of mass 3.42 m above that of buoyancy, though 14.2 - 10.24 is 3.96 m.
     """
     hull = model.root.find("platform.hull").hull()
     extra = hull.fills["platform.hull.middle_column.extra"]
@@ -195,7 +195,8 @@ def oo_star_hydrostatics(model: Model) -> dict[str, tuple[float, float]]:
     tower, arm = model.root.find("tower"), model.root.find("arm_left")
     above = float(tower.mass), 2 * float(model.root.find("turbine_left").mass)
     mass = hull.mass.mass + sum(above)
-    centre = (hull.mass.mass * hull.mass.centre[2] + above[0] * float(tower.r_cm[2]) + above[1] * float(arm.r[2])) / mass
+    moment = above[0] * float(tower.r_cm[2]) + above[1] * float(arm.r[2])
+    centre = (hull.mass.mass * hull.mass.centre[2] + moment) / mass
     water, rho_g = hull.buoyancy, 1025.0 * 9.80665
     righting = rho_g * (water.waterplane[3, 3] + water.volume * (water.centre[2] - centre))
     return {

@@ -2,9 +2,9 @@
 
     python models/convert/oo_star_hydrodynamics.py [SIZE]
 
-Takes about ten minutes on one core. The hull is that of the members of `oo_star_rigid`, in panels of 3 m. The floater is three
-equal parts, but its panels are symmetric about y = 0 only; the results are averaged over the three turns, which takes away
-coupling that the floater has not (0.4 % of the sway damping, between sway and yaw).
+Takes about ten minutes on one core. The hull is that of the members of `oo_star_rigid`, in panels of 3 m. The floater is
+three equal parts, but its panels are symmetric about y = 0 only: the results are averaged over the three turns, which
+takes away a coupling of sway and yaw that the floater has not.
 """
 
 import sys
@@ -27,8 +27,15 @@ def convert(size: float = 3.0, target: Path = TARGET) -> HydrodynamicDatabase:
     """Write `target`; panels `size` [m] wide."""
     hull = hulls(fw.load("oo_star_rigid").root)["platform.hull"].mesh(size)
     database = in_three_parts(
-        solve_hull(hull, omega=OMEGA, headings=np.radians(HEADINGS), water_depth=130.0, rho=1025.0, g=9.80665,
-                   progress=lambda done, total: print(f"{done} of {total}", flush=True))  # fmt: skip
+        solve_hull(
+            hull,
+            omega=OMEGA,
+            headings=np.radians(HEADINGS),
+            water_depth=130.0,
+            rho=1025.0,
+            g=9.80665,
+            progress=lambda done, total: print(f"{done} of {total}", flush=True),
+        )
     )
     target.parent.mkdir(parents=True, exist_ok=True)
     database.write(target)

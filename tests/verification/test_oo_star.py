@@ -1,8 +1,8 @@
-"""Two rotors on the OO-Star Wind Floater (oo_star_rigid, oo_star) against O. El Beshbichi, PhD thesis, Stavanger (2023).
+"""Two rotors on the OO-Star Wind Floater (oo_star_rigid) against O. El Beshbichi, PhD thesis, Stavanger (2023).
 
 Tables 7.4 (dimensions), 7.5 (hydrostatics) and 7.7 (periods). models/SOURCES.md has the rules for what is not printed
-there, docs/floaters.md the tables and why periods differ. Walls and ballast are fitted to mass, centre and inertia of the
-floater; nothing was fitted to its volume, centre of buoyancy, or to a period.
+there, docs/floaters.md the tables and why periods differ. Walls and ballast are fitted to mass, centre and inertia of
+the floater; nothing was fitted to its volume, centre of buoyancy, or to a period.
 """
 
 from __future__ import annotations
@@ -78,9 +78,10 @@ def test_the_line_pulls_as_the_chain_with_its_clump_weight(rest):
 
 
 def test_the_chain_itself(tmp_path):
-    """LIFES50+ has 1670 kN at the fairlead, 181.8 s in surge (0.0055 Hz) with the same floater under another turbine."""
+    """LIFES50+: 1670 kN at the fairlead, and 181.8 s in surge (0.0055 Hz) with one turbine of about the same mass."""
     text = (models_folder() / "oo_star_rigid.yaml").read_text()
-    text = text.replace("platforms/oo_star}", "platforms/oo_star_chain}").replace("platform.mooring.line", "platform.line")
+    text = text.replace("platforms/oo_star}", "platforms/oo_star_chain}")
+    text = text.replace("platform.mooring.line", "platform.line")
     (tmp_path / "chain.yaml").write_text(text)
     plant = fw.load(tmp_path / "chain.yaml", set=cases.CALM).compile()
     rest = plant.equilibrium()
@@ -115,7 +116,7 @@ def test_periods(periods):
 
 
 def test_heave_and_yaw_by_hand(model, rest, periods):
-    """One oscillator each: added mass of the panel method at that period, waterplane, lines by differences or by hand."""
+    """One oscillator each: added mass of the panel method at that period, waterplane, lines by differences, by hand."""
     root = model.root
     data, mooring = root.platform.hull.database, root.platform.mooring
     hull = root.platform.hull.hull()
