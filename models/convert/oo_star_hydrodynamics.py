@@ -2,7 +2,7 @@
 
     python models/convert/oo_star_hydrodynamics.py [SIZE]
 
-Takes about ten minutes on one core. The hull is that of the members of `oo_star_rigid`, in panels of 3 m. The floater is
+Takes about ten minutes on one core. The hull: the members of `oo_star_rigid`, in panels of 3 m. The floater is
 three equal parts, but its panels are symmetric about y = 0 only: the results are averaged over the three turns, which
 takes away a coupling of sway and yaw that the floater has not.
 """
