@@ -20,7 +20,7 @@ from fowtlib.components.hydro.panel import solve_hull
 
 TARGET = Path(__file__).parents[1] / "data" / "oo_star" / "hydrodynamics.nc"
 HEADINGS = np.arange(-180, 181, 15)
-OMEGA = np.unique(np.round(np.concatenate([np.arange(0.1, 4.001, 0.1), np.arange(0.45, 1.551, 0.1)]), 2))
+OMEGA = np.round(np.arange(0.1, 4.001, 0.1), 1)
 
 
 def convert(size: float = 3.0, target: Path = TARGET) -> HydrodynamicDatabase:
