@@ -13,6 +13,7 @@ import verification_cases as cases
 from scipy.optimize import fsolve
 
 import fowtlib as fw
+from fowtlib.components.hydro.radiation_identification import identify_radiation
 from fowtlib.modelfile.files import models_folder
 from fowtlib.solving.modes import natural_modes
 
@@ -116,23 +117,28 @@ def test_periods(periods):
 
 
 def test_heave_and_yaw_by_hand(model, rest, periods):
-    """One oscillator each: added mass of the panel method at that period, waterplane, lines by differences, by hand."""
+    """One oscillator each: waterplane and lines by differences or by hand, added mass of the memory at that period.
+
+    The memory of 4 states a motion has 2 % more added mass than the panel method in heave at 20 s, and 10 % in yaw,
+    which is 2.2 % of the period of yaw; with 8 states it is 6 %.
+    """
     root = model.root
     data, mooring = root.platform.hull.database, root.platform.mooring
     hull = root.platform.hull.hull()
+    memory = identify_radiation(data.omega, data.B, data.A, data.A_inf, order=4)
+    assert memory.passive
 
     def added(motion, period):
-        low = np.concatenate([[0], data.omega])
-        values = np.concatenate([[data.A_zero[motion, motion]], data.A[:, motion, motion]])
-        return np.interp(2 * np.pi / period, low, values)
+        omega = 2 * np.pi / period
+        return data.A_inf[motion, motion] + memory.transfer([omega])[0, motion, motion].imag / omega
 
     heave = float(rest["heave"])
     lines = -(mooring.static_load((0, 0, heave + 0.5))[0][2] - mooring.static_load((0, 0, heave - 0.5))[0][2])
     mass = hull.mass.mass + 1236.9e3 + added(2, periods["heave"])
     by_hand = 2 * np.pi * np.sqrt(mass / (hull.buoyancy.stiffness()[2, 2] + lines))
-    assert periods["heave"] == pytest.approx(by_hand, rel=0.01)
+    assert periods["heave"] == pytest.approx(by_hand, rel=0.005)
 
     H = float(rest["platform.mooring.line_1.horizontal_tension"])
     inertia = hull.mass.inertia[2, 2] + 2.345e8 + 700e3 * 69.3**2 + added(5, periods["yaw"])
     by_hand = 2 * np.pi * np.sqrt(inertia / (3 * H * 44 * 691 / 647))
-    assert periods["yaw"] == pytest.approx(by_hand, rel=0.02)
+    assert periods["yaw"] == pytest.approx(by_hand, rel=0.005)
