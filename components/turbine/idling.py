@@ -1,0 +1,48 @@
+"""The speed at which a rotor idles: where the mean torque of the air and that of its brake are in balance. NumPy."""
+
+from __future__ import annotations
+
+from functools import lru_cache
+
+import numpy as np
+
+from fowtlib.components.aero import BladeElementRotor
+from fowtlib.components.aero.bem_steady import RigidRotor
+
+AZIMUTHS = 5  # in the angle between two blades, after which a rotor stands as before
+FASTEST = 12.0  # tip speed ratio up to which a balance is sought
+FIRST, STEPS = 1e-3, 16  # least tip speed ratio that is looked at beside standstill, and how many up to the fastest
+ROUNDS = 8  # looks at STEPS speeds, each between the two neighbours of the balance that the last one found
+
+
+@lru_cache(maxsize=16)
+def idling_speed(
+    rotor: BladeElementRotor, wind: tuple[float, float, float], pitch: float, precone: float = 0.0, tilt: float = 0.0,
+    air_density: float = 1.225, brake: tuple[float, float] = (0.0, 1.0),
+) -> float:  # fmt: skip
+    """Speed [rad/s] of a rotor of rigid blades without generator torque, started at standstill; below 0: backwards.
+
+    wind: uniform [m/s], in the frame whose x is the horizontal projection of the shaft, downwind; pitch of all blades,
+    precone and tilt [rad]. brake: its torque on the shaft [N m] and the speed [rad/s] of the shaft around standstill
+    within which it is viscous, see ShaftBrake. The torque of the air is the mean over the azimuth. 0 where there is no
+    balance below tip speed ratio 12.
+    """
+    rigid, strong = RigidRotor(rotor, precone, tilt), float(np.linalg.norm(wind))
+    if strong == 0:
+        return 0.0
+    azimuths = 2 * np.pi / rotor.blades * np.arange(AZIMUTHS) / AZIMUTHS
+
+    def surplus(speeds: np.ndarray) -> np.ndarray:
+        air = [rigid.over_speeds(wind, speeds, pitch, azimuth=a, air_density=air_density)[:, 1] for a in azimuths]
+        return np.mean(air, axis=0) - brake[0] * speeds / np.hypot(speeds, brake[1])
+
+    there = np.concatenate([[0.0], np.geomspace(FIRST, FASTEST, STEPS)]) * strong / rotor.blade.tip_radius
+    sign = np.sign(surplus(np.zeros(1))[0])
+    if not sign:
+        return 0.0
+    for _ in range(ROUNDS):
+        turned = np.flatnonzero(sign * surplus(sign * there) <= 0)
+        if not turned.size:
+            return 0.0
+        there = np.linspace(there[turned[0] - 1], there[turned[0]], STEPS)
+    return float(sign * there.mean())
