@@ -3,16 +3,32 @@
 from __future__ import annotations
 
 from functools import lru_cache
+from typing import Any
 
 import numpy as np
 
 from fowtlib.components.aero import BladeElementRotor
 from fowtlib.components.aero.bem_steady import RigidRotor
+from fowtlib.components.servo.overrides import SLOW
 
 AZIMUTHS = 5  # in the angle between two blades, after which a rotor stands as before
 FASTEST = 12.0  # tip speed ratio up to which a balance is sought
 FIRST, STEPS = 1e-3, 16  # least tip speed ratio that is looked at beside standstill, and how many up to the fastest
 ROUNDS = 8  # looks at STEPS speeds, each between the two neighbours of the balance that the last one found
+
+
+def idling_speed_of(turbine: Any, wind: tuple[float, float, float], pitch: float) -> float:
+    """That of a Turbine [rad/s], whose blades do not bend and whose nacelle does not pitch, with its brake.
+
+    wind: uniform [m/s], in the axes of the frame behind the yaw drive; pitch [rad].
+    """
+    body, safety = turbine.assembly, turbine.safety
+    gear = body.drivetrain.parameter_value("gear_ratio")
+    torque = gear * safety.parameter_value("brake_torque") * safety.parameter_value("braked")
+    return idling_speed(
+        turbine.aerodynamics.steady_rotor, wind, pitch, body.hub.parameter_value("precone"),
+        body.nacelle.parameter_value("tilt"), turbine.world.parameter_value("air_density"), (torque, SLOW / gear),
+    )  # fmt: skip
 
 
 @lru_cache(maxsize=16)

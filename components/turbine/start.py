@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING, Any, Protocol
 
 from fowtlib.components.mechanics.attitude import heading_at_start
 from fowtlib.components.servo import TorqueController, TorqueLaw
+from fowtlib.components.turbine.idling import idling_speed_of
 from fowtlib.components.turbine.operating_point import STANDSTILL, OperatingPoint, SteadyTurbine
 from fowtlib.language import Component
 from fowtlib.language.errors import ModelError, ParameterError
@@ -44,8 +45,9 @@ def start_point(turbine: InTheWind, station: int) -> OperatingPoint:
     askew = wind.parameter_value("direction") - heading_at_start(*turbine.carrier)
     safety = turbine.parts.get("safety")
     if safety is not None and safety.parameter_value("idling"):
-        pitch, idles = safety.parameter_value("feather_pitch"), getattr(turbine, "idling_speed", None)
-        speed = 0.0 if idles is None else idles((mean * cos(askew), mean * sin(askew), 0.0), pitch)
+        pitch, blows, speed = safety.parameter_value("feather_pitch"), (mean * cos(askew), mean * sin(askew), 0.0), 0.0
+        if "aerodynamics" in turbine.parts:
+            speed = idling_speed_of(turbine, blows, pitch)
         return replace(STANDSTILL, rotor_speed=speed, blade_pitch=pitch)
     along = mean * cos(askew)
     if along <= 1e-12 * abs(mean):  # a direction of 90 deg is no round number

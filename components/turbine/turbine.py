@@ -18,8 +18,6 @@ from fowtlib.components.environment.wind import Wind
 from fowtlib.components.environment.world import World
 from fowtlib.components.mechanics import Frame
 from fowtlib.components.servo import BaselineController, SafetySystem, TurbineController
-from fowtlib.components.servo.overrides import SLOW
-from fowtlib.components.turbine.idling import idling_speed
 from fowtlib.components.turbine.operating_point import SteadyTurbine
 from fowtlib.components.turbine.rotor_nacelle_assembly import RotorNacelleAssembly
 from fowtlib.components.turbine.start import controlled, give_default, start_point
@@ -100,20 +98,6 @@ class Turbine(Component):
         chords = [blade.chord[0], *blade.chord, 0.3 * blade.chord[-1]]
         skins = [body.parts[f"blade_{k + 1}"].skin(ends, chords) for k in range(body.blades)]
         return [*body.nacelle.drawing(), *body.hub.drawing(), *(shape for skin in skins for shape in skin)]
-
-    def idling_speed(self, wind: tuple[float, float, float], pitch: float) -> float:
-        """Speed [rad/s] without generator torque in a uniform wind [m/s], in the axes of the frame behind the yaw.
-
-        The blades do not bend, and the nacelle does not pitch; with the brake on at the start it slips at this speed.
-        """
-        body, safety = self.assembly, self.safety
-        gear, torque = body.drivetrain.parameter_value("gear_ratio"), 0.0
-        if safety.parameter_value("braked"):
-            torque = gear * safety.parameter_value("brake_torque")
-        return idling_speed(
-            self.aerodynamics.steady_rotor, wind, pitch, body.hub.parameter_value("precone"),
-            body.nacelle.parameter_value("tilt"), self.world.parameter_value("air_density"), (torque, SLOW / gear),
-        )  # fmt: skip
 
     def steady_turbine(self, table: CoefficientTable | None = None) -> SteadyTurbine:
         """Rotor and controller as numbers, for steady operating points; the blades do not bend.
