@@ -34,19 +34,20 @@ def idling_speed_of(turbine: Any, wind: tuple[float, float, float], pitch: float
 @lru_cache(maxsize=16)
 def idling_speed(
     rotor: BladeElementRotor, wind: tuple[float, float, float], pitch: float, precone: float = 0.0, tilt: float = 0.0,
-    air_density: float = 1.225, brake: tuple[float, float] = (0.0, 1.0),
+    air_density: float = 1.225, brake: tuple[float, float] = (0.0, 1.0), azimuth: float | None = None,
 ) -> float:  # fmt: skip
     """Speed [rad/s] of a rotor of rigid blades without generator torque, started at standstill; below 0: backwards.
 
     wind: uniform [m/s], in the frame whose x is the horizontal projection of the shaft, downwind; pitch of all blades,
     precone and tilt [rad]. brake: its torque on the shaft [N m] and the speed [rad/s] of the shaft around standstill
-    within which it is viscous, see ShaftBrake. The torque of the air is the mean over the azimuth. 0 where there is no
-    balance below tip speed ratio 12.
+    within which it is viscous, see ShaftBrake. The torque of the air is the mean over a turn at constant speed, or that
+    at an azimuth [rad]: a slow rotor in wind from the side follows the latter, within its time constant of inertia over
+    slope of the torque, and may come to rest where it is 0. 0 where there is no balance below tip speed ratio 12.
     """
     rigid, strong = RigidRotor(rotor, precone, tilt), float(np.linalg.norm(wind))
     if strong == 0:
         return 0.0
-    azimuths = 2 * np.pi / rotor.blades * np.arange(AZIMUTHS) / AZIMUTHS
+    azimuths = 2 * np.pi / rotor.blades * np.arange(AZIMUTHS) / AZIMUTHS if azimuth is None else [azimuth]
 
     def surplus(speeds: np.ndarray) -> np.ndarray:
         air = [rigid.over_speeds(wind, speeds, pitch, azimuth=a, air_density=air_density)[:, 1] for a in azimuths]

@@ -10,13 +10,14 @@ from scipy.optimize import brentq
 import fowtlib as fw
 from fowtlib.components.aero import RigidRotor
 from fowtlib.components.turbine.idling import idling_speed
-from fowtlib.language.errors import ParameterError
+from fowtlib.language.errors import SimulationError
 from fowtlib.language.native import compiler
 from tests.aero.conftest import blade, rotor  # noqa: F401
 
 pytestmark = pytest.mark.skipif(not compiler(), reason="needs a C compiler")
 FEATHER, RPM = np.pi / 2, np.pi / 30
 STORM = 50.0
+ANGLES = np.radians(2.5), np.radians(5)  # precone, tilt
 
 
 def blowing(yaw, speed=STORM):
@@ -99,17 +100,29 @@ def spar():
     return fw.load("oc3_spar_rigid_bem").compile()
 
 
-@pytest.mark.parametrize("askew", [0, 30, -30])
-def test_a_floating_turbine_idles_from_its_mean(spar, rotor, askew):  # noqa: F811
+def test_a_floating_turbine_idles_from_its_mean(spar, rotor):  # noqa: F811
     """From the start on at the speed of the balance, and the platform where it stays."""
-    parameters = STORMY | {"wind.direction": f"{askew} deg"}
-    result = spar.simulate(30, 0.1, solver="fixed", start="turning", parameters=parameters)
+    result = spar.simulate(30, 0.1, solver="fixed", start="turning", parameters=STORMY)
     speed = np.asarray(result["rotor_speed"])
-    rigid = idling_speed(rotor, blowing(askew), FEATHER, np.radians(2.5), np.radians(5)) / RPM
-    assert speed.mean() == pytest.approx(rigid, abs=0.1 * abs(rigid) + 0.03)
+    rigid = idling_speed(rotor, blowing(0), FEATHER, *ANGLES) / RPM
+    assert -0.3 < rigid < -0.1 and speed.mean() == pytest.approx(rigid, rel=0.1)
     for name, most in (("surge", 0.3), ("pitch", 0.2), ("sway", 0.3), ("yaw", 1.0)):
         moved = np.asarray(result[name])
         assert abs(moved - moved[0]).max() < most, name
+
+
+@pytest.mark.parametrize("askew", [30, -30])
+def test_in_wind_from_the_side_an_idling_rotor_comes_to_rest(spar, rotor, askew):  # noqa: F811
+    """Its inertia is spent in a second, and it stays at an azimuth to which the torque of the air drives it back."""
+    result = spar.simulate(
+        45, 0.1, solver="fixed", start="turning", parameters=STORMY | {"wind.direction": f"{askew} deg"}
+    )
+    late = np.asarray(result.time) > 30
+    speed, azimuth, yaw = (np.asarray(result[name])[late] for name in ("rotor_speed", "azimuth", "yaw"))
+    assert abs(speed).max() < 0.15 and np.ptp(azimuth) < 3
+    wind, there = blowing(askew - yaw.mean()), np.radians(azimuth.mean())
+    before, behind = (idling_speed(rotor, wind, FEATHER, *ANGLES, azimuth=there + side) for side in (-0.15, 0.15))
+    assert before > 0 > behind
 
 
 def test_a_parked_turbine_creeps_and_its_brake_holds_what_the_air_does(spar):
@@ -122,6 +135,6 @@ def test_a_parked_turbine_creeps_and_its_brake_holds_what_the_air_does(spar):
 
 
 def test_a_brake_without_torque_is_refused(spar):
-    with pytest.raises(ParameterError, match="its torque is 0"):
+    with pytest.raises(SimulationError, match="its torque is 0"):
         spar.simulate(1, 0.1, solver="fixed", parameters=STORMY | {
             "turbine.safety.braked": 1.0, "turbine.safety.brake_torque": 0.0})  # fmt: skip
