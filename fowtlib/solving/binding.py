@@ -24,7 +24,7 @@ from fowtlib.language.data_files import files_of, named
 from fowtlib.language.declarations import join
 from fowtlib.language.errors import ModelError, ParameterError, did_you_mean
 from fowtlib.language.units import to_si
-from fowtlib.solving.paths import by_path
+from fowtlib.solving.paths import by_path, spread_out
 from fowtlib.solving.structure import structural_values
 
 Values = Mapping[str, Any]
@@ -131,6 +131,7 @@ def bind(dae: FlatDAE, root: Component | None, parameters: Values | None = None,
         values = {path: item.value for path, item in dae.parameters.items()}
         values |= {path: _tunable(dae, path, value) for path, value in given.items()}
         return Binding(_vector(values, []), values, None)
+    given = spread_out(given, root)
     tree = copy.deepcopy(root) if given else root
     changed = _put_parts(tree, {path: given.pop(path) for path in list(given) if isinstance(given[path], Component)})
     changed |= _put_bound(dae, tree, given)

@@ -54,6 +54,8 @@ def initial_values(at: AtParameters, t: float, x: np.ndarray, z: np.ndarray, q: 
     if not dae.initial_equations.shape[0]:
         return x, consistent_algebraics(at, t, x, z, q)
     kept, free = at.functions.once(("freed", frozenset(given)), lambda: _freed_states(dae, given))
+    if not free and not dae.z.shape[0]:
+        return x, z  # all start values are given, and nothing is left to solve for
     function, slopes = at.functions.once(
         ("initial", tuple(kept), tuple(free)), lambda: _initial_functions(at.functions, kept, free)
     )
