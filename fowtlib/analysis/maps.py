@@ -195,32 +195,44 @@ def _quantities(
     plant: Any, state: Any, values: Mapping[str, Any], names: Sequence[str]
 ) -> Iterator[tuple[str, float, str]]:
     """Name, value and unit of quantities at a state."""
-    modes = {}
+    modes: dict[str, Any] = {}
+    told: dict[str, Any] = {}
     if any(name.startswith(_OF_MODES) for name in names):
         modes = {entry.quantity: entry for entry in modes_of(plant, state)}
-    told = None
+    rest = [name for name in names if not name.startswith(_OF_MODES)]
+    if not all(name in plant.outputs for name in rest):
+        with plant.binding(values).tree() as root:
+            told = {entry.quantity: entry for entry in what_parts_say(root, state)}
+    variables = [name for name in rest if name in plant.outputs or name not in told]
+    found = dict(zip(variables, _variables(plant, state, variables, told), strict=True))
     for name in names:
         if name.startswith(_OF_MODES):
             if name not in modes:
                 raise ModelError(f"there is no '{name}'{did_you_mean(name, modes, list_up_to=20)}")
             yield name, modes[name].value, modes[name].unit
-        elif name in plant.outputs:
-            yield name, float(np.asarray(state[name])), shown_unit(plant, name)
+        elif name in found:
+            yield name, found[name], shown_unit(plant, name) if name in plant.outputs else plant.describe(name)[0]
         else:
-            if told is None:
-                told = {entry.quantity: entry for entry in what_parts_say(plant.binding(values).root, state)}
-            if name in told:
-                yield name, told[name].value, told[name].unit
-            else:
-                yield name, _variable(plant, state, name, told), plant.describe(name)[0]
+            yield name, told[name].value, told[name].unit
 
 
-def _variable(plant: Any, state: Any, name: str, told: Mapping[str, Any]) -> float:
+def _variables(plant: Any, state: Any, names: Sequence[str], told: Mapping[str, Any]) -> list[float]:
+    """Results and variables by name, all at once."""
     try:
-        value = np.asarray(state[name])
+        values = [np.asarray(value) for value in state.values(names)]
     except ModelError:
+        wrong = next((name for name in names if not _is_known(plant, name)), names[0])
         known = [*plant.outputs, *told]
-        raise ModelError(f"the model has no quantity '{name}'{did_you_mean(name, known)}") from None
-    if value.shape:
-        raise ModelError(f"{name} is an array of shape {value.shape}; name one element, as in {name}[0].")
-    return float(value)
+        raise ModelError(f"the model has no quantity '{wrong}'{did_you_mean(wrong, known)}") from None
+    for name, value in zip(names, values, strict=True):
+        if value.shape:
+            raise ModelError(f"{name} is an array of shape {value.shape}; name one element, as in {name}[0].")
+    return [float(value) for value in values]
+
+
+def _is_known(plant: Any, name: str) -> bool:
+    try:
+        plant.dae.observe_expression(plant.outputs.entry(name).path)
+    except ModelError:
+        return False
+    return True

@@ -181,8 +181,8 @@ def what_parts_say(root: Any, state: Any) -> Iterator[Entry]:
 def _masses(root: Any, state: Any, bodies: Sequence[tuple[Any, facts.Mass]]) -> Iterator[Entry]:
     """Of the whole, and of each part below the root that has a mass."""
     groups: dict[str, list[tuple[float, np.ndarray, np.ndarray]]] = {"": []}
-    for part, body in bodies:
-        origin, R = (np.asarray(state[join(body.frame.path, name)]) for name in ("r", "R"))
+    frames = state.values([join(body.frame.path, name) for _, body in bodies for name in ("r", "R")])
+    for (part, body), origin, R in zip(bodies, frames[::2], frames[1::2], strict=True):
         centre = origin + R @ np.asarray(body.centre, dtype=float)
         placed = float(body.mass), centre, R @ np.asarray(body.inertia, dtype=float) @ R.T
         groups[""].append(placed)

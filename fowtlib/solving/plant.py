@@ -12,7 +12,8 @@ from fowtlib.flattening import FlatDAE
 from fowtlib.language.component import Component
 from fowtlib.language.errors import SimulationError
 from fowtlib.language.externals import refusals_explained
-from fowtlib.solving.binding import Binding, Bindings
+from fowtlib.solving.binding import Binding
+from fowtlib.solving.bindings import Bindings
 from fowtlib.solving.checks import check_state
 from fowtlib.solving.conditions import Conditions
 from fowtlib.solving.engines import FixedStepCode
@@ -200,9 +201,9 @@ class Plant:
         return {self.input_names.get(name, name): value for name, value in (inputs or {}).items()}
 
     @refusals_explained()
-    def _observe(self, name: str, state: State) -> np.ndarray:
-        values = observed(self.at(state.parameters), self.outputs.entry(name).path, state)
-        return np.asarray(self.outputs.shown(name, values))
+    def _observe(self, names: Sequence[str], state: State) -> list[np.ndarray]:
+        values = observed(self.at(state.parameters), [self.outputs.entry(name).path for name in names], state)
+        return [np.asarray(self.outputs.shown(name, value)) for name, value in zip(names, values, strict=True)]
 
     def _repr_html_(self) -> str:
         rows = [(name, entry.path, entry.unit, entry.doc) for name, entry in self.outputs.items()]
