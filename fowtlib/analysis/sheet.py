@@ -23,6 +23,7 @@ from fowtlib.analysis.rao import linear_rao, wave_inputs
 from fowtlib.language import facts
 from fowtlib.language.declarations import join
 from fowtlib.language.errors import ModelError, SimulationError, UnitError, did_you_mean
+from fowtlib.language.expressions import one_evaluation
 from fowtlib.language.units import from_si, si_unit, to_si
 from fowtlib.language.whole_files import write_text
 from fowtlib.solving import mean_state, natural_modes
@@ -173,7 +174,8 @@ def model_sheet(
 
 def what_parts_say(root: Any, state: Any) -> Iterator[Entry]:
     """Masses, and numbers and matrices of floating bodies; root: the parts with their values, state: where they are."""
-    told = [(part, fact) for part in root.walk() for fact in part.facts()]
+    with one_evaluation():
+        told = [(part, fact) for part in root.walk() for fact in part.facts()]
     yield from _masses(root, state, [(part, fact) for part, fact in told if isinstance(fact, facts.Mass)])
     yield from _water([(part, fact) for part, fact in told if isinstance(fact, (facts.Number, facts.Loads))])
 

@@ -20,10 +20,11 @@ import numpy as np
 from fowtlib.flattening import FlatDAE
 from fowtlib.flattening.instances import check_parameters
 from fowtlib.flattening.system import Bound
-from fowtlib.language.component import Component, parameters_read
+from fowtlib.language.component import Component
 from fowtlib.language.data_files import files_of, named
 from fowtlib.language.declarations import join
 from fowtlib.language.errors import ModelError, ParameterError, did_you_mean
+from fowtlib.language.expressions import parameters_read
 from fowtlib.language.units import to_si
 from fowtlib.solving.paths import by_path
 from fowtlib.solving.structure import structural_values

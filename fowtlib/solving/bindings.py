@@ -19,8 +19,9 @@ import numpy as np
 
 from fowtlib.flattening import FlatDAE
 from fowtlib.flattening.instances import check_parameters
-from fowtlib.language.component import Component, parameters_read
+from fowtlib.language.component import Component
 from fowtlib.language.declarations import join
+from fowtlib.language.expressions import one_evaluation, parameters_read
 from fowtlib.solving.binding import (
     Binding,
     Values,
@@ -155,7 +156,7 @@ def _moved(dae: FlatDAE, near: _Kept, given: Numbers, common: Common) -> Binding
     """The binding of these values, from one of others; None where data behind a handle follow from what changes."""
     old, touched = near.binding, {*given, *near.given}
     values = {**old.values, **given}
-    with common.put(given) as tree:
+    with common.put(given) as tree, one_evaluation():
         for path, by in common.needs.items():  # back to the model's own, and what is computed from others
             if path not in given and (path in touched or not by.isdisjoint(touched)):
                 owner, _, name = path.rpartition(".")

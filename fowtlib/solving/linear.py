@@ -106,7 +106,7 @@ class LinearModel:
         if not len(A):
             return []
         values, right = np.linalg.eig(A)
-        left = np.linalg.pinv(right)  # rows are the left eigenvectors; A may be defective
+        left = _inverse(right)  # rows are the left eigenvectors
         kept = values.imag >= 0
         values, right, left = values[kept], right[:, kept], left[kept]
         weights = np.abs(left.T * right)
@@ -153,6 +153,15 @@ class LinearModel:
 
     def __repr__(self) -> str:
         return f"<LinearModel: {len(self.states)} states, {len(self.inputs)} inputs, {len(self.outputs)} outputs>"
+
+
+def _inverse(vectors: np.ndarray) -> np.ndarray:
+    """Of eigenvectors; the pseudo-inverse, which takes longer, where the matrix that they belong to is defective."""
+    try:
+        found = np.linalg.inv(vectors)
+    except np.linalg.LinAlgError:
+        return np.linalg.pinv(vectors)
+    return found if np.abs(found).max() < 1e12 else np.linalg.pinv(vectors)
 
 
 @dataclass(frozen=True, eq=False)

@@ -110,7 +110,8 @@ class Plant:
         near: an equilibrium of other parameters, from which Newton is tried first, in a tenth of the time.
         """
         if free or targets:
-            found = freed_equilibrium(self, free or (), targets or {}, parameters, hold, start, inputs)
+            beside = None if hold or start or inputs else near
+            found = freed_equilibrium(self, free or (), targets or {}, parameters, hold, start, inputs, beside)
             check_state(self.at(found.parameters), found, self.name, rest=True)
             return found
         at = self.at(parameters)
