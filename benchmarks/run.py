@@ -227,7 +227,7 @@ def design_map() -> Measured:
         ("oc3_spar_rigid: with mass and a period", spar, over, modes, {}),
         ("two_rotor_spar_design: pitch, ballast and a period", sizes, hull, ["pitch", "period of heave"], balanced),
     ):
-        fw.parameter_map(plant, {path: values[:2] for path, values in axes.items()}, of, **options)  # makes the functions
+        fw.parameter_map(plant, {path: values[:2] for path, values in axes.items()}, of, **options)
         watch = Stopwatch()
         found = fw.parameter_map(plant, axes, of, **options)
         points = found.feasible.size
