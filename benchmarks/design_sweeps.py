@@ -25,6 +25,7 @@ SEEDS = range(1, 7)
 GAINS = (0.0, 0.5, 1.0, 1.5, 2.0, 3.0, 4.0, 6.0, 10.0, 20.0)
 MASSES = (150.0, 170.0, 180.0, 190.0, 200.0, 210.0, 230.0)  # kg/m
 CONDITIONS = {"8 m/s": (8.0, 2.5, 9.8), "11.4 m/s": (11.4, 3.1, 10.1), "18 m/s": (18.0, 4.4, 10.6)}  # wind, Hs, Tp
+DRAWN = 10.0  # largest gain in the picture
 SIDES = ("left", "right")
 
 
@@ -82,9 +83,9 @@ def _draw_yaw(curves: dict[str, list[tuple[float, ...]]]) -> None:
         figure = drawing(10.0, 3.4)
         for axis, (column, label) in zip(figure.subplots(1, len(panels)), panels, strict=True):
             for color, (case, values) in zip(COLORS, curves.items(), strict=False):
-                table = np.array(values)
+                table, drawn = np.array(values), np.array(GAINS) <= DRAWN
                 y = table[0, -1] - table[:, -1] if column is None else table[:, column]
-                axis.plot(GAINS, y, color=color, marker=".", label=case)
+                axis.plot(np.array(GAINS)[drawn], y[drawn], color=color, marker=".", label=case)
             axis.set_xlabel("gain K of the yaw control [-]")
             axis.set_ylabel(label)
         figure.axes[0].legend(title="mean wind", fontsize=8)
