@@ -87,6 +87,12 @@ class ParameterMap:
         return self.table[quantity]
 
     @property
+    def quantities(self) -> list[str]:
+        """What is in the table besides the parameters of the axes, which a limit may be on."""
+        axes = [axis.path for axis in self.axes]
+        return [name for name in self.table if name not in axes]
+
+    @property
     def feasible(self) -> np.ndarray:
         """Where all limits are kept."""
         kept = [limit.kept(self[limit.quantity], self.units[limit.quantity]) for limit in self.limits]
@@ -99,7 +105,7 @@ class ParameterMap:
 
         names = [axis.path for axis in self.axes]
         columns = {
-            name: (names, values, {"units": self.units[name], "long_name": name}) for name, values in self.table.items()
+            name: (names, self.table[name], {"units": self.units[name], "long_name": name}) for name in self.quantities
         }
         columns["feasible"] = (names, self.feasible.astype(int), {"units": "1", "long_name": "all limits are kept"})
         return xarray.Dataset(columns, {a.path: (a.path, a.values, {"units": a.unit}) for a in self.axes})
@@ -109,12 +115,12 @@ class ParameterMap:
         kept = self.feasible
         for place in np.ndindex(*kept.shape):
             point = [float(axis.values[k]) for axis, k in zip(self.axes, place, strict=True)]
-            yield [*point, *(float(values[place]) for values in self.table.values()), int(kept[place])]
+            yield [*point, *(float(self.table[name][place]) for name in self.quantities), int(kept[place])]
 
     def heads(self) -> list[str]:
         """Of `rows`, with units."""
         return [*(f"{axis.path} [{axis.unit}]" for axis in self.axes),
-                *(f"{name} [{self.units[name]}]" for name in self.table), "feasible"]  # fmt: skip
+                *(f"{name} [{self.units[name]}]" for name in self.quantities), "feasible"]  # fmt: skip
 
     def plot(self, path: str | Path | None = None, title: str = "") -> Figure:
         """Curves over one parameter; over two, contours. What breaks a limit is hatched, limits are dashed."""

@@ -121,6 +121,8 @@ def test_a_parameter_takes_the_value_at_which_a_condition_holds(plant):
     np.testing.assert_allclose(found["guide.s"], 2.01)
     assert found["bob.mass"][:, 0].tolist() == [2.0, 3.0, 9.0] and found.units["wire.axial_stiffness"] == "N"
     assert found.feasible.tolist() == [[False, True], [False, False], [False, False]]
+    assert found.heads() == ["bob.mass [kg]", "wire.length [m]", "wire.axial_stiffness [N]", "guide.s [m]", "feasible"]
+    assert len(next(found.rows())) == 5 and found.dataset["bob.mass"].dims == ("bob.mass",)
     titles = [axis.get_title(loc="left") for axis in found.plot().axes if axis.get_visible()]
     assert titles[:2] == ["wire.axial_stiffness [N]", "guide.s [m]"]  # no panels of the axes themselves
 
