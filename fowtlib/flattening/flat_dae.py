@@ -203,6 +203,9 @@ class FlatDAE:
         if not self.dependents:
             return
         values, first = np.array(self._dependent_values(p)).ravel(), 0
+        lowest, highest = self._dependent_bounds
+        if np.all((values >= lowest) & (values <= highest) & np.isfinite(values)):
+            return
         for item in self.dependents.values():
             numbers = values[first : first + item.symbol.numel()]
             first += item.symbol.numel()
@@ -217,6 +220,16 @@ class FlatDAE:
                         f"{item.path} = {numbers[wrong][0]:g}{unit} is {what} ({item.doc}); it follows from the values "
                         "that were given."
                     )
+
+    @cached_property
+    def _dependent_bounds(self) -> tuple[np.ndarray, np.ndarray]:
+        """The least and the greatest value of each element of the dependent parameters."""
+        items = self.dependents.values()
+        counts = [item.symbol.numel() for item in items]
+        bounds = [(-np.inf if item.min is None else item.min, np.inf if item.max is None else item.max)
+                  for item in items]  # fmt: skip
+        lowest, highest = np.repeat(np.array(bounds, dtype=float).T, counts, axis=1)
+        return lowest, highest
 
     @cached_property
     def equation_table(self) -> list[tuple[str, str, str]]:

@@ -19,7 +19,7 @@ from fowtlib.flattening.system import element_names
 from fowtlib.language.errors import ModelError, NotFoundError, ParameterError, SimulationError, did_you_mean
 from fowtlib.language.units import to_si
 from fowtlib.solving.binding import start_slopes
-from fowtlib.solving.equilibrium import Rest, equilibrium, moving_states, refuse_time
+from fowtlib.solving.equilibrium import Rest, equilibrium, moving_states, refuse_time, time_dependence
 from fowtlib.solving.functions import AtParameters
 from fowtlib.solving.initial import csc
 from fowtlib.solving.newton import newton
@@ -63,12 +63,13 @@ class Target:
 
 
 def freed_equilibrium(plant: Plant, free: Values | Sequence[str], targets: Values, parameters: Values | None,
-                      hold: Values | None, start: Values | None, inputs: Values | None) -> State:  # fmt: skip
+                      hold: Values | None, start: Values | None, inputs: Values | None,
+                      near: State | None = None) -> State:  # fmt: skip
     """The equilibrium at which `targets` hold, with the parameters `free` at the values that this takes.
 
-    free: paths, or first guesses by path. The state's `parameters` hold what was found. Raises ParameterError where
-    the conditions are not as many as the freed parameters, or a parameter is not tunable, and SimulationError where no
-    such equilibrium is found.
+    free: paths, or first guesses by path. near: such an equilibrium of other parameters, from which it is sought first.
+    The state's `parameters` hold what was found. Raises ParameterError where the conditions are not as many as the
+    freed parameters, or a parameter is not tunable, and SimulationError where no such equilibrium is found.
     """
     guesses = dict(free) if isinstance(free, Mapping) else dict.fromkeys(free)
     wanted = [_target(plant, name, value) for name, value in targets.items()]
@@ -81,12 +82,17 @@ def freed_equilibrium(plant: Plant, free: Values | Sequence[str], targets: Value
             "conditions as freed parameters."
         )
     values = {path: value.astype(float) for path, value in plant.parameter_values(given).items()}
+    found = near.parameters if near is not None else {}
+    guesses |= {item.path: found[item.path] for item in sought if item.path in found}
     for item in sought:
         guess = guesses.get(item.name, guesses.get(item.path))
         if guess is not None:
             numbers = np.ravel(np.asarray(to_si(guess, plant.dae.parameters[item.path].unit, item.name), dtype=float))
             values[item.path].T.flat[item.number] = numbers[min(item.number, numbers.size - 1)]
     problem = _Problem(plant, sought, wanted, given, values)
+    beside = problem.beside(near) if near is not None else None
+    if beside is not None:
+        return beside
     state = plant.initial_state(problem.parameters(np.zeros(len(sought))), {**(start or {}), **(hold or {})}, inputs)
     return problem.solved(state, {plant.layout.x[path] for path in hold or {}})
 
@@ -134,6 +140,20 @@ class _Problem:
         for item, step in zip(self.sought, shares * self.scale, strict=True):
             values[item.path].T.flat[item.number] += step
         return {**self.given, **{path: value if value.shape else float(value) for path, value in values.items()}}
+
+    def beside(self, near: State) -> State | None:
+        """The state that Newton's iteration finds from one of other parameters; None: none."""
+        at = self.plant.at(self.parameters(np.zeros(len(self.sought))))
+        d = at.start_values()[2]
+        if time_dependence(at, d):
+            return None
+        moving = moving_states(at.functions, set())
+        equations = _Equations(self, Rest(at, near.t, near.x, np.concatenate([near.u, d]), moving))
+        found = equations.solve(np.concatenate([near.x[moving], near.z, np.zeros(len(self.sought))]), self.want)
+        if found is None:
+            return None
+        x, z, shares = equations.unpack(found)
+        return self.plant.state(near.t, x, z, d, near.u, self.parameters(shares))
 
     def solved(self, state: State, held: set[int]) -> State:
         """The state at which all conditions hold."""
