@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 import fowtlib as fw
-from fowtlib.analysis.plants import UnstableError, refuse_unstable
+from fowtlib.analysis.plants import refuse_unstable
 from fowtlib.cli import main
 from fowtlib.solving import mean_linear_model, mean_state
 
