@@ -280,8 +280,10 @@ def tlp_frequencies() -> Table:
             plant = cases.calm_plant(model)
             modes = cases.fw.natural_modes(plant, plant.equilibrium())
             found.append({m.name.partition(",")[0]: m.frequency for m in modes if m.motion and m.oscillates})
-        rows += [(name, motion, *(f"{one[f'platform {motion}']:.4g}" for one in found), f"{value:.4g}",
-                  *(_percent(one[f"platform {motion}"], value) for one in found)) for motion, value in numbers.items()]  # fmt: skip
+        for motion, value in numbers.items():
+            own = [one[f"platform {motion}"] for one in found]
+            shown = (f"{frequency:.4g}" for frequency in (*own, value))
+            rows.append((name, motion, *shown, *(_percent(frequency, value) for frequency in own)))
     return ("model", "motion", "rigid [Hz]", "flexible [Hz]", "published [Hz]", "rigid", "flexible"), rows
 
 

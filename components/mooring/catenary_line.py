@@ -186,7 +186,7 @@ def line_weight(line):
 
 
 def hold_anchor(line, load):
-    """The anchor is a frame of a body, which takes the load of the line, or a point of the seabed."""
+    """The anchor is a frame of a body, which takes the load of the line, or a point in the water or on the seabed."""
     if line.anchor.connected:
         return [eq(line.anchor.f, load), eq(line.anchor.t, m.zeros(3))]
     if not line.is_set("anchor_position"):
@@ -197,4 +197,12 @@ def hold_anchor(line, load):
             f"{line.label} has its anchor at z = {z:g} m, below the seabed: World.water_depth is {-seabed:g} m. "
             "Change the depth of one to that of the other; an anchor above the seabed ends the line in mid-water."
         )
-    return [eq(line.anchor.r, line.anchor_position), fix_orientation(line.anchor, m.eye(3), m.zeros(3))]
+    if z > 0:
+        raise ParameterError(
+            f"{line.label} has its anchor at z = {z:g} m, above the water, where its weight in water does not hold. On "
+            f"the seabed z is {seabed:g} m; a body that holds the line above the water is connected to its anchor."
+        )
+    z = line.anchor_position[2]
+    in_water = assert_(z <= 0, "the anchor is at {z} m, above the water; on the seabed it is at {seabed} m", z=z,
+                       seabed=-line.world.water_depth)  # fmt: skip
+    return [eq(line.anchor.r, line.anchor_position), fix_orientation(line.anchor, m.eye(3), m.zeros(3)), in_water]
