@@ -120,13 +120,16 @@ def test_the_six_equations_themselves():
 
 
 def test_the_response_of_the_flexible_model_in_its_own_wind():
-    """In the 11.4 m/s of the model: its rotor of blade elements turns. Motions beside those of the rigid model."""
+    """In the 11.4 m/s of the model: its rotor of blade elements turns. Motions beside those of the rigid model.
+
+    Two hinges in each blade, for time; with none the rotor is above rated there, on the side where surge grows.
+    """
     found = {}
     for name in ("oc4_semi", "oc4_semi_rigid"):
         model = fw.load(name).in_the_mean()
         if name == "oc4_semi":
-            model = model.with_parameters({"turbine.assembly.blade_hinges": 0})
+            model = model.with_parameters({"turbine.assembly.blade_hinges": 2})
         found[name] = fw.linear_rao(model.compile(), [0.07, 0.1, 0.15], outputs=["surge", "heave", "pitch"])
     flexible, rigid = (found[name].response for name in found)
-    np.testing.assert_allclose(np.abs(flexible[:, :2]), np.abs(rigid[:, :2]), rtol=0.03)
-    np.testing.assert_allclose(np.abs(flexible[:, 2]), np.abs(rigid[:, 2]), rtol=0.12)  # the tower bends
+    np.testing.assert_allclose(np.abs(flexible[:, :2]), np.abs(rigid[:, :2]), rtol=0.02)
+    np.testing.assert_allclose(np.abs(flexible[:, 2]), np.abs(rigid[:, 2]), rtol=0.08)  # the tower bends
