@@ -18,6 +18,7 @@ from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
+import oc4_motions
 import pitch_step
 import verification_cases as cases
 import verification_iea15 as iea15
@@ -206,6 +207,85 @@ def response_to_waves() -> Table:
     rows = [(f, *(float(series[i]) for pair in pairs for series in pair)) for i, f in enumerate(frequencies)]
     heads = [f"{name}, {kind} [{linear.unit(name)}]" for name in linear.outputs for kind in ("linear", "runs")]
     return ("frequency [Hz]", *heads), rows
+
+
+@section
+def response_in_wind() -> Table:
+    """Response of the OC3 spar with rigid blades in steady wind of 18 m/s: the mean over a revolution, and runs."""
+    model = cases.fw.load("oc3_spar_rigid_bem", set={**cases.CALM, "wind.kind": "steady", "wind.mean_speed": 18.0})
+    frequencies, names = [0.05, 0.1], ("surge", "heave", "pitch", "yaw")
+    linear = cases.fw.linear_rao(model.compile(), frequencies, outputs=names)
+    runs = cases.fw.simulated_rao(model, frequencies, outputs=names, height=0.5, settle=1200, in_wind=True)
+    rows = [
+        (f, name, *(value for rao in (linear, runs) for value in (rao.amplitude(name)[i], f"{rao.phase(name)[i]:.2f}")))
+        for i, f in enumerate(frequencies) for name in names
+    ]  # fmt: skip
+    return ("frequency [Hz]", "motion", "linear [m/m, deg/m]", "phase [deg]", "runs", "phase [deg]"), rows
+
+
+@section
+def oc4_response() -> Table:
+    """Motions of oc4_semi_rigid per metre of wave, and those of six equations in plain numpy."""
+    frequencies = [0.03, 0.05, 0.07, 0.09, 0.1, 0.125, 0.15, 0.2]
+    linear = cases.fw.linear_rao(cases.calm_plant("oc4_semi_rigid"), frequencies, outputs=["surge", "heave", "pitch"])
+    printed, members = (np.abs(oc4_motions.motions(frequencies, bodies)[:, [0, 2, 4]]) * (1, 1, 180 / np.pi)
+                        for bodies in (oc4_motions.BODIES, oc4_motions.BODIES_OF_MEMBERS))  # fmt: skip
+    rows = []
+    for i, f in enumerate(frequencies):
+        own = np.abs(linear.response[i])
+        pairs = zip(own, printed[i], strict=True)
+        row = [value for pair in pairs for value in (pair[0], pair[1], _percent(*pair))]
+        rows.append((f, *row, _percent(own[2], members[i, 2])))
+    heads = [f"{name} [{unit}]{what}" for name, unit in (("surge", "m/m"), ("heave", "m/m"), ("pitch", "deg/m"))
+             for what in ("", ", numpy")]  # fmt: skip
+    heads = [*heads[:2], "difference", *heads[2:4], "difference", *heads[4:], "difference", "with the members' inertia"]
+    return ("frequency [Hz]", *heads), rows
+
+
+@section
+def oc4_at_rest_and_in_wind() -> Table:
+    """Natural frequencies, tension and offsets of oc4_semi_rigid beside published values."""
+    plant = cases.calm_plant("oc4_semi_rigid")
+    modes, found = cases.modes_by_motion(plant), oc4_motions.natural_frequencies()
+    by_equations = dict(zip(("surge", "sway", "yaw", "roll", "pitch", "heave"), found, strict=True))
+    raft = {"surge": 0.00884, "heave": 0.05733, "pitch": 0.04004, "yaw": 0.01253}
+    rows = [(f"frequency of {name} [Hz]", modes[name].frequency_hz, f"{by_equations[name]:.5f}", value,
+             _percent(modes[name].frequency_hz, value)) for name, value in raft.items()]  # fmt: skip
+    rest = plant.equilibrium()
+    tension = np.hypot(*oc4_motions.line_pull(837.6 - 40.868, 186.0)) / 1e3
+    rows.append(("tension of a line at rest [kN]", rest["fairlead_tension_2"], tension, "", ""))
+    turned = {"wind.kind": "steady", "wind.mean_speed": 8.0, "platform.mooring.headings": np.radians([30, 150, 270])}
+    state = cases.fw.load("oc4_semi_rigid", set={**cases.CALM, **turned}).compile().equilibrium()
+    cos, sin = np.cos(np.radians(30)), np.sin(np.radians(30))
+    for name, own, value in (
+        ("along", state["surge"], 4.40 * cos + 3.10 * sin),
+        ("across", state["sway"], 3.10 * cos - 4.40 * sin),
+    ):
+        rows.append((f"8 m/s from 30 deg: offset {name} the wind [m]", own, "", value, _percent(own, value)))
+    tilt, value = state["pitch"] - rest["pitch"], np.degrees(0.0277 * cos + 0.0146 * sin)
+    rows.append(("8 m/s from 30 deg: tilt beyond that at rest [deg]", tilt, "", value, _percent(tilt, value)))
+    return ("quantity", "oc4_semi_rigid", "plain numpy", "RAFT 2.0", "difference to RAFT"), rows
+
+
+@section
+def tlp_frequencies() -> Table:
+    """Natural frequencies of the two tension leg platforms, rigid and flexible, beside published ones."""
+    published = {
+        "tlp_nrel5mw": {"surge": 0.0165, "heave": 0.4375, "pitch": 0.223, "yaw": 0.097},
+        "tlp_two_rotor": {"surge": 1 / 44.3, "heave": 1 / 0.65, "pitch": 1 / 1.05, "yaw": 1 / 25.1},
+    }
+    rows = []
+    for name, numbers in published.items():
+        found = []
+        for model in (f"{name}_rigid", name):
+            plant = cases.calm_plant(model)
+            modes = cases.fw.natural_modes(plant, plant.equilibrium())
+            found.append({m.name.partition(",")[0]: m.frequency for m in modes if m.motion and m.oscillates})
+        for motion, value in numbers.items():
+            own = [one[f"platform {motion}"] for one in found]
+            shown = (f"{frequency:.4g}" for frequency in (*own, value))
+            rows.append((name, motion, *shown, *(_percent(frequency, value) for frequency in own)))
+    return ("model", "motion", "rigid [Hz]", "flexible [Hz]", "published [Hz]", "rigid", "flexible"), rows
 
 
 @section

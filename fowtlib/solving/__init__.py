@@ -2,6 +2,7 @@
 
 from fowtlib.solving.conditions import Conditions
 from fowtlib.solving.linear import LinearModel, Mode
+from fowtlib.solving.mean_linear import mean_linear_model
 from fowtlib.solving.model import Model, Output
 from fowtlib.solving.modes import NaturalMode, natural_modes
 from fowtlib.solving.plant import Plant
@@ -21,6 +22,7 @@ __all__ = [
     "Plant",
     "Result",
     "State",
+    "mean_linear_model",
     "mean_state",
     "natural_modes",
 ]

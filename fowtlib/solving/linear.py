@@ -215,12 +215,54 @@ def _of_signal(omega: np.ndarray, G: np.ndarray) -> np.ndarray:
     return np.einsum("qndm,qd->qnm", G.reshape(q, n, 3, -1), powers)
 
 
-def linearize(at: AtParameters, layout: Layout, outputs: Outputs, state: State, inputs: Sequence[str],
-              names: Sequence[str]) -> LinearModel:  # fmt: skip
-    """The linear model at a state, from inputs or tunable parameters by path to results or variables.
+@dataclass(frozen=True, eq=False)
+class Slopes:
+    """How the rates, the algebraic equations and the outputs of a model change with its states, unknowns and inputs.
+
+    function: `(t, x, z, q)` -> the derivatives of all rows by x, by z and by the columns, which are the `inputs`
+    labelled, w, w', w'' of the operators, and what is computed from the inputs. The rows are ode, alg, and outputs: the
+    ones `shown`, then the inputs of the operators. scale: of the rows of outputs, to the units given.
+    """
+
+    at: AtParameters
+    function: ca.Function
+    inputs: tuple[str, ...]
+    operator_columns: int
+    through: tuple[tuple[slice, str, np.ndarray], ...]
+    shown: tuple[str, ...]
+    units: dict[str, str]
+    scale: np.ndarray
+
+    def __call__(self, t: float, x: np.ndarray, z: np.ndarray, q: np.ndarray) -> tuple[np.ndarray, ...]:
+        """All rows by x, by z, and by the inputs and the columns of the operators."""
+        dae = self.at.dae
+        by_x, by_z, by_all = (np.array(ca.densify(block)) for block in self.at.call(self.function, t, x, z, q))
+        first = len(self.inputs) + self.operator_columns
+        by_u = by_all[:, :first]
+        for name in dict.fromkeys(name for _, name, _ in self.through):
+            last = first + dae.bound[name].symbol.numel()
+            for place, _, slope in (item for item in self.through if item[1] == name):
+                by_u[:, place] += by_all[:, first:last] @ slope
+            first = last
+        return by_x, by_z, by_u
+
+    def model(self, A: np.ndarray, B: np.ndarray, C: np.ndarray, D: np.ndarray, states: Sequence[str]) -> LinearModel:
+        """The linear model of matrices with all columns and all rows of outputs."""
+        items, number, count = self.at.dae.operators, len(self.inputs), len(self.shown)
+        C, D = C * self.scale, D * self.scale
+        operators = None
+        if items:
+            operators = Operators(B[:, number:], C[count:], D[count:, number:], D[count:, :number], D[:count, number:],
+                                  items)  # fmt: skip
+        return LinearModel(A, B[:, :number], C[:count], D[:count, :number], list(states), list(self.inputs),
+                           list(self.shown), self.units, operators)  # fmt: skip
+
+
+def slopes_of(at: AtParameters, layout: Layout, outputs: Outputs, inputs: Sequence[str],
+              names: Sequence[str]) -> Slopes:  # fmt: skip
+    """Slopes by inputs or tunable parameters by path, of results or variables by name.
 
     What is computed from a parameter when a run starts counts with it, by central differences (start_slopes).
-    All states are kept; the algebraic unknowns are eliminated by the implicit function theorem.
     """
     dae = at.dae
     columns: list[ca.SX] = []
@@ -243,7 +285,7 @@ def linearize(at: AtParameters, layout: Layout, outputs: Outputs, state: State, 
         shown += fresh
         units |= dict.fromkeys(fresh, outputs.entry(name).unit)
 
-    number, count = len(columns), len(factors)
+    number = len(columns)
     for order in range(3):
         columns += [element for item in dae.operators for element in item.correction[:, order].elements()]
     for item in dae.operators:
@@ -254,24 +296,23 @@ def linearize(at: AtParameters, layout: Layout, outputs: Outputs, state: State, 
         u = ca.vertcat(*columns, *(dae.bound[name].symbol for name in computed)) if columns else ca.SX(0, 1)
         return at.general.torn_jacobian("linear", ca.vertcat(dae.ode, dae.alg, *rows), [dae.x, dae.z, u])
 
-    slopes = at.general.once(("linear", tuple(labels), tuple(computed), tuple(names)), make)
-    blocks = at.call(slopes, state.t, state.x, state.z, np.concatenate([state.u, state.d]))
-    by_x, by_z, by_all = (np.array(ca.densify(block)) for block in blocks)
-    by_u, first = by_all[:, : len(columns)], len(columns)
-    for name in computed:
-        last = first + dae.bound[name].symbol.numel()
-        for place, _, slope in (item for item in through if item[1] == name):
-            by_u[:, place] += by_all[:, first:last] @ slope
-        first = last
-    nx, nz = dae.x.shape[0], dae.z.shape[0]
+    function = at.general.once(("linear", tuple(labels), tuple(computed), tuple(names)), make)
+    return Slopes(at, function, tuple(labels), len(columns) - number, tuple(through), tuple(shown), units,
+                  np.array(factors).reshape(-1, 1))  # fmt: skip
+
+
+def linearize(at: AtParameters, layout: Layout, outputs: Outputs, state: State, inputs: Sequence[str],
+              names: Sequence[str]) -> LinearModel:  # fmt: skip
+    """The linear model at a state, from inputs or tunable parameters by path to results or variables.
+
+    All states are kept; the algebraic unknowns are eliminated by the implicit function theorem.
+    """
+    slopes = slopes_of(at, layout, outputs, inputs, names)
+    by_x, by_z, by_u = slopes(state.t, state.x, state.z, np.concatenate([state.u, state.d]))
+    nx, nz = at.dae.x.shape[0], at.dae.z.shape[0]
     ode, alg, out = slice(0, nx), slice(nx, nx + nz), slice(nx + nz, None)
     by_xu = np.hstack([by_x[alg], by_u[alg]])
     dz = -np.linalg.solve(by_z[alg], by_xu) if nz else by_xu
     A, B = by_x[ode] + by_z[ode] @ dz[:, :nx], by_u[ode] + by_z[ode] @ dz[:, nx:]
-    scale = np.array(factors).reshape(-1, 1)
-    C, D = (by_x[out] + by_z[out] @ dz[:, :nx]) * scale, (by_u[out] + by_z[out] @ dz[:, nx:]) * scale
-    operators = None
-    if dae.operators:
-        operators = Operators(B[:, number:], C[count:], D[count:, number:], D[count:, :number], D[:count, number:],
-                              dae.operators)  # fmt: skip
-    return LinearModel(A, B[:, :number], C[:count], D[:count, :number], list(layout.x), labels, shown, units, operators)
+    C, D = by_x[out] + by_z[out] @ dz[:, :nx], by_u[out] + by_z[out] @ dz[:, nx:]
+    return slopes.model(A, B, C, D, list(layout.x))

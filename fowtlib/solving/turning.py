@@ -49,7 +49,7 @@ EXACT, NEAR = (1e4, 1e-7, 1e-4), (100.0, 1e-2, 3e-2)
 
 
 Jacobian = Callable[..., Sequence[Any]]
-"""`(t, x, z, q) -> d ode/dx, d ode/dz, d alg/dx, d alg/dz`."""
+"""`(t, x, z, q) -> d ode/dx, d ode/dz, d alg/dx, d alg/dz`, and where outputs are averaged too, theirs by x and z."""
 
 
 @dataclass(frozen=True)
@@ -188,32 +188,46 @@ class Average:
 
     def of_all(self, x: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
         """Mean rates of all states, and their slopes by these, and by what else the Jacobian has columns for."""
+        rates, slopes, _ = self.with_outputs(x)
+        return rates, slopes
+
+    def with_outputs(self, x: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+        """The same, and the mean slopes of the outputs that the Jacobian has rows for.
+
+        What an output has of accelerations, it has of the mean ones.
+        """
         together = sum(turn.direction for turn in self.turns)
-        sums: list[Any] = [0.0, 0.0, 0.0, 0.0, 0.0]
+        sums: list[Any] = [0.0] * 7
         for k in range(self.azimuths):
             values = self._at_azimuth(k, x + 2 * np.pi * k / self.azimuths * together)
             sums = [total + value / self.azimuths for total, value in zip(sums, values, strict=True)]
-        rates, slopes, force, force_slopes, mass = sums
+        rates, slopes, force, force_slopes, mass, output_slopes, by_acceleration = sums
         rates[self.speeds] = -np.linalg.solve(mass, force)
         slopes[self.speeds] = -np.linalg.solve(mass, force_slopes)
         for turn in self.turns:  # what turns with the rotor stands in the frame that turns
             rates = rates - turn.direction * rates[turn.azimuth]
             slopes = slopes - np.outer(turn.direction, slopes[turn.azimuth])
-        return rates, slopes
+        return rates, slopes, output_slopes + by_acceleration @ slopes[self.speeds]
 
     def _at_azimuth(self, number: int, x: np.ndarray) -> tuple[np.ndarray, ...]:
-        """Rates and slopes without accelerations; residual of the equations of motion, its slopes, and the mass."""
+        """Rates and slopes without accelerations; residual of the equations of motion, its slopes, and the mass.
+
+        Behind them, of the outputs: slopes without accelerations, and by the rates of the speeds.
+        """
         a, o, m, r, v = self.accelerations, self.unknowns, self.motion, self.others, self.speeds
         z = self._unknowns(number, x)
         ode, alg = (np.array(value).ravel() for value in self.at.residual(self.t, x, z, self.q))
         blocks = [np.array(block) for block in self.jacobian(self.t, x, z, self.q)]
         self.z[number], self.slopes[number] = z, blocks
-        xx, xz, zx, zz = blocks
+        xx, xz, zx, zz, *outputs = blocks
+        out_x, out_z = outputs or (np.zeros((0, xx.shape[1])), np.zeros((0, z.size)))
         by_x = np.zeros((z.size, xx.shape[1]))
         by_x[o] = -np.linalg.solve(zz[np.ix_(r, o)], zx[r])
         by_x[a] = -np.linalg.solve(xz[np.ix_(v, a)], xx[v] + xz[np.ix_(v, o)] @ by_x[o])
-        mass = zz[np.ix_(m, a)] @ np.linalg.inv(xz[np.ix_(v, a)])
-        return ode, xx + xz @ by_x, alg[m], zx[m] + zz[m] @ by_x, mass
+        by_rate = np.linalg.inv(xz[np.ix_(v, a)])
+        mass = zz[np.ix_(m, a)] @ by_rate
+        return (ode, xx + xz @ by_x, alg[m], zx[m] + zz[m] @ by_x, mass,
+                out_x + out_z @ by_x, out_z[:, a] @ by_rate)  # fmt: skip
 
     def _unknowns(self, number: int, x: np.ndarray) -> np.ndarray:
         """The unknowns at one azimuth, without accelerations, by Newton with the slopes of the last visit."""
@@ -222,7 +236,7 @@ class Average:
         for iteration in range(ITERATIONS):
             if blocks is None or iteration % 6 == 5:
                 blocks = [np.array(block) for block in self.jacobian(self.t, x, z, self.q)]
-            _, xz, _, zz = blocks
+            _, xz, _, zz, *_ = blocks
             ode, alg = (np.array(value).ravel() for value in self.at.residual(self.t, x, z, self.q))
             step = np.zeros(z.size)
             step[o] = -np.linalg.solve(zz[np.ix_(r, o)], alg[r])
