@@ -9,7 +9,8 @@ from fowtlib.components.aero.coefficient_rotor import CoefficientRotor
 from fowtlib.components.aero.coefficient_table import CoefficientTable, read_coefficients, write_coefficients
 from fowtlib.components.aero.dynamic_inflow import DynamicInflow
 from fowtlib.components.aero.rotor import Rotor
-from fowtlib.components.aero.tower_flow import TowerDrag, TowerPotentialFlow
+from fowtlib.components.aero.rotor_side import RotorSide
+from fowtlib.components.aero.tower_flow import TowerDrag, TowerFlow, TowerPotentialFlow, TowerShadow
 from fowtlib.components.aero.unsteady_airfoils import (
     AIRFOIL_MODELS,
     AttachedFlow,
@@ -33,8 +34,11 @@ __all__ = [
     "OyeStall",
     "RigidRotor",
     "Rotor",
+    "RotorSide",
     "TowerDrag",
+    "TowerFlow",
     "TowerPotentialFlow",
+    "TowerShadow",
     "UnsteadyAirfoil",
     "coefficient_table",
     "node_points",

@@ -62,10 +62,10 @@ def typical_rotor(rotor: Any, radius: float, tilt: float, precone: float, blades
 
 
 def housing(frame: Any, rotor: Any) -> list[shapes.Drawn]:
-    """A box behind the hub, in proportion to the radius of the rotor; nothing for a rotor without one."""
+    """A box from the hub over the tower, in proportion to the radius of the rotor; nothing for a rotor without one."""
     if "radius" not in rotor.parameters:
         return []
-    centre, size = np.array([0.14, 0, 0]), np.array([0.22, 0.085, 0.085])
+    centre, size = np.array([0.14 * rotor.side, 0, 0]), np.array([0.22, 0.085, 0.085])
     radius = rotor.parameter_value("radius")
     return [shapes.Box(frame, centre * radius, size * radius, material="nacelle")]
 
