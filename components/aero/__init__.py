@@ -10,6 +10,8 @@ from fowtlib.components.aero.coefficient_table import CoefficientTable, read_coe
 from fowtlib.components.aero.dynamic_inflow import DynamicInflow
 from fowtlib.components.aero.rotor import Rotor
 from fowtlib.components.aero.rotor_side import RotorSide
+from fowtlib.components.aero.thrust_curve import ThrustCurve, read_thrust_curve
+from fowtlib.components.aero.thrust_rotor import ThrustRotor
 from fowtlib.components.aero.tower_flow import TowerDrag, TowerFlow, TowerPotentialFlow, TowerShadow
 from fowtlib.components.aero.unsteady_airfoils import (
     AIRFOIL_MODELS,
@@ -35,6 +37,8 @@ __all__ = [
     "RigidRotor",
     "Rotor",
     "RotorSide",
+    "ThrustCurve",
+    "ThrustRotor",
     "TowerDrag",
     "TowerFlow",
     "TowerPotentialFlow",
@@ -45,5 +49,6 @@ __all__ = [
     "read_airfoils",
     "read_blade",
     "read_coefficients",
+    "read_thrust_curve",
     "write_coefficients",
 ]
