@@ -18,6 +18,7 @@ import numpy as np
 from scipy import sparse
 
 from fowtlib.flattening.system import element_names
+from fowtlib.language.data_files import is_number
 from fowtlib.language.errors import ModelError, NotFoundError, ParameterError, SimulationError, did_you_mean
 from fowtlib.language.units import to_si
 from fowtlib.solving.binding import start_slopes
@@ -350,7 +351,7 @@ def _target(plant: Plant, name: str, value: Any) -> Target:
     si = plant.describe(entry.path)[0]
     if value is None:
         raise ParameterError(f"the condition on {name} has no value: say which it shall take.")
-    if isinstance(value, str) and not _is_number(value):
+    if isinstance(value, str) and not is_number(value):
         number, text = float(np.asarray(to_si(value, si, name))), value
     else:
         number = float(value) / plant.outputs.factor(name)
@@ -358,14 +359,6 @@ def _target(plant: Plant, name: str, value: Any) -> Target:
     if not np.isfinite(number):
         raise ParameterError(f"the condition {name} = {value} is not a finite number.")
     return Target(name, expression, number, text, plant.outputs.factor(name), entry.unit)
-
-
-def _is_number(text: str) -> bool:
-    try:
-        float(text)
-    except ValueError:
-        return False
-    return True
 
 
 def _count(number: int, what: str) -> str:
