@@ -7,6 +7,7 @@ from fowtlib.components.servo.gain_table import GainTable, read_gains
 from fowtlib.components.servo.generator import Generator
 from fowtlib.components.servo.individual_pitch import IndividualPitchController
 from fowtlib.components.servo.nacelle_velocity import NacelleVelocity
+from fowtlib.components.servo.peak_shaving import LeastPitch, PeakShaving, read_least_pitch
 from fowtlib.components.servo.pitch_controller import FLOATING_GAINS, ONSHORE_GAINS, PitchController
 from fowtlib.components.servo.safety_system import SafetySystem
 from fowtlib.components.servo.sampled import SampledPitchController, SampledTorqueController
@@ -27,6 +28,8 @@ __all__ = [
     "Generator",
     "IndividualPitchController",
     "NacelleVelocity",
+    "LeastPitch",
+    "PeakShaving",
     "PitchController",
     "PitchDrive",
     "SafetySystem",
@@ -41,4 +44,5 @@ __all__ = [
     "YawController",
     "read_gains",
     "torque_of",
+    "read_least_pitch",
 ]

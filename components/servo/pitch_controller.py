@@ -47,6 +47,7 @@ class PitchController(Component):
     speed: RealInput = port(unit="rad/s", doc="filtered generator speed")
     yaw: RealInput = port(default=0.0, unit="rad", doc="yaw angle of the platform")
     velocity: RealInput = port(default=0.0, unit="m/s", doc="velocity of the nacelle, downwind")
+    raised: RealInput = port(default=0.0, unit="rad", doc="added to the lower limit: peak shaving")
     blade_pitch: RealOutput = port(unit="rad", doc="blade pitch")
     collective: RealOutput = port(unit="rad", doc="blade pitch without the part of the yaw control")
 
@@ -69,11 +70,12 @@ class PitchController(Component):
     def equations(self):
         error = self.speed - self.rated_speed
         gain = 1 / (1 + self.pitch / self.doubling_pitch)
+        least = self.least_pitch + self.raised
         to_upper = (self.greatest_pitch / gain - self.integral) / self.antiwindup_band
-        to_lower = (self.integral - self.least_pitch / gain) / self.antiwindup_band
+        to_lower = (self.integral - least / gain) / self.antiwindup_band
         fade = smaller(m.if_else(error > 0, to_upper, to_lower), 1, 0.2, m)
         free = gain * (self.proportional_gain * error + self.integral) + self.velocity_gain * self.velocity
-        above = larger(free, self.least_pitch, self.pitch_rounding, m) + self.yaw_part
+        above = larger(free, least, self.pitch_rounding, m) + self.yaw_part
         rate = (self.command - self.pitch) / self.response_time
         return [
             eq(der(self.integral), self.integral_gain * error * fade),

@@ -25,6 +25,9 @@ class InTheWind(Protocol):
     label: str
     parts: dict[str, Component]
 
+    def parameter_value(self, name: str) -> Any:
+        """The value that a parameter has now."""
+
     @property
     def carrier(self) -> tuple[Component, str]:
         """The part and its frame that the shaft is fixed to."""
@@ -37,11 +40,13 @@ def start_point(turbine: InTheWind, station: int) -> OperatingPoint:
     """Steady operation in the mean wind of the rotor's station, as far as it blows along the shaft.
 
     The shaft is turned as joints, links and a constant yaw command turn it at the start; see heading_at_start.
-    Standstill without wind, in wind from the side or behind, and at feather where it is idling: there rotors of blade
-    elements have their idling speed, those of coefficients start at standstill.
+    Standstill without wind or loads of the air, in wind from the side or behind, and at feather where it is idling:
+    there rotors of blade elements have their idling speed, those of coefficients start at standstill.
     """
     wind = turbine.wind
     mean = wind.mean_at(station)  # refuses a station that does not exist
+    if not turbine.parameter_value("air_loads"):
+        return STANDSTILL
     askew = wind.parameter_value("direction") - heading_at_start(*turbine.carrier)
     safety = turbine.parts.get("safety")
     if safety is not None and safety.parameter_value("idling"):

@@ -82,6 +82,15 @@ def cells_of(line: str) -> list[str]:
     return [cell.strip() for cell in next(csv.reader([line], skipinitialspace=True))]
 
 
+def is_number(text: str) -> bool:
+    """Whether a text is a number as Python reads it, also inf and nan."""
+    try:
+        float(text)
+    except ValueError:
+        return False
+    return True
+
+
 def digest_of(path: str | os.PathLike[str]) -> str:
     """SHA-256 of the content of a file; computed anew where the file may have changed. Raises OSError."""
     name, now = os.path.abspath(path), time.time()
