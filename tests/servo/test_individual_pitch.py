@@ -95,7 +95,7 @@ def test_it_fades_out_when_it_is_switched_off():
     ("sensor_1.stuck at 2 s", lambda moment: moment[20] - moment),
 ])  # fmt: skip
 def test_a_sensor_that_fails_puts_its_error_into_the_axes(event, wrong):
-    """2/n of what blade 1 shows too much, times cosine and sine of its azimuth, comes on top of tilt and yaw moments."""
+    """2/n of the error, times cosine and sine of the azimuth of blade 1, comes on top of tilt and yaw moments."""
     t, (tilt, yaw, *_) = simulated(5.0, events=[f"control.{event}"], integral_gain=0.0)
     psi = 0.3 + SPEED * t
     error = wrong(8e6 + 1e6 * np.cos(psi) - 0.5e6 * np.sin(psi)) * (t > 2.05)
