@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 
+from fowtlib.components.servo.antiwindup import held_within
 from fowtlib.components.servo.measurements import MomentMeasurement
 from fowtlib.language import Array, Component, RealInput, RealOutput, Scalar, der, eq, initial, param, parts, port, var
 from fowtlib.language import math as m
@@ -60,8 +61,7 @@ class IndividualPitchController(Component):
     def _axis(self, i, on, top):
         """One of the two: tilt and yaw."""
         moment, integral = self.moment[i], self.integral[i]
-        room = m.if_else(moment > 0, top - integral, top + integral) / self.band
-        rate = self.integral_gain * moment * m.fmin(m.fmax(room, 0), 1)
+        rate = held_within(self.integral_gain * moment, integral, -top, top, self.band)
         asked = integral + m.if_else(on, self.proportional_gain * moment, 0)
         return [
             eq(der(integral), m.if_else(on, rate, -integral / self.fade_time)),

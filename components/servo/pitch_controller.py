@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from fowtlib.components.servo.torque_law import larger, smaller
+from fowtlib.components.servo.antiwindup import held_within
+from fowtlib.components.servo.torque_law import larger
 from fowtlib.language import Component, RealInput, RealOutput, Scalar, der, eq, param, port, var
 from fowtlib.language import math as m
 
@@ -69,14 +70,13 @@ class PitchController(Component):
     def equations(self):
         error = self.speed - self.rated_speed
         gain = 1 / (1 + self.pitch / self.doubling_pitch)
-        to_upper = (self.greatest_pitch / gain - self.integral) / self.antiwindup_band
-        to_lower = (self.integral - self.least_pitch / gain) / self.antiwindup_band
-        fade = smaller(m.if_else(error > 0, to_upper, to_lower), 1, 0.2, m)
+        least, greatest = self.least_pitch / gain, self.greatest_pitch / gain
+        grows = held_within(self.integral_gain * error, self.integral, least, greatest, self.antiwindup_band)
         free = gain * (self.proportional_gain * error + self.integral) + self.velocity_gain * self.velocity
         above = larger(free, self.least_pitch, self.pitch_rounding, m) + self.yaw_part
         rate = (self.command - self.pitch) / self.response_time
         return [
-            eq(der(self.integral), self.integral_gain * error * fade),
+            eq(der(self.integral), grows),
             eq(self.yaw_part, self.yaw_pitch()),
             eq(self.command, m.fmin(above, self.greatest_pitch)),
             eq(der(self.pitch), m.fmin(m.fmax(rate, -self.greatest_rate), self.greatest_rate)),

@@ -5,11 +5,12 @@ from __future__ import annotations
 import numpy as np
 
 from fowtlib.components.blocks import FirstOrder
+from fowtlib.components.servo.antiwindup import held_within
 from fowtlib.components.servo.gain_table import GainTable, read_gains
 from fowtlib.components.servo.pitch_controller import PitchController
 from fowtlib.components.servo.schedule import flat, flat_shape, interpolated
 from fowtlib.components.servo.torque_controller import TorqueController
-from fowtlib.components.servo.torque_law import larger, smaller
+from fowtlib.components.servo.torque_law import larger
 from fowtlib.components.servo.turbine_controller import TurbineController
 from fowtlib.language import (
     Array,
@@ -80,9 +81,8 @@ class ScheduledFeedback(Component):
         trim, equations = scheduled(self.trim), []
         for k in range(demands):
             rest = trim[k] + self.integral[k]
-            room = m.if_else(drive[k] > 0, self.highest - rest, rest - self.lowest) / self.antiwindup_band
-            fade = m.fmax(smaller(room, 1, 0.2, m), -1)
-            equations += [eq(der(self.integral[k]), fade * drive[k]), eq(self.demand[k], rest - pull[k])]
+            grows = held_within(drive[k], rest, self.lowest, self.highest, self.antiwindup_band)
+            equations += [eq(der(self.integral[k]), grows), eq(self.demand[k], rest - pull[k])]
         return [*equations, eq(self.mean, sum(self.demand) / demands)]
 
 
