@@ -32,11 +32,11 @@ def main() -> None:
         moments = [1e-3 * float(np.asarray(result[path])[late].std()) for path in MOMENTS]
         bending = 1e-3 * float(np.asarray(result[SHAFT])[late].mean())
         pitch = max(float(np.degrees(np.abs(np.asarray(result[path])[late]).max())) for path in PITCHES)
-        rows.append((name, *moments, bending, pitch))
+        rows.append((name, *moments, bending, round(pitch, 3)))
         print(rows[-1], flush=True)
     heads = ("fault of sensor 1", *(f"root moment {k} [kN m]" for k in (1, 2, 3)), "shaft bending, mean [kN m]",
              "largest individual pitch [deg]")  # fmt: skip
-    PAGE.write_text(fill(PAGE.read_text(), "sensor_faults", markdown((heads, rows), 3)))
+    PAGE.write_text(fill(PAGE.read_text(), "sensor_faults", markdown((heads, rows), 4)))
 
 
 if __name__ == "__main__":
