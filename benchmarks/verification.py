@@ -441,6 +441,29 @@ def _draw_yaw(results: dict) -> None:
 
 
 @section
+def oo_star_hydrostatics() -> Table:
+    """Mass and hydrostatics of the OO-Star with two rotors, from its members."""
+    import fowtlib as fw
+
+    rows = [(name, f"{own:.5g}", f"{printed:.4g}", _percent(own, printed))
+            for name, (own, printed) in cases.oo_star_hydrostatics(fw.load("oo_star_rigid")).items()]  # fmt: skip
+    return ("quantity", "members", "thesis", "difference"), rows
+
+
+@section
+def oo_star_periods() -> Table:
+    """Runs of the OO-Star with two rotors that is let go in still water and still air, and its linear model."""
+    plant = cases.calm_plant("oo_star_rigid")
+    modes = cases.modes_by_motion(plant)
+    rows = []
+    for name, decay in cases.free_decays(plant, cases.OO_STAR_OFFSETS, cycles=4.0).items():
+        period = cases.OO_STAR_PERIODS[name]
+        linear = 1 / modes[name].frequency_hz
+        rows.append((name, decay.period, linear, period, _percent(decay.period, period), decay.damping_ratio))
+    return ("motion", "decay [s]", "linear model [s]", "thesis [s]", "difference", "damping ratio"), rows
+
+
+@section
 def pitch_steps() -> Table:
     """Pitch steps of the Tjaereborg turbine with dynamic inflow."""
     _draw_pitch_steps(*pitch_step.steps())
