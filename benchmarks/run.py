@@ -208,6 +208,35 @@ def simulate_two_flexible() -> Measured:
 
 
 @measurement
+def design_map() -> Measured:
+    """1000 points of a map at rest in steady wind, and points of a hull of members with ballast for its draft."""
+    import numpy as np
+
+    import fowtlib as fw
+
+    wind = {"wind.kind": "steady", "wind.mean_speed": 11.4, "sea.spectrum": "still"}
+    spar, sizes = fw.load("oc3_spar_rigid", set=wind).compile(), fw.load("two_rotor_spar_design").compile()
+    yaw = np.linspace(5e7, 2e8, 25)
+    over = {"platform.hull.mass": np.linspace(7.3e6, 7.6e6, 40), "platform.mooring.yaw_stiffness": yaw}
+    hull = {"diameter": np.linspace(10.0, 12.0, 10), "draft": np.linspace(120.0, 160.0, 10)}
+    balanced = {"free": ["ballast"], "targets": {"heave": 0}}
+    motions, modes = ["pitch", "heave"], ["pitch", "heave", "period of platform yaw", "mass"]
+    rows: Measured = []
+    for what, plant, axes, of, options in (
+        ("oc3_spar_rigid: pitch and heave", spar, over, motions, {}),
+        ("oc3_spar_rigid: with mass and a period", spar, over, modes, {}),
+        ("two_rotor_spar_design: pitch, ballast and a period", sizes, hull, ["pitch", "period of heave"], balanced),
+    ):
+        fw.parameter_map(plant, {path: values[:2] for path, values in axes.items()}, of, **options)
+        watch = Stopwatch()
+        found = fw.parameter_map(plant, axes, of, **options)
+        points = found.feasible.size
+        goal = "under 10 s" if points == 1000 else ""
+        rows.append((f"map of {points} points, {what}", f"({watch.read()[1]:.1f} s)", goal))
+    return rows
+
+
+@measurement
 def first_step() -> Measured:
     """From the command line to the first step of the complete turbine: with nothing compiled, and again."""
     rows: Measured = []

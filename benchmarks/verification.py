@@ -18,8 +18,10 @@ from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
+import oc4_motions
 import pitch_step
 import verification_cases as cases
+import verification_iea15 as iea15
 import verification_modes as turbine_modes
 from pages import Table, fill, markdown
 
@@ -205,6 +207,85 @@ def response_to_waves() -> Table:
     rows = [(f, *(float(series[i]) for pair in pairs for series in pair)) for i, f in enumerate(frequencies)]
     heads = [f"{name}, {kind} [{linear.unit(name)}]" for name in linear.outputs for kind in ("linear", "runs")]
     return ("frequency [Hz]", *heads), rows
+
+
+@section
+def response_in_wind() -> Table:
+    """Response of the OC3 spar with rigid blades in steady wind of 18 m/s: the mean over a revolution, and runs."""
+    model = cases.fw.load("oc3_spar_rigid_bem", set={**cases.CALM, "wind.kind": "steady", "wind.mean_speed": 18.0})
+    frequencies, names = [0.05, 0.1], ("surge", "heave", "pitch", "yaw")
+    linear = cases.fw.linear_rao(model.compile(), frequencies, outputs=names)
+    runs = cases.fw.simulated_rao(model, frequencies, outputs=names, height=0.5, settle=1200, in_wind=True)
+    rows = [
+        (f, name, *(value for rao in (linear, runs) for value in (rao.amplitude(name)[i], f"{rao.phase(name)[i]:.2f}")))
+        for i, f in enumerate(frequencies) for name in names
+    ]  # fmt: skip
+    return ("frequency [Hz]", "motion", "linear [m/m, deg/m]", "phase [deg]", "runs", "phase [deg]"), rows
+
+
+@section
+def oc4_response() -> Table:
+    """Motions of oc4_semi_rigid per metre of wave, and those of six equations in plain numpy."""
+    frequencies = [0.03, 0.05, 0.07, 0.09, 0.1, 0.125, 0.15, 0.2]
+    linear = cases.fw.linear_rao(cases.calm_plant("oc4_semi_rigid"), frequencies, outputs=["surge", "heave", "pitch"])
+    printed, members = (np.abs(oc4_motions.motions(frequencies, bodies)[:, [0, 2, 4]]) * (1, 1, 180 / np.pi)
+                        for bodies in (oc4_motions.BODIES, oc4_motions.BODIES_OF_MEMBERS))  # fmt: skip
+    rows = []
+    for i, f in enumerate(frequencies):
+        own = np.abs(linear.response[i])
+        pairs = zip(own, printed[i], strict=True)
+        row = [value for pair in pairs for value in (pair[0], pair[1], _percent(*pair))]
+        rows.append((f, *row, _percent(own[2], members[i, 2])))
+    heads = [f"{name} [{unit}]{what}" for name, unit in (("surge", "m/m"), ("heave", "m/m"), ("pitch", "deg/m"))
+             for what in ("", ", numpy")]  # fmt: skip
+    heads = [*heads[:2], "difference", *heads[2:4], "difference", *heads[4:], "difference", "with the members' inertia"]
+    return ("frequency [Hz]", *heads), rows
+
+
+@section
+def oc4_at_rest_and_in_wind() -> Table:
+    """Natural frequencies, tension and offsets of oc4_semi_rigid beside published values."""
+    plant = cases.calm_plant("oc4_semi_rigid")
+    modes, found = cases.modes_by_motion(plant), oc4_motions.natural_frequencies()
+    by_equations = dict(zip(("surge", "sway", "yaw", "roll", "pitch", "heave"), found, strict=True))
+    raft = {"surge": 0.00884, "heave": 0.05733, "pitch": 0.04004, "yaw": 0.01253}
+    rows = [(f"frequency of {name} [Hz]", modes[name].frequency_hz, f"{by_equations[name]:.5f}", value,
+             _percent(modes[name].frequency_hz, value)) for name, value in raft.items()]  # fmt: skip
+    rest = plant.equilibrium()
+    tension = np.hypot(*oc4_motions.line_pull(837.6 - 40.868, 186.0)) / 1e3
+    rows.append(("tension of a line at rest [kN]", rest["fairlead_tension_2"], tension, "", ""))
+    turned = {"wind.kind": "steady", "wind.mean_speed": 8.0, "platform.mooring.headings": np.radians([30, 150, 270])}
+    state = cases.fw.load("oc4_semi_rigid", set={**cases.CALM, **turned}).compile().equilibrium()
+    cos, sin = np.cos(np.radians(30)), np.sin(np.radians(30))
+    for name, own, value in (
+        ("along", state["surge"], 4.40 * cos + 3.10 * sin),
+        ("across", state["sway"], 3.10 * cos - 4.40 * sin),
+    ):
+        rows.append((f"8 m/s from 30 deg: offset {name} the wind [m]", own, "", value, _percent(own, value)))
+    tilt, value = state["pitch"] - rest["pitch"], np.degrees(0.0277 * cos + 0.0146 * sin)
+    rows.append(("8 m/s from 30 deg: tilt beyond that at rest [deg]", tilt, "", value, _percent(tilt, value)))
+    return ("quantity", "oc4_semi_rigid", "plain numpy", "RAFT 2.0", "difference to RAFT"), rows
+
+
+@section
+def tlp_frequencies() -> Table:
+    """Natural frequencies of the two tension leg platforms, rigid and flexible, beside published ones."""
+    published = {
+        "tlp_nrel5mw": {"surge": 0.0165, "heave": 0.4375, "pitch": 0.223, "yaw": 0.097},
+        "tlp_two_rotor": {"surge": 1 / 44.3, "heave": 1 / 0.65, "pitch": 1 / 1.05, "yaw": 1 / 25.1},
+    }
+    rows = []
+    for name, numbers in published.items():
+        found = []
+        for model in (f"{name}_rigid", name):
+            plant = cases.calm_plant(model)
+            modes = cases.fw.natural_modes(plant, plant.equilibrium())
+            found.append({m.name.partition(",")[0]: m.frequency for m in modes if m.motion and m.oscillates})
+        for motion, value in numbers.items():
+            own = [one[f"platform {motion}"] for one in found]
+            shown = (f"{frequency:.4g}" for frequency in (*own, value))
+            rows.append((name, motion, *shown, *(_percent(frequency, value) for frequency in own)))
+    return ("model", "motion", "rigid [Hz]", "flexible [Hz]", "published [Hz]", "rigid", "flexible"), rows
 
 
 @section
@@ -441,6 +522,29 @@ def _draw_yaw(results: dict) -> None:
 
 
 @section
+def oo_star_hydrostatics() -> Table:
+    """Mass and hydrostatics of the OO-Star with two rotors, from its members."""
+    import fowtlib as fw
+
+    rows = [(name, f"{own:.5g}", f"{printed:.4g}", _percent(own, printed))
+            for name, (own, printed) in cases.oo_star_hydrostatics(fw.load("oo_star_rigid")).items()]  # fmt: skip
+    return ("quantity", "members", "thesis", "difference"), rows
+
+
+@section
+def oo_star_periods() -> Table:
+    """Runs of the OO-Star with two rotors that is let go in still water and still air, and its linear model."""
+    plant = cases.calm_plant("oo_star_rigid")
+    modes = cases.modes_by_motion(plant)
+    rows = []
+    for name, decay in cases.free_decays(plant, cases.OO_STAR_OFFSETS, cycles=4.0).items():
+        period = cases.OO_STAR_PERIODS[name]
+        linear = 1 / modes[name].frequency_hz
+        rows.append((name, decay.period, linear, period, _percent(decay.period, period), decay.damping_ratio))
+    return ("motion", "decay [s]", "linear model [s]", "thesis [s]", "difference", "damping ratio"), rows
+
+
+@section
 def pitch_steps() -> Table:
     """Pitch steps of the Tjaereborg turbine with dynamic inflow."""
     _draw_pitch_steps(*pitch_step.steps())
@@ -459,6 +563,56 @@ def _draw_pitch_steps(time: np.ndarray, torque: np.ndarray) -> None:
     axis.grid(color="#d9d9d9", linewidth=0.6)
     axis.spines[["top", "right"]].set_visible(False)
     figure.savefig(_figure("tjaereborg_pitch_steps.png"), dpi=120)
+
+
+@section
+def iea15_steady() -> Table:
+    """The IEA 15 MW by blade elements and its controller, rigid blades, against tabulated curves and OpenFAST."""
+    rows = []
+    for wind in sorted({*iea15.TABULATED, *iea15.OPENFAST}):
+        point = iea15.steady().operating_point(wind)
+        power, thrust = iea15.EFFICIENCY * point.aero_power / 1e3, point.thrust / 1e3
+        row: list[object] = [wind, f"{point.rotor_speed * 30 / np.pi:.2f}", f"{np.degrees(point.blade_pitch):.2f}"]
+        other = iea15.OPENFAST.get(wind)
+        row += [f"{other[0]:.2f}", f"{other[1]:.2f}"] if other else ["", ""]
+        tabulated = iea15.TABULATED.get(wind)
+        row += [power, *((tabulated[0], _percent(power, tabulated[0])) if tabulated else ("", "")), thrust]
+        row += [tabulated[1], _percent(thrust, tabulated[1])] if tabulated else ["", ""]
+        row += [other[2], _percent(thrust, other[2])] if other else ["", ""]
+        rows.append(tuple(row))
+    heads = ("wind [m/s]", "speed [rpm]", "pitch [deg]", "OpenFAST [rpm]", "OpenFAST [deg]", "electrical power [kW]",
+             "tabulated", "difference", "thrust [kN]", "tabulated", "difference", "OpenFAST", "difference")  # fmt: skip
+    return heads, rows
+
+
+@section
+def iea15_frequencies() -> Table:
+    """Platform modes of the IEA 15 MW on the VolturnUS-S, and the bending of its tower with rigid blades."""
+    rows: list[tuple[object, ...]] = []
+    for motion, mode in cases.modes_by_motion(cases.calm_plant("volturnus_iea15_rigid")).items():
+        printed, raft = iea15.FREQUENCIES[motion]
+        rows.append((motion, mode.frequency_hz, printed, raft))
+    found = iea15.tower_frequencies()
+    rows += [("tower fore-aft 1", found["tower fore-aft 1"], "0.496", "0.5256 (pyBmodes)")]
+    rows += [("tower side-side 1", found["tower side-side 1"], "", "")]
+    return ("mode", "frequency [Hz]", "definition [Hz]", "other codes [Hz]"), rows
+
+
+@section
+def iea15_blade() -> Table:
+    """First modes of the blade of the IEA 15 MW at rest and turning."""
+    rows: list[tuple[object, ...]] = []
+    for rpm in (0.0, 7.55):
+        for hinges in (6, 10, 20):
+            found = iea15.blade_frequencies(rpm, hinges)
+            flap, edge, twist = (
+                [hertz for name, hertz in found if name == kind] for kind in ("flap", "edge", "torsion")
+            )
+            rows.append((rpm, hinges, flap[0], edge[0], flap[1], edge[1], twist[0]))
+    rows.append(("7.55, pyBmodes", "", 0.5585, 0.7281, 1.5916, "", ""))
+    rows.append(("definition", "", 0.555, 0.642, "", "", ""))
+    heads = ("speed [rpm]", "hinges", "flap 1 [Hz]", "edge 1 [Hz]", "flap 2 [Hz]", "edge 2 [Hz]", "torsion 1 [Hz]")
+    return heads, rows
 
 
 def _figure(name: str) -> Path:

@@ -18,6 +18,7 @@ from fowtlib.components.blocks import Constant
 from fowtlib.components.mechanics import WorldForce
 from fowtlib.components.mechanics.beam_division import divide
 from fowtlib.components.mechanics.beam_properties import read_beam
+from fowtlib.components.platform.solids import together
 from fowtlib.components.servo import TorqueLaw
 from fowtlib.components.turbine import SteadyTurbine
 from fowtlib.modelfile import data_path
@@ -39,9 +40,9 @@ def calm_plant(name: str, parameters: dict[str, Any] | None = None) -> Plant:
     return fw.load(name).with_parameters({**CALM, **(parameters or {})}).compile()
 
 
-def modes_by_motion(plant: Plant) -> dict[str, Mode]:
-    """For each motion of the platform the mode in which its state takes part most, about rest."""
-    modes = plant.linearize(plant.equilibrium(), outputs=[]).modes()
+def modes_by_motion(plant: Plant, rest: Any = None) -> dict[str, Mode]:
+    """For each motion of the platform the mode in which its state takes part most, about rest (found if not given)."""
+    modes = plant.linearize(plant.equilibrium() if rest is None else rest, outputs=[]).modes()
     moving = [mode for mode in modes if np.isfinite(mode.period)]
 
     def share(mode: Mode, motion: str) -> float:
@@ -181,6 +182,42 @@ def surge_pitch(model: Model, heave: float = 0.0) -> SurgePitch:
     K = np.array([[spring, spring * depth], [spring * depth, spring * depth**2 + hanging]])
     slow, fast = np.sqrt(eigh(K, M, eigvals_only=True))
     return SurgePitch(M, K, 2 * np.pi / slow, 2 * np.pi / fast)
+
+
+def oo_star_hydrostatics(model: Model) -> dict[str, tuple[float, float]]:
+    """Numbers of the OO-Star with two rotors, and those printed in table 7.5 of the thesis; C44 recomputed from these.
+
+    Printed is a C44 of 2.16e9 N m, with a centre of mass 3.42 m above that of buoyancy, though 14.2 - 10.24 is 3.96 m.
+    """
+    hull = model.root.find("platform.hull").hull()
+    extra = hull.fills["platform.hull.middle_column.extra"]
+    floater = together([hull.structure, *(fill for fill in hull.fills.values() if fill is not extra)])
+    tower, arm = model.root.find("tower"), model.root.find("arm_left")
+    above = float(tower.mass), 2 * float(model.root.find("turbine_left").mass)
+    mass = hull.mass.mass + sum(above)
+    moment = above[0] * float(tower.r_cm[2]) + above[1] * float(arm.r[2])
+    centre = (hull.mass.mass * hull.mass.centre[2] + moment) / mass
+    water, rho_g = hull.buoyancy, 1025.0 * 9.80665
+    righting = rho_g * (water.waterplane[3, 3] + water.volume * (water.centre[2] - centre))
+    return {
+        "displaced volume [m^3]": (water.volume, 2.35e4),
+        "centre of buoyancy [m]": (water.centre[2], -14.2),
+        "waterplane [m^2]": (water.waterplane[2, 2], 548.8),
+        "its second moment [m^4]": (water.waterplane[3, 3], 2.95e5),
+        "C33 [N/m]": (rho_g * water.waterplane[2, 2], 5.51e6),
+        "C44 [N m]": (righting, rho_g * (2.95e5 + 2.35e4 * (10.24 - 14.2))),
+        "floater: mass [kg]": (floater.mass, 2.17e7),
+        "floater: centre of mass [m]": (floater.centre[2], -15.2),
+        "floater: inertia in roll and pitch [kg m^2]": (floater.inertia[1, 1], 9.43e9),
+        "floater: inertia in yaw [kg m^2]": (floater.inertia[2, 2], 1.63e10),
+        "whole: mass [kg]": (mass, 2.36e7),
+        "whole: centre of mass [m]": (centre, -10.24),
+    }
+
+
+# Periods [s] of the OO-Star with two rotors, table 7.7 of the thesis, and offsets [m, deg] of the decays here.
+OO_STAR_PERIODS = {"surge": 147.5, "heave": 18.5, "pitch": 23.8, "yaw": 108.6}
+OO_STAR_OFFSETS = {"surge": 5.0, "heave": 3.0, "pitch": 5.0, "yaw": 8.0}
 
 
 def bodies(root: Any) -> list[tuple[float, np.ndarray, float]]:

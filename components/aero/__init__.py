@@ -9,7 +9,10 @@ from fowtlib.components.aero.coefficient_rotor import CoefficientRotor
 from fowtlib.components.aero.coefficient_table import CoefficientTable, read_coefficients, write_coefficients
 from fowtlib.components.aero.dynamic_inflow import DynamicInflow
 from fowtlib.components.aero.rotor import Rotor
-from fowtlib.components.aero.tower_flow import TowerDrag, TowerPotentialFlow
+from fowtlib.components.aero.rotor_side import RotorSide
+from fowtlib.components.aero.thrust_curve import ThrustCurve, read_thrust_curve
+from fowtlib.components.aero.thrust_rotor import ThrustRotor
+from fowtlib.components.aero.tower_flow import TowerDrag, TowerFlow, TowerPotentialFlow, TowerShadow
 from fowtlib.components.aero.unsteady_airfoils import (
     AIRFOIL_MODELS,
     AttachedFlow,
@@ -33,13 +36,19 @@ __all__ = [
     "OyeStall",
     "RigidRotor",
     "Rotor",
+    "RotorSide",
+    "ThrustCurve",
+    "ThrustRotor",
     "TowerDrag",
+    "TowerFlow",
     "TowerPotentialFlow",
+    "TowerShadow",
     "UnsteadyAirfoil",
     "coefficient_table",
     "node_points",
     "read_airfoils",
     "read_blade",
     "read_coefficients",
+    "read_thrust_curve",
     "write_coefficients",
 ]

@@ -89,6 +89,13 @@ class RigidRotor:
         normal = self.hub_axes()[:, 0]
         return np.stack([loads[..., :3].sum(axis=1) @ normal, self.rotor.rotation * moment @ normal], axis=1)
 
+    def over_speeds(self, wind: Any, speeds: np.ndarray, pitch: float, **more: Any) -> np.ndarray:
+        """Thrust and torque, (n, 2), at n rotor speeds [rad/s] in the same wind, pitch and azimuth."""
+        n = self.rotor.nodes
+        inputs = np.repeat(self.inputs(wind, 1.0, pitch, **more)[:, None], len(speeds), axis=1)
+        inputs[12 * n : 15 * n] *= speeds  # the velocities of the nodes
+        return self._along_the_shaft(inputs)
+
     def sweep(self, winds: np.ndarray, speed: float, pitch: float, **more: Any) -> np.ndarray:
         """Thrust and torque, (n, 2), in n uniform winds [m/s] along x, at the same rotor speed and pitch."""
         n = self.rotor.nodes

@@ -9,11 +9,13 @@ from functools import lru_cache
 import casadi as ca
 import numpy as np
 
+from fowtlib.components.aero.added_mass import added_mass_loads
+from fowtlib.components.aero.air_loads import AirLoads
 from fowtlib.components.aero.airfoil_states import AirfoilStates
 from fowtlib.components.aero.bem import LINE_LOADS, PITT_PETERS, BladeElementRotor
 from fowtlib.components.aero.blade_aerodynamics import BladeAerodynamics, read_airfoils, read_blade
 from fowtlib.components.aero.dynamic_inflow import DynamicInflow
-from fowtlib.components.aero.tower_flow import TowerPotentialFlow
+from fowtlib.components.aero.tower_flow import TowerFlow
 from fowtlib.components.aero.unsteady_airfoils import AIRFOIL_MODELS
 from fowtlib.components.environment.wind import Wind, require_disk
 from fowtlib.components.environment.world import World
@@ -118,15 +120,15 @@ class RotorLoads(BladeElements):
         ]
 
 
-class BladeElementAerodynamics(RotorLoads):
+class BladeElementAerodynamics(RotorLoads, AirLoads):
     """Loads of the air on a rotor with moving and bending blades: a BladeElementRotor between the frames of its nodes.
 
     Each node takes part with its own position, orientation and velocity, in the wind at its place. The frames in
     `nodes` are parallel to the pitched blade root when nothing bends, blade by blade from root to tip, and lie at the
     aerodynamic centres (`node_points`); the twist of the airfoils is added here. `force` and `moment` are the sums over
     all nodes, the moment about the hub; thrust and torque are their parts along and about the shaft. The nodes meet the
-    wind that every TowerPotentialFlow of the model deflects; dynamic_inflow adds the part `inflow`, see DynamicInflow,
-    and an airfoil_model with memory the part `airfoil_states`.
+    wind that every TowerFlow of the model deflects; dynamic_inflow adds the part `inflow`, see DynamicInflow,
+    and an airfoil_model with memory the part `airfoil_states`. added_mass: what the air adds to the mass of the blades.
     A wind field that does not cover the disk of tip_radius about the rotor's station is refused, see Wind.require.
     """
 
@@ -134,11 +136,12 @@ class BladeElementAerodynamics(RotorLoads):
     airfoil_model: str = param(
         default="steady", choices=tuple(AIRFOIL_MODELS), doc="what the airfoils make of the flow, see UnsteadyAirfoil"
     )
+    added_mass: bool = param(default=False, doc="the air that accelerates with the sections, see section_added_mass")
     station: int = param(default=0, min=0, doc="number of the wind's station at this rotor")
 
     world: World = outer(World)
     wind: Wind = outer(Wind)
-    towers: list[TowerPotentialFlow] = outer(TowerPotentialFlow, many=True)
+    towers: list[TowerFlow] = outer(TowerFlow, many=True)
     disk_wind: RealOutput = port(unit="m/s", shape=(3,), doc="wind averaged over the nodes, world")
 
     def felt_disk(self) -> tuple[int, float]:
@@ -163,7 +166,8 @@ class BladeElementAerodynamics(RotorLoads):
         wind, n = self.wind.velocity(places, self.station, reach="plane"), self.rotor.nodes
         outputs = self.air(places, wind + sum(tower.change(wind, places) for tower in towers))
         return [
-            self.passed_on(outputs["loads"]),
+            self.passed_on(self.in_air * (outputs["loads"] + (added_mass_loads(self) if self.added_mass else 0))),
+            self.switching(),
             eq(self.disk_wind, wind @ (np.ones((n, 1)) / n)),
             self.wake(outputs["quasi_steady"]) if self.dynamic_inflow else [],
             self.airfoil_states.moved(outputs["airfoil_rates"]) if "airfoil_rates" in outputs else [],
@@ -175,7 +179,7 @@ class BladeElementAerodynamics(RotorLoads):
         rotor, hub, more = self.rotor, self.hub, {}
         if self.dynamic_inflow:
             more = {"induced": self.inflow.induced}
-        if self.airfoil_model != "steady":
+        if AIRFOIL_MODELS[self.airfoil_model].states:
             more["airfoil_states"], more["stage_step"] = self.airfoil_states.by_section()
             more["turn_rate"] = m.vertcat(*self.turning())
         rotor = _with_states(rotor, self.dynamic_inflow, self.airfoil_model)

@@ -114,7 +114,7 @@ class CoefficientRotor(HubWind):
         return float(2 * self.parameter_value("radius") * np.cos(self.parameter_value("precone")))
 
     def drawing(self) -> Drawing:
-        angles = (self.parameter_value(name) for name in ("tilt", "precone"))
+        angles = (self.side * self.parameter_value(name) for name in ("tilt", "precone"))
         return outlines.typical_rotor(self, self.parameter_value("radius"), *angles)
 
     def equations(self):
@@ -133,8 +133,9 @@ class CoefficientRotor(HubWind):
         table, names = self.coefficients, ("tip speed ratio", "blade pitch [rad]")
         grid = (table.tip_speed_ratio, table.blade_pitch, table.values)
         air = at_start("air", doc="0 without any wind, else 1", compute=lambda rotor: rotor.wind.kind != "none")
+        air *= self.in_air
         places = zip((self.tip_speed_ratio, self.blade_pitch), grid, strict=False)
-        inside = [air * value + (1 - air) * float(edges[0]) for value, edges in places]  # no air: anywhere in the table
+        inside = [air * value + (1 - air) * float(edges[0]) for value, edges in places]  # no air: anywhere in it
         C = table2d(*inside, *grid, name=f"coefficients of {self.path}", arguments=names, remedy=REMEDY)
         return [
             assert_(self.mean_wind > -self.lowest_wind, BEHIND),

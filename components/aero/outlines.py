@@ -61,11 +61,21 @@ def typical_rotor(rotor: Any, radius: float, tilt: float, precone: float, blades
     return drawn
 
 
+def still_rotor(frame: Any, radius: float, tilt: float, precone: float, blades: int = 3) -> list[shapes.Drawn]:
+    """Blades that neither turn nor pitch, on a hub."""
+    drawn: list[shapes.Drawn] = [shapes.Ball(frame, diameter=0.055 * radius, material="nacelle")]
+    sections = typical_blade(0.02 * radius, radius)
+    for k in range(blades):
+        blade = _rotation(1, tilt) @ _rotation(0, 2 * np.pi * k / blades) @ _rotation(1, -precone)
+        drawn.append(shapes.Loft(frame, sections @ blade.T, material="blade"))
+    return drawn
+
+
 def housing(frame: Any, rotor: Any) -> list[shapes.Drawn]:
-    """A box behind the hub, in proportion to the radius of the rotor; nothing for a rotor without one."""
+    """A box from the hub over the tower, in proportion to the radius of the rotor; nothing for a rotor without one."""
     if "radius" not in rotor.parameters:
         return []
-    centre, size = np.array([0.14, 0, 0]), np.array([0.22, 0.085, 0.085])
+    centre, size = np.array([0.14 * rotor.side, 0, 0]), np.array([0.22, 0.085, 0.085])
     radius = rotor.parameter_value("radius")
     return [shapes.Box(frame, centre * radius, size * radius, material="nacelle")]
 

@@ -2,27 +2,29 @@
 
 from __future__ import annotations
 
+from fowtlib.components.aero.air_loads import AirLoads
+from fowtlib.components.aero.rotor_side import RotorSide
 from fowtlib.components.mechanics.connectors import Flange, Frame
-from fowtlib.language import Component, RealInput, RealOutput, Scalar, der, eq, param, port, var
+from fowtlib.language import RealInput, RealOutput, Scalar, der, eq, param, port, var
 from fowtlib.language import math as m
 
 
-class Rotor(Component):
+class Rotor(RotorSide, AirLoads):
     """Rotor with one degree of freedom, its azimuth: inertia dw/dt = torque + shaft torque. Partial.
 
-    The rotor normal n points downwind and, by the tilt, down. Speed, torque and power are positive when the rotor
-    drives the shaft, in either sense of rotation. The body of the frame takes the thrust along n; what the rotor puts
-    into the shaft, because the drive train stands on that body (reaction_torque); and the moment -w_frame x h of the
-    spin h = rotation inertia w n (gyroscopic). Both can be switched off, to compare with models that have the thrust
-    only.
+    The rotor normal n points downwind and, by the tilt, down; of a rotor downwind of its tower, up. Speed, torque and
+    power are positive when the rotor drives the shaft, in either sense of rotation. The body of the frame takes the
+    thrust along n; what the rotor puts into the shaft, because the drive train stands on that body (reaction_torque);
+    and the moment -w_frame x h of the spin h = rotation inertia w n (gyroscopic). Both can be switched off, to compare
+    with models that have the thrust only.
 
-    A subclass writes thrust and torque; the mass of the rotor belongs to the body.
+    A subclass writes thrust and torque, both times in_air; the mass of the rotor belongs to the body.
     """
 
     mode_names = {"phi": "rotor rotation", "w": "rotor rotation"}
 
     inertia: Scalar = param(unit="kg*m^2", min=0, doc="moment of inertia about the shaft")
-    tilt: Scalar = param(default=0.0, unit="rad", doc="shaft tilt, positive when the upwind end points up")
+    tilt: Scalar = param(default=0.0, unit="rad", doc="shaft tilt, positive when the end of the hub points up")
     rotation: int = param(default=1, choices=(1, -1), doc="1: turns clockwise seen looking downwind, -1: the other way")
     reaction_torque: bool = param(default=True, doc="the frame takes the torque that goes into the shaft")
     gyroscopic: bool = param(default=True, doc="the frame takes the gyroscopic moment")
@@ -41,7 +43,7 @@ class Rotor(Component):
 
     def normal(self):
         """The rotor normal, world."""
-        return self.frame.R @ m.vertcat(m.cos(self.tilt), 0, -m.sin(self.tilt))
+        return self.frame.R @ m.vertcat(m.cos(self.tilt), 0, -self.side * m.sin(self.tilt))
 
     def equations(self):
         n, frame, shaft = self.normal(), self.frame, self.shaft
@@ -53,4 +55,5 @@ class Rotor(Component):
             eq(self.inertia * der(self.w), self.torque + shaft.tau),
             eq(self.aero_power, self.torque * self.w),
             [eq(frame.f, -self.thrust * n), eq(frame.t, -moment)],
+            self.switching(),
         ]

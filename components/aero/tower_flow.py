@@ -1,4 +1,4 @@
-"""The tower in the wind: how it deflects the wind at the blades, and its own drag."""
+"""The tower in the wind: how it deflects and slows the wind at the blades, and its own drag."""
 
 from __future__ import annotations
 
@@ -14,15 +14,11 @@ from fowtlib.language import math as m
 from fowtlib.language.errors import ParameterError
 
 
-class TowerPotentialFlow(Component):
-    """The dam of a tower: plane potential flow around a cylinder of the local diameter, at the nodes of every rotor.
+class TowerFlow(Component):
+    """Partial: what a tower does to the wind at the nodes of every rotor of blade elements, which finds it.
 
-    A rotor of blade elements in the same model finds it. The wind W across the tower axis becomes, at the distance d
-    (vector) from the nearest point of the axis, W (1 + R^2/d^2) - 2 R^2 d (d . W)/d^4 with the local radius R; upstream
-    that is W (1 - (D/2x)^2). AeroDyn has the same as TwrPotent = 1 (Moriarty and Hansen 2005, NREL/TP-500-36881). W is
-    the undisturbed wind of the node itself. Full from the lowest to the highest frame; beyond, it fades within one
-    local diameter. Inside of the tower it is bounded and means nothing, and a simulation in which a blade strikes the
-    tower stops there. Potential flow has no wake: for upwind rotors.
+    Full from the lowest to the highest frame; beyond, it fades within one local diameter. Inside of the tower it is
+    bounded and means nothing, and a simulation in which a blade strikes the tower stops there.
 
     Connect `nodes` to frames along the axis, from the base to the top; straight lines between them.
     """
@@ -36,13 +32,17 @@ class TowerPotentialFlow(Component):
         _check(self, self.diameters, "diameters", least=2)
         return [[eq(node.f, m.zeros(3)), eq(node.t, m.zeros(3))] for node in self.nodes]
 
+    def added(self, axis: _Axis, wind: ca.SX, position: ca.SX) -> ca.SX:
+        """What is added to the wind (3) at a position (3)."""
+        raise NotImplementedError
+
     def change(self, wind: ca.SX, position: ca.SX) -> ca.SX:
         """What the tower adds to the undisturbed wind (3, n, world) at positions (3, n); while flattening."""
         if not self.active:
             return ca.SX.zeros(*ca.SX(wind).shape)
         axis = _Axis([node.r for node in self.nodes], self.diameters)
         columns = zip(ca.horzsplit(ca.SX(wind)), ca.horzsplit(ca.SX(position)), strict=True)
-        return m.horzcat(*[axis.deflection(w, r) for w, r in columns])
+        return m.horzcat(*[self.added(axis, w, r) for w, r in columns])
 
     def clearance(self, position: ca.SX) -> ca.SX:
         """Least distance [m] of positions (3, n) from the surface, of those between the base and the top."""
@@ -51,6 +51,35 @@ class TowerPotentialFlow(Component):
             away, diameter, beyond = axis.beside(r)
             least = m.fmin(least, m.if_else(beyond > 0, least, m.norm(away) - diameter / 2))
         return least
+
+
+class TowerPotentialFlow(TowerFlow):
+    """The dam of a tower: plane potential flow around a cylinder of the local diameter.
+
+    The wind W across the tower axis becomes, at the distance d (vector) from the nearest point of the axis,
+    W (1 + R^2/d^2) - 2 R^2 d (d . W)/d^4 with the local radius R; upstream that is W (1 - (D/2x)^2). AeroDyn has the
+    same as TwrPotent = 1 (Moriarty and Hansen 2005, NREL/TP-500-36881). W is the undisturbed wind of the node itself.
+    Potential flow has no wake: for upwind rotors. See TowerFlow, and TowerShadow for the wake.
+    """
+
+    def added(self, axis: _Axis, wind: ca.SX, position: ca.SX) -> ca.SX:
+        return axis.deflection(wind, position)
+
+
+class TowerShadow(TowerFlow):
+    """The wake of a tower, for rotors downwind of it: what the drag of the tower takes off the wind behind it.
+
+    With lengths over the local radius, x along the wind W across the tower axis, y beside it and r = |(x, y)|, the wind
+    is W (1 - C_d / sqrt(r) cos^2(pi y / (2 sqrt r))) for x > 0 and |y| < sqrt(r): far behind, the momentum that is
+    missing is the drag C_d D rho W^2 / 2. The share that is missing is bounded near the tower. Powles (1983), as in
+    AeroDyn (TwrShadow = 1). It adds to the dam of a TowerPotentialFlow; W is the undisturbed wind of the node itself.
+    """
+
+    drag_coefficient: Scalar = param(default=1.0, min=0, doc="drag coefficient C_d by the diameter")
+    greatest_deficit: Scalar = param(default=0.5, min=0, max=1, doc="bound of the share of the wind that is missing")
+
+    def added(self, axis: _Axis, wind: ca.SX, position: ca.SX) -> ca.SX:
+        return axis.shadow(wind, position, self.drag_coefficient, self.greatest_deficit)
 
 
 class TowerDrag(Component):
@@ -104,6 +133,14 @@ def deflected_wind(wind: Any, position: Any, points: list[Any], diameters: list[
     return wind + _Axis(points, diameters).deflection(wind, position)
 
 
+def shadowed_wind(
+    wind: Any, position: Any, points: list[Any], diameters: list[float], drag_coefficient: float = 1.0,
+    greatest_deficit: float = 0.5,
+) -> ca.SX:  # fmt: skip
+    """Wind (3) in the wake of a tower with the diameters at the points of its axis, base first; see TowerShadow."""
+    return wind + _Axis(points, diameters).shadow(wind, position, drag_coefficient, greatest_deficit)
+
+
 class _Axis:
     """The axis of a tower, its points on straight lines; what does not depend on a position is written once."""
 
@@ -133,12 +170,30 @@ class _Axis:
     def deflection(self, wind: Any, position: Any) -> ca.SX:
         """What potential flow adds to the wind."""
         away, diameter, beyond = self.beside(position)
-        across = wind - self.direction * m.dot(self.direction, wind)
-        radius2 = diameter**2 / 4
+        across, radius2 = self.across(wind), diameter**2 / 4
         distance2 = m.fmax(m.sumsqr(away), radius2)
-        height = m.fmin(m.fmax(beyond / diameter, 0), 1)
-        share = (1 - height**2 * (3 - 2 * height)) * radius2 / distance2
+        share = self.fade(beyond, diameter) * radius2 / distance2
         return share * (across - (2 * m.dot(away, across) / distance2) * away)
+
+    def shadow(self, wind: Any, position: Any, drag_coefficient: Any, greatest_deficit: Any) -> ca.SX:
+        """What the wake of the tower takes off the wind, negative along it."""
+        away, diameter, beyond = self.beside(position)
+        across, away = self.across(wind), away / (diameter / 2)
+        along = m.dot(away, across) / m.smooth_norm(across, 1e-6)
+        root = m.fmax(m.sumsqr(away), 1) ** 0.25
+        beside = m.sqrt(m.fmax(m.sumsqr(away) - along**2, 1e-12))
+        deficit = drag_coefficient / root * m.cos(m.pi / 2 * m.fmin(beside / root, 1)) ** 2
+        missing = m.if_else(along > 0, m.fmin(deficit, greatest_deficit), 0)
+        return -self.fade(beyond, diameter) * missing * across
+
+    def across(self, wind: Any) -> ca.SX:
+        """The wind across the axis."""
+        return wind - self.direction * m.dot(self.direction, wind)
+
+    def fade(self, beyond: Any, diameter: Any) -> ca.SX:
+        """1 beside the tower, 0 from one diameter beyond its ends on."""
+        height = m.fmin(m.fmax(beyond / diameter, 0), 1)
+        return 1 - height**2 * (3 - 2 * height)
 
 
 def _check(component: Component, values: list, name: str, least: int = 1) -> None:

@@ -3,6 +3,7 @@
 from fowtlib.components.blocks.algebra import Demux, Gain, Limiter, Mux, Product, Sum
 from fowtlib.components.blocks.control import PI, DiscreteTransferFunction, SampledPI, Sampler
 from fowtlib.components.blocks.dynamics import (
+    BandPass,
     ButterworthLowPass,
     Derivative,
     FirstOrder,
@@ -17,6 +18,7 @@ from fowtlib.components.blocks.tables import Table1D, Table2D
 
 __all__ = [
     "PI",
+    "BandPass",
     "ButterworthLowPass",
     "Constant",
     "Demux",

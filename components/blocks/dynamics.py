@@ -154,6 +154,30 @@ class ButterworthLowPass(Component):
         return [equations, eq(self.y, into), steady if starts_steady(self) else []]
 
 
+class BandPass(Component):
+    """Second-order band pass, 1 at its frequency w0: y / u = 2 zeta w0 s / (s^2 + 2 zeta w0 s + w0^2).
+
+    What is left of u without it, u - y, is a notch. It starts at rest, with y = 0.
+    """
+
+    frequency: Scalar = param(unit="Hz", min=0, doc="centre")
+    damping_ratio: Scalar = param(default=0.5, min=0, doc="zeta: half of the width over the centre")
+
+    u: RealInput = port(doc="input")
+    y: RealOutput = port(doc="what passes")
+
+    x: Scalar = var(state="prefer", doc="what passes")
+    held: Scalar = var(state="prefer", doc="integral of what passes times w0")
+
+    def equations(self):
+        w0 = 2 * math.pi * self.frequency
+        return [
+            eq(der(self.x), w0 * (2 * self.damping_ratio * (self.u - self.x) - self.held)),
+            eq(der(self.held), w0 * self.x),
+            eq(self.y, self.x),
+        ]
+
+
 class StateSpace(Component):
     """x' = A x + B u, y = C x + D u, with vectors u (columns of B) and y (rows of C).
 

@@ -8,7 +8,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from fowtlib.language.data_files import text_of
+from fowtlib.language.data_files import is_number, text_of
 from fowtlib.language.errors import ParameterError
 
 Floats = NDArray[np.float64]
@@ -56,12 +56,12 @@ def read_series(path: str, stations: int, *, what: str = "wind file", quantity: 
         cells = [cell.strip() for cell in content.split(",")]
         if len(cells) < 2:
             raise ParameterError(f"{path}:{line}: 1 column, expected time and {quantity}, separated by commas")
-        if not rows and not header and not any(_is_number(cell) for cell in cells):
+        if not rows and not header and not any(is_number(cell) for cell in cells):
             header = True
             continue
         where = f"{path}:{line}"
         for column, cell in enumerate(cells, start=1):
-            if not (_is_number(cell) and math.isfinite(float(cell))):
+            if not (is_number(cell) and math.isfinite(float(cell))):
                 raise ParameterError(f"{where}: column {column} is {cell!r}, expected a number")
         if len(cells) not in (2, 1 + stations):
             every = f"{1 + stations}, time and the speed at every station"
@@ -94,11 +94,3 @@ def _check_times(path: str, time: Floats, lines: list[int]) -> None:
             f"{path}:{lines[i + 1]}: time rises by {steps[i]:g} s here and by {usual:g} s elsewhere; "
             "resample the series to equal steps"
         )
-
-
-def _is_number(text: str) -> bool:
-    try:
-        float(text)
-    except ValueError:
-        return False
-    return True

@@ -24,6 +24,7 @@ from fowtlib.language import Component
 from fowtlib.language.errors import ParameterError
 
 _UPRIGHT = 1e-3  # m that a column may lean from end to end
+_CUT = 1e-3  # m: shorter edges, where members that nearly touch cut each other, are points
 
 
 @dataclass(frozen=True)
@@ -55,7 +56,7 @@ def hulls(root: Component) -> dict[str, ModelHull]:
 def _floater_mesher(part: Any) -> Callable[[float], HullMesh]:
     def mesh(size: float) -> HullMesh:
         hull = part.hull()
-        made = HullMesh(hull.panels(size), hull.lids(size), part.path or "hull")
+        made = HullMesh(hull.panels(size), hull.lids(size), part.path or "hull", join=_CUT)
         made.expect(hull.buoyancy.volume, hull.buoyancy.waterplane[2, 2])
         return with_mirrored_panels(made)
 

@@ -40,7 +40,7 @@ import numpy as np
 
 from fowtlib.components.hydro.errors import HydrodynamicDataError
 from fowtlib.components.hydro.fortran_numbers import number_of, wrong
-from fowtlib.language.data_files import text_of
+from fowtlib.language.data_files import is_number, text_of
 
 _MODES = range(1, 7)
 _PHASE_MISMATCH = 2e-3  # RE, IM against MOD, PHA, relative to MOD: a file with columns in another order is far above
@@ -184,15 +184,7 @@ def _lines(path: Path) -> Iterator[tuple[int, list[str]]]:
 
 def _header(words: list[str]) -> bool:
     """Whether a first line is a heading (NUMHDR = 1 of WAMIT): half of its words or more are no numbers."""
-    return sum(_is_number(word) for word in words) <= len(words) / 2
-
-
-def _is_number(word: str) -> bool:
-    try:
-        float(word.replace("D", "E").replace("d", "e"))
-    except ValueError:
-        return False
-    return True
+    return sum(is_number(word.replace("D", "E").replace("d", "e")) for word in words) <= len(words) / 2
 
 
 def _mode(path: Path, line: int, word: str) -> int:

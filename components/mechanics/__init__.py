@@ -9,7 +9,7 @@ from fowtlib.components.mechanics.beam_properties import BeamProperties, read_be
 from fowtlib.components.mechanics.bodies import Fixed, FixedRotation, FixedTranslation, PointMass, RigidBody
 from fowtlib.components.mechanics.interfaces import TwoFlanges, TwoFrames
 from fowtlib.components.mechanics.joints import Crank, FreeMotion, PlanarLoopRevolute, Prismatic, Revolute, Spherical
-from fowtlib.components.mechanics.loads import SpringDamper, WorldForce, WorldTorque
+from fowtlib.components.mechanics.loads import ConstantForce, SpringDamper, WorldForce, WorldTorque
 from fowtlib.components.mechanics.rotational import (
     AngleSensor,
     AngleSource,
@@ -46,6 +46,7 @@ __all__ = [
     "BeamTurn",
     "BeamHinge",
     "BendingHinge",
+    "ConstantForce",
     "Crank",
     "Fixed",
     "FixedFlange",

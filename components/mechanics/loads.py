@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from fowtlib.components.mechanics.connectors import Frame
 from fowtlib.components.mechanics.interfaces import TwoFrames
-from fowtlib.language import Component, RealInput, Scalar, assert_, der, eq, param, port, shapes, var
+from fowtlib.language import Component, RealInput, Scalar, Vector, assert_, der, eq, param, port, shapes, var
 from fowtlib.language import math as m
 
 
@@ -22,6 +22,17 @@ class WorldForce(Component):
     def equations(self):
         load = self.force if self.resolve_in == "world" else self.frame.R @ self.force
         return [eq(self.frame.f, -load), eq(self.frame.t, m.zeros(3))]
+
+
+class ConstantForce(Component):
+    """A force on a frame that is the same at all times, resolved in the world; it acts at the origin of the frame."""
+
+    force: Vector = param(default=(0, 0, 0), unit="N", doc="force on the part joined to the frame, world")
+
+    frame: Frame = port(doc="where the force acts")
+
+    def equations(self):
+        return [eq(self.frame.f, -self.force), eq(self.frame.t, m.zeros(3))]
 
 
 class WorldTorque(Component):

@@ -7,13 +7,13 @@ import numpy as np
 from fowtlib.components.environment.world import World
 from fowtlib.components.mechanics.connectors import Frame
 from fowtlib.components.mooring import catenary
+from fowtlib.components.mooring.anchors import LEVEL, ends_above_seabed, hold_anchor
 from fowtlib.components.mooring.lost_line import LosableLine
 from fowtlib.language import (
     Scalar,
     Vector,
     assert_,
     eq,
-    fix_orientation,
     outer,
     param,
     port,
@@ -23,9 +23,6 @@ from fowtlib.language import (
 from fowtlib.language import math as m
 from fowtlib.language.declarations import join
 from fowtlib.language.errors import ParameterError
-
-LEVEL = 0.01
-"""Height [m] above or below the seabed up to which an end of a line lies on it."""
 
 
 class CatenaryLine(LosableLine):
@@ -158,16 +155,6 @@ def arch(weight, horizontal, lower, upper):
     return m.if_else(arched, (m.sqrt(horizontal**2 + lower**2) - horizontal) / m.fmax(-weight, 1e-9), 0)
 
 
-def ends_above_seabed(depth, anchor, fairlead):
-    """Heights z of the ends of a line that are not below the seabed."""
-    return [
-        assert_(anchor > -depth - LEVEL, "the anchor is at {z} m, below the seabed at {seabed} m (World.water_depth)",
-                z=anchor, seabed=-depth),
-        assert_(fairlead > -depth - LEVEL, "the fairlead is at {z} m, below the seabed at {seabed} m",
-                z=fairlead, seabed=-depth),
-    ]  # fmt: skip
-
-
 def weight_is_given(line):
     """Whether the weight in water is given, and not mass and diameter; ParameterError for both or none of them."""
     given, by_mass = (line.parameter_value(name) is not None for name in ("weight_per_length", "mass_per_length"))
@@ -183,18 +170,3 @@ def line_weight(line):
     if weight_is_given(line):
         return line.weight_per_length
     return catenary.weight_in_water(line.mass_per_length, line.diameter, line.world.gravity, line.world.water_density)
-
-
-def hold_anchor(line, load):
-    """The anchor is a frame of a body, which takes the load of the line, or a point of the seabed."""
-    if line.anchor.connected:
-        return [eq(line.anchor.f, load), eq(line.anchor.t, m.zeros(3))]
-    if not line.is_set("anchor_position"):
-        raise ParameterError(f"{line.label} has no anchor: give anchor_position, or connect a frame to its anchor.")
-    z, seabed = float(line.parameter_value("anchor_position")[2]), -float(line.world.parameter_value("water_depth"))
-    if z < seabed - LEVEL:
-        raise ParameterError(
-            f"{line.label} has its anchor at z = {z:g} m, below the seabed: World.water_depth is {-seabed:g} m. "
-            "Change the depth of one to that of the other; an anchor above the seabed ends the line in mid-water."
-        )
-    return [eq(line.anchor.r, line.anchor_position), fix_orientation(line.anchor, m.eye(3), m.zeros(3))]

@@ -12,7 +12,8 @@ from fowtlib.components.environment.world import World
 from fowtlib.components.mechanics.bodies import FixedTranslation
 from fowtlib.components.mechanics.connectors import Frame
 from fowtlib.components.mooring import catenary
-from fowtlib.components.mooring.catenary_line import LEVEL, CatenaryLine
+from fowtlib.components.mooring.anchors import LEVEL
+from fowtlib.components.mooring.catenary_line import CatenaryLine
 from fowtlib.components.mooring.yaw_spring import YawSpring
 from fowtlib.language import Array, Component, Scalar, param, parts, port
 from fowtlib.language import math as m

@@ -6,7 +6,8 @@ import numpy as np
 
 from fowtlib.components.mechanics.connectors import Frame
 from fowtlib.components.mooring import catenary, sections
-from fowtlib.components.mooring.catenary_line import LEVEL, arch, ends_above_seabed, hold_anchor
+from fowtlib.components.mooring.anchors import LEVEL, ends_above_seabed, hold_anchor
+from fowtlib.components.mooring.catenary_line import arch
 from fowtlib.components.mooring.line_of_sections import LineOfSections
 from fowtlib.language import Array, Scalar, Vector, assert_, eq, param, port, shapes, var
 from fowtlib.language import math as m

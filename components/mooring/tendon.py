@@ -4,7 +4,8 @@ from __future__ import annotations
 
 from fowtlib.components.environment.world import World
 from fowtlib.components.mechanics.connectors import Frame
-from fowtlib.components.mooring.catenary_line import hold_anchor, line_weight
+from fowtlib.components.mooring.anchors import hold_anchor
+from fowtlib.components.mooring.catenary_line import line_weight
 from fowtlib.components.mooring.lost_line import Losable
 from fowtlib.language import Scalar, Vector, assert_, assign, der, eq, on, outer, param, port, shapes, var, when
 from fowtlib.language import math as m

@@ -2,11 +2,13 @@
 
 from fowtlib.components.servo.baseline import BaselineController
 from fowtlib.components.servo.bladed import BladedController
-from fowtlib.components.servo.estimator import StateEstimator
+from fowtlib.components.servo.estimator import ScheduledEstimator, StateEstimator
+from fowtlib.components.servo.estimator_table import EstimatorTable, read_estimators
 from fowtlib.components.servo.gain_table import GainTable, read_gains
 from fowtlib.components.servo.generator import Generator
 from fowtlib.components.servo.individual_pitch import IndividualPitchController
 from fowtlib.components.servo.nacelle_velocity import NacelleVelocity
+from fowtlib.components.servo.peak_shaving import LeastPitch, PeakShaving, read_least_pitch
 from fowtlib.components.servo.pitch_controller import FLOATING_GAINS, ONSHORE_GAINS, PitchController
 from fowtlib.components.servo.safety_system import SafetySystem
 from fowtlib.components.servo.sampled import SampledPitchController, SampledTorqueController
@@ -23,15 +25,19 @@ __all__ = [
     "BaselineController",
     "BladedController",
     "DemandedController",
+    "EstimatorTable",
     "GainTable",
     "Generator",
     "IndividualPitchController",
     "NacelleVelocity",
+    "LeastPitch",
+    "PeakShaving",
     "PitchController",
     "PitchDrive",
     "SafetySystem",
     "SampledPitchController",
     "SampledTorqueController",
+    "ScheduledEstimator",
     "ScheduledFeedback",
     "StateEstimator",
     "Supervisor",
@@ -39,6 +45,8 @@ __all__ = [
     "TorqueLaw",
     "TurbineController",
     "YawController",
+    "read_estimators",
     "read_gains",
     "torque_of",
+    "read_least_pitch",
 ]

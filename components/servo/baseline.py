@@ -5,11 +5,13 @@ from __future__ import annotations
 import math
 
 from fowtlib.components.blocks import FirstOrder
+from fowtlib.components.servo.peak_shaving import LeastPitch, PeakShaving, read_least_pitch
 from fowtlib.components.servo.pitch_controller import PitchController
 from fowtlib.components.servo.sampled import SampledPitchController, SampledTorqueController
 from fowtlib.components.servo.torque_controller import TorqueController
 from fowtlib.components.servo.turbine_controller import TurbineController
-from fowtlib.language import Number, RealInput, Scalar, like, param, port
+from fowtlib.language import Data, Number, RealInput, Scalar, data, like, param, port
+from fowtlib.language.errors import ParameterError
 
 PITCH = ("proportional_gain", "integral_gain", "rated_speed", "yaw_gain", "pitch_start")
 
@@ -35,6 +37,9 @@ class BaselineController(TurbineController):
     )
     filter_frequency: Scalar = param(default=0.25, unit="Hz", min=0, doc="corner of the speed filter, single pole")
     sample_period: Number = param(default=None, unit="s", min=1e-6, doc="sampling period; without it continuous")
+    peak_shaving: Data[LeastPitch] = data(
+        read_least_pitch, default=None, doc="CSV with a least pitch over the power, see PeakShaving; without it none"
+    )
     pitch_start: Scalar = param(default=0.0, unit="rad", doc="initial blade pitch")
     speed_start: Scalar = param(default=0.0, unit="rad/s", doc="sampled: initial generator speed")
 
@@ -59,5 +64,17 @@ class BaselineController(TurbineController):
                      (self.velocity, self.pitch.velocity), (self.velocity, self.torque.velocity)):  # fmt: skip
             self.connect(*pair)
         self.connect(self.pitch.collective, self.torque.collective)
+        self.shave(speed)
         self.connect(self.pitch.blade_pitch, self.blade_pitch)
         self.connect(self.torque.torque, self.generator_torque)
+
+    def shave(self, speed):
+        """The least pitch by the power, where one is given."""
+        if self.peak_shaving is None:
+            return
+        if self.sample_period is not None:
+            raise ParameterError(f"{self.label}: peak_shaving is continuous in time; leave sample_period out.")
+        self.shaving = PeakShaving(table=self.peak_shaving)
+        for pair in ((speed, self.shaving.speed), (self.torque.torque, self.shaving.torque),
+                     (self.shaving.raised, self.pitch.raised), (self.shaving.raised, self.torque.raised)):  # fmt: skip
+            self.connect(*pair)

@@ -9,6 +9,7 @@ from fowtlib.language import (
     RealInput,
     RealOutput,
     Scalar,
+    assert_,
     assign,
     eq,
     event,
@@ -98,6 +99,7 @@ class ShaftBrake(Component):
 
     rise_time: Scalar = param(default=0.6, unit="s", min=1e-3, doc="time in which the torque comes up")
     rated_torque: Scalar = param(default=0.0, unit="N*m", min=0, doc="torque of an event that does not say it")
+    on: Scalar = param(default=0.0, min=0, max=1, doc="1: it is on at the start, with rated_torque; 0: off")
 
     apply: OfferedEvent = event(
         doc="the brake comes on, and nothing else happens",
@@ -111,22 +113,31 @@ class ShaftBrake(Component):
     speed: RealInput = port(unit="rad/s", doc="speed of the shaft")
     torque: RealOutput = port(unit="N*m", doc="torque against the motion")
 
-    applied: Scalar = var(unit="N*m", discrete=True, start=0.0, doc="torque when it is up; 0: the brake is off")
+    applied: Scalar = var(
+        unit="N*m", discrete=True, start=lambda self: self.on * self.rated_torque,
+        doc="torque when it is up; 0: the brake is off",
+    )  # fmt: skip
     since: Scalar = var(unit="s", discrete=True, start=0.0, doc="time at which the brake comes on")
+    held: Scalar = var(discrete=True, start=lambda self: self.on, doc="1: it has been up from the start on")
     share: Scalar = var(discrete=True, start=1.0, doc="of its torque that it still has")
 
     def equations(self):
-        up = self.share * _inside((self.time - self.since) / self.rise_time)
+        up = self.share * (self.held + (1 - self.held) * _inside((self.time - self.since) / self.rise_time))
         return [
+            assert_(self.rated_torque + 1 - self.on > 0, "the brake is on at the start, and its torque is 0; give one"),
             eq(self.torque, self.applied * up * self.speed / m.sqrt(self.speed**2 + SLOW**2)),
             on(self.apply, *self.on_at(self.apply.torque, self.apply.delay)),
-            on(self.release, assign(self.applied, 0)),
+            on(self.release, *self.off()),
             on(self.failure, assign(self.share, self.failure.left)),
         ]
 
     def on_at(self, torque, delay=0.0):
         """Actions: the brake comes on after a delay."""
         return [assign(self.applied, torque), assign(self.since, self.time + delay)]
+
+    def off(self):
+        """Actions: the brake is off."""
+        return [assign(self.applied, 0), assign(self.held, 0)]
 
 
 def _inside(share):

@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from fowtlib.components.servo.torque_law import larger, smaller
+from fowtlib.components.servo.antiwindup import held_within
+from fowtlib.components.servo.torque_law import larger
 from fowtlib.language import Component, RealInput, RealOutput, Scalar, der, eq, param, port, var
 from fowtlib.language import math as m
 
@@ -47,6 +48,7 @@ class PitchController(Component):
     speed: RealInput = port(unit="rad/s", doc="filtered generator speed")
     yaw: RealInput = port(default=0.0, unit="rad", doc="yaw angle of the platform")
     velocity: RealInput = port(default=0.0, unit="m/s", doc="velocity of the nacelle, downwind")
+    raised: RealInput = port(default=0.0, unit="rad", doc="added to the lower limit: peak shaving")
     blade_pitch: RealOutput = port(unit="rad", doc="blade pitch")
     collective: RealOutput = port(unit="rad", doc="blade pitch without the part of the yaw control")
 
@@ -69,14 +71,13 @@ class PitchController(Component):
     def equations(self):
         error = self.speed - self.rated_speed
         gain = 1 / (1 + self.pitch / self.doubling_pitch)
-        to_upper = (self.greatest_pitch / gain - self.integral) / self.antiwindup_band
-        to_lower = (self.integral - self.least_pitch / gain) / self.antiwindup_band
-        fade = smaller(m.if_else(error > 0, to_upper, to_lower), 1, 0.2, m)
+        least, band = self.least_pitch + self.raised, self.antiwindup_band
+        grows = held_within(self.integral_gain * error, self.integral, least / gain, self.greatest_pitch / gain, band)
         free = gain * (self.proportional_gain * error + self.integral) + self.velocity_gain * self.velocity
-        above = larger(free, self.least_pitch, self.pitch_rounding, m) + self.yaw_part
+        above = larger(free, least, self.pitch_rounding, m) + self.yaw_part
         rate = (self.command - self.pitch) / self.response_time
         return [
-            eq(der(self.integral), self.integral_gain * error * fade),
+            eq(der(self.integral), grows),
             eq(self.yaw_part, self.yaw_pitch()),
             eq(self.command, m.fmin(above, self.greatest_pitch)),
             eq(der(self.pitch), m.fmin(m.fmax(rate, -self.greatest_rate), self.greatest_rate)),

@@ -19,12 +19,13 @@ class SafetyActuators(Component):
     idling: Scalar = param(
         default=0.0, min=0, max=1, doc="1: shut down at the start, at feather_pitch; 0: in operation"
     )
+    braked: Scalar = param(default=0.0, min=0, max=1, doc="1: the brake is on at the start; with idling: parked")
 
     sensor: SpeedMeasurement = part(SpeedMeasurement)
     yaw_sensor: AngleMeasurement = part(AngleMeasurement)
     pitch: PitchRamp = part(PitchRamp, highest=feather_pitch, feathered=idling)
     generator: GeneratorSwitch = part(GeneratorSwitch, open=idling)
-    brake: ShaftBrake = part(ShaftBrake, rise_time=brake_time, rated_torque=brake_torque)
+    brake: ShaftBrake = part(ShaftBrake, rise_time=brake_time, rated_torque=brake_torque, on=braked)
 
     def around(
         self, control: TurbineController, speed: PortReference, yaw: PortReference
@@ -45,7 +46,7 @@ class SafetyActuators(Component):
     def start_at(self, rate):
         """Actions: the blades pitch towards operation, the generator is there, the brake is off."""
         return [
-            *self.pitch.ramp_at(-rate), assign(self.brake.applied, 0), assign(self.generator.connected, 1),
+            *self.pitch.ramp_at(-rate), *self.brake.off(), assign(self.generator.connected, 1),
             assign(self.generator.cut_out_speed, NEVER),
         ]  # fmt: skip
 

@@ -44,6 +44,7 @@ class TorqueController(Component):
 
     speed: RealInput = port(unit="rad/s", doc="filtered generator speed")
     collective: RealInput = port(default=0.0, unit="rad", doc="blade pitch without the part of the yaw control")
+    raised: RealInput = port(default=0.0, unit="rad", doc="pitch of peak shaving, which does not count for region 3")
     velocity: RealInput = port(default=0.0, unit="m/s", doc="velocity of the nacelle, downwind")
     torque: RealOutput = port(unit="N*m", doc="generator torque")
 
@@ -53,7 +54,7 @@ class TorqueController(Component):
     def asked(self, speed):
         """Torque asked for at a filtered generator speed."""
         by_speed, above = torque_law.torque_of(speed, self, m), torque_law.region_3_torque(speed, self, m)
-        pitched = _step((self.collective - self.region_3_pitch) / self.pitch_transition + 0.5)
+        pitched = _step((self.collective - self.raised - self.region_3_pitch) / self.pitch_transition + 0.5)
         turns = _step((speed - self.cut_in_speed) / (self.region_2_speed - self.cut_in_speed))
         lawful = by_speed + (above - by_speed) * pitched * turns
         floating = turns * self.velocity_gain * self.velocity

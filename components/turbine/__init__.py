@@ -8,6 +8,7 @@ from fowtlib.components.turbine.operating_point import OperatingPoint, SteadyTur
 from fowtlib.components.turbine.rotor_nacelle import RotorNacelle
 from fowtlib.components.turbine.rotor_nacelle_assembly import RotorNacelleAssembly
 from fowtlib.components.turbine.start import start_point
+from fowtlib.components.turbine.thrust_turbine import ThrustTurbine
 from fowtlib.components.turbine.turbine import Turbine
 
 __all__ = [
@@ -23,6 +24,7 @@ __all__ = [
     "RotorNacelle",
     "RotorNacelleAssembly",
     "SteadyTurbine",
+    "ThrustTurbine",
     "Turbine",
     "start_point",
 ]

@@ -4,10 +4,10 @@ from __future__ import annotations
 
 import math
 
+from fowtlib.components.aero import RotorSide
 from fowtlib.components.mechanics import Frame, RigidBody, TwoFrames
 from fowtlib.components.turbine.actuators import ActuatedBearing
 from fowtlib.language import (
-    Component,
     Number,
     RealInput,
     RealOutput,
@@ -40,7 +40,7 @@ class BladeMount(TwoFrames):
         return [eq(b.r, a.r + arm), rotation(a, b, R, m.zeros(3)), self.transmit(arm)]
 
 
-class Hub(Component):
+class Hub(RotorSide):
     """Rigid hub with `blades` coned blade roots, each behind a pitch bearing with a drive of second order.
 
     Pitch is positive to feather: the leading edge turns upwind. rotation = 1 is clockwise seen from upwind (about +x).
@@ -52,11 +52,11 @@ class Hub(Component):
 
     blades: int = param(default=3, min=1, doc="number of blades")
     rotation: int = param(default=1, choices=(1, -1), doc="1: clockwise seen from upwind, -1: counter-clockwise")
-    precone: Scalar = param(default=0.0, unit="rad", doc="cone angle, tips upwind")
+    precone: Scalar = param(default=0.0, unit="rad", doc="cone angle, tips away from the tower")
     radius: Scalar = param(unit="m", min=0, doc="distance of the blade roots from the shaft")
     mass: Scalar = param(default=0.0, unit="kg", min=0, doc="mass of the hub")
     inertia: Scalar = param(default=0.0, unit="kg*m^2", min=0, doc="moment of inertia of the hub about the shaft")
-    centre_of_mass: Scalar = param(default=0.0, unit="m", doc="centre of mass along the shaft, positive downwind")
+    centre_of_mass: Scalar = param(default=0.0, unit="m", doc="centre of mass along the shaft, to the tower")
     pitch_frequency: Scalar = param(default=5.0, unit="Hz", min=0, doc="natural frequency of the pitch drives")
     pitch_damping: Scalar = param(default=0.02, min=0, doc="damping ratio of the pitch drives")
     pitch_rate: Number = param(default=None, unit="rad/s", min=1e-9, doc="greatest pitch rate; without it: no limit")
@@ -67,11 +67,12 @@ class Hub(Component):
     pitch: RealOutput = port(size="blades", unit="rad", doc="pitch of each blade")
 
     body: RigidBody = part(
-        RigidBody, mass=mass, inertia=((inertia, 0, 0), (0, 0, 0), (0, 0, 0)), r_cm=(centre_of_mass, 0, 0)
-    )
+        RigidBody, mass=mass, inertia=((inertia, 0, 0), (0, 0, 0), (0, 0, 0)),
+        r_cm=lambda self: (self.side * self.centre_of_mass, 0, 0),
+    )  # fmt: skip
 
     mounts: list[BladeMount] = parts(
-        BladeMount, size="blades", name="mount", precone=precone, radius=radius,
+        BladeMount, size="blades", name="mount", precone=lambda self: self.side * self.precone, radius=radius,
         each=lambda self, k: {"azimuth": self.rotation * 2 * math.pi * k / self.blades},
     )  # fmt: skip
     bearings: list[ActuatedBearing] = parts(

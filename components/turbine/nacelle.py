@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from fowtlib.components.aero import RotorSide
 from fowtlib.components.mechanics import (
     FixedRotation,
     FixedTranslation,
@@ -33,11 +34,12 @@ from fowtlib.language import (
 from fowtlib.language import math as m
 
 
-class Nacelle(Component):
+class Nacelle(RotorSide):
     """Yaw bearing with its drive, nacelle body, tilted shaft with its bearing, load sensor at the hub.
 
     The hub lies `overhang` upwind of the yaw axis along the shaft, which crosses that axis `shaft_height` above the
-    tower top; a positive tilt raises the hub. The torque of the drive train reacts on the nacelle; the angular momentum
+    tower top; a positive tilt raises the hub. With `downwind` the nacelle is turned round by 180 deg, and its hub lies
+    downwind. The torque of the drive train reacts on the nacelle; the angular momentum
     of the high speed shaft is left out (1/97 of the acceleration torque of the generator for the NREL 5 MW).
     Example: NREL/TP-500-38060, table 4-1.
     """
@@ -51,7 +53,7 @@ class Nacelle(Component):
     )
     shaft_height: Scalar = param(default=0.0, unit="m", doc="height of the shaft above the tower top, on the yaw axis")
     tilt: Scalar = param(default=0.0, unit="rad", doc="tilt of the shaft, hub up")
-    overhang: Scalar = param(default=0.0, unit="m", doc="hub upwind of the yaw axis, along the shaft")
+    overhang: Scalar = param(default=0.0, unit="m", doc="distance of the hub from the yaw axis, along the shaft")
     rotation: int = param(default=1, choices=(1, -1), doc="1: clockwise seen from upwind, -1: counter-clockwise")
     azimuth_start: Scalar = param(default=0.0, unit="rad", doc="initial azimuth of blade 1; 0 is up")
     rotor_speed_start: Scalar = param(default=0.0, unit="rad/s", doc="initial rotor speed")
@@ -72,8 +74,8 @@ class Nacelle(Component):
         ActuatedBearing, natural_frequency=yaw_frequency, damping_ratio=yaw_damping, rate_limit=yaw_rate
     )
     body: RigidBody = part(RigidBody, mass=mass, inertia=inertia, r_cm=centre_of_mass)
-    tilted: FixedRotation = part(FixedRotation, n=(0, 1, 0), angle=tilt, r=(0, 0, shaft_height))
-    arm: FixedTranslation = part(FixedTranslation, r=(-overhang, 0, 0))
+    tilted: FixedRotation = part(FixedRotation, n=lambda self: (0, self.side, 0), angle=tilt, r=(0, 0, shaft_height))
+    arm: FixedTranslation = part(FixedTranslation, r=lambda self: (-self.side * self.overhang, 0, 0))
     bearing: Revolute = part(
         Revolute, n=lambda self: (self.rotation, 0, 0), phi_start=azimuth_start, w_start=rotor_speed_start
     )
@@ -81,21 +83,21 @@ class Nacelle(Component):
 
     def build(self):
         for a, b in (
-            (self.frame_a, self.yaw.frame_a), (self.yaw.frame_b, self.body.frame_a),
-            (self.yaw_command, self.yaw.command),
+            (self.frame_a, self.yaw.frame_a), (self.yaw_command, self.yaw.command),
             (self.yaw.frame_b, self.tilted.frame_a), (self.tilted.frame_b, self.arm.frame_a),
             (self.arm.frame_b, self.bearing.frame_a), (self.bearing.frame_b, self.cut.frame_a),
             (self.cut.frame_b, self.hub), (self.bearing.flange, self.shaft),
         ):  # fmt: skip
             self.connect(a, b)
+        self.carry(self.yaw.frame_b, self.body)
 
     def drawing(self) -> shapes.Drawing:
         """A box around the shaft, from behind the hub over the tower; nothing for a hub on the yaw axis."""
-        overhang, height = self.parameter_value("overhang"), self.parameter_value("shaft_height")
-        if overhang <= 0:
+        length, height = self.parameter_value("overhang"), self.parameter_value("shaft_height")
+        if length <= 0:
             return []
-        centre, size = (0.65 * overhang, 0, height), (2.6 * overhang, 0.85 * overhang, 0.85 * overhang)
-        shaft = shapes.Tube(self.hub, [(0, 0, 0), (0.4 * overhang, 0, 0)], 0.3 * overhang, material="nacelle")
+        centre, size = (0.65 * self.side * length, 0, height), (2.6 * length, 0.85 * length, 0.85 * length)
+        shaft = shapes.Tube(self.hub, [(0, 0, 0), (0.4 * self.side * length, 0, 0)], 0.3 * length, material="nacelle")
         return [shapes.Box(self.yaw.frame_b, centre, size, material="nacelle"), shaft]
 
     def equations(self):

@@ -4,14 +4,27 @@ from __future__ import annotations
 
 from collections.abc import Callable
 
-from fowtlib.components.aero import CoefficientRotor, outlines
+from fowtlib.components.aero import CoefficientRotor, RotorSide, outlines
 from fowtlib.components.environment.wind import Wind
 from fowtlib.components.environment.world import World
 from fowtlib.components.mechanics import Frame, IdealGear, RigidBody
 from fowtlib.components.servo import BaselineController, Generator, SafetySystem, TurbineController
 from fowtlib.components.turbine.operating_point import SteadyTurbine
 from fowtlib.components.turbine.start import controlled, give_default, start_point, unknown_start
-from fowtlib.language import Component, Matrix, RealInput, RealOutput, Scalar, Vector, eq, outer, param, part, port
+from fowtlib.language import (
+    Component,
+    Matrix,
+    RealInput,
+    RealOutput,
+    Scalar,
+    Vector,
+    eq,
+    like,
+    outer,
+    param,
+    part,
+    port,
+)
 from fowtlib.language.shapes import Drawing
 
 
@@ -19,12 +32,13 @@ def _start_of(name: str) -> Callable[[RotorNacelle], float]:
     return lambda turbine: getattr(start_point(turbine, turbine.rotor.station), name)
 
 
-class RotorNacelle(Component):
+class RotorNacelle(RotorSide):
     """A turbine above its tower: rotor, gear, generator, controller, and the mass of rotor and nacelle as one body.
 
     Give the parts `rotor` and `control` with their own parameters; `safety` offers shutdowns as events. The inertia
     about the shaft belongs to the rotor, `inertia` is the rest. The simulation starts at the steady operating point in
-    the mean wind of the rotor's station, unless start values are given; without wind the rotor stands still.
+    the mean wind of the rotor's station, unless start values are given; without wind, or without loads of the air, the
+    rotor stands still. Downwind of its tower the body is turned round about z.
     """
 
     mass: Scalar = param(unit="kg", min=0, doc="mass of rotor and nacelle")
@@ -35,6 +49,7 @@ class RotorNacelle(Component):
     gear_ratio: Scalar = param(min=0, doc="generator speed over rotor speed")
     generator_inertia: Scalar = param(unit="kg*m^2", min=0, doc="moment of inertia about the high speed shaft")
     generator_efficiency: Scalar = param(default=1.0, min=0, max=1, doc="electrical over mechanical power")
+    air_loads: Scalar = like(CoefficientRotor.air_loads)
     rotor_speed_start: Scalar = param(default=_start_of("rotor_speed"), unit="rad/s", doc="initial rotor speed")
     blade_pitch_start: Scalar = param(default=_start_of("blade_pitch"), unit="rad", doc="initial blade pitch")
 
@@ -61,7 +76,7 @@ class RotorNacelle(Component):
     def build(self):
         rotor, control, generator, safety = self.rotor, self.control, self.generator, self.safety
         for a, b in (
-            (self.frame, rotor.frame), (self.frame, self.body.frame_a), (rotor.shaft, self.gear.flange_b),
+            (self.frame, rotor.frame), (rotor.shaft, self.gear.flange_b),
             (self.gear.flange_a, generator.shaft), *safety.around(control, generator.speed, self.yaw),
             (generator.speed, self.generator_speed), (safety.brake.torque, generator.brake),
             (safety.pitch.output, rotor.blade_pitch), (safety.pitch.output, self.blade_pitch),
@@ -69,6 +84,9 @@ class RotorNacelle(Component):
             (generator.power, self.generator_power), (rotor.aero_power, self.aero_power), (rotor.thrust, self.thrust),
         ):  # fmt: skip
             self.connect(a, b)
+        self.carry(self.frame, self.body)
+        give_default(rotor, "downwind", self.downwind)
+        give_default(rotor, "air_loads", self.air_loads)
         give_default(rotor, "w_start", self.rotor_speed_start)
         give_default(control, "pitch_start", self.blade_pitch_start * (1 - safety.idling))
         give_default(control, "speed_start", self.gear_ratio * self.rotor_speed_start)

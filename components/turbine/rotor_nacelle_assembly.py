@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from fowtlib.components.aero import RotorSide
 from fowtlib.components.mechanics import Frame
 from fowtlib.components.mechanics.beam_properties import BeamProperties
 from fowtlib.components.turbine.blade import BladeDamping, FlexibleBlade
@@ -25,7 +26,7 @@ from fowtlib.language import (
 from fowtlib.language import math as m
 
 
-class RotorNacelleAssembly(BladeDamping):
+class RotorNacelleAssembly(RotorSide, BladeDamping):
     """Nacelle, drive train, hub and blades, structure and drives only: loads come through `nodes`, torque by signal.
 
     Give the parts `nacelle`, `hub` and `drivetrain` with their own parameters, and the blades by their table. Moments
@@ -69,8 +70,8 @@ class RotorNacelleAssembly(BladeDamping):
 
     def build(self):
         for component, names in (
-            (self.nacelle, ("rotation", "rotor_speed_start")), (self.drivetrain, ("rotor_speed_start",)),
-            (self.hub, ("rotation", "blades")),
+            (self.nacelle, ("rotation", "rotor_speed_start", "downwind")), (self.drivetrain, ("rotor_speed_start",)),
+            (self.hub, ("rotation", "blades", "downwind")),
         ):  # fmt: skip
             for name in names:
                 give_default(component, name, getattr(self, name))

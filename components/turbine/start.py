@@ -4,11 +4,12 @@ from __future__ import annotations
 
 from dataclasses import fields, replace
 from functools import lru_cache
-from math import cos
+from math import cos, sin
 from typing import TYPE_CHECKING, Any, Protocol
 
 from fowtlib.components.mechanics.attitude import heading_at_start
 from fowtlib.components.servo import TorqueController, TorqueLaw
+from fowtlib.components.turbine.idling import idling_speed_of
 from fowtlib.components.turbine.operating_point import STANDSTILL, OperatingPoint, SteadyTurbine
 from fowtlib.language import Component
 from fowtlib.language.errors import ModelError, ParameterError
@@ -24,6 +25,9 @@ class InTheWind(Protocol):
     label: str
     parts: dict[str, Component]
 
+    def parameter_value(self, name: str) -> Any:
+        """The value that a parameter has now."""
+
     @property
     def carrier(self) -> tuple[Component, str]:
         """The part and its frame that the shaft is fixed to."""
@@ -36,14 +40,21 @@ def start_point(turbine: InTheWind, station: int) -> OperatingPoint:
     """Steady operation in the mean wind of the rotor's station, as far as it blows along the shaft.
 
     The shaft is turned as joints, links and a constant yaw command turn it at the start; see heading_at_start.
-    Standstill without wind, in wind from the side or behind, and at feather where it is idling.
+    Standstill without wind or loads of the air, in wind from the side or behind, and at feather where it is idling:
+    there rotors of blade elements have their idling speed, those of coefficients start at standstill.
     """
-    safety = turbine.parts.get("safety")
-    if safety is not None and safety.parameter_value("idling"):
-        return replace(STANDSTILL, blade_pitch=safety.parameter_value("feather_pitch"))
     wind = turbine.wind
     mean = wind.mean_at(station)  # refuses a station that does not exist
-    along = mean * cos(wind.parameter_value("direction") - heading_at_start(*turbine.carrier))
+    if not turbine.parameter_value("air_loads"):
+        return STANDSTILL
+    askew = wind.parameter_value("direction") - heading_at_start(*turbine.carrier)
+    safety = turbine.parts.get("safety")
+    if safety is not None and safety.parameter_value("idling"):
+        pitch, blows, speed = safety.parameter_value("feather_pitch"), (mean * cos(askew), mean * sin(askew), 0.0), 0.0
+        if "aerodynamics" in turbine.parts:
+            speed = idling_speed_of(turbine, blows, pitch)
+        return replace(STANDSTILL, rotor_speed=speed, blade_pitch=pitch)
+    along = mean * cos(askew)
     if along <= 1e-12 * abs(mean):  # a direction of 90 deg is no round number
         return STANDSTILL
     steady = turbine.steady_turbine()

@@ -11,6 +11,7 @@ from fowtlib.components.aero import (
     BladeElementAerodynamics,
     BladeElementRotor,
     CoefficientTable,
+    RotorSide,
     coefficient_table,
     node_points,
 )
@@ -21,7 +22,7 @@ from fowtlib.components.servo import BaselineController, SafetySystem, TurbineCo
 from fowtlib.components.turbine.operating_point import SteadyTurbine
 from fowtlib.components.turbine.rotor_nacelle_assembly import RotorNacelleAssembly
 from fowtlib.components.turbine.start import controlled, give_default, start_point
-from fowtlib.language import Component, RealInput, RealOutput, Scalar, outer, param, part, port
+from fowtlib.language import Component, RealInput, RealOutput, Scalar, like, outer, param, part, port
 from fowtlib.language.shapes import Drawing
 
 
@@ -29,15 +30,16 @@ def _start_of(name: str) -> Callable[[Turbine], float]:
     return lambda turbine: getattr(start_point(turbine, turbine.aerodynamics.station), name)
 
 
-class Turbine(Component):
+class Turbine(RotorSide):
     """A turbine above its tower: flexible or rigid blades in the wind by blade-element momentum theory, and control.
 
     Give the parts `assembly`, `aerodynamics` and `control` with their own parameters (`safety` offers shutdowns as
     events); blades, rotation and hub radius are those of the assembly. The simulation starts at the steady operating
-    point in the mean wind of the rotor's station with unbent blades, unless start values are given; without wind the
-    rotor stands still.
+    point in the mean wind of the rotor's station with unbent blades, unless start values are given; without wind,
+    or without loads of the air, the rotor stands still.
     """
 
+    air_loads: Scalar = like(BladeElementAerodynamics.air_loads)
     rotor_speed_start: Scalar = param(default=_start_of("rotor_speed"), unit="rad/s", doc="initial rotor speed")
     blade_pitch_start: Scalar = param(default=_start_of("blade_pitch"), unit="rad", doc="initial blade pitch")
 
@@ -79,10 +81,10 @@ class Turbine(Component):
         for k in range(body.n_nodes):
             self.connect(body.nodes[k], air.nodes[k])
         for component, name, value in (
-            (body, "rotor_speed_start", self.rotor_speed_start),
+            (body, "rotor_speed_start", self.rotor_speed_start), (body, "downwind", self.downwind),
             (control, "pitch_start", self.blade_pitch_start * (1 - safety.idling)),
             (control, "speed_start", body.drivetrain.gear_ratio * self.rotor_speed_start),
-            (safety, "station", air.station),
+            (safety, "station", air.station), (air, "air_loads", self.air_loads),
         ):  # fmt: skip
             give_default(component, name, value)
 
@@ -105,7 +107,7 @@ class Turbine(Component):
         table: coefficients of the rotor; without it a coarse table is computed.
         """
         body, rotor = self.assembly, self.aerodynamics.steady_rotor
-        cone, tilt = body.hub.parameter_value("precone"), body.nacelle.parameter_value("tilt")
+        cone, tilt = body.hub.side * body.hub.parameter_value("precone"), body.nacelle.parameter_value("tilt")
         return SteadyTurbine(
             table=table or steady_table(rotor, cone), radius=rotor.blade.tip_radius, precone=cone, tilt=tilt,
             gear_ratio=body.drivetrain.parameter_value("gear_ratio"), **controlled(self),

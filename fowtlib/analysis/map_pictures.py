@@ -25,7 +25,7 @@ BROKEN = COLORS[1]
 
 def plot_map(map_: Any, path: str | Path | None = None, title: str = "") -> Figure:
     """One panel for each quantity; what breaks a limit is hatched, the limit itself a dashed line."""
-    names = list(map_.table)
+    names = map_.quantities or list(map_.table)
     rows = -(-len(names) // COLUMNS)
     width = 9.0 if len(names) > 1 else 5.5
     title = "\n".join(textwrap.fill(line, int(LETTERS * width)) for line in title.splitlines())

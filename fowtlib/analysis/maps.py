@@ -2,8 +2,8 @@
 
 from __future__ import annotations
 
-import itertools
 import re
+import warnings
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
@@ -71,7 +71,8 @@ class Limit:
 class ParameterMap:
     """Quantities over a grid of one or two parameters: `table[quantity]` has the shape of the grid, in `units`.
 
-    A point without equilibrium has nan, and its sentence in `failures` under its place in the grid.
+    A point without equilibrium, or without a mode that was asked for, has nan, and its sentence in `failures` under its
+    place in the grid.
     """
 
     axes: tuple[Axis, ...]
@@ -86,6 +87,12 @@ class ParameterMap:
         return self.table[quantity]
 
     @property
+    def quantities(self) -> list[str]:
+        """What is in the table besides the parameters of the axes, which a limit may be on."""
+        axes = [axis.path for axis in self.axes]
+        return [name for name in self.table if name not in axes]
+
+    @property
     def feasible(self) -> np.ndarray:
         """Where all limits are kept."""
         kept = [limit.kept(self[limit.quantity], self.units[limit.quantity]) for limit in self.limits]
@@ -98,7 +105,7 @@ class ParameterMap:
 
         names = [axis.path for axis in self.axes]
         columns = {
-            name: (names, values, {"units": self.units[name], "long_name": name}) for name, values in self.table.items()
+            name: (names, self.table[name], {"units": self.units[name], "long_name": name}) for name in self.quantities
         }
         columns["feasible"] = (names, self.feasible.astype(int), {"units": "1", "long_name": "all limits are kept"})
         return xarray.Dataset(columns, {a.path: (a.path, a.values, {"units": a.unit}) for a in self.axes})
@@ -108,12 +115,12 @@ class ParameterMap:
         kept = self.feasible
         for place in np.ndindex(*kept.shape):
             point = [float(axis.values[k]) for axis, k in zip(self.axes, place, strict=True)]
-            yield [*point, *(float(values[place]) for values in self.table.values()), int(kept[place])]
+            yield [*point, *(float(self.table[name][place]) for name in self.quantities), int(kept[place])]
 
     def heads(self) -> list[str]:
         """Of `rows`, with units."""
         return [*(f"{axis.path} [{axis.unit}]" for axis in self.axes),
-                *(f"{name} [{self.units[name]}]" for name in self.table), "feasible"]  # fmt: skip
+                *(f"{name} [{self.units[name]}]" for name in self.quantities), "feasible"]  # fmt: skip
 
     def plot(self, path: str | Path | None = None, title: str = "") -> Figure:
         """Curves over one parameter; over two, contours. What breaks a limit is hatched, limits are dashed."""
@@ -129,20 +136,24 @@ def parameter_map(
     *,
     limits: Sequence[str | Limit] = (),
     parameters: Mapping[str, Any] | None = None,
+    free: Mapping[str, Any] | Sequence[str] | None = None,
+    targets: Mapping[str, Any] | None = None,
     progress: Callable[[int, int], None] | None = None,
 ) -> ParameterMap:
     """Quantities of a model at rest over a grid of one or two of its tunable parameters.
 
     model    a compiled model as it is; another is first put into still water without wind
     over     values by the path of a parameter, in SI or with units
-    of       results of the model, any of its variables, what `model_sheet` says ("mass", "C33", "turbine: mass"), and
-             "period of ..." and "damping ratio of ..." a natural mode
+    of       results of the model, any of its variables, what `model_sheet` says ("mass", "C33", "turbine: mass"),
+             "period of ..." and "damping ratio of ..." a natural mode, and parameters
     limits   such as "pitch < 5 deg"; their quantities are computed too
     parameters  values of further parameters, the same everywhere
+    free, targets  parameters that take the values at which conditions hold, at each point: see Plant.equilibrium
     progress    is told how many points of how many are done
 
-    Each point starts from the equilibrium beside it. Raises ModelError for what is unknown; a point without equilibrium
-    is told in `failures`.
+    Each point starts from the equilibrium beside it, the first one is that nearest to the values of the model. Raises
+    ModelError for what is unknown. A point without equilibrium, with one that the model warns of, as a hull that lies
+    on its side, or without such a mode, as one that turns over, is told in `failures`.
     """
     plant = compiled(model)
     axes = tuple(_axis(plant, path, values) for path, values in over.items())
@@ -156,21 +167,28 @@ def parameter_map(
     table = {name: np.full(shape, np.nan) for name in names}
     units: dict[str, str] = {}
     failures: dict[tuple[int, ...], str] = {}
-    near, total = None, int(np.prod(shape))
-    for number, place in enumerate(_path(shape)):
+    solved: dict[tuple[int, ...], Any] = {}
+    total, first = int(np.prod(shape)), tuple(_nearest(plant, axis, parameters or {}) for axis in axes)
+    for number, place in enumerate(_from(first, shape)):
         given = {axis.path: float(axis.values[k]) for axis, k in zip(axes, place, strict=True)}
         values = {**(parameters or {}), **given}
+        near = next((solved[beside] for beside in _beside(place) if beside in solved), None)
         try:
-            near = plant.equilibrium(values, near=near)
+            state = _sound_equilibrium(plant, values, near=near, free=free, targets=targets)
         except ModelError as error:
             failures[place] = str(error)
         else:
-            for name, value, unit in _quantities(plant, near, values, names):
+            solved[place] = state
+            for name, value, unit in _quantities(plant, state, names):
                 table[name][place], units[name] = value, unit
+            missing = [name for name in names if np.isnan(table[name][place])]
+            if missing:
+                failures[place] = f"the equilibrium has no '{missing[0]}'{_of_modes(plant, state, missing[0])}"
         if progress is not None:
             progress(number + 1, total)
     if len(failures) == total:
-        raise ModelError(f"no point of the map has an equilibrium; the first one: {next(iter(failures.values()))}")
+        what = "an equilibrium" if not solved else "all that was asked for"
+        raise ModelError(f"no point of the map has {what}; the first one: {next(iter(failures.values()))}")
     return ParameterMap(axes, table, units, tuple(asked), failures)
 
 
@@ -185,42 +203,85 @@ def _axis(plant: Any, path: str, values: Sequence[Any]) -> Axis:
     return Axis(path, numbers, declared.unit, declared.doc)
 
 
-def _path(shape: tuple[int, ...]) -> Iterator[tuple[int, ...]]:
-    """All places, each beside the one before: along the last axis, back and forth."""
-    for *first, row in itertools.product(*map(range, shape[:-1]), [range(shape[-1])]):
-        yield from ((*first, k) for k in (row if sum(first) % 2 == 0 else reversed(row)))
+def _nearest(plant: Any, axis: Axis, parameters: Mapping[str, Any]) -> int:
+    """The place on an axis that is nearest to the value of the model, near which its start values are good."""
+    given = {path: value for path, value in parameters.items() if path != axis.path}
+    return int(np.abs(axis.values - float(plant.binding(given).values[axis.path])).argmin())
 
 
-def _quantities(
-    plant: Any, state: Any, values: Mapping[str, Any], names: Sequence[str]
-) -> Iterator[tuple[str, float, str]]:
-    """Name, value and unit of quantities at a state."""
-    modes = {}
+def _from(first: tuple[int, ...], shape: tuple[int, ...]) -> list[tuple[int, ...]]:
+    """All places of a grid, those first that fewer steps lead to from the first one."""
+    return sorted(np.ndindex(*shape), key=lambda place: sum(abs(a - b) for a, b in zip(place, first, strict=True)))
+
+
+def _beside(place: tuple[int, ...]) -> Iterator[tuple[int, ...]]:
+    for axis in range(len(place)):
+        for step in (-1, 1):
+            yield tuple(k + step * (axis == i) for i, k in enumerate(place))
+
+
+def _sound_equilibrium(plant: Any, values: Mapping[str, Any], **options: Any) -> Any:
+    """An equilibrium; ModelError with what the model warns of, where it is out of the range of what is modelled."""
+    with warnings.catch_warnings(record=True) as said:
+        warnings.simplefilter("always")
+        state = plant.equilibrium(values, **options)
+    told = [str(one.message) for one in said if issubclass(one.category, UserWarning)]
+    if told:
+        raise ModelError(told[0])
+    return state
+
+
+def _quantities(plant: Any, state: Any, names: Sequence[str]) -> Iterator[tuple[str, float, str]]:
+    """Name, value and unit of quantities at a state; nan where it has no such mode."""
+    modes: dict[str, Any] = {}
+    told: dict[str, Any] = {}
     if any(name.startswith(_OF_MODES) for name in names):
-        modes = {entry.quantity: entry for entry in modes_of(plant, state)}
-    told = None
+        entries = list(modes_of(plant, state))
+        modes = {entry.quantity.partition(", with ")[0]: entry for entry in entries}  # of two motions at one period
+        modes |= {entry.quantity: entry for entry in entries}
+    binding = plant.binding(state.parameters)
+    rest = [name for name in names if not name.startswith(_OF_MODES) and name not in binding.values]
+    if not all(name in plant.outputs for name in rest):
+        with binding.tree() as root:
+            told = {entry.quantity: entry for entry in what_parts_say(root, state)}
+    variables = [name for name in rest if name in plant.outputs or name not in told]
+    found = dict(zip(variables, _variables(plant, state, variables, told), strict=True))
     for name in names:
         if name.startswith(_OF_MODES):
-            if name not in modes:
-                raise ModelError(f"there is no '{name}'{did_you_mean(name, modes, list_up_to=20)}")
-            yield name, modes[name].value, modes[name].unit
-        elif name in plant.outputs:
-            yield name, float(np.asarray(state[name])), shown_unit(plant, name)
+            unit = "s" if name.startswith(_OF_MODES[0]) else "1"
+            yield name, modes[name].value if name in modes else np.nan, unit
+        elif name in found:
+            yield name, found[name], shown_unit(plant, name) if name in plant.outputs else plant.describe(name)[0]
+        elif name in told:
+            yield name, told[name].value, told[name].unit
         else:
-            if told is None:
-                told = {entry.quantity: entry for entry in what_parts_say(plant.binding(values).root, state)}
-            if name in told:
-                yield name, told[name].value, told[name].unit
-            else:
-                yield name, _variable(plant, state, name, told), plant.describe(name)[0]
+            yield name, _number(name, binding.values[name]), plant.dae.parameters[name].unit
 
 
-def _variable(plant: Any, state: Any, name: str, told: Mapping[str, Any]) -> float:
+def _of_modes(plant: Any, state: Any, name: str) -> str:
+    return did_you_mean(name, [entry.quantity for entry in modes_of(plant, state)], list_up_to=20)
+
+
+def _variables(plant: Any, state: Any, names: Sequence[str], told: Mapping[str, Any]) -> list[float]:
+    """Results and variables by name, all at once."""
     try:
-        value = np.asarray(state[name])
+        values = state.values(names)
     except ModelError:
+        wrong = next((name for name in names if not _is_known(plant, name)), names[0])
         known = [*plant.outputs, *told]
-        raise ModelError(f"the model has no quantity '{name}'{did_you_mean(name, known)}") from None
-    if value.shape:
-        raise ModelError(f"{name} is an array of shape {value.shape}; name one element, as in {name}[0].")
+        raise ModelError(f"the model has no quantity '{wrong}'{did_you_mean(wrong, known)}") from None
+    return [_number(name, value) for name, value in zip(names, values, strict=True)]
+
+
+def _number(name: str, value: Any) -> float:
+    if np.shape(value):
+        raise ModelError(f"{name} is an array of shape {np.shape(value)}; name one element, as in {name}[0].")
     return float(value)
+
+
+def _is_known(plant: Any, name: str) -> bool:
+    try:
+        plant.dae.observe_expression(plant.outputs.entry(name).path)
+    except ModelError:
+        return False
+    return True

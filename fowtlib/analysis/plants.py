@@ -69,13 +69,21 @@ def state_behind(plant: Any, linear: Any, name: str) -> tuple[str, float]:
     return linear.states[behind[0]], float(row[behind[0]])
 
 
+class UnstableError(SimulationError):
+    """A state that a model does not keep: a mode of its linear model grows."""
+
+
 def refuse_unstable(linear: Any) -> None:
-    """Stop when the linear model has a growing mode: then there is no steady response."""
+    """Raise UnstableError when the linear model has a growing mode: then there is no steady response.
+
+    The linear model is to be that of the mean where rotors turn (fowtlib.solving.mean_linear_model): one at a single
+    azimuth has a root of the azimuth, which says nothing about stability.
+    """
     roots = np.linalg.eigvals(np.asarray(linear.A, dtype=float)) if np.size(linear.A) else np.zeros(0)
     growing = roots[(roots.real > 1e-6 * np.abs(roots)) & (roots.real > 1e-6)]
     if growing.size:
         worst = growing[np.argmax(growing.real)]
-        raise SimulationError(
+        raise UnstableError(
             f"the state is unstable: a mode of {abs(worst.imag) / (2 * np.pi):.4g} Hz grows by a factor e in "
             f"{1 / worst.real:.4g} s, so there is no steady response to waves."
         )

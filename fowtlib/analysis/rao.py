@@ -11,7 +11,12 @@ parameters that are added to its wave load, and ``wave_transfer(omega, heading)`
 in their order.
 
 Quadratic drag, linearised about still water, is zero: the linear operator is the limit of small waves. Near resonance
-it is larger than what a run with drag shows; compare with runs in small waves, or without drag.
+it is larger than what a run with drag shows; compare with runs in small waves, or without drag. The same holds for the
+controller of a turbine near rated wind, which switches between two laws as soon as waves move the rotor: the linear
+model is that of one side.
+
+A rotor of blade elements that turns makes the equations periodic. Its linear model is the mean over a revolution
+(fowtlib.solving.mean_linear), without the azimuth.
 """
 
 from __future__ import annotations
@@ -211,20 +216,23 @@ def simulated_rao(
     periods: int = 10,
     settle: float = 400.0,
     sea: str = "sea",
+    in_wind: bool = False,
     parameters: Mapping[str, Any] | None = None,
     **simulate: Any,
 ) -> Rao:
     """Response operator from one run in regular waves of ``height`` [m] per frequency, for comparison.
 
-    Every run starts at the equilibrium in still water, the waves grow during half of ``settle`` seconds, and the
+    Every run starts at the mean state in still water, the waves grow during half of ``settle`` seconds, and the
     ``periods`` wave periods after it are fitted by a harmonic. The part named ``sea`` must be a Sea. Motions in the
     natural modes die out slowly: lengthen ``settle`` where the response is small. Further arguments go to
-    ``plant.simulate``.
+    ``plant.simulate``. in_wind: in the wind of the model, which must be steady (``model.in_the_mean()``).
     """
     frequency = checked_frequencies(frequencies)
     quiet = calm(model)
+    if in_wind:
+        quiet.pop("wind.kind", None)
     plant = model.with_parameters(quiet).compile()
-    rest = plant.equilibrium(parameters=parameters)
+    rest = mean_state(plant, parameters)
     start = dict(zip((state.path for state in plant.dae.states), rest.x.tolist(), strict=True))
     names = chosen_outputs(plant, outputs)
     rows = []

@@ -23,6 +23,7 @@ from fowtlib.analysis.rao import linear_rao, wave_inputs
 from fowtlib.language import facts
 from fowtlib.language.declarations import join
 from fowtlib.language.errors import ModelError, SimulationError, UnitError, did_you_mean
+from fowtlib.language.expressions import one_evaluation
 from fowtlib.language.units import from_si, si_unit, to_si
 from fowtlib.language.whole_files import write_text
 from fowtlib.solving import mean_state, natural_modes
@@ -173,7 +174,8 @@ def model_sheet(
 
 def what_parts_say(root: Any, state: Any) -> Iterator[Entry]:
     """Masses, and numbers and matrices of floating bodies; root: the parts with their values, state: where they are."""
-    told = [(part, fact) for part in root.walk() for fact in part.facts()]
+    with one_evaluation():
+        told = [(part, fact) for part in root.walk() for fact in part.facts()]
     yield from _masses(root, state, [(part, fact) for part, fact in told if isinstance(fact, facts.Mass)])
     yield from _water([(part, fact) for part, fact in told if isinstance(fact, (facts.Number, facts.Loads))])
 
@@ -181,8 +183,8 @@ def what_parts_say(root: Any, state: Any) -> Iterator[Entry]:
 def _masses(root: Any, state: Any, bodies: Sequence[tuple[Any, facts.Mass]]) -> Iterator[Entry]:
     """Of the whole, and of each part below the root that has a mass."""
     groups: dict[str, list[tuple[float, np.ndarray, np.ndarray]]] = {"": []}
-    for part, body in bodies:
-        origin, R = (np.asarray(state[join(body.frame.path, name)]) for name in ("r", "R"))
+    frames = state.values([join(body.frame.path, name) for _, body in bodies for name in ("r", "R")])
+    for (part, body), origin, R in zip(bodies, frames[::2], frames[1::2], strict=True):
         centre = origin + R @ np.asarray(body.centre, dtype=float)
         placed = float(body.mass), centre, R @ np.asarray(body.inertia, dtype=float) @ R.T
         groups[""].append(placed)

@@ -6,6 +6,7 @@ import json
 import math
 import re
 from collections.abc import Callable, Mapping
+from dataclasses import replace
 from typing import Any
 
 from fowtlib.cases.case import Case
@@ -22,7 +23,7 @@ from fowtlib.modelfile.paths import check_variable
 from fowtlib.modelfile.short_forms import Condition
 from fowtlib.solving.engines.base import SOLVERS
 from fowtlib.solving.model import Model
-from fowtlib.solving.timeline import EVERY, meant
+from fowtlib.solving.paths import EVERY, meant, spread_out
 
 SEA, REGULAR = "sea", "regular"
 STATED = {REGULAR: ("wave_height", "wave_period"), "jonswap": ("significant_wave_height", "peak_period")}
@@ -71,6 +72,7 @@ class _Checker:
         self._events = [f"{part.path}.{own}" for part in model.root.walk() for own in part.offered_events]
 
     def check(self, case: Case, steep: frozenset[str]) -> None:
+        case = self._whole(case)
         root = self._root(case)
         for path, value in case.parameters.items():
             _check_value(root, path, value)
@@ -83,6 +85,15 @@ class _Checker:
             self._check_output(name)
         for event in case.events:
             self._check_event(event, case.duration)
+
+    def _whole(self, case: Case) -> Case:
+        """The case with parameters by whole paths, without stars."""
+        for path in case.parameters:
+            try:
+                spread_out({path: 0}, self.model.root)
+            except ModelError as error:
+                raise _Wrong(path, str(error)) from None
+        return replace(case, parameters=spread_out(case.parameters, self.model.root))
 
     def _root(self, case: Case) -> Component:
         """The parts with the parameters of a case, or of another one that differs from it in numbers only."""

@@ -20,7 +20,13 @@ from fowtlib.modelfile.specs import as_list, mapping
 from fowtlib.solving.timeline import Event
 
 SECONDS = ("duration", "output_step", "discard", "step")
-RUN_KEYS = ("model", "wind", "sea", "set", "events", "start", *SECONDS, "outputs", "solver", "tolerance")
+RUN_KEYS = ("model", "wind", "sea", "turbines", "set", "events", "start", *SECONDS, "outputs", "solver", "tolerance")
+TURBINES = {
+    "operation": {"*.safety.idling": 0, "*.safety.braked": 0},
+    "idling": {"*.safety.idling": 1, "*.safety.braked": 0},
+    "parked": {"*.safety.idling": 1, "*.safety.braked": 1},
+}
+"""What the turbines of a model do from the start on: in words, and by parameters of their safety systems."""
 CONDITIONS: dict[str, Condition] = {"wind": replace(WIND, option="wind"), "sea": replace(WAVES, option="sea")}
 
 Layers = tuple[Mapping[str, Node], ...]
@@ -75,6 +81,9 @@ class RunKeys:
                         values = {path: value for path, value in values.items() if not path.startswith(f"{part}.")}
                     values |= more
         for layer in layers:
+            if "turbines" in layer:
+                values |= self.turbines(layer["turbines"], scope, places)
+        for layer in layers:
             for path, node in self._entries(layer.get("set")).items():
                 values[path] = self.value(path, node, scope)
                 places[path] = node.place
@@ -99,6 +108,15 @@ class RunKeys:
             values[path] = self.value(path, item, scope)
             places[path] = item.place
         return values
+
+    @staticmethod
+    def turbines(node: Node, scope: Scope, places: dict[str, Place]) -> dict[str, Any]:
+        """Parameters of a word of TURBINES."""
+        what = word(node, "turbines", scope)
+        if what not in TURBINES:
+            raise node.place.error(f"turbines: '{what}' is not {one_of(TURBINES)}.")
+        places |= dict.fromkeys(TURBINES[what], node.place)
+        return dict(TURBINES[what])
 
     def value(self, path: str, node: Node, scope: Scope) -> Any:
         """The value of a parameter; relative names of files begin at the folder of the cases file."""

@@ -21,6 +21,7 @@ if TYPE_CHECKING:
 
 OMEGA, HEADINGS, SIZE = "0.1:2.5:0.1", "-180:180:30", "2"
 DEPTH, DENSITY, GRAVITY = math.inf, 1025.0, 9.80665  # where no model says it
+SOLVING = ("omega", "headings", "size")  # what the panel method takes, with the defaults above
 WAMIT = (".1", ".3", ".hst")
 TARGETS = (".nc", *WAMIT, ".gdf")
 MOST_PANELS = 50_000  # the matrix of so many takes 40 GB
@@ -60,10 +61,10 @@ def declare(commands: Any) -> None:
     parser = commands.add_parser("hydro", help=text, epilog=EXAMPLES)
     loading.declare(parser, wind=False, waves=False, runs=False)
     form = "first:last:step"
-    parser.add_argument("--omega", type=series, default=OMEGA, metavar=form, help=f"wave frequencies [rad/s]; {OMEGA}")
-    parser.add_argument("--headings", type=series, default=HEADINGS, metavar=form,
+    parser.add_argument("--omega", type=series, metavar=form, help=f"wave frequencies [rad/s]; {OMEGA}")
+    parser.add_argument("--headings", type=series, metavar=form,
                         help=f"headings of the waves [deg]; default: {HEADINGS}")  # fmt: skip
-    parser.add_argument("--size", type=sizes, default=SIZE, metavar="M[,M...]",
+    parser.add_argument("--size", type=sizes, metavar="M[,M...]",
                         help=f"width of the panels [m], several for a study; default: {SIZE}")  # fmt: skip
     parser.add_argument("--depth", type=depth, metavar="M", help="depth of the water [m], or inf; default: the model's")
     parser.add_argument("--density", type=positive, metavar="RHO", help="of the water [kg/m^3]; default: the model's")
@@ -117,8 +118,13 @@ def point(text: str) -> tuple[float, ...]:
 
 def show_hydro(arguments: argparse.Namespace) -> int:
     """Compute or read a database; print, save and draw it."""
-    _check_targets(arguments)
     kind = Path(arguments.model).suffix
+    if kind == ".nc" or kind in WAMIT or arguments.database:
+        _refuse_solving(arguments, kind)
+    for name, (read, text) in zip(SOLVING, ((series, OMEGA), (series, HEADINGS), (sizes, SIZE)), strict=True):
+        if getattr(arguments, name) is None:
+            setattr(arguments, name, read(text))
+    _check_targets(arguments)
     if kind == ".nc" or kind in WAMIT:
         return _show_database(_read(arguments, kind), arguments)
     if arguments.database and (kind == ".gdf" or arguments.mesh_only):
@@ -145,6 +151,21 @@ def show_hydro(arguments: argparse.Namespace) -> int:
         database = solve_hull(hulls[0], progress=report, **_options(chosen, arguments))
     _save_meshes(hulls, chosen, arguments)
     return _show_database(database, arguments)
+
+
+def _refuse_solving(arguments: argparse.Namespace, kind: str) -> None:
+    """Refuse options of the panel method where a database is only read."""
+    given = [name for name in SOLVING if getattr(arguments, name) is not None]
+    given += [name for name in ("no_lid", "leaky") if getattr(arguments, name)]
+    if kind not in WAMIT:
+        given += [name for name in ("depth", "density", "gravity") if getattr(arguments, name) is not None]
+    if given:
+        a_file = kind == ".nc" or kind in WAMIT
+        what = arguments.model if a_file else "the database that the model reads"
+        raise ModelError(
+            f"--{given[0].replace('_', '-')}: {what} is shown as it is, and nothing is solved; leave it away, or solve "
+            "anew with the model or a mesh (fowt hydro MODEL, without --database)."
+        )
 
 
 def _check_targets(arguments: argparse.Namespace) -> None:

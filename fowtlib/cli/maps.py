@@ -36,6 +36,10 @@ def declare(commands: Any) -> None:
         help="a parameter; one or two times")  # fmt: skip
     add("--of", type=names, metavar="NAME,...", default=[], help="quantities")
     add("--limit", metavar="TEXT", action="append", default=[], help="such as 'pitch < 5 deg'; may be repeated")
+    add("--free", metavar="PATH", action="append", default=[],
+        help="a parameter that takes the value at which --target holds, at each point")  # fmt: skip
+    add("--target", type=condition, metavar="NAME=VALUE", action="append", default=[],
+        help="a condition, as many as --free")  # fmt: skip
     add("--plot", type=Path, metavar="FILE", help="draw curves or contours: .png, .svg or .pdf")
     tables.declare(parser)
     parser.set_defaults(action=show_map)
@@ -49,6 +53,14 @@ def grid(text: str) -> tuple[str, list[str]]:
     if not given or not path.strip() or not found:
         raise argparse.ArgumentTypeError(f"'{text}' is not path=first:last:step, with a unit behind where it is not SI")
     return path.strip(), found
+
+
+def condition(text: str) -> tuple[str, str]:
+    """`name=value`, for argparse."""
+    name, given, value = text.partition("=")
+    if not (given and name.strip() and value.strip()):
+        raise argparse.ArgumentTypeError(f"'{text}' is not name=value, such as heave=0")
+    return name.strip(), value.strip()
 
 
 def names(text: str) -> list[str]:
@@ -69,14 +81,16 @@ def show_map(arguments: argparse.Namespace) -> int:
     model, conditions = loading.load_at_rest(arguments)
     plant = model.compile()
     with part_bar("points") as progress:
-        found = parameter_map(plant, over, arguments.of, limits=arguments.limit, progress=progress)
+        found = parameter_map(plant, over, arguments.of, limits=arguments.limit, free=arguments.free,
+                              targets=dict(arguments.target), progress=progress)  # fmt: skip
     if arguments.plot:
         found.plot(arguments.plot, "\n".join(filter(None, (model.title or model.name, conditions))))
     tables.say(arguments, conditions)
     tables.show(arguments, found.heads(), found.rows())
     for place, sentence in list(found.failures.items())[:1]:
         at = ", ".join(f"{a.path} = {a.values[k]:.6g} {a.unit}" for a, k in zip(found.axes, place, strict=True))
-        warnings.warn(f"{_points(len(found.failures))} no equilibrium; at {at}: {sentence}", stacklevel=1)
+        warnings.warn(f"{_points(len(found.failures))} no equilibrium, or not all quantities; at {at}: {sentence}",
+                      stacklevel=1)  # fmt: skip
     say_saved(arguments.plot)
     return int(bool(found.limits) and not found.feasible.any())
 

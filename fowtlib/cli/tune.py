@@ -22,7 +22,7 @@ damping with these. A damping ratio below zero is a motion that grows.
 examples:
   fowt tune oc3_spar_rigid
   fowt tune oc3_spar_rigid --frequency 0.2 --damping 0.7
-  fowt tune two_rotor_spar_rigid --winds 13:25:4 --peak-shaving 0.9
+  fowt tune oc3_spar_rigid --winds 6:16:0.5 --peak-shaving 0.8 --save shaving.csv
 """
 
 
@@ -38,6 +38,8 @@ def declare(commands: Any) -> None:
     parser.add_argument("--controller", metavar="PATH", help="the PitchController; default: the first")
     text = "least pitch over the wind that keeps the thrust below this share of its largest"
     parser.add_argument("--peak-shaving", type=finite, metavar="SHARE", help=text)
+    text = "write the least pitch as the table of a controller, BaselineController.peak_shaving"
+    parser.add_argument("--save", metavar="FILE.csv", help=text)
     tables.declare(parser)
     parser.set_defaults(action=tune)
 
@@ -52,11 +54,13 @@ def winds(text: str) -> list[float]:
 
 def tune(arguments: argparse.Namespace) -> int:
     """Print gains, damping over the wind, and what grows; or the least pitch of peak shaving."""
-    from fowtlib.control import PitchLoop, shave_peak, tune_pi
+    from fowtlib.control import PitchLoop, least_pitch, shave_peak, tune_pi
 
     tables.check(arguments)
     if arguments.damping is not None and arguments.frequency is None:
         raise ParameterError("--damping goes with --frequency, of the rotor alone; give both.")
+    if arguments.save is not None and arguments.peak_shaving is None:
+        raise ParameterError("--save writes the table of --peak-shaving; give both.")
     loop = PitchLoop(loading.load(arguments), arguments.controller)
     if arguments.peak_shaving is not None:
         if arguments.frequency is not None:
@@ -68,6 +72,13 @@ def tune(arguments: argparse.Namespace) -> int:
         ]
         columns = ("wind [m/s]", "least pitch [deg]", "thrust [kN]", "shaved [kN]", "power [kW]", "shaved [kW]")
         tables.show(arguments, columns, rows)
+        if arguments.save is not None:
+            own = float(np.ravel(loop.plant.parameter_values()[loop.parameter("least_pitch")])[0])
+            about = (f"fowt tune {arguments.model} --peak-shaving {arguments.peak_shaving:g}",
+                     "What the least pitch is raised by, over the mechanical power of the generator.")  # fmt: skip
+            least_pitch(shaved, own).write(arguments.save, about)
+            owner = loop.path.rpartition(".")[0]
+            tables.say(arguments, f"saved {arguments.save}; use it by --set {owner}.peak_shaving={arguments.save}")
         return 0
     tuned = None
     if arguments.frequency is not None:

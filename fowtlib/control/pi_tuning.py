@@ -18,7 +18,7 @@ from typing import Any
 
 import numpy as np
 
-from fowtlib.components.servo import PitchController
+from fowtlib.components.servo import LeastPitch, PitchController
 from fowtlib.control.points import OVER, rest_at
 from fowtlib.control.reduction import opened
 from fowtlib.language.declarations import join
@@ -135,6 +135,15 @@ class PitchLoop:
         names = ("proportional_gain", "integral_gain", "doubling_pitch")
         return {self.parameter(name, path): getattr(tuned, name) for path in self.paths for name in names}
 
+    def shifted_region_3(self, pitch: float) -> dict[str, float]:
+        """The pitch [rad] from which the torque is that of region 3, raised: that of peak shaving does not count."""
+        values, given = self.plant.parameter_values(), {}
+        for path in self.paths:
+            name = f"{path.rpartition('.')[0]}.torque.region_3_pitch"
+            if name in values:
+                given[name] = float(np.ravel(values[name])[0]) + pitch
+        return given
+
     def state(self, wind: float, parameters: Mapping[str, Any] | None = None) -> State:
         """The model at rest in a wind [m/s]. Raises SimulationError that names it."""
         return rest_at(self.plant, OVER, wind, parameters)
@@ -161,12 +170,17 @@ class PitchLoop:
 
 @dataclass(frozen=True)
 class Shaved:
-    """Least blade pitch [rad] in a wind [m/s] that keeps the thrust at its limit; thrust [N] and power [W] of both."""
+    """Least blade pitch [rad] in a wind [m/s] that keeps the thrust at its limit; thrust [N] and power [W] of both.
+
+    shaft_power, blade_pitch: mechanical power of the generator [W] and blade pitch [rad] with it.
+    """
 
     wind: float
     least_pitch: float
     thrust: tuple[float, float]
     power: tuple[float, float]
+    shaft_power: float
+    blade_pitch: float
 
 
 def shave_peak(loop: PitchLoop, winds: Iterable[float], share: float) -> list[Shaved]:
@@ -182,26 +196,48 @@ def shave_peak(loop: PitchLoop, winds: Iterable[float], share: float) -> list[Sh
     least = loop.parameter("least_pitch")
     own = float(np.ravel(loop.plant.parameter_values()[least])[0])
 
-    def at(wind: float, pitch: float) -> tuple[float, float]:
+    def at(wind: float, pitch: float) -> tuple[float, float, float, float]:
         given = {loop.parameter("least_pitch", path): pitch for path in loop.paths}
+        given |= loop.shifted_region_3(pitch - own)
         state = loop.state(wind, given)
-        thrust, power = (float(state[join(loop.turbine, name)]) for name in ("thrust", "generator_power"))
-        return thrust, power
+        names = ("thrust", "generator_power", "generator_torque", "generator_speed")
+        thrust, power, torque, speed = (float(np.ravel(state[join(loop.turbine, name)])[0]) for name in names)
+        return thrust, power, torque * speed, float(state[f"{loop.path}.pitch"])
 
     before = {float(wind): at(float(wind), own) for wind in winds}
-    limit = share * max(thrust for thrust, _ in before.values())
+    limit = share * max(thrust for thrust, *_ in before.values())
     rows = []
-    for wind, (thrust, power) in before.items():
+    for wind, (thrust, power, *rest) in before.items():
         if thrust <= limit:
-            rows.append(Shaved(wind, own, (thrust, thrust), (power, power)))
+            rows.append(Shaved(wind, own, (thrust, thrust), (power, power), *rest))
             continue
         highest = float(np.radians(20.0))
         if at(wind, highest)[0] > limit:
             raise ParameterError(f"at {wind:g} m/s no pitch below 20 deg keeps the thrust at {limit / 1e3:.0f} kN.")
         pitch = float(brentq(lambda value, wind=wind: at(wind, value)[0] - limit, own, highest, xtol=1e-5))
         after = at(wind, pitch)
-        rows.append(Shaved(wind, pitch, (thrust, after[0]), (power, after[1])))
+        rows.append(Shaved(wind, pitch, (thrust, after[0]), (power, after[1]), *after[2:]))
     return rows
+
+
+def least_pitch(rows: Iterable[Shaved], own: float = 0.0) -> LeastPitch:
+    """Rows of shave_peak as the table of the part PeakShaving: what is added to the controller's own least pitch [rad].
+
+    Up to the wind in which the shaved power is largest; there, and beyond, the controller pitches by itself, and the
+    least pitch is what it takes there. Raises ParameterError where fewer than two winds have different powers.
+    """
+    powers: list[float] = []
+    raised: list[float] = []
+    for row in sorted(rows, key=lambda row: row.wind):
+        if powers and row.shaft_power <= 1.001 * powers[-1]:
+            continue
+        powers.append(row.shaft_power)
+        shaved = row.thrust[1] < row.thrust[0]
+        by_itself = row.blade_pitch if any(raised) and not shaved else row.least_pitch
+        raised.append(max([by_itself - own, *raised[-1:]]))
+    if len(powers) < 2:
+        raise ParameterError("peak shaving needs two winds or more with different powers; give winds below rated too.")
+    return LeastPitch(np.array(powers), np.array(raised))
 
 
 def tune_pi(loop: PitchLoop, winds: Iterable[float], frequency: float, damping: float = 0.7) -> Tuned:

@@ -213,6 +213,9 @@ class FlatDAE:
         if not self.dependents:
             return
         values, first = np.array(self._dependent_values(p)).ravel(), 0
+        lowest, highest = self._dependent_bounds
+        if np.all((values >= lowest) & (values <= highest) & np.isfinite(values)):
+            return
         for item in self.dependents.values():
             numbers = values[first : first + item.symbol.numel()]
             first += item.symbol.numel()
@@ -241,6 +244,16 @@ class FlatDAE:
         if not self.silent:
             return expressions
         return ca.substitute(expressions, [self.p[self.silent]], [ca.SX.zeros(len(self.silent))])
+
+    @cached_property
+    def _dependent_bounds(self) -> tuple[np.ndarray, np.ndarray]:
+        """The least and the greatest value of each element of the dependent parameters."""
+        items = self.dependents.values()
+        counts = [item.symbol.numel() for item in items]
+        bounds = [(-np.inf if item.min is None else item.min, np.inf if item.max is None else item.max)
+                  for item in items]  # fmt: skip
+        lowest, highest = np.repeat(np.array(bounds, dtype=float).T, counts, axis=1)
+        return lowest, highest
 
     @cached_property
     def equation_table(self) -> list[tuple[str, str, str]]:

@@ -6,8 +6,6 @@ import inspect
 import math
 import sys
 from collections.abc import Callable, Iterator, Sequence
-from contextlib import contextmanager
-from contextvars import ContextVar
 from typing import Any, Self, dataclass_transform
 
 import numpy as np
@@ -33,6 +31,7 @@ from fowtlib.language.declarations import (
 )
 from fowtlib.language.equations import active
 from fowtlib.language.errors import ModelError, NotFoundError, ParameterError, StructureError, did_you_mean, one_of
+from fowtlib.language.expressions import one_evaluation
 from fowtlib.language.facts import Fact
 from fowtlib.language.families import Family
 from fowtlib.language.offered import OfferedEvent, event
@@ -41,37 +40,6 @@ from fowtlib.language.shapes import Drawing
 from fowtlib.language.units import check_si, to_si
 
 MOST_ELEMENTS = 10_000  # of one array of ports, variables or parts
-
-_reads: ContextVar[set[tuple[str, str]] | None] = ContextVar("reads", default=None)
-
-
-@contextmanager
-def parameters_read() -> Iterator[set[tuple[str, str]]]:
-    """The parameters whose values are asked for in between: path of the component, and name."""
-    found: set[tuple[str, str]] = set()
-    token = _reads.set(found)
-    try:
-        yield found
-    finally:
-        _reads.reset(token)
-
-
-_known: ContextVar[dict[Any, Any] | None] = ContextVar("known", default=None)
-
-
-@contextmanager
-def _one_evaluation() -> Iterator[dict[Any, Any]]:
-    """Values of parameters while one expression is evaluated: each is computed once, however many ways lead to it."""
-    known = _known.get()
-    if known is not None:
-        yield known
-        return
-    token = _known.set(known := {})
-    try:
-        yield known
-    finally:
-        _known.reset(token)
-
 
 class UnknownAttribute(NotFoundError, AttributeError):
     """A name that a component does not have."""
@@ -265,10 +233,10 @@ class Component(Composite):
         field = self.parameters[name]
         if field.bound and self._binding is not None:
             raise StructureError(self._binding[name].reason)
-        reads = _reads.get()
+        reads = expressions.reads_now()
         if reads is not None:
             reads.add((self.path, name))
-        with _one_evaluation() as known:
+        with one_evaluation() as known:
             key = (id(self), name, id(reads))
             if key not in known:
                 known[key] = self._evaluated(field, self.parameter_binding(name)), reads  # held: its id stays its own

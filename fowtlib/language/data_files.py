@@ -10,7 +10,7 @@ import stat
 import time
 from collections import OrderedDict
 from collections.abc import Callable
-from functools import wraps
+from functools import lru_cache, wraps
 from inspect import signature
 from pathlib import Path
 from typing import Any, TypeVar
@@ -82,6 +82,15 @@ def cells_of(line: str) -> list[str]:
     return [cell.strip() for cell in next(csv.reader([line], skipinitialspace=True))]
 
 
+def is_number(text: str) -> bool:
+    """Whether a text is a number as Python reads it, also inf and nan."""
+    try:
+        float(text)
+    except ValueError:
+        return False
+    return True
+
+
 def digest_of(path: str | os.PathLike[str]) -> str:
     """SHA-256 of the content of a file; computed anew where the file may have changed. Raises OSError."""
     name, now = os.path.abspath(path), time.time()
@@ -138,12 +147,18 @@ def files_of(root: Any) -> dict[str, str]:
     """The files that the parameters of a model name, by the paths of the parameters."""
     found = {}
     for part in root.walk() if root is not None else ():
-        for name, declared in part.parameters.items():
-            if (declared.annotation is str and declared.choices is None) or declared.is_data:
-                given = part.parameter_binding(name)
-                if isinstance(given, str) and given and os.path.isfile(given):
-                    found[f"{part.path}.{name}" if part.path else name] = given
+        for name in _may_be_files(type(part)):
+            given = part.parameter_binding(name)
+            if isinstance(given, str) and given and os.path.isfile(given):
+                found[f"{part.path}.{name}" if part.path else name] = given
     return found
+
+
+@lru_cache(maxsize=1000)
+def _may_be_files(of: Any) -> tuple[str, ...]:
+    """The parameters of a class of components whose value may be the name of a file."""
+    items = of.parameters.items()
+    return tuple(name for name, item in items if (item.annotation is str and item.choices is None) or item.is_data)
 
 
 def data_parameters(root: Any) -> dict[str, str]:

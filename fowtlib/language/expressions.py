@@ -9,6 +9,8 @@ from __future__ import annotations
 
 import operator
 from collections.abc import Callable, Iterator
+from contextlib import contextmanager
+from contextvars import ContextVar
 from typing import Any
 
 import numpy as np
@@ -182,12 +184,57 @@ def rebind(value: Any, component: Any) -> Any:
     return value
 
 
+_reads: ContextVar[set[tuple[str, str]] | None] = ContextVar("reads", default=None)
+
+
+@contextmanager
+def parameters_read() -> Iterator[set[tuple[str, str]]]:
+    """The parameters whose values are asked for in between: path of the component, and name."""
+    found: set[tuple[str, str]] = set()
+    token = _reads.set(found)
+    try:
+        yield found
+    finally:
+        _reads.reset(token)
+
+
+def reads_now() -> set[tuple[str, str]] | None:
+    """Where the parameters are noted whose values are asked for; None: nowhere."""
+    return _reads.get()
+
+
+_known: ContextVar[dict[Any, Any] | None] = ContextVar("known", default=None)
+
+
+@contextmanager
+def one_evaluation() -> Iterator[dict[Any, Any]]:
+    """Values of parameters while nothing sets any: each is computed once, however many ways lead to it."""
+    known = _known.get()
+    if known is not None:
+        yield known
+        return
+    token = _known.set(known := {})
+    try:
+        yield known
+    finally:
+        _known.reset(token)
+
+
 def _number(leaf: Any) -> Any:
     if isinstance(leaf, StartNumbers):
-        try:
-            return np.asarray(leaf.compute(leaf.component), dtype=float)
-        except ModelError as error:
-            raise placed(error, leaf.component) from None
+        reads = _reads.get()
+        with one_evaluation() as known:
+            key = (id(leaf), id(reads))
+            if key not in known:
+                known[key] = _started(leaf), leaf, reads  # held: their ids stay their own
+            return known[key][0]
     if not isinstance(leaf, ParameterReference):
         raise TypeError(f"{leaf!r} has no value outside of an instance")
     return leaf.component.current.parameter_value(leaf.name)
+
+
+def _started(leaf: StartNumbers) -> np.ndarray:
+    try:
+        return np.asarray(leaf.compute(leaf.component), dtype=float)
+    except ModelError as error:
+        raise placed(error, leaf.component) from None

@@ -8,8 +8,9 @@ components at their places compute the second.
 from __future__ import annotations
 
 import copy
-from collections.abc import Callable, Mapping
-from dataclasses import dataclass, field, replace
+from collections.abc import Callable, Iterator, Mapping
+from contextlib import AbstractContextManager, contextmanager
+from dataclasses import dataclass, field
 from functools import cached_property
 from types import MappingProxyType
 from typing import Any
@@ -19,12 +20,13 @@ import numpy as np
 from fowtlib.flattening import FlatDAE
 from fowtlib.flattening.instances import check_parameters
 from fowtlib.flattening.system import Bound
-from fowtlib.language.component import Component, parameters_read
+from fowtlib.language.component import Component
 from fowtlib.language.data_files import files_of, named
 from fowtlib.language.declarations import join
 from fowtlib.language.errors import ModelError, ParameterError, did_you_mean
+from fowtlib.language.expressions import parameters_read
 from fowtlib.language.units import to_si
-from fowtlib.solving.paths import by_path
+from fowtlib.solving.paths import by_path, spread_out
 from fowtlib.solving.structure import structural_values
 
 Values = Mapping[str, Any]
@@ -35,7 +37,8 @@ class Binding:
     """The values of one run.
 
     p: all entries of the vector of that name of the flat model; values: the tunable parameters by path. Read only.
-    root: the component tree of the run; None where the model has none.
+    like: a component tree with the same parts and bound parameters; None where the model has none. lend: gives it with
+    the values of the run on it, as long as the context lasts; None: it has them.
     breaks: instants at which a solver has to stop and start again.
     sources: data behind handles by the path of their numbers; reads: the tunable parameters that numbers were computed
     from, by the same paths. steady: the handles, by the hashes of their symbols, whose data are the same at all times.
@@ -43,7 +46,8 @@ class Binding:
 
     p: np.ndarray
     values: Mapping[str, np.ndarray]
-    root: Component | None
+    like: Component | None
+    lend: Callable[[], AbstractContextManager[Component]] | None = field(default=None, repr=False)
     breaks: tuple[float, ...] = ()
     sources: dict[str, Any] = field(default_factory=dict)
     reads: dict[str, frozenset[str]] = field(default_factory=dict)
@@ -58,9 +62,24 @@ class Binding:
         object.__setattr__(self, "values", MappingProxyType(dict(self.values)))
 
     @cached_property
+    def root(self) -> Component | None:
+        """The component tree of the run; None where the model has none."""
+        with self.tree() as tree:
+            return copy.deepcopy(tree) if self.lend is not None else tree
+
+    @contextmanager
+    def tree(self) -> Iterator[Component | None]:
+        """The component tree of the run to look at, for as long as the context lasts; quicker than `root`, its copy."""
+        if self.lend is None:
+            yield self.like
+        else:
+            with self.lend() as tree:
+                yield tree
+
+    @cached_property
     def structure(self) -> dict[str, Any]:
         """Structural and bound parameters of all parts; see structural_values."""
-        values = structural_values(self.root)
+        values = structural_values(self.like)
         return values | {path: text for path, text in self.data.items() if path in values}
 
     @property
@@ -70,9 +89,9 @@ class Binding:
 
     def words(self, message: str) -> str:
         """A message with the values of bound parameters put in for their paths in braces, as in {wind.file}."""
-        if self.root is None or "{" not in message:
+        if self.like is None or "{" not in message:
             return message
-        for part in self.root.walk():
+        for part in self.like.walk():
             for name, declared in part.parameters.items():
                 key = "{" + join(part.path, name) + "}"
                 if declared.bound and key in message:
@@ -80,36 +99,8 @@ class Binding:
         return message
 
 
-class Bindings:
-    """The bindings of a compiled model; the last ones are kept, and used again for equal values and unchanged files."""
-
-    KEPT = 8
-
-    def __init__(self, dae: FlatDAE, root: Component | None):
-        self.dae, self.root = dae, root
-        self._kept: dict[Any, Binding] = {}
-        self._compiled = _data(root, bound=False)  # as they were then
-
-    def __call__(self, parameters: Values | None = None) -> Binding:
-        """The binding of these values; see `bind`."""
-        key = tuple(sorted((path, _content(value)) for path, value in by_path(parameters or {}).items()))
-        self._kept = {known: binding for known, binding in self._kept.items() if binding.holds}
-        found = self._kept.pop(key, None)
-        if found is None or found.data != {**self._compiled, **_data(found.root)}:
-            found = bind(self.dae, self.root, parameters, lambda: self.needs)
-            found = replace(found, data={**self._compiled, **found.data})
-        self._kept[key] = found
-        while len(self._kept) > self.KEPT:
-            del self._kept[next(iter(self._kept))]
-        return found
-
-    @cached_property
-    def needs(self) -> dict[str, frozenset[str]]:
-        """The parameters that each tunable one is computed from, by their paths; those that are just given: none."""
-        return {path: _read_for(self.root, path) for path in self.dae.parameters} if self.root is not None else {}
-
-
-def _read_for(root: Component, path: str) -> frozenset[str]:
+def read_for(root: Component, path: str) -> frozenset[str]:
+    """The parameters that one is computed from, by their paths; none where it is just given."""
     owner, _, name = path.rpartition(".")
     with parameters_read() as read:
         root.find(owner).parameter_value(name)
@@ -129,14 +120,15 @@ def bind(dae: FlatDAE, root: Component | None, parameters: Values | None = None,
     given = by_path(parameters or {})
     if root is None:
         values = {path: item.value for path, item in dae.parameters.items()}
-        values |= {path: _tunable(dae, path, value) for path, value in given.items()}
-        return Binding(_vector(values, []), values, None)
+        values |= {path: tunable_value(dae, path, value) for path, value in given.items()}
+        return Binding(vector_of(values, []), values, None)
+    given = spread_out(given, root)
     tree = copy.deepcopy(root) if given else root
     changed = _put_parts(tree, {path: given.pop(path) for path in list(given) if isinstance(given[path], Component)})
-    changed |= _put_bound(dae, tree, given)
+    changed |= put_bound(dae, tree, given)
     values = {path: item.value for path, item in dae.parameters.items()}
     for path in sorted(given):
-        values[path] = _tunable(dae, path, given[path])
+        values[path] = tunable_value(dae, path, given[path])
         owner, _, name = path.rpartition(".")
         component = tree.find(owner)
         if name in component.void and np.array_equal(values[path], component.parameter_value(name)):
@@ -156,7 +148,7 @@ def bind(dae: FlatDAE, root: Component | None, parameters: Values | None = None,
     return _computed(dae, tree, values)
 
 
-def _tunable(dae: FlatDAE, path: str, value: Any) -> np.ndarray:
+def tunable_value(dae: FlatDAE, path: str, value: Any) -> np.ndarray:
     """The value of a tunable parameter in SI, within its bounds."""
     if path not in dae.parameters:
         known = [*dae.parameters, *dae.bound_parameters]
@@ -185,7 +177,7 @@ def _tunable(dae: FlatDAE, path: str, value: Any) -> np.ndarray:
 # --- what is put on the tree --------------------------------------------------------------------------------------
 
 
-def _put_bound(dae: FlatDAE, tree: Component, given: dict[str, Any]) -> set[str]:
+def put_bound(dae: FlatDAE, tree: Component, given: dict[str, Any]) -> set[str]:
     """Take the bound parameters out of `given` and set them; the paths of their components."""
     chosen: list[tuple[bool, str, Component, str]] = []
     for path in given:
@@ -269,13 +261,13 @@ def _found(tree: Component, path: str) -> Component | None:
 
 
 def _computed(dae: FlatDAE, tree: Component, values: dict[str, np.ndarray]) -> Binding:
-    numbers, held, breaks, data = [], [], [], _data(tree)
+    numbers, held, breaks, data = [], [], [], bound_files(tree)
     sources: dict[str, Any] = {}
     reads: dict[str, frozenset[str]] = {}
     steady: set[int] = set()
     for item in dae.bound.values():
         with parameters_read() as read:
-            found = _numbers(item, tree.find(item.owner))
+            found = start_numbers(item, tree.find(item.owner))
         paths = (join(owner, name) for owner, name in read)
         reads[item.path] = frozenset(path for path in paths if path in dae.parameters)
         if item.functions and (isinstance(found, np.ndarray) or getattr(found, "steady", False)):
@@ -288,9 +280,9 @@ def _computed(dae: FlatDAE, tree: Component, values: dict[str, np.ndarray]) -> B
         breaks += getattr(found, "breaks", ())
         numbers.append(np.asarray(found.numbers, dtype=float))
     instants = tuple(sorted(set(breaks)))
-    p, known = _vector(values, numbers), tuple(held)
+    p, known = vector_of(values, numbers), tuple(held)
     dae.check_dependents(p)
-    return Binding(p, values, tree, instants, sources, reads, frozenset(steady), known, data)
+    return Binding(p, values, tree, None, instants, sources, reads, frozenset(steady), known, data)
 
 
 def start_slopes(dae: FlatDAE, binding: Binding, path: str) -> dict[str, np.ndarray]:
@@ -318,12 +310,12 @@ def start_slopes(dae: FlatDAE, binding: Binding, path: str) -> dict[str, np.ndar
             tree, moved = copy.deepcopy(binding.root), given.copy()
             moved.flat[k] += sign * step
             tree.find(owner)._values[name] = moved if moved.shape else float(moved)
-            both.append([np.ravel(_numbers(item, tree.find(item.owner))) for item in following])
+            both.append([np.ravel(start_numbers(item, tree.find(item.owner))) for item in following])
         columns.append([(above - below) / (2 * step) for above, below in zip(*both, strict=True)])
     return {item.path: np.column_stack([column[i] for column in columns]) for i, item in enumerate(following)}
 
 
-def _numbers(item: Bound, component: Component) -> Any:
+def start_numbers(item: Bound, component: Component) -> Any:
     """What a component computes for a place in p: numbers, or a source of them."""
     size = item.symbol.numel()
     try:
@@ -364,7 +356,8 @@ def _fit(item: Bound, source: Any, size: int) -> None:
             raise ParameterError(f"{item.path}: a series of {source.size} signals, where {outputs} are expected.")
 
 
-def _vector(values: Mapping[str, np.ndarray], numbers: list[np.ndarray]) -> np.ndarray:
+def vector_of(values: Mapping[str, np.ndarray], numbers: list[np.ndarray]) -> np.ndarray:
+    """The vector p of the tunable parameters and the numbers of the bound ones."""
     parts = [*(np.ravel(value, order="F") for value in values.values()), *numbers]
     return np.concatenate(parts) if parts else np.zeros(0)
 
@@ -389,24 +382,24 @@ def bound_values(root: Component | None, structure: Values) -> dict[str, Any]:
 # --- what is the same as before -----------------------------------------------------------------------------------
 
 
-def _content(value: Any) -> Any:
+def content_of(value: Any) -> Any:
     """Something that is equal for equal values."""
     if isinstance(value, Component):
         own = {name: item for name, item in vars(value).items() if name not in _PLAIN_STATE}
         if own or value.parts:
             return object()  # it has a state of its own, which may change
-        return type(value), tuple(sorted((name, _content(item)) for name, item in value._values.items()))
+        return type(value), tuple(sorted((name, content_of(item)) for name, item in value._values.items()))
     if isinstance(value, np.ndarray):
         return "array", value.shape, value.dtype.str, value.tobytes()
     if isinstance(value, (list, tuple)):
-        return tuple(_content(item) for item in value)
+        return tuple(content_of(item) for item in value)
     return type(value).__name__, repr(value)
 
 
 _PLAIN_STATE = frozenset(vars(Component()))
 
 
-def _data(root: Component | None, *, bound: bool = True) -> dict[str, str]:
+def bound_files(root: Component | None, *, bound: bool = True) -> dict[str, str]:
     """The files that bound parameters name, or all others, with the digests of their content."""
     found = {}
     for path, file in files_of(root).items():

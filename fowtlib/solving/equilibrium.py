@@ -13,7 +13,7 @@ from fowtlib.flattening import FlatDAE
 from fowtlib.language.errors import SimulationError
 from fowtlib.solving.functions import AtParameters, Functions
 from fowtlib.solving.initial import failure_text
-from fowtlib.solving.newton import Jacobian, Residual, newton, solve, undamped
+from fowtlib.solving.newton import DENSE, Jacobian, Residual, newton, solve, undamped
 from fowtlib.solving.state import State
 
 
@@ -56,7 +56,7 @@ def refuse_time(at: AtParameters, q: np.ndarray) -> None:
 
 def moving_states(functions: Functions, held: set[int]) -> list[int]:
     """Numbers of the states that an equilibrium seeks: those that anything depends on, and that are not held."""
-    pattern = dependence(functions)
+    pattern = functions.once("dependence", lambda: dependence(functions))
     return [k for k in range(pattern.shape[1]) if pattern[:, k].any() and k not in held]
 
 
@@ -101,10 +101,19 @@ class Rest:
         return np.concatenate([np.array(ode).ravel()[self.moving], np.array(alg).ravel()])
 
     def slopes(self, values: np.ndarray) -> sparse.csc_matrix:
-        blocks = self.at.jacobian(self.t, *self.unpack(values), self.q)
-        entries = np.concatenate([block.nonzeros() for block in blocks])
         kept, rows, columns = self.places
-        return sparse.csc_matrix((entries[kept], (rows, columns)), shape=(self.size, self.size))
+        return sparse.csc_matrix((self._entries(values)[kept], (rows, columns)), shape=(self.size, self.size))
+
+    def dense_slopes(self, values: np.ndarray) -> np.ndarray:
+        """The same as an array."""
+        kept, rows, columns = self.places
+        matrix = np.zeros((self.size, self.size), order="F")
+        matrix[rows, columns] = self._entries(values)[kept]
+        return matrix
+
+    def _entries(self, values: np.ndarray) -> np.ndarray:
+        entries = self.at.call(self.at.functions.jacobian_entries, self.t, *self.unpack(values), self.q)
+        return np.array(entries).ravel()
 
     @property
     def size(self) -> int:
@@ -113,6 +122,9 @@ class Rest:
     @cached_property
     def places(self) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
         """Of the four blocks of the Jacobian: the entries that are taken, their rows and their columns."""
+        return self.at.functions.once(("places", tuple(self.moving)), self._places)
+
+    def _places(self) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
         states, moved = np.full(self.x.size, -1), len(self.moving)
         states[self.moving] = np.arange(moved)
         unknown = {"x": states, "z": moved + np.arange(self.at.dae.z.numel())}
@@ -136,7 +148,8 @@ def next_equilibrium(at: AtParameters, near: State) -> tuple[np.ndarray, np.ndar
     if time_dependence(at, d):
         return None
     rest = _rest(at, near.t, near.x, np.concatenate([near.u, d]), set())
-    solution = undamped(rest.rates, rest.slopes, np.concatenate([near.x[rest.moving], near.z]), tolerance=1e-11)
+    slopes = rest.dense_slopes if rest.size <= DENSE else rest.slopes
+    solution = undamped(rest.rates, slopes, np.concatenate([near.x[rest.moving], near.z]), tolerance=1e-11)
     return None if solution is None else (*rest.unpack(solution.values), d)
 
 

@@ -1,8 +1,10 @@
 """An equilibrium with freed parameters: as many parameters are sought as there are conditions on what comes out.
 
 The states, the algebraic unknowns and the freed parameters are the unknowns of one Newton iteration, from the
-equilibrium at the values that the parameters have, or the start values where there is none. Where it does not converge
-the conditions move from what they are there to what is wanted, in steps that become shorter.
+equilibrium at the values that the parameters have, or the start values where there is none. Where it does not converge,
+as when a turbine comes from one region of its controller into another, the parameters alone are sought, with the
+equilibrium for each value of them; and where this does not come nearer either, the conditions move from what they are
+there to what is wanted, in steps that become shorter.
 """
 
 from __future__ import annotations
@@ -16,13 +18,14 @@ import numpy as np
 from scipy import sparse
 
 from fowtlib.flattening.system import element_names
+from fowtlib.language.data_files import is_number
 from fowtlib.language.errors import ModelError, NotFoundError, ParameterError, SimulationError, did_you_mean
 from fowtlib.language.units import to_si
 from fowtlib.solving.binding import start_slopes
-from fowtlib.solving.equilibrium import Rest, equilibrium, moving_states, refuse_time
+from fowtlib.solving.equilibrium import Rest, equilibrium, moving_states, refuse_time, time_dependence
 from fowtlib.solving.functions import AtParameters
 from fowtlib.solving.initial import csc
-from fowtlib.solving.newton import newton
+from fowtlib.solving.newton import newton, undamped
 from fowtlib.solving.state import State
 
 Values = Mapping[str, Any]
@@ -31,6 +34,7 @@ Plant = Any
 
 SHORTEST = 1 / 32  # of the way to the wanted conditions, in one step
 ITERATIONS = 30  # of one step; from a start that is near enough some ten are needed
+FARTHEST, NEAREST = 0.2, 1e-6  # change of a parameter over its value from one equilibrium to the next
 NONE = 1e-10  # relative change of a condition by relative changes of the parameters that counts as none
 
 
@@ -63,12 +67,13 @@ class Target:
 
 
 def freed_equilibrium(plant: Plant, free: Values | Sequence[str], targets: Values, parameters: Values | None,
-                      hold: Values | None, start: Values | None, inputs: Values | None) -> State:  # fmt: skip
+                      hold: Values | None, start: Values | None, inputs: Values | None,
+                      near: State | None = None) -> State:  # fmt: skip
     """The equilibrium at which `targets` hold, with the parameters `free` at the values that this takes.
 
-    free: paths, or first guesses by path. The state's `parameters` hold what was found. Raises ParameterError where
-    the conditions are not as many as the freed parameters, or a parameter is not tunable, and SimulationError where no
-    such equilibrium is found.
+    free: paths, or first guesses by path. near: such an equilibrium of other parameters, from which it is sought first.
+    The state's `parameters` hold what was found. Raises ParameterError where the conditions are not as many as the
+    freed parameters, or a parameter is not tunable, and SimulationError where no such equilibrium is found.
     """
     guesses = dict(free) if isinstance(free, Mapping) else dict.fromkeys(free)
     wanted = [_target(plant, name, value) for name, value in targets.items()]
@@ -81,12 +86,17 @@ def freed_equilibrium(plant: Plant, free: Values | Sequence[str], targets: Value
             "conditions as freed parameters."
         )
     values = {path: value.astype(float) for path, value in plant.parameter_values(given).items()}
+    found = near.parameters if near is not None else {}
+    guesses |= {item.path: found[item.path] for item in sought if item.path in found}
     for item in sought:
         guess = guesses.get(item.name, guesses.get(item.path))
         if guess is not None:
             numbers = np.ravel(np.asarray(to_si(guess, plant.dae.parameters[item.path].unit, item.name), dtype=float))
             values[item.path].T.flat[item.number] = numbers[min(item.number, numbers.size - 1)]
     problem = _Problem(plant, sought, wanted, given, values)
+    beside = problem.beside(near) if near is not None else None
+    if beside is not None:
+        return beside
     state = plant.initial_state(problem.parameters(np.zeros(len(sought))), {**(start or {}), **(hold or {})}, inputs)
     return problem.solved(state, {plant.layout.x[path] for path in hold or {}})
 
@@ -135,6 +145,20 @@ class _Problem:
             values[item.path].T.flat[item.number] += step
         return {**self.given, **{path: value if value.shape else float(value) for path, value in values.items()}}
 
+    def beside(self, near: State) -> State | None:
+        """The state that Newton's iteration finds from one of other parameters; None: none."""
+        at = self.plant.at(self.parameters(np.zeros(len(self.sought))))
+        d = at.start_values()[2]
+        if time_dependence(at, d):
+            return None
+        moving = moving_states(at.functions, set())
+        equations = _Equations(self, Rest(at, near.t, near.x, np.concatenate([near.u, d]), moving))
+        found = equations.solve(np.concatenate([near.x[moving], near.z, np.zeros(len(self.sought))]), self.want)
+        if found is None:
+            return None
+        x, z, shares = equations.unpack(found)
+        return self.plant.state(near.t, x, z, d, near.u, self.parameters(shares))
+
     def solved(self, state: State, held: set[int]) -> State:
         """The state at which all conditions hold."""
         q, plant = np.concatenate([state.u, state.d]), self.plant
@@ -151,8 +175,15 @@ class _Problem:
         unknowns = np.concatenate([x[moving], z, np.zeros(len(self.sought))])
         if known:
             self._refuse_unmoved(equations, unknowns)
-        reached, unknowns = self._on_the_way(equations, unknowns, known)
-        if reached < 1:
+        solution = equations.solve(unknowns, self.want, whole=True)
+        found, first = solution is not None, unknowns
+        unknowns = solution if solution is not None else unknowns
+        if not found and known:
+            found, unknowns = self._by_equilibria(equations, first, held)
+        if not found and unknowns is first:
+            reached, unknowns = self._on_the_way(equations, first, known)
+            found = reached == 1
+        if not found:
             raise SimulationError(self._failure(equations, unknowns, known) + why)
         x, z, shares = equations.unpack(unknowns)
         return plant.state(state.t, x, z, state.d, state.u, self.parameters(shares))
@@ -170,6 +201,28 @@ class _Problem:
             else:
                 step /= 2
         return reached, unknowns
+
+    def _by_equilibria(self, equations: _Equations, unknowns: np.ndarray, held: set[int]) -> tuple[bool, np.ndarray]:
+        """Newton steps of the parameters alone, from equilibrium to equilibrium: whether all holds, and where it is."""
+        size = np.maximum(np.maximum(np.abs(equations.conditions(unknowns)), np.abs(self.want)), 1e-9)
+        miss, reach = (self.want - equations.conditions(unknowns)) / size, FARTHEST
+        for _ in range(ITERATIONS):
+            step = np.linalg.lstsq(equations.slopes_at_rest(unknowns) / size[:, None], miss, rcond=1e-12)[0]
+            step *= min(1.0, reach / max(float(np.max(np.abs(step))), 1e-300))
+            while (largest := float(np.max(np.abs(step)))) > NEAREST:
+                trial = equations.at_rest(unknowns, step, held)
+                left = None if trial is None else (self.want - equations.conditions(trial)) / size
+                if trial is not None and np.linalg.norm(left) < np.linalg.norm(miss):
+                    break
+                step, reach = step / 2, FARTHEST
+            else:  # it is there, or at the nearest that can be reached
+                solution = equations.solve(unknowns, self.want)
+                return solution is not None, unknowns if solution is None else solution
+            unknowns, miss = trial, left
+            if largest < FARTHEST / 4 and (solution := equations.solve(unknowns, self.want, whole=True)) is not None:
+                return True, solution
+            reach *= 1.5
+        return False, unknowns
 
     def _refuse_unmoved(self, equations: _Equations, unknowns: np.ndarray) -> None:
         """SimulationError where a condition does not depend on what is freed."""
@@ -240,13 +293,30 @@ class _Equations:
             return np.full(self.value.size1_out(0), np.nan)
         return np.array(at.call(self.value, self.rest.t, x, z, self.rest.q)).ravel()
 
-    def solve(self, values: np.ndarray, want: np.ndarray) -> np.ndarray | None:
-        """The unknowns with these conditions; None where they are not found."""
+    def solve(self, values: np.ndarray, want: np.ndarray, whole: bool = False) -> np.ndarray | None:
+        """The unknowns with these conditions, perhaps by whole steps alone; None where they are not found."""
         kept, shift = self.kept, np.concatenate([np.zeros(self.rest.size), want])
-        solution = newton(
-            lambda v: self._rows(v)[kept] - shift, lambda v: self._slopes(v)[kept], values, limit=ITERATIONS
-        )
-        return solution.values if solution.converged else None
+
+        def residual(v: np.ndarray) -> np.ndarray:
+            return self._rows(v)[kept] - shift
+
+        def slopes(v: np.ndarray) -> sparse.csr_matrix:
+            return self._slopes(v)[kept]
+
+        try:
+            found = undamped(residual, slopes, values) if whole else newton(residual, slopes, values, limit=ITERATIONS)
+        except ModelError:  # a whole step out of the bounds
+            return None
+        return found.values if found is not None and found.converged else None
+
+    def at_rest(self, values: np.ndarray, step: np.ndarray, held: set[int]) -> np.ndarray | None:
+        """The unknowns at the equilibrium a step of the shares away; None where there is none."""
+        x, z, shares = self.unpack(values)
+        try:
+            x, z = equilibrium(self.problem.at(shares + step), self.rest.t, x, z, self.rest.q, held)
+        except (ModelError, SimulationError):
+            return None
+        return np.concatenate([x[self.rest.moving], z, shares + step])
 
     def _slopes(self, values: np.ndarray) -> sparse.csr_matrix:
         x, z, shares = self.unpack(values)
@@ -301,7 +371,7 @@ def _target(plant: Plant, name: str, value: Any) -> Target:
     si = plant.describe(entry.path)[0]
     if value is None:
         raise ParameterError(f"the condition on {name} has no value: say which it shall take.")
-    if isinstance(value, str) and not _is_number(value):
+    if isinstance(value, str) and not is_number(value):
         number, text = float(np.asarray(to_si(value, si, name))), value
     else:
         number = float(value) / plant.outputs.factor(name)
@@ -309,14 +379,6 @@ def _target(plant: Plant, name: str, value: Any) -> Target:
     if not np.isfinite(number):
         raise ParameterError(f"the condition {name} = {value} is not a finite number.")
     return Target(name, expression, number, text, plant.outputs.factor(name), entry.unit)
-
-
-def _is_number(text: str) -> bool:
-    try:
-        float(text)
-    except ValueError:
-        return False
-    return True
 
 
 def _count(number: int, what: str) -> str:

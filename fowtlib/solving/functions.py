@@ -42,15 +42,19 @@ class Functions:
         self.q = ca.vertcat(dae.u, dae.d, dae.p)
         self._externals = [_Differentiable(external.function) for external in dae.externals]
         self._made: dict[Hashable, Any] = {}
+        self._last: AtParameters | None = None
+        self._tunable = sum(item.symbol.numel() for item in dae.parameters.values())
         self.abandoned = 0  # integrators that were left to run on in another thread
 
     def at(self, binding: Binding) -> AtParameters:
         """The functions at what a run takes in, without those parameters that have been zero in all runs so far."""
-        tunable = sum(item.symbol.numel() for item in self.dae.parameters.values())
-        zeros = frozenset(np.flatnonzero(binding.p[:tunable] == 0).tolist()) | frozenset(self.dae.silent)
+        if self._last is not None and self._last.binding is binding:
+            return self._last
+        zeros = frozenset(np.flatnonzero(binding.p[: self._tunable] == 0).tolist()) | frozenset(self.dae.silent)
         if self._lean is None or not self._lean.zeros <= zeros:
             self._lean = Functions(self.dae, zeros & self._lean.zeros if self._lean else zeros)
-        return AtParameters(self._lean, binding, self)
+        self._last = AtParameters(self._lean, binding, self)
+        return self._last
 
     def once(self, key: Hashable, make: Callable[[], Made]) -> Made:
         """What `make` returns, made for the first that asks for it by this key."""
@@ -225,6 +229,13 @@ class Functions:
         by_x, by_z = full(*arguments)
         n = self.x.shape[0]
         return ca.Function("jacobian", arguments, [by_x[:n, :], by_z[:n, :], by_x[n:, :], by_z[n:, :]])
+
+    @cached_property
+    def jacobian_entries(self) -> ca.Function:
+        """`(t, x, z, q) -> the entries of the four blocks of jacobian`, as a column."""
+        arguments = [ca.MX.sym(name, *value.shape) for name, value in zip("txzq", self._arguments, strict=True)]
+        blocks = self.jacobian(*arguments)
+        return ca.Function("jacobian_entries", arguments, [ca.vertcat(*[block.nz[:] for block in blocks])])
 
     @property
     def algebraic_jacobian(self) -> ca.Function:

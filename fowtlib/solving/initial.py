@@ -54,6 +54,8 @@ def initial_values(at: AtParameters, t: float, x: np.ndarray, z: np.ndarray, q: 
     if not dae.initial_equations.shape[0]:
         return x, consistent_algebraics(at, t, x, z, q)
     kept, free = at.functions.once(("freed", frozenset(given)), lambda: _freed_states(dae, given))
+    if not free and not dae.z.shape[0]:
+        return x, z  # all start values are given, and nothing is left to solve for
     function, slopes = at.functions.once(
         ("initial", tuple(kept), tuple(free)), lambda: _initial_functions(at.functions, kept, free)
     )
@@ -86,7 +88,7 @@ def _initial_functions(functions: Functions, kept: list[int], free: list[int]) -
     hidden = {element.element_hash() for stage in dae.stages for element in ca.vertsplit(stage.states)}
     of_externals = [c for c in range(columns.shape[0]) if columns[c].element_hash() in hidden]
     others = [c for c in range(columns.shape[0]) if c not in set(of_externals)]
-    if columns.shape[0] - len(of_externals) > MANY:
+    if not others or len(others) > MANY:
         slopes = functions.torn_jacobian("initial_jacobian", rows, [columns])
     elif not of_externals:
         slopes = functions.directional_jacobian("initial_jacobian", rows, columns)

@@ -150,27 +150,25 @@ class LinearModel:
         if not len(A):
             return []
         values, right = np.linalg.eig(A)
-        left = np.linalg.pinv(right)  # rows are the left eigenvectors; A may be defective
+        left = _inverse(right)  # rows are the left eigenvectors
+        kept = values.imag >= 0
+        values, right, left = values[kept], right[:, kept], left[kept]
+        weights = np.abs(left.T * right)
+        weights = weights / np.maximum(weights.sum(axis=0), 1e-300)
+        shapes = C @ right if self.outputs else right
+        peaks = shapes[np.argmax(np.abs(shapes), axis=0), np.arange(len(values))] if len(shapes) else np.ones(1)
+        shapes = shapes / np.where(np.abs(peaks) > 1e-200, peaks, 1.0)
         modes = []
-        for value, w, v in zip(values, left, right.T, strict=True):
-            if value.imag < 0:
-                continue
-            weight = np.abs(w * v)
-            weight = weight / max(weight.sum(), 1e-300)
+        for value, shape, weight in zip(values.tolist(), shapes.T.astype(complex), weights.T, strict=True):
             size = abs(value)
-            shape = (
-                dict(zip(self.outputs, C @ v, strict=True)) if self.outputs else dict(zip(self.states, v, strict=True))
-            )
-            peak = max(shape.values(), key=abs, default=0.0)
-            peak = peak if abs(peak) > 1e-200 else 1.0
             modes.append(
                 Mode(
                     size / (2 * np.pi),
                     -value.real / size if size > 0 else 0.0,
                     complex(value),
                     self.states[int(np.argmax(weight))],
-                    {name: complex(amplitude / peak) for name, amplitude in shape.items()},
-                    {name: float(share) for name, share in zip(self.states, weight, strict=True)},
+                    dict(zip(self.outputs or self.states, shape.tolist(), strict=True)),
+                    dict(zip(self.states, weight.tolist(), strict=True)),
                 )
             )
         return sorted(modes, key=lambda mode: mode.frequency_hz)
@@ -199,6 +197,15 @@ class LinearModel:
 
     def __repr__(self) -> str:
         return f"<LinearModel: {len(self.states)} states, {len(self.inputs)} inputs, {len(self.outputs)} outputs>"
+
+
+def _inverse(vectors: np.ndarray) -> np.ndarray:
+    """Of eigenvectors; the pseudo-inverse, which takes longer, where the matrix that they belong to is defective."""
+    try:
+        found = np.linalg.inv(vectors)
+    except np.linalg.LinAlgError:
+        return np.linalg.pinv(vectors)
+    return found if np.abs(found).max() < 1e12 else np.linalg.pinv(vectors)
 
 
 class Resolvent:

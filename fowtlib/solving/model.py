@@ -17,6 +17,7 @@ from fowtlib.language.component import Component
 from fowtlib.language.errors import ModelError
 from fowtlib.solving.binding import bind
 from fowtlib.solving.check import ModelReport
+from fowtlib.solving.paths import spread_out
 from fowtlib.solving.plant import Plant
 from fowtlib.solving.results.html import table
 from fowtlib.solving.starts import mean_parameters, mean_values
@@ -145,7 +146,8 @@ class Model:
         return "\n".join(lines)
 
     def with_parameters(self, values: Mapping[str, Any]) -> Model:
-        """The same model with parameters changed by path, structural ones too."""
+        """The same model with parameters changed by path, structural ones too; stars in a path as in events."""
+        values = spread_out(values, self.root)
         if self.rebuild is not None:
             return self.rebuild(values)
         root = copy.deepcopy(self.root)

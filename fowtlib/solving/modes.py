@@ -103,7 +103,7 @@ def natural_modes(plant: Any, state: Any = None, *, parameters: Mapping[str, Any
     modes = plant.linearize(state, outputs=[]).modes()
     circles = (ring for ring in plant.dae.symmetries if len(ring.parts) > 1)
     rings = [_Ring(list(ring.parts), _angle(plant, ring.angle, state)) for ring in circles]
-    coordinates = _coordinates(plant, rings)
+    coordinates = plant.functions.once("coordinates", lambda: _coordinates(plant, rings))
     fastest = max((abs(mode.eigenvalue) for mode in modes), default=0.0)
     modes = [mode for mode in modes if abs(mode.eigenvalue) > STANDING * fastest]
     memories = {c.name for c in coordinates if not c.motion}
@@ -186,7 +186,7 @@ def _shares(mode: Any, coordinates: Sequence[_Coordinate], rings: Sequence[_Ring
     shares: dict[str, float] = defaultdict(float)
     circled: dict[tuple[str, int], float] = defaultdict(float)
     for c in coordinates:
-        ring = _ring_of(c, rings)
+        ring = _ring_of(c, rings) if rings else None
         if ring is None:
             shares[c.name] += mode.participation[c.path]
         else:

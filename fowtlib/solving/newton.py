@@ -13,7 +13,7 @@ from scipy.sparse.linalg import splu
 DENSE = 300  # unknowns up to which a dense solution is faster and quieter than a sparse one
 
 Residual = Callable[[np.ndarray], np.ndarray]
-Jacobian = Callable[[np.ndarray], sparse.spmatrix]
+Jacobian = Callable[[np.ndarray], sparse.spmatrix | np.ndarray]
 
 
 @dataclass
@@ -108,7 +108,7 @@ def _step(matrix: sparse.csc_matrix, size: np.ndarray, damping: float) -> tuple[
     return -solve(normal + damping * sparse.diags(diagonal), matrix.T @ size), False
 
 
-def solve(matrix: sparse.spmatrix, right: np.ndarray) -> np.ndarray:
+def solve(matrix: sparse.spmatrix | np.ndarray, right: np.ndarray) -> np.ndarray:
     """Solution of matrix @ x = right; RuntimeError where the matrix is singular.
 
     Small matrices are solved as dense ones; by SciPy's LAPACK, for NumPy's waits for its threads on a busy machine
@@ -118,7 +118,7 @@ def solve(matrix: sparse.spmatrix, right: np.ndarray) -> np.ndarray:
         return splu(sparse.csc_matrix(matrix)).solve(right)
     if not len(right):
         return right
-    _, _, solution, info = dgesv(matrix.toarray(), right)
+    _, _, solution, info = dgesv(matrix if isinstance(matrix, np.ndarray) else matrix.toarray(), right)
     if info:
         raise RuntimeError("singular matrix")
     return solution

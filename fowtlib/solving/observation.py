@@ -14,11 +14,13 @@ from fowtlib.solving.state import State
 ROWS = 4096  # points that compiled functions are given at once
 
 
-def observed(at: AtParameters, path: str, state: State) -> np.ndarray:
-    """A variable at a state, SI, as a matrix."""
-    function = at.functions.observed([path])
-    values = np.array(at.call(function, state.t, state.x, state.z, np.concatenate([state.u, state.d])))
-    return values.reshape(at.dae.observe_expression(path).shape, order="F")
+def observed(at: AtParameters, paths: Sequence[str], state: State) -> list[np.ndarray]:
+    """Variables at a state, SI, as matrices."""
+    shapes = [at.dae.observe_expression(path).shape for path in paths]
+    q = np.concatenate([state.u, state.d])
+    values = np.array(at.call(at.functions.observed(paths), state.t, state.x, state.z, q)).ravel()
+    columns = np.split(values, np.cumsum([rows * columns for rows, columns in shapes])[:-1])
+    return [column.reshape(shape, order="F") for column, shape in zip(columns, shapes, strict=True)]
 
 
 class Observation:

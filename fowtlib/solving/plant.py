@@ -12,7 +12,8 @@ from fowtlib.flattening import FlatDAE
 from fowtlib.language.component import Component
 from fowtlib.language.errors import SimulationError
 from fowtlib.language.externals import refusals_explained
-from fowtlib.solving.binding import Binding, Bindings
+from fowtlib.solving.binding import Binding
+from fowtlib.solving.bindings import Bindings
 from fowtlib.solving.checks import check_state
 from fowtlib.solving.conditions import Conditions
 from fowtlib.solving.engines import FixedStepCode
@@ -109,7 +110,8 @@ class Plant:
         near: an equilibrium of other parameters, from which Newton is tried first, in a tenth of the time.
         """
         if free or targets:
-            found = freed_equilibrium(self, free or (), targets or {}, parameters, hold, start, inputs)
+            beside = None if hold or start or inputs else near
+            found = freed_equilibrium(self, free or (), targets or {}, parameters, hold, start, inputs, beside)
             check_state(self.at(found.parameters), found, self.name, rest=True)
             return found
         at = self.at(parameters)
@@ -200,9 +202,9 @@ class Plant:
         return {self.input_names.get(name, name): value for name, value in (inputs or {}).items()}
 
     @refusals_explained()
-    def _observe(self, name: str, state: State) -> np.ndarray:
-        values = observed(self.at(state.parameters), self.outputs.entry(name).path, state)
-        return np.asarray(self.outputs.shown(name, values))
+    def _observe(self, names: Sequence[str], state: State) -> list[np.ndarray]:
+        values = observed(self.at(state.parameters), [self.outputs.entry(name).path for name in names], state)
+        return [np.asarray(self.outputs.shown(name, value)) for name, value in zip(names, values, strict=True)]
 
     def _repr_html_(self) -> str:
         rows = [(name, entry.path, entry.unit, entry.doc) for name, entry in self.outputs.items()]

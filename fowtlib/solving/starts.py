@@ -23,6 +23,7 @@ from fowtlib.language.errors import ModelError, SimulationError, one_of
 from fowtlib.language.native import compiler, no_compiler
 from fowtlib.solving.checks import check_state
 from fowtlib.solving.modes import rate_states
+from fowtlib.solving.paths import spread_out
 from fowtlib.solving.results import Result
 from fowtlib.solving.state import State
 from fowtlib.solving.stationary import SlowModes, slow_modes
@@ -52,6 +53,7 @@ def start_values(plant: Plant, word: str, parameters: Values | None = None,
     Raises SimulationError where there is no mean; where the word is the model file's that is a warning, and the values
     are those of the file.
     """
+    parameters = _whole_paths(plant, parameters)
     if word:
         return _by_word(plant, word, parameters, inputs)
     word = plant.settings.get("start", "file")
@@ -114,7 +116,7 @@ def _in_the_mean(part: Component) -> dict[str, Any]:
 
 def mean_parameters(plant: Plant, parameters: Values | None = None) -> dict[str, Any]:
     """The parameters of the mean of a run with these parameters; what belongs to a kind that is left is not in them."""
-    given, root = dict(parameters or {}), plant.binding(parameters).root
+    given, root = _whole_paths(plant, parameters) or {}, plant.binding(parameters).root
     for part in root.walk() if root is not None else ():
         changes = _in_the_mean(part)
         if not changes:
@@ -125,6 +127,13 @@ def mean_parameters(plant: Plant, parameters: Values | None = None) -> dict[str,
         given |= {join(part.path, name): part.parameter_value(name) for name in kept if name not in changes}
         given |= {join(part.path, name): value for name, value in changes.items()}
     return given
+
+
+def _whole_paths(plant: Plant, parameters: Values | None) -> dict[str, Any] | None:
+    """Parameters by paths without stars."""
+    if parameters is None or plant.root is None:
+        return None if parameters is None else dict(parameters)
+    return spread_out(parameters, plant.root)
 
 
 def _mean(plant: Plant, word: str, parameters: Values | None, inputs: Values | None) -> dict[str, float]:

@@ -23,9 +23,8 @@ from fowtlib.language.errors import ModelError, NotFoundError, ParameterError, S
 from fowtlib.language.units import from_si, quantity, to_si
 from fowtlib.solving.functions import AtParameters
 from fowtlib.solving.outputs import Outputs
-from fowtlib.solving.paths import by_path
+from fowtlib.solving.paths import EVERY, by_path, meant
 
-EVERY = "*"  # in a name: any letters, and the event happens at every place that fits
 MOST_LISTED = 40  # events in the message about an unknown one
 _CONDITION = re.compile(r"\s*(?P<name>[^<>]+?)\s*(?P<sign>[<>])\s*(?P<value>[^<>=]+?)\s*")
 _TEXT = re.compile(r"\s*(?P<what>\S+)\s+(?P<word>at|when)\s+(?P<instant>[^,]+?)\s*(?P<values>(,.*)?)", re.DOTALL)
@@ -168,20 +167,6 @@ def _chosen(event: Event, dae: FlatDAE) -> list[int]:
     hint = did_you_mean(event.what, known, list_up_to=0)
     text = f"there is no event '{event.what}'{hint} The model offers {_listed(known)}."
     raise NotFoundError(text, where=event.place)
-
-
-def meant(what: str, paths: Sequence[str]) -> list[str]:
-    """The paths of events that a text can mean: the one that it is, or all that end as it does; * is any letters.
-
-    Names in the middle of a path may be left out; those that are given stand in its order.
-    """
-    names = [re.compile(re.escape(name).replace(re.escape(EVERY), ".*")) for name in what.split(".")]
-    return [what] if what in paths else [path for path in paths if _within(names, path.split("."))]
-
-
-def _within(names: Sequence[re.Pattern[str]], path: Sequence[str]) -> bool:
-    left = iter(path)
-    return bool(names[-1].fullmatch(path[-1])) and all(any(name.fullmatch(known) for known in left) for name in names)
 
 
 def _listed(paths: Sequence[str]) -> str:

@@ -9,7 +9,7 @@ import pytest
 import fowtlib as fw
 import fowtlib.models
 from fowtlib.components.aero import BladeElementAerodynamics, TowerDrag, TowerPotentialFlow
-from fowtlib.components.aero.tower_flow import deflected_wind
+from fowtlib.components.aero.tower_flow import deflected_wind, shadowed_wind
 from fowtlib.components.environment import Wind, World
 from fowtlib.components.mechanics import FixedTranslation, Prismatic, RigidBody
 from fowtlib.components.support import RigidTower
@@ -90,6 +90,44 @@ def test_slopes_are_finite_everywhere():
     for at in ([0, 0, 50], [-3, 0, 50], [-5, 1, 100], [-5, 1, 120], [-5, 0, 0]):
         assert np.all(np.isfinite(slope(at).full()))
 
+
+
+def shadowed(wind, place, drag=1.0, greatest=1.0, points=STRAIGHT, diameters=(D, D, D)):
+    points = [ca.SX(np.array(p, dtype=float)) for p in points]
+    wind, place = (ca.SX(np.array(v, dtype=float)) for v in (wind, place))
+    result = shadowed_wind(wind, place, points, diameters, drag, greatest)
+    return ca.Function("wind", [], [result])()["o0"].full().ravel()
+
+
+@pytest.mark.parametrize("x", [30.0, 90.0, 300.0])
+def test_far_behind_the_tower_the_momentum_that_is_missing_is_its_drag(x):
+    """Sum of W (W - u) over y against C_d D W^2 / 2, where the deficit is small; the text says nothing of that."""
+    y = np.linspace(-40, 40, 801)
+    missing = np.array([10 - shadowed([10, 0, 0], [x, at, 60], drag=0.7)[0] for at in y])
+    assert np.sum(10 * missing) * (y[1] - y[0]) == pytest.approx(0.7 * D * 10**2 / 2, rel=1e-2)
+
+
+def test_the_shadow_lies_behind_the_tower_whatever_the_wind():
+    for turn in (0.0, 0.7, -2.0):
+        along, across = np.array([np.cos(turn), np.sin(turn), 0]), np.array([-np.sin(turn), np.cos(turn), 0])
+        wind, high = 8 * along, np.array([0, 0, 40.0])
+        assert shadowed(wind, high - 6 * along) == pytest.approx(wind)
+        assert shadowed(wind, high + 6 * along + 6 * across) == pytest.approx(wind)
+        assert shadowed(wind, high + 12 * along) == pytest.approx(wind * (1 - 4**-0.5))
+        left, right = (shadowed(wind, high + 12 * along + y * across) for y in (2.0, -2.0))
+        assert left == pytest.approx(right)
+        root = (148**0.5 / 3) ** 0.5
+        assert left @ along == pytest.approx(8 * (1 - np.cos(np.pi / 2 * (2 / 3) / root) ** 2 / root))
+
+
+def test_the_deficit_is_bounded_and_its_slopes_are_finite():
+    assert shadowed([10, 0, 0], [3.01, 0, 50], greatest=0.5)[0] == pytest.approx(5.0)
+    place = ca.SX.sym("place", 3)
+    points = [ca.SX(np.array(p, dtype=float)) for p in STRAIGHT]
+    wind = shadowed_wind(ca.SX([10.0, 0, 0]), place, points, (D, D, D))
+    slope = ca.Function("slope", [place], [ca.jacobian(wind, place)])
+    for at in ([0, 0, 50], [5, 0, 50], [9, 1, 50], [9, 1, 102], [0, 4, 50], [-5, 0, 0]):
+        assert np.all(np.isfinite(slope(at).full()))
 
 
 def add_tower(model, name, x):

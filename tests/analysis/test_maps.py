@@ -99,7 +99,7 @@ def test_a_point_without_equilibrium_is_told_and_the_others_stay(plant, monkeypa
         ({"bob.mass": ["1 m"]}, ["mass"], [], "bob.mass.*length"),
         ({"bob.mass": [-1.0]}, ["mass"], [], "below its minimum"),
         ({"bob.mass": [1.0]}, ["guide.speed"], [], "no quantity 'guide.speed'"),
-        ({"bob.mass": [1.0]}, ["period of surge"], [], "there is no 'period of surge'"),
+        ({"bob.mass": [1.0]}, ["period of surge"], [], "no point .* all that was asked for; .* no 'period of surge'"),
         ({"bob.mass": [1.0]}, ["bob.v"], [], "bob.v is an array of shape"),
         ({"bob.mass": [1.0]}, ["mass"], ["mass"], "'mass' is not a limit"),
         ({"bob.mass": [1.0]}, ["mass"], ["mass < 3 m"], "mass"),
@@ -108,6 +108,53 @@ def test_a_point_without_equilibrium_is_told_and_the_others_stay(plant, monkeypa
 def test_what_is_wrong_with_a_map(plant, over, of, limits, says):
     with pytest.raises(ModelError, match=says):
         _ = parameter_map(plant, over, of, limits=limits).feasible
+
+
+def test_a_parameter_takes_the_value_at_which_a_condition_holds(plant):
+    """The wire is as stiff as its stretch asks for: EA = m g l / stretch; so is each point after its neighbour."""
+    found = parameter_map(plant, {"bob.mass": [2.0, 3.0, 9.0], "wire.length": [1.9, 2.0]},
+                          ["wire.axial_stiffness", "bob.mass", "guide.s"],
+                          limits=["wire.axial_stiffness < 5 kN", "wire.length > 1.95 m"],
+                          free=["wire.axial_stiffness"], targets={"guide.s": 2.01})  # fmt: skip
+    mass, length = np.array([2.0, 3.0, 9.0])[:, None], np.array([1.9, 2.0])
+    np.testing.assert_allclose(found["wire.axial_stiffness"], mass * GRAVITY * length / (2.01 - length), rtol=1e-8)
+    np.testing.assert_allclose(found["guide.s"], 2.01)
+    assert found["bob.mass"][:, 0].tolist() == [2.0, 3.0, 9.0] and found.units["wire.axial_stiffness"] == "N"
+    assert found.feasible.tolist() == [[False, True], [False, False], [False, False]]
+    assert found.heads() == ["bob.mass [kg]", "wire.length [m]", "wire.axial_stiffness [N]", "guide.s [m]", "feasible"]
+    assert len(next(found.rows())) == 5 and found.dataset["bob.mass"].dims == ("bob.mass",)
+    titles = [axis.get_title(loc="left") for axis in found.plot().axes if axis.get_visible()]
+    assert titles[:2] == ["wire.axial_stiffness [N]", "guide.s [m]"]  # no panels of the axes themselves
+
+
+def test_what_the_model_warns_of_is_left_out(plant):
+    """A wire that pushes: its bob would lie below the fixed end."""
+    top = fw.Assembly("pushing")
+    top.world, top.guide = World(), Prismatic(n=(0, 0, 1), s_start=2.0)
+    top.wire, top.bob = AxialWire(axial_stiffness=1e4, length=2.0, pretension=25.0), PointMass(mass=3.0)
+    top.connect(top.world.frame, top.guide.frame_a)
+    top.connect(top.guide.frame_b, top.bob.frame_a)
+    top.connect(top.world.frame, top.wire.frame_a)
+    top.connect(top.bob.frame_a, top.wire.frame_b)
+    standing = fw.load(top).compile()
+    with pytest.raises(ModelError, match="no point .* an equilibrium; .*compression"):
+        parameter_map(standing, {"bob.mass": [2.0, 3.0]}, ["guide.s"])
+
+
+def test_the_first_point_is_that_nearest_to_the_model(plant, monkeypatch):
+    """The others are reached from their neighbours, also around one that fails."""
+    real, order = type(plant).equilibrium, []
+
+    def watched(self, parameters=None, near=None, **options):
+        order.append((parameters["bob.mass"], parameters["wire.length"], near is None))
+        if parameters["bob.mass"] == 2.0:
+            raise ModelError("no equilibrium found")
+        return real(self, parameters, near=near, **options)
+
+    monkeypatch.setattr(type(plant), "equilibrium", watched)
+    parameter_map(plant, {"bob.mass": [1.0, 2.0, 3.2], "wire.length": [1.0, 2.1, 3.0]}, ["guide.s"])
+    assert order[0] == (3.2, 2.1, True)
+    assert [item[:2] for item in order if item[2]] == [(3.2, 2.1), (1.0, 2.1)]  # (1.0, 2.1) lies behind the gap
 
 
 def test_limits_are_texts():

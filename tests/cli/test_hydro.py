@@ -170,3 +170,20 @@ def test_without_capytaine_the_extra_is_named(capsys, monkeypatch):
     status, _, err = run(capsys, *SOLVE)
     assert status == 2
     assert 'the panel method needs Capytaine, which is not installed: pip install "fowtlib[hydro]"' in err
+
+
+@pytest.mark.parametrize(
+    ("words", "option"),
+    [
+        (["oc3_spar", "--database", "--omega", "0.4,0.8"], "--omega: the database that the model reads"),
+        (["oc3_spar", "--database", "--size", "2"], "--size: the database that the model reads"),
+        (["spar.nc", "--headings", "0"], "--headings: spar.nc"),
+        (["spar.nc", "--no-lid"], "--no-lid: spar.nc"),
+        (["spar.1", "--size", "4,2"], "--size: spar.1"),
+    ],
+)
+def test_a_database_that_is_only_shown_takes_no_options_of_the_panel_method(words, option, capsys):
+    """They used to be ignored, so that one took what was shown for what had been asked for."""
+    assert main(["hydro", *words]) == 2
+    said = " ".join(capsys.readouterr().err.split())
+    assert f"{option} is shown as it is, and nothing is solved" in said

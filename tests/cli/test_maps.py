@@ -34,9 +34,23 @@ def test_a_map_with_limits_and_a_picture(capsys):
     assert main(["map", "rod.yaml", *words, "--limit", "mass < 0.5"]) == 1
 
 
+def test_a_parameter_that_follows_from_a_condition(capsys):
+    """The wire is as stiff as the stretch of 10 mm asks for; the axis of the map stands in the table once."""
+    words = ["--over", "bob.mass=1:3:2", "--free", "wire.axial_stiffness", "--target", "guide.s=2.01 m"]
+    of = ["--of", "wire.axial_stiffness", "--limit", "bob.mass < 2 kg", "--csv"]
+    assert main(["map", "rod.yaml", *words, *of]) == 0
+    lines = capsys.readouterr().out.splitlines()
+    assert lines[0] == "bob.mass [kg],wire.axial_stiffness [N],feasible"
+    rows = [[float(cell) for cell in line.split(",")] for line in lines[1:]]
+    assert [row[0] for row in rows] == [1.0, 3.0] and [row[2] for row in rows] == [1, 0]
+    assert [row[1] for row in rows] == pytest.approx([mass * 9.80665 * 2 / 0.01 for mass in (1, 3)], rel=1e-6)
+
+
 @pytest.mark.parametrize(
     ("words", "says"),
     [
+        (["--over", "bob.mass=1,2", "--of", "mass", "--target", "guide.s"], "'guide.s' is not name=value"),
+        (["--over", "bob.mass=1,2", "--of", "mass", "--free", "wire.axial_stiffness"], "as many conditions as freed"),
         (["--over", "bob.mass", "--of", "mass"], "'bob.mass' is not path=first:last:step"),
         (["--over", "bob.mass=often", "--of", "mass"], "'bob.mass=often' is not path=first:last:step"),
         (["--over", "bob.mass=1:3:1 m", "--of", "mass"], "bob.mass"),

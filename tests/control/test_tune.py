@@ -13,8 +13,8 @@ import fowtlib as fw
 from fowtlib.cli.app import main
 from fowtlib.components.environment import Wind, World
 from fowtlib.components.mechanics import FixedTranslation
-from fowtlib.components.servo import FLOATING_GAINS, ONSHORE_GAINS
-from fowtlib.control import PitchLoop, RotorResponse, Tuned, opened, shave_peak, tune_pi
+from fowtlib.components.servo import FLOATING_GAINS, ONSHORE_GAINS, LeastPitch, read_least_pitch
+from fowtlib.control import PitchLoop, RotorResponse, Tuned, least_pitch, opened, shave_peak, tune_pi
 from fowtlib.language.errors import ModelError, ParameterError
 
 MODELS = Path(__file__).parents[2] / "models"
@@ -143,6 +143,41 @@ def test_peak_shaving_holds_the_thrust_at_its_share(loop):
     assert by_wind[9.0].least_pitch == 0.0 and by_wind[15.0].thrust[0] == by_wind[15.0].thrust[1]
 
 
+def test_a_controller_with_the_table_holds_the_thrust_in_every_wind(loop, tmp_path):
+    """Steady thrust at most 0.8 of the largest, between the winds of the table too; other winds are as before."""
+    rows = shave_peak(loop, (8.0, 9.0, 10.0, 10.5, 11.0, 11.5, 12.0, 12.5, 13.0), 0.8)
+    limit = 0.8 * max(row.thrust[0] for row in rows)
+    path = tmp_path / "shaving.csv"
+    least_pitch(rows).write(path, ["of a test"])
+    model = fw.load("oc3_spar_rigid", set={"turbine.control.peak_shaving": str(path)}).in_the_mean()
+    shaved = model.compile()
+    found = {wind: shaved.equilibrium({"wind.mean_speed": wind}) for wind in (9.0, 10.75, 11.5, 12.25, 15.0)}
+    plain = {wind: loop.plant.equilibrium({"wind.mean_speed": wind}) for wind in (9.0, 11.5, 15.0)}
+    assert max(float(state["thrust"]) for state in found.values()) * 1e3 == pytest.approx(limit, rel=0.01)
+    assert float(found[11.5]["thrust"]) < 0.81 * float(plain[11.5]["thrust"])
+    share = float(found[11.5]["generator_power"]) / float(plain[11.5]["generator_power"])
+    assert share == pytest.approx(0.917, abs=0.01)
+    for wind in (9.0, 15.0):
+        for name in ("thrust", "generator_power", "blade_pitch"):
+            assert float(found[wind][name]) == pytest.approx(float(plain[wind][name]), rel=1e-3, abs=1e-3)
+
+
+def test_a_table_of_least_pitch_is_written_and_read(tmp_path):
+    table = LeastPitch([1e6, 2e6, 3e6], np.radians([0, 1.25, 3.5]))
+    table.write(tmp_path / "a.csv")
+    back = read_least_pitch(str(tmp_path / "a.csv"))
+    assert_allclose(back.power, table.power)
+    assert_allclose(back.pitch, table.pitch, rtol=1e-5)
+    with pytest.raises(ParameterError, match="two or more rising powers"):
+        LeastPitch([2e6, 1e6], [0, 0.1])
+    (tmp_path / "b.csv").write_text("generator_power_kW,least_pitch_deg\n1,x\n")
+    with pytest.raises(ParameterError, match="'1,x' is not a row of numbers"):
+        read_least_pitch(str(tmp_path / "b.csv"))
+    changes = {"turbine.control.sample_period": 0.1, "turbine.control.peak_shaving": str(tmp_path / "a.csv")}
+    with pytest.raises(ModelError, match="peak_shaving is continuous in time; leave sample_period out"):
+        fw.load("oc3_spar_rigid", set=changes).compile()
+
+
 def test_mistakes_are_sentences(loop):
     with pytest.raises(ParameterError, match="the blades are pitched in 1; give at least two above rated"):
         tune_pi(loop, (8, 15), 0.2)
@@ -173,6 +208,7 @@ def test_the_command_prints_gains_and_damping(capsys):
     (["--winds", "12:24"], "'12:24' is not first:last:step in m/s"),
     (["--damping", "0.7"], "--damping goes with --frequency"),
     (["--peak-shaving", "0.9", "--frequency", "0.2"], "two questions"),
+    (["--save", "a.csv"], "--save writes the table of --peak-shaving; give both"),
     (["--frequency", "fast"], "'fast' is not a number"),
     (["--controller", "turbine.control"], "is no PitchController"),
 ])  # fmt: skip

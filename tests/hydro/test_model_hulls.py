@@ -98,3 +98,10 @@ def test_what_cannot_be_meshed_is_said(points, message):
     (hull,) = hulls(model(hull=tube(points=points))).values()
     with pytest.raises(ParameterError, match=message):
         hull.mesh(2.0)
+
+
+@pytest.mark.parametrize("size", [1.9, 2.0, 2.05])
+def test_members_that_nearly_touch(size):
+    """The round ends of the OO-Star's pontoons are as wide as these: their surfaces cut in edges of 0.1 mm."""
+    floater = hulls(fw.load("oo_star_rigid").root)["platform.hull"]
+    assert floater.mesh(size).volume == pytest.approx(floater.volume, rel=1e-5)

@@ -6,7 +6,7 @@ import pytest
 import fowtlib as fw
 from fowtlib.components.blocks import Constant
 from fowtlib.components.mechanics import Fixed, FreeMotion, Prismatic, RigidBody, World, WorldForce
-from fowtlib.components.mooring import CatenaryLine, MooringSystem, YawSpring
+from fowtlib.components.mooring import CatenaryLine, MooringSystem, Tendon, YawSpring
 from fowtlib.language import Assembly
 from fowtlib.language.errors import ParameterError, SimulationError
 
@@ -223,6 +223,21 @@ def test_an_anchor_that_is_moved_below_the_seabed_stops_the_run():
     plant = fw.load(on_a_rail(0.0)).compile()
     with pytest.raises(SimulationError, match="line: the anchor is at -330 m, below the seabed at -320 m"):
         plant.simulate(1.0, 0.1, parameters={"line.anchor_position": (-848.67, 0, -330)})
+
+
+@pytest.mark.parametrize("part", [CatenaryLine, Tendon])
+def test_an_anchor_above_the_water_is_refused(part):
+    """A sign that was forgotten; also where it is given to a compiled model."""
+    model = Assembly("a line")
+    model.world, model.end = World(water_depth=100.0), Fixed(r=(30, 0, -10))
+    model.line = part(length=100.0, axial_stiffness=1e8, weight_per_length=500.0, anchor_position=(0, 0, 100))
+    model.connect(model.end.frame, model.line.fairlead)
+    with pytest.raises(ParameterError, match=r"anchor at z = 100 m, above the water, .* seabed z is -100 m"):
+        fw.load(model).compile()
+    model.line.anchor_position = (0, 0, -100)
+    plant = fw.load(model).compile()
+    with pytest.raises(SimulationError, match="line: the anchor is at 5 m, above the water; on the seabed"):
+        plant.simulate(1.0, 0.5, parameters={"line.anchor_position": (0, 0, 5)})
 
 
 def test_slack_and_overstretched_lines_warn():

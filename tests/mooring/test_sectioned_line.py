@@ -252,6 +252,7 @@ def test_a_lost_line_pulls_no_more():
         ({"friction": [1, 2]}, "friction has 2 values for 3 sections; give one for all of them, or one for each"),
         ({"mass_per_length": 100}, "needs its weight once"),
         ({"anchor_position": (-540, 0, -230)}, "has its anchor at z = -230 m, below the seabed"),
+        ({"anchor_position": (-540, 0, 220)}, "has its anchor at z = 220 m, above the water, where"),
     ],
 )
 def test_mistakes(line, message):

@@ -140,3 +140,19 @@ def test_a_damaged_text_is_written_again(texts, tmp_path):
     file.write_text(file.read_text(encoding="utf-8").replace("x[0]", "x[1]"), encoding="utf-8")
     assert np.array_equal(run(), first)
     assert len(texts) == 2
+
+
+class Alone(fw.Component):
+    """Without algebraic unknowns."""
+
+    x: Scalar = var(start=0.0, doc="state")
+    y: Scalar = var(start=0.0, doc="state")
+
+    def equations(self):
+        return [eq(der(self.x), -self.x), eq(der(self.y), self.x - self.y), initial(self.x, 1), initial(self.y, 2)]
+
+
+def test_with_all_start_values_given_nothing_is_left_to_solve_for():
+    plant = fw.load(Alone()).compile()
+    states = [plant.initial_state(start=start).x.tolist() for start in ({}, {"x": 3.0}, {"x": 3.0, "y": 4.0})]
+    assert states == [[1, 2], [3, 2], [3, 4]]

@@ -176,3 +176,27 @@ def test_elements_of_an_array_of_parameters():
 def test_mistakes(buoy, free, targets, error, message):
     with pytest.raises(error, match=message):
         buoy.equilibrium(free=free, targets=targets)
+
+
+@pytest.fixture(scope="module")
+def turbine():
+    """The OC3 spar in steady wind of 11.4 m/s, where its controller begins to pitch."""
+    return fw.load("oc3_spar_rigid").in_the_mean().compile()
+
+
+@pytest.mark.parametrize(
+    ("free", "target"),
+    [("wind.mean_speed", ("surge", 10)), ("world.air_density", ("surge", 8)), ("wind.mean_speed", ("thrust", 300))],
+)
+def test_a_wish_on_the_other_side_of_rated_wind(turbine, free, target):
+    """Between here and there the controller changes its region; the values are found again by an equilibrium."""
+    state = turbine.equilibrium(free=[free], targets=dict([target]))
+    value = state.parameters[free]
+    assert float(turbine.equilibrium({free: value})[target[0]]) == pytest.approx(target[1], rel=1e-5)
+    assert abs(value / float(turbine.parameter_values()[free].item()) - 1) > 0.2
+
+
+def test_what_no_direction_reaches_is_told_with_the_nearest(turbine):
+    """A rotor that looks along x is not pushed aside by a wind from the side."""
+    with pytest.raises(SimulationError, match=r"no equilibrium with sway = 1 m .* The search came to sway ="):
+        turbine.equilibrium(free={"wind.direction": 0.05}, targets={"sway": 1.0})
