@@ -12,6 +12,7 @@ from numpy.typing import ArrayLike
 
 from fowtlib.components.environment.field_wind import NO_FIELD, FieldData, wind_function
 from fowtlib.components.environment.wind.points import Flow, positions
+from fowtlib.components.environment.wind.randomness import FieldNumbers, StationSignals
 from fowtlib.language import (
     Array,
     Component,
@@ -181,21 +182,6 @@ def require_disk(wind: Wind, radius: float, station: int, who: str) -> None:
     wind.require((y - radius, y + radius), (z - radius, z + radius), about)
 
 
-class StationSignals:
-    """Own part of the base, and fluctuation, of all stations; see RandomSignals of fowtlib.language.run_time."""
-
-    def __call__(self, wind: Wind) -> Series | None:
-        return wind.station_series()
-
-    def process(self, wind: Wind) -> Wind:
-        return wind
-
-    def response(self, wind: Wind, omega: ArrayLike) -> np.ndarray:
-        n = len(wind.hubs)
-        channels = np.vstack([np.zeros((n, n)), np.eye(n)]).astype(complex)
-        return np.broadcast_to(channels, (np.size(omega), 2 * n, n))
-
-
 def _speeds(wind: Wind) -> tuple[ca.SX, ca.SX]:
     n, shear = len(wind.hubs), wind.shear_exponent
     mean = run_time_series(wind.time, 2, "mean", lambda it: it.mean_series(), of=wind)
@@ -212,23 +198,6 @@ def _field(wind: Wind, points: int) -> ca.SX:
     doc = "handle of the field, what it covers, its shift, 1/speed and lowest height"
     functions = (wind_function(points),)
     return at_start("field", len(NO_FIELD), "", doc, FieldNumbers(), of=wind, functions=functions)
-
-
-class FieldNumbers:
-    """The numbers of the field of a run; see RandomField of fowtlib.language.run_time."""
-
-    def __call__(self, wind: Wind) -> Any:
-        return wind.field() or NO_FIELD
-
-    def process(self, wind: Wind) -> Wind:
-        return wind
-
-    def along(self, wind: Wind) -> np.ndarray:
-        angle = float(wind.parameter_value("direction"))
-        return np.array([math.cos(angle), math.sin(angle), 0.0])
-
-    def density(self, wind: Wind, omega: np.ndarray, places: Sequence[TurningRings | RestingPlaces]) -> np.ndarray:
-        return wind.field_density(omega, places)
 
 
 def _ended(wind: Wind) -> str:

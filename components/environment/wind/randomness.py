@@ -1,0 +1,49 @@
+"""What the frequency domain is told of a wind: how its signals and its field follow from their spectra."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from fowtlib.components.environment.field_wind import NO_FIELD
+from fowtlib.language import Series
+from fowtlib.language.run_time import RestingPlaces, TurningRings
+
+if TYPE_CHECKING:
+    from fowtlib.components.environment.wind.base import Wind
+
+
+class StationSignals:
+    """Own part of the base, and fluctuation, of all stations; see RandomSignals of fowtlib.language.run_time."""
+
+    def __call__(self, wind: Wind) -> Series | None:
+        return wind.station_series()
+
+    def process(self, wind: Wind) -> Wind:
+        return wind
+
+    def response(self, wind: Wind, omega: ArrayLike) -> np.ndarray:
+        n = len(wind.hubs)
+        channels = np.vstack([np.zeros((n, n)), np.eye(n)]).astype(complex)
+        return np.broadcast_to(channels, (np.size(omega), 2 * n, n))
+
+
+class FieldNumbers:
+    """The numbers of the field of a run; see RandomField of fowtlib.language.run_time."""
+
+    def __call__(self, wind: Wind) -> Any:
+        return wind.field() or NO_FIELD
+
+    def process(self, wind: Wind) -> Wind:
+        return wind
+
+    def along(self, wind: Wind) -> np.ndarray:
+        angle = float(wind.parameter_value("direction"))
+        return np.array([math.cos(angle), math.sin(angle), 0.0])
+
+    def density(self, wind: Wind, omega: np.ndarray, places: Sequence[TurningRings | RestingPlaces]) -> np.ndarray:
+        return wind.field_density(omega, places)
