@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
 from typing import TYPE_CHECKING, Any
 
 import casadi as ca
@@ -32,7 +31,6 @@ from fowtlib.language import (
 from fowtlib.language import math as m
 from fowtlib.language.declarations import join
 from fowtlib.language.errors import ParameterError
-from fowtlib.language.run_time import RestingPlaces, TurningRings
 
 
 def _per_station(wind: Wind) -> tuple[int]:
@@ -111,11 +109,6 @@ class Wind(Component, selector="kind", shared=("speeds", "velocity")):
         omega: circular frequencies (k,) [rad/s]. Zero where the kind has none; the mean is no part of it.
         """
         return np.zeros((len(np.atleast_1d(omega)), len(self.hubs), len(self.hubs)))
-
-    def field_density(self, omega: np.ndarray, places: Sequence[TurningRings | RestingPlaces]) -> np.ndarray:
-        """One-sided spectra of the field along the wind at places of parts, see RandomField; zero without a field."""
-        channels = sum(item.channels for item in places)
-        return np.zeros((len(omega), channels, channels))
 
     def mean_at(self, station: int = 0) -> float:
         """Mean speed [m/s] at a station, for start values: before any step or gust."""

@@ -46,4 +46,7 @@ class FieldNumbers:
         return np.array([math.cos(angle), math.sin(angle), 0.0])
 
     def density(self, wind: Wind, omega: np.ndarray, places: Sequence[TurningRings | RestingPlaces]) -> np.ndarray:
-        return wind.field_density(omega, places)
+        if hasattr(wind, "field_density"):  # kinds with a field
+            return wind.field_density(omega, places)
+        channels = sum(item.channels for item in places)
+        return np.zeros((len(omega), channels, channels))
