@@ -2,7 +2,8 @@
 
 from fowtlib.components.servo.baseline import BaselineController
 from fowtlib.components.servo.bladed import BladedController
-from fowtlib.components.servo.estimator import StateEstimator
+from fowtlib.components.servo.estimator import ScheduledEstimator, StateEstimator
+from fowtlib.components.servo.estimator_table import EstimatorTable, read_estimators
 from fowtlib.components.servo.gain_table import GainTable, read_gains
 from fowtlib.components.servo.generator import Generator
 from fowtlib.components.servo.individual_pitch import IndividualPitchController
@@ -24,6 +25,7 @@ __all__ = [
     "BaselineController",
     "BladedController",
     "DemandedController",
+    "EstimatorTable",
     "GainTable",
     "Generator",
     "IndividualPitchController",
@@ -35,6 +37,7 @@ __all__ = [
     "SafetySystem",
     "SampledPitchController",
     "SampledTorqueController",
+    "ScheduledEstimator",
     "ScheduledFeedback",
     "StateEstimator",
     "Supervisor",
@@ -42,6 +45,7 @@ __all__ = [
     "TorqueLaw",
     "TurbineController",
     "YawController",
+    "read_estimators",
     "read_gains",
     "torque_of",
     "read_least_pitch",

@@ -4,7 +4,9 @@ from __future__ import annotations
 
 import numpy as np
 
-from fowtlib.language import Array, Component, RealInput, RealOutput, der, eq, param, port, var
+from fowtlib.components.servo.estimator_table import EstimatorTable, read_estimators
+from fowtlib.components.servo.schedule import flat, flat_shape, interpolated
+from fowtlib.language import Array, Component, Data, RealInput, RealOutput, data, der, eq, initial, param, port, var
 from fowtlib.language import math as m
 from fowtlib.language.errors import ParameterError
 
@@ -61,3 +63,61 @@ class StateEstimator(Component):
         missed = y - m.mtimes(self.C, self.z) - m.mtimes(self.D, u)
         rates = m.mtimes(self.A, self.z) + m.mtimes(self.B, u) + m.mtimes(self.L, missed)
         return [eq(der(self.z), rates), [eq(self.x[i], self.x0[i] + self.z[i]) for i in range(len(self.x))]]
+
+
+def _table(name, doc):
+    """An array of the table, as a tunable parameter."""
+    return param(default=flat(name), shape=flat_shape(name), doc=doc)
+
+
+class ScheduledEstimator(Component):
+    """x' = A (x - x0) + B (u - u0) + L (y - y0 - C (x - x0) - D (u - u0)), all on straight lines over a schedule v.
+
+    What is estimated is the state itself and not its distance from a rest: where the rest x0 moves with the schedule,
+    as with the wind, x does not jump, and goes to the new rest as the plant does. Beyond the first and the last point
+    all stays as there. It starts at the rest of the schedule at the start. The arrays come from the table, are tunable,
+    and count in SI; rows of them hold a matrix of each point, row by row.
+    Source: W. J. Rugh and J. S. Shamma, Automatica 36 (2000) 1401.
+    """
+
+    memory = "controller"
+
+    table: Data[EstimatorTable] = data(read_estimators, doc="file of an EstimatorTable, or one itself")
+    points: Array = param(
+        default=lambda self: self.table.points, shape=lambda self: (len(self.table.points),), doc="its points"
+    )
+    A: Array = _table("A", "rates of the states by the states, of each point")
+    B: Array = _table("B", "by the inputs")
+    C: Array = _table("C", "outputs by the states")
+    D: Array = _table("D", "outputs by the inputs")
+    L: Array = _table("L", "gain of what the outputs differ by")
+    x0: Array = _table("x0", "states at rest")
+    u0: Array = _table("u0", "inputs at rest")
+    y0: Array = _table("y0", "outputs at rest")
+
+    schedule: RealInput = port(doc="v, where on the schedule it is")
+    u: RealInput = port(size=lambda self: len(self.table.inputs), doc="known inputs, in the order of the table")
+    y: RealInput = port(size=lambda self: len(self.table.outputs), doc="measured outputs, in the order of the table")
+    x: RealOutput = port(size=lambda self: len(self.table.states), doc="estimated states, in the order of the table")
+
+    estimate: Array = var(shape=lambda self: (len(self.table.states),), state="prefer", doc="x")
+
+    def equations(self):
+        n, inputs, p = len(self.x), len(self.u), len(self.y)
+
+        def now(name, *shape):
+            row = interpolated(self.schedule, self.points, getattr(self, name))
+            if len(shape) == 1:
+                return row
+            rows, columns = shape
+            return m.vertcat(*(row[i * columns : (i + 1) * columns].T for i in range(rows)))
+
+        away = self.estimate - now("x0", n)
+        u, y = m.vertcat(*self.u) - now("u0", inputs), m.vertcat(*self.y) - now("y0", p)
+        missed = y - m.mtimes(now("C", p, n), away) - m.mtimes(now("D", p, inputs), u)
+        rates = m.mtimes(now("A", n, n), away) + m.mtimes(now("B", n, inputs), u) + m.mtimes(now("L", n, p), missed)
+        return [
+            eq(der(self.estimate), rates),
+            initial(self.estimate, now("x0", n)),
+            [eq(self.x[i], self.estimate[i]) for i in range(n)],
+        ]

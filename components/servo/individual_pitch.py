@@ -4,7 +4,9 @@ from __future__ import annotations
 
 import math
 
-from fowtlib.language import Array, Component, RealInput, RealOutput, Scalar, der, eq, initial, param, port, var
+from fowtlib.components.servo.antiwindup import held_within
+from fowtlib.components.servo.measurements import MomentMeasurement
+from fowtlib.language import Array, Component, RealInput, RealOutput, Scalar, der, eq, initial, param, parts, port, var
 from fowtlib.language import math as m
 
 
@@ -15,6 +17,7 @@ class IndividualPitchController(Component):
     sin psi_k (Coleman); each has a pitch K_P M + x, x' = K_I M, and blade k gets pitch_tilt cos(psi_k + lead) +
     pitch_yaw sin(psi_k + lead). More flapwise moment asks for more pitch, so gains are positive. Both pitches stay
     within greatest_pitch, and x does not wind up there. While it is not enabled, x fades out within fade_time.
+    Each moment goes through a sensor, which may fail (`sensor_1` and so on).
     Source: E. A. Bossanyi, Wind Energy 6 (2003) 119.
     """
 
@@ -33,17 +36,24 @@ class IndividualPitchController(Component):
     enabled: RealInput = port(default=1.0, doc="0 while it is off")
     pitch: RealOutput = port(size="blades", unit="rad", doc="to be added to the pitch of each blade")
 
+    sensors: list[MomentMeasurement] = parts(MomentMeasurement, size="blades", name="sensor")
+
     moment: Array = var(shape=(2,), unit="N*m", doc="tilt and yaw moment of a blade")
     integral: Array = var(shape=(2,), unit="rad", state="prefer", doc="K_I times their integrals")
     cyclic: Array = var(shape=(2,), unit="rad", doc="pitch against tilt and yaw")
 
+    def build(self):
+        for moment, sensor in zip(self.moments, self.sensors, strict=True):
+            self.connect(moment, sensor.moment)
+
     def equations(self):
         n, on, top = self.blades, self.enabled > 0.5, self.greatest_pitch
+        seen = [sensor.measured for sensor in self.sensors]
         psi = [self.azimuth + 2 * math.pi * k / n for k in range(n)]
         ahead = [angle + self.lead for angle in psi]
         return [
-            eq(self.moment[0], 2 / n * sum(self.moments[k] * m.cos(psi[k]) for k in range(n))),
-            eq(self.moment[1], 2 / n * sum(self.moments[k] * m.sin(psi[k]) for k in range(n))),
+            eq(self.moment[0], 2 / n * sum(seen[k] * m.cos(psi[k]) for k in range(n))),
+            eq(self.moment[1], 2 / n * sum(seen[k] * m.sin(psi[k]) for k in range(n))),
             [eq(self.pitch[k], self.cyclic[0] * m.cos(ahead[k]) + self.cyclic[1] * m.sin(ahead[k])) for k in range(n)],
             [self._axis(i, on, top) for i in range(2)],
         ]
@@ -51,8 +61,7 @@ class IndividualPitchController(Component):
     def _axis(self, i, on, top):
         """One of the two: tilt and yaw."""
         moment, integral = self.moment[i], self.integral[i]
-        room = m.if_else(moment > 0, top - integral, top + integral) / self.band
-        rate = self.integral_gain * moment * m.fmin(m.fmax(room, 0), 1)
+        rate = held_within(self.integral_gain * moment, integral, -top, top, self.band)
         asked = integral + m.if_else(on, self.proportional_gain * moment, 0)
         return [
             eq(der(integral), m.if_else(on, rate, -integral / self.fade_time)),

@@ -87,3 +87,23 @@ class AngleMeasurement(Measurement):
 
     def equations(self):
         return self.measuring(self.angle, self.measured)
+
+
+class MomentMeasurement(Measurement):
+    """A bending moment as strain gauges show it; see Measurement."""
+
+    drop_out: OfferedEvent = event(
+        doc="it shows one value from now on", value=param(default=0.0, unit="N*m", doc="what it shows")
+    )
+    offset: OfferedEvent = event(
+        doc="it shows more than is", by=param(default="1 MN*m", unit="N*m", doc="what is added")
+    )
+
+    moment: RealInput = port(unit="N*m", doc="moment")
+    measured: RealOutput = port(unit="N*m", doc="moment that is measured")
+
+    held: Scalar = var(unit="N*m", discrete=True, start=0.0, doc="moment that it shows while it shows one value")
+    added: Scalar = var(unit="N*m", discrete=True, start=0.0, doc="added to the moment")
+
+    def equations(self):
+        return self.measuring(self.moment, self.measured)

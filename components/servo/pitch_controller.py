@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from fowtlib.components.servo.torque_law import larger, smaller
+from fowtlib.components.servo.antiwindup import held_within
+from fowtlib.components.servo.torque_law import larger
 from fowtlib.language import Component, RealInput, RealOutput, Scalar, der, eq, param, port, var
 from fowtlib.language import math as m
 
@@ -70,15 +71,13 @@ class PitchController(Component):
     def equations(self):
         error = self.speed - self.rated_speed
         gain = 1 / (1 + self.pitch / self.doubling_pitch)
-        least = self.least_pitch + self.raised
-        to_upper = (self.greatest_pitch / gain - self.integral) / self.antiwindup_band
-        to_lower = (self.integral - least / gain) / self.antiwindup_band
-        fade = smaller(m.if_else(error > 0, to_upper, to_lower), 1, 0.2, m)
+        least, band = self.least_pitch + self.raised, self.antiwindup_band
+        grows = held_within(self.integral_gain * error, self.integral, least / gain, self.greatest_pitch / gain, band)
         free = gain * (self.proportional_gain * error + self.integral) + self.velocity_gain * self.velocity
         above = larger(free, least, self.pitch_rounding, m) + self.yaw_part
         rate = (self.command - self.pitch) / self.response_time
         return [
-            eq(der(self.integral), self.integral_gain * error * fade),
+            eq(der(self.integral), grows),
             eq(self.yaw_part, self.yaw_pitch()),
             eq(self.command, m.fmin(above, self.greatest_pitch)),
             eq(der(self.pitch), m.fmin(m.fmax(rate, -self.greatest_rate), self.greatest_rate)),

@@ -5,10 +5,12 @@ from __future__ import annotations
 import numpy as np
 
 from fowtlib.components.blocks import FirstOrder
+from fowtlib.components.servo.antiwindup import held_within
 from fowtlib.components.servo.gain_table import GainTable, read_gains
 from fowtlib.components.servo.pitch_controller import PitchController
+from fowtlib.components.servo.schedule import flat, flat_shape, interpolated
 from fowtlib.components.servo.torque_controller import TorqueController
-from fowtlib.components.servo.torque_law import larger, smaller
+from fowtlib.components.servo.torque_law import larger
 from fowtlib.components.servo.turbine_controller import TurbineController
 from fowtlib.language import (
     Array,
@@ -28,24 +30,6 @@ from fowtlib.language import (
 from fowtlib.language import math as m
 
 
-def interpolated(at, points, rows):
-    """Row of a table (k, ...) at a value of its schedule: straight lines, and the first or the last row beyond."""
-    row = rows[0, :]
-    for i in range(rows.shape[0] - 1):
-        weight = m.fmin(m.fmax((at - points[i]) / (points[i + 1] - points[i]), 0), 1)
-        row = row + weight * (rows[i + 1, :] - rows[i, :])
-    return row.T
-
-
-def _flat(name):
-    """Default of a parameter: an array of the table as one row a point."""
-    return lambda self: getattr(self.table, name).reshape(len(self.table.points), -1)
-
-
-def _rows(name):
-    return lambda self: np.shape(_flat(name)(self))
-
-
 class ScheduledFeedback(Component):
     """u = trim - K (y - y0) + x, x' = -K_i (y - y0); trim, y0, K and K_i on straight lines between the points of v.
 
@@ -62,10 +46,10 @@ class ScheduledFeedback(Component):
     points: Array = param(
         default=lambda self: self.table.points, shape=lambda self: (len(self.table.points),), doc="its points"
     )
-    gains: Array = param(default=_flat("gains"), shape=_rows("gains"), doc="K of each point, row by row")
-    integral_gains: Array = param(default=_flat("integral_gains"), shape=_rows("gains"), doc="K_i of each point")
-    set_points: Array = param(default=_flat("set_points"), shape=_rows("set_points"), doc="y0 of each point")
-    trim: Array = param(default=_flat("trim"), shape=_rows("trim"), doc="demands of each point at rest")
+    gains: Array = param(default=flat("gains"), shape=flat_shape("gains"), doc="K of each point, row by row")
+    integral_gains: Array = param(default=flat("integral_gains"), shape=flat_shape("gains"), doc="K_i of each point")
+    set_points: Array = param(default=flat("set_points"), shape=flat_shape("set_points"), doc="y0 of each point")
+    trim: Array = param(default=flat("trim"), shape=flat_shape("trim"), doc="demands of each point at rest")
     lowest: Scalar = param(default=-1e30, doc="lower limit of trim and integral")
     highest: Scalar = param(default=1e30, doc="upper limit of trim and integral")
     antiwindup_band: Scalar = param(default=2e-3, min=1e-9, doc="range before a limit of the integral")
@@ -97,9 +81,8 @@ class ScheduledFeedback(Component):
         trim, equations = scheduled(self.trim), []
         for k in range(demands):
             rest = trim[k] + self.integral[k]
-            room = m.if_else(drive[k] > 0, self.highest - rest, rest - self.lowest) / self.antiwindup_band
-            fade = m.fmax(smaller(room, 1, 0.2, m), -1)
-            equations += [eq(der(self.integral[k]), fade * drive[k]), eq(self.demand[k], rest - pull[k])]
+            grows = held_within(drive[k], rest, self.lowest, self.highest, self.antiwindup_band)
+            equations += [eq(der(self.integral[k]), grows), eq(self.demand[k], rest - pull[k])]
         return [*equations, eq(self.mean, sum(self.demand) / demands)]
 
 

@@ -6,7 +6,7 @@ from fowtlib.control.pi_tuning import PitchLoop, Poles, RotorResponse, Shaved, T
 from fowtlib.control.points import OperatingPoint, OperatingPoints
 from fowtlib.control.reduction import SampledModel, discretized, opened, reduced
 from fowtlib.control.regulators import DesignError, Regulator, lqi, lqr, poles_of
-from fowtlib.control.schedules import gain_table
+from fowtlib.control.schedules import estimator_table, gain_table
 
 __all__ = [
     "DesignError",
@@ -24,6 +24,7 @@ __all__ = [
     "compensator",
     "discretized",
     "disk_margin",
+    "estimator_table",
     "gain_table",
     "kalman",
     "lqi",

@@ -24,31 +24,31 @@ RATED = 12.1 * np.pi / 30
 # wind: weights of yaw, yaw rate, speeds, integrals; of the pitches
 WEIGHTS = {10.5: ((500, 1, 0, 1e-4), 100), 12.5: ((2500, 2500, 500, 0.01), 200), 99: ((5000, 5000, 5, 1.0), 100)}
 PITCHED = 0.052
+DATA = Path(__file__).parent.parent / "data"
 WINDS = (4, 5, 6, 7, 8, 9, 10, 11, 12, 13, 14, 15, 16, 17, 18, 19, 20, 21, 22, 23, 24, 25)
 
 
-def main() -> None:
-    """Design the regulators and write the table."""
-    model = fw.load("two_rotor_spar_rigid")
+def write_gains(name: str, weights: dict[float, tuple[tuple[float, ...], float]], path: Path) -> None:
+    """Design the regulators of a rigid model with two turbines and write the table."""
     power = {f"turbine_{side}.control.region_3": "constant_power" for side in SIDES}
     inputs = {side: f"turbine_{side}.rotor.blade_pitch" for side in SIDES}
-    plant = OperatingPoints(model.with_parameters(power), inputs, SPEEDS)
+    plant = OperatingPoints(fw.load(name).with_parameters(power), inputs, SPEEDS)
     points, regulators = [], []
     for wind in WINDS:
         at = plant.at(wind)
         held = dict.fromkeys(SIDES, PITCHED)
         where = plant.at(wind, held) if at["left"] < PITCHED else at
         others = [name for name in at.linear.states if name.startswith("platform") and name not in STATES]
-        (yaw, rate, speed, integral), R = next(value for limit, value in WEIGHTS.items() if wind < limit)
-        weights = dict(zip([*YAW, *SPEEDS], [yaw, rate, speed, speed], strict=True))
+        (yaw, rate, speed, integral), R = next(value for limit, value in weights.items() if wind < limit)
+        by_state = dict(zip([*YAW, *SPEEDS], [yaw, rate, speed, speed], strict=True))
         small = reduced(where.linear, STATES, others)
-        regulators.append(lqi(small, weights, dict.fromkeys(SIDES, R), dict.fromkeys(SPEEDS, integral)))
+        regulators.append(lqi(small, by_state, dict.fromkeys(SIDES, R), dict.fromkeys(SPEEDS, integral)))
         # what the rounded corner of the lower limit leaves is no trim
         points.append(replace(at, inputs={side: at[side] if at[side] > 2e-3 else 0.0 for side in SIDES}))
     table = gain_table(points, regulators)
     table.set_points[:, :2] = RATED
-    table.save(Path(__file__).parent.parent / "data" / "two_rotor_spar" / "gains.json")
+    table.save(path)
 
 
 if __name__ == "__main__":
-    main()
+    write_gains("two_rotor_spar_rigid", WEIGHTS, DATA / "two_rotor_spar" / "gains.json")

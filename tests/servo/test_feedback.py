@@ -19,7 +19,7 @@ from fowtlib.language import Component, RealInput, RealOutput, Scalar, der, eq, 
 from fowtlib.language.errors import ParameterError
 from fowtlib.solving import LinearModel
 
-GAINS = Path(__file__).parents[2] / "models" / "data" / "two_rotor_spar" / "gains.json"
+DATA = Path(__file__).parents[2] / "models" / "data"
 
 
 class Cart(Component):
@@ -180,18 +180,35 @@ def test_mistakes_in_tables_are_sentences(tmp_path):
     assert isinstance(discretized(cart(), 0.1).period, float)
 
 
-def test_the_gains_of_the_two_rotors_are_antisymmetric_in_yaw():
+@pytest.mark.parametrize(("floater", "integral"), [("two_rotor_spar", 0.1), ("oo_star", np.sqrt(1 / 1000))])
+def test_the_gains_of_the_two_rotors_are_antisymmetric_in_yaw(floater, integral):
     """Left and right change places with the sign of yaw; the integral gains are sqrt(Q / R) of their weights.
 
     Not to the last digit: the published inertia of the structure has products of x and y, and of y and z.
     """
-    gains = read_gains(str(GAINS))
+    gains = read_gains(str(DATA / floater / "gains.json"))
     left, right = gains.gains[:, 0], gains.gains[:, 1]
     assert_allclose(right[:, [1, 0]], left[:, [0, 1]], rtol=0.03, atol=0.02)
     assert_allclose(right[:, 4:], -left[:, 4:], rtol=0.03, atol=0.05)
     above = gains.points > 12.9
-    assert_allclose(gains.integral_gains[above, 0, 0], -0.1, rtol=1e-4)
+    assert_allclose(gains.integral_gains[above, 0, 0], -integral, rtol=1e-4)
     assert isinstance(gains, GainTable) and np.all(np.diff(gains.trim[gains.points > 12][:, 0]) > 0)
+
+
+def test_the_gains_on_the_oo_star_have_the_signs_of_the_source():
+    """O. El Beshbichi, thesis (2023), table 8.7, with the rows "rated" and "above rated" changed back.
+
+    Below rated -0.01, 0.01, 0.25, 7.11 for own and other speed, yaw and its rate; above rated -0.42, 0.12, 0.63, -5.31
+    and integrals 0.032; at rated wind integrals 0.0014. Changed back, because sqrt(Q / R) says so.
+    """
+    gains = read_gains(str(DATA / "oo_star" / "gains.json"))
+    below, above = gains.at(9.0).gains[0, 0], gains.at(13.0).gains[0, 0]
+    assert_allclose(below[:2], [-0.01, 0.01], atol=1.5e-3)
+    assert below[4] == pytest.approx(0.25, rel=0.15) and below[5] > 0
+    assert np.array_equal(np.sign(above[[0, 1, 4, 5]]), [-1, 1, 1, -1])
+    assert above[0] == pytest.approx(-0.42, rel=0.4) and above[1] == pytest.approx(0.12, rel=0.6)
+    for wind, integral in ((12.0, 0.0014), (13.0, 0.032)):
+        assert round(-gains.at(wind).integral_gains[0, 0, 0], 4 if integral < 0.01 else 3) == integral
 
 
 @pytest.mark.skipif(not importlib.util.find_spec("fmpy"), reason="fmpy is not installed")

@@ -35,7 +35,7 @@ class Loads(Component):
         ]  # fmt: skip
 
 
-def simulated(end=60.0, n=3, loads=None, **control):
+def simulated(end=60.0, n=3, loads=None, events=(), **control):
     model = fw.Assembly("rotor")
     model.loads, model.control = Loads(n=n, **(loads or {})), IndividualPitchController(blades=n, **control)
     model.connect(model.loads.azimuth, model.control.azimuth)
@@ -45,7 +45,7 @@ def simulated(end=60.0, n=3, loads=None, **control):
         model.connect(model.control.pitch[k], model.loads.pitch[k])
     names = [*(f"control.{name}[{i}]" for name in ("moment", "cyclic") for i in (0, 1)),
              *(f"control.pitch[{k}]" for k in range(n))]  # fmt: skip
-    result = fw.load(model).compile().simulate(end, 0.1, outputs=names, tolerance=1e-8)
+    result = fw.load(model).compile().simulate(end, 0.1, outputs=names, tolerance=1e-8, events=list(events))
     return np.asarray(result.time), [np.asarray(result[name]) for name in names]
 
 
@@ -86,6 +86,30 @@ def test_it_fades_out_when_it_is_switched_off():
     t, (_, _, first, *_) = simulated(loads={"slope": 50e6, "off": 40.0}, integral_gain=3e-9, fade_time=2.0)
     late = t > 40.05
     np.testing.assert_allclose(first[late], first[399] * np.exp(-(t[late] - 40) / 2), rtol=2e-3, atol=1e-7)
+
+
+@pytest.mark.parametrize("event, wrong", [
+    ("sensor_1.offset at 2 s, by=1 MN*m", lambda moment: 1e6),
+    ("sensor_1.drop_out at 2 s", lambda moment: -moment),
+    ("sensor_1.scaled at 2 s, by=0.8", lambda moment: -0.2 * moment),
+    ("sensor_1.stuck at 2 s", lambda moment: moment[20] - moment),
+])  # fmt: skip
+def test_a_sensor_that_fails_puts_its_error_into_the_axes(event, wrong):
+    """2/n of the error, times cosine and sine of the azimuth of blade 1, comes on top of tilt and yaw moments."""
+    t, (tilt, yaw, *_) = simulated(5.0, events=[f"control.{event}"], integral_gain=0.0)
+    psi = 0.3 + SPEED * t
+    error = wrong(8e6 + 1e6 * np.cos(psi) - 0.5e6 * np.sin(psi)) * (t > 2.05)
+    late = np.abs(t - 2) > 0.05
+    np.testing.assert_allclose(tilt[late], (1e6 + 2 / 3 * error * np.cos(psi))[late], rtol=1e-6, atol=1.0)
+    np.testing.assert_allclose(yaw[late], (-0.5e6 + 2 / 3 * error * np.sin(psi))[late], rtol=1e-6, atol=1.0)
+
+
+def test_a_sensor_that_is_restored_leaves_no_trace():
+    events = ["control.sensor_2.drop_out at 2 s", "control.sensor_2.restored at 3 s"]
+    t, (tilt, yaw, *_) = simulated(5.0, events=events, integral_gain=0.0)
+    assert np.abs(tilt - 1e6)[(t > 2.05) & (t < 2.95)].max() > 1e6
+    np.testing.assert_allclose(tilt[t > 3.05], 1e6, rtol=1e-9)
+    np.testing.assert_allclose(yaw[t > 3.05], -0.5e6, rtol=1e-9)
 
 
 def test_it_takes_the_shear_off_the_blades_of_a_turbine():
