@@ -32,8 +32,8 @@ class DynamicInflow(Component):
 
     memory = "dynamic inflow"
 
-    radius: list = param(doc="radii of the stations [m]")
-    length: list = param(doc="lengths of the elements at the stations [m], weights of the mean induction")
+    radius: list = param(unit="m", doc="radii of the stations")
+    length: list = param(unit="m", doc="lengths of the elements at the stations, weights of the mean induction")
     tip_radius: Number = param(unit="m", min=0, doc="radius R of the tips")
     least_wind_speed: Scalar = param(default=1.0, unit="m/s", min=0.01, doc="V is taken for at least this")
 

@@ -23,7 +23,7 @@ class TowerFlow(Component):
     Connect `nodes` to frames along the axis, from the base to the top; straight lines between them.
     """
 
-    diameters: list = param(doc="diameters of the tower [m] at the frames, two or more")
+    diameters: list = param(unit="m", doc="diameters of the tower at the frames, two or more")
     active: bool = param(default=True, doc="false: the wind passes as if there were no tower")
 
     nodes: Frame = port(size=lambda self: len(self.diameters), doc="frames on the axis of the tower, base first")
@@ -93,8 +93,8 @@ class TowerDrag(Component):
     falls linearly to nothing at z = 0, as InflowWind has it.
     """
 
-    diameters: list = param(doc="diameters of the tower [m] at the frames")
-    lengths: list = param(doc="length of tower [m] that each frame stands for")
+    diameters: list = param(unit="m", doc="diameters of the tower at the frames")
+    lengths: list = param(unit="m", doc="length of tower that each frame stands for")
     drag_coefficient: Scalar = param(default=1.0, min=0, doc="drag coefficient C_d by the diameter")
     active: bool = param(default=True, doc="false: no drag")
     station: int = param(default=0, min=0, doc="number of the wind's station that the tower stands in")

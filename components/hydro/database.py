@@ -271,8 +271,8 @@ class HydrodynamicDatabase:
                 raise HydrodynamicDataError(
                     f"excitation: the frequency {wanted:.4g} rad/s is above the data, which end at "
                     f"{self.omega[-1]:.4g} rad/s, and the load in {name} has not decayed there "
-                    f"({tail[mode] / largest[mode]:.0%} of its maximum); use data up to a higher frequency "
-                    "or cut the wave spectrum off")
+                    f"({tail[mode] / largest[mode]:.0%} of its maximum); compute the loads up to there, "
+                    f"for example `fowt hydro MODEL --omega 0.1:{np.ceil(wanted * 10) / 10:g}:0.1`")
 
     def _check(self) -> None:
         if self.omega.size < 2 or (self.omega <= 0).any() or (np.diff(self.omega) <= 0).any():

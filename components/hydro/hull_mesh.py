@@ -15,7 +15,7 @@ from functools import cached_property
 import numpy as np
 from scipy.spatial import cKDTree
 
-from fowtlib.components.hydro.mesh_leaks import check_closed, free_edges, joined
+from fowtlib.components.hydro.mesh_leaks import LeakError, check_closed, free_edges, joined
 from fowtlib.language.errors import ParameterError
 
 SAME = 1e-5  # of the extent of the mesh: what is nearer is the same point
@@ -56,7 +56,7 @@ class HullMesh:
     Made without a lid it gets one from its waterline: the lid takes away the irregular frequencies. `name` stands in
     messages. Corners nearer than `join` [m] become one point (meshes in files are rounded). Raises ParameterError for
     panels that leak, lie above the water, or whose normals point inwards; with `leaky` it is a warning as long as the
-    three volumes, by x, y and z, agree within 0.5 %.
+    three volumes, by x, y and z, agree within 0.5 %, and `watertight` is False.
     """
 
     panels: np.ndarray
@@ -65,6 +65,7 @@ class HullMesh:
     join: float = 0.0
     leaky: bool = False
 
+    watertight: bool = field(init=False, default=True)
     volume: float = field(init=False)
     centre_of_buoyancy: np.ndarray = field(init=False)
     stiffness: np.ndarray = field(init=False)
@@ -81,9 +82,13 @@ class HullMesh:
         try:
             check_closed(panels, self.name, self.join)
         except ParameterError as error:
+            if not self.leaky and isinstance(error, LeakError):
+                raise LeakError(f"{error}. Small gaps are taken as they are with leaky=True (`fowt hydro`: "
+                                "--leaky)") from None  # fmt: skip
             if not self.leaky:
                 raise
             warnings.warn(f"{error}.", stacklevel=3)
+            object.__setattr__(self, "watertight", False)
         object.__setattr__(self, "panels", panels)
         lid = lid_of(panels) if self.lid is None else np.array(self.lid, dtype=float).reshape(-1, 4, 3)
         object.__setattr__(self, "lid", lid)

@@ -20,8 +20,14 @@ _LEVEL = 1e-5  # of the extent of the mesh: what is nearer to z = 0 lies on the 
 _SHOWN = 3  # leaks that a message names
 
 
+class LeakError(ParameterError):
+    """A mesh of panels that has gaps below the water level."""
+
+
 def check_closed(panels: np.ndarray, name: str = "hull", reach: float = 0.0) -> None:
-    """Raise ParameterError, with the places of the gaps [m], if the panels (n, 4, 3) do not close below z = 0.
+    """Raise LeakError, with the places of the gaps [m], if the panels (n, 4, 3) do not close below z = 0.
+
+    ParameterError where one of them is turned, or there twice.
 
     reach: how far from an edge a corner may lie that divides it [m]; at least a millionth of the extent.
     """
@@ -29,7 +35,8 @@ def check_closed(panels: np.ndarray, name: str = "hull", reach: float = 0.0) -> 
     if turned := _twice(edges):
         a, b = points[list(turned)]
         raise ParameterError(f"{name}: two panels run the same way along the edge from {_place(a)} to {_place(b)}: the "
-                             "normal of one of them points into the hull, or the two cover each other")
+                             "normal of one of them points into the hull, or the two cover each other. List "
+                             "the corners of the one in the other order, or leave one away")
     level = _LEVEL * _extent(points)
     free = [(a, b) for a, b in _unmatched(points, edges, reach) if min(points[a][2], points[b][2]) < -level]
     if not free:
@@ -40,7 +47,7 @@ def check_closed(panels: np.ndarray, name: str = "hull", reach: float = 0.0) -> 
     shown = "; ".join(_told(points, hole, loose) for hole in holes[:_SHOWN])
     more = f"; and {len(holes) - _SHOWN} more" if len(holes) > _SHOWN else ""
     number = "an open rim" if len(holes) == 1 else f"{len(holes)} open rims"
-    raise ParameterError(f"{name}: the mesh leaks, along {number}: {shown}{more}. Join the corners there, or close "
+    raise LeakError(f"{name}: the mesh leaks, along {number}: {shown}{more}. Join the corners there, or close "
                          "the gap with panels")
 
 

@@ -37,11 +37,25 @@ def with_mirrored_panels(hull: HullMesh) -> HullMesh:
             halves = [_half(found.panels, axis, sign, snap) for sign in (1, -1)]
             if not all(map(len, halves)) or not _alike(*halves):
                 break
-            lid = _half(found.lid, axis, 1, snap) if len(found.lid) else found.lid
-            with contextlib.suppress(ParameterError):  # a corner that divides an edge was moved off it
-                found = replace(found, panels=_with_image(halves[0], axis), lid=_with_image(lid, axis))
+            images = []
+            for sign, half in zip((1, -1), halves, strict=True):
+                lid = _half(found.lid, axis, sign, snap) if len(found.lid) else found.lid
+                images.append({"panels": _with_image(half, axis), "lid": _with_image(lid, axis)})
+            # of a hull that leaks, the half without a gap; else gaps of its panels may stay, and no others come in
+            tries = [(images[0], False)] if hull.watertight else [(image, False) for image in images]
+            tries += [(images[0], True)] if snap == _TOUCH and not hull.watertight else []
+            whole = next(filter(None, (_tight(found, image, leaky) for image, leaky in tries)), None)
+            if whole is not None:
+                found = whole
                 break
     return found if found.symmetry.fold > hull.symmetry.fold else hull
+
+
+def _tight(hull: HullMesh, image: dict[str, np.ndarray], leaky: bool) -> HullMesh | None:
+    """The hull of these panels and lid; None where a corner that divides an edge was moved off it, or a gap is left."""
+    with contextlib.suppress(ParameterError):
+        return replace(hull, **image, leaky=leaky)
+    return None
 
 
 def _half(panels: np.ndarray, axis: int, sign: int, snap: float) -> np.ndarray:

@@ -59,7 +59,9 @@ class BeamSettings(BeamCuts):
 class BeamNodes(Component):
     """Partial: frames along a beam."""
 
-    node_points: list = param(default=[], doc="frames along it: distance from the root [m], or a point (x, y, z)")
+    node_points: list = param(
+        default=[], unit="m", doc="frames along it: distance from the root, or a point (x, y, z)"
+    )
     n_nodes: int = param(default=lambda self: len(self.node_points), min=0, doc="number of those frames")
 
     nodes: Frame = port(size="n_nodes", optional=True, doc="those frames, for loads and sensors; parallel to frame_a "

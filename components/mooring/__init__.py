@@ -5,6 +5,8 @@ from fowtlib.components.mooring.delta_line import CrowFoot, DeltaLine
 from fowtlib.components.mooring.mooring_system import MooringSystem
 from fowtlib.components.mooring.sectioned_line import SectionedLine
 from fowtlib.components.mooring.tendon import Tendon
+from fowtlib.components.mooring.tendon_system import TendonSystem
 from fowtlib.components.mooring.yaw_spring import YawSpring
 
-__all__ = ["CatenaryLine", "CrowFoot", "DeltaLine", "MooringSystem", "SectionedLine", "Tendon", "YawSpring"]
+__all__ = ["CatenaryLine", "CrowFoot", "DeltaLine", "MooringSystem", "SectionedLine", "Tendon", "TendonSystem",
+           "YawSpring"]  # fmt: skip

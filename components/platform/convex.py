@@ -114,23 +114,36 @@ def _distinct(corners: Floats) -> Floats:
 
 def split(corners: Floats, heights: Floats) -> tuple[Floats, Floats]:
     """The parts of a convex polygon above and below a plane, from the heights (k,) of its corners over it."""
-    above: list[Floats] = []
-    below: list[Floats] = []
-    for k, (p, h) in enumerate(zip(corners, heights, strict=True)):
-        q, g = corners[k - 1], heights[k - 1]
+    above: list[list[float]] = []
+    below: list[list[float]] = []
+    points, levels = corners.tolist(), heights.tolist()  # for so few numbers arrays take longer
+    q, g = points[-1], levels[-1]
+    for p, h in zip(points, levels, strict=True):
         if (h > TOUCH and g < -TOUCH) or (h < -TOUCH and g > TOUCH):
-            crossing = q + g / (g - h) * (p - q)
+            share = g / (g - h)
+            crossing = [a + share * (b - a) for a, b in zip(q, p, strict=True)]
             above.append(crossing)
             below.append(crossing)
         if h >= -TOUCH:
             above.append(p)
         if h <= TOUCH:
             below.append(p)
+        q, g = p, h
     return np.array(above), np.array(below)
 
 
 def _flat(corners: Floats) -> bool:
-    return len(corners) < 3 or float(np.abs(area_vector(corners)).max()) < 1e-9
+    """Whether no element of the normal times area comes to 1e-9 m^2."""
+    if len(corners) < 3:
+        return True
+    (x0, y0, z0), (x, y, z), *others = corners.tolist()
+    x, y, z = x - x0, y - y0, z - z0
+    a = b = c = 0.0
+    for x1, y1, z1 in others:
+        u, v, w = x1 - x0, y1 - y0, z1 - z0
+        a, b, c = a + y * w - z * v, b + z * u - x * w, c + x * v - y * u
+        x, y, z = u, v, w
+    return max(abs(a), abs(b), abs(c)) / 2 < 1e-9
 
 
 def outside(corners: Floats, body: ConvexBody, keep_equal: bool) -> list[Floats]:
@@ -165,28 +178,35 @@ def surface(bodies: list[ConvexBody], below: float | None = None) -> list[tuple[
     for body, (low, high) in zip(bodies, boxes, strict=True):
         near = [other for other, (low_2, high_2) in zip(bodies, boxes, strict=True)
                 if other is not body and (low <= high_2 + TOUCH).all() and (low_2 <= high + TOUCH).all()]  # fmt: skip
-        reached = [_reached(body, other) for other in near]
-        for k, facet in enumerate(body.facets):
-            corners = facet.corners
-            if below is not None:
-                heights = corners[:, 2] - below
-                if heights.min() > -TOUCH:
-                    continue
-                if heights.max() > TOUCH:
-                    corners = split(corners, heights)[1]
-            parts = [corners]
-            for other, there in zip(near, reached, strict=True):
-                if there[k] and parts:
-                    parts = [rest for part in parts for rest in outside(part, other, body.number < other.number)]
-            found += [(body, Facet(part, facet.where)) for part in parts]
+        pieces = [_below(facet.corners, below) for facet in body.facets]
+        for other in near:
+            owners = [k for k, parts in enumerate(pieces) for _ in parts]
+            polygons = [part for parts in pieces for part in parts]
+            left: list[list[Floats]] = [[] for _ in pieces]
+            for k, part, there in zip(owners, polygons, _reached(polygons, other), strict=True):
+                left[k] += outside(part, other, body.number < other.number) if there else [part]
+            pieces = left
+        found += [(body, Facet(part, facet.where)) for facet, parts in zip(body.facets, pieces, strict=True)
+                  for part in parts]  # fmt: skip
     return found
 
 
-def _reached(body: ConvexBody, other: ConvexBody) -> NDArray[np.bool_]:
-    """Which facets of a body may have a part in another one: those that lie on the far side of none of its planes."""
-    corners = np.concatenate([facet.corners for facet in body.facets])
-    first = np.cumsum([0, *(len(facet.corners) for facet in body.facets[:-1])])
-    heights = corners @ other.normals.T - other.offsets
+def _below(corners: Floats, level: float | None) -> list[Floats]:
+    """What of a polygon lies below a level [m], if there is one: one polygon, or none."""
+    if level is None:
+        return [corners]
+    heights = corners[:, 2] - level
+    if heights.min() > -TOUCH:
+        return []
+    return [split(corners, heights)[1]] if heights.max() > TOUCH else [corners]
+
+
+def _reached(polygons: list[Floats], body: ConvexBody) -> NDArray[np.bool_]:
+    """Which polygons may have a part in a body: those that lie on the far side of none of its planes."""
+    if not polygons:
+        return np.zeros(0, dtype=bool)
+    first = np.cumsum([0, *(len(corners) for corners in polygons[:-1])])
+    heights = np.concatenate(polygons) @ body.normals.T - body.offsets
     lowest, highest = np.minimum.reduceat(heights, first, axis=0), np.maximum.reduceat(heights, first, axis=0)
     return ~((lowest > -TOUCH) & (highest >= TOUCH)).any(axis=1)
 

@@ -124,7 +124,10 @@ class ShaftBrake(Component):
     def equations(self):
         up = self.share * (self.held + (1 - self.held) * _inside((self.time - self.since) / self.rise_time))
         return [
-            assert_(self.rated_torque + 1 - self.on > 0, "the brake is on at the start, and its torque is 0; give one"),
+            assert_(
+                m.if_else(self.on > 0, self.rated_torque, 1.0) > 0,
+                "the brake is on at the start, and its torque is 0; give one",
+            ),
             eq(self.torque, self.applied * up * self.speed / m.sqrt(self.speed**2 + SLOW**2)),
             on(self.apply, *self.on_at(self.apply.torque, self.apply.delay)),
             on(self.release, *self.off()),

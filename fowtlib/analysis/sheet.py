@@ -18,8 +18,10 @@ from typing import Any
 
 import numpy as np
 
+from fowtlib.analysis.masses import Placed, centre_of_mass, placed_bodies
 from fowtlib.analysis.plants import MOTIONS, compiled, shown_unit
 from fowtlib.analysis.rao import linear_rao, wave_inputs
+from fowtlib.analysis.upright import facts_of, metacentre, warn_unless_upright
 from fowtlib.language import facts
 from fowtlib.language.declarations import join
 from fowtlib.language.errors import ModelError, SimulationError, UnitError, did_you_mean
@@ -163,6 +165,7 @@ def model_sheet(
     """
     plant = compiled(model)
     state = mean_state(plant)
+    warn_unless_upright(plant, state)
     entries = [*what_parts_say(plant.root, state), *_rest(plant, state), *modes_of(plant, state)]
     if wave_inputs(plant.root):
         try:
@@ -175,36 +178,35 @@ def model_sheet(
 def what_parts_say(root: Any, state: Any) -> Iterator[Entry]:
     """Masses, and numbers and matrices of floating bodies; root: the parts with their values, state: where they are."""
     with one_evaluation():
-        told = [(part, fact) for part in root.walk() for fact in part.facts()]
+        told = facts_of(root)
+        of = metacentre(told, state)
     yield from _masses(root, state, [(part, fact) for part, fact in told if isinstance(fact, facts.Mass)])
     yield from _water([(part, fact) for part, fact in told if isinstance(fact, (facts.Number, facts.Loads))])
+    if of is not None:
+        yield Entry("water", "metacentric height without moorings", of.height, "m")
 
 
-def _masses(root: Any, state: Any, bodies: Sequence[tuple[Any, facts.Mass]]) -> Iterator[Entry]:
+def _masses(root: Any, state: Any, told: Sequence[tuple[Any, facts.Mass]]) -> Iterator[Entry]:
     """Of the whole, and of each part below the root that has a mass."""
-    groups: dict[str, list[tuple[float, np.ndarray, np.ndarray]]] = {"": []}
-    frames = state.values([join(body.frame.path, name) for _, body in bodies for name in ("r", "R")])
-    for (part, body), origin, R in zip(bodies, frames[::2], frames[1::2], strict=True):
-        centre = origin + R @ np.asarray(body.centre, dtype=float)
-        placed = float(body.mass), centre, R @ np.asarray(body.inertia, dtype=float) @ R.T
-        groups[""].append(placed)
-        groups.setdefault(part.path.partition(".")[0], []).append(placed)
+    bodies = placed_bodies(told, state)
+    groups: dict[str, list[Placed]] = {"": bodies}
+    for body in bodies:
+        groups.setdefault(body.path.partition(".")[0], []).append(body)
     for name, placed in groups.items():
-        mass = sum(item[0] for item in placed)
+        mass, centre = centre_of_mass(placed)
         if not mass:
             continue
-        centre = sum(m * r for m, r, _ in placed) / mass
         own = f"{name}: " if name else ""
         yield Entry("mass", f"{own}mass", mass, "kg")
         for axis, value in zip("xyz", centre, strict=True):
             yield Entry("mass", f"{own}centre of mass {axis}", _clean(value), "m")
-        inertia = sum(own_inertia + m * _steiner(r - centre) for m, r, own_inertia in placed)
+        inertia = sum(body.inertia + body.mass * _steiner(body.centre - centre) for body in placed)
         for axis, value in zip("xyz", np.diag(inertia), strict=True):
             yield Entry("mass", f"{own}inertia {axis}{axis}", float(value), "kg m^2")
-    if groups[""]:
+    if bodies:
         gravity = [part.parameter_value("gravity") for part in root.walk() if "gravity" in part.parameters]
         if gravity:
-            yield Entry("mass", "weight", sum(item[0] for item in groups[""]) * float(gravity[0]), "N")
+            yield Entry("mass", "weight", sum(body.mass for body in bodies) * float(gravity[0]), "N")
 
 
 def _steiner(r: np.ndarray) -> np.ndarray:

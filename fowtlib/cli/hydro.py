@@ -281,8 +281,9 @@ def _about(hull: HullMesh, water: dict[str, float], volume: float | None) -> lis
     lid = f"{len(hull.lid)} panels" if len(hull.lid) else "none"
     if math.isfinite(lowest):
         lid += f"; without one irregular frequencies could begin at {lowest:.3g} rad/s"
+    tight = "watertight" if hull.watertight else "leaking"
     return [
-        ("panels", f"{len(hull.panels)}, at most {hull.widths.max():.3g} m wide, watertight"),
+        ("panels", f"{len(hull.panels)}, at most {hull.widths.max():.3g} m wide, {tight}"),
         ("symmetry", f"{hull.symmetry}; a part of {len(hull.part(hull.panels))} panels is solved"),
         ("lid", lid),
         ("volume", f"{hull.volume:.6g} m^3{off}, its centre at "

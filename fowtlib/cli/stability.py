@@ -56,6 +56,7 @@ def declare(commands: Any) -> None:
 
 def show_equilibrium(arguments: argparse.Namespace) -> int:
     """Print the results of the model at its equilibrium."""
+    from fowtlib.analysis.upright import warn_unless_upright
     from fowtlib.solving import mean_state
 
     tables.check(arguments)
@@ -63,6 +64,7 @@ def show_equilibrium(arguments: argparse.Namespace) -> int:
     free, targets = _pairs(arguments.free), _pairs(arguments.target)
     plant = model.compile()
     state = plant.equilibrium(free=free, targets=targets) if free or targets else mean_state(plant)
+    warn_unless_upright(plant, state)
     units, found = plant.dae.parameters, plant.parameter_values(state.parameters)
     stated = free or model.settings.get("equilibrium", {}).get("free", {})
     paths = dict.fromkeys(_parameter(path, units) for path in stated)
@@ -93,13 +95,16 @@ def _parameter(name: str, known: Container[str]) -> str:
 
 def show_modes(arguments: argparse.Namespace) -> int:
     """Print the modes of the linear model at the equilibrium, slowest first."""
+    from fowtlib.analysis.upright import warn_unless_upright
     from fowtlib.solving import mean_state, natural_modes
 
     tables.check(arguments)
     check_target(arguments.plot, FIGURES, arguments.force)
     model, conditions = loading.load_at_rest(arguments)
     plant = model.compile()
-    modes = natural_modes(plant, mean_state(plant))
+    state = mean_state(plant)
+    warn_unless_upright(plant, state)
+    modes = natural_modes(plant, state)
     modes = [mode for mode in modes if arguments.all or (mode.motion and mode.oscillates)]
     rows = [(mode.number, mode.name, mode.frequency, mode.period, mode.damping_ratio) for mode in modes]
     tables.say(arguments, conditions)

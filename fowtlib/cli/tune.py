@@ -88,11 +88,17 @@ def tune(arguments: argparse.Namespace) -> int:
     own, then = loop.poles(arguments.winds), loop.poles(arguments.winds, tuned) if tuned else []
     columns, rows = _table(own, then, tuned)
     tables.show(arguments, columns, rows)
+    grows = ""
     for words, poles in (("the gains of the model", own), ("the new gains", then)):
         for item in poles:
             for mode in item.growing():
+                grows = f"{item.wind:g}"
                 tables.say(arguments, f"{item.wind:g} m/s: with {words} {mode.name} grows, damping ratio "
                            f"{mode.damping_ratio:.3f}, period {mode.period:.1f} s.")  # fmt: skip
+    if grows:
+        tables.say(arguments, "Drag that grows with the square of the speed is not in these ratios; "
+                   f"`fowt decay {arguments.model} --wind steady:{grows} --dof ... --offset ...` shows where it holds "
+                   "the motion.")  # fmt: skip
     return 0
 
 

@@ -218,6 +218,8 @@ class Component(Composite):
             return numbers
         if field.annotation in (int, float, str, bool):
             return _plain(field, value, where)
+        if field.annotation is list and field.unit != "1":
+            return _quantities(field, value, where)
         return value
 
     def values_of(self, record: type[Component]) -> dict[str, Any]:
@@ -256,6 +258,8 @@ class Component(Composite):
                 doc = self.parameters[name].doc
                 raise ParameterError(f"{join(self.path, name)} is not a finite number: {value!r} ({doc}).") from None
             return value.item() if SHAPES[self.parameters[name].annotation] == () and value.size == 1 else value
+        if field.annotation is list and expressions.is_expression(value):
+            return _quantities(field, value, join(self.path, name))
         if expressions.is_expression(value):
             return _plain(self.parameters[name], expressions.evaluate(value), join(self.path, name))
         return value
@@ -491,6 +495,23 @@ def _resolve_annotations(cls: type, local_names: dict[str, Any]) -> None:
 
 def _stack(items: list[Any]) -> np.ndarray:
     return np.asarray([np.asarray(item, dtype=float) for item in items])
+
+
+def _quantities(field: Parameter, value: Any, where: str) -> list[Any]:
+    """The numbers of a list that may hold quantities and expressions, or lists of them."""
+    found = _listed(field, value, where)
+    if not isinstance(found, list):
+        raise ParameterError(f"{where}: a list is expected ({field.doc}), not {found!r}.")
+    return found
+
+
+def _listed(field: Parameter, value: Any, where: str) -> Any:
+    if isinstance(value, (list, tuple)):
+        return [_listed(field, item, where) for item in value]
+    if isinstance(value, str) and field.unit != "1":
+        return float(to_si(value, field.unit, where))
+    value = expressions.evaluate(value)
+    return value.tolist() if isinstance(value, (np.ndarray, np.generic)) else value
 
 
 def _plain(field: Parameter, value: Any, where: str) -> Any:

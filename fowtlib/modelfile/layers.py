@@ -128,7 +128,8 @@ def make_class(base: type[Component], declared: dict[str, Parameter], layers: li
         return base
     for alias, (_, place) in ports.items():
         if hasattr(base, alias) or alias in declared:
-            raise place.error(f"the port '{alias}' has a name that is taken already.")
+            by = "a parameter of this file" if alias in declared else "the class of the part"
+            raise place.error(f"the port '{alias}' has a name that is taken already, by {by}; choose another.")
     body: dict[str, Any] = {
         "__doc__": base.__doc__,
         "__module__": __name__,

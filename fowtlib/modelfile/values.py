@@ -52,6 +52,8 @@ class ValueReader:
                 return self._numeric(value, value.node, field)
             if field.annotation is str or field.is_data:
                 return self._text(value, field)
+            if field.annotation is list and field.unit != "1":
+                return self._list(value, field)
             return _plain(value, value.node)
         except ModelError as error:
             raise _located(error, value.node, path) from None
@@ -96,6 +98,12 @@ class ValueReader:
         return substituted(value.node.value, value.variables, value.place)
 
     # --- numbers -------------------------------------------------------------------------------------------------
+
+    def _list(self, value: Value, field: Parameter) -> Any:
+        """A list of quantities, or of lists of them: what a model is built with, in SI."""
+        if not isinstance(value.node.value, (list, str)):
+            raise ModelFileError(f"got {value.node.kind}; a list is expected ({field.doc}).")
+        return self._numeric(value, value.node, field)
 
     def _numeric(self, value: Value, node: Node, field: Parameter) -> Any:
         """A number in SI or an expression of parameters; lists of those keep their form."""

@@ -337,6 +337,8 @@ class _Equations:
         """Derivatives of the targets at the equilibrium by the shares; what is free to move, as a yaw, stays."""
         whole, n = self._slopes(values).toarray()[self.kept], self.rest.size
         rest, targets = whole[:n], whole[n:]
+        if not n:  # nothing moves
+            return targets
         rest = rest / np.maximum(np.max(np.abs(rest[:, :n]), axis=1, keepdims=True), 1e-300)
         moved = -np.linalg.lstsq(rest[:, :n], rest[:, n:], rcond=1e-14)[0]
         return targets[:, n:] + targets[:, :n] @ moved

@@ -234,8 +234,8 @@ class Functions:
     def jacobian_entries(self) -> ca.Function:
         """`(t, x, z, q) -> the entries of the four blocks of jacobian`, as a column."""
         arguments = [ca.MX.sym(name, *value.shape) for name, value in zip("txzq", self._arguments, strict=True)]
-        blocks = self.jacobian(*arguments)
-        return ca.Function("jacobian_entries", arguments, [ca.vertcat(*[block.nz[:] for block in blocks])])
+        entries = [block.nz[:] for block in self.jacobian(*arguments) if block.nnz()]
+        return ca.Function("jacobian_entries", arguments, [ca.vertcat(*entries) if entries else ca.MX(0, 1)])
 
     @property
     def algebraic_jacobian(self) -> ca.Function:

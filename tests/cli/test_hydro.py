@@ -3,6 +3,7 @@
 import csv
 import io
 import json
+import re
 from pathlib import Path
 
 import numpy as np
@@ -33,6 +34,61 @@ def test_the_mesh_of_a_model(capsys, tmp_path):
     assert read_gdf(tmp_path / "oc3.gdf").volume == pytest.approx(8029.21, rel=1e-6)
     status, out, _ = run(capsys, "hydro", tmp_path / "oc3.gdf", "--mesh-only", "--volume", "8029.21")
     assert status == 0 and "(-0.00% of the 8029.21 m^3 expected)" in out
+
+
+def damaged(tmp_path, capsys, *damages):
+    """The mesh of OC3 with panels of its column at the sides y = 2 m and -2 m changed, and where they lie."""
+    assert main(["hydro", "oc3_spar_rigid", "--mesh-only", "--size", "1.5", "-o", str(tmp_path / "tight.gdf")]) == 0
+    capsys.readouterr()
+    lines = (tmp_path / "tight.gdf").read_text().splitlines()
+    head, body = lines[:3], lines[4:]
+    panels = np.array([[float(x) for x in line.split()] for line in body]).reshape(-1, 4, 3)
+    centre = panels.mean(axis=1)
+    first = int(np.argmin(np.linalg.norm(centre - [3, 2, -60], axis=1)))
+    image = int(np.argmin(np.linalg.norm(centre - centre[first] * [1, -1, 1], axis=1)))
+    assert first != image
+    gone = []
+    for side, damage in damages:
+        k = first if side > 0 else image
+        if damage == "hole":
+            gone.append(k)
+        elif damage == "turned":
+            panels[k] = panels[k][::-1]
+        else:
+            panels[k, 0, 2] += damage
+    panels = np.delete(panels, gone, axis=0)
+    path = tmp_path / "hull.gdf"
+    rows = [" ".join(f"{x:.9e}" for x in corner) for corner in panels.reshape(-1, 3)]
+    path.write_text("\n".join([*head, str(len(panels)), *rows]) + "\n")
+    return path, centre[first]
+
+
+def test_a_mesh_that_leaks_is_refused_with_the_place_and_the_ways_out(capsys, tmp_path):
+    path, at = damaged(tmp_path, capsys, (1, "hole"))
+    status, out, err = run(capsys, "hydro", path, "--mesh-only")
+    assert status == 2 and not out
+    assert "hull.gdf: the mesh leaks, along an open rim: 4 edges" in err and "--leaky" in err
+    places = np.array([[float(x) for x in place.split(",")] for place in re.findall(r"\(([-\d., ]+)\)", err)])
+    assert len(places) == 4 and np.linalg.norm(places - at, axis=1).max() < 3.0  # corners of the hole
+
+
+@pytest.mark.parametrize(("damages", "says"), [
+    ([(1, "hole")], "leaking"), ([(-1, "hole")], "leaking"), ([(1, "hole"), (-1, "hole")], "leaking"),
+    ([(1, 0.02)], "watertight"), ([(-1, 0.02)], "watertight"), ([(1, 0.02), (-1, 0.03)], "watertight"),
+])  # fmt: skip
+def test_a_mesh_that_leaks_and_is_taken_is_not_called_watertight(capsys, tmp_path, damages, says):
+    """Where one half has no gap, x < 0 in the last case, it is taken twice, which makes a tight hull."""
+    path, _ = damaged(tmp_path, capsys, *damages)
+    status, out, err = run(capsys, "hydro", path, "--mesh-only", "--leaky")
+    assert status == 0 and "hull.gdf: the mesh leaks" in err
+    assert f"m wide, {says}" in out
+
+
+def test_a_turned_panel_is_named(capsys, tmp_path):
+    path, _ = damaged(tmp_path, capsys, (1, "turned"))
+    status, _, err = run(capsys, "hydro", path, "--mesh-only")
+    assert status == 2 and "hull.gdf: two panels run the same way along the edge" in err
+    assert "List the corners of the one in the other order" in err and "--leaky" not in err
 
 
 def test_several_meshes_for_machines(capsys):

@@ -202,6 +202,7 @@ def test_the_command_prints_gains_and_damping(capsys):
     assert min(row["its damping"] for row in rows) == pytest.approx(0.7, abs=1e-6)
     assert "--set turbine.control.proportional_gain=" in printed.err
     assert "13 m/s: with the new gains platform pitch grows" in printed.err
+    assert "`fowt decay oc3_spar_rigid --wind steady:" in printed.err
 
 
 @pytest.mark.parametrize(("options", "message"), [

@@ -116,7 +116,7 @@ def test_jonswap_sea():
         ({"spectrum": "regular", "wave_height": 40, "wave_period": 3}, "sea: a wave 14 m long breaks at 2 m, and has"),
         (
             {"spectrum": "jonswap", "significant_wave_height": 6, "peak_period": 2},
-            "sea: Hs 6 m is too steep a sea for Tp 2 s, where 0.42 m is the limit",
+            "sea: Hs 6 m is too steep a sea for Tp 2 s, where 0.4162 m is the limit",
         ),
     ],
 )

@@ -304,3 +304,33 @@ def test_errors_while_flattening_name_the_line(write):
 def test_a_kind_that_is_no_name_is_refused(kind):
     with pytest.raises(ModelFileError, match="wind.kind"):
         load("oc3_spar_rigid").with_parameters({"wind.kind": kind})
+
+
+def test_lists_that_a_part_is_built_with_take_quantities_and_formulas(tmp_path):
+    path = tmp_path / "tower.yaml"
+    text = """fowtlib: 1
+title: diameters
+parameters: {base: 6 m}
+world: {class: World}
+wind: {class: Wind, kind: steady, mean_speed: 12 m/s}
+parts:
+  foot: {class: Fixed}
+  drag: {class: TowerDrag, diameters: [base, 550 cm, base - 2 m], lengths: [26 m, 26, 25.6]}
+  beam:
+    class: TubeBeam
+    heights: [0, 9 m]
+    diameters: [1 m, 1 m]
+    wall_thicknesses: [1 cm, 1 cm]
+    node_points: [[0, 500 mm, base], 3 m, 4]
+"""
+    path.write_text(text)
+    model = fw.load(path)
+    assert model.root.drag.diameters == [6, 5.5, 4] and model.root.drag.lengths == [26, 26, 25.6]
+    assert model.root.beam.node_points == [[0, 0.5, 6], 3, 4]
+    changed = fw.load(path, set={"base": "7 m", "drag.lengths": ["2 m", 3, "400 cm"]})
+    assert changed.root.drag.diameters == [7, 5.5, 5] and changed.root.drag.lengths == [2, 3, 4]
+    for wrong, message in (("[26 kg, 26, 25.6]", "got '26 kg', which is a mass"), ("26 m", "a list is expected"),
+                           ("base", "a list is expected")):  # fmt: skip
+        path.write_text(text.replace("[26 m, 26, 25.6]", wrong))
+        with pytest.raises(fw.language.errors.ModelError, match=message):
+            print(fw.load(path).root.drag.lengths)

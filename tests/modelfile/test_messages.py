@@ -265,6 +265,10 @@ CASES = {
         "parameters: {path: 3}\nworld: {class: World, water_depth: path}\n",
         "model.yaml:2: the parameter 'path' has a name that is taken already.",
     ),
+    "port_with_the_name_of_a_parameter": (
+        "parameters: {top: 3 m}\nworld: {class: World, water_depth: top}\nports: {top: world.frame}\n",
+        "model.yaml:4: the port 'top' has a name that is taken already, by a parameter of this file; choose another.",
+    ),
     "unknown_key_of_a_parameter": (
         "parameters: {depth: {value: 3 m, minimum: 1}}\nworld: {class: World, water_depth: depth}\n",
         "model.yaml:2: 'minimum' is not a key of parameter 'depth'; did you mean 'min'?",

@@ -200,3 +200,17 @@ def test_what_no_direction_reaches_is_told_with_the_nearest(turbine):
     """A rotor that looks along x is not pushed aside by a wind from the side."""
     with pytest.raises(SimulationError, match=r"no equilibrium with sway = 1 m .* The search came to sway ="):
         turbine.equilibrium(free={"wind.direction": 0.05}, targets={"sway": 1.0})
+
+
+def test_a_parameter_is_found_where_nothing_can_move():
+    """Both ends of the tendon are held, so that an equilibrium has no unknown: the pretension is one of a formula."""
+    model = Assembly("held tendon")
+    model.world, model.top = World(water_depth=200.0), Fixed(r=(0, 0, -50))
+    model.tendon = Tendon(length=150.0, axial_stiffness=1e9, pretension=1e6, weight_per_length=0.0,
+                          anchor_position=(0, 0, -200))  # fmt: skip
+    model.connect(model.top.frame, model.tendon.fairlead)
+    plant = fw.load(model).compile()
+    state = plant.equilibrium(free=["tendon.pretension"], targets={"tendon.tension": 5e6})
+    assert state.parameters["tendon.pretension"] == pytest.approx(5e6, rel=1e-5)
+    with pytest.raises(SimulationError, match="it does not change with"):
+        plant.equilibrium(free=["tendon.slack_tension"], targets={"tendon.least_tension": 5e6})

@@ -54,7 +54,7 @@ class JonswapSea(Sea, kind="jonswap"):
         highest = steepest_sea(period, self.world.gravity)
         if height > highest:
             warnings.warn(
-                f"{self.label}: Hs {height:.3g} m is too steep a sea for Tp {period:g} s, where {highest:.2g} m is the "
+                f"{self.label}: Hs {height:.4g} m is too steep a sea for Tp {period:g} s, where {highest:.4g} m is the "
                 "limit; linear waves go on as if nothing was.",
                 stacklevel=3,
             )
