@@ -25,9 +25,10 @@ from fowtlib.analysis.plants import chosen_outputs, refuse_unstable
 from fowtlib.analysis.spectra import Spectrum
 from fowtlib.frequency.drag import best_gain
 from fowtlib.frequency.grid import response_frequencies
+from fowtlib.language.component import Component
 from fowtlib.language.errors import ModelError, SimulationError, did_you_mean
 from fowtlib.solving import LinearModel, State, mean_state
-from fowtlib.solving.binding import Binding
+from fowtlib.solving.binding import tree_with
 from fowtlib.solving.excited import ExcitedModel, Signal, excited_model
 from fowtlib.solving.random_fields import density as field_density
 from fowtlib.solving.results.tables import write_table
@@ -167,15 +168,15 @@ def response(
     """
     plant = model.compile() if hasattr(model, "compile") else model
     names = list(plant.outputs) if outputs is None else chosen_outputs(plant, outputs)
-    binding = plant.binding(parameters)
+    root = tree_with(plant.dae, plant.root, parameters)
     if state is None:
         state = mean_state(plant, mean_parameters(plant, parameters))
-    excited = excited_model(plant, state, names, binding)
-    processes = _processes(excited, binding)
+    excited = excited_model(plant, state, names, root)
+    processes = _processes(excited, root)
     if not processes:
         raise ModelError("no part of this model takes anything from random waves or wind; there is no response.")
     given = None if frequencies is None else np.asarray(frequencies, dtype=float)
-    linear, grid, iterations = _settled(excited, binding, processes, given, tolerance)
+    linear, grid, iterations = _settled(excited, processes, given, tolerance)
     refuse_unstable(linear)
     m = excited.results
     H = {path: answer[:, :m] for path, answer in grid.answers(linear).items()}
@@ -198,14 +199,14 @@ class Process:
     drive: Callable[[np.ndarray], np.ndarray]
 
 
-def _settled(excited: ExcitedModel, binding: Binding, processes: Processes, frequency: np.ndarray | None,
+def _settled(excited: ExcitedModel, processes: Processes, frequency: np.ndarray | None,
              tolerance: float) -> tuple[LinearModel, Grid, int]:  # fmt: skip
     """The linear model with the drag of its own response, the frequencies, and the count of iterations."""
     gains = [best_gain(GUESS**2 * np.eye(place.stop - place.start)) for _, place in excited.laws]
     linear = excited.with_gains(gains)
     refuse_unstable(linear)
     final = frequency is not None or not excited.laws
-    grid = Grid(excited, binding, processes, response_frequencies(linear.modes()) if frequency is None else frequency)
+    grid = Grid(excited, processes, response_frequencies(linear.modes()) if frequency is None else frequency)
     for iteration in range(1, ITERATIONS + 1):
         found = grid.gains(grid.answers(linear))
         change = max((float(np.linalg.norm(new - old) / max(np.linalg.norm(new), 1e-12))
@@ -214,28 +215,28 @@ def _settled(excited: ExcitedModel, binding: Binding, processes: Processes, freq
         if final and change < tolerance:
             return linear, grid, iteration
         if not final and change < REGRIDDED:
-            final, grid = True, Grid(excited, binding, processes, response_frequencies(linear.modes()))
+            final, grid = True, Grid(excited, processes, response_frequencies(linear.modes()))
     last = f"the last change is {change:.2g}"
     raise SimulationError(f"the linearised drag does not settle within {ITERATIONS} iterations; {last}.")
 
 
-def _processes(excited: ExcitedModel, binding: Binding) -> dict[str, Process]:
+def _processes(excited: ExcitedModel, root: Component) -> dict[str, Process]:
     """The random processes that drive the signals, and the fields."""
     members: dict[str, tuple[Any, list[Signal]]] = {}
     for signal in excited.signals:
-        process = signal.process(binding)
+        process = signal.process(root)
         if np.any(process.spectral_density(np.geomspace(1e-2, 10.0, 50))):
             members.setdefault(process.path, (process, []))[1].append(signal)
-    found = {path: Process(process.spectral_density, partial(_of_signals, excited.driven, signals, binding))
+    found = {path: Process(process.spectral_density, partial(_of_signals, excited.driven, signals, root))
              for path, (process, signals) in members.items()}  # fmt: skip
     for columns, places in excited.fields:
-        path = places[0].compute.process(binding.root.find(places[0].owner)).path
-        found[path] = Process(partial(field_density, places, binding), partial(_of_field, excited.driven, columns))
+        path = places[0].compute.process(root.find(places[0].owner)).path
+        found[path] = Process(partial(field_density, places, root), partial(_of_field, excited.driven, columns))
     return found
 
 
-def _of_signals(driven: int, signals: Sequence[Signal], binding: Binding, omega: np.ndarray) -> np.ndarray:
-    responses = [signal.response(binding, omega) for signal in signals]
+def _of_signals(driven: int, signals: Sequence[Signal], root: Component, omega: np.ndarray) -> np.ndarray:
+    responses = [signal.response(root, omega) for signal in signals]
     drive = np.zeros((omega.size, driven, responses[0].shape[2]), dtype=complex)
     for signal, values in zip(signals, responses, strict=True):
         drive[:, signal.columns] = values
@@ -253,7 +254,7 @@ class Grid:
     spectra: of the processes (q, channels, channels) per Hz.
     """
 
-    def __init__(self, excited: ExcitedModel, binding: Binding, processes: Processes, frequency: np.ndarray):
+    def __init__(self, excited: ExcitedModel, processes: Processes, frequency: np.ndarray):
         self.excited, self.frequency, self.omega = excited, frequency, 2 * np.pi * frequency
         steps = np.diff(frequency)
         self.widths = (np.append(steps, 0.0) + np.append(0.0, steps)) / 2

@@ -123,6 +123,25 @@ def bind(dae: FlatDAE, root: Component | None, parameters: Values | None = None,
         values |= {path: tunable_value(dae, path, value) for path, value in given.items()}
         return Binding(vector_of(values, []), values, None)
     given = spread_out(given, root)
+    tree, values, changed = _with_values(dae, root, given)
+    if tree is not root:
+        by = needs() if needs is not None and not changed else None
+        for path in values:  # those that were computed from what is changed now
+            if path not in given and (by is None or not by[path].isdisjoint(given)):
+                owner, _, name = path.rpartition(".")
+                now = np.asarray(tree.find(owner).parameter_value(name), dtype=float)
+                values[path] = np.broadcast_to(now, values[path].shape).copy()
+    return _computed(dae, tree, values)
+
+
+def tree_with(dae: FlatDAE, root: Component, parameters: Values | None = None) -> Component:
+    """The component tree of a run, with nothing computed from it: no series, no fields; see `bind`."""
+    return _with_values(dae, root, spread_out(by_path(parameters or {}), root))[0]
+
+
+def _with_values(dae: FlatDAE, root: Component,
+                 given: dict[str, Any]) -> tuple[Component, dict[str, np.ndarray], set[str]]:  # fmt: skip
+    """The tree of a run, the tunable values, and the parts that have other data; `given` keeps the tunable ones."""
     tree = copy.deepcopy(root) if given else root
     changed = _put_parts(tree, {path: given.pop(path) for path in list(given) if isinstance(given[path], Component)})
     changed |= put_bound(dae, tree, given)
@@ -138,14 +157,7 @@ def bind(dae: FlatDAE, root: Component | None, parameters: Values | None = None,
         check_parameters(tree.find(path))
     for path in changed | {path.rpartition(".")[0] for path in given}:
         tree.find(path).refuse_void()
-    if tree is not root:
-        by = needs() if needs is not None and not changed else None
-        for path in values:  # those that were computed from what is changed now
-            if path not in given and (by is None or not by[path].isdisjoint(given)):
-                owner, _, name = path.rpartition(".")
-                now = np.asarray(tree.find(owner).parameter_value(name), dtype=float)
-                values[path] = np.broadcast_to(now, values[path].shape).copy()
-    return _computed(dae, tree, values)
+    return tree, values, changed
 
 
 def tunable_value(dae: FlatDAE, path: str, value: Any) -> np.ndarray:

@@ -17,8 +17,8 @@ import numpy as np
 from scipy.linalg import block_diag
 
 from fowtlib.flattening import FlatDAE
+from fowtlib.language.component import Component
 from fowtlib.language.run_time import RandomSignals
-from fowtlib.solving.binding import Binding
 from fowtlib.solving.linear import Further, LinearModel
 from fowtlib.solving.mean_linear import mean_linear_model
 from fowtlib.solving.random_fields import FieldPlaces, blows, field_places
@@ -43,17 +43,16 @@ class Signal:
         """Their symbols."""
         return dae.w[self.outputs].elements()
 
-    def process(self, binding: Binding) -> Any:
+    def process(self, root: Component) -> Any:
         """The component of a run that they follow."""
-        return self.compute.process(self._component(binding))
+        return self.compute.process(self._component(root))
 
-    def response(self, binding: Binding, omega: np.ndarray) -> np.ndarray:
+    def response(self, root: Component, omega: np.ndarray) -> np.ndarray:
         """Signals per channel of the process, complex (q, signals, channels)."""
-        return np.asarray(self.compute.response(self._component(binding), omega))
+        return np.asarray(self.compute.response(self._component(root), omega))
 
-    def _component(self, binding: Binding) -> Any:
-        assert binding.root is not None
-        return binding.root.find(self.owner)
+    def _component(self, root: Component) -> Any:
+        return root.find(self.owner)
 
 
 @dataclass(frozen=True, eq=False)
@@ -92,14 +91,14 @@ class ExcitedModel:
         return LinearModel(A, B, C, D, linear.states, linear.inputs[:n], linear.outputs, linear.units, operators)
 
 
-def excited_model(plant: Any, state: State, names: Sequence[str], binding: Binding) -> ExcitedModel:
+def excited_model(plant: Any, state: State, names: Sequence[str], root: Component) -> ExcitedModel:
     """The linear model of a plant at a mean state, from all that follows from the random processes of a run.
 
-    names: results and variables. binding: of the run, whose mean the state is.
+    names: results and variables. root: component tree of the run, whose mean the state is.
     """
     dae, at = plant.dae, plant.at(state.parameters)
     signals = _signals(dae)
-    places = [item for item in field_places(plant, at, state, turns_of(plant, at, state)) if blows([item], binding)]
+    places = [item for item in field_places(plant, at, state, turns_of(plant, at, state)) if blows([item], root)]
     symbols = {f"{item.path} [{k}]": element for item in signals for k, element in enumerate(item.elements(dae))}
     labels = list(symbols)
     fields, raw, start = [], len(symbols), len(symbols)

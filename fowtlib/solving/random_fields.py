@@ -15,8 +15,8 @@ from typing import Any
 import casadi as ca
 import numpy as np
 
+from fowtlib.language.component import Component
 from fowtlib.language.run_time import RandomField, RestingPlaces, TurningRings
-from fowtlib.solving.binding import Binding
 from fowtlib.solving.functions import AtParameters
 from fowtlib.solving.state import State
 from fowtlib.solving.turning import Turn
@@ -70,7 +70,9 @@ def field_places(plant: Any, at: AtParameters, state: State, turns: Sequence[Tur
     found = []
     for number, external in enumerate(dae.externals):
         item = bound.get(ca.vec(external.inputs)[0].element_hash())
-        if item is None or not hasattr(item.compute, "density") or at.binding.root is None:
+        if item is None or not hasattr(item.compute, "density"):
+            continue
+        if external.path == item.owner:  # what the field is at the stations, which in a field drives no part
             continue
         n = (external.outputs.stop - external.outputs.start) // 3
         inputs = ca.vec(ca.densify(external.inputs))
@@ -78,7 +80,7 @@ def field_places(plant: Any, at: AtParameters, state: State, turns: Sequence[Tur
         positions = at.general.once(
             ("field positions", number), lambda asked=asked: at.general.function("positions", [asked])
         )
-        along = np.asarray(item.compute.along(at.binding.root.find(item.owner)))
+        along = np.asarray(item.compute.along(plant.root.find(item.owner)))
         now = np.array(at.call(positions, state.t, state.x, state.z, q)).reshape(-1, 3)
         places: TurningRings | RestingPlaces = RestingPlaces(now)
         for turn in turns:
@@ -101,13 +103,12 @@ def _rings(dae: Any, now: np.ndarray, moved: np.ndarray, speed: float, turn: Tur
     return TurningRings(centre, radii, float(sense * abs(speed)), blades)
 
 
-def density(places: Sequence[FieldPlaces], binding: Binding, omega: np.ndarray) -> np.ndarray:
+def density(places: Sequence[FieldPlaces], root: Component, omega: np.ndarray) -> np.ndarray:
     """Spectra (q, channels, channels) of all places in one field."""
-    assert binding.root is not None
-    component = binding.root.find(places[0].owner)
+    component = root.find(places[0].owner)
     return places[0].compute.density(component, omega, [item.places for item in places])
 
 
-def blows(places: Sequence[FieldPlaces], binding: Binding) -> bool:
+def blows(places: Sequence[FieldPlaces], root: Component) -> bool:
     """Whether there is anything of the field in a run."""
-    return bool(np.any(density(places, binding, np.geomspace(1e-2, 1.0, 5))))
+    return bool(np.any(density(places, root, np.geomspace(1e-2, 1.0, 5))))

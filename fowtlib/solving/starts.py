@@ -21,6 +21,7 @@ from fowtlib.language.component import Component
 from fowtlib.language.declarations import join
 from fowtlib.language.errors import ModelError, SimulationError, one_of
 from fowtlib.language.native import compiler, no_compiler
+from fowtlib.solving.binding import tree_with
 from fowtlib.solving.checks import check_state
 from fowtlib.solving.modes import rate_states
 from fowtlib.solving.paths import spread_out
@@ -116,8 +117,8 @@ def _in_the_mean(part: Component) -> dict[str, Any]:
 
 def mean_parameters(plant: Plant, parameters: Values | None = None) -> dict[str, Any]:
     """The parameters of the mean of a run with these parameters; what belongs to a kind that is left is not in them."""
-    given, root = _whole_paths(plant, parameters) or {}, plant.binding(parameters).root
-    for part in root.walk() if root is not None else ():
+    given = _whole_paths(plant, parameters) or {}
+    for part in tree_with(plant.dae, plant.root, given).walk() if plant.root is not None else ():
         changes = _in_the_mean(part)
         if not changes:
             continue
