@@ -47,8 +47,9 @@ docs: $(STAMP)
 catalogue: $(STAMP)
 	$(BIN)/fowt parts --markdown > docs/catalogue.md
 
-# Compute every table of docs/verification.md and docs/load_cases.md and write them into the pages.
+# The long tests; then compute every table of docs/verification.md and docs/load_cases.md and write them into the pages.
 verification: $(STAMP)
+	$(BIN)/python -m pytest -m long tests
 	$(BIN)/python benchmarks/verification.py
 	$(BIN)/python benchmarks/load_cases.py
 

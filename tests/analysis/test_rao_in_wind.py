@@ -45,7 +45,7 @@ def test_wind_changes_it(plant):
     assert abs(in_it["pitch"][0] / still["pitch"][0] - 1) > 0.1
 
 
-@pytest.mark.parametrize("speed", [8.0, 11.4])
+@pytest.mark.parametrize("speed", [8.0, pytest.param(11.4, marks=pytest.mark.long)])
 def test_an_azimuth_is_no_instability(plant, speed):
     """One azimuth has its angle among the states, with a stiffness that goes round; the mean has neither."""
     state = mean_state(plant, {"wind.mean_speed": speed})

@@ -81,6 +81,7 @@ def test_flexible_periods(flexible):
     assert not any(0.9 < period < 1.15 for name, period in modes.items() if name.startswith("platform"))
 
 
+@pytest.mark.long
 def test_stiff_beams_lead_back_to_the_rigid_model(flexible, model):
     """Tower and arms without hinges: pitch and roll on both sides of the printed 1.05 s, as in the rigid model."""
     beams = {f"support.{name}": 0 for name in ("tower_hinges", "top_hinges", "arm_hinges")}
@@ -90,6 +91,7 @@ def test_stiff_beams_lead_back_to_the_rigid_model(flexible, model):
     assert modes["platform pitch"] < 1.05 < modes["platform roll"]
 
 
+@pytest.mark.long
 def test_weight_of_the_flexible_model(flexible):
     """What its tubes and wires weigh more than the printed 536.9 t lowers it, against tendons and water."""
 

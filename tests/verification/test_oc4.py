@@ -119,6 +119,7 @@ def test_the_six_equations_themselves():
     assert np.hypot(*oc4_motions.line_pull(837.6 - 40.868, 186.0)) == pytest.approx(1105.7e3, rel=5e-4)
 
 
+@pytest.mark.long
 def test_the_response_of_the_flexible_model_in_its_own_wind():
     """In the 11.4 m/s of the model: its rotor of blade elements turns. Motions beside those of the rigid model.
 
