@@ -257,7 +257,13 @@ class Component(Composite):
             except ZeroDivisionError:
                 doc = self.parameters[name].doc
                 raise ParameterError(f"{join(self.path, name)} is not a finite number: {value!r} ({doc}).") from None
-            return value.item() if SHAPES[self.parameters[name].annotation] == () and value.size == 1 else value
+            if SHAPES[field.annotation] != ():
+                return value
+            if value.size != 1:
+                raise ParameterError(
+                    f"{join(self.path, name)} takes one number, and a list of {value.size} is given ({field.doc})."
+                )
+            return value.item()
         if field.annotation is list and expressions.is_expression(value):
             return _quantities(field, value, join(self.path, name))
         if expressions.is_expression(value):

@@ -805,3 +805,14 @@ def test_an_equilibrium_is_checked_against_what_the_parts_state():
     assert float(state["tube.wall.x"]) == pytest.approx(2.5)
     beyond = plant.initial_state(start={"tube.wall.x": 4.0})
     assert said(plant.linearize, beyond) == "tube.wall: x is 4, beyond 3."
+
+
+def test_a_list_for_one_number_is_told_where_formulas_give_it():
+    """Also where the numbers come from formulas, which are known late: of a plate, of a mass, of a length."""
+    from fowtlib.components.platform import Bulkhead
+
+    length = fw.components.mechanics.FixedTranslation(r=[0, 0, 2.0])
+    for name in ("place", "thickness"):
+        plate = Bulkhead(**{"place": 1.0, "thickness": 0.02, name: [length.r[2] / 4, length.r[2] / 2]})
+        with pytest.raises(ModelError, match=f"{name} takes one number, and a list of 2 is given"):
+            plate.numbers()
