@@ -26,7 +26,7 @@ examples:
 
 def declare(commands: Any) -> None:
     """Add the command of this module."""
-    text = "spectra, deviations, extremes and fatigue in random waves and wind, without a run"
+    text = "spectra, extremes and fatigue in random waves and wind, without a run"
     parser = commands.add_parser("response", help=text, epilog=EXAMPLES)
     loading.declare(parser)
     parser.add_argument("--outputs", metavar="A,B", help="results; default: all")
