@@ -10,7 +10,7 @@ from typing import Any
 
 import numpy as np
 
-from fowtlib.language.data_files import cells_of, lines_of, remembered
+from fowtlib.language.data_files import number_rows, remembered
 from fowtlib.language.errors import ModelError
 from fowtlib.language.whole_files import write_text
 
@@ -91,14 +91,7 @@ def read_coefficients(path: str, extended: bool = False) -> CoefficientTable:
     Lines that start with # are comments, other columns (power_coefficient) are not read, rows may come in any order,
     and every pair of a tip speed ratio and a pitch angle must be there once. Raises ModelError with path and line.
     """
-    lines = lines_of(path, "the rotor coefficients", ModelError)
-    if not lines:
-        raise ModelError(f"{path}: no rotor coefficients; the columns {', '.join(COLUMNS)} are needed.")
-    header = cells_of(lines[0][1])
-    missing = [name for name in COLUMNS if name not in header]
-    if missing:
-        raise ModelError(f"{path}:{lines[0][0]}: column {missing[0]} is missing; there are {', '.join(header)}.")
-    rows = np.array([_numbers(path, number, line, header) for number, line in lines[1:]]).reshape(-1, len(COLUMNS))
+    rows = np.array(number_rows(path, COLUMNS, "the rotor coefficients", ModelError)).reshape(-1, len(COLUMNS))
     speeds, pitches = np.unique(rows[:, 0]), np.unique(rows[:, 1])
     order = np.lexsort((rows[:, 1], rows[:, 0]))
     grid = np.array([(a, b) for a in speeds for b in pitches])
@@ -125,13 +118,3 @@ def write_coefficients(path: str | Path, table: CoefficientTable, precone: float
             power = ratio * torque * np.cos(precone)
             lines.append(f"{ratio:.10g},{pitch:.10g},{power:.7f},{table.thrust[i, j]:.7f},{torque:.7f}")
     write_text(path, "\n".join(lines) + "\n")
-
-
-def _numbers(path: str, number: int, line: str, header: list[str]) -> list[float]:
-    cells = dict(zip(header, cells_of(line), strict=False))
-    try:
-        return [float(cells[name]) for name in COLUMNS]
-    except (KeyError, ValueError):
-        raise ModelError(
-            f"{path}:{number}: '{line.strip()}' is not a row of numbers under {', '.join(header)}."
-        ) from None

@@ -6,7 +6,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from fowtlib.language.data_files import cells_of, lines_of, remembered
+from fowtlib.language.data_files import number_rows, remembered
 from fowtlib.language.errors import ParameterError
 
 COLUMNS = ("wind_speed_m_s", "thrust_coefficient")
@@ -40,19 +40,5 @@ class ThrustCurve:
 @remembered()
 def read_thrust_curve(path: str) -> ThrustCurve:
     """Read a CSV with the columns of COLUMNS; lines that start with # are comments. Raises ParameterError."""
-    lines = lines_of(path, "the thrust curve")
-    header = cells_of(lines[0][1]) if lines else []
-    missing = [name for name in COLUMNS if name not in header]
-    if missing:
-        found = f"there are {', '.join(header)}" if header else "the file is empty"
-        raise ParameterError(f"column {missing[0]} is missing; {found}.", where=path)
-    rows = []
-    for number, line in lines[1:]:
-        cells = dict(zip(header, cells_of(line), strict=False))
-        try:
-            rows.append([float(cells[name]) for name in COLUMNS])
-        except (KeyError, ValueError):
-            words = f"'{line.strip()}' is not a row of numbers under {', '.join(header)}."
-            raise ParameterError(words, where=f"{path}:{number}") from None
-    values = np.array(rows).reshape(-1, len(COLUMNS))
+    values = np.array(number_rows(path, COLUMNS, "the thrust curve")).reshape(-1, len(COLUMNS))
     return ThrustCurve(values[:, 0], values[:, 1], where=path)

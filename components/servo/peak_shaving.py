@@ -24,7 +24,7 @@ from fowtlib.language import (
     var,
 )
 from fowtlib.language import math as m
-from fowtlib.language.data_files import cells_of, lines_of, remembered
+from fowtlib.language.data_files import number_rows, remembered
 from fowtlib.language.errors import ParameterError
 from fowtlib.language.whole_files import write_text
 
@@ -57,20 +57,7 @@ class LeastPitch:
 @remembered()
 def read_least_pitch(path: str) -> LeastPitch:
     """Read a CSV with the columns of COLUMNS; lines that start with # are comments. Raises ParameterError."""
-    lines = lines_of(path, "the least pitch")
-    header = cells_of(lines[0][1]) if lines else []
-    if missing := [name for name in COLUMNS if name not in header]:
-        words = f"column {missing[0]} is missing; the columns {', '.join(COLUMNS)} are needed."
-        raise ParameterError(words, where=path)
-    rows = []
-    for number, line in lines[1:]:
-        cells = dict(zip(header, cells_of(line), strict=False))
-        try:
-            rows.append([float(cells[name]) for name in COLUMNS])
-        except (KeyError, ValueError):
-            words = f"'{line.strip()}' is not a row of numbers under {', '.join(header)}."
-            raise ParameterError(words, where=f"{path}:{number}") from None
-    values = np.array(rows).reshape(-1, 2)
+    values = np.array(number_rows(path, COLUMNS, "the least pitch")).reshape(-1, len(COLUMNS))
     return LeastPitch(1e3 * values[:, 0], np.radians(values[:, 1]), where=path)
 
 

@@ -9,7 +9,7 @@ import os
 import stat
 import time
 from collections import OrderedDict
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from functools import lru_cache, wraps
 from inspect import signature
 from pathlib import Path
@@ -80,6 +80,31 @@ def lines_of(
 def cells_of(line: str) -> list[str]:
     """The cells of a line of a CSV, without the spaces around them, also around quotes."""
     return [cell.strip() for cell in next(csv.reader([line], skipinitialspace=True))]
+
+
+def number_rows(
+    path: str | os.PathLike[str], names: Sequence[str], what: str, error: type[Exception] = ParameterError
+) -> list[list[float]]:
+    """The numbers of a CSV under the columns of these names, row by row; other columns are not read.
+
+    Raises the error, with path and line, for a column that is missing and a row that is none of numbers.
+    """
+    lines, place = lines_of(path, what, error), os.fspath(path)
+    if not lines:
+        raise error(f"{place}: no {what.removeprefix('the ')}; the columns {', '.join(names)} are needed.")
+    header = cells_of(lines[0][1])
+    missing = [name for name in names if name not in header]
+    if missing:
+        raise error(f"{place}:{lines[0][0]}: column {missing[0]} is missing; there are {', '.join(header)}.")
+    rows = []
+    for number, line in lines[1:]:
+        cells = dict(zip(header, cells_of(line), strict=False))
+        try:
+            rows.append([float(cells[name]) for name in names])
+        except (KeyError, ValueError):
+            words = f"'{line.strip()}' is not a row of numbers under {', '.join(header)}."
+            raise error(f"{place}:{number}: {words}") from None
+    return rows
 
 
 def is_number(text: str) -> bool:
