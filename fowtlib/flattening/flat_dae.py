@@ -232,6 +232,13 @@ class FlatDAE:
                     )
 
     @cached_property
+    def with_data(self) -> list[tuple[int, Bound]]:
+        """Numbers of the externals that find data by a handle, their first input, and what is bound to it."""
+        bound = {item.symbol[0].element_hash(): item for item in self.bound.values() if item.functions}
+        handles = [ca.vec(external.inputs)[0].element_hash() for external in self.externals]
+        return [(k, bound[handle]) for k, handle in enumerate(handles) if handle in bound]
+
+    @cached_property
     def silent(self) -> list[int]:
         """Numbers of the entries of p that only the frequency domain uses for quadratic laws; zero in time."""
         if not self.quadratics:

@@ -129,12 +129,11 @@ def excited_model(plant: Any, state: State, names: Sequence[str], root: Componen
 
 def _signals(dae: FlatDAE) -> list[Signal]:
     """All signals of a model that say how they follow from a random process."""
-    bound = {item.symbol[0].element_hash(): item for item in dae.bound.values() if item.functions}
     found, first = [], 0
-    for external in dae.externals:
-        item = bound.get(ca.vec(external.inputs)[0].element_hash())
-        if item is not None and hasattr(item.compute, "response"):
-            last = first + external.outputs.stop - external.outputs.start
-            found.append(Signal(item.path, item.owner, slice(first, last), external.outputs, item.compute))
+    for number, item in dae.with_data:
+        if hasattr(item.compute, "response"):
+            outputs = dae.externals[number].outputs
+            last = first + outputs.stop - outputs.start
+            found.append(Signal(item.path, item.owner, slice(first, last), outputs, item.compute))
             first = last
     return found

@@ -65,12 +65,11 @@ def angles(positions: np.ndarray, rings: TurningRings) -> np.ndarray:
 def field_places(plant: Any, at: AtParameters, state: State, turns: Sequence[Turn]) -> list[FieldPlaces]:
     """All places at which parts of a plant ask for a random field, about a mean state."""
     dae, q = plant.dae, np.concatenate([state.u, state.d])
-    bound = {item.symbol[0].element_hash(): item for item in dae.bound.values() if item.functions}
     speed = np.array(at.residual(state.t, state.x, state.z, q)[0]).ravel()
     found = []
-    for number, external in enumerate(dae.externals):
-        item = bound.get(ca.vec(external.inputs)[0].element_hash())
-        if item is None or not hasattr(item.compute, "density"):
+    for number, item in dae.with_data:
+        external = dae.externals[number]
+        if not hasattr(item.compute, "density"):
             continue
         if external.path == item.owner:  # what the field is at the stations, which in a field drives no part
             continue

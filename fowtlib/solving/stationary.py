@@ -79,11 +79,8 @@ def slow_modes(at: AtParameters, plant: Any, state: State, shortest: float = SHO
             f"no stationary start: {dae.samples[0].path} is sampled, and has no linear model. Take the start "
             "'turning', and discard the first part of the run."
         )
-    series = {item.symbol[0].element_hash(): item.path for item in dae.bound.values() if item.functions}
     signals = {
-        series[handle]: external.outputs
-        for external in dae.externals
-        if (handle := ca.vec(external.inputs)[0].element_hash()) in series and external.inputs.numel() == 2
+        item.path: dae.externals[k].outputs for k, item in dae.with_data if dae.externals[k].inputs.numel() == 2
     }
 
     def make() -> ca.Function:
