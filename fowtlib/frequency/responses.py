@@ -23,10 +23,12 @@ import numpy as np
 from fowtlib.analysis.fatigue.spectral import dirlik
 from fowtlib.analysis.plants import chosen_outputs, refuse_unstable
 from fowtlib.analysis.spectra import Spectrum
+from fowtlib.flattening import FlatDAE
 from fowtlib.frequency.drag import best_gain
 from fowtlib.frequency.grid import response_frequencies
 from fowtlib.language.component import Component
 from fowtlib.language.errors import ModelError, SimulationError, did_you_mean
+from fowtlib.language.series import Series
 from fowtlib.solving import LinearModel, State, mean_state
 from fowtlib.solving.binding import tree_with
 from fowtlib.solving.excited import ExcitedModel, Signal, excited_model
@@ -173,6 +175,7 @@ def response(
         state = mean_state(plant, mean_parameters(plant, parameters))
     excited = excited_model(plant, state, names, root)
     processes = _processes(excited, root)
+    _refuse_without_spectrum(plant.dae, root, processes)
     if not processes:
         raise ModelError("no part of this model takes anything from random waves or wind; there is no response.")
     given = None if frequencies is None else np.asarray(frequencies, dtype=float)
@@ -233,6 +236,24 @@ def _processes(excited: ExcitedModel, root: Component) -> dict[str, Process]:
         path = places[0].compute.process(root.find(places[0].owner)).path
         found[path] = Process(partial(field_density, places, root), partial(_of_field, excited.driven, columns))
     return found
+
+
+def _refuse_without_spectrum(dae: FlatDAE, root: Component, processes: Processes) -> None:
+    """ModelError where a run has signals of time that no spectrum stands for: regular waves, a gust, a file."""
+    for _, item in dae.with_data:
+        if item.owner in processes or hasattr(item.compute, "density"):
+            continue
+        part = root.find(item.owner)
+        if hasattr(item.compute, "process") and item.compute.process(part).path in processes:
+            continue
+        series = item.compute(part)
+        if isinstance(series, Series) and not series.steady:
+            family = part.family
+            kind = f" of kind '{family.kind_of(type(part))}'" if family is not None else ""
+            raise ModelError(
+                f"{part.label}{kind}: its signals have no spectrum, and the response would be without them. Take what "
+                "is random, as in --wind kaimal:12 or turbulence:12, --waves jonswap:Hs=3,Tp=10, or none of it."
+            )
 
 
 def _of_signals(driven: int, signals: Sequence[Signal], root: Component, omega: np.ndarray) -> np.ndarray:

@@ -138,6 +138,25 @@ def test_extremes_are_those_of_rice(spar, side):
     assert (level > 0) == (side == "max")
 
 
+@pytest.mark.parametrize(
+    ("given", "who"),
+    [
+        ({"sea.spectrum": "regular", "sea.wave_height": 2.0, "sea.wave_period": 10.0}, "sea of kind 'regular'"),
+        ({"wind.kind": "step", "wind.step_speed": 20.0}, "wind of kind 'step'"),
+        ({"wind.kind": "eog", "wind.mean_speed": 18.0}, "wind of kind 'eog'"),
+    ],
+)
+def test_what_has_no_spectrum_is_not_left_out_without_a_word(spar, given, who):
+    with pytest.raises(ModelError, match=f"{who}: its signals have no spectrum"):
+        response(spar, outputs=["surge"], parameters={"wind.mean_speed": 18.0, **given})
+
+
+@pytest.mark.parametrize("kind", ["steady", "nwp"])
+def test_a_steady_wind_beside_random_waves_is_no_mistake(spar, kind):
+    found = response(spar, outputs=["surge"], parameters={"wind.kind": kind, "wind.mean_speed": 18.0})
+    assert set(found.shares) == {"sea"}
+
+
 def test_mistakes_are_named(spar):
     still = {"wind.kind": "none", "sea.spectrum": "still"}
     with pytest.raises(ModelError, match="takes anything from random waves or wind"):
