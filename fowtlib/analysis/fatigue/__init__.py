@@ -1,4 +1,4 @@
-"""Fatigue: cycles, damage-equivalent loads, S-N curves, damage of tubes, and what a spectrum says about them."""
+"""Fatigue: cycles, equivalent loads, S-N curves, damage of tubes and from spectra, and how reliable welds are."""
 
 from fowtlib.analysis.fatigue.curves import SNCurve, sn_curve, sn_curves
 from fowtlib.analysis.fatigue.cycles import Cycles, rainflow_cycles
@@ -10,19 +10,31 @@ from fowtlib.analysis.fatigue.lifetime import (
     weibull_weights,
 )
 from fowtlib.analysis.fatigue.loads import damage_equivalent_load, equivalent_loads
+from fowtlib.analysis.fatigue.reliability import (
+    FatigueReliability,
+    InspectedReliability,
+    Inspection,
+    equivalent_factor,
+    factor_for,
+)
 from fowtlib.analysis.fatigue.spectral import RangeDistribution, dirlik, narrow_band, tovo_benasciutti
 from fowtlib.analysis.fatigue.tube import TubeDamage, TubeSection, tube_damage
 
 __all__ = [
     "YEAR",
     "Cycles",
+    "FatigueReliability",
+    "InspectedReliability",
+    "Inspection",
     "RangeDistribution",
     "SNCurve",
     "TubeDamage",
     "TubeSection",
     "damage_equivalent_load",
     "dirlik",
+    "equivalent_factor",
     "equivalent_loads",
+    "factor_for",
     "lifetime_damage",
     "lifetime_equivalent_load",
     "narrow_band",
