@@ -79,7 +79,8 @@ def refuse_unstable(linear: Any) -> None:
     The linear model is to be that of the mean where rotors turn (fowtlib.solving.mean_linear_model): one at a single
     azimuth has a root of the azimuth, which says nothing about stability.
     """
-    roots = np.linalg.eigvals(np.asarray(linear.A, dtype=float)) if np.size(linear.A) else np.zeros(0)
+    A = linear.matrices["A"]
+    roots = np.linalg.eigvals(A) if A.size else np.zeros(0)
     growing = roots[(roots.real > 1e-6 * np.abs(roots)) & (roots.real > 1e-6)]
     if growing.size:
         worst = growing[np.argmax(growing.real)]

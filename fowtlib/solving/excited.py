@@ -21,7 +21,7 @@ from fowtlib.language.component import Component
 from fowtlib.language.run_time import RandomSignals
 from fowtlib.solving.linear import Further, LinearModel
 from fowtlib.solving.mean_linear import mean_linear_model
-from fowtlib.solving.random_fields import FieldPlaces, blows, field_places
+from fowtlib.solving.random_fields import FieldPlaces, field_places
 from fowtlib.solving.state import State
 from fowtlib.solving.turning import turns_of
 
@@ -74,15 +74,20 @@ class ExcitedModel:
         """Number of the signals and channels, one by one."""
         return len(self.linear.inputs) - sum(place.stop - place.start for _, place in self.laws)
 
+    def loop(self, gains: Sequence[np.ndarray]) -> np.ndarray:
+        """What the laws add, from their inputs without them."""
+        n, m = self.driven, self.results
+        D = self.linear.matrices["D"][m:, n:]
+        G = np.zeros((D.shape[1], D.shape[1]))
+        for (_, place), gain in zip(self.laws, gains, strict=True):
+            G[place, place] = gain
+        return np.linalg.solve(np.eye(len(G)) - G @ D, G) if D.any() else G
+
     def with_gains(self, gains: Sequence[np.ndarray]) -> LinearModel:
         """The linear model from what drives it to the results and the inputs u of the laws, which give gain @ u."""
         n, m = self.driven, self.results
-        linear = self.linear
+        linear, loop = self.linear, self.loop(gains)
         A, B, C, D = (linear.matrices[name] for name in "ABCD")
-        G = np.zeros((B.shape[1] - n, B.shape[1] - n))
-        for (_, place), gain in zip(self.laws, gains, strict=True):
-            G[place, place] = gain
-        loop = np.linalg.solve(np.eye(len(G)) - G @ D[m:, n:], G)  # from u without the laws to what they add
         A, B = A + B[:, n:] @ loop @ C[m:], B[:, :n] + B[:, n:] @ loop @ D[m:, :n]
         C, D = C + D[:, n:] @ loop @ C[m:], D[:, :n] + D[:, n:] @ loop @ D[m:, :n]
         operators = linear.operators
@@ -91,14 +96,15 @@ class ExcitedModel:
         return LinearModel(A, B, C, D, linear.states, linear.inputs[:n], linear.outputs, linear.units, operators)
 
 
-def excited_model(plant: Any, state: State, names: Sequence[str], root: Component) -> ExcitedModel:
-    """The linear model of a plant at a mean state, from all that follows from the random processes of a run.
+def excited_model(plant: Any, state: State, names: Sequence[str]) -> ExcitedModel:
+    """The linear model of a plant at a mean state, from all that follows from random processes in a run of this mean.
 
-    names: results and variables. root: component tree of the run, whose mean the state is.
+    names: results and variables. All runs of one mean have it in common: what there is of waves and of turbulence in
+    each of them is no part of it.
     """
     dae, at = plant.dae, plant.at(state.parameters)
     signals = _signals(dae)
-    places = [item for item in field_places(plant, at, state, turns_of(plant, at, state)) if blows([item], root)]
+    places = field_places(plant, at, state, turns_of(plant, at, state))
     symbols = {f"{item.path} [{k}]": element for item in signals for k, element in enumerate(item.elements(dae))}
     labels = list(symbols)
     fields, raw, start = [], len(symbols), len(symbols)
