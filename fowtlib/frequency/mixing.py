@@ -8,6 +8,7 @@ import numpy as np
 
 DEPTH = 5  # steps that are remembered
 LEAST = 0.2  # of a gain: what a step may leave of its trace at least, else the plain step is taken
+GROWN = 1.0  # of a step over the last one: from there what is remembered misleads
 
 
 class Mixing:
@@ -28,7 +29,8 @@ class Mixing:
         self._given = [*self._given, _flat(given)][-DEPTH:]
         self._found = [*self._found, _flat(found)][-DEPTH:]
         steps = [(f - g) / sizes for f, g in zip(self._found, self._given, strict=True)]
-        if len(steps) < 2:
+        if len(steps) < 2 or np.linalg.norm(steps[-1]) > GROWN * np.linalg.norm(steps[-2]):
+            self._given, self._found = self._given[-1:], self._found[-1:]
             return list(found)
         differences = np.column_stack([after - before for before, after in zip(steps[:-1], steps[1:], strict=True)])
         share = np.linalg.lstsq(differences, steps[-1], rcond=1e-10)[0]

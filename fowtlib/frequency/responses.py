@@ -37,6 +37,8 @@ from fowtlib.solving.random_fields import density as field_density
 
 ITERATIONS = 60
 GUESS = 1.0  # m/s; deviation of the velocities of drag before the first iteration
+ROUNDING = 1e-8  # change of the gains from which it need not get smaller
+SMALL = 0.1  # of the largest gain of drag
 REGRIDDED = 1e-2  # change of the gains below which the frequencies are chosen for good
 
 
@@ -55,7 +57,7 @@ def response(
     parameters   as for a run: what wind and what waves, for instance
     frequencies  [Hz], rising; None: chosen by the modes (frequency.grid)
     state        mean state; None: found
-    tolerance    of the gains of drag, relative, at which the fixed point ends
+    tolerance    of the gains of drag, relative, at which the fixed point ends; at 1e-8 or less where rounding ends it
     Raises SimulationError where there is no mean, where it is unstable, and where the drag does not settle.
     """
     plant = model.compile() if hasattr(model, "compile") else model
@@ -105,20 +107,27 @@ def _settled(excited: ExcitedModel, processes: Processes, frequency: np.ndarray 
                 if frequency is None else frequency)  # fmt: skip
     if not excited.laws:
         return linear, grid, 1
-    mixing = Mixing()
+    mixing, last = Mixing(), np.inf
     for iteration in range(1, ITERATIONS + 1):
         found = grid.gains(gains)
-        change = max((float(np.linalg.norm(new - old) / max(np.linalg.norm(new), 1e-12))
-                      for new, old in zip(found, gains, strict=True)), default=0.0)  # fmt: skip
-        if final and change < tolerance:
+        change = _change(gains, found)
+        if final and (change < tolerance or last <= change < ROUNDING):
             return excited.with_gains(found), grid, iteration
         if not final and change < REGRIDDED:
-            final, gains, mixing = True, found, Mixing()
+            final, gains = True, found
             grid = Grid(excited, processes, response_frequencies(excited.with_gains(found).modes()))
             continue
-        gains = mixing(gains, found)
-    last = f"the last change is {change:.2g}"
-    raise SimulationError(f"the linearised drag does not settle within {ITERATIONS} iterations; {last}.")
+        gains, last = mixing(gains, found), change
+    raise SimulationError(
+        f"the linearised drag does not settle within {ITERATIONS} iterations; the last change is {last:.2g}."
+    )
+
+
+def _change(gains: Sequence[np.ndarray], found: Sequence[np.ndarray]) -> float:
+    """The largest relative change of a gain; one below a tenth of the largest counts as that much."""
+    sizes = np.array([np.linalg.norm(new) for new in found])
+    steps = np.array([np.linalg.norm(new - old) for new, old in zip(found, gains, strict=True)])
+    return float(np.max(steps / np.maximum(sizes, max(SMALL * sizes.max(), 1e-12))))
 
 
 def _processes(excited: ExcitedModel, root: Component) -> dict[str, Process]:
