@@ -2,6 +2,7 @@
 
 from fowtlib.frequency.drag import best_gain
 from fowtlib.frequency.found import Response
+from fowtlib.frequency.many import Responses, responses
 from fowtlib.frequency.responses import response
 
-__all__ = ["Response", "best_gain", "response"]
+__all__ = ["Response", "Responses", "best_gain", "response", "responses"]

@@ -9,9 +9,13 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from fowtlib.analysis.fatigue.spectral import dirlik
-from fowtlib.analysis.spectra import Spectrum
+from fowtlib.analysis.fatigue.curves import SNCurve, in_si
+from fowtlib.analysis.fatigue.spectral import damage_of, equivalent_load_of
+from fowtlib.analysis.fatigue.tube import TubeDamage, TubeSection
+from fowtlib.analysis.series import Series
+from fowtlib.analysis.spectra import Spectrum, realisation
 from fowtlib.language.errors import ModelError, did_you_mean
+from fowtlib.language.units import from_si, si_unit, to_si
 from fowtlib.solving import LinearModel, State
 from fowtlib.solving.results.tables import write_table
 
@@ -25,7 +29,9 @@ class Response:
     """Means, spectra and deviations of results, in their units; one-sided, frequency in Hz.
 
     frequency (q,); mean (m,); density (m, q): spectra per Hz; shares: the same by process, such as "sea" and "wind";
-    transfer: by process, complex (q, m, channels), per unit of it, exp(+i omega t). iterations: of the linearised drag.
+    transfer: by process, complex (q, m, channels), per unit of it, exp(+i omega t); driving: by process the spectra per
+    Hz of its channels (q, channels, channels). iterations: of the linearised drag. Of a list of states (`responses`)
+    one has neither transfer functions, unless they were asked for, nor the linear model and the state.
     """
 
     frequency: np.ndarray
@@ -34,9 +40,10 @@ class Response:
     mean: np.ndarray
     shares: Mapping[str, np.ndarray]
     transfer: Mapping[str, np.ndarray]
-    linear: LinearModel = field(repr=False)
-    state: State = field(repr=False)
+    linear: LinearModel | None = field(repr=False)
+    state: State | None = field(repr=False)
     iterations: int = 0
+    driving: Mapping[str, np.ndarray] = field(default_factory=dict, repr=False)
 
     @property
     def density(self) -> np.ndarray:
@@ -87,9 +94,87 @@ class Response:
             raise ModelError(f"{name}: {hold}; take a longer time.")
         return mean + sign * spectrum.std * float(np.sqrt(size))
 
-    def equivalent_load(self, name: str, exponent: float = 4.0, frequency: float = 1.0) -> float:
-        """Damage-equivalent range of a result by Dirlik's law, of `frequency` [Hz] cycles."""
-        return dirlik(self.spectrum(name)).equivalent_load(exponent, frequency)
+    def mean_of(self, name: str) -> float:
+        """Mean of a result."""
+        return float(self.mean[self._number(name)])
+
+    def rate(self, name: str) -> Spectrum:
+        """Spectrum of the time derivative of a result, in its unit per second."""
+        spectrum = self.spectrum(name)
+        density = spectrum.density * (2 * np.pi * self.frequency) ** 2
+        return Spectrum(self.frequency, density, f"({spectrum.unit})/s", f"rate of {name}")
+
+    def duty_cycle(self, name: str, limit: float | str) -> float:
+        """Actuator duty cycle: mean of the absolute rate of a result over the rate that the actuator can do.
+
+        sqrt(2/pi) s / limit, with the deviation s of the Gaussian rate. limit: in the unit of the result per second, or
+        with its unit, as "10 deg/s". Source: J. M. Hegseth, E. E. Bachynski, J. R. R. A. Martins, J. Phys. Conf. Ser.
+        (2020), eq. 9 to 11.
+        """
+        unit = self.unit(name)
+        most = from_si(to_si(limit, f"{si_unit(unit)}/s", "limit"), f"{si_unit(unit)}/s", f"{unit}/s") \
+            if isinstance(limit, str) else float(limit)  # fmt: skip
+        if not most > 0:
+            raise ModelError(f"{name}: the rate of an actuator has a limit above 0, not {limit}.")
+        return float(np.sqrt(2 / np.pi) * self.rate(name).std / most)
+
+    def combined(self, factors: Mapping[str, float], unit: str = "1", name: str = "") -> Spectrum:
+        """Spectrum of a sum of results, each times a factor, as they go together: a stress from two moments."""
+        if not self.transfer:
+            raise ModelError("a sum of results takes their transfer functions, and this response was kept without "
+                             "them; in a list of states ask for them: responses(..., keep_transfer=True).")  # fmt: skip
+        rows, weights = [self._number(each) for each in factors], np.array(list(factors.values()), dtype=float)
+        density = np.zeros(self.frequency.size)
+        for process, H in self.transfer.items():
+            h = np.einsum("m,qmk->qk", weights, H[:, rows])
+            density += np.einsum("qk,qkl,ql->q", h, self.driving[process], h.conj()).real
+        return Spectrum(self.frequency, np.maximum(density, 0.0), unit, name or "sum")
+
+    def series(self, name: str, duration: float = 3600.0, step: float = 0.1, *, seed: int = 1) -> Series:
+        """One Gaussian series of a result about its mean: harmonics with random amplitudes and phases (inverse FFT)."""
+        return realisation(self.spectrum(name), duration, step, seed=seed, mean=self.mean_of(name))
+
+    def equivalent_load(self, name: str, exponent: float = 4.0, frequency: float = 1.0, *, method: str = "dirlik",
+                        **options: Any) -> float:  # fmt: skip
+        """Damage-equivalent range of a result, of `frequency` [Hz] cycles.
+
+        method: "dirlik", "tovo_benasciutti", "narrow_band", or "rainflow" of series by inverse FFT, with options of
+        fatigue.rainflow_of: seeds, duration [s], step [s].
+        """
+        return equivalent_load_of(self.spectrum(name), exponent, frequency, method, **options)
+
+    def damage(self, name: str, curve: SNCurve, section: TubeSection | None = None, *, duration: float = 3600.0,
+               method: str = "dirlik", **options: Any) -> float:  # fmt: skip
+        """Miner's sum of a result in a duration [s], by an S-N curve of one slope or two.
+
+        The result is a stress, or with the section of a tube its bending moment; for the thickness take the curve
+        sn_curve(..., thickness=section.wall_thickness). method and options: as for `equivalent_load`.
+        """
+        spectrum = self.spectrum(name)
+        if section is not None:
+            size = in_si(spectrum.unit, "N*m", name, "a tube takes bending moments")
+            spectrum = spectrum.scaled(size * section.bending, "Pa")
+        return damage_of(spectrum, curve, duration, method, **options)
+
+    def tube_damage(self, section: TubeSection, curve: SNCurve, moment_x: str, moment_y: str,
+                    axial_force: str | None = None, *, points: int = 24, duration: float = 3600.0,
+                    method: str = "dirlik", **options: Any) -> TubeDamage:  # fmt: skip
+        """Miner's sums at points around a tube, from the spectrum of the stress at each; see fatigue.tube_damage.
+
+        moment_x, moment_y, axial_force: names of results; the axes are those of fatigue.tube.
+        """
+        if int(points) != points or points < 1:
+            raise ModelError(f"damage is computed at 1, 2, 3 ... points around a tube, not at {points:g}.")
+        angles = 2 * np.pi * np.arange(int(points)) / points
+        x, y = (in_si(self.unit(each), "N*m", each, "a tube takes moments") for each in (moment_x, moment_y))
+        damage = []
+        for angle in angles:
+            factors = {moment_x: section.bending * np.sin(angle) * x, moment_y: -section.bending * np.cos(angle) * y}
+            if axial_force is not None:
+                force = in_si(self.unit(axial_force), "N", axial_force, "a tube takes an axial force")
+                factors[axial_force] = force / section.area
+            damage.append(damage_of(self.combined(factors, "Pa", "stress"), curve, duration, method, **options))
+        return TubeDamage(angles, np.array(damage), duration, moment_y)
 
     def plot(self, path: str | Path | None = None, outputs: Sequence[str] | None = None, **options: Any) -> Figure:
         """Spectra over frequency; options of fowtlib.view.plot_spectra."""

@@ -78,7 +78,9 @@ def response(
     mean = np.concatenate([np.ravel(value) for value in state.values(names)])
     labels = linear.outputs[: excited.results]
     units = tuple(linear.units.get(name, "1") for name in labels)
-    return Response(grid.frequency, tuple(labels), units, mean, shares, H, linear, state, iterations)
+    return Response(
+        grid.frequency, tuple(labels), units, mean, shares, H, linear, state, iterations, dict(grid.spectra)
+    )
 
 
 Processes = Mapping[str, "Process"]

@@ -74,6 +74,14 @@ class States:
             raise ParameterError("states: only states with the same columns can be put together.")
         return States(**{name: np.concatenate([getattr(self, name), getattr(other, name)]) for name in self._columns()})
 
+    def run_parameters(self) -> list[dict[str, float]]:
+        """Parameters of a run in each state, for models with a part ``wind`` and a part ``sea``."""
+        rows = [{"wind.mean_speed": u, "sea.significant_wave_height": h, "sea.peak_period": t} for u, h, t in self]
+        if self.turbulence_intensity is not None:
+            for row, intensity in zip(rows, self.turbulence_intensity.tolist(), strict=True):
+                row["wind.turbulence_intensity"] = intensity
+        return rows
+
     @property
     def left_out(self) -> float:
         """Probability of no state of these."""
