@@ -25,6 +25,8 @@ from fowtlib.frequency.drag import best_gain, best_gains
 from fowtlib.frequency.found import Response
 from fowtlib.frequency.grid import response_frequencies
 from fowtlib.frequency.mixing import Mixing
+from fowtlib.frequency.shifts import Shifts
+from fowtlib.frequency.shifts import shifted as with_shifts
 from fowtlib.frequency.studies import study_of
 from fowtlib.language.component import Component
 from fowtlib.language.errors import ModelError, SimulationError
@@ -50,6 +52,7 @@ def response(
     frequencies: Sequence[float] | np.ndarray | None = None,
     state: State | None = None,
     tolerance: float = 1e-4,
+    shifted: Shifts | None = None,
 ) -> Response:
     """The response of a model, or of a compiled one, to its waves and its wind (see the module).
 
@@ -58,6 +61,7 @@ def response(
     frequencies  [Hz], rising; None: chosen by the modes (frequency.grid)
     state        mean state; None: found
     tolerance    of the gains of drag, relative, at which the fixed point ends; at 1e-8 or less where rounding ends it
+    shifted      modes that an artificial stiffness gives another period, as {"1.85 s": "1.79 s"}; see frequency.shifts
     Raises SimulationError where there is no mean, where it is unstable, and where the drag does not settle.
     """
     plant = model.compile() if hasattr(model, "compile") else model
@@ -71,6 +75,8 @@ def response(
         if not processes:
             raise ModelError("no part of this model takes anything from random waves or wind; there is no response.")
         given = None if frequencies is None else np.asarray(frequencies, dtype=float)
+        if shifted:
+            excited = with_shifts(excited, _settled_gains(excited, processes, given, tolerance)[0], shifted)
         linear, grid, iterations = _settled(excited, processes, given, tolerance)
         refuse_unstable(linear)
         H = grid.answers(linear, excited.results)
@@ -97,7 +103,14 @@ class Process:
 
 def _settled(excited: ExcitedModel, processes: Processes, frequency: np.ndarray | None,
              tolerance: float) -> tuple[LinearModel, Grid, int]:  # fmt: skip
-    """The linear model with the drag of its own response, the frequencies, and the count of iterations.
+    """The linear model with the drag of its own response, the frequencies, and the count of iterations."""
+    gains, grid, iterations = _settled_gains(excited, processes, frequency, tolerance)
+    return excited.with_gains(gains), grid, iterations
+
+
+def _settled_gains(excited: ExcitedModel, processes: Processes, frequency: np.ndarray | None,
+                   tolerance: float) -> tuple[list[np.ndarray], Grid, int]:  # fmt: skip
+    """The gains of drag that suit the response with them, the frequencies, and the count of iterations.
 
     A coarse grid serves until the gains change little, then the final one of the modes that the model has with them.
     """
@@ -108,13 +121,13 @@ def _settled(excited: ExcitedModel, processes: Processes, frequency: np.ndarray 
     grid = Grid(excited, processes, response_frequencies(linear.modes(), coarse=not final)
                 if frequency is None else frequency)  # fmt: skip
     if not excited.laws:
-        return linear, grid, 1
+        return gains, grid, 1
     mixing, last = Mixing(), np.inf
     for iteration in range(1, ITERATIONS + 1):
         found = grid.gains(gains)
         change = _change(gains, found)
         if final and (change < tolerance or last <= change < ROUNDING):
-            return excited.with_gains(found), grid, iteration
+            return found, grid, iteration
         if not final and change < REGRIDDED:
             final, gains = True, found
             grid = Grid(excited, processes, response_frequencies(excited.with_gains(found).modes()))

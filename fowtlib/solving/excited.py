@@ -9,7 +9,7 @@ in.
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Any
 
 import casadi as ca
@@ -19,8 +19,10 @@ from scipy.linalg import block_diag
 from fowtlib.flattening import FlatDAE
 from fowtlib.language.component import Component
 from fowtlib.language.run_time import RandomSignals
+from fowtlib.solving.functions import AtParameters
 from fowtlib.solving.linear import Further, LinearModel
 from fowtlib.solving.mean_linear import mean_linear_model
+from fowtlib.solving.modes import rate_states
 from fowtlib.solving.random_fields import FieldPlaces, field_places
 from fowtlib.solving.state import State
 from fowtlib.solving.turning import turns_of
@@ -56,11 +58,24 @@ class Signal:
 
 
 @dataclass(frozen=True, eq=False)
+class Forces:
+    """What generalised forces on the motions do, one of them each: rates of states B, outputs D, inputs of operators.
+
+    speeds: numbers of the states whose rates they change, as many as there are forces.
+    """
+
+    speeds: tuple[int, ...]
+    B: np.ndarray
+    D: np.ndarray
+    D_operators: np.ndarray | None
+
+
+@dataclass(frozen=True, eq=False)
 class ExcitedModel:
     """Linear model whose inputs are signals, channels of fields, and then what is added to quadratic laws; see above.
 
     linear: its outputs are the results, and then the inputs of the laws. fields: columns of the inputs, and the places
-    of one field. laws: paths of the laws, and their columns among what is added.
+    of one field. laws: paths of the laws, and their columns among what is added. forces: see Forces.
     """
 
     linear: LinearModel
@@ -68,6 +83,7 @@ class ExcitedModel:
     fields: tuple[tuple[slice, tuple[FieldPlaces, ...]], ...]
     laws: tuple[tuple[str, slice], ...]
     results: int
+    forces: Forces
 
     @property
     def driven(self) -> int:
@@ -128,9 +144,42 @@ def excited_model(plant: Any, state: State, names: Sequence[str]) -> ExcitedMode
         blocks = [item.mixing(at, *point) for _, members in fields for item in members]
         return block_diag(np.eye(raw), *blocks, np.eye(first))
 
-    further = Further(symbols, outputs, tuple(labels), mixing if fields else None)
-    linear = mean_linear_model(plant, state, (), names, further)
-    return ExcitedModel(linear, tuple(signals), tuple(fields), tuple(laws), len(linear.outputs) - first)
+    speeds, rows = _motions(at)
+    further = Further(symbols, outputs, tuple(labels), mixing if fields else None, rows)
+    linear, forces = _without_forces(mean_linear_model(plant, state, (), names, further), speeds, len(rows))
+    return ExcitedModel(linear, tuple(signals), tuple(fields), tuple(laws), len(linear.outputs) - first, forces)
+
+
+def _motions(at: AtParameters) -> tuple[list[str], tuple[int, ...]]:
+    """Speeds by path, and the rows of [ode; alg] at which forces on the motions stand.
+
+    These are the equations of motion, where accelerations are unknowns, else the rates of the speeds themselves.
+    """
+    dae, jacobian = at.dae, at.functions.jacobian
+    speeds = sorted(set(rate_states(dae).values()))
+    pairs = [(row, column) for row, column in zip(*jacobian.sparsity_out(1).get_triplet(), strict=True)
+             if row in set(speeds)]  # fmt: skip
+    accelerations = {column for _, column in pairs}
+    inside = zip(*jacobian.sparsity_out(3).get_triplet(), strict=True)
+    motion = sorted({row for row, column in inside if column in accelerations})
+    explicit = [row for row in speeds if row not in {row for row, _ in pairs}]
+    if len(motion) != len(speeds) - len(explicit):  # they cannot be told from other equations
+        return [], ()
+    nx = dae.x.numel()
+    return [dae.states[k].path for k in speeds], (*explicit, *(nx + row for row in motion))
+
+
+def _without_forces(linear: LinearModel, speeds: Sequence[str], count: int) -> tuple[LinearModel, Forces]:
+    """The model without its last inputs, and these."""
+    A, B, C, D = (linear.matrices[name] for name in "ABCD")
+    n, operators, own = B.shape[1] - count, linear.operators, None
+    if operators is not None:
+        own = operators.D_input[:, n:]
+        operators = replace(operators, D_input=operators.D_input[:, :n])
+    places = tuple(linear.states.index(path) for path in speeds if path in linear.states)
+    rest = LinearModel(A, B[:, :n], C, D[:, :n], linear.states, linear.inputs[:n], linear.outputs, linear.units,
+                       operators)  # fmt: skip
+    return rest, Forces(places, B[:, n:], D[:, n:], own)
 
 
 def _signals(dae: FlatDAE) -> list[Signal]:

@@ -36,18 +36,20 @@ class Further:
     """What a linear model has beside parameters and results, by what it is called.
 
     symbols: scalars of the flat model, also outputs of externals; they are inputs, or where there is a `mixing` they
-    follow from `inputs`, as it says. outputs: expressions.
+    follow from `inputs`, as it says. outputs: expressions. added: rows of [ode; alg] to which further inputs are added,
+    the last ones: forces, where a row is an equation of motion.
     """
 
     symbols: Mapping[str, ca.SX] = field(default_factory=dict)
     outputs: Mapping[str, ca.SX] = field(default_factory=dict)
     inputs: tuple[str, ...] | None = None
     mixing: Mixing | None = None
+    added: tuple[int, ...] = ()
 
     @property
     def labels(self) -> tuple[str, ...]:
         """What the inputs are called."""
-        return tuple(self.symbols) if self.inputs is None else self.inputs
+        return (tuple(self.symbols) if self.inputs is None else self.inputs) + tuple(f"added {k}" for k in self.added)
 
 
 NOTHING = Further()
@@ -384,6 +386,11 @@ class Slopes:
         if self.further.mixing is not None:
             own, mixed, rest = np.split(by_u, [symbols - len(self.further.symbols), symbols], axis=1)
             by_u = np.hstack([own, mixed @ self.further.mixing(t, x, z, q), rest])
+        if self.further.added:
+            columns = np.zeros((len(by_u), len(self.further.added)))
+            columns[list(self.further.added), np.arange(columns.shape[1])] = 1.0
+            place = by_u.shape[1] - self.operator_columns
+            by_u = np.hstack([by_u[:, :place], columns, by_u[:, place:]])
         return by_x, by_z, by_u
 
     def model(self, A: np.ndarray, B: np.ndarray, C: np.ndarray, D: np.ndarray, states: Sequence[str]) -> LinearModel:
