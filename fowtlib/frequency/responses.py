@@ -19,8 +19,9 @@ from typing import Any
 
 import numpy as np
 
-from fowtlib.analysis.plants import chosen_outputs, refuse_unstable
+from fowtlib.analysis.plants import checked_frequencies, chosen_outputs, refuse_unstable
 from fowtlib.flattening import FlatDAE
+from fowtlib.frequency.coverage import warn_of_ends
 from fowtlib.frequency.drag import best_gain, best_gains
 from fowtlib.frequency.found import Response
 from fowtlib.frequency.grid import response_frequencies
@@ -74,7 +75,7 @@ def response(
         _refuse_without_spectrum(plant.dae, root, processes)
         if not processes:
             raise ModelError("no part of this model takes anything from random waves or wind; there is no response.")
-        given = None if frequencies is None else np.asarray(frequencies, dtype=float)
+        given = None if frequencies is None else _checked(frequencies)
         if shifted:
             excited = with_shifts(excited, _settled_gains(excited, processes, given, tolerance)[0], shifted)
         linear, grid, iterations = _settled(excited, processes, given, tolerance)
@@ -84,9 +85,18 @@ def response(
     mean = np.concatenate([np.ravel(value) for value in state.values(names)])
     labels = linear.outputs[: excited.results]
     units = tuple(linear.units.get(name, "1") for name in labels)
-    return Response(
-        grid.frequency, tuple(labels), units, mean, shares, H, linear, state, iterations, dict(grid.spectra)
-    )
+    driving = dict(grid.spectra)
+    found = Response(grid.frequency, tuple(labels), units, mean, shares, H, linear, state, iterations, driving)
+    warn_of_ends(found, frequencies is not None)
+    return found
+
+
+def _checked(frequencies: Sequence[float] | np.ndarray) -> np.ndarray:
+    """Frequencies [Hz] of a user: positive, rising, two or more."""
+    frequency = checked_frequencies(frequencies)
+    if frequency.size < 2 or not np.all(np.diff(frequency) > 0):
+        raise ModelError("the frequencies of a response are two or more rising numbers above 0 Hz.")
+    return frequency
 
 
 Processes = Mapping[str, "Process"]

@@ -28,6 +28,8 @@ class Oscillator(Component):
 
     damping: Scalar = param(default=LINEAR, unit="N*s/m", doc="linear damping")
     drag: Scalar = param(default=0.0, unit="kg/m", doc="of the square of the speed")
+    stiffness: Scalar = param(default=STIFFNESS, unit="N/m", doc="of the spring")
+    push: Scalar = param(default=0.0, unit="N", doc="a force that does not change")
     level: Number = param(default=2.0, bound=True, doc="one-sided spectrum of the force [N^2 s/rad]")
     highest: Number = param(default=60.0, bound=True, doc="circular frequency up to which the force has energy")
 
@@ -37,7 +39,10 @@ class Oscillator(Component):
     def equations(self):
         force = run_time_series(self.time, 1, "push", Push(), of=self)
         resistance = self.damping * self.v + self.drag * quadratic(self.v, 1e-6)
-        return [eq(der(self.x), self.v), eq(MASS * der(self.v), force - resistance - STIFFNESS * self.x)]
+        return [
+            eq(der(self.x), self.v),
+            eq(MASS * der(self.v), force + self.push - resistance - self.stiffness * self.x),
+        ]
 
     def spectral_density(self, omega):
         return np.where(np.asarray(omega) < self.highest, self.level, 0.0)
