@@ -45,7 +45,7 @@ if TYPE_CHECKING:
     from fowtlib.case_files import read_cases
     from fowtlib.cases import Batch, Case, check_cases, run_batch
     from fowtlib.fmi import export_fmu
-    from fowtlib.frequency import Response, response
+    from fowtlib.frequency import Response, Responses, response, responses
     from fowtlib.modelfile import dump, load
     from fowtlib.solving import (
         Conditions,
@@ -70,7 +70,7 @@ _PACKAGES = ("analysis", "components")
 _LATER = {
     "export_fmu": "fowtlib.fmi",
     "view": "fowtlib.view",
-    **dict.fromkeys(("Response", "response"), "fowtlib.frequency"),
+    **dict.fromkeys(("Response", "Responses", "response", "responses"), "fowtlib.frequency"),
     "read_cases": "fowtlib.case_files",
     **dict.fromkeys(("Batch", "Case", "check_cases", "run_batch"), "fowtlib.cases"),
     **dict.fromkeys(("dump", "load"), "fowtlib.modelfile"),
@@ -120,6 +120,7 @@ __all__ = [
     "Output",
     "Plant",
     "Response",
+    "Responses",
     "Result",
     "State",
     "analyse_decay",
@@ -151,6 +152,7 @@ __all__ = [
     "power_spectrum",
     "read_cases",
     "response",
+    "responses",
     "run_batch",
     "simulated_rao",
     "static_curve",

@@ -79,11 +79,16 @@ def refuse_unstable(linear: Any) -> None:
     The linear model is to be that of the mean where rotors turn (fowtlib.solving.mean_linear_model): one at a single
     azimuth has a root of the azimuth, which says nothing about stability.
     """
-    roots = np.linalg.eigvals(np.asarray(linear.A, dtype=float)) if np.size(linear.A) else np.zeros(0)
+    A = linear.matrices["A"]
+    roots = np.linalg.eigvals(A) if A.size else np.zeros(0)
     growing = roots[(roots.real > 1e-6 * np.abs(roots)) & (roots.real > 1e-6)]
     if growing.size:
         worst = growing[np.argmax(growing.real)]
+        most = next(mode.label for mode in linear.modes() if abs(mode.eigenvalue - complex(worst.real, abs(worst.imag)))
+                    <= 1e-6 * abs(worst))  # fmt: skip
+        what = f"a mode of {abs(worst.imag) / (2 * np.pi):.4g} Hz" if worst.imag else "a motion that does not oscillate"
         raise UnstableError(
-            f"the state is unstable: a mode of {abs(worst.imag) / (2 * np.pi):.4g} Hz grows by a factor e in "
-            f"{1 / worst.real:.4g} s, so there is no steady response to waves."
+            f"the state is unstable: {what}, in which {most} takes part most, grows by a factor e in "
+            f"{1 / worst.real:.4g} s (pole {worst.real:+.4g} {abs(worst.imag):+.4g}i 1/s), so there is no steady "
+            "response."
         )

@@ -60,9 +60,15 @@ class Spectrum:
     def _widths(self) -> np.ndarray:
         """What each density stands for [Hz]: the spacing of a record's, else up to the middles between them."""
         steps = np.diff(self.frequency)
-        if np.allclose(steps, steps[0], rtol=1e-6, atol=0.0):
+        if self.equally_spaced:
             return np.full(self.frequency.size, steps[0])
         return (np.append(steps, 0.0) + np.append(0.0, steps)) / 2
+
+    @property
+    def equally_spaced(self) -> bool:
+        """Whether the frequencies are, as those of a record."""
+        steps = np.diff(self.frequency)
+        return bool(np.allclose(steps, steps[0], rtol=1e-6, atol=0.0))
 
     def scaled(self, factor: float, unit: str) -> Spectrum:
         """The spectrum of ``factor`` times the signal, in ``unit``: of the stress in a tube from that of its moment."""
@@ -173,7 +179,9 @@ def power_spectrum(
 def realisation(spectrum: Spectrum, duration: float, step: float, *, seed: int, mean: float = 0.0) -> Series:
     """One Gaussian series of a spectrum: a sum of its harmonics with random amplitudes and phases.
 
-    The series is periodic in ``duration`` [s]; its variance is that of the spectrum on average over seeds.
+    The series is periodic in ``duration`` [s]; its variance is that of the spectrum on average over seeds. Where the
+    frequencies of the spectrum are not equally spaced, as those of a response, each harmonic has what lies about it,
+    and the first one what lies below it, too.
     Source: Shinozuka and Jan (1972), by inverse Fourier transform.
     """
     if not (np.isfinite(duration) and step > 0):
@@ -182,9 +190,9 @@ def realisation(spectrum: Spectrum, duration: float, step: float, *, seed: int, 
     if count < 8:
         raise ModelError(f"a series of {duration:g} s in steps of {step:g} s is too short; it takes 8 steps or more.")
     spacing = 1.0 / (count * step)
-    given = spectrum.frequency[1] - spectrum.frequency[0]
+    equal, given = spectrum.equally_spaced, spectrum.frequency[1] - spectrum.frequency[0]
     name = spectrum.name or "the spectrum"
-    if spacing > 1.001 * given:
+    if equal and spacing > 1.001 * given:
         raise ModelError(
             f"{name} has a density every {given:g} Hz; a series of {duration:g} s would take one every {spacing:g} Hz "
             f"and miss what lies between. Take {1 / given:g} s or more."
@@ -196,7 +204,10 @@ def realisation(spectrum: Spectrum, duration: float, step: float, *, seed: int, 
             "cannot follow; take shorter ones."
         )
     frequency = np.fft.rfftfreq(count, step)
-    density = np.interp(frequency, spectrum.frequency, spectrum.density, left=0.0, right=0.0)
+    if equal:
+        density = np.interp(frequency, spectrum.frequency, spectrum.density, left=0.0, right=0.0)
+    else:
+        density = _about(frequency, spectrum)
     density[0] = 0.0
     if count % 2 == 0:
         density[-1] = 0.0  # half the sampling rate has no phase
@@ -204,6 +215,15 @@ def realisation(spectrum: Spectrum, duration: float, step: float, *, seed: int, 
     harmonics = 0.5 * count * np.sqrt(density * spacing) * (parts[0] - 1j * parts[1])
     values = mean + np.fft.irfft(harmonics, count)
     return Series(step * np.arange(count), values, spectrum.unit, f"{name}, seed {seed}", spectrum.long_name)
+
+
+def _about(frequency: np.ndarray, spectrum: Spectrum) -> np.ndarray:
+    """Mean density about each of equally spaced frequencies from 0: narrow peaks between them keep their variance."""
+    f, S = spectrum.frequency, spectrum.density
+    below = np.concatenate([[0.0], np.cumsum(np.diff(f) * (S[1:] + S[:-1]) / 2)])
+    spacing = frequency[1]
+    edges = np.concatenate([[0.0, 0.0], frequency[1:] + spacing / 2])
+    return np.diff(np.interp(edges, f, below)) / spacing
 
 
 def average(spectra: Sequence[Spectrum]) -> Spectrum:

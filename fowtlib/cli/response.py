@@ -8,8 +8,11 @@ from typing import Any
 
 from fowtlib.cli import loading, tables
 from fowtlib.cli.files import FIGURES, check_target, say_saved
-from fowtlib.cli.run import finite
+from fowtlib.cli.progress import part_bar
+from fowtlib.cli.run import finite, positive
+from fowtlib.cli.site import positives
 from fowtlib.cli.weather import weather
+from fowtlib.language.errors import ModelError, ParameterError, did_you_mean
 
 LEAST = 1e-9  # deviation over the size of the mean, below which a person is not shown a result
 
@@ -21,6 +24,16 @@ Left out: loads of second order, limits of controllers, changes of their region.
 examples:
   fowt response oc3_spar_rigid --wind kaimal:18,class=B --waves jonswap:Hs=4,Tp=10
   fowt response oc3_spar_rigid --outputs surge,pitch,thrust --plot spectra.png
+  fowt response oc3_spar_rigid --site northern_north_sea --speeds 4:25:1
+  fowt response oc3_spar_rigid --states states.csv --each deviations.csv
+
+Many states: a CSV file with the columns wind_speed, Hs, Tp and probability, and
+perhaps paths of other parameters; or a site, with the most probable sea of each
+of --speeds (--bins: all bins of 1 m and 1 s with a probability above 1e-4).
+Mean and std are then those of the states, weighted by their probabilities; the
+largest and the smallest value are those of the worst state, whose number stands
+behind; the range is that of the whole life. The kind of wind and its class are
+those of --wind or of the model.
 """
 
 
@@ -34,6 +47,14 @@ def declare(commands: Any) -> None:
     parser.add_argument("--exponent", type=finite, default=4.0, metavar="M", help="of the S-N curve; default: 4")
     parser.add_argument("--plot", type=Path, metavar="FILE", help="draw the spectra: .png, .svg or .pdf")
     parser.add_argument("--spectra", type=Path, metavar="FILE", help="save the spectra: .csv or .nc")
+    many = parser.add_argument_group("many states")
+    source = many.add_mutually_exclusive_group()
+    source.add_argument("--states", type=Path, metavar="FILE", help="states with their probabilities: .csv")
+    source.add_argument("--site", metavar="SITE", help="a site, see `fowt contour`; or the file of one")
+    many.add_argument("--speeds", type=positives, metavar="V", help="first:last:step or a list [m/s]; default: 4:24:2")
+    many.add_argument("--height", type=positive, metavar="M", help="of the wind at the site [m]; default: the site's")
+    many.add_argument("--bins", action="store_true", help="all bins of wave height and period at the site")
+    many.add_argument("--each", type=Path, metavar="FILE", help="save the numbers of each state: .csv or .nc")
     tables.declare(parser)
     parser.set_defaults(action=show_response)
 
@@ -42,6 +63,11 @@ def show_response(arguments: argparse.Namespace) -> int:
     """Print the statistics of every result, and draw and save the spectra."""
     from fowtlib.frequency import response
 
+    if arguments.states or arguments.site:
+        return show_states(arguments)
+    for option in ("speeds", "height", "bins", "each"):
+        if getattr(arguments, option):
+            raise ModelError(f"--{option} belongs to many states: give --states or --site too.")
     check_target(arguments.plot, FIGURES, arguments.force)
     check_target(arguments.spectra, (".csv", ".nc"), arguments.force)
     tables.check(arguments)
@@ -67,3 +93,65 @@ def show_response(arguments: argparse.Namespace) -> int:
     if arguments.spectra:
         say_saved(found.save(arguments.spectra))
     return 0
+
+
+def show_states(arguments: argparse.Namespace) -> int:
+    """Print the statistics of every result over many states, and save those of each state."""
+    from fowtlib.frequency import responses
+
+    for option in ("plot", "spectra"):
+        if getattr(arguments, option):
+            raise ModelError(f"--{option} is for one state; of many states --each saves the numbers.")
+    if arguments.states and (arguments.speeds or arguments.height or arguments.bins):
+        raise ModelError("--speeds, --height and --bins choose states of a --site; --states names them all.")
+    check_target(arguments.each, (".csv", ".nc"), arguments.force)
+    tables.check(arguments)
+    states, told = _of_file(arguments.states) if arguments.states else _of_site(arguments)
+    model = loading.load(arguments)
+    names = arguments.outputs.split(",") if arguments.outputs else None
+    with part_bar("states") as report:
+        found = responses(model, states, outputs=names, progress=report)
+    every = 1.0 if found.failures or not found.complete else 0.0  # what is missing was told by a warning
+    columns = ["result", "mean", "std", "largest", "in state", "smallest", "in state ", "range"]
+    rows = []
+    for name in found.outputs:
+        std = found.weighted_std(name, every)
+        mean = found.weighted(lambda one, name=name: one.mean_of(name), every)
+        if not arguments.form and not std > LEAST * max(abs(mean), 1e-6):
+            continue
+        (top, high), (bottom, low) = (found.extreme(name, 3600 * arguments.hours, side=side) for side in ("max", "min"))
+        load = found.equivalent_load(name, arguments.exponent, missing=every)
+        rows.append([f"{name} [{found.unit(name)}]", mean, std, top, high + 1, bottom, low + 1, load])
+    tables.say(arguments, f"{weather(model, arguments)}; in {told}")
+    tables.show(arguments, columns, rows)
+    if arguments.each:
+        say_saved(found.save(arguments.each))
+    return 1 if every else 0
+
+
+def _of_site(arguments: argparse.Namespace) -> tuple[Any, str]:
+    """States of a site, and what is said of them."""
+    from fowtlib.metocean import centre_bins, likely_states, site
+
+    joint = site(arguments.site)
+    joint = joint.at(arguments.height) if arguments.height else joint
+    speeds = arguments.speeds or [4.0 + 2.0 * k for k in range(11)]
+    if not arguments.bins:
+        return likely_states(joint, speeds), f"{len(speeds)} states of {joint.title or joint.name}"
+    states = centre_bins(joint, speeds, [0.5 + k for k in range(20)], [0.5 + k for k in range(30)])
+    return states, f"{len(states)} states of {joint.title or joint.name}"
+
+
+def _of_file(path: Path) -> tuple[dict[str, Any], str]:
+    """States of a file, by the paths of parameters, and what is said of them."""
+    from fowtlib.metocean.csv_columns import read_columns
+    from fowtlib.metocean.states import PARAMETERS
+
+    columns = read_columns(path, "the list of states", None)
+    for name in columns.numbers:
+        if name not in PARAMETERS and name != "probability" and "." not in name:
+            known = [*PARAMETERS, "probability"]
+            raise ParameterError(f"the list of states has no column '{name}'{did_you_mean(name, known)} Another "
+                                 "parameter is named by its path.", where=str(path))  # fmt: skip
+    found = {PARAMETERS.get(name, name): values.tolist() for name, values in columns.numbers.items()}
+    return found, f"{len(columns.lines)} states of {path}"

@@ -1,6 +1,8 @@
 """Response of a model to wind and waves in the frequency domain: spectra, deviations, extremes and fatigue, no runs."""
 
 from fowtlib.frequency.drag import best_gain
-from fowtlib.frequency.responses import Response, response
+from fowtlib.frequency.found import Response
+from fowtlib.frequency.many import Responses, responses
+from fowtlib.frequency.responses import response
 
-__all__ = ["Response", "best_gain", "response"]
+__all__ = ["Response", "Responses", "best_gain", "response", "responses"]

@@ -2,10 +2,13 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
+
 import numpy as np
 
 _ANGLES, _WEIGHTS = np.polynomial.legendre.leggauss(96)
 _ANGLES, _WEIGHTS = (1 + _ANGLES) * np.pi / 4, _WEIGHTS * np.pi / 4
+_SQUARED, _DENSITY = np.tan(_ANGLES) ** 2, _WEIGHTS / np.sin(_ANGLES) ** 2 / np.sqrt(np.pi)
 
 
 def best_gain(covariance: np.ndarray) -> np.ndarray:
@@ -18,14 +21,26 @@ def best_gain(covariance: np.ndarray) -> np.ndarray:
 
     here with t = tan^2(angle) over the largest variance. One direction: sqrt(8/pi) s. Two equal ones: 3/2 sqrt(pi/2) s.
     """
-    covariance = np.asarray(covariance, dtype=float)
-    variances, axes = np.linalg.eigh((covariance + covariance.T) / 2)
-    largest = variances[-1]
-    if not largest > 0:
-        return np.zeros_like(covariance)
-    shares = np.maximum(variances, 0.0) / largest
-    t = np.tan(_ANGLES) ** 2
-    fallen = 1 + 2 * t[:, None] * shares
-    inside = 1 - 1 / (fallen * np.sqrt(fallen.prod(axis=1))[:, None])
-    gains = (_WEIGHTS / np.sin(_ANGLES) ** 2) @ inside / np.sqrt(np.pi)
-    return (axes * (gains * np.sqrt(largest))) @ axes.T
+    return _gains(np.asarray(covariance, dtype=float)[None])[0]
+
+
+def best_gains(velocities: Sequence[np.ndarray]) -> list[np.ndarray]:
+    """The gains of many laws, from values (n, k) of each whose sums of products are its covariance."""
+    gains: list[np.ndarray] = [np.zeros((0, 0))] * len(velocities)
+    for size in {len(u) for u in velocities}:
+        of_size = [number for number, u in enumerate(velocities) if len(u) == size]
+        u = np.stack([velocities[number] for number in of_size])
+        for number, gain in zip(of_size, _gains(u @ u.transpose(0, 2, 1)), strict=True):
+            gains[number] = gain
+    return gains
+
+
+def _gains(covariance: np.ndarray) -> np.ndarray:
+    """The gains (k, n, n) of covariances (k, n, n)."""
+    variances, axes = np.linalg.eigh((covariance + covariance.transpose(0, 2, 1)) / 2)
+    largest = np.maximum(variances[:, -1], 0.0)
+    shares = np.maximum(variances, 0.0) / np.where(largest > 0, largest, 1.0)[:, None]
+    fallen = 1 + 2 * _SQUARED[:, None, None] * shares
+    inside = 1 - 1 / (fallen * np.sqrt(fallen.prod(axis=2))[:, :, None])
+    gains = np.tensordot(_DENSITY, inside, axes=1) * np.sqrt(largest)[:, None]
+    return (axes * gains[:, None, :]) @ axes.transpose(0, 2, 1)

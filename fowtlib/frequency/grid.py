@@ -12,15 +12,19 @@ LOWEST, HIGHEST = 0.5 / 3600, 2.0  # Hz; what is slower than an hour is the mean
 BROAD = 200  # equally spaced in the logarithm, over all frequencies
 WAVES = (0.03, 0.35, 160)  # Hz, and so many equally spaced
 PEAK = 33  # about a resonance
+COARSE = 3  # so many times fewer where a percent is enough
 
 
-def response_frequencies(modes: Iterable[Mode], low: float = LOWEST, high: float = HIGHEST) -> np.ndarray:
+def response_frequencies(modes: Iterable[Mode], low: float = LOWEST, high: float = HIGHEST,
+                         coarse: bool = False) -> np.ndarray:  # fmt: skip
     """Frequencies [Hz] for the integrals of a response: all over, of waves, and about each mode.
 
-    About a mode those at which the phase of its resonance has moved on by equal steps.
+    About a mode those at which the phase of its resonance has moved on by equal steps. coarse: fewer of them, for
+    integrals to a percent.
     """
-    points = [np.geomspace(low, high, BROAD), np.linspace(*WAVES)]
-    angles = np.linspace(-1.5, 1.5, PEAK)
+    fewer = COARSE if coarse else 1
+    points = [np.geomspace(low, high, BROAD // fewer), np.linspace(*WAVES[:2], WAVES[2] // fewer)]
+    angles = np.linspace(-1.5, 1.5, PEAK // fewer)
     for mode in modes:
         width = max(mode.damping_ratio, 1e-5) * mode.frequency_hz
         if low < mode.frequency_hz < high and mode.damping_ratio < 0.5:

@@ -13,141 +13,36 @@ the turbulence, dead bands and limits.
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass, field
-from functools import partial
-from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from dataclasses import dataclass
+from functools import cached_property, partial
+from typing import Any
 
 import numpy as np
 
-from fowtlib.analysis.fatigue.spectral import dirlik
-from fowtlib.analysis.plants import chosen_outputs, refuse_unstable
-from fowtlib.analysis.spectra import Spectrum
+from fowtlib.analysis.plants import checked_frequencies, chosen_outputs, refuse_unstable
 from fowtlib.flattening import FlatDAE
-from fowtlib.frequency.drag import best_gain
+from fowtlib.frequency.coverage import warn_of_ends
+from fowtlib.frequency.drag import best_gain, best_gains
+from fowtlib.frequency.found import Response
 from fowtlib.frequency.grid import response_frequencies
+from fowtlib.frequency.mixing import Mixing
+from fowtlib.frequency.shifts import Shifts
+from fowtlib.frequency.shifts import shifted as with_shifts
+from fowtlib.frequency.studies import study_of
 from fowtlib.language.component import Component
-from fowtlib.language.errors import ModelError, SimulationError, did_you_mean
+from fowtlib.language.errors import ModelError, SimulationError
 from fowtlib.language.series import Series
-from fowtlib.solving import LinearModel, State, mean_state
-from fowtlib.solving.binding import tree_with
-from fowtlib.solving.excited import ExcitedModel, Signal, excited_model
+from fowtlib.solving import LinearModel, State
+from fowtlib.solving.excited import ExcitedModel, Signal
+from fowtlib.solving.linear import Resolvent, times
+from fowtlib.solving.random_fields import blows
 from fowtlib.solving.random_fields import density as field_density
-from fowtlib.solving.results.tables import write_table
-from fowtlib.solving.starts import mean_parameters
-
-if TYPE_CHECKING:
-    import xarray
-    from matplotlib.figure import Figure
 
 ITERATIONS = 60
 GUESS = 1.0  # m/s; deviation of the velocities of drag before the first iteration
+ROUNDING = 1e-8  # change of the gains from which it need not get smaller
+SMALL = 0.1  # of the largest gain of drag
 REGRIDDED = 1e-2  # change of the gains below which the frequencies are chosen for good
-
-
-@dataclass(frozen=True, eq=False)
-class Response:
-    """Means, spectra and deviations of results, in their units; one-sided, frequency in Hz.
-
-    frequency (q,); mean (m,); density (m, q): spectra per Hz; shares: the same by process, such as "sea" and "wind";
-    transfer: by process, complex (q, m, channels), per unit of it, exp(+i omega t). iterations: of the linearised drag.
-    """
-
-    frequency: np.ndarray
-    outputs: tuple[str, ...]
-    units: tuple[str, ...]
-    mean: np.ndarray
-    shares: Mapping[str, np.ndarray]
-    transfer: Mapping[str, np.ndarray]
-    linear: LinearModel = field(repr=False)
-    state: State = field(repr=False)
-    iterations: int = 0
-
-    @property
-    def density(self) -> np.ndarray:
-        """Spectra (m, q) [unit^2/Hz] of the results, of all processes together."""
-        return np.sum(list(self.shares.values()), axis=0)
-
-    def _number(self, name: str) -> int:
-        if name not in self.outputs:
-            raise ModelError(f"the response has no output '{name}'{did_you_mean(name, self.outputs)}")
-        return self.outputs.index(name)
-
-    def unit(self, name: str) -> str:
-        """Unit of a result."""
-        return self.units[self._number(name)]
-
-    def __getitem__(self, name: str) -> Spectrum:
-        return self.spectrum(name)
-
-    def spectrum(self, name: str, process: str | None = None) -> Spectrum:
-        """Spectrum of a result; of one process, such as "sea", or of all."""
-        k = self._number(name)
-        if process is not None and process not in self.shares:
-            raise ModelError(f"the response has no process '{process}'{did_you_mean(process, list(self.shares))}")
-        density = self.density if process is None else self.shares[process]
-        return Spectrum(self.frequency, density[k], self.units[k], name)
-
-    def std(self, name: str, process: str | None = None) -> float:
-        """Standard deviation of a result."""
-        return self.spectrum(name, process).std
-
-    def extreme(self, name: str, duration: float = 3600.0, quantile: float = 0.5, side: str = "max") -> float:
-        """Quantile of the largest ("max") or smallest ("min") value in a duration [s], of a Gaussian result.
-
-        P(largest < y) = exp(-nu T exp(-(y - mean)^2 / (2 std^2))), nu the rate of up-crossings of the mean (Rice 1944).
-        """
-        sign = {"max": 1.0, "min": -1.0}.get(side)
-        if sign is None:
-            raise ModelError(f"side: '{side}' is not 'max' or 'min'.")
-        if not (0 < quantile < 1 and duration > 0):
-            raise ModelError(f"a quantile between 0 and 1 and a duration above 0 s; not {quantile:g} and {duration:g}.")
-        spectrum, mean = self.spectrum(name), float(self.mean[self._number(name)])
-        if not spectrum.std > 0:
-            return mean
-        crossings = spectrum.up_crossing_rate * duration
-        size = 2 * np.log(crossings / -np.log(quantile))
-        if not size > 0:
-            hold = f"{duration:g} s hold {crossings:.2g} up-crossings of the mean"
-            raise ModelError(f"{name}: {hold}; take a longer time.")
-        return mean + sign * spectrum.std * float(np.sqrt(size))
-
-    def equivalent_load(self, name: str, exponent: float = 4.0, frequency: float = 1.0) -> float:
-        """Damage-equivalent range of a result by Dirlik's law, of `frequency` [Hz] cycles."""
-        return dirlik(self.spectrum(name)).equivalent_load(exponent, frequency)
-
-    def plot(self, path: str | Path | None = None, outputs: Sequence[str] | None = None, **options: Any) -> Figure:
-        """Spectra over frequency; options of fowtlib.view.plot_spectra."""
-        from fowtlib.solving.results.plots import plot_spectra
-
-        return plot_spectra([self.spectrum(name) for name in outputs or self.outputs], path, **options)
-
-    @property
-    def dataset(self) -> xarray.Dataset:
-        """Spectra over the coordinate ``frequency``, with mean and deviation as attributes."""
-        import xarray
-
-        frequency = xarray.Variable("frequency", self.frequency, {"units": "Hz", "long_name": "frequency"})
-        columns = {}
-        for k, (name, unit) in enumerate(zip(self.outputs, self.units, strict=True)):
-            attrs = {"units": f"({unit})^2/Hz", "mean": float(self.mean[k]), "std": self.std(name)}
-            columns[name] = ("frequency", self.density[k], attrs)
-        return xarray.Dataset(columns, {"frequency": frequency})
-
-    def save(self, path: str | Path) -> Path:
-        """Write the spectra as CSV, one row per frequency, or all as netCDF (.nc)."""
-        path = Path(path)
-        if path.suffix == ".nc":
-            self.dataset.to_netcdf(path)
-            return path
-        heads = ("frequency [Hz]", *(f"{n} [({u})^2/Hz]" for n, u in zip(self.outputs, self.units, strict=True)))
-        return write_table(path, heads, np.column_stack([self.frequency, self.density.T]).tolist(), "a response")
-
-    def __repr__(self) -> str:
-        lines = [f"<Response to {' and '.join(self.shares)}>", f"{'':20}{'mean':>12}{'std':>12}"]
-        lines += [f"{f'{name} [{unit}]':20}{mean:>12.4g}{self.std(name):>12.4g}"
-                  for name, unit, mean in zip(self.outputs, self.units, self.mean, strict=True)]  # fmt: skip
-        return "\n".join(lines)
 
 
 def response(
@@ -158,6 +53,7 @@ def response(
     frequencies: Sequence[float] | np.ndarray | None = None,
     state: State | None = None,
     tolerance: float = 1e-4,
+    shifted: Shifts | None = None,
 ) -> Response:
     """The response of a model, or of a compiled one, to its waves and its wind (see the module).
 
@@ -165,29 +61,42 @@ def response(
     parameters   as for a run: what wind and what waves, for instance
     frequencies  [Hz], rising; None: chosen by the modes (frequency.grid)
     state        mean state; None: found
-    tolerance    of the gains of drag, relative, at which the fixed point ends
+    tolerance    of the gains of drag, relative, at which the fixed point ends; at 1e-8 or less where rounding ends it
+    shifted      modes that an artificial stiffness gives another period, as {"1.85 s": "1.79 s"}; see frequency.shifts
     Raises SimulationError where there is no mean, where it is unstable, and where the drag does not settle.
     """
     plant = model.compile() if hasattr(model, "compile") else model
     names = list(plant.outputs) if outputs is None else chosen_outputs(plant, outputs)
-    root = tree_with(plant.dae, plant.root, parameters)
-    if state is None:
-        state = mean_state(plant, mean_parameters(plant, parameters))
-    excited = excited_model(plant, state, names, root)
-    processes = _processes(excited, root)
-    _refuse_without_spectrum(plant.dae, root, processes)
-    if not processes:
-        raise ModelError("no part of this model takes anything from random waves or wind; there is no response.")
-    given = None if frequencies is None else np.asarray(frequencies, dtype=float)
-    linear, grid, iterations = _settled(excited, processes, given, tolerance)
-    refuse_unstable(linear)
-    m = excited.results
-    H = {path: answer[:, :m] for path, answer in grid.answers(linear).items()}
+    study = study_of(plant)
+    with study.tree(parameters) as root:
+        state = study.mean(parameters, root) if state is None else state
+        excited = study.excited(state, names)
+        processes = _processes(excited, root)
+        _refuse_without_spectrum(plant.dae, root, processes)
+        if not processes:
+            raise ModelError("no part of this model takes anything from random waves or wind; there is no response.")
+        given = None if frequencies is None else _checked(frequencies)
+        if shifted:
+            excited = with_shifts(excited, _settled_gains(excited, processes, given, tolerance)[0], shifted)
+        linear, grid, iterations = _settled(excited, processes, given, tolerance)
+        refuse_unstable(linear)
+        H = grid.answers(linear, excited.results)
     shares = {path: _spectra(H[path], grid.spectra[path]) for path in H}
-    mean = np.concatenate([np.ravel(state[name]) for name in names])
-    labels = linear.outputs[:m]
+    mean = np.concatenate([np.ravel(value) for value in state.values(names)])
+    labels = linear.outputs[: excited.results]
     units = tuple(linear.units.get(name, "1") for name in labels)
-    return Response(grid.frequency, tuple(labels), units, mean, shares, H, linear, state, iterations)
+    driving = dict(grid.spectra)
+    found = Response(grid.frequency, tuple(labels), units, mean, shares, H, linear, state, iterations, driving)
+    warn_of_ends(found, frequencies is not None)
+    return found
+
+
+def _checked(frequencies: Sequence[float] | np.ndarray) -> np.ndarray:
+    """Frequencies [Hz] of a user: positive, rising, two or more."""
+    frequency = checked_frequencies(frequencies)
+    if frequency.size < 2 or not np.all(np.diff(frequency) > 0):
+        raise ModelError("the frequencies of a response are two or more rising numbers above 0 Hz.")
+    return frequency
 
 
 Processes = Mapping[str, "Process"]
@@ -205,22 +114,45 @@ class Process:
 def _settled(excited: ExcitedModel, processes: Processes, frequency: np.ndarray | None,
              tolerance: float) -> tuple[LinearModel, Grid, int]:  # fmt: skip
     """The linear model with the drag of its own response, the frequencies, and the count of iterations."""
+    gains, grid, iterations = _settled_gains(excited, processes, frequency, tolerance)
+    return excited.with_gains(gains), grid, iterations
+
+
+def _settled_gains(excited: ExcitedModel, processes: Processes, frequency: np.ndarray | None,
+                   tolerance: float) -> tuple[list[np.ndarray], Grid, int]:  # fmt: skip
+    """The gains of drag that suit the response with them, the frequencies, and the count of iterations.
+
+    A coarse grid serves until the gains change little, then the final one of the modes that the model has with them.
+    """
     gains = [best_gain(GUESS**2 * np.eye(place.stop - place.start)) for _, place in excited.laws]
     linear = excited.with_gains(gains)
     refuse_unstable(linear)
     final = frequency is not None or not excited.laws
-    grid = Grid(excited, processes, response_frequencies(linear.modes()) if frequency is None else frequency)
+    grid = Grid(excited, processes, response_frequencies(linear.modes(), coarse=not final)
+                if frequency is None else frequency)  # fmt: skip
+    if not excited.laws:
+        return gains, grid, 1
+    mixing, last = Mixing(), np.inf
     for iteration in range(1, ITERATIONS + 1):
-        found = grid.gains(grid.answers(linear))
-        change = max((float(np.linalg.norm(new - old) / max(np.linalg.norm(new), 1e-12))
-                      for new, old in zip(found, gains, strict=True)), default=0.0)  # fmt: skip
-        gains, linear = found, excited.with_gains(found)
-        if final and change < tolerance:
-            return linear, grid, iteration
+        found = grid.gains(gains)
+        change = _change(gains, found)
+        if final and (change < tolerance or last <= change < ROUNDING):
+            return found, grid, iteration
         if not final and change < REGRIDDED:
-            final, grid = True, Grid(excited, processes, response_frequencies(linear.modes()))
-    last = f"the last change is {change:.2g}"
-    raise SimulationError(f"the linearised drag does not settle within {ITERATIONS} iterations; {last}.")
+            final, gains = True, found
+            grid = Grid(excited, processes, response_frequencies(excited.with_gains(found).modes()))
+            continue
+        gains, last = mixing(gains, found), change
+    raise SimulationError(
+        f"the linearised drag does not settle within {ITERATIONS} iterations; the last change is {last:.2g}."
+    )
+
+
+def _change(gains: Sequence[np.ndarray], found: Sequence[np.ndarray]) -> float:
+    """The largest relative change of a gain; one below a tenth of the largest counts as that much."""
+    sizes = np.array([np.linalg.norm(new) for new in found])
+    steps = np.array([np.linalg.norm(new - old) for new, old in zip(found, gains, strict=True)])
+    return float(np.max(steps / np.maximum(sizes, max(SMALL * sizes.max(), 1e-12))))
 
 
 def _processes(excited: ExcitedModel, root: Component) -> dict[str, Process]:
@@ -233,6 +165,8 @@ def _processes(excited: ExcitedModel, root: Component) -> dict[str, Process]:
     found = {path: Process(process.spectral_density, partial(_of_signals, excited.driven, signals, root))
              for path, (process, signals) in members.items()}  # fmt: skip
     for columns, places in excited.fields:
+        if not blows(places, root):
+            continue
         path = places[0].compute.process(root.find(places[0].owner)).path
         found[path] = Process(partial(field_density, places, root), partial(_of_field, excited.driven, columns))
     return found
@@ -272,7 +206,8 @@ def _of_field(driven: int, columns: slice, omega: np.ndarray) -> np.ndarray:
 class Grid:
     """What does not change with the gains of drag, at frequencies (q,) [Hz].
 
-    spectra: of the processes (q, channels, channels) per Hz.
+    spectra: of the processes (q, channels, channels) per Hz. drive: the inputs by the channels of all processes,
+    (q, inputs, channels).
     """
 
     def __init__(self, excited: ExcitedModel, processes: Processes, frequency: np.ndarray):
@@ -293,23 +228,54 @@ class Grid:
             first += channels
         self.drive = np.concatenate(drives, axis=2)
 
-    def answers(self, linear: LinearModel) -> dict[str, np.ndarray]:
-        """Transfer functions (q, outputs, channels) by process."""
-        H = linear.driven(self.omega, self.drive, self.errors)
+    def answers(self, linear: LinearModel, outputs: int | None = None) -> dict[str, np.ndarray]:
+        """Transfer functions (q, outputs, channels) by process, of the first outputs or of all."""
+        H = linear.first(outputs).driven(self.omega, self.drive, self.errors)
         return {path: H[:, :, columns] for path, columns in self.columns.items()}
 
-    def gains(self, answers: Mapping[str, np.ndarray]) -> list[np.ndarray]:
-        """Gains of the laws of drag, from the covariance of their inputs."""
-        gains = []
-        for _, place in self.excited.laws:
-            rows = slice(self.excited.results + place.start, self.excited.results + place.stop)
-            covariance = np.zeros((place.stop - place.start,) * 2)
-            for path, H in answers.items():
-                u = H[:, rows]
-                weighted = (u @ self.spectra[path]) * self.widths[:, None, None]
-                covariance += np.tensordot(weighted, u.conj(), axes=([0, 2], [0, 2])).real
-            gains.append(best_gain(covariance))
-        return gains
+    @cached_property
+    def _weighted(self) -> tuple[np.ndarray, np.ndarray, np.ndarray | None]:
+        """Rates of the states, inputs of the laws and of the operators by the drive alone, without any law, (n, q, k).
+
+        For a drive whose channels are independent and have a variance of one at each frequency.
+        """
+        parts = [self.drive[:, :, columns] @ _roots(self.spectra[path] * self.widths[:, None, None])
+                 for path, columns in self.columns.items()]  # fmt: skip
+        inputs, n, m = np.concatenate(parts, axis=2).transpose(1, 0, 2), self.excited.driven, self.excited.results
+        linear = self.excited.linear
+        operators = linear.operators
+        own = times(operators.D_input[:, :n], inputs) if operators is not None else None
+        return times(linear.matrices["B"][:, :n], inputs), times(linear.matrices["D"][m:, :n], inputs), own
+
+    def gains(self, gains: Sequence[np.ndarray]) -> list[np.ndarray]:
+        """Gains of the laws of drag that suit the response with these gains: from the covariance of their inputs."""
+        excited, linear = self.excited, self.excited.linear
+        n, m = excited.driven, excited.results
+        A, B, C, D = (linear.matrices[name] for name in "ABCD")
+        loop = excited.loop(gains)
+        rates, u, own = self._weighted
+        resolvent = Resolvent(self.omega, A + B[:, n:] @ loop @ C[m:])
+        amplitudes = resolvent.amplitudes(rates + times(B[:, n:] @ loop, u))
+        through = D[m:, n:] @ loop
+        velocity = u + times(through, u) if through.any() else u
+        if linear.operators is not None:
+            closed = linear.operators.fed_back(loop, n, m, linear.matrices)
+            direct = own + times(linear.operators.D_input[:, n:] @ loop, u)
+            more, signals = closed.added(resolvent, amplitudes, direct, self.errors)
+            amplitudes = amplitudes + more
+            if closed.D_output[m:].any():
+                velocity = velocity + times(closed.D_output[m:], signals)
+        velocity = velocity + times((C[m:] + through @ C[m:]) @ resolvent.shapes, amplitudes)
+        flat = velocity.reshape(len(velocity), -1).view(float)
+        return best_gains([flat[place] for _, place in excited.laws])
+
+
+def _roots(S: np.ndarray) -> np.ndarray:
+    """R (q, k, k) with R R^H = S, of Hermitian S without negative eigenvalues."""
+    if S.shape[1] == 1:
+        return np.sqrt(np.maximum(S.real, 0.0))
+    values, vectors = np.linalg.eigh(S)
+    return vectors * np.sqrt(np.maximum(values, 0.0))[:, None, :]
 
 
 def _spectra(H: np.ndarray, S: np.ndarray) -> np.ndarray:

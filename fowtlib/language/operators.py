@@ -9,6 +9,7 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass
+from functools import cached_property
 from typing import Any
 
 import casadi as ca
@@ -51,7 +52,31 @@ class StateSpace:
         omega = np.atleast_1d(np.asarray(omega, dtype=float))
         if not self.states:
             return np.broadcast_to(self.D.astype(complex), (omega.size, *self.D.shape))
-        return transfer_matrix(1j * omega, self.A, self.B, self.C, self.D)
+        if self._basis is None:
+            return transfer_matrix(1j * omega, self.A, self.B, self.C, self.D)
+        roots, right, left = self._basis
+        shares = 1 / (1j * omega[:, None] - roots)
+        by_root = (self.C @ right) * shares[:, None, :]  # (q, n, k), and all frequencies in one product
+        return (by_root.reshape(-1, roots.size) @ (left @ self.B)).reshape(omega.size, *self.D.shape) + self.D
+
+    @cached_property
+    def _basis(self) -> tuple[np.ndarray, np.ndarray, np.ndarray] | None:
+        return eigenvectors(self.A)
+
+
+EIGENVECTORS = 1e-9
+"""Error of a matrix from its eigenvectors, relative, up to which these serve."""
+
+
+def eigenvectors(A: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray] | None:
+    """Eigenvalues (n,) of a matrix, its right and its left eigenvectors; None where these do not give A (defective)."""
+    roots, right = np.linalg.eig(A)
+    try:
+        left = np.linalg.inv(right)
+    except np.linalg.LinAlgError:
+        return None
+    good = np.linalg.norm((right * roots) @ left - A) < EIGENVECTORS * np.linalg.norm(A)
+    return (roots, right, left) if good else None
 
 
 def transfer_matrix(s: ArrayLike, A: np.ndarray, B: np.ndarray, C: np.ndarray, D: np.ndarray) -> np.ndarray:

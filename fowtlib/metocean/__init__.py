@@ -17,6 +17,7 @@ from fowtlib.metocean.long_term import (
     modified_contours,
     on_contour,
 )
+from fowtlib.metocean.representative import centre_bins, likely_states
 from fowtlib.metocean.run_lists import cases_file, states_to_cases
 from fowtlib.metocean.scatter import ScatterTable, read_scatter
 from fowtlib.metocean.short_term import Each, Either, Extreme, Gumbel, ShortTerm, UpCrossings, known, one_by_one
@@ -45,6 +46,7 @@ __all__ = [
     "Weibull",
     "bins",
     "cases_file",
+    "centre_bins",
     "compare_methods",
     "contour",
     "cut_off",
@@ -56,6 +58,7 @@ __all__ = [
     "full_long_term",
     "inflated",
     "known",
+    "likely_states",
     "modified_contours",
     "on_contour",
     "one_by_one",

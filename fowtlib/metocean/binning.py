@@ -30,11 +30,8 @@ def bins(
     that occur at least once in so many years of states of `duration` [s] are kept; None keeps all that can occur. What
     is left out stays left out, the states that are beyond the form too: `States.left_out` tells how much.
     """
-    centres = [
-        _centres(values, name)
-        for values, name in zip((wind_speeds, wave_heights, peak_periods), VARIABLES, strict=True)
-    ]
-    (u, du), (h, dh), (t, dt) = centres
+    lists = zip((wind_speeds, wave_heights, peak_periods), VARIABLES, strict=True)
+    (u, du), (h, dh), (t, dt) = (centres(values, name) for values, name in lists)
     node, weight = np.polynomial.legendre.leggauss(_POINTS)
     wind, of_wind = _nodes(u, du, node, weight)
     height, of_height = _nodes(h, dh, node, weight)
@@ -64,7 +61,8 @@ def bins(
     return States(u[i], h[j], t[k], probability[kept])
 
 
-def _centres(values: ArrayLike, name: str) -> tuple[np.ndarray, float]:
+def centres(values: ArrayLike, name: str) -> tuple[np.ndarray, float]:
+    """Centres of bins, checked, and their step."""
     array = np.asarray(values, dtype=float)
     if array.ndim != 1 or array.size < 2:
         raise ParameterError(f"bins of {name}: two centres or more are needed.")

@@ -73,6 +73,11 @@ class Weibull(_Frozen):
 
         return weibull_min(self.shape, scale=self.scale)
 
+    def mode(self) -> np.ndarray:
+        """The most probable value; 0 where the density falls from there."""
+        shape = np.asarray(self.shape, dtype=float)
+        return self.scale * np.maximum(1 - 1 / shape, 0.0) ** (1 / shape)
+
     def from_normal(self, z: Any) -> np.ndarray:
         from scipy.special import log_ndtr
 
@@ -102,6 +107,10 @@ class LogNormal(_Frozen):
         from scipy.stats import lognorm
 
         return lognorm(self.deviation, scale=np.exp(self.location))
+
+    def mode(self) -> np.ndarray:
+        """The most probable value."""
+        return np.exp(self.location - np.square(self.deviation))
 
     def from_normal(self, z: Any) -> np.ndarray:
         return np.exp(self.location + self.deviation * np.asarray(z, dtype=float))

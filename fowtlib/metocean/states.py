@@ -13,6 +13,14 @@ from fowtlib.language.errors import ParameterError
 COLUMNS = {"wind_speed": "m/s", "Hs": "m", "Tp": "s"}
 """Names of what a state is made of, in tables and labels of cases, and their units."""
 
+PARAMETERS = {
+    "wind_speed": "wind.mean_speed",
+    "Hs": "sea.significant_wave_height",
+    "Tp": "sea.peak_period",
+    "turbulence_intensity": "wind.turbulence_intensity",
+}
+"""The parameters that these are in a model with a part ``wind`` and a part ``sea``, by path."""
+
 YEAR = 365.25 * 24 * 3600.0
 """A year [s], the mean of four."""
 
@@ -73,6 +81,14 @@ class States:
         if self._columns() != other._columns():
             raise ParameterError("states: only states with the same columns can be put together.")
         return States(**{name: np.concatenate([getattr(self, name), getattr(other, name)]) for name in self._columns()})
+
+    def run_parameters(self) -> list[dict[str, float]]:
+        """Parameters of a run in each state, for models with a part ``wind`` and a part ``sea``."""
+        rows = [dict(zip((PARAMETERS[name] for name in COLUMNS), state, strict=True)) for state in self]
+        if self.turbulence_intensity is not None:
+            for row, intensity in zip(rows, self.turbulence_intensity.tolist(), strict=True):
+                row[PARAMETERS["turbulence_intensity"]] = intensity
+        return rows
 
     @property
     def left_out(self) -> float:

@@ -139,6 +139,48 @@ def tree_with(dae: FlatDAE, root: Component, parameters: Values | None = None) -
     return _with_values(dae, root, spread_out(by_path(parameters or {}), root))[0]
 
 
+class RunTrees:
+    """Component trees of runs of one model, used again where runs differ in numbers alone; see `tree_with`.
+
+    A tree is that of the last run that it was asked for, and no more than that: nothing may hold it.
+    """
+
+    KEPT = 4
+
+    def __init__(self, dae: FlatDAE, root: Component):
+        self.dae, self.root = dae, root
+        self._kept: dict[Any, Component] = {}
+
+    def __call__(self, parameters: Values | None = None) -> Component:
+        """The tree of a run with these parameters."""
+        given = spread_out(by_path(parameters or {}), self.root)
+        numbers = {path: value for path, value in given.items() if _is_number(value)}
+        others = {path: value for path, value in given.items() if path not in numbers}
+        key = tuple(sorted(numbers)), tuple((path, content_of(others[path])) for path in sorted(others))
+        tree = self._kept.pop(key, None)  # where a value is refused, it is not kept
+        if tree is None:
+            tree = tree_with(self.dae, self.root, given)
+        else:
+            for path, value in sorted(numbers.items()):
+                owner, _, name = path.rpartition(".")
+                component = tree.find(owner)
+                if path in self.dae.parameters:
+                    array = tunable_value(self.dae, path, value)
+                    component._values[name] = array if array.shape else float(array)
+                else:
+                    component._set(name, value)
+            for owner in dict.fromkeys(path.rpartition(".")[0] for path in numbers if path not in self.dae.parameters):
+                check_parameters(tree.find(owner))
+        self._kept[key] = tree
+        while len(self._kept) > self.KEPT:
+            del self._kept[next(iter(self._kept))]
+        return tree
+
+
+def _is_number(value: Any) -> bool:
+    return isinstance(value, (int, float, np.integer, np.floating)) and not isinstance(value, bool)
+
+
 def _with_values(dae: FlatDAE, root: Component,
                  given: dict[str, Any]) -> tuple[Component, dict[str, np.ndarray], set[str]]:  # fmt: skip
     """The tree of a run, the tunable values, and the parts that have other data; `given` keeps the tunable ones."""

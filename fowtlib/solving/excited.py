@@ -9,7 +9,7 @@ in.
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Any
 
 import casadi as ca
@@ -19,9 +19,11 @@ from scipy.linalg import block_diag
 from fowtlib.flattening import FlatDAE
 from fowtlib.language.component import Component
 from fowtlib.language.run_time import RandomSignals
+from fowtlib.solving.functions import AtParameters
 from fowtlib.solving.linear import Further, LinearModel
 from fowtlib.solving.mean_linear import mean_linear_model
-from fowtlib.solving.random_fields import FieldPlaces, blows, field_places
+from fowtlib.solving.modes import rate_states
+from fowtlib.solving.random_fields import FieldPlaces, field_places
 from fowtlib.solving.state import State
 from fowtlib.solving.turning import turns_of
 
@@ -56,11 +58,24 @@ class Signal:
 
 
 @dataclass(frozen=True, eq=False)
+class Forces:
+    """What generalised forces on the motions do, one of them each: rates of states B, outputs D, inputs of operators.
+
+    speeds: numbers of the states whose rates they change, as many as there are forces.
+    """
+
+    speeds: tuple[int, ...]
+    B: np.ndarray
+    D: np.ndarray
+    D_operators: np.ndarray | None
+
+
+@dataclass(frozen=True, eq=False)
 class ExcitedModel:
     """Linear model whose inputs are signals, channels of fields, and then what is added to quadratic laws; see above.
 
     linear: its outputs are the results, and then the inputs of the laws. fields: columns of the inputs, and the places
-    of one field. laws: paths of the laws, and their columns among what is added.
+    of one field. laws: paths of the laws, and their columns among what is added. forces: see Forces.
     """
 
     linear: LinearModel
@@ -68,21 +83,27 @@ class ExcitedModel:
     fields: tuple[tuple[slice, tuple[FieldPlaces, ...]], ...]
     laws: tuple[tuple[str, slice], ...]
     results: int
+    forces: Forces
 
     @property
     def driven(self) -> int:
         """Number of the signals and channels, one by one."""
         return len(self.linear.inputs) - sum(place.stop - place.start for _, place in self.laws)
 
+    def loop(self, gains: Sequence[np.ndarray]) -> np.ndarray:
+        """What the laws add, from their inputs without them."""
+        n, m = self.driven, self.results
+        D = self.linear.matrices["D"][m:, n:]
+        G = np.zeros((D.shape[1], D.shape[1]))
+        for (_, place), gain in zip(self.laws, gains, strict=True):
+            G[place, place] = gain
+        return np.linalg.solve(np.eye(len(G)) - G @ D, G) if D.any() else G
+
     def with_gains(self, gains: Sequence[np.ndarray]) -> LinearModel:
         """The linear model from what drives it to the results and the inputs u of the laws, which give gain @ u."""
         n, m = self.driven, self.results
-        linear = self.linear
+        linear, loop = self.linear, self.loop(gains)
         A, B, C, D = (linear.matrices[name] for name in "ABCD")
-        G = np.zeros((B.shape[1] - n, B.shape[1] - n))
-        for (_, place), gain in zip(self.laws, gains, strict=True):
-            G[place, place] = gain
-        loop = np.linalg.solve(np.eye(len(G)) - G @ D[m:, n:], G)  # from u without the laws to what they add
         A, B = A + B[:, n:] @ loop @ C[m:], B[:, :n] + B[:, n:] @ loop @ D[m:, :n]
         C, D = C + D[:, n:] @ loop @ C[m:], D[:, :n] + D[:, n:] @ loop @ D[m:, :n]
         operators = linear.operators
@@ -91,14 +112,15 @@ class ExcitedModel:
         return LinearModel(A, B, C, D, linear.states, linear.inputs[:n], linear.outputs, linear.units, operators)
 
 
-def excited_model(plant: Any, state: State, names: Sequence[str], root: Component) -> ExcitedModel:
-    """The linear model of a plant at a mean state, from all that follows from the random processes of a run.
+def excited_model(plant: Any, state: State, names: Sequence[str]) -> ExcitedModel:
+    """The linear model of a plant at a mean state, from all that follows from random processes in a run of this mean.
 
-    names: results and variables. root: component tree of the run, whose mean the state is.
+    names: results and variables. All runs of one mean have it in common: what there is of waves and of turbulence in
+    each of them is no part of it.
     """
     dae, at = plant.dae, plant.at(state.parameters)
     signals = _signals(dae)
-    places = [item for item in field_places(plant, at, state, turns_of(plant, at, state)) if blows([item], root)]
+    places = field_places(plant, at, state, turns_of(plant, at, state))
     symbols = {f"{item.path} [{k}]": element for item in signals for k, element in enumerate(item.elements(dae))}
     labels = list(symbols)
     fields, raw, start = [], len(symbols), len(symbols)
@@ -122,9 +144,42 @@ def excited_model(plant: Any, state: State, names: Sequence[str], root: Componen
         blocks = [item.mixing(at, *point) for _, members in fields for item in members]
         return block_diag(np.eye(raw), *blocks, np.eye(first))
 
-    further = Further(symbols, outputs, tuple(labels), mixing if fields else None)
-    linear = mean_linear_model(plant, state, (), names, further)
-    return ExcitedModel(linear, tuple(signals), tuple(fields), tuple(laws), len(linear.outputs) - first)
+    speeds, rows = _motions(at)
+    further = Further(symbols, outputs, tuple(labels), mixing if fields else None, rows)
+    linear, forces = _without_forces(mean_linear_model(plant, state, (), names, further), speeds, len(rows))
+    return ExcitedModel(linear, tuple(signals), tuple(fields), tuple(laws), len(linear.outputs) - first, forces)
+
+
+def _motions(at: AtParameters) -> tuple[list[str], tuple[int, ...]]:
+    """Speeds by path, and the rows of [ode; alg] at which forces on the motions stand.
+
+    These are the equations of motion, where accelerations are unknowns, else the rates of the speeds themselves.
+    """
+    dae, jacobian = at.dae, at.functions.jacobian
+    speeds = sorted(set(rate_states(dae).values()))
+    pairs = [(row, column) for row, column in zip(*jacobian.sparsity_out(1).get_triplet(), strict=True)
+             if row in set(speeds)]  # fmt: skip
+    accelerations = {column for _, column in pairs}
+    inside = zip(*jacobian.sparsity_out(3).get_triplet(), strict=True)
+    motion = sorted({row for row, column in inside if column in accelerations})
+    explicit = [row for row in speeds if row not in {row for row, _ in pairs}]
+    if len(motion) != len(speeds) - len(explicit):  # they cannot be told from other equations
+        return [], ()
+    nx = dae.x.numel()
+    return [dae.states[k].path for k in speeds], (*explicit, *(nx + row for row in motion))
+
+
+def _without_forces(linear: LinearModel, speeds: Sequence[str], count: int) -> tuple[LinearModel, Forces]:
+    """The model without its last inputs, and these."""
+    A, B, C, D = (linear.matrices[name] for name in "ABCD")
+    n, operators, own = B.shape[1] - count, linear.operators, None
+    if operators is not None:
+        own = operators.D_input[:, n:]
+        operators = replace(operators, D_input=operators.D_input[:, :n])
+    places = tuple(linear.states.index(path) for path in speeds if path in linear.states)
+    rest = LinearModel(A, B[:, :n], C, D[:, :n], linear.states, linear.inputs[:n], linear.outputs, linear.units,
+                       operators)  # fmt: skip
+    return rest, Forces(places, B[:, n:], D[:, n:], own)
 
 
 def _signals(dae: FlatDAE) -> list[Signal]:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from functools import cached_property
 from pathlib import Path
 from typing import TYPE_CHECKING
@@ -14,7 +14,7 @@ import numpy as np
 from fowtlib.flattening.flat_dae import Operator
 from fowtlib.flattening.system import element_names
 from fowtlib.language.errors import ModelError, SimulationError
-from fowtlib.language.operators import transfer_matrix
+from fowtlib.language.operators import eigenvectors, transfer_matrix
 from fowtlib.language.whole_files import write_whole
 from fowtlib.solving.binding import start_slopes
 from fowtlib.solving.functions import AtParameters
@@ -27,8 +27,6 @@ if TYPE_CHECKING:
     import xarray
 
 
-EIGENVECTORS = 1e-9  # error of A from its eigenvectors, relative, up to which they serve
-
 Mixing = Callable[..., np.ndarray]
 """`(t, x, z, q) -> ` how the symbols of the flat model follow from the inputs, (symbols, inputs)."""
 
@@ -38,18 +36,20 @@ class Further:
     """What a linear model has beside parameters and results, by what it is called.
 
     symbols: scalars of the flat model, also outputs of externals; they are inputs, or where there is a `mixing` they
-    follow from `inputs`, as it says. outputs: expressions.
+    follow from `inputs`, as it says. outputs: expressions. added: rows of [ode; alg] to which further inputs are added,
+    the last ones: forces, where a row is an equation of motion.
     """
 
     symbols: Mapping[str, ca.SX] = field(default_factory=dict)
     outputs: Mapping[str, ca.SX] = field(default_factory=dict)
     inputs: tuple[str, ...] | None = None
     mixing: Mixing | None = None
+    added: tuple[int, ...] = ()
 
     @property
     def labels(self) -> tuple[str, ...]:
         """What the inputs are called."""
-        return tuple(self.symbols) if self.inputs is None else self.inputs
+        return (tuple(self.symbols) if self.inputs is None else self.inputs) + tuple(f"added {k}" for k in self.added)
 
 
 NOTHING = Further()
@@ -136,13 +136,25 @@ class LinearModel:
         errors: `operators.errors(omega)`, where it is known.
         """
         A, B, C, D = (self.matrices[name] for name in "ABCD")
-        resolvent = Resolvent(omega, A)
-        x = resolvent(B @ drive)
-        plain = C @ x + D @ drive
-        if self.operators is None:
-            return plain
-        u = self.operators.C @ x + self.operators.D_input @ drive
-        return plain + self.operators.added(resolvent, C, u, errors)
+        resolvent, inputs = Resolvent(omega, A), np.asarray(drive).transpose(1, 0, 2)
+        amplitudes = resolvent.amplitudes(times(B, inputs))
+        y = times(D, inputs)
+        if self.operators is not None:
+            more, signals = self.operators.added(resolvent, amplitudes, times(self.operators.D_input, inputs), errors)
+            amplitudes, y = amplitudes + more, y + times(self.operators.D_output, signals)
+        y += times(C @ resolvent.shapes, amplitudes)
+        return np.ascontiguousarray(y.transpose(1, 0, 2))
+
+    def first(self, outputs: int | None) -> LinearModel:
+        """The model with its first outputs alone."""
+        if outputs is None:
+            return self
+        A, B, C, D = (self.matrices[name] for name in "ABCD")
+        operators = self.operators
+        if operators is not None:
+            operators = replace(operators, D_output=operators.D_output[:outputs])
+        return LinearModel(A, B, C[:outputs], D[:outputs], self.states, self.inputs, self.outputs[:outputs],
+                           self.units, operators)  # fmt: skip
 
     def modes(self) -> list[Mode]:
         """Oscillating and decaying modes, lowest frequency first; a conjugate pair counts once."""
@@ -209,37 +221,52 @@ def _inverse(vectors: np.ndarray) -> np.ndarray:
 
 
 class Resolvent:
-    """(i omega - A)^-1 at many circular frequencies omega (q,) [rad/s], by the eigenvectors of A where these serve."""
+    """(i omega - A)^-1 at many circular frequencies omega (q,) [rad/s], by the eigenvectors of A where these serve.
+
+    Arrays have the frequencies in the middle, (n, q, k), so that what is constant multiplies all in one product.
+    """
 
     def __init__(self, omega: np.ndarray, A: np.ndarray):
         self.omega, self.A = omega, A
-        self.roots, self.right = np.linalg.eig(A)
-        try:
-            self.left = np.linalg.inv(self.right)
-        except np.linalg.LinAlgError:
-            self.left = None
-            return
-        left = (self.right * self.roots) @ self.left
-        if not np.linalg.norm(left - A) < EIGENVECTORS * np.linalg.norm(A):
-            self.left = None
+        self.basis = eigenvectors(A) if len(A) else None
 
-    def __call__(self, b: np.ndarray) -> np.ndarray:
-        """(i omega - A)^-1 b, for b (q, n, k)."""
-        if self.left is None:
-            one = np.eye(len(self.A))
-            rows = zip(self.omega, b, strict=True)
-            return np.array([np.linalg.solve(1j * w * one - self.A, column) for w, column in rows])
-        return self.right @ ((self.left @ b) * self._shares[:, :, None])
+    @property
+    def shapes(self) -> np.ndarray:
+        """What x is made of, (n, n): the eigenvectors, or the states themselves where these do not serve."""
+        return np.eye(len(self.A)) if self.basis is None else self.basis[1]
+
+    def amplitudes(self, b: np.ndarray) -> np.ndarray:
+        """Those of the shapes in x = (i omega - A)^-1 b, for b (n, q, k)."""
+        if self.basis is None:
+            return self._solved(b)
+        return times(self.basis[2], b) * self._shares[:, :, None]
 
     def between(self, C: np.ndarray, B: np.ndarray) -> np.ndarray:
         """C (i omega - A)^-1 B, for constant C (m, n) and B (n, k): (q, m, k)."""
-        if self.left is None:
-            return C @ self(np.broadcast_to(B, (self.omega.size, *B.shape)))
-        return ((C @ self.right) * self._shares[:, None, :]) @ (self.left @ B)
+        if self.basis is None:
+            b = np.broadcast_to(B[:, None, :], (len(B), self.omega.size, B.shape[1]))
+            return times(C, self._solved(b)).transpose(1, 0, 2)
+        roots, right, left = self.basis
+        by_root = (C @ right) * self._shares.T[:, None, :]
+        return (by_root.reshape(-1, roots.size) @ (left @ B)).reshape(self.omega.size, len(C), B.shape[1])
+
+    def _solved(self, b: np.ndarray) -> np.ndarray:
+        one = np.eye(len(self.A))
+        found = [np.linalg.solve(1j * w * one - self.A, b[:, k]) for k, w in enumerate(self.omega)]
+        return np.array(found, dtype=complex).reshape(self.omega.size, len(one), b.shape[2]).transpose(1, 0, 2)
 
     @cached_property
     def _shares(self) -> np.ndarray:
-        return 1 / (1j * self.omega[:, None] - self.roots)
+        return 1 / (1j * self.omega - self.basis[0][:, None])
+
+
+def times(matrix: np.ndarray, values: np.ndarray) -> np.ndarray:
+    """A matrix (m, n) times complex values (n, q, k), as one product: (m, q, k)."""
+    n, q, k = values.shape
+    flat = np.ascontiguousarray(values, dtype=complex).reshape(n, q * k)
+    if np.isrealobj(matrix):
+        return (matrix @ flat.view(float)).view(complex).reshape(len(matrix), q, k)
+    return (matrix @ flat).reshape(len(matrix), q, k)
 
 
 @dataclass(frozen=True, eq=False)
@@ -269,15 +296,20 @@ class Operators:
         to_output = _of_signal(omega, transfer_matrix(1j * omega, A, self.B, C, self.D_output))
         return plain + to_output @ np.linalg.solve(np.eye(E.shape[1]) - E @ by_w, E @ by_input)
 
-    def added(self, resolvent: Resolvent, C: np.ndarray, u: np.ndarray, errors: np.ndarray | None) -> np.ndarray:
-        """What the operators add to the outputs, from their inputs u (q, m, k) with the realizations alone."""
+    def added(self, resolvent: Resolvent, amplitudes: np.ndarray, direct: np.ndarray,
+              errors: np.ndarray | None) -> tuple[np.ndarray, np.ndarray]:  # fmt: skip
+        """What the operators add to the amplitudes (n, q, k) of a resolvent, and their w, w', w'' (3 m, q, k).
+
+        amplitudes: with the realizations alone. direct: what drives the operators (m, q, k) beside the states.
+        """
         omega = resolvent.omega
         E = self.errors(omega) if errors is None else errors
         by_w = _of_signal(omega, resolvent.between(self.C, self.B) + self.D)
-        w = np.linalg.solve(np.eye(E.shape[1]) - E @ by_w, E @ u)
-        rates = (1j * omega)[:, None, None]
-        all_three = np.concatenate([w, rates * w, rates**2 * w], axis=1)
-        return C @ resolvent(self.B @ all_three) + self.D_output @ all_three
+        u = (times(self.C @ resolvent.shapes, amplitudes) + direct).transpose(1, 0, 2)
+        w = np.linalg.solve(np.eye(E.shape[1]) - E @ by_w, E @ u).transpose(1, 0, 2)
+        rates = (1j * omega)[None, :, None]
+        signals = np.concatenate([w, rates * w, rates**2 * w])
+        return resolvent.amplitudes(times(self.B, signals)), signals
 
     def fed_back(self, loop: np.ndarray, inputs: int, outputs: int, matrices: Mapping[str, np.ndarray]) -> Operators:
         """The operators of the model whose inputs behind the first ones are `loop` @ its outputs behind the first ones.
@@ -354,6 +386,11 @@ class Slopes:
         if self.further.mixing is not None:
             own, mixed, rest = np.split(by_u, [symbols - len(self.further.symbols), symbols], axis=1)
             by_u = np.hstack([own, mixed @ self.further.mixing(t, x, z, q), rest])
+        if self.further.added:
+            columns = np.zeros((len(by_u), len(self.further.added)))
+            columns[list(self.further.added), np.arange(columns.shape[1])] = 1.0
+            place = by_u.shape[1] - self.operator_columns
+            by_u = np.hstack([by_u[:, :place], columns, by_u[:, place:]])
         return by_x, by_z, by_u
 
     def model(self, A: np.ndarray, B: np.ndarray, C: np.ndarray, D: np.ndarray, states: Sequence[str]) -> LinearModel:

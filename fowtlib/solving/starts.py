@@ -115,10 +115,15 @@ def _in_the_mean(part: Component) -> dict[str, Any]:
     return {**changes, **differ}
 
 
-def mean_parameters(plant: Plant, parameters: Values | None = None) -> dict[str, Any]:
-    """The parameters of the mean of a run with these parameters; what belongs to a kind that is left is not in them."""
+def mean_parameters(plant: Plant, parameters: Values | None = None, root: Component | None = None) -> dict[str, Any]:
+    """The parameters of the mean of a run with these parameters; what belongs to a kind that is left is not in them.
+
+    root: the component tree of the run, where there is one already.
+    """
     given = _whole_paths(plant, parameters) or {}
-    for part in tree_with(plant.dae, plant.root, given).walk() if plant.root is not None else ():
+    if root is None and plant.root is not None:
+        root = tree_with(plant.dae, plant.root, given)
+    for part in root.walk() if root is not None else ():
         changes = _in_the_mean(part)
         if not changes:
             continue

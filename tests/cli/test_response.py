@@ -31,3 +31,33 @@ def test_mistakes_of_response(capsys: pytest.CaptureFixture[str]):
     assert "the model has no result 'heavy'; did you mean 'heave'?" in capsys.readouterr().err
     assert main(["response", "oc3_spar_rigid", "--wind", "none", "--waves", "still"]) == 2
     assert "takes anything from random waves or wind" in capsys.readouterr().err
+
+
+def test_response_over_many_states(tmp_path: Path, capsys: pytest.CaptureFixture[str]):
+    states, each = tmp_path / "states.csv", tmp_path / "each.csv"
+    states.write_text("wind_speed [m/s],Hs [m],Tp [s],probability,sea.heading\n14,2,9,0.6,0\n14,4,10,0.3,0.5\n")
+    asked = ["response", "oc3_spar_rigid", "--wind", "kaimal:14,class=C", "--outputs", "heave"]
+    assert main([*asked, "--states", str(states), "--each", str(each), "--json"]) == 0
+    out = capsys.readouterr().out
+    (row,) = json.loads(out.partition("]\n")[0] + "]")
+    with each.open() as file:
+        rows = list(csv.DictReader(file))
+    std = [float(row["std of heave [m]"]) for row in rows]
+    assert row["std"] == pytest.approx((0.6 * std[0] + 0.3 * std[1]) / 0.9)
+    assert (row["in state"], row["in state "]) == (2, 2)
+    assert [row["sea.heading"] for row in rows] == ["0", "0.5"]
+
+
+def test_mistakes_of_response_over_many_states(tmp_path: Path, capsys: pytest.CaptureFixture[str]):
+    def said(*options: str) -> str:
+        assert main(["response", "oc3_spar_rigid", *options]) == 2
+        return capsys.readouterr().err
+
+    assert "--bins belongs to many states" in said("--bins")
+    assert "--plot is for one state" in said("--site", "northern_north_sea", "--plot", "x.png")
+    assert "there is no site 'nowhere'" in said("--site", "nowhere")
+    states = tmp_path / "states.csv"
+    states.write_text("wind_speed,Hs,Tp,probably\n8,2,9,0.4\n")
+    assert "no column 'probably'; did you mean 'probability'" in said("--states", str(states))
+    assert "--speeds, --height and --bins choose states of a --site" in said("--states", str(states), "--bins")
+    assert "cannot read the list of states" in said("--states", str(tmp_path / "none.csv"))

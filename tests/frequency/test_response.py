@@ -7,50 +7,8 @@ import pytest
 
 import fowtlib as fw
 from fowtlib.frequency import best_gain, response
-from fowtlib.language import Component, Number, Scalar, der, eq, param, quadratic, run_time_series, var
 from fowtlib.language.errors import ModelError, SimulationError
-
-MASS, STIFFNESS, LINEAR = 3.0, 12.0, 0.3
-
-
-class Push:
-    """White noise up to a circular frequency, as a force."""
-
-    def __call__(self, part):
-        return None
-
-    def process(self, part):
-        return part
-
-    def response(self, part, omega):
-        return np.ones((len(omega), 1, 1), dtype=complex)
-
-
-class Oscillator(Component):
-    """M x'' + b x' + c |x'| x' + k x = a random force, white up to `highest`."""
-
-    damping: Scalar = param(default=LINEAR, unit="N*s/m", doc="linear damping")
-    drag: Scalar = param(default=0.0, unit="kg/m", doc="of the square of the speed")
-    level: Number = param(default=2.0, bound=True, doc="one-sided spectrum of the force [N^2 s/rad]")
-    highest: Number = param(default=60.0, bound=True, doc="circular frequency up to which the force has energy")
-
-    x: Scalar = var(unit="m", start=0.0, doc="displacement")
-    v: Scalar = var(unit="m/s", start=0.0, doc="velocity")
-
-    def equations(self):
-        force = run_time_series(self.time, 1, "push", Push(), of=self)
-        resistance = self.damping * self.v + self.drag * quadratic(self.v, 1e-6)
-        return [eq(der(self.x), self.v), eq(MASS * der(self.v), force - resistance - STIFFNESS * self.x)]
-
-    def spectral_density(self, omega):
-        return np.where(np.asarray(omega) < self.highest, self.level, 0.0)
-
-
-def oscillator(**parameters):
-    root = fw.Assembly("oscillators")
-    root.one = Oscillator(**parameters)
-    return fw.Model(root, outputs={"x": "one.x", "v": "one.v"})
-
+from tests.frequency.conftest import LINEAR, MASS, STIFFNESS, oscillator
 
 FINE = np.unique(np.concatenate([np.geomspace(1e-4, 9.0, 4000), 0.3183 + np.linspace(-0.1, 0.1, 4000)]))
 
@@ -172,3 +130,54 @@ def test_mistakes_are_named(spar):
         response(oscillator(damping=-0.2))
     with pytest.raises(ModelError, match="hold 0.01.* up-crossings"):
         found.extreme("x", 0.05)
+
+
+# --- what is refused or told ------------------------------------------------------------------------------------------
+
+
+def test_an_integrator_at_rest_below_rated_is_no_instability(spar):
+    # below rated the pitch controller waits: its integral is a pole at zero, and nothing that is asked for knows of it
+    asked = {"outputs": ["surge", "pitch", "rotor_speed"], "parameters": {"wind.mean_speed": 8.0}}
+    found = response(spar, **asked)
+    roots = np.linalg.eigvals(found.linear.matrices["A"])
+    assert np.abs(roots).min() < 1e-9
+    grids = [np.concatenate([[lowest, 1e-6, 1e-5], found.frequency]) for lowest in (1e-10, 1e-7)]
+    lower, low = (response(spar, frequencies=grid, **asked).std("pitch") for grid in grids)
+    assert lower == pytest.approx(low, rel=1e-3)  # what drifts has a density of f^-2
+
+
+def test_an_unstable_loop_is_refused_with_its_pole_and_its_state():
+    pole = r"in which one\.[xv] takes part most, grows by a factor e in 30 s \(pole \+0.03333 \+2i 1/s\)"
+    with pytest.raises(SimulationError, match=pole):
+        response(oscillator(damping=-0.2))
+    # x' = v, M v' = -b v - k x with b < 0 and b^2 > 4 k M
+    with pytest.raises(SimulationError, match="a motion that does not oscillate, in which one"):
+        response(oscillator(damping=-20.0))
+
+
+def test_a_model_without_equilibrium_has_no_response():
+    with pytest.raises(SimulationError, match="no equilibrium"):
+        response(oscillator(push=5.0, stiffness=0.0, damping=0.0))
+
+
+@pytest.mark.parametrize(
+    ("frequencies", "words"),
+    [
+        (np.linspace(0.005, 0.33, 400), r"the frequencies end at 0.33 Hz, .* of v, x; take higher ones"),
+        (np.linspace(0.3, 9.0, 4000), r"the frequencies begin at 0.3 Hz, .* of x.*; take lower ones"),
+    ],
+)
+def test_frequencies_that_end_in_the_midst_of_the_response_are_told(frequencies, words):
+    with pytest.warns(UserWarning, match=words):
+        response(oscillator(), frequencies=frequencies)
+
+
+def test_a_spectrum_that_ends_in_the_midst_of_the_response_is_told():
+    with pytest.warns(UserWarning, match=r"the spectrum of one ends at 0.3\d+ Hz.*; let it reach further"):
+        response(oscillator(highest=2.05))
+
+
+def test_frequencies_are_rising_numbers(spar):
+    for wrong in ([0.1, 0.05], [0.1], [0.0, 0.1]):
+        with pytest.raises(ModelError, match="numbers"):
+            response(spar, frequencies=wrong)

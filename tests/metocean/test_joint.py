@@ -9,7 +9,17 @@ from hypothesis import strategies as st
 from scipy import integrate, stats
 
 from fowtlib.language.errors import ParameterError
-from fowtlib.metocean import ConditionalModel, LogNormal, Turbulence, Weibull, bins, shipped, site
+from fowtlib.metocean import (
+    ConditionalModel,
+    LogNormal,
+    Turbulence,
+    Weibull,
+    bins,
+    centre_bins,
+    likely_states,
+    shipped,
+    site,
+)
 
 SITES = [site(name) for name in shipped()]
 YEARS_50 = 1 / (50 * 365.25 * 24)
@@ -240,3 +250,35 @@ def test_the_wind_at_the_hub_needs_a_shear_exponent():
         ConditionalModel(**{**whole, "shear_exponent": None}).at(90)
     with pytest.raises(ParameterError, match=r"period_exponent must be a whole number, not 1\.5"):
         ConditionalModel(**{**whole, "period_exponent": 1.5})
+
+
+def test_the_546_states_as_a_list_of_states():
+    grid = (np.arange(5, 26, 2.0), np.arange(0.5, 25), np.arange(0.5, 30))
+    states = centre_bins(site("northern_north_sea").at(119), *grid, jacobian=False)
+    assert len(states) == 546
+    assert states.weights.sum() == pytest.approx(1.0)
+    share = {(u, h, t): p for (u, h, t), p in zip(states, states.weights, strict=True)}
+    for state, printed in SPOTS.items():
+        assert share[state] * 1.17122 == pytest.approx(printed, rel=1e-5)
+    assert len(centre_bins(site("northern_north_sea").at(119), *grid)) < 600
+
+
+# wind speed, significant wave height, peak period, probability: the fatigue states of a study of 30 of them, as another
+# program found them from the same distribution (Hegseth et al., Marine Structures 72 (2020), modes of the laws)
+LIKELY = [
+    (5, 1.89, 8.91, 0.0624), (11, 2.90, 9.45, 0.0572), (17, 4.09, 10.14, 0.0298), (25, 5.90, 11.12, 0.0071),
+    (30, 7.13, 11.74, 0.0022),
+]  # fmt: skip
+
+
+def test_the_most_probable_sea_of_each_wind_speed():
+    states = likely_states(site("northern_north_sea").at(119), range(1, 31))
+    rows = {int(u): (h, t, p) for (u, h, t), p in zip(states, states.weights, strict=True)}
+    for u, h, t, p in LIKELY:
+        assert rows[u] == (pytest.approx(h, abs=0.006), pytest.approx(t, abs=0.006), pytest.approx(p, abs=1.1e-4))
+    joint = site("northern_north_sea").at(119)
+    for law in (joint.wave_height(11.0), joint.peak_period(11.0, 2.9)):
+        mode = float(law.mode())
+        assert law.pdf(mode) > max(law.pdf(mode * 1.01), law.pdf(mode * 0.99))
+    with pytest.raises(ParameterError, match="rising"):
+        likely_states(joint, [3.0, 2.0])

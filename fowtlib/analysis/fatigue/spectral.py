@@ -11,14 +11,17 @@ Sources: Dirlik (1985), as in Halfpenny (1999); Benasciutti and Tovo, Int. Journ
 from __future__ import annotations
 
 import math
+from collections.abc import Mapping
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, overload
+from typing import TYPE_CHECKING, Any, overload
 
 import numpy as np
 
 from fowtlib.analysis.fatigue.curves import in_si
-from fowtlib.analysis.fatigue.loads import check_exponents
-from fowtlib.language.errors import ModelError
+from fowtlib.analysis.fatigue.cycles import Cycles, rainflow_cycles
+from fowtlib.analysis.fatigue.loads import check_exponents, damage_equivalent_load
+from fowtlib.analysis.spectra import realisation
+from fowtlib.language.errors import ModelError, did_you_mean
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
@@ -129,6 +132,50 @@ def tovo_benasciutti(spectrum: Spectrum) -> RangeDistribution:
         return narrow_band(spectrum)
     share = (one - two) / (two - 1) ** 2 * (1.112 * (1 + one * two - (one + two)) * math.exp(2.11 * two) + (one - two))
     return _made(spectrum, math.sqrt(m4 / m2), m0, [(share * two, 1.0, 2.0), (1 - share, two, 2.0)])
+
+
+def rainflow_of(spectrum: Spectrum, *, seeds: int = 6, duration: float = 3600.0, step: float = 0.1) -> list[Cycles]:
+    """Cycles of series of the spectrum by inverse FFT, with the random phases of so many seeds, by rainflow counting.
+
+    duration, step: of each series, s.
+    """
+    if int(seeds) != seeds or seeds < 1:
+        raise ModelError(f"series are made of 1, 2, 3 ... seeds, not of {seeds:g}.")
+    return [rainflow_cycles(realisation(spectrum, duration, step, seed=seed)) for seed in range(1, int(seeds) + 1)]
+
+
+def equivalent_load_of(
+    spectrum: Spectrum, exponent: float, frequency: float = 1.0, method: str = "dirlik", **options: Any
+) -> float:
+    """Damage-equivalent range of a Gaussian load by one of the METHODS; options of rainflow_of for "rainflow"."""
+    if _method(method, options) is not None:
+        return float(METHODS[method](spectrum).equivalent_load(exponent, frequency))
+    if not spectrum.std > 0:
+        return 0.0
+    loads = [damage_equivalent_load(c, exponent, frequency=frequency) for c in rainflow_of(spectrum, **options)]
+    return float(np.mean(np.asarray(loads) ** exponent) ** (1.0 / exponent))
+
+
+def damage_of(spectrum: Spectrum, curve: SNCurve, duration: float, method: str = "dirlik", **options: Any) -> float:
+    """Miner's sum of ``duration`` s of a Gaussian stress by one of the METHODS; options of rainflow_of."""
+    if _method(method, options) is not None:
+        return METHODS[method](spectrum).damage(curve, duration)
+    if not spectrum.std > 0:
+        return 0.0
+    return float(np.mean([curve.damage(cycles) / cycles.duration for cycles in rainflow_of(spectrum, **options)])
+                 * duration)  # fmt: skip
+
+
+METHODS = {"dirlik": dirlik, "tovo_benasciutti": tovo_benasciutti, "narrow_band": narrow_band}
+
+
+def _method(method: str, options: Mapping[str, Any]) -> Any:
+    """The law of ranges of a method; None for counting."""
+    if method != "rainflow" and method not in METHODS:
+        raise ModelError(f"there is no method '{method}'{did_you_mean(method, [*METHODS, 'rainflow'])}")
+    if method != "rainflow" and options:
+        raise ModelError(f"{', '.join(options)}: only the method 'rainflow' takes them, not '{method}'.")
+    return METHODS.get(method)
 
 
 Law = tuple[float, float, float]

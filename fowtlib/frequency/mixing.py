@@ -1,0 +1,51 @@
+"""Anderson's mixing: a fixed point in fewer steps, from the last ones together."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+import numpy as np
+
+DEPTH = 5  # steps that are remembered
+LEAST = 0.2  # of a gain: what a step may leave of its trace at least, else the plain step is taken
+GROWN = 1.0  # of a step over the last one: from there what is remembered misleads
+
+
+class Mixing:
+    """The next guess of symmetric matrices G = f(G) without negative eigenvalues, from the guesses so far.
+
+    Where the steps G -> f(G) shrink by a factor close to 1, as those of drag near a mode of little damping do, their
+    least-squares combination goes on from where they would end. D. G. Anderson, J. ACM 12 (1965) 547; H. F. Walker and
+    P. Ni, SIAM J. Numer. Anal. 49 (2011) 1715.
+    """
+
+    def __init__(self) -> None:
+        self._given: list[np.ndarray] = []
+        self._found: list[np.ndarray] = []
+
+    def __call__(self, given: Sequence[np.ndarray], found: Sequence[np.ndarray]) -> list[np.ndarray]:
+        """The next guess, after f(given) = found."""
+        sizes = np.concatenate([np.full(matrix.size, max(np.trace(matrix), 1e-12)) for matrix in found])
+        self._given = [*self._given, _flat(given)][-DEPTH:]
+        self._found = [*self._found, _flat(found)][-DEPTH:]
+        steps = [(f - g) / sizes for f, g in zip(self._found, self._given, strict=True)]
+        if len(steps) < 2 or np.linalg.norm(steps[-1]) > GROWN * np.linalg.norm(steps[-2]):
+            self._given, self._found = self._given[-1:], self._found[-1:]
+            return list(found)
+        differences = np.column_stack([after - before for before, after in zip(steps[:-1], steps[1:], strict=True)])
+        share = np.linalg.lstsq(differences, steps[-1], rcond=1e-10)[0]
+        moves = np.column_stack([b - a for a, b in zip(self._found[:-1], self._found[1:], strict=True)])
+        mixed, first = self._found[-1] - moves @ share, 0
+        guess = []
+        for matrix in found:
+            part = mixed[first : first + matrix.size].reshape(matrix.shape)
+            first += matrix.size
+            part = (part + part.T) / 2
+            if not np.trace(part) > LEAST * np.trace(matrix) or np.linalg.eigvalsh(part)[0] < 0:
+                part = matrix
+            guess.append(part)
+        return guess
+
+
+def _flat(matrices: Sequence[np.ndarray]) -> np.ndarray:
+    return np.concatenate([matrix.ravel() for matrix in matrices])
