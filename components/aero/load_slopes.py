@@ -1,4 +1,4 @@
-"""What each blade element adds to a rotor's loads by a change of its wind, in steady operation: numbers, reader, writer.
+"""What each blade element adds to the loads of a rotor by a change of its wind, in steady operation; reader, writer.
 
 Source: J.M. Hegseth, thesis NTNU 2020:356, appendix B; A. Halfpenny, PhD thesis (1998).
 """

@@ -57,7 +57,7 @@ def ring_shares(frequency: ArrayLike, radii: ArrayLike, orders: ArrayLike, coher
 
 def _interpolated_shares(radii: Floats, orders: ArrayLike, weights: Floats,
                          coherence: Coherence) -> Callable[[int, Floats], Floats]:  # fmt: skip
-    """`(order, frequency [Hz] (q,)) -> shares (q, a, a)` of weighted sums, from a table over the logarithm of frequency.
+    """`(order, frequency [Hz] (q,)) -> shares (q, a, a)` of weighted sums, from a table over frequency.
 
     weights: (a, r) of the rings in each sum.
     """
@@ -77,7 +77,7 @@ def turning_density(omega: ArrayLike, radii: ArrayLike, rotor_speed: float, spec
     the rotor, B_0 g_0 + B_c (2 Re g_1) + B_s (-2 Im g_1), where B_0, B_c and B_s are the means over a turn of the sums
     over the blades of B_b, B_b cos(psi_b) and B_b sin(psi_b).
 
-    uniform (a, r), once (b, r): weighted sums of g_0, and of g_1, in place of those of each ring: (q, a + 2 b, a + 2 b).
+    uniform (a, r), once (b, r): weighted sums of g_0 and of g_1 in place of each ring: (q, a + 2 b, a + 2 b).
     """
     omega = np.atleast_1d(np.asarray(omega, dtype=float))
     r = np.atleast_1d(np.asarray(radii, dtype=float))
