@@ -8,6 +8,7 @@ from fowtlib.components.aero.blade_element_aerodynamics import BladeElementAerod
 from fowtlib.components.aero.coefficient_rotor import CoefficientRotor
 from fowtlib.components.aero.coefficient_table import CoefficientTable, read_coefficients, write_coefficients
 from fowtlib.components.aero.dynamic_inflow import DynamicInflow
+from fowtlib.components.aero.effective_wind_rotor import EffectiveWindRotor
 from fowtlib.components.aero.load_slopes import LoadSlopes, load_slopes, read_load_slopes, write_load_slopes
 from fowtlib.components.aero.rotor import Rotor
 from fowtlib.components.aero.rotor_side import RotorSide
@@ -34,6 +35,7 @@ __all__ = [
     "CoefficientRotor",
     "CoefficientTable",
     "DynamicInflow",
+    "EffectiveWindRotor",
     "LoadSlopes",
     "OyeStall",
     "RigidRotor",

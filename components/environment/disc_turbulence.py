@@ -18,6 +18,7 @@ frequency domain, PhD thesis (1998), ch. 4.
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
+from functools import lru_cache
 from typing import Any
 
 import numpy as np
@@ -55,16 +56,19 @@ def ring_shares(frequency: ArrayLike, radii: ArrayLike, orders: ArrayLike, coher
     return np.moveaxis(values @ turns, 3, 1)
 
 
-def _interpolated_shares(radii: Floats, orders: ArrayLike, weights: Floats,
-                         coherence: Coherence) -> Callable[[int, Floats], Floats]:  # fmt: skip
-    """`(order, frequency [Hz] (q,)) -> shares (q, a, a)` of weighted sums, from a table over frequency.
-
-    weights: (a, r) of the rings in each sum.
-    """
-    whole = np.unique(np.abs(orders))
-    table = weights @ ring_shares(TABLE, radii, whole, coherence) @ weights.T
-    splines = {order: PchipInterpolator(np.log(TABLE), table[:, k], axis=0) for k, order in enumerate(whole)}
-    return lambda order, frequency: splines[abs(order)](np.log(np.clip(frequency, TABLE[0], TABLE[-1])))
+@lru_cache(maxsize=32)
+def _tables(radii: bytes, weights: tuple[bytes, ...], orders: tuple[tuple[int, ...], ...],
+            coherence: Coherence) -> list[dict[int, PchipInterpolator]]:  # fmt: skip
+    """Shares of weighted sums of rings over the logarithm of the frequency, by order, for each kind of sum."""
+    r = np.frombuffer(radii)
+    whole = sorted({abs(order) for of_kind in orders for order in of_kind})
+    table = ring_shares(TABLE, r, whole, coherence)
+    found = []
+    for text, of_kind in zip(weights, orders, strict=True):
+        w = np.frombuffer(text).reshape(-1, r.size)
+        sums = {abs(order): w @ table[:, whole.index(abs(order))] @ w.T for order in of_kind}
+        found.append({order: PchipInterpolator(np.log(TABLE), sums[order], axis=0) for order in sums})
+    return found
 
 
 def turning_density(omega: ArrayLike, radii: ArrayLike, rotor_speed: float, spectrum: Callable[[Floats], Floats],
@@ -81,14 +85,15 @@ def turning_density(omega: ArrayLike, radii: ArrayLike, rotor_speed: float, spec
     """
     omega = np.atleast_1d(np.asarray(omega, dtype=float))
     r = np.atleast_1d(np.asarray(radii, dtype=float))
-    alone, turned = (np.eye(r.size) if w is None else np.atleast_2d(w) for w in (uniform, once))
+    alone, turned = (np.eye(r.size) if w is None else np.array(w, dtype=float, ndmin=2) for w in (uniform, once))
     harmonics = range(-HARMONICS, HARMONICS + 1)
-    shares_of_0 = _interpolated_shares(r, [blades * k for k in harmonics], alone, coherence)
-    shares_of_1 = _interpolated_shares(r, [1 + blades * k for k in harmonics], turned, coherence)
+    orders = tuple(blades * k for k in harmonics), tuple(1 + blades * k for k in harmonics)
+    shares_of_0, shares_of_1 = _tables(r.tobytes(), (alone.tobytes(), turned.tobytes()), orders, coherence)
 
-    def shifted(shares: Callable[[int, Floats], Floats], order: int, at: Floats) -> Floats:
+    def shifted(shares: dict[int, PchipInterpolator], order: int, at: Floats) -> Floats:
         moved = np.maximum(np.abs(at), 1e-9)
-        return shares(order, moved / (2 * np.pi)) * np.asarray(spectrum(moved))[:, None, None]
+        share = shares[abs(order)](np.log(np.clip(moved / (2 * np.pi), TABLE[0], TABLE[-1])))
+        return share * np.asarray(spectrum(moved))[:, None, None]
 
     a, b = len(alone), len(turned)
     still = np.zeros((omega.size, a, a))

@@ -234,7 +234,13 @@ def _processes(excited: ExcitedModel, root: Component) -> dict[str, Process]:
              for path, (process, signals) in members.items()}  # fmt: skip
     for columns, places in excited.fields:
         path = places[0].compute.process(root.find(places[0].owner)).path
-        found[path] = Process(partial(field_density, places, root), partial(_of_field, excited.driven, columns))
+        drive = partial(_of_field, excited.driven, columns)
+        if path in members:  # signals and places of one turbulence
+            beside, own = members[path][0].places, found[path].drive
+            density = partial(field_density, places, root, beside=beside)
+            found[path] = Process(density, partial(_side_by_side, (own, drive)))
+        else:
+            found[path] = Process(partial(field_density, places, root), drive)
     return found
 
 
@@ -262,6 +268,10 @@ def _of_signals(driven: int, signals: Sequence[Signal], root: Component, omega: 
     for signal, values in zip(signals, responses, strict=True):
         drive[:, signal.columns] = values
     return drive
+
+
+def _side_by_side(drives: Sequence[Callable[[np.ndarray], np.ndarray]], omega: np.ndarray) -> np.ndarray:
+    return np.concatenate([drive(omega) for drive in drives], axis=2)
 
 
 def _of_field(driven: int, columns: slice, omega: np.ndarray) -> np.ndarray:
