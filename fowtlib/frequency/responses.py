@@ -205,7 +205,7 @@ class Process:
 def _settled(excited: ExcitedModel, processes: Processes, frequency: np.ndarray | None,
              tolerance: float) -> tuple[LinearModel, Grid, int]:  # fmt: skip
     """The linear model with the drag of its own response, the frequencies, and the count of iterations."""
-    gains = [best_gain(GUESS**2 * np.eye(place.stop - place.start)) for _, place in excited.laws]
+    gains = [best_gain(GUESS**2 * np.eye(place.stop - place.start), excited.means[place]) for _, place in excited.laws]
     linear = excited.with_gains(gains)
     refuse_unstable(linear)
     final = frequency is not None or not excited.laws
@@ -318,7 +318,7 @@ class Grid:
                 u = H[:, rows]
                 weighted = (u @ self.spectra[path]) * self.widths[:, None, None]
                 covariance += np.tensordot(weighted, u.conj(), axes=([0, 2], [0, 2])).real
-            gains.append(best_gain(covariance))
+            gains.append(best_gain(covariance, self.excited.means[place]))
         return gains
 
 

@@ -18,7 +18,9 @@ from scipy.linalg import block_diag
 
 from fowtlib.flattening import FlatDAE
 from fowtlib.language.component import Component
+from fowtlib.language.quadratic_laws import slope_at
 from fowtlib.language.run_time import RandomSignals
+from fowtlib.solving.functions import AtParameters
 from fowtlib.solving.linear import Further, LinearModel
 from fowtlib.solving.mean_linear import mean_linear_model
 from fowtlib.solving.random_fields import FieldPlaces, blows, field_places
@@ -60,7 +62,7 @@ class ExcitedModel:
     """Linear model whose inputs are signals, channels of fields, and then what is added to quadratic laws; see above.
 
     linear: its outputs are the results, and then the inputs of the laws. fields: columns of the inputs, and the places
-    of one field. laws: paths of the laws, and their columns among what is added.
+    of one field. laws: paths of the laws, and their columns among what is added. means: of the inputs of the laws.
     """
 
     linear: LinearModel
@@ -68,6 +70,7 @@ class ExcitedModel:
     fields: tuple[tuple[slice, tuple[FieldPlaces, ...]], ...]
     laws: tuple[tuple[str, slice], ...]
     results: int
+    means: np.ndarray
 
     @property
     def driven(self) -> int:
@@ -75,13 +78,16 @@ class ExcitedModel:
         return len(self.linear.inputs) - sum(place.stop - place.start for _, place in self.laws)
 
     def with_gains(self, gains: Sequence[np.ndarray]) -> LinearModel:
-        """The linear model from what drives it to the results and the inputs u of the laws, which give gain @ u."""
+        """The linear model from what drives it to the results and the inputs u of the laws, which give gain @ u.
+
+        u about its mean; gains: whole slopes, of which those at the mean are in the linear model already.
+        """
         n, m = self.driven, self.results
         linear = self.linear
         A, B, C, D = (linear.matrices[name] for name in "ABCD")
         G = np.zeros((B.shape[1] - n, B.shape[1] - n))
         for (_, place), gain in zip(self.laws, gains, strict=True):
-            G[place, place] = gain
+            G[place, place] = gain - slope_at(self.means[place])
         loop = np.linalg.solve(np.eye(len(G)) - G @ D[m:, n:], G)  # from u without the laws to what they add
         A, B = A + B[:, n:] @ loop @ C[m:], B[:, :n] + B[:, n:] @ loop @ D[m:, :n]
         C, D = C + D[:, n:] @ loop @ C[m:], D[:, :n] + D[:, n:] @ loop @ D[m:, :n]
@@ -124,7 +130,17 @@ def excited_model(plant: Any, state: State, names: Sequence[str], root: Componen
 
     further = Further(symbols, outputs, tuple(labels), mixing if fields else None)
     linear = mean_linear_model(plant, state, (), names, further)
-    return ExcitedModel(linear, tuple(signals), tuple(fields), tuple(laws), len(linear.outputs) - first)
+    means = _means(at, state)
+    return ExcitedModel(linear, tuple(signals), tuple(fields), tuple(laws), len(linear.outputs) - first, means)
+
+
+def _means(at: AtParameters, state: State) -> np.ndarray:
+    """The inputs of all quadratic laws at the mean."""
+    laws = [law.inputs for law in at.dae.quadratics]
+    if not laws:
+        return np.zeros(0)
+    inputs = at.general.once("inputs of laws", lambda: at.general.function("inputs_of_laws", [ca.vertcat(*laws)]))
+    return np.array(at.call(inputs, state.t, state.x, state.z, np.concatenate([state.u, state.d]))).ravel()
 
 
 def _signals(dae: FlatDAE) -> list[Signal]:
