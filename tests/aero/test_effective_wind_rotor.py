@@ -10,7 +10,7 @@ import pytest
 
 import fowtlib as fw
 import fowtlib.models
-from fowtlib.components.aero import CoefficientRotor, EffectiveWindRotor, read_load_slopes
+from fowtlib.components.aero import CoefficientRotor, EffectiveWindRotor, TowerDrag, read_load_slopes
 from fowtlib.components.blocks import Constant
 from fowtlib.components.environment.wind import SteadyWind, Wind
 from fowtlib.components.environment.wind.discs import DiscSignals, Turbulence
@@ -172,6 +172,22 @@ def test_a_kaimal_field_and_kaimal_turbulence_give_one_response():
         for wind in winds
     )  # fmt: skip
     assert one.density == pytest.approx(other.density, rel=1e-6)
+
+
+def test_the_tower_beside_the_rotor_is_in_the_same_field():
+    model = turbine(Wind(kind="turbulence", mean_speed=14.0, shear_exponent=0.0)).root
+    model.column = Fixed(r=(0, 0, 60))
+    model.drag = TowerDrag(diameters=[5.0], lengths=[20.0], drag_coefficient=0.7)
+    model.connect(model.column.frame, model.drag.nodes[0])
+    plant = fw.Model(model, outputs={"thrust": "turbine.rotor.thrust", "drag": "drag.force[0]"}).compile()
+    found = fw.response(plant, frequencies=np.geomspace(1e-4, 2.0, 400))
+    slope, wind = 1.225 * 0.7 * 100.0 * 14.0, found.transfer["wind"]
+    density = Turbulence(plant.root.wind).spectral_density(2 * np.pi * found.frequency)[:, 0, 0].real * 2 * np.pi
+    assert found.std("drag") == pytest.approx(slope * np.sqrt(np.trapezoid(density, found.frequency)), rel=2e-3)
+    assert found.std("thrust") > 3e4
+    # stations and disc, then the column
+    assert wind.shape[2] == 6
+    assert np.abs(wind[0, 1]) == pytest.approx([0, 0, 0, 0, 0, slope], rel=2e-3, abs=1e-6 * slope)
 
 
 def test_a_wind_beyond_the_slopes_and_one_of_stations_alone_are_refused():
