@@ -45,7 +45,13 @@ if TYPE_CHECKING:
     from fowtlib.case_files import read_cases
     from fowtlib.cases import Batch, Case, check_cases, run_batch
     from fowtlib.fmi import export_fmu
-    from fowtlib.frequency import Response, response
+    from fowtlib.frequency import (
+        AerodynamicCoefficients,
+        Response,
+        aerodynamic_coefficients,
+        forced_oscillation,
+        response,
+    )
     from fowtlib.modelfile import dump, load
     from fowtlib.solving import (
         Conditions,
@@ -70,7 +76,10 @@ _PACKAGES = ("analysis", "components")
 _LATER = {
     "export_fmu": "fowtlib.fmi",
     "view": "fowtlib.view",
-    **dict.fromkeys(("Response", "response"), "fowtlib.frequency"),
+    **dict.fromkeys(
+        ("AerodynamicCoefficients", "Response", "aerodynamic_coefficients", "forced_oscillation", "response"),
+        "fowtlib.frequency",
+    ),
     "read_cases": "fowtlib.case_files",
     **dict.fromkeys(("Batch", "Case", "check_cases", "run_batch"), "fowtlib.cases"),
     **dict.fromkeys(("dump", "load"), "fowtlib.modelfile"),
@@ -106,6 +115,7 @@ def __dir__() -> list[str]:
 
 
 __all__ = [
+    "AerodynamicCoefficients",
     "Assembly",
     "Batch",
     "Case",
@@ -122,6 +132,7 @@ __all__ = [
     "Response",
     "Result",
     "State",
+    "aerodynamic_coefficients",
     "analyse_decay",
     "analysis",
     "average",
@@ -136,6 +147,7 @@ __all__ = [
     "equivalent_loads",
     "export_fmu",
     "fit_gumbel",
+    "forced_oscillation",
     "free_decay",
     "harmonic_fit",
     "lifetime_equivalent_load",

@@ -1,6 +1,14 @@
 """Response of a model to wind and waves in the frequency domain: spectra, deviations, extremes and fatigue, no runs."""
 
+from fowtlib.frequency.aerodynamics import AerodynamicCoefficients, aerodynamic_coefficients, forced_oscillation
 from fowtlib.frequency.drag import best_gain
 from fowtlib.frequency.responses import Response, response
 
-__all__ = ["Response", "best_gain", "response"]
+__all__ = [
+    "AerodynamicCoefficients",
+    "Response",
+    "aerodynamic_coefficients",
+    "best_gain",
+    "forced_oscillation",
+    "response",
+]
