@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
 from typing import TYPE_CHECKING, Any
 
 import casadi as ca
@@ -11,9 +10,9 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from fowtlib.components.environment.field_wind import NO_FIELD, FieldData, wind_function
+from fowtlib.components.environment.wind.discs import OnDiscs
 from fowtlib.components.environment.wind.points import Flow, positions
 from fowtlib.components.environment.wind.randomness import FieldNumbers, StationSignals
-from fowtlib.components.environment.wind_file import WindSeries
 from fowtlib.language import (
     Array,
     Component,
@@ -33,14 +32,13 @@ from fowtlib.language import (
 from fowtlib.language import math as m
 from fowtlib.language.declarations import join
 from fowtlib.language.errors import ParameterError
-from fowtlib.language.run_time import RestingPlaces, TurningRings
 
 
 def _per_station(wind: Wind) -> tuple[int]:
     return (len(wind.hubs),)
 
 
-class Wind(Component, selector="kind", shared=("speeds", "velocity")):
+class Wind(OnDiscs, Component, selector="kind", shared=("speeds", "velocity")):
     """Wind with power-law shear, or a full field; parts in the wind find it by `wind: Wind = outer(Wind)`.
 
     At (y, z) about station i at (y_i, z_i) the speed along the bearing = direction + turn(t) is
@@ -112,28 +110,6 @@ class Wind(Component, selector="kind", shared=("speeds", "velocity")):
         omega: circular frequencies (k,) [rad/s]. Zero where the kind has none; the mean is no part of it.
         """
         return np.zeros((len(np.atleast_1d(omega)), len(self.hubs), len(self.hubs)))
-
-    @property
-    def turbulent(self) -> bool:
-        """Whether it has a spectrum at the stations."""
-        return bool(np.any(self.spectral_density(np.geomspace(1e-2, 10.0, 20))))
-
-    def places_density(self, omega: np.ndarray, places: Sequence[TurningRings | RestingPlaces]) -> np.ndarray:
-        """One-sided spectra (k, channels, channels) of the fluctuation at places, see disc_turbulence.places_density.
-
-        For kinds with a spectrum and a coherence all over the plane across the wind.
-        """
-        raise self._of_points()
-
-    def disc_series(self, places: Sequence[TurningRings | RestingPlaces], number: int) -> WindSeries:
-        """Fluctuation of the channels of one of the places, a disc; the stations are the first place."""
-        raise self._of_points()
-
-    def _of_points(self) -> ParameterError:
-        return ParameterError(
-            f"{self.label}: a wind of kind '{self.kind}' has turbulence at its stations alone, and a rotor in "
-            "effective winds needs it all over its disk; take a wind of kind 'kaimal', 'ntm', 'etm' or 'turbulence'."
-        )
 
     def mean_at(self, station: int = 0) -> float:
         """Mean speed [m/s] at a station, for start values: before any step or gust."""

@@ -2,11 +2,14 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable, Sequence
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from numpy.typing import ArrayLike
 
+from fowtlib.components.environment.wind_file import WindSeries
+from fowtlib.language.errors import ParameterError
 from fowtlib.language.run_time import RestingPlaces, TurningRings
 from fowtlib.language.series import Series
 
@@ -15,6 +18,36 @@ if TYPE_CHECKING:
 
 DISC_WINDS = ("thrust", "torque", "tilt moment", "yaw moment")
 """Winds [m/s] of a disc: more wind for more thrust and torque; moments on the hub, about y and about z up."""
+
+
+class OnDiscs:
+    """What a kind of wind knows of its turbulence away from the stations, for rotors in effective winds; for Wind."""
+
+    kind: str
+    label: str
+    spectral_density: Callable[[ArrayLike], np.ndarray]
+
+    @property
+    def turbulent(self) -> bool:
+        """Whether it has a spectrum at the stations."""
+        return bool(np.any(self.spectral_density(np.geomspace(1e-2, 10.0, 20))))
+
+    def places_density(self, omega: np.ndarray, places: Sequence[TurningRings | RestingPlaces]) -> np.ndarray:
+        """One-sided spectra (k, channels, channels) of the fluctuation at places, see disc_turbulence.places_density.
+
+        For kinds with a spectrum and a coherence all over the plane across the wind.
+        """
+        raise self._of_points()
+
+    def disc_series(self, places: Sequence[TurningRings | RestingPlaces], number: int) -> WindSeries:
+        """Fluctuation of the channels of one of the places, a disc; the stations are the first place."""
+        raise self._of_points()
+
+    def _of_points(self) -> ParameterError:
+        return ParameterError(
+            f"{self.label}: a wind of kind '{self.kind}' has turbulence at its stations alone, and a rotor in "
+            "effective winds needs it all over its disk; take a wind of kind 'kaimal', 'ntm', 'etm' or 'turbulence'."
+        )
 
 
 class Turbulence:
