@@ -70,7 +70,7 @@ class LoadSlopes:
         rows = self.wind_speed
         if not rows[0] <= wind_speed <= rows[-1]:
             raise self._wrong(f"they cover winds of {rows[0]:g} to {rows[-1]:g} m/s, and not {wind_speed:.4g} m/s; "
-                              "compute them for this wind too (load_slopes).")  # fmt: skip
+                              "compute them for this wind too (fowt rotor-table --slopes).")  # fmt: skip
         k = int(np.clip(np.searchsorted(rows, wind_speed, side="right") - 1, 0, max(len(rows) - 2, 0)))
         if len(rows) == 1 or wind_speed >= rows[-1]:
             low, high, share = len(rows) - 1, len(rows) - 1, 0.0
