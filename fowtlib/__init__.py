@@ -45,7 +45,15 @@ if TYPE_CHECKING:
     from fowtlib.case_files import read_cases
     from fowtlib.cases import Batch, Case, check_cases, run_batch
     from fowtlib.fmi import export_fmu
-    from fowtlib.frequency import Response, Responses, response, responses
+    from fowtlib.frequency import (
+        AerodynamicCoefficients,
+        Response,
+        Responses,
+        aerodynamic_coefficients,
+        forced_oscillation,
+        response,
+        responses,
+    )
     from fowtlib.modelfile import dump, load
     from fowtlib.solving import (
         Conditions,
@@ -70,7 +78,11 @@ _PACKAGES = ("analysis", "components")
 _LATER = {
     "export_fmu": "fowtlib.fmi",
     "view": "fowtlib.view",
-    **dict.fromkeys(("Response", "Responses", "response", "responses"), "fowtlib.frequency"),
+    **dict.fromkeys(
+        ("AerodynamicCoefficients", "Response", "Responses", "aerodynamic_coefficients", "forced_oscillation",
+         "response", "responses"),
+        "fowtlib.frequency",
+    ),
     "read_cases": "fowtlib.case_files",
     **dict.fromkeys(("Batch", "Case", "check_cases", "run_batch"), "fowtlib.cases"),
     **dict.fromkeys(("dump", "load"), "fowtlib.modelfile"),
@@ -106,6 +118,7 @@ def __dir__() -> list[str]:
 
 
 __all__ = [
+    "AerodynamicCoefficients",
     "Assembly",
     "Batch",
     "Case",
@@ -123,6 +136,7 @@ __all__ = [
     "Responses",
     "Result",
     "State",
+    "aerodynamic_coefficients",
     "analyse_decay",
     "analysis",
     "average",
@@ -137,6 +151,7 @@ __all__ = [
     "equivalent_loads",
     "export_fmu",
     "fit_gumbel",
+    "forced_oscillation",
     "free_decay",
     "harmonic_fit",
     "lifetime_equivalent_load",

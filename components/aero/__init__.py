@@ -8,6 +8,8 @@ from fowtlib.components.aero.blade_element_aerodynamics import BladeElementAerod
 from fowtlib.components.aero.coefficient_rotor import CoefficientRotor
 from fowtlib.components.aero.coefficient_table import CoefficientTable, read_coefficients, write_coefficients
 from fowtlib.components.aero.dynamic_inflow import DynamicInflow
+from fowtlib.components.aero.effective_wind_rotor import EffectiveWindRotor
+from fowtlib.components.aero.load_slopes import LoadSlopes, load_slopes, read_load_slopes, write_load_slopes
 from fowtlib.components.aero.rotor import Rotor
 from fowtlib.components.aero.rotor_side import RotorSide
 from fowtlib.components.aero.thrust_curve import ThrustCurve, read_thrust_curve
@@ -33,6 +35,8 @@ __all__ = [
     "CoefficientRotor",
     "CoefficientTable",
     "DynamicInflow",
+    "EffectiveWindRotor",
+    "LoadSlopes",
     "OyeStall",
     "RigidRotor",
     "Rotor",
@@ -45,10 +49,13 @@ __all__ = [
     "TowerShadow",
     "UnsteadyAirfoil",
     "coefficient_table",
+    "load_slopes",
     "node_points",
     "read_airfoils",
     "read_blade",
     "read_coefficients",
+    "read_load_slopes",
     "read_thrust_curve",
     "write_coefficients",
+    "write_load_slopes",
 ]

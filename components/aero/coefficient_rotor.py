@@ -70,11 +70,15 @@ class HubWind(Rotor):
         turned = np.cos(yaw) * np.cos(self.parameter_value("tilt"))
         return float(wind.mean_at(self.station) * turned)
 
+    def wind_along(self, n):
+        """Undisturbed wind [m/s] along the rotor normal n that makes the thrust."""
+        return m.dot(n, self.wind.velocity(self.frame.r, self.station))
+
     def equations(self):
         n, hub = self.normal(), self.frame.r
         return [
             super().equations(),
-            eq(self.normal_wind, m.dot(n, self.wind.velocity(hub, self.station))),
+            eq(self.normal_wind, self.wind_along(n)),
             [] if self.filtered else eq(self.mean_wind, self.normal_wind),
             eq(self.relative_wind, self.normal_wind - m.dot(n, der(hub))),
         ]
@@ -119,26 +123,37 @@ class CoefficientRotor(HubWind):
 
     def equations(self):
         R = self.radius * m.cos(self.precone)
-        pressure = self.world.air_density / 2 * m.pi * R**2 * self.relative_wind * m.abs(self.relative_wind)
         return [
             super().equations(),
-            eq(self.thrust, pressure * self.thrust_coefficient),
-            eq(self.torque, pressure * R * self.torque_coefficient),
+            eq(self.thrust, self.force_in(self.relative_wind) * self.thrust_coefficient),
+            eq(self.torque, self.force_in(self.torque_wind()) * R * self.torque_coefficient),
             self.coefficients_in(m.dot(self.normal(), der(self.frame.r))),
         ]
 
+    def force_in(self, U):
+        """Pressure of a relative wind on the disk, with its sign: 1/2 rho A U |U| [N]."""
+        return self.world.air_density / 2 * m.pi * (self.radius * m.cos(self.precone)) ** 2 * U * m.abs(U)
+
+    def torque_wind(self):
+        """Relative wind [m/s] that makes the torque."""
+        return self.relative_wind
+
     def coefficients_in(self, hub_velocity):
         """Tip speed ratio and coefficients, for the velocity of the hub along the rotor normal."""
-        speed = self.mean_wind - hub_velocity
+        ratio, air, C = self.looked_up(self.mean_wind - hub_velocity)
+        return [
+            assert_(self.mean_wind > -self.lowest_wind, BEHIND),
+            eq(self.tip_speed_ratio, ratio),
+            [eq(self.thrust_coefficient, air * C[0]), eq(self.torque_coefficient, air * C[1])],
+        ]
+
+    def looked_up(self, speed):
+        """Tip speed ratio in a wind [m/s], share of the air, and both coefficients."""
         table, names = self.coefficients, ("tip speed ratio", "blade pitch [rad]")
         grid = (table.tip_speed_ratio, table.blade_pitch, table.values)
         air = at_start("air", doc="0 without any wind, else 1", compute=lambda rotor: rotor.wind.kind != "none")
         air *= self.in_air
-        places = zip((self.tip_speed_ratio, self.blade_pitch), grid, strict=False)
+        ratio = air * self.w * self.radius / m.fmax(speed, self.lowest_wind)
+        places = zip((ratio, self.blade_pitch), grid, strict=False)
         inside = [air * value + (1 - air) * float(edges[0]) for value, edges in places]  # no air: anywhere in it
-        C = table2d(*inside, *grid, name=f"coefficients of {self.path}", arguments=names, remedy=REMEDY)
-        return [
-            assert_(self.mean_wind > -self.lowest_wind, BEHIND),
-            eq(self.tip_speed_ratio, air * self.w * self.radius / m.fmax(speed, self.lowest_wind)),
-            [eq(self.thrust_coefficient, air * C[0]), eq(self.torque_coefficient, air * C[1])],
-        ]
+        return ratio, air, table2d(*inside, *grid, name=f"coefficients of {self.path}", arguments=names, remedy=REMEDY)

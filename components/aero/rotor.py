@@ -45,11 +45,16 @@ class Rotor(RotorSide, AirLoads):
         """The rotor normal, world."""
         return self.frame.R @ m.vertcat(m.cos(self.tilt), 0, -self.side * m.sin(self.tilt))
 
+    def moment_of_air(self, n):
+        """Moment of the air on the hub across the shaft, world; none where the thrust acts at the hub."""
+        return m.zeros(3)
+
     def equations(self):
         n, frame, shaft = self.normal(), self.frame, self.shaft
         moment = -self.rotation * shaft.tau * n if self.reaction_torque else m.zeros(3)
         if self.gyroscopic:
             moment = moment - m.cross(frame.w, self.rotation * self.inertia * self.w * n)
+        moment = moment + self.moment_of_air(n)
         return [
             [eq(shaft.phi, self.phi), eq(der(self.phi), self.w)],
             eq(self.inertia * der(self.w), self.torque + shaft.tau),

@@ -9,7 +9,7 @@ import casadi as ca
 from fowtlib.components.environment.wind import Wind
 from fowtlib.components.environment.world import World
 from fowtlib.components.mechanics import Frame
-from fowtlib.language import Component, Scalar, Vector, der, eq, outer, param, port, var
+from fowtlib.language import Component, Scalar, Vector, der, eq, outer, param, port, quadratic, var
 from fowtlib.language import math as m
 from fowtlib.language.errors import ParameterError
 
@@ -125,7 +125,7 @@ class TowerDrag(Component):
         across = relative - axis * m.dot(axis, relative)
         area = float(self.diameters[k]) * float(self.lengths[k])
         # a speed of 1e-6 m/s keeps the slope of |U| U finite where there is no wind
-        return 0.5 * self.world.air_density * self.drag_coefficient * area * m.smooth_norm(across, 1e-6) * across
+        return 0.5 * self.world.air_density * self.drag_coefficient * area * quadratic(across, 1e-6, f"drag {k}")
 
 
 def deflected_wind(wind: Any, position: Any, points: list[Any], diameters: list[float]) -> ca.SX:

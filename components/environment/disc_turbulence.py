@@ -18,6 +18,7 @@ frequency domain, PhD thesis (1998), ch. 4.
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
+from functools import lru_cache
 from typing import Any
 
 import numpy as np
@@ -45,50 +46,68 @@ def ring_shares(frequency: ArrayLike, radii: ArrayLike, orders: ArrayLike, coher
     """
     r, order = np.atleast_1d(np.asarray(radii, dtype=float)), np.atleast_1d(np.asarray(orders, dtype=int))
     f = np.atleast_1d(np.asarray(frequency, dtype=float))[:, None, None, None]
-    angle = 2 * np.pi * np.arange(ANGLES) / ANGLES
+    angle = np.pi * np.arange(ANGLES // 2 + 1) / (ANGLES // 2)  # the other half of a ring is the same
     square = r[:, None, None] ** 2 + r[None, :, None] ** 2 - 2 * r[:, None, None] * r[None, :, None] * np.cos(angle)
-    values = coherence(f, np.sqrt(np.maximum(square, 0.0))[None])
-    shares = np.fft.rfft(values, axis=3).real / ANGLES
-    return np.moveaxis(shares[..., np.abs(order)], 3, 1)
+    one, other = np.triu_indices(r.size)  # two rings have the same in common in either order
+    values = np.empty((f.shape[0], r.size, r.size, angle.size))
+    values[:, one, other] = coherence(f[..., 0], np.sqrt(np.maximum(square[one, other], 0.0))[None])
+    values[:, other, one] = values[:, one, other]
+    turns = np.cos(angle[:, None] * order) * np.where((angle == 0) | (angle == angle[-1]), 1, 2)[:, None] / ANGLES
+    return np.moveaxis(values @ turns, 3, 1)
 
 
-def _interpolated_shares(radii: Floats, most: int, coherence: Coherence) -> Callable[[int, Floats], Floats]:
-    """`(order, frequency [Hz] (q,)) -> shares (q, r, r)` from a table over the logarithm of the frequency."""
-    table = ring_shares(TABLE, radii, np.arange(most + 1), coherence)
-    splines = [PchipInterpolator(np.log(TABLE), table[:, order], axis=0) for order in range(most + 1)]
-    return lambda order, frequency: splines[order](np.log(np.clip(frequency, TABLE[0], TABLE[-1])))
+@lru_cache(maxsize=32)
+def _tables(radii: bytes, weights: tuple[bytes, ...], orders: tuple[tuple[int, ...], ...],
+            coherence: Coherence) -> list[dict[int, PchipInterpolator]]:  # fmt: skip
+    """Shares of weighted sums of rings over the logarithm of the frequency, by order, for each kind of sum."""
+    r = np.frombuffer(radii)
+    whole = sorted({abs(order) for of_kind in orders for order in of_kind})
+    table = ring_shares(TABLE, r, whole, coherence)
+    found = []
+    for text, of_kind in zip(weights, orders, strict=True):
+        w = np.frombuffer(text).reshape(-1, r.size)
+        sums = {abs(order): w @ table[:, whole.index(abs(order))] @ w.T for order in of_kind}
+        found.append({order: PchipInterpolator(np.log(TABLE), sums[order], axis=0) for order in sums})
+    return found
 
 
 def turning_density(omega: ArrayLike, radii: ArrayLike, rotor_speed: float, spectrum: Callable[[Floats], Floats],
-                    coherence: Coherence, blades: int = 3) -> Complexes:  # fmt: skip
+                    coherence: Coherence, blades: int = 3, uniform: Floats | None = None,
+                    once: Floats | None = None) -> Complexes:  # fmt: skip
     """One-sided spectra of g_0, 2 Re g_1 and -2 Im g_1 of all rings: (q, 3 r, 3 r) [unit of the spectrum], Hermitian.
 
     omega: circular frequencies (q,) [rad/s]; spectrum: one-sided, of omega, at a point; rotor_speed [rad/s]. Channels
     in this order, each ring after the other. A load sum_b B_b u(psi_b) of the blades is then, but for what turns with
     the rotor, B_0 g_0 + B_c (2 Re g_1) + B_s (-2 Im g_1), where B_0, B_c and B_s are the means over a turn of the sums
     over the blades of B_b, B_b cos(psi_b) and B_b sin(psi_b).
+
+    uniform (a, r), once (b, r): weighted sums of g_0 and of g_1 in place of each ring: (q, a + 2 b, a + 2 b).
     """
     omega = np.atleast_1d(np.asarray(omega, dtype=float))
     r = np.atleast_1d(np.asarray(radii, dtype=float))
-    shares_at = _interpolated_shares(r, 1 + blades * HARMONICS, coherence)
-    uniform = np.zeros((omega.size, r.size, r.size))
-    forward, backward = np.zeros_like(uniform), np.zeros_like(uniform)  # of g_1 at omega and at -omega, two-sided
-    for k in range(-HARMONICS, HARMONICS + 1):
+    alone, turned = (np.eye(r.size) if w is None else np.array(w, dtype=float, ndmin=2) for w in (uniform, once))
+    harmonics = range(-HARMONICS, HARMONICS + 1)
+    orders = tuple(blades * k for k in harmonics), tuple(1 + blades * k for k in harmonics)
+    shares_of_0, shares_of_1 = _tables(r.tobytes(), (alone.tobytes(), turned.tobytes()), orders, coherence)
+
+    def shifted(shares: dict[int, PchipInterpolator], order: int, at: Floats) -> Floats:
+        moved = np.maximum(np.abs(at), 1e-9)
+        share = shares[abs(order)](np.log(np.clip(moved / (2 * np.pi), TABLE[0], TABLE[-1])))
+        return share * np.asarray(spectrum(moved))[:, None, None]
+
+    a, b = len(alone), len(turned)
+    still = np.zeros((omega.size, a, a))
+    forward, backward = np.zeros((2, omega.size, b, b))  # of g_1 at omega and at -omega, two-sided
+    for k in harmonics:
         shift = blades * k * rotor_speed
-
-        def shifted(order: int, at: Floats) -> Floats:
-            moved = np.maximum(np.abs(at), 1e-9)
-            return shares_at(abs(order), moved / (2 * np.pi)) * np.asarray(spectrum(moved))[:, None, None]
-
-        uniform += shifted(blades * k, omega - shift)
-        forward += shifted(1 + blades * k, omega - shift) / 2
-        backward += shifted(1 + blades * k, -omega - shift) / 2
-    n = r.size
-    density = np.zeros((omega.size, 3 * n, 3 * n), dtype=complex)
-    density[:, :n, :n] = uniform
-    density[:, n : 2 * n, n : 2 * n] = density[:, 2 * n :, 2 * n :] = 2 * (forward + backward)
-    density[:, n : 2 * n, 2 * n :] = -2j * (forward - backward)
-    density[:, 2 * n :, n : 2 * n] = 2j * (forward - backward)
+        still += shifted(shares_of_0, blades * k, omega - shift)
+        forward += shifted(shares_of_1, 1 + blades * k, omega - shift) / 2
+        backward += shifted(shares_of_1, 1 + blades * k, -omega - shift) / 2
+    density = np.zeros((omega.size, a + 2 * b, a + 2 * b), dtype=complex)
+    density[:, :a, :a] = still
+    density[:, a : a + b, a : a + b] = density[:, a + b :, a + b :] = 2 * (forward + backward)
+    density[:, a : a + b, a + b :] = -2j * (forward - backward)
+    density[:, a + b :, a : a + b] = 2j * (forward - backward)
     return density
 
 
@@ -106,7 +125,8 @@ def places_density(omega: ArrayLike, places: Sequence[TurningRings | RestingPlac
     for i, one in enumerate(places):
         own = slice(ends[i], ends[i + 1])
         if isinstance(one, TurningRings):
-            density[:, own, own] = turning_density(omega, one.radii, abs(one.speed), spectrum, coherence, one.blades)
+            density[:, own, own] = turning_density(omega, one.radii, abs(one.speed), spectrum, coherence, one.blades,
+                                                   *one.weights)  # fmt: skip
         else:
             density[:, own, own] = _together(omega, one, one, coherence) * alone
         for k in range(i):
@@ -119,12 +139,15 @@ def places_density(omega: ArrayLike, places: Sequence[TurningRings | RestingPlac
 
 
 def _together(omega: Floats, one: Any, other: Any, coherence: Coherence) -> Floats:
-    """Mean coherence of each ring or place of one with each of the other: (q, r, r)."""
+    """Mean coherence of each ring, sum of rings or place of one with each of the other: (q, a, a)."""
     a, b = _points(one), _points(other)
     distance = np.linalg.norm(a[:, None, :, None] - b[None, :, None, :], axis=-1)
     frequency = (omega / (2 * np.pi))[:, None, None]
     flat = distance.reshape(len(a), len(b), -1)
-    return sum(coherence(frequency, flat[..., k]) for k in range(flat.shape[-1])) / flat.shape[-1]
+    mean = sum(coherence(frequency, flat[..., k]) for k in range(flat.shape[-1])) / flat.shape[-1]
+    left, right = (item.weights[0] if isinstance(item, TurningRings) else np.eye(len(item.positions))
+                   for item in (one, other))  # fmt: skip
+    return left @ mean @ right.T
 
 
 def _points(places: Any) -> Floats:

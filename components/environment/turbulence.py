@@ -24,7 +24,8 @@ Veers, SAND88-0152 (1988). How strong the turbulence is: module iec.
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -72,6 +73,17 @@ def coherence(frequency: ArrayLike, distance: ArrayLike, mean_speed: float, heig
     return np.exp(-12 * distance * np.hypot(frequency / mean_speed, 0.12 / length))
 
 
+@dataclass(frozen=True)
+class PlaneCoherence:
+    """`coherence` in one mean speed [m/s] and height [m] of the hub, of frequency and distance."""
+
+    mean_speed: float
+    height: float
+
+    def __call__(self, frequency: ArrayLike, distance: ArrayLike) -> Floats:
+        return coherence(frequency, distance, self.mean_speed, self.height)
+
+
 def power_law(speed: float, reference_height: float, height: ArrayLike, exponent: float) -> Floats:
     """Mean speed [m/s] at `height` z [m] from `speed` at `reference_height`: V (z / z_ref)^exponent."""
     return speed * (np.asarray(height, dtype=float) / reference_height) ** exponent
@@ -86,6 +98,7 @@ def kaimal_series(
     seed: int = 1,
     sample_step: float = 0.25,
     repetition_period: float = 4096.0,
+    shares: Callable[[Floats], Floats] | None = None,
 ) -> WindSeries:
     """Fluctuation about the mean at `stations` ((y, z) [m] across the wind): Kaimal spectra, exponential coherence.
 
@@ -98,6 +111,9 @@ def kaimal_series(
 
     The first station shares its random numbers with a sea of the same seed; what that does: waves.irregular_waves.
     Give wind and sea different seeds.
+
+    shares(frequency [Hz] (f,)): Hermitian (f, m, m), spectra of the stations and of what is linear in the turbulence
+    elsewhere, over the Kaimal spectrum: m series in place of those of the stations, the stations first and the same.
     """
     points = np.asarray(stations, dtype=float).reshape(len(stations), -1)
     if points.shape[1:] != (2,):
@@ -118,10 +134,13 @@ def kaimal_series(
     band = -np.diff(kaimal_above((np.arange(harmonics + 1) + 0.5) / period, mean_speed, height))
     distance = np.linalg.norm(points[:, None, :] - points[None, :, :], axis=-1)
     matrix = coherence(number[:, None, None] / period, distance, mean_speed, height)
-    factor = np.linalg.cholesky(matrix + 1e-12 * np.eye(len(points)))  # stations may coincide
-    phases = np.stack([np.random.default_rng([seed, i]).random(harmonics) for i in range(len(points))], axis=-1)
+    if shares is not None:
+        matrix = shares(number / period)
+    size = matrix.shape[1]
+    factor = np.linalg.cholesky(matrix + 1e-12 * np.eye(size))  # stations may coincide
+    phases = np.stack([np.random.default_rng([seed, i]).random(harmonics) for i in range(size)], axis=-1)
     noise = np.einsum("fij,fj->fi", factor, np.exp(2j * np.pi * phases))
-    half = np.zeros((len(points), count // 2 + 1), dtype=complex)
+    half = np.zeros((size, count // 2 + 1), dtype=complex)
     half[:, number] = (0.5 * count * sigma * np.sqrt(2 * band)[:, None] * noise).T
     return WindSeries(0.0, period / count, np.fft.irfft(half, count, axis=1).T, periodic=True)
 

@@ -7,6 +7,7 @@ from fowtlib.components.mechanics.adaptors import ForceToPositionAdaptor, Positi
 from fowtlib.components.mechanics.beam import AxialSpring, Beam, BeamHinge, BeamTurn, BendingHinge, TorsionHinge
 from fowtlib.components.mechanics.beam_properties import BeamProperties, read_beam
 from fowtlib.components.mechanics.bodies import Fixed, FixedRotation, FixedTranslation, PointMass, RigidBody
+from fowtlib.components.mechanics.forced_motion import ForcedOscillation
 from fowtlib.components.mechanics.interfaces import TwoFlanges, TwoFrames
 from fowtlib.components.mechanics.joints import Crank, FreeMotion, PlanarLoopRevolute, Prismatic, Revolute, Spherical
 from fowtlib.components.mechanics.loads import ConstantForce, SpringDamper, WorldForce, WorldTorque
@@ -54,6 +55,7 @@ __all__ = [
     "FixedTranslation",
     "Flange",
     "ForceToPositionAdaptor",
+    "ForcedOscillation",
     "Frame",
     "FreeMotion",
     "IdealGear",

@@ -35,6 +35,7 @@ controller. The coefficients are for a CoefficientRotor:
 examples:
   fowt rotor-table nrel5mw_land --output rotor.csv --plot rotor.png
   fowt rotor-table oc3_spar --winds 8:14:0.5 --curve curve.csv
+  fowt rotor-table oc3_spar --winds 3:25:0.5 --slopes slopes.csv
   fowt rotor-table nrel5mw_land --ratios -1:20:0.25 --pitch -5:100:1 --output parked.csv
 """
 
@@ -54,6 +55,8 @@ def declare(commands: Any) -> None:
     parser.add_argument("--turbine", metavar="PATH", help="which turbine; default: the first of the model")
     tables.add_output(parser, "output", "save the coefficients: .csv")
     parser.add_argument("--curve", type=Path, metavar="FILE", help="save the steady operation: .csv")
+    text = "save the slopes of the loads for an EffectiveWindRotor: .csv"
+    parser.add_argument("--slopes", type=Path, metavar="FILE", help=text)
     parser.add_argument("--plot", type=Path, metavar="FILE", help="draw both: .png, .svg or .pdf")
     tables.declare(parser, output=False)
     parser.set_defaults(action=show_rotor_table)
@@ -73,7 +76,8 @@ def show_rotor_table(arguments: argparse.Namespace) -> int:
     """Compute, save and draw the coefficients; print the steady operation."""
     from fowtlib.components.aero import write_coefficients
 
-    for path, endings in ((arguments.output, (".csv",)), (arguments.curve, (".csv",)), (arguments.plot, FIGURES)):
+    tables_of = (arguments.output, arguments.curve, arguments.slopes)
+    for path, endings in (*((path, (".csv",)) for path in tables_of), (arguments.plot, FIGURES)):
         check_target(path, endings, arguments.force)
     _check_grids(arguments)
     turbine = _turbine(loading.load(arguments), arguments.turbine)
@@ -85,6 +89,8 @@ def show_rotor_table(arguments: argparse.Namespace) -> int:
     rows = [_row(point, turbine, table) for point in points]
     if arguments.curve:
         write_text(arguments.curve, tables.csv_text(COLUMNS, ([f"{value:.10g}" for value in row] for row in rows)))
+    if arguments.slopes:
+        _save_slopes(turbine, arguments, points)
     power = _power(table, precone)
     if arguments.plot:
         from fowtlib.view.rotor import plot_rotor
@@ -94,7 +100,7 @@ def show_rotor_table(arguments: argparse.Namespace) -> int:
     best = f"largest C_p of the table {power[i, j]:.4f}, at tip speed ratio {table.tip_speed_ratio[i]:g} "
     best += f"and {math.degrees(table.blade_pitch[j]):.4g} deg"
     tables.show(arguments, COLUMNS, rows, best)
-    say_saved(arguments.output, arguments.curve, arguments.plot)
+    say_saved(arguments.output, arguments.curve, arguments.slopes, arguments.plot)
     return 0
 
 
@@ -165,14 +171,32 @@ def _row(point: OperatingPoint, turbine: Turbine, table: CoefficientTable) -> li
     ]  # fmt: skip
 
 
-def _about(turbine: Turbine, model: str, precone: float) -> list[str]:
-    """What stands at the head of the file."""
+def _save_slopes(turbine: Turbine, arguments: argparse.Namespace, points: Sequence[OperatingPoint]) -> None:
+    from fowtlib.components.aero import load_slopes, write_load_slopes
+
+    hub = turbine.assembly.hub
+    speeds, pitches = [point.rotor_speed for point in points], [point.blade_pitch for point in points]
+    cone = hub.side * hub.parameter_value("precone")
+    slopes = load_slopes(turbine.aerodynamics.steady_rotor, arguments.winds, speeds, pitches, precone=cone)
+    about = (
+        f"Slopes of the loads of one blade of {turbine.path} in {arguments.model}, by the wind along the shaft at each",
+        f"element, over the air density; {_theory()}, in steady operation.",
+    )
+    write_load_slopes(arguments.slopes, slopes, about)
+
+
+def _theory() -> str:
     from importlib.metadata import version
 
+    return f"blade element momentum theory, fowtlib {version('fowtlib')} (fowt rotor-table)"
+
+
+def _about(turbine: Turbine, model: str, precone: float) -> list[str]:
+    """What stands at the head of the file."""
     radius, cone = turbine.aerodynamics.tip_radius, math.degrees(precone)
     return [
         f"Steady rotor coefficients of {turbine.path} in {model}: rigid blades, uniform wind along the shaft.",
-        f"Blade element momentum theory, fowtlib {version('fowtlib')} (fowt rotor-table).",
+        f"B{_theory()[1:]}.",
         f"Tip speed ratio with the radius along the blade, {radius:g} m; coefficients with that radius times "
         f"cos({cone:g} deg).",
     ]

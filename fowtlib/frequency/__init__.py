@@ -1,8 +1,18 @@
 """Response of a model to wind and waves in the frequency domain: spectra, deviations, extremes and fatigue, no runs."""
 
+from fowtlib.frequency.aerodynamics import AerodynamicCoefficients, aerodynamic_coefficients, forced_oscillation
 from fowtlib.frequency.drag import best_gain
 from fowtlib.frequency.found import Response
 from fowtlib.frequency.many import Responses, responses
 from fowtlib.frequency.responses import response
 
-__all__ = ["Response", "Responses", "best_gain", "response", "responses"]
+__all__ = [
+    "AerodynamicCoefficients",
+    "Response",
+    "Responses",
+    "aerodynamic_coefficients",
+    "best_gain",
+    "forced_oscillation",
+    "response",
+    "responses",
+]

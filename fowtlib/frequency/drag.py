@@ -11,36 +11,50 @@ _ANGLES, _WEIGHTS = (1 + _ANGLES) * np.pi / 4, _WEIGHTS * np.pi / 4
 _SQUARED, _DENSITY = np.tan(_ANGLES) ** 2, _WEIGHTS / np.sin(_ANGLES) ** 2 / np.sqrt(np.pi)
 
 
-def best_gain(covariance: np.ndarray) -> np.ndarray:
-    """G (n, n) of the linear law G u nearest to |u| u in the mean square, for a Gaussian u of this covariance (n, n).
+def best_gain(covariance: np.ndarray, mean: np.ndarray | None = None) -> np.ndarray:
+    """G (n, n) of the linear law G (u - mean) nearest to the changes of |u| u, for a Gaussian u of this covariance.
 
-    G = E[|u| u u^T] E[u u^T]^-1 = E[d(|u| u)/du], with mean zero. Along the principal axes, with sqrt(x) as the
-    integral of (1 - exp(-x t)) t^(-3/2) / (2 sqrt(pi)) over t > 0,
+    G = E[|u| u (u - m)^T] E[(u - m) (u - m)^T]^-1 = E[d(|u| u)/du], least in the mean square; m (n,) = 0 without a
+    mean. Along the principal axes, with sqrt(x) as the integral of (1 - exp(-x t)) t^(-3/2) / (2 sqrt(pi)) over t > 0,
 
-        G_i = 1/(2 sqrt(pi)) int_0^inf t^(-3/2) (1 - 1/(1 + 2 t s_i^2) prod_j (1 + 2 t s_j^2)^(-1/2)) dt,
+        G_ij = 1/(2 sqrt(pi)) int_0^inf t^(-3/2) (delta_ij (1 - F/w_i) + 2 t m_i m_j F/(w_i w_j)) dt,
+        w_i = 1 + 2 t s_i^2,   F = prod_k w_k^(-1/2) exp(-t m_k^2/w_k),
 
-    here with t = tan^2(angle) over the largest variance. One direction: sqrt(8/pi) s. Two equal ones: 3/2 sqrt(pi/2) s.
+    here with t = tan^2(angle) over the largest of the variances and the square of the mean. One direction:
+    sqrt(8/pi) s without a mean, 2 m where it is much larger than s. Two equal ones without a mean: 3/2 sqrt(pi/2) s.
     """
-    return _gains(np.asarray(covariance, dtype=float)[None])[0]
+    covariance = np.asarray(covariance, dtype=float)
+    mean = np.zeros(len(covariance)) if mean is None else np.asarray(mean, dtype=float)
+    return _gains(covariance[None], mean[None])[0]
 
 
-def best_gains(velocities: Sequence[np.ndarray]) -> list[np.ndarray]:
-    """The gains of many laws, from values (n, k) of each whose sums of products are its covariance."""
+def best_gains(velocities: Sequence[np.ndarray], means: Sequence[np.ndarray]) -> list[np.ndarray]:
+    """The gains of many laws, from values (n, k) of each whose sums of products are its covariance, and means (n,)."""
     gains: list[np.ndarray] = [np.zeros((0, 0))] * len(velocities)
     for size in {len(u) for u in velocities}:
         of_size = [number for number, u in enumerate(velocities) if len(u) == size]
         u = np.stack([velocities[number] for number in of_size])
-        for number, gain in zip(of_size, _gains(u @ u.transpose(0, 2, 1)), strict=True):
+        about = np.stack([means[number] for number in of_size])
+        for number, gain in zip(of_size, _gains(u @ u.transpose(0, 2, 1), about), strict=True):
             gains[number] = gain
     return gains
 
 
-def _gains(covariance: np.ndarray) -> np.ndarray:
-    """The gains (k, n, n) of covariances (k, n, n)."""
+def _gains(covariance: np.ndarray, mean: np.ndarray) -> np.ndarray:
+    """The gains (k, n, n) of covariances (k, n, n) and means (k, n)."""
     variances, axes = np.linalg.eigh((covariance + covariance.transpose(0, 2, 1)) / 2)
-    largest = np.maximum(variances[:, -1], 0.0)
-    shares = np.maximum(variances, 0.0) / np.where(largest > 0, largest, 1.0)[:, None]
+    variances = np.maximum(variances, 0.0)
+    m = np.einsum("kij,ki->kj", axes, mean)  # along the principal axes
+    largest = np.maximum(variances[:, -1], (m**2).sum(axis=1))
+    unit = np.where(largest > 0, largest, 1.0)[:, None]
+    shares, m = variances / unit, m / np.sqrt(unit)
     fallen = 1 + 2 * _SQUARED[:, None, None] * shares
-    inside = 1 - 1 / (fallen * np.sqrt(fallen.prod(axis=2))[:, :, None])
-    gains = np.tensordot(_DENSITY, inside, axes=1) * np.sqrt(largest)[:, None]
-    return (axes * gains[:, None, :]) @ axes.transpose(0, 2, 1)
+    left = 1 / np.sqrt(fallen.prod(axis=2))[:, :, None]
+    if m.any():
+        left = left * np.exp(-_SQUARED[:, None] * (m**2 / fallen).sum(axis=2))[:, :, None]
+    gains = np.tensordot(_DENSITY, 1 - left / fallen, axes=1)[:, :, None] * np.eye(m.shape[1])
+    if m.any():
+        side = m / fallen
+        gains = gains + np.einsum("t,tki,tkj->kij", _DENSITY * 2 * _SQUARED, left * side, side)
+    gains = gains * np.sqrt(largest)[:, None, None]
+    return axes @ gains @ axes.transpose(0, 2, 1)

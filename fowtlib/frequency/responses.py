@@ -124,7 +124,7 @@ def _settled_gains(excited: ExcitedModel, processes: Processes, frequency: np.nd
 
     A coarse grid serves until the gains change little, then the final one of the modes that the model has with them.
     """
-    gains = [best_gain(GUESS**2 * np.eye(place.stop - place.start)) for _, place in excited.laws]
+    gains = [best_gain(GUESS**2 * np.eye(place.stop - place.start), excited.means[place]) for _, place in excited.laws]
     linear = excited.with_gains(gains)
     refuse_unstable(linear)
     final = frequency is not None or not excited.laws
@@ -168,7 +168,13 @@ def _processes(excited: ExcitedModel, root: Component) -> dict[str, Process]:
         if not blows(places, root):
             continue
         path = places[0].compute.process(root.find(places[0].owner)).path
-        found[path] = Process(partial(field_density, places, root), partial(_of_field, excited.driven, columns))
+        drive = partial(_of_field, excited.driven, columns)
+        if path in members:  # signals and places of one turbulence
+            beside, own = members[path][0].places, found[path].drive
+            density = partial(field_density, places, root, beside=beside)
+            found[path] = Process(density, partial(_side_by_side, (own, drive)))
+        else:
+            found[path] = Process(partial(field_density, places, root), drive)
     return found
 
 
@@ -196,6 +202,10 @@ def _of_signals(driven: int, signals: Sequence[Signal], root: Component, omega: 
     for signal, values in zip(signals, responses, strict=True):
         drive[:, signal.columns] = values
     return drive
+
+
+def _side_by_side(drives: Sequence[Callable[[np.ndarray], np.ndarray]], omega: np.ndarray) -> np.ndarray:
+    return np.concatenate([drive(omega) for drive in drives], axis=2)
 
 
 def _of_field(driven: int, columns: slice, omega: np.ndarray) -> np.ndarray:
@@ -267,7 +277,8 @@ class Grid:
                 velocity = velocity + times(closed.D_output[m:], signals)
         velocity = velocity + times((C[m:] + through @ C[m:]) @ resolvent.shapes, amplitudes)
         flat = velocity.reshape(len(velocity), -1).view(float)
-        return best_gains([flat[place] for _, place in excited.laws])
+        places = [place for _, place in excited.laws]
+        return best_gains([flat[place] for place in places], [excited.means[place] for place in places])
 
 
 def _roots(S: np.ndarray) -> np.ndarray:

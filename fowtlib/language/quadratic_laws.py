@@ -1,8 +1,8 @@
 """Quadratic laws |u| u: drag. Time takes them as they are; the frequency domain by what they do to a random u.
 
-The linear law with the least mean square error against |u| u, for a Gaussian u with zero mean, is E[d(|u| u)/du] u:
-stochastic linearisation, sqrt(8/pi) sigma u in one direction. It depends on how large the answer of the whole model is,
-so that no part can say it; what a part says is that the law is there, and of what.
+The linear law with the least mean square error against |u| u, for a Gaussian u, is E[d(|u| u)/du] (u - mean):
+stochastic linearisation, sqrt(8/pi) sigma u in one direction without a mean. It depends on how large the answer of the
+whole model is, so that no part can say it; what a part says is that the law is there, and of what.
 Source: L.E. Borgman, J. Waterways and Harbors Div. ASCE 93 (1967) 129-156; T.K. Caughey, J. Acoust. Soc. Am. 35 (1963)
 1706-1711.
 """
@@ -40,7 +40,7 @@ class Nothing:
 
 
 def quadratic(u: Any, smoothing: float, name: str = "drag") -> ca.SX:
-    """|u| u of a column u (n,) with zero mean, |u| as sqrt(u.u + smoothing^2). Inside equations() only.
+    """|u| u of a column u (n,), |u| as sqrt(u.u + smoothing^2). Inside equations() only.
 
     Where u changes with time, so do the equations; the frequency domain replaces the law by its best linear one.
     """
@@ -50,3 +50,9 @@ def quadratic(u: Any, smoothing: float, name: str = "drag") -> ca.SX:
     added = at_start(f"{name} added", n, "", doc, Nothing(n))
     active().quadratic(u, added)
     return m.smooth_norm(u, smoothing) * u + added
+
+
+def slope_at(mean: np.ndarray) -> np.ndarray:
+    """d(|u| u)/du (n, n) at a mean u (n,): what the equations have of the law by themselves, for small changes."""
+    speed = float(np.linalg.norm(mean))
+    return speed * np.eye(len(mean)) + (np.outer(mean, mean) / speed if speed > 0 else 0.0)

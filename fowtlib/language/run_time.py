@@ -54,18 +54,28 @@ class RandomSignals(Protocol):
 class TurningRings:
     """Places that turn about an axis along a flow: on rings of radii (r,) [m] about a centre (3,), one for each blade.
 
-    speed [rad/s]: of the turning.
+    speed [rad/s]: of the turning. uniform (a, r) and once (b, r): sums of rings with weights, of what goes the same way
+    all round and of what goes once round, in place of each ring by itself.
     """
 
     centre: np.ndarray
     radii: np.ndarray
     speed: float
     blades: int
+    uniform: np.ndarray | None = None
+    once: np.ndarray | None = None
+
+    @property
+    def weights(self) -> tuple[np.ndarray, np.ndarray]:
+        """Weights (a, r) and (b, r); of rings by themselves ones."""
+        alone = np.eye(len(self.radii))
+        return alone if self.uniform is None else self.uniform, alone if self.once is None else self.once
 
     @property
     def channels(self) -> int:
-        """Three a ring: uniform, and once round in two directions."""
-        return 3 * len(self.radii)
+        """Three a ring, or a + 2 b: uniform, and once round in two directions."""
+        uniform, once = self.weights
+        return len(uniform) + 2 * len(once)
 
 
 @dataclass(frozen=True, eq=False)

@@ -18,6 +18,7 @@ from scipy.linalg import block_diag
 
 from fowtlib.flattening import FlatDAE
 from fowtlib.language.component import Component
+from fowtlib.language.quadratic_laws import slope_at
 from fowtlib.language.run_time import RandomSignals
 from fowtlib.solving.functions import AtParameters
 from fowtlib.solving.linear import Further, LinearModel
@@ -75,7 +76,8 @@ class ExcitedModel:
     """Linear model whose inputs are signals, channels of fields, and then what is added to quadratic laws; see above.
 
     linear: its outputs are the results, and then the inputs of the laws. fields: columns of the inputs, and the places
-    of one field. laws: paths of the laws, and their columns among what is added. forces: see Forces.
+    of one field. laws: paths of the laws, and their columns among what is added. means: of the inputs of the laws.
+    forces: see Forces.
     """
 
     linear: LinearModel
@@ -83,6 +85,7 @@ class ExcitedModel:
     fields: tuple[tuple[slice, tuple[FieldPlaces, ...]], ...]
     laws: tuple[tuple[str, slice], ...]
     results: int
+    means: np.ndarray
     forces: Forces
 
     @property
@@ -96,11 +99,14 @@ class ExcitedModel:
         D = self.linear.matrices["D"][m:, n:]
         G = np.zeros((D.shape[1], D.shape[1]))
         for (_, place), gain in zip(self.laws, gains, strict=True):
-            G[place, place] = gain
+            G[place, place] = gain - slope_at(self.means[place])
         return np.linalg.solve(np.eye(len(G)) - G @ D, G) if D.any() else G
 
     def with_gains(self, gains: Sequence[np.ndarray]) -> LinearModel:
-        """The linear model from what drives it to the results and the inputs u of the laws, which give gain @ u."""
+        """The linear model from what drives it to the results and the inputs u of the laws, which give gain @ u.
+
+        u about its mean; gains: whole slopes, of which those at the mean are in the linear model already.
+        """
         n, m = self.driven, self.results
         linear, loop = self.linear, self.loop(gains)
         A, B, C, D = (linear.matrices[name] for name in "ABCD")
@@ -147,7 +153,8 @@ def excited_model(plant: Any, state: State, names: Sequence[str]) -> ExcitedMode
     speeds, rows = _motions(at)
     further = Further(symbols, outputs, tuple(labels), mixing if fields else None, rows)
     linear, forces = _without_forces(mean_linear_model(plant, state, (), names, further), speeds, len(rows))
-    return ExcitedModel(linear, tuple(signals), tuple(fields), tuple(laws), len(linear.outputs) - first, forces)
+    return ExcitedModel(linear, tuple(signals), tuple(fields), tuple(laws), len(linear.outputs) - first,
+                        _means(at, state), forces)  # fmt: skip
 
 
 def _motions(at: AtParameters) -> tuple[list[str], tuple[int, ...]]:
@@ -180,6 +187,15 @@ def _without_forces(linear: LinearModel, speeds: Sequence[str], count: int) -> t
     rest = LinearModel(A, B[:, :n], C, D[:, :n], linear.states, linear.inputs[:n], linear.outputs, linear.units,
                        operators)  # fmt: skip
     return rest, Forces(places, B[:, n:], D[:, n:], own)
+
+
+def _means(at: AtParameters, state: State) -> np.ndarray:
+    """The inputs of all quadratic laws at the mean."""
+    laws = [law.inputs for law in at.dae.quadratics]
+    if not laws:
+        return np.zeros(0)
+    inputs = at.general.once("inputs of laws", lambda: at.general.function("inputs_of_laws", [ca.vertcat(*laws)]))
+    return np.array(at.call(inputs, state.t, state.x, state.z, np.concatenate([state.u, state.d]))).ravel()
 
 
 def _signals(dae: FlatDAE) -> list[Signal]:

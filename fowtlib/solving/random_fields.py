@@ -102,10 +102,11 @@ def _rings(dae: Any, now: np.ndarray, moved: np.ndarray, speed: float, turn: Tur
     return TurningRings(centre, radii, float(sense * abs(speed)), blades)
 
 
-def density(places: Sequence[FieldPlaces], root: Component, omega: np.ndarray) -> np.ndarray:
-    """Spectra (q, channels, channels) of all places in one field."""
+def density(places: Sequence[FieldPlaces], root: Component, omega: np.ndarray,
+            beside: Sequence[TurningRings | RestingPlaces] = ()) -> np.ndarray:  # fmt: skip
+    """Spectra (q, channels, channels) of all places in one field, after those of what is beside them."""
     component = root.find(places[0].owner)
-    return places[0].compute.density(component, omega, [item.places for item in places])
+    return places[0].compute.density(component, omega, [*beside, *(item.places for item in places)])
 
 
 def blows(places: Sequence[FieldPlaces], root: Component) -> bool:

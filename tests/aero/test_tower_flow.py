@@ -11,7 +11,7 @@ import fowtlib.models
 from fowtlib.components.aero import BladeElementAerodynamics, TowerDrag, TowerPotentialFlow
 from fowtlib.components.aero.tower_flow import deflected_wind, shadowed_wind
 from fowtlib.components.environment import Wind, World
-from fowtlib.components.mechanics import FixedTranslation, Prismatic, RigidBody
+from fowtlib.components.mechanics import Fixed, FixedTranslation, Prismatic, RigidBody, SpringDamper
 from fowtlib.components.support import RigidTower
 from fowtlib.language.errors import ParameterError, SimulationError
 
@@ -210,6 +210,30 @@ def test_drag_of_a_tower_in_power_law_shear(exponent):
     assert np.ravel(state["drag.force"]) == pytest.approx(force * direction, rel=3e-3, abs=1e-6)
     assert state["tower.base_fore_aft_moment"] == pytest.approx(moment * direction[0], rel=1e-3)
     assert state["tower.base_side_side_moment"] == pytest.approx(-moment * direction[1], rel=1e-3)
+
+
+def test_drag_of_a_tower_in_turbulence_is_the_same_in_time_and_frequency():
+    """A mast on a spring and a dashpot, its drag by the relative wind."""
+    model = fw.Assembly("mast on a spring")
+    model.world, model.wind = World(), Wind(kind="kaimal", mean_speed=20.0, turbulence_intensity=0.15, seed=3,
+                                            repetition_period=2048.0)  # fmt: skip
+    model.slide, model.body = Prismatic(n=(1, 0, 0)), RigidBody(mass=2000.0, r_cm=(0, 0, 0), inertia=np.eye(3))
+    model.wall = Fixed(r=(-50, 0, 0))
+    model.spring = SpringDamper(stiffness=800.0, damping=100.0, natural_length=50.0)
+    model.drag = TowerDrag(diameters=[2.0], lengths=[20.0], drag_coefficient=0.7)
+    model.connect(model.world.frame, model.slide.frame_a)
+    model.connect(model.wall.frame, model.spring.frame_a)
+    for frame in (model.body.frame_a, model.drag.nodes[0], model.spring.frame_b):
+        model.connect(model.slide.frame_b, frame)
+    plant = fw.Model(model, outputs={"x": "slide.s", "drag": "drag.force[0]"}).compile()
+    response = fw.response(plant)
+    result = plant.simulate(2048.0, output_step=0.25, solver="fixed", step=0.05)
+    late = np.asarray(result.time) > 100
+    for name in ("x", "drag"):
+        series = np.asarray(result[name])[late]
+        assert series.std() == pytest.approx(response.std(name), rel=0.06)
+        # the mean of |u| u is (1 + 0.15^2) times that of the mean wind, and the response has that alone
+        assert series.mean() == pytest.approx(1.0225 * response.mean[response.outputs.index(name)], rel=0.02)
 
 
 def test_drag_of_a_moving_tower_is_by_the_relative_wind():

@@ -10,8 +10,9 @@ from pathlib import Path
 import numpy as np
 import pytest
 
+import fowtlib.models
 from fowtlib.cli.app import main
-from fowtlib.components.aero import read_coefficients
+from fowtlib.components.aero import read_coefficients, read_load_slopes
 
 COARSE = ["rotor-table", "nrel5mw_land", "--ratios", "4:12:1", "--pitch", "-2:22:2", "--winds", "8,11,20"]
 
@@ -38,6 +39,18 @@ def test_table_curve_and_picture(capsys):
     assert float(above["rotor speed [rpm]"]) == pytest.approx(12.1)
     assert float(above["aero power [kW]"]) == pytest.approx(5296.6, rel=1e-4)
     assert Path("rotor.png").read_bytes().startswith(b"\x89PNG")
+
+
+def test_slopes_for_a_rotor_in_effective_winds(capsys):
+    assert main([*COARSE, "--slopes", "slopes.csv", "--curve", "curve.csv"]) == 0
+    assert capsys.readouterr().err == "saved curve.csv\nsaved slopes.csv\n"
+    slopes = read_load_slopes("slopes.csv")
+    rows = list(csv.DictReader(Path("curve.csv").read_text().splitlines()))
+    assert slopes.wind_speed == pytest.approx([8, 11, 20])
+    assert slopes.rotor_speed * 30 / np.pi == pytest.approx([float(row["rotor speed [rpm]"]) for row in rows])
+    shipped = read_load_slopes(str(Path(fowtlib.models.__file__).parent / "data/nrel5mw/load_slopes.csv"))
+    assert slopes.thrust[2].sum() == pytest.approx(shipped.at(20.0).thrust.sum(), rel=0.01)  # another table of C_q
+    assert "fowt rotor-table" in Path("slopes.csv").read_text()
 
 
 def test_rows_agree_with_the_definition_of_the_coefficients(capsys):

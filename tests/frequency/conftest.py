@@ -28,6 +28,7 @@ class Oscillator(Component):
 
     damping: Scalar = param(default=LINEAR, unit="N*s/m", doc="linear damping")
     drag: Scalar = param(default=0.0, unit="kg/m", doc="of the square of the speed")
+    flow: Number = param(default=0.0, unit="m/s", doc="of what drags, against the velocity")
     stiffness: Scalar = param(default=STIFFNESS, unit="N/m", doc="of the spring")
     push: Scalar = param(default=0.0, unit="N", doc="a force that does not change")
     level: Number = param(default=2.0, bound=True, doc="one-sided spectrum of the force [N^2 s/rad]")
@@ -38,7 +39,7 @@ class Oscillator(Component):
 
     def equations(self):
         force = run_time_series(self.time, 1, "push", Push(), of=self)
-        resistance = self.damping * self.v + self.drag * quadratic(self.v, 1e-6)
+        resistance = self.damping * self.v + self.drag * quadratic(self.v + self.flow, 1e-6)
         return [
             eq(der(self.x), self.v),
             eq(MASS * der(self.v), force + self.push - resistance - self.stiffness * self.x),

@@ -4,10 +4,12 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
+from scipy.special import erf
 
 import fowtlib as fw
 from fowtlib.frequency import best_gain, response
 from fowtlib.language.errors import ModelError, SimulationError
+from fowtlib.language.quadratic_laws import slope_at
 from tests.frequency.conftest import LINEAR, MASS, STIFFNESS, oscillator
 
 FINE = np.unique(np.concatenate([np.geomspace(1e-4, 9.0, 4000), 0.3183 + np.linspace(-0.1, 0.1, 4000)]))
@@ -34,6 +36,33 @@ def test_drag_is_the_best_linear_law_of_the_response_itself():
     found = response(oscillator(damping=0.0, drag=drag, highest=60.0), frequencies=np.linspace(1e-3, 9.5, 40000))
     assert found.std("v") == pytest.approx(wanted, rel=2e-2)  # the part above 60 rad/s: 2 b / (pi m 60) = 1.3 %
     assert 3 < found.iterations < 40
+
+
+@pytest.mark.parametrize("flow", [0.2, 1.0, 5.0])
+def test_drag_in_a_flow_is_that_about_the_mean_of_the_flow(flow):
+    # E[2 |v + U|] = 2 s sqrt(2 / pi) exp(-U^2 / (2 s^2)) + 2 U erf(U / (s sqrt 2)), and s^2 = pi S / (2 b m)
+    drag, s = 1.5, 0.5
+    for _ in range(200):
+        b = drag * 2 * (s * np.sqrt(2 / np.pi) * np.exp(-((flow / s) ** 2) / 2) + flow * erf(flow / s / np.sqrt(2)))
+        s = 0.5 * s + 0.5 * np.sqrt(np.pi * 2.0 / (2 * b * MASS))
+    found = response(oscillator(damping=0.0, drag=drag, flow=flow), frequencies=np.linspace(1e-3, 9.5, 40000))
+    beyond = 1 - 2 / np.pi * np.arctan(60 * MASS / b)  # energy of the velocity above 60 rad/s, about
+    assert found.std("v") == pytest.approx(s * np.sqrt(1 - beyond), rel=5e-3)
+
+
+def test_gains_of_drag_about_a_mean():
+    s, m = 0.8, 0.6
+    alone = 2 * (s * np.sqrt(2 / np.pi) * np.exp(-((m / s) ** 2) / 2) + m * erf(m / s / np.sqrt(2)))
+    assert best_gain(np.array([[s**2]]), np.array([m])) == pytest.approx(alone, rel=1e-9)
+    mean = np.array([3.0, -4.0, 0.0])
+    assert best_gain(1e-6 * np.eye(3), mean) == pytest.approx(slope_at(mean), rel=1e-5)
+    covariance, mean = np.array([[1.3, 0.5], [0.5, 0.4]]), np.array([0.7, -0.4])
+    grid = np.linspace(-9, 9, 1801)
+    z = np.stack(np.meshgrid(grid, grid)).reshape(2, -1)
+    weight = np.exp(-(z**2).sum(axis=0) / 2)
+    u = np.linalg.cholesky(covariance) @ z + mean[:, None]
+    moment = (weight * np.linalg.norm(u, axis=0) * u) @ (u - mean[:, None]).T / weight.sum()
+    assert best_gain(covariance, mean) == pytest.approx(moment @ np.linalg.inv(covariance), rel=1e-5)
 
 
 def test_gains_of_drag_in_one_two_and_three_directions():

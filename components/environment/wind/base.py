@@ -10,6 +10,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from fowtlib.components.environment.field_wind import NO_FIELD, FieldData, wind_function
+from fowtlib.components.environment.wind.discs import OnDiscs
 from fowtlib.components.environment.wind.points import Flow, positions
 from fowtlib.components.environment.wind.randomness import FieldNumbers, StationSignals
 from fowtlib.language import (
@@ -37,7 +38,7 @@ def _per_station(wind: Wind) -> tuple[int]:
     return (len(wind.hubs),)
 
 
-class Wind(Component, selector="kind", shared=("speeds", "velocity")):
+class Wind(OnDiscs, Component, selector="kind", shared=("speeds", "velocity")):
     """Wind with power-law shear, or a full field; parts in the wind find it by `wind: Wind = outer(Wind)`.
 
     At (y, z) about station i at (y_i, z_i) the speed along the bearing = direction + turn(t) is

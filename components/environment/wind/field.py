@@ -6,9 +6,11 @@ from collections.abc import Sequence
 
 import numpy as np
 
+from fowtlib.components.environment.disc_of_field import disc_of_field
 from fowtlib.components.environment.field_lookup import FieldLookup
 from fowtlib.components.environment.field_wind import FieldData, check_mean, open_field, require_range
 from fowtlib.components.environment.wind.base import Wind, station_height
+from fowtlib.components.environment.wind_file import WindSeries
 from fowtlib.language import Number, Series, param
 from fowtlib.language.errors import ParameterError
 from fowtlib.language.run_time import RestingPlaces, TurningRings
@@ -53,6 +55,18 @@ class FieldWind(Wind, kind="field"):
             f"{self.label}: the spectrum of a field in a file is not known; give the wind that it was made of, as in "
             "--wind turbulence:12."
         )
+
+    @property
+    def turbulent(self) -> bool:
+        """A field is."""
+        return True
+
+    def places_density(self, omega: np.ndarray, places: Sequence[TurningRings | RestingPlaces]) -> np.ndarray:
+        return self.field_density(omega, places)
+
+    def disc_series(self, places: Sequence[TurningRings | RestingPlaces], number: int) -> WindSeries:
+        """What the places of a disc meet of u on their way, less its mean there."""
+        return disc_of_field(self.lookup(), places[number])
 
     def mean_at(self, station: int = 0) -> float:
         """Mean [m/s] of u at a station."""

@@ -2,15 +2,20 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
+from dataclasses import replace
 from functools import lru_cache
+from typing import Any
 
 import numpy as np
 from numpy.typing import ArrayLike
 
 from fowtlib.components.environment import iec, turbulence
+from fowtlib.components.environment.disc_turbulence import places_density
 from fowtlib.components.environment.wind.steady import SteadyWind
 from fowtlib.components.environment.wind_file import WindSeries
 from fowtlib.language import Number, Series, param
+from fowtlib.language.run_time import RestingPlaces, TurningRings
 
 _turbulence = lru_cache(maxsize=8)(turbulence.kaimal_series)
 
@@ -46,12 +51,35 @@ class KaimalWind(SteadyWind, kind="kaimal"):
         spectrum = turbulence.kaimal(frequency, speed, sigma, height) / (2 * np.pi)
         return spectrum * turbulence.coherence(frequency, distance, speed, height)
 
+    def places_density(self, omega: np.ndarray, places: Sequence[TurningRings | RestingPlaces]) -> np.ndarray:
+        speed, sigma, height = self.given_speed(), self.standard_deviation(), self.reference_height
+
+        def spectrum(omega: np.ndarray) -> np.ndarray:
+            return turbulence.kaimal(omega / (2 * np.pi), speed, sigma, height) / (2 * np.pi)
+
+        return places_density(omega, places, spectrum, turbulence.PlaneCoherence(speed, float(height)))
+
+    def disc_series(self, places: Sequence[TurningRings | RestingPlaces], number: int) -> WindSeries:
+        """Of the same random numbers as the series of the stations, and coherent with them."""
+        speed, sigma, height = self.given_speed(), self.standard_deviation(), self.reference_height
+
+        def shares(frequency: np.ndarray) -> np.ndarray:
+            alone = turbulence.kaimal(frequency, speed, sigma, height) / (2 * np.pi)
+            return self.places_density(2 * np.pi * frequency, places) / alone[:, None, None]
+
+        stations, grid = tuple(map(tuple, self.hubs.tolist())), self._grid()
+        found = turbulence.kaimal_series(stations, speed, sigma, height=height, shares=shares, **grid)
+        ends = np.cumsum([0, *(item.channels for item in places)])
+        return replace(found, values=found.values[:, ends[number] : ends[number + 1]])
+
+    def _grid(self) -> dict[str, Any]:
+        return {name: getattr(self, name) for name in ("seed", "sample_step", "repetition_period")}
+
     def turbulence(self) -> WindSeries:
         """The turbulent fluctuation at the stations as numbers."""
         speed, sigma = self.given_speed(), self.standard_deviation()
-        grid = {name: getattr(self, name) for name in ("seed", "sample_step", "repetition_period")}
         stations = tuple(map(tuple, self.hubs.tolist()))
-        return _turbulence(stations, speed, sigma, height=self.reference_height, **grid)
+        return _turbulence(stations, speed, sigma, height=self.reference_height, **self._grid())
 
     def station_series(self) -> Series | None:
         """The turbulence in the fluctuation."""

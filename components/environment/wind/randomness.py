@@ -10,6 +10,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from fowtlib.components.environment.field_wind import NO_FIELD
+from fowtlib.components.environment.wind.discs import Turbulence
 from fowtlib.language import Series
 from fowtlib.language.run_time import RestingPlaces, TurningRings
 
@@ -23,13 +24,15 @@ class StationSignals:
     def __call__(self, wind: Wind) -> Series | None:
         return wind.station_series()
 
-    def process(self, wind: Wind) -> Wind:
-        return wind
+    def process(self, wind: Wind) -> Turbulence:
+        return Turbulence(wind)
 
     def response(self, wind: Wind, omega: ArrayLike) -> np.ndarray:
-        n = len(wind.hubs)
-        channels = np.vstack([np.zeros((n, n)), np.eye(n)]).astype(complex)
-        return np.broadcast_to(channels, (np.size(omega), 2 * n, n))
+        n, all_channels = len(wind.hubs), Turbulence(wind).channels
+        channels = np.zeros((2 * n, all_channels), dtype=complex)
+        if not hasattr(wind, "field_density"):  # in a field the stations are points like others
+            channels[n:, :n] = np.eye(n)
+        return np.broadcast_to(channels, (np.size(omega), *channels.shape))
 
 
 class FieldNumbers:

@@ -16,7 +16,7 @@ from fowtlib.components.environment.field_lookup import FieldLookup
 from fowtlib.components.environment.field_spectra import spectra
 from fowtlib.components.environment.field_store import made_field
 from fowtlib.components.environment.field_wind import open_field
-from fowtlib.components.environment.turbulence import coherence
+from fowtlib.components.environment.turbulence import PlaneCoherence
 from fowtlib.components.environment.wind.base import mean_speed_at
 from fowtlib.components.environment.wind.field import FieldWind
 from fowtlib.components.environment.wind.transient import rotor_diameter
@@ -87,7 +87,7 @@ class TurbulentWind(FieldWind, kind="turbulence"):
         def spectrum(omega: np.ndarray) -> np.ndarray:
             return spectra(omega / (2 * np.pi), speed, sigma, height, self.field_spectrum)[..., 0] / (2 * np.pi)
 
-        return places_density(omega, places, spectrum, lambda f, d: coherence(f, d, speed, height))
+        return places_density(omega, places, spectrum, PlaneCoherence(speed, height))
 
     def intensity(self) -> float | None:
         """Sigma/V; None for that of the normal turbulence model."""

@@ -209,6 +209,24 @@ def plot_spectra(
     return save_figure(figure, path)
 
 
+def plot_coefficients(coefficients: Sequence[Any], path: str | Path | None = None) -> Figure:
+    """Aerodynamic inertia and damping over the period of the motion, one line for each way they were found."""
+    with drawing_style():
+        figure = drawing(7.5, 5.0)
+        upper, lower = figure.subplots(2, 1, sharex=True)
+        for index, one in enumerate(coefficients):
+            order = np.argsort(one.frequency)
+            few = {"marker": "o", "linestyle": "none"} if one.frequency.size < 12 else {}
+            for axis, values in ((upper, one.inertia / 1e3), (lower, one.damping / 1e3)):
+                axis.plot(1 / one.frequency[order], values[order], color=_color(index), label=one.method, **few)
+        upper.set_ylabel("inertia [t]")
+        lower.set_ylabel("damping [kN s/m]")
+        lower.set_xlabel("period [s]")
+        lower.axhline(0.0, color=INK, lw=0.6)
+        upper.legend(loc="best")
+    return save_figure(figure, path)
+
+
 def plot_modes(modes: Sequence[Any], path: str | Path | None = None, *, title: str = "") -> Figure:
     """Natural frequencies and damping ratios of the oscillating modes as bars, the lowest frequency on top.
 
