@@ -54,6 +54,12 @@ def multiblade_matrix(count: int, azimuth: float) -> tuple[np.ndarray, np.ndarra
     return np.stack(columns, axis=1), np.stack(slopes, axis=1)
 
 
+def multiblade_inverse(count: int, azimuth: float) -> np.ndarray:
+    """The inverse of T (coordinates, parts): the columns of T are orthogonal."""
+    T = multiblade_matrix(count, azimuth)[0]
+    return (T / (T**2).sum(axis=0)).T
+
+
 @dataclass(frozen=True, eq=False)
 class Ring:
     """Parts in a ring: number of the state that is their azimuth, their paths.
@@ -106,6 +112,13 @@ class Multiblade:
             _put(T, ring.states, multiblade_matrix(ring.count, x[ring.azimuth])[0])
         return T
 
+    def inverse(self, x: np.ndarray) -> np.ndarray:
+        """The inverse of T (n, n)."""
+        T = np.eye(self.dae.x.numel())
+        for ring in self.rings:
+            _put(T, ring.states, multiblade_inverse(ring.count, x[ring.azimuth]))
+        return T
+
     def slopes(self, x: np.ndarray, turn: Turn) -> np.ndarray:
         """dT/dpsi (n, n) by the azimuth of one rotor."""
         T = np.zeros((self.dae.x.numel(),) * 2)
@@ -118,12 +131,12 @@ class Multiblade:
         """The matrix (m, m) that takes algebraic equations to the frame that does not turn."""
         R = np.eye(len(self.dae.residual_paths))
         for ring in self.rings:
-            _put(R, ring.rows, np.linalg.inv(multiblade_matrix(ring.count, x[ring.azimuth])[0]))
+            _put(R, ring.rows, multiblade_inverse(ring.count, x[ring.azimuth]))
         return R
 
     def from_states(self, x: np.ndarray) -> np.ndarray:
         """The coordinates y of x = T y, with the azimuths of x."""
-        return np.linalg.solve(self.states(x), x)
+        return self.inverse(x) @ x
 
     def to_states(self, y: np.ndarray) -> np.ndarray:
         """The states x = T y."""
@@ -153,5 +166,5 @@ def _table(groups: list[list[int]], count: int) -> np.ndarray:
 
 def _put(matrix: np.ndarray, groups: np.ndarray, block: np.ndarray) -> None:
     """The block in the rows and columns of every group."""
-    for numbers in groups:
-        matrix[np.ix_(numbers, numbers)] = block
+    if groups.size:
+        matrix[groups[:, :, None], groups[:, None, :]] = block

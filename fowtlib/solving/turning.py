@@ -240,7 +240,7 @@ class Average:
         """Mean rates and slopes of all coordinates, and of the outputs that the Jacobian has rows for."""
         v, turns, n = self.speeds, self.turns, y.size
         speeds = self.rotor_speeds(y)
-        inner = [np.linalg.solve(self.multiblade.states(y), self.multiblade.slopes(y, turn)) for turn in turns]
+        inner = [self.multiblade.inverse(y) @ self.multiblade.slopes(y, turn) for turn in turns]
         sums: Sums | None = None
         for k in range(self.azimuths):
             sums = _added(sums, self._at_azimuth(k, y, speeds), self.azimuths)
@@ -297,7 +297,7 @@ class Average:
             """Columns by y in place of x."""
             return np.hstack([rows[:, :n] @ T, rows[:, n:]])
 
-        back, of_motion, Tv = np.linalg.inv(T), R[np.ix_(m, m)], T[np.ix_(v, v)]
+        back, of_motion, Tv = self.multiblade.inverse(y), R[np.ix_(m, m)], T[np.ix_(v, v)]
         mass = of_motion @ zz[np.ix_(m, a)] @ by_rate
         moving = sum(speed * swing for speed, swing in zip(speeds, swings, strict=True))[v]  # dg/dy
         swung = np.stack([swing[v] @ y for swing in swings], axis=1)  # dg/d(speed of each rotor)
