@@ -63,7 +63,7 @@ class RotatingLinearModel:
     """A linear model in multi-blade coordinates, behind whose results stand what these have of the turning.
 
     results: number of outputs that are results; shown: of these and of what they have of the turning. average: what it
-    was made by; None where nothing turns.
+    was made by; None where nothing turns. speeds: of the rotors [rad/s].
     """
 
     linear: LinearModel
@@ -71,6 +71,7 @@ class RotatingLinearModel:
     shown: int
     turning: tuple[Turning, ...] = ()
     average: Average | None = None
+    speeds: tuple[float, ...] = ()
 
 
 def rotating_linear_model(plant: Plant, state: State, inputs: Sequence[str] = (),
@@ -99,20 +100,21 @@ def rotating_linear_model(plant: Plant, state: State, inputs: Sequence[str] = ()
 
     average = Average(at, state, turns, AZIMUTHS, jacobian)
     y = average.multiblade.from_states(state.x)
-    found = average.at_mean(y)
+    found, speeds = average.at_mean(y), average.rotor_speeds(y).tolist()
     free, rest = average.free, slice(nx, None)
     results = len(slopes.shown) - len(further.outputs)
     C, D, more, turned = found.outputs[:, free], found.outputs[:, rest], [], ()
     if turning:
-        for turn, speed, rows in zip(turns, average.rotor_speeds(y), found.turning, strict=True):
-            more.append((turn, float(speed), rows[:results][:, [*free, *range(nx, rows.shape[1])]]))
+        for turn, speed, rows in zip(turns, speeds, found.turning, strict=True):
+            more.append((turn, speed, rows[:results][:, [*free, *range(nx, rows.shape[1])]]))
         slopes, C, D, turned = _with_turning(slopes, results, C, D, plant, state, more)
     paths_of = average.multiblade.paths()
     A, B = found.slopes[np.ix_(free, free)], found.slopes[free, rest]
     linear = slopes.model(A, B, C, D, [paths_of[k] for k in free])
     own = {path: name for name, path in plant.input_names.items() if name in inputs}
     linear.inputs = [own.get(path, path) for path in linear.inputs]
-    return RotatingLinearModel(linear, results, len(slopes.shown) - len(further.outputs), turned, average)
+    return RotatingLinearModel(linear, results, len(slopes.shown) - len(further.outputs), turned, average,
+                               tuple(speeds))  # fmt: skip
 
 
 def _resting(linear: LinearModel, further: Further) -> RotatingLinearModel:

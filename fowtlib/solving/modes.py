@@ -21,12 +21,15 @@ from collections import defaultdict
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from fnmatch import fnmatchcase
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
 from fowtlib.language.errors import NotFoundError, SimulationError
 from fowtlib.solving.multiblade import LEAST, multiblade_parts
+
+if TYPE_CHECKING:
+    from fowtlib.solving.mean_linear import RotatingLinearModel
 
 STANDING = 1e-7  # of the fastest eigenvalue: a motion that nothing holds, zero twice and split by rounding
 MOTIONS = ("m", "rad", "m/s", "rad/s")  # units of the states of a motion
@@ -102,6 +105,16 @@ def natural_modes(plant: Any, state: Any = None, *, parameters: Mapping[str, Any
 
     Modes that do not oscillate, and those of memory (`motion` False), are in the list too.
     """
+    return modes_of_mean(plant, state, parameters=parameters)[0]
+
+
+def modes_of_mean(
+    plant: Any, state: Any = None, *, parameters: Mapping[str, Any] | None = None
+) -> tuple[list[NaturalMode], RotatingLinearModel]:
+    """The same, and the linear model that they are of.
+
+    Raises SimulationError for rotors of two blades that bend and turn.
+    """
     from fowtlib.solving.mean_linear import rotating_linear_model
     from fowtlib.solving.turning import mean_state
 
@@ -132,11 +145,12 @@ def natural_modes(plant: Any, state: Any = None, *, parameters: Mapping[str, Any
     names = _names(named, coordinates, rings)
     asked = [k for k, item in enumerate(named) if item.motion and item.mode.eigenvalue.imag > 0]
     number = {k: i + 1 for i, k in enumerate([*asked, *(k for k in range(len(named)) if k not in asked)])}
-    return [
+    modes = [
         NaturalMode(number[k], name, item.mode.frequency_hz, item.mode.damping_ratio, item.mode.eigenvalue, item.motion,
                     item.shares, _of_states(plant, state, multiblade, paths, item.mode.shape))
         for k, (item, name) in enumerate(zip(named, names, strict=True))
     ]  # fmt: skip
+    return modes, found
 
 
 def _of_states(plant: Any, state: Any, multiblade: Any, paths: Sequence[str],

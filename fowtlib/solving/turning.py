@@ -65,16 +65,19 @@ class Turn:
 
 
 def mean_state(plant: Plant, parameters: Mapping[str, Any] | None = None, inputs: Mapping[str, Any] | None = None, *,
-               near: bool = False) -> State:  # fmt: skip
+               near: bool = False, start: State | None = None) -> State:  # fmt: skip
     """The state at which nothing changes on the average; the equilibrium where no rotor turns at the start.
 
     near: a state near to it, to start a simulation from, in half the time: of fewer azimuths, to 1 %.
+    start: where the search begins, such as the mean state in another wind; None: at the start values.
 
     What was found once for the same equations and numbers is found again on disk. The controllers are in the loop. The
     azimuths are those of the start. Raises SimulationError where the equations depend on time (turbulent wind, waves),
     and where no mean state is found.
     """
-    state = plant.initial_state(parameters, None, inputs)
+    names = [item.path for item in plant.dae.states]
+    values = None if start is None else dict(zip(names, start.x.tolist(), strict=True))
+    state = plant.initial_state(parameters, values, inputs)
     at = plant.at(parameters)
     turns = turns_of(plant, at, state)
     if not turns:
@@ -98,7 +101,6 @@ def mean_state(plant: Plant, parameters: Mapping[str, Any] | None = None, inputs
     code = sources_of(__name__, Multiblade.__module__)
     made_from = [*code, repr((azimuths, limits)), equations or "", at.parameters, state.x, state.u, state.d]
     x = np.array(cached("mean", made_from, settled)) if equations else settled()
-    names = [item.path for item in plant.dae.states]
     return plant.initial_state(parameters, dict(zip(names, x.tolist(), strict=True)), inputs)
 
 
