@@ -26,6 +26,7 @@ from fowtlib.analysis.spectra import Spectrum
 from fowtlib.flattening import FlatDAE
 from fowtlib.frequency.drag import best_gain
 from fowtlib.frequency.grid import response_frequencies
+from fowtlib.frequency.rotation import with_rotation
 from fowtlib.language.component import Component
 from fowtlib.language.errors import ModelError, SimulationError, did_you_mean
 from fowtlib.language.series import Series
@@ -187,7 +188,8 @@ def response(
     mean = np.concatenate([np.ravel(state[name]) for name in names])
     labels = linear.outputs[:m]
     units = tuple(linear.units.get(name, "1") for name in labels)
-    return Response(grid.frequency, tuple(labels), units, mean, shares, H, linear, state, iterations)
+    found = Response(grid.frequency, tuple(labels), units, mean, shares, H, linear, state, iterations)
+    return with_rotation(found, plant, names, excited.rotating, grid.spectra)
 
 
 Processes = Mapping[str, "Process"]

@@ -20,7 +20,7 @@ from fowtlib.flattening import FlatDAE
 from fowtlib.language.component import Component
 from fowtlib.language.run_time import RandomSignals
 from fowtlib.solving.linear import Further, LinearModel
-from fowtlib.solving.mean_linear import mean_linear_model
+from fowtlib.solving.mean_linear import RotatingLinearModel, rotating_linear_model
 from fowtlib.solving.random_fields import FieldPlaces, blows, field_places
 from fowtlib.solving.state import State
 from fowtlib.solving.turning import turns_of
@@ -59,8 +59,9 @@ class Signal:
 class ExcitedModel:
     """Linear model whose inputs are signals, channels of fields, and then what is added to quadratic laws; see above.
 
-    linear: its outputs are the results, and then the inputs of the laws. fields: columns of the inputs, and the places
-    of one field. laws: paths of the laws, and their columns among what is added.
+    linear: its outputs are the results, what these have of the turning of rotors (solving.mean_linear.Turning), and
+    then the inputs of the laws. fields: columns of the inputs, and the places of one field. laws: paths of the laws,
+    and their columns among what is added. results: number of the first and second of these outputs.
     """
 
     linear: LinearModel
@@ -68,6 +69,7 @@ class ExcitedModel:
     fields: tuple[tuple[slice, tuple[FieldPlaces, ...]], ...]
     laws: tuple[tuple[str, slice], ...]
     results: int
+    rotating: RotatingLinearModel
 
     @property
     def driven(self) -> int:
@@ -123,8 +125,8 @@ def excited_model(plant: Any, state: State, names: Sequence[str], root: Componen
         return block_diag(np.eye(raw), *blocks, np.eye(first))
 
     further = Further(symbols, outputs, tuple(labels), mixing if fields else None)
-    linear = mean_linear_model(plant, state, (), names, further)
-    return ExcitedModel(linear, tuple(signals), tuple(fields), tuple(laws), len(linear.outputs) - first)
+    rotating = rotating_linear_model(plant, state, (), names, further, turning=True)
+    return ExcitedModel(rotating.linear, tuple(signals), tuple(fields), tuple(laws), rotating.shown, rotating)
 
 
 def _signals(dae: FlatDAE) -> list[Signal]:

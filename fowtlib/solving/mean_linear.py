@@ -22,7 +22,7 @@ import numpy as np
 
 from fowtlib.solving.checks import check_state
 from fowtlib.solving.linear import NOTHING, Further, LinearModel, Slopes, linearize, slopes_of
-from fowtlib.solving.turning import AZIMUTHS, Average, Turn, turns_of
+from fowtlib.solving.turning import AZIMUTHS, Average, MeanSlopes, Turn, turns_of
 
 if TYPE_CHECKING:
     from fowtlib.solving.state import State
@@ -63,7 +63,8 @@ class RotatingLinearModel:
     """A linear model in multi-blade coordinates, behind whose results stand what these have of the turning.
 
     results: number of outputs that are results; shown: of these and of what they have of the turning. average: what it
-    was made by; None where nothing turns. speeds: of the rotors [rad/s].
+    was made by, mean: the slopes that it gave, scale: of the rows of outputs to their units; None where nothing turns.
+    speeds: of the rotors [rad/s].
     """
 
     linear: LinearModel
@@ -72,6 +73,8 @@ class RotatingLinearModel:
     turning: tuple[Turning, ...] = ()
     average: Average | None = None
     speeds: tuple[float, ...] = ()
+    mean: MeanSlopes | None = None
+    scale: np.ndarray | None = None
 
 
 def rotating_linear_model(plant: Plant, state: State, inputs: Sequence[str] = (),
@@ -103,7 +106,7 @@ def rotating_linear_model(plant: Plant, state: State, inputs: Sequence[str] = ()
     found, speeds = average.at_mean(y), average.rotor_speeds(y).tolist()
     free, rest = average.free, slice(nx, None)
     results = len(slopes.shown) - len(further.outputs)
-    C, D, more, turned = found.outputs[:, free], found.outputs[:, rest], [], ()
+    C, D, more, turned, scale = found.outputs[:, free], found.outputs[:, rest], [], (), slopes.scale[:results]
     if turning:
         for turn, speed, rows in zip(turns, speeds, found.turning, strict=True):
             more.append((turn, speed, rows[:results][:, [*free, *range(nx, rows.shape[1])]]))
@@ -114,7 +117,7 @@ def rotating_linear_model(plant: Plant, state: State, inputs: Sequence[str] = ()
     own = {path: name for name, path in plant.input_names.items() if name in inputs}
     linear.inputs = [own.get(path, path) for path in linear.inputs]
     return RotatingLinearModel(linear, results, len(slopes.shown) - len(further.outputs), turned, average,
-                               tuple(speeds))  # fmt: skip
+                               tuple(speeds), found, scale)  # fmt: skip
 
 
 def _resting(linear: LinearModel, further: Further) -> RotatingLinearModel:

@@ -173,13 +173,17 @@ class MeanSlopes:
     """Mean rates (n,) of the coordinates that do not turn, and their slopes (n, n + inputs) by these and by the inputs.
 
     outputs: (m, n + inputs) their mean slopes. turning: by rotor, the complex slopes C1 of what goes round with it:
-    an output is `outputs @ y + 2 Re(C1 exp(i psi) @ y)`, with the azimuth psi.
+    an output is `outputs @ y + 2 Re(C1 exp(i psi) @ y)`, with the azimuth psi. mass: what rates of the speeds do in the
+    equations of motion; by_rates, turning_by_rates: the same of the outputs by these rates alone.
     """
 
     rates: np.ndarray
     slopes: np.ndarray
     outputs: np.ndarray
     turning: tuple[np.ndarray, ...]
+    mass: np.ndarray
+    by_rates: np.ndarray
+    turning_by_rates: tuple[np.ndarray, ...]
 
 
 class Average:
@@ -259,34 +263,50 @@ class Average:
         for turn in turns:  # what turns with the rotor stands in the frame that turns
             rates = rates - turn.direction * rates[turn.azimuth]
             slopes = slopes - np.outer(turn.direction, slopes[turn.azimuth])
-        return MeanSlopes(rates, slopes, outputs[None].real, tuple(outputs[k] for k in range(len(turns))))
+        rotors = range(len(turns))
+        return MeanSlopes(rates, slopes, outputs[None].real, tuple(outputs[k] for k in rotors), sums.mass,
+                          sums.outputs[None][1].real, tuple(sums.outputs[k][1] for k in rotors))  # fmt: skip
 
     def rotor_speeds(self, y: np.ndarray) -> np.ndarray:
         """Rates of the azimuths [rad/s]."""
         ode = np.array(self.at.residual(self.t, self.multiblade.to_states(y), self.z[0], self.q)[0]).ravel()
         return ode[[turn.azimuth for turn in self.turns]]
 
-    def turned(self, number: int, y: np.ndarray) -> np.ndarray:
-        """The coordinates with the azimuths of one of the points of a revolution.
+    def turned(self, number: int, y: np.ndarray, rotor: int | None = None) -> np.ndarray:
+        """The coordinates with the azimuths of one of the points of a revolution, of all rotors or of one.
 
         Several rotors go on by different steps, so that what is a product of the harmonics of two of them has no mean.
         """
         steps = STEPS_OF[self.azimuths]
         angle = 2 * np.pi * number / self.azimuths
+        if rotor is not None:
+            return y + angle * self.turns[rotor].direction
         return y + sum(angle * steps[k % len(steps)] * turn.direction for k, turn in enumerate(self.turns))
+
+    def point(self, number: int, y: np.ndarray, speeds: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+        """States and unknowns of the coordinates, whose azimuths are those of a point of a revolution, if y is steady.
+
+        speeds: of the rotors [rad/s].
+        """
+        x = self.multiblade.to_states(y)
+        z = self._unknowns(number, x, self._swing(y, speeds) @ y)
+        self.z[number] = z
+        return x, z
+
+    def _swing(self, y: np.ndarray, speeds: np.ndarray) -> np.ndarray:
+        """Rates of the speeds by the coordinates, where these are constant."""
+        swings = [speed * self.multiblade.slopes(y, turn) for speed, turn in zip(speeds, self.turns, strict=True)]
+        return sum(swings)[self.speeds]
 
     def _at_azimuth(self, number: int, y: np.ndarray, speeds: np.ndarray) -> Sums:
         """What one azimuth adds to the sums."""
         a, o, m, r, v = self.accelerations, self.unknowns, self.motion, self.others, self.speeds
         y = self.turned(number, y)
         T, R = self.multiblade.states(y), self.multiblade.equations(y)
-        x = T @ y
-        swings = [self.multiblade.slopes(y, turn) for turn in self.turns]
-        rate = sum(speed * swing @ y for speed, swing in zip(speeds, swings, strict=True))[v]
-        z = self._unknowns(number, x, rate)
+        x, z = self.point(number, y, speeds)
         ode, alg = (np.array(value).ravel() for value in self.at.residual(self.t, x, z, self.q))
         blocks = [np.array(block) for block in self.jacobian(self.t, x, z, self.q)]
-        self.z[number], self.slopes[number] = z, blocks
+        self.slopes[number] = blocks
         xx, xz, zx, zz, *outputs = blocks
         out_x, out_z = outputs or (np.zeros((0, xx.shape[1])), np.zeros((0, z.size)))
         by_x = np.zeros((z.size, xx.shape[1]))
@@ -301,8 +321,8 @@ class Average:
 
         back, of_motion, Tv = self.multiblade.inverse(y), R[np.ix_(m, m)], T[np.ix_(v, v)]
         mass = of_motion @ zz[np.ix_(m, a)] @ by_rate
-        moving = sum(speed * swing for speed, swing in zip(speeds, swings, strict=True))[v]  # dg/dy
-        swung = np.stack([swing[v] @ y for swing in swings], axis=1)  # dg/d(speed of each rotor)
+        moving = self._swing(y, speeds)  # dg/dy
+        swung = np.stack([self.multiblade.slopes(y, turn)[v] @ y for turn in self.turns], axis=1)  # dg/d(speed of each)
         force_slopes = of_motion @ fixed(zx[m] + zz[m] @ by_x)
         force_slopes[:, :n] += mass @ moving
         shown, by_acceleration = fixed(out_x + out_z @ by_x), out_z[:, a] @ by_rate
