@@ -159,7 +159,8 @@ def campbell(model: Any, values: Sequence[float], *, over: str = WIND, parameter
     state, points = None, []
     for k, value in enumerate(values.tolist()):
         try:
-            state = mean_state(plant, {**(parameters or {}), over: value}, start=state)
+            before = state if over == WIND else None  # another parameter may be a start value, as of a rotor speed
+            state = mean_state(plant, {**(parameters or {}), over: value}, start=before)
             points.append(_Point.of(plant, state))
         except SimulationError as error:
             raise error.at(f"{over} = {value:g} {unit}") from None

@@ -95,11 +95,14 @@ def _between(frequency: np.ndarray, density: np.ndarray, ends: np.ndarray) -> np
 
 
 def _lines(frequency: np.ndarray, rotation: Rotation) -> np.ndarray:
-    """Spectra (m, q) whose integral is the mean square of each harmonic, at the frequency next to it."""
+    """Spectra (m, q) whose integral is the mean square of each harmonic, at the frequency next to it; none outside of them."""
     widths = np.diff(_edges(frequency))
     density = np.zeros((rotation.mean.size, frequency.size))
     for speed, variance in zip(rotation.speeds, rotation.variance, strict=True):
         for n, square in enumerate(variance, start=1):
-            k = int(np.argmin(np.abs(frequency - n * abs(speed) / (2 * np.pi))))
+            line = n * abs(speed) / (2 * np.pi)
+            if not frequency[0] <= line <= frequency[-1]:
+                continue
+            k = int(np.argmin(np.abs(frequency - line)))
             density[:, k] += np.where(square > LEAST * variance.max(axis=0), square, 0.0) / widths[k]
     return density

@@ -20,7 +20,8 @@ import numpy as np
 from fowtlib.solving.mean_linear import RotatingLinearModel
 from fowtlib.solving.state import State
 
-HARMONICS = 6  # of the rotor speed; 6 is twice the passing of three blades
+HARMONICS = 12  # of the rotor speed
+FINER = 3  # points for one of the mean: a single blade passes the tower at few of those
 
 
 @dataclass(frozen=True, eq=False)
@@ -58,14 +59,14 @@ def steady_rotation(plant: Any, state: State, names: Sequence[str], rotating: Ro
     observe = at.functions.observed([plant.outputs.entry(name).path for name in names])
     y = average.multiblade.from_states(state.x)
     speeds = np.array(rotating.speeds)
-    v, free = average.speeds, average.free
+    v, free, points = average.speeds, average.free, FINER * average.azimuths
 
     def sweep(rotor: int | None) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
         """Rates, residuals of the equations of motion and results at the azimuths."""
         rows = []
-        for k in range(average.azimuths):
-            turned = average.turned(k, y, rotor)
-            x, z = average.point(k, turned, speeds)
+        for k in range(points):
+            turned = average.turned(k / points, y, rotor)
+            x, z = average.point(round(k / FINER) % average.azimuths, turned, speeds)
             ode, alg = (np.array(value).ravel() for value in at.residual(average.t, x, z, average.q))
             force = (average.multiblade.equations(turned) @ alg)[average.motion]
             values = np.array(at.call(observe, average.t, x, z, average.q)).ravel()
@@ -77,7 +78,7 @@ def steady_rotation(plant: Any, state: State, names: Sequence[str], rotating: Ro
     A = mean.slopes[np.ix_(free, free)]
     for rotor, (turn, speed) in enumerate(zip(average.turns, speeds.tolist(), strict=True)):
         table = together if len(average.turns) == 1 else sweep(rotor)
-        rates, force, values = (np.fft.fft(part, axis=0)[: HARMONICS + 2] / average.azimuths for part in table)
+        rates, force, values = (np.fft.fft(part, axis=0)[: HARMONICS + 2] / points for part in table)
         psi = state.x[turn.azimuth]  # the points begin there
         phases = np.exp(-1j * np.arange(HARMONICS + 2) * psi)[:, None]
         rates, force, values = rates * phases, force * phases, values * phases

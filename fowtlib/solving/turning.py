@@ -272,21 +272,21 @@ class Average:
         ode = np.array(self.at.residual(self.t, self.multiblade.to_states(y), self.z[0], self.q)[0]).ravel()
         return ode[[turn.azimuth for turn in self.turns]]
 
-    def turned(self, number: int, y: np.ndarray, rotor: int | None = None) -> np.ndarray:
-        """The coordinates with the azimuths of one of the points of a revolution, of all rotors or of one.
+    def turned(self, share: float, y: np.ndarray, rotor: int | None = None) -> np.ndarray:
+        """The coordinates with the azimuths at a share of a revolution further on, of all rotors or of one.
 
         Several rotors go on by different steps, so that what is a product of the harmonics of two of them has no mean.
         """
         steps = STEPS_OF[self.azimuths]
-        angle = 2 * np.pi * number / self.azimuths
+        angle = 2 * np.pi * share
         if rotor is not None:
             return y + angle * self.turns[rotor].direction
         return y + sum(angle * steps[k % len(steps)] * turn.direction for k, turn in enumerate(self.turns))
 
     def point(self, number: int, y: np.ndarray, speeds: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-        """States and unknowns of the coordinates, whose azimuths are those of a point of a revolution, if y is steady.
+        """States and unknowns of steady coordinates, with their azimuths.
 
-        speeds: of the rotors [rad/s].
+        number: of the point of a revolution that is next to these. speeds: of the rotors [rad/s].
         """
         x = self.multiblade.to_states(y)
         z = self._unknowns(number, x, self._swing(y, speeds) @ y)
@@ -301,7 +301,7 @@ class Average:
     def _at_azimuth(self, number: int, y: np.ndarray, speeds: np.ndarray) -> Sums:
         """What one azimuth adds to the sums."""
         a, o, m, r, v = self.accelerations, self.unknowns, self.motion, self.others, self.speeds
-        y = self.turned(number, y)
+        y = self.turned(number / self.azimuths, y)
         T, R = self.multiblade.states(y), self.multiblade.equations(y)
         x, z = self.point(number, y, speeds)
         ode, alg = (np.array(value).ravel() for value in self.at.residual(self.t, x, z, self.q))
