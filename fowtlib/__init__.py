@@ -92,7 +92,7 @@ _LATER = {
         "fowtlib.solving",
     ),
     **dict.fromkeys(
-        ("analyse_decay", "average", "block_maxima", "case_statistics", "compare", "compare_results",
+        ("analyse_decay", "average", "block_maxima", "campbell", "case_statistics", "compare", "compare_results",
          "damage_equivalent_load", "equivalent_loads", "fit_gumbel", "free_decay", "harmonic_fit",
          "lifetime_equivalent_load", "linear_rao", "model_sheet", "normalized_maxima", "over_cases", "over_seeds",
          "parameter_map", "power_spectrum", "simulated_rao", "static_curve", "ultimate_loads", "up_crossings"),
@@ -141,6 +141,7 @@ __all__ = [
     "analysis",
     "average",
     "block_maxima",
+    "campbell",
     "case_statistics",
     "check_cases",
     "compare",

@@ -1,5 +1,6 @@
 """Analyses of results and linear models: decay, response operators, spectra, statistics, extremes, fatigue."""
 
+from fowtlib.analysis.campbell import Campbell, campbell
 from fowtlib.analysis.case_statistics import case_statistics, over_cases
 from fowtlib.analysis.comparison import compare_results
 from fowtlib.analysis.decay import Decay, analyse_decay, free_decay
@@ -15,6 +16,7 @@ from fowtlib.analysis.static import StaticCurve, static_curve
 from fowtlib.analysis.statistics import normalized_maxima, over_seeds, up_crossings
 
 __all__ = [
+    "Campbell",
     "Decay",
     "HarmonicFit",
     "ParameterMap",
@@ -25,6 +27,7 @@ __all__ = [
     "analyse_decay",
     "average",
     "block_maxima",
+    "campbell",
     "case_statistics",
     "compare",
     "compare_results",

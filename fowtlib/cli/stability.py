@@ -1,14 +1,17 @@
-"""`fowt equilibrium` and `fowt eigen`: the mean position, and the natural modes about it."""
+"""`fowt equilibrium`, `fowt eigen`, `fowt campbell`: the mean position, and the natural modes about it."""
 
 from __future__ import annotations
 
 import argparse
+import math
+import warnings
 from collections.abc import Container
 from pathlib import Path
 from typing import Any
 
 from fowtlib.cli import loading, tables
 from fowtlib.cli.files import FIGURES, check_target, say_saved
+from fowtlib.cli.run import finite, numbers
 from fowtlib.language.errors import ModelError
 
 EQUILIBRIUM = """In still water, and in the wind of --wind or of the model, at its mean speed.
@@ -22,12 +25,24 @@ examples:
 """
 EIGEN = """About the mean position: in still water, and in the wind of --wind or of the
 model, at its mean speed. A mode is named after the motion that takes the
-largest part in it. Of rotors that turn, the modes are those at one azimuth.
+largest part in it. Of rotors that turn, the modes are those of the mean over a
+revolution in multi-blade coordinates, as seen from the tower: blades that whirl
+with the rotor are progressive, against it regressive.
 
 examples:
   fowt eigen oc3_spar_rigid --wind none
-  fowt eigen oc3_spar --wind none       the rotor stands
+  fowt eigen oc3_spar --wind none         the rotor stands
+  fowt eigen oc3_spar --wind steady:12    it turns
   fowt view oc3_spar --wind none --mode 7
+"""
+CAMPBELL = """In each of the winds the modes of the mean in steady operation, with the
+controllers in the loop, in still water. A mode is followed from one wind to the
+next by its shape. Frequencies are those seen from the tower, in which a blade
+that swings with f has f - n and f + n, n the revolutions per second.
+
+examples:
+  fowt campbell nrel5mw_land --winds 4:24:2 --plot campbell.png
+  fowt campbell oc3_spar --winds 8,12,16 --highest 1.5 --output modes.csv
 """
 
 
@@ -49,6 +64,15 @@ def declare(commands: Any) -> None:
                        "and what does not oscillate")  # fmt: skip
     eigen.add_argument("--plot", type=Path, metavar="FILE", help="draw frequencies and damping: .png, .svg or .pdf")
     eigen.set_defaults(action=show_modes)
+    text = "natural modes over the wind: table, and diagram with 1P, 3P, 6P"
+    diagram = commands.add_parser("campbell", help=text, epilog=CAMPBELL)
+    diagram.add_argument("--winds", metavar="A:B:STEP", required=True, help="speeds [m/s], or a list 8,12,16")
+    diagram.add_argument("--highest", type=finite, default=3.0, metavar="HZ",
+                         help="modes below this frequency are shown; default: 3")  # fmt: skip
+    diagram.add_argument("--plot", type=Path, metavar="FILE", help="draw frequency and damping: .png, .svg or .pdf")
+    diagram.set_defaults(action=show_campbell)
+    loading.declare(diagram, wind=False, waves=False)
+    tables.declare(diagram)
     for parser in (equilibrium, eigen):
         loading.declare(parser, waves=False)
         tables.declare(parser)
@@ -114,4 +138,37 @@ def show_modes(arguments: argparse.Namespace) -> int:
 
         plot_modes(modes, path=arguments.plot, title="\n".join(filter(None, (model.title or model.name, conditions))))
     say_saved(arguments.plot)
+    return 0
+
+
+def show_campbell(arguments: argparse.Namespace) -> int:
+    """Print the modes over the wind, and draw them."""
+    from fowtlib.analysis.campbell import campbell
+    from fowtlib.cli.progress import part_bar
+
+    tables.check(arguments)
+    check_target(arguments.plot, FIGURES, arguments.force)
+    winds = numbers(arguments.winds)
+    if not len(winds) or winds.min() <= 0:
+        raise ModelError(f"--winds: '{arguments.winds}' are no speeds above 0 m/s; give 4:24:2 or 8,12,16.")
+    arguments.wind = f"steady:{winds[0]:g}"
+    model, _ = loading.load_at_rest(arguments)
+    with part_bar("winds") as progress:
+        found = campbell(model, winds.tolist(), progress=progress).below(arguments.highest)
+    tables.say(arguments, f"steady wind of {winds[0]:g} to {winds[-1]:g} m/s, still water")
+    if arguments.form:
+        tables.show(arguments, found.heads(), found.rows())
+    else:
+        tables.save(arguments, found.heads(), found.rows())
+        heads = ("motion", *(f"{wind:g} m/s" for wind in winds))
+        rows = [("rotor speed [rpm]", *(found.rotor_speed[:, k] * 30 / math.pi))
+                for k in range(found.rotor_speed.shape[1])]  # fmt: skip
+        rows += [(line.name, *line.frequency) for line in found.lines]
+        tables.show_rows(heads, rows, "frequency [Hz]")
+        tables.show_rows(heads, [(line.name, *(100 * line.damping_ratio)) for line in found.lines], "damping ratio [%]")
+    for name, wind in found.unstable:
+        warnings.warn(f"{name} grows at {wind:g} m/s.", stacklevel=1)
+    if arguments.plot:
+        found.plot(arguments.plot, model.title or model.name)
+        say_saved(arguments.plot)
     return 0

@@ -26,6 +26,7 @@ from fowtlib.frequency.drag import best_gain, best_gains
 from fowtlib.frequency.found import Response
 from fowtlib.frequency.grid import response_frequencies
 from fowtlib.frequency.mixing import Mixing
+from fowtlib.frequency.rotation import with_rotation
 from fowtlib.frequency.shifts import Shifts
 from fowtlib.frequency.shifts import shifted as with_shifts
 from fowtlib.frequency.studies import study_of
@@ -87,6 +88,7 @@ def response(
     units = tuple(linear.units.get(name, "1") for name in labels)
     driving = dict(grid.spectra)
     found = Response(grid.frequency, tuple(labels), units, mean, shares, H, linear, state, iterations, driving)
+    found = with_rotation(found, excited.rotating, study.rotation(state, names, excited.rotating))
     warn_of_ends(found, frequencies is not None)
     return found
 

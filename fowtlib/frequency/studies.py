@@ -17,6 +17,8 @@ from fowtlib.language.component import Component
 from fowtlib.solving import State, mean_state
 from fowtlib.solving.binding import RunTrees, content_of
 from fowtlib.solving.excited import ExcitedModel, excited_model
+from fowtlib.solving.mean_linear import RotatingLinearModel
+from fowtlib.solving.rotation import Rotation, steady_rotation
 from fowtlib.solving.starts import mean_parameters
 
 MEANS, MODELS = 200, 12  # kept of a plant, the last ones
@@ -38,6 +40,7 @@ class Study:
         self._trees = RunTrees(plant.dae, plant.root) if plant.root is not None else None
         self._means: dict[Key, State] = {}
         self._models: dict[Any, ExcitedModel] = {}
+        self._rotations: dict[Any, Rotation] = {}
         self._lock = RLock()
 
     @contextmanager
@@ -59,6 +62,13 @@ class Study:
         """The linear model about a mean."""
         key = _key(state.parameters), tuple(names), state.x.tobytes(), state.z.tobytes()
         return _kept(self._models, key, MODELS, lambda: excited_model(self.plant, state, names))
+
+    def rotation(self, state: State, names: Sequence[str], rotating: RotatingLinearModel) -> Rotation | None:
+        """What goes round with the rotors in the steady wind of a mean; None where nothing turns."""
+        if rotating.average is None:
+            return None
+        key = tuple(names), state.x.tobytes(), state.z.tobytes(), _key(state.parameters)
+        return _kept(self._rotations, key, MODELS, lambda: steady_rotation(self.plant, state, names, rotating))
 
     def _found(self, values: Mapping[str, Any]) -> State:
         near = min(self._means.values(), key=lambda state: _distance(values, state.parameters), default=None)

@@ -22,7 +22,7 @@ from fowtlib.language.quadratic_laws import slope_at
 from fowtlib.language.run_time import RandomSignals
 from fowtlib.solving.functions import AtParameters
 from fowtlib.solving.linear import Further, LinearModel
-from fowtlib.solving.mean_linear import mean_linear_model
+from fowtlib.solving.mean_linear import RotatingLinearModel, rotating_linear_model
 from fowtlib.solving.modes import rate_states
 from fowtlib.solving.random_fields import FieldPlaces, field_places
 from fowtlib.solving.state import State
@@ -75,9 +75,10 @@ class Forces:
 class ExcitedModel:
     """Linear model whose inputs are signals, channels of fields, and then what is added to quadratic laws; see above.
 
-    linear: its outputs are the results, and then the inputs of the laws. fields: columns of the inputs, and the places
-    of one field. laws: paths of the laws, and their columns among what is added. means: of the inputs of the laws.
-    forces: see Forces.
+    linear: its outputs are the results, what these have of the turning of rotors (solving.mean_linear.Turning), and
+    then the inputs of the laws. fields: columns of the inputs, and the places of one field. laws: paths of the laws,
+    and their columns among what is added. results: number of the first and second of these outputs. means: of the
+    inputs of the laws. forces: see Forces.
     """
 
     linear: LinearModel
@@ -87,6 +88,7 @@ class ExcitedModel:
     results: int
     means: np.ndarray
     forces: Forces
+    rotating: RotatingLinearModel
 
     @property
     def driven(self) -> int:
@@ -152,9 +154,10 @@ def excited_model(plant: Any, state: State, names: Sequence[str]) -> ExcitedMode
 
     speeds, rows = _motions(at)
     further = Further(symbols, outputs, tuple(labels), mixing if fields else None, rows)
-    linear, forces = _without_forces(mean_linear_model(plant, state, (), names, further), speeds, len(rows))
-    return ExcitedModel(linear, tuple(signals), tuple(fields), tuple(laws), len(linear.outputs) - first,
-                        _means(at, state), forces)  # fmt: skip
+    rotating = rotating_linear_model(plant, state, (), names, further, turning=True)
+    linear, forces = _without_forces(rotating.linear, speeds, len(rows))
+    return ExcitedModel(linear, tuple(signals), tuple(fields), tuple(laws), rotating.shown, _means(at, state), forces,
+                        rotating)  # fmt: skip
 
 
 def _motions(at: AtParameters) -> tuple[list[str], tuple[int, ...]]:

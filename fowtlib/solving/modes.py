@@ -10,7 +10,9 @@ A mode is called after the coordinates that take the largest part in it (partici
 such that no name is given to more modes than it has coordinates: of two nearly equal modes one is surge, the other
 sway. Parts that stand in a ring, such as blades, move together (collective), or as the cosine or the sine of their
 azimuth (R. P. Coleman and A. M. Feingold, NACA Report 1351, 1958); the two with a quarter of a period between them run
-round, with the rotor (progressive) or against it (regressive).
+round, with the rotor (progressive) or against it (regressive). Of rotors that turn, the modes are those of the mean in
+multi-blade coordinates (solving.mean_linear): what is seen from the tower, where a blade that swings with the frequency
+f shows f - n and f + n, n the revolutions per second.
 """
 
 from __future__ import annotations
@@ -19,11 +21,15 @@ from collections import defaultdict
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from fnmatch import fnmatchcase
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from fowtlib.language.errors import NotFoundError
+from fowtlib.language.errors import NotFoundError, SimulationError
+from fowtlib.solving.multiblade import LEAST, multiblade_parts
+
+if TYPE_CHECKING:
+    from fowtlib.solving.mean_linear import RotatingLinearModel
 
 STANDING = 1e-7  # of the fastest eigenvalue: a motion that nothing holds, zero twice and split by rounding
 MOTIONS = ("m", "rad", "m/s", "rad/s")  # units of the states of a motion
@@ -78,10 +84,11 @@ class _Coordinate:
 
 @dataclass
 class _Ring:
-    """Parts in a ring, and the azimuth of the first [rad]."""
+    """Parts in a ring, and the azimuth of the first [rad]; fixed: the parts are multi-blade coordinates."""
 
     parts: list[str]
     azimuth: float
+    fixed: bool = False
 
 
 @dataclass
@@ -98,12 +105,35 @@ def natural_modes(plant: Any, state: Any = None, *, parameters: Mapping[str, Any
 
     Modes that do not oscillate, and those of memory (`motion` False), are in the list too.
     """
+    return modes_of_mean(plant, state, parameters=parameters)[0]
+
+
+def modes_of_mean(
+    plant: Any, state: Any = None, *, parameters: Mapping[str, Any] | None = None
+) -> tuple[list[NaturalMode], RotatingLinearModel]:
+    """The same, and the linear model that they are of.
+
+    Raises SimulationError for rotors of two blades that bend and turn.
+    """
+    from fowtlib.solving.mean_linear import rotating_linear_model
+    from fowtlib.solving.turning import mean_state
+
     if state is None:
-        state = plant.equilibrium(parameters)
-    modes = plant.linearize(state, outputs=[]).modes()
-    circles = (ring for ring in plant.dae.symmetries if len(ring.parts) > 1)
-    rings = [_Ring(list(ring.parts), _angle(plant, ring.angle, state)) for ring in circles]
-    coordinates = plant.functions.once("coordinates", lambda: _coordinates(plant, rings))
+        state = mean_state(plant, parameters)
+    found = rotating_linear_model(plant, state, outputs=[])
+    modes, multiblade = found.linear.modes(), found.average.multiblade if found.average else None
+    if multiblade is not None and multiblade.two_bladed:
+        raise SimulationError(
+            f"{', '.join(multiblade.two_bladed)} turn and bend: a rotor of two blades is periodic to anyone, and has "
+            "no modes of a mean. Take the modes at rest (--wind none), or rigid blades."
+        )
+    rings = _rings(plant, state, multiblade)
+    units = [item.unit for item in plant.dae.states]
+    paths = multiblade.paths() if multiblade is not None else [item.path for item in plant.dae.states]
+    kept = set(found.linear.states)
+    named_states = [(path, unit) for path, unit in zip(paths, units, strict=True) if path in kept]
+    coordinates = plant.functions.once(("coordinates", tuple(named_states), tuple(ring.parts[0] for ring in rings)),
+                                       lambda: _coordinates(plant, rings, named_states))  # fmt: skip
     fastest = max((abs(mode.eigenvalue) for mode in modes), default=0.0)
     modes = [mode for mode in modes if abs(mode.eigenvalue) > STANDING * fastest]
     memories = {c.name for c in coordinates if not c.motion}
@@ -115,22 +145,55 @@ def natural_modes(plant: Any, state: Any = None, *, parameters: Mapping[str, Any
     names = _names(named, coordinates, rings)
     asked = [k for k, item in enumerate(named) if item.motion and item.mode.eigenvalue.imag > 0]
     number = {k: i + 1 for i, k in enumerate([*asked, *(k for k in range(len(named)) if k not in asked)])}
-    return [
+    modes = [
         NaturalMode(number[k], name, item.mode.frequency_hz, item.mode.damping_ratio, item.mode.eigenvalue, item.motion,
-                    item.shares, dict(item.mode.shape))
+                    item.shares, _of_states(plant, state, multiblade, paths, item.mode.shape))
         for k, (item, name) in enumerate(zip(named, names, strict=True))
     ]  # fmt: skip
+    return modes, found
+
+
+def _of_states(plant: Any, state: Any, multiblade: Any, paths: Sequence[str],
+               shape: Mapping[str, complex]) -> dict[str, complex]:  # fmt: skip
+    """Amplitudes of the states at the azimuths of the state; 0 of those that are no states of the linear model."""
+    y = np.array([shape.get(path, 0.0) for path in paths], dtype=complex)
+    x = y if multiblade is None else multiblade.states(state.x) @ y
+    peak = x[np.argmax(np.abs(x))] if np.any(x) else 1.0
+    return {item.path: complex(value) for item, value in zip(plant.dae.states, x / peak, strict=True)}
 
 
 # -- what the states are called ---------------------------------------------------------------------------------------
 
 
-def _coordinates(plant: Any, rings: Sequence[_Ring]) -> list[_Coordinate]:
+def _rings(plant: Any, state: Any, multiblade: Any) -> list[_Ring]:
+    """The parts that stand in rings; of rings that turn, their multi-blade coordinates."""
+    turning = {ring.parts: multiblade_parts(ring.parts) for ring in (multiblade.rings if multiblade else ())}
+    found = []
+    for ring in plant.dae.symmetries:
+        parts = tuple(ring.parts)
+        if parts in turning:
+            found.append(_Ring(turning[parts], _angle(plant, ring.angle, state), fixed=True))
+        elif len(parts) > 1:
+            found.append(_Ring(list(parts), _angle(plant, ring.angle, state)))
+    return found
+
+
+def _coordinates(plant: Any, rings: Sequence[_Ring], states: Sequence[tuple[str, str]]) -> list[_Coordinate]:
+    """What the states (path, unit) of a linear model are called."""
     results = {path: name for name, (path, _, _) in plant.outputs.items()}
-    found = [_coordinate(plant.root, state.path, state.unit, results) for state in plant.dae.states]
+    standing = {name: parts[0] for parts in (ring.parts for ring in plant.dae.symmetries) if len(parts) >= LEAST
+                for name in multiblade_parts(parts)}  # fmt: skip
+    found = []
+    for path, unit in states:
+        part = next((name for name in standing if path.startswith(f"{name}.")), None)
+        own = path if part is None else path.replace(part, standing[part], 1)
+        found.append(replace(_coordinate(plant.root, own, unit, results), path=path))
+    numbers = {c.path: k for k, c in enumerate(found)}
+    own_paths = [item.path for item in plant.dae.states]
     for position, rate in rate_states(plant.dae).items():  # what has no name of its own is called after its position
-        if found[rate].name == found[rate].path:
-            found[rate] = replace(found[rate], name=found[position].name, rate=True, motion=found[position].motion)
+        k, j = numbers.get(own_paths[position]), numbers.get(own_paths[rate])
+        if k is not None and j is not None and found[j].name == found[j].path:
+            found[j] = replace(found[j], name=found[k].name, rate=True, motion=found[k].motion)
     circled = [part for ring in rings for part in ring.parts]
     for k, c in enumerate(found):
         part = next((part for part in circled if c.path.startswith(f"{part}.")), None)
@@ -211,6 +274,9 @@ def _harmonics(mode: Any, name: str, ring: _Ring, coordinates: Sequence[_Coordin
     """
     table = np.array([_amplitudes(mode, name, part, coordinates) for part in ring.parts])
     count = len(ring.parts)
+    if ring.fixed:
+        weights = np.sqrt([count, count / 2, count / 2])
+        return dict(zip(HARMONICS, weights[:, None] * table[:3], strict=True))
     if count < 3:
         return {"collective": table.sum(0) / np.sqrt(count), "teetering": (table[0] - table[-1]) / np.sqrt(count)}
     azimuth = ring.azimuth + 2 * np.pi * np.arange(count) / count

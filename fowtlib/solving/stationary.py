@@ -97,7 +97,8 @@ def slow_modes(at: AtParameters, plant: Any, state: State, shortest: float = SHO
 
     around = turns_of(plant, at, state)
     if around:  # loads depend on the azimuth
-        slopes = Average(at, state, around, FEW, jacobian).of_all(state.x)[1]
+        average = Average(at, state, around, FEW, jacobian)
+        slopes = average.at_mean(average.multiblade.from_states(state.x)).slopes
     else:
         top, top_z, bottom, bottom_z = jacobian(state.t, state.x, state.z, np.concatenate([state.u, state.d]))
         slopes = top - top_z @ np.linalg.solve(bottom_z, bottom) if state.z.size else top

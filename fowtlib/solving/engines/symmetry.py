@@ -35,12 +35,12 @@ def cyclic_unknowns(dae: FlatDAE, reduced: Reduction) -> list[CyclicUnknowns]:
         if state is not None and len(symmetry.parts) > 2:
             known = found.setdefault(state, CyclicUnknowns(state, [], []))
             if not known.unknowns or len(known.unknowns[0]) == len(symmetry.parts):
-                known.unknowns.extend(_counterparts(unknowns, symmetry.parts))
-                known.rows.extend(_counterparts(rows, symmetry.parts))
+                known.unknowns.extend(counterparts(unknowns, symmetry.parts))
+                known.rows.extend(counterparts(rows, symmetry.parts))
     return [symmetry for symmetry in found.values() if symmetry.unknowns]
 
 
-def _counterparts(paths: Sequence[str], parts: Sequence[str]) -> list[list[int]]:
+def counterparts(paths: Sequence[str], parts: Sequence[str]) -> list[list[int]]:
     """Numbers of the paths that are the same but for the part, in all of the parts; equal ones in their order."""
     of_part: list[dict[tuple[str, int], int]] = [{} for _ in parts]
     for numbers, part in zip(of_part, parts, strict=True):

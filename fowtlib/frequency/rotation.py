@@ -1,0 +1,104 @@
+"""Responses of what turns with a rotor, from those of the frame that does not turn.
+
+A load of one blade is y_0 + y_c cos(psi) + y_s sin(psi), psi = Omega t, with y_0, y_c and y_s of the linear model in
+multi-blade coordinates. With w = (y_c - i y_s) / 2 its two-sided spectrum, averaged over the azimuths of the start, is
+
+    S(omega) = S_0(omega) + S_w(omega - Omega) + S_w(-omega - Omega),
+
+what the tower feels at omega being in a blade at the sum and the difference with the rotor speed. What goes round in
+steady wind, by gravity, shear, tilt and the dam of the tower, is no random process: it stands beside the others as the
+share `rotation`, with its mean square at each multiple of the rotor speed.
+"""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from fowtlib.solving.mean_linear import RotatingLinearModel, Turning
+from fowtlib.solving.rotation import Rotation
+
+if TYPE_CHECKING:
+    from fowtlib.frequency.found import Response
+
+ROTATION = "rotation"
+LEAST = 1e-12  # of the mean square of the largest harmonic
+
+
+def with_rotation(found: Response, rotating: RotatingLinearModel, rotation: Rotation | None) -> Response:
+    """The response of the results, from one that has also what these have of the turning, as outputs behind them.
+
+    rotation: what goes round in steady wind; None, and the response unchanged, where nothing turns.
+    """
+    if rotation is None:
+        return found
+    own = rotating.results
+    shares = {path: density[:own].copy() for path, density in found.shares.items()}
+    for path, H in found.transfer.items():
+        for turning in rotating.turning:
+            shares[path][list(turning.of)] += turned_spectra(found.frequency, H, found.driving[path], turning)
+    lines = _lines(found.frequency, rotation)
+    if lines.any():
+        shares[ROTATION] = lines
+    transfer = {path: H[:, :own] for path, H in found.transfer.items()}
+    return replace(found, outputs=found.outputs[:own], units=found.units[:own], mean=rotation.mean, shares=shares,
+                   transfer=transfer)  # fmt: skip
+
+
+def turned_spectra(frequency: np.ndarray, H: np.ndarray, S: np.ndarray, turning: Turning) -> np.ndarray:
+    """Spectra (k, q) of what turns with a rotor, from transfer functions to its cosine and sine parts."""
+    cosine, sine = H[:, turning.cosine], H[:, turning.sine]
+    ahead, behind = (_quadratic((cosine - sign * 1j * sine) / 2, S) for sign in (1, -1))
+    shift = abs(turning.speed) / (2 * np.pi)
+    if turning.speed < 0:
+        ahead, behind = behind, ahead
+    return (moved_spectrum(frequency, ahead, shift, 1) + moved_spectrum(frequency, behind, shift, -1)
+            + mirrored_spectrum(frequency, behind, shift))  # fmt: skip
+
+
+def _quadratic(H: np.ndarray, S: np.ndarray) -> np.ndarray:
+    """Spectra (m, q)."""
+    return ((H @ S) * H.conj()).sum(axis=2).real.T
+
+
+def moved_spectrum(frequency: np.ndarray, density: np.ndarray, shift: float, sense: int) -> np.ndarray:
+    """Densities (m, q) that stand at `frequency`, moved up (sense 1) or down (-1) by a frequency.
+
+    The mean square between two frequencies moves as it is; what would go below zero is left out.
+    """
+    edges = _edges(frequency)
+    return _between(frequency, density, edges - sense * shift)
+
+
+def mirrored_spectrum(frequency: np.ndarray, density: np.ndarray, shift: float) -> np.ndarray:
+    """Densities (m, q) below a frequency, mirrored: what stands at f goes to shift - f."""
+    return -_between(frequency, density, shift - _edges(frequency))
+
+
+def _edges(frequency: np.ndarray) -> np.ndarray:
+    """Limits (q + 1,) of the parts of the axis that belong to each frequency in the rule of the trapezoid."""
+    return np.concatenate([frequency[:1], (frequency[1:] + frequency[:-1]) / 2, frequency[-1:]])
+
+
+def _between(frequency: np.ndarray, density: np.ndarray, ends: np.ndarray) -> np.ndarray:
+    """Mean squares between ends that follow each other, over the width of the part of the axis that they go to."""
+    steps = np.diff(frequency) * (density[:, 1:] + density[:, :-1]) / 2
+    whole = np.concatenate([np.zeros((len(density), 1)), np.cumsum(steps, axis=1)], axis=1)
+    at = np.array([np.interp(ends, frequency, row) for row in whole])
+    return np.diff(at, axis=1) / np.diff(_edges(frequency))
+
+
+def _lines(frequency: np.ndarray, rotation: Rotation) -> np.ndarray:
+    """Spectra (m, q) whose integral is the mean square of each harmonic, at the frequency next to it; none outside."""
+    widths = np.diff(_edges(frequency))
+    density = np.zeros((rotation.mean.size, frequency.size))
+    for speed, variance in zip(rotation.speeds, rotation.variance, strict=True):
+        for n, square in enumerate(variance, start=1):
+            line = n * abs(speed) / (2 * np.pi)
+            if not frequency[0] <= line <= frequency[-1]:
+                continue
+            k = int(np.argmin(np.abs(frequency - line)))
+            density[:, k] += np.where(square > LEAST * variance.max(axis=0), square, 0.0) / widths[k]
+    return density
