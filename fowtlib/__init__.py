@@ -66,6 +66,7 @@ if TYPE_CHECKING:
         Plant,
         Result,
         State,
+        mean_linear_model,
         mean_state,
         natural_modes,
     )
@@ -88,7 +89,7 @@ _LATER = {
     **dict.fromkeys(("dump", "load"), "fowtlib.modelfile"),
     **dict.fromkeys(
         ("Conditions", "Event", "LinearModel", "Mode", "Model", "NaturalMode", "Output", "Plant", "Result", "State",
-         "mean_state", "natural_modes"),
+         "mean_linear_model", "mean_state", "natural_modes"),
         "fowtlib.solving",
     ),
     **dict.fromkeys(
@@ -158,6 +159,7 @@ __all__ = [
     "lifetime_equivalent_load",
     "linear_rao",
     "load",
+    "mean_linear_model",
     "mean_state",
     "model_sheet",
     "natural_modes",

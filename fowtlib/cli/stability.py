@@ -34,6 +34,7 @@ examples:
   fowt eigen oc3_spar --wind none         the rotor stands
   fowt eigen oc3_spar --wind steady:12    it turns
   fowt view oc3_spar --wind none --mode 7
+  fowt eigen nrel5mw_land --wind steady:12 --linear land.lin
 """
 CAMPBELL = """In each of the winds the modes of the mean in steady operation, with the
 controllers in the loop, in still water. A mode is followed from one wind to the
@@ -63,6 +64,9 @@ def declare(commands: Any) -> None:
     eigen.add_argument("--all", action="store_true", help="also the modes of filters, controllers and radiated waves, "
                        "and what does not oscillate")  # fmt: skip
     eigen.add_argument("--plot", type=Path, metavar="FILE", help="draw frequencies and damping: .png, .svg or .pdf")
+    eigen.add_argument("--linear", type=Path, metavar="FILE",
+                       help="save the linear model, with all results: .mat, .npz or .lin (OpenFAST)")  # fmt: skip
+    eigen.add_argument("--inputs", metavar="A,B", default="", help="parameters or inputs that drive it, by path")
     eigen.set_defaults(action=show_modes)
     text = "natural modes over the wind: table, and diagram with 1P, 3P, 6P"
     diagram = commands.add_parser("campbell", help=text, epilog=CAMPBELL)
@@ -120,10 +124,13 @@ def _parameter(name: str, known: Container[str]) -> str:
 def show_modes(arguments: argparse.Namespace) -> int:
     """Print the modes of the linear model at the equilibrium, slowest first."""
     from fowtlib.analysis.upright import warn_unless_upright
-    from fowtlib.solving import mean_state, natural_modes
+    from fowtlib.solving import mean_linear_model, mean_state, natural_modes
 
     tables.check(arguments)
     check_target(arguments.plot, FIGURES, arguments.force)
+    check_target(arguments.linear, (".mat", ".npz", ".lin"), arguments.force)
+    if arguments.inputs and not arguments.linear:
+        raise ModelError("--inputs are those of the linear model of --linear; give both.")
     model, conditions = loading.load_at_rest(arguments)
     plant = model.compile()
     state = mean_state(plant)
@@ -138,6 +145,9 @@ def show_modes(arguments: argparse.Namespace) -> int:
 
         plot_modes(modes, path=arguments.plot, title="\n".join(filter(None, (model.title or model.name, conditions))))
     say_saved(arguments.plot)
+    if arguments.linear:
+        inputs = [path.strip() for path in arguments.inputs.split(",") if path.strip()]
+        say_saved(mean_linear_model(plant, state, inputs).save(arguments.linear))
     return 0
 
 

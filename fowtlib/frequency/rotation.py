@@ -91,7 +91,7 @@ def _between(frequency: np.ndarray, density: np.ndarray, ends: np.ndarray) -> np
 
 
 def _lines(frequency: np.ndarray, rotation: Rotation) -> np.ndarray:
-    """Spectra (m, q) whose integral is the mean square of each harmonic, at the frequency next to it; none outside."""
+    """Spectra (m, q) with the mean square of each harmonic at the frequency next to it; of none outside of these."""
     widths = np.diff(_edges(frequency))
     density = np.zeros((rotation.mean.size, frequency.size))
     for speed, variance in zip(rotation.speeds, rotation.variance, strict=True):

@@ -21,6 +21,7 @@ from fowtlib.solving.functions import AtParameters
 from fowtlib.solving.layout import Layout
 from fowtlib.solving.outputs import Outputs
 from fowtlib.solving.results.html import table
+from fowtlib.solving.results.linear_files import OperatingPoint, write_lin
 from fowtlib.solving.state import State
 
 if TYPE_CHECKING:
@@ -89,6 +90,12 @@ class LinearModel:
         self.matrices = {"A": A, "B": B, "C": C, "D": D}
         self.states, self.inputs, self.outputs = list(states), list(inputs), list(outputs)
         self.units, self.operators = units, operators
+        self.point: Callable[[], OperatingPoint] | None = None
+
+    @property
+    def about(self) -> OperatingPoint | None:
+        """Where it is of; None for a model of matrices alone."""
+        return None if self.point is None else self.point()
 
     def _labelled(self, name: str, rows: tuple[str, list[str]], columns: tuple[str, list[str]]) -> xarray.DataArray:
         import xarray
@@ -186,21 +193,34 @@ class LinearModel:
         return sorted(modes, key=lambda mode: mode.frequency_hz)
 
     def save(self, path: str | Path) -> Path:
-        """Write A, B, C, D and the names of states, inputs and outputs as .mat (MATLAB 5) or .npz (NumPy)."""
+        """Write A, B, C, D and the names of states, inputs and outputs as .mat (MATLAB 5), .npz (NumPy) or .lin (text).
+
+        With units and, where the model knows its operating point, the values there; see results.linear_files for .lin.
+        """
         from scipy.io import savemat
 
-        path = Path(path)
+        path, point = Path(path), self.about
         names = {"states": self.states, "inputs": self.inputs, "outputs": self.outputs}
         names["output_units"] = [self.units.get(name, "1") for name in self.outputs]
-        content = {**self.matrices, **{key: np.array(value, dtype=object) for key, value in names.items()}}
-        plain = {**self.matrices, **{key: np.array(value, dtype=str) for key, value in names.items()}}
+        if path.suffix == ".lin":
+            if point is None:
+                raise ModelError(f"{path}: a .lin file says where it is of; this linear model has no operating point.")
+            return write_lin(self, point, path)
+        if point is not None:
+            names |= {"state_units": list(point.state_units), "input_units": list(point.input_units)}
+            values = {f"{name}_at": getattr(point, name) for name in ("states", "inputs", "outputs")}
+            values |= {"rotor_speed": np.array(point.rotor_speed), "azimuth": np.array(point.azimuth)}
+        else:
+            values = {}
+        content = {**self.matrices, **values, **{key: np.array(value, dtype=object) for key, value in names.items()}}
+        plain = {**self.matrices, **values, **{key: np.array(value, dtype=str) for key, value in names.items()}}
         writers = {
             ".mat": lambda temporary: savemat(temporary, content),
             ".npz": lambda temporary: np.savez(temporary, **plain),
         }
         if path.suffix not in writers:
             ending = path.suffix or "no ending"
-            raise ModelError(f"{path}: a linear model is saved as .mat or .npz, not as '{ending}'.")
+            raise ModelError(f"{path}: a linear model is saved as .mat, .npz or .lin, not as '{ending}'.")
         return write_whole(path, writers[path.suffix])
 
     def _repr_html_(self) -> str:

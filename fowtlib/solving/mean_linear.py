@@ -16,12 +16,14 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
+from functools import partial
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
 from fowtlib.solving.checks import check_state
 from fowtlib.solving.linear import NOTHING, Further, LinearModel, Slopes, linearize, slopes_of
+from fowtlib.solving.operating_point import operating_point
 from fowtlib.solving.turning import AZIMUTHS, Average, MeanSlopes, Turn, turns_of
 
 if TYPE_CHECKING:
@@ -116,6 +118,8 @@ def rotating_linear_model(plant: Plant, state: State, inputs: Sequence[str] = ()
     linear = slopes.model(A, B, C, D, [paths_of[k] for k in free])
     own = {path: name for name, path in plant.input_names.items() if name in inputs}
     linear.inputs = [own.get(path, path) for path in linear.inputs]
+    if not turning and not further.outputs:
+        linear.point = partial(operating_point, plant, state, inputs, names, average)
     return RotatingLinearModel(linear, results, len(slopes.shown) - len(further.outputs), turned, average,
                                tuple(speeds), found, scale)  # fmt: skip
 

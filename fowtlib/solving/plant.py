@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import copy
 from collections.abc import Callable, Mapping, Sequence
+from functools import partial
 from typing import Any
 
 import numpy as np
@@ -24,6 +25,7 @@ from fowtlib.solving.initial import start_point
 from fowtlib.solving.layout import Layout, Values
 from fowtlib.solving.linear import LinearModel, linearize
 from fowtlib.solving.observation import Observation, observed
+from fowtlib.solving.operating_point import operating_point
 from fowtlib.solving.outputs import Outputs
 from fowtlib.solving.results import Observer, RawTrajectory, Result
 from fowtlib.solving.results.html import table
@@ -182,6 +184,7 @@ class Plant:
         linear = linearize(at, self.layout, self.outputs, state, paths, names)
         own = {path: name for name, path in self.input_names.items() if name in inputs}
         linear.inputs = [own.get(path, path) for path in linear.inputs]
+        linear.point = partial(operating_point, self, state, inputs, names)
         return linear
 
     def observer(self, raw: RawTrajectory, parameters: Values | None = None) -> Observer:

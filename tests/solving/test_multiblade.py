@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 
 import fowtlib as fw
+from fowtlib.analysis.campbell import campbell
 from fowtlib.components.environment import World
 from fowtlib.components.mechanics import (
     Fixed,
@@ -25,6 +26,7 @@ from fowtlib.language.errors import SimulationError
 from fowtlib.solving import mean_state, natural_modes
 from fowtlib.solving.mean_linear import rotating_linear_model
 from fowtlib.solving.multiblade import multiblade_inverse, multiblade_matrix, multiblade_names
+from fowtlib.solving.rotation import steady_rotation
 
 OFFSET, RADIUS, MASS, HUB = 0.4, 3.0, 20.0, 300.0  # m, m from the hinge, kg, kg
 HINGE, HINGE_DAMPING = 1500.0, 60.0  # N m/rad, N m s/rad
@@ -205,3 +207,57 @@ def test_a_mode_of_a_turning_rotor_rings_down_in_a_run_as_it_should(turbine, nam
         found = runs[0][path].values - runs[1][path].values
         if abs(amplitude) > 0.3 * max(size * abs(mode.shape[other]) for other in seen):
             assert np.std(found - expected) < 0.1 * np.std(expected), path
+
+
+def read_lin(path):
+    """Matrices and descriptions of a .lin file, as the tools of OpenFAST read them: by its headings."""
+    lines, matrices, tables, k = path.read_text().splitlines(), {}, {}, 0
+    while k < len(lines):
+        if lines[k].startswith("Order of"):
+            title, k, rows = lines[k].removeprefix("Order of ").rstrip(":"), k + 3, []
+            while lines[k].strip():
+                number, value, turning, order, text = lines[k].split(None, 4)
+                rows.append((int(number), float(value), turning, int(order), text))
+                k += 1
+            tables[title] = rows
+        elif lines[k][:2] in ("A:", "B:", "C:", "D:"):
+            n, m = map(int, lines[k][2:].split("x"))
+            matrices[lines[k][0]] = np.array([line.split() for line in lines[k + 1 : k + 1 + n]], dtype=float)
+            assert matrices[lines[k][0]].shape == (n, m)
+        k += 1
+    return matrices, tables
+
+
+def test_linear_models_leave_and_are_read_back(turbine, tmp_path):
+    from scipy.io import loadmat
+
+    plant, state = turbine
+    linear = fw.mean_linear_model(plant, state, ["wind.mean_speed"], ["rotor_speed", "blade_root_flapwise_moment_1"])
+    matrices, tables = read_lin(linear.save(tmp_path / "land.lin"))
+    content = loadmat(linear.save(tmp_path / "land.mat"))
+    for name in "ABCD":
+        np.testing.assert_array_equal(matrices[name], linear.matrices[name])
+        np.testing.assert_array_equal(content[name], linear.matrices[name])
+    states = tables["continuous states"]
+    assert [row[4].rpartition(",")[0] for row in states] == linear.states and {row[2] for row in states} == {"F"}
+    assert {row[4].rpartition(", ")[2] for row in states} >= {"rad", "rad/s", "N*m"}
+    (row,) = tables["inputs"]
+    assert row[1] == 14.0 and row[4] == "wind.mean_speed, m/s"
+    (speed, moment) = tables["outputs"]
+    assert speed[4] == "rotor_speed, (rpm)" and speed[1] == pytest.approx(state["rotor_speed"])
+    assert [str(text.item()) for text in content["state_units"].ravel()][:2] == ["rad", "rad"]
+    one = plant.linearize(state, outputs=["rotor_speed"])
+    turning = {row[4]: row[2] for row in read_lin(one.save(tmp_path / "one.lin"))[1]["continuous states"]}
+    assert turning["turbine.assembly.blade_1.beam.hinge_1.bending.phi_x, rad"] == "T"
+    assert turning["tower.beam.hinge_1.bending.phi_x, rad"] == "F"
+    text = (tmp_path / "land.lin").read_text()
+    assert float(text.partition("Rotor Speed:")[2].split()[0]) == pytest.approx(state["rotor_speed"] * np.pi / 30)
+
+
+def test_a_linear_model_without_a_place_is_no_lin_file(turbine, tmp_path):
+    from fowtlib.language.errors import ModelError
+    from fowtlib.solving import LinearModel
+
+    one = LinearModel(*(np.ones((1, 1)) for _ in "ABCD"), ["x"], ["u"], ["y"], {})
+    with pytest.raises(ModelError, match="this linear model has no operating point"):
+        one.save(tmp_path / "one.lin")

@@ -1,0 +1,75 @@
+"""Loads of one blade from the response of the frame that does not turn."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+import fowtlib as fw
+from fowtlib.frequency.rotation import mirrored_spectrum, moved_spectrum, turned_spectra
+from fowtlib.solving.mean_linear import Turning
+
+FREQUENCY = np.sort(np.concatenate([np.geomspace(1e-4, 3.0, 400), np.linspace(0.05, 2.5, 400)]))
+
+
+def band(low: float, high: float) -> np.ndarray:
+    """A density of 1 between two frequencies."""
+    return np.where((low < FREQUENCY) & (high > FREQUENCY), 1.0, 0.0)[None]
+
+
+def mean_square(density: np.ndarray, low: float = 0.0, high: float = 9.0) -> float:
+    inside = (low <= FREQUENCY) & (high >= FREQUENCY)
+    return float(np.trapezoid(density[0][inside], FREQUENCY[inside]))
+
+
+def test_moving_and_mirroring_keep_the_mean_square():
+    density = band(0.3, 0.5)
+    whole = mean_square(density)
+    up, down = moved_spectrum(FREQUENCY, density, 0.2, 1), moved_spectrum(FREQUENCY, density, 0.2, -1)
+    assert mean_square(up) == pytest.approx(whole, rel=1e-9)
+    assert mean_square(up, 0.49, 0.71) == pytest.approx(whole, rel=1e-6)
+    assert mean_square(down, 0.09, 0.31) == pytest.approx(whole, rel=1e-6)
+    below, above = mirrored_spectrum(FREQUENCY, density, 0.4), moved_spectrum(FREQUENCY, density, 0.4, -1)
+    assert mean_square(below) + mean_square(above) == pytest.approx(whole, rel=1e-3)  # each has its half of the band
+    assert mean_square(below, 0.0, 0.1) == pytest.approx(whole / 2, rel=0.05)
+
+
+@pytest.mark.parametrize("speed", [1.4, -1.4])
+@pytest.mark.parametrize("phase", [1j, -1j, 0.0])
+def test_a_blade_has_the_spectrum_of_a_run(speed, phase):
+    """A cosine and a sine part from one process, in quadrature or the cosine alone, against a periodogram."""
+    f0, width, n, step = 0.45, 0.1, 2**16, 0.1
+    density = band(f0 - width, f0 + width)[0]
+    H = np.zeros((FREQUENCY.size, 2, 1), dtype=complex)
+    H[:, 0], H[:, 1] = 1.0, phase
+    turning = Turning("azimuth", speed, 0.0, (0,), slice(0, 1), slice(1, 2))
+    found = turned_spectra(FREQUENCY, H, density[:, None, None], turning)
+    random = np.random.default_rng(3)
+    f = np.fft.rfftfreq(n, step)
+    noise = np.where(np.abs(f - f0) < width, random.standard_normal(f.size) + 1j * random.standard_normal(f.size), 0.0)
+    cosine, sine = (np.fft.irfft(noise * factor, n) for factor in (1.0, phase))
+    time = step * np.arange(n)
+    load = cosine * np.cos(speed * time) + sine * np.sin(speed * time)
+    shares = np.abs(np.fft.rfft(load)) ** 2
+    scale = 2 * width / np.sum(np.abs(noise) ** 2)
+    shift = abs(speed) / (2 * np.pi)
+    for centre in (f0 - shift, f0 + shift):
+        low, high = centre - 1.2 * width, centre + 1.2 * width
+        run = scale * shares[(f > low) & (f < high)].sum()
+        assert mean_square(found, low, high) == pytest.approx(run, rel=0.03, abs=1e-4)
+    assert mean_square(found) == pytest.approx(width * (1 + abs(phase) ** 2), rel=0.02)
+
+
+@pytest.mark.long
+def test_blade_moments_of_a_turbine_in_turbulence_are_those_of_a_run():
+    given = {"wind.kind": "turbulence", "wind.mean_speed": 16.0, "wind.repetition_period": 700.0, "wind.seed": 4,
+             "turbine.assembly.blade_hinges": 2}  # fmt: skip
+    plant = fw.load("nrel5mw_land", set=given).compile()
+    names = ["blade_root_flapwise_moment_1", "blade_root_edgewise_moment_1"]
+    found = fw.response(plant, outputs=names)
+    run = plant.simulate(700.0, 0.1, solver="fixed", start="turning")
+    for name, size in zip(names, (0.12, 0.05), strict=True):
+        values = run[name].values[run.time >= 100.0]
+        assert found.std(name) == pytest.approx(values.std(), rel=size), name
+        assert found.std(name, "rotation") < found.std(name)
+    assert found.std(names[1], "rotation") > 0.9 * found.std(names[1])  # gravity
