@@ -60,7 +60,8 @@ class ExcitedModel:
     """Linear model whose inputs are signals, channels of fields, and then what is added to quadratic laws; see above.
 
     linear: its outputs are the results, and then the inputs of the laws. fields: columns of the inputs, and the places
-    of one field. laws: paths of the laws, and their columns among what is added.
+    of one field. laws: paths of the laws, and their columns among what is added. further: what of the flat model these
+    inputs and outputs are.
     """
 
     linear: LinearModel
@@ -68,6 +69,7 @@ class ExcitedModel:
     fields: tuple[tuple[slice, tuple[FieldPlaces, ...]], ...]
     laws: tuple[tuple[str, slice], ...]
     results: int
+    further: Further
 
     @property
     def driven(self) -> int:
@@ -124,7 +126,8 @@ def excited_model(plant: Any, state: State, names: Sequence[str], root: Componen
 
     further = Further(symbols, outputs, tuple(labels), mixing if fields else None)
     linear = mean_linear_model(plant, state, (), names, further)
-    return ExcitedModel(linear, tuple(signals), tuple(fields), tuple(laws), len(linear.outputs) - first)
+    return ExcitedModel(linear, tuple(signals), tuple(fields), tuple(laws), len(linear.outputs) - first,
+                        further)  # fmt: skip
 
 
 def _signals(dae: FlatDAE) -> list[Signal]:

@@ -1,0 +1,287 @@
+"""Adjoint of a stationary response: slopes of functions of its spectra by the linear model and by what drives it.
+
+With amplitudes d of the inputs, H = C x + D d, (i omega - A) x = B d, and slopes h of a scalar by H,
+
+    (i omega - A)^H lambda = C' h,  slopes by A: Re sum lambda x^H, by B: Re sum lambda d^H, by C: Re sum h x^H,
+
+one solve a frequency with the factors of the response itself. Drag is in the loop by gains G that follow from the
+response, G = gain(covariance(G)): its slopes, made once, give the gains to rounding by Newton's iteration, and the
+adjoint of the fixed point, (1 - Phi)' g = slope by G, once for all scalars.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from fowtlib.frequency.drag import best_gain, gain_slopes
+from fowtlib.frequency.quantities import ORDERS
+from fowtlib.language.errors import SimulationError
+from fowtlib.solving.excited import ExcitedModel
+from fowtlib.solving.linear import LinearModel, Resolvent
+from fowtlib.solving.stationary_gradients import Bars
+
+SETTLED = 1e-13  # change of the gains, relative, at which Newton's iteration ends
+NEWTON = 25
+GUESS = 1.0  # m/s; deviation of the velocities of drag before the first iteration
+
+
+@dataclass(frozen=True, eq=False)
+class Forcing:
+    """What drives a response at frequencies (q,) [Hz].
+
+    drive (q, inputs, k): of all channels; density (q, k, k) per Hz, with processes in blocks; columns: of a process.
+    """
+
+    frequency: np.ndarray
+    drive: np.ndarray
+    density: np.ndarray
+    columns: Mapping[str, slice]
+
+    @property
+    def widths(self) -> np.ndarray:
+        """What each frequency stands for [Hz]."""
+        steps = np.diff(self.frequency)
+        return (np.append(steps, 0.0) + np.append(0.0, steps)) / 2
+
+    def of(self, process: str | None) -> np.ndarray:
+        """The densities of one process alone; None: of all."""
+        if process is None:
+            return self.density
+        part, columns = np.zeros_like(self.density), self.columns[process]
+        part[:, columns, columns] = self.density[:, columns, columns]
+        return part
+
+
+@dataclass(frozen=True, eq=False)
+class Slopes:
+    """Slopes of a scalar by the matrices, by the drive (q, inputs, k), and by the densities (q, k, k).
+
+    d scalar = Re sum(conj(drive) d drive) + Re sum(density d density).
+    """
+
+    bars: Bars
+    drive: np.ndarray
+    density: np.ndarray
+
+
+class RandomResponse:
+    """The response of a linear model with the drag of its own response, and its adjoint.
+
+    gains: of the laws of drag, where they are nearly known. Raises SimulationError where they do not settle.
+    """
+
+    def __init__(self, excited: ExcitedModel, forcing: Forcing, gains: Sequence[np.ndarray] | None = None):
+        self.excited, self.forcing, self.omega = excited, forcing, 2 * np.pi * forcing.frequency
+        self.weighted = forcing.density * forcing.widths[:, None, None]
+        operators = excited.linear.operators
+        self.errors = operators.errors(self.omega) if operators is not None else None
+        places = [place for _, place in excited.laws]
+        self.gains = list(gains) if gains is not None else [
+            best_gain(GUESS**2 * np.eye(place.stop - place.start)) for place in places
+        ]  # fmt: skip
+        self.iterations = self._settle()
+
+    # --- forward ---------------------------------------------------------------------------------------------------
+
+    def _settle(self) -> int:
+        """Newton's iteration for the gains, after some of the plain one; the response with them."""
+        last = np.inf
+        for iteration in range(NEWTON):
+            self._answer()
+            found = [best_gain(self._covariance(place)) for _, place in self.excited.laws]
+            off = [new - old for new, old in zip(found, self.gains, strict=True)]
+            change = max((float(np.linalg.norm(d) / max(np.linalg.norm(g), 1e-12))
+                          for d, g in zip(off, found, strict=True)), default=0.0)  # fmt: skip
+            if change < SETTLED or (iteration > 4 and change < 1e-11 and change >= last):
+                self.phi = self._map() if self.excited.laws else np.zeros((0, 0))
+                return iteration
+            if iteration < 2:
+                self.gains = found
+            else:
+                step = np.linalg.solve(np.eye(self._width**2 * len(off)) - self._map(), self._packed(off))
+                self.gains = [g + s for g, s in zip(self.gains, self._unpacked(step), strict=True)]
+            last = change
+        raise SimulationError(f"the linearised drag does not settle; the last change is {change:.2g}.")
+
+    def _answer(self) -> None:
+        excited, drive = self.excited, self.forcing.drive
+        self.closed = excited.with_gains(self.gains)
+        A, B, C, D = (self.closed.matrices[name] for name in "ABCD")
+        self.resolvent = Resolvent(self.omega, A)
+        x = self.resolvent(B @ drive)
+        operators = self.closed.operators
+        powers = (1j * self.omega)[:, None] ** np.arange(3)
+        self.three = np.zeros((self.omega.size, 0, drive.shape[2]), dtype=complex)
+        out = C @ x + D @ drive
+        if operators is not None:
+            by_w = self.resolvent.between(operators.C, operators.B) + operators.D
+            q, n = by_w.shape[:2]
+            by_w = np.einsum("qndm,qd->qnm", by_w.reshape(q, n, 3, -1), powers)
+            self.loop = np.eye(self.errors.shape[1]) - self.errors @ by_w  # (1 - E G), to the outputs w
+            u = operators.C @ x + operators.D_input @ drive
+            w = np.linalg.solve(self.loop, self.errors @ u)
+            self.three = (powers[:, :, None, None] * w[:, None]).reshape(q, -1, drive.shape[2])
+            x = x + self.resolvent(operators.B @ self.three)
+            out = C @ x + D @ drive + operators.D_output @ self.three
+        self.powers, self.x, self.out = powers, x, out
+
+    @property
+    def H(self) -> np.ndarray:
+        """Transfer functions (q, results, k)."""
+        return self.out[:, : self.excited.results]
+
+    def _of_law(self, place: slice) -> np.ndarray:
+        m = self.excited.results
+        return self.out[:, m + place.start : m + place.stop]
+
+    def _covariance(self, place: slice) -> np.ndarray:
+        u = self._of_law(place)
+        return np.einsum("qrk,qsk->rs", u @ self.weighted, u.conj()).real
+
+    def moments(self, result: int, process: str | None = None) -> np.ndarray:
+        """Spectral moments of a result, of orders 0, 1, 2 and 4 [unit^2 Hz^n]."""
+        H = self.H[:, result]
+        density = np.einsum("qk,qkl,ql->q", H, self.forcing.of(process), H.conj()).real
+        return np.array([np.sum(self.forcing.frequency**n * density * self.forcing.widths) for n in ORDERS])
+
+    # --- the fixed point -------------------------------------------------------------------------------------------
+
+    @property
+    def _width(self) -> int:
+        return max((place.stop - place.start for _, place in self.excited.laws), default=0)
+
+    def _packed(self, blocks: Sequence[np.ndarray]) -> np.ndarray:
+        whole = np.zeros((len(blocks), self._width, self._width))
+        for k, block in enumerate(blocks):
+            whole[k, : len(block), : len(block)] = block
+        return whole.ravel()
+
+    def _unpacked(self, values: np.ndarray) -> list[np.ndarray]:
+        whole = values.reshape(len(self.excited.laws), self._width, self._width)
+        sizes = [place.stop - place.start for _, place in self.excited.laws]
+        return [block[:n, :n] for block, n in zip(whole, sizes, strict=True)]
+
+    def _injected(self) -> np.ndarray:
+        """Answers of results and inputs of laws (q, outputs, laws) to what is added to the laws, in closed loop."""
+        excited = self.excited
+        n, m = excited.driven, excited.results
+        B, D = excited.linear.matrices["B"], excited.linear.matrices["D"]
+        G = self._gain_matrix()
+        through = np.linalg.inv(np.eye(len(G)) - G @ D[m:, n:])
+        B_in = B[:, n:] @ through
+        loop = through @ G
+        D_closed = D[:, n:] + D[:, n:] @ loop @ D[m:, n:]
+        C = self.closed.matrices["C"]
+        found = self.resolvent.between(C, B_in) + D_closed
+        operators = self.closed.operators
+        if operators is not None:
+            base = excited.linear.operators
+            D_input = base.D_input[:, n:] @ through
+            u = self.resolvent.between(operators.C, B_in) + D_input
+            w = np.linalg.solve(self.loop, self.errors @ u)
+            three = (self.powers[:, :, None, None] * w[:, None]).reshape(self.omega.size, -1, u.shape[2])
+            to_out = self.resolvent.between(C, operators.B) + operators.D_output
+            found = found + to_out @ three
+        return found
+
+    def _gain_matrix(self) -> np.ndarray:
+        size = sum(place.stop - place.start for _, place in self.excited.laws)
+        G = np.zeros((size, size))
+        for (_, place), gain in zip(self.excited.laws, self.gains, strict=True):
+            G[place, place] = gain
+        return G
+
+    def _map(self) -> np.ndarray:
+        """Phi: slopes of the gains of all laws by those that are put in."""
+        m, width, laws = self.excited.results, self._width, self.excited.laws
+        self.injected = self._injected()
+        q = self.omega.size
+        T = np.zeros((len(laws), len(laws), width, width, q), dtype=complex)  # law r, law c, row, column
+        Z = np.zeros((len(laws), len(laws), q, width, width), dtype=complex)
+        u = [self._of_law(place) for _, place in laws]
+        Su = [part @ self.weighted for part in u]
+        self.by_covariance = []
+        for i, (_, rows) in enumerate(laws):
+            slope = np.zeros((width,) * 4)
+            n = rows.stop - rows.start
+            slope[:n, :n, :n, :n] = gain_slopes(self._covariance(rows))
+            self.by_covariance.append(slope)
+            for j, (_, columns) in enumerate(laws):
+                k = columns.stop - columns.start
+                part = self.injected[:, m + rows.start : m + rows.stop, columns]
+                T[i, j, :n, :k] = np.moveaxis(part, 0, -1)
+                Z[i, j, :, :k, :n] = Su[j] @ u[i].conj().transpose(0, 2, 1)
+        size = len(laws) * width**2
+        # covariance_i[r, s] by G_j[c, e]: T[r, c] Z[e, s], and the same with r and s exchanged
+        product = (T.reshape(*T.shape[:2], width**2, q) @ Z.reshape(*Z.shape[:3], width**2)).real
+        product = product.reshape(len(laws), len(laws), width, width, width, width)  # i j r c e s
+        by_gain = np.einsum("ijrces->irsjce", product)
+        by_gain = by_gain + by_gain.transpose(0, 2, 1, 3, 4, 5)
+        phi = np.einsum("iabrs,irsjce->iabjce", np.array(self.by_covariance), by_gain, optimize=True)
+        return phi.reshape(size, size)
+
+    # --- adjoint ---------------------------------------------------------------------------------------------------
+
+    def slopes(self, result: int, by_moments: np.ndarray, process: str | None = None) -> Slopes:
+        """Slopes of a scalar that has these slopes by the moments of a result."""
+        excited, forcing = self.excited, self.forcing
+        m, n = excited.results, excited.driven
+        weight = sum(slope * forcing.frequency**order for slope, order in zip(by_moments, ORDERS, strict=True))
+        weight = weight * forcing.widths
+        H = self.H[:, result]
+        bars = np.zeros(self.out.shape, dtype=complex)
+        bars[:, result] = 2 * weight[:, None] * (H[:, None] @ forcing.of(process))[:, 0]
+        allowed = forcing.of(process) != 0
+        density = np.where(allowed, weight[:, None, None] * (H[:, :, None] * H.conj()[:, None, :]), 0.0)
+        G = self._gain_matrix()
+        if excited.laws:
+            a = self.injected[:, :m].conj().transpose(0, 2, 1) @ bars[:, :m]
+            direct = [np.einsum("qrk,qsk->rs", a[:, place], self._of_law(place).conj()).real for _, place in excited.laws]
+            total = np.linalg.solve((np.eye(len(self.phi)) - self.phi).T, self._packed(direct))
+            whole = total.reshape(len(excited.laws), self._width, self._width)
+            for k, (_, place) in enumerate(excited.laws):
+                size = place.stop - place.start
+                of_covariance = np.einsum("abcd,ab->cd", self.by_covariance[k], whole[k])[:size, :size]
+                of_covariance = (of_covariance + of_covariance.T) / 2
+                u = self._of_law(place)
+                bars[:, m + place.start : m + place.stop] = 2 * (of_covariance @ u) @ self.weighted
+                density += forcing.widths[:, None, None] * np.einsum("rs,qra,qsb->qab", of_covariance, u, u.conj())
+        closed, base = self.closed, excited.linear
+        C0, D0, B0 = base.matrices["C"], base.matrices["D"], base.matrices["B"]
+        costate = self.resolvent.adjoint(closed.matrices["C"].T @ bars)
+        of_u = np.zeros((self.omega.size, 0, bars.shape[2]), dtype=complex)
+        operators = closed.operators
+        if operators is not None:
+            three = operators.D_output.T @ bars + operators.B.T @ costate
+            of_w = np.einsum("qd,qdmk->qmk", self.powers.conj(), three.reshape(len(three), 3, -1, three.shape[2]))
+            of_w = np.linalg.solve(self.loop.conj().transpose(0, 2, 1), of_w)
+            of_u = self.errors.conj().transpose(0, 2, 1) @ of_w
+            costate = costate + self.resolvent.adjoint(operators.C.T @ of_u)
+        # slopes by what the laws add, in the model without them
+        a = B0[:, n:].T @ costate + D0[:, n:].T @ bars
+        if operators is not None:
+            a = a + base.operators.D_input[:, n:].T @ of_u
+        a = np.linalg.solve(np.eye(len(G)) - D0[m:, n:].T @ G.T, a) if excited.laws else a
+        rows = bars.copy()
+        rows[:, m:] += G.T @ a
+        laws = self.out[:, m:]
+        inputs = np.concatenate([forcing.drive, G @ laws, self.three], axis=1)
+        outputs = np.concatenate([rows, of_u], axis=1)
+        drive = B0[:, :n].T @ costate + D0[:, :n].T @ rows
+        if operators is not None:
+            drive = drive + base.operators.D_input[:, :n].T @ of_u
+        return Slopes(Bars(_outer(costate, self.x), _outer(costate, inputs), _outer(outputs, self.x),
+                           _outer(outputs, inputs)), drive, density)  # fmt: skip
+
+    @property
+    def linear(self) -> LinearModel:
+        """With the gains of drag."""
+        return self.closed
+
+
+def _outer(a: np.ndarray, b: np.ndarray) -> np.ndarray:
+    """Re sum over frequencies and channels of a b^H."""
+    return np.tensordot(a, b.conj(), axes=([0, 2], [0, 2])).real
