@@ -13,6 +13,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
+from functools import cached_property
 
 import numpy as np
 
@@ -23,8 +24,9 @@ from fowtlib.solving.excited import ExcitedModel
 from fowtlib.solving.linear import LinearModel, Resolvent
 from fowtlib.solving.stationary_gradients import Bars
 
-SETTLED = 1e-13  # change of the gains, relative, at which Newton's iteration ends
-NEWTON = 25
+SETTLED, ROUNDING = 1e-12, 1e-10  # change of the gains, relative, at which Newton's iteration ends; and where it stays
+FAR = 0.3  # change from which on it goes by the gains found alone
+NEWTON = 40
 GUESS = 1.0  # m/s; deviation of the velocities of drag before the first iteration
 
 
@@ -70,10 +72,12 @@ class Slopes:
 class RandomResponse:
     """The response of a linear model with the drag of its own response, and its adjoint.
 
-    gains: of the laws of drag, where they are nearly known. Raises SimulationError where they do not settle.
+    gains: of the laws of drag, where they are nearly known, and newton: slopes of the fixed point there. Raises
+    SimulationError where they do not settle.
     """
 
-    def __init__(self, excited: ExcitedModel, forcing: Forcing, gains: Sequence[np.ndarray] | None = None):
+    def __init__(self, excited: ExcitedModel, forcing: Forcing, gains: Sequence[np.ndarray] | None = None,
+                 newton: np.ndarray | None = None):  # fmt: skip
         self.excited, self.forcing, self.omega = excited, forcing, 2 * np.pi * forcing.frequency
         self.weighted = forcing.density * forcing.widths[:, None, None]
         operators = excited.linear.operators
@@ -82,29 +86,35 @@ class RandomResponse:
         self.gains = list(gains) if gains is not None else [
             best_gain(GUESS**2 * np.eye(place.stop - place.start)) for place in places
         ]  # fmt: skip
-        self.iterations = self._settle()
+        self.iterations = self._settle(newton)
 
     # --- forward ---------------------------------------------------------------------------------------------------
 
-    def _settle(self) -> int:
-        """Newton's iteration for the gains, after some of the plain one; the response with them."""
-        last = np.inf
+    def _settle(self, phi: np.ndarray | None) -> int:
+        """Newton's iteration for the gains, with slopes that are kept while it comes nearer fast."""
+        last, self.newton = np.inf, phi
         for iteration in range(NEWTON):
             self._answer()
             found = [best_gain(self._covariance(place)) for _, place in self.excited.laws]
             off = [new - old for new, old in zip(found, self.gains, strict=True)]
             change = max((float(np.linalg.norm(d) / max(np.linalg.norm(g), 1e-12))
                           for d, g in zip(off, found, strict=True)), default=0.0)  # fmt: skip
-            if change < SETTLED or (iteration > 4 and change < 1e-11 and change >= last):
-                self.phi = self._map() if self.excited.laws else np.zeros((0, 0))
+            if change < SETTLED or (change < ROUNDING and change > last / 2):
                 return iteration
-            if iteration < 2:
+            if change > FAR:
                 self.gains = found
             else:
-                step = np.linalg.solve(np.eye(self._width**2 * len(off)) - self._map(), self._packed(off))
+                if self.newton is None or change > last / 10:
+                    self.newton = self._map()
+                step = np.linalg.solve(np.eye(len(self.newton)) - self.newton, self._packed(off))
                 self.gains = [g + s for g, s in zip(self.gains, self._unpacked(step), strict=True)]
             last = change
         raise SimulationError(f"the linearised drag does not settle; the last change is {change:.2g}.")
+
+    @cached_property
+    def phi(self) -> np.ndarray:
+        """Slopes of the gains of all laws by those that are put in, at the fixed point."""
+        return self._map() if self.excited.laws else np.zeros((0, 0))
 
     def _answer(self) -> None:
         excited, drive = self.excited, self.forcing.drive
@@ -238,9 +248,10 @@ class RandomResponse:
         density = np.where(allowed, weight[:, None, None] * (H[:, :, None] * H.conj()[:, None, :]), 0.0)
         G = self._gain_matrix()
         if excited.laws:
+            phi = self.phi  # with it what answers to the laws
             a = self.injected[:, :m].conj().transpose(0, 2, 1) @ bars[:, :m]
-            direct = [np.einsum("qrk,qsk->rs", a[:, place], self._of_law(place).conj()).real for _, place in excited.laws]
-            total = np.linalg.solve((np.eye(len(self.phi)) - self.phi).T, self._packed(direct))
+            direct = [_outer(a[:, place], self._of_law(place)) for _, place in excited.laws]
+            total = np.linalg.solve((np.eye(len(phi)) - phi).T, self._packed(direct))
             whole = total.reshape(len(excited.laws), self._width, self._width)
             for k, (_, place) in enumerate(excited.laws):
                 size = place.stop - place.start
@@ -250,7 +261,7 @@ class RandomResponse:
                 bars[:, m + place.start : m + place.stop] = 2 * (of_covariance @ u) @ self.weighted
                 density += forcing.widths[:, None, None] * np.einsum("rs,qra,qsb->qab", of_covariance, u, u.conj())
         closed, base = self.closed, excited.linear
-        C0, D0, B0 = base.matrices["C"], base.matrices["D"], base.matrices["B"]
+        B0, D0 = base.matrices["B"], base.matrices["D"]
         costate = self.resolvent.adjoint(closed.matrices["C"].T @ bars)
         of_u = np.zeros((self.omega.size, 0, bars.shape[2]), dtype=complex)
         operators = closed.operators
@@ -283,5 +294,6 @@ class RandomResponse:
 
 
 def _outer(a: np.ndarray, b: np.ndarray) -> np.ndarray:
-    """Re sum over frequencies and channels of a b^H."""
-    return np.tensordot(a, b.conj(), axes=([0, 2], [0, 2])).real
+    """Re sum over frequencies and channels of a b^H, of (q, n, k) and (q, m, k)."""
+    a, b = (np.moveaxis(block, 1, 0).reshape(block.shape[1], -1) for block in (a, b))
+    return a.real @ b.real.T + a.imag @ b.imag.T

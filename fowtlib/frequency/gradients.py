@@ -101,7 +101,8 @@ def _number(name: str, known: Sequence[str], what: str) -> int:
 
 
 def gradient(model: Any, results: Sequence[str | Quantity] | str | Quantity, by: Sequence[str], *,
-             parameters: Values | None = None, frequencies: Sequence[float] | np.ndarray | None = None) -> Gradient:  # fmt: skip
+             parameters: Values | None = None,
+             frequencies: Sequence[float] | np.ndarray | None = None) -> Gradient:  # fmt: skip
     """The gradient of results of a model, or of a compiled one, with respect to parameters.
 
     results      such as "mean pitch", "std pitch", "max thrust", "range pitch", "frequency heave", "damping surge", or
@@ -109,7 +110,7 @@ def gradient(model: Any, results: Sequence[str | Quantity] | str | Quantity, by:
     by           paths of tunable parameters, or of single elements; also numbers that a sea or a wind reads
     parameters   as for a run: what wind and what waves, for instance
     frequencies  [Hz], rising; None: chosen by the modes; they stay what they are when the parameters change
-    Raises ParameterError for what is no tunable number, and says why; SimulationError where something has no derivative.
+    Raises ParameterError for what is no tunable number, and says why; SimulationError where there is no derivative.
     """
     prepared = PreparedGradient(model, results, by, parameters=parameters, frequencies=frequencies)
     values, jacobian = prepared.evaluate()
@@ -155,6 +156,7 @@ class PreparedGradient:
         self.high = np.array([np.inf if item.max is None else item.max for item in self.elements])
         self._state: State | None = None
         self._gains: list[np.ndarray] | None = None
+        self._newton: np.ndarray | None = None
 
     def _check(self, name: str) -> None:
         known = [*self.plant.outputs, *self.plant.dae.names]
@@ -239,9 +241,9 @@ class _Evaluation:
             gains = coarse.gains
             prepared.frequencies = response_frequencies(coarse.linear.modes())
         self.processes = processes
-        found = RandomResponse(excited, forcing(processes, prepared.frequencies), gains)
+        found = RandomResponse(excited, forcing(processes, prepared.frequencies), gains, prepared._newton)
         refuse_unstable(found.linear)
-        prepared._gains = found.gains
+        prepared._gains, prepared._newton = found.gains, found.newton
         return found
 
     def _processes(self, excited: ExcitedModel, parameters: Values) -> Mapping[str, Process]:
@@ -251,7 +253,7 @@ class _Evaluation:
         return processes
 
     def found(self, slopes: bool) -> tuple[np.ndarray, np.ndarray]:
-        prepared, count = self.prepared, len(self.prepared.names)
+        prepared = self.prepared
         values = np.zeros(len(prepared.quantities))
         means = np.array([float(np.squeeze(value)) for value in self.state.values(prepared.names)])
         partials: list[Partial] = []
@@ -260,7 +262,7 @@ class _Evaluation:
             of_drive = None
             if isinstance(item, Mean):
                 values[k] = means[column]
-                partial = self.model.of_outputs(np.eye(count, len(self.model.slopes.scale))[[column]]) if slopes else None
+                partial = self.model.of_outputs(self._weight(column, 1.0)) if slopes else None
             elif isinstance(item, ModeFrequency):
                 found = self._pole(item)
                 values[k], by_A = found.damping if isinstance(item, ModeDamping) else found.frequency
@@ -276,15 +278,19 @@ class _Evaluation:
                 of_drive = self.response.slopes(column, by_moments, process)
                 partial = self.model.of_matrices(of_drive.bars)
                 if by_mean:
-                    weights = np.zeros((1, len(self.model.slopes.scale)))
-                    weights[0, column] = by_mean
-                    partial = partial + self.model.of_outputs(weights)
+                    partial = partial + self.model.of_outputs(self._weight(column, by_mean))
             driven.append(of_drive)
             partials.append(partial)
         if not slopes:
             return values, np.zeros((0, 0))
         total = self.model.total(Partial.stacked(partials), self.run)
         return values, total + self._through_processes(driven)
+
+    def _weight(self, column: int, weight: float) -> np.ndarray:
+        """A row of weights of all outputs, with that of one."""
+        weights = np.zeros((1, len(self.model.slopes.scale)))
+        weights[0, column] = weight
+        return weights
 
     # --- modes -----------------------------------------------------------------------------------------------------
 
@@ -348,8 +354,8 @@ class _Evaluation:
                 continue
 
             def weighted(value: float, item: Any = item) -> np.ndarray:
-                root = tree_with(self.plant.dae, self.plant.root, self.run.changed(item, value))
-                now = forcing(_processes(self.excited, root), frequency)
+                with self.run.tree_at(item, value) as root:
+                    now = forcing(_processes(self.excited, root), frequency)
                 return np.array([np.sum((of.drive.conj() * now.drive).real) + np.sum((of.density * now.density).real)
                                  for _, of in kept])  # fmt: skip
 

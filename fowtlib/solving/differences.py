@@ -14,8 +14,9 @@ ROUNDING = 1e-13  # of the size of the values: what is no difference
 
 
 def derivative(function: Callable[[float], np.ndarray], value: float, *, low: float | None = None,
-               high: float | None = None, size: float | None = None, what: str = "the function") -> np.ndarray:  # fmt: skip
-    """d function / d value of an array, with an error of about 1e-12 of something smooth.
+               high: float | None = None, size: float | None = None,
+               what: str = "the function") -> np.ndarray:  # fmt: skip
+    """Slope of an array, with an error of about 1e-12 of something smooth.
 
     low, high: bounds that the argument must not pass; at one of them the derivative is taken from the other side, to
     about 1e-9. size: of the value, for the step; None: its own, or 1 where it is zero. what: for the message.

@@ -19,6 +19,7 @@ import casadi as ca
 import numpy as np
 from scipy import sparse
 
+from fowtlib.flattening import FlatDAE
 from fowtlib.language.tables import SplineFunction
 from fowtlib.solving.differences import derivative
 from fowtlib.solving.functions import AtParameters, Functions
@@ -185,8 +186,8 @@ class Point:
                 moved[i] = value
                 return np.array([np.sum(weights * jacobian(moved).full())])
 
-            size = max(abs(self.inputs[k][i]), 1e-2)
-            found[i] = derivative(contracted, float(self.inputs[k][i]), size=size, what=f"{external.path}: its loads")[0]
+            value = float(self.inputs[k][i])
+            found[i] = derivative(contracted, value, size=max(abs(value), 1e-2), what=f"what {external.path} gives")[0]
         return found
 
 
@@ -196,8 +197,8 @@ def _contracted(function: ca.Function) -> ca.Function:
     return ca.Function("second", [y, weights], [ca.densify(ca.gradient(ca.sum1(ca.vec(weights * slope)), y))])
 
 
-def _continuous(dae: object, k: int) -> Sequence[int]:
+def _continuous(dae: FlatDAE, k: int) -> Sequence[int]:
     """Inputs of an external that are no handles of data."""
     handles = {item.symbol[0].element_hash() for item in dae.bound.values() if item.functions}
     inputs = ca.vec(ca.densify(dae.externals[k].inputs)).elements()
-    return [i for i, element in enumerate(inputs) if element.element_hash() not in handles and not element.is_constant()]
+    return [i for i, item in enumerate(inputs) if item.element_hash() not in handles and not item.is_constant()]

@@ -230,7 +230,8 @@ def pole(A: np.ndarray, near: complex, *, together: bool = False, what: str = "t
         )
     found, vectors, size = schur(A, output="complex", sort=lambda root: abs(root - mine) <= limit)
     if size != count:
-        raise SimulationError(f"{what}: its pole, {abs(mine) / (2 * np.pi):.4g} Hz, cannot be told from its neighbours.")
+        at = f"{abs(mine) / (2 * np.pi):.4g} Hz"
+        raise SimulationError(f"{what}: its pole, {at}, cannot be told from its neighbours.")
     n = size
     R = solve_sylvester(found[:n, :n], -found[n:, n:], found[:n, n:])
     projector = vectors[:, :n] @ (vectors[:, :n] + vectors[:, n:] @ R.conj().T).conj().T

@@ -9,7 +9,8 @@ fourth order of that part alone, on one copy of the component tree, and only of 
 from __future__ import annotations
 
 import copy
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
+from contextlib import contextmanager
 from dataclasses import dataclass
 from functools import cached_property
 from typing import Any
@@ -134,6 +135,16 @@ class TunedRun:
         """Component tree of the run itself, not of its mean; a copy."""
         return copy.deepcopy(tree_with(self.plant.dae, self.plant.root, self.parameters))
 
+    @contextmanager
+    def tree_at(self, item: Tuned, value: float) -> Iterator[Component]:
+        """The same with another value of an element, for as long as the context lasts."""
+        common = Common(self.plant.dae, self.tree, frozenset())
+        if not common.is_plain(item.path):
+            yield tree_with(self.plant.dae, self.plant.root, self.changed(item, value))
+            return
+        with common.put({item.path: np.asarray(self._with(item, value))}) as tree:
+            yield tree
+
     def changed(self, item: Tuned, value: float) -> dict[str, Any]:
         """The parameters of the run, with another value of an element."""
         return {**self.parameters, item.path: self._with(item, value)}
@@ -176,8 +187,10 @@ class TunedRun:
         return places
 
     def pulled_back(self, p: np.ndarray, w: np.ndarray, t: float) -> np.ndarray:
-        """From the slopes of results (k, p) by all entries of p, and (k, w) by the outputs of the externals, in the
-        mean: theirs by the elements (k, m)."""  # fmt: skip
+        """Slopes of results by the elements (k, m).
+
+        From those by all entries of p (k, p), and by the outputs of the externals (k, w), in the mean.
+        """
         used, used_w = np.any(p != 0, axis=0), np.any(w != 0, axis=0)
         found = np.zeros((len(p), len(self.elements)))
         for column, item in enumerate(self.elements):
@@ -231,15 +244,25 @@ class TunedRun:
         now = np.asarray(tree.find(owner).parameter_value(name), dtype=float)
         return np.ravel(np.broadcast_to(now, self.binding.values[path].shape), order="F")
 
+    def _same_mean(self, item: Tuned) -> bool:
+        """Whether the mean does not see it, as the height of waves."""
+        value = float(self.values[self.elements.index(item)])
+        moved = mean_parameters(self.plant, self.changed(item, value + 1e-3 * (abs(value) or 1.0)))
+        return moved.keys() == self.mean.keys() and all(
+            moved[path] is now or np.array_equal(moved[path], now) for path, now in self.mean.items()
+        )
+
     def _through_all(self, item: Tuned, p: np.ndarray, w: np.ndarray, used: np.ndarray, t: float) -> np.ndarray:
         """By whole bindings of the mean, and what they know behind handles."""
         plant, dae = self.plant, self.plant.dae
+        if not item.tunable and self._same_mean(item):
+            return np.zeros(len(p))
         handles = [self._numbers[bound.path] for _, bound in dae.with_data]
         asked = [(k, bound) for k, bound in dae.with_data if used[dae.externals[k].outputs].any()]
 
         def taken_in(value: float) -> np.ndarray:
             binding = plant.binding(mean_parameters(plant, self.changed(item, value)))
-            numbers = np.array(binding.p)
+            numbers = np.where(np.isfinite(binding.p), binding.p, 0.0)
             for place in handles:
                 numbers[place] = 0.0
             columns = [numbers]
