@@ -45,7 +45,7 @@ if TYPE_CHECKING:
     from fowtlib.case_files import read_cases
     from fowtlib.cases import Batch, Case, check_cases, run_batch
     from fowtlib.fmi import export_fmu
-    from fowtlib.frequency import Response, response
+    from fowtlib.frequency import Gradient, PreparedGradient, Response, gradient, response
     from fowtlib.modelfile import dump, load
     from fowtlib.solving import (
         Conditions,
@@ -70,7 +70,7 @@ _PACKAGES = ("analysis", "components")
 _LATER = {
     "export_fmu": "fowtlib.fmi",
     "view": "fowtlib.view",
-    **dict.fromkeys(("Response", "response"), "fowtlib.frequency"),
+    **dict.fromkeys(("Gradient", "PreparedGradient", "Response", "gradient", "response"), "fowtlib.frequency"),
     "read_cases": "fowtlib.case_files",
     **dict.fromkeys(("Batch", "Case", "check_cases", "run_batch"), "fowtlib.cases"),
     **dict.fromkeys(("dump", "load"), "fowtlib.modelfile"),
@@ -112,6 +112,7 @@ __all__ = [
     "Component",
     "Conditions",
     "Event",
+    "Gradient",
     "LinearModel",
     "Mode",
     "Model",
@@ -119,6 +120,7 @@ __all__ = [
     "NaturalMode",
     "Output",
     "Plant",
+    "PreparedGradient",
     "Response",
     "Result",
     "State",
@@ -137,6 +139,7 @@ __all__ = [
     "export_fmu",
     "fit_gumbel",
     "free_decay",
+    "gradient",
     "harmonic_fit",
     "lifetime_equivalent_load",
     "linear_rao",

@@ -17,6 +17,7 @@ from functools import cached_property
 
 import numpy as np
 
+from fowtlib.analysis.spectra import widths
 from fowtlib.frequency.drag import best_gain, gain_slopes
 from fowtlib.frequency.quantities import ORDERS
 from fowtlib.language.errors import SimulationError
@@ -44,7 +45,7 @@ class Forcing:
 
     @property
     def widths(self) -> np.ndarray:
-        """What each frequency stands for [Hz]."""
+        """What each frequency stands for in a covariance [Hz]."""
         steps = np.diff(self.frequency)
         return (np.append(steps, 0.0) + np.append(0.0, steps)) / 2
 
@@ -155,7 +156,7 @@ class RandomResponse:
         """Spectral moments of a result, of orders 0, 1, 2 and 4 [unit^2 Hz^n]."""
         H = self.H[:, result]
         density = np.einsum("qk,qkl,ql->q", H, self.forcing.of(process), H.conj()).real
-        return np.array([np.sum(self.forcing.frequency**n * density * self.forcing.widths) for n in ORDERS])
+        return np.array([np.sum(self.forcing.frequency**n * density * widths(self.forcing.frequency)) for n in ORDERS])
 
     # --- the fixed point -------------------------------------------------------------------------------------------
 
@@ -240,7 +241,7 @@ class RandomResponse:
         excited, forcing = self.excited, self.forcing
         m, n = excited.results, excited.driven
         weight = sum(slope * forcing.frequency**order for slope, order in zip(by_moments, ORDERS, strict=True))
-        weight = weight * forcing.widths
+        weight = weight * widths(forcing.frequency)
         H = self.H[:, result]
         bars = np.zeros(self.out.shape, dtype=complex)
         bars[:, result] = 2 * weight[:, None] * (H[:, None] @ forcing.of(process))[:, 0]

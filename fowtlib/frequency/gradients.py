@@ -31,7 +31,7 @@ from fowtlib.solving import State, mean_state
 from fowtlib.solving.binding import tree_with
 from fowtlib.solving.excited import ExcitedModel, excited_model
 from fowtlib.solving.linear import NOTHING
-from fowtlib.solving.stationary_gradients import Bars, LinearGradient, Partial, Pole, pole
+from fowtlib.solving.stationary_gradients import Bars, LinearGradient, Partial, Pole, pole, refuse_turning
 from fowtlib.solving.tuned import TunedRun, tuned_elements
 
 if TYPE_CHECKING:
@@ -201,6 +201,7 @@ class PreparedGradient:
     def _mean(self, run: TunedRun) -> State:
         """The mean state, from the last one if that is near enough."""
         if self._state is None:
+            refuse_turning(self.plant, self.plant.initial_state(run.mean))
             return mean_state(self.plant, run.mean)
         return self.plant.equilibrium(run.mean, near=self._state)
 
@@ -349,17 +350,20 @@ class _Evaluation:
             forcing(_processes(self.excited, root), frequency)
         paths = {f"{owner}.{name}" if owner else name for owner, name in read}
         kept = [(k, item) for k, item in enumerate(driven) if item is not None]
+
+        def at(now: Forcing) -> np.ndarray:
+            return np.array([np.sum((of.drive.conj() * now.drive).real) + np.sum((of.density * now.density).real)
+                             for _, of in kept])  # fmt: skip
+
         for column, item in enumerate(self.run.elements):
             if item.path not in paths:
                 continue
 
             def weighted(value: float, item: Any = item) -> np.ndarray:
                 with self.run.tree_at(item, value) as root:
-                    now = forcing(_processes(self.excited, root), frequency)
-                return np.array([np.sum((of.drive.conj() * now.drive).real) + np.sum((of.density * now.density).real)
-                                 for _, of in kept])  # fmt: skip
+                    return at(forcing(_processes(self.excited, root), frequency))
 
-            found[[k for k, _ in kept], column] = self.run.slope(item, weighted)
+            found[[k for k, _ in kept], column] = self.run.slope(item, weighted, at(self.response.forcing))
         return found
 
 

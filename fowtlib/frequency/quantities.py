@@ -199,6 +199,7 @@ def with_slopes(item: Quantity, moments: np.ndarray, mean: float, unit: str,
         return value, by_moments, 0.0
     if not moments[0] > 0:
         raise SimulationError(f"{label(item)}: the result is at rest, and its deviation has no derivative there.")
+    here = np.array([value])
     for k in range(len(ORDERS)):
 
         def moved(number: float, k: int = k) -> np.ndarray:
@@ -206,7 +207,7 @@ def with_slopes(item: Quantity, moments: np.ndarray, mean: float, unit: str,
             changed[k] = number
             return np.array([at(changed, mean)])
 
-        by_moments[k] = derivative(moved, float(moments[k]), what=label(item))[0]
+        by_moments[k] = derivative(moved, float(moments[k]), here=here, what=label(item))[0]
     scale = max(abs(mean), float(np.sqrt(moments[0])))
-    by_mean = derivative(lambda m: np.array([at(moments, m)]), mean, size=scale, what=label(item))[0]
+    by_mean = derivative(lambda m: np.array([at(moments, m)]), mean, here=here, size=scale, what=label(item))[0]
     return value, by_moments, float(by_mean)

@@ -179,6 +179,7 @@ class Point:
             made = functions.once(("second", external.function.__hash__()), lambda: _contracted(external.function))
             return np.array(made(self.inputs[k], weights)).ravel()
         jacobian, found = functions.external_jacobian(k), np.zeros(weights.shape[1])
+        here = np.array([np.sum(weights * self.slopes[k])])
         for i in _continuous(self.owner.dae, k):
 
             def contracted(value: float, i: int = i) -> np.ndarray:
@@ -186,8 +187,8 @@ class Point:
                 moved[i] = value
                 return np.array([np.sum(weights * jacobian(moved).full())])
 
-            value = float(self.inputs[k][i])
-            found[i] = derivative(contracted, value, size=max(abs(value), 1e-2), what=f"what {external.path} gives")[0]
+            value, what = float(self.inputs[k][i]), f"what {external.path} gives"
+            found[i] = derivative(contracted, value, here=here, size=max(abs(value), 1e-2), what=what)[0]
         return found
 
 

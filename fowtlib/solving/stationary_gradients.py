@@ -17,8 +17,8 @@ from typing import Any
 
 import casadi as ca
 import numpy as np
-from scipy.linalg import lu_factor, lu_solve, schur, solve_sylvester
-from scipy.linalg.lapack import dgecon
+from scipy.linalg import schur, solve_sylvester
+from scipy.linalg.lapack import dgecon, dgetrf, dgetrs
 
 from fowtlib.language.errors import SimulationError
 from fowtlib.solving.equilibrium import moving_states
@@ -61,6 +61,15 @@ class Partial:
         return Partial(np.vstack([part.v for part in parts]), np.vstack([part.w for part in parts]))
 
 
+def refuse_turning(plant: Plant, state: State) -> None:
+    """SimulationError where rotors of blade elements turn."""
+    if turns_of(plant, plant.at(state.parameters), state):
+        raise SimulationError(
+            "there are no gradients of the mean over a revolution: rotors of blade elements turn here. Take a rotor "
+            "that is one actuator disc, or differences of two results."
+        )
+
+
 class LinearGradient:
     """A plant in a stationary state: its linear model from `further` inputs to results, and gradients there.
 
@@ -69,11 +78,7 @@ class LinearGradient:
 
     def __init__(self, plant: Plant, state: State, names: Sequence[str] = (), further: Further = NOTHING):
         at = plant.at(state.parameters)
-        if turns_of(plant, at, state):
-            raise SimulationError(
-                "there are no gradients of the mean over a revolution: rotors of blade elements turn here. Take a "
-                "rotor that is one actuator disc, or differences of two results."
-            )
+        refuse_turning(plant, state)
         self.plant, self.state, self.at, self.dae = plant, state, at, plant.dae
         self.slopes = slopes_of(at, plant.layout, plant.outputs, (), names, further)
         q = np.concatenate([state.u, state.d])
@@ -173,10 +178,10 @@ class LinearGradient:
         scaled = jacobian * rows
         columns = 1 / np.maximum(np.abs(scaled).max(axis=0, initial=0.0), 1e-300)
         scaled, wanted = (scaled * columns).T, right * columns[:, None]
-        factors = lu_factor(scaled, check_finite=False)
-        if dgecon(factors[0], np.abs(scaled).sum(axis=0).max())[0] > SINGULAR:
-            found = lu_solve(factors, wanted)
-            found += lu_solve(factors, wanted - scaled @ found)
+        factors, pivots, singular = dgetrf(scaled)
+        if not singular and dgecon(factors, np.abs(scaled).sum(axis=0).max())[0] > SINGULAR:
+            found = dgetrs(factors, pivots, wanted)[0]
+            found += dgetrs(factors, pivots, wanted - scaled @ found)[0]
         else:
             found = np.linalg.lstsq(scaled, wanted, rcond=1e-12)[0]
             left = np.abs(scaled @ found - wanted).max(axis=0)

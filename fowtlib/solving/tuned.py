@@ -9,7 +9,7 @@ fourth order of that part alone, on one copy of the component tree, and only of 
 from __future__ import annotations
 
 import copy
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from dataclasses import dataclass
 from functools import cached_property
@@ -165,10 +165,12 @@ class TunedRun:
         moved.T.flat[item.number] = value
         return moved
 
-    def slope(self, item: Tuned, function: Any) -> np.ndarray:
-        """Derivative of `function(value of the element)`."""
+    def slope(self, item: Tuned, function: Callable[[float], np.ndarray],
+              here: np.ndarray | None = None) -> np.ndarray:  # fmt: skip
+        """Derivative of `function(value of the element)`, whose value is `here`."""
         value = float(self.values[self.elements.index(item)])
-        return derivative(function, value, low=item.min, high=item.max, what=f"what follows from {item.name}")
+        what = f"what follows from {item.name}"
+        return derivative(function, value, here=here, low=item.min, high=item.max, what=what)
 
     # --- what the mean takes in ----------------------------------------------------------------------------------
 
@@ -237,7 +239,7 @@ class TunedRun:
                 columns += [start_numbers(dae.bound[k], tree.find(dae.bound[k].owner)) for k in numbers]
             return np.concatenate(columns)
 
-        return p[:, places] @ self.slope(item, computed)
+        return p[:, places] @ self.slope(item, computed, self.binding.p[places])
 
     def _parameter(self, tree: Component, path: str) -> np.ndarray:
         owner, _, name = path.rpartition(".")
