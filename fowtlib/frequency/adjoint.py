@@ -11,14 +11,15 @@ adjoint of the fixed point, (1 - Phi)' g = slope by G, once for all scalars.
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from functools import cached_property
 
 import numpy as np
 
 from fowtlib.analysis.spectra import widths
-from fowtlib.frequency.drag import best_gain, gain_slopes
+from fowtlib.frequency.drag import best_gain
+from fowtlib.frequency.gain_slopes import gain_slopes, slope_at_mean
 from fowtlib.frequency.quantities import ORDERS
 from fowtlib.language.errors import SimulationError
 from fowtlib.solving.excited import ExcitedModel
@@ -28,6 +29,7 @@ from fowtlib.solving.stationary_gradients import Bars
 SETTLED, ROUNDING = 1e-12, 1e-10  # change of the gains, relative, at which Newton's iteration ends; and where it stays
 FAR = 0.3  # change from which on it goes by the gains found alone
 NEWTON = 40
+AT_ONCE = 64  # frequencies, of what all laws do to all laws
 GUESS = 1.0  # m/s; deviation of the velocities of drag before the first iteration
 
 
@@ -60,7 +62,7 @@ class Forcing:
 
 @dataclass(frozen=True, eq=False)
 class Slopes:
-    """Slopes of a scalar by the matrices, by the drive (q, inputs, k), and by the densities (q, k, k).
+    """Slopes of a scalar by the matrices, by the drive (q, inputs, k), by the densities (q, k, k), by means of laws.
 
     d scalar = Re sum(conj(drive) d drive) + Re sum(density d density).
     """
@@ -68,6 +70,7 @@ class Slopes:
     bars: Bars
     drive: np.ndarray
     density: np.ndarray
+    means: np.ndarray
 
 
 class RandomResponse:
@@ -84,6 +87,8 @@ class RandomResponse:
         operators = excited.linear.operators
         self.errors = operators.errors(self.omega) if operators is not None else None
         places = [place for _, place in excited.laws]
+        size = sum(place.stop - place.start for place in places)
+        self.means = np.asarray(getattr(excited, "means", np.zeros(size)))
         self.gains = list(gains) if gains is not None else [
             best_gain(GUESS**2 * np.eye(place.stop - place.start)) for place in places
         ]  # fmt: skip
@@ -175,64 +180,67 @@ class RandomResponse:
         sizes = [place.stop - place.start for _, place in self.excited.laws]
         return [block[:n, :n] for block, n in zip(whole, sizes, strict=True)]
 
-    def _injected(self) -> np.ndarray:
-        """Answers of results and inputs of laws (q, outputs, laws) to what is added to the laws, in closed loop."""
+    def _injected(self) -> Iterator[tuple[slice, np.ndarray]]:
+        """Answers (q, outputs, laws), some frequencies after the other, to what is added to the laws in closed loop."""
         excited = self.excited
         n, m = excited.driven, excited.results
         B, D = excited.linear.matrices["B"], excited.linear.matrices["D"]
         G = self._gain_matrix()
         through = np.linalg.inv(np.eye(len(G)) - G @ D[m:, n:])
         B_in = B[:, n:] @ through
-        loop = through @ G
-        D_closed = D[:, n:] + D[:, n:] @ loop @ D[m:, n:]
-        C = self.closed.matrices["C"]
-        found = self.resolvent.between(C, B_in) + D_closed
-        operators = self.closed.operators
+        D_closed = D[:, n:] + D[:, n:] @ (through @ G) @ D[m:, n:]
+        C, operators = self.closed.matrices["C"], self.closed.operators
         if operators is not None:
-            base = excited.linear.operators
-            D_input = base.D_input[:, n:] @ through
-            u = self.resolvent.between(operators.C, B_in) + D_input
-            w = np.linalg.solve(self.loop, self.errors @ u)
-            three = (self.powers[:, :, None, None] * w[:, None]).reshape(self.omega.size, -1, u.shape[2])
-            to_out = self.resolvent.between(C, operators.B) + operators.D_output
-            found = found + to_out @ three
-        return found
+            D_input = excited.linear.operators.D_input[:, n:] @ through
+        for first in range(0, self.omega.size, AT_ONCE):
+            part = slice(first, min(first + AT_ONCE, self.omega.size))
+            found = self.resolvent.between(C, B_in, part) + D_closed
+            if operators is not None:
+                u = self.resolvent.between(operators.C, B_in, part) + D_input
+                w = np.linalg.solve(self.loop[part], self.errors[part] @ u)
+                three = (self.powers[part, :, None, None] * w[:, None]).reshape(len(w), -1, u.shape[2])
+                found = found + (self.resolvent.between(C, operators.B, part) + operators.D_output) @ three
+            yield part, found
 
     def _gain_matrix(self) -> np.ndarray:
         size = sum(place.stop - place.start for _, place in self.excited.laws)
         G = np.zeros((size, size))
         for (_, place), gain in zip(self.excited.laws, self.gains, strict=True):
-            G[place, place] = gain
+            G[place, place] = gain - slope_at_mean(self.means[place])[0]
         return G
 
     def _map(self) -> np.ndarray:
-        """Phi: slopes of the gains of all laws by those that are put in."""
+        """Phi: slopes of the gains of all laws by those that are put in.
+
+        Beside it, what of the results answers to the laws, and the slopes of each gain.
+        """
         m, width, laws = self.excited.results, self._width, self.excited.laws
-        self.injected = self._injected()
-        q = self.omega.size
-        T = np.zeros((len(laws), len(laws), width, width, q), dtype=complex)  # law r, law c, row, column
-        Z = np.zeros((len(laws), len(laws), q, width, width), dtype=complex)
-        u = [self._of_law(place) for _, place in laws]
-        Su = [part @ self.weighted for part in u]
-        self.by_covariance = []
-        for i, (_, rows) in enumerate(laws):
-            slope = np.zeros((width,) * 4)
-            n = rows.stop - rows.start
-            slope[:n, :n, :n, :n] = gain_slopes(self._covariance(rows))
-            self.by_covariance.append(slope)
-            for j, (_, columns) in enumerate(laws):
-                k = columns.stop - columns.start
-                part = self.injected[:, m + rows.start : m + rows.stop, columns]
-                T[i, j, :n, :k] = np.moveaxis(part, 0, -1)
-                Z[i, j, :, :k, :n] = Su[j] @ u[i].conj().transpose(0, 2, 1)
-        size = len(laws) * width**2
+        count = len(laws)
+        self.by_laws = np.zeros((self.omega.size, m, self.out.shape[1] - m), dtype=complex)
+        self.by_covariance, self.by_mean = np.zeros((count, *[width] * 4)), np.zeros((count, *[width] * 3))
+        spread = np.zeros((count, width), dtype=int)  # rows of laws, of those that are narrower -1
+        for k, (_, place) in enumerate(laws):
+            n = place.stop - place.start
+            spread[k] = [*range(place.start, place.stop), *[-1] * (width - n)]
+            slopes = gain_slopes(self._covariance(place), self.means[place])
+            self.by_covariance[k][(slice(n),) * 4], self.by_mean[k][(slice(n),) * 3] = slopes
+        rows = spread.ravel()
+        product = np.zeros((count, count, width**2, width**2))
+        for part, injected in self._injected():
+            self.by_laws[part] = injected[:, :m]
+            u = np.where(rows[:, None] >= 0, self.out[part][:, m:][:, rows], 0.0)
+            T = np.where((rows[:, None] >= 0) & (rows >= 0), injected[:, m:][:, rows][:, :, rows], 0.0)
+            Z = (u @ self.weighted[part]) @ u.conj().transpose(0, 2, 1)  # of law j in direction e, with law i in s
+            q = len(T)
+            T = T.reshape(q, count, width, count, width).transpose(1, 3, 2, 4, 0).reshape(count, count, width**2, q)
+            Z = Z.reshape(q, count, width, count, width).transpose(3, 1, 0, 2, 4).reshape(count, count, q, width**2)
+            product += T.real @ Z.real - T.imag @ Z.imag
         # covariance_i[r, s] by G_j[c, e]: T[r, c] Z[e, s], and the same with r and s exchanged
-        product = (T.reshape(*T.shape[:2], width**2, q) @ Z.reshape(*Z.shape[:3], width**2)).real
-        product = product.reshape(len(laws), len(laws), width, width, width, width)  # i j r c e s
+        product = product.reshape(count, count, width, width, width, width)  # i j r c e s
         by_gain = np.einsum("ijrces->irsjce", product)
         by_gain = by_gain + by_gain.transpose(0, 2, 1, 3, 4, 5)
-        phi = np.einsum("iabrs,irsjce->iabjce", np.array(self.by_covariance), by_gain, optimize=True)
-        return phi.reshape(size, size)
+        phi = np.einsum("iabrs,irsjce->iabjce", self.by_covariance, by_gain, optimize=True)
+        return phi.reshape(count * width**2, count * width**2)
 
     # --- adjoint ---------------------------------------------------------------------------------------------------
 
@@ -247,15 +255,17 @@ class RandomResponse:
         bars[:, result] = 2 * weight[:, None] * (H[:, None] @ forcing.of(process))[:, 0]
         allowed = forcing.of(process) != 0
         density = np.where(allowed, weight[:, None, None] * (H[:, :, None] * H.conj()[:, None, :]), 0.0)
-        G = self._gain_matrix()
+        G, means = self._gain_matrix(), np.zeros(self.means.size)
         if excited.laws:
             phi = self.phi  # with it what answers to the laws
-            a = self.injected[:, :m].conj().transpose(0, 2, 1) @ bars[:, :m]
+            a = self.by_laws.conj().transpose(0, 2, 1) @ bars[:, :m]
             direct = [_outer(a[:, place], self._of_law(place)) for _, place in excited.laws]
             total = np.linalg.solve((np.eye(len(phi)) - phi).T, self._packed(direct))
             whole = total.reshape(len(excited.laws), self._width, self._width)
             for k, (_, place) in enumerate(excited.laws):
                 size = place.stop - place.start
+                by_mean = self.by_mean[k][:size, :size, :size] - slope_at_mean(self.means[place])[1]
+                means[place] = np.einsum("abk,ab->k", by_mean, whole[k][:size, :size])
                 of_covariance = np.einsum("abcd,ab->cd", self.by_covariance[k], whole[k])[:size, :size]
                 of_covariance = (of_covariance + of_covariance.T) / 2
                 u = self._of_law(place)
@@ -286,7 +296,7 @@ class RandomResponse:
         if operators is not None:
             drive = drive + base.operators.D_input[:, :n].T @ of_u
         return Slopes(Bars(_outer(costate, self.x), _outer(costate, inputs), _outer(outputs, self.x),
-                           _outer(outputs, inputs)), drive, density)  # fmt: skip
+                           _outer(outputs, inputs)), drive, density, means)  # fmt: skip
 
     @property
     def linear(self) -> LinearModel:

@@ -29,34 +29,3 @@ def best_gain(covariance: np.ndarray) -> np.ndarray:
     inside = 1 - 1 / (fallen * np.sqrt(fallen.prod(axis=1))[:, None])
     gains = (_WEIGHTS / np.sin(_ANGLES) ** 2) @ inside / np.sqrt(np.pi)
     return (axes * (gains * np.sqrt(largest))) @ axes.T
-
-
-def gain_slopes(covariance: np.ndarray) -> np.ndarray:
-    """dG/d covariance (n, n, n, n) of `best_gain`: slopes of G[a, b] by symmetric changes [c, d]; zero at rest.
-
-    Along the principal axes: those of the gains by the variances, and off the diagonal the turning of the axes,
-    (G_i - G_j) / (s_i^2 - s_j^2), of which the integral of `best_gain` holds the quotient without a difference.
-    """
-    covariance = np.asarray(covariance, dtype=float)
-    n = len(covariance)
-    variances, axes = np.linalg.eigh((covariance + covariance.T) / 2)
-    largest = variances[-1]
-    if not largest > 0:
-        return np.zeros((n,) * 4)
-    shares = np.maximum(variances, 0.0) / largest
-    t = np.tan(_ANGLES) ** 2
-    fallen = 1 + 2 * t[:, None] * shares
-    weights = _WEIGHTS / np.sin(_ANGLES) ** 2 / np.sqrt(np.pi) / np.sqrt(largest)
-    root = np.sqrt(fallen.prod(axis=1))
-    pairs = (weights * t / root)[:, None, None] / (fallen[:, :, None] * fallen[:, None, :])
-    pairs = pairs.sum(axis=0)  # int w t / (f_i f_j sqrt(prod f))
-    by_variance = pairs + 2 * np.diag(np.diag(pairs))  # of gain i by variance j
-    turning = 2 * pairs  # (G_i - G_j) / (s_i^2 - s_j^2)
-    found = np.zeros((n,) * 4)
-    for i in range(n):
-        for j in range(n):
-            found[i, i, j, j] = by_variance[i, j]
-            if i != j:
-                found[i, j, i, j] += turning[i, j] / 2
-                found[i, j, j, i] += turning[i, j] / 2
-    return np.einsum("ai,bj,ck,dl,ijkl->abcd", axes, axes, axes, axes, found, optimize=True)

@@ -278,6 +278,8 @@ class _Evaluation:
                 values[k], by_moments, by_mean = with_slopes(item, moments, means[column], unit)
                 of_drive = self.response.slopes(column, by_moments, process)
                 partial = self.model.of_matrices(of_drive.bars)
+                if np.any(of_drive.means):
+                    partial = partial + self.model.of_outputs(self._of_laws(of_drive.means))
                 if by_mean:
                     partial = partial + self.model.of_outputs(self._weight(column, by_mean))
             driven.append(of_drive)
@@ -291,6 +293,12 @@ class _Evaluation:
         """A row of weights of all outputs, with that of one."""
         weights = np.zeros((1, len(self.model.slopes.scale)))
         weights[0, column] = weight
+        return weights
+
+    def _of_laws(self, means: np.ndarray) -> np.ndarray:
+        """A row of weights of all outputs, with those of the inputs of the laws, which stand behind the results."""
+        weights, first = np.zeros((1, len(self.model.slopes.scale))), self.excited.results
+        weights[0, first : first + means.size] = means
         return weights
 
     # --- modes -----------------------------------------------------------------------------------------------------

@@ -11,7 +11,7 @@ from fowtlib.analysis.fatigue.spectral import narrow_band
 from fowtlib.components.environment import World
 from fowtlib.components.mechanics import Fixed, PointMass, TubeBeam
 from fowtlib.frequency import ModeDamping, ModeFrequency, OfSpectrum, PreparedGradient, Std, best_gain, response
-from fowtlib.frequency.drag import gain_slopes
+from fowtlib.frequency.gain_slopes import gain_slopes, slope_at_mean
 from fowtlib.language import (
     Component,
     ExternalFunction,
@@ -295,7 +295,19 @@ def test_slopes_of_the_gain_of_drag(covariance):
     change = np.random.default_rng(2).standard_normal((n, n))
     change = change + change.T
     wanted = derivative(lambda h: best_gain(covariance + h * change), 0.0, size=0.1)
-    assert np.einsum("abcd,cd", gain_slopes(covariance), change) == pytest.approx(wanted, rel=2e-7, abs=1e-7)
+    by_covariance, by_mean = gain_slopes(covariance)
+    assert np.einsum("abcd,cd", by_covariance, change) == pytest.approx(wanted, rel=2e-7, abs=1e-7)
+    assert by_mean == pytest.approx(np.zeros((n, n, n)), abs=1e-12)
+
+
+def test_slopes_of_the_gain_of_drag_in_a_strong_flow():
+    mean = np.array([30.0, 40.0])  # where the law is that of its mean: |m| 1 + m m' / |m|
+    at_mean, its_slopes = slope_at_mean(mean)
+    assert at_mean == pytest.approx(np.array([[50 + 18, 24], [24, 50 + 32]]))
+    assert gain_slopes(1e-4 * np.eye(2), mean)[1] == pytest.approx(its_slopes, abs=1e-5)
+    for k in range(2):
+        wanted = derivative(lambda h, k=k: slope_at_mean(mean + h * np.eye(2)[k])[0], 0.0, size=1.0)
+        assert its_slopes[:, :, k] == pytest.approx(wanted, abs=1e-9)
 
 
 def test_derivatives_of_functions_in_python():
