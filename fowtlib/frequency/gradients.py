@@ -101,8 +101,8 @@ def _number(name: str, known: Sequence[str], what: str) -> int:
 
 
 def gradient(model: Any, results: Sequence[str | Quantity] | str | Quantity, by: Sequence[str], *,
-             parameters: Values | None = None,
-             frequencies: Sequence[float] | np.ndarray | None = None) -> Gradient:  # fmt: skip
+             parameters: Values | None = None, frequencies: Sequence[float] | np.ndarray | None = None,
+             free: Values | Sequence[str] | None = None, targets: Values | None = None) -> Gradient:  # fmt: skip
     """The gradient of results of a model, or of a compiled one, with respect to parameters.
 
     results      such as "mean pitch", "std pitch", "max thrust", "range pitch", "frequency heave", "damping surge", or
@@ -110,9 +110,12 @@ def gradient(model: Any, results: Sequence[str | Quantity] | str | Quantity, by:
     by           paths of tunable parameters, or of single elements; also numbers that a sea or a wind reads
     parameters   as for a run: what wind and what waves, for instance
     frequencies  [Hz], rising; None: chosen by the modes; they stay what they are when the parameters change
+    free         parameters that take the values at which `targets` hold in the mean, see Plant.equilibrium: ballast
+                 that fills until the draft is right; they do so with every change of the others
     Raises ParameterError for what is no tunable number, and says why; SimulationError where there is no derivative.
     """
-    prepared = PreparedGradient(model, results, by, parameters=parameters, frequencies=frequencies)
+    prepared = PreparedGradient(model, results, by, parameters=parameters, frequencies=frequencies, free=free,
+                                targets=targets)  # fmt: skip
     values, jacobian = prepared.evaluate()
     return Gradient(prepared.results, prepared.units, values, prepared.parameters, prepared.parameter_units,
                     prepared.start, jacobian)  # fmt: skip
@@ -133,8 +136,8 @@ class PreparedGradient:
     """
 
     def __init__(self, model: Any, results: Sequence[str | Quantity] | str | Quantity, by: Sequence[str], *,
-                 parameters: Values | None = None,
-                 frequencies: Sequence[float] | np.ndarray | None = None):  # fmt: skip
+                 parameters: Values | None = None, frequencies: Sequence[float] | np.ndarray | None = None,
+                 free: Values | Sequence[str] | None = None, targets: Values | None = None):  # fmt: skip
         self.plant = model.compile() if hasattr(model, "compile") else model
         self.quantities = quantities(results)
         self.elements = tuned_elements(self.plant, by)
@@ -142,7 +145,11 @@ class PreparedGradient:
         self.frequencies = None if frequencies is None else np.asarray(frequencies, dtype=float)
         self.start = TunedRun(self.plant, self.given, self.elements).values
         names = [item.of for item in self.quantities if not isinstance(item, ModeFrequency)]
-        self.names = list(dict.fromkeys(names))
+        self.free, self.targets = free or (), dict(targets or {})
+        self.freed = tuned_elements(self.plant, list(self.free))
+        if both := {item.name for item in self.freed} & {item.name for item in self.elements}:
+            raise ModelError(f"{both.pop()} is free, and follows from the others: there is no derivative by it.")
+        self.names = list(dict.fromkeys([*names, *self.targets]))
         self.columns = [self.names.index(item.of) if not isinstance(item, ModeFrequency) else -1
                         for item in self.quantities]  # fmt: skip
         for name in self.names:
@@ -179,10 +186,14 @@ class PreparedGradient:
         return self._evaluated(point, slopes=True)
 
     def _evaluated(self, point: Sequence[float] | np.ndarray | None, slopes: bool) -> tuple[np.ndarray, np.ndarray]:
-        run = TunedRun(self.plant, self._parameters(point), self.elements)
-        state = self._mean(run)
+        parameters = self._parameters(point)
+        run = TunedRun(self.plant, parameters, self.elements)
+        state, freed = self._mean(run), None
         self._state = state
-        return _Evaluation(self, run, state).found(slopes)
+        if self.freed:
+            parameters = {**parameters, **{item.path: state.parameters[item.path] for item in self.freed}}
+            run, freed = (TunedRun(self.plant, parameters, items) for items in (self.elements, self.freed))
+        return _Evaluation(self, run, freed, state).found(slopes)
 
     def _parameters(self, point: Sequence[float] | np.ndarray | None) -> dict[str, Any]:
         """The parameters of a run at a point."""
@@ -200,6 +211,9 @@ class PreparedGradient:
 
     def _mean(self, run: TunedRun) -> State:
         """The mean state, from the last one if that is near enough."""
+        if self.freed or self.targets:
+            refuse_turning(self.plant, self.plant.initial_state(run.mean))
+            return self.plant.equilibrium(run.mean, free=self.free, targets=self.targets, near=self._state)
         if self._state is None:
             refuse_turning(self.plant, self.plant.initial_state(run.mean))
             return mean_state(self.plant, run.mean)
@@ -209,8 +223,9 @@ class PreparedGradient:
 class _Evaluation:
     """All results at one point, and what their adjoints need."""
 
-    def __init__(self, prepared: PreparedGradient, run: TunedRun, state: State):
-        self.prepared, self.run, self.state, self.plant = prepared, run, state, prepared.plant
+    def __init__(self, prepared: PreparedGradient, run: TunedRun, freed: TunedRun | None, state: State):
+        self.prepared, self.run, self.freed = prepared, run, freed
+        self.state, self.plant = state, prepared.plant
         kinds = prepared.quantities
         self.of_spectra = any(not isinstance(item, Mean | ModeFrequency) for item in kinds)
         further, self.excited = NOTHING, None
@@ -286,7 +301,8 @@ class _Evaluation:
             partials.append(partial)
         if not slopes:
             return values, np.zeros((0, 0))
-        total = self.model.total(Partial.stacked(partials), self.run)
+        targets = [prepared.names.index(name) for name in prepared.targets]
+        total = self.model.total(Partial.stacked(partials), self.run, self.freed, targets)
         return values, total + self._through_processes(driven)
 
     def _weight(self, column: int, weight: float) -> np.ndarray:

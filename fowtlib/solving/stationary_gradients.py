@@ -94,7 +94,6 @@ class LinearGradient:
         A, B = by_x[ode] + by_z[ode] @ self.dz[:, :nx], by_u[ode] + by_z[ode] @ self.dz[:, nx:]
         C, D = by_x[out] + by_z[out] @ self.dz[:, :nx], by_u[out] + by_z[out] @ self.dz[:, nx:]
         self.linear: LinearModel = self.slopes.model(A, B, C, D, list(plant.layout.x))
-        self.by_rest = by_x, by_z
 
     @cached_property
     def directions(self) -> Directions:
@@ -140,25 +139,38 @@ class LinearGradient:
         v, w = self.point.plain(whole)
         return Partial(v.T, w.T)
 
-    def total(self, partial: Partial, run: TunedRun) -> np.ndarray:
-        """The gradients (k, m) by the elements of a run, through the stationary state."""
+    def total(self, partial: Partial, run: TunedRun, freed: TunedRun | None = None,
+              targets: Sequence[int] = ()) -> np.ndarray:  # fmt: skip
+        """The gradients (k, m) by the elements of a run, through the stationary state.
+
+        freed, targets: elements that took the values at which outputs of these numbers are what they are.
+        """
+        nx, nz, scale = self.nx, self.nz, self.slopes.scale.ravel()
+        moving = moving_states(self.at.functions, set())
+        unknowns = np.array([*moving, *range(nx, nx + nz)], dtype=int)
+        rows = np.array([*unknowns, *(nx + nz + k for k in targets)], dtype=int)
+        weights = np.zeros((nx + nz + scale.size, rows.size))
+        weights[rows, np.arange(rows.size)] = [1.0] * unknowns.size + [scale[k] for k in targets]
+        v, w = self.point.plain(weights)
+        equations = Partial(v.T, w.T)
+        jacobian, right = equations.v[:, unknowns], partial.v[:, unknowns]
+        if freed is not None:
+            jacobian = np.hstack([jacobian, self._by(equations, freed)])
+            right = np.hstack([right, self._by(partial, freed)])
+        adjoint = -self._transposed(jacobian, right.T).T
+        return self._by(partial + Partial(adjoint @ equations.v, adjoint @ equations.w), run)
+
+    def _by(self, partial: Partial, run: TunedRun) -> np.ndarray:
+        """Slopes by the elements of a run at a fixed state; states that nothing moves start as the parameters say."""
         nx, nz, dae = self.nx, self.nz, self.dae
-        moving = np.array(moving_states(self.at.functions, set()), dtype=int)
-        unknowns = np.concatenate([moving, nx + np.arange(nz)]).astype(int)
-        by_x, by_z = self.by_rest
-        jacobian = np.hstack([by_x[unknowns][:, moving], by_z[unknowns]])
-        adjoint = np.zeros((nx + nz + len(self.slopes.scale), len(partial.v)))
-        adjoint[unknowns] = -self._transposed(jacobian, partial.v[:, unknowns].T)
-        v, w = self.point.plain(adjoint)
-        partial = partial + Partial(v.T, w.T)
-        np_ = dae.p.numel()
-        of_p = partial.v[:, -np_:].copy() if np_ else np.zeros((len(partial.v), 0))
+        count = dae.p.numel()
+        of_p = partial.v[:, -count:].copy() if count else np.zeros((len(partial.v), 0))
         first = nx + nz + dae.u.numel()
-        fixed = np.setdiff1d(np.arange(nx), moving)
+        fixed = np.setdiff1d(np.arange(nx), moving_states(self.at.functions, set()))
         by_start = np.hstack([partial.v[:, fixed], partial.v[:, first : first + dae.d.numel()]])
         if np.any(by_start):
             by_p = np.array(ca.DM(self._start_slopes(self.at.parameters)))
-            of_p += by_start @ by_p[np.concatenate([fixed, nx + np.arange(dae.d.numel())])]
+            of_p += by_start @ by_p[np.concatenate([fixed, nx + np.arange(dae.d.numel())]).astype(int)]
         return run.pulled_back(of_p, partial.w, self.state.t)
 
     @property

@@ -381,6 +381,18 @@ def test_the_sizes_of_a_spar_whose_hull_is_computed_when_a_run_starts():
     check(prepared, step=3e-4)
 
 
+def test_ballast_that_fills_until_the_draft_is_right():
+    prepared = PreparedGradient(fw.load("two_rotor_spar_design"), ["mean pitch", "frequency heave", "mean heave"],
+                                ["diameter", "draft"], free=["ballast"], targets={"heave": 0.0})  # fmt: skip
+    values, jacobian = check(prepared, step=3e-4)
+    assert values[2] == pytest.approx(0.0, abs=1e-9)
+    assert jacobian[2] == pytest.approx([0.0, 0.0], abs=1e-9)
+    floating = fw.gradient(fw.load("two_rotor_spar_design"), "mean pitch", ["diameter"])
+    assert abs(jacobian[0, 0] / floating.jacobian[0, 0] - 1) > 0.1  # not what it is with the ballast as it was
+    with pytest.raises(ModelError, match="ballast is free, and follows from the others"):
+        fw.gradient(prepared.plant, "mean pitch", ["ballast"], free=["ballast"], targets={"heave": 0.0})
+
+
 def test_a_floating_turbine_in_wind_and_waves():
     by = ["platform.mooring.length", "turbine.control.proportional_gain", "platform.drag.diameters[1]",
           "wind.mean_speed", "sea.peak_period", "world.water_density"]  # fmt: skip
