@@ -47,10 +47,13 @@ if TYPE_CHECKING:
     from fowtlib.fmi import export_fmu
     from fowtlib.frequency import (
         AerodynamicCoefficients,
+        Gradient,
+        PreparedGradient,
         Response,
         Responses,
         aerodynamic_coefficients,
         forced_oscillation,
+        gradient,
         response,
         responses,
     )
@@ -80,8 +83,8 @@ _LATER = {
     "export_fmu": "fowtlib.fmi",
     "view": "fowtlib.view",
     **dict.fromkeys(
-        ("AerodynamicCoefficients", "Response", "Responses", "aerodynamic_coefficients", "forced_oscillation",
-         "response", "responses"),
+        ("AerodynamicCoefficients", "Gradient", "PreparedGradient", "Response", "Responses",
+         "aerodynamic_coefficients", "forced_oscillation", "gradient", "response", "responses"),
         "fowtlib.frequency",
     ),
     "read_cases": "fowtlib.case_files",
@@ -126,6 +129,7 @@ __all__ = [
     "Component",
     "Conditions",
     "Event",
+    "Gradient",
     "LinearModel",
     "Mode",
     "Model",
@@ -133,6 +137,7 @@ __all__ = [
     "NaturalMode",
     "Output",
     "Plant",
+    "PreparedGradient",
     "Response",
     "Responses",
     "Result",
@@ -155,6 +160,7 @@ __all__ = [
     "fit_gumbel",
     "forced_oscillation",
     "free_decay",
+    "gradient",
     "harmonic_fit",
     "lifetime_equivalent_load",
     "linear_rao",

@@ -23,6 +23,14 @@ if TYPE_CHECKING:
     from fowtlib.analysis.series import SeriesLike
 
 
+def widths(frequency: np.ndarray) -> np.ndarray:
+    """What each density stands for [Hz]: the spacing of a record's, else up to the middles between them."""
+    steps = np.diff(frequency)
+    if np.allclose(steps, steps[0], rtol=1e-6, atol=0.0):
+        return np.full(frequency.size, steps[0])
+    return (np.append(steps, 0.0) + np.append(0.0, steps)) / 2
+
+
 @dataclass(frozen=True)
 class Spectrum:
     """One-sided density S(f) [unit^2/Hz] over rising frequencies f [Hz]: of a record equally spaced from 0 upward."""
@@ -58,11 +66,7 @@ class Spectrum:
 
     @cached_property
     def _widths(self) -> np.ndarray:
-        """What each density stands for [Hz]: the spacing of a record's, else up to the middles between them."""
-        steps = np.diff(self.frequency)
-        if self.equally_spaced:
-            return np.full(self.frequency.size, steps[0])
-        return (np.append(steps, 0.0) + np.append(0.0, steps)) / 2
+        return widths(self.frequency)
 
     @property
     def equally_spaced(self) -> bool:

@@ -3,16 +3,28 @@
 from fowtlib.frequency.aerodynamics import AerodynamicCoefficients, aerodynamic_coefficients, forced_oscillation
 from fowtlib.frequency.drag import best_gain
 from fowtlib.frequency.found import Response
+from fowtlib.frequency.gradients import Gradient, PreparedGradient, gradient
 from fowtlib.frequency.many import Responses, responses
+from fowtlib.frequency.quantities import EquivalentLoad, Extreme, Mean, ModeDamping, ModeFrequency, OfSpectrum, Std
 from fowtlib.frequency.responses import response
 
 __all__ = [
     "AerodynamicCoefficients",
+    "EquivalentLoad",
+    "Extreme",
+    "Gradient",
+    "Mean",
+    "ModeDamping",
+    "ModeFrequency",
+    "OfSpectrum",
+    "PreparedGradient",
     "Response",
     "Responses",
+    "Std",
     "aerodynamic_coefficients",
     "best_gain",
     "forced_oscillation",
+    "gradient",
     "response",
     "responses",
 ]

@@ -78,7 +78,7 @@ class ExcitedModel:
     linear: its outputs are the results, what these have of the turning of rotors (solving.mean_linear.Turning), and
     then the inputs of the laws. fields: columns of the inputs, and the places of one field. laws: paths of the laws,
     and their columns among what is added. results: number of the first and second of these outputs. means: of the
-    inputs of the laws. forces: see Forces.
+    inputs of the laws. forces: see Forces. further: what of the flat model these inputs and outputs are.
     """
 
     linear: LinearModel
@@ -89,6 +89,7 @@ class ExcitedModel:
     means: np.ndarray
     forces: Forces
     rotating: RotatingLinearModel
+    further: Further
 
     @property
     def driven(self) -> int:
@@ -157,7 +158,7 @@ def excited_model(plant: Any, state: State, names: Sequence[str]) -> ExcitedMode
     rotating = rotating_linear_model(plant, state, (), names, further, turning=True)
     linear, forces = _without_forces(rotating.linear, speeds, len(rows))
     return ExcitedModel(linear, tuple(signals), tuple(fields), tuple(laws), rotating.shown, _means(at, state), forces,
-                        rotating)  # fmt: skip
+                        rotating, replace(further, added=()))  # fmt: skip
 
 
 def _motions(at: AtParameters) -> tuple[list[str], tuple[int, ...]]:

@@ -214,6 +214,10 @@ class Functions:
         above, below = outputs.start, self.w.shape[0] - outputs.stop
         return ca.vertcat(ca.MX(above, rows.shape[1]), rows, ca.MX(below, rows.shape[1]))
 
+    def external_jacobian(self, k: int) -> ca.Function:
+        """`inputs of external k -> d its outputs / d inputs`."""
+        return self._externals[k].jacobian
+
     # --- the functions of the DAE --------------------------------------------------------------------------------
 
     @cached_property

@@ -261,14 +261,28 @@ class Resolvent:
             return self._solved(b)
         return times(self.basis[2], b) * self._shares[:, :, None]
 
-    def between(self, C: np.ndarray, B: np.ndarray) -> np.ndarray:
-        """C (i omega - A)^-1 B, for constant C (m, n) and B (n, k): (q, m, k)."""
+    def __call__(self, b: np.ndarray) -> np.ndarray:
+        """(i omega - A)^-1 b, for b (q, n, k)."""
+        return times(self.shapes, self.amplitudes(b.transpose(1, 0, 2))).transpose(1, 0, 2)
+
+    def adjoint(self, b: np.ndarray) -> np.ndarray:
+        """(i omega - A)^-H b, for b (q, n, k)."""
         if self.basis is None:
-            b = np.broadcast_to(B[:, None, :], (len(B), self.omega.size, B.shape[1]))
-            return times(C, self._solved(b)).transpose(1, 0, 2)
+            one = np.eye(len(self.A))
+            rows = zip(self.omega, b, strict=True)
+            return np.array([np.linalg.solve((1j * w * one - self.A).conj().T, column) for w, column in rows])
+        _, right, left = self.basis
+        return left.conj().T @ ((right.conj().T @ b) * self._shares.conj().T[:, :, None])
+
+    def between(self, C: np.ndarray, B: np.ndarray, part: slice = slice(None)) -> np.ndarray:
+        """C (i omega - A)^-1 B, for constant C (m, n) and B (n, k): (q, m, k); part: of the frequencies."""
+        omega = self.omega[part]
+        if self.basis is None:
+            b = np.broadcast_to(B[:, None, :], (len(B), omega.size, B.shape[1]))
+            return times(C, Resolvent(omega, self.A)._solved(b)).transpose(1, 0, 2)
         roots, right, left = self.basis
-        by_root = (C @ right) * self._shares.T[:, None, :]
-        return (by_root.reshape(-1, roots.size) @ (left @ B)).reshape(self.omega.size, len(C), B.shape[1])
+        by_root = (C @ right) * self._shares[:, part].T[:, None, :]
+        return (by_root.reshape(-1, roots.size) @ (left @ B)).reshape(omega.size, len(C), B.shape[1])
 
     def _solved(self, b: np.ndarray) -> np.ndarray:
         one = np.eye(len(self.A))
@@ -378,7 +392,8 @@ class Slopes:
 
     function: `(t, x, z, q)` -> the derivatives of all rows by x, by z and by the columns, which are the `inputs`
     labelled, w, w', w'' of the operators, and what is computed from the inputs. The rows are ode, alg, and outputs: the
-    ones `shown`, then the inputs of the operators. scale: of the rows of outputs, to the units given.
+    ones `shown`, then the inputs of the operators. scale: of the rows of outputs, to the units given. rows, columns:
+    the expressions, and the symbols of the inputs and of the operators.
     """
 
     at: AtParameters
@@ -389,6 +404,8 @@ class Slopes:
     shown: tuple[str, ...]
     units: dict[str, str]
     scale: np.ndarray
+    rows: ca.SX
+    columns: tuple[ca.SX, ...]
     further: Further = NOTHING
 
     def __call__(self, t: float, x: np.ndarray, z: np.ndarray, q: np.ndarray) -> tuple[np.ndarray, ...]:
@@ -468,13 +485,15 @@ def slopes_of(at: AtParameters, layout: Layout, outputs: Outputs, inputs: Sequen
         rows.append(item.inputs)
         factors += [1.0] * item.inputs.numel()
 
+    expressions = ca.vertcat(dae.ode, dae.alg, *rows)
+
     def make() -> ca.Function:
         u = ca.vertcat(*columns, *(dae.bound[name].symbol for name in computed)) if columns else ca.SX(0, 1)
-        return at.general.torn_jacobian("linear", ca.vertcat(dae.ode, dae.alg, *rows), [dae.x, dae.z, u])
+        return at.general.torn_jacobian("linear", expressions, [dae.x, dae.z, u])
 
     function = at.general.once(("linear", key, tuple(computed), tuple(shown)), make)
     return Slopes(at, function, tuple(labels), len(columns) - number, tuple(through), tuple(shown), units,
-                  np.array(factors).reshape(-1, 1), further)  # fmt: skip
+                  np.array(factors).reshape(-1, 1), expressions, tuple(columns), further)  # fmt: skip
 
 
 def linearize(at: AtParameters, layout: Layout, outputs: Outputs, state: State, inputs: Sequence[str],

@@ -1,0 +1,310 @@
+"""Adjoint of a stationary response: slopes of functions of its spectra by the linear model and by what drives it.
+
+With amplitudes d of the inputs, H = C x + D d, (i omega - A) x = B d, and slopes h of a scalar by H,
+
+    (i omega - A)^H lambda = C' h,  slopes by A: Re sum lambda x^H, by B: Re sum lambda d^H, by C: Re sum h x^H,
+
+one solve a frequency with the factors of the response itself. Drag is in the loop by gains G that follow from the
+response, G = gain(covariance(G)): its slopes, made once, give the gains to rounding by Newton's iteration, and the
+adjoint of the fixed point, (1 - Phi)' g = slope by G, once for all scalars.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import dataclass
+from functools import cached_property
+
+import numpy as np
+
+from fowtlib.analysis.spectra import widths
+from fowtlib.frequency.drag import best_gain
+from fowtlib.frequency.gain_slopes import gain_slopes, slope_at_mean
+from fowtlib.frequency.quantities import ORDERS
+from fowtlib.language.errors import SimulationError
+from fowtlib.solving.excited import ExcitedModel
+from fowtlib.solving.linear import LinearModel, Resolvent
+from fowtlib.solving.stationary_gradients import Bars
+
+SETTLED, ROUNDING = 1e-12, 1e-10  # change of the gains, relative, at which Newton's iteration ends; and where it stays
+FAR = 0.3  # change from which on it goes by the gains found alone
+NEWTON = 40
+AT_ONCE = 64  # frequencies, of what all laws do to all laws
+GUESS = 1.0  # m/s; deviation of the velocities of drag before the first iteration
+
+
+@dataclass(frozen=True, eq=False)
+class Forcing:
+    """What drives a response at frequencies (q,) [Hz].
+
+    drive (q, inputs, k): of all channels; density (q, k, k) per Hz, with processes in blocks; columns: of a process.
+    """
+
+    frequency: np.ndarray
+    drive: np.ndarray
+    density: np.ndarray
+    columns: Mapping[str, slice]
+
+    @property
+    def widths(self) -> np.ndarray:
+        """What each frequency stands for in a covariance [Hz]."""
+        steps = np.diff(self.frequency)
+        return (np.append(steps, 0.0) + np.append(0.0, steps)) / 2
+
+    def of(self, process: str | None) -> np.ndarray:
+        """The densities of one process alone; None: of all."""
+        if process is None:
+            return self.density
+        part, columns = np.zeros_like(self.density), self.columns[process]
+        part[:, columns, columns] = self.density[:, columns, columns]
+        return part
+
+
+@dataclass(frozen=True, eq=False)
+class Slopes:
+    """Slopes of a scalar by the matrices, by the drive (q, inputs, k), by the densities (q, k, k), by means of laws.
+
+    d scalar = Re sum(conj(drive) d drive) + Re sum(density d density).
+    """
+
+    bars: Bars
+    drive: np.ndarray
+    density: np.ndarray
+    means: np.ndarray
+
+
+class RandomResponse:
+    """The response of a linear model with the drag of its own response, and its adjoint.
+
+    gains: of the laws of drag, where they are nearly known, and newton: slopes of the fixed point there. Raises
+    SimulationError where they do not settle.
+    """
+
+    def __init__(self, excited: ExcitedModel, forcing: Forcing, gains: Sequence[np.ndarray] | None = None,
+                 newton: np.ndarray | None = None):  # fmt: skip
+        self.excited, self.forcing, self.omega = excited, forcing, 2 * np.pi * forcing.frequency
+        self.weighted = forcing.density * forcing.widths[:, None, None]
+        operators = excited.linear.operators
+        self.errors = operators.errors(self.omega) if operators is not None else None
+        places = [place for _, place in excited.laws]
+        size = sum(place.stop - place.start for place in places)
+        self.means = np.asarray(getattr(excited, "means", np.zeros(size)))
+        self.gains = list(gains) if gains is not None else [
+            best_gain(GUESS**2 * np.eye(place.stop - place.start)) for place in places
+        ]  # fmt: skip
+        self.iterations = self._settle(newton)
+
+    # --- forward ---------------------------------------------------------------------------------------------------
+
+    def _settle(self, phi: np.ndarray | None) -> int:
+        """Newton's iteration for the gains, with slopes that are kept while it comes nearer fast."""
+        last, self.newton = np.inf, phi
+        for iteration in range(NEWTON):
+            self._answer()
+            found = [best_gain(self._covariance(place)) for _, place in self.excited.laws]
+            off = [new - old for new, old in zip(found, self.gains, strict=True)]
+            change = max((float(np.linalg.norm(d) / max(np.linalg.norm(g), 1e-12))
+                          for d, g in zip(off, found, strict=True)), default=0.0)  # fmt: skip
+            if change < SETTLED or (change < ROUNDING and change > last / 2):
+                return iteration
+            if change > FAR:
+                self.gains = found
+            else:
+                if self.newton is None or change > last / 10:
+                    self.newton = self._map()
+                step = np.linalg.solve(np.eye(len(self.newton)) - self.newton, self._packed(off))
+                self.gains = [g + s for g, s in zip(self.gains, self._unpacked(step), strict=True)]
+            last = change
+        raise SimulationError(f"the linearised drag does not settle; the last change is {change:.2g}.")
+
+    @cached_property
+    def phi(self) -> np.ndarray:
+        """Slopes of the gains of all laws by those that are put in, at the fixed point."""
+        return self._map() if self.excited.laws else np.zeros((0, 0))
+
+    def _answer(self) -> None:
+        excited, drive = self.excited, self.forcing.drive
+        self.closed = excited.with_gains(self.gains)
+        A, B, C, D = (self.closed.matrices[name] for name in "ABCD")
+        self.resolvent = Resolvent(self.omega, A)
+        x = self.resolvent(B @ drive)
+        operators = self.closed.operators
+        powers = (1j * self.omega)[:, None] ** np.arange(3)
+        self.three = np.zeros((self.omega.size, 0, drive.shape[2]), dtype=complex)
+        out = C @ x + D @ drive
+        if operators is not None:
+            by_w = self.resolvent.between(operators.C, operators.B) + operators.D
+            q, n = by_w.shape[:2]
+            by_w = np.einsum("qndm,qd->qnm", by_w.reshape(q, n, 3, -1), powers)
+            self.loop = np.eye(self.errors.shape[1]) - self.errors @ by_w  # (1 - E G), to the outputs w
+            u = operators.C @ x + operators.D_input @ drive
+            w = np.linalg.solve(self.loop, self.errors @ u)
+            self.three = (powers[:, :, None, None] * w[:, None]).reshape(q, -1, drive.shape[2])
+            x = x + self.resolvent(operators.B @ self.three)
+            out = C @ x + D @ drive + operators.D_output @ self.three
+        self.powers, self.x, self.out = powers, x, out
+
+    @property
+    def H(self) -> np.ndarray:
+        """Transfer functions (q, results, k)."""
+        return self.out[:, : self.excited.results]
+
+    def _of_law(self, place: slice) -> np.ndarray:
+        m = self.excited.results
+        return self.out[:, m + place.start : m + place.stop]
+
+    def _covariance(self, place: slice) -> np.ndarray:
+        u = self._of_law(place)
+        return np.einsum("qrk,qsk->rs", u @ self.weighted, u.conj()).real
+
+    def moments(self, result: int, process: str | None = None) -> np.ndarray:
+        """Spectral moments of a result, of orders 0, 1, 2 and 4 [unit^2 Hz^n]."""
+        H = self.H[:, result]
+        density = np.einsum("qk,qkl,ql->q", H, self.forcing.of(process), H.conj()).real
+        return np.array([np.sum(self.forcing.frequency**n * density * widths(self.forcing.frequency)) for n in ORDERS])
+
+    # --- the fixed point -------------------------------------------------------------------------------------------
+
+    @property
+    def _width(self) -> int:
+        return max((place.stop - place.start for _, place in self.excited.laws), default=0)
+
+    def _packed(self, blocks: Sequence[np.ndarray]) -> np.ndarray:
+        whole = np.zeros((len(blocks), self._width, self._width))
+        for k, block in enumerate(blocks):
+            whole[k, : len(block), : len(block)] = block
+        return whole.ravel()
+
+    def _unpacked(self, values: np.ndarray) -> list[np.ndarray]:
+        whole = values.reshape(len(self.excited.laws), self._width, self._width)
+        sizes = [place.stop - place.start for _, place in self.excited.laws]
+        return [block[:n, :n] for block, n in zip(whole, sizes, strict=True)]
+
+    def _injected(self) -> Iterator[tuple[slice, np.ndarray]]:
+        """Answers (q, outputs, laws), some frequencies after the other, to what is added to the laws in closed loop."""
+        excited = self.excited
+        n, m = excited.driven, excited.results
+        B, D = excited.linear.matrices["B"], excited.linear.matrices["D"]
+        G = self._gain_matrix()
+        through = np.linalg.inv(np.eye(len(G)) - G @ D[m:, n:])
+        B_in = B[:, n:] @ through
+        D_closed = D[:, n:] + D[:, n:] @ (through @ G) @ D[m:, n:]
+        C, operators = self.closed.matrices["C"], self.closed.operators
+        if operators is not None:
+            D_input = excited.linear.operators.D_input[:, n:] @ through
+        for first in range(0, self.omega.size, AT_ONCE):
+            part = slice(first, min(first + AT_ONCE, self.omega.size))
+            found = self.resolvent.between(C, B_in, part) + D_closed
+            if operators is not None:
+                u = self.resolvent.between(operators.C, B_in, part) + D_input
+                w = np.linalg.solve(self.loop[part], self.errors[part] @ u)
+                three = (self.powers[part, :, None, None] * w[:, None]).reshape(len(w), -1, u.shape[2])
+                found = found + (self.resolvent.between(C, operators.B, part) + operators.D_output) @ three
+            yield part, found
+
+    def _gain_matrix(self) -> np.ndarray:
+        size = sum(place.stop - place.start for _, place in self.excited.laws)
+        G = np.zeros((size, size))
+        for (_, place), gain in zip(self.excited.laws, self.gains, strict=True):
+            G[place, place] = gain - slope_at_mean(self.means[place])[0]
+        return G
+
+    def _map(self) -> np.ndarray:
+        """Phi: slopes of the gains of all laws by those that are put in.
+
+        Beside it, what of the results answers to the laws, and the slopes of each gain.
+        """
+        m, width, laws = self.excited.results, self._width, self.excited.laws
+        count = len(laws)
+        self.by_laws = np.zeros((self.omega.size, m, self.out.shape[1] - m), dtype=complex)
+        self.by_covariance, self.by_mean = np.zeros((count, *[width] * 4)), np.zeros((count, *[width] * 3))
+        spread = np.zeros((count, width), dtype=int)  # rows of laws, of those that are narrower -1
+        for k, (_, place) in enumerate(laws):
+            n = place.stop - place.start
+            spread[k] = [*range(place.start, place.stop), *[-1] * (width - n)]
+            slopes = gain_slopes(self._covariance(place), self.means[place])
+            self.by_covariance[k][(slice(n),) * 4], self.by_mean[k][(slice(n),) * 3] = slopes
+        rows = spread.ravel()
+        product = np.zeros((count, count, width**2, width**2))
+        for part, injected in self._injected():
+            self.by_laws[part] = injected[:, :m]
+            u = np.where(rows[:, None] >= 0, self.out[part][:, m:][:, rows], 0.0)
+            T = np.where((rows[:, None] >= 0) & (rows >= 0), injected[:, m:][:, rows][:, :, rows], 0.0)
+            Z = (u @ self.weighted[part]) @ u.conj().transpose(0, 2, 1)  # of law j in direction e, with law i in s
+            q = len(T)
+            T = T.reshape(q, count, width, count, width).transpose(1, 3, 2, 4, 0).reshape(count, count, width**2, q)
+            Z = Z.reshape(q, count, width, count, width).transpose(3, 1, 0, 2, 4).reshape(count, count, q, width**2)
+            product += T.real @ Z.real - T.imag @ Z.imag
+        # covariance_i[r, s] by G_j[c, e]: T[r, c] Z[e, s], and the same with r and s exchanged
+        product = product.reshape(count, count, width, width, width, width)  # i j r c e s
+        by_gain = np.einsum("ijrces->irsjce", product)
+        by_gain = by_gain + by_gain.transpose(0, 2, 1, 3, 4, 5)
+        phi = np.einsum("iabrs,irsjce->iabjce", self.by_covariance, by_gain, optimize=True)
+        return phi.reshape(count * width**2, count * width**2)
+
+    # --- adjoint ---------------------------------------------------------------------------------------------------
+
+    def slopes(self, result: int, by_moments: np.ndarray, process: str | None = None) -> Slopes:
+        """Slopes of a scalar that has these slopes by the moments of a result."""
+        excited, forcing = self.excited, self.forcing
+        m, n = excited.results, excited.driven
+        weight = sum(slope * forcing.frequency**order for slope, order in zip(by_moments, ORDERS, strict=True))
+        weight = weight * widths(forcing.frequency)
+        H = self.H[:, result]
+        bars = np.zeros(self.out.shape, dtype=complex)
+        bars[:, result] = 2 * weight[:, None] * (H[:, None] @ forcing.of(process))[:, 0]
+        allowed = forcing.of(process) != 0
+        density = np.where(allowed, weight[:, None, None] * (H[:, :, None] * H.conj()[:, None, :]), 0.0)
+        G, means = self._gain_matrix(), np.zeros(self.means.size)
+        if excited.laws:
+            phi = self.phi  # with it what answers to the laws
+            a = self.by_laws.conj().transpose(0, 2, 1) @ bars[:, :m]
+            direct = [_outer(a[:, place], self._of_law(place)) for _, place in excited.laws]
+            total = np.linalg.solve((np.eye(len(phi)) - phi).T, self._packed(direct))
+            whole = total.reshape(len(excited.laws), self._width, self._width)
+            for k, (_, place) in enumerate(excited.laws):
+                size = place.stop - place.start
+                by_mean = self.by_mean[k][:size, :size, :size] - slope_at_mean(self.means[place])[1]
+                means[place] = np.einsum("abk,ab->k", by_mean, whole[k][:size, :size])
+                of_covariance = np.einsum("abcd,ab->cd", self.by_covariance[k], whole[k])[:size, :size]
+                of_covariance = (of_covariance + of_covariance.T) / 2
+                u = self._of_law(place)
+                bars[:, m + place.start : m + place.stop] = 2 * (of_covariance @ u) @ self.weighted
+                density += forcing.widths[:, None, None] * np.einsum("rs,qra,qsb->qab", of_covariance, u, u.conj())
+        closed, base = self.closed, excited.linear
+        B0, D0 = base.matrices["B"], base.matrices["D"]
+        costate = self.resolvent.adjoint(closed.matrices["C"].T @ bars)
+        of_u = np.zeros((self.omega.size, 0, bars.shape[2]), dtype=complex)
+        operators = closed.operators
+        if operators is not None:
+            three = operators.D_output.T @ bars + operators.B.T @ costate
+            of_w = np.einsum("qd,qdmk->qmk", self.powers.conj(), three.reshape(len(three), 3, -1, three.shape[2]))
+            of_w = np.linalg.solve(self.loop.conj().transpose(0, 2, 1), of_w)
+            of_u = self.errors.conj().transpose(0, 2, 1) @ of_w
+            costate = costate + self.resolvent.adjoint(operators.C.T @ of_u)
+        # slopes by what the laws add, in the model without them
+        a = B0[:, n:].T @ costate + D0[:, n:].T @ bars
+        if operators is not None:
+            a = a + base.operators.D_input[:, n:].T @ of_u
+        a = np.linalg.solve(np.eye(len(G)) - D0[m:, n:].T @ G.T, a) if excited.laws else a
+        rows = bars.copy()
+        rows[:, m:] += G.T @ a
+        laws = self.out[:, m:]
+        inputs = np.concatenate([forcing.drive, G @ laws, self.three], axis=1)
+        outputs = np.concatenate([rows, of_u], axis=1)
+        drive = B0[:, :n].T @ costate + D0[:, :n].T @ rows
+        if operators is not None:
+            drive = drive + base.operators.D_input[:, :n].T @ of_u
+        return Slopes(Bars(_outer(costate, self.x), _outer(costate, inputs), _outer(outputs, self.x),
+                           _outer(outputs, inputs)), drive, density, means)  # fmt: skip
+
+    @property
+    def linear(self) -> LinearModel:
+        """With the gains of drag."""
+        return self.closed
+
+
+def _outer(a: np.ndarray, b: np.ndarray) -> np.ndarray:
+    """Re sum over frequencies and channels of a b^H, of (q, n, k) and (q, m, k)."""
+    a, b = (np.moveaxis(block, 1, 0).reshape(block.shape[1], -1) for block in (a, b))
+    return a.real @ b.real.T + a.imag @ b.imag.T

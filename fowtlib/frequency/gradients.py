@@ -1,0 +1,407 @@
+"""Gradients of results by parameters, exact, by adjoints: of the mean, of modes, of the response to waves and wind.
+
+Any set of tunable parameters, however many, costs one adjoint for each result, through the equilibrium, the linear
+model about it, the answers at all frequencies, the fixed point of the drag, and the poles. See docs/gradients.md.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from fowtlib.analysis.plants import refuse_unstable
+from fowtlib.frequency.adjoint import Forcing, RandomResponse, Slopes
+from fowtlib.frequency.grid import response_frequencies
+from fowtlib.frequency.quantities import (
+    Mean,
+    ModeDamping,
+    ModeFrequency,
+    Quantity,
+    label,
+    quantities,
+    with_slopes,
+)
+from fowtlib.frequency.responses import Process, _processes, _refuse_without_spectrum
+from fowtlib.language.errors import ModelError, SimulationError, did_you_mean
+from fowtlib.language.expressions import parameters_read
+from fowtlib.solving import State, mean_state
+from fowtlib.solving.binding import tree_with
+from fowtlib.solving.excited import ExcitedModel, excited_model
+from fowtlib.solving.linear import NOTHING
+from fowtlib.solving.random_fields import blows
+from fowtlib.solving.stationary_gradients import Bars, LinearGradient, Partial, Pole, pole, refuse_turning
+from fowtlib.solving.tuned import TunedRun, tuned_elements
+
+if TYPE_CHECKING:
+    import xarray
+
+Plant = Any
+Values = Mapping[str, Any]
+
+
+@dataclass(frozen=True, eq=False)
+class Gradient:
+    """Values of results, and their derivatives by parameters.
+
+    results, units, values (k,); parameters, parameter_units, at (m,): values of the parameters [SI]; jacobian (k, m):
+    d result / d parameter, in the unit of the result per SI unit of the parameter. `gradient["std pitch", "length"]`.
+    """
+
+    results: tuple[str, ...]
+    units: tuple[str, ...]
+    values: np.ndarray
+    parameters: tuple[str, ...]
+    parameter_units: tuple[str, ...]
+    at: np.ndarray
+    jacobian: np.ndarray
+
+    def __getitem__(self, which: tuple[str, str]) -> float:
+        result, parameter = which
+        return float(self.jacobian[_number(result, self.results, "result"),
+                                   _number(parameter, self.parameters, "parameter")])  # fmt: skip
+
+    def unit(self, result: str, parameter: str) -> str:
+        """Unit of a derivative."""
+        above = self.units[_number(result, self.results, "result")]
+        below = self.parameter_units[_number(parameter, self.parameters, "parameter")]
+        return above if below == "1" else f"{above}/({below})"
+
+    @property
+    def relative(self) -> np.ndarray:
+        """Relative change of each result for a relative change of each parameter (k, m)."""
+        return self.jacobian * self.at / self.values[:, None]
+
+    @property
+    def dataset(self) -> xarray.DataArray:
+        """The derivatives over the coordinates ``result`` and ``parameter``."""
+        import xarray
+
+        coordinates = {
+            "result": list(self.results), "parameter": list(self.parameters), "value": ("result", self.values),
+            "unit": ("result", list(self.units)), "at": ("parameter", self.at),
+            "parameter_unit": ("parameter", list(self.parameter_units)),
+        }  # fmt: skip
+        return xarray.DataArray(self.jacobian, dims=("result", "parameter"), coords=coordinates, name="gradient")
+
+    def __repr__(self) -> str:
+        lines = ["<Gradient>"]
+        for k, (result, unit) in enumerate(zip(self.results, self.units, strict=True)):
+            lines.append(f"{result} = {self.values[k]:.6g} {unit}")
+            lines += [f"  by {name:40}{self.jacobian[k, j]:>14.6g} {self.unit(result, name)}"
+                      for j, name in enumerate(self.parameters)]  # fmt: skip
+        return "\n".join(lines)
+
+
+def _number(name: str, known: Sequence[str], what: str) -> int:
+    if name not in known:
+        raise ModelError(f"there is no {what} '{name}' in this gradient{did_you_mean(name, known)}")
+    return list(known).index(name)
+
+
+def gradient(model: Any, results: Sequence[str | Quantity] | str | Quantity, by: Sequence[str], *,
+             parameters: Values | None = None, frequencies: Sequence[float] | np.ndarray | None = None,
+             free: Values | Sequence[str] | None = None, targets: Values | None = None) -> Gradient:  # fmt: skip
+    """The gradient of results of a model, or of a compiled one, with respect to parameters.
+
+    results      such as "mean pitch", "std pitch", "max thrust", "range pitch", "frequency heave", "damping surge", or
+                 quantities of fowtlib.frequency with options: Extreme("pitch", "max", 3 * 3600), OfSpectrum(...)
+    by           paths of tunable parameters, or of single elements; also numbers that a sea or a wind reads
+    parameters   as for a run: what wind and what waves, for instance
+    frequencies  [Hz], rising; None: chosen by the modes; they stay what they are when the parameters change
+    free         parameters that take the values at which `targets` hold in the mean, see Plant.equilibrium: ballast
+                 that fills until the draft is right; they do so with every change of the others
+    Raises ParameterError for what is no tunable number, and says why; SimulationError where there is no derivative.
+    """
+    prepared = PreparedGradient(model, results, by, parameters=parameters, frequencies=frequencies, free=free,
+                                targets=targets)  # fmt: skip
+    values, jacobian = prepared.evaluate()
+    return Gradient(prepared.results, prepared.units, values, prepared.parameters, prepared.parameter_units,
+                    prepared.start, jacobian)  # fmt: skip
+
+
+class PreparedGradient:
+    """Results and their gradients at one point after the other, as an optimiser asks for them.
+
+    The protocol: `results`, `units` (k names), `parameters`, `parameter_units`, `low`, `high` (m names, SI units and
+    bounds, infinite where there are none), `start` (m values [SI]), and
+
+        values, jacobian = prepared.evaluate(point)      # point (m,) in SI; (k,) and (k, m)
+        values = prepared.values(point)                  # the same values alone, in a part of the time
+
+    Each point starts from the equilibrium and the gains of the last one. The frequencies are those of the first point,
+    so that results are smooth functions of the parameters; `choose_frequencies()` before a point chooses anew.
+    Raises SimulationError where a point has no equilibrium, or no stable one.
+    """
+
+    def __init__(self, model: Any, results: Sequence[str | Quantity] | str | Quantity, by: Sequence[str], *,
+                 parameters: Values | None = None, frequencies: Sequence[float] | np.ndarray | None = None,
+                 free: Values | Sequence[str] | None = None, targets: Values | None = None):  # fmt: skip
+        self.plant = model.compile() if hasattr(model, "compile") else model
+        self.quantities = quantities(results)
+        self.elements = tuned_elements(self.plant, by)
+        self.given = dict(parameters or {})
+        self.frequencies = None if frequencies is None else np.asarray(frequencies, dtype=float)
+        self.start = TunedRun(self.plant, self.given, self.elements).values
+        names = [item.of for item in self.quantities if not isinstance(item, ModeFrequency)]
+        self.free, self.targets = free or (), dict(targets or {})
+        self.freed = tuned_elements(self.plant, list(self.free))
+        if both := {item.name for item in self.freed} & {item.name for item in self.elements}:
+            raise ModelError(f"{both.pop()} is free, and follows from the others: there is no derivative by it.")
+        self.names = list(dict.fromkeys([*names, *self.targets]))
+        self.columns = [self.names.index(item.of) if not isinstance(item, ModeFrequency) else -1
+                        for item in self.quantities]  # fmt: skip
+        for name in self.names:
+            self._check(name)
+        self.units = tuple(item.unit("1" if k < 0 else self.plant.outputs.entry(self.names[k]).unit)
+                           for item, k in zip(self.quantities, self.columns, strict=True))  # fmt: skip
+        self.results = tuple(label(item) for item in self.quantities)
+        self.parameters = tuple(item.name for item in self.elements)
+        self.parameter_units = tuple(item.unit for item in self.elements)
+        self.low = np.array([-np.inf if item.min is None else item.min for item in self.elements])
+        self.high = np.array([np.inf if item.max is None else item.max for item in self.elements])
+        self._state: State | None = None
+        self._gains: list[np.ndarray] | None = None
+        self._newton: np.ndarray | None = None
+
+    def _check(self, name: str) -> None:
+        known = [*self.plant.outputs, *self.plant.dae.names]
+        if name not in known:
+            raise ModelError(f"the model has no result '{name}'{did_you_mean(name, known)}")
+        size = self.plant.dae.observe_expression(self.plant.outputs.entry(name).path).numel()
+        if size != 1:
+            raise ModelError(f"a gradient is of one number, and {name} has {size}: take one of its elements.")
+
+    def choose_frequencies(self) -> None:
+        """At the next point the frequencies are chosen anew, by the modes there."""
+        self.frequencies = None
+
+    def values(self, point: Sequence[float] | np.ndarray | None = None) -> np.ndarray:
+        """Results (k,) at values of the parameters (m,) [SI]; None: as they are."""
+        return self._evaluated(point, slopes=False)[0]
+
+    def evaluate(self, point: Sequence[float] | np.ndarray | None = None) -> tuple[np.ndarray, np.ndarray]:
+        """Results (k,) and their derivatives (k, m) at values of the parameters (m,) [SI]; None: as they are."""
+        return self._evaluated(point, slopes=True)
+
+    def _evaluated(self, point: Sequence[float] | np.ndarray | None, slopes: bool) -> tuple[np.ndarray, np.ndarray]:
+        parameters = self._parameters(point)
+        run = TunedRun(self.plant, parameters, self.elements)
+        state, freed = self._mean(run), None
+        self._state = state
+        if self.freed:
+            parameters = {**parameters, **{item.path: state.parameters[item.path] for item in self.freed}}
+            run, freed = (TunedRun(self.plant, parameters, items) for items in (self.elements, self.freed))
+        return _Evaluation(self, run, freed, state).found(slopes)
+
+    def _parameters(self, point: Sequence[float] | np.ndarray | None) -> dict[str, Any]:
+        """The parameters of a run at a point."""
+        if point is None:
+            return self.given
+        point = np.asarray(point, dtype=float)
+        if point.shape != (len(self.elements),):
+            raise ModelError(f"a point has {len(self.elements)} values, not {point.size}.")
+        run, whole = TunedRun(self.plant, self.given, self.elements), {}
+        for item, value in zip(self.elements, point.tolist(), strict=True):
+            array = np.array(whole.get(item.path, run.whole(item)), dtype=float)
+            array.T.flat[item.number] = value
+            whole[item.path] = array
+        return {**self.given, **{path: value if value.shape else float(value) for path, value in whole.items()}}
+
+    def _mean(self, run: TunedRun) -> State:
+        """The mean state, from the last one if that is near enough."""
+        if self.freed or self.targets:
+            refuse_turning(self.plant, self.plant.initial_state(run.mean))
+            return self.plant.equilibrium(run.mean, free=self.free, targets=self.targets, near=self._state)
+        if self._state is None:
+            refuse_turning(self.plant, self.plant.initial_state(run.mean))
+            return mean_state(self.plant, run.mean)
+        return self.plant.equilibrium(run.mean, near=self._state)
+
+
+class _Evaluation:
+    """All results at one point, and what their adjoints need."""
+
+    def __init__(self, prepared: PreparedGradient, run: TunedRun, freed: TunedRun | None, state: State):
+        self.prepared, self.run, self.freed = prepared, run, freed
+        self.state, self.plant = state, prepared.plant
+        kinds = prepared.quantities
+        self.of_spectra = any(not isinstance(item, Mean | ModeFrequency) for item in kinds)
+        further, self.excited = NOTHING, None
+        if self.of_spectra:
+            root = tree_with(self.plant.dae, self.plant.root, run.parameters)
+            self.excited = excited_model(self.plant, state, prepared.names)
+            if any(blows(places, root) for _, places in self.excited.fields):
+                raise SimulationError(
+                    "there are no gradients of a response to a wind that is a field in space: take a wind whose "
+                    "turbulence is one at each station."
+                )
+            further = self.excited.further
+        self.model = LinearGradient(self.plant, state, prepared.names, further)
+        self.response = self._response() if self.excited is not None else None
+
+    def _response(self) -> RandomResponse:
+        prepared, excited = self.prepared, self.excited
+        processes = self._processes(excited, self.run.parameters)
+        if not processes:
+            raise ModelError("no part of this model takes anything from random waves or wind; there is no response.")
+        for item in prepared.quantities:
+            process = getattr(item, "process", None)
+            if process is not None and process not in processes:
+                raise ModelError(f"the response has no process '{process}'{did_you_mean(process, list(processes))}")
+        gains = prepared._gains
+        if prepared.frequencies is None:
+            coarse = RandomResponse(excited, forcing(processes, response_frequencies(excited.linear.modes())), gains)
+            refuse_unstable(coarse.linear)
+            gains = coarse.gains
+            prepared.frequencies = response_frequencies(coarse.linear.modes())
+        self.processes = processes
+        found = RandomResponse(excited, forcing(processes, prepared.frequencies), gains, prepared._newton)
+        refuse_unstable(found.linear)
+        prepared._gains, prepared._newton = found.gains, found.newton
+        return found
+
+    def _processes(self, excited: ExcitedModel, parameters: Values) -> Mapping[str, Process]:
+        root = tree_with(self.plant.dae, self.plant.root, parameters)
+        processes = _processes(excited, root)
+        _refuse_without_spectrum(self.plant.dae, root, processes)
+        return processes
+
+    def found(self, slopes: bool) -> tuple[np.ndarray, np.ndarray]:
+        prepared = self.prepared
+        values = np.zeros(len(prepared.quantities))
+        means = np.array([float(np.squeeze(value)) for value in self.state.values(prepared.names)])
+        partials: list[Partial] = []
+        driven: list[Slopes | None] = []
+        for k, (item, column) in enumerate(zip(prepared.quantities, prepared.columns, strict=True)):
+            of_drive = None
+            if isinstance(item, Mean):
+                values[k] = means[column]
+                partial = self.model.of_outputs(self._weight(column, 1.0)) if slopes else None
+            elif isinstance(item, ModeFrequency):
+                found = self._pole(item)
+                values[k], by_A = found.damping if isinstance(item, ModeDamping) else found.frequency
+                partial = self.model.of_matrices(self._of_A(by_A)) if slopes else None
+            else:
+                process = getattr(item, "process", None)
+                moments = self.response.moments(column, process)
+                unit = self.plant.outputs.entry(prepared.names[column]).unit
+                if not slopes:
+                    values[k] = with_slopes(item, moments, means[column], unit, slopes=False)[0]
+                    continue
+                values[k], by_moments, by_mean = with_slopes(item, moments, means[column], unit)
+                of_drive = self.response.slopes(column, by_moments, process)
+                partial = self.model.of_matrices(of_drive.bars)
+                if np.any(of_drive.means):
+                    partial = partial + self.model.of_outputs(self._of_laws(of_drive.means))
+                if by_mean:
+                    partial = partial + self.model.of_outputs(self._weight(column, by_mean))
+            driven.append(of_drive)
+            partials.append(partial)
+        if not slopes:
+            return values, np.zeros((0, 0))
+        targets = [prepared.names.index(name) for name in prepared.targets]
+        total = self.model.total(Partial.stacked(partials), self.run, self.freed, targets)
+        return values, total + self._through_processes(driven)
+
+    def _weight(self, column: int, weight: float) -> np.ndarray:
+        """A row of weights of all outputs, with that of one."""
+        weights = np.zeros((1, len(self.model.slopes.scale)))
+        weights[0, column] = weight
+        return weights
+
+    def _of_laws(self, means: np.ndarray) -> np.ndarray:
+        """A row of weights of all outputs, with those of the inputs of the laws, which stand behind the results."""
+        weights, first = np.zeros((1, len(self.model.slopes.scale))), self.excited.results
+        weights[0, first : first + means.size] = means
+        return weights
+
+    # --- modes -----------------------------------------------------------------------------------------------------
+
+    def _pole(self, item: ModeFrequency) -> Pole:
+        A = self.model.linear.matrices["A"]
+        return pole(A, self._eigenvalue(item, A), together=item.together, what=label(item))
+
+    def _eigenvalue(self, item: ModeFrequency, A: np.ndarray) -> complex:
+        roots, right = np.linalg.eig(A)
+        upper = roots.imag > 0
+        if not upper.any():
+            raise ModelError(f"{label(item)}: no mode of the model oscillates.")
+        if isinstance(item.of, int | float):
+            chosen = np.flatnonzero(upper)
+            return roots[chosen[np.argmin(np.abs(np.abs(roots[chosen]) / (2 * np.pi) - item.of))]]
+        path, states = self.plant.outputs.entry(item.of).path, self.model.linear.states
+        if path not in states:
+            row = self._state_behind(path)
+            if row is None:
+                known = [name for name, entry in self.plant.outputs.items() if entry.path in states]
+                raise ModelError(f"{label(item)}: '{item.of}' is no state{did_you_mean(item.of, [*known, *states])}")
+        else:
+            row = states.index(path)
+        share = np.abs(np.linalg.pinv(right).T * right)
+        share = share / np.maximum(share.sum(axis=0), 1e-300)
+        return roots[upper][np.argmax(share[row, upper])]
+
+    def _state_behind(self, path: str) -> int | None:
+        """The number of the state that a variable is an alias of."""
+        expression = self.plant.dae.observed.get(path)
+        known = [element.element_hash() for element in self.plant.dae.x.elements()]
+        if expression is None or expression.numel() != 1 or expression.element_hash() not in known:
+            return None
+        return known.index(expression.element_hash())
+
+    def _of_A(self, by_A: np.ndarray) -> Bars:
+        slopes = self.model.slopes
+        nx, columns, rows = len(by_A), len(slopes.columns), len(slopes.scale)
+        if slopes.further.mixing is not None:
+            columns = self.model.directions.v.shape[1] - nx
+        return Bars(by_A, np.zeros((nx, columns)), np.zeros((rows, nx)), np.zeros((rows, columns)))
+
+    # --- what drives it --------------------------------------------------------------------------------------------
+
+    def _through_processes(self, driven: Sequence[Slopes | None]) -> np.ndarray:
+        """Slopes (k, m) through transfer functions and spectra of waves and wind, which are functions in Python.
+
+        Only elements that these read are moved, and nothing but these functions is computed.
+        """
+        found = np.zeros((len(driven), len(self.run.elements)))
+        if self.response is None:
+            return found
+        frequency = self.response.forcing.frequency
+        root = self.run.tree
+        with parameters_read() as read:
+            forcing(_processes(self.excited, root), frequency)
+        paths = {f"{owner}.{name}" if owner else name for owner, name in read}
+        kept = [(k, item) for k, item in enumerate(driven) if item is not None]
+
+        def at(now: Forcing) -> np.ndarray:
+            return np.array([np.sum((of.drive.conj() * now.drive).real) + np.sum((of.density * now.density).real)
+                             for _, of in kept])  # fmt: skip
+
+        for column, item in enumerate(self.run.elements):
+            if item.path not in paths:
+                continue
+
+            def weighted(value: float, item: Any = item) -> np.ndarray:
+                with self.run.tree_at(item, value) as root:
+                    return at(forcing(_processes(self.excited, root), frequency))
+
+            found[[k for k, _ in kept], column] = self.run.slope(item, weighted, at(self.response.forcing))
+        return found
+
+
+def forcing(processes: Mapping[str, Process], frequency: np.ndarray) -> Forcing:
+    """What random processes drive, at frequencies (q,) [Hz]."""
+    omega, blocks, drives, columns, first = 2 * np.pi * frequency, [], [], {}, 0
+    for path, process in processes.items():
+        density = 2 * np.pi * np.asarray(process.density(omega))
+        density = density.reshape(len(density), *(density.shape[1:] or (1, 1)))
+        blocks.append(density)
+        drives.append(process.drive(omega))
+        columns[path] = slice(first, first := first + density.shape[1])
+    whole = np.zeros((omega.size, first, first), dtype=complex)
+    for place, block in zip(columns.values(), blocks, strict=True):
+        whole[:, place, place] = block
+    return Forcing(frequency, np.concatenate(drives, axis=2), whole, columns)

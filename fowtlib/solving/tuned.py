@@ -1,0 +1,285 @@
+"""Parameters with respect to which results are differentiated, and what of a run follows from them.
+
+Most of them are symbols of the flat model. Others act through numbers that parts compute when a run starts (masses and
+stiffnesses of a tube from its diameter), through other parameters that follow from them, or, as the speed of a wind,
+through what an external function gives. These are smooth functions in Python; their slopes are taken by differences of
+fourth order of that part alone, on one copy of the component tree, and only of numbers that results depend on.
+"""
+
+from __future__ import annotations
+
+import copy
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from contextlib import contextmanager
+from dataclasses import dataclass
+from functools import cached_property
+from typing import Any
+
+import numpy as np
+
+from fowtlib.flattening.system import element_names
+from fowtlib.language.component import Component
+from fowtlib.language.declarations import SHAPES, join
+from fowtlib.language.errors import ParameterError, did_you_mean
+from fowtlib.language.expressions import one_evaluation
+from fowtlib.language.series import Series
+from fowtlib.language.units import to_si
+from fowtlib.solving.binding import start_numbers, tree_with
+from fowtlib.solving.bindings import Common
+from fowtlib.solving.differences import derivative
+from fowtlib.solving.starts import mean_parameters
+
+Plant = Any
+Values = Mapping[str, Any]
+
+
+@dataclass(frozen=True)
+class Tuned:
+    """One element of a parameter: path, number of the element in column order, its name, SI unit, and its bounds.
+
+    tunable: a symbol of the flat model; else a number that a part reads when a run starts, as the height of waves.
+    """
+
+    path: str
+    number: int
+    name: str
+    unit: str
+    tunable: bool
+    min: float | None = None
+    max: float | None = None
+
+
+def tuned_elements(plant: Plant, by: Sequence[str]) -> list[Tuned]:
+    """The elements of parameters behind paths; a path without a number stands for all of its elements.
+
+    Raises ParameterError for what is no parameter, or one whose results have no derivative by it, and says why.
+    """
+    if isinstance(by, str):
+        raise ParameterError(f"by: parameters are given as a list of paths, as in [{by!r}].")
+    found = [item for name in by for item in _elements(plant, name)]
+    names = [item.name for item in found]
+    if twice := next((name for name in names if names.count(name) > 1), None):
+        raise ParameterError(f"by: {twice} is given twice.")
+    return found
+
+
+def _elements(plant: Plant, name: str) -> list[Tuned]:
+    dae = plant.dae
+    path = name if name in dae.parameters or name in dae.bound_parameters else name.partition("[")[0]
+    if path in dae.parameters:
+        item = dae.parameters[path]
+        names, unit, bounds, tunable = element_names(path, item.symbol.shape), item.unit, (item.min, item.max), True
+    elif path in dae.bound_parameters and (field := _number(plant, path)) is not None:
+        names, unit, bounds, tunable = [path], field.unit, (field.min, field.max), False
+    else:
+        raise ParameterError(_why_not(plant, path))
+    if name != path and name not in names:
+        raise ParameterError(f"{path} has no element '{name}'; they are {names[0]} to {names[-1]}.")
+    return [Tuned(path, k, own, unit, tunable, *bounds) for k, own in enumerate(names) if name in (path, own)]
+
+
+def _number(plant: Plant, path: str) -> Any:
+    """The declaration of a bound parameter that is one number now; else None."""
+    owner, _, name = path.rpartition(".")
+    part = plant.root.find(owner)
+    field = part.parameters.get(name)
+    if field is None or field.annotation not in (float, *SHAPES):
+        return None
+    value = part.parameter_value(name)
+    return field if isinstance(value, (int, float, np.number)) and not isinstance(value, bool) else None
+
+
+def _why_not(plant: Plant, path: str) -> str:
+    """Why there is no derivative by a parameter."""
+    dae, owner, name = plant.dae, path.rpartition(".")[0], path.rpartition(".")[2]
+    known = [*dae.parameters, *dae.bound_parameters]
+    part = None if plant.root is None else next((part for part in plant.root.walk() if part.path == owner), None)
+    field = part.parameters.get(name) if part is not None else None
+    if path in dae.bound_parameters:
+        return f"there is no derivative by {path}: it is no number, but data that are read when a run starts."
+    if path in dae.dependents:
+        return f"there is no derivative by {path}: it follows from other parameters; take those."
+    if field is not None and field.is_data:
+        return f"there is no derivative by {path}: it is a file, or what was read from it."
+    if field is not None and field.why_structural:
+        return f"there is no derivative by {path}: it is structural, {field.why_structural}; it is no tunable number."
+    if field is not None:
+        return f"there is no derivative by {path}: it is no tunable parameter of this model."
+    return f"there is no tunable parameter '{path}'{did_you_mean(path, known)}"
+
+
+class TunedRun:
+    """A run about its mean, and the elements of parameters by which its results are differentiated.
+
+    parameters: of the run; `mean` are those of its mean.
+    """
+
+    def __init__(self, plant: Plant, parameters: Values | None, elements: Sequence[Tuned]):
+        self.plant, self.parameters, self.elements = plant, dict(parameters or {}), list(elements)
+        self.mean = mean_parameters(plant, self.parameters)
+        self.binding = plant.binding(self.mean)
+
+    @cached_property
+    def values(self) -> np.ndarray:
+        """Values of the elements (m,) [SI]."""
+        return np.array([self._value(item) for item in self.elements])
+
+    def _value(self, item: Tuned) -> float:
+        if item.tunable:
+            return float(np.ravel(self.whole(item), order="F")[item.number])
+        owner, _, name = item.path.rpartition(".")
+        return float(self.tree.find(owner).parameter_value(name))
+
+    @cached_property
+    def tree(self) -> Component:
+        """Component tree of the run itself, not of its mean; a copy."""
+        return copy.deepcopy(tree_with(self.plant.dae, self.plant.root, self.parameters))
+
+    @contextmanager
+    def tree_at(self, item: Tuned, value: float) -> Iterator[Component]:
+        """The same with another value of an element, for as long as the context lasts."""
+        common = Common(self.plant.dae, self.tree, frozenset())
+        if not common.is_plain(item.path):
+            yield tree_with(self.plant.dae, self.plant.root, self.changed(item, value))
+            return
+        with common.put({item.path: np.asarray(self._with(item, value))}) as tree:
+            yield tree
+
+    def changed(self, item: Tuned, value: float) -> dict[str, Any]:
+        """The parameters of the run, with another value of an element."""
+        return {**self.parameters, item.path: self._with(item, value)}
+
+    def whole(self, item: Tuned) -> np.ndarray:
+        """The whole parameter of an element [SI]."""
+        if not item.tunable:
+            return np.array(self._value(item))
+        unit, now = self.plant.dae.parameters[item.path].unit, self.binding.values[item.path]
+        given = to_si(self.parameters.get(item.path, now), unit, item.path)
+        return np.array(np.broadcast_to(np.asarray(given, dtype=float), now.shape))
+
+    def _with(self, item: Tuned, value: float) -> Any:
+        """The whole parameter, with another value of an element."""
+        moved = self.whole(item)
+        if not moved.shape:
+            return value
+        moved.T.flat[item.number] = value
+        return moved
+
+    def slope(self, item: Tuned, function: Callable[[float], np.ndarray],
+              here: np.ndarray | None = None) -> np.ndarray:  # fmt: skip
+        """Derivative of `function(value of the element)`, whose value is `here`."""
+        value = float(self.values[self.elements.index(item)])
+        what = f"what follows from {item.name}"
+        return derivative(function, value, here=here, low=item.min, high=item.max, what=what)
+
+    # --- what the mean takes in ----------------------------------------------------------------------------------
+
+    @cached_property
+    def _common(self) -> Common:
+        with self.binding.tree() as tree:
+            return Common(self.plant.dae, copy.deepcopy(tree), frozenset())
+
+    @cached_property
+    def _numbers(self) -> dict[str, slice]:
+        """Places in p of the numbers that are computed when a run starts, by their paths."""
+        dae = self.plant.dae
+        first, places = sum(item.symbol.numel() for item in dae.parameters.values()), {}
+        for path, item in dae.bound.items():
+            places[path] = slice(first, first := first + item.symbol.numel())
+        return places
+
+    def pulled_back(self, p: np.ndarray, w: np.ndarray, t: float) -> np.ndarray:
+        """Slopes of results by the elements (k, m).
+
+        From those by all entries of p (k, p), and by the outputs of the externals (k, w), in the mean.
+        """
+        used, used_w = np.any(p != 0, axis=0), np.any(w != 0, axis=0)
+        found = np.zeros((len(p), len(self.elements)))
+        for column, item in enumerate(self.elements):
+            if item.tunable and self.plant.root is None:
+                found[:, column] = p[:, self.plant.layout.p[item.path].start + item.number]
+            elif item.tunable and self._acts_alone(item):
+                found[:, column] = p[:, self.plant.layout.p[item.path].start + item.number]
+                found[:, column] += self._through_numbers(item, p, used)
+            else:
+                found[:, column] = self._through_all(item, p, w, used_w, t)
+        return found
+
+    def _acts_alone(self, item: Tuned) -> bool:
+        """Whether the parameters of the mean are those of the run in it, and no data behind a handle follow from it."""
+        if not self._common.is_plain(item.path):
+            return False
+        if item.path in self.parameters and not np.array_equal(
+            np.ravel(self.binding.values[item.path], order="F")[item.number], self._value(item)
+        ):
+            return False
+        read = {item.path, *self._followers(item)}
+        return not any(read & self.binding.reads.get(path, frozenset()) for path in self.binding.sources)
+
+    def _followers(self, item: Tuned) -> list[str]:
+        """Parameters that are computed from one."""
+        return [path for path, by in self._common.needs.items() if item.path in by]
+
+    def _through_numbers(self, item: Tuned, p: np.ndarray, used: np.ndarray) -> np.ndarray:
+        dae, layout, followers = self.plant.dae, self.plant.layout.p, self._followers(item)
+        read = {item.path, *followers}
+        others = [path for path in followers if used[layout[path]].any()]
+        numbers = [path for path, place in self._numbers.items()
+                   if used[place].any() and read & self.binding.reads.get(path, frozenset())]  # fmt: skip
+        if not others and not numbers:
+            return np.zeros(len(p))
+        places = np.concatenate([np.r_[layout[path]] for path in others] + [np.r_[self._numbers[k]] for k in numbers])
+        given = np.array(self.binding.values[item.path])
+
+        def computed(value: float) -> np.ndarray:
+            moved = given.copy()
+            moved.T.flat[item.number] = value
+            with self._common.put({item.path: moved}) as tree, one_evaluation():
+                columns = [self._parameter(tree, path) for path in others]
+                columns += [start_numbers(dae.bound[k], tree.find(dae.bound[k].owner)) for k in numbers]
+            return np.concatenate(columns)
+
+        return p[:, places] @ self.slope(item, computed, self.binding.p[places])
+
+    def _parameter(self, tree: Component, path: str) -> np.ndarray:
+        owner, _, name = path.rpartition(".")
+        now = np.asarray(tree.find(owner).parameter_value(name), dtype=float)
+        return np.ravel(np.broadcast_to(now, self.binding.values[path].shape), order="F")
+
+    def _same_mean(self, item: Tuned) -> bool:
+        """Whether the mean does not see it, as the height of waves."""
+        value = float(self.values[self.elements.index(item)])
+        moved = mean_parameters(self.plant, self.changed(item, value + 1e-3 * (abs(value) or 1.0)))
+        return moved.keys() == self.mean.keys() and all(
+            moved[path] is now or np.array_equal(moved[path], now) for path, now in self.mean.items()
+        )
+
+    def _through_all(self, item: Tuned, p: np.ndarray, w: np.ndarray, used: np.ndarray, t: float) -> np.ndarray:
+        """By whole bindings of the mean, and what they know behind handles."""
+        plant, dae = self.plant, self.plant.dae
+        if not item.tunable and self._same_mean(item):
+            return np.zeros(len(p))
+        handles = [self._numbers[bound.path] for _, bound in dae.with_data]
+        asked = [(k, bound) for k, bound in dae.with_data if used[dae.externals[k].outputs].any()]
+
+        def taken_in(value: float) -> np.ndarray:
+            binding = plant.binding(mean_parameters(plant, self.changed(item, value)))
+            numbers = np.where(np.isfinite(binding.p), binding.p, 0.0)
+            for place in handles:
+                numbers[place] = 0.0
+            columns = [numbers]
+            for k, bound in asked:
+                source = binding.sources.get(bound.path)
+                if source is None:
+                    columns.append(np.zeros(dae.externals[k].outputs.stop - dae.externals[k].outputs.start))
+                elif isinstance(source, Series):
+                    columns.append(np.ravel(source(t)))
+                else:
+                    raise ParameterError(
+                        f"there is no derivative by {item.name}: {join(bound.owner, 'field')} is computed when a run "
+                        "starts, as data that have no derivative by it."
+                    )
+            return np.concatenate(columns)
+
+        places = [w[:, dae.externals[k].outputs] for k, _ in asked]
+        return np.hstack([p, *places]) @ self.slope(item, taken_in)
