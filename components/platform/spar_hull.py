@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterable
 from functools import lru_cache
 
 import numpy as np
@@ -78,15 +79,14 @@ class SparHull(TubeChain, HullCoefficients):
         return _ballasted(self)[0]
 
     def places_of_nodes(self):
-        keel = float(np.ravel(self.parameter_value("heights"))[0])
         heights = np.ravel(self.parameter_value("node_heights")) if self.n_nodes else []
-        return [(0.0, 0.0, float(z) - keel) for z in (*heights, 0.0)]
+        return [(0.0, 0.0, distance) for distance in _distances(self, "node", (*heights, 0.0))]
 
     def frames_of_nodes(self):
         return [*(self.nodes[k] for k in range(self.n_nodes)), self.frame]
 
     def distances_of_cuts(self):
-        return np.ravel(self.cuts) - float(np.ravel(self.parameter_value("heights"))[0])
+        return np.array(_distances(self, "cut", np.ravel(self.cuts)))
 
     def hinge_settings(self):
         return {"damping_x": self.damping_fore_aft, "damping_y": self.damping_side_side}
@@ -113,6 +113,17 @@ class SparHull(TubeChain, HullCoefficients):
 
     def drawing(self) -> list[shapes.Shape]:
         return self.drawn("hull")
+
+
+def _distances(hull: SparHull, what: str, places: Iterable[float]) -> list[float]:
+    """Distances [m] from the keel of heights above the still water level."""
+    keel, *_, top = np.ravel(hull.parameter_value("heights"))
+    for k, z in enumerate(places):
+        if not keel <= z <= top:
+            raise ParameterError(
+                f"{hull.label}: {what} {k + 1} at {z:g} m is off the hull, which goes from {keel:g} m to {top:g} m."
+            )
+    return [float(z - keel) for z in places]
 
 
 def _strips_of(hull: SparHull, name: str) -> int:
