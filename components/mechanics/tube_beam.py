@@ -97,11 +97,12 @@ class TubeChain(TwoFrames, WallMaterial, BeamSettings):
         parts = divide(self.section_table(), self.hinges, self.quadrature)
         heights, diameters = (np.ravel(self.parameter_value(name)) for name in ("heights", "diameters"))
         frames = [self.frame_a, *(self.parts[f"hinge_{i + 1}"].frame_b for i in range(self.hinges))]
-        return [
-            shapes.Tube(frame, [(0, 0, z - origin) for z in s], np.interp(s, heights - heights[0], diameters),
-                        material=material)
-            for frame, origin, s in zip(frames, [0.0, *parts.s], parts.stations(), strict=True)
-        ]  # fmt: skip
+        drawn, given = [], heights - heights[0]
+        for frame, origin, s in zip(frames, [0.0, *parts.s], parts.stations(), strict=True):
+            places = np.union1d(s, given[(given > s[0]) & (given < s[-1])])
+            axis = [(0, 0, z - origin) for z in places]
+            drawn.append(shapes.Tube(frame, axis, np.interp(places, given, diameters), material=material))
+        return drawn
 
 
 class TubeBeam(TubeChain, Beam):

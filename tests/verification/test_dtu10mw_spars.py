@@ -15,7 +15,7 @@ import fowtlib as fw
 G, RHO, DEPTH = 9.80665, 1025.0, 320.0
 CALM = {"sea.spectrum": "still"}
 # two conventions of the source: its bending mode has rotor and nacelle as a mass on the top of the tower
-ON_TOP = {"rna.r_cm": [0, 0, 0], "rna.inertia": np.diag([7.808e7] * 3)}
+ON_TOP = {"rna.body.r_cm": [0, 0, 0], "rna.body.inertia": np.diag([7.808e7] * 3)}
 BALLAST = {1: 9.63548e6, 2: 11.30061e6, 3: 13.30671e6}
 
 
