@@ -17,11 +17,13 @@ from fowtlib.components.hydro.morison import MorisonDrag
 from fowtlib.components.hydro.potential_flow import LinearPotentialFlow
 from fowtlib.components.hydro.radiation_identification import RadiationModel, identify_radiation
 from fowtlib.components.hydro.retardation import retardation_kernel
+from fowtlib.components.hydro.slender_hull import HullCoefficients, SlenderHullLoads, diffraction_coefficient
 
 __all__ = [
     "AddedMass",
     "HydrodynamicDataError",
     "HydrodynamicDatabase",
+    "HullCoefficients",
     "Hydrostatics",
     "LinearDamping",
     "LinearPotentialFlow",
@@ -29,7 +31,9 @@ __all__ = [
     "PlatformLoad",
     "Radiation",
     "RadiationModel",
+    "SlenderHullLoads",
     "WaveExcitation",
+    "diffraction_coefficient",
     "identify_radiation",
     "retardation_kernel",
     "waterplane_stiffness",

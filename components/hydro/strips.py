@@ -51,6 +51,8 @@ def drag_loads(frame: Any, velocity: Any, strips: Sequence[Strip]) -> tuple[Any,
     def load(k: int, strip: Strip, arm: Any, axes: Any) -> Any:
         u = velocity[k, :].T - der(frame.r) - m.cross(frame.w, arm)
         along = m.dot(u, axes[0])
+        if not isinstance(strip.across, tuple) and ca.SX(strip.across).is_zero():
+            return strip.along * quadratic(along, STILL, "end drag") * axes[0]
         normal = quadratic(u - axes[0] * along, STILL)
         side = [m.dot(normal, axis) for axis in axes[1:]]
         across = _across(strip.across, normal, axes, 0, side)

@@ -153,7 +153,7 @@ def _gauss(beam: BeamProperties, count: int, free_tip: bool) -> tuple[np.ndarray
     s, w = _quadrature(beam, 0.0, L, pieces=max(4, count))
     EI = np.sqrt(beam.at("stiffness_x", s) * beam.at("stiffness_y", s))
     taper = (1 - s / L) ** (2 if free_tip else 0)
-    nodes = _gauss_points(s, w * taper / EI, L, count)
+    nodes, _ = gauss_points(s, w * taper / EI, L, count)
     cells = np.digitize(s, (nodes[1:] + nodes[:-1]) / 2)
     spread = np.array([np.prod([(s - q) / (p - q) for q in nodes if q != p], axis=0) + 0 * s for p in nodes])
     flexibility: dict[str, np.ndarray | None] = dict.fromkeys(STIFFNESSES)
@@ -169,8 +169,11 @@ def _gauss(beam: BeamProperties, count: int, free_tip: bool) -> tuple[np.ndarray
     return nodes, flexibility
 
 
-def _gauss_points(s: np.ndarray, weight: np.ndarray, length: float, n: int) -> np.ndarray:
-    """Nodes of the Gauss rule with n points for a discrete weight. G. Golub, J. Welsch (1969), Math. Comp. 23."""
+def gauss_points(s: np.ndarray, weight: np.ndarray, length: float, n: int) -> tuple[np.ndarray, np.ndarray]:
+    """Nodes and weights of the Gauss rule with n points for a discrete weight at s in [0, length].
+
+    Source: G. Golub, J. Welsch (1969), Math. Comp. 23.
+    """
     x, diagonal, off = 2 * s / length - 1, np.zeros(n), np.zeros(n)
     basis = [np.full_like(x, 1 / np.sqrt(weight.sum()))]
     for k in range(n):
@@ -180,8 +183,8 @@ def _gauss_points(s: np.ndarray, weight: np.ndarray, length: float, n: int) -> n
             after = after - (weight @ (after * polynomial)) * polynomial
         off[k] = np.sqrt(weight @ after**2)
         basis.append(after / off[k])
-    nodes = np.linalg.eigvalsh(np.diag(diagonal) + np.diag(off[:-1], 1) + np.diag(off[:-1], -1))
-    return (nodes + 1) / 2 * length
+    nodes, vectors = np.linalg.eigh(np.diag(diagonal) + np.diag(off[:-1], 1) + np.diag(off[:-1], -1))
+    return (nodes + 1) / 2 * length, weight.sum() * vectors[0] ** 2
 
 
 def section_axes(beam: BeamProperties, s: Any) -> np.ndarray:

@@ -9,8 +9,9 @@ import numpy as np
 from fowtlib.components.mechanics.beam import Beam, BeamHinge
 from fowtlib.components.mechanics.beam_division import Division, divide, pieces
 from fowtlib.components.mechanics.beam_properties import BeamProperties
-from fowtlib.components.mechanics.beam_settings import WallMaterial
+from fowtlib.components.mechanics.beam_settings import BeamSettings, WallMaterial
 from fowtlib.components.mechanics.bodies import FixedTranslation, RigidBody
+from fowtlib.components.mechanics.interfaces import TwoFrames
 from fowtlib.components.mechanics.sensors import LoadSensor
 from fowtlib.language import Array, eq, param, shapes
 from fowtlib.language import math as m
@@ -21,12 +22,10 @@ TUBE = ("heights", "diameters", "wall_thicknesses", "density", "young_modulus", 
 Key = tuple[str, str]
 
 
-class TubeBeam(Beam, WallMaterial):
-    """A Beam that is a round tube, given by diameters and walls at heights, linear between them; see Beam.
+class TubeChain(TwoFrames, WallMaterial, BeamSettings):
+    """Partial: a round tube as the chain of a Beam, whose numbers are computed when a run starts.
 
-    Masses, places and stiffnesses of the chain are those of a Beam with the table of the same tube; they are computed
-    when a run starts. Where a hinge passes a node or a cut the chain is another one: the run is refused, and the model
-    has to be built anew.
+    A subclass says how its hinges lose energy and, where that is not the tube alone, what lies along it.
     """
 
     heights: Array = param(unit="m", doc="stations along the axis, root first")
@@ -34,8 +33,7 @@ class TubeBeam(Beam, WallMaterial):
     wall_thicknesses: Array = param(unit="m", min=0, doc="wall thicknesses at the stations")
 
     def build(self):
-        self.refuse_unused("properties", "table", because="this beam is a tube")
-        self._chain_keys = tuple(_chain(self))
+        self._chain_keys = tuple(self.chain())
         numbers = StartNumbers(self, "chain", len(self._chain_keys), _chain_numbers)
         chain = {key: numbers[k] for k, key in enumerate(self._chain_keys)}
         frame, carriers = self.frame_a, {}
@@ -48,12 +46,38 @@ class TubeBeam(Beam, WallMaterial):
                 frame = joint.frame_b
             elif kind == "mass":
                 self.connect(frame, self.add(name, _body(chain, name)).frame_a)
-            carriers[name] = frame
+            carriers.setdefault(name, frame)
         self.connect(frame, self.frame_b)
         for kind, name in (key for key in self._chain_keys if key[0].startswith("node of ")):
             k, carrier = int(name.rpartition("_")[2]) - 1, carriers[kind.removeprefix("node of ")]
-            x, y, _ = _point(self.node_points[k])
-            self.connect(self._link(carrier, (x, y, chain[kind, name]), name), self.nodes[k])
+            x, y, _ = self.places_of_nodes()[k]
+            self.connect(self._link(carrier, (x, y, chain[kind, name]), name), self.frames_of_nodes()[k])
+        return chain, carriers
+
+    def section_table(self) -> BeamProperties:
+        """What lies along the tube, with the parameter values that it has now."""
+        return tube_table(self)
+
+    def chain(self) -> dict[Key, float]:
+        """The numbers of the chain with the parameter values that it has now."""
+        table, nodes = self.section_table(), [height for _, _, height in self.places_of_nodes()]
+        return chain_numbers(table, divide(table, self.hinges, self.quadrature), nodes, self.distances_of_cuts())
+
+    def places_of_nodes(self) -> list[tuple[float, float, float]]:
+        """The frames along the tube: x, y, and distance from the root [m]."""
+        raise NotImplementedError
+
+    def frames_of_nodes(self) -> list:
+        """Their ports."""
+        raise NotImplementedError
+
+    def distances_of_cuts(self) -> np.ndarray:
+        """The cuts: distances from the root [m]."""
+        return np.ravel(self.cuts)
+
+    def hinge_settings(self) -> dict:
+        """Damping of the hinges, and whether they stretch."""
+        raise NotImplementedError
 
     def _link(self, frame, r, name):
         link = self.add(name, FixedTranslation(r=r, diameter=0))
@@ -65,9 +89,45 @@ class TubeBeam(Beam, WallMaterial):
         return BeamHinge(
             stiffness_x=k * chain["bending", name], stiffness_y=k * chain["bending", name],
             torsional_stiffness=k * chain["torsion", name], axial_stiffness=k * chain["stretch", name],
-            damping_x=self.damping_x, damping_y=self.damping_y, damping=self.damping,
-            torsion=self.torsion, stretch=self.stretch,
+            torsion=self.torsion, **self.hinge_settings(),
         )  # fmt: skip
+
+    def drawn(self, material: str) -> list[shapes.Shape]:
+        """The tube as it bends."""
+        parts = divide(self.section_table(), self.hinges, self.quadrature)
+        heights, diameters = (np.ravel(self.parameter_value(name)) for name in ("heights", "diameters"))
+        frames = [self.frame_a, *(self.parts[f"hinge_{i + 1}"].frame_b for i in range(self.hinges))]
+        drawn, given = [], heights - heights[0]
+        for frame, origin, s in zip(frames, [0.0, *parts.s], parts.stations(), strict=True):
+            places = np.union1d(s, given[(given > s[0]) & (given < s[-1])])
+            axis = [(0, 0, z - origin) for z in places]
+            drawn.append(shapes.Tube(frame, axis, np.interp(places, given, diameters), material=material))
+        return drawn
+
+
+class TubeBeam(TubeChain, Beam):
+    """A Beam that is a round tube, given by diameters and walls at heights, linear between them; see Beam.
+
+    Masses, places and stiffnesses of the chain are those of a Beam with the table of the same tube; they are computed
+    when a run starts. Where a hinge passes a node or a cut the chain is another one: the run is refused, and the model
+    has to be built anew.
+    """
+
+    def build(self):
+        self.refuse_unused("properties", "table", because="this beam is a tube")
+        super().build()
+
+    def section_table(self):
+        return tube_table(self)
+
+    def places_of_nodes(self):
+        return [_point(given) for given in self.node_points]
+
+    def frames_of_nodes(self):
+        return self.nodes
+
+    def hinge_settings(self):
+        return {name: getattr(self, name) for name in ("damping_x", "damping_y", "damping", "stretch")}
 
     def equations(self):
         a, b = self.frame_a, self.frame_b
@@ -82,14 +142,7 @@ class TubeBeam(Beam, WallMaterial):
         ]
 
     def drawing(self):
-        parts = divide(tube_table(self), self.hinges, self.quadrature)
-        heights, diameters = (np.ravel(self.parameter_value(name)) for name in ("heights", "diameters"))
-        frames = [self.frame_a, *(self.parts[f"hinge_{i + 1}"].frame_b for i in range(self.hinges))]
-        return [
-            shapes.Tube(frame, [(0, 0, z - origin) for z in s], np.interp(s, heights - heights[0], diameters),
-                        material="tower")
-            for frame, origin, s in zip(frames, [0.0, *parts.s], parts.stations(), strict=True)
-        ]  # fmt: skip
+        return self.drawn("tower")
 
 
 def _body(chain, name) -> RigidBody:
@@ -106,13 +159,6 @@ def tube_table(component) -> BeamProperties:
         return _table(*(tuple(np.ravel(value)) for value in values[:3]), *map(float, values[3:]))
     except ParameterError as error:
         raise ParameterError(f"{component.label}: {error}") from None
-
-
-def _chain(beam: TubeBeam) -> dict[Key, float]:
-    """The numbers of the chain with the parameter values that the beam has now."""
-    heights = [_point(given)[2] for given in beam.node_points]
-    table = tube_table(beam)
-    return chain_numbers(table, divide(table, beam.hinges, beam.quadrature), heights, np.ravel(beam.cuts))
 
 
 def chain_numbers(table: BeamProperties, parts: Division, nodes: list[float], cuts: np.ndarray) -> dict[Key, float]:
@@ -148,11 +194,11 @@ def chain_numbers(table: BeamProperties, parts: Division, nodes: list[float], cu
     return found
 
 
-def _chain_numbers(beam: TubeBeam) -> list[float]:
-    chain = _chain(beam)
-    if tuple(chain) != beam._chain_keys:
+def _chain_numbers(tube: TubeChain) -> list[float]:
+    chain = tube.chain()
+    if tuple(chain) != tube._chain_keys:
         raise ParameterError(
-            f"{beam.label}: with these values of the tube a hinge passes one of its nodes or cuts, which makes another "
+            f"{tube.label}: with these values of the tube a hinge passes one of its nodes or cuts, which makes another "
             "chain; set them in the model and compile it anew."
         )
     return list(chain.values())

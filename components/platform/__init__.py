@@ -8,6 +8,7 @@ from fowtlib.components.platform.hull import Buoyancy, Hull
 from fowtlib.components.platform.member_parts import CircularMember, Member, MemberLoads, RectangularMember
 from fowtlib.components.platform.members import MemberShape
 from fowtlib.components.platform.solids import MassProperties
+from fowtlib.components.platform.spar_hull import SparHull
 
 __all__ = [
     "Ballast",
@@ -22,4 +23,5 @@ __all__ = [
     "MemberLoads",
     "MemberShape",
     "RectangularMember",
+    "SparHull",
 ]
