@@ -36,7 +36,9 @@ class PitchController(Component):
     proportional_gain: Scalar = param(unit="s", doc="K_P at zero pitch")
     integral_gain: Scalar = param(doc="K_I at zero pitch")
     doubling_pitch: Scalar = param(default=0.1099965, unit="rad", min=0, doc="pitch at which the gains are halved")
-    schedule_curvature: Scalar = param(default=0.0, unit="1/rad^2", min=0, doc="square of the pitch in 1 / G: its factor")
+    schedule_curvature: Scalar = param(
+        default=0.0, unit="1/rad^2", min=0, doc="factor of the square of the pitch in 1 / G"
+    )
     scheduled: str = param(
         default="pitch", choices=("pitch", "gains"), doc="what G multiplies: the pitch with its integral, or both gains"
     )

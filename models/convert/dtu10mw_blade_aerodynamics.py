@@ -32,7 +32,7 @@ airfoil,angle_of_attack_deg,lift_coefficient,drag_coefficient,moment_coefficient
 
 
 def half_chords(folder: Path) -> np.ndarray:
-    """x towards the leading edge, y downwind, z to the tip [m] and twist [deg] of blade1 in the htc file (n, 4)."""
+    """Places x (leading edge), y (downwind), z (tip) [m] and twist [deg] of blade1 in the htc file, (n, 4)."""
     lines = (folder / SOURCE / "DTU_10MW_RWT.htc").read_text().splitlines()
     start = next(i for i, line in enumerate(lines) if line.split()[:2] == ["name", "blade1"])
     rows = []

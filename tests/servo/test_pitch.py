@@ -57,7 +57,7 @@ K1, CURVATURE = np.radians(11.4), 1 / np.radians(np.sqrt(402.9)) ** 2
 @pytest.mark.parametrize("kind", [PitchController, SampledPitchController])
 @pytest.mark.parametrize("pitch_deg", [0.5, 6.0, 20.0])
 def test_scheduled_gains(kind, pitch_deg):
-    """At a constant speed error the pitch is G K_P e + x with x' = G K_I e: an equation of its own in x, solved here."""
+    """At a constant speed error the pitch is G K_P e + x with x' = G K_I e."""
     error, start = 0.5, np.radians(pitch_deg)
     given = {"schedule_curvature": CURVATURE, "doubling_pitch": K1, "scheduled": "gains", "pitch_start": start}
     lags = {"speed_start": RATED + error, "period": 1e-3} if kind is SampledPitchController else {"response_time": 1e-3}
@@ -79,7 +79,7 @@ def test_start_at_rest_under_any_schedule(kind, scheduled):
 
 @pytest.mark.parametrize(("scheduled", "share"), [("pitch", 2.0), ("gains", 1.0)])
 def test_gains_for_small_changes(scheduled, share):
-    """d pitch / d speed of the linear model at 10 deg: K_P and K_I over 1 + share pitch / K1, without curvature."""
+    """Of the linear model at 10 deg: K_P and K_I over 1 + share pitch / K1, without curvature."""
     pitch = np.radians(10.0)
     given = {"doubling_pitch": K1, "scheduled": scheduled, "pitch_start": pitch, "response_time": 1e-3}
     plant = controlled(Constant(value=RATED), **given)
