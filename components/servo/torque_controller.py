@@ -38,7 +38,9 @@ class TorqueController(Component):
     greatest_torque: Scalar = param(default=47402.91, unit="N*m", min=0, doc="limit of the torque")
     greatest_rate: Scalar = param(default=15000.0, unit="N*m/s", min=0, doc="limit of the torque rate")
     response_time: Scalar = param(default=0.05, unit="s", min=1e-3, doc="time constant of the torque")
-    velocity_gain: Scalar = param(default=0.0, unit="N*s", doc="torque taken off per velocity of the nacelle downwind")
+    velocity_gain: Scalar = param(
+        default=0.0, unit="N*s", doc="torque taken off per velocity of the nacelle downwind"
+    )
 
     speed: RealInput = port(unit="rad/s", doc="filtered generator speed")
     collective: RealInput = port(default=0.0, unit="rad", doc="blade pitch without the part of the yaw control")

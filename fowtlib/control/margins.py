@@ -90,7 +90,9 @@ def _refuse_unstable(system: System, loop: LinearModel) -> None:
     values = np.linalg.eigvals(closed)
     worst = int(np.argmax(values.real)) if len(values) else -1
     if worst >= 0 and values[worst].real >= 0:
-        raise ModelError(f"the closed loop is not stable: it has a pole {values[worst]:.4g} 1/s, so it has no margins.")
+        raise ModelError(
+            f"the closed loop is not stable: it has a pole {values[worst]:.4g} 1/s, so it has no margins."
+        )
 
 
 def _others_closed(system: System, k: int) -> System:

@@ -66,8 +66,8 @@ def convert(folder: Path, target: Path = TARGET) -> None:
     target.write_text(HEAD + COLUMNS + "\n" + "".join(",".join(f"{v:.7g}" for v in row) + "\n" for row in table))
     fine = np.linspace(0, z[-1], 200001)
     per_length = np.interp(fine, z, mu)
-    print(f"mass {np.trapezoid(per_length, fine):.6g} kg, first moment "
-          f"{np.trapezoid(per_length * fine, fine):.7g} kg m, inertia about the root {np.trapezoid(per_length * fine**2, fine):.8g} kg m^2")  # fmt: skip
+    mass, first, second = (np.trapezoid(per_length * fine**k, fine) for k in range(3))
+    print(f"mass {mass:.6g} kg, first moment {first:.7g} kg m, inertia about the root {second:.8g} kg m^2")
 
 
 if __name__ == "__main__":
