@@ -114,7 +114,9 @@ def test_flexible_operation(wind):
     mean = dtu.flexible_operation(wind)
     assert mean["thrust"] == pytest.approx(thrust, rel=0.02)
     assert mean["blade_pitch"] == pytest.approx(degrees, abs=0.7)
-    assert np.mean([mean[f"blade_root_flapwise_moment_{k}"] for k in (1, 2, 3)]) / 1e6 == pytest.approx(moment, rel=0.04)
+    assert np.mean([mean[f"blade_root_flapwise_moment_{k}"] for k in (1, 2, 3)]) / 1e6 == pytest.approx(
+        moment, rel=0.04
+    )
     assert np.mean([mean[f"blade_tip_out_of_plane_{k}"] for k in (1, 2, 3)]) == pytest.approx(tip, abs=0.35)
 
 
