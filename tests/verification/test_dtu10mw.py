@@ -15,13 +15,12 @@ from fowtlib.components.mechanics.beam_division import divide
 from fowtlib.components.mechanics.beam_properties import read_beam
 from fowtlib.modelfile import data_path
 
-
 # --- the rotor ---
 
 
 @pytest.mark.parametrize("wind", dtu.HAWC2_RIGID)
 def test_rigid_rotor_of_hawc2(wind):
-    """Within 1.1 % with HAWC2's sections along the blade and its induction; without, as far off as these two make it."""
+    """Within 1.1 % with HAWC2's sections along the blade and its induction; these two make up to 9 % of power."""
     rpm, degrees, power, thrust = dtu.HAWC2_RIGID[wind]
     given = wind, rpm * dtu.RPM, np.radians(degrees)
     here, theirs = dtu.coned(*given), dtu.as_hawc2(*given)
@@ -147,7 +146,7 @@ def test_hub_height():
 
 
 def test_blade_frequencies():
-    """By finite elements without shear within 0.6 %, six hinges within 1.5 %; shear, left out, is 0.8 to 4 % of them."""
+    """By finite elements without shear within 0.6 %, six hinges within 1.5 %; shear, left out, is 0.8 to 4 %."""
     for hinges, tolerance in ((20, 0.006), (6, 0.015)):
         found = dtu.blade_frequencies(hinges)
         for kind, values in dtu.WITHOUT_SHEAR.items():
@@ -158,7 +157,7 @@ def test_blade_frequencies():
 
 
 def test_tower_frequencies():
-    """HAWCStab2 has no weight; its blades bend. The weight takes 1.7 % of the frequency: m g / l over the stiffness."""
+    """HAWCStab2 has no weight; its blades bend. The weight takes 1.7 % of it: m g / l over the stiffness."""
     found = dtu.tower_frequencies(0.0)
     assert found["tower fore-aft"] == pytest.approx(dtu.CAMPBELL["tower fore-aft"], rel=0.016)
     assert found["tower side-side"] == pytest.approx(dtu.CAMPBELL["tower side-side"], rel=0.012)
