@@ -12,7 +12,9 @@ class PitchController(Component):
     """Blade pitch = G (K_P e + x) with e = speed - rated_speed, x' = K_I e, G = 1 / (1 + pitch / doubling_pitch).
 
     As in the original, G multiplies the integral too, so that the gains for small changes are those at zero pitch over
-    1 + 2 pitch / doubling_pitch.
+    1 + 2 pitch / doubling_pitch. With `scheduled: gains` the pitch is G K_P e + x with x' = G K_I e, and the gains for
+    small changes are G times those at zero pitch; G = 1 / (1 + pitch / doubling_pitch + schedule_curvature pitch^2) is
+    that of the DTU controller (M. H. Hansen and L. C. Henriksen, DTU Wind Energy E-0028, 2013).
     Limits of pitch and pitch rate; the pitch follows its command with response_time as long as that asks for less than
     the greatest rate. Anti-windup: G x stays within the limits of the pitch, because x' fades out within
     antiwindup_band of a limit and only towards it; so the pitch leaves the limit when the speed error changes sign.
@@ -34,6 +36,12 @@ class PitchController(Component):
     proportional_gain: Scalar = param(unit="s", doc="K_P at zero pitch")
     integral_gain: Scalar = param(doc="K_I at zero pitch")
     doubling_pitch: Scalar = param(default=0.1099965, unit="rad", min=0, doc="pitch at which the gains are halved")
+    schedule_curvature: Scalar = param(
+        default=0.0, unit="1/rad^2", min=0, doc="factor of the square of the pitch in 1 / G"
+    )
+    scheduled: str = param(
+        default="pitch", choices=("pitch", "gains"), doc="what G multiplies: the pitch with its integral, or both gains"
+    )
     rated_speed: Scalar = param(default="1173.7 rpm", unit="rad/s", doc="generator speed that is held")
     least_pitch: Scalar = param(default=0.0, unit="rad", doc="lower limit")
     greatest_pitch: Scalar = param(default="90 deg", unit="rad", doc="upper limit")
@@ -55,7 +63,7 @@ class PitchController(Component):
     pitch: Scalar = var(unit="rad", start=pitch_start, fixed=True, state="prefer", doc="blade pitch")
     integral: Scalar = var(
         unit="rad",
-        start=pitch_start * (1 + pitch_start / doubling_pitch),
+        start=lambda self: self.integral_of(self.pitch_start),
         fixed=True,
         state="prefer",
         doc="K_I times the integral of the speed error",
@@ -63,17 +71,31 @@ class PitchController(Component):
     yaw_part: Scalar = var(unit="rad", doc="pitch added by the yaw control")
     command: Scalar = var(unit="rad", doc="pitch asked for")
 
+    def gain_at(self, pitch):
+        """G at a blade pitch."""
+        return 1 / (1 + pitch / self.doubling_pitch + self.schedule_curvature * pitch**2)
+
+    def integral_of(self, pitch):
+        """The integral with which a pitch stays as it is at rated speed."""
+        return pitch if self.scheduled == "gains" else pitch / self.gain_at(pitch)
+
+    def law(self, error, pitch, integral):
+        """Rate of the integral, the pitch that a speed error and an integral ask for, and pitch over integral."""
+        gain = self.gain_at(pitch)
+        if self.scheduled == "gains":
+            return gain * self.integral_gain * error, gain * self.proportional_gain * error + integral, 1
+        return self.integral_gain * error, gain * (self.proportional_gain * error + integral), gain
+
     def yaw_pitch(self):
         """max(0, -yaw_gain yaw) = (|yaw_gain| |yaw| - yaw_gain yaw) / 2, with a rounded corner."""
         size = larger(self.yaw, -self.yaw, self.pitch_rounding, m)
         return (m.abs(self.yaw_gain) * size - self.yaw_gain * self.yaw) / 2
 
     def equations(self):
-        error = self.speed - self.rated_speed
-        gain = 1 / (1 + self.pitch / self.doubling_pitch)
+        rate, asked, share = self.law(self.speed - self.rated_speed, self.pitch, self.integral)
         least, band = self.least_pitch + self.raised, self.antiwindup_band
-        grows = held_within(self.integral_gain * error, self.integral, least / gain, self.greatest_pitch / gain, band)
-        free = gain * (self.proportional_gain * error + self.integral) + self.velocity_gain * self.velocity
+        grows = held_within(rate, self.integral, least / share, self.greatest_pitch / share, band)
+        free = asked + self.velocity_gain * self.velocity
         above = larger(free, least, self.pitch_rounding, m) + self.yaw_part
         rate = (self.command - self.pitch) / self.response_time
         return [

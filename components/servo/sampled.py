@@ -63,7 +63,7 @@ class SampledPitchController(PitchController):
     filtered: Scalar = var(unit="rad/s", start=speed_start, discrete=True, doc="filtered generator speed")
     summed: Scalar = var(
         unit="rad",
-        start=lambda self: self.pitch_start * (1 + self.pitch_start / self.doubling_pitch),
+        start=lambda self: self.integral_of(self.pitch_start),
         discrete=True,
         doc="K_I times the sum of the speed errors",
     )
@@ -72,9 +72,9 @@ class SampledPitchController(PitchController):
     def equations(self):
         self.refuse_unused("response_time", because="the pitch follows at once in a sample")
         self.refuse_unused("antiwindup_band", because="the sampled integral is held at its limits")
-        error, gain = self.filtered - self.rated_speed, 1 / (1 + self.held / self.doubling_pitch)
-        summed = self.summed + self.integral_gain * error * self.period
-        wanted = gain * (self.proportional_gain * error + self.summed) + self.velocity_gain * self.velocity
+        rate, asked, share = self.law(self.filtered - self.rated_speed, self.held, self.summed)
+        summed = self.summed + rate * self.period
+        wanted = asked + self.velocity_gain * self.velocity
         command = _held(
             _held(wanted, self.least_pitch, m.inf) + self.yaw_pitch(), self.least_pitch, self.greatest_pitch
         )
@@ -83,7 +83,7 @@ class SampledPitchController(PitchController):
             sampled(
                 self.period,
                 assign(self.filtered, _filtered(self)),
-                assign(self.summed, _held(summed, self.least_pitch / gain, self.greatest_pitch / gain)),
+                assign(self.summed, _held(summed, self.least_pitch / share, self.greatest_pitch / share)),
                 assign(self.held, _held(command, self.held - step, self.held + step)),
             ),
             [eq(self.command, command), eq(self.yaw_part, self.yaw_pitch()), eq(self.integral, self.summed)],

@@ -4,7 +4,8 @@ The rotor alone, with the platform and the other rotors held, answers at the wan
 for small changes of the generator speed w; drive train, blades, wake and generator torque of its turbine take part. The
 gains k_P = -(2 zeta omega + a) / b and k_I = -omega^2 / b give it the wanted frequency omega and damping ratio zeta in
 each wind. J. Jonkman et al., NREL/TP-500-38060 (2009), section 7.3 has the same without a, and fits b linearly in the
-pitch, as here: the gains of a PitchController are those at zero pitch over 1 + 2 pitch / doubling_pitch.
+pitch, as here: the gains of a PitchController are those at zero pitch over 1 + 2 pitch / doubling_pitch, or, with
+`scheduled: gains`, over 1 + pitch / doubling_pitch.
 
 On a floating platform the rotor is not alone: the poles of the whole model in each wind say whether pitch or yaw of the
 platform lose their damping (T. J. Larsen and T. D. Hanson, J. Phys.: Conf. Ser. 75 (2007) 012073).
@@ -30,6 +31,8 @@ LEAST_PITCH = np.radians(0.5)
 """Blade pitch below which a rotor is not in the region where pitch holds its speed."""
 LEAST_EFFECT = 0.25
 """Share of the effect of pitch in the weakest wind with pitch below which that at zero pitch is not taken."""
+SLOPES = {"pitch": 2, "gains": 1}
+"""How much faster than 1 / G the gains for small changes fall, by what PitchController.scheduled multiplies by G."""
 WATCHED = ("platform pitch", "platform yaw")
 
 
@@ -57,7 +60,7 @@ class Tuned:
     """PI gains at zero pitch, and the pitch at which they are halved: parameters of PitchController.
 
     responses: of the rotor at the winds they come from. error: largest deviation of b from its straight line, as a
-    share of b.
+    share of b. scheduled: that of the PitchController.
     """
 
     proportional_gain: float
@@ -65,10 +68,11 @@ class Tuned:
     doubling_pitch: float
     responses: Sequence[RotorResponse]
     error: float
+    scheduled: str = "pitch"
 
     def at(self, pitch: float) -> tuple[float, float]:
         """k_P and k_I for small changes about a blade pitch [rad]."""
-        factor = 1 / (1 + 2 * pitch / self.doubling_pitch)
+        factor = 1 / (1 + SLOPES[self.scheduled] * pitch / self.doubling_pitch)
         return self.proportional_gain * factor, self.integral_gain * factor
 
 
@@ -109,6 +113,11 @@ class PitchLoop:
             raise ModelError(f"{self.path}: a sampled controller has no linear model; leave sample_period out to tune.")
 
     @property
+    def scheduled(self) -> str:
+        """What the schedule of the PitchController multiplies: `pitch` or `gains`."""
+        return str(self.model.root.find(self.path).scheduled)
+
+    @property
     def speed(self) -> str:
         """Path of the generator speed before its filter."""
         owner = self.path.rpartition(".")[0]
@@ -133,7 +142,12 @@ class PitchLoop:
     def parameters(self, tuned: Tuned) -> dict[str, float]:
         """The tuned gains by path, of all PitchControllers of the model."""
         names = ("proportional_gain", "integral_gain", "doubling_pitch")
-        return {self.parameter(name, path): getattr(tuned, name) for path in self.paths for name in names}
+        values, given = self.plant.parameter_values(), {}
+        for path in self.paths:
+            given |= {self.parameter(name, path): getattr(tuned, name) for name in names}
+            if np.any(values[f"{path}.schedule_curvature"]):
+                given[f"{path}.schedule_curvature"] = 0.0
+        return given
 
     def shifted_region_3(self, pitch: float) -> dict[str, float]:
         """The pitch [rad] from which the torque is that of region 3, raised: that of peak shaving does not count."""
@@ -261,13 +275,14 @@ def tune_pi(loop: PitchLoop, winds: Iterable[float], frequency: float, damping: 
         wind = responses[int(np.argmax(b))].wind
         raise ParameterError(f"at {wind:g} m/s the rotor speeds up with the blade pitch; no PI control holds it.")
     zero, slope = _line(pitch, -b)
-    doubling = 2 * zero / slope
-    factor = 1 + 2 * pitch / doubling
+    share = SLOPES[loop.scheduled]
+    doubling = share * zero / slope
+    factor = 1 + share * pitch / doubling
     met = np.sqrt(-b * frequency**2 / zero / factor)
     needed = [item.gains(float(omega), damping)[0] for item, omega in zip(responses, met, strict=True)]
     proportional = max(float(np.max(np.array(needed) * factor)), 0.0)
     error = float(np.max(np.abs(zero * factor + b) / -b))
-    return Tuned(proportional, float(frequency**2 / zero), float(doubling), tuple(responses), error)
+    return Tuned(proportional, float(frequency**2 / zero), float(doubling), tuple(responses), error, loop.scheduled)
 
 
 def _line(pitch: np.ndarray, effect: np.ndarray) -> tuple[float, float]:

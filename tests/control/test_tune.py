@@ -30,6 +30,23 @@ def tuned(loop):
     return tune_pi(loop, (9, 13, 17, 21), 0.2, 0.7)
 
 
+def test_gains_that_are_scheduled_themselves():
+    """`scheduled: gains` of the DTU turbine: the gains of the linear model are those that `Tuned.at` says."""
+    loop = PitchLoop(fw.load("dtu10mw_land_rigid"))
+    found = tune_pi(loop, (13, 18, 23), 0.2, 0.7)
+    given = loop.parameters(found)
+    assert given["turbine.control.pitch.schedule_curvature"] == 0.0  # the tuned schedule has none
+    for item in found.responses:
+        assert_allclose(item.closed(*found.at(item.pitch))[0], 0.2, rtol=0.06)
+        linear = loop.plant.linearize(loop.state(item.wind, given), outputs=[])
+        row, names = linear.A[linear.states.index("turbine.control.pitch.pitch")], linear.states
+        k_p, k_i = found.at(item.pitch)
+        assert_allclose(row[names.index("turbine.control.speed_filter.x")] * 0.05, k_p, rtol=1e-6)
+        assert_allclose(row[names.index("turbine.control.pitch.integral")] * 0.05, 1.0, rtol=1e-6)
+        grows = linear.A[names.index("turbine.control.pitch.integral")]
+        assert_allclose(grows[names.index("turbine.control.speed_filter.x")], k_i, rtol=1e-6)
+
+
 def test_gains_give_frequency_and_damping():
     """The roots of s^2 - (a + b k_P) s - b k_I."""
     response = RotorResponse(15.0, 0.2, -0.1, -80.0)

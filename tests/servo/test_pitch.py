@@ -51,6 +51,49 @@ def test_gain_schedule(pitch_deg):
     assert (pitch * (1 + pitch / doubling))[2:] == pytest.approx((K_P * error + integral)[2:], rel=2e-3)
 
 
+K1, CURVATURE = np.radians(11.4), 1 / np.radians(np.sqrt(402.9)) ** 2
+
+
+@pytest.mark.parametrize("kind", [PitchController, SampledPitchController])
+@pytest.mark.parametrize("pitch_deg", [0.5, 6.0, 20.0])
+def test_scheduled_gains(kind, pitch_deg):
+    """At a constant speed error the pitch is G K_P e + x with x' = G K_I e."""
+    error, start = 0.5, np.radians(pitch_deg)
+    given = {"schedule_curvature": CURVATURE, "doubling_pitch": K1, "scheduled": "gains", "pitch_start": start}
+    lags = {"speed_start": RATED + error, "period": 1e-3} if kind is SampledPitchController else {"response_time": 1e-3}
+    time, pitch = run(controlled(Constant(value=RATED + error), kind=kind, **given, **lags), 2.0)
+    inverse = 1 + pitch / K1 + CURVATURE * pitch**2
+    x = pitch - K_P * error / inverse
+    assert x[2:] == pytest.approx((start + K_I * error * np.cumsum(np.append(0, 0.1 / inverse[1:])))[2:], rel=5e-3)
+    assert x[-1] > x[2] + 1e-4
+
+
+@pytest.mark.parametrize("kind", [PitchController, SampledPitchController])
+@pytest.mark.parametrize("scheduled", ["pitch", "gains"])
+def test_start_at_rest_under_any_schedule(kind, scheduled):
+    given = {"schedule_curvature": CURVATURE, "scheduled": scheduled, "pitch_start": "14.9 deg"}
+    speed = {"speed_start": RATED} if kind is SampledPitchController else {}
+    _, pitch = run(controlled(Constant(value=RATED), kind=kind, **given, **speed), 10.0)
+    assert pitch == pytest.approx(np.radians(14.9), abs=1e-12)
+
+
+@pytest.mark.parametrize(("scheduled", "share"), [("pitch", 2.0), ("gains", 1.0)])
+def test_gains_for_small_changes(scheduled, share):
+    """Of the linear model at 10 deg: K_P and K_I over 1 + share pitch / K1, without curvature."""
+    pitch = np.radians(10.0)
+    given = {"doubling_pitch": K1, "scheduled": scheduled, "pitch_start": pitch, "response_time": 1e-3}
+    plant = controlled(Constant(value=RATED), **given)
+    linear = plant.linearize(plant.initial_state(), inputs=[], outputs=["control.pitch"])
+    names = list(linear.states)
+    assert sorted(names) == ["control.integral", "control.pitch"]
+    k = names.index("control.pitch")
+    A = linear.A[k] * 1e-3
+    gain = 1 / (1 + pitch / K1)
+    own = {"pitch": gain, "gains": 1.0}[scheduled]
+    assert A[names.index("control.integral")] == pytest.approx(own, rel=1e-6)
+    assert own / -A[k] == pytest.approx(1 / (1 + 2 * pitch / K1) if share == 2 else 1.0, rel=1e-6)
+
+
 def test_start_at_rest():
     plant = controlled(Constant(value=RATED), pitch_start="14.9 deg")
     _, pitch = run(plant, 20.0)
