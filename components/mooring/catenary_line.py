@@ -42,6 +42,8 @@ class CatenaryLine(UniformLine):
     vertical ones and that at the anchor are those of the line in balance.
     """
 
+    mode_names = {"*": "{part} shape"}
+
     anchor_position: Vector = param(default=(0, 0, 0), unit="m", doc="anchor, world; unless a frame is its anchor")
 
     world: World = outer(World)

@@ -16,13 +16,14 @@ up, u_s' = x' - T_s'/k_E, and with the lag v = u - u_s of the shape behind it
     v' = u' - u_s',    m u'' = -c |u'| u' - (k_E + k_G) v,    T = T_s - k_E v
 
 which is the same model for small motions: slow ones have the tension of the catenary, fast ones k_E x. k_E + k_G =
-k_E^2/(k_E - k), k the slope of T_s by x. All coefficients, and r(q), are those of the line as it is now: derivatives of
-the catenary. At rest u' = v = 0, and nothing has changed.
+k_E^2/(k_E - k), k the slope of T_s by x. To T comes the inertia along the line, of a rod that is stretched, a third of
+its mass: (mass l/3) x''. It counts where the shape is held back, and that is where motions are fast. All coefficients,
+and r(q), are those of the line as it is now: derivatives of the catenary. At rest u' = v = 0, and nothing has changed.
 
-Left out: waves in the line, axial inertia, drag along the line, current and waves at the line, lift off the seabed with
+Left out: waves in the line, drag along the line, current and waves at the line, lift off the seabed with
 impact. Source: C.M. Larsen and P.C. Sandvik, Marine Structures 3 (1990); H. Lie and N. Sodahl, Simplified dynamic model
 for estimation of extreme anchorline tension, Offshore Australia (1993); J.M. Hegseth et al., Marine Structures 72
-(2020) 102771, eq. 10-11, where the inertia acts on x.
+(2020) 102771, eq. 10-11.
 """
 
 from __future__ import annotations
@@ -124,6 +125,7 @@ def declare(line: Any) -> None:
         ("geometric_stiffness", "N/m", "k_G, of its shape"),
         ("generalised_mass", "kg", "inertia of its shape, with the water around it"),
         ("generalised_drag", "kg/m", "quadratic drag of its shape, c"),
+        ("axial_mass", "kg", "a third of the mass of what is stretched"),
     ):
         line.declare(name, Scalar, var(unit=unit, doc=doc))
     line.declare("lag", Scalar, var(unit="m", state="prefer", doc="v: shape against that of the line in balance"))
@@ -147,11 +149,12 @@ def laws(at: tuple[Any, Any, Any, Any, Any], line: Any) -> Moving:
     follows = m.dot(along, u) - (now.slope[0] * m.dot(plan, u[:2]) + now.slope[1] * u[2]) / line.elastic_stiffness
     restoring = (line.elastic_stiffness + line.geometric_stiffness) * line.lag
     resisting = line.generalised_drag * quadratic(line.shape_velocity, STILL)
-    excess = -line.elastic_stiffness * line.lag
+    excess = line.axial_mass * m.dot(along, der(u)) - line.elastic_stiffness * line.lag
     return Moving(excess, excess * along if line.dynamics == "coupled" else 0, [
         [eq(line.static_tension, line.intact * size), eq(line.dynamic_tension, line.intact * excess)],
         [eq(line.elastic_stiffness, now.elastic), eq(line.geometric_stiffness, now.geometric)],
         [eq(line.generalised_mass, now.mass), eq(line.generalised_drag, now.drag)],
+        eq(line.axial_mass, line.mass_per_length * line.axial_stiffness / line.elastic_stiffness / 3),
         eq(der(line.lag), line.shape_velocity - line.intact * follows),
         eq(line.generalised_mass * der(line.shape_velocity), -resisting - restoring),
         assert_(line.static_tension + line.dynamic_tension >= 0, "the moving line goes slack at its fairlead; snatch "

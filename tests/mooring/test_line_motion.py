@@ -157,7 +157,8 @@ def test_slow_motions_have_the_tension_of_the_catenary_and_fast_ones_that_of_str
     held = {"line.drag_coefficient": 5000.0}
     time, tensions = simulated(plant, 10.0, 0.05, **held)
     fast = amplitude_of(time, tensions["tension"], 10.0)
-    assert abs(fast) / 0.05 == pytest.approx(found.elastic, rel=0.03)
+    axial = CHAIN["mass_per_length"] * EA / found.elastic / 3 * (2 * np.pi / 10) ** 2  # 7 % here
+    assert abs(fast) / 0.05 == pytest.approx(found.elastic - axial, rel=0.02)
     assert abs(np.angle(fast, deg=True)) < 6
 
 
@@ -201,11 +202,12 @@ def lumped(motion, velocity, end, offset, friction, step=0.005, n=48):
     return np.arange(tensions.size) * step, tensions
 
 
-@pytest.mark.parametrize(("period", "amplitude", "share"), [(20.0, 1.0, 0.12), (10.0, 3.0, 0.2)])
+@pytest.mark.parametrize(("period", "amplitude", "share"), [(20.0, 1.0, 0.13), (10.0, 3.0, 0.11)])
 def test_against_a_lumped_mass_line(period, amplitude, share):
     """A chain of 81 mm at an offset of 18 m, on a seabed with friction 1; the line in balance is far off.
 
-    Ten seconds: the model is 16 % above, half of it the axial inertia that it leaves out. Phases agree to 7 degrees.
+    Amplitudes of 0.3, 1 and 3 m, periods of 20, 10 and 6 s: the model has 0.89 to 1.10 of the tension, and phases
+    agree to 8 degrees; at 6 s to 17 degrees.
     """
     plant, found = shaken()
     time, tensions = simulated(plant, period, amplitude)
