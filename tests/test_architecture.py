@@ -21,8 +21,8 @@ FLOORS = [
     {"fowtlib.language"},
     {"fowtlib.flattening"},
     {"fowtlib.solving"},
-    {"fowtlib.fmi", "fowtlib.modelfile", "fowtlib.analysis", "fowtlib.cases", "fowtlib.control", "fowtlib.frequency",
-     "fowtlib.metocean", "fowtlib.report", "fowtlib.view"},
+    {"fowtlib.fmi", "fowtlib.modelfile", "fowtlib.analysis", "fowtlib.cases", "fowtlib.control", "fowtlib.design",
+     "fowtlib.frequency", "fowtlib.metocean", "fowtlib.report", "fowtlib.view"},
     {"fowtlib"},
     {"fowtlib.cli"},
 ]

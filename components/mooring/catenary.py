@@ -111,7 +111,7 @@ def state(horizontal: Any, vertical: Any, line: Any, xp: Any = np) -> State:
     free, below = V - w * length, xp.fmin(V, 0)  # only an iteration tries a fairlead under the seabed
     V_anchor = _if(xp, sinks, xp.fmax(free, below - P), free)
     grounded = _if(xp, sinks, xp.fmax(length - (V - below + P) / heavy, 0), 0)
-    slope, climb = _hanging(T**2, V_anchor, V, stiffness, xp)
+    slope, climb = hanging_piece(T**2, V_anchor, V, stiffness, xp)
     # friction holds only what lies towards its anchor
     held = _if(xp, line.clearance > 0, 0, line.friction * w * grounded / T)
     stretched = grounded * _if(xp, held < 1, 1 - held / 2, 0.5 / xp.fmax(held, 1)) / stiffness
@@ -160,7 +160,7 @@ def _if(xp: Any, condition: Any, then: Any, otherwise: Any) -> Any:
     return getattr(xp, "if_else", np.where)(condition, then, otherwise)
 
 
-def _hanging(square: Any, V_start: Any, V_end: Any, axial_stiffness: Any, xp: Any) -> tuple[Any, Any]:
+def hanging_piece(square: Any, V_start: Any, V_end: Any, axial_stiffness: Any, xp: Any) -> tuple[Any, Any]:
     """A hanging piece, per unstretched length: horizontal distance per newton [1/N], and height [-].
 
     square: of the horizontal tension; V_start, V_end: the vertical tensions at its ends.
@@ -249,7 +249,7 @@ def profile(horizontal: Any, vertical: Any, line: Line, points: int = 100, drawn
     pulled = grounded / np.maximum(now.held, 1)
     u = np.clip(lying - (grounded - pulled), 0.0, pulled)
     stretch = T * u * (1 - now.held / divisor * (pulled - u / 2)) / line.axial_stiffness
-    slope, climb = _hanging(T**2, now.anchor, V_s, line.axial_stiffness, np)
+    slope, climb = hanging_piece(T**2, now.anchor, V_s, line.axial_stiffness, np)
     x, z = H / T * (lying + stretch + T * hanging * slope), hanging * climb
     return {"arc_length": s, "x": x, "z": z, "tension": np.hypot(left, V_s)}
 

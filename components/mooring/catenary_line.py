@@ -6,9 +6,9 @@ import numpy as np
 
 from fowtlib.components.environment.world import World
 from fowtlib.components.mechanics.connectors import Frame
-from fowtlib.components.mooring import catenary
+from fowtlib.components.mooring import catenary, line_motion
 from fowtlib.components.mooring.anchors import LEVEL, ends_above_seabed, hold_anchor
-from fowtlib.components.mooring.lost_line import LosableLine
+from fowtlib.components.mooring.line_properties import UniformLine
 from fowtlib.language import (
     Scalar,
     Vector,
@@ -25,7 +25,7 @@ from fowtlib.language.declarations import join
 from fowtlib.language.errors import ParameterError
 
 
-class CatenaryLine(LosableLine):
+class CatenaryLine(UniformLine):
     """Quasi-static elastic catenary from an anchor to a fairlead: taut, slack, on the seabed, lifted or in mid-water.
 
     Equations: fowtlib.components.mooring.catenary (Jonkman, NREL/TP-500-41958, 2007, section 2.6, and lines that touch
@@ -34,23 +34,17 @@ class CatenaryLine(LosableLine):
     them from one fixed start. The line pulls its fairlead towards the anchor and, where it is heavy, down.
     The seabed is flat and lies World.water_depth deep; the line touches it where it hangs down to it. An anchor within
     1 cm of it lies on it, and friction acts on the line that lies towards it; of an anchor in mid-water the line hangs,
-    and friction is left out. No line dynamics, current or bending. A slack line hangs vertically, its excess lies on
+    and friction is left out. No current or bending. A slack line hangs vertically, its excess lies on
     the seabed, and it warns. Errors: an end below the seabed; a stretch beyond greatest_strain, up to which EA is taken
     as constant; a line that would float at the surface. Warnings: half of greatest_strain; a tension above the breaking
-    load, where one is given. A line may be lost.
+    load, where one is given. A line may be lost. With `dynamics` its shape has inertia and drag, in one degree of
+    freedom (fowtlib.components.mooring.line_motion): `tension` is then that of the moving line; the horizontal and
+    vertical ones and that at the anchor are those of the line in balance.
     """
 
-    length: Scalar = param(unit="m", min=0, doc="unstretched length")
-    axial_stiffness: Scalar = param(unit="N", min=0, doc="axial stiffness EA")
-    mass_per_length: Scalar = param(default=None, unit="kg/m", min=0, doc="mass per length in air")
-    diameter: Scalar = param(default=0.0, unit="m", min=0, doc="diameter of a bar that displaces the same water")
-    weight_per_length: Scalar = param(
-        default=None, unit="N/m", doc="weight in water, instead of mass, diameter; negative: the line floats up"
-    )
-    friction: Scalar = param(default=0.0, min=0, doc="friction coefficient of the seabed")
+    mode_names = {"*": "{part} shape"}
+
     anchor_position: Vector = param(default=(0, 0, 0), unit="m", doc="anchor, world; unless a frame is its anchor")
-    greatest_strain: Scalar = param(default=0.1, min=0, doc="stretch per length up to which EA is constant")
-    breaking_load: Scalar = param(default=None, unit="N", min=0, doc="tension above which the line warns")
 
     world: World = outer(World)
     fairlead: Frame = port(doc="upper end")
@@ -68,6 +62,10 @@ class CatenaryLine(LosableLine):
     distance: Scalar = var(unit="m", doc="horizontal distance from anchor to fairlead")
     rise: Scalar = var(unit="m", doc="height of the fairlead above the anchor")
 
+    def build(self):
+        if self.dynamics != "none":
+            line_motion.declare(self)
+
     def equations(self):
         fairlead, reach, there = self.fairlead, self.fairlead.r - self.anchor.r, self.intact
         apart, rise = self.reach(self.distance, self.rise)
@@ -75,6 +73,8 @@ class CatenaryLine(LosableLine):
         lateral, plan = catenary.lateral_stiffness(self.coordinate, self, m), m.vertcat(reach[0], reach[1])
         H, V, spanned = lateral * apart, self.lift * force, m.sqrt(apart**2 + (aside / lateral) ** 2)
         line = catenary.state(lateral * spanned, V, self, m)
+        pull, T = m.vertcat(lateral * plan, V), m.sqrt(H**2 + V**2)
+        moving = line_motion.laws((lateral * spanned, V, T, pull, plan / self.distance), self)
         left = 1 - m.fmin(line.held, 1)  # of the horizontal tension, at the anchor
         return [
             eq(self.weight, line_weight(self)),
@@ -85,12 +85,13 @@ class CatenaryLine(LosableLine):
             eq(line.height, rise),
             eq(self.horizontal_tension, there * H),
             eq(self.vertical_tension, there * V),
-            eq(self.tension, there * m.sqrt(H**2 + V**2)),
+            eq(self.tension, there * (T + moving.excess)),
             eq(self.anchor_tension, there * m.sqrt((H * left) ** 2 + line.anchor**2)),
             [eq(self.seabed_length, line.grounded), self.when_lost(apart, rise)],
-            [eq(fairlead.f, there * m.vertcat(lateral * plan, V)), eq(fairlead.t, m.zeros(3))],
+            [eq(fairlead.f, there * (pull + moving.felt)), eq(fairlead.t, m.zeros(3))],
             hold_anchor(self, there * m.vertcat(-lateral * left * plan, -line.anchor)),
             *_limits(self, line.anchor),
+            *moving.equations,
         ]
 
     def drawing(self) -> shapes.Drawing:

@@ -15,14 +15,14 @@ from fowtlib.components.mooring import catenary
 from fowtlib.components.mooring.anchors import LEVEL
 from fowtlib.components.mooring.catenary_line import CatenaryLine
 from fowtlib.components.mooring.yaw_spring import YawSpring
-from fowtlib.language import Array, Component, Scalar, param, parts, port
+from fowtlib.language import Array, Component, Scalar, like, param, parts, port
 from fowtlib.language import math as m
 from fowtlib.language.errors import ParameterError
 from fowtlib.language.shapes import Drawing
 
 LINE_PROPERTIES = (
     "length", "axial_stiffness", "mass_per_length", "diameter", "weight_per_length", "friction", "greatest_strain",
-    "breaking_load",
+    "breaking_load", "drag_coefficient", "added_mass_coefficient",
 )  # fmt: skip
 
 
@@ -31,8 +31,8 @@ class MooringSystem(Component):
 
     Layout: `headings` (the directions of the lines seen from above, counter-clockwise from x) with fairlead radius and
     depth and anchor radius; or explicit lists of `fairleads` (in the body's frame) and `anchors` (world). A property of
-    the lines is one number, or one for each line. `yaw_stiffness` adds a YawSpring. How many lines there are is fixed
-    when the model is built; all numbers may be changed afterwards.
+    the lines is one number, or one for each line. `yaw_stiffness` adds a YawSpring; `dynamics` is that of CatenaryLine.
+    How many lines there are is fixed when the model is built; all numbers may be changed afterwards.
     """
 
     headings: Array = param(default=None, unit="rad", doc="direction of each line")
@@ -50,6 +50,9 @@ class MooringSystem(Component):
     friction: Array = param(default=0.0, min=0, doc="friction coefficient of the seabed")
     greatest_strain: Array = param(default=0.1, min=0, doc="stretch per length up to which EA is constant")
     breaking_load: Array = param(default=None, unit="N", min=0, doc="tension above which a line warns")
+    dynamics: str = like(CatenaryLine.dynamics)
+    drag_coefficient: Array = param(default=1.33, min=0, doc="of flow across; see CatenaryLine")
+    added_mass_coefficient: Array = param(default=1.0, min=0, doc="of flow across, of the displaced water")
     yaw_stiffness: Scalar = param(default=None, unit="N*m/rad", min=0, doc="yaw stiffness of the delta lines")
 
     frame: Frame = port(doc="frame of the body, on the centreline")
@@ -76,7 +79,7 @@ class MooringSystem(Component):
     def line_values(self, i: int) -> dict[str, Any]:
         """The parameters of line number i, counted from 0."""
         properties = {name: self._of_line(name, i) for name in LINE_PROPERTIES if self._has(name)}
-        return {"anchor_position": self.layout()[i][1], **properties}
+        return {"anchor_position": self.layout()[i][1], "dynamics": self.dynamics, **properties}
 
     def layout(self) -> list[tuple[Any, Any]]:
         """Fairlead (in the frame of the body) and anchor (world) of each line."""

@@ -4,6 +4,7 @@ from fowtlib.frequency.aerodynamics import AerodynamicCoefficients, aerodynamic_
 from fowtlib.frequency.drag import best_gain
 from fowtlib.frequency.found import Response
 from fowtlib.frequency.gradients import Gradient, PreparedGradient, gradient
+from fowtlib.frequency.line_tension import LineExtreme, line_extreme, with_line_results
 from fowtlib.frequency.many import Responses, responses
 from fowtlib.frequency.quantities import EquivalentLoad, Extreme, Mean, ModeDamping, ModeFrequency, OfSpectrum, Std
 from fowtlib.frequency.responses import response
@@ -13,6 +14,7 @@ __all__ = [
     "EquivalentLoad",
     "Extreme",
     "Gradient",
+    "LineExtreme",
     "Mean",
     "ModeDamping",
     "ModeFrequency",
@@ -25,6 +27,8 @@ __all__ = [
     "best_gain",
     "forced_oscillation",
     "gradient",
+    "line_extreme",
     "response",
     "responses",
+    "with_line_results",
 ]

@@ -1,0 +1,1 @@
+"""Design: what is varied, what is asked for, what it costs."""

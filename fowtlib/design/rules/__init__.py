@@ -1,0 +1,77 @@
+"""Rules of design and costs as functions: of numbers, of NumPy arrays and of CasADi expressions, SI units throughout.
+
+A utilisation is at most 1 where the rule is kept. Arrays go element by element. Of expressions, derivatives are exact;
+where a rule has branches its function says so.
+"""
+
+from fowtlib.design.rules.column import ColumnBuckling, column_buckling, column_slenderness
+from fowtlib.design.rules.cost import (
+    SteelCost,
+    TubeSections,
+    fabrication_times,
+    mooring_cost,
+    ring_fabrication_times,
+    steel_cost,
+    tube_sections,
+)
+from fowtlib.design.rules.fatigue import fatigue_utilisation
+from fowtlib.design.rules.limits import (
+    at_least,
+    at_most,
+    heave_period,
+    period_ratio,
+    power_lost_by_tilt,
+    rigid_period,
+    taper_utilisation,
+)
+from fowtlib.design.rules.mooring import MooringStrength, UpliftLimit, mooring_strength, uplift_limit
+from fowtlib.design.rules.ring import PanelRing, Ring, RingSection, panel_ring
+from fowtlib.design.rules.shell import (
+    HoopStress,
+    ShellBuckling,
+    cylinder_stress,
+    elastic_strengths,
+    hoop_stress,
+    shell_buckling,
+)
+from fowtlib.design.rules.steel import STEEL, Steel
+from fowtlib.design.rules.tower import TowerBuckling, tower_buckling
+
+__all__ = [
+    "STEEL",
+    "ColumnBuckling",
+    "HoopStress",
+    "MooringStrength",
+    "PanelRing",
+    "Ring",
+    "RingSection",
+    "ShellBuckling",
+    "Steel",
+    "SteelCost",
+    "TowerBuckling",
+    "TubeSections",
+    "UpliftLimit",
+    "at_least",
+    "at_most",
+    "column_buckling",
+    "column_slenderness",
+    "cylinder_stress",
+    "elastic_strengths",
+    "fabrication_times",
+    "fatigue_utilisation",
+    "heave_period",
+    "hoop_stress",
+    "mooring_cost",
+    "mooring_strength",
+    "panel_ring",
+    "period_ratio",
+    "power_lost_by_tilt",
+    "rigid_period",
+    "ring_fabrication_times",
+    "shell_buckling",
+    "steel_cost",
+    "taper_utilisation",
+    "tower_buckling",
+    "tube_sections",
+    "uplift_limit",
+]

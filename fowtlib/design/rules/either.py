@@ -1,0 +1,94 @@
+"""Mathematics of what is either numbers and NumPy arrays or CasADi expressions, and checks of the former."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import casadi as ca
+import numpy as np
+
+from fowtlib.language.errors import ModelError
+
+_EXPRESSIONS = (ca.SX, ca.MX, ca.DM)
+
+
+def is_expression(*values: Any) -> bool:
+    """Whether any of them is of CasADi."""
+    return any(isinstance(value, _EXPRESSIONS) for value in values)
+
+
+def _one(name: str) -> Any:
+    def function(x: Any) -> Any:
+        return getattr(ca if is_expression(x) else np, name)(x)
+
+    function.__name__, function.__doc__ = name, f"{name} of numbers, arrays or expressions."
+    return function
+
+
+sqrt, exp, log, sin, cos, tan = (_one(name) for name in ("sqrt", "exp", "log", "sin", "cos", "tan"))
+
+
+def atan(x: Any) -> Any:
+    """Arc tangent."""
+    return ca.atan(x) if is_expression(x) else np.arctan(x)
+
+
+def asinh(x: Any) -> Any:
+    """Inverse hyperbolic sine."""
+    return ca.asinh(x) if is_expression(x) else np.arcsinh(x)
+
+
+def size(x: Any) -> Any:
+    """Absolute value."""
+    return ca.fabs(x) if is_expression(x) else np.abs(x)
+
+
+def larger(a: Any, b: Any) -> Any:
+    """The larger of two; a kink where they are equal."""
+    return ca.fmax(a, b) if is_expression(a, b) else np.maximum(a, b)
+
+
+def smaller(a: Any, b: Any) -> Any:
+    """The smaller of two; a kink where they are equal."""
+    return ca.fmin(a, b) if is_expression(a, b) else np.minimum(a, b)
+
+
+def choose(condition: Any, then: Any, otherwise: Any) -> Any:
+    """One of two, both of which are computed and must be finite everywhere."""
+    if is_expression(condition, then, otherwise):
+        return ca.if_else(condition, then, otherwise)
+    return np.where(condition, then, otherwise)[()]
+
+
+def total(x: Any) -> Any:
+    """Sum of all elements."""
+    return ca.sum1(ca.vec(x)) if is_expression(x) else np.sum(x)
+
+
+def between(values: Any) -> tuple[Any, Any]:
+    """Values (n,) at nodes as those below and above each of the n - 1 sections."""
+    if not is_expression(values):
+        values = np.asarray(values, dtype=float)
+    return values[:-1], values[1:]
+
+
+def demand(rule: str, least: float, **values: Any) -> None:
+    """ModelError for numbers at or below `least`, or not finite, by name; expressions pass, they have no value yet."""
+    for name, value in values.items():
+        if is_expression(value):
+            continue
+        numbers = np.asarray(value, dtype=float)
+        if not np.all(np.isfinite(numbers) & (numbers > least)):
+            wrong = np.ravel(numbers)[~np.ravel(np.isfinite(numbers) & (numbers > least))][0]
+            raise ModelError(f"{rule}: {name} is {wrong:g}; it must be above {least:g}.")
+
+
+def demand_within(rule: str, low: float, high: float, source: str, **values: Any) -> None:
+    """ModelError for numbers outside of what a rule was made for; expressions pass."""
+    for name, value in values.items():
+        if is_expression(value):
+            continue
+        numbers = np.ravel(np.asarray(value, dtype=float))
+        wrong = numbers[~((numbers >= low) & (numbers <= high))]
+        if wrong.size:
+            raise ModelError(f"{rule}: {name} is {wrong[0]:g}; {source} holds from {low:g} to {high:g}.")
