@@ -174,13 +174,13 @@ def parameter_map(
         values = {**(parameters or {}), **given}
         near = next((solved[beside] for beside in _beside(place) if beside in solved), None)
         try:
-            state = _sound_equilibrium(plant, values, near=near, free=free, targets=targets)
+            state = sound_equilibrium(plant, values, near=near, free=free, targets=targets)
         except ModelError as error:
             failures[place] = str(error)
         else:
             solved[place] = state
-            for name, value, unit in _quantities(plant, state, names):
-                table[name][place], units[name] = value, unit
+            for name, value, unit in quantities_at(plant, state, names):
+                table[name][place], units[name] = _number(name, value), unit
             missing = [name for name in names if np.isnan(table[name][place])]
             if missing:
                 failures[place] = f"the equilibrium has no '{missing[0]}'{_of_modes(plant, state, missing[0])}"
@@ -220,7 +220,7 @@ def _beside(place: tuple[int, ...]) -> Iterator[tuple[int, ...]]:
             yield tuple(k + step * (axis == i) for i, k in enumerate(place))
 
 
-def _sound_equilibrium(plant: Any, values: Mapping[str, Any], **options: Any) -> Any:
+def sound_equilibrium(plant: Any, values: Mapping[str, Any], **options: Any) -> Any:
     """An equilibrium; ModelError with what the model warns of, where it is out of the range of what is modelled."""
     with warnings.catch_warnings(record=True) as said:
         warnings.simplefilter("always")
@@ -231,8 +231,8 @@ def _sound_equilibrium(plant: Any, values: Mapping[str, Any], **options: Any) ->
     return state
 
 
-def _quantities(plant: Any, state: Any, names: Sequence[str]) -> Iterator[tuple[str, float, str]]:
-    """Name, value and unit of quantities at a state; nan where it has no such mode."""
+def quantities_at(plant: Any, state: Any, names: Sequence[str]) -> Iterator[tuple[str, Any, str]]:
+    """Name, value (a number or an array) and unit of quantities at a state; nan where it has no such mode."""
     modes: dict[str, Any] = {}
     told: dict[str, Any] = {}
     if any(name.startswith(_OF_MODES) for name in names):
@@ -255,22 +255,21 @@ def _quantities(plant: Any, state: Any, names: Sequence[str]) -> Iterator[tuple[
         elif name in told:
             yield name, told[name].value, told[name].unit
         else:
-            yield name, _number(name, binding.values[name]), plant.dae.parameters[name].unit
+            yield name, binding.values[name], plant.dae.parameters[name].unit
 
 
 def _of_modes(plant: Any, state: Any, name: str) -> str:
     return did_you_mean(name, [entry.quantity for entry in modes_of(plant, state)], list_up_to=20)
 
 
-def _variables(plant: Any, state: Any, names: Sequence[str], told: Mapping[str, Any]) -> list[float]:
+def _variables(plant: Any, state: Any, names: Sequence[str], told: Mapping[str, Any]) -> list[Any]:
     """Results and variables by name, all at once."""
     try:
-        values = state.values(names)
+        return state.values(names)
     except ModelError:
         wrong = next((name for name in names if not _is_known(plant, name)), names[0])
         known = [*plant.outputs, *told]
         raise ModelError(f"the model has no quantity '{wrong}'{did_you_mean(wrong, known)}") from None
-    return [_number(name, value) for name, value in zip(names, values, strict=True)]
 
 
 def _number(name: str, value: Any) -> float:

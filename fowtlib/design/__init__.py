@@ -1,0 +1,25 @@
+"""Design: variables of a model that make an objective least while constraints hold, found by slopes.
+
+See docs/design.md.
+"""
+
+from fowtlib.design.design import Design
+from fowtlib.design.evaluation import Evaluated, Evaluator
+from fowtlib.design.measures import Statistics
+from fowtlib.design.outcome import Optimum
+from fowtlib.design.terms import Constraint, DesignCase, Function, Objective, kreisselmeier_steinhauser
+from fowtlib.design.variables import Variable
+
+__all__ = [
+    "Constraint",
+    "Design",
+    "DesignCase",
+    "Evaluated",
+    "Evaluator",
+    "Function",
+    "Objective",
+    "Optimum",
+    "Statistics",
+    "Variable",
+    "kreisselmeier_steinhauser",
+]
