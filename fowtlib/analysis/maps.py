@@ -145,7 +145,8 @@ def parameter_map(
     model    a compiled model as it is; another is first put into still water without wind
     over     values by the path of a parameter, in SI or with units
     of       results of the model, any of its variables, what `model_sheet` says ("mass", "C33", "turbine: mass"),
-             "period of ..." and "damping ratio of ..." a natural mode, and parameters
+             "period of ..." and "damping ratio of ..." a natural mode by its name or its number, the slowest being
+             "mode 1", and parameters
     limits   such as "pitch < 5 deg"; their quantities are computed too
     parameters  values of further parameters, the same everywhere
     free, targets  parameters that take the values at which conditions hold, at each point: see Plant.equilibrium
@@ -239,6 +240,7 @@ def quantities_at(plant: Any, state: Any, names: Sequence[str]) -> Iterator[tupl
         entries = list(modes_of(plant, state))
         modes = {entry.quantity.partition(", with ")[0]: entry for entry in entries}  # of two motions at one period
         modes |= {entry.quantity: entry for entry in entries}
+        modes |= {f"{_OF_MODES[k % 2]}mode {k // 2 + 1}": entry for k, entry in enumerate(entries)}
     binding = plant.binding(state.parameters)
     rest = [name for name in names if not name.startswith(_OF_MODES) and name not in binding.values]
     if not all(name in plant.outputs for name in rest):
