@@ -7,6 +7,7 @@ from fowtlib.design.design import Design
 from fowtlib.design.evaluation import Evaluated, Evaluator
 from fowtlib.design.measures import Statistics
 from fowtlib.design.outcome import Optimum
+from fowtlib.design.pareto import Front, pareto
 from fowtlib.design.terms import Constraint, DesignCase, Function, Objective, kreisselmeier_steinhauser
 from fowtlib.design.variables import Variable
 
@@ -16,10 +17,12 @@ __all__ = [
     "DesignCase",
     "Evaluated",
     "Evaluator",
+    "Front",
     "Function",
     "Objective",
     "Optimum",
     "Statistics",
     "Variable",
     "kreisselmeier_steinhauser",
+    "pareto",
 ]

@@ -220,7 +220,7 @@ class _Optimisation:
                 searches.append(self._search(number, begin, journal, earlier))
             except ModelError as error:
                 failures.append(str(error))
-                if not self.design.keys or len(self.begins) == 1:
+                if len(self.begins) == 1:
                     raise
                 self.say(f"this start has no results: {error}")
                 searches.append(Search(number, begin, begin, np.nan, np.inf, False, f"no results: {error}", 1, 0))

@@ -117,7 +117,7 @@ class Journal:
     def design(self, start: int, point: Point, iterate: bool = False) -> None:
         """Add a design."""
         line: dict[str, Any] = {"start": start, "x": point.x.tolist(), "objective": _plain(point.objective),
-                                "violation": _plain(point.violation), "worst": point.worst}  # fmt: skip
+                                "violation": _plain(max(point.violation, 0.0)), "worst": point.worst}  # fmt: skip
         line |= {"iterate": True} if iterate else {}
         line |= {"failure": point.failure} if point.failure else {}
         self._write(line)
