@@ -44,6 +44,17 @@ if TYPE_CHECKING:
     )
     from fowtlib.case_files import read_cases
     from fowtlib.cases import Batch, Case, check_cases, run_batch
+    from fowtlib.design import (
+        Constraint,
+        Design,
+        DesignCase,
+        Function,
+        Objective,
+        Optimum,
+        Variable,
+        pareto,
+        read_design,
+    )
     from fowtlib.fmi import export_fmu
     from fowtlib.frequency import Response, response
     from fowtlib.modelfile import dump, load
@@ -70,6 +81,10 @@ _PACKAGES = ("analysis", "components")
 _LATER = {
     "export_fmu": "fowtlib.fmi",
     "view": "fowtlib.view",
+    **dict.fromkeys(
+        ("Constraint", "Design", "DesignCase", "Function", "Objective", "Optimum", "Variable", "pareto", "read_design"),
+        "fowtlib.design",
+    ),
     **dict.fromkeys(("Response", "response"), "fowtlib.frequency"),
     "read_cases": "fowtlib.case_files",
     **dict.fromkeys(("Batch", "Case", "check_cases", "run_batch"), "fowtlib.cases"),
@@ -111,17 +126,24 @@ __all__ = [
     "Case",
     "Component",
     "Conditions",
+    "Constraint",
+    "Design",
+    "DesignCase",
     "Event",
+    "Function",
     "LinearModel",
     "Mode",
     "Model",
     "ModelError",
     "NaturalMode",
+    "Objective",
+    "Optimum",
     "Output",
     "Plant",
     "Response",
     "Result",
     "State",
+    "Variable",
     "analyse_decay",
     "analysis",
     "average",
@@ -148,8 +170,10 @@ __all__ = [
     "over_cases",
     "over_seeds",
     "parameter_map",
+    "pareto",
     "power_spectrum",
     "read_cases",
+    "read_design",
     "response",
     "run_batch",
     "simulated_rao",

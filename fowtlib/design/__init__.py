@@ -5,6 +5,7 @@ See docs/design.md.
 
 from fowtlib.design.design import Design
 from fowtlib.design.evaluation import Evaluated, Evaluator
+from fowtlib.design.file import DesignFile, read_design
 from fowtlib.design.measures import Statistics
 from fowtlib.design.outcome import Optimum
 from fowtlib.design.pareto import Front, pareto
@@ -15,6 +16,7 @@ __all__ = [
     "Constraint",
     "Design",
     "DesignCase",
+    "DesignFile",
     "Evaluated",
     "Evaluator",
     "Front",
@@ -25,4 +27,5 @@ __all__ = [
     "Variable",
     "kreisselmeier_steinhauser",
     "pareto",
+    "read_design",
 ]

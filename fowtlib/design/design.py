@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import hashlib
 import os
 import time
 from collections.abc import Callable, Mapping, Sequence
@@ -173,8 +174,24 @@ class Design:
             "constraints": [[c.result, c.lower, c.upper, c.cases and list(c.cases), c.aggregate, c.sharpness]
                             for c in self.constraints],  # type: ignore[union-attr]
             "cases": [[case.name, dict(case.parameters), case.weight] for case in self.cases],
-            "targets": dict(self.targets),
+            "functions": [[item.name, list(item.of), _text(item.function)] for item in self.functions],
+            "free": list(self.free), "targets": dict(self.targets), "statistics": str(self.statistics),
+            "parameters": _digest(self.plant),
         }  # fmt: skip
+
+
+def _text(function: Any) -> str:
+    """What tells one function from another: its formula, or its code."""
+    code = getattr(function, "__code__", None)
+    if hasattr(function, "text") or code is None:
+        return str(getattr(function, "text", ""))
+    numbers = [item for item in code.co_consts if isinstance(item, (int, float, str))]
+    return f"{code.co_code.hex()} {numbers}"
+
+
+def _digest(plant: Any) -> str:
+    """Of the numbers of a model."""
+    return "" if plant is None else hashlib.blake2b(plant.binding().p.tobytes(), digest_size=8).hexdigest()
 
 
 def _used(design: Design) -> set[str]:

@@ -34,7 +34,7 @@ def multipliers(problem: Problem, y: np.ndarray) -> Multipliers:
     owners: list[tuple[str, int, float]] = []
     for k in range(g.size):
         for side, limit in ((1.0, problem.upper[k]), (-1.0, problem.lower[k])):
-            if abs(g[k] - limit) <= ACTIVE * max(1.0, abs(limit)):
+            if np.isfinite(limit) and abs(g[k] - limit) <= ACTIVE * max(1.0, abs(limit)):
                 columns.append(side * dg[k])
                 owners.append(("g", k, side))
     for k in range(y.size):

@@ -83,7 +83,9 @@ def _constraints(axis: Axes, constraints: Any) -> None:
         color = LIMIT if item.active or item.violated else AFTER
         axis.barh(k, np.clip(item.use, 0, 2), color=color, height=0.6)
         text = f"{item.value:.4g}{' broken' if item.violated else ' active' if item.active else ''}"
-        axis.text(0.02, k, text, va="center", fontsize=7.5, color="white" if item.use > 0.4 else INK)
+        inside = item.use > 0.35
+        axis.text(0.02 + (0.0 if inside else max(item.use, 0.0)), k, text, va="center", fontsize=7.5,
+                  color="white" if inside else INK)  # fmt: skip
     axis.axvline(1.0, color=INK, lw=1.0, ls="--")
     axis.set_yticks(range(len(shown)), [f"{item.name} [{item.unit}]" for item in shown], fontsize=8)
     axis.set_ylim(len(shown) - 0.5, -0.5)

@@ -111,6 +111,21 @@ def test_the_optimum_of_a_spar_lies_on_the_edge_of_its_map():
     )  # fmt: skip
 
 
+def test_prices_of_a_spar_are_what_a_limit_costs():
+    """The price of the pitch, beside a second optimum with another limit; that of a bound likewise."""
+
+    def best(limit, least):
+        variables = [Variable("diameter", "9 m", "14 m"), Variable("waterline_diameter", least, "12 m")]
+        return Design(spar(), variables, "hull: mass", [f"pitch < {limit} deg", "period of heave > 25 s"],
+                      free=["ballast"], targets={"heave": 0}).optimise("slsqp")  # fmt: skip
+
+    found, moved = best(5.0, 6.0), best(5.02, 6.01)
+    assert found.active == ["pitch <", "waterline_diameter (lower bound)"]
+    gained = 0.02 * found.constraints[0].price - 0.01 * found.variables[1].price
+    assert found.constraints[0].price > 0 and found.variables[1].price > 0 and found.rest < 1e-4
+    assert found.value - moved.value == pytest.approx(gained, rel=1e-2)
+
+
 def test_slopes_are_those_of_a_finer_difference():
     """Beside Richardson's extrapolation of the results themselves."""
     design = hull()
