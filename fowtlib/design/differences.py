@@ -17,6 +17,7 @@ from fowtlib.design.measures import Measured, Meter, Statistics
 from fowtlib.design.terms import DesignCase
 from fowtlib.design.variables import Space
 from fowtlib.language.errors import ModelError
+from fowtlib.language.stopping import STOP_ASKED
 
 STEP = 1e-4  # of the scale of a variable
 
@@ -68,7 +69,10 @@ class Differences:
         def at(moved: np.ndarray) -> Results:
             return self._columns({name: self._one(name, moved, middle[name], fixed=True) for name in self.meters})
 
+        stop = STOP_ASKED.get()
         for k in range(x.size):
+            if stop is not None and stop.is_set():
+                raise KeyboardInterrupt
             for key, slope in self._slope(x, k, values, at).items():
                 slopes[key][:, k] = slope
         return slopes

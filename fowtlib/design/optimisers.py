@@ -10,6 +10,7 @@ Sources: A. Waechter and L. T. Biegler, Mathematical Programming 106 (2006), 25-
 
 from __future__ import annotations
 
+import threading
 import warnings
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
@@ -19,6 +20,7 @@ import casadi as ca
 import numpy as np
 
 from fowtlib.language.errors import ModelError, one_of
+from fowtlib.solving.interrupts import deferred_interrupt
 
 SMALLEST = 1e-4  # of the ranges of the variables: a region in which nothing more is sought
 INSIDE = 1e-6  # of a region: where a method of the interior may begin
@@ -103,12 +105,13 @@ def ipopt(problem: Scaled, y: np.ndarray, settings: Settings) -> Ended:
                "grad_f": functions["grad_f"], "jac_g": functions["jac_g"], "calc_lam_p": False,
                "no_nlp_grad": True}  # fmt: skip
     solver = ca.nlpsol("design", "ipopt", functions["nlp"], options)
-    try:
-        found = solver(x0=y, lbx=problem.y_lower, ubx=problem.y_upper, lbg=problem.lower, ubg=problem.upper)
-    except Exception:
+    with deferred_interrupt() as guard.interrupted:
+        try:
+            found = solver(x0=y, lbx=problem.y_lower, ubx=problem.y_upper, lbg=problem.lower, ubg=problem.upper)
+        except Exception:
+            guard.again()
+            raise
         guard.again()
-        raise
-    guard.again()
     status = solver.stats()["return_status"]
     reason = _REASONS.get(status, status.replace("_", " ").lower())
     reason += f" (the last failure: {guard.failure})" if guard.failure and status not in _REASONS else ""
@@ -121,11 +124,14 @@ class _Guard:
 
     def __init__(self) -> None:
         self.raised: BaseException | None = None
+        self.interrupted = threading.Event()  # Ctrl-C, which CasADi would swallow, too
         self.failure = ""
 
     def of(self, function: Callable[[np.ndarray], tuple]) -> Callable[[np.ndarray], tuple | None]:
         def guarded(y: np.ndarray) -> tuple | None:
-            if self.raised is not None:  # let the optimiser come to its end, without a further evaluation
+            if (
+                self.raised is not None or self.interrupted.is_set()
+            ):  # let the optimiser come to its end, without a further evaluation
                 return None
             try:
                 return function(y)
@@ -142,6 +148,8 @@ class _Guard:
         """Raise what was raised."""
         if self.raised is not None:
             raise self.raised
+        if self.interrupted.is_set():
+            raise KeyboardInterrupt
 
 
 class _Callback(ca.Callback):

@@ -1,6 +1,10 @@
 """Design files, and `fowt optimise`."""
 
 import json
+import signal
+import subprocess
+import sys
+import time
 from pathlib import Path
 
 import numpy as np
@@ -66,7 +70,7 @@ def test_the_command_shows_saves_and_draws(written, capsys):
     assert main(["optimise", name, "-o", "column.json", "--plot", "column.png"]) == 0
     shown = capsys.readouterr()
     assert "The tubular column: an optimum; all constraints are kept." in shown.out
-    assert ["d", "[1]", "10", "5.4511", "2", "14"] in [line.split() for line in shown.out.splitlines()]
+    assert ["d", "[1]", "10", "5.4512", "2", "14"] in [line.split() for line in shown.out.splitlines()]
     assert shown.err.splitlines()[0].split() == [
         "iterate",
         "evaluations",
@@ -142,7 +146,7 @@ def test_a_shipped_design_is_found(written, capsys):
         ("lower: 9 m, upper: 12 m", "lower: 9 kg, upper: 12 m", ":6: diameter: got '9 kg'"),
         ('objective: "hull: mass"', "objective: {mass: heavy}", ":7: the factor of 'mass' in the objective is a n"),
         ('objective: "hull: mass"', "objectiv: mass", ":7: 'objectiv' is not a key of a design file"),
-        ("pitch @ thrust < 5 deg", "pich @ thrust < 5 deg", ":12: case thrust: the model has no quantity 'pich'; did you"),
+        ("pitch @ thrust < 5 deg", "pich @ thrust < 5 deg", ":12: case thrust: the model has no quantity 'pich'; did"),
         ("pitch @ thrust < 5 deg", "pitch @ storm < 5 deg", ":12: 'pitch @ storm': there is no case 'storm'"),
         ("pitch @ thrust < 5 deg", "pitch", ":12: 'pitch' is no constraint, such as"),
         ("pitch @ thrust < 5 deg", "std of rol < 3", ":12: 'std of rol' is of no result of the model"),
@@ -198,3 +202,21 @@ def test_arguments_that_do_not_fit_are_refused(written, capsys):
     with pytest.raises(SystemExit):
         main(["optimise", name, "--front", "stress"])
     assert "'stress' is not RESULT=POINTS, such as mass=6" in capsys.readouterr().err
+
+
+def test_ctrl_c_says_how_to_go_on(written):
+    """In the middle of a search of a model."""
+    name = written(HULL, "hull.yaml")
+    script = "import sys; from fowtlib.cli.app import main; sys.exit(main(['optimise', sys.argv[1]]))"
+    process = subprocess.Popen([sys.executable, "-c", script, name], stdout=subprocess.DEVNULL, stderr=subprocess.PIPE,
+                               text=True)  # fmt: skip
+    deadline = time.time() + 120
+    while time.time() < deadline and not (
+        Path("hull.jsonl").exists() and Path("hull.jsonl").read_text().count("\n") > 2
+    ):
+        time.sleep(0.02)
+    process.send_signal(signal.SIGINT)
+    _, errors = process.communicate(timeout=60)
+    assert process.returncode == 130, errors
+    assert errors.endswith("fowt optimise: stopped; hull.jsonl keeps what was found; go on with --resume.\n")
+    assert main(["optimise", name, "--resume"]) == 0
