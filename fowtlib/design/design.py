@@ -29,6 +29,9 @@ from fowtlib.design.variables import Space, Variable
 from fowtlib.language.errors import ModelError, did_you_mean
 
 
+HALVINGS = 4  # of the way to the first start, for a random one that has no results
+
+
 @dataclass(frozen=True, eq=False)
 class Design:
     """What is to be found: variables that make the objective least, while the constraints hold.
@@ -252,8 +255,7 @@ class _Optimisation:
 
     def _search(self, number: int, begin: np.ndarray, journal: Journal | None, earlier: Earlier) -> Search:
         kept = earlier.best(number)
-        x = begin if kept is None else kept.x
-        problem = self.design.problem(x)
+        x, problem = (kept.x, self.design.problem(kept.x)) if kept is not None else self._begun(number, begin)
         first = problem.point(problem.y(begin)) if number == 0 else None
         if first is not None and not first.failure:
             self.start = first
@@ -277,8 +279,19 @@ class _Optimisation:
         if journal is not None:
             journal.end(number, ended.converged, ended.reason)
         self.say(f"{ended.reason}, after {problem.evaluations} evaluations and {problem.gradients} gradients.")
-        return Search(number, begin, point.x, point.objective, point.violation, ended.converged, ended.reason,
+        return Search(number, x, point.x, point.objective, point.violation, ended.converged, ended.reason,
                       problem.evaluations, problem.gradients)  # fmt: skip
+
+    def _begun(self, number: int, begin: np.ndarray) -> tuple[np.ndarray, Problem]:
+        """Where a search begins: a random start without results comes nearer to the first one, by half the way."""
+        x, home = begin, self.begins[0]
+        for _ in range(HALVINGS if number else 0):
+            try:
+                return x, self.design.problem(x)
+            except ModelError as error:
+                self.say(f"no results at this start, which comes nearer to the first one: {error}")
+                x = (x + home) / 2
+        return x, self.design.problem(x)
 
     def _remember(self, point: Point, iterate: bool) -> None:
         if iterate:
