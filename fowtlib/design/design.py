@@ -28,7 +28,6 @@ from fowtlib.design.terms import ALONE, Constraint, DesignCase, Function, Object
 from fowtlib.design.variables import Space, Variable
 from fowtlib.language.errors import ModelError, did_you_mean
 
-
 HALVINGS = 4  # of the way to the first start, for a random one that has no results
 
 
@@ -272,6 +271,7 @@ class _Optimisation:
             self._best(point, problem)
             return Search(number, begin, point.x, point.objective, point.violation, converged, reason, 0, 0)
         ended = self.solve(problem, problem.y(x), self.settings)
+        problem.watchers.clear()  # what follows is no part of the search
         point = problem.point(ended.y)
         if problem.best is not None and (not ended.converged or not point.feasible) and problem.best.better_than(point):
             point = problem.best

@@ -59,7 +59,7 @@ class Meter:
         statistics = statistics or Statistics()
         self.plant, self.case, self.free, self.targets = plant, case, free, targets
         self.statistics, self.names = statistics, list(names)
-        self.answers = {name: _answer(name) for name in names if _answer(name) is not None}
+        self.answers = {name: answer(name) for name in names if answer(name) is not None}
         self.still = [name for name in names if name not in self.answers]
         for name, (statistic, result) in self.answers.items():
             if result not in plant.outputs:
@@ -128,6 +128,6 @@ def _paths(free: Any) -> list[str]:
     return [path.partition("[")[0] for path in free or ()]
 
 
-def _answer(name: str) -> tuple[str, str] | None:
+def answer(name: str) -> tuple[str, str] | None:
     """Statistic and result of a name such as "std of pitch"; None for another name."""
     return next(((head, name.removeprefix(head)) for head in OF_RESPONSE if name.startswith(head)), None)

@@ -228,17 +228,31 @@ def _in_regions(method: str, problem: Scaled, y: np.ndarray, settings: Settings)
         radius *= 4
 
 
+class _Settled(Exception):
+    """The iterates of SLSQP stand still."""
+
+
 class _Track:
     """The best iterate of a search, by its objective and a penalty on its constraints, and the point that failed."""
 
     def __init__(self, problem: Scaled, y: np.ndarray, box: tuple[np.ndarray, np.ndarray]):
         self.problem, self.best, self.failed, self.iterations, self.box = problem, y, y, 0, box
-        self.merit = np.inf
+        self.merit, self.now, self.f_now = np.inf, y, np.inf
 
     def sees(self, y: np.ndarray, f: float, g: np.ndarray) -> None:
         over = np.maximum(g - self.problem.upper, self.problem.lower - g).clip(0.0).sum()
         if f + 100.0 * over < self.merit:
             self.merit, self.best = f + 100.0 * over, np.array(y)
+
+    def stands_still(self, y: np.ndarray, tolerance: float) -> bool:
+        """Whether an iterate that keeps its constraints moves no more by what counts; slopes are not exact to more."""
+        before, self.now = self.now, np.clip(y, *self.box)
+        g, f = self.problem.g(self.now), self.problem.f(self.now)
+        over = np.maximum(g - self.problem.upper, self.problem.lower - g).max(initial=0.0)
+        fell = abs(f - self.f_now)
+        self.f_now = f
+        still = float(np.max(np.abs(self.now - before))) <= 10 * tolerance and fell <= 0.01 * tolerance
+        return still and over <= tolerance
 
     def sound(self, function: Callable[[np.ndarray], Any]) -> Callable[[np.ndarray], Any]:
         def called(y: np.ndarray) -> Any:
@@ -260,8 +274,10 @@ def _minimize(method: str, problem: Scaled, track: _Track, y: np.ndarray, box: t
     f, df = track.sound(problem.f), track.sound(lambda v: problem.slopes(v)[0])
     g, dg = track.sound(problem.g), track.sound(lambda v: problem.slopes(v)[1])
 
-    def counted(*_: Any) -> None:
+    def counted(v: np.ndarray, *_: Any) -> None:
         track.iterations += 1
+        if method == "SLSQP" and track.stands_still(v, settings.tolerance):
+            raise _Settled
 
     common = {"jac": df, "bounds": Bounds(*box, keep_feasible=True), "callback": counted}
     if method == "SLSQP":
@@ -285,7 +301,10 @@ def _minimize(method: str, problem: Scaled, track: _Track, y: np.ndarray, box: t
         y = np.clip(y, box[0] + inside, box[1] - inside)
     with warnings.catch_warnings():
         warnings.filterwarnings("ignore", message="delta_grad == 0.0")  # of a result that is linear
-        found = minimize(f, y, method=method, constraints=constraints, options=options, **common)
+        try:
+            found = minimize(f, y, method=method, constraints=constraints, options=options, **common)
+        except _Settled:
+            return Ended(track.now, True, "an optimum"), max(track.iterations, 1)
     over = np.maximum(g(found.x) - problem.upper, problem.lower - g(found.x)).max(initial=0.0)
     if method == "SLSQP":
         converged, reason = found.status == 0, _SLSQP.get(found.status, str(found.message).lower())

