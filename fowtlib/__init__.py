@@ -44,6 +44,17 @@ if TYPE_CHECKING:
     )
     from fowtlib.case_files import read_cases
     from fowtlib.cases import Batch, Case, check_cases, run_batch
+    from fowtlib.design import (
+        Constraint,
+        Design,
+        DesignCase,
+        Function,
+        Objective,
+        Optimum,
+        Variable,
+        pareto,
+        read_design,
+    )
     from fowtlib.fmi import export_fmu
     from fowtlib.frequency import (
         AerodynamicCoefficients,
@@ -82,6 +93,10 @@ _PACKAGES = ("analysis", "components")
 _LATER = {
     "export_fmu": "fowtlib.fmi",
     "view": "fowtlib.view",
+    **dict.fromkeys(
+        ("Constraint", "Design", "DesignCase", "Function", "Objective", "Optimum", "Variable", "pareto", "read_design"),
+        "fowtlib.design",
+    ),
     **dict.fromkeys(
         ("AerodynamicCoefficients", "Gradient", "PreparedGradient", "Response", "Responses",
          "aerodynamic_coefficients", "forced_oscillation", "gradient", "response", "responses"),
@@ -128,13 +143,19 @@ __all__ = [
     "Case",
     "Component",
     "Conditions",
+    "Constraint",
+    "Design",
+    "DesignCase",
     "Event",
+    "Function",
     "Gradient",
     "LinearModel",
     "Mode",
     "Model",
     "ModelError",
     "NaturalMode",
+    "Objective",
+    "Optimum",
     "Output",
     "Plant",
     "PreparedGradient",
@@ -142,6 +163,7 @@ __all__ = [
     "Responses",
     "Result",
     "State",
+    "Variable",
     "aerodynamic_coefficients",
     "analyse_decay",
     "analysis",
@@ -173,8 +195,10 @@ __all__ = [
     "over_cases",
     "over_seeds",
     "parameter_map",
+    "pareto",
     "power_spectrum",
     "read_cases",
+    "read_design",
     "response",
     "responses",
     "run_batch",

@@ -28,8 +28,12 @@ FLOORS = [
 ]
 KNOWS_NO_PHYSICS = 3  # the first floors must not import a part or a model
 EVERYBODY_S = "fowtlib.analysis"  # works on arrays; every room of its floor may use it
-# who reads and runs cases needs the model; who writes about them needs the cases
-NEIGHBOURS = {("fowtlib.cases", "fowtlib.modelfile"), ("fowtlib.report", "fowtlib.cases")}
+# who reads and runs cases, or reads designs, needs the model; who writes about them needs the cases; a design asks for
+# responses
+NEIGHBOURS = {
+    ("fowtlib.cases", "fowtlib.modelfile"), ("fowtlib.report", "fowtlib.cases"),
+    ("fowtlib.design", "fowtlib.frequency"), ("fowtlib.design", "fowtlib.modelfile"),
+}  # fmt: skip
 LIBRARY = "fowtlib.components"
 LIBRARY_MAY_IMPORT = {
     "fowtlib.language",

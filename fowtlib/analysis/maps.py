@@ -145,7 +145,8 @@ def parameter_map(
     model    a compiled model as it is; another is first put into still water without wind
     over     values by the path of a parameter, in SI or with units
     of       results of the model, any of its variables, what `model_sheet` says ("mass", "C33", "turbine: mass"),
-             "period of ..." and "damping ratio of ..." a natural mode, and parameters
+             "period of ..." and "damping ratio of ..." a natural mode by its name or its number, the slowest being
+             "mode 1", and parameters
     limits   such as "pitch < 5 deg"; their quantities are computed too
     parameters  values of further parameters, the same everywhere
     free, targets  parameters that take the values at which conditions hold, at each point: see Plant.equilibrium
@@ -174,13 +175,13 @@ def parameter_map(
         values = {**(parameters or {}), **given}
         near = next((solved[beside] for beside in _beside(place) if beside in solved), None)
         try:
-            state = _sound_equilibrium(plant, values, near=near, free=free, targets=targets)
+            state = sound_equilibrium(plant, values, near=near, free=free, targets=targets)
         except ModelError as error:
             failures[place] = str(error)
         else:
             solved[place] = state
-            for name, value, unit in _quantities(plant, state, names):
-                table[name][place], units[name] = value, unit
+            for name, value, unit in quantities_at(plant, state, names):
+                table[name][place], units[name] = _number(name, value), unit
             missing = [name for name in names if np.isnan(table[name][place])]
             if missing:
                 failures[place] = f"the equilibrium has no '{missing[0]}'{_of_modes(plant, state, missing[0])}"
@@ -220,7 +221,7 @@ def _beside(place: tuple[int, ...]) -> Iterator[tuple[int, ...]]:
             yield tuple(k + step * (axis == i) for i, k in enumerate(place))
 
 
-def _sound_equilibrium(plant: Any, values: Mapping[str, Any], **options: Any) -> Any:
+def sound_equilibrium(plant: Any, values: Mapping[str, Any], **options: Any) -> Any:
     """An equilibrium; ModelError with what the model warns of, where it is out of the range of what is modelled."""
     with warnings.catch_warnings(record=True) as said:
         warnings.simplefilter("always")
@@ -231,14 +232,15 @@ def _sound_equilibrium(plant: Any, values: Mapping[str, Any], **options: Any) ->
     return state
 
 
-def _quantities(plant: Any, state: Any, names: Sequence[str]) -> Iterator[tuple[str, float, str]]:
-    """Name, value and unit of quantities at a state; nan where it has no such mode."""
+def quantities_at(plant: Any, state: Any, names: Sequence[str]) -> Iterator[tuple[str, Any, str]]:
+    """Name, value (a number or an array) and unit of quantities at a state; nan where it has no such mode."""
     modes: dict[str, Any] = {}
     told: dict[str, Any] = {}
     if any(name.startswith(_OF_MODES) for name in names):
         entries = list(modes_of(plant, state))
         modes = {entry.quantity.partition(", with ")[0]: entry for entry in entries}  # of two motions at one period
         modes |= {entry.quantity: entry for entry in entries}
+        modes |= {f"{_OF_MODES[k % 2]}mode {k // 2 + 1}": entry for k, entry in enumerate(entries)}
     binding = plant.binding(state.parameters)
     rest = [name for name in names if not name.startswith(_OF_MODES) and name not in binding.values]
     if not all(name in plant.outputs for name in rest):
@@ -255,22 +257,21 @@ def _quantities(plant: Any, state: Any, names: Sequence[str]) -> Iterator[tuple[
         elif name in told:
             yield name, told[name].value, told[name].unit
         else:
-            yield name, _number(name, binding.values[name]), plant.dae.parameters[name].unit
+            yield name, binding.values[name], plant.dae.parameters[name].unit
 
 
 def _of_modes(plant: Any, state: Any, name: str) -> str:
     return did_you_mean(name, [entry.quantity for entry in modes_of(plant, state)], list_up_to=20)
 
 
-def _variables(plant: Any, state: Any, names: Sequence[str], told: Mapping[str, Any]) -> list[float]:
+def _variables(plant: Any, state: Any, names: Sequence[str], told: Mapping[str, Any]) -> list[Any]:
     """Results and variables by name, all at once."""
     try:
-        values = state.values(names)
+        return state.values(names)
     except ModelError:
         wrong = next((name for name in names if not _is_known(plant, name)), names[0])
         known = [*plant.outputs, *told]
         raise ModelError(f"the model has no quantity '{wrong}'{did_you_mean(wrong, known)}") from None
-    return [_number(name, value) for name, value in zip(names, values, strict=True)]
 
 
 def _number(name: str, value: Any) -> float:

@@ -37,6 +37,7 @@ from fowtlib.cli import (
     loads,
     maps,
     maxima,
+    optimise,
     rao,
     response,
     rotor_table,
@@ -54,8 +55,8 @@ from fowtlib.cli.report import write_report
 from fowtlib.language.errors import ModelError, did_you_mean
 
 GROUPS = (
-    run, cases, batch, export, view, inspection, events, stability, tune, sheet, maps, decay, rao, response, statistics,
-    maxima, loads, fatigue, compare, rotor_table, hydro, wind_field, contours, extremes, library, cache,
+    run, cases, batch, export, view, inspection, events, stability, tune, sheet, maps, optimise, decay, rao, response,
+    statistics, maxima, loads, fatigue, compare, rotor_table, hydro, wind_field, contours, extremes, library, cache,
 )  # fmt: skip
 
 

@@ -9,7 +9,7 @@ from typing import Any
 import numpy as np
 
 from fowtlib.analysis.drag_maxima import rayleigh_exponential_extreme
-from fowtlib.frequency.responses import Response
+from fowtlib.frequency.found import Response
 from fowtlib.language.errors import ModelError, did_you_mean
 from fowtlib.solving.model import Model, Output
 

@@ -17,7 +17,6 @@ from dataclasses import dataclass, replace
 from fractions import Fraction
 from typing import Any
 
-from fowtlib.language import expressions
 from fowtlib.language import math as symbolic
 from fowtlib.language.errors import ModelFileError, did_you_mean
 from fowtlib.language.unit_grammar import Unit, parse_unit
@@ -240,7 +239,7 @@ def _negative(a: Quantity) -> Quantity:
 def _indexed(tree: Tree, index: int, text: str) -> Tree:
     def indexed(lookup: Lookup) -> Quantity:
         a = tree(lookup)
-        if not isinstance(a.value, expressions.Arithmetic):
+        if isinstance(a.value, (int, float)):
             raise ModelFileError(f"'{text}' takes an element of a single number.")
         return Quantity(a.value[index], a.unit)
 
@@ -260,7 +259,7 @@ def _called(name: str, arguments: list[Quantity]) -> Quantity:
         unit = _unit("+", unit, arguments[1].unit)
         unit = None if rule == "ratio" else unit
     values = [argument.value for argument in arguments]
-    symbols = any(isinstance(value, expressions.Arithmetic) for value in values)
+    symbols = any(not isinstance(value, (int, float)) for value in values)
     return Quantity(delayed(*values) if symbols else float(numeric(*values)), unit)
 
 

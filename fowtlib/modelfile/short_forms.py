@@ -227,9 +227,7 @@ WIND = Condition(
         "eog": Kind({**_EVENT, **_WIND_CLASS}, bare="speed", either=_EITHER_REFERENCE),
         "edc": Kind({**_EVENT, **_SIGN}, bare="speed"),
         "ecd": Kind({**_SPEED, "at": Key("start_time", "s"), **_SIGN, **_SHEAR}, bare="speed"),
-        "ews": Kind(
-            {**_EVENT, "plane": Key("plane", "", choices=("vertical", "horizontal")), **_SIGN}, bare="speed"
-        ),
+        "ews": Kind({**_EVENT, "plane": Key("plane", "", choices=("vertical", "horizontal")), **_SIGN}, bare="speed"),
         "file": Kind({"file": Key("file", "path", required=True)}, bare="file"),
         "field": Kind({"file": Key("file", "path", required=True)}, bare="file"),
         "turbulence": Kind(

@@ -135,11 +135,7 @@ class _Writer:
             for name, child in part.parts.items()
             if not _replaced(part, name, twin)
         }
-        added = {
-            name: self.component(child)
-            for name, child in part.parts.items()
-            if _replaced(part, name, twin)
-        }
+        added = {name: self.component(child) for name, child in part.parts.items() if _replaced(part, name, twin)}
         entries["parts"] = {**{name: item for name, item in inner.items() if item}, **added}
         entries["connect"] = [[_end(a, part), _end(b, part)] for a, b, _ in _more_connections(part, twin)]
         return _filled(entries)

@@ -1,0 +1,43 @@
+"""Where no design keeps all constraints: which of them are against each other."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from fowtlib.design.multipliers import ACTIVE
+from fowtlib.design.optimisers import Settings, optimiser
+from fowtlib.design.problem import Problem
+
+
+class Elastic:
+    """The problem of the least largest violation: min t with lower - t <= g <= upper + t; the last variable is t."""
+
+    def __init__(self, problem: Problem, reach: float):
+        self.problem = problem
+        self.over, self.under = np.isfinite(problem.upper), np.isfinite(problem.lower)
+        k = int(self.over.sum() + self.under.sum())
+        self.lower, self.upper = np.full(k, -np.inf), np.zeros(k)
+        self.y_lower, self.y_upper = np.append(problem.y_lower, -1.0), np.append(problem.y_upper, 2 * reach + 1.0)
+
+    def f(self, y: np.ndarray) -> float:
+        self.problem.point(y[:-1])
+        return float(y[-1])
+
+    def g(self, y: np.ndarray) -> np.ndarray:
+        g = self.problem.g(y[:-1])
+        return np.concatenate([(g - self.problem.upper)[self.over], (self.problem.lower - g)[self.under]]) - y[-1]
+
+    def slopes(self, y: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+        _, dg = self.problem.slopes(y[:-1])
+        rows = np.concatenate([dg[self.over], -dg[self.under]])
+        return np.append(np.zeros(y.size - 1), 1.0), np.column_stack([rows, -np.ones(len(rows))])
+
+
+def least_violation(problem: Problem, y: np.ndarray, settings: Settings, method: str) -> tuple[np.ndarray, list[int]]:
+    """Where the largest scaled violation is least, and the scaled constraints that hold it there."""
+    g = problem.g(y)
+    t = float(np.max(np.maximum(g - problem.upper, problem.lower - g)))
+    ended = optimiser(method)(Elastic(problem, max(t, 0.0)), np.append(y, t), settings)
+    g = problem.g(ended.y[:-1])
+    over = np.maximum(g - problem.upper, problem.lower - g)
+    return ended.y[:-1], np.flatnonzero(over >= over.max() - ACTIVE - 0.01 * abs(over.max())).tolist()
