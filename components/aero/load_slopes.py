@@ -32,7 +32,7 @@ class LoadSlopes:
     """Slopes of the loads of one blade by the wind at each of its elements, over the wind in which the rotor operates.
 
     wind_speed (n,) [m/s] does not fall: two rows of the same wind are a jump, such as cutting out, and the second holds
-    from there on. rotor_speed (n,) [rad/s], blade_pitch (n,) [rad]. radius (r,) [m] from the shaft. thrust [m^3/s],
+    above it. rotor_speed (n,) [rad/s], blade_pitch (n,) [rad]. radius (r,) [m] from the shaft. thrust [m^3/s],
     torque and moment [m^4/s], (n, r) each: by the wind along the shaft at the element, over the air density, of the
     force along the shaft, of the moment about it that drives, and of the moment that tilts the hub while the blade is
     up. The wake is in equilibrium with each element's own wind. Raises ParameterError.
@@ -71,11 +71,9 @@ class LoadSlopes:
         if not rows[0] <= wind_speed <= rows[-1]:
             raise self._wrong(f"they cover winds of {rows[0]:g} to {rows[-1]:g} m/s, and not {wind_speed:.4g} m/s; "
                               "compute them for this wind too (fowt rotor-table --slopes).")  # fmt: skip
-        k = int(np.clip(np.searchsorted(rows, wind_speed, side="right") - 1, 0, max(len(rows) - 2, 0)))
-        if len(rows) == 1 or wind_speed >= rows[-1]:
-            low, high, share = len(rows) - 1, len(rows) - 1, 0.0
-        else:
-            low, high, share = k, k + 1, float((wind_speed - rows[k]) / (rows[k + 1] - rows[k]))
+        high = max(int(np.searchsorted(rows, wind_speed)), min(1, len(rows) - 1))
+        low = max(high - 1, 0)
+        share = (wind_speed - rows[low]) / (rows[high] - rows[low]) if rows[high] > rows[low] else 1.0
 
         def between(values: Floats) -> Floats:
             return ((1 - share) * values[low] + share * values[high])[None]

@@ -174,6 +174,24 @@ def test_a_kaimal_field_and_kaimal_turbulence_give_one_response():
     assert one.density == pytest.approx(other.density, rel=1e-6)
 
 
+def test_two_rotors_are_in_one_turbulence():
+    model = Assembly("two rotors")
+    model.world, model.wind = World(), Wind(kind="kaimal", mean_speed=14.0, stations=((70, 90), (-70, 90)), seed=4)
+    model.left = EffectiveWindRotor(**ROTOR, slopes=SLOPES, station=0)
+    model.right = EffectiveWindRotor(**ROTOR, slopes=SLOPES, station=1, rotation=-1)
+    turbulence = Turbulence(model.wind)
+    assert [turbulence.columns(rotor) for rotor in (model.left, model.right)] == [slice(2, 6), slice(6, 10)]
+    S = turbulence.spectral_density(2 * np.pi * np.array([0.005, 0.02]))
+    assert np.linalg.eigvalsh(S).min() > 0
+    disks = np.abs(S[:, 2, 6]) / np.sqrt(S[:, 2, 2] * S[:, 6, 6]).real
+    points = np.abs(S[:, 0, 1]) / S[:, 0, 0].real
+    assert np.all((disks > points) & (disks < 1))  # small eddies are out of the means, large ones are of both
+    left, right = (DiscSignals()(rotor)(np.arange(0, 4096, 0.25)) for rotor in (model.left, model.right))
+    total = turbulence.spectral_density(2 * np.pi * np.arange(1, 4097) / 4096).real.sum(axis=0)
+    expected = total[2, 6] / np.sqrt(total[2, 2] * total[6, 6])
+    assert np.corrcoef(left[:, 0], right[:, 0])[0, 1] == pytest.approx(expected, abs=0.12)
+
+
 def test_the_tower_beside_the_rotor_is_in_the_same_field():
     model = turbine(Wind(kind="turbulence", mean_speed=14.0, shear_exponent=0.0)).root
     model.column = Fixed(r=(0, 0, 60))

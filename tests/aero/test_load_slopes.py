@@ -81,6 +81,20 @@ def test_written_slopes_are_read_again_and_stand_between_the_rows(tmp_path):
     assert slopes.at(8.0).rotor_speed[0] == pytest.approx(6.43 * RPM)
 
 
+def test_a_rotor_that_cuts_out_jumps_and_stands_feathered(rotor):
+    slopes = load_slopes(rotor, [20.0, 25.0, 25.0, 50.0], np.array([12.1, 12.1, 0, 0]) * RPM,
+                         np.radians([17.4, 23.5, 90, 90]))  # fmt: skip
+    assert slopes.at(20.0).rotor_speed == pytest.approx(12.1 * RPM)
+    assert slopes.at(25.0).rotor_speed == pytest.approx(12.1 * RPM)  # the last wind of operation
+    assert slopes.at(25.01).rotor_speed == 0
+    thrusts = [RigidRotor(rotor).thrust_and_torque([wind, 0, 0], 0.0, np.pi / 2)[0] for wind in (40.0, 50.0)]
+    for wind, thrust in zip((40.0, 50.0), thrusts, strict=True):  # goes with the square of the wind
+        assert 3 * 1.225 * slopes.at(wind).thrust.sum() == pytest.approx(2 * thrust / wind, rel=1e-6)
+    assert slopes.at(50.0).moment.sum() > 0
+    alone = load_slopes(rotor, [12.0], [12.1 * RPM], [np.radians(3.8)])
+    assert alone.at(12.0).thrust == pytest.approx(alone.thrust)
+
+
 def test_mistakes_in_a_table_of_slopes_are_named(tmp_path):
     slopes = read_load_slopes(str(DTU))
     with pytest.raises(ParameterError, match=r"dtu10mw_load_slopes.csv: .* cover winds of 8 to 25 m/s, and not 26"):
