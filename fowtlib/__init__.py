@@ -45,7 +45,8 @@ if TYPE_CHECKING:
     from fowtlib.case_files import read_cases
     from fowtlib.cases import Batch, Case, check_cases, run_batch
     from fowtlib.fmi import export_fmu
-    from fowtlib.frequency import Response, Responses, response, responses
+    from fowtlib.frequency import Response, Responses, response
+    from fowtlib.frequency.many import responses
     from fowtlib.modelfile import dump, load
     from fowtlib.solving import (
         Conditions,
@@ -70,7 +71,8 @@ _PACKAGES = ("analysis", "components")
 _LATER = {
     "export_fmu": "fowtlib.fmi",
     "view": "fowtlib.view",
-    **dict.fromkeys(("Response", "Responses", "response", "responses"), "fowtlib.frequency"),
+    **dict.fromkeys(("Response", "Responses", "response"), "fowtlib.frequency"),
+    "responses": "fowtlib.frequency.many",
     "read_cases": "fowtlib.case_files",
     **dict.fromkeys(("Batch", "Case", "check_cases", "run_batch"), "fowtlib.cases"),
     **dict.fromkeys(("dump", "load"), "fowtlib.modelfile"),
