@@ -237,6 +237,42 @@ def design_map() -> Measured:
 
 
 @measurement
+def response() -> Measured:
+    """The response in the frequency domain, all results, on one core: one state, and the 546 of a study of two spars."""
+    os.environ["OPENBLAS_NUM_THREADS"] = "1"  # before NumPy is imported
+    import numpy as np
+
+    import fowtlib as fw
+    from fowtlib.metocean import centre_bins, site
+
+    rows: Measured = []
+    for name, winds in (
+        ("oc3_spar_rigid", (16.0, 18.0, 20.0, 19.0)),
+        ("two_rotor_spar_rigid", (16.0, 18.0, 20.0, 19.0)),
+    ):
+        plant = fw.load(name).compile()
+        texts = []
+        for wind, height in ((14.0, 4.0), *((wind, 4.0) for wind in winds), *((19.0, 2.0 + k / 4) for k in range(8))):
+            watch = Stopwatch()
+            fw.response(plant, parameters={"wind.mean_speed": wind, "sea.significant_wave_height": height})
+            texts.append(watch.read())
+        told = [f"{wall:.3f} s ({cpu:.3f} s)" for wall, cpu in
+                (texts[0], sorted(texts[1 : 1 + len(winds)])[len(winds) // 2], sorted(texts[1 + len(winds) :])[4])]  # fmt: skip
+        rows += [
+            (f"response of {name}, all results, the first state", told[0], ""),
+            ("another state in another wind, the median", told[1], ""),
+            ("another sea in the same wind, the median", told[2], "0.05 s"),
+        ]
+    grid = (np.arange(5, 26, 2.0), np.arange(0.5, 25), np.arange(0.5, 30))
+    states = centre_bins(site("northern_north_sea").at(119), *grid, jacobian=False)
+    plant, watch = fw.load("oc3_spar_rigid").compile(), Stopwatch()
+    found = fw.responses(plant, states)
+    rows.append((f"responses of oc3_spar_rigid in {len(found)} states, all results", watch.text(1), "under 60 s"))
+    rows.append(("its peak memory", f"{peak_memory():.0f} MB", ""))
+    return rows
+
+
+@measurement
 def first_step() -> Measured:
     """From the command line to the first step of the complete turbine: with nothing compiled, and again."""
     rows: Measured = []

@@ -66,8 +66,8 @@ if TYPE_CHECKING:
         forced_oscillation,
         gradient,
         response,
-        responses,
     )
+    from fowtlib.frequency.many import responses
     from fowtlib.modelfile import dump, load
     from fowtlib.solving import (
         Conditions,
@@ -99,9 +99,10 @@ _LATER = {
     ),
     **dict.fromkeys(
         ("AerodynamicCoefficients", "Gradient", "PreparedGradient", "Response", "Responses",
-         "aerodynamic_coefficients", "forced_oscillation", "gradient", "response", "responses"),
+         "aerodynamic_coefficients", "forced_oscillation", "gradient", "response"),
         "fowtlib.frequency",
     ),
+    "responses": "fowtlib.frequency.many",
     "read_cases": "fowtlib.case_files",
     **dict.fromkeys(("Batch", "Case", "check_cases", "run_batch"), "fowtlib.cases"),
     **dict.fromkeys(("dump", "load"), "fowtlib.modelfile"),

@@ -97,7 +97,7 @@ def show_response(arguments: argparse.Namespace) -> int:
 
 def show_states(arguments: argparse.Namespace) -> int:
     """Print the statistics of every result over many states, and save those of each state."""
-    from fowtlib.frequency import responses
+    from fowtlib.frequency.many import responses
 
     for option in ("plot", "spectra"):
         if getattr(arguments, option):

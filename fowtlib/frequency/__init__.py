@@ -1,11 +1,14 @@
-"""Response of a model to wind and waves in the frequency domain: spectra, deviations, extremes and fatigue, no runs."""
+"""Response of a model to wind and waves in the frequency domain: spectra, deviations, extremes and fatigue, no runs.
+
+Many states at once: `fw.responses`, in fowtlib.frequency.many (`responses` here is the module of one response).
+"""
 
 from fowtlib.frequency.aerodynamics import AerodynamicCoefficients, aerodynamic_coefficients, forced_oscillation
 from fowtlib.frequency.drag import best_gain
 from fowtlib.frequency.found import Response
 from fowtlib.frequency.gradients import Gradient, PreparedGradient, gradient
 from fowtlib.frequency.line_tension import LineExtreme, line_extreme, with_line_results
-from fowtlib.frequency.many import Responses, responses
+from fowtlib.frequency.many import Responses
 from fowtlib.frequency.quantities import EquivalentLoad, Extreme, Mean, ModeDamping, ModeFrequency, OfSpectrum, Std
 from fowtlib.frequency.responses import response
 
@@ -29,6 +32,5 @@ __all__ = [
     "gradient",
     "line_extreme",
     "response",
-    "responses",
     "with_line_results",
 ]

@@ -12,6 +12,7 @@ LOWEST, HIGHEST = 0.5 / 3600, 2.0  # Hz; what is slower than an hour is the mean
 BROAD = 200  # equally spaced in the logarithm, over all frequencies
 WAVES = (0.03, 0.35, 160)  # Hz, and so many equally spaced
 PEAK = 33  # about a resonance
+BROADEST = 0.2  # damping ratio of a mode, from which those all over are close enough
 COARSE = 3  # so many times fewer where a percent is enough
 
 
@@ -27,7 +28,7 @@ def response_frequencies(modes: Iterable[Mode], low: float = LOWEST, high: float
     angles = np.linspace(-1.5, 1.5, PEAK // fewer)
     for mode in modes:
         width = max(mode.damping_ratio, 1e-5) * mode.frequency_hz
-        if low < mode.frequency_hz < high and mode.damping_ratio < 0.5:
+        if low < mode.frequency_hz < high and mode.damping_ratio < BROADEST:
             points.append(abs(mode.eigenvalue.imag) / (2 * np.pi) + width * np.tan(angles))
     frequency = np.sort(np.concatenate(points))
     frequency = frequency[(frequency >= low) & (frequency <= high)]

@@ -41,10 +41,14 @@ class Mixing:
             part = mixed[first : first + matrix.size].reshape(matrix.shape)
             first += matrix.size
             part = (part + part.T) / 2
-            if not np.trace(part) > LEAST * np.trace(matrix) or np.linalg.eigvalsh(part)[0] < 0:
+            if not np.trace(part) > LEAST * np.trace(matrix) or not _positive(part):
                 part = matrix
             guess.append(part)
         return guess
+
+
+def _positive(matrix: np.ndarray) -> bool:
+    return bool(matrix[0, 0] >= 0 if len(matrix) == 1 else np.linalg.eigvalsh(matrix)[0] >= 0)
 
 
 def _flat(matrices: Sequence[np.ndarray]) -> np.ndarray:

@@ -280,9 +280,10 @@ class Resolvent:
         if self.basis is None:
             b = np.broadcast_to(B[:, None, :], (len(B), omega.size, B.shape[1]))
             return times(C, Resolvent(omega, self.A)._solved(b)).transpose(1, 0, 2)
-        roots, right, left = self.basis
-        by_root = (C @ right) * self._shares[:, part].T[:, None, :]
-        return (by_root.reshape(-1, roots.size) @ (left @ B)).reshape(omega.size, len(C), B.shape[1])
+        _, right, left = self.basis
+        to, of = C @ right, left @ B
+        by_root = (to.T[:, :, None] * of[:, None, :]).reshape(len(of), -1)  # all elements of all roots
+        return (self._shares[:, part].T @ by_root).reshape(omega.size, len(C), B.shape[1])
 
     def _solved(self, b: np.ndarray) -> np.ndarray:
         one = np.eye(len(self.A))

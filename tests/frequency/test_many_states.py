@@ -12,7 +12,8 @@ import pytest
 import fowtlib as fw
 from fowtlib.analysis.fatigue import TubeSection, sn_curve
 from fowtlib.analysis.fatigue.lifetime import YEAR
-from fowtlib.frequency import response, responses
+from fowtlib.frequency import response
+from fowtlib.frequency.many import responses
 from fowtlib.language.errors import ModelError
 from tests.frequency.conftest import oscillator
 
