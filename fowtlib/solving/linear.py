@@ -231,19 +231,11 @@ class Resolvent:
             return np.array([np.linalg.solve(1j * w * one - self.A, column) for w, column in rows])
         return self.right @ ((self.left @ b) * self._shares[:, :, None])
 
-    def adjoint(self, b: np.ndarray) -> np.ndarray:
-        """(i omega - A)^-H b, for b (q, n, k)."""
+    def between(self, C: np.ndarray, B: np.ndarray) -> np.ndarray:
+        """C (i omega - A)^-1 B, for constant C (m, n) and B (n, k): (q, m, k)."""
         if self.left is None:
-            one = np.eye(len(self.A))
-            rows = zip(self.omega, b, strict=True)
-            return np.array([np.linalg.solve((1j * w * one - self.A).conj().T, column) for w, column in rows])
-        return self.left.conj().T @ ((self.right.conj().T @ b) * self._shares.conj()[:, :, None])
-
-    def between(self, C: np.ndarray, B: np.ndarray, part: slice = slice(None)) -> np.ndarray:
-        """C (i omega - A)^-1 B, for constant C (m, n) and B (n, k): (q, m, k); part: of the frequencies."""
-        if self.left is None:
-            return C @ Resolvent(self.omega[part], self.A)(np.broadcast_to(B, (self.omega[part].size, *B.shape)))
-        return ((C @ self.right) * self._shares[part, None, :]) @ (self.left @ B)
+            return C @ self(np.broadcast_to(B, (self.omega.size, *B.shape)))
+        return ((C @ self.right) * self._shares[:, None, :]) @ (self.left @ B)
 
     @cached_property
     def _shares(self) -> np.ndarray:
