@@ -7,6 +7,8 @@ With amplitudes d of the inputs, H = C x + D d, (i omega - A) x = B d, and slope
 one solve a frequency with the factors of the response itself. Drag is in the loop by gains G that follow from the
 response, G = gain(covariance(G)): its slopes, made once, give the gains to rounding by Newton's iteration, and the
 adjoint of the fixed point, (1 - Phi)' g = slope by G, once for all scalars.
+
+Arrays over frequencies have these in the middle, (rows, q, channels), so that what is constant multiplies all at once.
 """
 
 from __future__ import annotations
@@ -23,7 +25,7 @@ from fowtlib.frequency.gain_slopes import gain_slopes, slope_at_mean
 from fowtlib.frequency.quantities import ORDERS
 from fowtlib.language.errors import SimulationError
 from fowtlib.solving.excited import ExcitedModel
-from fowtlib.solving.linear import LinearModel, Resolvent
+from fowtlib.solving.linear import LinearModel, Resolvent, times
 from fowtlib.solving.stationary_gradients import Bars
 
 SETTLED, ROUNDING = 1e-12, 1e-10  # change of the gains, relative, at which Newton's iteration ends; and where it stays
@@ -83,9 +85,11 @@ class RandomResponse:
     def __init__(self, excited: ExcitedModel, forcing: Forcing, gains: Sequence[np.ndarray] | None = None,
                  newton: np.ndarray | None = None):  # fmt: skip
         self.excited, self.forcing, self.omega = excited, forcing, 2 * np.pi * forcing.frequency
+        self.drive = np.ascontiguousarray(forcing.drive.transpose(1, 0, 2))
         self.weighted = forcing.density * forcing.widths[:, None, None]
         operators = excited.linear.operators
         self.errors = operators.errors(self.omega) if operators is not None else None
+        self.powers = (1j * self.omega)[:, None] ** np.arange(3)
         places = [place for _, place in excited.laws]
         size = sum(place.stop - place.start for place in places)
         self.means = np.asarray(getattr(excited, "means", np.zeros(size)))
@@ -123,45 +127,40 @@ class RandomResponse:
         return self._map() if self.excited.laws else np.zeros((0, 0))
 
     def _answer(self) -> None:
-        excited, drive = self.excited, self.forcing.drive
-        self.closed = excited.with_gains(self.gains)
+        self.closed = self.excited.with_gains(self.gains)
         A, B, C, D = (self.closed.matrices[name] for name in "ABCD")
         self.resolvent = Resolvent(self.omega, A)
-        x = self.resolvent(B @ drive)
+        x, direct = self.resolvent(times(B, self.drive)), times(D, self.drive)
         operators = self.closed.operators
-        powers = (1j * self.omega)[:, None] ** np.arange(3)
-        self.three = np.zeros((self.omega.size, 0, drive.shape[2]), dtype=complex)
-        out = C @ x + D @ drive
+        self.three = np.zeros((0, *self.drive.shape[1:]), dtype=complex)
         if operators is not None:
             by_w = self.resolvent.between(operators.C, operators.B) + operators.D
             q, n = by_w.shape[:2]
-            by_w = np.einsum("qndm,qd->qnm", by_w.reshape(q, n, 3, -1), powers)
+            by_w = np.einsum("qndm,qd->qnm", by_w.reshape(q, n, 3, -1), self.powers)
             self.loop = np.eye(self.errors.shape[1]) - self.errors @ by_w  # (1 - E G), to the outputs w
-            u = operators.C @ x + operators.D_input @ drive
-            w = np.linalg.solve(self.loop, self.errors @ u)
-            self.three = (powers[:, :, None, None] * w[:, None]).reshape(q, -1, drive.shape[2])
-            x = x + self.resolvent(operators.B @ self.three)
-            out = C @ x + D @ drive + operators.D_output @ self.three
-        self.powers, self.x, self.out = powers, x, out
+            u = (times(operators.C, x) + times(operators.D_input, self.drive)).transpose(1, 0, 2)
+            self.three = self._with_rates(np.linalg.solve(self.loop, self.errors @ u)).transpose(1, 0, 2)
+            x = x + self.resolvent(times(operators.B, self.three))
+            direct = direct + times(operators.D_output, self.three)
+        self.x, self.out = x, times(C, x) + direct
 
-    @property
-    def H(self) -> np.ndarray:
-        """Transfer functions (q, results, k)."""
-        return self.out[:, : self.excited.results]
+    def _with_rates(self, w: np.ndarray, part: slice = slice(None)) -> np.ndarray:
+        """Outputs of operators (q, m, k), and their rates and those of the rates: (q, 3 m, k)."""
+        return (self.powers[part, :, None, None] * w[:, None]).reshape(len(w), -1, w.shape[2])
 
     def _of_law(self, place: slice) -> np.ndarray:
         m = self.excited.results
-        return self.out[:, m + place.start : m + place.stop]
+        return self.out[m + place.start : m + place.stop]
 
     def _covariance(self, place: slice) -> np.ndarray:
         u = self._of_law(place)
-        return np.einsum("qrk,qsk->rs", u @ self.weighted, u.conj()).real
+        return _outer(_with_density(u, self.weighted), u)
 
     def moments(self, result: int, process: str | None = None) -> np.ndarray:
         """Spectral moments of a result, of orders 0, 1, 2 and 4 [unit^2 Hz^n]."""
-        H = self.H[:, result]
+        H, frequency = self.out[result], self.forcing.frequency
         density = np.einsum("qk,qkl,ql->q", H, self.forcing.of(process), H.conj()).real
-        return np.array([np.sum(self.forcing.frequency**n * density * widths(self.forcing.frequency)) for n in ORDERS])
+        return np.array([np.sum(frequency**n * density * widths(frequency)) for n in ORDERS])
 
     # --- the fixed point -------------------------------------------------------------------------------------------
 
@@ -197,8 +196,7 @@ class RandomResponse:
             found = self.resolvent.between(C, B_in, part) + D_closed
             if operators is not None:
                 u = self.resolvent.between(operators.C, B_in, part) + D_input
-                w = np.linalg.solve(self.loop[part], self.errors[part] @ u)
-                three = (self.powers[part, :, None, None] * w[:, None]).reshape(len(w), -1, u.shape[2])
+                three = self._with_rates(np.linalg.solve(self.loop[part], self.errors[part] @ u), part)
                 found = found + (self.resolvent.between(C, operators.B, part) + operators.D_output) @ three
             yield part, found
 
@@ -216,7 +214,7 @@ class RandomResponse:
         """
         m, width, laws = self.excited.results, self._width, self.excited.laws
         count = len(laws)
-        self.by_laws = np.zeros((self.omega.size, m, self.out.shape[1] - m), dtype=complex)
+        self.by_laws = np.zeros((self.omega.size, m, len(self.out) - m), dtype=complex)
         self.by_covariance, self.by_mean = np.zeros((count, *[width] * 4)), np.zeros((count, *[width] * 3))
         spread = np.zeros((count, width), dtype=int)  # rows of laws, of those that are narrower -1
         for k, (_, place) in enumerate(laws):
@@ -225,11 +223,12 @@ class RandomResponse:
             slopes = gain_slopes(self._covariance(place), self.means[place])
             self.by_covariance[k][(slice(n),) * 4], self.by_mean[k][(slice(n),) * 3] = slopes
         rows = spread.ravel()
+        there = (rows >= 0)[:, None]
         product = np.zeros((count, count, width**2, width**2))
         for part, injected in self._injected():
             self.by_laws[part] = injected[:, :m]
-            u = np.where(rows[:, None] >= 0, self.out[part][:, m:][:, rows], 0.0)
-            T = np.where((rows[:, None] >= 0) & (rows >= 0), injected[:, m:][:, rows][:, :, rows], 0.0)
+            u = np.where(there, self.out[m:][rows][:, part].transpose(1, 0, 2), 0.0)
+            T = np.where(there & there.T, injected[:, m:][:, rows][:, :, rows], 0.0)
             Z = (u @ self.weighted[part]) @ u.conj().transpose(0, 2, 1)  # of law j in direction e, with law i in s
             q = len(T)
             T = T.reshape(q, count, width, count, width).transpose(1, 3, 2, 4, 0).reshape(count, count, width**2, q)
@@ -249,54 +248,56 @@ class RandomResponse:
         excited, forcing = self.excited, self.forcing
         m, n = excited.results, excited.driven
         weight = sum(slope * forcing.frequency**order for slope, order in zip(by_moments, ORDERS, strict=True))
-        weight = weight * widths(forcing.frequency)
-        H = self.H[:, result]
+        weight, H, S = weight * widths(forcing.frequency), self.out[result], forcing.of(process)
         bars = np.zeros(self.out.shape, dtype=complex)
-        bars[:, result] = 2 * weight[:, None] * (H[:, None] @ forcing.of(process))[:, 0]
-        allowed = forcing.of(process) != 0
-        density = np.where(allowed, weight[:, None, None] * (H[:, :, None] * H.conj()[:, None, :]), 0.0)
-        G, means = self._gain_matrix(), np.zeros(self.means.size)
+        bars[result] = 2 * weight[:, None] * _with_density(H[None], S)[0]
+        density = np.where(S != 0, weight[:, None, None] * (H[:, :, None] * H.conj()[:, None, :]), 0.0)
+        means = np.zeros(self.means.size)
         if excited.laws:
-            phi = self.phi  # with it what answers to the laws
-            a = self.by_laws.conj().transpose(0, 2, 1) @ bars[:, :m]
-            direct = [_outer(a[:, place], self._of_law(place)) for _, place in excited.laws]
-            total = np.linalg.solve((np.eye(len(phi)) - phi).T, self._packed(direct))
-            whole = total.reshape(len(excited.laws), self._width, self._width)
-            for k, (_, place) in enumerate(excited.laws):
-                size = place.stop - place.start
-                by_mean = self.by_mean[k][:size, :size, :size] - slope_at_mean(self.means[place])[1]
-                means[place] = np.einsum("abk,ab->k", by_mean, whole[k][:size, :size])
-                of_covariance = np.einsum("abcd,ab->cd", self.by_covariance[k], whole[k])[:size, :size]
-                of_covariance = (of_covariance + of_covariance.T) / 2
-                u = self._of_law(place)
-                bars[:, m + place.start : m + place.stop] = 2 * (of_covariance @ u) @ self.weighted
-                density += forcing.widths[:, None, None] * np.einsum("rs,qra,qsb->qab", of_covariance, u, u.conj())
+            self._through_laws(bars, density, means)
         closed, base = self.closed, excited.linear
-        B0, D0 = base.matrices["B"], base.matrices["D"]
-        costate = self.resolvent.adjoint(closed.matrices["C"].T @ bars)
-        of_u = np.zeros((self.omega.size, 0, bars.shape[2]), dtype=complex)
+        B, D, G = base.matrices["B"], base.matrices["D"], self._gain_matrix()
+        costate = self.resolvent.adjoint(times(closed.matrices["C"].T, bars))
+        of_u = np.zeros((0, *bars.shape[1:]), dtype=complex)
         operators = closed.operators
         if operators is not None:
-            three = operators.D_output.T @ bars + operators.B.T @ costate
-            of_w = np.einsum("qd,qdmk->qmk", self.powers.conj(), three.reshape(len(three), 3, -1, three.shape[2]))
+            three = times(operators.D_output.T, bars) + times(operators.B.T, costate)
+            three = three.reshape(3, -1, *three.shape[1:])
+            of_w = np.einsum("qd,dmqk->qmk", self.powers.conj(), three)
             of_w = np.linalg.solve(self.loop.conj().transpose(0, 2, 1), of_w)
-            of_u = self.errors.conj().transpose(0, 2, 1) @ of_w
-            costate = costate + self.resolvent.adjoint(operators.C.T @ of_u)
-        # slopes by what the laws add, in the model without them
-        a = B0[:, n:].T @ costate + D0[:, n:].T @ bars
+            of_u = (self.errors.conj().transpose(0, 2, 1) @ of_w).transpose(1, 0, 2)
+            costate = costate + self.resolvent.adjoint(times(operators.C.T, of_u))
+        # slopes by all that is put in, in the model without the laws
+        put_in = times(B.T, costate) + times(D.T, bars)
         if operators is not None:
-            a = a + base.operators.D_input[:, n:].T @ of_u
-        a = np.linalg.solve(np.eye(len(G)) - D0[m:, n:].T @ G.T, a) if excited.laws else a
-        rows = bars.copy()
-        rows[:, m:] += G.T @ a
-        laws = self.out[:, m:]
-        inputs = np.concatenate([forcing.drive, G @ laws, self.three], axis=1)
-        outputs = np.concatenate([rows, of_u], axis=1)
-        drive = B0[:, :n].T @ costate + D0[:, :n].T @ rows
-        if operators is not None:
-            drive = drive + base.operators.D_input[:, :n].T @ of_u
-        return Slopes(Bars(_outer(costate, self.x), _outer(costate, inputs), _outer(outputs, self.x),
-                           _outer(outputs, inputs)), drive, density, means)  # fmt: skip
+            put_in = put_in + times(base.operators.D_input.T, of_u)
+        if excited.laws:
+            loop = np.linalg.inv(np.eye(len(G)) - D[m:, n:].T @ G.T)
+            by_laws = times(G.T @ loop, put_in[n:])
+            bars[m:] += by_laws
+            put_in = put_in + times(D[m:].T, by_laws)
+        inputs = np.concatenate([self.drive, times(G, self.out[m:]), self.three])
+        outputs = np.concatenate([bars, of_u])
+        matrices = Bars(_outer(costate, self.x), _outer(costate, inputs), _outer(outputs, self.x),
+                        _outer(outputs, inputs))  # fmt: skip
+        return Slopes(matrices, put_in[:n].transpose(1, 0, 2), density, means)
+
+    def _through_laws(self, bars: np.ndarray, density: np.ndarray, means: np.ndarray) -> None:
+        """Add what a scalar has by the inputs of laws, whose covariance makes the gains."""
+        m, laws, phi = self.excited.results, self.excited.laws, self.phi  # with it what answers to the laws
+        added = (self.by_laws.conj().transpose(0, 2, 1) @ bars[:m].transpose(1, 0, 2)).transpose(1, 0, 2)
+        direct = [_outer(added[place], self._of_law(place)) for _, place in laws]
+        whole = np.linalg.solve((np.eye(len(phi)) - phi).T, self._packed(direct))
+        for k, ((_, place), by_gain) in enumerate(zip(laws, self._unpacked(whole), strict=True)):
+            n = len(by_gain)
+            by_mean = self.by_mean[k][:n, :n, :n] - slope_at_mean(self.means[place])[1]
+            means[place] = np.einsum("abk,ab->k", by_mean, by_gain)
+            by_covariance = np.einsum("abcd,ab->cd", self.by_covariance[k][:n, :n, :n, :n], by_gain)
+            by_covariance = (by_covariance + by_covariance.T) / 2
+            u = self._of_law(place)
+            weighted = times(by_covariance, u)
+            bars[m + place.start : m + place.stop] = 2 * _with_density(weighted, self.weighted)
+            density += self.forcing.widths[:, None, None] * np.einsum("rqa,rqb->qab", weighted, u.conj())
 
     @property
     def linear(self) -> LinearModel:
@@ -304,7 +305,12 @@ class RandomResponse:
         return self.closed
 
 
+def _with_density(rows: np.ndarray, density: np.ndarray) -> np.ndarray:
+    """Rows (n, q, k) times densities (q, k, k)."""
+    return (rows.transpose(1, 0, 2) @ density).transpose(1, 0, 2)
+
+
 def _outer(a: np.ndarray, b: np.ndarray) -> np.ndarray:
-    """Re sum over frequencies and channels of a b^H, of (q, n, k) and (q, m, k)."""
-    a, b = (np.moveaxis(block, 1, 0).reshape(block.shape[1], -1) for block in (a, b))
-    return a.real @ b.real.T + a.imag @ b.imag.T
+    """Re sum over frequencies and channels of a b^H, of (n, q, k) and (m, q, k)."""
+    a, b = (np.ascontiguousarray(block, dtype=complex).reshape(len(block), -1).view(float) for block in (a, b))
+    return a @ b.T

@@ -262,33 +262,33 @@ class Resolvent:
         return times(self.basis[2], b) * self._shares[:, :, None]
 
     def __call__(self, b: np.ndarray) -> np.ndarray:
-        """(i omega - A)^-1 b, for b (q, n, k)."""
-        return times(self.shapes, self.amplitudes(b.transpose(1, 0, 2))).transpose(1, 0, 2)
+        """(i omega - A)^-1 b, for b (n, q, k)."""
+        return self._solved(b) if self.basis is None else times(self.basis[1], self.amplitudes(b))
 
     def adjoint(self, b: np.ndarray) -> np.ndarray:
-        """(i omega - A)^-H b, for b (q, n, k)."""
+        """(i omega - A)^-H b, for b (n, q, k)."""
         if self.basis is None:
-            one = np.eye(len(self.A))
-            rows = zip(self.omega, b, strict=True)
-            return np.array([np.linalg.solve((1j * w * one - self.A).conj().T, column) for w, column in rows])
+            return self._solved(b, adjoint=True)
         _, right, left = self.basis
-        return left.conj().T @ ((right.conj().T @ b) * self._shares.conj().T[:, :, None])
+        return times(left.conj().T, times(right.conj().T, b) * self._shares.conj()[:, :, None])
 
     def between(self, C: np.ndarray, B: np.ndarray, part: slice = slice(None)) -> np.ndarray:
         """C (i omega - A)^-1 B, for constant C (m, n) and B (n, k): (q, m, k); part: of the frequencies."""
-        omega = self.omega[part]
+        q = self.omega[part].size
         if self.basis is None:
-            b = np.broadcast_to(B[:, None, :], (len(B), omega.size, B.shape[1]))
-            return times(C, Resolvent(omega, self.A)._solved(b)).transpose(1, 0, 2)
+            b = np.broadcast_to(B[:, None, :], (len(B), q, B.shape[1]))
+            return times(C, self._solved(b, part=part)).transpose(1, 0, 2)
         _, right, left = self.basis
         to, of = C @ right, left @ B
         by_root = (to.T[:, :, None] * of[:, None, :]).reshape(len(of), -1)  # all elements of all roots
-        return (self._shares[:, part].T @ by_root).reshape(omega.size, len(C), B.shape[1])
+        return (self._shares[:, part].T @ by_root).reshape(q, len(C), B.shape[1])
 
-    def _solved(self, b: np.ndarray) -> np.ndarray:
-        one = np.eye(len(self.A))
-        found = [np.linalg.solve(1j * w * one - self.A, b[:, k]) for k, w in enumerate(self.omega)]
-        return np.array(found, dtype=complex).reshape(self.omega.size, len(one), b.shape[2]).transpose(1, 0, 2)
+    def _solved(self, b: np.ndarray, *, adjoint: bool = False, part: slice = slice(None)) -> np.ndarray:
+        one, found = np.eye(len(self.A)), np.empty(b.shape, dtype=complex)
+        for k, w in enumerate(self.omega[part]):
+            matrix = 1j * w * one - self.A
+            found[:, k] = np.linalg.solve(matrix.conj().T if adjoint else matrix, b[:, k])
+        return found
 
     @cached_property
     def _shares(self) -> np.ndarray:
