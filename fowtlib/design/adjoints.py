@@ -1,8 +1,8 @@
 """Results of a model with exact slopes by adjoints, as far as there are adjoints of them; the others by differences.
 
-Outputs, variables and what is of the response to waves and wind have slopes that cost the same for two variables and for
-two hundred (fowtlib.frequency.PreparedGradient). Masses, numbers of a sheet, parameters and periods by the names of modes,
-which need no response, are left to differences.
+Outputs, variables and what is of the response to waves and wind have slopes that cost the same for two variables and
+for two hundred (fowtlib.frequency.PreparedGradient). Masses, numbers of a sheet, parameters and periods by the names of
+modes, which need no response, are left to differences.
 """
 
 from __future__ import annotations
