@@ -8,10 +8,11 @@ import time
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from functools import cached_property
-from typing import Any
+from typing import Any, Literal
 
 import numpy as np
 
+from fowtlib.design.adjoints import Adjoints
 from fowtlib.design.composition import Asked, keys_of
 from fowtlib.design.conflict import least_violation
 from fowtlib.design.differences import Differences
@@ -26,8 +27,9 @@ from fowtlib.design.progress import Log, Say
 from fowtlib.design.starts import starts as starts_of
 from fowtlib.design.terms import ALONE, Constraint, DesignCase, Function, Objective
 from fowtlib.design.variables import Space, Variable
-from fowtlib.language.errors import ModelError, did_you_mean
+from fowtlib.language.errors import ModelError, did_you_mean, one_of
 
+SLOPES = ("differences", "adjoint")
 HALVINGS = 4  # of the way to the first start, for a random one that has no results
 
 
@@ -44,8 +46,10 @@ class Design:
     free, targets  parameters that take the values at which conditions hold at each design, such as ballast and heave:
                  see Plant.equilibrium
     statistics   of the response to waves and wind
-    evaluator    makes what gives results and slopes, from (plant, space, cases, keys) and free, targets, statistics as
-                 keywords; see fowtlib.design.evaluation. None: central differences
+    slopes       "differences", central ones; or "adjoint": exact, of outputs and responses, which cost the same for
+                 many variables, and by differences of the rest (fowtlib.design.adjoints)
+    evaluator    makes another source of results and slopes, from (plant, space, cases, keys) and free, targets,
+                 statistics as keywords; see fowtlib.design.evaluation
     Raises ModelError for what does not fit, such as a constraint on a result that there is not.
     """
 
@@ -58,6 +62,7 @@ class Design:
     free: Mapping[str, Any] | Sequence[str] = ()
     targets: Mapping[str, Any] = field(default_factory=dict)
     statistics: Statistics = field(default_factory=Statistics)
+    slopes: Literal["differences", "adjoint"] = "differences"
     evaluator: Callable[..., Evaluator] | None = None
     title: str = ""
 
@@ -65,6 +70,8 @@ class Design:
         object.__setattr__(self, "objective", Objective.read(self.objective))
         object.__setattr__(self, "constraints", tuple(map(Constraint.read, self.constraints)))
         object.__setattr__(self, "cases", tuple(self.cases) or (ALONE,))
+        if self.slopes not in SLOPES:
+            raise ModelError(f"slopes are by {one_of(SLOPES)}, not by '{self.slopes}'.")
         if not self.objective.terms:  # type: ignore[union-attr]
             raise ModelError("the objective has no results.")
         for what, items in (("case", self.cases), ("function", self.functions)):
@@ -118,7 +125,7 @@ class Design:
         if self.plant is None:
             _ = self.keys
             return NoModel()
-        make = self.evaluator or Differences
+        make = self.evaluator or (Adjoints if self.slopes == "adjoint" else Differences)
         return make(self.plant, self.space, self.cases, self.keys, free=self.free, targets=self.targets,
                     statistics=self.statistics)  # fmt: skip
 

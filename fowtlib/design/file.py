@@ -10,14 +10,14 @@ from pathlib import Path
 from typing import Any
 
 from fowtlib.analysis.fatigue.curves import sn_curve
-from fowtlib.design.design import Design
+from fowtlib.design.design import SLOPES, Design
 from fowtlib.design.file_functions import read_functions
 from fowtlib.design.measures import Statistics
 from fowtlib.design.optimisers import METHODS
 from fowtlib.design.terms import ALONE, Constraint, DesignCase, Objective
 from fowtlib.design.variables import Space, Variable
 from fowtlib.language.data_files import require_file
-from fowtlib.language.errors import ModelError, ModelFileError, closest, did_you_mean
+from fowtlib.language.errors import ModelError, ModelFileError, closest, did_you_mean, one_of
 from fowtlib.language.units import to_si
 from fowtlib.modelfile import files, load
 from fowtlib.modelfile.nodes import Node, Place, parse, read_text
@@ -34,7 +34,7 @@ VARIABLE_KEYS = ("drives", "lower", "upper", "start", "points", "along", "degree
 CONSTRAINT_KEYS = ("result", "lower", "upper", "cases", "aggregate", "sharpness", "scale", "name")
 CASE_KEYS = ("parameters", "wind", "waves", "weight")
 STATISTIC_KEYS = ("duration", "quantile", "exponent", "lifetime", "curve", "environment", "tolerance")
-OPTIMISER_KEYS = ("method", "starts", "seed", "tolerance", "iterations")
+OPTIMISER_KEYS = ("method", "starts", "seed", "tolerance", "iterations", "slopes")
 DESIGNS = "designs"
 
 Loader = Callable[[Path], Any]
@@ -97,6 +97,7 @@ class _File:
             if key not in self.items:
                 raise self.top.place.error(f"the key '{key}' is missing.")
         optimiser = self._optimiser()
+        slopes = optimiser.pop("slopes", SLOPES[0])
         model = self._model()
         plant = model.compile() if model is not None else None
         variables = self._variables(plant)
@@ -104,7 +105,7 @@ class _File:
         try:
             design = Design(
                 plant, variables, self._objective(), self._constraints(), self._cases(model), functions,
-                self._free(), self._mapping("targets"), self._statistics(), title=self._title(plant),
+                self._free(), self._mapping("targets"), self._statistics(), slopes, title=self._title(plant),
             )  # fmt: skip
             _ = design.space, design.keys
         except ModelError as error:
@@ -262,6 +263,8 @@ class _File:
             raise items["method"].place.error(
                 f"there is no optimiser '{given['method']}'{did_you_mean(str(given['method']), METHODS)}"
             )
+        if given.get("slopes", SLOPES[0]) not in SLOPES:
+            raise items["slopes"].place.error(f"slopes are by {one_of(SLOPES)}, not by '{given['slopes']}'.")
         for key in ("starts", "seed", "iterations"):
             if key in given and (isinstance(given[key], bool) or not isinstance(given[key], int) or given[key] < 0):
                 raise items[key].place.error(f"'{key}' is a whole number, not {given[key]!r}.")
