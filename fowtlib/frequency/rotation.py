@@ -14,23 +14,20 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from dataclasses import replace
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 
 from fowtlib.solving.mean_linear import RotatingLinearModel, Turning
 from fowtlib.solving.rotation import Rotation, steady_rotation
 
-if TYPE_CHECKING:
-    from fowtlib.frequency.responses import Response
-
 ROTATION = "rotation"
 LEAST = 1e-12  # of the mean square of the largest harmonic
 
 
-def with_rotation(found: Response, plant: Any, names: Sequence[str], rotating: RotatingLinearModel,
-                  spectra: Mapping[str, np.ndarray]) -> Response:  # fmt: skip
-    """The response of the results, from one that has also what these have of the turning, as outputs behind them.
+def with_rotation(found: Any, plant: Any, names: Sequence[str], rotating: RotatingLinearModel,
+                  spectra: Mapping[str, np.ndarray]) -> Any:  # fmt: skip
+    """The Response of the results, from one that has also what these have of the turning, as outputs behind them.
 
     names: of the results. spectra: by process, of its channels (q, channels, channels) per Hz. Unchanged where nothing
     turns.
