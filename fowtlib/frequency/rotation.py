@@ -13,15 +13,12 @@ share `rotation`, with its mean square at each multiple of the rotor speed.
 from __future__ import annotations
 
 from dataclasses import replace
-from typing import TYPE_CHECKING
 
 import numpy as np
 
+from fowtlib.frequency.found import Response
 from fowtlib.solving.mean_linear import RotatingLinearModel, Turning
 from fowtlib.solving.rotation import Rotation
-
-if TYPE_CHECKING:
-    from fowtlib.frequency.found import Response
 
 ROTATION = "rotation"
 LEAST = 1e-12  # of the mean square of the largest harmonic

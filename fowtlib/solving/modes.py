@@ -21,15 +21,15 @@ from collections import defaultdict
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from fnmatch import fnmatchcase
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 
 from fowtlib.language.errors import NotFoundError, SimulationError
+from fowtlib.solving.mean_linear import RotatingLinearModel, rotating_linear_model
 from fowtlib.solving.multiblade import LEAST, multiblade_parts
-
-if TYPE_CHECKING:
-    from fowtlib.solving.mean_linear import RotatingLinearModel
+from fowtlib.solving.rates import rate_states
+from fowtlib.solving.turning import mean_state
 
 STANDING = 1e-7  # of the fastest eigenvalue: a motion that nothing holds, zero twice and split by rounding
 MOTIONS = ("m", "rad", "m/s", "rad/s")  # units of the states of a motion
@@ -115,9 +115,6 @@ def modes_of_mean(
 
     Raises SimulationError for rotors of two blades that bend and turn.
     """
-    from fowtlib.solving.mean_linear import rotating_linear_model
-    from fowtlib.solving.turning import mean_state
-
     if state is None:
         state = mean_state(plant, parameters)
     found = rotating_linear_model(plant, state, outputs=[])
@@ -220,13 +217,6 @@ def _coordinate(root: Any, path: str, unit: str, results: Mapping[str, str]) -> 
             name = name.format(part=words[depth - 1] if depth else "", parent=words[depth - 2] if depth > 1 else "")
             return _Coordinate(path, " ".join(name.replace("_", " ").split()), owner, inner, rate, True)
     return _Coordinate(path, results.get(path, path), ".".join(words[:-1]), words[-1], rate, unit in MOTIONS)
-
-
-def rate_states(dae: Any) -> dict[int, int]:
-    """Numbers of the states that are the rates of states."""
-    numbers = {dae.x[i].element_hash(): i for i in range(dae.x.shape[0])}
-    rows = {k: numbers.get(dae.ode[k].element_hash()) for k in range(dae.ode.shape[0]) if dae.ode[k].is_symbolic()}
-    return {k: number for k, number in rows.items() if number is not None}
 
 
 def _flat(path: str) -> str:

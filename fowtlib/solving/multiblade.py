@@ -18,17 +18,21 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
-from typing import TYPE_CHECKING
 
 import numpy as np
 
 from fowtlib.flattening import FlatDAE
 from fowtlib.solving.engines.symmetry import counterparts
 
-if TYPE_CHECKING:
-    from fowtlib.solving.turning import Turn
-
 LEAST = 3  # blades of a ring that has multi-blade coordinates
+
+
+@dataclass(frozen=True)
+class Turn:
+    """A rotor that turns: the number of its azimuth among the states, and the change of all states with it."""
+
+    azimuth: int
+    direction: np.ndarray
 
 
 def multiblade_names(count: int) -> list[str]:

@@ -7,7 +7,7 @@ from typing import Any
 
 import numpy as np
 
-from fowtlib.solving.modes import rate_states
+from fowtlib.solving.rates import rate_states
 from fowtlib.solving.results.linear_files import OperatingPoint
 from fowtlib.solving.state import State
 from fowtlib.solving.turning import Average, turns_of

@@ -23,8 +23,8 @@ from fowtlib.language.errors import ModelError, SimulationError, one_of
 from fowtlib.language.native import compiler, no_compiler
 from fowtlib.solving.binding import tree_with
 from fowtlib.solving.checks import check_state
-from fowtlib.solving.modes import rate_states
 from fowtlib.solving.paths import spread_out
+from fowtlib.solving.rates import rate_states
 from fowtlib.solving.results import Result
 from fowtlib.solving.state import State
 from fowtlib.solving.stationary import SlowModes, slow_modes

@@ -30,7 +30,7 @@ from fowtlib.language.series import Series
 from fowtlib.solving.binding import Binding
 from fowtlib.solving.equilibrium import dependence
 from fowtlib.solving.functions import AtParameters
-from fowtlib.solving.modes import rate_states
+from fowtlib.solving.rates import rate_states
 from fowtlib.solving.state import State
 from fowtlib.solving.turning import FEW, Average, turns_of
 

@@ -30,9 +30,9 @@ from fowtlib.language.externals import LibraryFunction
 from fowtlib.language.tables import SplineFunction
 from fowtlib.solving.equilibrium import dependence, time_dependence
 from fowtlib.solving.functions import AtParameters
-from fowtlib.solving.modes import rate_states
-from fowtlib.solving.multiblade import Multiblade
+from fowtlib.solving.multiblade import Multiblade, Turn
 from fowtlib.solving.pace import mean_announcement
+from fowtlib.solving.rates import rate_states
 
 if TYPE_CHECKING:
     from fowtlib.solving.state import State
@@ -54,14 +54,6 @@ EXACT, NEAR = (1e4, 1e-7, 1e-4), (100.0, 1e-2, 3e-2)
 
 Jacobian = Callable[..., Sequence[Any]]
 """`(t, x, z, q) -> d ode/dx, d ode/dz, d alg/dx, d alg/dz`, and where outputs are averaged too, theirs by x and z."""
-
-
-@dataclass(frozen=True)
-class Turn:
-    """A rotor that turns: the number of its azimuth among the states, and the change of all states with it."""
-
-    azimuth: int
-    direction: np.ndarray
 
 
 def mean_state(plant: Plant, parameters: Mapping[str, Any] | None = None, inputs: Mapping[str, Any] | None = None, *,

@@ -11,14 +11,11 @@ from collections.abc import Sequence
 from dataclasses import dataclass, field
 from datetime import datetime
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import Any
 
 import numpy as np
 
 from fowtlib.language.whole_files import write_text
-
-if TYPE_CHECKING:
-    from fowtlib.solving.linear import LinearModel
 
 
 @dataclass(frozen=True, eq=False)
@@ -45,8 +42,8 @@ class OperatingPoint:
     title: str = field(default="")
 
 
-def write_lin(linear: LinearModel, point: OperatingPoint, path: Path) -> Path:
-    """Write a linear model."""
+def write_lin(linear: Any, point: OperatingPoint, path: Path) -> Path:
+    """Write a linear model (fowtlib.solving.LinearModel)."""
     counts = (len(linear.states), len(linear.inputs), len(linear.outputs))
     now = f"{datetime.now():%d-%b-%Y at %H:%M:%S}"
     lines = [
