@@ -101,7 +101,7 @@ def test_power_below_rated(steady):
     for wind in (8.5, 9.5, 10.5):
         assert steady.operating_point(wind).tip_speed_ratio == pytest.approx(7.5, rel=0.02)
     for wind in (4.0, 6.0):
-        assert steady.operating_point(wind).rotor_speed / dtu.RPM == pytest.approx(6.0, abs=0.2)
+        assert steady.operating_point(wind).rotor_speed / dtu.RPM == pytest.approx(6.0, abs=0.4)
     assert 8e6 < steady.operating_point(10.5).aero_power < 9.99e6
 
 
