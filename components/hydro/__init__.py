@@ -4,6 +4,7 @@
 from fowtlib.components import mechanics as _mechanics  # noqa: F401  isort: skip
 from fowtlib.components.hydro.database import HydrodynamicDatabase
 from fowtlib.components.hydro.errors import HydrodynamicDataError
+from fowtlib.components.hydro.hull_part import HullPart, diffraction_coefficient
 from fowtlib.components.hydro.linear_loads import (
     AddedMass,
     Hydrostatics,
@@ -17,13 +18,14 @@ from fowtlib.components.hydro.morison import MorisonDrag
 from fowtlib.components.hydro.potential_flow import LinearPotentialFlow
 from fowtlib.components.hydro.radiation_identification import RadiationModel, identify_radiation
 from fowtlib.components.hydro.retardation import retardation_kernel
-from fowtlib.components.hydro.slender_hull import HullCoefficients, SlenderHullLoads, diffraction_coefficient
+from fowtlib.components.hydro.slender_hull import HullCoefficients, SlenderHullLoads
 
 __all__ = [
     "AddedMass",
     "HydrodynamicDataError",
     "HydrodynamicDatabase",
     "HullCoefficients",
+    "HullPart",
     "Hydrostatics",
     "LinearDamping",
     "LinearPotentialFlow",

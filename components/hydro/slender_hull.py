@@ -2,64 +2,18 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
-
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
-from scipy.special import h2vp
 
 from fowtlib.components.environment.sea import Sea
 from fowtlib.components.environment.waves import WaveComponents, unit_waves
 from fowtlib.components.environment.world import World
+from fowtlib.components.hydro.hull_part import Complexes, Floats, HullPart
 from fowtlib.components.hydro.linear_loads import PlatformLoad
 from fowtlib.components.hydro.strips import Strip, drag_loads, inertia_loads
-from fowtlib.components.mechanics.beam_division import gauss_points
 from fowtlib.language import Array, Component, Scalar, Vector, at_start, eq, outer, param, var
 from fowtlib.language import math as m
-from fowtlib.language.errors import ParameterError
 
-Floats = NDArray[np.float64]
-
-SMALLEST = 1e-3  # k a below which a cylinder is a point in the wave; the inertia coefficient is 2 within 1e-5 there
-_HEAD, _PER_STRIP = 6, 3  # numbers of a part of a hull, see _numbers; of each strip place, volume, drag area
-
-
-def diffraction_coefficient(ka: ArrayLike) -> NDArray[np.complex128]:
-    """Inertia coefficient C of a fixed vertical cylinder in waves, complex, of the wave number times the radius.
-
-    The force per length is rho pi a^2 C u', with u' the acceleration of the water at the axis as if nothing stood
-    there, exp(+i omega t): C = 4 / (i pi (k a)^2 (J1'(k a) - i Y1'(k a))). Long waves: 2.
-    Source: R.C. MacCamy and R.A. Fuchs, Beach Erosion Board Technical Memorandum 69 (1954).
-    """
-    x = np.asarray(ka, dtype=float)
-    wide = x > SMALLEST
-    safe = np.where(wide, x, 1.0)
-    return np.where(wide, 4 / (1j * np.pi * safe**2 * h2vp(1, safe)), 2.0)
-
-
-@dataclass(frozen=True, eq=False)
-class HullStrips:
-    """A hull between two heights as strips: a Gauss rule of the displaced volume, exact for its first moments.
-
-    height (n,) [m] above the still water, volume (n,) [m^3], drag_area (n,) [m^2] of diameter times length.
-    """
-
-    height: Floats
-    volume: Floats
-    drag_area: Floats
-
-
-def hull_strips(heights: ArrayLike, diameters: ArrayLike, low: float, high: float, count: int) -> HullStrips:
-    """The strips between `low` and `high` [m] of a hull with diameters linear between heights [m]."""
-    heights, diameters = np.asarray(heights, dtype=float), np.asarray(diameters, dtype=float)
-    marks = np.concatenate([[low], heights[(heights > low) & (heights < high)], [high]])
-    x, w = np.polynomial.legendre.leggauss(count + 2)
-    middle, half = (marks[1:] + marks[:-1]) / 2, np.diff(marks) / 2
-    z, length = (middle[:, None] + half[:, None] * x).ravel(), (half[:, None] * w).ravel()
-    volume = np.pi / 4 * np.interp(z, heights, diameters) ** 2 * length
-    places, weights = gauss_points(z - low, volume, high - low, count)
-    width = np.interp(places + low, heights, diameters)
-    return HullStrips(places + low, weights, weights / (np.pi / 4 * width))
+_HEAD, _PER_STRIP = 6, 3  # numbers of a part, and of each of its strips; see HullPart
 
 
 class HullCoefficients(Component):
@@ -151,72 +105,29 @@ class SlenderHullLoads(PlatformLoad, HullCoefficients):
         density, gravity, depth = (
             float(self.world.parameter_value(name)) for name in ("water_density", "gravity", "water_depth")
         )
-        waves, found = unit_waves(omega, depth, heading, gravity), _numbers(self)
-        rows, (added, end) = found[_HEAD:].reshape(-1, _PER_STRIP), _added(self, found)
-        a = _felt(waves, self)
-        across = density * (rows[:, 1] + added)[:, None] * np.array([1, 1, 0]) + density * rows[:, 1, None] * [0, 0, 1]
-        force = across * a[:, : len(rows)]
-        places = np.column_stack([np.zeros((len(rows), 2)), rows[:, 0]])
-        if self.keel:
-            force = np.concatenate([force, density * end * a[:, -1:] * [0, 0, 1]], axis=1)
-            places = np.vstack([places, [0, 0, _keel(self)]])
-        if self.waterline:
-            lift = density * gravity * found[3] * _elevation(waves, self)[:, None] * [[[0, 0, 1]]]
-            force, places = np.concatenate([force, lift], axis=1), np.vstack([places, [0, 0, found[2]]])
-        return np.concatenate([force.sum(axis=1), np.cross(places, force).sum(axis=1)], axis=1)
+        return _checked(self).wave_load(unit_waves(omega, depth, heading, gravity), density, gravity)
+
+    def numbers(self) -> HullPart:
+        """The part with the values that the parameters have now."""
+        values = {name: np.ravel(self.parameter_value(name)) for name in ("heights", "diameters", "position")}
+        names = {"low": "low", "high": "high", "added": "added_mass_coefficient", "end_added": "end_added_mass"}
+        values |= {name: float(self.parameter_value(given)) for name, given in names.items()}
+        return HullPart(**values, count=self.strips, keel=self.keel, waterline=self.waterline)
 
 
 def _station(part: SlenderHullLoads, k: int) -> float:
     return float(np.ravel(part.parameter_value("heights"))[k])
 
 
+def _checked(part: SlenderHullLoads) -> HullPart:
+    found = part.numbers()
+    found.check(part.label, float(part.world.parameter_value("water_depth")))
+    return found
+
+
 def _numbers(part: SlenderHullLoads) -> Floats:
-    """Volume, its centre, place of the waterline, area and moment of the waterplane, keel diameter; then the strips.
-
-    Places are along the axis of the frame, from its origin.
-    """
-    heights, diameters, low, high, origin = _geometry(part)
-    found = hull_strips(heights, diameters, low, min(high, 0.0), part.strips)
-    volume, width = found.volume.sum(), float(np.interp(0.0, heights, diameters))
-    rows = np.column_stack([found.height - origin, found.volume, found.drag_area])
-    head = [
-        volume, found.volume @ (found.height - origin) / volume, -origin, np.pi / 4 * width**2, np.pi / 64 * width**4,
-        float(np.interp(low, heights, diameters)),
-    ]  # fmt: skip
-    return np.concatenate([head, rows.ravel()])
-
-
-def _geometry(part: SlenderHullLoads) -> tuple[Floats, Floats, float, float, float]:
-    """Heights, diameters, low, high, and the height of the frame at rest; checked."""
-    heights, diameters = (np.ravel(part.parameter_value(name)) for name in ("heights", "diameters"))
-    low, high = (float(part.parameter_value(name)) for name in ("low", "high"))
-    position = np.ravel(part.parameter_value("position"))
-    if len(heights) != len(diameters) or len(heights) < 2 or not (np.diff(heights) > 0).all():
-        raise ParameterError(
-            f"{part.label}: heights must go up from the keel, two or more, with as many diameters; there are "
-            f"{len(heights)} and {len(diameters)}."
-        )
-    if not (heights[0] - 1e-6 <= low < min(high, 0.0) and high <= heights[-1] + 1e-6):
-        raise ParameterError(
-            f"{part.label}: its part from {low:g} m to {high:g} m must lie on the hull, which goes from {heights[0]:g} "
-            f"m to {heights[-1]:g} m, and begin below the still water level."
-        )
-    for what, said, is_so in (
-        ("keel", part.keel, abs(low - heights[0]) < 1e-6),
-        ("waterline", part.waterline, high >= 0),
-    ):
-        if said != is_so:
-            raise ParameterError(
-                f"{part.label}.{what} is {str(said).lower()}, and the part from {low:g} m to {high:g} m "
-                f"{'has' if is_so else 'does not have'} it; build the model with {what}: {str(is_so).lower()}."
-            )
-    depth = float(part.world.parameter_value("water_depth"))
-    if heights[0] < -depth:
-        raise ParameterError(
-            f"{part.label}: the keel at {heights[0]:g} m is below the seabed at {-depth:g} m; change the draft, or the "
-            "water_depth of the World."
-        )
-    return heights, diameters, low, high, float(position[2])
+    found = _checked(part)
+    return np.concatenate([found.head, found.rows.ravel()])
 
 
 def _strips(part: SlenderHullLoads, numbers) -> list[Strip]:
@@ -238,43 +149,13 @@ def _strips(part: SlenderHullLoads, numbers) -> list[Strip]:
     return found
 
 
-def _added(part: SlenderHullLoads, numbers: Floats) -> tuple[Floats, float]:
-    """Added mass over the density: across at the strips, along at the keel."""
-    rows = numbers[_HEAD:].reshape(-1, _PER_STRIP)
-    end = float(part.parameter_value("end_added_mass")) * numbers[5] ** 3 / 3
-    return float(part.parameter_value("added_mass_coefficient")) * rows[:, 1], end
+def _elevation(waves: WaveComponents, part: SlenderHullLoads) -> Complexes:
+    return part.numbers().elevation(waves)
 
 
-def _keel(part: SlenderHullLoads) -> float:
-    """Place of the keel along the axis of the frame."""
-    return float(part.parameter_value("low")) - float(np.ravel(part.parameter_value("position"))[2])
+def _velocity(waves: WaveComponents, part: SlenderHullLoads) -> Complexes:
+    return part.numbers().velocity(waves).transpose(0, 2, 1).reshape(len(waves), -1)
 
 
-def _places(part: SlenderHullLoads) -> Floats:
-    """Places (k, 3) of the strips and the keel at rest, world."""
-    z = _numbers(part)[_HEAD:].reshape(-1, _PER_STRIP)[:, 0]
-    z = np.append(z, _keel(part)) if part.keel else z
-    return np.column_stack([np.zeros((len(z), 2)), z]) + np.ravel(part.parameter_value("position"))
-
-
-def _elevation(waves: WaveComponents, part: SlenderHullLoads) -> NDArray[np.complex128]:
-    return waves.elevation_transfer((*np.ravel(part.parameter_value("position"))[:2], 0.0))
-
-
-def _velocity(waves: WaveComponents, part: SlenderHullLoads) -> NDArray[np.complex128]:
-    return waves.velocity_transfer(_places(part)).transpose(0, 2, 1).reshape(len(waves), -1)
-
-
-def _acceleration(waves: WaveComponents, part: SlenderHullLoads) -> NDArray[np.complex128]:
-    return _felt(waves, part).transpose(0, 2, 1).reshape(len(waves), -1)
-
-
-def _felt(waves: WaveComponents, part: SlenderHullLoads) -> NDArray[np.complex128]:
-    """Acceleration (n, k, 3) with which rho dV (1 + C_a) a is the force of MacCamy and Fuchs across the axis."""
-    places, (heights, diameters, *_) = _places(part), _geometry(part)
-    radius = np.interp(places[:, 2], heights, diameters) / 2
-    coefficient = diffraction_coefficient(waves.wave_number[:, None] * radius)
-    share = coefficient / (1 + float(part.parameter_value("added_mass_coefficient")))
-    acceleration = waves.acceleration_transfer(places)
-    acceleration[:, :, :2] *= share[:, :, None]
-    return acceleration
+def _acceleration(waves: WaveComponents, part: SlenderHullLoads) -> Complexes:
+    return part.numbers().acceleration(waves).transpose(0, 2, 1).reshape(len(waves), -1)

@@ -106,7 +106,12 @@ def pieces(beam: BeamProperties, division: Division, cuts: Any = ()) -> list[Pie
     A cut at a hinge lies on its tip side, which makes no difference: the hinge has no mass. Raises ParameterError for
     a cut off the beam.
     """
-    given = np.array([float(cut) for cut in cuts])
+    return list(_pieces(beam, division, tuple(float(cut) for cut in cuts)))
+
+
+@lru_cache(maxsize=64)
+def _pieces(beam: BeamProperties, division: Division, cuts: tuple[float, ...]) -> tuple[Piece, ...]:
+    given = np.array(cuts)
     s = np.clip(given, 0.0, beam.length)
     for k in np.flatnonzero(np.abs(s - given) > 1e-9 * beam.length):
         raise ParameterError(f"cut {k + 1} at {given[k]:g} m is off the beam of {beam.length:g} m.")
@@ -119,7 +124,7 @@ def pieces(beam: BeamProperties, division: Division, cuts: Any = ()) -> list[Pie
         found.append(Piece(f"segment_{i}", root, parts[0], hinge=i))
         for k, part in zip(within, parts[1:], strict=True):
             found.append(Piece(f"beyond_cut_{k + 1}", elastic_axis(beam, s[k]), part, cut=int(k) + 1))
-    return found
+    return tuple(found)
 
 
 def _quadrature(beam: BeamProperties, a: float, b: float, pieces: int = 4) -> tuple[np.ndarray, np.ndarray]:

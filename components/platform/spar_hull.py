@@ -3,25 +3,23 @@
 from __future__ import annotations
 
 from collections.abc import Iterable
-from functools import lru_cache
 
 import numpy as np
 
-from fowtlib.components.hydro.slender_hull import HullCoefficients, SlenderHullLoads, hull_strips
-from fowtlib.components.mechanics.beam_division import STIFFNESSES, divide, pieces
-from fowtlib.components.mechanics.beam_properties import BeamProperties
-from fowtlib.components.mechanics.beam_settings import BeamSettings, WallMaterial
+from fowtlib.components.hydro.hull_part import hull_strips
+from fowtlib.components.hydro.slender_hull import HullCoefficients, SlenderHullLoads
+from fowtlib.components.mechanics.beam_division import divide, pieces
+from fowtlib.components.mechanics.beam_settings import BeamSettings
 from fowtlib.components.mechanics.connectors import Frame
-from fowtlib.components.mechanics.tube_beam import TUBE, TubeChain
+from fowtlib.components.platform.ballasted_tube import BallastedTube, ballasted
 from fowtlib.language import Array, RealOutput, Scalar, Vector, eq, facts, like, param, port, shapes
 from fowtlib.language.errors import ParameterError
 
-_STATIONS = 161  # of the table; the mass of a hull with cones is within 1e-5 of the exact one
-_SURFACE = 1e-6  # of the length: over so much the mass per length falls at the surface of the ballast
-_COLUMNS = ("mass_per_length", *STIFFNESSES, "rotary_inertia_x", "rotary_inertia_y")
+_STEEP = 11.0  # deg; cones that are steeper are told of: the OC3 spar, which was compared, has 10.3 deg
+_DECAY = 6.0  # short waves have lost all but exp(-6) of their motion at the keel; which part of a hull has more strips
 
 
-class SparHull(TubeChain, HullCoefficients):
+class SparHull(BallastedTube, HullCoefficients):
     """The hull of a spar: a round steel tube from the keel to where the tower stands, with ballast, in the water.
 
     A chain of sprung hinges between rigid pieces as other beams are (see Beam), or with hinges = 0 one rigid body; each
@@ -38,19 +36,13 @@ class SparHull(TubeChain, HullCoefficients):
     mode_names = {"*_x": "{part} fore-aft", "*_y": "{part} side-side", "*.twisting.*": "{part} torsion"}
 
     hinges: int = like(BeamSettings.hinges, default=6)
-    density: Scalar = like(WallMaterial.density, default=7850.0, doc="density of the wall")
-    young_modulus: Scalar = like(WallMaterial.young_modulus, default=210e9, doc="Young's modulus of the wall")
-    shear_modulus: Scalar = like(WallMaterial.shear_modulus, default=80.8e9, doc="shear modulus of the wall")
-    stiffener_fraction: Scalar = param(default=0.0, min=0, doc="mass of the ring stiffeners over that of the wall")
-    ballast_mass: Scalar = param(default=0.0, unit="kg", min=0, doc="mass of the solid ballast on the keel")
-    ballast_density: Scalar = param(default=2600.0, unit="kg/m^3", min=1.0, doc="density of the ballast")
     damping_fore_aft: Scalar = param(default=0.0, unit="s", min=0, doc="damping over stiffness, fore-aft")
     damping_side_side: Scalar = param(default=damping_fore_aft, unit="s", min=0, doc="the same, side-side")
     cuts: Array = like(BeamSettings.cuts, doc="places of section loads: height above the still water level")
     node_heights: Array = param(default=(), unit="m", doc="frames on the axis, for fairleads: height above still water")
     n_nodes: int = param(default=lambda self: np.size(self.parameter_value("node_heights")), min=0, doc="their number")
     drag_coefficient: Scalar = like(HullCoefficients.drag_coefficient, default=0.7)
-    strips: int = param(default=16, min=1, doc="strips of a rigid hull; two at least on each piece of an elastic one")
+    strips: int = param(default=24, min=1, doc="strips of the whole hull, one at least on each rigid piece")
     position: Vector = param(default=(0, 0, 0), unit="m", doc="place of `frame` at rest, world; on the still water")
 
     frame: Frame = port(doc="on the axis at the still water level")
@@ -75,9 +67,6 @@ class SparHull(TubeChain, HullCoefficients):
     def chain(self):
         return super().chain() | _wet_pieces(self)
 
-    def section_table(self):
-        return _ballasted(self)[0]
-
     def places_of_nodes(self):
         heights = np.ravel(self.parameter_value("node_heights")) if self.n_nodes else []
         return [(0.0, 0.0, distance) for distance in _distances(self, "node", (*heights, 0.0))]
@@ -101,18 +90,37 @@ class SparHull(TubeChain, HullCoefficients):
         ]
 
     def facts(self) -> list[facts.Fact]:
-        heights, diameters = (np.ravel(self.parameter_value(name)) for name in ("heights", "diameters"))
-        wet = hull_strips(heights, diameters, heights[0], min(heights[-1], 0.0), 24)
-        steel, level = _ballasted(self)[1:]
-        return [
-            facts.Number("displaced volume", wet.volume.sum(), "m^3"),
-            facts.Number("centre of buoyancy", [0.0, 0.0, wet.volume @ wet.height / wet.volume.sum()], "m"),
-            facts.Number("steel mass", steel, "kg"),
-            facts.Number("ballast level", level, "m"),
-        ]
+        return _facts(self)
+
+    def remarks(self) -> list[str]:
+        return _remarks(self)
 
     def drawing(self) -> list[shapes.Shape]:
         return self.drawn("hull")
+
+
+def _facts(hull: SparHull) -> list[facts.Fact]:
+    heights, diameters = (np.ravel(hull.parameter_value(name)) for name in ("heights", "diameters"))
+    wet = hull_strips(heights, diameters, heights[0], min(heights[-1], 0.0), 24)
+    steel, level = ballasted(hull)[1:]
+    return [
+        facts.Number("displaced volume", wet.volume.sum(), "m^3"),
+        facts.Number("centre of buoyancy", [0.0, 0.0, wet.volume @ wet.height / wet.volume.sum()], "m"),
+        facts.Number("steel mass", steel, "kg"),
+        facts.Number("ballast level", level, "m"),
+    ]
+
+
+def _remarks(hull: SparHull) -> list[str]:
+    heights, diameters = (np.ravel(hull.parameter_value(name)) for name in ("heights", "diameters"))
+    slopes = np.degrees(np.arctan(np.abs(np.diff(diameters) / np.diff(heights) / 2)))[heights[:-1] < 0]
+    if slopes.max() <= _STEEP:
+        return []
+    at = heights[:-1][slopes.argmax()]
+    return [
+        f"{hull.label}: its cone from {at:g} m upwards has {slopes.max():.0f} deg; loads by strips are good for cones "
+        "of 10 deg or so."
+    ]
 
 
 def _distances(hull: SparHull, what: str, places: Iterable[float]) -> list[float]:
@@ -127,10 +135,11 @@ def _distances(hull: SparHull, what: str, places: Iterable[float]) -> list[float
 
 
 def _strips_of(hull: SparHull, name: str) -> int:
-    """Strips of a rigid piece, as many as its share of the draft asks for."""
-    wet = _wet_pieces(hull)
-    length = min(wet["high", name], 0.0) - wet["low", name]
-    return max(2, round(hull.strips * length / -float(np.ravel(hull.parameter_value("heights"))[0])))
+    """Strips of a rigid piece: half of them by its share of the draft, half by what short waves leave of it."""
+    wet, draft = _wet_pieces(hull), -float(np.ravel(hull.parameter_value("heights"))[0])
+    low, high = wet["low", name], min(wet["high", name], 0.0)
+    near = np.exp(_DECAY * high / draft) - np.exp(_DECAY * low / draft)
+    return max(1, round(hull.strips * ((high - low) / draft + near) / 2))
 
 
 def _wet_pieces(hull: SparHull) -> dict[tuple[str, str], float]:
@@ -143,55 +152,3 @@ def _wet_pieces(hull: SparHull) -> dict[tuple[str, str], float]:
             found |= {("origin", piece.name): keel + piece.root[2]}
             found |= {("low", piece.name): low, ("high", piece.name): high}
     return found
-
-
-def _ballasted(hull: SparHull) -> tuple[BeamProperties, float, float]:
-    """The tube with stiffeners and ballast, the mass of the steel [kg], and the level of the ballast [m]."""
-    heights, diameters, walls = (tuple(np.ravel(hull.parameter_value(name)).tolist()) for name in TUBE[:3])
-    others = (*TUBE[3:], "stiffener_fraction", "ballast_mass", "ballast_density")
-    try:
-        return _table(heights, diameters, walls, *(float(hull.parameter_value(name)) for name in others))
-    except ParameterError as error:
-        raise ParameterError(f"{hull.label}: {error}") from None
-
-
-@lru_cache(maxsize=64)
-def _table(heights: tuple[float, ...], diameters: tuple[float, ...], walls: tuple[float, ...], density: float,
-           young_modulus: float, shear_modulus: float, stiffeners: float, ballast: float,
-           ballast_density: float) -> tuple[BeamProperties, float, float]:  # fmt: skip
-    material = {"young_modulus": young_modulus, "shear_modulus": shear_modulus}
-    if not heights[0] < 0 < heights[-1]:
-        raise ParameterError(
-            f"the hull goes from {heights[0]:g} m to {heights[-1]:g} m; it must begin below the still water level, at "
-            "0, and end above it."
-        )
-    steel = BeamProperties.tube(heights, diameters, walls, density=density, stations=_STATIONS, **material)
-    steel = steel.scaled(mass=1 + stiffeners)
-    z, length = steel.z, steel.length
-    inner = np.interp(z, heights, np.subtract(diameters, 2 * np.asarray(walls)))
-    level = z[0] + _filled(z - z[0], np.pi / 4 * inner**2, ballast / ballast_density)
-    if ballast:
-        around = [level, level + _SURFACE * length]
-        z = np.union1d(z, around)
-        inner = np.interp(z, heights, np.subtract(diameters, 2 * np.asarray(walls)))
-    filled = ballast_density * np.where(z <= level, np.pi / 4 * inner**2, 0.0)
-    total = np.trapezoid(filled, z)
-    filled *= ballast / total if ballast else 0.0
-    columns = {name: steel.at(name, z - z[0]) for name in _COLUMNS}
-    rotary = filled * inner**2 / 16
-    columns["mass_per_length"] = columns["mass_per_length"] + filled
-    columns |= {name: columns[name] + rotary for name in ("rotary_inertia_x", "rotary_inertia_y")}
-    return BeamProperties(z, **columns), float(np.trapezoid(steel.mass_per_length, steel.z)), float(level)
-
-
-def _filled(s: np.ndarray, area: np.ndarray, volume: float) -> float:
-    """Height [m] up to which a tube with areas [m^2], linear between places s [m], holds a volume [m^3]."""
-    held = np.concatenate([[0.0], np.cumsum(np.diff(s) * (area[1:] + area[:-1]) / 2)])
-    if volume > held[-1]:
-        raise ParameterError(
-            f"the ballast has {volume:.6g} m^3 and the hull holds {held[-1]:.6g} m^3; take less, or one of a greater "
-            "density."
-        )
-    k = min(int(np.searchsorted(held, volume, side="right")) - 1, len(s) - 2)
-    left, slope = volume - held[k], (area[k + 1] - area[k]) / (s[k + 1] - s[k])
-    return float(s[k] + 2 * left / (area[k] + np.sqrt(area[k] ** 2 + 2 * slope * left)))

@@ -16,7 +16,7 @@ from fowtlib.components.hydro import (
     SlenderHullLoads,
     diffraction_coefficient,
 )
-from fowtlib.components.hydro.slender_hull import hull_strips
+from fowtlib.components.hydro.hull_part import hull_strips
 from fowtlib.components.mechanics import Fixed, FreeMotion
 from fowtlib.components.platform import CircularMember, Floater
 from fowtlib.language.errors import ModelError

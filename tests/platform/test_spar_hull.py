@@ -261,6 +261,13 @@ def test_ballast_in_a_cone_has_the_level_of_its_volume():
     assert level == pytest.approx(-30 + (10 - top) / slope, abs=2e-3)
 
 
+def test_a_steep_cone_is_told_of():
+    settings = {"wall_thicknesses": [0.05] * 4, "heights": [-90, -12, -4, 10]}
+    (said,) = SparHull(diameters=[15, 15, 8.3, 8.3], **settings).remarks()
+    assert "its cone from -12 m upwards has 23 deg" in said
+    assert not SparHull(diameters=[9.4, 9.4, 6.5, 6.5], **settings).remarks()
+
+
 @pytest.mark.parametrize(
     "wrong, words",
     [

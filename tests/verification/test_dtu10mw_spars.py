@@ -164,7 +164,12 @@ def test_surge(models, rest, spar, surge):
 
 @pytest.mark.parametrize(
     "spar, height, peak, moment",
-    [(1, 12.9, 14.0, 106.3), (1, 15.1, 16.0, 115.1), (2, 12.9, 14.0, 118.4), (2, 15.1, 16.0, 128.5)],
+    [
+        (1, 12.9, 14.0, 106.3),
+        pytest.param(1, 15.1, 16.0, 115.1, marks=pytest.mark.long),
+        pytest.param(2, 12.9, 14.0, 118.4, marks=pytest.mark.long),
+        (2, 15.1, 16.0, 128.5),
+    ],
 )
 def test_storms_with_the_rotor_at_rest(plants, spar, height, peak, moment):
     # of the waves alone; the printed deviations have the wind on tower and parked blades in them
@@ -173,6 +178,7 @@ def test_storms_with_the_rotor_at_rest(plants, spar, height, peak, moment):
     assert found.std("tower_base_moment") == pytest.approx(moment, rel=0.05)
 
 
+@pytest.mark.long
 def test_the_response_is_that_of_a_run(plants):
     sea = {"sea.significant_wave_height": 15.1, "sea.peak_period": 16.0}
     names = ["surge", "heave", "pitch", "tower_base_moment", "upwind_tension"]
