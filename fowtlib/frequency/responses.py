@@ -32,6 +32,7 @@ from fowtlib.frequency.shifts import shifted as with_shifts
 from fowtlib.frequency.studies import study_of
 from fowtlib.language.component import Component
 from fowtlib.language.errors import ModelError, SimulationError
+from fowtlib.language.expressions import one_evaluation
 from fowtlib.language.series import Series
 from fowtlib.solving import LinearModel, State
 from fowtlib.solving.excited import ExcitedModel, Signal
@@ -72,14 +73,17 @@ def response(
     with study.tree(parameters) as root:
         state = study.mean(parameters, root) if state is None else state
         excited = study.excited(state, names)
-        processes = _processes(excited, root)
-        _refuse_without_spectrum(plant.dae, root, processes)
-        if not processes:
-            raise ModelError("no part of this model takes anything from random waves or wind; there is no response.")
         given = None if frequencies is None else _checked(frequencies)
-        if shifted:
-            excited = with_shifts(excited, _settled_gains(excited, processes, given, tolerance)[0], shifted)
-        linear, grid, iterations = _settled(excited, processes, given, tolerance)
+        with one_evaluation():  # from here on nothing sets a parameter
+            processes = _processes(excited, root)
+            _refuse_without_spectrum(plant.dae, root, processes)
+            if not processes:
+                raise ModelError(
+                    "no part of this model takes anything from random waves or wind; there is no response."
+                )
+            if shifted:
+                excited = with_shifts(excited, _settled_gains(excited, processes, given, tolerance)[0], shifted)
+            linear, grid, iterations = _settled(excited, processes, given, tolerance)
         refuse_unstable(linear)
         H = grid.answers(linear, excited.results)
     shares = {path: _spectra(H[path], grid.spectra[path]) for path in H}

@@ -177,6 +177,7 @@ def test_around_a_tube_the_stress_is_that_of_both_moments_together(one):
 # --- a turbine --------------------------------------------------------------------------------------------------------
 
 
+@pytest.mark.filterwarnings("ignore:the frequencies")
 def test_states_in_any_order_have_the_same_responses_as_alone():
     # means are found from those of other winds, linear models are shared by the seas of one wind
     wind, sea = "wind.mean_speed", "sea.significant_wave_height"

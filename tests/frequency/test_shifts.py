@@ -36,6 +36,7 @@ def poles(found):
     return np.array(sorted(np.linalg.eigvals(found.linear.matrices["A"]), key=lambda root: (root.imag, root.real)))
 
 
+@pytest.mark.filterwarnings("ignore:the frequencies")
 def test_only_the_mode_that_is_asked_for_moves(spar):
     given = {"wind.mean_speed": 18.0, "sea.significant_wave_height": 1.0}
     asked = {"outputs": ["pitch", "surge", "thrust"], "parameters": given, "frequencies": np.geomspace(0.003, 0.4, 300)}
