@@ -31,6 +31,7 @@ from fowtlib.solving import State, mean_state
 from fowtlib.solving.binding import tree_with
 from fowtlib.solving.excited import ExcitedModel, excited_model
 from fowtlib.solving.linear import NOTHING
+from fowtlib.solving.random_fields import blows
 from fowtlib.solving.stationary_gradients import Bars, LinearGradient, Partial, Pole, pole, refuse_turning
 from fowtlib.solving.tuned import TunedRun, tuned_elements
 
@@ -232,7 +233,7 @@ class _Evaluation:
         if self.of_spectra:
             root = tree_with(self.plant.dae, self.plant.root, run.parameters)
             self.excited = excited_model(self.plant, state, prepared.names, root)
-            if self.excited.fields:
+            if any(blows(places, root) for _, places in self.excited.fields):
                 raise SimulationError(
                     "there are no gradients of a response to a wind that is a field in space: take a wind whose "
                     "turbulence is one at each station."
