@@ -94,7 +94,7 @@ class RandomResponse:
         size = sum(place.stop - place.start for place in places)
         self.means = np.asarray(getattr(excited, "means", np.zeros(size)))
         self.gains = list(gains) if gains is not None else [
-            best_gain(GUESS**2 * np.eye(place.stop - place.start)) for place in places
+            best_gain(GUESS**2 * np.eye(place.stop - place.start), self.means[place]) for place in places
         ]  # fmt: skip
         self.iterations = self._settle(newton)
 
@@ -105,7 +105,7 @@ class RandomResponse:
         last, self.newton = np.inf, phi
         for iteration in range(NEWTON):
             self._answer()
-            found = [best_gain(self._covariance(place)) for _, place in self.excited.laws]
+            found = [best_gain(self._covariance(place), self.means[place]) for _, place in self.excited.laws]
             off = [new - old for new, old in zip(found, self.gains, strict=True)]
             change = max((float(np.linalg.norm(d) / max(np.linalg.norm(g), 1e-12))
                           for d, g in zip(off, found, strict=True)), default=0.0)  # fmt: skip

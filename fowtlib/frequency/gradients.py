@@ -7,9 +7,10 @@ model about it, the answers at all frequencies, the fixed point of the drag, and
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING, Any
 
+import casadi as ca
 import numpy as np
 
 from fowtlib.analysis.plants import refuse_unstable
@@ -25,12 +26,15 @@ from fowtlib.frequency.quantities import (
     with_slopes,
 )
 from fowtlib.frequency.responses import Process, _processes, _refuse_without_spectrum
-from fowtlib.language.errors import ModelError, SimulationError, did_you_mean
+from fowtlib.language.errors import ModelError, ParameterError, did_you_mean
 from fowtlib.language.expressions import parameters_read
+from fowtlib.language.run_time import RestingPlaces
 from fowtlib.solving import State, mean_state
 from fowtlib.solving.binding import tree_with
+from fowtlib.solving.differences import derivative
 from fowtlib.solving.excited import ExcitedModel, excited_model
 from fowtlib.solving.linear import NOTHING
+from fowtlib.solving.pullback import Pullback
 from fowtlib.solving.random_fields import blows
 from fowtlib.solving.stationary_gradients import Bars, LinearGradient, Partial, Pole, pole, refuse_turning
 from fowtlib.solving.tuned import TunedRun, tuned_elements
@@ -40,6 +44,8 @@ if TYPE_CHECKING:
 
 Plant = Any
 Values = Mapping[str, Any]
+
+PLACES = 10.0  # m; a thousandth of it is the step by which a place in a field is moved
 
 
 @dataclass(frozen=True, eq=False)
@@ -233,14 +239,22 @@ class _Evaluation:
         if self.of_spectra:
             root = tree_with(self.plant.dae, self.plant.root, run.parameters)
             self.excited = excited_model(self.plant, state, prepared.names)
-            if any(blows(places, root) for _, places in self.excited.fields):
-                raise SimulationError(
-                    "there are no gradients of a response to a wind that is a field in space: take a wind whose "
-                    "turbulence is one at each station."
-                )
+            self.fields = [number for number, (_, places) in enumerate(self.excited.fields) if blows(places, root)]
+            self._refuse_fields()
             further = self.excited.further
         self.model = LinearGradient(self.plant, state, prepared.names, further)
         self.response = self._response() if self.excited is not None else None
+
+    def _refuse_fields(self) -> None:
+        """ParameterError for what turns a field, of which no slope is taken."""
+        for number in self.fields:
+            for item in self.excited.fields[number][1]:
+                owner = self.run.tree.find(item.owner)
+                with parameters_read() as read:
+                    item.compute.along(owner)
+                paths = {f"{path}.{name}" if path else name for path, name in read}
+                if turned := next((element.name for element in self.run.elements if element.path in paths), None):
+                    raise ParameterError(f"there is no derivative by {turned}, which turns a wind that is a field.")
 
     def _response(self) -> RandomResponse:
         prepared, excited = self.prepared, self.excited
@@ -303,7 +317,10 @@ class _Evaluation:
         if not slopes:
             return values, np.zeros((0, 0))
         targets = [prepared.names.index(name) for name in prepared.targets]
-        total = self.model.total(Partial.stacked(partials), self.run, self.freed, targets)
+        partial = Partial.stacked(partials)
+        if self.response is not None and self.fields:
+            partial = partial + self._through_places(driven)
+        total = self.model.total(partial, self.run, self.freed, targets)
         return values, total + self._through_processes(driven)
 
     def _weight(self, column: int, weight: float) -> np.ndarray:
@@ -361,6 +378,40 @@ class _Evaluation:
 
     # --- what drives it --------------------------------------------------------------------------------------------
 
+    def _through_places(self, driven: Sequence[Slopes | None]) -> Partial:
+        """Slopes through the places at which parts feel a field: its spectra depend on their distances."""
+        items = [(number, k, item) for number in self.fields for k, item in enumerate(self.excited.fields[number][1])]
+        kept = [(k, of) for k, of in enumerate(driven) if of is not None]
+        frequency, at, columns = self.response.forcing.frequency, self.model.at, []
+        here = self._weighted(kept, self.response.forcing)
+        for number, k, item in items:
+            for row in range(item.places.positions.size):
+
+                def moved(value: float, number: int = number, k: int = k, row: int = row) -> np.ndarray:
+                    excited = _with_position(self.excited, number, k, row, value)
+                    return self._weighted(kept, forcing(_processes(excited, self.run.tree), frequency))
+
+                now = float(item.places.positions.ravel()[row])
+                columns.append(derivative(moved, now, here=here, size=PLACES, what=f"the wind at {item.path}"))
+        weights = np.zeros((len(columns), len(driven)))
+        weights[:, [k for k, _ in kept]] = columns
+
+        def rows() -> ca.SX:
+            asked = [ca.vec(ca.densify(at.dae.externals[item.external].inputs)) for _, _, item in items]
+            sizes = [item.places.positions.size for _, _, item in items]
+            return ca.vertcat(*[column[column.numel() - size :] for column, size in zip(asked, sizes, strict=True)])
+
+        key = ("places", *(item.external for _, _, item in items))
+        state = self.state
+        point = Pullback(at, key, rows).point(state.t, state.x, state.z, np.concatenate([state.u, state.d]))
+        v, w = point.plain(weights)
+        return Partial(v.T, w.T)
+
+    def _weighted(self, kept: Sequence[tuple[int, Slopes]], now: Forcing) -> np.ndarray:
+        """Slopes by drive and densities times these: scalars that change with them as the results do."""
+        return np.array([np.sum((of.drive.conj() * now.drive).real) + np.sum((of.density * now.density).real)
+                         for _, of in kept])  # fmt: skip
+
     def _through_processes(self, driven: Sequence[Slopes | None]) -> np.ndarray:
         """Slopes (k, m) through transfer functions and spectra of waves and wind, which are functions in Python.
 
@@ -375,21 +426,28 @@ class _Evaluation:
             forcing(_processes(self.excited, root), frequency)
         paths = {f"{owner}.{name}" if owner else name for owner, name in read}
         kept = [(k, item) for k, item in enumerate(driven) if item is not None]
-
-        def at(now: Forcing) -> np.ndarray:
-            return np.array([np.sum((of.drive.conj() * now.drive).real) + np.sum((of.density * now.density).real)
-                             for _, of in kept])  # fmt: skip
-
         for column, item in enumerate(self.run.elements):
             if item.path not in paths:
                 continue
 
             def weighted(value: float, item: Any = item) -> np.ndarray:
                 with self.run.tree_at(item, value) as root:
-                    return at(forcing(_processes(self.excited, root), frequency))
+                    return self._weighted(kept, forcing(_processes(self.excited, root), frequency))
 
-            found[[k for k, _ in kept], column] = self.run.slope(item, weighted, at(self.response.forcing))
+            here = self._weighted(kept, self.response.forcing)
+            found[[k for k, _ in kept], column] = self.run.slope(item, weighted, here)
         return found
+
+
+def _with_position(excited: ExcitedModel, number: int, k: int, row: int, value: float) -> ExcitedModel:
+    """The model with one coordinate of a place in a field elsewhere, as far as its spectra go."""
+    columns, members = excited.fields[number]
+    positions = members[k].places.positions.copy()
+    positions.reshape(-1)[row] = value
+    item = replace(members[k], places=RestingPlaces(positions))
+    fields = list(excited.fields)
+    fields[number] = (columns, (*members[:k], item, *members[k + 1 :]))
+    return replace(excited, fields=tuple(fields))
 
 
 def forcing(processes: Mapping[str, Process], frequency: np.ndarray) -> Forcing:

@@ -300,6 +300,14 @@ def test_slopes_of_the_gain_of_drag(covariance):
     assert by_mean == pytest.approx(np.zeros((n, n, n)), abs=1e-12)
 
 
+def test_slopes_of_the_gain_of_drag_about_a_mean():
+    covariance, mean = np.array([[2.0, 0.6], [0.6, 0.9]]), np.array([0.8, -1.1])
+    by_covariance, by_mean = gain_slopes(covariance, mean)
+    change, shift = np.array([[0.4, 0.3], [0.3, -0.2]]), np.array([0.5, 0.7])
+    wanted = derivative(lambda h: best_gain(covariance + h * change, mean + h * shift), 0.0, size=0.1)
+    assert np.einsum("abcd,cd", by_covariance, change) + by_mean @ shift == pytest.approx(wanted, rel=1e-6)
+
+
 def test_slopes_of_the_gain_of_drag_in_a_strong_flow():
     mean = np.array([30.0, 40.0])  # where the law is that of its mean: |m| 1 + m m' / |m|
     at_mean, its_slopes = slope_at_mean(mean)
