@@ -13,7 +13,7 @@ from typing import Any
 import numpy as np
 
 from fowtlib.analysis.fatigue.spectral import dirlik
-from fowtlib.design.differences import STEP, Differences, Results
+from fowtlib.design.differences import CLOSE, STEP, Differences, Results
 from fowtlib.design.evaluation import Evaluated, Key
 from fowtlib.design.measures import Statistics, answer
 from fowtlib.design.terms import DesignCase
@@ -29,24 +29,30 @@ class Adjoints:
 
     def __init__(self, plant: Any, space: Space, cases: Sequence[DesignCase], keys: Sequence[Key], *, free: Any = None,
                  targets: Mapping[str, Any] | None = None, statistics: Statistics | None = None,
-                 step: float = STEP):  # fmt: skip
+                 balance: str | None = None, step: float = STEP):  # fmt: skip
         from fowtlib.frequency import PreparedGradient
 
         self.plant, self.space, self.keys = plant, space, list(keys)
         self.statistics = statistics or Statistics()
         self.names: dict[str, list[str]] = {}
         self.prepared: dict[str, Any] = {}
-        self.paths = list(space.base)
+        self.paths, self.balance = list(space.base), balance
+        self.freed = list(free or ()) if balance is not None else []  # what other cases take from that of the balance
         for case in cases:
             exact = [name for own, name in keys if own == case.name and self._has_adjoint(name)]
             if exact:
                 self.names[case.name] = exact
+                own = balance in (None, case.name)
                 self.prepared[case.name] = PreparedGradient(
-                    plant, [self._quantity(name) for name in exact], self.paths, parameters=case.parameters,
-                    free=free or None, targets=targets or None,
+                    plant, [self._quantity(name) for name in exact], self.paths + ([] if own else self.freed),
+                    parameters=case.parameters, free=free if own and free else None,
+                    targets=targets if own and targets else None,
                 )  # fmt: skip
         rest = [key for key in keys if key[1] not in self.names.get(key[0], ())]
-        self.rest = Differences(plant, space, cases, rest, free=free, targets=targets, statistics=statistics, step=step)
+        rest += [(balance, path.partition("[")[0]) for path in self.freed if balance is not None]
+        self.rest = Differences(plant, space, cases, list(dict.fromkeys(rest)), free=free, targets=targets,
+                                statistics=statistics, balance=balance, step=step)  # fmt: skip
+        self._chosen: np.ndarray | None = None  # where the frequencies were chosen
         pieces = [_columns_first(space.matrix(path), space.base[path].shape) for path in self.paths]
         self.slopes = np.concatenate(pieces)  # of the elements of parameters by the numbers of the space
 
@@ -56,12 +62,19 @@ class Adjoints:
         values, slopes, units = dict(other.values), dict(other.jacobian or {}), dict(other.units)
         parameters = self.space.parameters(x)
         point = np.concatenate([np.ravel(np.asarray(parameters[path]), order="F") for path in self.paths])
+        if self._chosen is None or np.max(np.abs(x - self._chosen) / self.space.scale) > CLOSE:
+            self._chosen = x
+            for prepared in self.prepared.values():
+                prepared.choose_frequencies()
         for case, prepared in self.prepared.items():
-            found, by = self._at(prepared, case, point, jacobian)
+            taken = self.freed if case != self.balance else []
+            where = [self._taken(other.values, path) for path in taken]
+            found, by = self._at(prepared, case, np.concatenate([point, *where]), jacobian)
             for k, name in enumerate(self.names[case]):
                 values[case, name], units[name] = found[k : k + 1], self._unit(name)
-                if by is not None:
-                    slopes[case, name] = by[k : k + 1] @ self.slopes
+                if by is not None and other.jacobian is not None:
+                    ways = [self._taken(other.jacobian, path) for path in taken]
+                    slopes[case, name] = by[k : k + 1] @ np.concatenate([self.slopes, *ways])
         ordered: Results = {key: values[key] for key in self.keys}
         return Evaluated(ordered, units, slopes if jacobian else None, other.states)
 
@@ -74,6 +87,12 @@ class Adjoints:
             if len(self.prepared) > 1:
                 error.at(f"case {case}")
             raise
+
+    def _taken(self, results: Mapping[Key, np.ndarray], path: str) -> np.ndarray:
+        """Values or slopes of what a case takes from that of the balance; of an element, its row."""
+        whole, _, number = path.rstrip("]").partition("[")
+        found = results[str(self.balance), whole]
+        return found[[int(number)]] if number else found
 
     def _unit(self, name: str) -> str:
         found = answer(name)

@@ -45,6 +45,7 @@ class Design:
     functions    results that follow from others
     free, targets  parameters that take the values at which conditions hold at each design, such as ballast and heave:
                  see Plant.equilibrium
+    balance      the case in which they are freed: the others take what is found there. None: each case on its own
     statistics   of the response to waves and wind
     slopes       "differences", central ones; or "adjoint": exact, of outputs and responses, which cost the same for
                  many variables, and by differences of the rest (fowtlib.design.adjoints)
@@ -61,6 +62,7 @@ class Design:
     functions: Sequence[Function] = ()
     free: Mapping[str, Any] | Sequence[str] = ()
     targets: Mapping[str, Any] = field(default_factory=dict)
+    balance: str | None = None
     statistics: Statistics = field(default_factory=Statistics)
     slopes: Literal["differences", "adjoint"] = "differences"
     evaluator: Callable[..., Evaluator] | None = None
@@ -79,6 +81,12 @@ class Design:
             twice = next((name for name in names if names.count(name) > 1), None)
             if twice is not None:
                 raise ModelError(f"there are two {what}s '{twice}'.")
+        if self.balance is not None:
+            names = [case.name for case in self.cases]
+            if self.balance not in names:
+                raise ModelError(f"the balance is of no case '{self.balance}'{did_you_mean(self.balance, names)}")
+            if not self.free:
+                raise ModelError(f"the balance in the case '{self.balance}' needs parameters that are free.")
         clash = {item.name for item in self.functions} & {item.name for item in self.variables}
         if clash:
             raise ModelError(f"'{min(clash)}' is a variable and a function.")
@@ -115,7 +123,8 @@ class Design:
             if function.name not in used:
                 raise ModelError(f"nothing uses the function '{function.name}'.")
         for case in self.cases:
-            if self.plant is not None and len(self.cases) > 1 and case.name not in {own for own, _ in keys}:
+            asked = {own for own, _ in keys} | {self.balance}
+            if self.plant is not None and len(self.cases) > 1 and case.name not in asked:
                 raise ModelError(f"nothing is asked of the case '{case.name}'.")
         return keys
 
@@ -127,7 +136,7 @@ class Design:
             return NoModel()
         make = self.evaluator or (Adjoints if self.slopes == "adjoint" else Differences)
         return make(self.plant, self.space, self.cases, self.keys, free=self.free, targets=self.targets,
-                    statistics=self.statistics)  # fmt: skip
+                    statistics=self.statistics, balance=self.balance)  # fmt: skip
 
     def problem(self, x: np.ndarray | None = None) -> Problem:
         """The design as a problem of optimisation, set up at x [SI], or at the start."""
@@ -184,8 +193,8 @@ class Design:
                             for c in self.constraints],  # type: ignore[union-attr]
             "cases": [[case.name, dict(case.parameters), case.weight] for case in self.cases],
             "functions": [[item.name, list(item.of), _text(item.function)] for item in self.functions],
-            "free": list(self.free), "targets": dict(self.targets), "statistics": str(self.statistics),
-            "parameters": _digest(self.plant),
+            "free": list(self.free), "targets": dict(self.targets), "balance": self.balance,
+            "statistics": str(self.statistics), "parameters": _digest(self.plant),
         }  # fmt: skip
 
 
@@ -361,10 +370,12 @@ class _Result:
             return None
 
     def _freed(self, found: Any) -> dict[str, Any]:
-        """Values of freed parameters, where they are the same in all cases."""
-        states = getattr(found, "states", {})
-        paths = [path.partition("[")[0] for path in self.design.free]
-        return {path: state.parameters[path] for state in list(states.values())[:1] for path in paths}
+        """Values of freed parameters in the case of the balance, or in the first one."""
+        states, design = found.states, self.design
+        if not states or not design.free:
+            return {}
+        state = states[design.balance or next(iter(states))]
+        return {path: state.parameters[path] for path in (item.partition("[")[0] for item in design.free)}
 
     def _functions(self, results: dict[str, dict[str, Any]], point: Point, found: Any) -> None:
         composition = self.problem.composition

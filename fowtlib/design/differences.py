@@ -20,22 +20,31 @@ from fowtlib.language.errors import ModelError
 from fowtlib.language.stopping import STOP_ASKED
 
 STEP = 1e-4  # of the scale of a variable
+CLOSE = 0.1  # of the scales of variables, within which the frequencies of a response stay the same
 
 Results = dict[Key, np.ndarray]
 
 
 class Differences:
-    """An evaluator of a compiled model (fowtlib.design.evaluation.Evaluator); keys: what is asked, by case."""
+    """An evaluator of a compiled model (fowtlib.design.evaluation.Evaluator); keys: what is asked, by case.
+
+    balance: the case in which parameters are freed, which the others take as they are there; None: in each its own.
+    """
 
     def __init__(self, plant: Any, space: Space, cases: Sequence[DesignCase], keys: Sequence[Key], *, free: Any = None,
                  targets: Mapping[str, Any] | None = None, statistics: Statistics | None = None,
-                 step: float = STEP):  # fmt: skip
-        self.space, self.step, self.keys = space, step, list(keys)
-        asked = {case.name: [name for own, name in keys if own == case.name] for case in cases}
-        self.meters = {case.name: Meter(plant, case, asked[case.name], free, targets, statistics)
-                       for case in cases if asked[case.name]}  # fmt: skip
+                 balance: str | None = None, step: float = STEP):  # fmt: skip
+        self.space, self.step, self.keys, self.balance = space, step, list(keys), balance
+        self.freed = [path.partition("[")[0] for path in free or ()]
+        self.meters: dict[str, Meter] = {}
+        for case in sorted(cases, key=lambda case: case.name != balance):  # what the others take comes first
+            names = [name for own, name in keys if own == case.name]
+            if names or case.name == balance:
+                own = (free, targets) if balance in (None, case.name) else (None, None)
+                self.meters[case.name] = Meter(plant, case, names, *own, statistics)
         self.near: dict[str, Measured] = {}
         self._last: tuple[bytes, dict[str, Measured]] | None = None
+        self._chosen: np.ndarray | None = None  # where the frequencies were chosen
 
     def evaluate(self, x: np.ndarray, jacobian: bool = False) -> Evaluated:
         """See Evaluator.evaluate."""
@@ -48,13 +57,25 @@ class Differences:
     def _measured(self, x: np.ndarray) -> dict[str, Measured]:
         key = x.tobytes()
         if self._last is None or self._last[0] != key:
-            found = {name: self._one(name, x, self.near.get(name)) for name in self.meters}
+            close = self._chosen is not None and np.max(np.abs(x - self._chosen) / self.space.scale) <= CLOSE
+            found = self._all(x, self.near, fixed=bool(close))
+            self._chosen = self._chosen if close else x
             self._last, self.near = (key, found), found
         return self._last[1]
 
-    def _one(self, case: str, x: np.ndarray, near: Measured | None, fixed: bool = False) -> Measured:
+    def _all(self, x: np.ndarray, near: Mapping[str, Measured], fixed: bool) -> dict[str, Measured]:
+        """All cases; what is freed in one of them counts in the others."""
+        found: dict[str, Measured] = {}
+        parameters = self.space.parameters(x)
+        for name in self.meters:
+            found[name] = self._one(name, parameters, near.get(name), fixed)
+            if name == self.balance:
+                parameters |= {path: found[name].state.parameters[path] for path in self.freed}
+        return found
+
+    def _one(self, case: str, parameters: Mapping[str, Any], near: Measured | None, fixed: bool) -> Measured:
         try:
-            return self.meters[case].measure(self.space.parameters(x), near, fixed)
+            return self.meters[case].measure(parameters, near, fixed)
         except ModelError as error:
             if len(self.meters) > 1:
                 error.at(f"case {case}")
@@ -67,7 +88,7 @@ class Differences:
         slopes = {key: np.zeros((value.size, x.size)) for key, value in values.items()}
 
         def at(moved: np.ndarray) -> Results:
-            return self._columns({name: self._one(name, moved, middle[name], fixed=True) for name in self.meters})
+            return self._columns(self._all(moved, middle, fixed=True))
 
         stop = STOP_ASKED.get()
         for k in range(x.size):

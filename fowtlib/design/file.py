@@ -29,7 +29,7 @@ VERSION = 1
 KEY = "fowtlib_design"
 FIRST_LINE = f"a design file begins with '{KEY}: {VERSION}'"
 TOP_KEYS = (KEY, "title", "description", "model", "set", "variables", "objective", "constraints", "functions", "cases",
-            "free", "targets", "statistics", "optimiser")  # fmt: skip
+            "free", "targets", "balance", "statistics", "optimiser")  # fmt: skip
 VARIABLE_KEYS = ("drives", "lower", "upper", "start", "points", "along", "degree", "scale")
 CONSTRAINT_KEYS = ("result", "lower", "upper", "cases", "aggregate", "sharpness", "scale", "name")
 CASE_KEYS = ("parameters", "wind", "waves", "weight")
@@ -105,7 +105,8 @@ class _File:
         try:
             design = Design(
                 plant, variables, self._objective(), self._constraints(), self._cases(model), functions,
-                self._free(), self._mapping("targets"), self._statistics(), slopes, title=self._title(plant),
+                self._free(), self._mapping("targets"), text(self.items, "balance") or None, self._statistics(),
+                slopes, title=self._title(plant),
             )  # fmt: skip
             _ = design.space, design.keys
         except ModelError as error:
@@ -117,7 +118,7 @@ class _File:
 
     def _model(self) -> Any:
         if "model" not in self.items:
-            for key in ("set", "cases", "free", "targets"):
+            for key in ("set", "cases", "free", "targets", "balance"):
                 if key in self.items:
                     raise self.items[key].place.error(f"'{key}' is of a model, and the file names none.")
             return None

@@ -36,6 +36,21 @@ def test_slopes_with_ballast_that_fills_are_those_of_differences():
 
 
 @exact
+def test_slopes_with_the_ballast_of_another_case():
+    """The ballast of the case at rest counts under thrust, too, and so does its slope."""
+    variables = [Variable("diameter", 9, 12), Variable("draft", 110, 150)]
+    cases = [DesignCase("thrust"), DesignCase("rest", {"thrust": 0})]
+    one, other = (
+        Design(spar(), variables, "hull: mass", ["pitch @ thrust < 5 deg", "heave > -9"], cases, free=["ballast"],
+               targets={"heave": 0}, balance="rest", slopes=slopes).results.evaluate(np.array([10.7, 133.0]), True)
+        for slopes in ("adjoint", "differences")
+    )  # fmt: skip
+    for key, slope in other.jacobian.items():
+        assert one.values[key] == pytest.approx(other.values[key], rel=1e-7, abs=1e-9)
+        assert one.jacobian[key] == pytest.approx(slope, rel=1e-5, abs=1e-7)
+
+
+@exact
 def test_the_same_optimum():
     one, other = hull("adjoint").optimise(), hull("differences").optimise()
     assert one.converged and one.value == pytest.approx(other.value, rel=1e-6) and one.active == other.active

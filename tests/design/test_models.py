@@ -149,7 +149,13 @@ def test_at_a_bound_the_slopes_are_one_sided():
     asked = []
     evaluator = design.results
     measured = evaluator._one
-    evaluator._one = lambda case, point, near, fixed=False: asked.append(point) or measured(case, point, near, fixed)
+    names = ("diameter", "waterline_diameter")
+
+    def seen(case, parameters, near, fixed):
+        asked.append([parameters[name] for name in names])
+        return measured(case, parameters, near, fixed)
+
+    evaluator._one = seen
     bounded = evaluator.evaluate(x, jacobian=True).jacobian
     assert min(point[0] for point in asked) >= x[0] and max(point[1] for point in asked) <= x[1]
     free = Design(spar(), [Variable("diameter", 8, 13, 9.0), Variable("waterline_diameter", 6, 13, 12.0)], "hull: mass",
@@ -178,6 +184,32 @@ def test_a_response_to_waves_and_wind_is_a_result():
                     frequencies=asked.frequency).std("yaw") for share in (1.01, 0.99)
     )  # fmt: skip
     assert slope == pytest.approx((ahead - behind) / (0.02 * x[0]), rel=1e-3)
+
+
+def test_ballast_of_one_case_is_that_of_the_others():
+    """With a balance at rest the hull is lifted by the lines under thrust, and no ballast changes."""
+    variables = [Variable("diameter", "9 m", "12 m")]
+    cases = [DesignCase("thrust"), DesignCase("rest", {"thrust": 0})]
+    limits = ["pitch @ thrust < 5 deg", Constraint("heave", lower=-9.0), "ballast @ thrust < 1e9"]
+    design = Design(spar(), variables, "ballast @ rest", limits, cases, free=["ballast"], targets={"heave": 0},
+                    balance="rest")  # fmt: skip
+    found = design.evaluate()
+    rest = spar().equilibrium({"thrust": 0}, free=["ballast"], targets={"heave": 0})
+    pushed = spar().equilibrium({"ballast": rest.parameters["ballast"]})
+    assert found.parameters["ballast"] == pytest.approx(float(rest.parameters["ballast"]), rel=1e-9)
+    assert found.results["thrust"]["ballast"] == pytest.approx(found.results["rest"]["ballast"], rel=1e-12)
+    assert found.results["thrust"]["pitch"] == pytest.approx(pushed["pitch"], rel=1e-6)
+    assert found.results["thrust"]["heave"] == pytest.approx(pushed["heave"], rel=1e-6)
+    assert abs(found.results["rest"]["heave"]) < 1e-6 < abs(pushed["heave"])
+    x = design.space.start
+    slopes = design.results.evaluate(x, jacobian=True).jacobian
+    ahead, behind = (design.results.evaluate(x + h).values for h in (0.01, -0.01))
+    for key, slope in slopes.items():
+        assert slope[0, 0] == pytest.approx(float(ahead[key][0] - behind[key][0]) / 0.02, rel=1e-4, abs=1e-6)
+    with pytest.raises(ModelError, match="the balance is of no case 'calm'"):
+        Design(spar(), variables, "mass", (), cases, free=["ballast"], targets={"heave": 0}, balance="calm")
+    with pytest.raises(ModelError, match="needs parameters that are free"):
+        Design(spar(), variables, "mass", (), cases, balance="rest")
 
 
 def test_cases_are_weighted():
