@@ -14,6 +14,8 @@ from fowtlib.cli.files import FIGURES, check_target, say_saved
 from fowtlib.cli.run import finite, numbers
 from fowtlib.language.errors import ModelError
 
+GROWS = 1e-6  # of the size of a pole: its real part, above which a mode grows
+
 EQUILIBRIUM = """In still water, and in the wind of --wind or of the model, at its mean speed.
 
 With --free the parameters of the model take the values at which the conditions
@@ -140,6 +142,12 @@ def show_modes(arguments: argparse.Namespace) -> int:
     rows = [(mode.number, mode.name, mode.frequency, mode.period, mode.damping_ratio) for mode in modes]
     tables.say(arguments, conditions)
     tables.show(arguments, ("mode", "motion", "frequency [Hz]", "period [s]", "damping ratio"), rows)
+    for mode in modes:
+        pole = mode.eigenvalue
+        if pole.real > GROWS * abs(pole):
+            value = f"{pole.real:+.4g} {pole.imag:+.4g}i" if pole.imag else f"{pole.real:+.4g}"
+            pace = f"grows by a factor e in {1 / pole.real:.4g} s (pole {value} 1/s)"
+            warnings.warn(f"mode {mode.number}, {mode.name}, {pace}.", stacklevel=1)
     if arguments.plot:
         from fowtlib.solving.results.plots import plot_modes
 

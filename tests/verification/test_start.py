@@ -51,10 +51,11 @@ def test_the_mean_state_of_flexible_blades():
         assert float(late[name].mean()) == pytest.approx(state[name], abs=size), name
     up = np.flatnonzero(np.diff(late["azimuth"].values % 360.0) < -180.0)  # blade 1 is up, as at the start
     assert len(up) >= 3
-    for name in ("blade_tip_out_of_plane_1", "blade_tip_out_of_plane_2", "blade_tip_out_of_plane_3",
-                 "blade_tip_in_plane_2", "blade_tip_in_plane_3"):  # fmt: skip
-        np.testing.assert_allclose(late[name].values[up], state[name], atol=0.06, err_msg=name)
-    assert float(late["blade_tip_in_plane_1"].max() - late["blade_tip_in_plane_1"].min()) > 0.5  # they do swing
+    # the dam of the tower goes on in harmonics that the mean has not: 0.02 m each of the second to the fourth
+    for direction, size in (("out_of_plane", 0.09), ("in_plane", 0.04)):
+        for blade in (1, 2, 3):
+            name = f"blade_tip_{direction}_{blade}"
+            np.testing.assert_allclose(late[name].values[up], state[name], atol=size, err_msg=name)
 
 
 def test_without_a_turning_rotor_it_is_the_equilibrium():
