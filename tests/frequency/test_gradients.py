@@ -81,6 +81,7 @@ class Chain(Component):
     drag: Scalar = param(default=1.1, unit="kg/m", doc="of the square of the speed")
     force: Scalar = param(default=5.0, unit="N", doc="constant force on the second")
     delay: Scalar = param(default=0.05, unit="s", doc="of what pushes")
+    flow: Scalar = param(default=0.0, unit="m/s", doc="of what drags")
     unused: Scalar = param(default=2.0, doc="nothing depends on it")
     level: Number = param(default=2.0, bound=True, min=0, doc="one-sided spectrum of the force [N^2 s/rad]")
     kind: str = param(default="white", bound=True, doc="a word")
@@ -96,12 +97,13 @@ class Chain(Component):
         push = run_time_series(self.time, 1, "push", Push(), of=self)
         stretch = self.x2 - self.x1
         between = self.stiffness * stretch + self.hardening * stretch**3 + self.damping * (self.v2 - self.v1)
+        resistance = self.drag * quadratic(self.v2 - self.flow, 1e-6)
         return [
             eq(der(self.x1), self.v1),
             eq(der(self.x2), self.v2),
             eq(self.pull, self.stiffness * self.x1 + self.hardening * self.x1**3),
             eq(self.mass * der(self.v1), between - self.pull - self.damping * self.v1),
-            eq(self.mass * der(self.v2), push + self.force - between - self.drag * quadratic(self.v2, 1e-6)),
+            eq(self.mass * der(self.v2), push + self.force - between - resistance),
         ]
 
     def spectral_density(self, omega):
@@ -141,6 +143,12 @@ def test_far_from_the_start_and_from_point_to_point():
     prepared = PreparedGradient(chain(), ["std pull", "mean first"], TUNED[:4], frequencies=GRID)
     for point in ([2.0, 20.0, 1.5, 0.8], [5.0, 8.0, 0.0, 0.3]):
         check(prepared, point=point)
+
+
+def test_drag_in_a_flow():
+    flowing = chain(flow=0.9, force=1.0)
+    check(PreparedGradient(flowing, ["std x", "std pull", "mean x"], ["one.flow", "one.drag", "one.stiffness"],
+                           frequencies=GRID))  # fmt: skip
 
 
 def test_the_deviation_of_an_oscillator_in_white_noise_by_the_textbook():
@@ -411,6 +419,16 @@ def test_a_floating_turbine_in_wind_and_waves():
     _, jacobian = check(prepared, relative=2e-6, step=1e-3)
     assert jacobian[3, by.index("sea.peak_period")] == 0
     assert prepared.units == ("deg", "kN", "kN", "Hz")
+
+
+@pytest.mark.long
+def test_two_rotors_in_a_field_whose_places_move_with_an_arm():
+    weather = {"wind.kind": "turbulence", "wind.mean_speed": 18.0}
+    prepared = PreparedGradient(fw.load("two_rotor_spar_rigid"), ["std yaw", "std roll"], ["arm_left.r[1]"],
+                                parameters=weather, frequencies=np.geomspace(2e-3, 0.5, 60))  # fmt: skip
+    check(prepared)
+    with pytest.raises(ParameterError, match="by wind.direction, which turns a wind that is a field"):
+        fw.gradient(prepared.plant, "std yaw", ["wind.direction"], parameters=weather)
 
 
 def test_rotors_of_blade_elements_that_turn_are_refused_before_their_mean_is_sought():
