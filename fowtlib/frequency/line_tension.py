@@ -9,6 +9,7 @@ from typing import Any
 import numpy as np
 
 from fowtlib.analysis.drag_maxima import rayleigh_exponential_extreme
+from fowtlib.analysis.line_maxima import harmonic_extreme
 from fowtlib.analysis.spectra import Spectrum
 from fowtlib.frequency.found import Response
 from fowtlib.language.errors import ModelError, did_you_mean
@@ -96,28 +97,12 @@ def _results(found: Response, line: str) -> tuple[Spectrum, Spectrum, float]:
 
 
 def _harmonic(found: Response, line: str, sizes: float) -> float:
-    """Tension above the mean [N] in a motion of `sizes` deviations, of the frequency at which the shape moves.
-
-    With c_L sqrt(8/pi) c s_u' of the response, 8/(3 pi) c U of the motion: u (k_E + k_G - m w^2 + i w c_L) = k_E x
-    and T = (k_G - m w^2 + i w c_L) u - w^2 m_a x. What the response has of tension beyond that is slow.
-    """
+    """Tension above the mean [N] in a motion of `sizes` deviations, of the frequency at which the shape moves."""
     spectrum, speed, _ = _results(found, line)
-    names = ("elastic_stiffness", "geometric_stiffness", "generalised_mass", DRAG, "axial_mass")
-    k_E, k_G, mass, c, axial = (float(found.state[f"{line}.{name}"]) for name in names)
-    w = 2 * np.pi * speed.up_crossing_rate
-    held = k_E + k_G - mass * w**2
-
-    def per_motion(damping: float) -> tuple[float, float]:
-        """Velocity of the shape and tension, over the motion of the fairlead along the line."""
-        u = k_E / (held + 1j * w * damping)
-        return abs(w * u), abs((held - k_E + 1j * w * damping) * u - w**2 * axial)
-
-    faster, tension = per_motion(np.sqrt(8 / np.pi) * c * speed.std)
-    x = speed.std / faster  # deviation of the motion
-    fast = min(tension * x, spectrum.std)
-    slow = np.sqrt(spectrum.std**2 - fast**2)
-    # U^2 (held^2/w^2 + (8/(3 pi) c U)^2) = (k_E sizes x)^2, of the amplitude U of u'
-    push, own, resisting = (k_E * sizes * x) ** 2, (held / w) ** 2, (8 / (3 * np.pi) * c) ** 2
-    U = np.sqrt(2 * push / (own + np.sqrt(own**2 + 4 * resisting * push)))
-    growth = per_motion(8 / (3 * np.pi) * c * U)[1] / tension
-    return sizes * float(np.hypot(slow, fast * growth))
+    of_line = {
+        "elastic_stiffness": "elastic_stiffness", "geometric_stiffness": "geometric_stiffness",
+        "mass": "generalised_mass", "drag": DRAG, "axial_mass": "axial_mass",
+    }  # fmt: skip
+    values = {name: float(found.state[f"{line}.{variable}"]) for name, variable in of_line.items()}
+    omega = 2 * np.pi * speed.up_crossing_rate
+    return float(harmonic_extreme(sizes, spectrum.std, speed.std, omega, **values))
