@@ -62,12 +62,9 @@ class PitchController(Component):
 
     pitch: Scalar = var(unit="rad", start=pitch_start, fixed=True, state="prefer", doc="blade pitch")
     integral: Scalar = var(
-        unit="rad",
-        start=lambda self: self.integral_of(self.pitch_start),
-        fixed=True,
-        state="prefer",
+        unit="rad", start=lambda self: self.integral_of(self.pitch_start), fixed=True, state="prefer",
         doc="K_I times the integral of the speed error",
-    )
+    )  # fmt: skip
     yaw_part: Scalar = var(unit="rad", doc="pitch added by the yaw control")
     command: Scalar = var(unit="rad", doc="pitch asked for")
 
