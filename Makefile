@@ -51,6 +51,7 @@ catalogue: $(STAMP)
 verification: $(STAMP)
 	$(BIN)/python -m pytest -m long tests
 	$(BIN)/python benchmarks/verification.py
+	$(BIN)/python benchmarks/verification_dtu10mw.py
 	$(BIN)/python benchmarks/load_cases.py
 
 # Attack: damaged model and data files, kills, full disks, cold caches, threads; fills docs/reliability.md.

@@ -40,10 +40,10 @@ HAWC2_RIGID = {
     17.0: (9.597, 13.7142, 10675.4, 773.5), 20.0: (9.597, 17.4205, 10678.6, 669.7),
     22.0: (9.597, 19.6538, 10680.9, 622.9), 24.0: (9.597, 21.7528, 10683.3, 587.3),
 }  # fmt: skip
-# the same of the flexible turbine with tilt; flapwise root moment [MN m], way of the tip downwind [m], pitched axes
+# the same of the flexible turbine with tilt; flapwise root moment [MN m], pitched axes; way of the tip downwind [m]
 HAWC2_FLEXIBLE = {
-    8.0: (6.7479, 0.0, 3800.4, 811.5, 17.18, 5.325), 12.0: (9.5971, 3.8422, 10681.5, 1270.4, 25.74, 7.591),
-    18.0: (9.5970, 14.2903, 10678.3, 740.4, 14.21, 3.012), 24.0: (9.5970, 20.9506, 10682.1, 593.0, 9.73, 0.763),
+    8.0: (6.7479, 0.0, 3800.4, 811.5, 17.18, 5.33), 12.0: (9.5971, 3.8422, 10681.5, 1270.4, 25.74, 7.53),
+    18.0: (9.5970, 14.2903, 10678.3, 740.4, 14.21, 2.88), 24.0: (9.5970, 20.9506, 10682.1, 593.0, 9.73, 0.71),
 }  # fmt: skip
 # wind [m/s], rotor speed [rpm], power [kW], thrust [kN] at zero pitch
 HAWCSTAB2 = [

@@ -3,18 +3,17 @@
 from __future__ import annotations
 
 from fowtlib.components.servo.antiwindup import held_within
+from fowtlib.components.servo.scheduled_gains import ScheduledGains
 from fowtlib.components.servo.torque_law import larger
-from fowtlib.language import Component, RealInput, RealOutput, Scalar, der, eq, param, port, var
+from fowtlib.language import RealInput, RealOutput, Scalar, der, eq, param, port, var
 from fowtlib.language import math as m
 
 
-class PitchController(Component):
+class PitchController(ScheduledGains):
     """Blade pitch = G (K_P e + x) with e = speed - rated_speed, x' = K_I e, G = 1 / (1 + pitch / doubling_pitch).
 
     As in the original, G multiplies the integral too, so that the gains for small changes are those at zero pitch over
-    1 + 2 pitch / doubling_pitch. With `scheduled: gains` the pitch is G K_P e + x with x' = G K_I e, and the gains for
-    small changes are G times those at zero pitch; G = 1 / (1 + pitch / doubling_pitch + schedule_curvature pitch^2) is
-    that of the DTU controller (M. H. Hansen and L. C. Henriksen, DTU Wind Energy E-0028, 2013).
+    1 + 2 pitch / doubling_pitch. With `scheduled: gains` it is G K_P e + x with x' = G K_I e, see ScheduledGains.
     Limits of pitch and pitch rate; the pitch follows its command with response_time as long as that asks for less than
     the greatest rate. Anti-windup: G x stays within the limits of the pitch, because x' fades out within
     antiwindup_band of a limit and only towards it; so the pitch leaves the limit when the speed error changes sign.
@@ -33,15 +32,6 @@ class PitchController(Component):
 
     memory = "controller"
 
-    proportional_gain: Scalar = param(unit="s", doc="K_P at zero pitch")
-    integral_gain: Scalar = param(doc="K_I at zero pitch")
-    doubling_pitch: Scalar = param(default=0.1099965, unit="rad", min=0, doc="pitch at which the gains are halved")
-    schedule_curvature: Scalar = param(
-        default=0.0, unit="1/rad^2", min=0, doc="factor of the square of the pitch in 1 / G"
-    )
-    scheduled: str = param(
-        default="pitch", choices=("pitch", "gains"), doc="what G multiplies: the pitch with its integral, or both gains"
-    )
     rated_speed: Scalar = param(default="1173.7 rpm", unit="rad/s", doc="generator speed that is held")
     least_pitch: Scalar = param(default=0.0, unit="rad", doc="lower limit")
     greatest_pitch: Scalar = param(default="90 deg", unit="rad", doc="upper limit")
@@ -67,21 +57,6 @@ class PitchController(Component):
     )  # fmt: skip
     yaw_part: Scalar = var(unit="rad", doc="pitch added by the yaw control")
     command: Scalar = var(unit="rad", doc="pitch asked for")
-
-    def gain_at(self, pitch):
-        """G at a blade pitch."""
-        return 1 / (1 + pitch / self.doubling_pitch + self.schedule_curvature * pitch**2)
-
-    def integral_of(self, pitch):
-        """The integral with which a pitch stays as it is at rated speed."""
-        return pitch if self.scheduled == "gains" else pitch / self.gain_at(pitch)
-
-    def law(self, error, pitch, integral):
-        """Rate of the integral, the pitch that a speed error and an integral ask for, and pitch over integral."""
-        gain = self.gain_at(pitch)
-        if self.scheduled == "gains":
-            return gain * self.integral_gain * error, gain * self.proportional_gain * error + integral, 1
-        return self.integral_gain * error, gain * (self.proportional_gain * error + integral), gain
 
     def yaw_pitch(self):
         """max(0, -yaw_gain yaw) = (|yaw_gain| |yaw| - yaw_gain yaw) / 2, with a rounded corner."""

@@ -108,15 +108,15 @@ def test_power_below_rated(steady):
 @pytest.mark.long
 @pytest.mark.parametrize("wind", [12.0, 18.0, 24.0])
 def test_flexible_operation(wind):
-    """HAWC2 with its controller at 10.63 MW: thrust 2 %, root moment 4 %, pitch, way of the tip."""
+    """HAWC2 with its controller at 10.63 MW: thrust and root moment 2 %, pitch 0.3 deg, tip 5 % and 0.1 m."""
     _, degrees, _, thrust, moment, tip = dtu.HAWC2_FLEXIBLE[wind]
     mean = dtu.flexible_operation(wind)
     assert mean["thrust"] == pytest.approx(thrust, rel=0.02)
-    assert mean["blade_pitch"] == pytest.approx(degrees, abs=0.7)
+    assert mean["blade_pitch"] == pytest.approx(degrees, abs=0.3)
     assert np.mean([mean[f"blade_root_flapwise_moment_{k}"] for k in (1, 2, 3)]) / 1e6 == pytest.approx(
         moment, rel=0.04
     )
-    assert np.mean([mean[f"blade_tip_out_of_plane_{k}"] for k in (1, 2, 3)]) == pytest.approx(tip, abs=0.35)
+    assert np.mean([mean[f"blade_tip_out_of_plane_{k}"] for k in (1, 2, 3)]) == pytest.approx(tip, abs=0.1 + 0.05 * tip)
 
 
 # --- masses and modes ---
