@@ -14,6 +14,8 @@ is twice continuously differentiable.
 a moment there, from two hinges on; for towers and arms, which carry a mass at the end.
 `free_tip`: Gauss rule for the weight (L - s)^2 / EI. The moment of a free tip vanishes like (L - s)^2 at the least, so
 the hinges leave the tip, where EI is small, to the root; for blades.
+`stations`: as `loaded_tip`, between each two stations by itself, with as many hinges in each. A hinge then never leaves
+its stations, however their sizes change, nor passes a cut there; for tubes whose sizes a design changes.
 The two bending directions share the points (weight with the geometric mean of their EI) and have interpolatory weights
 each.
 """
@@ -29,7 +31,7 @@ import numpy as np
 from fowtlib.components.mechanics.beam_properties import BeamProperties
 from fowtlib.language.errors import ParameterError
 
-QUADRATURES = ("plain", "loaded_tip", "free_tip")
+QUADRATURES = ("plain", "loaded_tip", "free_tip", "stations")
 
 
 @dataclass(frozen=True, eq=False)
@@ -72,12 +74,21 @@ def elastic_axis(beam: BeamProperties, s: Any) -> np.ndarray:
 
 
 @lru_cache(maxsize=64)
-def divide(beam: BeamProperties, count: int, quadrature: str = "plain") -> Division:
-    """Hinges and segments of a beam with `count` hinges."""
+def divide(
+    beam: BeamProperties, count: int, quadrature: str = "plain", marks: tuple[float, ...] | None = None
+) -> Division:
+    """Hinges and segments of a beam with `count` hinges; marks [m]: its stations from the root, not those of the table.
+
+    Raises ParameterError for an unknown quadrature, or hinges that the stations do not share alike.
+    """
     if quadrature not in QUADRATURES:
         raise ParameterError(f"quadrature of a beam: {', '.join(QUADRATURES)}, not {quadrature!r}.")
-    rule = _middles if quadrature == "plain" or count == 0 else _gauss
-    hinges, flexibility = rule(beam, count, quadrature == "free_tip")
+    if quadrature == "plain" or count == 0:
+        hinges, flexibility = _middles(beam, count)
+    elif quadrature == "stations":
+        hinges, flexibility = _between_stations(beam, count, marks or tuple(beam.z - beam.z[0]))
+    else:
+        hinges, flexibility = _gauss(beam, count, 0.0, beam.length, quadrature == "free_tip")
     bounds = np.concatenate([[0.0], hinges, [beam.length]])
     segments = [_segment(beam, a, b) for a, b in zip(bounds[:-1], bounds[1:], strict=True)]
     stiffness = {name: None if c is None else 1 / c for name, c in flexibility.items()}
@@ -141,7 +152,7 @@ def _quadrature(beam: BeamProperties, a: float, b: float, pieces: int = 4) -> tu
 STIFFNESSES = ("stiffness_x", "stiffness_y", "torsional_stiffness", "axial_stiffness")
 
 
-def _middles(beam: BeamProperties, count: int, _: bool) -> tuple[np.ndarray, dict[str, np.ndarray | None]]:
+def _middles(beam: BeamProperties, count: int) -> tuple[np.ndarray, dict[str, np.ndarray | None]]:
     """Equal pieces, hinges in the middle, l / mean(EI): the chain of Miller et al. (2017)."""
     length = beam.length / max(count, 1)
     flexibility: dict[str, np.ndarray | None] = dict.fromkeys(STIFFNESSES)
@@ -152,13 +163,32 @@ def _middles(beam: BeamProperties, count: int, _: bool) -> tuple[np.ndarray, dic
     return (np.arange(count) + 0.5) * length, flexibility
 
 
-def _gauss(beam: BeamProperties, count: int, free_tip: bool) -> tuple[np.ndarray, dict[str, np.ndarray | None]]:
+def _between_stations(
+    beam: BeamProperties, count: int, marks: tuple[float, ...]
+) -> tuple[np.ndarray, dict[str, np.ndarray | None]]:
+    """Gauss points of each piece between stations, for the weight 1 / EI."""
+    number = len(marks) - 1
+    if count % number:
+        raise ParameterError(
+            f"quadrature 'stations' shares the hinges among the {number} pieces between stations; {count} hinges are "
+            f"no multiple of {number}."
+        )
+    rules = [_gauss(beam, count // number, a, b) for a, b in zip(marks, marks[1:], strict=False)]
+    known = [name for name in STIFFNESSES if getattr(beam, name) is not None]
+    flexibility: dict[str, np.ndarray | None] = dict.fromkeys(STIFFNESSES)
+    flexibility |= {name: np.concatenate([found[name] for _, found in rules]) for name in known}
+    return np.concatenate([nodes for nodes, _ in rules]), flexibility
+
+
+def _gauss(
+    beam: BeamProperties, count: int, start: float, end: float, free_tip: bool = False
+) -> tuple[np.ndarray, dict[str, np.ndarray | None]]:
     """Gauss points of the weight that the module's docstring names, and interpolatory weights of each stiffness."""
     L = beam.length
-    s, w = _quadrature(beam, 0.0, L, pieces=max(4, count))
+    s, w = _quadrature(beam, start, end, pieces=max(4, count))
     EI = np.sqrt(beam.at("stiffness_x", s) * beam.at("stiffness_y", s))
     taper = (1 - s / L) ** (2 if free_tip else 0)
-    nodes, _ = gauss_points(s, w * taper / EI, L, count)
+    nodes = start + gauss_points(s - start, w * taper / EI, end - start, count)[0]
     cells = np.digitize(s, (nodes[1:] + nodes[:-1]) / 2)
     spread = np.array([np.prod([(s - q) / (p - q) for q in nodes if q != p], axis=0) + 0 * s for p in nodes])
     flexibility: dict[str, np.ndarray | None] = dict.fromkeys(STIFFNESSES)

@@ -61,7 +61,12 @@ class TubeChain(TwoFrames, WallMaterial, BeamSettings):
     def chain(self) -> dict[Key, float]:
         """The numbers of the chain with the parameter values that it has now."""
         table, nodes = self.section_table(), [height for _, _, height in self.places_of_nodes()]
-        return chain_numbers(table, divide(table, self.hinges, self.quadrature), nodes, self.distances_of_cuts())
+        return chain_numbers(table, self.division(table), nodes, self.distances_of_cuts())
+
+    def division(self, table: BeamProperties) -> Division:
+        """Its hinges, with the parameter values that it has now."""
+        heights = np.ravel(self.parameter_value("heights"))
+        return divide(table, self.hinges, self.quadrature, tuple((heights - heights[0]).tolist()))
 
     def places_of_nodes(self) -> list[tuple[float, float, float]]:
         """The frames along the tube: x, y, and distance from the root [m]."""
@@ -94,7 +99,7 @@ class TubeChain(TwoFrames, WallMaterial, BeamSettings):
 
     def drawn(self, material: str) -> list[shapes.Shape]:
         """The tube as it bends."""
-        parts = divide(self.section_table(), self.hinges, self.quadrature)
+        parts = self.division(self.section_table())
         heights, diameters = (np.ravel(self.parameter_value(name)) for name in ("heights", "diameters"))
         frames = [self.frame_a, *(self.parts[f"hinge_{i + 1}"].frame_b for i in range(self.hinges))]
         drawn, given = [], heights - heights[0]

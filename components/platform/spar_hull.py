@@ -8,7 +8,7 @@ import numpy as np
 
 from fowtlib.components.hydro.hull_part import hull_strips
 from fowtlib.components.hydro.slender_hull import HullCoefficients, SlenderHullLoads
-from fowtlib.components.mechanics.beam_division import divide, pieces
+from fowtlib.components.mechanics.beam_division import pieces
 from fowtlib.components.mechanics.beam_settings import BeamSettings
 from fowtlib.components.mechanics.connectors import Frame
 from fowtlib.components.platform.ballasted_tube import BallastedTube, ballasted
@@ -146,7 +146,7 @@ def _wet_pieces(hull: SparHull) -> dict[tuple[str, str], float]:
     """Of each rigid piece in the water its ends and its frame, heights [m] above the still water level at rest."""
     table, keel = hull.section_table(), float(np.ravel(hull.parameter_value("heights"))[0])
     found: dict[tuple[str, str], float] = {}
-    for piece in pieces(table, divide(table, hull.hinges, hull.quadrature), hull.distances_of_cuts()):
+    for piece in pieces(table, hull.division(table), hull.distances_of_cuts()):
         low, high = keel + piece.segment.start, keel + piece.segment.end
         if low < 0 and high > low:
             found |= {("origin", piece.name): keel + piece.root[2]}

@@ -388,3 +388,16 @@ def test_mistakes(tmp_path):
     path.write_text("z_m,mass_per_length_kg_per_m\n0,1\n2,1\n")
     with pytest.raises(ModelError, match=r"bending_stiffness_fore_aft_N_m2 or .* is missing"):
         read_beam(str(path))
+
+
+def test_hinges_between_stations():
+    # a uniform beam: one hinge in the middle of each piece; one piece alone: Gauss points of the whole
+    even = BeamProperties(np.linspace(0, 1, 5), 1.0, 1.0, 1.0)
+    wanted, found = divide(even, 4, "plain"), divide(even, 4, "stations")
+    assert found.s == pytest.approx(wanted.s, rel=1e-12)
+    assert found.stiffness_x == pytest.approx(wanted.stiffness_x, rel=1e-12)
+    assert divide(UNIT, 3, "stations").s == pytest.approx(divide(UNIT, 3, "loaded_tip").s, rel=1e-12)
+    marks = (0.0, 0.1, 0.4, 1.0)
+    assert [np.searchsorted(marks, s) for s in divide(even, 6, "stations", marks).s] == [1, 1, 2, 2, 3, 3]
+    with pytest.raises(ParameterError, match="5 hinges are no multiple of 4"):
+        divide(even, 5, "stations")

@@ -239,6 +239,22 @@ def test_a_stiff_hull_is_a_rigid_one_and_cuts_change_nothing():
     assert np.abs(stiff / rigid - 1).max() < 1e-3
 
 
+def test_sizes_change_from_run_to_run_and_no_hinge_passes_a_cut():
+    settings = {"hinges": 4, "tower_hinges": 1, "quadrature": "stations", "cuts": (-55.0, -30.0, -8.0),
+                "strips": 100}  # fmt: skip
+    other = {"heights": [-86.0, -57.0, -33.0, -6.0, 10.0], "diameters": [23.0, 11.0, 17.0, 12.6, 12.6],
+             "wall_thicknesses": [0.05, 0.09, 0.05, 0.06, 0.05]}  # fmt: skip
+    changed, built = spar(**settings).compile(), spar(**settings, **other).compile()
+    found = []
+    for plant, parameters in ((changed, {f"hull.{name}": value for name, value in other.items()}), (built, {})):
+        guess = {"hull.ballast_mass": BALLAST}
+        state = plant.equilibrium(free=guess, targets={"motion.heave": 0.0}, parameters=parameters)
+        frequencies = [mode.frequency_hz for mode in plant.linearize(state).modes()]
+        found.append([float(state.parameters["hull.ballast_mass"]), *sorted(frequencies)])
+    assert found[0] == pytest.approx(found[1], rel=1e-7, abs=1e-7)  # how many strips a piece has is that of the model
+    assert abs(found[0][0] / BALLAST - 1) > 0.02
+
+
 def test_ballast_fills_the_hull_from_the_keel():
     hull = SparHull(heights=[-50, 10], diameters=[12, 12], wall_thicknesses=[1, 1], ballast_mass=2600 * np.pi * 25 * 7)
     found = {fact.name: fact.value for fact in hull.facts()}
