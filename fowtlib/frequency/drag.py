@@ -2,10 +2,13 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
+
 import numpy as np
 
 _ANGLES, _WEIGHTS = np.polynomial.legendre.leggauss(96)
 _ANGLES, _WEIGHTS = (1 + _ANGLES) * np.pi / 4, _WEIGHTS * np.pi / 4
+_SQUARED, _DENSITY = np.tan(_ANGLES) ** 2, _WEIGHTS / np.sin(_ANGLES) ** 2 / np.sqrt(np.pi)
 
 
 def best_gain(covariance: np.ndarray, mean: np.ndarray | None = None) -> np.ndarray:
@@ -21,17 +24,32 @@ def best_gain(covariance: np.ndarray, mean: np.ndarray | None = None) -> np.ndar
     sqrt(8/pi) s without a mean, 2 m where it is much larger than s. Two equal ones without a mean: 3/2 sqrt(pi/2) s.
     """
     covariance = np.asarray(covariance, dtype=float)
-    variances, axes = np.linalg.eigh((covariance + covariance.T) / 2)
+    mean = np.zeros(len(covariance)) if mean is None else np.asarray(mean, dtype=float)
+    return _gains(covariance[None], mean[None])[0]
+
+
+def best_gains(velocities: Sequence[np.ndarray], means: Sequence[np.ndarray]) -> list[np.ndarray]:
+    """The gains of many laws, from values (n, k) of each whose sums of products are its covariance, and means (n,)."""
+    gains: list[np.ndarray] = [np.zeros((0, 0))] * len(velocities)
+    for size in {len(u) for u in velocities}:
+        of_size = [number for number, u in enumerate(velocities) if len(u) == size]
+        u, m = (np.stack([values[number] for number in of_size]) for values in (velocities, means))
+        for number, gain in zip(of_size, _gains(u @ u.transpose(0, 2, 1), m), strict=True):
+            gains[number] = gain
+    return gains
+
+
+def _gains(covariance: np.ndarray, mean: np.ndarray) -> np.ndarray:
+    """The gains (k, n, n) of covariances (k, n, n) and means (k, n)."""
+    variances, axes = np.linalg.eigh((covariance + covariance.transpose(0, 2, 1)) / 2)
     variances = np.maximum(variances, 0.0)
-    m = np.zeros(len(variances)) if mean is None else axes.T @ np.asarray(mean, dtype=float)
-    largest = max(variances[-1], m @ m)
-    if not largest > 0:
-        return np.zeros_like(covariance)
-    shares, m = variances / largest, m / np.sqrt(largest)
-    t = (np.tan(_ANGLES) ** 2)[:, None]
+    m = (axes.transpose(0, 2, 1) @ mean[:, :, None])[:, :, 0]
+    largest = np.maximum(variances[:, -1], (m**2).sum(axis=1))
+    size = np.where(largest > 0, largest, 1.0)[:, None]
+    shares, m, t = variances / size, m / np.sqrt(size), _SQUARED[:, None, None]
     w = 1 + 2 * t * shares
-    F = np.exp(-(t * m**2 / w).sum(axis=1)) / np.sqrt(w.prod(axis=1))
-    inside = np.eye(len(m)) * (1 - F[:, None] / w)[:, None, :]
-    inside += (2 * t * F[:, None])[..., None] * (m / w)[:, :, None] * (m / w)[:, None, :]
-    gains = np.tensordot(_WEIGHTS / np.sin(_ANGLES) ** 2, inside, axes=1) / np.sqrt(np.pi)
-    return axes @ (gains * np.sqrt(largest)) @ axes.T
+    F = np.exp(-(t * m**2 / w).sum(axis=2)) / np.sqrt(w.prod(axis=2))
+    inside = np.eye(mean.shape[1]) * (1 - F[:, :, None] / w)[:, :, None, :]
+    inside += (2 * t * F[:, :, None])[..., None] * (m / w)[:, :, :, None] * (m / w)[:, :, None, :]
+    gains = np.tensordot(_DENSITY, inside, axes=1) * np.sqrt(largest)[:, None, None]
+    return axes @ gains @ axes.transpose(0, 2, 1)
