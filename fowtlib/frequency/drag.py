@@ -33,9 +33,8 @@ def best_gains(velocities: Sequence[np.ndarray], means: Sequence[np.ndarray]) ->
     gains: list[np.ndarray] = [np.zeros((0, 0))] * len(velocities)
     for size in {len(u) for u in velocities}:
         of_size = [number for number, u in enumerate(velocities) if len(u) == size]
-        u = np.stack([velocities[number] for number in of_size])
-        about = np.stack([means[number] for number in of_size])
-        for number, gain in zip(of_size, _gains(u @ u.transpose(0, 2, 1), about), strict=True):
+        u, m = (np.stack([values[number] for number in of_size]) for values in (velocities, means))
+        for number, gain in zip(of_size, _gains(u @ u.transpose(0, 2, 1), m), strict=True):
             gains[number] = gain
     return gains
 
@@ -44,17 +43,13 @@ def _gains(covariance: np.ndarray, mean: np.ndarray) -> np.ndarray:
     """The gains (k, n, n) of covariances (k, n, n) and means (k, n)."""
     variances, axes = np.linalg.eigh((covariance + covariance.transpose(0, 2, 1)) / 2)
     variances = np.maximum(variances, 0.0)
-    m = np.einsum("kij,ki->kj", axes, mean)  # along the principal axes
+    m = (axes.transpose(0, 2, 1) @ mean[:, :, None])[:, :, 0]
     largest = np.maximum(variances[:, -1], (m**2).sum(axis=1))
-    unit = np.where(largest > 0, largest, 1.0)[:, None]
-    shares, m = variances / unit, m / np.sqrt(unit)
-    fallen = 1 + 2 * _SQUARED[:, None, None] * shares
-    left = 1 / np.sqrt(fallen.prod(axis=2))[:, :, None]
-    if m.any():
-        left = left * np.exp(-_SQUARED[:, None] * (m**2 / fallen).sum(axis=2))[:, :, None]
-    gains = np.tensordot(_DENSITY, 1 - left / fallen, axes=1)[:, :, None] * np.eye(m.shape[1])
-    if m.any():
-        side = m / fallen
-        gains = gains + np.einsum("t,tki,tkj->kij", _DENSITY * 2 * _SQUARED, left * side, side)
-    gains = gains * np.sqrt(largest)[:, None, None]
+    size = np.where(largest > 0, largest, 1.0)[:, None]
+    shares, m, t = variances / size, m / np.sqrt(size), _SQUARED[:, None, None]
+    w = 1 + 2 * t * shares
+    F = np.exp(-(t * m**2 / w).sum(axis=2)) / np.sqrt(w.prod(axis=2))
+    inside = np.eye(mean.shape[1]) * (1 - F[:, :, None] / w)[:, :, None, :]
+    inside += (2 * t * F[:, :, None])[..., None] * (m / w)[:, :, :, None] * (m / w)[:, :, None, :]
+    gains = np.tensordot(_DENSITY, inside, axes=1) * np.sqrt(largest)[:, None, None]
     return axes @ gains @ axes.transpose(0, 2, 1)

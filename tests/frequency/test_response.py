@@ -8,6 +8,7 @@ from scipy.special import erf
 
 import fowtlib as fw
 from fowtlib.frequency import best_gain, response
+from fowtlib.frequency.drag import best_gains
 from fowtlib.language.errors import ModelError, SimulationError
 from fowtlib.language.quadratic_laws import slope_at
 from tests.frequency.conftest import LINEAR, MASS, STIFFNESS, oscillator
@@ -63,6 +64,13 @@ def test_gains_of_drag_about_a_mean():
     u = np.linalg.cholesky(covariance) @ z + mean[:, None]
     moment = (weight * np.linalg.norm(u, axis=0) * u) @ (u - mean[:, None]).T / weight.sum()
     assert best_gain(covariance, mean) == pytest.approx(moment @ np.linalg.inv(covariance), rel=1e-5)
+
+
+def test_gains_of_many_laws_are_those_of_each():
+    rng = np.random.default_rng(3)
+    velocities, means = [rng.normal(size=(n, 50)) for n in (1, 3, 3, 2)], [rng.normal(size=n) for n in (1, 3, 3, 2)]
+    for gain, u, mean in zip(best_gains(velocities, means), velocities, means, strict=True):
+        assert gain == pytest.approx(best_gain(u @ u.T, mean), rel=1e-12)
 
 
 def test_gains_of_drag_in_one_two_and_three_directions():
