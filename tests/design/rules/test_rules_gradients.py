@@ -120,13 +120,14 @@ def test_arrays_go_element_by_element(name):
     for first, second, pair in zip(one, two, both, strict=True):
         assert np.shape(pair) == (2,)
         assert pair == pytest.approx([first, second], rel=1e-12)
-    columns = ca.SX.sym("x", 2, len(at))
-    found = flat(function([columns[:, k] for k in range(len(at))]))
-    evaluate = ca.Function("rule", [columns], found)
-    values = evaluate(np.array([[value, 1.0001 * value] for value in at]).T)
-    values = values if isinstance(values, tuple) else (values,)
-    for value, pair in zip(values, both, strict=True):
-        assert np.array(value).ravel() == pytest.approx(pair, rel=1e-11, abs=1e-11)
+    for kind in (ca.SX, ca.MX):
+        columns = kind.sym("x", 2, len(at))
+        found = flat(function([columns[:, k] for k in range(len(at))]))
+        evaluate = ca.Function("rule", [columns], found)
+        values = evaluate(np.array([[value, 1.0001 * value] for value in at]).T)
+        values = values if isinstance(values, tuple) else (values,)
+        for value, pair in zip(values, both, strict=True):
+            assert np.array(value).ravel() == pytest.approx(pair, rel=1e-11, abs=1e-11)
 
 
 def tube_cost(x, stack):
