@@ -36,7 +36,8 @@ class Responses:
     """Responses in states, each with its parameters and its probability; None where a state has none.
 
     failures: why, by the number of the state (from 0). complete: False where the list was stopped before its end.
-    Weighted results need all states, or `missing`, the largest probability of those that may lack.
+    Weighted results need all states, or `missing`, the largest share of the probability that may lack; a mean is then
+    one of the others, and in a sum over a life it is time without a load.
     """
 
     states: tuple[Mapping[str, Any], ...]

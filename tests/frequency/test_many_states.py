@@ -14,7 +14,8 @@ from fowtlib.analysis.fatigue import TubeSection, sn_curve
 from fowtlib.analysis.fatigue.lifetime import YEAR
 from fowtlib.frequency import response
 from fowtlib.frequency.many import responses
-from fowtlib.language.errors import ModelError
+from fowtlib.language.errors import ModelError, ParameterError
+from fowtlib.solving.binding import RunTrees, tree_with
 from tests.frequency.conftest import oscillator
 
 LEVELS, SHARES = [2.0, 8.0, 18.0], [0.5, 0.3, 0.1]
@@ -189,3 +190,22 @@ def test_states_in_any_order_have_the_same_responses_as_alone():
         alone = response(fw.load("oc3_spar_rigid").compile(), parameters=row, **asked)
         assert found.mean == pytest.approx(alone.mean, rel=1e-7)
         assert found.density == pytest.approx(alone.density, rel=1e-6, abs=1e-9 * alone.density.max())
+
+
+def test_a_tree_that_is_used_again_is_that_of_the_run_alone():
+    plant = fw.load("oc3_spar_rigid").compile()
+    trees = RunTrees(plant.dae, plant.root)
+    runs = [{"wind.mean_speed": 8.0, "sea.peak_period": 9.0, "platform.mooring.yaw_stiffness": 9e7},
+            {"wind.mean_speed": 18, "sea.peak_period": 12.0, "platform.mooring.yaw_stiffness": 8e7},
+            {"wind.mean_speed": 12.0, "wind.kind": "steady"}, {"sea.peak_period": 7.0}]  # fmt: skip
+    for run in [*runs, *runs]:
+        again, alone = trees(run), tree_with(plant.dae, plant.root, run)
+        for part in alone.walk():
+            twin = again.find(part.path)
+            assert type(twin) is type(part)
+            for name in {*part._values, *twin._values}:
+                assert str(twin.parameter_value(name)) == str(part.parameter_value(name)), (part.path, name)
+    assert trees(runs[0]) is trees({**runs[0], "wind.mean_speed": 9.0})
+    with pytest.raises(ParameterError, match="peak_period"):
+        trees({**runs[0], "sea.peak_period": -1.0})
+    assert float(trees(runs[0]).find("sea").parameter_value("peak_period")) == 9.0
