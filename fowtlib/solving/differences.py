@@ -19,9 +19,10 @@ def derivative(function: Callable[[float], np.ndarray], value: float, *, here: n
                quick: bool = False, what: str = "the function") -> np.ndarray:  # fmt: skip
     """Slope of an array by a number, with an error of about 1e-12 of something smooth.
 
-    quick: of two values in place of four, with an error of about 1e-9. here: the array at the value, where it is known. low, high: bounds that the argument must not pass; at one of them
-    the derivative is taken from the other side, to about 1e-9. size: of the value, for the step; None: its own, or 1
-    where it is zero. what: for the message. Raises SimulationError where the function has a kink or a jump there.
+    quick: of two values in place of four, with an error of about 1e-9. here: the array at the value, where it is
+    known. low, high: bounds that the argument must not pass; at one of them the derivative is taken from the other
+    side, to about 1e-9. size: of the value, for the step; None: its own, or 1 where it is zero. what: for the message.
+    Raises SimulationError where the function has a kink or a jump there.
     """
     step = (SHORT if quick else STEP) * (size or abs(value) or 1.0)
     below, above = low is None or value - step >= low, high is None or value + step <= high
