@@ -2,8 +2,8 @@
 
 Most of them are symbols of the flat model. Others act through numbers that parts compute when a run starts (masses and
 stiffnesses of a tube from its diameter), through other parameters that follow from them, or, as the speed of a wind,
-through what an external function gives. These are smooth functions in Python; their slopes are taken by differences of
-fourth order of that part alone, on one copy of the component tree, and only of numbers that results depend on.
+through what an external function gives. These are smooth functions in Python; their slopes are taken by central
+differences of that part alone, on one copy of the component tree, and only of numbers that results depend on.
 """
 
 from __future__ import annotations
@@ -170,7 +170,7 @@ class TunedRun:
         """Derivative of `function(value of the element)`, whose value is `here`."""
         value = float(self.values[self.elements.index(item)])
         what = f"what follows from {item.name}"
-        return derivative(function, value, here=here, low=item.min, high=item.max, what=what)
+        return derivative(function, value, here=here, low=item.min, high=item.max, quick=True, what=what)
 
     # --- what the mean takes in ----------------------------------------------------------------------------------
 

@@ -330,6 +330,10 @@ def test_derivatives_of_functions_in_python():
     assert derivative(np.exp, 1.3) == pytest.approx(np.exp(1.3), rel=1e-11)
     assert derivative(np.sqrt, 0.0004, low=0.0004) == pytest.approx(25.0, rel=1e-7)
     assert derivative(np.exp, 1.3, high=1.3) == pytest.approx(np.exp(1.3), rel=1e-8)
+    assert derivative(np.exp, 1.3, quick=True) == pytest.approx(np.exp(1.3), rel=1e-9)
+    assert derivative(np.exp, 1.3, quick=True, low=1.3) == pytest.approx(np.exp(1.3), rel=1e-8)
+    with pytest.raises(SimulationError, match="kink or a jump"):
+        derivative(lambda x: np.array([max(x, 2.0)]), 2.0, quick=True)
     with pytest.raises(SimulationError, match=r"the wall has a kink or a jump at 2, and no derivative there"):
         derivative(lambda x: np.array([max(x, 2.0)]), 2.0, what="the wall")
     with pytest.raises(SimulationError, match="kink or a jump"):
