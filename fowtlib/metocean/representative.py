@@ -15,9 +15,9 @@ def likely_states(joint: ConditionalModel, wind_speeds: ArrayLike) -> States:
     """The most probable sea of each wind speed [m/s], with the probability of the speed among these.
 
     Wave height: mode of its law given the wind; peak period: mode of its law given both. The probabilities go with the
-    density of the wind, and have the sum 1. So the fatigue states of J. M. Hegseth, E. E. Bachynski, J. R. R. A.
-    Martins, Marine Structures 72 (2020) 102771: `likely_states(site("northern_north_sea").at(119), range(1, 31))`; with
-    `range(1, 30, 2)` those of their study of controllers (J. Phys. Conf. Ser. 1669 (2020)).
+    density of the wind, and have the sum 1. This is how J. M. Hegseth, E. E. Bachynski and J. R. R. A. Martins choose
+    fatigue states: `likely_states(site("northern_north_sea").at(119), range(1, 31))` in Marine Structures 72 (2020)
+    102771, with `range(1, 30, 2)` in their study of controllers (J. Phys. Conf. Ser., 2020).
     """
     speeds = np.atleast_1d(np.asarray(wind_speeds, dtype=float))
     if speeds.ndim != 1 or not speeds.size or not (np.diff(speeds) > 0).all():
