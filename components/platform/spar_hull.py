@@ -11,6 +11,7 @@ from fowtlib.components.hydro.slender_hull import HullCoefficients, SlenderHullL
 from fowtlib.components.mechanics.beam_division import pieces
 from fowtlib.components.mechanics.beam_settings import BeamSettings
 from fowtlib.components.mechanics.connectors import Frame
+from fowtlib.components.mechanics.tube_beam import drawn_tube
 from fowtlib.components.platform.ballasted_tube import BallastedTube, ballasted
 from fowtlib.language import Array, RealOutput, Scalar, Vector, eq, facts, like, param, port, shapes
 from fowtlib.language.errors import ParameterError
@@ -96,7 +97,7 @@ class SparHull(BallastedTube, HullCoefficients):
         return _remarks(self)
 
     def drawing(self) -> list[shapes.Shape]:
-        return self.drawn("hull")
+        return drawn_tube(self, "hull")
 
 
 def _facts(hull: SparHull) -> list[facts.Fact]:
