@@ -117,11 +117,9 @@ def _remarks(hull: SparHull) -> list[str]:
     slopes = np.degrees(np.arctan(np.abs(np.diff(diameters) / np.diff(heights) / 2)))[heights[:-1] < 0]
     if slopes.max() <= _STEEP:
         return []
-    at = heights[:-1][slopes.argmax()]
-    return [
-        f"{hull.label}: its cone from {at:g} m upwards has {slopes.max():.0f} deg; loads by strips are good for cones "
-        "of 10 deg or so."
-    ]
+    at, steep = heights[slopes.argmax()], slopes.max()
+    said = f"its cone from {at:g} m upwards has {steep:.0f} deg; loads by strips are good for cones of 10 deg or so."
+    return [f"{hull.label}: {said}"]
 
 
 def _distances(hull: SparHull, what: str, places: Iterable[float]) -> list[float]:
