@@ -181,12 +181,18 @@ def show_campbell(arguments: argparse.Namespace) -> int:
         heads = ("motion", *(f"{wind:g} m/s" for wind in winds))
         rows = [("rotor speed [rpm]", *(found.rotor_speed[:, k] * 30 / math.pi))
                 for k in range(found.rotor_speed.shape[1])]  # fmt: skip
-        rows += [(line.name, *line.frequency) for line in found.lines]
+        rows += [(line.name, *_shown(line.frequency)) for line in found.lines]
         tables.show_rows(heads, rows, "frequency [Hz]")
-        tables.show_rows(heads, [(line.name, *(100 * line.damping_ratio)) for line in found.lines], "damping ratio [%]")
+        rows = [(line.name, *_shown(100 * line.damping_ratio)) for line in found.lines]
+        tables.show_rows(heads, rows, "damping ratio [%]")
     for name, wind in found.unstable:
         warnings.warn(f"{name} grows at {wind:g} m/s.", stacklevel=1)
     if arguments.plot:
         found.plot(arguments.plot, model.title or model.name)
         say_saved(arguments.plot)
     return 0
+
+
+def _shown(values: Any) -> list[Any]:
+    """Numbers, and nothing where a mode is not there."""
+    return ["" if math.isnan(value) else value for value in values.tolist()]
