@@ -103,7 +103,9 @@ def declared_parameters(layers: list[Layer], base: type[Component], path: str) -
         if not layer.spec.parameters:
             continue
         place = next(iter(layer.spec.parameters.values())).value.place
-        if layer.spec.use is not None:
+        below = {name for lower in layers[i + 1 :] for name in lower.spec.parameters}
+        # a file that goes on from a definition may have parameters of its own, a part that uses one may not
+        if layer.spec.use is not None and (layer.spec.document is None or below & layer.spec.parameters.keys()):
             raise place.error(f"{path}: beside 'use', give the parameters of the definition values directly.")
         for name, declared in layer.spec.parameters.items():
             taken = [*base.parameters, *base.ports, *base.variables, *base.declared_parts, *base.part_arrays]

@@ -131,3 +131,50 @@ def test_by_attribute_assignment_in_a_loaded_model(write):
     whole = fw.load("oc3_spar_rigid")
     whole.root.platform.mooring.fairlead_2 = FixedTranslation(r=(-9.0, 0.0, -70.0))
     assert whole.compile().initial_state()["platform.mooring.line_2.tension"] > 0
+
+
+BASE = """
+fowtlib: 1
+title: a boom
+parameters: {length: 20 m}
+parts:
+  link: {class: FixedTranslation, r: [0, length, 0]}
+"""
+FURTHER = """
+fowtlib: 1
+title: a boom with a mass
+use: base
+length: 30 m
+parameters: {mass: 3 t}
+world: {class: World}
+parts:
+  end: {class: PointMass, mass: mass}
+connect:
+  - [world.frame, link.frame_a]
+  - [link.frame_b, end.frame_a]
+outputs: {force: "link.frame_a.f[2]"}
+"""
+
+
+def test_a_file_that_goes_on_from_a_definition_has_parameters_of_its_own(write):
+    write(BASE, "base.yaml")
+    plant = fw.load(write(FURTHER)).compile()
+    weight = [abs(plant.equilibrium(parameters=given)["force"]) for given in ({}, {"mass": "6 t", "length": "5 m"})]
+    assert weight == pytest.approx([3000 * 9.80665, 6000 * 9.80665])
+
+
+@pytest.mark.parametrize(
+    "text",
+    [
+        FURTHER.replace("{mass: 3 t}", "{line: 3 t/m, length: 25 m}").replace(" mass: mass", " mass: line * length"),
+        FURTHER.replace("length: 30 m\nparameters: {mass", "parameters: {length: 25 m, mass").replace(
+            " mass: mass", " mass: mass / length * length"
+        ),
+        "fowtlib: 1\nworld: {class: World}\nparts:\n  boom:\n    use: base\n    parameters: {mass: 3 t}\n"
+        "    parts: {end: {class: PointMass, mass: mass}}\n",
+    ],
+)
+def test_what_the_definition_has_is_given_directly(write, text):
+    write(BASE, "base.yaml")
+    with pytest.raises(ModelFileError, match="beside 'use', give the parameters of the definition values directly"):
+        fw.load(write(text))

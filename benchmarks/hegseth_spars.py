@@ -1,0 +1,208 @@
+"""The spars of Hegseth and Bachynski (2019), and that of Hegseth et al. (2020): tables for docs/elastic_spars.md.
+
+`python benchmarks/hegseth_spars.py extremes`   the four 50-year states beside the printed ones and beside runs
+`python benchmarks/hegseth_spars.py runs`       deviations of spar 1 and of the optimised spar beside runs
+`python benchmarks/hegseth_spars.py life`       fatigue of spar 1 in 546 states, Dirlik beside rainflow of runs
+
+Runs are hours with a wind and a sea of their own (`--seeds 6`), after 600 s from the mean position. Bounds are those of
+the mean of the seeds at 95 % (Student). What runs gave is kept in `--folder`, so that a stopped benchmark goes on.
+"""
+
+from __future__ import annotations
+
+import argparse
+import json
+import time
+import warnings
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from scipy.stats import t as student
+
+import fowtlib as fw
+from fowtlib.analysis.fatigue import SNCurve, TubeSection, rainflow_cycles, sn_curve
+from fowtlib.metocean import centre_bins, site
+
+DISCARD, HOUR, STEP = 600.0, 3600.0, 0.1
+MODE = np.exp(-1)  # quantile of the most probable largest value
+WALL = 0.038  # m, at the base of the tower of spar 1
+SECTION = TubeSection(8.3, WALL)
+CURVES = {
+    "D, one slope of 3": SNCurve(3.0, 12.164, thickness_exponent=0.2).with_thickness(WALL),
+    "D, two slopes": sn_curve("D", thickness=WALL),
+}
+FEATHERED = 61.0  # N/(m/s)^2, drag of the idling rotor, by dtu10mw_land in 50 m/s: 152.4 kN
+OF_50_YEARS = {  # mean wind speed [m/s], significant wave height [m], peak period [s]
+    "EC1": (11.0, 6.9, 10.0), "EC2": (25.0, 10.3, 12.5), "EC3": (36.0, 12.9, 14.0), "EC4": (50.0, 15.1, 16.0),
+}  # fmt: skip
+LIKELY = {"9": (9.0, 2.5, 9.3), "15": (15.0, 3.7, 9.9), "21": (21.0, 5.0, 10.6), "storm": (50.0, 15.1, 16.0)}
+# mean, deviation and extreme of an hour, printed in tables 6 to 11 for EC1 to EC4: nonlinear runs and frequency domain
+PRINTED = {
+    (1, "tower_base_moment"): (
+        ((247.2, 89.1, 534.2), (123.0, 101.0, 480.6), (50.3, 106.5, 418.7), (105.2, 118.8, 509.8)),
+        ((260.8, 89.4, 575.7), (127.8, 100.8, 491.7), (52.3, 106.3, 415.4), (101.3, 115.1, 491.3)),
+    ),
+    (2, "tower_base_moment"): (
+        ((305.7, 103.8, 624.1), (152.9, 106.2, 529.6), (63.6, 115.5, 462.6), (132.8, 129.7, 577.4)),
+        ((329.4, 104.8, 699.3), (161.4, 110.6, 562.0), (66.5, 118.4, 469.9), (128.9, 128.5, 563.3)),
+    ),
+    (1, "surge"): (
+        ((27.3, 6.9, 44.2), (13.8, 2.4, 21.4), (8.0, 2.9, 17.8), (15.1, 4.6, 29.4)),
+        ((28.6, 5.4, 43.8), (14.1, 2.3, 21.4), (7.9, 2.5, 16.1), (15.3, 3.5, 26.6)),
+    ),
+    (2, "surge"): (
+        ((23.7, 6.2, 38.6), (12.0, 2.2, 19.0), (6.6, 2.7, 15.7), (13.7, 3.9, 26.4)),
+        ((26.1, 5.2, 40.7), (12.8, 2.2, 20.0), (7.0, 2.5, 15.1), (13.6, 3.5, 24.9)),
+    ),
+    (1, "pitch"): (
+        ((6.7, 1.8, 10.7), (3.4, 1.0, 6.7), (1.7, 1.2, 5.5), (3.4, 1.7, 9.1)),
+        ((7.2, 1.7, 12.3), (3.5, 1.0, 6.6), (1.7, 1.0, 5.0), (3.2, 1.4, 7.7)),
+    ),
+    (2, "pitch"): (
+        ((9.2, 2.4, 14.4), (4.6, 1.3, 8.6), (2.2, 1.3, 6.6), (4.4, 2.1, 11.3)),
+        ((10.0, 2.3, 16.7), (4.9, 1.3, 8.7), (2.2, 1.2, 6.0), (4.3, 1.7, 9.8)),
+    ),
+}
+
+
+def weather(speed: float, height: float, period: float) -> dict[str, Any]:
+    """Parameters of a state."""
+    given = {
+        "wind.kind": "ntm", "wind.turbulence_class": "B", "wind.mean_speed": speed, "sea.spectrum": "jonswap",
+        "sea.significant_wave_height": height, "sea.peak_period": period,
+    }  # fmt: skip
+    return given | ({"thrust": FEATHERED * speed**2} if speed > 25.0 else {})
+
+
+_plants: dict[str, Any] = {}
+
+
+def plant_of(spar: int, speed: float) -> tuple[str, Any]:
+    """Name and plant of the model for a wind: in operation, or at rest."""
+    name = f"dtu10mw_spar_{spar}" + ("_operating" if speed <= 25.0 else "")
+    return name, _plants.setdefault(name, fw.load(name).compile())
+
+
+def hours(folder: Path, spar: int, state: tuple[float, float, float], seeds: int) -> list[dict[str, Any]]:
+    """Of so many seeds at least: (mean, deviation, largest) of each result, and the damage of the tower's base."""
+    name, plant = plant_of(spar, state[0])
+    found: list[dict[str, Any]] = []
+    while True:
+        seed = len(found) + 1
+        path = folder / f"{name}_{state[0]:g}_{state[1]:g}_{state[2]:g}_{seed}.json"
+        if not path.exists():
+            if seed > seeds:
+                return found
+            period = {f"{part}.repetition_period": DISCARD + HOUR for part in ("wind", "sea")}
+            given = weather(*state) | period | {"wind.seed": seed, "sea.seed": seed + 50, "wind.sample_step": STEP}
+            run = plant.simulate(DISCARD + HOUR, STEP, start="turning", solver="fixed", parameters=given)
+            path.write_text(json.dumps(numbers(run)))
+        found.append(json.loads(path.read_text()))
+
+
+def numbers(run: Any) -> dict[str, Any]:
+    """What is kept of a run."""
+    kept = run.time >= DISCARD
+    names = [n for n in ("surge", "pitch", "rotor_speed", "tower_base_moment", "upwind_tension") if n in run.names]
+    values = {name: np.asarray(run[name].values)[kept] for name in names}
+    stress = values["tower_base_moment"] * 1e6 * SECTION.bending
+    cycles = rainflow_cycles((run.time[kept], stress))
+    damage = {name: float(curve.damage(cycles)) for name, curve in CURVES.items()}
+    return {n: [float(v.mean()), float(v.std()), float(v.max())] for n, v in values.items()} | {"damage": damage}
+
+
+def bound(values: np.ndarray) -> float:
+    """Half of the range of 95 % of the mean of the values."""
+    if len(values) < 2:
+        return np.nan
+    return float(student.ppf(0.975, len(values) - 1) * values.std(ddof=1) / np.sqrt(len(values)))
+
+
+def extremes(folder: Path, seeds: int) -> None:
+    """Mean, deviation and most probable largest value of an hour, as printed and as found."""
+    found = {}
+    for spar in (1, 2):
+        for case, state in OF_50_YEARS.items():
+            plant = plant_of(spar, state[0])[1]
+            names = ["tower_base_moment", "surge", "pitch"]
+            found[spar, case] = fw.response(plant, outputs=names, parameters=weather(*state))
+    print("| mean; deviation; largest | source, runs | source, linear | response | runs |")
+    print("| --- | --- | --- | --- | --- |")
+    for (spar, name), (runs, linear) in PRINTED.items():
+        for k, (case, state) in enumerate(OF_50_YEARS.items()):
+            one, ours = found[spar, case], np.array([run[name] for run in hours(folder, spar, state, seeds)])
+            cells = [runs[k], linear[k], (one.mean_of(name), one.std(name), one.extreme(name, HOUR, MODE))]
+            if len(ours) > 1:
+                most = ours[:, 2].mean() - 0.5772 * np.sqrt(6) / np.pi * ours[:, 2].std(ddof=1)  # of Gumbel's law
+                cells.append((*ours[:, :2].mean(axis=0), most))
+            else:
+                cells.append(())
+            places = 1 if name == "tower_base_moment" else 2
+            words = ["; ".join(f"{x:.{1 if i < 2 else places}f}" for x in cell) for i, cell in enumerate(cells)]
+            print(f"| spar {spar}, {case}, {name} [{one.unit(name)}] | " + " | ".join(words) + " |", flush=True)
+
+
+def beside_runs(folder: Path, seeds: int) -> None:
+    """Deviations of responses over those of runs."""
+    print("| result | mean, response | runs | deviation, response | runs | ratio |")
+    print("| --- | --- | --- | --- | --- | --- |")
+    for spar in (1, 3):
+        for case, state in LIKELY.items():
+            plant = plant_of(spar, state[0])[1]
+            names = [n for n in ("surge", "pitch", "rotor_speed", "tower_base_moment", "upwind_tension")
+                     if n in plant.outputs]  # fmt: skip
+            one, runs = fw.response(plant, outputs=names, parameters=weather(*state)), hours(folder, spar, state, seeds)
+            for name in names:
+                means, stds, _ = np.array([run[name] for run in runs]).T
+                ratio = one.std(name) / stds.mean()
+                print(f"| spar {spar}, {case}, {name} [{one.unit(name)}] | {one.mean_of(name):.4g} | "
+                      f"{means.mean():.4g} | {one.std(name):.4g} | {stds.mean():.4g} | {ratio:.2f} +- "
+                      f"{ratio * bound(stds) / stds.mean():.2f} |", flush=True)  # fmt: skip
+
+
+def life(folder: Path, seeds: int) -> None:
+    """Damage of 20 years at the tower's base of spar 1, and in the five states of five winds that do most of it."""
+    joint = site("northern_north_sea").at(119)
+    every = centre_bins(joint, np.arange(5, 26, 2), np.arange(0.5, 16), np.arange(0.5, 25), jacobian=False)
+    begin = time.process_time()
+    found = fw.responses(plant_of(1, 15.0)[1], every, outputs=["tower_base_moment"])
+    spent = time.process_time() - begin
+    print(f"{len(found)} states, {1e3 * spent / len(found):.0f} ms each (processor time)\n")
+    for name, curve in CURVES.items():
+        values = [found.damage("tower_base_moment", curve, SECTION, missing=1.0, method=method)
+                  for method in ("dirlik", "tovo_benasciutti", "narrow_band")]  # fmt: skip
+        print(f"{name}: damage in 20 years {values[0]:.4g} (Dirlik), {values[1]:.4g} (Tovo and Benasciutti), "
+              f"{values[2]:.4g} (narrow band)")  # fmt: skip
+    print("\n| state | curve | Dirlik, an hour | inverse FFT | rainflow of runs | ratio |")
+    print("| --- | --- | --- | --- | --- | --- |")
+    first = next(iter(CURVES.values()))
+    speeds = np.array([row["wind.mean_speed"] for row in found.states])
+    share = found.of_each(lambda one: one.damage("tower_base_moment", first, SECTION)) * found.probability
+    for speed in (7.0, 11.0, 15.0, 19.0, 23.0):
+        number = int(np.nanargmax(np.where(speeds == speed, share, -1.0)))
+        row, one = found.states[number], found.found[number]
+        state = (speed, float(row["sea.significant_wave_height"]), float(row["sea.peak_period"]))
+        runs = hours(folder, 1, state, seeds)
+        for name, curve in CURVES.items():
+            dirlik, counted = (one.damage("tower_base_moment", curve, SECTION, method=method)
+                               for method in ("dirlik", "rainflow"))  # fmt: skip
+            values = np.array([run["damage"][name] for run in runs])
+            ratio, scatter = dirlik / values.mean(), bound(values) / values.mean()
+            print(f"| {speed:g} m/s, {state[1]:g} m, {state[2]:g} s | {name} | {dirlik:.3e} | {counted:.3e} | "
+                  f"{values.mean():.3e} | {ratio:.2f} +- {ratio * scatter:.2f} |", flush=True)  # fmt: skip
+
+
+def main() -> None:
+    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser.add_argument("study", choices=["extremes", "runs", "life"])
+    parser.add_argument("--seeds", type=int, default=6)
+    parser.add_argument("--folder", type=Path, default=Path("output/hegseth_spars"))
+    given = parser.parse_args()
+    given.folder.mkdir(parents=True, exist_ok=True)
+    warnings.simplefilter("ignore")
+    {"extremes": extremes, "runs": beside_runs, "life": life}[given.study](given.folder, given.seeds)
+
+
+if __name__ == "__main__":
+    main()
