@@ -175,7 +175,7 @@ def _of_file(path: Path) -> tuple[dict[str, Any], str]:
             )  # fmt: skip
     found: dict[str, Any] = {}
     for name, values in columns.numbers.items():
-        unit = columns.units[name] if name not in (*COLUMNS, "probability") else ""  # those are in SI, which the reader has seen to
+        unit = "" if name in (*COLUMNS, "probability") else columns.units[name]  # what the reader knows is in SI
         cells = values.tolist()
         found[PARAMETERS.get(name, name)] = [f"{cell!r} {unit}" for cell in cells] if unit else cells
     return found, f"{_count(columns.lines)} of {path}"
