@@ -46,7 +46,10 @@ def compiled(model: Any) -> Any:
 
 def checked_frequencies(frequencies: Sequence[float] | np.ndarray) -> np.ndarray:
     """Frequencies in Hz as an array; they must be positive."""
-    frequency = np.atleast_1d(np.asarray(frequencies, dtype=float))
+    try:
+        frequency = np.atleast_1d(np.asarray(frequencies, dtype=float))
+    except (TypeError, ValueError):
+        raise ModelError(f"frequencies are positive numbers in Hz, not {frequencies!r}.") from None
     if frequency.ndim != 1 or not frequency.size or not (np.isfinite(frequency) & (frequency > 0)).all():
         raise ModelError("frequencies are positive numbers in Hz, at least one.")
     return frequency

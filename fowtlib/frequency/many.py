@@ -317,6 +317,9 @@ def _rows(states: States, probability: Sequence[float] | np.ndarray | None) -> t
         count = len(own) if own is not None else len(next(iter(columns.values())))
         rows = [{path: values[k] for path, values in columns.items()} for k in range(count)]
     else:
+        if isinstance(states, str) or not all(isinstance(row, Mapping) for row in states):
+            raise ModelError("states are mappings of parameters, such as {'wind.mean_speed': 12.0}, columns of a "
+                             f"table, or states of a site; not {states!r}.")  # fmt: skip
         rows = [dict(row) for row in states]
     if not rows:
         raise ModelError("there are no states.")
