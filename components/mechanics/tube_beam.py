@@ -97,18 +97,6 @@ class TubeChain(TwoFrames, WallMaterial, BeamSettings):
             torsion=self.torsion, **self.hinge_settings(),
         )  # fmt: skip
 
-    def drawn(self, material: str) -> list[shapes.Shape]:
-        """The tube as it bends."""
-        parts = self.division(self.section_table())
-        heights, diameters = (np.ravel(self.parameter_value(name)) for name in ("heights", "diameters"))
-        frames = [self.frame_a, *(self.parts[f"hinge_{i + 1}"].frame_b for i in range(self.hinges))]
-        drawn, given = [], heights - heights[0]
-        for frame, origin, s in zip(frames, [0.0, *parts.s], parts.stations(), strict=True):
-            places = np.union1d(s, given[(given > s[0]) & (given < s[-1])])
-            axis = [(0, 0, z - origin) for z in places]
-            drawn.append(shapes.Tube(frame, axis, np.interp(places, given, diameters), material=material))
-        return drawn
-
 
 class TubeBeam(TubeChain, Beam):
     """A Beam that is a round tube, given by diameters and walls at heights, linear between them; see Beam.
@@ -147,7 +135,20 @@ class TubeBeam(TubeChain, Beam):
         ]
 
     def drawing(self):
-        return self.drawn("tower")
+        return drawn_tube(self, "tower")
+
+
+def drawn_tube(tube: TubeChain, material: str) -> list[shapes.Shape]:
+    """A tube as it bends, for pictures."""
+    parts = tube.division(tube.section_table())
+    heights, diameters = (np.ravel(tube.parameter_value(name)) for name in ("heights", "diameters"))
+    frames = [tube.frame_a, *(tube.parts[f"hinge_{i + 1}"].frame_b for i in range(tube.hinges))]
+    drawn, given = [], heights - heights[0]
+    for frame, origin, s in zip(frames, [0.0, *parts.s], parts.stations(), strict=True):
+        places = np.union1d(s, given[(given > s[0]) & (given < s[-1])])
+        axis = [(0, 0, z - origin) for z in places]
+        drawn.append(shapes.Tube(frame, axis, np.interp(places, given, diameters), material=material))
+    return drawn
 
 
 def _body(chain, name) -> RigidBody:

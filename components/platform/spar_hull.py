@@ -11,6 +11,7 @@ from fowtlib.components.hydro.slender_hull import HullCoefficients, SlenderHullL
 from fowtlib.components.mechanics.beam_division import pieces
 from fowtlib.components.mechanics.beam_settings import BeamSettings
 from fowtlib.components.mechanics.connectors import Frame
+from fowtlib.components.mechanics.tube_beam import drawn_tube
 from fowtlib.components.platform.ballasted_tube import BallastedTube, ballasted
 from fowtlib.language import Array, RealOutput, Scalar, Vector, eq, facts, like, param, port, shapes
 from fowtlib.language.errors import ParameterError
@@ -96,7 +97,7 @@ class SparHull(BallastedTube, HullCoefficients):
         return _remarks(self)
 
     def drawing(self) -> list[shapes.Shape]:
-        return self.drawn("hull")
+        return drawn_tube(self, "hull")
 
 
 def _facts(hull: SparHull) -> list[facts.Fact]:
@@ -116,11 +117,9 @@ def _remarks(hull: SparHull) -> list[str]:
     slopes = np.degrees(np.arctan(np.abs(np.diff(diameters) / np.diff(heights) / 2)))[heights[:-1] < 0]
     if slopes.max() <= _STEEP:
         return []
-    at = heights[:-1][slopes.argmax()]
-    return [
-        f"{hull.label}: its cone from {at:g} m upwards has {slopes.max():.0f} deg; loads by strips are good for cones "
-        "of 10 deg or so."
-    ]
+    at, steep = heights[slopes.argmax()], slopes.max()
+    said = f"its cone from {at:g} m upwards has {steep:.0f} deg; loads by strips are good for cones of 10 deg or so."
+    return [f"{hull.label}: {said}"]
 
 
 def _distances(hull: SparHull, what: str, places: Iterable[float]) -> list[float]:

@@ -192,9 +192,9 @@ def show_campbell(arguments: argparse.Namespace) -> int:
         heads = ("motion", *(f"{wind:g} m/s" for wind in winds))
         rows = [("rotor speed [rpm]", *(found.rotor_speed[:, k] * 30 / math.pi))
                 for k in range(found.rotor_speed.shape[1])]  # fmt: skip
-        rows += [(line.name, *map(_there, line.frequency)) for line in found.lines]
+        rows += [(line.name, *_shown(line.frequency)) for line in found.lines]
         tables.show_rows(heads, rows, "frequency [Hz]")
-        rows = [(line.name, *map(_there, 100 * line.damping_ratio)) for line in found.lines]
+        rows = [(line.name, *_shown(100 * line.damping_ratio)) for line in found.lines]
         print()
         tables.show_rows(heads, rows, "damping ratio [%]")
     for name, wind in found.unstable:
@@ -205,6 +205,6 @@ def show_campbell(arguments: argparse.Namespace) -> int:
     return 0
 
 
-def _there(value: float) -> float | None:
-    """A number to show; None, an empty cell, in a wind in which the mode does not oscillate."""
-    return None if math.isnan(value) else float(value)
+def _shown(values: Any) -> list[Any]:
+    """Numbers, and nothing where a mode is not there."""
+    return [None if math.isnan(value) else value for value in values.tolist()]

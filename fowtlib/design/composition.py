@@ -19,6 +19,11 @@ WEIGHTED = "weighted "
 AT = " @ "
 
 
+def over_cases(name: str) -> str:
+    """A result as its mean over the cases, unless it says itself of which case it is."""
+    return name if AT in name or name.startswith(WEIGHTED) else WEIGHTED + name
+
+
 @dataclass(frozen=True)
 class Asked:
     """Names of a design, before anything is computed: what is asked of the model in each case.
@@ -59,7 +64,7 @@ def keys_of(asked: Asked, objective: Objective, constraints: Sequence[Constraint
     found: dict[Key, None] = {}
     first = next(iter(asked.weights))
     for name in objective.terms:
-        found |= dict.fromkeys(asked.leaves(WEIGHTED + name if AT not in name else name, first))
+        found |= dict.fromkeys(asked.leaves(over_cases(name), first))
     for constraint in constraints:
         for case in cases_of(asked, constraint):
             found |= dict.fromkeys(asked.leaves(constraint.result, case))
@@ -119,7 +124,7 @@ class Composition:
             self._add(number, constraint, scaled, values, limits)
         self.lower, self.upper = np.array(limits, dtype=float).reshape(-1, 2).T
         case = next(iter(asked.weights))
-        terms = [factor * self._scalar(name if AT in name else WEIGHTED + name, case)
+        terms = [factor * self._scalar(over_cases(name), case)
                  for name, factor in objective.terms.items()]  # fmt: skip
         joined = [sum(terms), ca.vertcat(*scaled) if scaled else ca.MX(0, 1)]
         self.function = ca.Function("design", [self.v, results], joined, ["v", "r"], ["f", "g"])

@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Any, Literal
 
 import numpy as np
 
-from fowtlib.design.composition import AT, WEIGHTED
+from fowtlib.design.composition import over_cases
 from fowtlib.design.design import Design
 from fowtlib.design.outcome import Optimum
 from fowtlib.design.progress import Say
@@ -93,7 +93,7 @@ def pareto(
         raise ModelError(f"a front has 2 points, or more; not {points}.")
     tell = say or (lambda line: None)
     objective: Objective = design.objective  # type: ignore[assignment]
-    result = second if AT in second or second.startswith(WEIGHTED) else WEIGHTED + second
+    result = over_cases(second)
     watched = _Watched(design, result)
     tell(f"least {objective}")
     one = watched.optimum(objective, [], None, method, say, options)
@@ -142,7 +142,7 @@ class _Watched:
     def optimum(self, objective: Objective, limits: list[Constraint], near: Optimum | None, method: str,
                 say: Say | None, options: dict[str, Any]) -> Optimum:  # fmt: skip
         design = self.design
-        names = [name if AT in name else WEIGHTED + name for name in self.objective.terms]
+        names = [over_cases(name) for name in self.objective.terms]
         watched = [Constraint(name, upper=1e300, scale=1e300) for name in (*names, self.result)]
         variables = design.variables
         if near is not None:

@@ -91,8 +91,7 @@ class RandomResponse:
         self.errors = operators.errors(self.omega) if operators is not None else None
         self.powers = (1j * self.omega)[:, None] ** np.arange(3)
         places = [place for _, place in excited.laws]
-        size = sum(place.stop - place.start for place in places)
-        self.means = np.asarray(getattr(excited, "means", np.zeros(size)))
+        self.means = excited.means
         self.gains = list(gains) if gains is not None else [
             best_gain(GUESS**2 * np.eye(place.stop - place.start), self.means[place]) for place in places
         ]  # fmt: skip

@@ -26,8 +26,9 @@ def warn_of_ends(found: Response, given: bool) -> None:
         ends.append((f[0], "begin", "lower", density[:, 0]))
     for end, word, which, values in ends:
         _tell(found, values * end / variance, f"the frequencies {word} at {end:.3g} Hz", f"take {which} ones")
-    for process, share in found.shares.items():
-        driven = np.flatnonzero(np.trace(found.driving[process], axis1=1, axis2=2).real > 0)
+    for process, driving in found.driving.items():
+        share = found.shares[process]
+        driven = np.flatnonzero(np.trace(driving, axis1=1, axis2=2).real > 0)
         if driven.size and driven[-1] < f.size - 1:
             end = f[driven[-1]]
             beyond = share[:, driven[-1]] * end / variance

@@ -1,15 +1,20 @@
 """Designs of models: a beam with a known optimum, and a spar whose optimum lies on the edge of its map."""
 
 from functools import cache
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
 from scipy.optimize import brentq
 
 import fowtlib as fw
+from fowtlib.analysis.fatigue.curves import sn_curve
+from fowtlib.analysis.fatigue.spectral import dirlik
+from fowtlib.analysis.spectra import Spectrum
 from fowtlib.components.environment import World
 from fowtlib.components.mechanics import PointMass, TubeBeam
-from fowtlib.design import Constraint, Design, DesignCase, Function, Objective, Variable
+from fowtlib.design import Constraint, Design, DesignCase, Function, Objective, Statistics, Variable
+from fowtlib.design.measures import Meter
 from fowtlib.language.errors import ModelError
 
 LENGTH, TIP, PERIOD, SLENDER, DENSITY, YOUNG = 100.0, 4e5, 2.0, 160.0, 8500.0, 210e9
@@ -212,6 +217,18 @@ def test_ballast_of_one_case_is_that_of_the_others():
         Design(spar(), variables, "mass", (), cases, balance="rest")
 
 
+def test_damage_of_a_lifetime_is_that_of_dirlik():
+    """Of a stress in MPa, as if the case lasted all the time; without an S-N curve it is refused."""
+    frequency = np.linspace(0.05, 0.5, 300)
+    spectrum = Spectrum(frequency, 900.0 * np.exp(-(((frequency - 0.1) / 0.02) ** 2)), "MPa", "stress")
+    curve, years = sn_curve("D"), 20 * 365.25 * 24 * 3600.0
+    meter = SimpleNamespace(statistics=Statistics(curve=curve))
+    found = Meter._of(meter, SimpleNamespace(spectrum=lambda name: spectrum), "damage of ", "stress")
+    assert found == pytest.approx(dirlik(spectrum).damage(curve, years)) and 1e-3 < found < 1e3
+    with pytest.raises(ModelError, match="needs an S-N curve"):
+        Meter(spar(), DesignCase("a"), ["damage of pitch"])
+
+
 def test_cases_are_weighted():
     """An objective is the mean over the cases with their weights; a constraint counts in those it names."""
     cases = [DesignCase("full", weight=3), DesignCase("half", {"thrust": 404e3}, weight=1)]
@@ -225,6 +242,8 @@ def test_cases_are_weighted():
     full, half = (found.results[name]["pitch"] for name in ("full", "half"))
     assert half < 0.6 * full
     assert found.value == pytest.approx(2 * (3 * full + half) / 4)
+    told = Design(spar(), variables, "weighted pitch", limits, cases, free=["ballast"], targets={"heave": 0}).evaluate()
+    assert 2 * told.value == pytest.approx(found.value)
     names = {item.name: item.value for item in found.constraints}
     assert names == pytest.approx(
         {"pitch (full)": full, "pitch (half)": half, "pitch": half, "weighted pitch": found.value / 2}

@@ -299,3 +299,11 @@ def test_what_cannot_be_is_said(wrong, words):
         spar(**wrong).compile()
     assert words in str(error.value)
     assert "hull" in str(error.value).lower()
+
+
+def test_without_drag_and_damping_nothing_is_lost_or_gained():
+    plant = spar(hinges=1, tower_hinges=0, damping_fore_aft=0.0).compile()
+    modes = plant.linearize(plant.equilibrium()).modes()
+    moving = [mode for mode in modes if mode.frequency_hz > 1e-3]
+    assert len(moving) == 2 + 2 + 1 + 2  # surge, pitch and their twins, heave, bending of the hull
+    assert max(abs(mode.damping_ratio) for mode in moving) < 1e-7
