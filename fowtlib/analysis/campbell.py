@@ -21,7 +21,9 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from fowtlib.language.errors import ModelError, SimulationError
+from fowtlib.analysis.plants import plant_of
+from fowtlib.language.errors import ModelError, SimulationError, did_you_mean
+from fowtlib.language.units import to_si
 from fowtlib.solving import NaturalMode, mean_state
 from fowtlib.solving.modes import modes_of_mean
 from fowtlib.solving.results.drawing import COLORS, INK, drawing, drawing_style, save_figure
@@ -143,19 +145,21 @@ def campbell(model: Any, values: Sequence[float], *, over: str = WIND, parameter
              progress: Callable[[int, int], None] | None = None) -> Campbell:  # fmt: skip
     """The natural modes of a model, or of a compiled one, at several winds, each followed from one to the next.
 
-    values      of the parameter `over`, in SI, one after the other
+    values      of the parameter `over`, in SI or with units, one after the other
     parameters  further ones, for all values
     progress    called with (done, all)
     Modes of filters, controllers and radiated waves are left out. A model is taken in the mean of its wind and waves.
     Raises SimulationError, which names the value, where there is no mean state.
     """
-    values = np.asarray(values, dtype=float)
+    plant = plant_of(model.in_the_mean() if hasattr(model, "in_the_mean") else model)
+    known = plant.dae.parameters
+    if over not in known:
+        raise ModelError(f"the model has no tunable parameter '{over}' over which its modes could be followed"
+                         f"{did_you_mean(over, list(known))}")  # fmt: skip
+    unit = known[over].unit
+    values = np.atleast_1d(np.asarray(to_si(values, unit, over), dtype=float))
     if not values.size:
         raise ModelError(f"{over}: no value is given.")
-    plant = model.in_the_mean().compile() if hasattr(model, "in_the_mean") else model
-    if over not in plant.dae.parameters:
-        raise ModelError(f"the model has no tunable parameter '{over}' over which its modes could be followed.")
-    unit = plant.dae.parameters[over].unit
     state, points = None, []
     for k, value in enumerate(values.tolist()):
         try:

@@ -25,17 +25,31 @@ def still_water(plant: Any) -> dict[str, str]:
     return {path: value} if bound and plant.root.find("sea").spectrum != "input" else {}
 
 
+def plant_of(model: Any) -> Any:
+    """The compiled model of a model, or of one that is compiled already; ModelError for what is neither."""
+    if hasattr(model, "compile"):
+        return model.compile()
+    if not hasattr(model, "dae"):
+        name = repr(model) if isinstance(model, str) else "..."
+        raise ModelError(f"a model or a compiled model is expected, not {type(model).__name__}; "
+                         f"load one first: fw.load({name}).")  # fmt: skip
+    return model
+
+
 def compiled(model: Any) -> Any:
     """The compiled model: one that is compiled already as it is, a model after wind and waves were taken from it."""
     if not hasattr(model, "compile"):
-        return model
+        return plant_of(model)
     quiet = calm(model)
     return (model.with_parameters(quiet) if quiet else model).compile()
 
 
 def checked_frequencies(frequencies: Sequence[float] | np.ndarray) -> np.ndarray:
     """Frequencies in Hz as an array; they must be positive."""
-    frequency = np.atleast_1d(np.asarray(frequencies, dtype=float))
+    try:
+        frequency = np.atleast_1d(np.asarray(frequencies, dtype=float))
+    except (TypeError, ValueError):
+        raise ModelError(f"frequencies are positive numbers in Hz, not {frequencies!r}.") from None
     if frequency.ndim != 1 or not frequency.size or not (np.isfinite(frequency) & (frequency > 0)).all():
         raise ModelError("frequencies are positive numbers in Hz, at least one.")
     return frequency
@@ -44,6 +58,8 @@ def checked_frequencies(frequencies: Sequence[float] | np.ndarray) -> np.ndarray
 def chosen_outputs(plant: Any, outputs: Sequence[str] | None) -> list[str]:
     """The outputs asked for; None takes the six motions as far as there are any, else all."""
     known = list(plant.outputs)
+    if isinstance(outputs, str):
+        raise ModelError(f"outputs are a list of names, as in [{outputs!r}], not a text.")
     if outputs is None:
         return [name for name in MOTIONS if name in known] or known
     for name in outputs:

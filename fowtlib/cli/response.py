@@ -3,13 +3,14 @@
 from __future__ import annotations
 
 import argparse
+from collections.abc import Sized
 from pathlib import Path
 from typing import Any
 
 from fowtlib.cli import loading, tables
 from fowtlib.cli.files import FIGURES, check_target, say_saved
 from fowtlib.cli.progress import part_bar
-from fowtlib.cli.run import finite, positive
+from fowtlib.cli.run import positive
 from fowtlib.cli.site import positives
 from fowtlib.cli.weather import weather
 from fowtlib.language.errors import ModelError, ParameterError, did_you_mean
@@ -43,8 +44,8 @@ def declare(commands: Any) -> None:
     parser = commands.add_parser("response", help=text, epilog=EXAMPLES)
     loading.declare(parser)
     parser.add_argument("--outputs", metavar="A,B", help="results; default: all")
-    parser.add_argument("--hours", type=finite, default=1.0, metavar="H", help="duration of the extremes; default: 1")
-    parser.add_argument("--exponent", type=finite, default=4.0, metavar="M", help="of the S-N curve; default: 4")
+    parser.add_argument("--hours", type=positive, default=1.0, metavar="H", help="duration of the extremes; default: 1")
+    parser.add_argument("--exponent", type=positive, default=4.0, metavar="M", help="of the S-N curve; default: 4")
     parser.add_argument("--plot", type=Path, metavar="FILE", help="draw the spectra: .png, .svg or .pdf")
     parser.add_argument("--spectra", type=Path, metavar="FILE", help="save the spectra: .csv or .nc")
     many = parser.add_argument_group("many states")
@@ -109,8 +110,17 @@ def show_states(arguments: argparse.Namespace) -> int:
     states, told = _of_file(arguments.states) if arguments.states else _of_site(arguments)
     model = loading.load(arguments)
     names = arguments.outputs.split(",") if arguments.outputs else None
+    plant = model.compile()
+    paths = [path for path in (states if arguments.states else states.run_parameters()[0]) if path != "probability"]
+    known = [*plant.dae.parameters, *plant.dae.bound_parameters]
+    for path in paths:
+        if path not in known:
+            raise ParameterError(
+                f"the model has no parameter '{path}' that states could set{did_you_mean(path, known)}",
+                where=str(arguments.states or arguments.site),
+            )
     with part_bar("states") as report:
-        found = responses(model, states, outputs=names, progress=report)
+        found = responses(plant, states, outputs=names, progress=report)
     every = 1.0 if found.failures or not found.complete else 0.0  # what is missing was told by a warning
     columns = ["result", "mean", "std", "largest", "in state", "smallest", "in state ", "range"]
     rows = []
@@ -122,7 +132,7 @@ def show_states(arguments: argparse.Namespace) -> int:
         (top, high), (bottom, low) = (found.extreme(name, 3600 * arguments.hours, side=side) for side in ("max", "min"))
         load = found.equivalent_load(name, arguments.exponent, missing=every)
         rows.append([f"{name} [{found.unit(name)}]", mean, std, top, high + 1, bottom, low + 1, load])
-    tables.say(arguments, f"{weather(model, arguments)}; in {told}")
+    tables.say(arguments, f"{weather(model, arguments)}; in {told}, which set {', '.join(paths)}")
     tables.show(arguments, columns, rows)
     if arguments.each:
         say_saved(found.save(arguments.each))
@@ -137,15 +147,15 @@ def _of_site(arguments: argparse.Namespace) -> tuple[Any, str]:
     joint = joint.at(arguments.height) if arguments.height else joint
     speeds = arguments.speeds or [4.0 + 2.0 * k for k in range(11)]
     if not arguments.bins:
-        return likely_states(joint, speeds), f"{len(speeds)} states of {joint.title or joint.name}"
+        return likely_states(joint, speeds), f"{_count(speeds)} of {joint.title or joint.name}"
     states = centre_bins(joint, speeds, [0.5 + k for k in range(20)], [0.5 + k for k in range(30)])
-    return states, f"{len(states)} states of {joint.title or joint.name}"
+    return states, f"{_count(states)} of {joint.title or joint.name}"
 
 
 def _of_file(path: Path) -> tuple[dict[str, Any], str]:
     """States of a file, by the paths of parameters, and what is said of them."""
     from fowtlib.metocean.csv_columns import read_columns
-    from fowtlib.metocean.states import PARAMETERS
+    from fowtlib.metocean.states import COLUMNS, PARAMETERS
 
     columns = read_columns(path, "the list of states", None)
     for name in columns.numbers:
@@ -153,5 +163,23 @@ def _of_file(path: Path) -> tuple[dict[str, Any], str]:
             known = [*PARAMETERS, "probability"]
             raise ParameterError(f"the list of states has no column '{name}'{did_you_mean(name, known)} Another "
                                  "parameter is named by its path.", where=str(path))  # fmt: skip
-    found = {PARAMETERS.get(name, name): values.tolist() for name, values in columns.numbers.items()}
-    return found, f"{len(columns.lines)} states of {path}"
+    if "probability" in columns.numbers:
+        if (unit := columns.units["probability"]) not in ("", "1"):
+            raise ParameterError(f"a probability is a number from 0 to 1, not in {unit}.", where=str(path))
+        columns.refuse(columns.numbers["probability"] < 0, "a probability is 0 or more.")
+        total = columns.numbers["probability"].sum()
+        if not 0 < total <= 1 + 1e-6:
+            raise ParameterError(
+                f"the probabilities have the sum {total:.6g}; of a life they have 1 at most, and more than 0. Divide "
+                "them by their sum if the states stand for all of it.", where=str(path)
+            )  # fmt: skip
+    found: dict[str, Any] = {}
+    for name, values in columns.numbers.items():
+        unit = "" if name in (*COLUMNS, "probability") else columns.units[name]  # what the reader knows is in SI
+        cells = values.tolist()
+        found[PARAMETERS.get(name, name)] = [f"{cell!r} {unit}" for cell in cells] if unit else cells
+    return found, f"{_count(columns.lines)} of {path}"
+
+
+def _count(states: Sized) -> str:
+    return f"{len(states)} state{'s' if len(states) > 1 else ''}"

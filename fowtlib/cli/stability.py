@@ -9,9 +9,11 @@ from collections.abc import Container
 from pathlib import Path
 from typing import Any
 
+import numpy as np
+
 from fowtlib.cli import loading, tables
 from fowtlib.cli.files import FIGURES, check_target, say_saved
-from fowtlib.cli.run import finite, numbers
+from fowtlib.cli.run import numbers, positive
 from fowtlib.language.errors import ModelError
 
 GROWS = 1e-6  # of the size of a pole: its real part, above which a mode grows
@@ -73,7 +75,7 @@ def declare(commands: Any) -> None:
     text = "natural modes over the wind: table, and diagram with 1P, 3P, 6P"
     diagram = commands.add_parser("campbell", help=text, epilog=CAMPBELL)
     diagram.add_argument("--winds", metavar="A:B:STEP", required=True, help="speeds [m/s], or a list 8,12,16")
-    diagram.add_argument("--highest", type=finite, default=3.0, metavar="HZ",
+    diagram.add_argument("--highest", type=positive, default=3.0, metavar="HZ",
                          help="modes below this frequency are shown; default: 3")  # fmt: skip
     diagram.add_argument("--plot", type=Path, metavar="FILE", help="draw frequency and damping: .png, .svg or .pdf")
     diagram.set_defaults(action=show_campbell)
@@ -135,6 +137,12 @@ def show_modes(arguments: argparse.Namespace) -> int:
         raise ModelError("--inputs are those of the linear model of --linear; give both.")
     model, conditions = loading.load_at_rest(arguments)
     plant = model.compile()
+    inputs = [path.strip() for path in arguments.inputs.split(",") if path.strip()]
+    try:
+        for path in inputs:
+            plant.layout.symbols(path)
+    except ModelError as error:
+        raise error.at("--inputs") from None
     state = mean_state(plant)
     warn_unless_upright(plant, state)
     modes = natural_modes(plant, state)
@@ -154,7 +162,6 @@ def show_modes(arguments: argparse.Namespace) -> int:
         plot_modes(modes, path=arguments.plot, title="\n".join(filter(None, (model.title or model.name, conditions))))
     say_saved(arguments.plot)
     if arguments.linear:
-        inputs = [path.strip() for path in arguments.inputs.split(",") if path.strip()]
         say_saved(mean_linear_model(plant, state, inputs).save(arguments.linear))
     return 0
 
@@ -172,7 +179,11 @@ def show_campbell(arguments: argparse.Namespace) -> int:
     arguments.wind = f"steady:{winds[0]:g}"
     model, _ = loading.load_at_rest(arguments)
     with part_bar("winds") as progress:
-        found = campbell(model, winds.tolist(), progress=progress).below(arguments.highest)
+        every = campbell(model, winds.tolist(), progress=progress)
+    found = every.below(arguments.highest)
+    if every.lines and not found.lines:
+        least = min(float(np.nanmin(line.frequency)) for line in every.lines)
+        raise ModelError(f"--highest: no mode lies below {arguments.highest:g} Hz; the slowest has {least:.4g} Hz.")
     tables.say(arguments, f"steady wind of {winds[0]:g} to {winds[-1]:g} m/s, still water")
     if arguments.form:
         tables.show(arguments, found.heads(), found.rows())
@@ -184,6 +195,7 @@ def show_campbell(arguments: argparse.Namespace) -> int:
         rows += [(line.name, *_shown(line.frequency)) for line in found.lines]
         tables.show_rows(heads, rows, "frequency [Hz]")
         rows = [(line.name, *_shown(100 * line.damping_ratio)) for line in found.lines]
+        print()
         tables.show_rows(heads, rows, "damping ratio [%]")
     for name, wind in found.unstable:
         warnings.warn(f"{name} grows at {wind:g} m/s.", stacklevel=1)
@@ -195,4 +207,4 @@ def show_campbell(arguments: argparse.Namespace) -> int:
 
 def _shown(values: Any) -> list[Any]:
     """Numbers, and nothing where a mode is not there."""
-    return ["" if math.isnan(value) else value for value in values.tolist()]
+    return [None if math.isnan(value) else value for value in values.tolist()]

@@ -12,6 +12,7 @@ from typing import Any, Literal
 
 import numpy as np
 
+from fowtlib.analysis.plants import plant_of
 from fowtlib.design.adjoints import Adjoints
 from fowtlib.design.composition import Asked, keys_of
 from fowtlib.design.conflict import least_violation
@@ -87,6 +88,8 @@ class Design:
                 raise ModelError(f"the balance is of no case '{self.balance}'{did_you_mean(self.balance, names)}")
             if not self.free:
                 raise ModelError(f"the balance in the case '{self.balance}' needs parameters that are free.")
+        if wrong := [item for item in self.variables if not isinstance(item, Variable)]:
+            raise ModelError(f"a variable is given as Variable(name, lower, upper), not as {wrong[0]!r}.")
         clash = {item.name for item in self.functions} & {item.name for item in self.variables}
         if clash:
             raise ModelError(f"'{min(clash)}' is a variable and a function.")
@@ -94,7 +97,7 @@ class Design:
     @cached_property
     def plant(self) -> Any:
         """The compiled model; None where there is none."""
-        return self.model.compile() if hasattr(self.model, "compile") else self.model
+        return None if self.model is None else plant_of(self.model)
 
     @cached_property
     def space(self) -> Space:

@@ -20,7 +20,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from fowtlib.analysis.harmonics import harmonic_fit
-from fowtlib.analysis.plants import checked_frequencies
+from fowtlib.analysis.plants import checked_frequencies, plant_of
 from fowtlib.components.mechanics import ForcedOscillation
 from fowtlib.language.component import Component
 from fowtlib.language.declarations import join
@@ -112,7 +112,7 @@ def aerodynamic_coefficients(
     it stands fast, the wind takes the place of its velocity, which no controller then measures. Raises ModelError for a
     model without such a turbine.
     """
-    plant = model.compile() if hasattr(model, "compile") else model
+    plant = plant_of(model)
     frequency = checked_frequencies(frequencies)
     part = _turbine(plant.root, turbine)
     if state is None:
@@ -141,7 +141,7 @@ def forced_oscillation(
     run, after two in which the motion grows and `settle` [s]; run: as for plant.simulate, such as solver="fixed".
     Thrust and velocity are compared in their first harmonic. Raises ModelError where the thrust does not settle.
     """
-    plant = model.compile() if hasattr(model, "compile") else model
+    plant = plant_of(model)
     frequency = checked_frequencies(frequencies)
     part, moved = _turbine(plant.root, turbine), _mount(plant.root, mount)
     thrust, place = join(part.path, "thrust"), join(moved.path, "displacement")

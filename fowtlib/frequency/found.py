@@ -74,14 +74,15 @@ class Response:
         """Standard deviation of a result."""
         return self.spectrum(name, process).std
 
-    def extreme(self, name: str, duration: float = 3600.0, quantile: float = 0.5, side: str = "max") -> float:
-        """Quantile of the largest ("max") or smallest ("min") value in a duration [s], of a Gaussian result.
+    def extreme(self, name: str, duration: float | str = 3600.0, quantile: float = 0.5, side: str = "max") -> float:
+        """Quantile of the largest ("max") or smallest ("min") value of a Gaussian result in a duration [s], or "3 h".
 
         P(largest < y) = exp(-nu T exp(-(y - mean)^2 / (2 std^2))), nu the rate of up-crossings of the mean (Rice 1944).
         """
         sign = {"max": 1.0, "min": -1.0}.get(side)
         if sign is None:
             raise ModelError(f"side: '{side}' is not 'max' or 'min'.")
+        duration = float(to_si(duration, "s", "duration"))
         if not (0 < quantile < 1 and duration > 0):
             raise ModelError(f"a quantile between 0 and 1 and a duration above 0 s; not {quantile:g} and {duration:g}.")
         spectrum, mean = self.spectrum(name), float(self.mean[self._number(name)])

@@ -13,7 +13,7 @@ from typing import TYPE_CHECKING, Any
 import casadi as ca
 import numpy as np
 
-from fowtlib.analysis.plants import refuse_unstable
+from fowtlib.analysis.plants import plant_of, refuse_unstable
 from fowtlib.frequency.adjoint import Forcing, RandomResponse, Slopes
 from fowtlib.frequency.quantities import (
     Mean,
@@ -67,6 +67,9 @@ class Gradient:
     jacobian: np.ndarray
 
     def __getitem__(self, which: tuple[str, str]) -> float:
+        if not isinstance(which, tuple) or len(which) != 2:
+            raise ModelError(f"a derivative is that of a result by a parameter, as in gradient['std pitch', "
+                             f"'platform.hull.mass'], not {which!r}.")  # fmt: skip
         result, parameter = which
         return float(self.jacobian[_number(result, self.results, "result"),
                                    _number(parameter, self.parameters, "parameter")])  # fmt: skip
@@ -75,7 +78,7 @@ class Gradient:
         """Unit of a derivative."""
         above = self.units[_number(result, self.results, "result")]
         below = self.parameter_units[_number(parameter, self.parameters, "parameter")]
-        return above if below == "1" else f"{above}/({below})"
+        return above if below == "1" else f"{above}/{below}" if below.isalpha() else f"{above}/({below})"
 
     @property
     def relative(self) -> np.ndarray:
@@ -147,8 +150,10 @@ class PreparedGradient:
     def __init__(self, model: Any, results: Sequence[str | Quantity] | str | Quantity, by: Sequence[str], *,
                  parameters: Values | None = None, frequencies: Sequence[float] | np.ndarray | None = None,
                  free: Values | Sequence[str] | None = None, targets: Values | None = None):  # fmt: skip
-        self.plant = model.compile() if hasattr(model, "compile") else model
+        self.plant = plant_of(model)
         self.quantities = quantities(results)
+        if not self.quantities or not len(by):
+            raise ModelError("a gradient is of one result or more, by one parameter or more.")
         self.elements = tuned_elements(self.plant, by)
         self.given = dict(parameters or {})
         self.frequencies = None if frequencies is None else np.asarray(frequencies, dtype=float)

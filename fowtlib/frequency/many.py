@@ -16,6 +16,7 @@ import numpy as np
 
 from fowtlib.analysis.fatigue import SNCurve, lifetime_damage, lifetime_equivalent_load
 from fowtlib.analysis.fatigue.lifetime import YEAR
+from fowtlib.analysis.plants import plant_of
 from fowtlib.frequency.found import Response
 from fowtlib.frequency.responses import response
 from fowtlib.language.errors import ModelError
@@ -266,7 +267,7 @@ def responses(
     Raises ModelError for what is wrong in all states, such as an output that there is not. A state that has no response
     (no mean, unstable) is told by `failures`, with a warning.
     """
-    plant = model.compile() if hasattr(model, "compile") else model
+    plant = plant_of(model)
     rows, shares = _rows(states, probability)
     told = progress if callable(progress) else _teller() if progress else lambda done, total: None
     dropped: dict[str, Any] = {} if keep_transfer else {"transfer": {}, "driving": {}}  # they would fill the memory
@@ -316,15 +317,21 @@ def _rows(states: States, probability: Sequence[float] | np.ndarray | None) -> t
         count = len(own) if own is not None else len(next(iter(columns.values())))
         rows = [{path: values[k] for path, values in columns.items()} for k in range(count)]
     else:
+        if isinstance(states, str) or not all(isinstance(row, Mapping) for row in states):
+            raise ModelError("states are mappings of parameters, such as {'wind.mean_speed': 12.0}, columns of a "
+                             f"table, or states of a site; not {states!r}.")  # fmt: skip
         rows = [dict(row) for row in states]
     if not rows:
         raise ModelError("there are no states.")
     shares = np.full(len(rows), 1 / len(rows)) if probability is None else np.asarray(probability, dtype=float)
-    if shares.shape != (len(rows),) or not np.all(np.isfinite(shares) & (shares >= 0)) or not shares.sum() > 0:
-        raise ModelError(
-            f"the probabilities are {len(rows)} numbers of 0 or more, one of each state, not all of them 0; there are "
-            f"{shares.size}."
-        )
+    if shares.shape != (len(rows),):
+        raise ModelError(f"there are {len(rows)} states and {shares.size} probabilities; give one of each state.")
+    wrong = np.flatnonzero(~(np.isfinite(shares) & (shares >= 0)))
+    if wrong.size:
+        k = int(wrong[0])
+        raise ModelError(f"state {k + 1} has the probability {shares[k]:g}; a probability is 0 or more.")
+    if not shares.sum() > 0:
+        raise ModelError("the probabilities of all states are 0; give at least one above it.")
     return [{path: _plain(value) for path, value in row.items()} for row in rows], shares
 
 

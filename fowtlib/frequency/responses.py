@@ -18,7 +18,7 @@ from typing import Any
 
 import numpy as np
 
-from fowtlib.analysis.plants import checked_frequencies, chosen_outputs, refuse_unstable
+from fowtlib.analysis.plants import checked_frequencies, chosen_outputs, plant_of, refuse_unstable
 from fowtlib.flattening import FlatDAE
 from fowtlib.frequency.coverage import warn_of_ends
 from fowtlib.frequency.driven import Process, Processes
@@ -58,7 +58,7 @@ def response(
     shifted      modes that an artificial stiffness gives another period, as {"1.85 s": "1.79 s"}; see frequency.shifts
     Raises SimulationError where there is no mean, where it is unstable, and where the drag does not settle.
     """
-    plant = model.compile() if hasattr(model, "compile") else model
+    plant = plant_of(model)
     names = list(plant.outputs) if outputs is None else chosen_outputs(plant, outputs)
     study = study_of(plant)
     with study.tree(parameters) as root:

@@ -31,6 +31,9 @@ def shifted(excited: ExcitedModel, gains: Sequence[np.ndarray], shifts: Shifts) 
     shifts: the number of an oscillating mode (1 is the slowest), the state that takes part most, or its period ("1.85
     s"): the damped period [s] that it shall have ("1.79 s").
     """
+    if not isinstance(shifts, Mapping):
+        raise ModelError(f"shifted: modes with their new periods are expected, as in {{'1.85 s': '1.79 s'}}, not "
+                         f"{shifts!r}.")  # fmt: skip
     for name, wanted in shifts.items():
         linear = excited.with_gains(gains)
         period = _seconds(wanted, f"the new period of {name}")

@@ -61,3 +61,32 @@ def test_mistakes_of_response_over_many_states(tmp_path: Path, capsys: pytest.Ca
     assert "no column 'probably'; did you mean 'probability'" in said("--states", str(states))
     assert "--speeds, --height and --bins choose states of a --site" in said("--states", str(states), "--bins")
     assert "cannot read the list of states" in said("--states", str(tmp_path / "none.csv"))
+
+
+@pytest.mark.parametrize(
+    "text, why",
+    [
+        ("probability\n8,2,9,-0.4\n", ":2: a probability is 0 or more"),
+        ("probability\n8,2,9,0.8\n10,2,9,0.7\n", "have the sum 1.5"),
+        ("probability [%]\n8,2,9,50\n", "not in %"),
+        ("probability,sea.headng\n8,2,9,0.5,3\n", "states.csv: the model has no parameter 'sea.headng'"),
+        ("probability,sea.heading [kg]\n8,2,9,0.5,3\n", "which is a mass"),
+    ],
+)
+def test_mistakes_in_a_file_of_states_name_the_file(text: str, why: str, tmp_path: Path, capsys):
+    path = tmp_path / "states.csv"
+    path.write_text("wind_speed,Hs,Tp," + text)
+    assert main(["response", "oc3_spar_rigid", "--outputs", "heave", "--states", str(path)]) == 2
+    assert why in capsys.readouterr().err
+
+
+def test_a_column_of_states_is_in_the_unit_of_its_head(tmp_path: Path, capsys: pytest.CaptureFixture[str]):
+    found = []
+    for head, value in (("sea.heading [deg]", "90"), ("sea.heading", "1.5707963267948966")):
+        path = tmp_path / "states.csv"
+        path.write_text(f"wind_speed,Hs,Tp,{head}\n8,2,9,{value}\n")
+        asked = ["response", "oc3_spar_rigid", "--outputs", "sway"]
+        assert main([*asked, "--states", str(path), "--json"]) == 0
+        out = capsys.readouterr().out
+        found.append(json.loads(out[out.index("[") :])[0]["std"])
+    assert found[0] == pytest.approx(found[1], rel=1e-9) and found[0] > 0.01

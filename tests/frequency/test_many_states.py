@@ -92,8 +92,12 @@ def test_mistakes_of_a_list_are_told_at_once(plant):
         responses(plant, {"one.lewel": LEVELS})
     with pytest.raises(ModelError, match="columns of different lengths"):
         responses(plant, {"one.level": LEVELS, "probability": [1.0]})
-    with pytest.raises(ModelError, match="numbers of 0 or more"):
+    with pytest.raises(ModelError, match="state 3 has the probability -0.1; a probability is 0 or more"):
         responses(plant, {"one.level": LEVELS}, probability=[0.5, 0.6, -0.1])
+    with pytest.raises(ModelError, match="3 states and 1 probabilities"):
+        responses(plant, {"one.level": LEVELS}, probability=[1.0])
+    with pytest.raises(ModelError, match="the probabilities of all states are 0"):
+        responses(plant, {"one.level": LEVELS}, probability=[0.0, 0.0, 0.0])
     with pytest.raises(ModelError, match="there are no states"):
         responses(plant, [])
     with pytest.raises(ModelError, match="the model has no result 'y'"):

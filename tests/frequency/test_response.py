@@ -218,3 +218,20 @@ def test_frequencies_are_rising_numbers(spar):
     for wrong in ([0.1, 0.05], [0.1], [0.0, 0.1]):
         with pytest.raises(ModelError, match="numbers"):
             response(spar, frequencies=wrong)
+
+
+def test_what_is_no_model_no_list_and_no_number_is_told():
+    plant = oscillator()
+    wrong = [
+        (lambda: response("oc3_spar_rigid"), r"load one first: fw.load\('oc3_spar_rigid'\)"),
+        (lambda: response(plant, outputs="x"), r"as in \['x'\]"),
+        (lambda: response(plant, frequencies="abc"), "positive numbers in Hz, not 'abc'"),
+        (lambda: response(plant, shifted=["1 s"]), "modes with their new periods are expected"),
+    ]
+    for ask, why in wrong:
+        with pytest.raises(ModelError, match=why):
+            ask()
+    found = response(plant)
+    assert found.extreme("x", "3 h") == found.extreme("x", 3 * 3600.0)
+    with pytest.raises(ModelError, match="a time in s is expected|which is a mass"):
+        found.extreme("x", "3 kg")

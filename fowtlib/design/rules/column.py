@@ -6,11 +6,12 @@ from dataclasses import dataclass
 from math import pi
 from typing import Any
 
-from fowtlib.design.rules.either import choose, demand, larger, smaller, sqrt
+from fowtlib.design.rules.either import choose, demand, larger, of_arrays, smaller, sqrt
 from fowtlib.design.rules.shell import elastic_strengths
 from fowtlib.design.rules.steel import STEEL, Steel
 
 
+@of_arrays
 def column_slenderness(length: Any, radius: Any, steel: Steel = STEEL, effective_length: Any = 1.0) -> Any:
     """(k L/i)^2 over 2.5 E/f_y, i = r/sqrt(2): up to 1 a column needs no check of column buckling (3.8.1).
 
@@ -31,6 +32,7 @@ class ColumnBuckling:
     euler_stress: Any
 
 
+@of_arrays
 def column_buckling(
     axial_stress: Any, bending_stress: Any, radius: Any, thickness: Any, spacing: Any, length: Any, *,
     hoop_stress: Any = 0.0, steel: Steel = STEEL, effective_length: Any = 1.0, least_factor: Any = 1.15,
@@ -42,7 +44,7 @@ def column_buckling(
     stresses [Pa] are positive in tension, of the design loads; what is compressed counts. The branch at lambda = 1.34
     is a step of 0.8 %. Beyond 0.99 of Euler's stress the term of bending stays as it is there. Lengths [m].
     """
-    demand("column buckling", 0.0, length=length, effective_length=effective_length)
+    demand("column buckling", 0.0, length=length, effective_length=effective_length, least_factor=least_factor)
     E, fy = steel.youngs_modulus, steel.yield_stress
     elastic = elastic_strengths(radius, thickness, spacing, steel)
     hoop = larger(-hoop_stress, 0.0)

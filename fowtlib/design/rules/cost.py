@@ -12,7 +12,7 @@ from dataclasses import dataclass
 from math import pi
 from typing import Any
 
-from fowtlib.design.rules.either import between, demand, exp, sqrt, total
+from fowtlib.design.rules.either import between, demand, demand_nodes, exp, of_arrays, sqrt, total
 from fowtlib.design.rules.ring import Ring
 
 COMPLEXITY = 3.0
@@ -39,18 +39,21 @@ class TubeSections:
     seams: Any
 
 
+@of_arrays
 def tube_sections(elevation: Any, diameter: Any, thickness: Any) -> TubeSections:
     """Sections of a tube from elevations (rising), outer diameters and thicknesses at n nodes [m], linear in between.
 
     A section counts as the cylinder of its mean diameter and thickness (its volume differs by 0.1 % from that of cones
     of hulls and towers).
     """
+    demand_nodes("a tube", elevation=elevation, diameter=diameter, thickness=thickness)
     (below, above), (D0, D1), (t0, t1) = between(elevation), between(diameter), between(thickness)
     length, D, t = above - below, (D0 + D1) / 2, (t0 + t1) / 2
     demand("a tube", 0.0, length_of_a_section=length, diameter=D, thickness=t)
     return TubeSections(length, D, t, pi * (D - t) * t * length, D0[1:])
 
 
+@of_arrays
 def fabrication_times(sections: TubeSections, density: Any = 7850.0, plates: int = 3) -> dict[str, Any]:
     """Minutes of work for the shell: forming, welding of plates to sections, of sections to the tube, painting outside.
 
@@ -78,12 +81,14 @@ def sections_of(sections: TubeSections) -> int:
     return int(shape[0]) if shape else 1
 
 
+@of_arrays
 def ring_fabrication_times(sections: TubeSections, ring: Ring, density: Any = 7850.0) -> dict[str, Any]:
     """Minutes of work for ring frames inside the sections: web to flange, rings to the shell, two fillet welds each.
 
     The number of rings of a section is its length over their spacing, not rounded, so that costs stay smooth.
     """
     radius = (sections.diameter - sections.thickness) / 2
+    ring.demand_in(radius, sections.thickness)
     inner, count = ring.flange_radius(radius, sections.thickness), sections.length / ring.spacing
     mass = density * 2 * pi * ring.centroid_radius(radius, sections.thickness) * ring.area
     seam = FURTHER * FILLET * WELD**2 * 4 * pi * 1e3
@@ -105,6 +110,7 @@ class SteelCost:
     minutes: dict[str, Any]
 
 
+@of_arrays
 def steel_cost(
     sections: TubeSections, ring: Ring | None = None, *, density: Any = 7850.0, per_kilogram: Any = 2.7,
     per_minute: Any = 2.7,
@@ -122,6 +128,7 @@ def steel_cost(
     return SteelCost(per_kilogram * mass + work, per_kilogram * mass, work, mass, minutes)
 
 
+@of_arrays
 def mooring_cost(mass_per_length: Any, length: Any, lines: Any = 1, per_kilogram: Any = 3.5) -> Any:
     """Cost of chain by its mass, EUR; 3.5 EUR/kg for grade R4 (3 to 4.5 are quoted).
 

@@ -2,7 +2,10 @@
 
 from __future__ import annotations
 
-from typing import Any
+import inspect
+from collections.abc import Callable
+from functools import wraps
+from typing import Any, TypeVar, cast
 
 import casadi as ca
 import numpy as np
@@ -10,6 +13,41 @@ import numpy as np
 from fowtlib.language.errors import ModelError
 
 _EXPRESSIONS = (ca.SX, ca.MX, ca.DM)
+
+F = TypeVar("F", bound=Callable[..., Any])
+
+
+def of_arrays(rule: F) -> F:
+    """A rule that takes lists as arrays, and refuses texts and arrays whose sizes do not fit (ModelError).
+
+    Its quantities are those of its arguments that are annotated as Any.
+    """
+    signature = inspect.signature(rule)
+    quantities = {name for name, item in signature.parameters.items() if item.annotation in (Any, "Any")}
+    title = rule.__name__
+
+    @wraps(rule)
+    def checked(*args: Any, **kwargs: Any) -> Any:
+        given = signature.bind(*args, **kwargs)
+        shapes = {}
+        for name, value in given.arguments.items():
+            if name not in quantities or value is None or is_expression(value):
+                continue
+            if not isinstance(value, (int, float, np.ndarray, np.generic)):
+                try:
+                    given.arguments[name] = value = np.asarray(value, dtype=float)
+                except (TypeError, ValueError):
+                    raise ModelError(f"{title}: {name} is {value!r}; a number or an array in SI units is expected, "
+                                     "without a unit.") from None  # fmt: skip
+            shapes[name] = np.shape(value)
+        try:
+            np.broadcast_shapes(*shapes.values())
+        except ValueError:
+            sizes = ", ".join(f"{name} {shape}" for name, shape in shapes.items() if shape)
+            raise ModelError(f"{title}: the arrays are of sizes that do not fit each other: {sizes}.") from None
+        return rule(*given.args, **given.kwargs)
+
+    return cast(F, checked)
 
 
 def is_expression(*values: Any) -> bool:
@@ -83,6 +121,17 @@ def demand(rule: str, least: float, **values: Any) -> None:
             raise ModelError(f"{rule}: {name} is {wrong:g}; it must be above {least:g}.")
 
 
+def demand_not_negative(rule: str, **values: Any) -> None:
+    """ModelError for numbers below zero, or not finite, by name; expressions pass."""
+    for name, value in values.items():
+        if is_expression(value):
+            continue
+        numbers = np.ravel(np.asarray(value, dtype=float))
+        wrong = numbers[~(np.isfinite(numbers) & (numbers >= 0))]
+        if wrong.size:
+            raise ModelError(f"{rule}: {name} is {wrong[0]:g}; it must be 0 or more.")
+
+
 def demand_within(rule: str, low: float, high: float, source: str, **values: Any) -> None:
     """ModelError for numbers outside of what a rule was made for; expressions pass."""
     for name, value in values.items():
@@ -92,3 +141,12 @@ def demand_within(rule: str, low: float, high: float, source: str, **values: Any
         wrong = numbers[~((numbers >= low) & (numbers <= high))]
         if wrong.size:
             raise ModelError(f"{rule}: {name} is {wrong[0]:g}; {source} holds from {low:g} to {high:g}.")
+
+
+def demand_nodes(rule: str, **values: Any) -> None:
+    """ModelError unless all have the same number of nodes (n,), two or more."""
+    counts = {name: value.numel() if is_expression(value) else np.size(value) for name, value in values.items()}
+    if len(set(counts.values())) > 1 or min(counts.values()) < 2:
+        told = ", ".join(f"{name} {count}" for name, count in counts.items())
+        raise ModelError(f"{rule}: each quantity has a value at each node, and there are two nodes or more; given are "
+                         f"{told}.")  # fmt: skip

@@ -6,9 +6,10 @@ from collections.abc import Sequence
 from math import pi
 from typing import Any
 
-from fowtlib.design.rules.either import atan, cos, demand, size, sqrt
+from fowtlib.design.rules.either import atan, cos, demand, of_arrays, size, sqrt
 
 
+@of_arrays
 def at_most(value: Any, limit: Any) -> Any:
     """|value|/limit: of a tilt, an offset, an acceleration; a kink at 0.
 
@@ -18,18 +19,21 @@ def at_most(value: Any, limit: Any) -> Any:
     return size(value) / limit
 
 
+@of_arrays
 def at_least(value: Any, limit: Any) -> Any:
     """limit/value, of what must not be less than a limit, such as a heave period of 25 s; value above 0."""
     demand("a lower limit", 0.0, value=value)
     return limit / value
 
 
+@of_arrays
 def rigid_period(mass: Any, added_mass: Any, stiffness: Any) -> Any:
     """Natural period [s] of one motion alone, 2 pi sqrt((M + A)/C); kg, kg, N/m, or kg m^2, kg m^2, N m/rad."""
     demand("a period", 0.0, mass=mass, stiffness=stiffness)
     return 2 * pi * sqrt((mass + added_mass) / stiffness)
 
 
+@of_arrays
 def heave_period(
     mass: Any, keel_diameter: Any, waterline_diameter: Any, water_density: Any = 1025.0, gravity: Any = 9.80665
 ) -> Any:
@@ -41,6 +45,7 @@ def heave_period(
     return rigid_period(mass, added, water_density * gravity * pi * waterline_diameter**2 / 4)
 
 
+@of_arrays
 def period_ratio(
     first: Any, second: Any, apart_from: Sequence[float] = (0.5, 1.0, 1.5, 2.0), margin: float = 0.1
 ) -> tuple[Any, ...]:
@@ -54,6 +59,7 @@ def period_ratio(
     return tuple(2 - size(first / second - ratio) / margin for ratio in apart_from)
 
 
+@of_arrays
 def taper_utilisation(
     lower_diameter: Any, upper_diameter: Any, length: Any, limit: Any = pi / 18
 ) -> Any:
@@ -62,6 +68,7 @@ def taper_utilisation(
     return atan(size(upper_diameter - lower_diameter) / (2 * length)) / limit
 
 
+@of_arrays
 def power_lost_by_tilt(tilt: Any) -> Any:
     """Share of the power that a rotor tilted by so much [rad] does not take, 1 - cos^3."""
     return 1 - cos(tilt) ** 3

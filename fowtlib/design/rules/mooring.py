@@ -5,7 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import Any
 
-from fowtlib.design.rules.either import asinh, choose, demand, sqrt
+from fowtlib.design.rules.either import asinh, choose, demand, of_arrays, sqrt
 
 
 @dataclass(frozen=True)
@@ -17,6 +17,7 @@ class MooringStrength:
     strength: Any
 
 
+@of_arrays
 def mooring_strength(
     mean_tension: Any, dynamic_tension: Any, breaking_strength: Any, *, mean_factor: Any = 1.3,
     dynamic_factor: Any = 1.75, strength_factor: Any = 0.95,
@@ -43,6 +44,7 @@ class UpliftLimit:
     distance: Any
 
 
+@of_arrays
 def uplift_limit(
     length: Any, weight: Any, axial_stiffness: Any, height: Any, distance: Any
 ) -> UpliftLimit:

@@ -5,7 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import Any
 
-from fowtlib.design.rules.either import demand, larger, size, smaller, sqrt
+from fowtlib.design.rules.either import demand, larger, of_arrays, size, smaller, sqrt
 from fowtlib.design.rules.shell import hoop_stress
 from fowtlib.design.rules.steel import STEEL, Steel
 
@@ -28,6 +28,12 @@ class Ring:
     def flange_radius(self, radius: Any, thickness: Any) -> Any:
         """Radius of the inner face of the flange [m] in a shell of this radius of the middle of the wall."""
         return radius - thickness / 2 - self.web_height - self.flange_thickness
+
+    def demand_in(self, radius: Any, thickness: Any) -> None:
+        """ModelError for sizes that are not above zero, or a ring that does not fit into this shell."""
+        demand("a ring", 0.0, web_height=self.web_height, web_thickness=self.web_thickness,
+               flange_width=self.flange_width, flange_thickness=self.flange_thickness, spacing=self.spacing,
+               flange_radius=self.flange_radius(radius, thickness))  # fmt: skip
 
     def centroid_radius(self, radius: Any, thickness: Any) -> Any:
         """Radius of the centroid of the ring without shell [m]."""
@@ -83,6 +89,7 @@ class PanelRing:
     section: RingSection
 
 
+@of_arrays
 def panel_ring(
     ring: Ring, radius: Any, thickness: Any, longitudinal_stress: Any, external_pressure: Any, *,
     shear_stress: Any = 0.0, length: Any = None, out_of_roundness: Any = 0.005, steel: Steel = STEEL,
@@ -97,9 +104,7 @@ def panel_ring(
     longitudinal_stress [Pa]: of axial force and bending, positive in tension; external_pressure [Pa]; shear_stress
     [Pa] needs the length L [m] between bulkheads or other heavy rings; out_of_roundness: delta_0/r.
     """
-    demand("a ring", 0.0, web_height=ring.web_height, web_thickness=ring.web_thickness, flange_width=ring.flange_width,
-           flange_thickness=ring.flange_thickness, spacing=ring.spacing,
-           flange_radius=ring.flange_radius(radius, thickness))  # fmt: skip
+    ring.demand_in(radius, thickness)
     E, fy, r, t, spacing = steel.youngs_modulus, steel.yield_stress, radius, thickness, ring.spacing
     section, A = ring_section(ring, r, t), ring.area
     hoop = hoop_stress(external_pressure, longitudinal_stress, r, t, spacing, A, ring.flange_radius(r, t), steel)

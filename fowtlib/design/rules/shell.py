@@ -9,10 +9,11 @@ from dataclasses import dataclass
 from math import pi
 from typing import Any
 
-from fowtlib.design.rules.either import choose, cos, demand, exp, larger, sin, smaller, sqrt
+from fowtlib.design.rules.either import choose, cos, demand, exp, larger, of_arrays, sin, smaller, sqrt
 from fowtlib.design.rules.steel import STEEL, Steel
 
 
+@of_arrays
 def cylinder_stress(
     radius: Any, thickness: Any, axial_force: Any = 0.0, bending_moment: Any = 0.0, shear_force: Any = 0.0,
     torsion: Any = 0.0,
@@ -23,7 +24,7 @@ def cylinder_stress(
     of the sign that its stress shall have; shear_force [N],
     torsion [N m]: their greatest shears are added, which is on the safe side. Source: RP-C202, 2.2.2 to 2.2.4.
     """
-    demand("a tube", 0.0, radius=radius, thickness=thickness)
+    demand("a tube", 0.0, radius=radius, thickness=thickness, radius_inside=radius - thickness / 2)
     wall = pi * radius * thickness
     shear = torsion / (2 * wall * radius) + shear_force / wall
     return axial_force / (2 * wall), bending_moment / (wall * radius), shear
@@ -38,6 +39,7 @@ class HoopStress:
     effective_width: Any
 
 
+@of_arrays
 def hoop_stress(
     external_pressure: Any, longitudinal_stress: Any, radius: Any, thickness: Any, spacing: Any, ring_area: Any,
     flange_radius: Any, steel: Steel = STEEL,
@@ -71,6 +73,7 @@ class ElasticStrength:
     hoop: Any
 
 
+@of_arrays
 def elastic_strengths(
     radius: Any, thickness: Any, spacing: Any, steel: Steel = STEEL, end_pressure: bool = False
 ) -> ElasticStrength:
@@ -80,7 +83,8 @@ def elastic_strengths(
     gives them, from l/r = 3.85 sqrt(r/t) (shear) and 2.25 sqrt(r/t) (pressure) on: steps of 9 and 2 % upward.
     end_pressure: the pressure acts on the ends too, and its axial stress is not in that of the load.
     """
-    demand("shell buckling", 0.0, radius=radius, thickness=thickness, spacing=spacing)
+    demand("shell buckling", 0.0, radius=radius, thickness=thickness, spacing=spacing,
+           radius_inside=radius - thickness / 2)  # fmt: skip
     E, nu = steel.youngs_modulus, steel.poissons_ratio
     Z, slim = spacing**2 / (radius * thickness) * sqrt(1 - nu**2), radius / thickness
     plate = pi**2 * E / (12 * (1 - nu**2)) * (thickness / spacing) ** 2
@@ -111,6 +115,7 @@ class ShellBuckling:
     elastic: ElasticStrength
 
 
+@of_arrays
 def shell_buckling(
     axial_stress: Any, bending_stress: Any, radius: Any, thickness: Any, spacing: Any, *, hoop_stress: Any = 0.0,
     shear_stress: Any = 0.0, steel: Steel = STEEL, least_factor: Any = 1.15, end_pressure: bool = False,
@@ -124,6 +129,7 @@ def shell_buckling(
     checked, and the other one too where the hoop is compressed. spacing [m]: of the rings. Derivatives by a stress
     do not exist where it changes its sign. Validity: tubes with D/t above 60; thicker ones are no shells.
     """
+    demand("shell buckling", 0.0, least_factor=least_factor)
     elastic = elastic_strengths(radius, thickness, spacing, steel, end_pressure)
     x, h, tau = axial_stress + bending_stress, hoop_stress, shear_stress
     square = x**2 - x * h + h**2 + 3 * tau**2

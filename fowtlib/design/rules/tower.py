@@ -5,7 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import Any
 
-from fowtlib.design.rules.either import choose, demand, demand_within, larger, smaller, sqrt
+from fowtlib.design.rules.either import choose, demand, demand_within, larger, of_arrays, smaller, sqrt
 from fowtlib.design.rules.steel import STEEL, Steel
 from fowtlib.language.errors import ModelError
 
@@ -24,6 +24,7 @@ class TowerBuckling:
     imperfection: Any
 
 
+@of_arrays
 def tower_buckling(
     meridional_stress: Any, radius: Any, thickness: Any, length: Any, *, steel: Steel = STEEL, quality: str = "B",
     material_factor: Any = 1.1, fixity: float = 6.0,

@@ -172,15 +172,16 @@ def plot_spectra(
     path: str | Path | None = None,
     *,
     targets: Mapping[str, Any] | None = None,
-    highest: float = 0.5,
+    highest: float | None = None,
     logarithmic: bool = True,
 ) -> Figure:
     """Power spectral densities, one panel per unit.
 
     targets  label -> function(frequency [Hz]) -> density, drawn into the first panel, such as the spectrum of the sea
-    highest  last frequency shown, Hz
+    highest  last frequency shown, Hz; None: 0.5 Hz, or beyond what all but a hundredth of each variance lies below
     """
     spectra = [spectra] if hasattr(spectra, "density") else list(spectra)
+    highest = max([0.5, *map(_reach, spectra)]) if highest is None else highest
     units = list(dict.fromkeys(spectrum.unit for spectrum in spectra))
     with drawing_style():
         figure = drawing(7.5, 0.6 + 2.5 * len(units))
@@ -207,6 +208,15 @@ def plot_spectra(
             axis.legend(loc="upper right", ncols=2)
         axes[-1].set_xlabel("frequency [Hz]")
     return save_figure(figure, path)
+
+
+def _reach(spectrum: Any) -> float:
+    """Frequency [Hz] to show a spectrum to: somewhat above the one below which 99 % of the variance lies."""
+    f, S = np.asarray(spectrum.frequency), np.asarray(spectrum.density)
+    variance = np.concatenate([[0.0], np.cumsum(0.5 * (S[1:] + S[:-1]) * np.diff(f))])
+    if not variance[-1] > 0:
+        return 0.0
+    return float(min(1.2 * f[np.searchsorted(variance, 0.99 * variance[-1])], f[-1]))
 
 
 def plot_coefficients(coefficients: Sequence[Any], path: str | Path | None = None) -> Figure:

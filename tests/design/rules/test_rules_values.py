@@ -380,3 +380,23 @@ def test_times_of_work_by_hand():
 def test_numbers_that_no_rule_takes(call, message):
     with pytest.raises(ModelError, match=message):
         call()
+
+
+def test_mistakes_in_what_rules_are_asked():
+    tube = rules.tube_sections([-80.0, -40.0, 10.0], [15.0, 18.0, 12.0], [0.07, 0.06, 0.06])
+    wrong = [
+        (lambda: rules.cylinder_stress("7 m", 0.05), "radius is '7 m'; a number or an array in SI"),
+        (lambda: rules.cylinder_stress(0.01, 0.05), "radius_inside is -0.015"),
+        (lambda: rules.at_most([1.0, 2.0], [1.0, 2.0, 3.0]), r"sizes that do not fit each other: value \(2,\), limit"),
+        (lambda: rules.tower_buckling(-np.ones(2), np.ones(2), np.ones(3), 10.5), "sizes that do not fit"),
+        (lambda: rules.tube_sections([-80.0, -40.0, 10.0], [15.0], [0.07, 0.06, 0.06]), "diameter 1, thickness 3"),
+        (lambda: rules.tube_sections([-80.0], [15.0], [0.07]), "two nodes or more"),
+        (lambda: rules.shell_buckling(-1e8, 0.0, 7.0, 0.05, 2.5, least_factor=-1.0), "least_factor is -1"),
+        (lambda: rules.fatigue_utilisation(-1.0, 3.0), "damage is -1; it must be 0 or more"),
+        (lambda: rules.steel_cost(tube, rules.Ring(-0.5, 0.014, 0.25, 0.02, 2.5)), "web_height is -0.5"),
+    ]
+    for ask, why in wrong:
+        with pytest.raises(ModelError, match=why):
+            ask()
+    listed = rules.shell_buckling([-1e8, -2e8], 0.0, 7.0, 0.05, 2.5).utilisation
+    np.testing.assert_array_equal(listed, rules.shell_buckling(np.array([-1e8, -2e8]), 0.0, 7.0, 0.05, 2.5).utilisation)
