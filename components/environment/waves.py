@@ -18,8 +18,11 @@ DNV-RP-C205 (2010), 3.5.5; J. Jonkman, NREL/TP-500-41958 (2007), sec. 2.4.1 (whi
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass
+from collections.abc import Callable
+from dataclasses import dataclass, field
 from functools import cache, lru_cache
+from threading import RLock
+from typing import Any
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -31,6 +34,9 @@ MOST_PERIODS = 20_000  # of a sea until it repeats itself: 100,000 components
 LOWEST_FREQUENCY = 0.4  # of the peak frequency; less than 1e-21 of the energy lies below
 HIGHEST_FREQUENCY = 5.0  # of the peak frequency; 0.20 % (gamma 1) to 0.12 % (gamma 5) of the energy lies above
 SAMPLES_PER_PERIOD = 8  # in the shortest period; a cubic spline through them errs by 1e-3 there, 3e-5 of the whole sea
+
+MOST_TABLES = 100  # of unit waves
+_LOCK = RLock()
 
 Floats = NDArray[np.float64]
 Complexes = NDArray[np.complex128]
@@ -128,6 +134,18 @@ class WaveComponents:
     heading: float
     period: float
     depth: float
+    tables: dict[Any, Any] | None = field(default=None, repr=False)
+
+    def kept(self, key: Any, make: Callable[[], Any]) -> Any:
+        """What `make` computes of these waves, not to be changed; of unit waves it is kept, the last ones, by key."""
+        if self.tables is None:
+            return make()
+        with _LOCK:
+            made = self.tables.pop(key) if key in self.tables else make()
+            self.tables[key] = made  # the last one used is the last to go
+            while len(self.tables) > MOST_TABLES:
+                del self.tables[next(iter(self.tables))]
+        return made
 
     def __len__(self) -> int:
         return len(self.omega)
@@ -231,10 +249,20 @@ def depth_decay(number: Floats, z: Floats, depth: float) -> tuple[Floats, Floats
 
 
 def unit_waves(omega: ArrayLike, depth: float, heading: float = 0.0, gravity: float = GRAVITY) -> WaveComponents:
-    """Harmonics of 1 m of amplitude, whose crests pass the origin at t = 0, at omega (n,) [rad/s]."""
+    """Harmonics of 1 m of amplitude, whose crests pass the origin at t = 0, at omega (n,) [rad/s].
+
+    The same ones again, with what was computed of them, where they were asked for lately: all parts of a model ask.
+    """
     omega = np.atleast_1d(np.asarray(omega, dtype=float))
+    return _unit_waves(omega.tobytes(), float(depth), float(heading), float(gravity))
+
+
+@lru_cache(maxsize=4)
+def _unit_waves(frequencies: bytes, depth: float, heading: float, gravity: float) -> WaveComponents:
+    omega = np.frombuffer(frequencies)
     number = wave_number(omega, depth, gravity)
-    return WaveComponents(omega, np.ones(omega.size), np.zeros(omega.size), number, heading, math.inf, depth)
+    waves = omega, np.ones(omega.size), np.zeros(omega.size), number, heading, math.inf, depth
+    return WaveComponents(*waves, tables={})
 
 
 def still_water(depth: float, heading: float = 0.0) -> WaveComponents:

@@ -3,11 +3,11 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from functools import cached_property
+from functools import cache, cached_property
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
-from scipy.special import h2vp
+from scipy.special import j0, j1, y0, y1
 
 from fowtlib.components.environment.waves import WaveComponents
 from fowtlib.components.mechanics.beam_division import gauss_points
@@ -30,7 +30,8 @@ def diffraction_coefficient(ka: ArrayLike) -> Complexes:
     x = np.asarray(ka, dtype=float)
     wide = x > SMALLEST
     safe = np.where(wide, x, 1.0)
-    return np.where(wide, 4 / (1j * np.pi * safe**2 * h2vp(1, safe)), 2.0)
+    slope = j0(safe) - j1(safe) / safe - 1j * (y0(safe) - y1(safe) / safe)
+    return np.where(wide, 4 / (1j * np.pi * safe**2 * slope), 2.0)
 
 
 @dataclass(frozen=True, eq=False)
@@ -45,11 +46,16 @@ class HullStrips:
     drag_area: Floats
 
 
+@cache
+def _gauss_rule(count: int) -> tuple[Floats, Floats]:
+    return np.polynomial.legendre.leggauss(count)
+
+
 def hull_strips(heights: ArrayLike, diameters: ArrayLike, low: float, high: float, count: int) -> HullStrips:
     """The strips between `low` and `high` [m] of a hull with diameters linear between heights [m]."""
     heights, diameters = np.asarray(heights, dtype=float), np.asarray(diameters, dtype=float)
     marks = np.concatenate([[low], heights[(heights > low) & (heights < high)], [high]])
-    x, w = np.polynomial.legendre.leggauss(count + 2)
+    x, w = _gauss_rule(count + 2)
     middle, half = (marks[1:] + marks[:-1]) / 2, np.diff(marks) / 2
     z, length = (middle[:, None] + half[:, None] * x).ravel(), (half[:, None] * w).ravel()
     volume = np.pi / 4 * np.interp(z, heights, diameters) ** 2 * length
@@ -129,7 +135,7 @@ class HullPart:
         """Place along the axis of the frame, volume and drag area of each strip, (n, 3)."""
         return np.column_stack([self.wet.height - self.position[2], self.wet.volume, self.wet.drag_area])
 
-    @property
+    @cached_property
     def places(self) -> Floats:
         """Places (k, 3) of the strips and the keel at rest, world."""
         z = np.append(self.wet.height, self.low) if self.keel else self.wet.height
@@ -141,15 +147,20 @@ class HullPart:
 
     def velocity(self, waves: WaveComponents) -> Complexes:
         """Velocity (n, k, 3) of the water at the places."""
-        return waves.velocity_transfer(self.places)
+        places = self.places
+        return waves.kept(("velocity", places.tobytes()), lambda: waves.velocity_transfer(places))
 
     def acceleration(self, waves: WaveComponents) -> Complexes:
         """Acceleration (n, k, 3) with which rho dV (1 + C_a) a is the force of MacCamy and Fuchs across the axis."""
-        places = self.places
-        coefficient = diffraction_coefficient(waves.wave_number[:, None] * self.width(places[:, 2]) / 2)
-        acceleration = waves.acceleration_transfer(places)
-        acceleration[:, :, :2] *= (coefficient / (1 + self.added))[:, :, None]
-        return acceleration
+        widths = self.width(self.places[:, 2])
+
+        def make() -> Complexes:
+            coefficient = diffraction_coefficient(waves.wave_number[:, None] * widths / 2)
+            acceleration = 1j * waves.omega[:, None, None] * self.velocity(waves)
+            acceleration[:, :, :2] *= (coefficient / (1 + self.added))[:, :, None]
+            return acceleration
+
+        return waves.kept(("acceleration", self.places.tobytes(), widths.tobytes(), self.added), make)
 
     def wave_load(self, waves: WaveComponents, density: float, gravity: float) -> Complexes:
         """Load (n, 6) of waves on the part at rest about its frame, world, per unit amplitude."""

@@ -12,6 +12,7 @@ from fowtlib.components.hydro.linear_loads import PlatformLoad
 from fowtlib.components.hydro.strips import Strip, drag_loads, inertia_loads
 from fowtlib.language import Array, Component, Scalar, Vector, at_start, eq, outer, param, var
 from fowtlib.language import math as m
+from fowtlib.language.expressions import value_of
 
 _HEAD, _PER_STRIP = 6, 3  # numbers of a part, and of each of its strips; see HullPart
 
@@ -109,6 +110,9 @@ class SlenderHullLoads(PlatformLoad, HullCoefficients):
 
     def numbers(self) -> HullPart:
         """The part with the values that the parameters have now."""
+        return value_of(self, "numbers", self._numbers)
+
+    def _numbers(self) -> HullPart:
         values = {name: np.ravel(self.parameter_value(name)) for name in ("heights", "diameters", "position")}
         names = {"low": "low", "high": "high", "added": "added_mass_coefficient", "end_added": "end_added_mass"}
         values |= {name: float(self.parameter_value(given)) for name, given in names.items()}

@@ -22,14 +22,15 @@ import numpy as np
 from fowtlib.analysis.spectra import widths
 from fowtlib.frequency.drag import best_gain
 from fowtlib.frequency.gain_slopes import gain_slopes, slope_at_mean
+from fowtlib.frequency.mixing import Mixing
 from fowtlib.frequency.quantities import ORDERS
 from fowtlib.language.errors import SimulationError
 from fowtlib.solving.excited import ExcitedModel
 from fowtlib.solving.linear import LinearModel, Resolvent, times
 from fowtlib.solving.stationary_gradients import Bars
 
-SETTLED, ROUNDING = 1e-12, 1e-10  # change of the gains, relative, at which Newton's iteration ends; and where it stays
-FAR = 0.3  # change from which on it goes by the gains found alone
+SETTLED, ROUNDING = 1e-12, 1e-10  # change of the gains, relative, at which Newton ends; and where it may stay
+FAR = 0.3  # change from which on it goes by the gains found, mixed, and where Newton's step led away
 NEWTON = 40
 AT_ONCE = 64  # frequencies, of what all laws do to all laws
 GUESS = 1.0  # m/s; deviation of the velocities of drag before the first iteration
@@ -102,17 +103,17 @@ class RandomResponse:
 
     def _settle(self, phi: np.ndarray | None) -> int:
         """Newton's iteration for the gains, with slopes that are kept while it comes nearer fast."""
-        last, self.newton = np.inf, phi
+        last, self.newton, mixing = np.inf, phi, Mixing()
         for iteration in range(NEWTON):
             self._answer()
             found = [best_gain(self._covariance(place), self.means[place]) for _, place in self.excited.laws]
             off = [new - old for new, old in zip(found, self.gains, strict=True)]
             change = max((float(np.linalg.norm(d) / max(np.linalg.norm(g), 1e-12))
                           for d, g in zip(off, found, strict=True)), default=0.0)  # fmt: skip
-            if change < SETTLED or (change < ROUNDING and change > last / 2):
+            if change < SETTLED or (change > last / 2 and change < self._rounding):
                 return iteration
-            if change > FAR:
-                self.gains = found
+            if change > FAR or change > last:
+                self.gains, self.newton = mixing(self.gains, found), None
             else:
                 if self.newton is None or change > last / 10:
                     self.newton = self._map()
@@ -120,6 +121,13 @@ class RandomResponse:
                 self.gains = [g + s for g, s in zip(self.gains, self._unpacked(step), strict=True)]
             last = change
         raise SimulationError(f"the linearised drag does not settle; the last change is {change:.2g}.")
+
+    @property
+    def _rounding(self) -> float:
+        """Change of the gains that rounding makes: that of roots as large as the fastest, in the least damping."""
+        roots = np.zeros(0) if self.resolvent.basis is None else self.resolvent.basis[0]
+        least = -np.max(roots.real[roots.imag > 0], initial=-np.inf)
+        return max(ROUNDING, 4 * np.finfo(float).eps * np.abs(roots).max() / least) if 0 < least < np.inf else ROUNDING
 
     @cached_property
     def phi(self) -> np.ndarray:

@@ -30,11 +30,16 @@ def best_gain(covariance: np.ndarray, mean: np.ndarray | None = None) -> np.ndar
 
 def best_gains(velocities: Sequence[np.ndarray], means: Sequence[np.ndarray]) -> list[np.ndarray]:
     """The gains of many laws, from values (n, k) of each whose sums of products are its covariance, and means (n,)."""
-    gains: list[np.ndarray] = [np.zeros((0, 0))] * len(velocities)
-    for size in {len(u) for u in velocities}:
-        of_size = [number for number, u in enumerate(velocities) if len(u) == size]
-        u, m = (np.stack([values[number] for number in of_size]) for values in (velocities, means))
-        for number, gain in zip(of_size, _gains(u @ u.transpose(0, 2, 1), m), strict=True):
+    return gains_of([u @ u.T for u in velocities], means)
+
+
+def gains_of(covariances: Sequence[np.ndarray], means: Sequence[np.ndarray]) -> list[np.ndarray]:
+    """The gains of many laws, from the covariance (n, n) and the mean (n,) of each."""
+    gains: list[np.ndarray] = [np.zeros((0, 0))] * len(means)
+    for size in {len(mean) for mean in means}:
+        of_size = [number for number, mean in enumerate(means) if len(mean) == size]
+        of_these = (np.stack([values[number] for number in of_size]) for values in (covariances, means))
+        for number, gain in zip(of_size, _gains(*of_these), strict=True):
             gains[number] = gain
     return gains
 

@@ -15,7 +15,6 @@ import numpy as np
 
 from fowtlib.analysis.plants import refuse_unstable
 from fowtlib.frequency.adjoint import Forcing, RandomResponse, Slopes
-from fowtlib.frequency.grid import response_frequencies
 from fowtlib.frequency.quantities import (
     Mean,
     ModeDamping,
@@ -26,6 +25,7 @@ from fowtlib.frequency.quantities import (
     with_slopes,
 )
 from fowtlib.frequency.responses import Process, _processes, _refuse_without_spectrum
+from fowtlib.frequency.settling import settled_gains
 from fowtlib.language.errors import ModelError, ParameterError, did_you_mean
 from fowtlib.language.expressions import parameters_read
 from fowtlib.language.run_time import RestingPlaces
@@ -45,6 +45,7 @@ if TYPE_CHECKING:
 Plant = Any
 Values = Mapping[str, Any]
 
+NEAR = 1e-4  # change of the gains of drag from which on Newton's iteration goes to their rounding
 PLACES = 10.0  # m; a thousandth of it is the step by which a place in a field is moved
 
 
@@ -266,12 +267,9 @@ class _Evaluation:
             if process is not None and process not in processes:
                 raise ModelError(f"the response has no process '{process}'{did_you_mean(process, list(processes))}")
         gains = prepared._gains
-        if prepared.frequencies is None:
-            coarse = RandomResponse(excited, forcing(processes, response_frequencies(excited.linear.modes())), gains)
-            refuse_unstable(coarse.linear)
-            gains = coarse.gains
-            prepared.frequencies = response_frequencies(coarse.linear.modes())
-        self.processes = processes
+        if prepared.frequencies is None or gains is None:
+            gains, grid, _ = settled_gains(excited, processes, prepared.frequencies, NEAR, gains)
+            prepared.frequencies = grid.frequency
         found = RandomResponse(excited, forcing(processes, prepared.frequencies), gains, prepared._newton)
         refuse_unstable(found.linear)
         prepared._gains, prepared._newton = found.gains, found.newton

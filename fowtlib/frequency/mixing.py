@@ -46,6 +46,10 @@ class Mixing:
             guess.append(part)
         return guess
 
+    def moved(self, before: Sequence[np.ndarray], after: Sequence[np.ndarray]) -> None:
+        """F has become another one, that gives `after` where it gave `before`, with steps that shrink alike."""
+        self._found = [found + _flat(after) - _flat(before) for found in self._found]
+
 
 def _positive(matrix: np.ndarray) -> bool:
     return bool(matrix[0, 0] >= 0 if len(matrix) == 1 else np.linalg.eigvalsh(matrix)[0] >= 0)

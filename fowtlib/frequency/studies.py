@@ -41,6 +41,7 @@ class Study:
         self._means: dict[Key, State] = {}
         self._models: dict[Any, ExcitedModel] = {}
         self._rotations: dict[Any, Rotation] = {}
+        self._gains: dict[tuple[tuple[str, int], ...], list[np.ndarray]] = {}
         self._lock = RLock()
 
     @contextmanager
@@ -63,6 +64,14 @@ class Study:
         key = _key(state.parameters), tuple(names), state.x.tobytes(), state.z.tobytes()
         return _kept(self._models, key, MODELS, lambda: excited_model(self.plant, state, names))
 
+    def gains(self, excited: ExcitedModel) -> list[np.ndarray] | None:
+        """Gains of drag that another state settled at; None before the first one."""
+        return self._gains.get(_laws(excited))
+
+    def keep_gains(self, excited: ExcitedModel, gains: list[np.ndarray]) -> None:
+        """Let another state begin with these."""
+        self._gains = {_laws(excited): gains}
+
     def rotation(self, state: State, names: Sequence[str], rotating: RotatingLinearModel) -> Rotation | None:
         """What goes round with the rotors in the steady wind of a mean; None where nothing turns."""
         if rotating.average is None:
@@ -80,6 +89,10 @@ class Study:
         except UnstableError:
             return mean_state(self.plant, values)
         return beside
+
+
+def _laws(excited: ExcitedModel) -> tuple[tuple[str, int], ...]:
+    return tuple((path, place.stop - place.start) for path, place in excited.laws)
 
 
 def _key(values: Mapping[str, Any]) -> Key:

@@ -220,6 +220,16 @@ def one_evaluation() -> Iterator[dict[Any, Any]]:
         _known.reset(token)
 
 
+def value_of(owner: Any, what: str, compute: Callable[[], Any]) -> Any:
+    """What follows from the values of parameters alone: computed once in an evaluation, by its owner and a word."""
+    reads = _reads.get()
+    with one_evaluation() as known:
+        key = (id(owner), "value of", what, id(reads))
+        if key not in known:
+            known[key] = compute(), owner, reads  # held: their ids stay their own
+        return known[key][0]
+
+
 def _number(leaf: Any) -> Any:
     if isinstance(leaf, StartNumbers):
         reads = _reads.get()

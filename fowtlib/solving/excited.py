@@ -10,6 +10,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
+from functools import cached_property
 from typing import Any
 
 import casadi as ca
@@ -18,6 +19,7 @@ from scipy.linalg import block_diag
 
 from fowtlib.flattening import FlatDAE
 from fowtlib.language.component import Component
+from fowtlib.language.operators import eigenvectors
 from fowtlib.language.quadratic_laws import slope_at
 from fowtlib.language.run_time import RandomSignals
 from fowtlib.solving.functions import AtParameters
@@ -27,6 +29,8 @@ from fowtlib.solving.modes import rate_states
 from fowtlib.solving.random_fields import FieldPlaces, field_places
 from fowtlib.solving.state import State
 from fowtlib.solving.turning import turns_of
+
+MOST_SLOW = 0.7  # of the states, up to which a model of the slow ones is worth its making
 
 
 @dataclass(frozen=True, eq=False)
@@ -96,13 +100,51 @@ class ExcitedModel:
         """Number of the signals and channels, one by one."""
         return len(self.linear.inputs) - sum(place.stop - place.start for _, place in self.laws)
 
+    @cached_property
+    def slopes(self) -> list[np.ndarray]:
+        """What the linear model has of each law by itself."""
+        return [slope_at(self.means[place]) for _, place in self.laws]
+
+    def slow(self, fastest: float) -> ExcitedModel:
+        """Its modes with roots below `fastest` [rad/s], with the inputs of the laws as the only outputs.
+
+        The model itself where it has operators, or no eigenvectors, or hardly anything that is faster.
+        """
+        if fastest not in self._slow:
+            self._slow.clear()
+            self._slow[fastest] = self._reduced(fastest)
+        return self._slow[fastest]
+
+    @cached_property
+    def _slow(self) -> dict[float, ExcitedModel]:
+        return {}
+
+    def _reduced(self, fastest: float) -> ExcitedModel:
+        A, B, C, D = (self.linear.matrices[name] for name in "ABCD")
+        basis = eigenvectors(A) if self.linear.operators is None and len(A) else None
+        if basis is None:
+            return self
+        roots, right, left = basis
+        slow = np.flatnonzero((np.abs(roots) < fastest) & (roots.imag >= 0))
+        pairs = slow[roots[slow].imag > 0]
+        if slow.size + pairs.size > MOST_SLOW * len(A):
+            return self
+        to = np.hstack([right[:, slow].real, right[:, pairs].imag])  # x = to q, with real amplitudes q
+        weight = np.where(roots[slow].imag > 0, 2.0, 1.0)[:, None]
+        of = np.vstack([weight * left[slow].real, -2 * left[pairs].imag])
+        states = [f"mode {k + 1}" for k in range(len(of))]
+        laws = self.linear.outputs[self.results :]
+        linear = LinearModel(of @ A @ to, of @ B, C[self.results :] @ to, D[self.results :], states,
+                             self.linear.inputs, laws, self.linear.units)  # fmt: skip
+        return replace(self, linear=linear, results=0)
+
     def loop(self, gains: Sequence[np.ndarray]) -> np.ndarray:
         """What the laws add, from their inputs without them."""
         n, m = self.driven, self.results
         D = self.linear.matrices["D"][m:, n:]
         G = np.zeros((D.shape[1], D.shape[1]))
-        for (_, place), gain in zip(self.laws, gains, strict=True):
-            G[place, place] = gain - slope_at(self.means[place])
+        for (_, place), gain, slope in zip(self.laws, gains, self.slopes, strict=True):
+            G[place, place] = gain - slope
         return np.linalg.solve(np.eye(len(G)) - G @ D, G) if D.any() else G
 
     def with_gains(self, gains: Sequence[np.ndarray]) -> LinearModel:
