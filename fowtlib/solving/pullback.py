@@ -47,7 +47,7 @@ class _Torn:
         both = ca.vertcat(v, functions.w)
         self.jacobian = ca.Function(f"{name}_jacobian", arguments, [
             ca.sparsify(ca.jacobian(rows, v)), ca.sparsify(ca.jacobian(rows, functions.w)),
-        ], {"cse": True})  # fmt: skip
+        ])  # without "cse": of a million instructions, as of a spar with twenty hinges, it takes minutes
         seed, weight = ca.SX.sym("seed", nv + nw), ca.SX.sym("weight", self.size)
         along = ca.dot(weight, ca.densify(ca.jtimes(rows, both, seed)))
         slope = ca.densify(ca.gradient(along, both))
