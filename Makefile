@@ -30,9 +30,10 @@ batch-demo: $(STAMP)
 	$(BIN)/fowt batch run models/cases/demo.yaml --folder output/demo.batch
 	$(BIN)/fowt batch report models/cases/demo.yaml --folder output/demo.batch --output output/demo.html --force
 
-# TESTS: further words for pytest, such as TESTS="-k mooring"
+# TESTS: further words for pytest, such as TESTS="-k mooring". One thread of linear algebra for each of the workers, which are as
+# many as there are cores: threads that wait for each other take several times as long.
 test: $(STAMP)
-	$(BIN)/python -m pytest -n auto --dist worksteal $(TESTS)
+	OPENBLAS_NUM_THREADS=1 OMP_NUM_THREADS=1 $(BIN)/python -m pytest -n auto --dist worksteal $(TESTS)
 
 lint: $(STAMP)
 	$(BIN)/ruff check .
