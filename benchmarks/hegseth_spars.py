@@ -78,15 +78,20 @@ def weather(speed: float, height: float, period: float) -> dict[str, Any]:
 _plants: dict[str, Any] = {}
 
 
-def plant_of(spar: int, speed: float) -> tuple[str, Any]:
-    """Name and plant of the model for a wind: in operation, or at rest."""
+def plant_of(spar: int, speed: float, tower_drag: bool = False) -> tuple[str, Any]:
+    """Name and plant of the model for a wind: in operation, with drag of the tower or without it, or at rest."""
     name = f"dtu10mw_spar_{spar}" + ("_operating" if speed <= 25.0 else "")
-    return name, _plants.setdefault(name, fw.load(name).compile())
+    label = name + ("_with_drag" if tower_drag and speed <= 25.0 else "")
+    if label not in _plants:
+        _plants[label] = fw.load(name, set={} if label == name else {"tower_drag.active": True}).compile()
+    return label, _plants[label]
 
 
-def hours(folder: Path, spar: int, state: tuple[float, float, float], seeds: int) -> list[dict[str, Any]]:
+def hours(
+    folder: Path, spar: int, state: tuple[float, float, float], seeds: int, tower_drag: bool = False
+) -> list[dict[str, Any]]:
     """Of so many seeds at least: (mean, deviation, largest) of each result, and the damage of the tower's base."""
-    name, plant = plant_of(spar, state[0])
+    name, plant = plant_of(spar, state[0], tower_drag)
     found: list[dict[str, Any]] = []
     while True:
         seed = len(found) + 1
@@ -124,14 +129,15 @@ def extremes(folder: Path, seeds: int) -> None:
     found = {}
     for spar in (1, 2):
         for case, state in OF_50_YEARS.items():
-            plant = plant_of(spar, state[0])[1]
+            plant = plant_of(spar, state[0], tower_drag=True)[1]
             names = ["tower_base_moment", "surge", "pitch"]
             found[spar, case] = fw.response(plant, outputs=names, parameters=weather(*state))
     print("| mean; deviation; largest | source, runs | source, linear | response | runs |")
     print("| --- | --- | --- | --- | --- |")
     for (spar, name), (runs, linear) in PRINTED.items():
         for k, (case, state) in enumerate(OF_50_YEARS.items()):
-            one, ours = found[spar, case], np.array([run[name] for run in hours(folder, spar, state, seeds)])
+            runs_of = hours(folder, spar, state, seeds, tower_drag=True)
+            one, ours = found[spar, case], np.array([run[name] for run in runs_of])
             cells = [runs[k], linear[k], (one.mean_of(name), one.std(name), one.extreme(name, HOUR, MODE))]
             if len(ours) > 1:
                 most = ours[:, 2].mean() - 0.5772 * np.sqrt(6) / np.pi * ours[:, 2].std(ddof=1)  # of Gumbel's law

@@ -208,17 +208,18 @@ def test_extremes_with_the_rotor_at_rest(plants, spar, speed, height, peak, runs
 
 
 @pytest.mark.parametrize(
-    "spar, runs, linear", [(1, (101.0, 480.6), (100.8, 491.7)), (2, (106.2, 529.6), (110.6, 562.0))]
+    "spar, runs, linear", [(1, (101.0, 480.6, 123.0), (100.8, 491.7)), (2, (106.2, 529.6, 152.9), (110.6, 562.0))]
 )
 def test_extremes_in_25_m_per_s(spar, runs, linear):
-    """EC2; the mean of the source is 18 to 22 % larger, with a thrust from runs in turbulence (0.55 MN without it)."""
+    """EC2. Of spar 2 the largest moment of the source's linear model is 6 % above its runs, and so is this one."""
     weather = {"wind.mean_speed": 25.0, "sea.significant_wave_height": 10.3, "sea.peak_period": 12.5}
-    plant = fw.load(f"dtu10mw_spar_{spar}_operating").compile()
-    found = fw.response(plant, outputs=["tower_base_moment", "surge", "pitch"], parameters=weather)
+    plant = fw.load(f"dtu10mw_spar_{spar}_operating", set={"tower_drag.active": True}).compile()
+    found = fw.response(plant, outputs=["tower_base_moment"], parameters=weather)
+    assert found.mean_of("tower_base_moment") == pytest.approx(runs[2], rel=0.05)
     assert found.std("tower_base_moment") == pytest.approx(linear[0], rel=0.05)
     assert found.std("tower_base_moment") == pytest.approx(runs[0], rel=0.10)
     most = found.extreme("tower_base_moment", 3600.0, np.exp(-1))
-    assert most == pytest.approx(linear[1], rel=0.06) and most == pytest.approx(runs[1], rel=0.06)
+    assert most == pytest.approx(linear[1], rel=0.05) and (spar == 2 or most == pytest.approx(runs[1], rel=0.05))
 
 
 @pytest.mark.long
