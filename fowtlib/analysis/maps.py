@@ -21,7 +21,7 @@ if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
 _LIMIT = re.compile(r"\s*(.+?)\s*(<=|>=|<|>)\s*(.+?)\s*$")
-_OF_MODES = ("period of ", "damping ratio of ")
+OF_MODES = ("period of ", "damping ratio of ")
 
 
 @dataclass(frozen=True)
@@ -184,7 +184,7 @@ def parameter_map(
                 table[name][place], units[name] = _number(name, value), unit
             missing = [name for name in names if np.isnan(table[name][place])]
             if missing:
-                failures[place] = f"the equilibrium has no '{missing[0]}'{_of_modes(plant, state, missing[0])}"
+                failures[place] = f"the equilibrium has no '{missing[0]}'{modes_like(plant, state, missing[0])}"
         if progress is not None:
             progress(number + 1, total)
     if len(failures) == total:
@@ -236,21 +236,21 @@ def quantities_at(plant: Any, state: Any, names: Sequence[str]) -> Iterator[tupl
     """Name, value (a number or an array) and unit of quantities at a state; nan where it has no such mode."""
     modes: dict[str, Any] = {}
     told: dict[str, Any] = {}
-    if any(name.startswith(_OF_MODES) for name in names):
+    if any(name.startswith(OF_MODES) for name in names):
         entries = list(modes_of(plant, state))
         modes = {entry.quantity.partition(", with ")[0]: entry for entry in entries}  # of two motions at one period
         modes |= {entry.quantity: entry for entry in entries}
-        modes |= {f"{_OF_MODES[k % 2]}mode {k // 2 + 1}": entry for k, entry in enumerate(entries)}
+        modes |= {f"{OF_MODES[k % 2]}mode {k // 2 + 1}": entry for k, entry in enumerate(entries)}
     binding = plant.binding(state.parameters)
-    rest = [name for name in names if not name.startswith(_OF_MODES) and name not in binding.values]
+    rest = [name for name in names if not name.startswith(OF_MODES) and name not in binding.values]
     if not all(name in plant.outputs for name in rest):
         with binding.tree() as root:
             told = {entry.quantity: entry for entry in what_parts_say(root, state)}
     variables = [name for name in rest if name in plant.outputs or name not in told]
     found = dict(zip(variables, _variables(plant, state, variables, told), strict=True))
     for name in names:
-        if name.startswith(_OF_MODES):
-            unit = "s" if name.startswith(_OF_MODES[0]) else "1"
+        if name.startswith(OF_MODES):
+            unit = "s" if name.startswith(OF_MODES[0]) else "1"
             yield name, modes[name].value if name in modes else np.nan, unit
         elif name in found:
             yield name, found[name], shown_unit(plant, name) if name in plant.outputs else plant.describe(name)[0]
@@ -260,7 +260,8 @@ def quantities_at(plant: Any, state: Any, names: Sequence[str]) -> Iterator[tupl
             yield name, binding.values[name], plant.dae.parameters[name].unit
 
 
-def _of_modes(plant: Any, state: Any, name: str) -> str:
+def modes_like(plant: Any, state: Any, name: str) -> str:
+    """The end of a message about a mode that there is not, such as "period of heve": those that there are."""
     return did_you_mean(name, [entry.quantity for entry in modes_of(plant, state)], list_up_to=20)
 
 
@@ -270,7 +271,8 @@ def _variables(plant: Any, state: Any, names: Sequence[str], told: Mapping[str, 
         return state.values(names)
     except ModelError:
         wrong = next((name for name in names if not _is_known(plant, name)), names[0])
-        known = [*plant.outputs, *told]
+        of_modes = [head + wrong.rpartition(" of ")[2] for head in OF_MODES if " of " in wrong]
+        known = [*plant.outputs, *told, *plant.dae.parameters, *of_modes]
         raise ModelError(f"the model has no quantity '{wrong}'{did_you_mean(wrong, known)}") from None
 
 

@@ -33,6 +33,10 @@ examples:
 """
 
 
+class OptionError(ModelError):
+    """A mistake in an option, which no line of the file is at fault for."""
+
+
 def declare(commands: Any) -> None:
     """Add the command of this module."""
     text = "the design that keeps all constraints at the least cost"
@@ -70,6 +74,8 @@ def optimise(arguments: argparse.Namespace) -> int:
 
     check_target(arguments.plot, FIGURES, arguments.force)
     check_target(arguments.output, (".csv",) if arguments.front else (".json",), arguments.force)
+    if arguments.evaluate and arguments.front:
+        raise ModelError("--evaluate shows the start alone, and --front searches; give one of them.")
     alone = arguments.evaluate or arguments.front
     if alone and (arguments.resume or arguments.journal):
         raise ModelError("--journal and --resume are of a search, not of --evaluate and --front.")
@@ -84,6 +90,8 @@ def optimise(arguments: argparse.Namespace) -> int:
             found = file.design.evaluate()
         else:
             found = file.design.optimise(**options, journal=journal, resume=arguments.resume, say=_say)
+    except OptionError:
+        raise
     except ModelError as error:
         raise file.located(error) from None
     except KeyboardInterrupt:
@@ -120,7 +128,12 @@ def _front(arguments: argparse.Namespace, file: DesignFile, options: dict[str, A
     from fowtlib.design import pareto
 
     result, points = arguments.front
-    found: Front = pareto(file.design, result, points, say=_say, **options)
+    try:
+        found: Front = pareto(file.design, result, points, say=_say, **options)
+    except ModelError as error:
+        if f"'{result.partition(' @ ')[0]}'" in error.message or f"'{result}'" in error.message:
+            raise OptionError(error.message, where="--front") from None
+        raise
     heads, rows = found.rows()
     if arguments.plot:
         found.plot(arguments.plot)

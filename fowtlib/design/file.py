@@ -69,7 +69,8 @@ def find_design(source: str | os.PathLike[str]) -> Path:
     if str(source) in shipped:
         return shipped[str(source)]
     if path.suffix in (".yaml", ".yml") or len(path.parts) > 1:
-        raise ModelFileError(f"there is no file '{source}'.")
+        here = [item.name for item in sorted(path.parent.glob("*.y*ml"))] if path.parent.is_dir() else []
+        raise ModelFileError(f"there is no file '{source}'{did_you_mean(path.name, here)}")
     raise ModelFileError(f"there is no design '{source}', nor a file of that name{did_you_mean(str(source), shipped)}")
 
 
@@ -252,7 +253,11 @@ class _File:
                 given["curve"] = sn_curve(text(items, "curve"), text(items, "environment") or "air")
             except ModelError as error:
                 raise items["curve"].place.error(str(error)) from None
-        return Statistics(**given)
+        try:
+            return Statistics(**given)
+        except ModelError as error:
+            at = items.get(str(error).partition(":")[0], self.items["statistics"])
+            raise at.place.error(str(error)) from None
 
     def _optimiser(self) -> dict[str, Any]:
         if "optimiser" not in self.items:

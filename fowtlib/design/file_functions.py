@@ -47,7 +47,10 @@ def _formula(name: str, node: Node, of: Mapping[str, Node], unit: str) -> Functi
     """
     if not isinstance(node.value, str):
         raise node.place.error(f"the formula of '{name}' is text, not {node.kind}.")
-    results = {own: str(item.plain()) for own, item in of.items()}
+    for own, item in of.items():
+        if not isinstance(item.value, str):
+            raise item.place.error(f"'{own}' stands for a result, by its name, not for {item.kind}.")
+    results = {own: str(item.value) for own, item in of.items()}
     try:
         parsed = formulas.parse(node.value, results)
     except ModelError as error:

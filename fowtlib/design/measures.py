@@ -10,7 +10,7 @@ import numpy as np
 
 from fowtlib.analysis.fatigue.curves import SNCurve
 from fowtlib.analysis.fatigue.spectral import dirlik
-from fowtlib.analysis.maps import quantities_at, sound_equilibrium
+from fowtlib.analysis.maps import OF_MODES, modes_like, quantities_at, sound_equilibrium
 from fowtlib.design.terms import DesignCase
 from fowtlib.language.errors import ModelError
 from fowtlib.solving import State, mean_state
@@ -39,6 +39,13 @@ class Statistics:
     curve: SNCurve | None = None
     lifetime: float = 20 * YEARS
     tolerance: float = 1e-7
+
+    def __post_init__(self) -> None:
+        for name in ("duration", "exponent", "lifetime", "tolerance"):
+            if not 0 < getattr(self, name) < np.inf:
+                raise ModelError(f"{name}: a number above 0 is expected, not {getattr(self, name):g}.")
+        if not 0 < self.quantile < 1:
+            raise ModelError(f"quantile: a number between 0 and 1 is expected, not {self.quantile:g}.")
 
 
 @dataclass(frozen=True, eq=False)
@@ -80,7 +87,8 @@ class Meter:
         for name, value, unit in quantities_at(self.plant, state, self.still):
             values[name], units[name] = np.ravel(np.asarray(value, dtype=float)), unit
             if not np.all(np.isfinite(values[name])):
-                raise ModelError(f"there is no '{name}' at this point.")
+                like = modes_like(self.plant, state, name) if name.startswith(OF_MODES) else "."
+                raise ModelError(f"there is no '{name}' at this point{like}")
         if self.answers:
             found = self._response(given, state, near.frequencies if near is not None and fixed else None)
             frequencies = found.frequency

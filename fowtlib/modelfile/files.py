@@ -55,7 +55,8 @@ def find_model(source: str | os.PathLike[str]) -> Path:
         return path
     shipped = shipped_models()
     if path.suffix in (SUFFIX, ".yml") or len(path.parts) > 1:
-        raise ModelFileError(f"there is no file '{source}'.")
+        here = [item.name for item in sorted(path.parent.glob("*.y*ml"))] if path.parent.is_dir() else []
+        raise ModelFileError(f"there is no file '{source}'{did_you_mean(path.name, here)}")
     if str(source) not in shipped:
         here = [item.name for item in sorted(Path().glob(f"*{SUFFIX}"))]
         hint = did_you_mean(str(source), [f"{source}{SUFFIX}"] if f"{source}{SUFFIX}" in here else [*shipped, *here])

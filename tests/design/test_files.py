@@ -158,6 +158,11 @@ def test_a_shipped_design_is_found(written, capsys):
         ("{thrust: 0}, weight: 0", "{thrust: 0}, wind: steady:8", ":10: 'wind': the model has no part 'wind'"),
         ("model: two_rotor_spar_design", "model: two_rotor_spr_design", ":2: there is no model 'two_rotor_spr_design'"),
         ("free: [ballast]", "free: [balast]", "balast"),
+        ("period of heave", "period of heve", ":13: case rest: there is no 'period of heve' at this point; did you me"),
+        ("period of heave", "periods of heave", "no quantity 'periods of heave'; did you mean 'period of heave'?"),
+        ("period of heave", "balast", "the model has no quantity 'balast'; did you mean 'ballast'?"),
+        ("free: [ballast]", "statistics: {duration: -3}", ":3: duration: a number above 0 is expected, not -3"),
+        ("free: [ballast]", "statistics: {quantile: 2}", ":3: quantile: a number between 0 and 1 is expected"),
     ],
 )  # fmt: skip
 def test_mistakes_have_their_line(written, capsys, old, new, message):
@@ -177,6 +182,7 @@ def test_mistakes_have_their_line(written, capsys, old, new, message):
         ("of: {w: t}", "of: {w: t, v: d}", ":9: nothing in the formula of 'euler' uses 'v'"),
         ("buckling: stress - euler", "buckling: stress - euler\n  more: d + t", ":11: nothing uses the function 'mor"),
         ("buckling: stress - euler", "buckling: stress - euler + buckling", ":10: the function 'buckling' depends on"),
+        ("of: {w: t}", "of: {w: [t]}", ":9: 'w' stands for a result, by its name, not for a list"),
         ("method: slsqp", "method: slsqb", ":15: there is no optimiser 'slsqb'; did you mean 'slsqp'"),
         ("tolerance: 1e-8", "starts: 0.5", ":15: 'starts' is a whole number"),
         ("title: The tubular column", "free: [d]", ":2: 'free' is of a model, and the file names none"),
@@ -199,6 +205,15 @@ def test_arguments_that_do_not_fit_are_refused(written, capsys):
     assert "there is no design 'colum', nor a file of that name" in capsys.readouterr().err
     assert main(["optimise", "nowhere.yaml"]) == 2
     assert "there is no file 'nowhere.yaml'" in capsys.readouterr().err
+    assert main(["optimise", "colum.yaml"]) == 2
+    assert "there is no file 'colum.yaml'; did you mean 'column.yaml'?" in capsys.readouterr().err
+    assert main(["optimise", name, "--front", "stress=3", "--evaluate"]) == 2
+    assert "--evaluate shows the start alone, and --front searches" in capsys.readouterr().err
+    hull = written(HULL, "hull.yaml")
+    assert main(["optimise", hull, "--front", "pich @ thrust=3"]) == 2
+    assert "fowt optimise: --front: the model has no quantity 'pich'; did you mean" in capsys.readouterr().err
+    assert main(["optimise", hull, "--front", "pitch @ storm=3"]) == 2
+    assert "fowt optimise: --front: 'pitch @ storm': there is no case 'storm'" in capsys.readouterr().err
     with pytest.raises(SystemExit):
         main(["optimise", name, "--front", "stress"])
     assert "'stress' is not RESULT=POINTS, such as mass=6" in capsys.readouterr().err
