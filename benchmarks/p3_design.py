@@ -16,7 +16,7 @@ import casadi as ca
 import numpy as np
 
 import fowtlib as fw
-from fowtlib.design import rules
+from fowtlib.design import Statistics, rules
 from fowtlib.metocean import likely_states, site
 
 CONTROL = "rna.turbine.control."
@@ -140,7 +140,7 @@ def design() -> fw.Design:
             fw.Constraint("hull use", upper=1.0), fw.Constraint("tower use", upper=1.0),
         ],
         cases=cases(), functions=[*made, *roots], free=["ballast"], targets={"heave": 0.0},
-        statistics=fw.Statistics(quantile=float(np.exp(-1)), exponent=5.0), slopes="adjoint",
+        statistics=Statistics(quantile=float(np.exp(-1)), exponent=5.0), slopes="adjoint",
         title="Optimised DTU 10-MW spar",
     )  # fmt: skip
 
