@@ -272,6 +272,72 @@ def response() -> Measured:
     return rows
 
 
+P3_VARIABLES = (
+    "hull_diameters", "hull_walls", "tower_diameters", "tower_walls", "chain_diameter", "line_length", "line_distance",
+    "ballast", "chain_weight", "stiffener_fraction",
+)  # fmt: skip
+P3_RESULTS = ("std pitch", "max pitch", "std rotor_speed", "std tower_base_moment", "max upwind_tension",
+              "range hull_moment_0")  # fmt: skip
+
+
+@measurement
+def elastic_spar_states() -> Measured:
+    """Elastic spars of the DTU 10-MW turbine in operation: one state with all results, and 546, on one core."""
+    os.environ["OPENBLAS_NUM_THREADS"] = "1"  # before NumPy is imported
+    import numpy as np
+
+    import fowtlib as fw
+
+    rows: Measured = []
+    plant = fw.load("dtu10mw_spar_3_operating").compile()
+    groups: dict[str, list[tuple[float, float]]] = {}
+    states = [("first", 13.0, 3.0), *(("wind", wind, 3.0) for wind in (15.0, 17.0, 19.0, 14.0)),
+              *(("sea", 14.0, 3.0 + k / 4) for k in range(1, 9))]  # fmt: skip
+    for what, wind, height in states:
+        watch = Stopwatch()
+        fw.response(plant, parameters={"wind.mean_speed": wind, "sea.significant_wave_height": height})
+        groups.setdefault(what, []).append(watch.read())
+    for what, text, goal in (
+        ("first", "response of dtu10mw_spar_3_operating, all results, the first state", ""),
+        ("wind", "another state in another wind, the median", ""),
+        ("sea", "another sea in the same wind, the median", "0.05 s"),
+    ):
+        wall, cpu = sorted(groups[what])[len(groups[what]) // 2]
+        rows.append((text, f"{wall:.3f} s ({cpu:.3f} s)", goal))
+    plant = fw.load("dtu10mw_spar_1_operating").compile()
+    heights, periods = np.linspace(1.0, 9.0, 7), np.linspace(6.0, 14.0, 6)
+    grid = [{"wind.mean_speed": 4.0 + 1.6 * w, "sea.significant_wave_height": h, "sea.peak_period": period}
+            for w in range(13) for h in heights for period in periods]  # fmt: skip
+    watch = Stopwatch()
+    found = fw.responses(plant, grid)
+    rows.append((f"responses of dtu10mw_spar_1_operating in {len(found)} states", watch.text(1), "under 60 s"))
+    return rows
+
+
+@measurement
+def elastic_spar_gradient() -> Measured:
+    """Values of some results of the elastic spar, and their gradients by the numbers of its hull, tower and lines."""
+    os.environ["OPENBLAS_NUM_THREADS"] = "1"
+    import fowtlib as fw
+    from fowtlib.frequency import PreparedGradient
+
+    prepared = PreparedGradient(fw.load("dtu10mw_spar_3_operating").compile(), P3_RESULTS, P3_VARIABLES)
+    prepared.evaluate()
+    times = []
+    for function in (prepared.values, prepared.evaluate):
+        readings = []
+        for k in range(1, 4):
+            watch = Stopwatch()
+            function(prepared.start * (1 + 1e-4 * k))
+            readings.append(watch.read()[1])
+        times.append(sorted(readings)[1])
+    size = f"{len(P3_RESULTS)} results of dtu10mw_spar_3_operating by {len(prepared.parameters)} variables"
+    return [
+        (size, f"values ({times[0]:.2f} s), with gradients ({times[1]:.2f} s)", ""),
+        ("the ratio", f"{times[1] / times[0]:.1f}", "4 or less"),
+    ]
+
+
 @measurement
 def first_step() -> Measured:
     """From the command line to the first step of the complete turbine: with nothing compiled, and again."""

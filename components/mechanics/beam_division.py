@@ -31,6 +31,8 @@ import numpy as np
 from fowtlib.components.mechanics.beam_properties import BeamProperties
 from fowtlib.language.errors import ParameterError
 
+GAUSS = np.polynomial.legendre.leggauss(4)
+KEPT = 512  # divisions: as many as slopes by the numbers of some tubes take, which ask for each of them again
 QUADRATURES = ("plain", "loaded_tip", "free_tip", "stations")
 
 
@@ -73,7 +75,7 @@ def elastic_axis(beam: BeamProperties, s: Any) -> np.ndarray:
     return np.stack([beam.at("reference_x", s), beam.at("reference_y", s), s], axis=-1)
 
 
-@lru_cache(maxsize=64)
+@lru_cache(maxsize=KEPT)
 def divide(
     beam: BeamProperties, count: int, quadrature: str = "plain", marks: tuple[float, ...] | None = None
 ) -> Division:
@@ -120,7 +122,7 @@ def pieces(beam: BeamProperties, division: Division, cuts: Any = ()) -> list[Pie
     return list(_pieces(beam, division, tuple(float(cut) for cut in cuts)))
 
 
-@lru_cache(maxsize=64)
+@lru_cache(maxsize=KEPT)
 def _pieces(beam: BeamProperties, division: Division, cuts: tuple[float, ...]) -> tuple[Piece, ...]:
     given = np.array(cuts)
     s = np.clip(given, 0.0, beam.length)
@@ -142,9 +144,8 @@ def _quadrature(beam: BeamProperties, a: float, b: float, pieces: int = 4) -> tu
     """Points and weights from a to b that respect the kinks of the table: 4 Gauss points in each piece."""
     stations = beam.z - beam.z[0]
     marks = np.concatenate([[a], stations[(stations > a) & (stations < b)], [b]])
-    edges = np.concatenate([np.linspace(u, v, pieces, endpoint=False) for u, v in zip(marks, marks[1:], strict=False)])
-    edges = np.append(edges, b)
-    x, w = np.polynomial.legendre.leggauss(4)
+    edges = np.append((marks[:-1, None] + np.diff(marks)[:, None] / pieces * np.arange(pieces)).ravel(), b)
+    x, w = GAUSS
     middle, half = (edges[1:] + edges[:-1]) / 2, np.diff(edges) / 2
     return (middle[:, None] + half[:, None] * x).ravel(), (half[:, None] * w).ravel()
 

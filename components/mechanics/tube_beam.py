@@ -7,7 +7,7 @@ from functools import lru_cache
 import numpy as np
 
 from fowtlib.components.mechanics.beam import Beam, BeamHinge
-from fowtlib.components.mechanics.beam_division import Division, divide, pieces
+from fowtlib.components.mechanics.beam_division import KEPT, Division, divide, pieces
 from fowtlib.components.mechanics.beam_properties import BeamProperties
 from fowtlib.components.mechanics.beam_settings import BeamSettings, WallMaterial
 from fowtlib.components.mechanics.bodies import FixedTranslation, RigidBody
@@ -213,7 +213,7 @@ def _point(given) -> tuple[float, float, float]:
     return (0.0, 0.0, float(given)) if np.ndim(given) == 0 else tuple(float(value) for value in given)
 
 
-@lru_cache(maxsize=64)
+@lru_cache(maxsize=KEPT)
 def _table(heights, diameters, walls, density, young_modulus, shear_modulus) -> BeamProperties:
     """The same object for the same tube, so that its division is found again."""
     return BeamProperties.tube(

@@ -6,7 +6,7 @@ model about it, the answers at all frequencies, the fixed point of the drag, and
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING, Any
 
@@ -26,11 +26,12 @@ from fowtlib.frequency.quantities import (
 )
 from fowtlib.frequency.responses import Process, _processes, _refuse_without_spectrum
 from fowtlib.frequency.settling import settled_gains
+from fowtlib.frequency.studies import study_of
+from fowtlib.language.component import Component
 from fowtlib.language.errors import ModelError, ParameterError, did_you_mean
-from fowtlib.language.expressions import parameters_read
+from fowtlib.language.expressions import one_evaluation, parameters_read
 from fowtlib.language.run_time import RestingPlaces
 from fowtlib.solving import State, mean_state
-from fowtlib.solving.binding import tree_with
 from fowtlib.solving.differences import derivative
 from fowtlib.solving.excited import ExcitedModel, excited_model
 from fowtlib.solving.linear import NOTHING
@@ -237,14 +238,15 @@ class _Evaluation:
         kinds = prepared.quantities
         self.of_spectra = any(not isinstance(item, Mean | ModeFrequency) for item in kinds)
         further, self.excited = NOTHING, None
+        self.response = None
         if self.of_spectra:
-            root = tree_with(self.plant.dae, self.plant.root, run.parameters)
             self.excited = excited_model(self.plant, state, prepared.names)
-            self.fields = [number for number, (_, places) in enumerate(self.excited.fields) if blows(places, root)]
-            self._refuse_fields()
+            with study_of(self.plant).tree(run.parameters) as root, one_evaluation():
+                self.fields = [number for number, (_, places) in enumerate(self.excited.fields) if blows(places, root)]
+                self._refuse_fields()
+                self.response = self._response(root)
             further = self.excited.further
         self.model = LinearGradient(self.plant, state, prepared.names, further)
-        self.response = self._response() if self.excited is not None else None
 
     def _refuse_fields(self) -> None:
         """ParameterError for what turns a field, of which no slope is taken."""
@@ -257,9 +259,10 @@ class _Evaluation:
                 if turned := next((element.name for element in self.run.elements if element.path in paths), None):
                     raise ParameterError(f"there is no derivative by {turned}, which turns a wind that is a field.")
 
-    def _response(self) -> RandomResponse:
+    def _response(self, root: Component) -> RandomResponse:
         prepared, excited = self.prepared, self.excited
-        processes = self._processes(excited, self.run.parameters)
+        processes = _processes(excited, root)
+        _refuse_without_spectrum(self.plant.dae, root, processes)
         if not processes:
             raise ModelError("no part of this model takes anything from random waves or wind; there is no response.")
         for item in prepared.quantities:
@@ -274,12 +277,6 @@ class _Evaluation:
         refuse_unstable(found.linear)
         prepared._gains, prepared._newton = found.gains, found.newton
         return found
-
-    def _processes(self, excited: ExcitedModel, parameters: Values) -> Mapping[str, Process]:
-        root = tree_with(self.plant.dae, self.plant.root, parameters)
-        processes = _processes(excited, root)
-        _refuse_without_spectrum(self.plant.dae, root, processes)
-        return processes
 
     def found(self, slopes: bool) -> tuple[np.ndarray, np.ndarray]:
         prepared = self.prepared
@@ -418,23 +415,66 @@ class _Evaluation:
         found = np.zeros((len(driven), len(self.run.elements)))
         if self.response is None:
             return found
-        frequency = self.response.forcing.frequency
-        root = self.run.tree
-        with parameters_read() as read:
-            forcing(_processes(self.excited, root), frequency)
-        paths = {f"{owner}.{name}" if owner else name for owner, name in read}
         kept = [(k, item) for k, item in enumerate(driven) if item is not None]
+        shares = self._shares([item for _, item in kept])
         for column, item in enumerate(self.run.elements):
-            if item.path not in paths:
+            mine = [share for share in shares if item.path in share.paths]
+            if not mine:
                 continue
 
-            def weighted(value: float, item: Any = item) -> np.ndarray:
-                with self.run.tree_at(item, value) as root:
-                    return self._weighted(kept, forcing(_processes(self.excited, root), frequency))
+            def weighted(value: float, item: Any = item, mine: Sequence[Share] = mine) -> np.ndarray:
+                with self.run.tree_at(item, value) as root, one_evaluation():
+                    return sum(share.weighted(root) for share in mine)
 
-            here = self._weighted(kept, self.response.forcing)
+            here = sum(share.here for share in mine)
             found[[k for k, _ in kept], column] = self.run.slope(item, weighted, here)
         return found
+
+    def _shares(self, slopes: Sequence[Slopes]) -> list[Share]:
+        """What goes into the response from each signal by itself, and from the spectra of each process."""
+        known, omega = self.response.forcing, self.response.omega
+        tasks: list[tuple[Callable[[Component], np.ndarray], list[np.ndarray]]] = []
+        for signal in self.excited.signals:
+            path = signal.process(self.run.tree).path
+            if path not in known.columns:
+                continue
+            first = known.columns[path].start
+            channels = slice(first, first + signal.response(self.run.tree, omega[:1]).shape[2])
+            bars = [of.drive[:, signal.columns, channels] for of in slopes]
+            tasks.append((lambda root, signal=signal: signal.response(root, omega), bars))
+        for path, columns in known.columns.items():
+
+            def density(root: Component, path: str = path) -> np.ndarray:
+                return 2 * np.pi * np.asarray(_processes(self.excited, root)[path].density(omega))
+
+            tasks.append((density, [of.density[:, columns, columns] for of in slopes]))
+        return [Share.of(compute, bars, self.run.tree) for compute, bars in tasks]
+
+
+@dataclass(frozen=True, eq=False)
+class Share:
+    """Numbers that are computed from a component tree, and slopes of results by them.
+
+    paths: of the parameters that they are computed from; here: the slopes times the numbers, as they are.
+    """
+
+    compute: Callable[[Component], np.ndarray]
+    bars: np.ndarray
+    paths: frozenset[str]
+    here: np.ndarray
+
+    @staticmethod
+    def of(compute: Callable[[Component], np.ndarray], bars: Sequence[np.ndarray], root: Component) -> Share:
+        """At a tree as it is."""
+        with parameters_read() as read:
+            values = compute(root)
+        paths = frozenset(f"{owner}.{name}" if owner else name for owner, name in read)
+        rows = np.array([bar.conj().ravel() for bar in bars])
+        return Share(compute, rows, paths, (rows @ np.ravel(values)).real)
+
+    def weighted(self, root: Component) -> np.ndarray:
+        """The slopes times the numbers of another tree: scalars that change with them as the results do."""
+        return (self.bars @ np.ravel(self.compute(root))).real
 
 
 def _with_position(excited: ExcitedModel, number: int, k: int, row: int, value: float) -> ExcitedModel:

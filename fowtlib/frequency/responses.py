@@ -101,9 +101,12 @@ def _checked(frequencies: Sequence[float] | np.ndarray) -> np.ndarray:
 def _processes(excited: ExcitedModel, root: Component) -> dict[str, Process]:
     """The random processes that drive the signals, and the fields."""
     members: dict[str, tuple[Any, list[Signal]]] = {}
+    there: dict[str, bool] = {}
     for signal in excited.signals:
         process = signal.process(root)
-        if np.any(process.spectral_density(np.geomspace(1e-2, 10.0, 50))):
+        if process.path not in there:
+            there[process.path] = bool(np.any(process.spectral_density(np.geomspace(1e-2, 10.0, 50))))
+        if there[process.path]:
             members.setdefault(process.path, (process, []))[1].append(signal)
     found = {path: Process(process.spectral_density, partial(_of_signals, excited.driven, signals, root))
              for path, (process, signals) in members.items()}  # fmt: skip

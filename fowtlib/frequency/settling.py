@@ -12,7 +12,7 @@ from collections.abc import Sequence
 import numpy as np
 
 from fowtlib.analysis.plants import refuse_unstable
-from fowtlib.frequency.drag import best_gain
+from fowtlib.frequency.drag import gains_of
 from fowtlib.frequency.driven import Grid, Processes
 from fowtlib.frequency.grid import HIGHEST, response_frequencies
 from fowtlib.frequency.mixing import Mixing
@@ -36,8 +36,8 @@ def settled_gains(excited: ExcitedModel, processes: Processes, frequency: np.nda
     start: gains that are near, as those of another sea. A coarse grid serves until the gains change little, then the
     final one of the modes that the model has with them. SimulationError where they do not settle.
     """
-    guess = [best_gain(GUESS**2 * np.eye(place.stop - place.start), excited.means[place])
-             for _, place in excited.laws]  # fmt: skip
+    means = [excited.means[place] for _, place in excited.laws]
+    guess = gains_of([GUESS**2 * np.eye(len(mean)) for mean in means], means)
     gains = guess if start is None else list(start)
     if start is None:
         refuse_unstable(excited.with_gains(gains))

@@ -154,7 +154,8 @@ class RunTrees:
     def __call__(self, parameters: Values | None = None) -> Component:
         """The tree of a run with these parameters."""
         given = spread_out(by_path(parameters or {}), self.root)
-        numbers = {path: value for path, value in given.items() if _is_number(value)}
+        numbers = {path: value for path, value in given.items()
+                   if _is_number(value) or (path in self.dae.parameters and isinstance(value, np.ndarray))}  # fmt: skip
         others = {path: value for path, value in given.items() if path not in numbers}
         key = tuple(sorted(numbers)), tuple((path, content_of(others[path])) for path in sorted(others))
         tree = self._kept.pop(key, None)  # where a value is refused, it is not kept

@@ -135,10 +135,14 @@ class TunedRun:
         """Component tree of the run itself, not of its mean; a copy."""
         return copy.deepcopy(tree_with(self.plant.dae, self.plant.root, self.parameters))
 
+    @cached_property
+    def _of_run(self) -> Common:
+        return Common(self.plant.dae, self.tree, frozenset())
+
     @contextmanager
     def tree_at(self, item: Tuned, value: float) -> Iterator[Component]:
         """The same with another value of an element, for as long as the context lasts."""
-        common = Common(self.plant.dae, self.tree, frozenset())
+        common = self._of_run
         if not common.is_plain(item.path):
             yield tree_with(self.plant.dae, self.plant.root, self.changed(item, value))
             return
