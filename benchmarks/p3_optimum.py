@@ -2,8 +2,8 @@
 
 Prints the tables of docs/p3_design.md: cost by parts, largest values in the three 50-year states, fatigue over the 30
 states of a site, buckling, periods. Beside them what is printed in Marine Structures 72, 102771, tables 3 to 9. With a
-file of `fowt optimise --save` (or a mapping of parameters), the same of that design. `--gains` also finds the gains with
-the least weighted deviation of the rotor speed for the sizes as they are.
+file of parameters by path, or one that `Optimum.save` wrote, the same of that design. `--gains` also finds the gains
+of the least weighted deviation of the rotor speed for the sizes as they are.
 """
 
 from __future__ import annotations
@@ -48,21 +48,29 @@ class Spar:
         self.given = dict(parameters)
         values = {**self.operating.parameter_values(), **parameters}
         names = ("hull_heights", "hull_diameters", "hull_walls", "tower_heights", "tower_diameters", "tower_walls")
-        self.z, self.D, self.t, self.tower_z, self.tower_D, self.tower_t = (np.array(values[name], dtype=float) for name in names)  # noqa: E501
+        self.z, self.D, self.t, self.tower_z, self.tower_D, self.tower_t = (
+            np.array(values[name], dtype=float) for name in names
+        )
         self.values = values
         self._balance()
 
     def _balance(self) -> None:
         """Ballast for a heave of zero at rest, which all states take."""
         calm = {"sea.spectrum": "still", "wind.kind": "steady", "wind.mean_speed": 0.0, "thrust": 0.0}
-        self.rest = self.parked.equilibrium(parameters=self._of(self.parked) | calm, free=["ballast"], targets={"heave": 0.0})
+        self.rest = self.parked.equilibrium(
+            parameters=self._of(self.parked) | calm, free=["ballast"], targets={"heave": 0.0}
+        )
         self.given["ballast"] = float(self.rest.parameters["ballast"])
         names = [f"period of {mode}" for mode in ("surge", "heave", "pitch")]
-        self.periods = {name: float(np.ravel(value)[0]) for name, value, _ in quantities_at(self.parked, self.rest, names)}
+        self.periods = {
+            name: float(np.ravel(value)[0]) for name, value, _ in quantities_at(self.parked, self.rest, names)
+        }
 
     def _of(self, plant: Any) -> dict[str, Any]:
         """The given parameters that a plant has; the hull in a storm has one more station, at the water line."""
-        own = {path: value for path, value in self.given.items() if plant is self.operating or not path.startswith("rna.")}
+        own = {
+            path: value for path, value in self.given.items() if plant is self.operating or not path.startswith("rna.")
+        }
         if plant is self.parked:
             at = self.parked.parameter_values()["hull_heights"]
             for name, known in (("hull_diameters", self.D), ("hull_walls", self.t)):
@@ -90,10 +98,12 @@ class Spar:
         return {"weight": float(self.values["chain_weight"]) * d**2, "EA": 9e10 * d**2, "strength": BREAKING(d), "d": d}
 
 
-def ring_of(spar: Spar, k: int, axial: np.ndarray, moment: np.ndarray) -> tuple[np.ndarray, dict[str, float], list[float]]:
-    """The cheapest ring frames of section k that keep the rules; sizes, utilisations, cost [EUR] and mass [kg] of all rings.
+def ring_of(
+    spar: Spar, k: int, axial: np.ndarray, moment: np.ndarray
+) -> tuple[np.ndarray, dict[str, float], list[float]]:
+    """The cheapest ring frames of section k that keep the rules; sizes, utilisations; cost [EUR] and mass [kg] of all.
 
-    axial [N] and moment [N m] at the two ends; the more loaded end, the mean radius and wall, the pressure of the lower end.
+    axial [N] and moment [N m] at the two ends, the larger counts; mean radius and wall, pressure of the lower end.
     """
     import casadi as ca
 
@@ -109,7 +119,9 @@ def ring_of(spar: Spar, k: int, axial: np.ndarray, moment: np.ndarray) -> tuple[
     frame = rules.panel_ring(ring, r, t, stress + bending, pressure)
     uses = {"shell": shell.utilisation, "area": frame.area, "inertia": frame.inertia, "stress": frame.stress,
             "web": frame.web, "flange": frame.flange, "torsion": frame.torsion}  # fmt: skip
-    section = rules.TubeSections(ca.SX([length]), ca.SX([2 * r + t]), ca.SX([t]), ca.SX([np.pi * 2 * r * t * length]), ca.SX([2 * r + t]))
+    section = rules.TubeSections(
+        ca.SX([length]), ca.SX([2 * r + t]), ca.SX([t]), ca.SX([np.pi * 2 * r * t * length]), ca.SX([2 * r + t])
+    )
     work = rules.ring_fabrication_times(section, ring)
     mass = work.pop("mass of rings [kg]")
     cost = 2.7 * (mass + sum(work.values()))
@@ -149,18 +161,24 @@ def extremes(spar: Spar) -> dict[str, fw.Response]:
     found = {name: spar.response(*state, outputs) for name, state in EXTREMES.items()}
     line, rows = spar.line(), []
     for name, one in found.items():
-        largest = {result: one.extreme(result, HOUR, CHARACTERISTIC) for result in ("surge", "fairlead_offset", "pitch", "upwind_tension")}
+        largest = {
+            result: one.extreme(result, HOUR, CHARACTERISTIC)
+            for result in ("surge", "fairlead_offset", "pitch", "upwind_tension")
+        }
         mean = one.mean_of("upwind_tension")
         use = rules.mooring_strength(mean * 1e3, (largest["upwind_tension"] - mean) * 1e3, line["strength"])
         speed = one.std("rotor_speed") if "rotor_speed" in one.outputs else float("nan")
-        rows.append([name, one.mean_of("surge"), one.std("surge"), largest["surge"], largest["fairlead_offset"], one.mean_of("pitch"),
+        rows.append([name, one.mean_of("surge"), one.std("surge"), largest["surge"], largest["fairlead_offset"],
+                     one.mean_of("pitch"),
                      one.std("pitch"), largest["pitch"], largest["upwind_tension"] / 1e3, use.tension / 1e6,
                      float(use.utilisation), speed * np.pi / 30])  # fmt: skip
     show("50-year states: printed in EC1 32.0 m, 15.0 deg, T_d 5.91 MN",
-         ["state", "surge mean [m]", "std", "largest", "at the fairlead", "pitch mean [deg]", "std", "largest", "tension [MN]",
+         ["state", "surge mean [m]", "std", "largest", "at the fairlead", "pitch mean [deg]", "std", "largest",
+          "tension [MN]",
           "T_d [MN]", "T_d / 0.95 MBS", "std of rotor speed [rad/s]"], rows)  # fmt: skip
     limit = rules.uplift_limit(float(spar.values["line_length"]), line["weight"], line["EA"],
-                               320.0 - float(spar.values["fairlead_depth"]), float(spar.values["line_distance"]))  # fmt: skip
+                               320.0 - float(spar.values["fairlead_depth"]),
+                               float(spar.values["line_distance"]))  # fmt: skip
     print(f"\nAn anchor is pulled up from {limit.offset:.2f} m on. Breaking strength {line['strength'] / 1e6:.3f} MN.")
     return found
 
@@ -169,8 +187,12 @@ def moving_line(spar: Spar) -> None:
     """T_d in EC1 with the line moving in one degree of freedom."""
     line = spar.line()
     mass = line["weight"] / GRAVITY / (1 - WATER / 7850.0)
-    moving = {"mooring.dynamics": "coupled", "mooring.weight_per_length": None, "mooring.mass_per_length": mass,
-              "mooring.diameter": float(np.sqrt(4 * mass / (np.pi * 7850.0)))}  # the diameter of its volume
+    moving = {
+        "mooring.dynamics": "coupled",
+        "mooring.weight_per_length": None,
+        "mooring.mass_per_length": mass,
+        "mooring.diameter": float(np.sqrt(4 * mass / (np.pi * 7850.0))),
+    }  # the diameter of its volume
     plant = with_line_results(fw.load("dtu10mw_spar_3_design", set=moving)).compile()
     speed, height, period, intensity = EXTREMES["EC1"]
     one = fw.response(plant, parameters=spar._of(spar.operating) | {
@@ -188,7 +210,8 @@ def fatigue(spar: Spar) -> None:
     speeds = np.array([one.std("rotor_speed") * np.pi / 30 if "rotor_speed" in one.outputs else 0.0 for one in found])
     running = np.array(["rotor_speed" in one.outputs for one in found])
     show("Deviation of the rotor speed [rad/s]", ["wind [m/s]", "Hs [m]", "Tp [s]", "probability", "std"],
-         [[*map(float, row[:3]), float(p), float(s)] for row, p, s in zip(rows, shares, speeds, strict=True)])  # fmt: skip
+         [[*map(float, row[:3]), float(p), float(s)]
+          for row, p, s in zip(rows, shares, speeds, strict=True)])  # fmt: skip
     print(f"\nWeighted over all states {shares @ speeds:.4f} rad/s, over those in operation "
           f"{shares[running] @ speeds[running] / shares[running].sum():.4f} rad/s; printed 1.65 to 1.82 times 0.043 = "
           "0.071 to 0.078 rad/s (the larger one with these gains).")  # fmt: skip
@@ -218,7 +241,9 @@ def tower(spar: Spar, found: dict[str, fw.Response]) -> None:
         for one in found.values():
             moment = max(_largest(one, NODES[10 + k]), _largest(one, NODES[11 + k]))
             axial, bending, _ = rules.cylinder_stress(r, wall, -above[k] * GRAVITY, -moment)
-            row.append(float(rules.tower_buckling(LOAD_FACTOR * (axial + bending), r, wall, z[k + 1] - z[k]).utilisation))
+            row.append(
+                float(rules.tower_buckling(LOAD_FACTOR * (axial + bending), r, wall, z[k + 1] - z[k]).utilisation)
+            )
         rows.append(row)
     show("Buckling of the tower, all loads times 1.35", ["from [m]", "to [m]", *found], rows)
 
@@ -229,7 +254,7 @@ def _largest(one: fw.Response, name: str) -> float:
 
 
 def hull(spar: Spar, found: dict[str, fw.Response], ends_pressed: bool = True) -> float:
-    """Ring frames: sizes, utilisations, cost [EUR]. ends_pressed: the pressure of the water squeezes the hull lengthwise."""
+    """Ring frames: sizes, utilisations, cost [EUR]. ends_pressed: water presses along the hull, too."""
     z, D = spar.z, spar.D
     nodes = np.array([*z[1:-1], 0.0])
     rows, total, mass = [], 0.0, 0.0
@@ -247,10 +272,13 @@ def hull(spar: Spar, found: dict[str, fw.Response], ends_pressed: bool = True) -
         _, axial, moments = max(worst, key=lambda item: item[0])
         sizes, uses, price = ring_of(spar, k, axial, moments)
         total, mass = total + price[0], mass + price[1]
-        rows.append([float(z[k]), float(z[k + 1]), axial.min() / 1e6, moments.max() / 1e6, *(1e3 * sizes[:4]), float(sizes[4]),
+        rows.append([float(z[k]), float(z[k + 1]), axial.min() / 1e6, moments.max() / 1e6, *(1e3 * sizes[:4]),
+                     float(sizes[4]),
                      *uses.values(), price[0] / 1e3])  # fmt: skip
     if not ends_pressed:
-        print(f"\nWithout the pressure along the hull its ring frames cost {total / 1e6:.3f} MEUR and have {mass / 1e3:.0f} t.")
+        print(
+            f"\nWithout the pressure along the hull ring frames cost {total / 1e6:.3f} MEUR, {mass / 1e3:.0f} t."
+        )
         return total
     print(f"\nRing frames: {mass / 1e3:.0f} t; 4 % of the wall are in the model.")
     show("Hull: the cheapest ring frames that keep the rules",
@@ -274,7 +302,12 @@ def gains(spar: Spar) -> None:
             return 1.0
         return float(total * np.pi / 30)
 
-    found = minimize(deviation, [0.0, 0.0], method="Nelder-Mead", options={"maxfev": 40, "initial_simplex": [[0, 0], [0.4, 0], [0, 0.4]]})
+    found = minimize(
+        deviation,
+        [0.0, 0.0],
+        method="Nelder-Mead",
+        options={"maxfev": 40, "initial_simplex": [[0, 0], [0.4, 0], [0, 0.4]]},
+    )
     best = start * np.exp(found.x) * 50
     print(f"\nGains of the least weighted deviation: {best[0]:.4f} s, {best[1]:.5f} (of the rotor speed), "
           f"{deviation(np.zeros(2)):.4f} -> {found.fun:.4f} rad/s.")  # fmt: skip
@@ -283,7 +316,10 @@ def gains(spar: Spar) -> None:
 def parameters_of(path: Path) -> dict[str, Any]:
     """The parameters in a saved design, or a plain mapping."""
     saved = json.loads(path.read_text())
-    return {name: np.array(value) if isinstance(value, list) else value for name, value in saved.get("parameters", saved).items()}
+    return {
+        name: np.array(value) if isinstance(value, list) else value
+        for name, value in saved.get("parameters", saved).items()
+    }
 
 
 def main() -> None:
