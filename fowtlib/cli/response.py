@@ -51,7 +51,7 @@ def declare(commands: Any) -> None:
     many = parser.add_argument_group("many states")
     source = many.add_mutually_exclusive_group()
     source.add_argument("--states", type=Path, metavar="FILE", help="states with their probabilities: .csv")
-    source.add_argument("--site", metavar="SITE", help="a site, see `fowt contour`; or the file of one")
+    source.add_argument("--site", metavar="SITE", help="a site, see `fowt contours`; or the file of one")
     many.add_argument("--speeds", type=positives, metavar="V", help="first:last:step or a list [m/s]; default: 4:24:2")
     many.add_argument("--height", type=positive, metavar="M", help="of the wind at the site [m]; default: the site's")
     many.add_argument("--bins", action="store_true", help="all bins of wave height and period at the site")

@@ -122,7 +122,8 @@ def test_a_clean_weld_by_bayes():
     ("what", "message"),
     [
         (lambda: FatigueReliability(0.0), "a design fatigue factor, a life and an exponent are above 0."),
-        (lambda: FatigueReliability(1.0, welds=0), "a series has one weld or more, not 0."),
+        (lambda: FatigueReliability(1.0, welds=0), "a series has one weld or more, a whole number, not 0."),
+        (lambda: FatigueReliability(1.0, welds=1.5), "a series has one weld or more, a whole number, not 1.5."),
         (lambda: DFF_3.failure_probability(0.0), "after a time above 0 years, not 0."),
         (lambda: InspectedReliability(DFF_3, [-1.0]), "inspections are after more than 0 years."),
         (lambda: InspectedReliability(replace(DFF_3, exponent=2.0), []), "with an exponent above 2, not 2."),

@@ -66,8 +66,8 @@ class FatigueReliability:
     def __post_init__(self) -> None:
         if not (self.factor > 0 and self.life > 0 and self.exponent > 0):
             raise ModelError("a design fatigue factor, a life and an exponent are above 0.")
-        if self.welds < 1:
-            raise ModelError(f"a series has one weld or more, not {self.welds}.")
+        if self.welds < 1 or self.welds % 1 != 0:
+            raise ModelError(f"a series has one weld or more, a whole number, not {self.welds}.")
         if min(self.scatter, self.miner, self.load) < 0 or self.scatter == self.miner == 0:
             raise ModelError("scatter, miner and load are 0 or above, and the strength of a weld scatters.")
 
