@@ -11,6 +11,7 @@ from fowtlib.frequency import best_gain, response
 from fowtlib.frequency.drag import best_gains
 from fowtlib.language.errors import ModelError, SimulationError
 from fowtlib.language.quadratic_laws import slope_at
+from fowtlib.solving.excited import ExcitedModel
 from tests.frequency.conftest import LINEAR, MASS, STIFFNESS, oscillator
 
 FINE = np.unique(np.concatenate([np.geomspace(1e-4, 9.0, 4000), 0.3183 + np.linspace(-0.1, 0.1, 4000)]))
@@ -235,3 +236,29 @@ def test_what_is_no_model_no_list_and_no_number_is_told():
     assert found.extreme("x", "3 h") == found.extreme("x", 3 * 3600.0)
     with pytest.raises(ModelError, match="a time in s is expected|which is a mass"):
         found.extreme("x", "3 kg")
+
+
+@pytest.fixture(scope="module")
+def elastic_spar():
+    return fw.load("dtu10mw_spar_3_operating").compile()
+
+
+def test_drag_that_settles_on_the_slow_modes_is_that_of_the_whole_model(elastic_spar, monkeypatch):
+    names = ["pitch", "heave", "rotor_speed", "tower_base_moment", "upwind_tension"]
+    slow = fw.response(elastic_spar, outputs=names, tolerance=1e-5)
+    frequencies = slow.frequency
+    of_slow = fw.response(elastic_spar, outputs=names, tolerance=1e-5, frequencies=frequencies)
+    monkeypatch.setattr(ExcitedModel, "slow", lambda model, fastest: model)
+    whole = fw.response(elastic_spar, outputs=names, tolerance=1e-8, frequencies=frequencies)
+    for name in names:
+        assert of_slow.std(name) == pytest.approx(whole.std(name), rel=1e-6)
+
+
+def test_a_state_does_not_tell_which_one_came_before_it(elastic_spar):
+    def found(height):
+        return fw.response(elastic_spar, outputs=["pitch", "heave"], parameters={"sea.significant_wave_height": height})
+
+    first, _, again = found(3.0), found(9.0), found(3.0)
+    assert again.frequency == pytest.approx(first.frequency, rel=0.01)
+    for name in ("pitch", "heave"):
+        assert again.std(name) == pytest.approx(first.std(name), rel=2e-5)
