@@ -83,7 +83,8 @@ def cases_of(asked: Asked, constraint: Constraint) -> list[str]:
     if not cases:
         raise ModelError(f"the constraint on '{constraint.result}' is never evaluated: its list of cases is empty.")
     result = constraint.result
-    alone = result.startswith(WEIGHTED) or AT in result or not any(asked.leaves(result, cases[0]))
+    # of the same results in all cases, as the function of a weighted mean, or of none
+    alone = result.startswith(WEIGHTED) or AT in result or len({frozenset(asked.leaves(result, c)) for c in cases}) == 1
     return cases[:1] if alone else cases
 
 

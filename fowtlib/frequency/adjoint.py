@@ -32,6 +32,9 @@ from fowtlib.solving.stationary_gradients import Bars
 SETTLED, ROUNDING = 1e-12, 1e-10  # change of the gains, relative, at which Newton ends; and where it may stay
 FAR = 0.3  # change from which on it goes by the gains found, mixed, and where Newton's step led away
 NEWTON = 40
+# Where shapes of modes are nearly alike rounding is more than any bound by the roots: a change below NOISE that so many
+# iterations have not halved is rounding
+NOISE, STALLED = 1e-6, 4
 AT_ONCE = 64  # frequencies, of what all laws do to all laws
 GUESS = 1.0  # m/s; deviation of the velocities of drag before the first iteration
 
@@ -103,6 +106,7 @@ class RandomResponse:
     def _settle(self, phi: np.ndarray | None) -> int:
         """Newton's iteration for the gains, with slopes that are kept while it comes nearer fast."""
         last, self.newton, mixing = np.inf, phi, Mixing()
+        best, stalled = np.inf, 0
         for iteration in range(NEWTON):
             self._answer()
             found = [best_gain(self._covariance(place), self.means[place]) for _, place in self.excited.laws]
@@ -110,6 +114,9 @@ class RandomResponse:
             change = max((float(np.linalg.norm(d) / max(np.linalg.norm(g), 1e-12))
                           for d, g in zip(off, found, strict=True)), default=0.0)  # fmt: skip
             if change < SETTLED or (change > last / 2 and change < self._rounding):
+                return iteration
+            best, stalled = (change, 0) if change < best / 2 else (best, stalled + 1)
+            if stalled >= STALLED and best < NOISE:
                 return iteration
             if change > FAR or change > last:
                 self.gains, self.newton = mixing(self.gains, found), None

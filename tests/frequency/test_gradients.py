@@ -139,6 +139,21 @@ def test_a_chain_with_drag_in_noise():
     assert values[5] == pytest.approx(found.equivalent_load("pull"), rel=1e-9)
 
 
+@pytest.mark.parametrize(("noise", "settles"), [(2e-7, True), (1e-4, False)])
+def test_drag_that_rounding_keeps_from_settling(monkeypatch, noise, settles):
+    from fowtlib.frequency import adjoint
+
+    quiet = PreparedGradient(chain(), ["std x"], ["one.drag"], frequencies=GRID).values()
+    exact, chance = adjoint.best_gain, np.random.default_rng(1)
+    monkeypatch.setattr(adjoint, "best_gain", lambda *of: exact(*of) * (1 + noise * chance.uniform(0.5, 1)))
+    prepared = PreparedGradient(chain(), ["std x"], ["one.drag"], frequencies=GRID)
+    if settles:
+        assert prepared.values() == pytest.approx(quiet, rel=noise)
+    else:
+        with pytest.raises(SimulationError, match="does not settle"):
+            prepared.values()
+
+
 def test_far_from_the_start_and_from_point_to_point():
     prepared = PreparedGradient(chain(), ["std pull", "mean first"], TUNED[:4], frequencies=GRID)
     for point in ([2.0, 20.0, 1.5, 0.8], [5.0, 8.0, 0.0, 0.3]):
