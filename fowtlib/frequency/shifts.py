@@ -21,6 +21,7 @@ from fowtlib.solving.excited import ExcitedModel
 
 NEAR = 0.2  # how far a mode may be from the period that names it, relative
 SHOWN = 12  # modes that a message lists
+MOTION = 0.5  # share of positions and speeds in a mode, from which on it is a motion
 
 Shifts = Mapping[str | int, str | float]
 
@@ -51,13 +52,25 @@ def _moved(excited: ExcitedModel, linear: LinearModel, mode: Mode, omega: float)
     left = np.linalg.inv(right)[k]
     rates = shape[list(forces.speeds)]
     rates = np.real(rates * np.exp(-1j * np.angle(rates[np.argmax(np.abs(rates))])))
-    if not np.abs(rates).max() > 1e-9 * np.abs(shape).max():
-        raise ModelError(f"the mode of {mode.label}, {_text(mode)}, is no motion: a stiffness does not move it.")
+    share = _share_of_motion(A, forces.speeds, left, shape)
+    if share < MOTION:
+        raise ModelError(
+            f"the mode of {mode.label}, {_text(mode)}, is no motion ({100 * share:.2g} % of it is): a stiffness does "
+            "not move it. Say another one by its period."
+        )
     force = np.linalg.solve(forces.B[list(forces.speeds)], rates)
     reached = left @ (forces.B @ force)
     stiffness = 1j * (omega**2 - root.imag**2) / (2 * root.imag) / reached
     row = 2 * np.real(stiffness * left)  # of the states: the force for the deflection of this mode alone
     return replace(excited, linear=_sprung(excited.linear, forces, np.outer(force, row)))
+
+
+def _share_of_motion(A: np.ndarray, speeds: Sequence[int], left: np.ndarray, right: np.ndarray) -> float:
+    """How much of a mode is in speeds, and in positions whose rates these are; the rest is of filters and the like."""
+    own = set(speeds)
+    positions = {k for k, row in enumerate(A) if np.count_nonzero(row) == 1 and int(np.argmax(np.abs(row))) in own}
+    parts = np.abs(left * right)
+    return float(parts[sorted(own | positions)].sum() / parts.sum())
 
 
 def _sprung(linear: LinearModel, forces: Any, law: np.ndarray) -> LinearModel:

@@ -82,3 +82,9 @@ def test_mistakes_of_shifts_are_told():
     ):
         with pytest.raises(ModelError, match=words):
             response(oscillator(), outputs=["x"], shifted=shifts)
+
+
+def test_a_filter_is_no_motion(spar):
+    given = {"wind.mean_speed": 18.0, "sea.significant_wave_height": 1.0}
+    with pytest.raises(ModelError, match="431.5 s, is no motion .0.041 % of it is.: a stiffness does not move it"):
+        response(spar, outputs=["pitch"], parameters=given, shifted={1: "430 s"})
