@@ -262,3 +262,12 @@ def test_a_state_does_not_tell_which_one_came_before_it(elastic_spar):
     assert again.frequency == pytest.approx(first.frequency, rel=0.01)
     for name in ("pitch", "heave"):
         assert again.std(name) == pytest.approx(first.std(name), rel=2e-5)
+
+
+def test_drag_settles_where_hardly_anything_else_damps():
+    """In small weather a spar in operation is nearly unstable, and the gains of drag answer steeply to themselves."""
+    plant = fw.load("oc3_spar_rigid").compile()
+    weather = {"wind.mean_speed": 12.0, "wind.turbulence_intensity": 0.03, "sea.significant_wave_height": 3.0}
+    found = fw.response(plant, outputs=["surge", "pitch"], parameters=weather)
+    assert found.iterations < 40
+    assert max(mode.eigenvalue.real for mode in found.linear.modes()) < 1e-9
