@@ -38,7 +38,7 @@ def operating_point(plant: Any, state: State, inputs: Sequence[str], outputs: Se
         if path in plant.layout.p:
             value, unit = parameters[path], dae.parameters[path].unit
         else:
-            value, unit = state[path], next(item.unit for item in dae.inputs if item.path == path)
+            value, unit = state[path], dae.units.get(path, "1")
         value = np.ravel(np.asarray(value, dtype=float), order="F")
         values.append(value)
         units += [unit] * value.size

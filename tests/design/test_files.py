@@ -222,7 +222,10 @@ def test_arguments_that_do_not_fit_are_refused(written, capsys):
 def test_ctrl_c_says_how_to_go_on(written):
     """In the middle of a search of a model."""
     name = written(HULL, "hull.yaml")
-    script = "import sys; from fowtlib.cli.app import main; sys.exit(main(['optimise', sys.argv[1]]))"
+    script = (  # a shell may have taken away the handler of Ctrl-C
+        "import signal, sys; signal.signal(signal.SIGINT, signal.default_int_handler); "
+        "from fowtlib.cli.app import main; sys.exit(main(['optimise', sys.argv[1]]))"
+    )
     process = subprocess.Popen([sys.executable, "-c", script, name], stdout=subprocess.DEVNULL, stderr=subprocess.PIPE,
                                text=True)  # fmt: skip
     deadline = time.time() + 120

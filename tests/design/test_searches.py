@@ -89,7 +89,8 @@ def test_a_journal_of_another_design_is_refused(tmp_path):
 
 
 SLOW = """
-import sys, time
+import signal, sys, time
+signal.signal(signal.SIGINT, signal.default_int_handler)  # a shell may have taken it away
 sys.path.insert(0, {folder!r})
 from test_searches import banana
 from fowtlib.design import Evaluated
