@@ -319,7 +319,7 @@ def _fit_output(A: Floats, B: Floats, time: Floats, K: Floats, passive: bool) ->
     powers = _kernel(A, B, np.eye(n), time)
     gram = np.einsum("kis,kjs->ij", powers, powers)
     target = np.einsum("kis,kjs->ij", K, powers)
-    free = linalg.null_space(linalg.solve(A, B).T)
+    free = linalg.null_space(linalg.solve(A, B).T, rcond=_RAW_TOLERANCE)  # of patterns that are there, not of noise
     white = linalg.solve_triangular(linalg.cholesky(free.T @ gram @ free), free.T, trans=1)
     best = target @ white.T  # C = y white meets C A^-1 B = 0, row by row, and |y - best|^2 is the error of the samples
     if not passive:
