@@ -21,10 +21,10 @@ from fowtlib.cases.run_keys import RUN_KEYS, Layers, RunKeys
 from fowtlib.cases.scope import SEED_NAMES, Scope, seeds_of
 from fowtlib.cases.values import Item, scalar, word
 from fowtlib.language.data_files import require_file
-from fowtlib.language.errors import ModelFileError, closest, did_you_mean
+from fowtlib.language.errors import ModelFileError, did_you_mean
 from fowtlib.modelfile import files
 from fowtlib.modelfile.nodes import Node, Place, parse, read_text
-from fowtlib.modelfile.specs import as_list, check_keys, mapping, text
+from fowtlib.modelfile.specs import as_list, check_keys, check_version, mapping, text
 
 VERSION = 1
 KEY = "fowtlib_cases"
@@ -70,7 +70,7 @@ class _File:
         name = files.shown(path)
         self.top = parse(read_text(path, name) if content is None else content, name, FIRST_LINE)
         self.items = mapping(self.top, f"{FIRST_LINE}, and is a mapping")
-        _check_version(self.items, self.top.place)
+        check_version(self.items, self.top.place, KEY, VERSION, FIRST_LINE)
         check_keys(self.items, TOP_KEYS, "a cases file")
         self.files: list[Path] = [path.resolve()]
         self.run_keys = RunKeys(self.folder)
@@ -282,15 +282,3 @@ class _Set:
 
 def _mapping(items: Mapping[str, Node], key: str) -> dict[str, Node]:
     return mapping(items[key], f"'{key}' is a mapping of names and formulas") if key in items else {}
-
-
-def _check_version(items: Mapping[str, Node], place: Place) -> None:
-    if "fowtlib" in items:
-        raise place.error(f"this is a model file; {FIRST_LINE}.")
-    if KEY not in items:
-        instead = closest(KEY, items)
-        hint = f" ('{instead[0]}' is not that key)" if instead else ""
-        raise place.error(f"the key '{KEY}' is missing{hint}; {FIRST_LINE}.")
-    node = items[KEY]
-    if isinstance(node.value, bool) or node.value != VERSION:
-        raise node.place.error(f"got '{KEY}: {node.plain()}'; this version of the program reads '{KEY}: {VERSION}'.")

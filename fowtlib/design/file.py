@@ -17,13 +17,13 @@ from fowtlib.design.optimisers import METHODS
 from fowtlib.design.terms import ALONE, Constraint, DesignCase, Objective
 from fowtlib.design.variables import Space, Variable
 from fowtlib.language.data_files import require_file
-from fowtlib.language.errors import ModelError, ModelFileError, closest, did_you_mean, one_of
+from fowtlib.language.errors import ModelError, ModelFileError, did_you_mean, one_of
 from fowtlib.language.units import to_si
 from fowtlib.modelfile import files, load
 from fowtlib.modelfile.nodes import Node, Place, parse, read_text
 from fowtlib.modelfile.permit import permit_for
 from fowtlib.modelfile.short_forms import WAVES, WIND
-from fowtlib.modelfile.specs import as_list, check_keys, mapping, text
+from fowtlib.modelfile.specs import as_list, check_keys, check_version, mapping, text
 
 VERSION = 1
 KEY = "fowtlib_design"
@@ -90,7 +90,7 @@ class _File:
         name = files.shown(path)
         self.top = parse(read_text(path, name), name, FIRST_LINE)
         self.items = mapping(self.top, f"{FIRST_LINE}, and is a mapping")
-        _check_version(self.items, self.top.place)
+        check_version(self.items, self.top.place, KEY, VERSION, FIRST_LINE)
         check_keys(self.items, TOP_KEYS, "a design file")
 
     def read(self) -> DesignFile:
@@ -277,18 +277,6 @@ class _File:
         if "tolerance" in given and not (isinstance(given["tolerance"], float) and given["tolerance"] > 0):
             raise items["tolerance"].place.error(f"'tolerance' is above zero, not {given['tolerance']!r}.")
         return given
-
-
-def _check_version(items: Mapping[str, Node], place: Place) -> None:
-    if "fowtlib" in items:
-        raise place.error(f"this is a model file; {FIRST_LINE}.")
-    if KEY not in items:
-        instead = closest(KEY, items)
-        hint = f" ('{instead[0]}' is not that key)" if instead else ""
-        raise place.error(f"the key '{KEY}' is missing{hint}; {FIRST_LINE}.")
-    node = items[KEY]
-    if isinstance(node.value, bool) or node.value != VERSION:
-        raise node.place.error(f"got '{KEY}: {node.plain()}'; this version of the program reads '{KEY}: {VERSION}'.")
 
 
 def _at(error: ModelError, node: Node) -> ModelError:

@@ -8,7 +8,7 @@ from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
 
-from fowtlib.language.errors import did_you_mean
+from fowtlib.language.errors import closest, did_you_mean
 from fowtlib.modelfile.nodes import Node, Place
 
 Variables = Mapping[str, Node]
@@ -162,3 +162,19 @@ def identifier(name: str, what: str, place: Place) -> str:
 def as_list(node: Node) -> list[Node]:
     """The items of a list; a single item may stand without brackets."""
     return node.value if isinstance(node.value, list) else [node]
+
+
+def check_version(items: Mapping[str, Node], place: Place, key: str, version: int, first_line: str) -> None:
+    """ModelFileError where a file is of another kind than its key says, or of another version.
+
+    first_line: what the error says of how such a file begins.
+    """
+    if "fowtlib" in items:
+        raise place.error(f"this is a model file; {first_line}.")
+    if key not in items:
+        instead = closest(key, items)
+        hint = f" ('{instead[0]}' is not that key)" if instead else ""
+        raise place.error(f"the key '{key}' is missing{hint}; {first_line}.")
+    node = items[key]
+    if isinstance(node.value, bool) or node.value != version:
+        raise node.place.error(f"got '{key}: {node.plain()}'; this version of the program reads '{key}: {version}'.")
