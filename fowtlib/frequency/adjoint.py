@@ -217,8 +217,8 @@ class RandomResponse:
     def _gain_matrix(self) -> np.ndarray:
         size = sum(place.stop - place.start for _, place in self.excited.laws)
         G = np.zeros((size, size))
-        for (_, place), gain in zip(self.excited.laws, self.gains, strict=True):
-            G[place, place] = gain - slope_at_mean(self.means[place])[0]
+        for (_, place), gain, slope in zip(self.excited.laws, self.gains, self.excited.slopes, strict=True):
+            G[place, place] = gain - slope
         return G
 
     def _map(self) -> np.ndarray:

@@ -8,7 +8,8 @@ import numpy as np
 
 _ANGLES, _WEIGHTS = np.polynomial.legendre.leggauss(96)
 _ANGLES, _WEIGHTS = (1 + _ANGLES) * np.pi / 4, _WEIGHTS * np.pi / 4
-_SQUARED, _DENSITY = np.tan(_ANGLES) ** 2, _WEIGHTS / np.sin(_ANGLES) ** 2 / np.sqrt(np.pi)
+SQUARED, DENSITY = np.tan(_ANGLES) ** 2, _WEIGHTS / np.sin(_ANGLES) ** 2 / np.sqrt(np.pi)
+"""Points t, over the largest of the variances and the square of the mean, and weights of the integral over t."""
 
 
 def best_gain(covariance: np.ndarray, mean: np.ndarray | None = None) -> np.ndarray:
@@ -51,10 +52,10 @@ def _gains(covariance: np.ndarray, mean: np.ndarray) -> np.ndarray:
     m = (axes.transpose(0, 2, 1) @ mean[:, :, None])[:, :, 0]
     largest = np.maximum(variances[:, -1], (m**2).sum(axis=1))
     size = np.where(largest > 0, largest, 1.0)[:, None]
-    shares, m, t = variances / size, m / np.sqrt(size), _SQUARED[:, None, None]
+    shares, m, t = variances / size, m / np.sqrt(size), SQUARED[:, None, None]
     w = 1 + 2 * t * shares
     F = np.exp(-(t * m**2 / w).sum(axis=2)) / np.sqrt(w.prod(axis=2))
     inside = np.eye(mean.shape[1]) * (1 - F[:, :, None] / w)[:, :, None, :]
     inside += (2 * t * F[:, :, None])[..., None] * (m / w)[:, :, :, None] * (m / w)[:, :, None, :]
-    gains = np.tensordot(_DENSITY, inside, axes=1) * np.sqrt(largest)[:, None, None]
+    gains = np.tensordot(DENSITY, inside, axes=1) * np.sqrt(largest)[:, None, None]
     return axes @ gains @ axes.transpose(0, 2, 1)

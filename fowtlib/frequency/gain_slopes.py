@@ -4,8 +4,9 @@ from __future__ import annotations
 
 import numpy as np
 
-_ANGLES, _WEIGHTS = np.polynomial.legendre.leggauss(96)
-_ANGLES, _WEIGHTS = (1 + _ANGLES) * np.pi / 4, _WEIGHTS * np.pi / 4
+from fowtlib.frequency.drag import DENSITY, SQUARED
+from fowtlib.language.quadratic_laws import slope_at
+
 AT_REST = 1e-6  # m/s; a mean below it counts as none
 
 
@@ -28,8 +29,8 @@ def gain_slopes(covariance: np.ndarray, mean: np.ndarray | None = None) -> tuple
     largest = max(float(np.linalg.eigvalsh(C)[-1]), float(m @ m))
     if not largest > 0:
         return np.zeros((n,) * 4), np.zeros((n,) * 3)
-    t = np.tan(_ANGLES) ** 2 / largest
-    weights = _WEIGHTS / np.sin(_ANGLES) ** 2 / np.sqrt(np.pi) * np.sqrt(largest)
+    t = SQUARED / largest
+    weights = DENSITY * np.sqrt(largest)
     W = np.linalg.inv(np.eye(n) + 2 * t[:, None, None] * C)
     a = W @ m
     F = np.sqrt(np.linalg.det(W)) * np.exp(-t * (a @ m))
@@ -53,4 +54,4 @@ def slope_at_mean(mean: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
         return np.zeros((n, n)), np.zeros((n, n, n))
     one, u = np.eye(n), mean / speed
     by_mean = np.einsum("ab,k->abk", one, u) + np.einsum("ak,b->abk", one, u) + np.einsum("bk,a->abk", one, u)
-    return speed * (one + np.outer(u, u)), by_mean - np.einsum("a,b,k->abk", u, u, u)
+    return slope_at(mean), by_mean - np.einsum("a,b,k->abk", u, u, u)
