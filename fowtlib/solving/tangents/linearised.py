@@ -69,7 +69,7 @@ class Linearised:
             arguments = [ca.MX.sym(n, *v.shape) for n, v in zip("txzq", functions._arguments, strict=True)]
             blocks = whole(*arguments)
             matrix = ca.horzcat(*(blocks if isinstance(blocks, (list, tuple)) else [blocks]))
-            entries = matrix.nz[:] if matrix.nnz() else ca.MX(0, 1)
+            entries = ca.vec(matrix.nz[:]) if matrix.nnz() else ca.MX(0, 1)
             return ca.Function("tangent_entries", arguments, [entries]), matrix.sparsity()
 
         return self.functions.once(key, make)

@@ -100,6 +100,7 @@ class Propagation:
             found = self._with_steps(points, np.concatenate([group[4] for group in groups]))
         else:
             found = self.model.slopes("equations", self.model.equations, points)
+        self._finite(points, found)
         parts = [np.split(block, ends) for block in found]
         return iter([list(group) for group in zip(*parts, strict=True)])
 
@@ -132,7 +133,6 @@ class Propagation:
         matrix = np.concatenate([-through_v, -by_z], axis=2)
         matrix[:, np.arange(nx), np.arange(nx)] += 1.0
         driven = by_p + by_d @ now.d[moving][:, :-1] if moving else by_p
-        self._finite(record, matrix, driven)
         for i in range(len(h)):
             bar = now.x + (self.alpha_f * h[i] - k[i]) * now.rate
             right = by_x[i] @ bar
@@ -145,18 +145,16 @@ class Propagation:
                 self._rescale(now)
                 self._put(grid, now, times, record.times[(i + 1) // record.each - 1], tiny)
 
-    def _finite(self, record: Stretch, matrix: np.ndarray, driven: np.ndarray) -> None:
-        good = np.isfinite(matrix).all(axis=(1, 2)) & np.isfinite(driven).all(axis=(1, 2))
-        if not good.all():
-            i = int(np.argmin(good))
-            row, column = np.argwhere(~np.isfinite(np.hstack([matrix[i], driven[i]])))[0]
+    def _finite(self, points: Points, blocks: Blocks) -> None:
+        for block, what in zip(blocks, ("the states", "the algebraic unknowns", "discrete variables", ""), strict=True):
+            if np.isfinite(block).all():
+                continue
+            i, row, column = (int(k) for k in np.argwhere(~np.isfinite(block))[0])
             paths = [*(f"der({state.path})" for state in self.dae.states), *self.dae.residual_paths]
-            what = ""
-            if column >= matrix.shape[2]:
-                what = f" by {self.model.run.elements[column - matrix.shape[2]].name}"
+            by = what or self.model.run.elements[column].name
             raise SimulationError(
-                f"the derivative of {paths[row]}{what} is not a finite number at t = {record.stages[i, 0]:.6g} s: "
-                "there is no sensitivity beyond. A root of zero has none, for instance; start beside it."
+                f"the derivative of {paths[row]} by {by} is not a finite number at t = {points.t[i]:.6g} s: there is no "
+                "sensitivity beyond. A root of zero has none, for instance; start beside it."
             )
 
     def _rescale(self, now: Moved) -> None:
