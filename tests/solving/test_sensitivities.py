@@ -202,7 +202,7 @@ def test_a_sampled_part_whose_period_is_the_parameter_is_refused():
 
 SPAR = {
     "platform.hull.mass": 1e-5, "platform.mooring.length": 1e-5, "platform.mooring.mass_per_length": 1e-4,
-    "platform.mooring.fairlead_depth": 1e-5, "platform.drag.drag_coefficient": 1e-3, "world.air_density": 1e-3,
+    "platform.mooring.fairlead_depth": 3e-4, "platform.drag.drag_coefficient": 1e-3, "world.air_density": 1e-3,
     "tower.mass": 1e-4, "turbine.rotor.inertia": 1e-3, "turbine.control.proportional_gain": 1e-3,
     "turbine.control.integral_gain": 1e-3, "platform.mooring.yaw_stiffness": 1e-3, "turbine.rotor.radius": 1e-4,
 }  # with the steps of the differences, relative to the values
@@ -246,7 +246,7 @@ def test_a_spar_in_wind_and_regular_waves_from_a_mean_that_moves(spar):
 
 
 def test_a_spar_by_the_sea_and_the_wind(spar):
-    by = {"sea.significant_wave_height": 1e-3, "sea.peak_period": 1e-4, "wind.mean_speed": 1e-4,
+    by = {"sea.significant_wave_height": 1e-3, "sea.peak_period": 3e-5, "wind.mean_speed": 3e-4,
           "world.water_density": 1e-4}  # fmt: skip
     conditions = {"wind.mean_speed": 16.0, "sea.significant_wave_height": 3.0, "sea.peak_period": 9.0}
     compared(spar, by, conditions, 2e-6, t_end=10.0, output_step=0.5, tolerance=1e-12, start="equilibrium")

@@ -11,7 +11,7 @@ import numpy as np
 
 from fowtlib.language.errors import ParameterError
 from fowtlib.solving.binding import Binding
-from fowtlib.solving.differences import SHORT, STEP
+from fowtlib.solving.differences import SHORT
 from fowtlib.solving.tuned import Tuned, TunedRun
 
 Plant = Any
@@ -21,16 +21,17 @@ SAME = 1e-13  # change of a number over its size that is rounding
 
 @dataclass(frozen=True, eq=False)
 class MovedData:
-    """Data of external function k that move with one parameter, its number: d w = sum of weight * w(handle).
+    """Data of external function k that move with one parameter, its number: d w = (w(above) - w(below)) / (2 step).
 
-    place: of the handle among the inputs of the function.
+    place: of the handle among the inputs of the function; above, below: the handles of both data.
     """
 
     external: int
     column: int
     place: int
-    weights: tuple[float, ...]
-    handles: tuple[float, ...]
+    step: float
+    above: float
+    below: float
 
 
 class RunDirections(TunedRun):
@@ -60,24 +61,22 @@ class RunDirections(TunedRun):
         self._through_bindings(column, item)
 
     def _through_bindings(self, column: int, item: Tuned) -> None:
-        """By whole bindings, as of a wind or a sea, whose data are made anew: Richardson's extrapolation of four."""
+        """By whole bindings, as of a wind or a sea, whose data are made anew. A short step: waves come and go with it."""
         plant, dae = self.plant, self.plant.dae
         value = float(self.values[column])
-        step = STEP * (abs(value) or 1.0)
+        step = SHORT * (abs(value) or 1.0)
         for limit, beyond in ((item.min, value - step), (item.max, value + step)):
             if limit is not None and (beyond < limit if limit is item.min else beyond > limit):
                 raise ParameterError(
                     f"{item.name} = {value:g} is at its bound, {limit:g}: what follows from it when a run starts is "
                     "differentiated by differences, which need both sides. Take a value beside it."
                 )
-        shifts = np.array([1.0, -1.0, 0.5, -0.5]) * step
-        weights = np.array([-1.0, 1.0, 8.0, -8.0]) / (6 * step)
-        made = [plant.binding(self.changed(item, value + shift)) for shift in shifts]
+        made = [plant.binding(self.changed(item, value + shift)) for shift in (step, -step)]
         self._held += made
         rows = np.array([np.where(np.isfinite(one.p), one.p, 0.0) for one in made])
         size = np.abs(rows).max(axis=0)
         moved = np.abs(rows - rows[0]).max(axis=0) > SAME * size
-        self.numbers[:, column] = np.where(moved, weights @ rows, 0.0)
+        self.numbers[:, column] = np.where(moved, (rows[0] - rows[1]) / (2 * step), 0.0)
         for breaks in (one.breaks for one in made):
             if len(breaks) != len(self.binding.breaks) or not np.allclose(breaks, self.binding.breaks, rtol=1e-12):
                 raise ParameterError(
@@ -88,16 +87,10 @@ class RunDirections(TunedRun):
         for k, bound in dae.with_data:
             place = places[bound.path]
             self.numbers[place, column] = 0.0
-            handles = rows[:, place.start]
-            if np.all(handles == handles[0]):
+            above, below = rows[:, place.start].tolist()
+            if above == below:
                 continue
             inputs = ca.vec(ca.densify(dae.externals[k].inputs)).elements()
             mine = bound.symbol[0].element_hash()
             where = next(i for i, entry in enumerate(inputs) if entry.element_hash() == mine)
-            found = MovedData(k, column, where, tuple(weights.tolist()), tuple(handles.tolist()))
-            self.data.append(found)
-
-
-def short_step(value: float) -> float:
-    """Step of a difference of two values."""
-    return SHORT * (abs(value) or 1.0)
+            self.data.append(MovedData(k, column, where, step, above, below))

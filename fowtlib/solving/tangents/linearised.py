@@ -9,10 +9,14 @@ from functools import cached_property
 import casadi as ca
 import numpy as np
 
+from fowtlib.language.errors import SimulationError
+from fowtlib.solving.differences import SMOOTH
 from fowtlib.solving.functions import POINTS, AtParameters, Functions
-from fowtlib.solving.tangents.directions import RunDirections
+from fowtlib.solving.tangents.directions import MovedData, RunDirections
 
 Blocks = list[np.ndarray]
+
+DATA_ROUNDING = 1e-11  # of data over their size
 
 
 @dataclass(frozen=True, eq=False)
@@ -113,14 +117,26 @@ class Linearised:
             first += size
         return points
 
-    def _changes(self, number: int, item: object, inputs: np.ndarray) -> np.ndarray:
-        total, function, n = 0.0, self.dae.externals[number].function, len(inputs)
-        many = self.functions.once(("mapped", number, n), lambda: function.map(n)) if n else None
-        for weight, handle in zip(item.weights, item.handles, strict=True):  # type: ignore[attr-defined]
+    def _changes(self, number: int, item: MovedData, inputs: np.ndarray) -> np.ndarray:
+        """Slopes of what an external function gives at its inputs (n, .) by the data behind it."""
+        external, n = self.dae.externals[number], len(inputs)
+        many = self.functions.once(("mapped", number, n), lambda: external.function.map(n))
+
+        def values(handle: float | None) -> np.ndarray:
             moved = inputs.copy()
-            moved[:, item.place] = handle  # type: ignore[attr-defined]
-            total = total + weight * np.array(many(moved.T)).T.reshape(n, -1) if n else np.zeros((0, 1))
-        return np.asarray(total)
+            if handle is not None:
+                moved[:, item.place] = handle
+            return np.array(many(moved.T)).reshape(-1, n, order="F").T
+
+        above, below, here = values(item.above), values(item.below), values(None)
+        slope, bent = (above - below) / (2 * item.step), (above - 2 * here + below) / item.step
+        limit = SMOOTH * np.abs(slope).max() + DATA_ROUNDING * np.abs(here).max() / item.step
+        if np.any(np.abs(bent) > limit):
+            raise SimulationError(
+                f"{external.path}: its data have a kink or a jump where {self.run.elements[item.column].name} is now, "
+                "and no derivative. Take another value, beside it."
+            )
+        return slope
 
     @cached_property
     def _inputs(self) -> dict[int, ca.Function]:
