@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cached_property
 
 import casadi as ca
@@ -28,6 +28,39 @@ class Points:
     z: np.ndarray
     q: np.ndarray
     dw: np.ndarray
+
+    def part(self, which: slice | np.ndarray) -> Points:
+        """Some of them."""
+        return Points(self.t[which], self.x[which], self.z[which], self.q[which], self.dw[which])
+
+
+@dataclass(frozen=True, eq=False)
+class Entries:
+    """Derivatives of rows at points (n, nonzero): rows and columns of the entries, and where kinds of columns end.
+
+    Columns are x, z, moving discrete variables, entries of p, which move by by_p (., m), and data, which move by dw.
+    """
+
+    row: np.ndarray
+    column: np.ndarray
+    rows: int
+    ends: np.ndarray
+    values: np.ndarray
+    by_p: np.ndarray
+    points: Points
+
+    def blocks(self) -> Blocks:
+        """Dense: by x, by z, by the moving discrete variables, and by parameters (n, rows, .)."""
+        dense = np.zeros((len(self.values), self.rows, self.ends[-1]))
+        dense[:, self.row, self.column] = self.values
+        of_x, of_z, of_d, of_p, of_w = np.split(dense, self.ends[1:-1], axis=2)
+        return [of_x, of_z, of_d, of_p @ self.by_p + of_w @ self.points.dw]
+
+    def split(self, counts: Sequence[int]) -> list[Entries]:
+        """Those of consecutive groups of points."""
+        ends = np.cumsum(counts)
+        return [replace(self, values=self.values[last - count : last], points=self.points.part(slice(last - count, last)))
+                for count, last in zip(counts, ends.tolist(), strict=True)]  # fmt: skip
 
 
 class Linearised:
@@ -78,16 +111,16 @@ class Linearised:
 
         return self.functions.once(key, make)
 
-    def slopes(self, name: str, rows: ca.SX, points: Points, p: np.ndarray | None = None) -> Blocks:
-        """Derivatives of rows (n, r, .) at points by x, by z, by the moving discrete variables, and by parameters."""
+    def entries(self, name: str, rows: ca.SX, points: Points, p: np.ndarray | None = None) -> Entries:
+        """Derivatives of rows at points. p: parameters, where they are others than those of the run."""
         function, pattern = self.by(name, rows)
-        entries = self.evaluated(function, points, p)
-        count, (r, c) = len(points.t), pattern.shape
-        dense = np.zeros((count, r, c))
-        dense[:, pattern.row(), pattern.get_col()] = entries
-        ends = np.cumsum([column.numel() for column in self.columns])
-        of_x, of_z, of_d, of_p, of_w = np.split(dense, ends[:-1], axis=2)
-        return [of_x, of_z, of_d, of_p @ self.by_p + of_w @ points.dw]
+        ends = np.cumsum([0, *(column.numel() for column in self.columns)])
+        row, column = (np.array(numbers, dtype=np.intc) for numbers in (pattern.row(), pattern.get_col()))
+        return Entries(row, column, pattern.shape[0], ends, self.evaluated(function, points, p), self.by_p, points)
+
+    def slopes(self, name: str, rows: ca.SX, points: Points) -> Blocks:
+        """The same as blocks."""
+        return self.entries(name, rows, points).blocks()
 
     def evaluated(self, function: ca.Function, points: Points, p: np.ndarray | None = None) -> np.ndarray:
         """Rows of the values of a function at points."""

@@ -12,19 +12,24 @@ an approximation of the derivative of the exact motion.
 
 from __future__ import annotations
 
+import ctypes as c
 from collections.abc import Iterable, Iterator, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
+from functools import cache
+from pathlib import Path
 
 import casadi as ca
 import numpy as np
 
 from fowtlib.language.errors import SimulationError
+from fowtlib.language.native import Library, compiler, load_library
 from fowtlib.solving.engines.reduction import Reduction
-from fowtlib.solving.tangents.linearised import Blocks, Linearised, Points
+from fowtlib.solving.tangents.linearised import Entries, Linearised, Points
 from fowtlib.solving.tangents.tape import Happening, Point, Record, Sample, Start, Stretch
 from fowtlib.solving.timeline import Timeline
 
 CHUNK = 1000  # points at which the equations are differentiated at once
+RESCALED = 100  # output points after which a perturbation may be counted in another unit
 LARGE = 1e100  # size of a perturbation from which on it is counted in another unit
 
 
@@ -73,89 +78,118 @@ class Propagation:
         now, tiny = start, 1e-6 * (np.min(np.diff(times)) if len(times) > 1 else 1.0)
         self._put(grid, now, times, tape[0].point.t if isinstance(tape[0], Start) else times[0], tiny)
         for records in _chunks(tape):
-            blocks = iter(self._blocks(records))
+            found = self._entries(records)
             before = None  # of what happens at one instant: derivatives of states, discrete variables and z ahead of it
             for record in records:
                 if isinstance(record, Stretch):
-                    self._stretch(record, next(blocks), now, grid, times, tiny)
+                    self._stretch(record, next(found), now, grid, times, tiny)
                 elif isinstance(record, Start):
-                    self._begin(record, blocks, now, before)
+                    self._begin(record, found, now, before)
                     self._put(grid, now, times, record.point.t, tiny)
                     before = None
                 else:
-                    here = next(blocks)
+                    here = next(found)
                     before = before or (now.x, now.d, self._at(here, now.x, now.d)[1])
                     self._jump(record, now, before[2])
         return grid
 
     # --- the equations at the points of the tape -----------------------------------------------------------------
 
-    def _blocks(self, records: Sequence[Record]) -> Iterator[Blocks]:
+    def _entries(self, records: Sequence[Record]) -> Iterator[Entries]:
         """Derivatives of the equations for each stretch and each point of the records, in order."""
         groups = list(_points_of(records))
-        t, x, z, q = (np.concatenate([group[i] for group in groups]) for i in range(4))
-        ends = np.cumsum([len(group[0]) for group in groups])[:-1]
-        points = self.model.points(t, x, z, q)
+        points = self.model.points(*(np.concatenate([group[i] for group in groups]) for i in range(4)))
         if self.reduced.steps:
             found = self._with_steps(points, np.concatenate([group[4] for group in groups]))
         else:
-            found = self.model.slopes("equations", self.model.equations, points)
-        self._finite(points, found)
-        parts = [np.split(block, ends) for block in found]
-        return iter([list(group) for group in zip(*parts, strict=True)])
+            found = self.model.entries("equations", self.model.equations, points)
+        self._finite(found)
+        return iter(found.split([len(group[0]) for group in groups]))
 
-    def _with_steps(self, points: Points, length: np.ndarray) -> Blocks:
+    def _with_steps(self, points: Points, length: np.ndarray) -> Entries:
         """The same where externals that solve steps of their own are told how far a stage reaches."""
-        found: list[np.ndarray] = []
+        values = np.zeros((len(length), 0))
         for h in np.unique(length):
             which = np.flatnonzero(length == h)
             p = self.model.at.parameters.copy()
             p[np.array(self.reduced.steps) - points.q.shape[1]] = self._reach(h)
-            part = Points(points.t[which], points.x[which], points.z[which], points.q[which], points.dw[which])
-            blocks = self.model.slopes("equations", self.model.equations, part, p)
-            found = found or [np.zeros((len(length), *block.shape[1:])) for block in blocks]
-            for whole, block in zip(found, blocks, strict=True):
-                whole[which] = block
-        return found
+            found = self.model.entries("equations", self.model.equations, points.part(which), p)
+            values = values if values.size else np.zeros((len(length), found.values.shape[1]))
+            values[which] = found.values
+        return replace(found, values=values, points=points)
 
     def _reach(self, h: float) -> float:
         return self.alpha_f * self.gamma * h / self.alpha_m
 
     # --- steps ---------------------------------------------------------------------------------------------------
 
-    def _stretch(self, record: Stretch, blocks: Blocks, now: Moved, grid: Grid, times: np.ndarray,
+    def _stretch(self, record: Stretch, found: Entries, now: Moved, grid: Grid, times: np.ndarray,
                  tiny: float) -> None:  # fmt: skip
-        nx, moving = self.nx, self.model.moving
-        by_x, by_z, by_d, by_p = blocks
-        h = record.stages[:, 1]
+        for first in range(0, len(record.times), RESCALED):
+            count = len(record.times[first : first + RESCALED])
+            part = slice(first * record.each, (first + count) * record.each)
+            piece = replace(found, values=found.values[part], points=found.points.part(part))
+            steps = self._compiled if compiler() else self._interpreted
+            rows = steps(record.stages[part, 1], record.each, piece, now, record.stages[part, 0])
+            for time, x in zip(record.times[first : first + count], rows, strict=True):
+                self._put(grid, Moved(x, now.rate, now.d, now.scale), times, time, tiny)
+            self._rescale(now)
+
+    def _interpreted(self, h: np.ndarray, each: int, found: Entries, now: Moved, t: np.ndarray) -> list[np.ndarray]:
+        """Derivatives of the states after every `each` steps."""
+        nx, moving, rows = self.nx, self.model.moving, []
+        by_x, by_z, by_d, by_p = found.blocks()
         k = self._reach(h)
-        through_v = k[:, None, None] * by_x * self.outside
-        matrix = np.concatenate([-through_v, -by_z], axis=2)
+        matrix = np.concatenate([-k[:, None, None] * by_x * self.outside, -by_z], axis=2)
         matrix[:, np.arange(nx), np.arange(nx)] += 1.0
         driven = by_p + by_d @ now.d[moving][:, :-1] if moving else by_p
         for i in range(len(h)):
-            bar = now.x + (self.alpha_f * h[i] - k[i]) * now.rate
-            right = by_x[i] @ bar
+            right = by_x[i] @ (now.x + (self.alpha_f * h[i] - k[i]) * now.rate)
             right[:, :-1] += driven[i]
-            v = np.linalg.solve(matrix[i], right)[:nx]
+            try:
+                v = np.linalg.solve(matrix[i], right)[:nx]
+            except np.linalg.LinAlgError:
+                raise _singular(t[i]) from None
             change = (v - now.rate) / self.alpha_m
             now.x = now.x + h[i] * (now.rate + self.gamma * change)
             now.rate = now.rate + change
-            if (i + 1) % record.each == 0:
-                self._rescale(now)
-                self._put(grid, now, times, record.times[(i + 1) // record.each - 1], tiny)
+            if (i + 1) % each == 0:
+                rows.append(now.x)
+        return rows
 
-    def _finite(self, points: Points, blocks: Blocks) -> None:
-        for block, what in zip(blocks, ("the states", "the algebraic unknowns", "discrete variables", ""), strict=True):
-            if np.isfinite(block).all():
-                continue
-            i, row, column = (int(k) for k in np.argwhere(~np.isfinite(block))[0])
-            paths = [*(f"der({state.path})" for state in self.dae.states), *self.dae.residual_paths]
-            by = what or self.model.run.elements[column].name
-            raise SimulationError(
-                f"the derivative of {paths[row]} by {by} is not a finite number at t = {points.t[i]:.6g} s: there is no "
-                "sensitivity beyond. A root of zero has none, for instance; start beside it."
-            )
+    def _compiled(self, h: np.ndarray, each: int, found: Entries, now: Moved, t: np.ndarray) -> np.ndarray:
+        """The same by tangent.c."""
+        n, (nx, columns), steps = self.nx + self.nz, now.x.shape, len(h)
+        now.x, now.rate = (np.array(values, order="C") for values in (now.x, now.rate))
+        zero = np.zeros((len(found.by_p), 1))
+        fixed = np.ascontiguousarray(np.vstack([now.d[self.model.moving], np.hstack([found.by_p, zero])]))
+        dw = found.points.dw
+        data = np.concatenate([dw, np.zeros((*dw.shape[:2], 1))], axis=2)
+        out, work = np.empty((steps // each, nx, columns)), np.empty(n * n + n * columns + nx * columns)
+        values, constants = np.ascontiguousarray(found.values), np.array([self.alpha_m, self.alpha_f, self.gamma])
+        length = np.ascontiguousarray(h)
+        bad = _runtime().tangent_steps(
+            steps, each, nx, self.nz, columns, len(found.row), found.row.ctypes.data, found.column.ctypes.data,
+            values.ctypes.data, length.ctypes.data, self.outside.ctypes.data, constants.ctypes.data, len(fixed),
+            fixed.ctypes.data, data.shape[1], data.ctypes.data, now.x.ctypes.data, now.rate.ctypes.data, out.ctypes.data,
+            work.ctypes.data,
+        )  # fmt: skip
+        if bad >= 0:
+            raise _singular(t[bad])
+        return out
+
+    def _finite(self, found: Entries) -> None:
+        if np.isfinite(found.values).all():
+            return
+        i, entry = (int(k) for k in np.argwhere(~np.isfinite(found.values))[0])
+        dae, column = self.dae, int(found.column[entry])
+        paths = [*(f"der({state.path})" for state in dae.states), *dae.residual_paths]
+        names = [*(item.path for item in (*dae.states, *dae.algebraics)), *(dae.discretes[k].path for k in self.model.moving)]
+        by = f" by {names[column]}" if column < len(names) else ""
+        raise SimulationError(
+            f"the derivative of {paths[found.row[entry]]}{by} is not a finite number at t = {found.points.t[i]:.6g} s: "
+            "there is no sensitivity beyond. A root of zero has none, for instance; start beside it."
+        )
 
     def _rescale(self, now: Moved) -> None:
         size = float(np.linalg.norm(now.x[:, -1] / self.nominal))
@@ -175,20 +209,20 @@ class Propagation:
 
     # --- starts, samples, events ---------------------------------------------------------------------------------
 
-    def _at(self, blocks: Blocks, x: np.ndarray, d: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    def _at(self, found: Entries, x: np.ndarray, d: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
         """Derivatives of the rates that the equations give at a point, and of z there."""
-        by_x, by_z, by_d, by_p = (block[0] for block in blocks)
+        by_x, by_z, by_d, by_p = (block[0] for block in found.blocks())
         total = by_x @ x + by_d @ d[self.model.moving]
         total[:, :-1] += by_p
         z = np.linalg.solve(-by_z[self.nx :], total[self.nx :]) if self.nz else np.zeros((0, x.shape[1]))
         return total[: self.nx] + by_z[: self.nx] @ z, z
 
-    def _begin(self, record: Start, blocks: Iterator[Blocks], now: Moved,
+    def _begin(self, record: Start, found: Iterator[Entries], now: Moved,
                before: tuple[np.ndarray, np.ndarray, np.ndarray] | None) -> None:  # fmt: skip
-        rate, _ = self._at(next(blocks), now.x, now.d)
+        rate, _ = self._at(next(found), now.x, now.d)
         if record.before is not None:  # the rates keep what they differ by from the equations
             x, d = before[:2] if before else (now.x, now.d)
-            rate = rate + now.rate - self._at(next(blocks), x, d)[0]
+            rate = rate + now.rate - self._at(next(found), x, d)[0]
         now.rate = rate
 
     def _jump(self, record: Sample | Happening, now: Moved, z: np.ndarray) -> None:
@@ -221,6 +255,21 @@ class Propagation:
         now.x, now.d = now.x.copy(), now.d.copy()
         now.x[list(offer.state_targets)] = total[:count]
         now.d[list(offer.discrete_targets)] = total[count:]
+
+
+@cache
+def _runtime() -> Library:
+    """The compiled steps, the same for all models."""
+    text = (Path(__file__).parent / "tangent.c").read_text(encoding="utf-8")
+    _, library = load_library(text, "tangent", optimization="-O3")
+    function, pointer, integer = library.tangent_steps, c.c_void_p, c.c_int
+    function.restype = integer
+    function.argtypes = [*[integer] * 6, *[pointer] * 6, integer, pointer, integer, *[pointer] * 5]
+    return library
+
+
+def _singular(t: float) -> SimulationError:
+    return SimulationError(f"the equations of a step are singular at t = {t:.6g} s: there is no sensitivity beyond.")
 
 
 def _chunks(tape: Iterable[Record]) -> Iterator[list[Record]]:
