@@ -30,7 +30,7 @@ from fowtlib.language import (
 from fowtlib.language import math as m
 from fowtlib.language.errors import ParameterError, SimulationError
 from fowtlib.solving.engines import choice
-from fowtlib.solving.tangents import sensitivities
+from fowtlib.solving.tangents import propagation, sensitivities
 
 TIGHT = 1e-13
 
@@ -82,7 +82,7 @@ def oscillation(t, mass, damping, stiffness, place):
 
 
 def test_an_oscillator_is_its_closed_form_to_second_order_and_beyond_by_extrapolation():
-    plant, values = plant_of(Oscillator()), dict(mass=2.0, damping=0.4, stiffness=5.0, place=1.5)
+    plant, values = plant_of(Oscillator()), {"mass": 2.0, "damping": 0.4, "stiffness": 5.0, "place": 1.5}
     runs = [sensitivities(plant, list(values), ["x"], t_end=10.0, output_step=0.1, step=step, rho_inf=1.0,
                           tolerance=TIGHT) for step in (0.005, 0.0025)]  # fmt: skip
     for name in values:
@@ -116,7 +116,7 @@ class Pendulum(Component):
 
 def test_a_pendulum_is_a_function_of_scaled_time_and_keeps_its_energy():
     plant = plant_of(Pendulum())
-    run = dict(t_end=8.0, output_step=0.1, rho_inf=1.0, tolerance=TIGHT)
+    run = {"t_end": 8.0, "output_step": 0.1, "rho_inf": 1.0, "tolerance": TIGHT}
     found = [sensitivities(plant, ["gravity", "length"], ["phi", "w", "energy"], step=step, **run)
              for step in (0.005, 0.0025)]  # fmt: skip
     t = found[0].time
@@ -175,7 +175,7 @@ SERVO = ["x", "v", "f", "root", "held"]
 @pytest.mark.parametrize("events", [[], ["hit at 0.71 s", "hit at 1 s, size=0.2"]])
 def test_samples_events_tables_and_initial_equations_are_the_differences_of_runs(events):
     plant = plant_of(Servo())
-    run = dict(t_end=2.0, output_step=0.1, step=0.02, tolerance=TIGHT, events=events)
+    run = {"t_end": 2.0, "output_step": 0.1, "step": 0.02, "tolerance": TIGHT, "events": events}
     by = {"gain": 0.7, "offset": 0.0, "heavy": 1.3, "kick": 0.5}
     found = sensitivities(plant, list(by), SERVO, **run)
     for name, value in by.items():
@@ -186,9 +186,10 @@ def test_samples_events_tables_and_initial_equations_are_the_differences_of_runs
 
 def test_without_a_compiler_it_is_the_same(monkeypatch):
     plant = plant_of(Servo())
-    run = dict(t_end=1.0, output_step=0.1, step=0.02, tolerance=TIGHT)
+    run = {"t_end": 1.0, "output_step": 0.1, "step": 0.02, "tolerance": TIGHT}
     compiled = sensitivities(plant, ["gain", "heavy"], SERVO, **run)
-    monkeypatch.setattr(choice, "compiler", lambda: None)
+    for module in (choice, propagation):
+        monkeypatch.setattr(module, "compiler", lambda: None)
     twin = sensitivities(plant, ["gain", "heavy"], SERVO, **run)
     np.testing.assert_allclose(twin.derivatives, compiled.derivatives, rtol=1e-9, atol=1e-10)
 
@@ -205,7 +206,7 @@ SPAR = {
     "platform.mooring.fairlead_depth": 3e-4, "platform.drag.drag_coefficient": 1e-3, "world.air_density": 1e-3,
     "tower.mass": 1e-4, "turbine.rotor.inertia": 1e-3, "turbine.control.proportional_gain": 1e-3,
     "turbine.control.integral_gain": 1e-3, "platform.mooring.yaw_stiffness": 1e-3, "turbine.rotor.radius": 1e-4,
-}  # with the steps of the differences, relative to the values
+}  # fmt: skip  # with the steps of the differences, relative to the values
 SHOWN = ["surge", "heave", "pitch", "yaw", "rotor_speed", "blade_pitch", "thrust", "fairlead_tension_2"]
 
 
@@ -256,7 +257,7 @@ def test_a_spar_by_the_sea_and_the_wind(spar):
 
 
 def test_numbers_of_a_run_follow_by_the_chain_rule():
-    plant, run = plant_of(Oscillator()), dict(t_end=20.0, output_step=0.05, step=0.02, tolerance=TIGHT)
+    plant, run = plant_of(Oscillator()), {"t_end": 20.0, "output_step": 0.05, "step": 0.02, "tolerance": TIGHT}
     found = sensitivities(plant, ["stiffness", "damping"], ["x"], **run)
 
     def load(time, values):
@@ -274,7 +275,7 @@ def test_numbers_of_a_run_follow_by_the_chain_rule():
 
     for name, value in (("stiffness", 5.0), ("damping", 0.4)):
         h = 1e-4 * value
-        slope = (8 * (at(name, value + h / 2) - at(name, value - h / 2)) - (at(name, value + h) - at(name, value - h)))
+        slope = 8 * (at(name, value + h / 2) - at(name, value - h / 2)) - (at(name, value + h) - at(name, value - h))
         np.testing.assert_allclose([number[name] for number in numbers], slope / (6 * h), rtol=1e-6, atol=1e-10)
     np.testing.assert_allclose([number.value for number in numbers], at("damping", 0.4), rtol=1e-12)
     assert numbers[2].time == pytest.approx(4.0, abs=0.1) and "at 4" in repr(numbers[2])
@@ -315,7 +316,7 @@ class Bouncing(Component):
 
 
 def test_events_at_instants_that_depend_on_the_motion_are_refused_where_they_happen():
-    plant, run = plant_of(Bouncing()), dict(output_step=0.1, step=0.01)
+    plant, run = plant_of(Bouncing()), {"output_step": 0.1, "step": 0.01}
     found = sensitivities(plant, ["gravity"], ["height"], t_end=0.4, tolerance=TIGHT, **run)
     fallen = found.run.array("height")[-1] - 1.0  # in proportion to gravity, step by step
     assert found.array("height", "gravity")[-1] == pytest.approx(fallen / 9.81, rel=1e-12)
@@ -326,7 +327,7 @@ def test_events_at_instants_that_depend_on_the_motion_are_refused_where_they_hap
 
 
 def test_what_has_no_derivative_is_refused_with_the_reason(spar):
-    run = dict(t_end=1.0, output_step=0.5)
+    run = {"t_end": 1.0, "output_step": 0.5}
     for by, text in ((["platform.hull.mas"], "did you mean"), (["wind.seed"], "no derivative by wind.seed"),
                      (["turbine.blades"], "turbine"), ([], "no parameter is given")):  # fmt: skip
         with pytest.raises(ParameterError, match=text):
@@ -348,9 +349,8 @@ class Lorenz(Component):
     z: Scalar = var(start=20.0, state="prefer", doc="z")
 
     def equations(self):
-        second = m.float64(1.0) if hasattr(m, "float64") else 1.0
-        return [eq(der(self.x), second * 10 * (self.y - self.x)), eq(der(self.y), self.x * (self.rho - self.z) - self.y),
-                eq(der(self.z), self.x * self.y - 8 / 3 * self.z)]  # fmt: skip
+        x, y, z = self.x, self.y, self.z
+        return [eq(der(x), 10 * (y - x)), eq(der(y), x * (self.rho - z) - y), eq(der(z), x * y - 8 / 3 * z)]
 
 
 def test_a_motion_that_is_chaotic_is_told_with_its_exponent():

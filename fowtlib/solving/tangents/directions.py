@@ -37,7 +37,7 @@ class MovedData:
 class RunDirections(TunedRun):
     """A run, not its mean, and the parameters by which it is differentiated.
 
-    numbers: (n_p, m), d p / d parameter, of all entries of the vector p of the flat model. data: what moves beside them.
+    numbers: (n_p, m), d p / d parameter, of all entries of the vector p of the flat model. data: what moves beside.
     """
 
     def __init__(self, plant: Plant, parameters: dict[str, Any] | None, elements: Sequence[Tuned]):
@@ -61,7 +61,7 @@ class RunDirections(TunedRun):
         self._through_bindings(column, item)
 
     def _through_bindings(self, column: int, item: Tuned) -> None:
-        """By whole bindings, as of a wind or a sea, whose data are made anew. A short step: waves come and go with it."""
+        """By whole bindings, as of a sea, whose data are made anew. A short step: components come and go with it."""
         plant, dae = self.plant, self.plant.dae
         value = float(self.values[column])
         step = SHORT * (abs(value) or 1.0)

@@ -59,8 +59,8 @@ class Entries:
     def split(self, counts: Sequence[int]) -> list[Entries]:
         """Those of consecutive groups of points."""
         ends = np.cumsum(counts)
-        return [replace(self, values=self.values[last - count : last], points=self.points.part(slice(last - count, last)))
-                for count, last in zip(counts, ends.tolist(), strict=True)]  # fmt: skip
+        parts = [slice(last - count, last) for count, last in zip(counts, ends.tolist(), strict=True)]
+        return [replace(self, values=self.values[part], points=self.points.part(part)) for part in parts]
 
 
 class Linearised:
@@ -82,8 +82,8 @@ class Linearised:
         discrete, numbers = [self.given_before_d + k for k in self.moving], (before + self.used).tolist()
         outputs = [k for number in self.externals for k in range(*self._of(number).indices(self.dae.w.numel()))]
         self.outputs = outputs
-        self.columns = [self.dae.x, self.dae.z, q[discrete] if discrete else ca.SX(0, 1),
-                        q[numbers] if numbers else ca.SX(0, 1), self.dae.w[outputs] if outputs else ca.SX(0, 1)]  # fmt: skip
+        chosen = ((q, discrete), (q, numbers), (self.dae.w, outputs))
+        self.columns = [self.dae.x, self.dae.z, *(of[which] if which else ca.SX(0, 1) for of, which in chosen)]
         self.key = (tuple(discrete), tuple(numbers), tuple(outputs))
 
     def _of(self, number: int) -> slice:

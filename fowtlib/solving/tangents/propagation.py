@@ -1,12 +1,12 @@
 """The derivative of the fixed-step scheme, record by record of what the engine did.
 
-A stage solves v = ode(x_f, z), 0 = alg(x_f, z) with x_f = xbar + k v and xbar = x + (alpha_f h - k) rate; see fixed_step.c.
-With V and Z the derivatives of v and z, and o and a those of ode and alg by the parameters at fixed x, z,
+A stage solves v = ode(x_f, z), 0 = alg(x_f, z) with x_f = xbar + k v and xbar = x + (alpha_f h - k) rate; see
+fixed_step.c. With V and Z the derivatives of v and z, and o and a those of ode and alg by the parameters at fixed x, z,
 
     V - ode_x X_f - ode_z Z = o,   alg_x X_f + alg_z Z = -a,   X_f = Xbar + k V,
 
-one linear system for all parameters, with the exact Jacobian at the stage; then the derivatives of state and rate follow
-as state and rate do. So the result is the derivative of what is computed, steps, samples and starts included, and not
+one linear system for all parameters, with the exact Jacobian at the stage; the derivatives of state and rate follow as
+state and rate do. So the result is the derivative of what is computed, steps, samples and starts included, and not
 an approximation of the derivative of the exact motion.
 """
 
@@ -49,8 +49,10 @@ class Moved:
 
 @dataclass(frozen=True, eq=False)
 class Grid:
-    """Derivatives of states (n, n_x, m) and discrete variables (n, n_d, m) at output points; of the perturbation, the
-    logarithm of its size (n,)."""
+    """Derivatives at output points, of states (n, n_x, m) and of discrete variables (n, n_d, m).
+
+    size: logarithm of the size of the perturbation (n,).
+    """
 
     x: np.ndarray
     d: np.ndarray
@@ -171,8 +173,8 @@ class Propagation:
         bad = _runtime().tangent_steps(
             steps, each, nx, self.nz, columns, len(found.row), found.row.ctypes.data, found.column.ctypes.data,
             values.ctypes.data, length.ctypes.data, self.outside.ctypes.data, constants.ctypes.data, len(fixed),
-            fixed.ctypes.data, data.shape[1], data.ctypes.data, now.x.ctypes.data, now.rate.ctypes.data, out.ctypes.data,
-            work.ctypes.data,
+            fixed.ctypes.data, data.shape[1], data.ctypes.data, now.x.ctypes.data, now.rate.ctypes.data,
+            out.ctypes.data, work.ctypes.data,
         )  # fmt: skip
         if bad >= 0:
             raise _singular(t[bad])
@@ -184,7 +186,8 @@ class Propagation:
         i, entry = (int(k) for k in np.argwhere(~np.isfinite(found.values))[0])
         dae, column = self.dae, int(found.column[entry])
         paths = [*(f"der({state.path})" for state in dae.states), *dae.residual_paths]
-        names = [*(item.path for item in (*dae.states, *dae.algebraics)), *(dae.discretes[k].path for k in self.model.moving)]
+        moving = [dae.discretes[k] for k in self.model.moving]
+        names = [item.path for item in (*dae.states, *dae.algebraics, *moving)]
         by = f" by {names[column]}" if column < len(names) else ""
         raise SimulationError(
             f"the derivative of {paths[found.row[entry]]}{by} is not a finite number at t = {found.points.t[i]:.6g} s: "

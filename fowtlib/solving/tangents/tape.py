@@ -27,8 +27,10 @@ class Point:
 
 @dataclass(frozen=True, eq=False)
 class Start:
-    """The engine begins at a point. before: where it stood until q jumped there, so that it kept the lag of its rates;
-    else None."""
+    """The engine begins at a point.
+
+    before: where it stood until q jumped there, so that it kept the lag of its rates; else None.
+    """
 
     point: Point
     before: Point | None

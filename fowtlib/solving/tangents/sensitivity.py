@@ -24,7 +24,7 @@ from fowtlib.solving.tangents.beginnings import Beginning
 from fowtlib.solving.tangents.directions import RunDirections
 from fowtlib.solving.tangents.linearised import Linearised
 from fowtlib.solving.tangents.propagation import Grid, Moved, Propagation
-from fowtlib.solving.tangents.tape import Happening, Sample, Start, Taped, taped
+from fowtlib.solving.tangents.tape import Happening, Sample, Taped, taped
 from fowtlib.solving.timeline import Event, Timeline
 from fowtlib.solving.tuned import tuned_elements
 
@@ -60,8 +60,8 @@ class Slopes:
     def __repr__(self) -> str:
         at = "" if self.time is None else f" at {self.time:g} s"
         lines = [f"{self.name} = {self.value:.6g} {self.unit}{at}"]
-        lines += [f"  by {name:44}{value:>14.6g} {_per(self.unit, unit)}"
-                  for name, unit, value in zip(self.parameters, self.parameter_units, self.by, strict=True)]  # fmt: skip
+        rows = zip(self.parameters, self.parameter_units, self.by, strict=True)
+        lines += [f"  by {name:44}{value:>14.6g} {_per(self.unit, unit)}" for name, unit, value in rows]
         return "\n".join(lines)
 
 
@@ -92,7 +92,7 @@ class Sensitivities:
         return self.run.time
 
     def array(self, result: str, parameter: str) -> np.ndarray:
-        """d result / d parameter at the output points (n,)."""
+        """D result / d parameter at the output points (n,)."""
         k = _number(result, self.results, "result")
         return self.derivatives[:, k, _number(parameter, self.parameters, "parameter")]
 
