@@ -6,7 +6,9 @@ import pytest
 
 from fowtlib.cli import main
 
-RUN = "sensitivity oc3_spar_rigid --wind steady:14 --waves still --time 10 --output-step 0.5".split()
+RUN = [
+    "sensitivity", "oc3_spar_rigid", "--wind", "steady:14", "--waves", "still", "--time", "10", "--output-step", "0.5",
+]  # fmt: skip
 
 
 def test_a_table_a_file_and_a_picture(tmp_path, capsys):

@@ -203,7 +203,7 @@ def test_a_sampled_part_whose_period_is_the_parameter_is_refused():
 
 SPAR = {
     "platform.hull.mass": 1e-5, "platform.mooring.length": 1e-5, "platform.mooring.mass_per_length": 1e-4,
-    "platform.mooring.fairlead_depth": 3e-4, "platform.drag.drag_coefficient": 1e-3, "world.air_density": 1e-3,
+    "platform.mooring.fairlead_depth": 3e-4, "platform.drag.drag_coefficient": 1e-2, "world.air_density": 1e-3,
     "tower.mass": 1e-4, "turbine.rotor.inertia": 1e-3, "turbine.control.proportional_gain": 1e-3,
     "turbine.control.integral_gain": 1e-3, "platform.mooring.yaw_stiffness": 1e-3, "turbine.rotor.radius": 1e-4,
 }  # fmt: skip  # with the steps of the differences, relative to the values
@@ -241,7 +241,7 @@ def test_the_decay_of_a_spar(spar):
 def test_a_spar_in_wind_and_regular_waves_from_a_mean_that_moves(spar):
     conditions = {"wind.kind": "steady", "wind.mean_speed": 14.0, "sea.spectrum": "regular", "sea.wave_height": 2.0,
                   "sea.wave_period": 10.0}  # fmt: skip
-    found = compared(spar, SPAR, conditions, 1e-6, t_end=30.0, output_step=0.5, tolerance=1e-12, start="equilibrium")
+    found = compared(spar, SPAR, conditions, 1e-6, t_end=20.0, output_step=0.5, tolerance=1e-12, start="equilibrium")
     assert np.all(found.array("surge", "platform.mooring.length")[0] != 0)
     assert np.isfinite(found.growth)
 
@@ -249,7 +249,8 @@ def test_a_spar_in_wind_and_regular_waves_from_a_mean_that_moves(spar):
 def test_a_spar_by_the_sea_and_the_wind(spar):
     by = {"sea.significant_wave_height": 1e-3, "sea.peak_period": 3e-5, "wind.mean_speed": 3e-4,
           "world.water_density": 1e-4}  # fmt: skip
-    conditions = {"wind.mean_speed": 16.0, "sea.significant_wave_height": 3.0, "sea.peak_period": 9.0}
+    conditions = {"wind.mean_speed": 16.0, "sea.significant_wave_height": 3.0, "sea.peak_period": 9.0,
+                  "sea.repetition_period": 512.0, "wind.repetition_period": 512.0}  # fmt: skip
     compared(spar, by, conditions, 2e-6, t_end=10.0, output_step=0.5, tolerance=1e-12, start="equilibrium")
 
 
