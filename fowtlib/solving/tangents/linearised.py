@@ -11,8 +11,10 @@ import numpy as np
 
 from fowtlib.language.errors import SimulationError
 from fowtlib.solving.differences import SMOOTH
-from fowtlib.solving.functions import POINTS, AtParameters, Functions
+from fowtlib.solving.functions import AtParameters, Functions
+from fowtlib.solving.tangents.columns import mapped
 from fowtlib.solving.tangents.directions import MovedData, RunDirections
+from fowtlib.solving.tangents.torn import TornRows
 
 Blocks = list[np.ndarray]
 
@@ -36,14 +38,14 @@ class Points:
 
 @dataclass(frozen=True, eq=False)
 class Entries:
-    """Derivatives of rows at points (n, nonzero): rows and columns of the entries, and where kinds of columns end.
+    """Derivatives of rows at points: values (n, rows, columns), and where they can be other than zero.
 
-    Columns are x, z, moving discrete variables, entries of p, which move by by_p (., m), and data, which move by dw.
+    ends: where kinds of columns end. Columns are x, z, moving discrete variables, entries of p, which move by by_p
+    (., m), and data, which move by dw.
     """
 
     row: np.ndarray
     column: np.ndarray
-    rows: int
     ends: np.ndarray
     values: np.ndarray
     by_p: np.ndarray
@@ -51,9 +53,7 @@ class Entries:
 
     def blocks(self) -> Blocks:
         """Dense: by x, by z, by the moving discrete variables, and by parameters (n, rows, .)."""
-        dense = np.zeros((len(self.values), self.rows, self.ends[-1]))
-        dense[:, self.row, self.column] = self.values
-        of_x, of_z, of_d, of_p, of_w = np.split(dense, self.ends[1:-1], axis=2)
+        of_x, of_z, of_d, of_p, of_w = np.split(self.values, self.ends[1:-1], axis=2)
         return [of_x, of_z, of_d, of_p @ self.by_p + of_w @ self.points.dw]
 
     def split(self, counts: Sequence[int]) -> list[Entries]:
@@ -96,45 +96,21 @@ class Linearised:
             return at.functions
         return at.general.once(("with zeros", zeros), lambda: Functions(self.dae, zeros))
 
-    def by(self, name: str, rows: ca.SX) -> ca.Function:
-        """`(t, x, z, q) -> entries of the derivatives of rows`; its pattern is that of `pattern`."""
-        key = ("tangent", name, self.key, rows.__hash__() if name == "" else name)
-
-        def make() -> tuple[ca.Function, ca.Sparsity]:
-            functions = self.functions
-            whole = functions.torn_jacobian("tangent", ca.vec(ca.densify(rows)), self.columns)
-            arguments = [ca.MX.sym(n, *v.shape) for n, v in zip("txzq", functions._arguments, strict=True)]
-            blocks = whole(*arguments)
-            matrix = ca.horzcat(*(blocks if isinstance(blocks, (list, tuple)) else [blocks]))
-            entries = ca.vec(matrix.nz[:]) if matrix.nnz() else ca.MX(0, 1)
-            return ca.Function("tangent_entries", arguments, [entries]), matrix.sparsity()
-
-        return self.functions.once(key, make)
+    def by(self, name: str, rows: ca.SX) -> TornRows:
+        """Derivatives of rows; `name` tells them from others."""
+        key = ("tangent", name, self.key)
+        return self.functions.once(key, lambda: TornRows(self.functions, rows, self.columns))
 
     def entries(self, name: str, rows: ca.SX, points: Points, p: np.ndarray | None = None) -> Entries:
         """Derivatives of rows at points. p: parameters, where they are others than those of the run."""
-        function, pattern = self.by(name, rows)
+        function = self.by(name, rows)
         ends = np.cumsum([0, *(column.numel() for column in self.columns)])
-        row, column = (np.array(numbers, dtype=np.intc) for numbers in (pattern.row(), pattern.get_col()))
-        return Entries(row, column, pattern.shape[0], ends, self.evaluated(function, points, p), self.by_p, points)
+        values = function(points.t, points.x, points.z, points.q, self.at.parameters if p is None else p)
+        return Entries(function.row, function.column, ends, values, self.by_p, points)
 
     def slopes(self, name: str, rows: ca.SX, points: Points) -> Blocks:
         """The same as blocks."""
         return self.entries(name, rows, points).blocks()
-
-    def evaluated(self, function: ca.Function, points: Points, p: np.ndarray | None = None) -> np.ndarray:
-        """Rows of the values of a function at points."""
-        p = self.at.parameters if p is None else p
-        n, found, first = len(points.t), [], 0
-        columns = (points.t[None], points.x.T, points.z.T)
-        for size in POINTS:
-            if (n - first) // size:
-                at_once = self.functions.along(function, size)
-            for _ in range((n - first) // size):
-                part = slice(first, first + size)
-                found.append(np.array(at_once(*(c[:, part] for c in columns), points.q.T[:, part], p)))
-                first += size
-        return np.concatenate(found, axis=1).T if found else np.zeros((0, function.size1_out(0)))
 
     def points(self, t: np.ndarray, x: np.ndarray, z: np.ndarray, q: np.ndarray) -> Points:
         """Points, with the changes of the data of external functions there."""
@@ -143,7 +119,7 @@ class Linearised:
         first = 0
         for number in self.externals:
             size = self._of(number).stop - self._of(number).start
-            inputs = self.evaluated(self._inputs[number], points)
+            inputs = self._data.outputs(points.t, points.x, points.z, points.q, self.at.parameters)[1][number]
             for item in self.run.data:
                 if item.external == number:
                     points.dw[:, first : first + size, item.column] = self._changes(number, item, inputs)
@@ -152,14 +128,12 @@ class Linearised:
 
     def _changes(self, number: int, item: MovedData, inputs: np.ndarray) -> np.ndarray:
         """Slopes of what an external function gives at its inputs (n, .) by the data behind it."""
-        external, n = self.dae.externals[number], len(inputs)
-        many = self.functions.once(("mapped", number, n), lambda: external.function.map(n))
-
+        external = self.dae.externals[number]
         def values(handle: float | None) -> np.ndarray:
             moved = inputs.copy()
             if handle is not None:
                 moved[:, item.place] = handle
-            return np.array(many(moved.T)).reshape(-1, n, order="F").T
+            return mapped(external.function, [moved], len(moved))
 
         above, below, here = values(item.above), values(item.below), values(None)
         slope, bent = (above - below) / (2 * item.step), (above - 2 * here + below) / item.step
@@ -172,9 +146,9 @@ class Linearised:
         return slope
 
     @cached_property
-    def _inputs(self) -> dict[int, ca.Function]:
-        return {k: self.functions.function("data_inputs", [ca.vec(ca.densify(self.dae.externals[k].inputs))])
-                for k in self.externals}  # fmt: skip
+    def _data(self) -> TornRows:
+        """What reads the data that move."""
+        return TornRows(self.functions, self.dae.w[self.outputs], [])
 
     @cached_property
     def equations(self) -> ca.SX:

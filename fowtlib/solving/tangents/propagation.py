@@ -28,8 +28,7 @@ from fowtlib.solving.tangents.linearised import Entries, Linearised, Points
 from fowtlib.solving.tangents.tape import Happening, Point, Record, Sample, Start, Stretch
 from fowtlib.solving.timeline import Timeline
 
-CHUNK = 1000  # points at which the equations are differentiated at once
-RESCALED = 100  # output points after which a perturbation may be counted in another unit
+CHUNK = 400  # points at which the equations are differentiated at once
 LARGE = 1e100  # size of a perturbation from which on it is counted in another unit
 
 
@@ -110,13 +109,13 @@ class Propagation:
 
     def _with_steps(self, points: Points, length: np.ndarray) -> Entries:
         """The same where externals that solve steps of their own are told how far a stage reaches."""
-        values = np.zeros((len(length), 0))
+        values = np.zeros((0, 0, 0))
         for h in np.unique(length):
             which = np.flatnonzero(length == h)
             p = self.model.at.parameters.copy()
             p[np.array(self.reduced.steps) - points.q.shape[1]] = self._reach(h)
             found = self.model.entries("equations", self.model.equations, points.part(which), p)
-            values = values if values.size else np.zeros((len(length), found.values.shape[1]))
+            values = values if values.size else np.zeros((len(length), *found.values.shape[1:]))
             values[which] = found.values
         return replace(found, values=values, points=points)
 
@@ -127,15 +126,11 @@ class Propagation:
 
     def _stretch(self, record: Stretch, found: Entries, now: Moved, grid: Grid, times: np.ndarray,
                  tiny: float) -> None:  # fmt: skip
-        for first in range(0, len(record.times), RESCALED):
-            count = len(record.times[first : first + RESCALED])
-            part = slice(first * record.each, (first + count) * record.each)
-            piece = replace(found, values=found.values[part], points=found.points.part(part))
-            steps = self._compiled if compiler() else self._interpreted
-            rows = steps(record.stages[part, 1], record.each, piece, now, record.stages[part, 0])
-            for time, x in zip(record.times[first : first + count], rows, strict=True):
-                self._put(grid, Moved(x, now.rate, now.d, now.scale), times, time, tiny)
-            self._rescale(now)
+        steps = self._compiled if compiler() else self._interpreted
+        rows = steps(record.stages[:, 1], record.each, found, now, record.stages[:, 0])
+        for time, x in zip(record.times, rows, strict=True):
+            self._put(grid, Moved(x, now.rate, now.d, now.scale), times, time, tiny)
+        self._rescale(now)
 
     def _interpreted(self, h: np.ndarray, each: int, found: Entries, now: Moved, t: np.ndarray) -> list[np.ndarray]:
         """Derivatives of the states after every `each` steps."""
@@ -168,10 +163,12 @@ class Propagation:
         dw = found.points.dw
         data = np.concatenate([dw, np.zeros((*dw.shape[:2], 1))], axis=2)
         out, work = np.empty((steps // each, nx, columns)), np.empty(n * n + n * columns + nx * columns)
-        values, constants = np.ascontiguousarray(found.values), np.array([self.alpha_m, self.alpha_f, self.gamma])
+        values = np.ascontiguousarray(found.values)
+        constants = np.array([self.alpha_m, self.alpha_f, self.gamma])
         length = np.ascontiguousarray(h)
         bad = _runtime().tangent_steps(
-            steps, each, nx, self.nz, columns, len(found.row), found.row.ctypes.data, found.column.ctypes.data,
+            steps, each, nx, self.nz, columns, values.shape[2], len(found.row), found.row.ctypes.data,
+            found.column.ctypes.data,
             values.ctypes.data, length.ctypes.data, self.outside.ctypes.data, constants.ctypes.data, len(fixed),
             fixed.ctypes.data, data.shape[1], data.ctypes.data, now.x.ctypes.data, now.rate.ctypes.data,
             out.ctypes.data, work.ctypes.data,
@@ -183,14 +180,14 @@ class Propagation:
     def _finite(self, found: Entries) -> None:
         if np.isfinite(found.values).all():
             return
-        i, entry = (int(k) for k in np.argwhere(~np.isfinite(found.values))[0])
-        dae, column = self.dae, int(found.column[entry])
+        i, row, column = (int(k) for k in np.argwhere(~np.isfinite(found.values))[0])
+        dae = self.dae
         paths = [*(f"der({state.path})" for state in dae.states), *dae.residual_paths]
         moving = [dae.discretes[k] for k in self.model.moving]
         names = [item.path for item in (*dae.states, *dae.algebraics, *moving)]
         by = f" by {names[column]}" if column < len(names) else ""
         raise SimulationError(
-            f"the derivative of {paths[found.row[entry]]}{by} is not a finite number at t = {found.points.t[i]:.6g} s: "
+            f"the derivative of {paths[row]}{by} is not a finite number at t = {found.points.t[i]:.6g} s: "
             "there is no sensitivity beyond. A root of zero has none, for instance; start beside it."
         )
 
@@ -267,7 +264,7 @@ def _runtime() -> Library:
     _, library = load_library(text, "tangent", optimization="-O3")
     function, pointer, integer = library.tangent_steps, c.c_void_p, c.c_int
     function.restype = integer
-    function.argtypes = [*[integer] * 6, *[pointer] * 6, integer, pointer, integer, *[pointer] * 5]
+    function.argtypes = [*[integer] * 7, *[pointer] * 6, integer, pointer, integer, *[pointer] * 5]
     return library
 
 
@@ -276,17 +273,26 @@ def _singular(t: float) -> SimulationError:
 
 
 def _chunks(tape: Iterable[Record]) -> Iterator[list[Record]]:
-    """Records in pieces that end before a start, a stretch, or the first of what happens at an instant."""
+    """Records in pieces of about so many points; what happens at an instant, and the start behind it, stay together."""
     kept: list[Record] = []
     points = 0
     for record in tape:
-        if points >= CHUNK and isinstance(record, Stretch):
-            yield kept
-            kept, points = [], 0
-        kept.append(record)
-        points += len(record.stages) if isinstance(record, Stretch) else 1
+        for part in _divided(record) if isinstance(record, Stretch) else [record]:
+            if points >= CHUNK and isinstance(part, Stretch):
+                yield kept
+                kept, points = [], 0
+            kept.append(part)
+            points += len(part.stages) if isinstance(part, Stretch) else 1
     if kept:
         yield kept
+
+
+def _divided(record: Stretch) -> Iterator[Stretch]:
+    """A stretch in pieces that end at output points."""
+    most = max(1, CHUNK // record.each)
+    for first in range(0, len(record.times), most):
+        stages = record.stages[first * record.each : (first + most) * record.each]
+        yield replace(record, stages=stages, times=record.times[first : first + most])
 
 
 Rows = tuple[np.ndarray, np.ndarray, np.ndarray, np.ndarray, np.ndarray]

@@ -23,7 +23,7 @@ from fowtlib.solving.state import State
 from fowtlib.solving.tangents.beginnings import Beginning
 from fowtlib.solving.tangents.directions import RunDirections
 from fowtlib.solving.tangents.linearised import Linearised
-from fowtlib.solving.tangents.propagation import Grid, Moved, Propagation
+from fowtlib.solving.tangents.propagation import CHUNK, Grid, Moved, Propagation
 from fowtlib.solving.tangents.tape import Happening, Sample, Taped, taped
 from fowtlib.solving.timeline import Event, Timeline
 from fowtlib.solving.tuned import tuned_elements
@@ -357,8 +357,8 @@ def _observed(lines: Linearised, result: Result, grid: Grid, expressions: Sequen
     rows = ca.vertcat(lines.dae.alg, *[ca.densify(expression) for expression in expressions])
     found = np.zeros((len(raw.time), len(expressions), grid.x.shape[2]))
     name = f"results {[expression.__hash__() for expression in expressions]}"
-    for first in range(0, len(raw.time), 1000):
-        part = slice(first, first + 1000)
+    for first in range(0, len(raw.time), CHUNK):
+        part = slice(first, first + CHUNK)
         q = np.hstack([np.repeat(u[None], len(raw.time[part]), axis=0), raw.d[part]])
         points = lines.points(raw.time[part], raw.x[part], raw.z[part], q)
         by_x, by_z, by_d, by_p = lines.slopes(name, rows, points)

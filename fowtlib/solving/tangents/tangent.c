@@ -63,11 +63,12 @@ static int solve(int n, int m, double *a, double *b) {
 
 /* Derivatives x and rate (states, columns) through `steps` stages; those of x after every `each` of them go to out.
 
-   row, column: of the entries of [ode; alg] by x, z and the seeds; entries: a row for each stage. outside: 0 for states
+   entries: a matrix (n, width) of [ode; alg] by x, z and the seeds for each stage; row, column: of what is not zero in it. outside: 0 for states
    whose steps an external function solves. seed (seeds, columns): what the columns behind x and z move with; of these the
    last `data` are given for each stage, in `moved`, and the others in `fixed`. work: n n + n columns + states columns
    numbers, n = states + algebraics. Returns the number of the stage that is singular, or -1. */
-EXPORT int tangent_steps(int steps, int each, int states, int algebraics, int columns, int nonzero, const int *row,
+EXPORT int tangent_steps(int steps, int each, int states, int algebraics, int columns, int width, int nonzero,
+                         const int *row,
                          const int *column, const double *entries, const double *length, const double *outside,
                          const double *constants, int given, const double *fixed, int data, const double *moved, double *x,
                          double *rate, double *out, double *work) {
@@ -76,14 +77,14 @@ EXPORT int tangent_steps(int steps, int each, int states, int algebraics, int co
   double *a = work, *b = a + (size_t)n * n, *bar = b + (size_t)n * m;
   for (s = 0; s < steps; s++) {
     double h = length[s], k = alpha_f * gamma * h / alpha_m, back = alpha_f * h - k;
-    const double *value = entries + (size_t)s * nonzero;
+    const double *value = entries + (size_t)s * n * width;
     memset(a, 0, sizeof(double) * (size_t)n * n);
     memset(b, 0, sizeof(double) * (size_t)n * m);
     for (i = 0; i < states * m; i++) bar[i] = x[i] + back * rate[i];
     for (i = 0; i < states; i++) a[i * n + i] = 1.0;
     for (e = 0; e < nonzero; e++) {
       int c = column[e];
-      double v = value[e], *restrict right = b + row[e] * m;
+      double v = value[(size_t)row[e] * width + c], *restrict right = b + row[e] * m;
       const double *seed;
       if (c < n) a[row[e] * n + c] -= c < states ? k * outside[c] * v : v;
       if (c >= states && c < n) continue;
