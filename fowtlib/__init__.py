@@ -79,10 +79,12 @@ if TYPE_CHECKING:
         Output,
         Plant,
         Result,
+        Sensitivities,
         State,
         mean_linear_model,
         mean_state,
         natural_modes,
+        sensitivities,
     )
     from fowtlib.view import view
 
@@ -107,8 +109,8 @@ _LATER = {
     **dict.fromkeys(("Batch", "Case", "check_cases", "run_batch"), "fowtlib.cases"),
     **dict.fromkeys(("dump", "load"), "fowtlib.modelfile"),
     **dict.fromkeys(
-        ("Conditions", "Event", "LinearModel", "Mode", "Model", "NaturalMode", "Output", "Plant", "Result", "State",
-         "mean_linear_model", "mean_state", "natural_modes"),
+        ("Conditions", "Event", "LinearModel", "Mode", "Model", "NaturalMode", "Output", "Plant", "Result",
+         "Sensitivities", "State", "mean_linear_model", "mean_state", "natural_modes", "sensitivities"),
         "fowtlib.solving",
     ),
     **dict.fromkeys(
@@ -163,6 +165,7 @@ __all__ = [
     "Response",
     "Responses",
     "Result",
+    "Sensitivities",
     "State",
     "Variable",
     "aerodynamic_coefficients",
@@ -203,6 +206,7 @@ __all__ = [
     "response",
     "responses",
     "run_batch",
+    "sensitivities",
     "simulated_rao",
     "static_curve",
     "ultimate_loads",

@@ -42,6 +42,7 @@ from fowtlib.cli import (
     response,
     rotor_table,
     run,
+    sensitivity,
     sheet,
     stability,
     statistics,
@@ -56,7 +57,8 @@ from fowtlib.language.errors import ModelError, did_you_mean
 
 GROUPS = (
     run, cases, batch, export, view, inspection, events, stability, tune, sheet, maps, optimise, decay, rao, response,
-    statistics, maxima, loads, fatigue, compare, rotor_table, hydro, wind_field, contours, extremes, library, cache,
+    sensitivity, statistics, maxima, loads, fatigue, compare, rotor_table, hydro, wind_field, contours, extremes,
+    library, cache,
 )  # fmt: skip
 
 

@@ -8,6 +8,7 @@ from fowtlib.solving.modes import NaturalMode, natural_modes
 from fowtlib.solving.plant import Plant
 from fowtlib.solving.results import Result
 from fowtlib.solving.state import State
+from fowtlib.solving.tangents import Sensitivities, sensitivities
 from fowtlib.solving.timeline import Event
 from fowtlib.solving.turning import mean_state
 
@@ -21,8 +22,10 @@ __all__ = [
     "Output",
     "Plant",
     "Result",
+    "Sensitivities",
     "State",
     "mean_linear_model",
     "mean_state",
     "natural_modes",
+    "sensitivities",
 ]

@@ -82,10 +82,12 @@ class Functions:
     # --- building blocks -----------------------------------------------------------------------------------------
 
     @cached_property
-    def _external_inputs(self) -> list[ca.SX]:
-        return self._without_zeros([external.inputs for external in self.dae.externals])
+    def external_inputs(self) -> list[ca.SX]:
+        """The inputs of each external, as expressions."""
+        return self.without_zeros([external.inputs for external in self.dae.externals])
 
-    def _without_zeros(self, expressions: Sequence[ca.SX]) -> list[ca.SX]:
+    def without_zeros(self, expressions: Sequence[ca.SX]) -> list[ca.SX]:
+        """Expressions with zero in place of the parameters that are zero."""
         if not self.zeros or not expressions:
             return list(expressions)
         places = sorted(self.zeros)
@@ -106,7 +108,7 @@ class Functions:
             members = [k for k in group if needed is None or k in needed]
             if not members:
                 continue
-            inside = [self._external_inputs[k] for k in members]
+            inside = [self.external_inputs[k] for k in members]
             function = ca.Function(f"inputs_{level}", [*self._arguments, self.w], inside, SHORT)
             values = function(*arguments, ca.vertcat(*outputs) if outputs else ca.MX(0, 1))
             for k, y in zip(members, values if isinstance(values, (list, tuple)) else [values], strict=True):
@@ -116,7 +118,7 @@ class Functions:
 
     def function(self, name: str, expressions: Sequence[ca.SX], names: Sequence[str] = ()) -> ca.Function:
         """`(t, x, z, q) -> expressions`, calling the external functions that they need."""
-        columns = self._without_zeros(expressions)
+        columns = self.without_zeros(expressions)
         labels = list(names) or [f"o{i}" for i in range(len(columns))]
         inner = ca.Function(name, [*self._arguments, self.w], columns, ["t", "x", "z", "q", "w"], labels, SHORT)
         needed = self.needed(columns)
@@ -143,7 +145,7 @@ class Functions:
         front = direct(ca.vertcat(*[ca.vec(ca.densify(e)) for e in expressions]))
         while front:
             needed |= front
-            front = set().union(*(direct(self._external_inputs[k]) for k in front)) - needed
+            front = set().union(*(direct(self.external_inputs[k]) for k in front)) - needed
         return needed
 
     def torn_jacobian(self, name: str, rows: ca.SX, columns: Sequence[ca.SX]) -> ca.Function:
@@ -154,7 +156,7 @@ class Functions:
         The partial derivatives are expressions of scalars; their products with the Jacobians of the externals are
         sparse matrix products, because written out as scalars those of a rotor are a million operations.
         """
-        rows = self._without_zeros([rows])[0]
+        rows = self.without_zeros([rows])[0]
         block_of = ca.vertcat(*columns)
         ends = [0, *np.cumsum([c.shape[0] for c in columns]).tolist()]
         needed = self.needed([rows])
@@ -163,7 +165,7 @@ class Functions:
             return ca.Function(name, self._arguments, blocks)
         used, pieces = [], [ca.jacobian(rows, block_of), ca.jacobian(rows, self.w)]
         for k in (k for group in self.dae.levels for k in group if k in needed):
-            y = self._external_inputs[k]
+            y = self.external_inputs[k]
             if ca.depends_on(y, block_of) or ca.depends_on(y, self.w):  # those of waves and wind depend on time only
                 used.append(k)
                 pieces += [ca.jacobian(y, block_of), ca.jacobian(y, self.w)]
@@ -184,7 +186,7 @@ class Functions:
         Its expressions are the derivative along one direction, evaluated for each column. They are found in the time of
         one column, and each evaluation costs more: for a Jacobian that is needed a few times.
         """
-        rows = self._without_zeros([rows])[0]
+        rows = self.without_zeros([rows])[0]
         n, moving = columns.shape[0], ca.vertcat(columns, self.w)
         seed, w_seed = ca.SX.sym("seed", n), ca.SX.sym("w_seed", self.w.shape[0])
 
@@ -198,10 +200,10 @@ class Functions:
         arguments, w, inputs = self._called(needed)
         seeds, through = ca.MX(ca.DM.eye(n)), ca.MX(ca.DM.zeros(self.w.shape[0], n))
         for level, group in enumerate(self.dae.levels):
-            members = [k for k in group if k in needed and ca.depends_on(self._external_inputs[k], moving)]
+            members = [k for k in group if k in needed and ca.depends_on(self.external_inputs[k], moving)]
             if not members:
                 continue
-            y = ca.vertcat(*[ca.vec(ca.densify(self._external_inputs[k])) for k in members])
+            y = ca.vertcat(*[ca.vec(ca.densify(self.external_inputs[k])) for k in members])
             dy = along(f"level_{level}", y)(*arguments, w, seeds, through)
             ends = [0, *np.cumsum([inputs[k].numel() for k in members]).tolist()]
             for k, dy_k in zip(members, ca.vertsplit(dy, ends), strict=True):

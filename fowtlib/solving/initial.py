@@ -53,7 +53,7 @@ def initial_values(at: AtParameters, t: float, x: np.ndarray, z: np.ndarray, q: 
     dae = at.dae
     if not dae.initial_equations.shape[0]:
         return x, consistent_algebraics(at, t, x, z, q)
-    kept, free = at.functions.once(("freed", frozenset(given)), lambda: _freed_states(dae, given))
+    kept, free = at.functions.once(("freed", frozenset(given)), lambda: freed_states(dae, given))
     if not free and not dae.z.shape[0]:
         return x, z  # all start values are given, and nothing is left to solve for
     function, slopes = at.functions.once(
@@ -110,7 +110,7 @@ def initial_matching(dae: FlatDAE) -> tuple[list[int], list[int]]:
     return list(range(len(match))), [chosen[k] for k in match]
 
 
-def _freed_states(dae: FlatDAE, given: set[int]) -> tuple[list[int], list[int]]:
+def freed_states(dae: FlatDAE, given: set[int]) -> tuple[list[int], list[int]]:
     """The initial equations that hold, and the states whose start values give way to them.
 
     States of the component that writes an equation come first, then those without a start value; fixed ones never give

@@ -10,13 +10,14 @@ from fowtlib.language.errors import ParameterError
 from fowtlib.solving.binding import Binding
 from fowtlib.solving.checkpoint import last_time
 from fowtlib.solving.conditions import Conditions
-from fowtlib.solving.engines import create_engine
+from fowtlib.solving.engines import Engine, create_engine
 from fowtlib.solving.layout import Values
 from fowtlib.solving.results import Result
 from fowtlib.solving.results.journal import Journal
 from fowtlib.solving.run import About, Run, duration_settings
 from fowtlib.solving.starts import start_values
 from fowtlib.solving.state import State
+from fowtlib.solving.timeline import Timeline
 
 Plant = Any
 """fowtlib.solving.plant.Plant, which imports this module."""
@@ -33,10 +34,12 @@ class SolverChoice:
 
 
 def simulated(plant: Plant, conditions: Conditions, choice: SolverChoice, replaces: bool,
-              progress: Callable[[float, float], None] | bool, journal: Journal | None) -> Result:  # fmt: skip
+              progress: Callable[[float, float], None] | bool, journal: Journal | None,
+              watched: Callable[[Engine, Timeline], Engine] = lambda engine, timeline: engine) -> Result:  # fmt: skip
     """The result of a run under these conditions; see Plant.simulate.
 
     replaces: whether parameters were given, which then count instead of those of a state to start from.
+    watched: gives the engine that the run calls, in place of its own.
     """
     start, inputs = conditions.start, conditions.inputs
     parameters: Values | None = conditions.values or ({} if replaces else None)
@@ -55,7 +58,7 @@ def simulated(plant: Plant, conditions: Conditions, choice: SolverChoice, replac
     timeline = plant.timeline(conditions.events, about.binding.root)
     resumed = isinstance(start, Result)
     timeline.begin(state.t, resumed, str(start.attributes.get("events", "")).splitlines() if resumed else ())
-    run = Run(engine, state, plant.outputs, names, about, resumed, lambda: plant.code, timeline)
+    run = Run(watched(engine, timeline), state, plant.outputs, names, about, resumed, lambda: plant.code, timeline)
     earlier, point = (start, run.can_go_on(start, end, interval)) if isinstance(start, Result) else (None, b"")
     if journal is not None and earlier is not None:
         earlier = earlier.before(last_time(point) if point else state.t)

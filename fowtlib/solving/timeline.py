@@ -8,7 +8,7 @@ from __future__ import annotations
 
 import math
 import re
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass, field
 from typing import Any
 
@@ -195,9 +195,10 @@ class Timeline:
     """The events of one run; all of them are checked when it is made, before the run begins."""
 
     def __init__(self, events: Sequence[Event], dae: FlatDAE, outputs: Outputs, root: Component | None):
-        self.dae, self.outputs, self.root = dae, outputs, root
+        self.dae, self.outputs, self.root, self.asked = dae, outputs, root, tuple(events)
         self.planned = [self._planned(event, number) for event in events for number in _chosen(event, self.dae)]
         self.happened: list[str] = []  # a line for each that has happened, as a result tells it
+        self.heard: Callable[..., None] | None = None  # is told of each, as `carry_out` is
 
     def _planned(self, event: Event, number: int) -> Planned:
         offer = self.dae.offers[number]
@@ -300,6 +301,8 @@ class Timeline:
             -> tuple[np.ndarray, np.ndarray]:  # fmt: skip
         """Values of the states and of the discrete variables that event k sets."""
         item, offer = self.planned[k], self.planned[k].offer
+        if self.heard is not None:
+            self.heard(k, t, x, z, q)
 
         def put(expression: ca.SX) -> ca.SX:
             return ca.substitute([expression], [offer.given], [ca.SX(ca.DM(item.given))])[0] if len(item.given) \

@@ -118,6 +118,7 @@ typedef struct {
   int started, failed_row, failed_external, not_finite;
   volatile int stop;    /* set by another thread: stop before the next step */
   double t, failed_time;
+  double *record;       /* where each step writes its stage, and goes on behind; null: nowhere */
   long long count[FS_COUNTS];
 } fs_instance;
 
@@ -674,6 +675,13 @@ static int fs_step(fs_instance *s, double t, double h) {
   a->age++;
   s->count[FS_STEPS]++;
   for (i = 0; i < s->m.inside; i++) s->v[s->m.inside_state[i]] = s->ode[s->m.inside_state[i]];
+  if (s->record) {
+    *s->record++ = stage;
+    *s->record++ = h;
+    memcpy(s->record, s->xf, sizeof(double) * (size_t)s->m.states);
+    memcpy(s->record += s->m.states, s->unknown, sizeof(double) * (size_t)s->m.algebraics);
+    s->record += s->m.algebraics;
+  }
   for (i = 0; i < s->m.states; i++) {
     double change = (s->v[i] - s->rate[i]) / am;
     s->x[i] += h * (s->rate[i] + g * change);
@@ -904,6 +912,9 @@ EXPORT int fs_advance(fs_instance *s, double t, double length, int points, const
   return FS_DONE;
 }
 
+/* Where the steps of the next fs_advance write their stages: rows of its time, the length of the step, x_f and z. */
+EXPORT void fs_record(fs_instance *s, double *rows) { s->record = rows; }
+
 /* Whether fs_advance and fs_values shall stop; may be called while they run in another thread. */
 EXPORT void fs_stop(fs_instance *s, int stop) { s->stop = stop; }
 
@@ -1057,7 +1068,7 @@ EXPORT void fs_restore(fs_instance *s, const void *image) {
   *s = saved;
   s->m = now.m;
   s->arg = now.arg; s->res = now.res; s->integer = now.integer;
-  s->stop = now.stop;
+  s->stop = now.stop; s->record = now.record;
   s->stage.pivot = now.stage.pivot; s->stage.list = now.stage.list; s->stage.column = now.stage.column;
   s->algebraic.pivot = now.algebraic.pivot; s->algebraic.list = now.algebraic.list;
   s->algebraic.column = now.algebraic.column;

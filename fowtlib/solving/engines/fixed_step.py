@@ -25,11 +25,13 @@ class FixedStep:
     """Integrates over an interval with equal steps of at most `step`, with equidistant output points.
 
     It goes on with its own rates where it stands at the point it is called from; anywhere else it starts anew.
+    watch: is given the stages of each call of `advance`, rows of time, length of the step, states, algebraic unknowns.
     """
 
     def __init__(self, code: FixedStepCode, at: AtParameters, step: float, tolerance: float,
                  rho_inf: float, keep: int = KEEP, predictor: int = PREDICTOR):  # fmt: skip
-        self.code, self.at = code, at
+        self.code, self.at, self.reduced = code, at, code.reduction
+        self.watch: Callable[[np.ndarray], None] | None = None
         self.attributes = {"solver": "fixed", "step": step, "rho_inf": rho_inf, "tolerance": tolerance}
         self.advice = f"or take a shorter step (--step {500 * step:g}ms)"
         self._library = runtime()
@@ -50,10 +52,19 @@ class FixedStep:
         self.code.raised.clear()
         x, z, given = _numbers(x), _numbers(z), self.at.whole(q)
         xs, zs, reached = np.empty((points, len(x))), np.empty((points, len(z))), c.c_int()
+        stages = None
+        if self.watch is not None:
+            rows = points * max(1, int(np.ceil(length / points / self.attributes["step"] * (1 - 1e-9))))
+            stages = np.empty((rows, 2 + len(x) + len(z)))
+            self._library.fs_record(self._instance, stages.ctypes.data)
         status = self._library.fs_advance(
             self._instance, t, length, points, x.ctypes.data, z.ctypes.data, given.ctypes.data, xs.ctypes.data,
             zs.ctypes.data, c.byref(reached),
         )  # fmt: skip
+        if stages is not None:
+            self._library.fs_record(self._instance, None)
+            if not status:
+                self.watch(stages)
         if status == STOPPED:
             return xs[: reached.value], zs[: reached.value]
         if status:

@@ -109,6 +109,7 @@ def runtime() -> Library:
         "failure": (None, [pointer] * 5),
         "counts": (None, [pointer] * 2),
         "stop": (None, [pointer, c.c_int]),
+        "record": (None, [pointer] * 2),
         "image_size": (c.c_size_t, [pointer]),
         "save": (None, [pointer] * 2),
         "restore": (None, [pointer] * 2),

@@ -36,6 +36,8 @@ class FixedStepTwin:
         self.advice = f"or take a shorter step (--step {500 * step:g}ms)"
         self.stands: tuple[float, np.ndarray, np.ndarray] | None = None
         self.inverse, self.made_for, self.age = np.zeros((0, 0)), 0.0, KEEP
+        self.watch: Callable[[np.ndarray], None] | None = None
+        self.stages: list[np.ndarray] = []  # of one call of `advance`, as FixedStep.watch is given them
 
     def algebraics(self, t: float, x: np.ndarray, z: np.ndarray, q: np.ndarray) -> np.ndarray:
         """Algebraic unknowns that satisfy the equations at the states; SimulationError where none are found."""
@@ -53,7 +55,7 @@ class FixedStepTwin:
         h = length / points / steps
         if not self._stands_at(t, x, q):
             self._start(t, x, z, q)
-        rows = []
+        rows, self.stages = [], []
         for p in range(points):
             for i in range(steps):
                 self._step(t + length * p / points + i * h, h)
@@ -61,6 +63,8 @@ class FixedStepTwin:
             self.z = self._consistent(now, self.x, self._predict(now)[: z.size], q)
             self.stands = (now, self.x, q.copy())
             rows.append((self.x, self.z))
+        if self.watch is not None:
+            self.watch(np.array(self.stages))
         return np.array([row[0] for row in rows]), np.array([row[1] for row in rows]).reshape(points, z.size)
 
     def stop(self, now: bool) -> None:
@@ -161,7 +165,8 @@ class FixedStepTwin:
         else:
             self.stands, self.age = None, KEEP
             raise StepFailure(step_failure(self.dae, self.reduced.free, *self.blamed))
-        v, _ = self._placed(xbar, k, unknown)
+        v, x = self._placed(xbar, k, unknown)
+        self.stages.append(np.concatenate([[stage, h], x, unknown[: self.z.size]]))
         change = (v - self.rate) / self.alpha_m
         self.x = self.x + h * (self.rate + self.gamma * change)
         self.rate = self.rate + change
