@@ -36,11 +36,23 @@ from fowtlib.design.rules.shell import (
 )
 from fowtlib.design.rules.steel import STEEL, Steel
 from fowtlib.design.rules.tower import TowerBuckling, tower_buckling
+from fowtlib.design.rules.tubes import (
+    HullUse,
+    hull_buckling,
+    hull_cost,
+    ring_fraction,
+    spar_heave_period,
+    tapers,
+    tower_cost,
+    tower_use,
+    tube_fatigue,
+)
 
 __all__ = [
     "STEEL",
     "ColumnBuckling",
     "HoopStress",
+    "HullUse",
     "MooringStrength",
     "PanelRing",
     "Ring",
@@ -61,6 +73,8 @@ __all__ = [
     "fatigue_utilisation",
     "heave_period",
     "hoop_stress",
+    "hull_buckling",
+    "hull_cost",
     "mooring_cost",
     "mooring_strength",
     "panel_ring",
@@ -68,10 +82,16 @@ __all__ = [
     "power_lost_by_tilt",
     "rigid_period",
     "ring_fabrication_times",
+    "ring_fraction",
     "shell_buckling",
+    "spar_heave_period",
     "steel_cost",
     "taper_utilisation",
+    "tapers",
     "tower_buckling",
+    "tower_cost",
+    "tower_use",
+    "tube_fatigue",
     "tube_sections",
     "uplift_limit",
 ]
