@@ -8,6 +8,7 @@ from collections.abc import Callable, Mapping
 from typing import Any
 
 import casadi as ca
+import numpy as np
 
 from fowtlib.design.terms import Function
 from fowtlib.language.errors import ModelError, did_you_mean
@@ -68,8 +69,9 @@ def _formula(name: str, node: Node, of: Mapping[str, Node], unit: str) -> Functi
 
 def _refuse_units(name: str, parsed: Formula, node: Node) -> None:
     """Units in a formula would meet results that are in units of their own."""
+    trial: Any = np.full(1000, 1.2345678) if "[" in parsed.text else 1.2345678  # with elements where some are taken
     try:
-        result = parsed.tree(lambda own: Quantity(1.2345678))
+        result = parsed.tree(lambda own: Quantity(trial))
     except ModelError:
         result = Quantity(0.0, formulas.NONE)
     except (ArithmeticError, ValueError, TypeError):

@@ -29,7 +29,11 @@ AGE = 4  # steps for which slopes learn before they are taken anew
 
 
 def search(problem: Any, y: np.ndarray, settings: Settings) -> Ended:
-    """From y on. options: `region` (0.08), `age` (4 steps) and `penalty` (20) in place of those of this module."""
+    """From y on.
+
+    options: `region` (0.08), `age` (4 steps) and `penalty` (20) in place of those of this module; `say`, which is told
+    of each step.
+    """
     return _Search(problem, settings).run(y)
 
 
@@ -39,6 +43,7 @@ class _Search:
         options = settings.options
         self.penalty, self.age = float(options.get("penalty", PENALTY)), int(options.get("age", AGE))
         self.region = float(options.get("region", FIRST))
+        self.say = options.get("say", lambda line: None)
         self.sub = _Step(problem, self.penalty)
 
     def merit(self, r: np.ndarray, y: np.ndarray) -> float:
@@ -69,8 +74,11 @@ class _Search:
                 continue
             there = self.merit(found, new)
             quality = (here - there) / expected
+            point = problem.point(new)
+            self.say(f"step {np.max(np.abs(step * held(J))):.3f} in {self.region:.3f}: {here:.5f} to {there:.5f} for "
+                     f"{here - expected:.5f}; {point.objective:.5g}, {point.violation:.2g} at {point.worst}")  # fmt: skip
             J = _learnt(J, step, found - r)
-            self._resize(quality, step)
+            self._resize(quality, step * held(J))
             if quality > ACCEPTED:
                 y, r, here = new, found, there
             learned += 1
@@ -93,9 +101,14 @@ class _Search:
             self.region = max(0.4 * min(self.region, float(np.max(np.abs(step)))), SMALLEST / 2)
 
 
+def held(J: np.ndarray) -> np.ndarray:
+    """Which variables results depend on."""
+    return np.any(J, axis=0)
+
+
 def _learnt(J: np.ndarray, step: np.ndarray, change: np.ndarray) -> np.ndarray:
     """Broyden's update, in the variables on which results depend."""
-    s = np.where(np.any(J, axis=0), step, 0.0)
+    s = np.where(held(J), step, 0.0)
     size = s @ s
     return J if size < 1e-16 else J + np.outer(change - J @ s, s) / size
 
@@ -121,9 +134,9 @@ class _Step:
     def __call__(self, y: np.ndarray, r: np.ndarray, J: np.ndarray, region: float) -> np.ndarray:
         problem = self.problem
         k, m = problem.lower.size, r.size
-        held = np.any(J, axis=0)
-        low = np.where(held, np.maximum(problem.y_lower, y - region), problem.y_lower)
-        high = np.where(held, np.minimum(problem.y_upper, y + region), problem.y_upper)
+        bound = held(J)
+        low = np.where(bound, np.maximum(problem.y_lower, y - region), problem.y_lower)
+        high = np.where(bound, np.minimum(problem.y_upper, y + region), problem.y_upper)
         sizes = np.maximum(np.abs(r), np.abs(J).sum(axis=1) * region)
         sizes = np.where(sizes > 0, sizes, 1.0)
         scaled = J / sizes[:, None]

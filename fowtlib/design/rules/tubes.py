@@ -56,11 +56,15 @@ def _count(values: Any) -> int:
     return values.numel() if is_expression(values) else int(np.size(values))
 
 
-def _of_sections(of_nodes: Any, missing: int, worse: Any) -> Any:
-    """The worse of both ends of each section; of the `missing` lowest nodes no loads are known, those above count."""
-    first = of_nodes[0]
-    padded = ca.vertcat(*[first] * missing, of_nodes) if is_expression(of_nodes) else np.append([first] * missing, of_nodes)
-    return worse(*between(padded))
+def _of_sections(of_nodes: Any, nodes: int, worse: Any) -> Any:
+    """The worse of both ends of each section, of loads at all nodes, or at those from the second on, or fewer.
+
+    The lowest node has the load of the second, what is left at the top that of the last.
+    """
+    count = _count(of_nodes)
+    below = 0 if count == nodes else 1
+    parts = [*[of_nodes[0]] * below, of_nodes, *[of_nodes[-1]] * (nodes - below - count)]
+    return worse(*between(ca.vertcat(*parts) if is_expression(of_nodes) else np.hstack(parts)))
 
 
 @dataclass(frozen=True)
@@ -87,24 +91,22 @@ def hull_buckling(
 
     heights above the still water level, diameters, walls (n,) at the nodes [m]; moments [N m], the largest of either
     sign, and axial_forces [N], mean, negative in compression and without the pressure of the water on the section, at
-    the upper nodes (m <= n): the larger of both ends of a section counts, and those of the nodes below are taken as
-    that of the lowest that is given. Water presses on the lower end of a section from outside and along it; ballast
+    the nodes from the second on: the worse end of a section counts, the keel bears what the second node does, and at
+    nodes above those that are given loads are as at the last. Water presses on the lower end of a section from outside and along it; ballast
     does not press back. The load factor is on the moment, as on all that the weather does. Rings: `spread`.
     """
     z, D, t, M, N = (column(item) for item in (heights, diameters, walls, moments, axial_forces))
     demand_nodes("hull buckling", heights=z, diameters=D, walls=t)
-    missing = _count(z) - _count(M)
-    missing_N = _count(z) - _count(N)
+    nodes = _count(z)
     r, wall = (_middles(D) - _middles(t)) / 2, _middles(t)
     low = between(z)[0]
     depth = larger(-low, 0.0)
     pressure = water_density * gravity * depth
-    end = (pi / 4) * D**2 * water_density * gravity * larger(-z, 0.0)
-    known = end[missing_N:] if missing_N else end
-    axial = _of_sections(N - known, missing_N, smaller)
-    bent = load_factor * _of_sections(M, missing, larger)
+    pressed = (pi / 4) * D**2 * water_density * gravity * larger(-z, 0.0)
+    axial = _of_sections(N - pressed[1 : 1 + _count(N)], nodes, smaller)
+    bent = load_factor * _of_sections(M, nodes, larger)
     stress, bending, _ = cylinder_stress(r, wall, axial, -bent)
-    ring = rings_of((web_height, web_thickness, flange_width, flange_thickness, spacing), _count(z) - 1)
+    ring = rings_of((web_height, web_thickness, flange_width, flange_thickness, spacing), nodes - 1)
     hoop = hoop_stress(pressure, stress + bending, r, wall, ring.spacing, ring.area, ring.flange_radius(r, wall))
     shell = shell_buckling(stress, bending, r, wall, ring.spacing, hoop_stress=hoop.between, least_factor=least_factor)
     frame = panel_ring(ring, r, wall, stress + bending, pressure)
@@ -153,24 +155,23 @@ def tower_use(
     masses = density * pi * (high - low) * _middles((D - t) * t)
     n = _count(z) - 1
     above = [top_mass + total(masses[k:]) for k in range(n)]
-    axial, bending, _ = cylinder_stress(r, wall, -gravity * column(above), -_of_sections(M, 0, larger))
+    axial, bending, _ = cylinder_stress(r, wall, -gravity * column(above), -_of_sections(M, n + 1, larger))
     return tower_buckling(load_factor * (axial + bending), r, wall, high - low).utilisation
 
 
 def tube_fatigue(
-    ranges: Any, diameters: Any, walls: Any, factor: float, *, slope: float = 5.0, intercept: float = 15.606,
+    ranges: Any, diameters: Any, walls: Any, factor: float, *, first: int = 0, slope: float = 5.0, intercept: float = 15.606,
     lifetime: float = YEARS_20, thickness_exponent: float = 0.2, reference_thickness: float = 0.025,
 ) -> Any:  # fmt: skip
     """Damage [-] of a life times a design fatigue factor at the nodes of a tube, from ranges of moments [N m].
 
     The ranges are those of 1 Hz with the exponent `slope` (damage-equivalent), the curve is 10^intercept S^-slope with
     S in MPa: by default the branch of many cycles of curve D, DNV-RP-C203. Stress M r / I of a thin tube at its middle.
-    ranges (m,): at the upper nodes of those given; weighted over the states with their probabilities, it is that of the
-    life.
+    ranges (m,): at the nodes from number `first` on; weighted over the states with their probabilities, it is that of
+    the life.
     """
     R, D, t = (column(item) for item in (ranges, diameters, walls))
-    first = _count(D) - _count(R)
-    D, t = (D[first:], t[first:]) if first else (D, t)
+    D, t = (item[first : first + _count(R)] for item in (D, t))
     stress = R / (pi * ((D - t) / 2) ** 2 * t) * 1e-6
     thick = (larger(t, reference_thickness) / reference_thickness) ** thickness_exponent
     return factor * lifetime * (stress * thick) ** slope / 10**intercept
