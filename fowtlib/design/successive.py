@@ -68,7 +68,8 @@ class _Search:
             try:
                 found = self._results(new)
             except ModelError as error:
-                reason, self.region = f"no further step has results: {error}", self.region / 4
+                reason, self.sub.free = f"no further step has results: {error}", False
+                self.region = min(self.region, float(np.max(np.abs(step)))) / 4
                 if self.region < SMALLEST:
                     return Ended(y, False, reason)
                 continue
@@ -117,7 +118,7 @@ class _Step:
     """The problem of a step: unknowns y, results over their sizes, and by how much each constraint is broken."""
 
     def __init__(self, problem: Any, penalty: float):
-        self.problem = problem
+        self.problem, self.free = problem, True  # whether variables that no result depends on may go anywhere
         composition = problem.composition
         n, m, k = len(problem.space), composition.free.numel(), problem.lower.size
         y, r, s = (ca.MX.sym(name, size) for name, size in (("y", n), ("r", m), ("s", k)))
@@ -134,7 +135,7 @@ class _Step:
     def __call__(self, y: np.ndarray, r: np.ndarray, J: np.ndarray, region: float) -> np.ndarray:
         problem = self.problem
         k, m = problem.lower.size, r.size
-        bound = held(J)
+        bound = held(J) | (not self.free)
         low = np.where(bound, np.maximum(problem.y_lower, y - region), problem.y_lower)
         high = np.where(bound, np.minimum(problem.y_upper, y + region), problem.y_upper)
         sizes = np.maximum(np.abs(r), np.abs(J).sum(axis=1) * region)
