@@ -284,56 +284,38 @@ class _Evaluation:
         return found
 
     def found(self, slopes: bool) -> tuple[np.ndarray, np.ndarray]:
+        """Values (k,) and derivatives (k, m)."""
         prepared = self.prepared
-        values = np.zeros(len(prepared.quantities))
+        count, outputs = len(prepared.quantities), len(self.model.slopes.scale)
+        values, weights = np.zeros(count), np.zeros((count, outputs))  # slopes by the values of outputs
         means = np.array([float(np.squeeze(value)) for value in self.state.values(prepared.names)])
-        partials: list[Partial] = []
-        driven: list[Slopes | None] = []
+        driven: list[Slopes | None] = [None] * count
+        bars: dict[int, Bars] = {}
         for k, (item, column) in enumerate(zip(prepared.quantities, prepared.columns, strict=True)):
-            of_drive = None
             if isinstance(item, Mean):
-                values[k] = means[column]
-                partial = self.model.of_outputs(self._weight(column, 1.0)) if slopes else None
+                values[k], weights[k, column] = means[column], 1.0
             elif isinstance(item, ModeFrequency):
                 found = self._pole(item)
                 values[k], by_A = found.damping if isinstance(item, ModeDamping) else found.frequency
-                partial = self.model.of_matrices(self._of_A(by_A)) if slopes else None
+                bars[k] = self._of_A(by_A)
             else:
                 process = getattr(item, "process", None)
                 moments = self.response.moments(column, process)
                 unit = self.plant.outputs.entry(prepared.names[column]).unit
-                if not slopes:
-                    values[k] = with_slopes(item, moments, means[column], unit, slopes=False)[0]
-                    continue
-                values[k], by_moments, by_mean = with_slopes(item, moments, means[column], unit)
-                of_drive = self.response.slopes(column, by_moments, process)
-                partial = self.model.of_matrices(of_drive.bars)
-                if np.any(of_drive.means):
-                    partial = partial + self.model.of_outputs(self._of_laws(of_drive.means))
-                if by_mean:
-                    partial = partial + self.model.of_outputs(self._weight(column, by_mean))
-            driven.append(of_drive)
-            partials.append(partial)
+                values[k], by_moments, weights[k, column] = with_slopes(item, moments, means[column], unit, slopes)
+                if slopes:
+                    driven[k] = self.response.slopes(column, by_moments, process)
+                    bars[k] = driven[k].bars
+                    first = self.excited.results  # the inputs of the laws stand behind the results
+                    weights[k, first : first + driven[k].means.size] = driven[k].means
         if not slopes:
             return values, np.zeros((0, 0))
+        partial = self.model.of_outputs(weights).plus(list(bars), self.model.of_matrices(list(bars.values())))
         targets = [prepared.names.index(name) for name in prepared.targets]
-        partial = Partial.stacked(partials)
         if self.response is not None and self.fields:
             partial = partial + self._through_places(driven)
         total = self.model.total(partial, self.run, self.freed, targets)
         return values, total + self._through_processes(driven)
-
-    def _weight(self, column: int, weight: float) -> np.ndarray:
-        """A row of weights of all outputs, with that of one."""
-        weights = np.zeros((1, len(self.model.slopes.scale)))
-        weights[0, column] = weight
-        return weights
-
-    def _of_laws(self, means: np.ndarray) -> np.ndarray:
-        """A row of weights of all outputs, with those of the inputs of the laws, which stand behind the results."""
-        weights, first = np.zeros((1, len(self.model.slopes.scale))), self.excited.results
-        weights[0, first : first + means.size] = means
-        return weights
 
     # --- modes -----------------------------------------------------------------------------------------------------
 

@@ -1,19 +1,21 @@
-"""Second derivatives of a flat model, pulled back: the gradient of any combination of the entries of its Jacobian.
+"""Second derivatives of a flat model, pulled back: the gradients of any combinations of the entries of its Jacobian.
 
 With rows r(v, w) of the model, w the outputs of its externals and v = [x; z; u; d; p], and with directions V_c in which
 v moves (and w, where a signal is what moves), this gives
 
     d/dv sum_c W_c . (dr/dv V_c),
 
-the total derivative through the externals. It is the reverse of a forward derivative, one column of directions after
-the other by the same small function, torn at the externals as everything else: they give their exact Jacobian, and its
-own derivative is exact for splines and by differences of fourth order for compiled code. Made once for a plant.
+the total derivative through the externals. The sum is one of the entries of the Jacobian with weights, sum_c W_c V_c',
+of which only those that are not zero by structure are asked: one reverse sweep of the sparse Jacobian for any number of
+directions. It is torn at the externals as everything else: they give their exact Jacobian, and its own derivative is
+exact for splines and by differences of fourth order for compiled code. Made once for a plant.
 """
 
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
+from functools import cached_property
 
 import casadi as ca
 import numpy as np
@@ -25,8 +27,6 @@ from fowtlib.solving.differences import derivative
 from fowtlib.solving.functions import AtParameters, Functions
 from fowtlib.solving.initial import csc
 
-BLOCK = 32  # directions in one call
-
 
 @dataclass(frozen=True, eq=False)
 class Directions:
@@ -37,58 +37,73 @@ class Directions:
 
 
 class _Torn:
-    """Expressions of (v, w) as functions: Jacobians, and the gradient of their derivative along directions."""
+    """Expressions of (v, w) as functions: Jacobians, and gradients of sums of the entries of the one by what moves.
 
-    def __init__(self, functions: Functions, name: str, rows: ca.SX):
-        arguments = [functions.t, functions.x, functions.z, functions.q, functions.w]
-        rows = ca.vec(ca.densify(rows))
+    moving: numbers of the entries of [v; w] in whose directions anything moves.
+    """
+
+    def __init__(self, functions: Functions, rows: ca.SX, moving: np.ndarray):
+        self._arguments = [functions.t, functions.x, functions.z, functions.q, functions.w]
+        self._rows, self._moving = ca.vec(ca.densify(rows)), moving
         v = ca.vertcat(functions.x, functions.z, functions.q)
-        self.size, nv, nw = rows.numel(), v.numel(), functions.w.numel()
-        both = ca.vertcat(v, functions.w)
-        self.jacobian = ca.Function(f"{name}_jacobian", arguments, [
-            ca.sparsify(ca.jacobian(rows, v)), ca.sparsify(ca.jacobian(rows, functions.w)),
-        ])  # without "cse": of a million instructions, as of a spar with twenty hinges, it takes minutes
-        seed, weight = ca.SX.sym("seed", nv + nw), ca.SX.sym("weight", self.size)
-        along = ca.dot(weight, ca.densify(ca.jtimes(rows, both, seed)))
-        slope = ca.densify(ca.gradient(along, both))
-        one = ca.Function(f"{name}_second", [*arguments, seed, weight], [slope], {"cse": True})
-        summed = list(range(len(arguments)))
-        self.second = one.map(f"{name}_second_{BLOCK}", "serial", BLOCK, summed, [0])
-        self.nv = nv
+        self._both, self.nv = ca.vertcat(v, functions.w), v.numel()
+        jacobian = ca.jacobian(self._rows, self._both)  # without "cse": of a million instructions it takes minutes
+        self.jacobian = ca.Function("jacobian", self._arguments, [jacobian[:, : self.nv], jacobian[:, self.nv :]])
+
+    @cached_property
+    def _second(self) -> tuple[ca.Function, np.ndarray, np.ndarray]:
+        """Gradients by [v; w] of the sum of entries times weights, and rows and columns of these entries."""
+        jacobian = ca.jacobian(self._rows, self._both[self._moving.tolist()])
+        row, column = (np.array(numbers, dtype=int) for numbers in jacobian.sparsity().get_triplet())
+        weights = ca.SX.sym("weights", len(row))
+        slope = ca.gradient(ca.dot(weights, ca.vertcat(*jacobian.nonzeros())), self._both)
+        return ca.Function("second", [*self._arguments, weights], [ca.densify(slope)]), row, column
 
     def pulled(self, point: list[np.ndarray], directions: np.ndarray, weights: np.ndarray) -> np.ndarray:
-        """The gradient by [v; w] (n_v + n_w,) of the sum over all columns."""
-        kept = np.flatnonzero(np.any(weights != 0, axis=0) & np.any(directions != 0, axis=0))
-        total = np.zeros(len(directions))
-        for first in range(0, kept.size, BLOCK):
-            part = kept[first : first + BLOCK]
-            seed, weight = np.zeros((len(directions), BLOCK)), np.zeros((self.size, BLOCK))
-            seed[:, : part.size], weight[:, : part.size] = directions[:, part], weights[:, part]
-            total += np.array(self.second(*point, seed, weight)).ravel()
+        """Gradients by [v; w] (n_v + n_w, k) of the sums over all columns, for weights (k, rows, columns)."""
+        total = np.zeros((len(directions), len(weights)))
+        if not np.any(weights):
+            return total
+        second, row, column = self._second
+        moved = sparse.csr_matrix(directions[self._moving])
+        for k, weight in enumerate(weights):
+            entries = (moved @ weight.T)[column, row]
+            if np.any(entries):
+                total[:, k] = second(*point, entries).full().ravel()
         return total
 
 
 class Pullback:
     """Rows of a flat model, to be pulled back at points.
 
-    rows: expressions of the flat model. key: what they are, for what was made before. Parameters count as symbols, also
-    those that are zero.
+    rows: expressions of the flat model. key: what they are, for what was made before. columns: symbols of [u; d; p]
+    that move; x, z and the outputs of externals always do. Parameters count as symbols, also those that are zero.
     """
 
-    def __init__(self, at: AtParameters, key: tuple[object, ...], rows: Callable[[], ca.SX]):
+    def __init__(self, at: AtParameters, key: tuple[object, ...], rows: Callable[[], ca.SX],
+                 columns: Sequence[ca.SX] = ()):  # fmt: skip
         functions = at.general
         self.at, self.functions, self.dae = at, functions, at.dae
-        self.rows = functions.once(("pullback", *key), lambda: _Torn(functions, "rows", rows()))
-        self.levels = functions.once("pullback levels", self._levels)
+        self._columns = columns
+        self.rows = functions.once(("pullback", *key), lambda: _Torn(functions, rows(), self._moving))
+        self.levels = functions.once(("pullback levels", *(item.element_hash() for item in columns)), self._levels)
+
+    @property
+    def _moving(self) -> np.ndarray:
+        functions = self.functions
+        first, asked = functions.x.numel() + functions.z.numel(), {item.element_hash() for item in self._columns}
+        q = [k for k, item in enumerate(functions.q.elements()) if item.element_hash() in asked]
+        last = first + functions.q.numel()
+        return np.r_[0:first, first + np.array(q, dtype=int), last : last + functions.w.numel()]
 
     def _levels(self) -> list[tuple[list[int], list[slice], _Torn]]:
         """For each level of externals their numbers, where their inputs are among the rows, and these."""
         made = []
-        for number, group in enumerate(self.dae.levels):
+        for group in self.dae.levels:
             inputs = [ca.vec(ca.densify(self.dae.externals[k].inputs)) for k in group]
             ends = np.cumsum([0, *(column.numel() for column in inputs)])
             places = [slice(int(a), int(b)) for a, b in zip(ends[:-1], ends[1:], strict=True)]
-            made.append((list(group), places, _Torn(self.functions, f"level_{number}", ca.vertcat(*inputs))))
+            made.append((list(group), places, _Torn(self.functions, ca.vertcat(*inputs), self._moving)))
         return made
 
     def point(self, t: float, x: np.ndarray, z: np.ndarray, q: np.ndarray) -> Point:
@@ -150,46 +165,53 @@ class Point:
         return v, w
 
     def pulled(self, directions: Directions, weights: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-        """Of weights (n_r, c) times the derivatives of the rows along directions (., c), summed: by v, and by w."""
+        """Of weights (k, n_r, c) times the derivatives of the rows along directions (., c): by v (n_v, k), and by w.
+
+        Each of the k sums over all columns.
+        """
         changes, of_inputs = self.forward(directions)
         both = np.vstack([directions.v, changes])
-        nv = len(directions.v)
+        nv, count = len(directions.v), len(weights)
         total = self.owner.rows.pulled(self.here, both, weights)
         v, w = total[:nv], total[nv:]
-        w_weights = self.by_w.T @ weights  # of the changes of w, column by column
+        w_weights = [self.by_w.T @ weight for weight in weights]  # of the changes of w, column by column
         steps = zip(self.owner.levels[::-1], self.levels[::-1], of_inputs[::-1], strict=True)
         for (group, places, torn), (by_v, by_w), moved in steps:
-            along, y = np.zeros((by_v.shape[0], weights.shape[1])), np.zeros(by_v.shape[0])
+            along, y = np.zeros((count, by_v.shape[0], both.shape[1])), np.zeros((by_v.shape[0], count))
             for k, place in zip(group, places, strict=True):
                 outputs = self.owner.dae.externals[k].outputs
-                along[place] = self.slopes[k].T @ w_weights[outputs]
-                y[place] = self.slopes[k].T @ w[outputs] + self._second(k, w_weights[outputs] @ moved[place].T)
+                mine = np.array([weight[outputs] for weight in w_weights])
+                along[:, place] = self.slopes[k].T @ mine
+                y[place] = self.slopes[k].T @ w[outputs] + self._second(k, mine @ moved[place].T).T
             total = torn.pulled(self.here, both, along)
             v = v + total[:nv] + by_v.T @ y
             w = w + total[nv:] + by_w.T @ y
-            w_weights = w_weights + by_w.T @ along
+            w_weights = [weight + by_w.T @ row for weight, row in zip(w_weights, along, strict=True)]
         return v, w
 
     def _second(self, k: int, weights: np.ndarray) -> np.ndarray:
-        """Gradient of the Jacobian of an external times weights (n_out, n_in), by its inputs."""
+        """Gradients of the Jacobian of an external times weights (m, n_out, n_in), by its inputs: (m, n_in)."""
+        found = np.zeros((len(weights), weights.shape[2]))
         if not np.any(weights):
-            return np.zeros(weights.shape[1])
+            return found
         external, functions = self.owner.dae.externals[k], self.owner.functions
         if isinstance(external.function, SplineFunction):
             made = functions.once(("second", external.function.__hash__()), lambda: _contracted(external.function))
-            return np.array(made(self.inputs[k], weights)).ravel()
-        jacobian, found = functions.external_jacobian(k), np.zeros(weights.shape[1])
-        here = np.array([np.sum(weights * self.slopes[k])])
+            return np.array([made(self.inputs[k], weight).full().ravel() for weight in weights])
+        jacobian, flat = functions.external_jacobian(k), weights.reshape(len(weights), -1)
+        size = np.maximum(np.abs(flat).max(axis=1), 1e-300)  # alike, so that a kink is seen in each
+        flat = flat / size[:, None]
+        here = flat @ self.slopes[k].ravel()
         for i in _continuous(self.owner.dae, k):
 
             def contracted(value: float, i: int = i) -> np.ndarray:
                 moved = self.inputs[k].copy()
                 moved[i] = value
-                return np.array([np.sum(weights * jacobian(moved).full())])
+                return flat @ jacobian(moved).full().ravel()
 
             value, what = float(self.inputs[k][i]), f"what {external.path} gives"
-            found[i] = derivative(contracted, value, here=here, size=max(abs(value), 1e-2), what=what)[0]
-        return found
+            found[:, i] = derivative(contracted, value, here=here, size=max(abs(value), 1e-2), what=what)
+        return found * size[:, None]
 
 
 def _contracted(function: ca.Function) -> ca.Function:

@@ -55,10 +55,12 @@ class Partial:
     def __add__(self, other: Partial) -> Partial:
         return Partial(self.v + other.v, self.w + other.w)
 
-    @staticmethod
-    def stacked(parts: Sequence[Partial]) -> Partial:
-        """One scalar below the other."""
-        return Partial(np.vstack([part.v for part in parts]), np.vstack([part.w for part in parts]))
+    def plus(self, rows: Sequence[int], other: Partial) -> Partial:
+        """With those of other scalars added to some of these."""
+        v, w = self.v.copy(), self.w.copy()
+        v[rows] += other.v
+        w[rows] += other.w
+        return Partial(v, w)
 
 
 def refuse_turning(plant: Plant, state: State) -> None:
@@ -84,7 +86,7 @@ class LinearGradient:
         q = np.concatenate([state.u, state.d])
         self.nx, self.nz = state.x.size, state.z.size
         key = (self.slopes.shown, self.slopes.inputs, tuple(further.symbols))
-        pullback = Pullback(at, key, lambda: self.slopes.rows)
+        pullback = Pullback(at, key, lambda: self.slopes.rows, self.slopes.columns)
         self.point = pullback.point(state.t, state.x, state.z, q)
         by_x, by_z, by_u = self.slopes(state.t, state.x, state.z, q)
         ode, alg, out = slice(0, self.nx), slice(self.nx, self.nx + self.nz), slice(self.nx + self.nz, None)
@@ -123,14 +125,16 @@ class LinearGradient:
         v[nx : nx + nz] = self.dz
         return Directions(v, w)
 
-    def of_matrices(self, bars: Bars) -> Partial:
-        """Slopes of a scalar that has these slopes by the matrices."""
+    def of_matrices(self, bars: Sequence[Bars]) -> Partial:
+        """Slopes of scalars that have these slopes by the matrices."""
         scale, nx, nz = self.slopes.scale, self.nx, self.nz
-        M = np.vstack([np.hstack([bars.A, bars.B]), scale * np.hstack([bars.C, bars.D])])
+        if not bars:
+            return Partial(np.zeros((0, self.directions.v.shape[0])), np.zeros((0, self.directions.w.shape[0])))
+        M = np.array([np.vstack([np.hstack([bar.A, bar.B]), scale * np.hstack([bar.C, bar.D])]) for bar in bars])
         by_z = np.vstack([self.by_z[:nx], self.by_z[nx + nz :]])
-        alg = -np.linalg.solve(self.by_z[nx : nx + nz].T, by_z.T @ M)
-        v, w = self.point.pulled(self.directions, np.vstack([M[:nx], alg, M[nx:]]))
-        return Partial(v[None], w[None])
+        alg = -np.linalg.solve(self.by_z[nx : nx + nz].T, by_z.T @ M) if nz else M[:, :0]
+        v, w = self.point.pulled(self.directions, np.concatenate([M[:, :nx], alg, M[:, nx:]], axis=1))
+        return Partial(v.T, w.T)
 
     def of_outputs(self, weights: np.ndarray) -> Partial:
         """Slopes of the values of outputs, in their units: rows of weights (k, outputs) of them."""
