@@ -36,9 +36,9 @@ def spread(values: Any, sections: int) -> Any:
     """One number for all sections, one for each, or the control points of a B-spline over their numbers."""
     values = column(values)
     count = values.numel() if is_expression(values) else values.size
-    if count in (1, sections):
+    if count == sections:
         return values
-    weights = basis(np.arange(sections), count)
+    weights = basis(np.arange(sections), count)  # of one, ones
     return ca.mtimes(ca.DM(weights), values) if is_expression(values) else weights @ values
 
 
