@@ -320,7 +320,6 @@ _SLSQP = {0: "an optimum", 4: "no point near keeps all constraints", 8: "no furt
 _TRUST = {0: "the limit of iterations", 1: "an optimum", 2: "an optimum; steps became small"}
 
 
-
 def successive(problem: Any, y: np.ndarray, settings: Settings) -> Ended:
     """Steps in which results of the model are linear and functions of them exact; see fowtlib.design.successive."""
     from fowtlib.design.successive import search

@@ -2,13 +2,13 @@
 
 Rules, costs and other functions of a design are expressions, which cost nothing; results of its model cost much, but
 change little within a step, and nearly linearly. So in each step a problem is solved in which the results r are
-r_0 + J (y - y_0) and all functions are themselves, within a region about y_0. What the model says at the new point then
-decides on the step, and on the region. J is exact at times; in between it learns from each point that was evaluated, by
-Broyden's update, which makes it agree with the last two. Constraints that cannot be kept within the region are broken by
-the least sum. Variables on which no result depends may go anywhere.
+r_0 + J (y - y_0) and all functions are themselves, within a region about y_0. What the model says at the new point
+then decides on the step, and on the region. J is exact at times; in between it learns from each point that was
+evaluated, by Broyden's update, which makes it agree with the last two. Constraints that cannot be kept within the
+region are broken by the least sum. Variables on which no result depends may go anywhere.
 
-Sources: R. Fletcher, Practical Methods of Optimization (1987), chapter 14 (steps within a region, exact penalties); C.G.
-Broyden, Mathematics of Computation 19 (1965), 577-593; L.A. Schmit and B. Farshi, AIAA Journal 12 (1974), 692-699
+Sources: R. Fletcher, Practical Methods of Optimization (1987), chapter 14 (steps within a region, exact penalties);
+C.G. Broyden, Mathematics of Computation 19 (1965), 577-593; L.A. Schmit and B. Farshi, AIAA Journal 12 (1974), 692-699
 (approximation concepts in the design of structures).
 """
 
@@ -76,8 +76,9 @@ class _Search:
             there = self.merit(found, new)
             quality = (here - there) / expected
             point = problem.point(new)
-            self.say(f"step {np.max(np.abs(step * held(J))):.3f} in {self.region:.3f}: {here:.5f} to {there:.5f} for "
-                     f"{here - expected:.5f}; {point.objective:.5g}, {point.violation:.2g} at {point.worst}")  # fmt: skip
+            length = float(np.max(np.abs(step * held(J))))
+            self.say(f"step {length:.3f} in {self.region:.3f}: {here:.5f} to {there:.5f}, not {here - expected:.5f}; "
+                     f"{point.objective:.5g}, {point.violation:.2g} at {point.worst}")  # fmt: skip
             J = _learnt(J, step, found - r)
             self._resize(quality, step * held(J))
             if quality > ACCEPTED:

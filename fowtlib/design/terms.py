@@ -26,8 +26,8 @@ Bound = float | str
 class DesignCase:
     """Conditions under which the results are wanted: parameters of a run by path, and a weight or a probability.
 
-    model: another one than that of the design, compiled or not, such as that of a turbine at rest; variables drive those
-    of its parameters that have their names. A `fw.Case` will do as well.
+    model: another one than that of the design, compiled or not, such as that of a turbine at rest; variables drive
+    those of its parameters that have their names. A `fw.Case` will do as well.
     """
 
     name: str

@@ -69,8 +69,10 @@ def _of_sections(of_nodes: Any, nodes: int, worse: Any) -> Any:
 
 @dataclass(frozen=True)
 class HullUse:
-    """Utilisations [-] of each section of a hull: shell between rings, rings (area, inertia, stress, web, flange,
-    torsion), and the slenderness of the hull as a column."""  # fmt: skip
+    """Utilisations [-] of each section of a hull: the shell between rings, rings, and the hull as a column.
+
+    Rings: area, inertia, stress, web, flange, torsion; the column: its slenderness.
+    """
 
     shell: Any
     area: Any
@@ -92,8 +94,9 @@ def hull_buckling(
     heights above the still water level, diameters, walls (n,) at the nodes [m]; moments [N m], the largest of either
     sign, and axial_forces [N], mean, negative in compression and without the pressure of the water on the section, at
     the nodes from the second on: the worse end of a section counts, the keel bears what the second node does, and at
-    nodes above those that are given loads are as at the last. Water presses on the lower end of a section from outside and along it; ballast
-    does not press back. The load factor is on the moment, as on all that the weather does. Rings: `spread`.
+    nodes above those that are given loads are as at the last. Water presses on the lower end of a section from outside
+    and along it; ballast does not press back. The load factor is on the moment, as on all that the weather does. Rings:
+    `spread`.
     """
     z, D, t, M, N = (column(item) for item in (heights, diameters, walls, moments, axial_forces))
     demand_nodes("hull buckling", heights=z, diameters=D, walls=t)
@@ -160,8 +163,9 @@ def tower_use(
 
 
 def tube_fatigue(
-    ranges: Any, diameters: Any, walls: Any, factor: float, *, first: int = 0, slope: float = 5.0, intercept: float = 15.606,
-    lifetime: float = YEARS_20, thickness_exponent: float = 0.2, reference_thickness: float = 0.025,
+    ranges: Any, diameters: Any, walls: Any, factor: float, *, first: int = 0, slope: float = 5.0,
+    intercept: float = 15.606, lifetime: float = YEARS_20, thickness_exponent: float = 0.2,
+    reference_thickness: float = 0.025,
 ) -> Any:  # fmt: skip
     """Damage [-] of a life times a design fatigue factor at the nodes of a tube, from ranges of moments [N m].
 
