@@ -23,7 +23,7 @@ from fowtlib.design import rules
 from fowtlib.design.file import read_design
 from fowtlib.metocean import likely_states, site
 
-FREE = ("stiffener_fraction", "ring_web_height", "ring_web", "ring_flange_width", "ring_flange",
+FREE = ("stiffener_fraction", "ballast", "ring_web_height", "ring_web", "ring_flange_width", "ring_flange",
         "ring_spacing")  # fmt: skip
 """What is not printed, or follows from the rest: any change of it is as good as none."""
 

@@ -24,7 +24,14 @@ from fowtlib.design.rules.limits import (
     rigid_period,
     taper_utilisation,
 )
-from fowtlib.design.rules.mooring import MooringStrength, UpliftLimit, mooring_strength, uplift_limit
+from fowtlib.design.rules.mooring import (
+    HangingLine,
+    MooringStrength,
+    UpliftLimit,
+    hanging_line,
+    mooring_strength,
+    uplift_limit,
+)
 from fowtlib.design.rules.ring import PanelRing, Ring, RingSection, panel_ring
 from fowtlib.design.rules.shell import (
     HoopStress,
@@ -41,16 +48,19 @@ from fowtlib.design.rules.tubes import (
     hull_buckling,
     hull_cost,
     ring_fraction,
+    spar_ballast,
     spar_heave_period,
     tapers,
     tower_cost,
     tower_use,
     tube_fatigue,
+    tube_mass,
 )
 
 __all__ = [
     "STEEL",
     "ColumnBuckling",
+    "HangingLine",
     "HoopStress",
     "HullUse",
     "MooringStrength",
@@ -71,6 +81,7 @@ __all__ = [
     "elastic_strengths",
     "fabrication_times",
     "fatigue_utilisation",
+    "hanging_line",
     "heave_period",
     "hoop_stress",
     "hull_buckling",
@@ -84,6 +95,7 @@ __all__ = [
     "ring_fabrication_times",
     "ring_fraction",
     "shell_buckling",
+    "spar_ballast",
     "spar_heave_period",
     "steel_cost",
     "taper_utilisation",
@@ -92,6 +104,7 @@ __all__ = [
     "tower_cost",
     "tower_use",
     "tube_fatigue",
+    "tube_mass",
     "tube_sections",
     "uplift_limit",
 ]

@@ -201,3 +201,30 @@ def spar_heave_period(heights: Any, diameters: Any, *, water_density: float = 10
     disc = D[0] if keel == "node" else (D[0] + D[1]) / 2
     surface = D[-2] if keel == "node" else (D[-2] + D[-1]) / 2
     return heave_period(water_density * volume, disc, surface, water_density, gravity)
+
+
+def tube_mass(heights: Any, diameters: Any, walls: Any, density: Any) -> Any:
+    """Mass [kg] of a tube with diameters and walls that are linear between its nodes."""
+    z, D, t = (column(item) for item in (heights, diameters, walls))
+    area = (D - t) * t
+    (low, high), (below, above) = between(z), between(area)
+    return density * pi * total((high - low) / 6 * (below + above + 4 * _middles(D - t) * _middles(t)))
+
+
+def spar_ballast(
+    heights: Any, diameters: Any, walls: Any, ring_share: Any, tower_heights: Any, tower_diameters: Any,
+    tower_walls: Any, top_mass: Any, line_load: Any, *, lines: int = 3, density: float = 7850.0,
+    tower_density: float = 8500.0, water_density: float = 1025.0, gravity: float = 9.80665,
+) -> Any:  # fmt: skip
+    """Ballast [kg] with which a spar floats at its draft: buoyancy less the weights of all else.
+
+    Hull and tower are cones with linear walls, ring_share is the mass of the rings over that of the wall; top_mass [kg]
+    stands on the tower, and each of the lines pulls down with line_load [N]. One node of the hull is at 0.
+    """
+    z, D = column(heights), column(diameters)
+    (low, high), (below, above) = between(z), between(D)
+    wet = smaller(high, 0.0) - smaller(low, 0.0)
+    displaced = water_density * total(pi / 12 * wet * (below**2 + below * above + above**2))
+    steel = (1 + ring_share) * tube_mass(z, D, walls, density)
+    tower = tube_mass(tower_heights, tower_diameters, tower_walls, tower_density)
+    return displaced - steel - tower - top_mass - lines * line_load / gravity
