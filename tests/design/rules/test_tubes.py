@@ -91,3 +91,38 @@ def test_expressions_have_the_values_and_slopes_of_numbers(which):
         step = np.eye(6)[k] * h
         by = (numbers(at + step) - numbers(at - step)) / (2 * h)
         assert slope[:, k] == pytest.approx(by, rel=1e-5, abs=1e-6 * max(1.0, np.abs(by).max()))
+
+
+def test_the_ballast_is_that_of_the_model_at_rest():
+    """The printed spar in its model needs 13.30671 kt for a heave of zero at rest."""
+    z = [-80.427, -75.064, -68.117, -62.249, -56.242, -50.677, -44.312, -31.584, -18.829, -8.741, 0.0, 10.0]
+    d = [21.365, 19.505, 17.055, 15.003, 12.940, 14.070, 16.314, 20.681, 16.212, 12.784, 12.726, 12.660]
+    t = np.array([84, 75, 64, 56, 51, 54, 61, 68, 60, 85, 73.8, 61]) * 1e-3
+    zt = [10, 20.5, 31, 41.5, 52, 62.5, 73, 83.5, 94, 104.5, 115.63]
+    dt = [12.660, 14.377, 14.096, 13.827, 12.742, 11.422, 10.473, 9.892, 8.904, 7.789, 6.774]
+    tt = np.array([61, 37, 33, 30, 29, 29, 27, 24, 21, 18, 15]) * 1e-3
+    line = rules.hanging_line(1497.2, 187500 * 0.081**2, 9e10 * 0.081**2, 320 - 10.7, 1433.0)
+    found = rules.spar_ballast(z, d, t, 0.04, zt, dt, tt, 676.7e3, line.vertical)
+    assert found == pytest.approx(13.30671e6, rel=2e-5)
+
+
+@pytest.mark.parametrize("length, distance, h, w, EA", [
+    (1497.2, 1433.0, 309.3, 1230.0, 5.9e8), (900.0, 700.0, 300.0, 800.0, 1e9), (902.2, 848.67, 250.0, 698.0, 3.8e8),
+])  # fmt: skip
+def test_a_hanging_line_is_a_catenary(length, distance, h, w, EA):
+    found = rules.hanging_line(length, w, EA, h, distance)
+    H, V = float(found.horizontal), float(found.vertical)
+    # step by step along the line from where it leaves the seabed
+    s = np.linspace(0.0, V / w, 200_001)
+    T = np.hypot(H, w * s)
+    x = np.trapezoid(H / T * (1 + T / EA), s) + (length - V / w) * (1 + H / EA)
+    z = np.trapezoid(w * s / T * (1 + T / EA), s)
+    assert x == pytest.approx(distance, rel=1e-8) and z == pytest.approx(h, rel=1e-8)
+    e = ca.MX.sym("L")
+    of_length = ca.Function("V", [e], [rules.hanging_line(e, w, EA, h, distance).vertical])
+    assert float(of_length(length)) == pytest.approx(V, rel=1e-12)
+
+
+def test_a_line_that_hangs_as_a_whole_is_refused():
+    with pytest.raises(Exception, match="length_on_the_seabed"):
+        rules.hanging_line(760.0, 1000.0, 1e10, 300.0, 690.0)
