@@ -5,7 +5,18 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import Any
 
-from fowtlib.design.rules.either import asinh, choose, cosh, demand, is_expression, larger, of_arrays, sinh, smaller, sqrt
+from fowtlib.design.rules.either import (
+    asinh,
+    choose,
+    cosh,
+    demand,
+    is_expression,
+    larger,
+    of_arrays,
+    sinh,
+    smaller,
+    sqrt,
+)
 
 
 @dataclass(frozen=True)
