@@ -67,22 +67,15 @@ class Spar:
         }
 
     def _of(self, plant: Any) -> dict[str, Any]:
-        """The given parameters that a plant has; the hull in a storm has one more station, at the water line."""
-        own = {
-            path: value for path, value in self.given.items() if plant is self.operating or not path.startswith("rna.")
-        }
-        if plant is self.parked:
-            at = self.parked.parameter_values()["hull_heights"]
-            for name, known in (("hull_diameters", self.D), ("hull_walls", self.t)):
-                own[name] = np.interp(at, self.z, known)
-        return own
+        """The given parameters that a plant has."""
+        return {path: value for path, value in self.given.items() if path in plant.dae.parameters}
 
     def response(self, speed: float, height: float, period: float, intensity: float, outputs: list[str]) -> fw.Response:
         weather = {"wind.mean_speed": speed, "wind.turbulence_intensity": intensity,
                    "sea.significant_wave_height": height, "sea.peak_period": period}  # fmt: skip
         if 4.0 <= speed <= 25.0:
             return fw.response(self.operating, outputs=outputs, parameters=self._of(self.operating) | weather)
-        thrust = {"thrust": 188.7e3 * (speed / 50.0) ** 2}
+        thrust = {"thrust": 192.6e3 * (speed / 50.0) ** 2}
         some = [name for name in outputs if name in self.parked.outputs]
         return fw.response(self.parked, outputs=some, parameters=self._of(self.parked) | weather | thrust)
 
@@ -215,9 +208,8 @@ def fatigue(spar: Spar) -> None:
     print(f"\nWeighted over all states {shares @ speeds:.4f} rad/s, over those in operation "
           f"{shares[running] @ speeds[running] / shares[running].sum():.4f} rad/s; printed 1.65 to 1.82 times 0.043 = "
           "0.071 to 0.078 rad/s (the larger one with these gains).")  # fmt: skip
-    D = np.concatenate([spar.D[1:-1], [np.interp(0.0, spar.z, spar.D)], spar.tower_D])
-    t = np.concatenate([spar.t[1:-1], [np.interp(0.0, spar.z, spar.t)], spar.tower_t])
-    z = np.concatenate([spar.z[1:-1], [0.0], spar.tower_z])
+    D, t, z = (np.concatenate([hull[1:-1], tower]) for hull, tower in
+               ((spar.D, spar.tower_D), (spar.t, spar.tower_t), (spar.z, spar.tower_z)))  # fmt: skip
     life, table = 20 * 365.25 * 86400.0, []
     for k, name in enumerate(NODES):
         tower = k >= 10
@@ -256,10 +248,10 @@ def _largest(one: fw.Response, name: str) -> float:
 def hull(spar: Spar, found: dict[str, fw.Response], ends_pressed: bool = True) -> float:
     """Ring frames: sizes, utilisations, cost [EUR]. ends_pressed: water presses along the hull, too."""
     z, D = spar.z, spar.D
-    nodes = np.array([*z[1:-1], 0.0])
+    nodes = z[1:-1]
     rows, total, mass = [], 0.0, 0.0
     for k in range(len(z) - 1):
-        ends = [max(0, k - 1), min(k, 9)] if k < 9 else [8, 10]  # of NODES: the keel bears less than the node above it
+        ends = [max(0, k - 1), k]  # of NODES: the keel bears less than the node above it
         worst = []
         for one in found.values():
             moments = np.array([_largest(one, NODES[e]) for e in ends])

@@ -5,11 +5,12 @@ from __future__ import annotations
 from typing import Any
 
 import casadi as ca
+import numpy as np
 
 from fowtlib.components.environment.wind import Wind
 from fowtlib.components.environment.world import World
 from fowtlib.components.mechanics import Frame
-from fowtlib.language import Component, Scalar, Vector, der, eq, outer, param, port, quadratic, var
+from fowtlib.language import Array, Component, Scalar, Vector, der, eq, outer, param, port, quadratic, var
 from fowtlib.language import math as m
 from fowtlib.language.errors import ParameterError
 
@@ -93,23 +94,24 @@ class TowerDrag(Component):
     falls linearly to nothing at z = 0, as InflowWind has it.
     """
 
-    diameters: list = param(unit="m", doc="diameters of the tower at the frames")
-    lengths: list = param(unit="m", doc="length of tower that each frame stands for")
+    diameters: Array = param(unit="m", min=0, doc="diameters of the tower at the frames")
+    lengths: Array = param(unit="m", min=0, doc="length of tower that each frame stands for")
     drag_coefficient: Scalar = param(default=1.0, min=0, doc="drag coefficient C_d by the diameter")
     active: bool = param(default=True, doc="false: no drag")
     station: int = param(default=0, min=0, doc="number of the wind's station that the tower stands in")
 
     world: World = outer(World)
     wind: Wind = outer(Wind)
-    nodes: Frame = port(size=lambda self: len(self.diameters), doc="frames along the tower")
+    nodes: Frame = port(size=lambda self: np.size(self.parameter_value("diameters")), doc="frames along the tower")
 
     force: Vector = var(unit="N", doc="drag of the whole tower, world")
 
     def equations(self):
-        _check(self, self.diameters, "diameters")
-        _check(self, self.lengths, "lengths")
-        if len(self.lengths) != len(self.diameters):
-            counts = f"{len(self.diameters)} diameters and {len(self.lengths)} lengths"
+        sizes = {name: np.ravel(self.parameter_value(name)).tolist() for name in ("diameters", "lengths")}
+        for name, values in sizes.items():
+            _check(self, values, name)
+        if len(sizes["lengths"]) != len(sizes["diameters"]):
+            counts = f"{len(sizes['diameters'])} diameters and {len(sizes['lengths'])} lengths"
             raise ParameterError(f"{self.label}: {counts}; give one for each frame.")
         forces = self._forces() if self.active else [m.zeros(3) for _ in self.nodes]
         return [
@@ -123,7 +125,7 @@ class TowerDrag(Component):
 
     def _drag(self, relative: ca.SX, axis: ca.SX, k: int) -> ca.SX:
         across = relative - axis * m.dot(axis, relative)
-        area = float(self.diameters[k]) * float(self.lengths[k])
+        area = self.diameters[k] * self.lengths[k]
         # a speed of 1e-6 m/s keeps the slope of |U| U finite where there is no wind
         return 0.5 * self.world.air_density * self.drag_coefficient * area * quadratic(across, 1e-6, f"drag {k}")
 

@@ -13,7 +13,7 @@ from fowtlib.components.mechanics.beam_settings import BeamSettings, WallMateria
 from fowtlib.components.mechanics.bodies import FixedTranslation, RigidBody
 from fowtlib.components.mechanics.interfaces import TwoFrames
 from fowtlib.components.mechanics.sensors import LoadSensor
-from fowtlib.language import Array, eq, param, shapes
+from fowtlib.language import Array, eq, like, param, shapes
 from fowtlib.language import math as m
 from fowtlib.language.errors import ParameterError
 from fowtlib.language.expressions import StartNumbers
@@ -25,12 +25,17 @@ Key = tuple[str, str]
 class TubeChain(TwoFrames, WallMaterial, BeamSettings):
     """Partial: a round tube as the chain of a Beam, whose numbers are computed when a run starts.
 
-    A subclass says how its hinges lose energy and, where that is not the tube alone, what lies along it.
+    Its cuts may move with it as long as they pass no hinge. A subclass says how its hinges lose energy and, where that
+    is not the tube alone, what lies along it.
     """
 
     heights: Array = param(unit="m", doc="stations along the axis, root first")
     diameters: Array = param(unit="m", min=0, doc="outer diameters at the stations")
     wall_thicknesses: Array = param(unit="m", min=0, doc="wall thicknesses at the stations")
+    cuts: Array = param(default=(), unit="m", doc="places of section loads: distance from the root")
+    n_cuts: int = like(
+        BeamSettings.n_cuts, default=lambda self: np.size(self.parameter_value("cuts"))
+    )
 
     def build(self):
         self._chain_keys = tuple(self.chain())
@@ -78,7 +83,7 @@ class TubeChain(TwoFrames, WallMaterial, BeamSettings):
 
     def distances_of_cuts(self) -> np.ndarray:
         """The cuts: distances from the root [m]."""
-        return np.ravel(self.cuts)
+        return np.ravel(self.parameter_value("cuts"))
 
     def hinge_settings(self) -> dict:
         """Damping of the hinges, and whether they stretch."""

@@ -39,7 +39,7 @@ class SparHull(BallastedTube, HullCoefficients):
     hinges: int = like(BeamSettings.hinges, default=6)
     damping_fore_aft: Scalar = param(default=0.0, unit="s", min=0, doc="damping over stiffness, fore-aft")
     damping_side_side: Scalar = param(default=damping_fore_aft, unit="s", min=0, doc="the same, side-side")
-    cuts: Array = like(BeamSettings.cuts, doc="places of section loads: height above the still water level")
+    cuts: Array = like(BallastedTube.cuts, doc="places of section loads: height above the still water level")
     node_heights: Array = param(default=(), unit="m", doc="frames on the axis, for fairleads: height above still water")
     n_nodes: int = param(default=lambda self: np.size(self.parameter_value("node_heights")), min=0, doc="their number")
     drag_coefficient: Scalar = like(HullCoefficients.drag_coefficient, default=0.7)
@@ -76,7 +76,7 @@ class SparHull(BallastedTube, HullCoefficients):
         return [*(self.nodes[k] for k in range(self.n_nodes)), self.frame]
 
     def distances_of_cuts(self):
-        return np.array(_distances(self, "cut", np.ravel(self.cuts)))
+        return np.array(_distances(self, "cut", np.ravel(self.parameter_value("cuts"))))
 
     def hinge_settings(self):
         return {"damping_x": self.damping_fore_aft, "damping_y": self.damping_side_side}

@@ -156,7 +156,8 @@ class Composition:
         return found
 
     def _called(self, function: Function, case: str) -> Any:
-        values = _Arguments(function, {name: self.expression(name, case) for name in function.of})
+        values = _Arguments(function, {name: self._in_si(name, case) if function.si else self.expression(name, case)
+                                       for name in function.of})  # fmt: skip
         try:
             found = function.function(values)
             return ca.vec(ca.MX(found)) if not isinstance(found, (list, tuple)) else ca.vertcat(*found)
@@ -167,6 +168,11 @@ class Composition:
                 f"the function '{function.name}' fails with CasADi expressions: {str(error).splitlines()[0]} Take "
                 "arithmetic and functions of casadi, such as casadi.if_else in place of `if`."
             ) from error
+
+    def _in_si(self, name: str, case: str) -> Any:
+        unit = self.unit(name)
+        si = si_unit(unit)
+        return self.expression(name, case) * (1.0 if unit == si else float(to_si(f"1 {unit}", si, name)))
 
     def _scalar(self, name: str, case: str) -> Any:
         found = self.expression(name, case)

@@ -25,6 +25,7 @@ from fowtlib.design.optimisers import Settings, optimiser
 from fowtlib.design.outcome import Limited, Member, Optimum, Search, Size
 from fowtlib.design.problem import Point, Problem
 from fowtlib.design.progress import Log, Say
+from fowtlib.design.several import evaluator_of
 from fowtlib.design.starts import starts as starts_of
 from fowtlib.design.terms import ALONE, Constraint, DesignCase, Function, Objective
 from fowtlib.design.variables import Space, Variable
@@ -138,8 +139,8 @@ class Design:
             _ = self.keys
             return NoModel()
         make = self.evaluator or (Adjoints if self.slopes == "adjoint" else Differences)
-        return make(self.plant, self.space, self.cases, self.keys, free=self.free, targets=self.targets,
-                    statistics=self.statistics, balance=self.balance)  # fmt: skip
+        return evaluator_of(make, self.plant, self.space, self.cases, self.keys, free=self.free, targets=self.targets,
+                            statistics=self.statistics, balance=self.balance)  # fmt: skip
 
     def problem(self, x: np.ndarray | None = None) -> Problem:
         """The design as a problem of optimisation, set up at x [SI], or at the start."""
@@ -194,11 +195,16 @@ class Design:
             "objective": dict(objective.terms),
             "constraints": [[c.result, c.lower, c.upper, c.cases and list(c.cases), c.aggregate, c.sharpness]
                             for c in self.constraints],  # type: ignore[union-attr]
-            "cases": [[case.name, dict(case.parameters), case.weight] for case in self.cases],
+            "cases": [[case.name, dict(case.parameters), case.weight, *_other(case)] for case in self.cases],
             "functions": [[item.name, list(item.of), _text(item.function)] for item in self.functions],
             "free": list(self.free), "targets": dict(self.targets), "balance": self.balance,
             "statistics": str(self.statistics), "parameters": _digest(self.plant),
         }  # fmt: skip
+
+
+def _other(case: Any) -> list[str]:
+    """The model of a case that has another one."""
+    return [plant_of(case.model).name] if getattr(case, "model", None) and isinstance(case, DesignCase) else []
 
 
 def _text(function: Any) -> str:

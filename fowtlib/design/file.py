@@ -30,9 +30,9 @@ KEY = "fowtlib_design"
 FIRST_LINE = f"a design file begins with '{KEY}: {VERSION}'"
 TOP_KEYS = (KEY, "title", "description", "model", "set", "variables", "objective", "constraints", "functions", "cases",
             "free", "targets", "balance", "statistics", "optimiser")  # fmt: skip
-VARIABLE_KEYS = ("drives", "lower", "upper", "start", "points", "along", "degree", "scale")
+VARIABLE_KEYS = ("drives", "lower", "upper", "start", "points", "along", "degree", "scale", "unit")
 CONSTRAINT_KEYS = ("result", "lower", "upper", "cases", "aggregate", "sharpness", "scale", "name")
-CASE_KEYS = ("parameters", "wind", "waves", "weight")
+CASE_KEYS = ("parameters", "wind", "waves", "weight", "model")
 STATISTIC_KEYS = ("duration", "quantile", "exponent", "lifetime", "curve", "environment", "tolerance")
 OPTIMISER_KEYS = ("method", "starts", "seed", "tolerance", "iterations", "slopes")
 DESIGNS = "designs"
@@ -123,18 +123,22 @@ class _File:
                 if key in self.items:
                     raise self.items[key].place.error(f"'{key}' is of a model, and the file names none.")
             return None
-        node, name = self.items["model"], text(self.items, "model")
-        try:
-            permit = permit_for(self.path, files.models_folder(), (), trust=False)
-            beside = files.data_place(name, self.path.absolute().parent, permit) if name.endswith(".yaml") else None
-            model = self.load(beside if beside is not None and files.is_file(beside) else name)
-        except ModelError as error:
-            raise _at(error, node) from None
+        model = self._named(self.items)
         given = self._mapping("set")
         try:
             return model.with_parameters(given) if given else model
         except ModelError as error:
             raise _located(error, self.items["set"]) from None
+
+    def _named(self, items: Mapping[str, Node]) -> Any:
+        """The model that the key 'model' names."""
+        node, name = items["model"], text(items, "model")
+        try:
+            permit = permit_for(self.path, files.models_folder(), (), trust=False)
+            beside = files.data_place(name, self.path.absolute().parent, permit) if name.endswith(".yaml") else None
+            return self.load(beside if beside is not None and files.is_file(beside) else name)
+        except ModelError as error:
+            raise _at(error, node) from None
 
     def _mapping(self, key: str) -> dict[str, Any]:
         if key not in self.items:
@@ -206,14 +210,18 @@ class _File:
     def _cases(self, model: Any) -> list[DesignCase]:
         if "cases" not in self.items:
             return [ALONE]
-        found = []
+        found, others = [], dict[str, Any]()
         for name, node in mapping(self.items["cases"], "'cases' is a mapping of names").items():
             items = {} if node.value is None else mapping(node, f"the case '{name}' is a mapping")
             check_keys(items, CASE_KEYS, "a case")
             parameters: dict[str, Any] = {}
+            other = None
+            if "model" in items:
+                named = text(items, "model")
+                other = others[named] = others[named] if named in others else self._named(items).compile()
             for key, condition in (("wind", WIND), ("waves", WAVES)):
                 if key in items:
-                    if condition.part not in model.root.parts:
+                    if condition.part not in (other or model).root.parts:
                         raise items[key].place.error(f"'{key}': the model has no part '{condition.part}'.")
                     try:
                         parameters |= condition.parse(text(items, key), self.path.absolute().parent)
@@ -225,7 +233,7 @@ class _File:
             weight = items["weight"].plain() if "weight" in items else 1.0
             if isinstance(weight, bool) or not isinstance(weight, (int, float)) or weight < 0:
                 raise items["weight"].place.error(f"the weight of a case is zero or more, not {weight!r}.")
-            found.append(DesignCase(name, parameters, float(weight)))
+            found.append(DesignCase(name, parameters, float(weight), other))
         return found
 
     def _statistics(self) -> Statistics:

@@ -7,6 +7,9 @@ import inspect
 from collections.abc import Callable, Mapping
 from typing import Any
 
+import casadi as ca
+import numpy as np
+
 from fowtlib.design.terms import Function
 from fowtlib.language.errors import ModelError, did_you_mean
 from fowtlib.modelfile import formulas
@@ -66,8 +69,9 @@ def _formula(name: str, node: Node, of: Mapping[str, Node], unit: str) -> Functi
 
 def _refuse_units(name: str, parsed: Formula, node: Node) -> None:
     """Units in a formula would meet results that are in units of their own."""
+    trial: Any = np.full(1000, 1.2345678) if "[" in parsed.text else 1.2345678  # with elements where some are taken
     try:
-        result = parsed.tree(lambda own: Quantity(1.2345678))
+        result = parsed.tree(lambda own: Quantity(trial))
     except ModelError:
         result = Quantity(0.0, formulas.NONE)
     except (ArithmeticError, ValueError, TypeError):
@@ -88,7 +92,10 @@ def _evaluated(parsed: Formula, results: Mapping[str, str]) -> Callable[[Mapping
 
 
 def _rule(name: str, items: Mapping[str, Node], given: Mapping[str, Node], unit: str) -> Function:
-    """A function of fowtlib.design.rules of results and numbers; `take`: an attribute of what it gives."""
+    """A function of fowtlib.design.rules of results, in SI, and numbers, or lists of both.
+
+    `take`: an attribute of what it gives.
+    """
     node, rule = items["rule"], text(items, "rule")
     rules = importlib.import_module(RULES)
     known = [one for one in rules.__all__ if inspect.isfunction(getattr(rules, one))]
@@ -102,11 +109,12 @@ def _rule(name: str, items: Mapping[str, Node], given: Mapping[str, Node], unit:
     missing = [own for own, one in arguments.items() if one.default is one.empty and own not in given]
     if missing:
         raise node.place.error(f"the rule '{rule}' needs '{missing[0]}', a result or a number, under 'of'.")
-    results = {own: str(item.value) for own, item in given.items() if isinstance(item.value, str)}
-    numbers = {own: item.plain() for own, item in given.items() if own not in results}
+    plain = {own: item.plain() for own, item in given.items()}
+    fixed = {own for own, one in arguments.items() if one.annotation in ("str", str)}
+    results = [one for own, item in plain.items() if own not in fixed for one in _listed(item) if isinstance(one, str)]
 
     def function(values: Mapping[str, Any]) -> Any:
-        found = called(**numbers, **{own: values[result] for own, result in results.items()})
+        found = called(**{own: item if own in fixed else _filled(item, values) for own, item in plain.items()})
         for word in take.split(".") if take else ():
             if not hasattr(found, word):
                 there = list(vars(found)) if hasattr(found, "__dict__") else []
@@ -114,5 +122,18 @@ def _rule(name: str, items: Mapping[str, Node], given: Mapping[str, Node], unit:
             found = getattr(found, word)
         return found
 
-    function.text = f"{rule} {take} {numbers}"  # type: ignore[attr-defined]
-    return Function(name, function, tuple(dict.fromkeys(results.values())), unit or "1")
+    function.text = f"{rule} {take} {plain}"  # type: ignore[attr-defined]
+    return Function(name, function, tuple(dict.fromkeys(results)), unit or "1", si=True)
+
+
+def _listed(item: Any) -> list[Any]:
+    return item if isinstance(item, list) else [item]
+
+
+def _filled(item: Any, values: Mapping[str, Any]) -> Any:
+    """An argument with values in place of the names of results; a list with some is a column of all of them."""
+    if not isinstance(item, list):
+        return values[item] if isinstance(item, str) else item
+    if not any(isinstance(one, str) for one in item):
+        return item
+    return ca.vertcat(*(values[one] if isinstance(one, str) else one for one in item))

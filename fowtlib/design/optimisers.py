@@ -319,4 +319,17 @@ _SLSQP = {0: "an optimum", 4: "no point near keeps all constraints", 8: "no furt
           9: "the limit of iterations", 6: "no further step was found"}  # fmt: skip
 _TRUST = {0: "the limit of iterations", 1: "an optimum", 2: "an optimum; steps became small"}
 
-METHODS: dict[str, Optimiser] = {"ipopt": ipopt, "slsqp": _scipy("SLSQP"), "trust-constr": _scipy("trust-constr")}
+
+def successive(problem: Any, y: np.ndarray, settings: Settings) -> Ended:
+    """Steps in which results of the model are linear and functions of them exact; see fowtlib.design.successive."""
+    from fowtlib.design.successive import search
+
+    return search(problem, y, settings)
+
+
+METHODS: dict[str, Optimiser] = {
+    "ipopt": ipopt,
+    "slsqp": _scipy("SLSQP"),
+    "trust-constr": _scipy("trust-constr"),
+    "successive": successive,
+}

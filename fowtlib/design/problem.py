@@ -131,6 +131,22 @@ class Problem:
                 watcher(point, True)
         return self._slopes[key]
 
+    def linear(self, y: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+        """The results of the model (m,) and their slopes (m, n) by y. ModelError where there are none."""
+        point = self.point(y)
+        if point.failure:
+            raise ModelError(point.failure)
+        self.gradients += 1
+        found = self.evaluator.evaluate(point.x, jacobian=True)
+        assert found.jacobian is not None
+        slopes = [found.jacobian[key].reshape(-1, len(self.space)) for key in self.composition.keys]
+        J = np.concatenate([np.zeros((0, len(self.space))), *slopes]) * self.scale
+        if not np.all(np.isfinite(J)):
+            raise ModelError("a slope is not a finite number.")
+        for watcher in self.watchers:
+            watcher(point, True)
+        return self.composition.results(found), J
+
     def results_at(self, point: Point) -> Evaluated:
         """The results of the model at a point."""
         return point.found if point.found is not None else self.evaluator.evaluate(point.x)

@@ -26,12 +26,14 @@ Bound = float | str
 class DesignCase:
     """Conditions under which the results are wanted: parameters of a run by path, and a weight or a probability.
 
-    A `fw.Case` will do as well.
+    model: another one than that of the design, compiled or not, such as that of a turbine at rest; variables drive
+    those of its parameters that have their names. A `fw.Case` will do as well.
     """
 
     name: str
     parameters: Mapping[str, Any] = field(default_factory=dict)
     weight: float = 1.0
+    model: Any = None
 
 
 ALONE = DesignCase("design")
@@ -43,13 +45,14 @@ class Function:
 
     The values are CasADi expressions, scalars or columns: use arithmetic, NumPy's functions of one number, and those of
     casadi (`casadi.if_else`, `casadi.fmax`, `casadi.sum1`), so that its slopes are exact. What comes back is a scalar
-    or a column.
+    or a column. si: the values come in SI; otherwise each in the unit of its result.
     """
 
     name: str
     function: Callable[[Mapping[str, Any]], Any]
     of: Sequence[str]
     unit: str = "1"
+    si: bool = False
 
 
 @dataclass(frozen=True)

@@ -13,7 +13,7 @@ from fowtlib.design.splines import basis
 from fowtlib.language.errors import ModelError, ParameterError, did_you_mean
 from fowtlib.language.units import to_si
 
-_ELEMENT = re.compile(r"(.+)\[\s*(\d+)\s*\]")
+_ELEMENT = re.compile(r"(.+)\[\s*(\d+)\s*(?::\s*(\d+)\s*)?\]")
 Number = float | str
 """A number in SI, or a text with its unit."""
 
@@ -22,8 +22,9 @@ Number = float | str
 class Variable:
     """What an optimiser may change, between `lower` and `upper`.
 
-    drives  the tunable parameters that take its value: paths, or elements as in "tower.diameters[2]". Empty: the
-            parameter of the same name; of a design without a model, none
+    drives  the tunable parameters that take its value: paths, elements as in "tower.diameters[2]", or several of them,
+            "tower.diameters[0:4]", without that of number 4. None: the parameter of the same name; of a design without
+            a model, none. Empty: none, and functions alone take it, in its `unit`
     points  number of control points of a B-spline along an array, in place of its elements; see fowtlib.design.splines
     along   of a spline: a parameter with the stations of the array, or the stations; empty: equally spaced
     degree  of the spline
@@ -36,7 +37,7 @@ class Variable:
     lower: Number | Sequence[Number] = -np.inf
     upper: Number | Sequence[Number] = np.inf
     start: Number | Sequence[Number] | None = None
-    drives: str | Sequence[str] = ()
+    drives: str | Sequence[str] | None = None
     points: int | None = None
     along: str | Sequence[float] = ()
     degree: int = 3
@@ -45,8 +46,9 @@ class Variable:
 
     def paths(self, model: bool) -> list[str]:
         """The parameters that it drives."""
-        given = [self.drives] if isinstance(self.drives, str) else list(self.drives)
-        return given or ([self.name] if model else [])
+        if self.drives is None:
+            return [self.name] if model else []
+        return [self.drives] if isinstance(self.drives, str) else list(self.drives)
 
 
 @dataclass(frozen=True, eq=False)
@@ -247,15 +249,18 @@ def _numbers(value: Any, unit: str, size: int, name: str) -> np.ndarray:
         raise ModelError(f"the variable '{name}' takes 1 or {size} numbers [{unit}], not {value!r}.") from None
 
 
-def _element(plant: Any, path: str, name: str) -> tuple[str, int | None]:
-    """The path of a parameter and the number of an element, None: all. ModelError where it is not tunable."""
+def _element(plant: Any, path: str, name: str) -> tuple[str, slice | None]:
+    """The path of a parameter and the numbers of elements, None: all. ModelError where it is not tunable."""
     found = _ELEMENT.fullmatch(path)
-    whole, number = (found[1], int(found[2])) if found is not None else (path, None)
+    whole, number = path, None
+    if found is not None:
+        first = int(found[2])
+        whole, number = found[1], slice(first, first + 1 if found[3] is None else int(found[3]))
     declared = plant.dae.parameters.get(whole)
     if declared is None:
         raise ParameterError(f"the variable '{name}' cannot drive {whole}: {_why_not(plant, whole)}")
     size = declared.value.size
-    if number is not None and (declared.value.ndim != 1 or number >= size):
+    if number is not None and (declared.value.ndim != 1 or not number.start < number.stop <= size):
         raise ParameterError(f"the variable '{name}' drives {path}: {whole} has {size} elements, from 0 on.")
     return whole, number
 
@@ -278,12 +283,10 @@ def _why_not(plant: Any, path: str) -> str:
 
 
 def _matrix(variable: Variable, plant: Any, values: Mapping[str, np.ndarray], path: str,
-            number: int | None) -> np.ndarray:  # fmt: skip
+            number: slice | None) -> np.ndarray:  # fmt: skip
     size = values[path].size
     if number is not None:
-        matrix = np.zeros((size, 1))
-        matrix[number] = 1.0
-        return matrix
+        return np.eye(size)[:, number]
     if variable.points is None:
         return np.eye(size)
     if isinstance(variable.along, str) and variable.along:

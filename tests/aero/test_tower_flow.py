@@ -264,7 +264,7 @@ def test_a_tower_that_cannot_be(component, message):
     model = fw.Assembly("tower")
     model.world, model.wind = World(), Wind(kind="steady", mean_speed=8.0)
     model.tower = component
-    for k in range(len(component.diameters)):
+    for k in range(np.size(component.parameter_value("diameters"))):
         model.connect(model.world.frame, model.tower.nodes[k])
     with pytest.raises(ParameterError) as caught:
         fw.load(model).compile()

@@ -121,6 +121,74 @@ def test_the_shipped_designs_are_read():
         assert fw.read_design(name).design.keys
 
 
+RING = """fowtlib_design: 1
+variables:
+  wall: {drives: [], unit: m, lower: 5 mm, upper: 60 mm, start: [20 mm, 30 mm, 40 mm]}
+functions:
+  forces: {formula: 1000 * k * wall, of: {k: wall}, unit: kN}
+  volume: {formula: "wall[0] + wall[1] + wall[2]", unit: m}
+  tower:
+    rule: tower_cost
+    take: mass
+    of: {heights: [0, 10, 20], diameters: [4, "volume", 4], walls: wall}
+  strength:
+    rule: at_most
+    of: {value: forces, limit: 800}
+objective: tower
+constraints: [{result: volume, lower: 80 mm}, strength < 1.0]
+optimiser: {method: successive}
+"""
+
+
+def test_variables_that_drive_nothing_and_rules_of_lists_in_si(written):
+    design = read_design(written(RING)).design
+    assert design.space.units == ["m"] * 3 and np.allclose(design.space.start, [0.02, 0.03, 0.04])
+    at = {row.name: row.value for row in design.evaluate().constraints}
+    # 1000 x^2 kN, as N, over 800; the formula has the numbers in their units
+    assert at["strength[2]"] == pytest.approx(1e6 * 0.04**2 / 800)
+    t, D = np.array([0.02, 0.03, 0.04]), np.array([4, 0.09, 4])
+    of = [(D[k : k + 2].mean(), t[k : k + 2].mean()) for k in (0, 1)]
+    assert design.evaluate().value == pytest.approx(sum(8500 * np.pi * (d - w) * w * 10 for d, w in of), rel=1e-9)
+
+
+def test_a_variable_drives_part_of_an_array_and_a_case_has_its_own_model(written):
+    model = """fowtlib: 1
+title: sticks
+parameters: {lengths: {value: [1 m, 2 m, 3 m, 4 m], unit: m}}
+world: {class: World}
+parts:
+  ball: {class: RigidBody, mass: MASS, r_cm: [0, 0, 0], inertia: [[1, 0, 0], [0, 1, 0], [0, 0, 1]]}
+  stick: {class: FixedTranslation, r: ["lengths[1] + lengths[2]", 0, "lengths[3]"]}
+  motion: {class: Prismatic, n: [0, 0, 1]}
+  spring: {class: SpringDamper, stiffness: 100, damping: 1, natural_length: 2}
+connect:
+  - [world.frame, motion.frame_a]
+  - [world.frame, spring.frame_a]
+  - [motion.frame_b, spring.frame_b]
+  - [motion.frame_b, stick.frame_a]
+  - [stick.frame_b, ball.frame_a]
+outputs: {reach: "ball.frame_a.r[0]", height: "ball.frame_a.r[2]"}
+"""
+    written(model.replace("MASS", "1 kg"), "light.yaml")
+    written(model.replace("MASS", "3 kg"), "heavy.yaml")
+    text = """fowtlib_design: 1
+model: light.yaml
+variables:
+  some: {drives: "lengths[1:3]", lower: 1 m, upper: 5 m}
+objective: reach @ light
+cases: {light: {weight: 1}, heavy: {weight: 1, model: heavy.yaml}}
+constraints: [reach @ heavy > 3 m, height @ heavy < 9 m, height @ light < 9 m]
+"""
+    design = read_design(written(text, "sticks.yaml")).design
+    assert design.space.elements == ["some[0]", "some[1]"] and np.allclose(design.space.start, [2, 3])
+    found = design.evaluate({"some": [4, 4.5]})
+    rows = {row.name: row.value for row in found.constraints}
+    assert found.value == pytest.approx(8.5) and rows["reach @ heavy"] == pytest.approx(8.5)
+    assert rows["height @ light"] - rows["height @ heavy"] == pytest.approx(2 * 9.80665 / 100, rel=1e-3)
+    with pytest.raises(ModelError, match="lengths has 4 elements"):
+        read_design(written(text.replace("[1:3]", "[2:5]"), "wrong.yaml"))
+
+
 def test_a_shipped_design_is_found(written, capsys):
     """A model with two cases: the optimum is where the pitch is 5 deg, as one equilibrium more finds it."""
     assert main(["optimise", written(HULL, "hull.yaml"), "--json"]) == 0

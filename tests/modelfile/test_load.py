@@ -315,7 +315,8 @@ world: {class: World}
 wind: {class: Wind, kind: steady, mean_speed: 12 m/s}
 parts:
   foot: {class: Fixed}
-  drag: {class: TowerDrag, diameters: [base, 550 cm, base - 2 m], lengths: [26 m, 26, 25.6]}
+  flow: {class: TowerPotentialFlow, diameters: [base, 550 cm, base - 2 m]}
+  drag: {class: TowerDrag, diameters: [base, 5.5], lengths: [26 m, 26]}
   beam:
     class: TubeBeam
     heights: [0, 9 m]
@@ -325,12 +326,12 @@ parts:
 """
     path.write_text(text)
     model = fw.load(path)
-    assert model.root.drag.diameters == [6, 5.5, 4] and model.root.drag.lengths == [26, 26, 25.6]
+    assert model.root.flow.diameters == [6, 5.5, 4] and value(model.root.drag, "diameters").tolist() == [6, 5.5]
     assert model.root.beam.node_points == [[0, 0.5, 6], 3, 4]
-    changed = fw.load(path, set={"base": "7 m", "drag.lengths": ["2 m", 3, "400 cm"]})
-    assert changed.root.drag.diameters == [7, 5.5, 5] and changed.root.drag.lengths == [2, 3, 4]
+    changed = fw.load(path, set={"base": "7 m", "flow.diameters": ["2 m", 3, "400 cm"]})
+    assert changed.root.flow.diameters == [2, 3, 4] and value(changed.root.drag, "diameters").tolist() == [7, 5.5]
     for wrong, message in (("[26 kg, 26, 25.6]", "got '26 kg', which is a mass"), ("26 m", "a list is expected"),
                            ("base", "a list is expected")):  # fmt: skip
-        path.write_text(text.replace("[26 m, 26, 25.6]", wrong))
+        path.write_text(text.replace("[base, 550 cm, base - 2 m]", wrong))
         with pytest.raises(fw.language.errors.ModelError, match=message):
-            print(fw.load(path).root.drag.lengths)
+            print(fw.load(path).root.flow.diameters)

@@ -24,7 +24,14 @@ from fowtlib.design.rules.limits import (
     rigid_period,
     taper_utilisation,
 )
-from fowtlib.design.rules.mooring import MooringStrength, UpliftLimit, mooring_strength, uplift_limit
+from fowtlib.design.rules.mooring import (
+    HangingLine,
+    MooringStrength,
+    UpliftLimit,
+    hanging_line,
+    mooring_strength,
+    uplift_limit,
+)
 from fowtlib.design.rules.ring import PanelRing, Ring, RingSection, panel_ring
 from fowtlib.design.rules.shell import (
     HoopStress,
@@ -36,11 +43,26 @@ from fowtlib.design.rules.shell import (
 )
 from fowtlib.design.rules.steel import STEEL, Steel
 from fowtlib.design.rules.tower import TowerBuckling, tower_buckling
+from fowtlib.design.rules.tubes import (
+    HullUse,
+    hull_buckling,
+    hull_cost,
+    ring_fraction,
+    spar_ballast,
+    spar_heave_period,
+    tapers,
+    tower_cost,
+    tower_use,
+    tube_fatigue,
+    tube_mass,
+)
 
 __all__ = [
     "STEEL",
     "ColumnBuckling",
+    "HangingLine",
     "HoopStress",
+    "HullUse",
     "MooringStrength",
     "PanelRing",
     "Ring",
@@ -59,8 +81,11 @@ __all__ = [
     "elastic_strengths",
     "fabrication_times",
     "fatigue_utilisation",
+    "hanging_line",
     "heave_period",
     "hoop_stress",
+    "hull_buckling",
+    "hull_cost",
     "mooring_cost",
     "mooring_strength",
     "panel_ring",
@@ -68,10 +93,18 @@ __all__ = [
     "power_lost_by_tilt",
     "rigid_period",
     "ring_fabrication_times",
+    "ring_fraction",
     "shell_buckling",
+    "spar_ballast",
+    "spar_heave_period",
     "steel_cost",
     "taper_utilisation",
+    "tapers",
     "tower_buckling",
+    "tower_cost",
+    "tower_use",
+    "tube_fatigue",
+    "tube_mass",
     "tube_sections",
     "uplift_limit",
 ]

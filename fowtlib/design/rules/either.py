@@ -63,7 +63,9 @@ def _one(name: str) -> Any:
     return function
 
 
-sqrt, exp, log, sin, cos, tan = (_one(name) for name in ("sqrt", "exp", "log", "sin", "cos", "tan"))
+sqrt, exp, log, sin, cos, tan, sinh, cosh = (
+    _one(name) for name in ("sqrt", "exp", "log", "sin", "cos", "tan", "sinh", "cosh")
+)
 
 
 def atan(x: Any) -> Any:

@@ -5,7 +5,18 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import Any
 
-from fowtlib.design.rules.either import asinh, choose, demand, of_arrays, sqrt
+from fowtlib.design.rules.either import (
+    asinh,
+    choose,
+    cosh,
+    demand,
+    is_expression,
+    larger,
+    of_arrays,
+    sinh,
+    smaller,
+    sqrt,
+)
 
 
 @dataclass(frozen=True)
@@ -65,3 +76,44 @@ def uplift_limit(
     reach = horizontal / weight * asinh(weight * length / horizontal) + horizontal * length / axial_stiffness
     reach = choose(possible, reach, 0.0)
     return UpliftLimit(reach - distance, horizontal, sqrt(horizontal**2 + (weight * length) ** 2), reach)
+
+
+@dataclass(frozen=True)
+class HangingLine:
+    """A line between its anchor and its fairlead: horizontal and vertical tension at the top [N]."""
+
+    horizontal: Any
+    vertical: Any
+
+
+NEWTON = 25  # iterations; from a line that is nearly straight they are many
+
+
+@of_arrays
+def hanging_line(length: Any, weight: Any, axial_stiffness: Any, height: Any, distance: Any) -> HangingLine:
+    """Tensions at the top of an elastic line that lies on the seabed at its anchor, without friction there.
+
+    With the suspended length l = V/w: height h = H/w (sqrt(1 + (V/H)^2) - 1) + V^2/(2 w EA) and distance X = L - l +
+    H/w asinh(V/H) + H L/EA, by Newton's method from a line without stretch. length, unstretched, L [m]; weight in water
+    w [N/m]; axial_stiffness EA [N]; height of the fairlead above the anchor, distance [m]. A line that hangs as a whole
+    (l > L) is refused; of expressions V is then above w L.
+    """
+    demand("a line", 0.0, length=length, weight=weight, axial_stiffness=axial_stiffness, height=height)
+    demand("a line", 0.0, distance=distance, slack=length - distance + height)
+    # without stretch (L - X)/h = (sinh u - u)/(cosh u - 1), u = asinh(V/H), which is nearly u/3
+    u = smaller(larger(3 * (length - distance) / height, 0.2), 3.0)
+    H = weight * height / (cosh(u) - 1)
+    V = H * sinh(u)
+    for _ in range(NEWTON):
+        root = sqrt(H**2 + V**2)
+        f = (root - H) / weight + V**2 / (2 * weight * axial_stiffness) - height
+        g = length - V / weight + H / weight * asinh(V / H) + H * length / axial_stiffness - distance
+        fH, fV = (H / root - 1) / weight, V / root / weight + V / (weight * axial_stiffness)
+        gH = (asinh(V / H) - V / root) / weight + length / axial_stiffness
+        gV = (H / root - 1) / weight
+        det = fH * gV - fV * gH
+        dH, dV = (f * gV - fV * g) / det, (fH * g - gH * f) / det
+        H, V = larger(H - dH, H / 3), larger(V - dV, V / 3)
+    if not is_expression(V):
+        demand("a line on the seabed", 0.0, length_on_the_seabed=length - V / weight)
+    return HangingLine(H, V)

@@ -1,0 +1,155 @@
+"""An optimiser for models that are dear: results of the model are taken as linear, functions of them exactly.
+
+Rules, costs and other functions of a design are expressions, which cost nothing; results of its model cost much, but
+change little within a step, and nearly linearly. So in each step a problem is solved in which the results r are
+r_0 + J (y - y_0) and all functions are themselves, within a region about y_0. What the model says at the new point
+then decides on the step, and on the region. J is exact at times; in between it learns from each point that was
+evaluated, by Broyden's update, which makes it agree with the last two. Constraints that cannot be kept within the
+region are broken by the least sum. Variables on which no result depends may go anywhere.
+
+Sources: R. Fletcher, Practical Methods of Optimization (1987), chapter 14 (steps within a region, exact penalties);
+C.G. Broyden, Mathematics of Computation 19 (1965), 577-593; L.A. Schmit and B. Farshi, AIAA Journal 12 (1974), 692-699
+(approximation concepts in the design of structures).
+"""
+
+from __future__ import annotations
+
+from typing import Any
+
+import casadi as ca
+import numpy as np
+
+from fowtlib.design.optimisers import Ended, Settings
+from fowtlib.language.errors import ModelError
+
+PENALTY = 20.0  # of a constraint that is broken by its scale, over the scale of the objective
+FIRST, SMALLEST, LARGEST = 0.08, 1e-4, 0.5  # of the ranges of the variables: the region
+GOOD, POOR, ACCEPTED = 0.7, 0.3, 0.02  # actual over expected improvement
+AGE = 4  # steps for which slopes learn before they are taken anew
+
+
+def search(problem: Any, y: np.ndarray, settings: Settings) -> Ended:
+    """From y on.
+
+    options: `region` (0.08), `age` (4 steps) and `penalty` (20) in place of those of this module; `say`, which is told
+    of each step.
+    """
+    return _Search(problem, settings).run(y)
+
+
+class _Search:
+    def __init__(self, problem: Any, settings: Settings):
+        self.problem, self.settings = problem, settings
+        options = settings.options
+        self.penalty, self.age = float(options.get("penalty", PENALTY)), int(options.get("age", AGE))
+        self.region = float(options.get("region", FIRST))
+        self.say = options.get("say", lambda line: None)
+        self.sub = _Step(problem, self.penalty)
+
+    def merit(self, r: np.ndarray, y: np.ndarray) -> float:
+        f, g = self.problem.composition.function(self.problem.x(y), r)
+        g = np.ravel(g)
+        over = np.maximum(np.maximum(g - self.problem.upper, self.problem.lower - g), 0.0)
+        return float(f) / self.problem.f_scale + self.penalty * float(over.sum())
+
+    def run(self, y: np.ndarray) -> Ended:
+        problem, reason = self.problem, "the limit of iterations"
+        r, J = problem.linear(y)
+        here, learned = self.merit(r, y), 0
+        for _ in range(self.settings.iterations):
+            new = self.sub(y, r, J, self.region)
+            step = new - y
+            expected = here - self.merit(r + J @ step, new)
+            if expected <= self.settings.tolerance * max(abs(here), 1.0):
+                if not learned:
+                    return Ended(y, True, "an optimum")
+                (r, J), learned = problem.linear(y), 0
+                continue
+            try:
+                found = self._results(new)
+            except ModelError as error:
+                reason, self.sub.free = f"no further step has results: {error}", False
+                self.region = min(self.region, float(np.max(np.abs(step)))) / 4
+                if self.region < SMALLEST:
+                    return Ended(y, False, reason)
+                continue
+            there = self.merit(found, new)
+            quality = (here - there) / expected
+            point = problem.point(new)
+            length = float(np.max(np.abs(step * held(J))))
+            self.say(f"step {length:.3f} in {self.region:.3f}: {here:.5f} to {there:.5f}, not {here - expected:.5f}; "
+                     f"{point.objective:.5g}, {point.violation:.2g} at {point.worst}")  # fmt: skip
+            J = _learnt(J, step, found - r)
+            self._resize(quality, step * held(J))
+            if quality > ACCEPTED:
+                y, r, here = new, found, there
+            learned += 1
+            if learned >= self.age or quality < POOR:
+                if self.region < SMALLEST:
+                    return Ended(y, False, "steps became too small")
+                (r, J), learned = problem.linear(y), 0
+        return Ended(y, False, reason)
+
+    def _results(self, y: np.ndarray) -> np.ndarray:
+        point = self.problem.point(y)
+        if point.failure:
+            raise ModelError(point.failure)
+        return self.problem.composition.results(point.found)
+
+    def _resize(self, quality: float, step: np.ndarray) -> None:
+        if quality > GOOD:
+            self.region = min(max(self.region, 2 * float(np.max(np.abs(step)))), LARGEST)
+        elif quality < POOR:
+            self.region = max(0.4 * min(self.region, float(np.max(np.abs(step)))), SMALLEST / 2)
+
+
+def held(J: np.ndarray) -> np.ndarray:
+    """Which variables results depend on."""
+    return np.any(J, axis=0)
+
+
+def _learnt(J: np.ndarray, step: np.ndarray, change: np.ndarray) -> np.ndarray:
+    """Broyden's update, in the variables on which results depend."""
+    s = np.where(held(J), step, 0.0)
+    size = s @ s
+    return J if size < 1e-16 else J + np.outer(change - J @ s, s) / size
+
+
+class _Step:
+    """The problem of a step: unknowns y, results over their sizes, and by how much each constraint is broken."""
+
+    def __init__(self, problem: Any, penalty: float):
+        self.problem, self.free = problem, True  # whether variables that no result depends on may go anywhere
+        composition = problem.composition
+        n, m, k = len(problem.space), composition.free.numel(), problem.lower.size
+        y, r, s = (ca.MX.sym(name, size) for name, size in (("y", n), ("r", m), ("s", k)))
+        J, rest, sizes = ca.MX.sym("J", m, n), ca.MX.sym("rest", m), ca.MX.sym("sizes", m)
+        f, g = composition.function(problem.offset + problem.scale * y, sizes * r)
+        rows = [g - s, g + s, r - ca.mtimes(J, y)]
+        self.solver = ca.nlpsol("step", "ipopt", {
+            "x": ca.vertcat(y, r, s), "p": ca.vertcat(ca.vec(J), rest, sizes),
+            "f": f / problem.f_scale + penalty * ca.sum1(s), "g": ca.vertcat(*rows[:2], rows[2] - rest),
+        }, {"ipopt.print_level": 0, "print_time": False, "ipopt.sb": "yes", "ipopt.max_iter": 300, "ipopt.tol": 1e-7,
+            "ipopt.bound_relax_factor": 0.0, "show_eval_warnings": False, "ipopt.mu_strategy": "adaptive",
+            "error_on_fail": False})  # fmt: skip
+
+    def __call__(self, y: np.ndarray, r: np.ndarray, J: np.ndarray, region: float) -> np.ndarray:
+        problem = self.problem
+        k, m = problem.lower.size, r.size
+        bound = held(J) | (not self.free)
+        low = np.where(bound, np.maximum(problem.y_lower, y - region), problem.y_lower)
+        high = np.where(bound, np.minimum(problem.y_upper, y + region), problem.y_upper)
+        sizes = np.maximum(np.abs(r), np.abs(J).sum(axis=1) * region)
+        sizes = np.where(sizes > 0, sizes, 1.0)
+        scaled = J / sizes[:, None]
+        g = np.ravel(problem.composition.function(problem.x(y), r)[1])
+        over = np.maximum(np.maximum(g - problem.upper, problem.lower - g), 0.0)
+        found = self.solver(
+            x0=np.concatenate([y, r / sizes, over]),
+            p=np.concatenate([scaled.ravel(order="F"), r / sizes - scaled @ y, sizes]),
+            lbx=np.concatenate([low, np.full(m, -np.inf), np.zeros(k)]),
+            ubx=np.concatenate([high, np.full(m, np.inf), np.full(k, np.inf)]),
+            lbg=np.concatenate([np.full(k, -np.inf), problem.lower, np.zeros(m)]),
+            ubg=np.concatenate([problem.upper, np.full(k, np.inf), np.zeros(m)]),
+        )  # fmt: skip
+        return np.clip(np.ravel(found["x"])[: y.size], low, high)

@@ -1,0 +1,66 @@
+"""The optimiser for dear models: results linear in each step, functions exact."""
+
+import numpy as np
+import pytest
+
+from fowtlib.design import Design, Evaluated, Function, Variable
+from fowtlib.language.errors import ModelError
+
+
+class Beam:
+    """A "model": a moment that grows a little and bends with the sizes, whose slopes are asked for seldom."""
+
+    def __init__(self, forbidden=np.inf):
+        self.values = self.slopes = self.failures = 0
+        self.forbidden = forbidden
+
+    def evaluate(self, x, jacobian=False):
+        d, t = x
+        if d > self.forbidden:
+            self.failures += 1
+            raise ModelError("no equilibrium here.")
+        self.values, self.slopes = self.values + (not jacobian), self.slopes + jacobian
+        moment = 3e8 * (1 + 0.1 * np.sin(d)) + 2e9 * t
+        by = np.array([[3e8 * 0.1 * np.cos(d), 2e9]])
+        key = ("design", "moment")
+        return Evaluated({key: np.array([moment])}, {"moment": "N*m"}, {key: by} if jacobian else None)
+
+
+def tube(beam, start=(6.0, 0.05)) -> Design:
+    """The lightest tube that bears it: stress M/(pi/4 d^2 t) below 200 MPa, d/t below 160."""
+    functions = [
+        Function("mass", lambda v: 7850 * np.pi * v["d"] * v["t"], ["d", "t"]),
+        Function("stress", lambda v: v["moment"] / (np.pi / 4 * v["d"] ** 2 * v["t"]), ["d", "t", "moment"]),
+        Function("slender", lambda v: v["d"] / v["t"], ["d", "t"]),
+    ]
+    variables = [Variable("d", 3.0, 9.0, start[0]), Variable("t", 0.01, 0.2, start[1])]
+    design = Design(None, variables, "mass", ["stress < 2e8", "slender < 160"], functions=functions)
+    object.__setattr__(design, "keys", [("design", "moment")])
+    object.__setattr__(design, "results", beam)
+    return design
+
+
+def best() -> float:
+    """By hand: both limits hold, t = d/160, and the stress gives d."""
+    d = np.linspace(3.0, 9.0, 600_001)
+    t = d / 160
+    kept = (3e8 * (1 + 0.1 * np.sin(d)) + 2e9 * t) / (np.pi / 4 * d**2 * t) <= 2e8
+    return float(np.min(7850 * np.pi * d[kept] * t[kept]))
+
+
+@pytest.mark.parametrize("start", [(6.0, 0.05), (8.5, 0.15), (3.2, 0.02)])
+def test_few_slopes_lead_to_the_optimum(start):
+    beam = Beam()
+    found = tube(beam, start).optimise("successive", tolerance=1e-6)
+    assert found.converged and found.feasible
+    assert found.value == pytest.approx(best(), rel=1e-5)
+    assert sorted(found.active) == ["slender <", "stress <"]
+    assert beam.slopes <= 8
+
+
+def test_where_there_are_no_results_steps_become_shorter():
+    """Beyond 7.57 there is no result, and the first step would lead there."""
+    beam = Beam(forbidden=7.57)
+    found = tube(beam, (6.5, 0.05)).optimise("successive", options={"region": 0.5})
+    free = tube(Beam(), (6.5, 0.05)).optimise("successive", options={"region": 0.5})
+    assert beam.failures and free["d"] < 7.57 and found.value == pytest.approx(free.value, rel=1e-4)
