@@ -1,0 +1,277 @@
+"""Four control strategies on the optimised 10-MW spar: `python benchmarks/p4_control.py FOLDER [sweep] [best] [zeros]`.
+
+The strategies of J.M. Hegseth, E.E. Bachynski and J.R.R.A. Martins: no feedback (CS1), feedback of the platform's pitch
+rate (CS2), of the nacelle's velocity (CS3), and of that velocity through a low-pass (CS4), which move the set point of
+the rotor speed. `sweep` varies the feedback gain, `best` finds the gains of each with which fatigue asks for the least
+steel in the tower, `zeros` has the zeros from blade pitch to rotor speed. Results are kept in FOLDER/*.json; what is
+there already is not computed again. Prints the tables of docs/p4_control.md.
+"""
+
+from __future__ import annotations
+
+import json
+import sys
+import warnings
+from dataclasses import dataclass, field, replace
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from pages import markdown
+from scipy.optimize import minimize
+
+import fowtlib as fw
+from fowtlib.metocean import likely_states, site
+
+CONTROL = "rna.turbine.control."
+TOWER = ["tower_base_moment", *(f"tower_moment_node_{k}" for k in range(1, 11))]
+RESULTS = [*TOWER, "rotor_speed", "blade_pitch", "pitch", "surge"]
+LIFE, FACTOR, EXPONENT, INTERCEPT = 20 * 365.25 * 86400.0, 2.0, 5.0, 15.606  # of the tower; D curve in air
+HOUR, CHARACTERISTIC = 3600.0, float(np.exp(-1))  # the most probable largest value of an hour
+SPEED_LIMIT, DUTY_LIMIT = 6.33e-2, 7.65e-3  # rad/s and 1, weighted
+PITCH_RATE = "10 deg/s"
+RATED = 12.0  # m/s; below, the torque is K Omega^2 and the blades do not pitch
+EXTREMES = {"EC1": (13.0, 8.1, 14.0, 0.17), "EC2": (21.0, 9.9, 15.0, 0.14), "EC3": (50.0, 15.1, 16.0, 0.12)}
+FEEDBACK = {
+    "CS1": (),
+    "CS2": ("feedback.pitch_rate_gain",),
+    "CS3": ("feedback.velocity_gain",),
+    "CS4": ("feedback.filtered_gain", "feedback.filter_frequency"),
+}
+SPEED_GAINS = (CONTROL + "proportional_gain", CONTROL + "integral_gain")
+START = {SPEED_GAINS[0]: 0.003588, SPEED_GAINS[1]: 0.00033, "feedback.filter_frequency": 0.2}
+Gains = dict[str, float]
+
+
+@dataclass
+class Spar:
+    """The spar in operation, below and above rated wind, and in a storm; what gains do not change is kept."""
+
+    sizes: dict[str, Any] = field(default_factory=dict)
+
+    def __post_init__(self) -> None:
+        self.above = fw.load("dtu10mw_p4").compile()
+        self.below = fw.load("dtu10mw_p4", set={CONTROL + "region_3": "constant_power"}).compile()
+        self.parked = fw.load("dtu10mw_spar_3_parked").compile()
+        found = likely_states(site("northern_north_sea").at(119), range(1, 30, 2))
+        self.states = [(u, h, t, 0.14 * (0.75 * u + 5.6) / u) for u, h, t in found]
+        self.shares = found.weights
+        values = self.above.parameter_values() | self.sizes
+        self.z, self.D, self.t = (np.array(values[f"tower_{n}"], float) for n in ("heights", "diameters", "walls"))
+        self._kept: dict[tuple[float, ...], dict[str, Any]] = {}
+        self._grids: dict[tuple[float, ...], np.ndarray] = {}
+        self._means: dict[tuple[float, ...], fw.State] = {}
+        self.ballast: float | None = None
+
+    def numbers(self, state: tuple[float, float, float, float], gains: Gains) -> dict[str, Any]:
+        """Mean, deviation and extreme of each result, ranges of the tower, duty cycle, in one state."""
+        free = not RATED < state[0] <= 25.0
+        if free and state in self._kept:
+            return self._kept[state]
+        speed, height, period, intensity = state
+        given = {"wind.mean_speed": speed, "wind.turbulence_intensity": intensity,
+                 "sea.significant_wave_height": height, "sea.peak_period": period}  # fmt: skip
+        running = 4.0 <= speed <= 25.0
+        if running:
+            plant, names = (self.below if free else self.above), RESULTS
+            given |= self.sizes | ({} if free else gains)
+        else:
+            plant, names = self.parked, [n for n in RESULTS if n in self.parked.outputs]
+            given |= self._in_a_storm() | {"thrust": 188.7e3 * (speed / 50.0) ** 2}
+        mean = self._means.get(state)
+        if mean is not None:  # gains do not move it
+            mean = replace(mean, parameters={**mean.parameters, **gains})
+        one = fw.response(plant, outputs=names, parameters=given, frequencies=self._grids.get(state), state=mean)
+        self._grids.setdefault(state, one.frequency)
+        if not free:
+            self._means.setdefault(
+                state,
+                replace(
+                    one.state,
+                    parameters={path: value for path, value in one.state.parameters.items() if path not in gains},
+                ),
+            )
+        found = {
+            "mean": {n: one.mean_of(n) for n in names},
+            "std": {n: one.std(n) for n in names},
+            "largest": {n: max(one.extreme(n, HOUR, CHARACTERISTIC), -one.extreme(n, HOUR, CHARACTERISTIC, "min"))
+                        for n in names},
+            "range": [1e6 * one.equivalent_load(n, EXPONENT) for n in TOWER],
+            "duty": one.duty_cycle("blade_pitch", PITCH_RATE) if running else 0.0,
+            "pole": pitch_pole(one.linear) if running else 0j,
+        }  # fmt: skip
+        if free:
+            self._kept[state] = found
+        return found
+
+    def _in_a_storm(self) -> dict[str, Any]:
+        """Sizes of the hull in a storm, which has one more station, at the water line."""
+        own = {n: v for n, v in self.sizes.items() if n in self.parked.parameter_values()}
+        at, here = (np.array(p.parameter_values()["hull_heights"], float) for p in (self.parked, self.above))
+        for name in ("hull_diameters", "hull_walls"):
+            if name in own:
+                own[name] = np.interp(at, here, own[name])
+        return own
+
+    def judged(self, gains: Gains) -> dict[str, Any]:
+        """What counts over the fifteen states."""
+        each = [self.numbers(state, gains) for state in self.states]
+        weighted = lambda number: float(self.shares @ [number(one) for one in each])  # noqa: E731
+        ranges = np.array([one["range"] for one in each])
+        section = np.pi * ((self.D - self.t) / 2) ** 2 * self.t
+        # of a stress that goes with 1/t; thickness counts beyond 25 mm
+        thick = np.maximum(self.t, 0.025) / 0.025
+        use = FACTOR * LIFE / 10**INTERCEPT * (self.shares @ (ranges / section * 1e-6 * thick**0.2) ** EXPONENT)
+        return {
+            "speed": weighted(lambda one: one["std"].get("rotor_speed", 0.0) * np.pi / 30),
+            "duty": weighted(lambda one: one["duty"]),
+            "pitch": weighted(lambda one: one["std"]["pitch"]),
+            "moment": weighted(lambda one: one["std"]["tower_base_moment"]),
+            "use": use.tolist(),
+            "walls": needed_walls(use, self.t).tolist(),
+        }  # fmt: skip
+
+    def steel(self, walls: Any) -> float:
+        """Mass of the tower [kg] with walls at its stations."""
+        t = np.asarray(walls)
+        fine = np.linspace(self.z[0], self.z[-1], 2001)
+        D, t = np.interp(fine, self.z, self.D), np.interp(fine, self.z, t)
+        return float(8500.0 * np.pi * np.trapezoid((D - t) * t, fine))
+
+    def platform_pitch(self, speed: float, gains: Gains) -> tuple[float, float]:
+        """Natural frequency [rad/s] and damping ratio of the platform's pitch, in one of the states above rated."""
+        found = self.numbers(next(s for s in self.states if s[0] == speed), gains)["pole"]
+        return float(abs(found)), float(-found.real / abs(found))
+
+
+def pitch_pole(linear: Any) -> complex:
+    """The pole that oscillates in which the platform's pitch takes part most."""
+    values, right = np.linalg.eig(np.asarray(linear.A))
+    left, at = np.linalg.inv(right), list(linear.states).index("motion.pitch")
+    part = np.abs(right[at] * left[:, at]) * (values.imag > 0)
+    return complex(values[np.argmax(part)])
+
+
+def needed_walls(use: np.ndarray, walls: np.ndarray) -> np.ndarray:
+    """Walls with which a use is one: stress goes with max(t, 25 mm)^0.2 / t."""
+    allowed = np.maximum(walls, 0.025) ** 0.2 / walls * use ** (-1 / EXPONENT)
+    return np.where(allowed < 0.025**-0.8, allowed**-1.25, 0.025**0.2 / allowed)
+
+
+def words(gains: Gains) -> dict[str, float]:
+    """Gains as in the tables: those of the rotor speed in s and 1."""
+    return {path.rpartition(".")[2]: value * (50.0 if path in SPEED_GAINS else 1.0) for path, value in gains.items()}
+
+
+def row(spar: Spar, gains: Gains) -> dict[str, Any]:
+    """Everything that the tables have of one set of gains."""
+    found = spar.judged(gains)
+    frequency, damping = zip(*(spar.platform_pitch(speed, gains) for speed in (13.0, 17.0, 23.0)), strict=True)
+    extremes = {name: spar.numbers(state, gains) for name, state in EXTREMES.items()}
+    large = {name: {n: one["largest"][n] for n in ("pitch", "surge", "tower_base_moment")}
+             for name, one in extremes.items()}  # fmt: skip
+    return found | {"gains": gains, "steel": spar.steel(found["walls"]), "frequency": frequency, "damping": damping,
+                    "largest": large}  # fmt: skip
+
+
+def best(spar: Spar, name: str, start: Gains) -> Gains:
+    """The gains of a strategy with which fatigue asks for the least steel, within the limits of speed and actuator."""
+    feedback = FEEDBACK[name]
+    paths = [*SPEED_GAINS, *feedback]
+    # logarithms of what is positive; feedback gains as they are, over a size
+    size = {"feedback.pitch_rate_gain": 5.0, "feedback.velocity_gain": 0.05, "feedback.filtered_gain": 0.05}
+    read = lambda x: {p: x[k] * size[p] if p in size else START[p] * np.exp(x[k]) for k, p in enumerate(paths)}  # noqa: E731
+    known: dict[tuple[float, ...], np.ndarray] = {}
+
+    def numbers(x: np.ndarray) -> np.ndarray:
+        """Steel over 1000 t, room of speed and of duty cycle; where it is unstable, none."""
+        key = tuple(np.round(x, 9))
+        if key not in known:
+            try:
+                found = spar.judged(read(x))
+                known[key] = np.array([spar.steel(found["walls"]) / 1e6, 1 - found["speed"] / SPEED_LIMIT,
+                                       1 - found["duty"] / DUTY_LIMIT])  # fmt: skip
+            except fw.ModelError:
+                known[key] = np.array([3.0, -1.0, -1.0])
+        return known[key]
+
+    def slopes(x: np.ndarray) -> np.ndarray:
+        h = 0.01
+        return np.array([(numbers(x + h * e) - numbers(x)) / h for e in np.eye(len(x))]).T
+
+    begin = np.array([start.get(p, 0.0) / size[p] if p in size else np.log(start.get(p, START[p]) / START[p])
+                      for p in paths])  # fmt: skip
+    bounds = [(-40.0, 10.0) if p in size else (-2.5, 2.5) for p in paths]
+    found = minimize(
+        lambda x: numbers(x)[0], begin, jac=lambda x: slopes(x)[0], method="SLSQP", bounds=bounds,
+        constraints={"type": "ineq", "fun": lambda x: numbers(x)[1:], "jac": lambda x: slopes(x)[1:]},
+        options={"maxiter": 25, "ftol": 1e-5},
+    )  # fmt: skip
+    print(name, found.message, found.nit, words(read(found.x)), numbers(found.x), flush=True)
+    return {p: float(v) for p, v in read(found.x).items()}
+
+
+def sweep(spar: Spar) -> list[dict[str, Any]]:
+    """Rows over the feedback gain with the speed gains as they are."""
+    some: list[Gains] = [{}]
+    some += [{"feedback.pitch_rate_gain": k} for k in (5.0, -5.0, -10.0, -20.0, -40.0)]
+    some += [{"feedback.velocity_gain": k} for k in (-0.05, -0.1, -0.2, -0.4)]
+    some += [{"feedback.filtered_gain": k, "feedback.filter_frequency": w}
+             for w in (0.1, 0.2, 0.4) for k in (-0.05, -0.1, -0.2, -0.4)]  # fmt: skip
+    found = []
+    for gains in some:
+        try:
+            found.append(row(spar, gains))
+        except fw.ModelError as error:
+            print(gains, error, flush=True)
+    return found
+
+
+def table(rows: dict[str, dict[str, Any]], base: dict[str, Any]) -> str:
+    heads = ("gains", "rotor speed [rad/s]", "duty cycle [1e-3]", "platform pitch [deg]", "tower base [MN m]",
+             "use of the base", "largest use", "steel [t]", "pitch mode at 13, 17, 23 m/s [rad/s]", "damping ratio",
+             "pitch in EC1, EC2, EC3 [deg]", "moment in EC1, EC2, EC3 [MN m]")  # fmt: skip
+    lines = []
+    for name, one in rows.items():
+        many = lambda values, digits: ", ".join(f"{v:.{digits}f}" for v in values)  # noqa: E731
+        lines.append((name, f"{one['speed']:.4f}", f"{1e3 * one['duty']:.2f}", f"{one['pitch']:.3f}",
+                      f"{one['moment']:.2f}", f"{one['use'][0]:.2f}", f"{max(one['use']):.2f}",
+                      f"{one['steel'] / 1e3:.0f} ({100 * (one['steel'] / base['steel'] - 1):+.1f} %)",
+                      many(one["frequency"], 3), many(one["damping"], 2),
+                      many([one["largest"][e]["pitch"] for e in EXTREMES], 1),
+                      many([one["largest"][e]["tower_base_moment"] for e in EXTREMES], 0)))  # fmt: skip
+    return markdown((heads, lines), 3)
+
+
+def label(gains: Gains) -> str:
+    return ", ".join(f"{name} {value:.4g}" for name, value in words(gains).items()) or "no feedback"
+
+
+def kept(folder: Path, name: str, make: Any) -> Any:
+    """What a file has, or what is made now and kept there."""
+    file = folder / f"{name}.json"
+    if not file.exists():
+        made = make()
+        file.write_text(json.dumps(made, indent=1))
+    return json.loads(file.read_text())
+
+
+def main() -> None:
+    folder, asked = Path(sys.argv[1]), sys.argv[2:] or ["sweep", "best"]
+    folder.mkdir(parents=True, exist_ok=True)
+    warnings.simplefilter("ignore")
+    spar = Spar()
+    if "sweep" in asked:
+        rows = kept(folder, "sweep", lambda: sweep(spar))
+        print(table({label(one["gains"]): one for one in rows}, rows[0]), flush=True)
+    if "best" in asked:
+        found: dict[str, dict[str, Any]] = {}
+        for name in FEEDBACK:
+            begin = dict(found["CS1"]["gains"]) if name != "CS1" else {}
+            begin |= {path: (-5.0 if "pitch" in path else -0.05) for path in FEEDBACK[name][:1]}
+            found[name] = kept(folder, name, lambda n=name, b=begin: row(spar, best(spar, n, b)))
+        print(table({f"{n}: {label(one['gains'])}": one for n, one in found.items()}, found["CS1"]), flush=True)
+
+
+if __name__ == "__main__":
+    main()
