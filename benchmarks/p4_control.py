@@ -12,7 +12,7 @@ from __future__ import annotations
 import json
 import sys
 import warnings
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
 
@@ -26,6 +26,8 @@ from fowtlib.metocean import likely_states, site
 CONTROL = "rna.turbine.control."
 TOWER = ["tower_base_moment", *(f"tower_moment_node_{k}" for k in range(1, 11))]
 RESULTS = [*TOWER, "rotor_speed", "blade_pitch", "pitch", "surge"]
+MEASURED = ["pitch_rate", "nacelle_velocity"]  # rad/s, m/s
+RATED_SPEED = 480 * np.pi / 30  # of the generator
 LIFE, FACTOR, EXPONENT, INTERCEPT = 20 * 365.25 * 86400.0, 2.0, 5.0, 15.606  # of the tower; D curve in air
 HOUR, CHARACTERISTIC = 3600.0, float(np.exp(-1))  # the most probable largest value of an hour
 SPEED_LIMIT, DUTY_LIMIT = 6.33e-2, 7.65e-3  # rad/s and 1, weighted
@@ -43,66 +45,113 @@ START = {SPEED_GAINS[0]: 0.003588, SPEED_GAINS[1]: 0.00033, "feedback.filter_fre
 Gains = dict[str, float]
 
 
+class Loop:
+    """The response in one state with any gains, exactly: they act on three states, from four signals.
+
+    H = H_d + H_u (1 - K H_su)^-1 K H_sd, with the transfer functions of the response without feedback from what drives
+    it (d) and from the rates of blade pitch, integral and filter (u) to the results and the signals (s). The gains of
+    the drag are those of the response without feedback.
+    """
+
+    def __init__(self, one: fw.Response):
+        self.frequency, self.mean, self.units = one.frequency, one.mean, one.units
+        self.outputs, self.driving = one.outputs, dict(one.driving)
+        A, C = (np.asarray(one.linear.matrices[name]) for name in "AC")
+        C = C[: len(one.outputs)]
+        self.A, states = A, list(one.linear.states)
+        pitch, integral, speed, filtered, self.angle = (
+            states.index(n) for n in (CONTROL + "pitch.pitch", CONTROL + "pitch.integral", CONTROL + "speed_filter.x",
+                                      "feedback.filtered", "motion.pitch"))  # fmt: skip
+        unit = np.eye(len(A))
+        self.into = unit[:, [pitch, integral, filtered]]
+        measured = [one.outputs.index(n) for n in MEASURED]
+        self.seen = np.vstack([unit[speed], C[measured], unit[filtered]])
+        self.by_gain = A[pitch, speed] / START[SPEED_GAINS[0]], A[integral, speed] / START[SPEED_GAINS[1]]
+        values, right = np.linalg.eig(A)
+        left = np.linalg.inv(right)
+        shares = 1 / (2j * np.pi * self.frequency[:, None] - values)
+        among = lambda out, into: np.einsum("mk,qk,kn->qmn", out @ right, shares, left @ into, optimize=True)  # noqa: E731
+        self.H_u, self.H_su = among(C, self.into), among(self.seen, self.into)
+        self.H_d, self.H_sd = dict(one.transfer), {}
+        s = (2j * np.pi * self.frequency)[:, None]
+        for path, H in one.transfer.items():
+            speed = H[:, one.outputs.index("rotor_speed")] * 50 * np.pi / 30
+            rate, velocity = (H[:, k] for k in measured)
+            w, f = 2 * np.pi * 1.25, START["feedback.filter_frequency"]  # corners of both filters
+            self.H_sd[path] = np.stack([speed * w / (w + s), rate, velocity, velocity * f / (f + s)], axis=1)
+
+    def gains(self, gains: Gains) -> np.ndarray:
+        """K (3, 4): what is added to the rates of pitch, integral and filter, by the four signals."""
+        p, i = (gains.get(path, START[path]) for path in SPEED_GAINS)
+        change = [gains.get("feedback." + n, 0.0) for n in ("pitch_rate_gain", "velocity_gain", "filtered_gain")]
+        share, corner = gains.get(CONTROL + "integrated_change", 0.0), gains.get("feedback.filter_frequency", 0.2)
+        K = np.zeros((3, 4))
+        K[0] = self.by_gain[0] * np.array([p - START[SPEED_GAINS[0]], *(-RATED_SPEED * p * np.array(change))])
+        K[1] = self.by_gain[1] * np.array([i - START[SPEED_GAINS[1]], *(-RATED_SPEED * share * i * np.array(change))])
+        K[2, 2:] = np.array([1.0, -1.0]) * (corner - 0.2)
+        return K
+
+    def closed(self, gains: Gains) -> tuple[fw.Response, np.ndarray]:
+        """The response and A with these gains. Raises ModelError where it is unstable."""
+        K = self.gains(gains)
+        A = self.A + self.into @ K @ self.seen
+        if np.linalg.eigvals(A).real.max() > 1e-9:
+            raise fw.ModelError("the closed loop is unstable.")
+        back = np.linalg.solve(np.eye(3) - K @ self.H_su, np.broadcast_to(K, (len(self.frequency), 3, 4)))
+        transfer = {path: H + self.H_u @ (back @ self.H_sd[path]) for path, H in self.H_d.items()}
+        shares = {path: ((H @ self.driving[path]) * H.conj()).sum(axis=2).real.T for path, H in transfer.items()}
+        one = fw.Response(self.frequency, self.outputs, self.units, self.mean, shares, transfer, None, None, 0,
+                          self.driving)  # fmt: skip
+        return one, A
+
+
 @dataclass
 class Spar:
-    """The spar in operation, below and above rated wind, and in a storm; what gains do not change is kept."""
+    """The spar in operation, below and above rated wind, and in a storm, with any gains.
+
+    One response in each state is enough: gains act above rated wind alone, and there by `Loop`. exact: a response with
+    the gains themselves instead, with their own drag.
+    """
 
     sizes: dict[str, Any] = field(default_factory=dict)
+    exact: bool = False
 
     def __post_init__(self) -> None:
-        self.above = fw.load("dtu10mw_p4").compile()
-        self.below = fw.load("dtu10mw_p4", set={CONTROL + "region_3": "constant_power"}).compile()
-        self.parked = fw.load("dtu10mw_spar_3_parked").compile()
+        self.above = compiled("dtu10mw_p4")
+        self.below = compiled("dtu10mw_p4", "constant_power")
+        self.parked = compiled("dtu10mw_spar_3_parked")
         found = likely_states(site("northern_north_sea").at(119), range(1, 30, 2))
         self.states = [(u, h, t, 0.14 * (0.75 * u + 5.6) / u) for u, h, t in found]
         self.shares = found.weights
         values = self.above.parameter_values() | self.sizes
         self.z, self.D, self.t = (np.array(values[f"tower_{n}"], float) for n in ("heights", "diameters", "walls"))
-        self._kept: dict[tuple[float, ...], dict[str, Any]] = {}
-        self._grids: dict[tuple[float, ...], np.ndarray] = {}
-        self._means: dict[tuple[float, ...], fw.State] = {}
-        self.ballast: float | None = None
+        self._kept: dict[tuple[float, ...], Any] = {}
 
     def numbers(self, state: tuple[float, float, float, float], gains: Gains) -> dict[str, Any]:
         """Mean, deviation and extreme of each result, ranges of the tower, duty cycle, in one state."""
-        free = not RATED < state[0] <= 25.0
-        if free and state in self._kept:
-            return self._kept[state]
+        controlled = RATED < state[0] <= 25.0
+        if controlled and self.exact:
+            one = self._response(state, gains)
+            return _numbers(one, np.asarray(one.linear.A), list(one.linear.states).index("motion.pitch"))
+        if state not in self._kept:
+            one = self._response(state, {})
+            self._kept[state] = Loop(one) if controlled else _numbers(one)
+        kept = self._kept[state]
+        if not controlled:
+            return kept
+        one, A = kept.closed(gains)
+        return _numbers(one, A, kept.angle)
+
+    def _response(self, state: tuple[float, float, float, float], gains: Gains) -> fw.Response:
         speed, height, period, intensity = state
         given = {"wind.mean_speed": speed, "wind.turbulence_intensity": intensity,
                  "sea.significant_wave_height": height, "sea.peak_period": period}  # fmt: skip
-        running = 4.0 <= speed <= 25.0
-        if running:
-            plant, names = (self.below if free else self.above), RESULTS
-            given |= self.sizes | ({} if free else gains)
-        else:
-            plant, names = self.parked, [n for n in RESULTS if n in self.parked.outputs]
-            given |= self._in_a_storm() | {"thrust": 188.7e3 * (speed / 50.0) ** 2}
-        mean = self._means.get(state)
-        if mean is not None:  # gains do not move it
-            mean = replace(mean, parameters={**mean.parameters, **gains})
-        one = fw.response(plant, outputs=names, parameters=given, frequencies=self._grids.get(state), state=mean)
-        self._grids.setdefault(state, one.frequency)
-        if not free:
-            self._means.setdefault(
-                state,
-                replace(
-                    one.state,
-                    parameters={path: value for path, value in one.state.parameters.items() if path not in gains},
-                ),
-            )
-        found = {
-            "mean": {n: one.mean_of(n) for n in names},
-            "std": {n: one.std(n) for n in names},
-            "largest": {n: max(one.extreme(n, HOUR, CHARACTERISTIC), -one.extreme(n, HOUR, CHARACTERISTIC, "min"))
-                        for n in names},
-            "range": [1e6 * one.equivalent_load(n, EXPONENT) for n in TOWER],
-            "duty": one.duty_cycle("blade_pitch", PITCH_RATE) if running else 0.0,
-            "pole": pitch_pole(one.linear) if running else 0j,
-        }  # fmt: skip
-        if free:
-            self._kept[state] = found
-        return found
+        if 4.0 <= speed <= 25.0:
+            plant = self.above if speed > RATED else self.below
+            return fw.response(plant, outputs=[*RESULTS, *MEASURED], parameters=given | self.sizes | gains)
+        given |= self._in_a_storm() | {"thrust": 188.7e3 * (speed / 50.0) ** 2}
+        names = [n for n in RESULTS if n in self.parked.outputs]
+        return fw.response(self.parked, outputs=names, parameters=given)
 
     def _in_a_storm(self) -> dict[str, Any]:
         """Sizes of the hull in a storm, which has one more station, at the water line."""
@@ -144,11 +193,34 @@ class Spar:
         return float(abs(found)), float(-found.real / abs(found))
 
 
-def pitch_pole(linear: Any) -> complex:
-    """The pole that oscillates in which the platform's pitch takes part most."""
-    values, right = np.linalg.eig(np.asarray(linear.A))
-    left, at = np.linalg.inv(right), list(linear.states).index("motion.pitch")
-    part = np.abs(right[at] * left[:, at]) * (values.imag > 0)
+def compiled(name: str, region_3: str | None = None) -> Any:
+    """A compiled model; the same one for the same question."""
+    if (name, region_3) not in _PLANTS:
+        given = {} if region_3 is None else {CONTROL + "region_3": region_3}
+        _PLANTS[name, region_3] = fw.load(name, set=given).compile()
+    return _PLANTS[name, region_3]
+
+
+_PLANTS: dict[tuple[str, str | None], Any] = {}
+
+
+def _numbers(one: fw.Response, A: np.ndarray | None = None, angle: int = 0) -> dict[str, Any]:
+    names = [n for n in RESULTS if n in one.outputs]
+    return {
+        "mean": {n: one.mean_of(n) for n in names},
+        "std": {n: one.std(n) for n in names},
+        "largest": {n: max(one.extreme(n, HOUR, CHARACTERISTIC), -one.extreme(n, HOUR, CHARACTERISTIC, "min"))
+                    for n in names},
+        "range": [1e6 * one.equivalent_load(n, EXPONENT) for n in TOWER],
+        "duty": one.duty_cycle("blade_pitch", PITCH_RATE) if "blade_pitch" in names else 0.0,
+        "pole": pitch_pole(A, angle) if A is not None else 0j,
+    }  # fmt: skip
+
+
+def pitch_pole(A: np.ndarray, angle: int) -> complex:
+    """The pole that oscillates in which the platform's pitch, a state, takes part most."""
+    values, right = np.linalg.eig(A)
+    part = np.abs(right[angle] * np.linalg.inv(right)[:, angle]) * (values.imag > 0)
     return complex(values[np.argmax(part)])
 
 
