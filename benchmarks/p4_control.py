@@ -127,8 +127,8 @@ class Spar:
         self.z, self.D, self.t = (np.array(values[f"tower_{n}"], float) for n in ("heights", "diameters", "walls"))
         self._kept: dict[tuple[float, ...], Any] = {}
 
-    def numbers(self, state: tuple[float, float, float, float], gains: Gains) -> dict[str, Any]:
-        """Mean, deviation and extreme of each result, ranges of the tower, duty cycle, in one state."""
+    def numbers(self, state: tuple[float, float, float, float], gains: Gains, brief: bool = False) -> dict[str, Any]:
+        """Deviations, ranges of the tower, duty cycle in one state; not brief: means, extremes, pole of pitch too."""
         controlled = RATED < state[0] <= 25.0
         if controlled and self.exact:
             one = self._response(state, gains)
@@ -140,7 +140,7 @@ class Spar:
         if not controlled:
             return kept
         one, A = kept.closed(gains)
-        return _numbers(one, A, kept.angle)
+        return _numbers(one, A, kept.angle, brief)
 
     def _response(self, state: tuple[float, float, float, float], gains: Gains) -> fw.Response:
         speed, height, period, intensity = state
@@ -164,7 +164,7 @@ class Spar:
 
     def judged(self, gains: Gains) -> dict[str, Any]:
         """What counts over the fifteen states."""
-        each = [self.numbers(state, gains) for state in self.states]
+        each = [self.numbers(state, gains, brief=True) for state in self.states]
         weighted = lambda number: float(self.shares @ [number(one) for one in each])  # noqa: E731
         ranges = np.array([one["range"] for one in each])
         section = np.pi * ((self.D - self.t) / 2) ** 2 * self.t
@@ -179,6 +179,10 @@ class Spar:
             "use": use.tolist(),
             "walls": needed_walls(use, self.t).tolist(),
         }  # fmt: skip
+
+    def moments(self, state: tuple[float, float, float, float], gains: Gains) -> np.ndarray:
+        """The largest bending moments at the joints of the tower in one state [N m] (11,)."""
+        return 1e6 * np.array([self.numbers(state, gains)["largest"][n] for n in TOWER])
 
     def steel(self, walls: Any) -> float:
         """Mass of the tower [kg] with walls at its stations."""
@@ -204,15 +208,19 @@ def compiled(name: str, region_3: str | None = None) -> Any:
 _PLANTS: dict[tuple[str, str | None], Any] = {}
 
 
-def _numbers(one: fw.Response, A: np.ndarray | None = None, angle: int = 0) -> dict[str, Any]:
+def _numbers(one: fw.Response, A: np.ndarray | None = None, angle: int = 0, brief: bool = False) -> dict[str, Any]:
     names = [n for n in RESULTS if n in one.outputs]
-    return {
-        "mean": {n: one.mean_of(n) for n in names},
-        "std": {n: one.std(n) for n in names},
-        "largest": {n: max(one.extreme(n, HOUR, CHARACTERISTIC), -one.extreme(n, HOUR, CHARACTERISTIC, "min"))
-                    for n in names},
+    counted = {
+        "std": {n: one.std(n) for n in names if n not in TOWER[1:]},
         "range": [1e6 * one.equivalent_load(n, EXPONENT) for n in TOWER],
         "duty": one.duty_cycle("blade_pitch", PITCH_RATE) if "blade_pitch" in names else 0.0,
+    }
+    if brief:
+        return counted
+    return counted | {
+        "mean": {n: one.mean_of(n) for n in names},
+        "largest": {n: max(one.extreme(n, HOUR, CHARACTERISTIC), -one.extreme(n, HOUR, CHARACTERISTIC, "min"))
+                    for n in names},
         "pole": pitch_pole(A, angle) if A is not None else 0j,
     }  # fmt: skip
 
@@ -246,41 +254,77 @@ def row(spar: Spar, gains: Gains) -> dict[str, Any]:
                     "largest": large}  # fmt: skip
 
 
-def best(spar: Spar, name: str, start: Gains) -> Gains:
-    """The gains of a strategy with which fatigue asks for the least steel, within the limits of speed and actuator."""
-    feedback = FEEDBACK[name]
-    paths = [*SPEED_GAINS, *feedback]
-    # logarithms of what is positive; feedback gains as they are, over a size
-    size = {"feedback.pitch_rate_gain": 5.0, "feedback.velocity_gain": 0.05, "feedback.filtered_gain": 0.05}
-    read = lambda x: {p: x[k] * size[p] if p in size else START[p] * np.exp(x[k]) for k, p in enumerate(paths)}  # noqa: E731
+SIZES = {"feedback.pitch_rate_gain": 5.0, "feedback.velocity_gain": 0.05, "feedback.filtered_gain": 0.2}
+
+
+def best(spar: Spar, name: str, starts: list[Gains], limits: tuple[float, float]) -> Gains:
+    """The gains of a strategy with which fatigue asks for the least steel, within limits of speed and duty cycle."""
+    paths = [*SPEED_GAINS, *FEEDBACK[name]]
     known: dict[tuple[float, ...], np.ndarray] = {}
 
+    def read(x: np.ndarray) -> Gains:
+        """Gains from numbers near one: logarithms of what is positive, and feedback over its size."""
+        return {p: float(x[k] * SIZES[p] if p in SIZES else START[p] * np.exp(x[k])) for k, p in enumerate(paths)}
+
     def numbers(x: np.ndarray) -> np.ndarray:
-        """Steel over 1000 t, room of speed and of duty cycle; where it is unstable, none."""
+        """Steel over 1000 t, and what is left to the limits; where it is unstable, far beyond them."""
         key = tuple(np.round(x, 9))
         if key not in known:
             try:
                 found = spar.judged(read(x))
-                known[key] = np.array([spar.steel(found["walls"]) / 1e6, 1 - found["speed"] / SPEED_LIMIT,
-                                       1 - found["duty"] / DUTY_LIMIT])  # fmt: skip
+                known[key] = np.array([spar.steel(found["walls"]) / 1e6, 1 - found["speed"] / limits[0],
+                                       1 - found["duty"] / limits[1]])  # fmt: skip
             except fw.ModelError:
                 known[key] = np.array([3.0, -1.0, -1.0])
         return known[key]
 
     def slopes(x: np.ndarray) -> np.ndarray:
-        h = 0.01
-        return np.array([(numbers(x + h * e) - numbers(x)) / h for e in np.eye(len(x))]).T
+        return np.array([(numbers(x + 1e-4 * e) - numbers(x)) / 1e-4 for e in np.eye(len(x))]).T
 
-    begin = np.array([start.get(p, 0.0) / size[p] if p in size else np.log(start.get(p, START[p]) / START[p])
-                      for p in paths])  # fmt: skip
-    bounds = [(-40.0, 10.0) if p in size else (-2.5, 2.5) for p in paths]
-    found = minimize(
-        lambda x: numbers(x)[0], begin, jac=lambda x: slopes(x)[0], method="SLSQP", bounds=bounds,
-        constraints={"type": "ineq", "fun": lambda x: numbers(x)[1:], "jac": lambda x: slopes(x)[1:]},
-        options={"maxiter": 25, "ftol": 1e-5},
-    )  # fmt: skip
-    print(name, found.message, found.nit, words(read(found.x)), numbers(found.x), flush=True)
-    return {p: float(v) for p, v in read(found.x).items()}
+    bounds = [(-20.0, 5.0) if p in SIZES else (-2.5, 2.5) for p in paths]
+    ends = []
+    for start in starts:
+        begin = [start.get(p, 0.0) / SIZES[p] if p in SIZES else np.log(start.get(p, START[p]) / START[p])
+                 for p in paths]  # fmt: skip
+        found = minimize(
+            lambda x: 100 * numbers(x)[0], begin, jac=lambda x: 100 * slopes(x)[0], method="SLSQP", bounds=bounds,
+            constraints={"type": "ineq", "fun": lambda x: numbers(x)[1:], "jac": lambda x: slopes(x)[1:]},
+            options={"maxiter": 40, "ftol": 1e-4},
+        )  # fmt: skip
+        value = numbers(found.x)
+        print(name, limits, found.message, found.nit, len(known), words(read(found.x)), value, flush=True)
+        if value[1:].min() > -1e-4:
+            ends.append((value[0], read(found.x)))
+    if not ends:
+        raise fw.ModelError(f"{name} has no gains within {limits}.")
+    return min(ends, key=lambda end: end[0])[1]
+
+
+def starts_of(name: str, more: list[Gains]) -> list[Gains]:
+    """Weak and strong gains, and those given."""
+    feedback = {path: -SIZES[path] / 2 for path in FEEDBACK[name][:1]}
+    p, i = SPEED_GAINS
+    made = [{p: START[p] * a, i: START[i] * b} | {k: v * c for k, v in feedback.items()}
+            for a, b, c in ((1.5, 0.5, 1.0), (3.0, 2.0, 2.0))]  # fmt: skip
+    return [*made, *more]
+
+
+def front(spar: Spar, limits: list[float], duty: float) -> dict[str, list[dict[str, Any]]]:
+    """Rows of each strategy at falling limits of the speed; where there are no gains, none."""
+    rows: dict[str, list[dict[str, Any]]] = {}
+    for name in FEEDBACK:
+        rows[name], last = [], None
+        for limit in limits:
+            begin = starts_of(name, []) if last is None else [last]
+            at = len(rows[name])
+            begin += [rows["CS1"][at]["gains"]] if name != "CS1" and len(rows["CS1"]) > at else []
+            try:
+                last = best(spar, name, begin, (limit, duty))
+            except fw.ModelError as error:
+                print(error, flush=True)
+                break
+            rows[name].append(row(spar, last) | {"limit": limit})
+    return rows
 
 
 def sweep(spar: Spar) -> list[dict[str, Any]]:
@@ -329,7 +373,7 @@ def kept(folder: Path, name: str, make: Any) -> Any:
 
 
 def main() -> None:
-    folder, asked = Path(sys.argv[1]), sys.argv[2:] or ["sweep", "best"]
+    folder, asked = Path(sys.argv[1]), sys.argv[2:] or ["sweep", "best", "front"]
     folder.mkdir(parents=True, exist_ok=True)
     warnings.simplefilter("ignore")
     spar = Spar()
@@ -339,10 +383,16 @@ def main() -> None:
     if "best" in asked:
         found: dict[str, dict[str, Any]] = {}
         for name in FEEDBACK:
-            begin = dict(found["CS1"]["gains"]) if name != "CS1" else {}
-            begin |= {path: (-5.0 if "pitch" in path else -0.05) for path in FEEDBACK[name][:1]}
-            found[name] = kept(folder, name, lambda n=name, b=begin: row(spar, best(spar, n, b)))
+            more = [found["CS1"]["gains"]] if found else []
+            found[name] = kept(folder, name, lambda n=name, m=more: row(
+                spar, best(spar, n, starts_of(n, m), (SPEED_LIMIT, DUTY_LIMIT))))  # fmt: skip
         print(table({f"{n}: {label(one['gains'])}": one for n, one in found.items()}, found["CS1"]), flush=True)
+    if "front" in asked:
+        limits = [SPEED_LIMIT, 0.055, 0.05, 0.0475, 0.045, 0.0425, 0.04]
+        fronts = kept(folder, "front", lambda: front(spar, limits, DUTY_LIMIT))
+        for limit in limits:
+            print(limit, {n: [(round(one["steel"] / 1e3, 1), round(1e3 * one["duty"], 2)) for one in rows
+                              if one["limit"] == limit] for n, rows in fronts.items()})  # fmt: skip
 
 
 if __name__ == "__main__":
