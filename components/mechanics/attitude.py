@@ -11,6 +11,7 @@ import numpy as np
 
 from fowtlib.components.mechanics.interfaces import TwoFrames
 from fowtlib.language import Component
+from fowtlib.language.expressions import one_evaluation
 
 Place = tuple[int, str]  # id of a component, which is found faster than its path; label of its port
 
@@ -27,14 +28,7 @@ def heading_at_start(component: Component, port: str) -> float:
 
 def _attitude(component: Component, port: str) -> np.ndarray:
     """World from frame (3, 3), by the way through the fewest parts."""
-    root = [component, *component.enclosing()][-1]
-    links: dict[Place, list[Place]] = defaultdict(list)
-    parts = {id(part): part for part in root.walk()}
-    for owner in parts.values():
-        for a, b, _ in owner.connections:
-            one, other = (id(a.component.current), a.label), (id(b.component.current), b.label)
-            links[one].append(other)
-            links[other].append(one)
+    parts, links = _network([component, *component.enclosing()][-1])
     found: dict[Place, np.ndarray] = {(id(component), port): np.eye(3)}  # frame at hand, from the frame at this place
     for number, label in (waiting := list(found)):
         R = found[number, label]
@@ -44,15 +38,31 @@ def _attitude(component: Component, port: str) -> np.ndarray:
             return _numbers(fixed(part)) @ R
         for place, turn in _next(part, number, label, links, parts):
             if place not in found:
-                found[place] = turn @ R
+                found[place] = R if turn is None else turn @ R
                 waiting.append(place)
     return np.eye(3)
 
 
-def _next(part: Any, number: int, label: str, links: Any, parts: Any) -> Iterator[tuple[Place, np.ndarray]]:
-    """The places beside one, each with the turn from here to there."""
+def _network(root: Component) -> tuple[dict[int, Any], dict[Place, list[Place]]]:
+    """All parts by their ids, and the places that each place is connected with; the same within an evaluation."""
+    with one_evaluation() as known:
+        key = ("network", id(root))
+        if key not in known:
+            links: dict[Place, list[Place]] = defaultdict(list)
+            parts = {id(part): part for part in root.walk()}
+            for owner in parts.values():
+                for a, b, _ in owner.connections:
+                    one, other = (id(a.component.current), a.label), (id(b.component.current), b.label)
+                    links[one].append(other)
+                    links[other].append(one)
+            known[key] = parts, links
+        return known[key]
+
+
+def _next(part: Any, number: int, label: str, links: Any, parts: Any) -> Iterator[tuple[Place, np.ndarray | None]]:
+    """The places beside one, each with the turn from here to there; None: there is none."""
     for place in links[number, label]:
-        yield place, np.eye(3)
+        yield place, None
     if isinstance(part, TwoFrames) and label in ("frame_a", "frame_b") and not part.parts:
         rotation = part.start_rotation(_command(number, links, parts))
         if rotation is not None:
@@ -73,4 +83,4 @@ def _command(number: int, links: Any, parts: Any) -> float:
 
 
 def _numbers(R: Any) -> np.ndarray:
-    return ca.evalf(ca.SX(ca.DM(R) if isinstance(R, np.ndarray) else R)).full()
+    return np.asarray(R, dtype=float) if isinstance(R, np.ndarray) else ca.evalf(ca.SX(R)).full()

@@ -99,7 +99,7 @@ class BendingHinge(TwoFrames):
     a_y: Scalar = var(unit="rad/s^2", doc="second derivative of phi_y")
 
     def start_rotation(self, command):
-        return m.eye(3)
+        return np.eye(3)
 
     def equations(self):
         a, b, x, y = self.frame_a, self.frame_b, unit_axis(self.axis_x), unit_axis(self.axis_y)
@@ -130,7 +130,7 @@ class TorsionHinge(TwoFrames):
     a: Scalar = var(unit="rad/s^2", doc="angular acceleration")
 
     def start_rotation(self, command):
-        return m.eye(3)
+        return np.eye(3)
 
     def equations(self):
         a, b, n = self.frame_a, self.frame_b, unit_axis(self.n)
@@ -157,7 +157,7 @@ class AxialSpring(TwoFrames):
     a: Scalar = var(unit="m/s^2", doc="second derivative of the stretch")
 
     def start_rotation(self, command):
-        return m.eye(3)
+        return np.eye(3)
 
     def equations(self):
         a, b, n = self.frame_a, self.frame_b, unit_axis(self.n)

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import numpy as np
+
 from fowtlib.components.environment.world import World
 from fowtlib.components.mechanics.connectors import Frame
 from fowtlib.components.mechanics.interfaces import TwoFrames
@@ -55,7 +57,7 @@ class FixedTranslation(TwoFrames):
     diameter: Number = param(default=None, unit="m", min=0, doc="diameter of the rod in pictures; 0 hides it")
 
     def start_rotation(self, command):
-        return m.eye(3)
+        return np.eye(3)
 
     def equations(self):
         a, b = self.frame_a, self.frame_b

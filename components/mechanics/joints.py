@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import numpy as np
+
 from fowtlib.components.mechanics.connectors import Flange
 from fowtlib.components.mechanics.interfaces import TwoFrames
 from fowtlib.components.mechanics.rotations import (
@@ -164,7 +166,7 @@ class Prismatic(TwoFrames):
     a: Scalar = var(unit="m/s^2", doc="acceleration")
 
     def start_rotation(self, command):
-        return m.eye(3)
+        return np.eye(3)
 
     def equations(self):
         a, b = self.frame_a, self.frame_b

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import numpy as np
+
 from fowtlib.components.mechanics.connectors import Frame
 from fowtlib.components.mechanics.interfaces import TwoFrames
 from fowtlib.language import (
@@ -123,7 +125,7 @@ class LoadSensor(TwoFrames):
     torque: RealOutput = port(unit="N*m", shape=(3,), doc="moment of side a on side b, resolved in frame_a")
 
     def start_rotation(self, command):
-        return m.eye(3)
+        return np.eye(3)
 
     def equations(self):
         a, b = self.frame_a, self.frame_b

@@ -27,6 +27,8 @@ class Process:
     drive: Callable[[np.ndarray], np.ndarray]
 
 
+CANCELLED = 1e-7  # sum of a root and a conjugate one over their sizes, up to which sums cancel
+
 Processes = Mapping[str, Process]
 """The random processes by path."""
 
@@ -35,17 +37,32 @@ Processes = Mapping[str, Process]
 class Driving:
     """What one process drives: numbers of the inputs, and their amplitudes (inputs, q, k) by its channels.
 
-    weighted: the same by channels that are independent, with a variance of one at each frequency.
+    power: spectra of the channels (q, k, k) times what each frequency stands for.
     """
 
     inputs: np.ndarray
     drive: np.ndarray
-    weighted: np.ndarray
+    power: np.ndarray
 
-    def by(self, matrix: np.ndarray, drive: np.ndarray) -> np.ndarray | None:
-        """A matrix (m, all inputs) times a drive of these inputs, (m, q, k); None where it is nothing."""
-        columns = matrix[:, self.inputs]
-        return times(columns, drive) if columns.any() else None
+    @cached_property
+    def weighted(self) -> np.ndarray:
+        """The drive by channels that are independent, with a variance of one at each frequency."""
+        return np.ascontiguousarray((self.drive.transpose(1, 0, 2) @ _roots(self.power)).transpose(1, 0, 2))
+
+    @cached_property
+    def covariances(self) -> np.ndarray:
+        """Of the inputs, what each frequency adds: (q, inputs, inputs), Hermitian."""
+        drive = self.drive.transpose(1, 0, 2)
+        return drive @ self.power @ drive.conj().transpose(0, 2, 1)
+
+    @property
+    def channels(self) -> int:
+        """Number of channels of the process."""
+        return self.drive.shape[2]
+
+    def thinned(self, step: int, share: np.ndarray) -> Driving:
+        """Every so many frequencies, which count by their shares (q,)."""
+        return Driving(self.inputs, self.drive[:, ::step], self.power[::step] * share[:, None, None])
 
 
 class Grid:
@@ -70,10 +87,8 @@ class Grid:
             spectra[path] = density.reshape(len(density), *(density.shape[1:] or (1, 1)))
             drive = process.drive(omega)
             inputs = np.flatnonzero(drive.any(axis=(0, 2)))
-            drive = drive[:, inputs]
-            weighted = drive @ _roots(spectra[path] * widths)
-            both = (np.ascontiguousarray(block.transpose(1, 0, 2), dtype=complex) for block in (drive, weighted))
-            driving[path] = Driving(inputs, *both)
+            drive = np.ascontiguousarray(drive[:, inputs].transpose(1, 0, 2), dtype=complex)
+            driving[path] = Driving(inputs, drive, spectra[path] * widths)
         return Grid(excited, frequency, spectra, driving)
 
     def with_model(self, excited: ExcitedModel) -> Grid:
@@ -83,9 +98,8 @@ class Grid:
     def thinned(self, step: int) -> Grid:
         """Every so many frequencies of it, each as what stands for its neighbours."""
         frequency = self.frequency[::step]
-        share = np.sqrt(_widths(frequency) / _widths(self.frequency)[::step])[None, :, None]
-        driving = {path: Driving(one.inputs, one.drive[:, ::step], one.weighted[:, ::step] * share)
-                   for path, one in self.driving.items()}  # fmt: skip
+        share = _widths(frequency) / _widths(self.frequency)[::step]
+        driving = {path: one.thinned(step, share) for path, one in self.driving.items()}
         return Grid(self.excited, frequency, {path: S[::step] for path, S in self.spectra.items()}, driving)
 
     @cached_property
@@ -111,15 +125,23 @@ class Grid:
         return found
 
     @cached_property
-    def _direct(self) -> dict[str, tuple[np.ndarray | None, np.ndarray | None, np.ndarray | None]]:
-        """By process, rates of the states, inputs of the laws, and sums of products of these, by the drive alone."""
+    def _direct(self) -> dict[str, tuple[np.ndarray, np.ndarray | None]]:
+        """Rates of the states (n, q k) and inputs of the laws by the drive alone, of processes that drive many inputs.
+
+        None: nothing drives the laws.
+        """
         n, m, found = self.excited.driven, self.excited.results, {}
-        B, D = self.excited.linear.matrices["B"], self.excited.linear.matrices["D"]
+        B, D = self.excited.linear.matrices["B"], self.excited.linear.matrices["D"][m:, :n]
         for path, one in self.driving.items():
-            rates = one.by(B, one.weighted) if one.inputs.size >= len(B) else None  # few inputs are taken later
-            u = one.by(D[m:, :n], one.weighted)
-            found[path] = rates, u, None if u is None else _products(u, u).real
+            if not self._few(one):
+                drive = one.weighted.reshape(len(one.inputs), -1)
+                of_laws = D[:, one.inputs]
+                found[path] = flat_times(B[:, one.inputs], drive), flat_times(of_laws, drive) if of_laws.any() else None
         return found
+
+    def _few(self, one: Driving) -> bool:
+        """Whether its inputs are so few that their covariances are less than the amplitudes of all modes."""
+        return one.inputs.size**2 <= len(self.excited.linear.matrices["A"]) * one.channels
 
     def gains(self, gains: Sequence[np.ndarray]) -> list[np.ndarray]:
         """Gains of the laws of drag that suit the response with these gains: from the covariance of their inputs."""
@@ -135,23 +157,32 @@ class Grid:
     def _covariance(self, loop: np.ndarray, roots: np.ndarray, right: np.ndarray, left: np.ndarray) -> np.ndarray:
         """Of the inputs of all laws, by the eigenvectors with them in the loop."""
         excited, n, m = self.excited, self.excited.driven, self.excited.results
-        A, B, C, D = (excited.linear.matrices[name] for name in "ABCD")
-        through = np.eye(len(loop)) + D[m:, n:] @ loop
-        shapes, by_laws = through @ C[m:] @ right, B[:, n:] @ loop
-        shares, total = (1 / (1j * self.omega - roots[:, None]))[:, :, None], np.zeros((len(loop), len(loop)))
+        B, C, D = (excited.linear.matrices[name] for name in "BCD")
+        of_laws = D[m:, n:] @ loop
+        through = np.eye(len(loop)) + of_laws if of_laws.any() else None
+        shapes, by_laws = C[m:] @ right, left @ (B[:, n:] @ loop)
+        if through is not None:
+            shapes = through @ shapes
+        if not (seen := shapes.any(axis=0)).all():  # an angle that nothing depends on has a root of zero
+            roots, shapes, left, by_laws = roots[seen], shapes[:, seen], left[seen], by_laws[seen]
+        shares, total = 1 / (1j * self.omega - roots[:, None]), np.zeros((len(loop), len(loop)))
         for path, one in self.driving.items():
-            rates, u, own = self._direct[path]
-            if rates is not None:
-                amplitudes = times(left, rates if u is None else rates + times(by_laws, u))
-            else:
-                amplitudes = times(left @ B[:, one.inputs], one.weighted)
-                if u is not None:
-                    amplitudes += times(left @ by_laws, u)
-            amplitudes *= shares
-            total += (shapes @ _products(amplitudes, amplitudes) @ shapes.conj().T).real
+            if path not in self._direct:
+                direct = D[m:, one.inputs]
+                own = direct if through is None else through @ direct
+                by_inputs = left @ B[:, one.inputs] + by_laws @ direct
+                total += _of_few(one.covariances, roots, shares, by_inputs, shapes, own)
+                continue
+            rates, u = self._direct[path]
+            amplitudes = left @ rates
             if u is not None:
-                crossed = (through @ _products(u, amplitudes) @ shapes.conj().T).real
-                total += crossed + crossed.T + through @ own @ through.T
+                amplitudes += by_laws @ u
+            amplitudes.reshape(*shares.shape, -1)[...] *= shares[:, :, None]
+            y = shapes @ amplitudes
+            if u is not None:
+                y += u if through is None else flat_times(through, u)
+            y = y.view(float)
+            total += y @ y.T
         return total
 
     def _covariance_by_answers(self, gains: Sequence[np.ndarray]) -> np.ndarray:
@@ -170,6 +201,34 @@ class Grid:
             u += times(C[m:] @ resolvent.shapes, amplitudes)
             total += _products(u, u).real
         return total
+
+
+def _of_few(covariances: np.ndarray, roots: np.ndarray, shares: np.ndarray, by_inputs: np.ndarray,
+            shapes: np.ndarray, own: np.ndarray) -> np.ndarray:  # fmt: skip
+    """Covariance of y = shapes a + own f, from the covariances (q, m, m) of few inputs f by frequency.
+
+    Amplitudes a = shares by_inputs f of modes, shares = 1/(i omega - roots). Of two modes a product of shares is their
+    sum over that of the roots, s_j s_k* = -(s_j + s_k*)/(roots_j + roots_k*): so sums over the frequencies are those of
+    shares times covariances, and nothing has the size of modes by modes by frequencies.
+    """
+    q, m, _ = covariances.shape
+    sums = (shares @ covariances.reshape(q, m * m)).reshape(-1, m, m)
+    crossed = (by_inputs[:, None, :] @ sums)[:, 0]  # of each mode with the inputs
+    both = roots[:, None] + roots.conj()
+    if np.any(np.abs(both) <= CANCELLED * (np.abs(roots)[:, None] + np.abs(roots))):
+        # a mode that neither decays nor grows: frequency by frequency
+        a = shares.T[:, :, None] * by_inputs
+        products = (a @ covariances @ a.conj().transpose(0, 2, 1)).sum(axis=0)
+    else:
+        products = crossed @ by_inputs.conj().T
+        products = -(products + products.conj().T) / both
+    mixed = (shapes @ crossed @ own.T).real
+    return (shapes @ products @ shapes.conj().T).real + mixed + mixed.T + own @ covariances.sum(axis=0).real @ own.T
+
+
+def flat_times(matrix: np.ndarray, values: np.ndarray) -> np.ndarray:
+    """A real matrix (m, n) times complex values (n, l)."""
+    return (matrix @ values.view(float)).view(complex)
 
 
 def _widths(frequency: np.ndarray) -> np.ndarray:

@@ -10,9 +10,9 @@ from contextlib import contextmanager
 from threading import RLock
 from typing import Any, TypeVar
 
+import casadi as ca
 import numpy as np
 
-from fowtlib.analysis.plants import UnstableError, refuse_unstable
 from fowtlib.language.component import Component
 from fowtlib.solving import State, mean_state
 from fowtlib.solving.binding import RunTrees, content_of
@@ -54,7 +54,7 @@ class Study:
         """The mean of a run with these parameters and this tree.
 
         Newton is tried first from the nearest one so far, where nothing goes round; a mean that it finds counts where
-        it is stable, since another way may lead to another one.
+        it is statically stable, since another way may lead to another one.
         """
         values = mean_parameters(self.plant, parameters, root)
         return _kept(self._means, _key(values), MEANS, lambda: self._found(values))
@@ -84,11 +84,21 @@ class Study:
         if near is None or self.plant.dae.symmetries or not np.isfinite(_distance(values, near.parameters)):
             return mean_state(self.plant, values)
         beside = self.plant.equilibrium(values, near=near)
-        try:
-            refuse_unstable(self.plant.linearize(beside, (), ()))
-        except UnstableError:
-            return mean_state(self.plant, values)
-        return beside
+        return beside if self._on_the_branch(beside) else mean_state(self.plant, values)
+
+    def _on_the_branch(self, state: State) -> bool:
+        """Whether no motion grows without oscillating.
+
+        Where a branch of equilibria turns back, a real root goes through zero. One that grows as it oscillates says
+        nothing of the branch: the drag, which has hardly a slope at a mean of zero, may yet damp it.
+        """
+        at = self.plant.at(state.parameters)
+        blocks = at.jacobian(state.t, state.x, state.z, np.concatenate([state.u, state.d]))
+        A, by_z, alg_by_x, alg_by_z = (np.array(ca.densify(block)) for block in blocks)
+        if len(alg_by_z):
+            A = A - by_z @ np.linalg.solve(alg_by_z, alg_by_x)
+        roots = np.linalg.eigvals(A) if A.size else np.zeros(0)
+        return not np.any((roots.imag == 0) & (roots.real > 1e-6))
 
 
 def _laws(excited: ExcitedModel) -> tuple[tuple[str, int], ...]:
@@ -105,11 +115,23 @@ def _distance(one: Mapping[str, Any], other: Mapping[str, Any]) -> float:
         return np.inf
     total = 0.0
     for path, value in one.items():
-        if isinstance(value, (int, float)) and isinstance(other[path], (int, float)):
-            total += abs(value - other[path]) / max(abs(value) + abs(other[path]), 1e-12)
+        a, b = _numbers(value), _numbers(other[path])
+        if a is not None and b is not None and a.shape == b.shape:
+            total += float(np.linalg.norm(a - b)) / max(float(np.linalg.norm(a) + np.linalg.norm(b)), 1e-12)
         elif content_of(value) != content_of(other[path]):
             return np.inf
     return total
+
+
+def _numbers(value: Any) -> np.ndarray | None:
+    """A number, or numbers, as an array; None for anything else, as a text with a unit."""
+    if isinstance(value, bool) or not isinstance(value, (int, float, np.number, np.ndarray, list, tuple)):
+        return None
+    try:
+        array = np.asarray(value)
+    except ValueError:  # rows of different lengths
+        return None
+    return array if array.dtype.kind in "iuf" else None
 
 
 def _kept(store: dict[Any, Made], key: Any, most: int, make: Callable[[], Made]) -> Made:
