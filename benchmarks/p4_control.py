@@ -18,6 +18,7 @@ from typing import Any
 
 import numpy as np
 from pages import markdown
+from scipy.linalg import eigvals
 from scipy.optimize import minimize
 
 import fowtlib as fw
@@ -300,6 +301,18 @@ def best(spar: Spar, name: str, starts: list[Gains], limits: tuple[float, float]
     return min(ends, key=lambda end: end[0])[1]
 
 
+def slow_zeros(loop: Loop, gains: Gains) -> np.ndarray:
+    """Zeros below 1 rad/s, with positive imaginary part, from blade pitch to rotor speed, of the loop with gains."""
+    A = loop.A + loop.into @ loop.gains(gains) @ loop.seen
+    n = len(A)
+    pencil = np.block([[A, loop.into[:, :1]], [loop.seen[:1], np.zeros((1, 1))]])
+    mass = np.eye(n + 1)
+    mass[n, n] = 0.0
+    found = eigvals(pencil, mass)
+    found = found[np.isfinite(found)]
+    return np.sort_complex(found[(np.abs(found) < 1.0) & (found.imag > 0.02)])
+
+
 def starts_of(name: str, more: list[Gains]) -> list[Gains]:
     """Weak and strong gains, and those given."""
     feedback = {path: -SIZES[path] / 2 for path in FEEDBACK[name][:1]}
@@ -387,6 +400,15 @@ def main() -> None:
             found[name] = kept(folder, name, lambda n=name, m=more: row(
                 spar, best(spar, n, starts_of(n, m), (SPEED_LIMIT, DUTY_LIMIT))))  # fmt: skip
         print(table({f"{n}: {label(one['gains'])}": one for n, one in found.items()}, found["CS1"]), flush=True)
+    if "zeros" in asked:
+        rows = []
+        for state in spar.states:
+            if RATED < state[0] <= 25.0:
+                spar.numbers(state, {})
+                each = [slow_zeros(spar._kept[state], json.loads((folder / f"{n}.json").read_text())["gains"])
+                        for n in FEEDBACK]  # fmt: skip
+                rows.append((state[0], *(", ".join(f"{z:.4f}" for z in one) for one in each)))
+        print(markdown((("wind [m/s]", *FEEDBACK), rows), 3), flush=True)
     if "front" in asked:
         limits = [SPEED_LIMIT, 0.055, 0.05, 0.0475, 0.045, 0.0425, 0.04]
         fronts = kept(folder, "front", lambda: front(spar, limits, DUTY_LIMIT))

@@ -1,9 +1,10 @@
 """Tower walls and control together on the optimised 10-MW spar: `python benchmarks/p4_design.py FOLDER [--sequential]`.
 
 For each strategy of benchmarks/p4_control.py, in turns: the gains with which fatigue asks for the least steel, then the
-eleven walls at the joints of the tower that fatigue in fifteen states and buckling in three 50-year states ask for, with
-the responses of the spar that has them, until the walls stay. Diameters, hull and mooring stay as printed; ballast makes
-up for the steel. With --sequential the gains stay those of the printed tower. Kept in FOLDER/*.json.
+eleven walls at the joints of the tower that fatigue in fifteen states and buckling in three 50-year states ask for,
+with the responses of the spar that has them, until the walls stay. Diameters, hull and mooring stay as printed; ballast
+makes up for the steel. The search starts with the gains of FOLDER/control; with --sequential they stay. Kept in
+FOLDER/*.json.
 """
 
 from __future__ import annotations
@@ -26,7 +27,6 @@ from p4_control import (
     best,
     label,
     row,
-    starts_of,
 )
 from pages import markdown
 from scipy.optimize import brentq, linprog
@@ -34,7 +34,7 @@ from scipy.optimize import brentq, linprog
 from fowtlib.design import rules
 
 GRAVITY, ROTOR, LOADS, LEAST = 9.80665, 676.7e3, 1.35, 0.010
-TURNS, SETTLED = 4, 2e-3
+TURNS, SETTLED = 4, 3e-3
 
 
 def buckling_walls(spar: Spar, gains: Gains) -> tuple[np.ndarray, np.ndarray]:
@@ -71,59 +71,56 @@ def cost(spar: Spar, walls: np.ndarray) -> float:
     return float(rules.steel_cost(rules.tube_sections(ca.DM(spar.z), ca.DM(spar.D), ca.DM(walls)), density=8500.0).cost)
 
 
-def turned(name: str, begin: Gains | None, gains: Gains | None, printed: np.ndarray) -> dict[str, Any]:
-    """A strategy with its tower. gains: they stay; None: they are sought in every turn."""
-    walls, history, spar = printed, [], Spar()
-    first = spar.steel(printed)
-    ballast = float(np.ravel(spar.above.parameter_values()["ballast"])[0])
-    chosen = gains or {}
-    for turn in range(TURNS):
-        spar = Spar({"tower_walls": walls, "ballast": ballast + first - spar.steel(walls)})
-        if gains is None:
-            starts = (
-                starts_of(name, [begin] if begin else []) if turn == 0 and begin is None else [chosen or begin or {}]
-            )
-            chosen = best(spar, name, starts, (SPEED_LIMIT, DUTY_LIMIT))
-        found = row(spar, chosen)
-        asked, used = buckling_walls(spar, chosen)
-        new = least_walls(spar, np.array(found["walls"]), asked)
+def turned(name: str, printed: Spar, gains: Gains, sequential: bool) -> dict[str, Any]:
+    """A strategy with its tower; the gains are sought again in every turn but the first, or stay."""
+    history: list[dict[str, Any]] = []
+    ballast = float(np.ravel(printed.above.parameter_values()["ballast"])[0])
+    spar, walls = printed, printed.t
+    while True:
+        if history and not sequential:
+            gains = best(spar, name, [gains], (SPEED_LIMIT, DUTY_LIMIT))
+        found = row(spar, gains)
+        asked, used = buckling_walls(spar, gains)
+        fatigue = np.array(found["walls"])
+        new = least_walls(spar, fatigue, asked)
         history.append({"walls": walls.tolist(), "steel": spar.steel(walls), "use": found["use"],
                         "buckling": used.tolist()})  # fmt: skip
-        print(f"{name} turn {turn}: {spar.steel(walls) / 1e3:.1f} t, fatigue {max(found['use']):.3f}, buckling "
-              f"{used.max():.3f}, next {spar.steel(new) / 1e3:.1f} t; {label(chosen)}", flush=True)  # fmt: skip
-        moved = np.abs(new - walls).max() / walls.mean()
-        walls = new
-        if moved < SETTLED:
+        print(f"{name} turn {len(history)}: {spar.steel(walls) / 1e3:.1f} t, fatigue {max(found['use']):.3f}, buckling "
+              f"{used.max():.3f}, next {spar.steel(new) / 1e3:.1f} t; {label(gains)}", flush=True)  # fmt: skip
+        moved = np.abs(new / walls - 1).max()
+        if moved < SETTLED or len(history) == TURNS:
             break
-    fatigue = np.array(found["walls"])
-    return found | {"gains": chosen, "tower": walls.tolist(), "mass": spar.steel(walls), "cost": cost(spar, walls),
-                    "by_buckling": (walls > fatigue + 1e-6).tolist(), "turns": history}  # fmt: skip
+        walls = new
+        spar = Spar({"tower_walls": walls, "ballast": ballast + printed.steel(printed.t) - spar.steel(walls)})
+    return found | {"gains": gains, "tower": new.tolist(), "mass": spar.steel(new), "cost": cost(spar, new),
+                    "moved": moved, "by_buckling": (new > fatigue + 1e-6).tolist(), "turns": history}  # fmt: skip
 
 
 def main() -> None:
     folder, sequential = Path(sys.argv[1]), "--sequential" in sys.argv
-    folder.mkdir(parents=True, exist_ok=True)
     warnings.simplefilter("ignore")
-    printed, found = np.array(Spar().t), {}
-    for name in FEEDBACK:
+    printed, found = Spar(), {}
+    for name in [n for n in FEEDBACK if n in sys.argv] or list(FEEDBACK):
         file = folder / f"{name}{'_sequential' if sequential else ''}.json"
         if not file.exists():
-            control = folder / f"control_{name}.json"
-            begin = json.loads(control.read_text())["gains"] if control.exists() else None
-            if sequential and begin is None:
-                begin = best(Spar(), name, starts_of(name, []), (SPEED_LIMIT, DUTY_LIMIT))
-            file.write_text(json.dumps(turned(name, begin, begin if sequential else None, printed), indent=1))
+            begin = json.loads((folder / "control" / f"{name}.json").read_text())["gains"]
+            file.write_text(json.dumps(turned(name, printed, begin, sequential), indent=1))
         found[name] = json.loads(file.read_text())
-    base, lines = found["CS1"], []
+    base, lines = next(iter(found.values())), []
     for name, one in found.items():
         change = 100 * (np.array(one["tower"]) / np.array(base["tower"]) - 1)
-        lines.append((f"{name}: {label(one['gains'])}", f"{one['mass'] / 1e3:.1f} "
-                      f"({100 * (one['mass'] / base['mass'] - 1):+.1f} %)", f"{one['cost'] / 1e6:.3f}",
-                      ", ".join(f"{1e3 * t:.1f}" for t in one["tower"]), f"{change.min():+.1f} to {change.max():+.1f} %",
-                      f"{one['speed']:.4f}", f"{1e3 * one['duty']:.2f}",
-                      ", ".join(f"{one['largest'][e]['pitch']:.1f}" for e in EXTREMES)))  # fmt: skip
-    print(markdown((("strategy", "tower [t]", "cost [MEUR]", "walls [mm]", "walls", "rotor speed [rad/s]",
-                     "duty cycle [1e-3]", "pitch in EC1, EC2, EC3 [deg]"), lines), 3))  # fmt: skip
+        lines.append((
+            f"{name}: {label(one['gains'])}",
+            f"{one['mass'] / 1e3:.1f} ({100 * (one['mass'] / base['mass'] - 1):+.1f} %)",
+            f"{one['cost'] / 1e6:.3f}",
+            ", ".join(f"{1e3 * t:.1f}" for t in one["tower"]),
+            f"{change.min():+.1f} to {change.max():+.1f} %",
+            f"{one['speed']:.4f}", f"{1e3 * one['duty']:.2f}",
+            ", ".join(f"{one['largest'][e]['pitch']:.1f}" for e in EXTREMES),
+        ))  # fmt: skip
+    heads = ("strategy", "tower [t]", "cost [MEUR]", "walls [mm]", "walls", "rotor speed [rad/s]", "duty cycle [1e-3]",
+             "pitch in EC1, EC2, EC3 [deg]")  # fmt: skip
+    print(markdown((heads, lines), 3))
 
 
 if __name__ == "__main__":
