@@ -1,10 +1,11 @@
-"""Four control strategies on the optimised 10-MW spar: `python benchmarks/p4_control.py FOLDER [sweep] [best] [zeros]`.
+"""Four control strategies on the optimised 10-MW spar: `python benchmarks/p4_control.py FOLDER [PART ...]`.
 
 The strategies of J.M. Hegseth, E.E. Bachynski and J.R.R.A. Martins: no feedback (CS1), feedback of the platform's pitch
 rate (CS2), of the nacelle's velocity (CS3), and of that velocity through a low-pass (CS4), which move the set point of
-the rotor speed. `sweep` varies the feedback gain, `best` finds the gains of each with which fatigue asks for the least
-steel in the tower, `zeros` has the zeros from blade pitch to rotor speed. Results are kept in FOLDER/*.json; what is
-there already is not computed again. Prints the tables of docs/p4_control.md.
+the rotor speed. Parts: `sweep` varies the feedback gain, `best` finds the gains of each with which fatigue asks for the
+least steel in the tower, `front` does so at falling limits of the speed, `zeros` has the zeros from blade pitch to
+rotor speed, `plot` draws docs/figures/p4_control.png. Results are kept in FOLDER/*.json; what is there already is not
+computed again. Prints the tables of docs/p4_control.md.
 """
 
 from __future__ import annotations
@@ -356,6 +357,55 @@ def sweep(spar: Spar) -> list[dict[str, Any]]:
     return found
 
 
+def curves(spar: Spar, speed_gains: Gains) -> dict[str, list[list[float]]]:
+    """By a name: feedback gain, steel [t], duty cycle, deviation of the speed [rad/s], with the gains of the speed."""
+    cases: dict[str, tuple[str, Gains, list[float]]] = {
+        "CS2": ("feedback.pitch_rate_gain", {}, [4.0, 0.0, -2.0, -4.0, -8.0, -12.0, -16.0]),
+        "CS3": ("feedback.velocity_gain", {}, [0.04, 0.0, -0.02, -0.04, -0.08, -0.12, -0.16]),
+    }
+    for corner in (0.05, 0.1, 0.2, 0.4):
+        values = [0.1, 0.0, -0.1, -0.2, -0.4, -0.7, -1.0]
+        cases[f"CS4, {corner:g} rad/s"] = "feedback.filtered_gain", {"feedback.filter_frequency": corner}, values
+    found: dict[str, list[list[float]]] = {}
+    for name, (path, more, values) in cases.items():
+        found[name] = []
+        for value in values:
+            try:
+                one = spar.judged({**speed_gains, **more, path: value})
+            except fw.ModelError:
+                continue
+            found[name].append([value, spar.steel(one["walls"]) / 1e3, one["duty"], one["speed"]])
+    return found
+
+
+def plot(spar: Spar, folder: Path, path: Path) -> None:
+    """Steel and duty cycle over the feedback gain, and spectra of the moment of the tower's base at 17 m/s."""
+    import matplotlib.pyplot as plt
+
+    each = {n: json.loads((folder / f"{n}.json").read_text()) for n in FEEDBACK}
+    drawn = kept(folder, "curves", lambda: curves(spar, {p: each["CS1"]["gains"][p] for p in SPEED_GAINS}))
+    figure, (steel, spectra) = plt.subplots(1, 2, figsize=(10, 4), layout="constrained")
+    for k, (name, rows) in enumerate(drawn.items()):
+        _, mass, duty, _ = np.array(rows).T
+        order = np.argsort([-r[0] for r in rows])
+        steel.plot(1e3 * duty[order], mass[order], "o-", ms=3, color=f"C{k}", label=name)
+    steel.axvline(1e3 * DUTY_LIMIT, color="0.5", lw=0.8, ls="--")
+    steel.set(xlabel="duty cycle [1e-3]", ylabel="steel of the tower by fatigue [t]", xlim=(0, 20))
+    steel.legend(frameon=False, fontsize=8)
+    state = next(s for s in spar.states if s[0] == 17.0)
+    spar.numbers(state, {})
+    for name, one in each.items():
+        found, _ = spar._kept[state].closed(one["gains"])
+        spectrum = found.spectrum("tower_base_moment")
+        spectra.loglog(2 * np.pi * spectrum.frequency, spectrum.density / (2 * np.pi), label=name, lw=1)
+    spectra.set(xlim=(0.02, 2), ylim=(1, 3e5), xlabel="frequency [rad/s]",
+                ylabel="base moment, 17 m/s [(MN m)^2 s/rad]")  # fmt: skip
+    spectra.legend(frameon=False, fontsize=8)
+    figure.savefig(path, dpi=130)
+    for name, rows in drawn.items():
+        print(name, [[round(v, 5) for v in r] for r in rows])
+
+
 def table(rows: dict[str, dict[str, Any]], base: dict[str, Any]) -> str:
     heads = ("gains", "rotor speed [rad/s]", "duty cycle [1e-3]", "platform pitch [deg]", "tower base [MN m]",
              "use of the base", "largest use", "steel [t]", "pitch mode at 13, 17, 23 m/s [rad/s]", "damping ratio",
@@ -400,6 +450,8 @@ def main() -> None:
             found[name] = kept(folder, name, lambda n=name, m=more: row(
                 spar, best(spar, n, starts_of(n, m), (SPEED_LIMIT, DUTY_LIMIT))))  # fmt: skip
         print(table({f"{n}: {label(one['gains'])}": one for n, one in found.items()}, found["CS1"]), flush=True)
+    if "plot" in asked:
+        plot(spar, folder, Path(__file__).parent.parent / "docs" / "figures" / "p4_control.png")
     if "zeros" in asked:
         rows = []
         for state in spar.states:
