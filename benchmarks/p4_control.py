@@ -158,11 +158,19 @@ class Spar:
     def _in_a_storm(self) -> dict[str, Any]:
         """Sizes of the hull in a storm, which has one more station, at the water line."""
         own = {n: v for n, v in self.sizes.items() if n in self.parked.parameter_values()}
-        at, here = (np.array(p.parameter_values()["hull_heights"], float) for p in (self.parked, self.above))
+        given = self.above.parameter_values() | self.sizes
+        here = np.array(given["hull_heights"], float)
+        own["hull_heights"] = at = np.array([*here[:-1], 0.0, here[-1]])
         for name in ("hull_diameters", "hull_walls"):
-            if name in own:
-                own[name] = np.interp(at, here, own[name])
+            own[name] = np.interp(at, here, np.array(given[name], float))
         return own
+
+    def balance(self) -> float:
+        """Let the ballast fill to a heave of zero at rest [kg]."""
+        calm = {"sea.spectrum": "still", "wind.kind": "steady", "wind.mean_speed": 0.0, "thrust": 0.0}
+        rest = self.parked.equilibrium(parameters=self._in_a_storm() | calm, free=["ballast"], targets={"heave": 0.0})
+        self.sizes["ballast"] = float(rest.parameters["ballast"])
+        return self.sizes["ballast"]
 
     def judged(self, gains: Gains) -> dict[str, Any]:
         """What counts over the fifteen states."""
