@@ -12,6 +12,7 @@ from fowtlib.components.servo.peak_shaving import LeastPitch, PeakShaving, read_
 from fowtlib.components.servo.pitch_controller import FLOATING_GAINS, ONSHORE_GAINS, PitchController
 from fowtlib.components.servo.safety_system import SafetySystem
 from fowtlib.components.servo.sampled import SampledPitchController, SampledTorqueController
+from fowtlib.components.servo.set_point_feedback import SetPointFeedback
 from fowtlib.components.servo.state_feedback import DemandedController, PitchDrive, ScheduledFeedback
 from fowtlib.components.servo.supervisor import Supervisor
 from fowtlib.components.servo.torque_controller import TorqueController
@@ -39,6 +40,7 @@ __all__ = [
     "SampledTorqueController",
     "ScheduledEstimator",
     "ScheduledFeedback",
+    "SetPointFeedback",
     "StateEstimator",
     "Supervisor",
     "TorqueController",

@@ -13,7 +13,7 @@ from fowtlib.components.servo.turbine_controller import TurbineController
 from fowtlib.language import Data, Number, RealInput, Scalar, data, like, param, port
 from fowtlib.language.errors import ParameterError
 
-PITCH = ("proportional_gain", "integral_gain", "rated_speed", "yaw_gain", "pitch_start")
+PITCH = ("proportional_gain", "integral_gain", "rated_speed", "yaw_gain", "integrated_change", "pitch_start")
 
 
 class BaselineController(TurbineController):
@@ -31,6 +31,7 @@ class BaselineController(TurbineController):
     )
     pitch_per_velocity: Scalar = like(PitchController.velocity_gain)
     torque_per_velocity: Scalar = like(TorqueController.velocity_gain)
+    integrated_change: Scalar = like(PitchController.integrated_change)
     rated_speed: Scalar = param(default="1173.7 rpm", unit="rad/s", doc="rated generator speed")
     region_3: str = param(
         default="constant_torque", choices=("constant_torque", "constant_power"), doc="what is held above rated speed"
@@ -45,6 +46,7 @@ class BaselineController(TurbineController):
 
     yaw: RealInput = port(default=0.0, unit="rad", doc="yaw angle of the platform, for the yaw control")
     velocity: RealInput = port(default=0.0, unit="m/s", doc="velocity of the nacelle downwind, for floating feedback")
+    set_point_change: RealInput = port(default=0.0, doc="change of the speed that is held over rated_speed")
 
     def build(self):
         pitch = {name: getattr(self, name) for name in PITCH} | {"velocity_gain": self.pitch_per_velocity}
@@ -61,7 +63,8 @@ class BaselineController(TurbineController):
             self.torque = SampledTorqueController(**torque, **samples)
             speed = self.generator_speed
         for pair in ((speed, self.pitch.speed), (speed, self.torque.speed), (self.yaw, self.pitch.yaw),
-                     (self.velocity, self.pitch.velocity), (self.velocity, self.torque.velocity)):  # fmt: skip
+                     (self.velocity, self.pitch.velocity), (self.velocity, self.torque.velocity),
+                     (self.set_point_change, self.pitch.set_point_change)):  # fmt: skip
             self.connect(*pair)
         self.connect(self.pitch.collective, self.torque.collective)
         self.shave(speed)

@@ -26,11 +26,16 @@ class NacelleVelocity(Component):
     filtered: Scalar = var(unit="m/s", state="prefer", doc="filtered velocity")
 
     def equations(self):
-        n, v = self.frame.R[:, 0], der(self.frame.r)
-        along = (n[0] * v[0] + n[1] * v[1]) / m.sqrt(n[0] ** 2 + n[1] ** 2)
+        along = velocity_along(self.frame)
         return [
             eq(der(self.filtered), 2 * math.pi * self.cutoff_frequency * (along - self.filtered)),
             eq(self.velocity, self.filtered),
             initial(self.filtered, along),
             [eq(self.frame.f, m.zeros(3)), eq(self.frame.t, m.zeros(3))],
         ]
+
+
+def velocity_along(frame):
+    """Horizontal velocity [m/s] of a frame in the direction of its x axis."""
+    n, v = frame.R[:, 0], der(frame.r)
+    return (n[0] * v[0] + n[1] * v[1]) / m.sqrt(n[0] ** 2 + n[1] ** 2)

@@ -28,6 +28,9 @@ class PitchController(ScheduledGains):
     Floating feedback: velocity_gain times the velocity of the nacelle downwind is added before the lower limit, which
     takes thrust off while it moves downwind: damping of the platform's pitch that the control of the speed takes away.
     Source: J. Jonkman, AIAA-2008-1358; N. Abbas et al., Wind Energ. Sci. 7 (2022) 53, section 2.5.
+
+    Moved set point: the speed that the proportional part holds is rated_speed (1 + set_point_change), that of the
+    integral rated_speed (1 + integrated_change set_point_change). The change is that of a SetPointFeedback.
     """
 
     memory = "controller"
@@ -41,12 +44,16 @@ class PitchController(ScheduledGains):
     pitch_rounding: Scalar = param(default="0.1 deg", unit="rad", min=1e-6, doc="width of rounded corners")
     yaw_gain: Scalar = param(default=0.0, doc="pitch per yaw angle, with the sign of the rotor's y")
     velocity_gain: Scalar = param(default=0.0, unit="rad*s/m", doc="pitch per velocity of the nacelle downwind")
+    integrated_change: Scalar = param(
+        default=0.0, doc="share of the change of the set point in the integral; 0: the proportional part alone moves"
+    )
     pitch_start: Scalar = param(default=0.0, unit="rad", doc="initial pitch")
 
     speed: RealInput = port(unit="rad/s", doc="filtered generator speed")
     yaw: RealInput = port(default=0.0, unit="rad", doc="yaw angle of the platform")
     velocity: RealInput = port(default=0.0, unit="m/s", doc="velocity of the nacelle, downwind")
     raised: RealInput = port(default=0.0, unit="rad", doc="added to the lower limit: peak shaving")
+    set_point_change: RealInput = port(default=0.0, doc="change of the speed that is held over rated_speed")
     blade_pitch: RealOutput = port(unit="rad", doc="blade pitch")
     collective: RealOutput = port(unit="rad", doc="blade pitch without the part of the yaw control")
 
@@ -63,8 +70,13 @@ class PitchController(ScheduledGains):
         size = larger(self.yaw, -self.yaw, self.pitch_rounding, m)
         return (m.abs(self.yaw_gain) * size - self.yaw_gain * self.yaw) / 2
 
+    def errors(self, speed):
+        """Speed errors of the proportional part and of the integral."""
+        change = self.rated_speed * self.set_point_change
+        return speed - self.rated_speed - change, speed - self.rated_speed - self.integrated_change * change
+
     def equations(self):
-        rate, asked, share = self.law(self.speed - self.rated_speed, self.pitch, self.integral)
+        rate, asked, share = self.law(*self.errors(self.speed), self.pitch, self.integral)
         least, band = self.least_pitch + self.raised, self.antiwindup_band
         grows = held_within(rate, self.integral, least / share, self.greatest_pitch / share, band)
         free = asked + self.velocity_gain * self.velocity

@@ -72,7 +72,7 @@ class SampledPitchController(PitchController):
     def equations(self):
         self.refuse_unused("response_time", because="the pitch follows at once in a sample")
         self.refuse_unused("antiwindup_band", because="the sampled integral is held at its limits")
-        rate, asked, share = self.law(self.filtered - self.rated_speed, self.held, self.summed)
+        rate, asked, share = self.law(*self.errors(self.filtered), self.held, self.summed)
         summed = self.summed + rate * self.period
         wanted = asked + self.velocity_gain * self.velocity
         command = _held(

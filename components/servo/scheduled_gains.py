@@ -32,9 +32,12 @@ class ScheduledGains(Component):
         """The integral with which a pitch stays as it is at rated speed."""
         return pitch if self.scheduled == "gains" else pitch / self.gain_at(pitch)
 
-    def law(self, error, pitch, integral):
-        """Rate of the integral, the pitch that a speed error and an integral ask for, and pitch over integral."""
+    def law(self, error, integrated, pitch, integral):
+        """Rate of the integral, the pitch that a speed error and an integral ask for, and pitch over integral.
+
+        error: that of the proportional part; integrated: that of the integral.
+        """
         gain = self.gain_at(pitch)
         if self.scheduled == "gains":
-            return gain * self.integral_gain * error, gain * self.proportional_gain * error + integral, 1
-        return self.integral_gain * error, gain * (self.proportional_gain * error + integral), gain
+            return gain * self.integral_gain * integrated, gain * self.proportional_gain * error + integral, 1
+        return self.integral_gain * integrated, gain * (self.proportional_gain * error + integral), gain
