@@ -14,6 +14,7 @@ from fowtlib.analysis.fatigue.spectral import damage_of, equivalent_load_of
 from fowtlib.analysis.fatigue.tube import TubeDamage, TubeSection
 from fowtlib.analysis.series import Series
 from fowtlib.analysis.spectra import Spectrum, realisation
+from fowtlib.frequency.corners import Corner
 from fowtlib.language.errors import ModelError, did_you_mean
 from fowtlib.language.units import from_si, si_unit, to_si
 from fowtlib.solving import LinearModel, State
@@ -31,7 +32,8 @@ class Response:
     frequency (q,); mean (m,); density (m, q): spectra per Hz; shares: the same by process, such as "sea" and "wind";
     transfer: by process, complex (q, m, channels), per unit of it, exp(+i omega t); driving: by process the spectra per
     Hz of its channels (q, channels, channels). iterations: of the linearised drag. Of a list of states (`responses`)
-    one has neither transfer functions, unless they were asked for, nor the linear model and the state.
+    one has neither transfer functions, unless they were asked for, nor the linear model and the state. corners: of
+    control laws that the deviations reach over; see frequency.corners.
     """
 
     frequency: np.ndarray
@@ -44,6 +46,7 @@ class Response:
     state: State | None = field(repr=False)
     iterations: int = 0
     driving: Mapping[str, np.ndarray] = field(default_factory=dict, repr=False)
+    corners: Sequence[Corner] = ()
 
     @property
     def density(self) -> np.ndarray:

@@ -17,6 +17,7 @@ import numpy as np
 from fowtlib.analysis.fatigue import SNCurve, lifetime_damage, lifetime_equivalent_load
 from fowtlib.analysis.fatigue.lifetime import YEAR
 from fowtlib.analysis.plants import plant_of
+from fowtlib.frequency.corners import CornerWarning, warn_of_states
 from fowtlib.frequency.found import Response
 from fowtlib.frequency.responses import response
 from fowtlib.language.errors import ModelError
@@ -274,23 +275,26 @@ def responses(
     found: list[Response | None] = []
     failures: dict[int, str] = {}
     complete = True
-    try:
-        for number, row in enumerate(rows):
-            told(number, len(rows))
-            try:
-                one = response(plant, outputs=outputs, parameters={**(parameters or {}), **row},
-                               frequencies=frequencies, tolerance=tolerance)  # fmt: skip
-                found.append(replace(one, linear=None, state=None, **dropped))
-            except ModelError as error:
-                if number == 0 and not _of_a_state(error):
-                    raise
-                failures[number] = str(error)
-                found.append(None)
-                warnings.warn(f"state {number + 1} ({words(row)}) has no response: {error}", stacklevel=2)
-        told(len(rows), len(rows))
-    except KeyboardInterrupt:
-        complete = False
-        warnings.warn(f"stopped after {len(found)} of {len(rows)} states; what was found is kept.", stacklevel=2)
+    with warnings.catch_warnings():
+        warnings.simplefilter("ignore", CornerWarning)  # those of all states are told together
+        try:
+            for number, row in enumerate(rows):
+                told(number, len(rows))
+                try:
+                    one = response(plant, outputs=outputs, parameters={**(parameters or {}), **row},
+                                   frequencies=frequencies, tolerance=tolerance)  # fmt: skip
+                    found.append(replace(one, linear=None, state=None, **dropped))
+                except ModelError as error:
+                    if number == 0 and not _of_a_state(error):
+                        raise
+                    failures[number] = str(error)
+                    found.append(None)
+                    warnings.warn(f"state {number + 1} ({words(row)}) has no response: {error}", stacklevel=2)
+            told(len(rows), len(rows))
+        except KeyboardInterrupt:
+            complete = False
+            warnings.warn(f"stopped after {len(found)} of {len(rows)} states; what was found is kept.", stacklevel=2)
+    warn_of_states({k: one.corners for k, one in enumerate(found) if one is not None}, len(found))
     found += [None] * (len(rows) - len(found))
     return Responses(tuple(rows), shares, tuple(found), failures, complete)
 

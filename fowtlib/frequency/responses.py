@@ -20,6 +20,7 @@ import numpy as np
 
 from fowtlib.analysis.plants import checked_frequencies, chosen_outputs, plant_of, refuse_unstable
 from fowtlib.flattening import FlatDAE
+from fowtlib.frequency.corners import covariance, laws_of, reached, warn_of_corners, with_states
 from fowtlib.frequency.coverage import warn_of_ends
 from fowtlib.frequency.driven import Process, Processes
 from fowtlib.frequency.found import Response
@@ -78,15 +79,22 @@ def response(
             study.keep_gains(excited, gains)
             linear = excited.with_gains(gains)
         refuse_unstable(linear)
-        H = grid.answers(linear, excited.results)
+        laws = laws_of(plant, plant.at(state.parameters))
+        known = [k for k in laws.states if plant.dae.states[k].path in linear.states]
+        paths = [plant.dae.states[k].path for k in known]
+        answers = grid.answers(with_states(linear, excited.results, paths))
+    H = {path: values[:, : excited.results] for path, values in answers.items()}
+    own = {path: values[:, excited.results :] for path, values in answers.items()}
+    corners = reached(plant, state, laws, known, covariance(own, grid.spectra, grid.frequency))
     shares = {path: _spectra(H[path], grid.spectra[path]) for path in H}
     mean = np.concatenate([np.ravel(value) for value in state.values(names)])
     labels = linear.outputs[: excited.results]
     units = tuple(linear.units.get(name, "1") for name in labels)
     driving = dict(grid.spectra)
-    found = Response(grid.frequency, tuple(labels), units, mean, shares, H, linear, state, iterations, driving)
+    found = Response(grid.frequency, tuple(labels), units, mean, shares, H, linear, state, iterations, driving, corners)
     found = with_rotation(found, excited.rotating, study.rotation(state, names, excited.rotating))
     warn_of_ends(found, frequencies is not None)
+    warn_of_corners(corners)
     return found
 
 
