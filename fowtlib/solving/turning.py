@@ -10,7 +10,11 @@ rotors turn at their own speeds, and are averaged together. The state that is fo
 the azimuths of the start.
 
 The way there is that of the equilibrium: implicit Euler steps of growing length (pseudo-transient continuation, C. T.
-Kelley and D. E. Keyes, SIAM J. Numer. Anal. 35 (1998) 508).
+Kelley and D. E. Keyes, SIAM J. Numer. Anal. 35 (1998) 508). But bodies do not travel along it: their positions are
+those that rest under the loads of each step, and the speeds of rotors, controllers and wakes alone take their time. A
+platform that drifts to its mean would take wind from its rotors, and lead them through regions of the controller that
+the mean has nothing to do with; near rated wind these corners stop every step. Where nothing rests, as without a
+mooring, positions take their time too. The search goes over few azimuths, and over all of them at its end.
 """
 
 from __future__ import annotations
@@ -48,6 +52,7 @@ GEARED = 1e-3  # of the largest: the torque of an angle that turns with the roto
 STEPS = 80
 NEWTON = 8  # iterations of a step
 ITERATIONS = 20
+FIRST, SHORTEST = 0.5, 1e-6  # steps [s]
 # The longest step [s], the last change over 1 + value, and how well a step is solved: of the mean, and near it.
 EXACT, NEAR = (1e4, 1e-7, 1e-4), (100.0, 1e-2, 3e-2)
 
@@ -85,8 +90,11 @@ def mean_state(plant: Plant, parameters: Mapping[str, Any] | None = None, inputs
     def settled() -> np.ndarray:
         if line := mean_announcement(at, (state.t, state.x, state.z, np.concatenate([state.u, state.d])), azimuths):
             warnings.warn(line, RuntimeWarning, stacklevel=2)
-        average = Average(at, state, turns, azimuths)
-        y = _settled(average, average.multiblade.from_states(state.x), limits)
+        average = Average(at, state, turns, FEW)
+        y = _found(average, average.multiblade.from_states(state.x), NEAR)
+        if not near:
+            average = Average(at, state, turns, AZIMUTHS)
+            y = _settled(average, y, EXACT, 3 * EXACT[0])
         return average.multiblade.to_states(y)
 
     equations = _equations(at)
@@ -202,6 +210,8 @@ class Average:
         used = dependence(at.functions).any(axis=0)
         self.multiblade = Multiblade(at.dae, turns)
         self.free = np.array([k for k in range(state.x.size) if k not in out and used[k]])
+        rates = rate_states(at.dae)
+        self.taking_time = np.array([k not in rates for k in self.free])  # free coordinates that are no positions
         self._find_accelerations()
 
     def _find_accelerations(self) -> None:
@@ -356,19 +366,32 @@ def _added(sums: Sums | None, more: Sums, count: int) -> Sums:
     return Sums(**share, outputs=outputs)
 
 
-def _settled(average: Average, x: np.ndarray, goal: tuple[float, float, float]) -> np.ndarray:
-    """States at which the mean rates vanish."""
-    x, length = x.copy(), 0.5
+def _found(average: Average, x: np.ndarray, goal: tuple[float, float, float]) -> np.ndarray:
+    """States at which the mean rates vanish, on the way on which bodies rest, or else on that on which they move."""
+    try:
+        return _settled(average, x, goal, FIRST, resting=True)
+    except SimulationError:
+        return _settled(average, x, goal, FIRST)
+
+
+def _settled(average: Average, x: np.ndarray, goal: tuple[float, float, float], length: float,
+             resting: bool = False) -> np.ndarray:  # fmt: skip
+    """States at which the mean rates vanish.
+
+    length: of the first step [s]. resting: positions are those that rest under the loads of a step.
+    """
+    x = x.copy()
     longest, settled, close = goal
+    taking = average.taking_time if resting else np.ones(len(average.free), bool)
     rates, slopes = average.at_state(x)
     for _ in range(STEPS):
         try:
-            after = _implicit_euler(average, x, rates, slopes, length, close)
+            after = _implicit_euler(average, x, rates, slopes, taking / length, close)
         except (SimulationError, np.linalg.LinAlgError):
             after = None
         if after is None:
             length /= 4
-            if length < 1e-6:
+            if length < SHORTEST:
                 break
             continue
         moved = float(np.max(np.abs(after[0] - x) / (1 + np.abs(after[0]))))
@@ -383,12 +406,15 @@ def _settled(average: Average, x: np.ndarray, goal: tuple[float, float, float]) 
     )
 
 
-def _implicit_euler(average: Average, before: np.ndarray, rates: np.ndarray, slopes: np.ndarray,
-                    length: float, close: float) -> tuple[np.ndarray, np.ndarray, np.ndarray] | None:  # fmt: skip
-    """States, mean rates and slopes one step later; None where Newton does not settle."""
-    free, identity, x, last = average.free, np.eye(len(average.free)), before.copy(), np.inf
+def _implicit_euler(average: Average, before: np.ndarray, rates: np.ndarray, slopes: np.ndarray, pace: np.ndarray,
+                    close: float) -> tuple[np.ndarray, np.ndarray, np.ndarray] | None:  # fmt: skip
+    """States, mean rates and slopes one step later; None where Newton does not settle.
+
+    pace: of each free coordinate, one over the length of the step [1/s]; zero: its rate vanishes at the end of it.
+    """
+    free, x, last = average.free, before.copy(), np.inf
     for _ in range(NEWTON):
-        step = np.linalg.solve(identity / length - slopes, rates - (x - before)[free] / length)
+        step = np.linalg.solve(np.diag(pace) - slopes, rates - (x - before)[free] * pace)
         size = float(np.max(np.abs(step) / (1 + np.abs(x[free]))))
         if not np.isfinite(size) or size > 2 * last:
             return None

@@ -75,7 +75,7 @@ class Rotor(Component):
         return [cyclic_symmetry(self.bearing.phi, [part for name, part in self.parts.items() if "blade" in name])]
 
 
-def rotor_on_springs(blades: int, speed: float) -> fw.Model:
+def rotor_on_springs(blades: int, speed: float, hold_x: float = HOLD_X) -> fw.Model:
     """A rotor whose hub is held by springs in its plane, those along y stiffer than those along x."""
     root = fw.Assembly("ground_resonance")
     root.world = World(gravity=0.0)
@@ -84,7 +84,7 @@ def rotor_on_springs(blades: int, speed: float) -> fw.Model:
     root.connect(root.world.frame, root.along.frame_a)
     root.connect(root.along.frame_b, root.across.frame_a)
     root.connect(root.across.frame_b, root.rotor.frame)
-    for name, place, stiffness in (("x", (100, 0, 0), HOLD_X), ("y", (0, 100, 0), HOLD_Y)):
+    for name, place, stiffness in (("x", (100, 0, 0), hold_x), ("y", (0, 100, 0), HOLD_Y)):
         wall = root.add(f"wall_{name}", Fixed(r=place))
         spring = root.add(f"spring_{name}", SpringDamper(stiffness=stiffness, damping=DAMPING, natural_length=100.0))
         root.connect(wall.frame, spring.frame_a)
@@ -120,6 +120,15 @@ def test_whirl_and_ground_resonance_of_a_rotor_on_springs(blades, speed):
     for root in expected:
         assert np.abs(found - root).min() < 1e-7 * abs(root)
     assert "rotor.blade_cosine.hinge.phi" in linear.states and "rotor.bearing.phi" not in linear.states
+
+
+def test_a_mean_is_found_where_nothing_holds_a_position():
+    """A hub that damping alone holds along x rests anywhere there: the way over positions of rest has no end then."""
+    plant = rotor_on_springs(3, 2.0, hold_x=0.0).compile()
+    start = plant.initial_state(None, {"across.s": 0.4, "rotor.bearing.phi": 0.3})
+    found = mean_state(plant, start=start)
+    assert found.x[[item.path for item in plant.dae.states].index("across.s")] == pytest.approx(0.0, abs=1e-6)
+    assert found["hub"] == pytest.approx(0.0, abs=1e-3)  # the spring along y pulls along x, too, while it is aslant
 
 
 def test_a_campbell_diagram_over_the_rotor_speed_follows_the_modes_and_names_what_grows():

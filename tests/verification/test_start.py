@@ -7,6 +7,7 @@ import pytest
 
 import fowtlib as fw
 from fowtlib.cli.app import main
+from fowtlib.solving.turning import AZIMUTHS, FEW, Average, turns_of
 
 STEADY = {"sea.spectrum": "still", "wind.kind": "steady"}
 
@@ -61,6 +62,26 @@ def test_the_mean_state_of_flexible_blades():
 def test_without_a_turning_rotor_it_is_the_equilibrium():
     plant = fw.load("oc3_spar_rigid", set={**STEADY, "wind.mean_speed": 9.0}).compile()
     np.testing.assert_allclose(fw.mean_state(plant).x, plant.equilibrium().x, rtol=1e-9, atol=1e-12)
+
+
+@pytest.mark.parametrize(("name", "given"), [
+    ("two_rotor_spar", {"wind.mean_speed": 12.0, "blade_hinges": 2}),
+    ("two_rotor_spar_rigid_bem", {"wind.mean_speed": 11.4}),
+])  # fmt: skip
+def test_the_mean_state_of_two_rotors_near_rated_wind(name, given, monkeypatch):
+    """Platforms do not drift to it, through regions of the controller; the search is short, and nothing moves there."""
+    at_mean, visits = Average.at_mean, []
+    monkeypatch.setattr(Average, "at_mean", lambda self, y: visits.append(self.azimuths) or at_mean(self, y))
+    monkeypatch.setattr("fowtlib.solving.turning.cached", lambda kind, made_from, find: find())
+    plant = fw.load(name, set={**STEADY, **given}).compile()
+    state = fw.mean_state(plant)
+    assert visits.count(FEW) < 30 and visits.count(AZIMUTHS) < 12
+    at = plant.at(state.parameters)
+    average = Average(at, state, turns_of(plant, at, state), AZIMUTHS)
+    rates, slopes = average.at_state(average.multiblade.from_states(state.x))
+    left = np.linalg.solve(slopes, rates)  # how far the state is from where nothing moves
+    assert np.max(np.abs(left)) < 1e-5
+    assert state["rotor_speed_left"] == pytest.approx(state["rotor_speed_right"], rel=1e-3)
 
 
 def test_a_near_mean_state_is_near():
