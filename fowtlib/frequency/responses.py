@@ -22,6 +22,7 @@ from fowtlib.analysis.plants import checked_frequencies, chosen_outputs, plant_o
 from fowtlib.flattening import FlatDAE
 from fowtlib.frequency.coverage import warn_of_ends
 from fowtlib.frequency.driven import Process, Processes
+from fowtlib.frequency.few_channels import with_few_channels
 from fowtlib.frequency.found import Response
 from fowtlib.frequency.rotation import with_rotation
 from fowtlib.frequency.settling import settled_gains
@@ -66,6 +67,7 @@ def response(
         excited = study.excited(state, names)
         given = None if frequencies is None else _checked(frequencies)
         with one_evaluation():  # from here on nothing sets a parameter
+            excited = with_few_channels(excited, root)
             processes = _processes(excited, root)
             _refuse_without_spectrum(plant.dae, root, processes)
             if not processes:
@@ -110,17 +112,17 @@ def _processes(excited: ExcitedModel, root: Component) -> dict[str, Process]:
             members.setdefault(process.path, (process, []))[1].append(signal)
     found = {path: Process(process.spectral_density, partial(_of_signals, excited.driven, signals, root))
              for path, (process, signals) in members.items()}  # fmt: skip
-    for columns, places in excited.fields:
+    for number, (columns, places) in enumerate(excited.fields):
         if not blows(places, root):
             continue
-        path = places[0].compute.process(root.find(places[0].owner)).path
+        path = places[0].process(root)
         drive = partial(_of_field, excited.driven, columns)
         if path in members:  # signals and places of one turbulence
             beside, own = members[path][0].places, found[path].drive
             density = partial(field_density, places, root, beside=beside)
             found[path] = Process(density, partial(_side_by_side, (own, drive)))
         else:
-            found[path] = Process(partial(field_density, places, root), drive)
+            found[path] = Process(partial(field_density, places, root, basis=excited.bases.get(number)), drive)
     return found
 
 
