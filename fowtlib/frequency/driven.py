@@ -62,7 +62,7 @@ class Grid:
     @staticmethod
     def of(excited: ExcitedModel, processes: Processes, frequency: np.ndarray) -> Grid:
         """That of some processes."""
-        omega, widths = 2 * np.pi * frequency, _widths(frequency)[:, None, None]
+        omega, widths = 2 * np.pi * frequency, frequency_widths(frequency)[:, None, None]
         spectra: dict[str, np.ndarray] = {}
         driving: dict[str, Driving] = {}
         for path, process in processes.items():
@@ -83,7 +83,7 @@ class Grid:
     def thinned(self, step: int) -> Grid:
         """Every so many frequencies of it, each as what stands for its neighbours."""
         frequency = self.frequency[::step]
-        share = np.sqrt(_widths(frequency) / _widths(self.frequency)[::step])[None, :, None]
+        share = np.sqrt(frequency_widths(frequency) / frequency_widths(self.frequency)[::step])[None, :, None]
         driving = {path: Driving(one.inputs, one.drive[:, ::step], one.weighted[:, ::step] * share)
                    for path, one in self.driving.items()}  # fmt: skip
         return Grid(self.excited, frequency, {path: S[::step] for path, S in self.spectra.items()}, driving)
@@ -172,7 +172,7 @@ class Grid:
         return total
 
 
-def _widths(frequency: np.ndarray) -> np.ndarray:
+def frequency_widths(frequency: np.ndarray) -> np.ndarray:
     """What each frequency stands for [Hz]."""
     steps = np.diff(frequency)
     return (np.append(steps, 0.0) + np.append(0.0, steps)) / 2

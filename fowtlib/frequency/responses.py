@@ -67,7 +67,7 @@ def response(
         excited = study.excited(state, names)
         given = None if frequencies is None else _checked(frequencies)
         with one_evaluation():  # from here on nothing sets a parameter
-            excited = with_few_channels(excited, root)
+            excited = with_few_channels(excited, root, _signals(excited, root))
             processes = _processes(excited, root)
             _refuse_without_spectrum(plant.dae, root, processes)
             if not processes:
@@ -102,14 +102,7 @@ def _checked(frequencies: Sequence[float] | np.ndarray) -> np.ndarray:
 
 def _processes(excited: ExcitedModel, root: Component) -> dict[str, Process]:
     """The random processes that drive the signals, and the fields."""
-    members: dict[str, tuple[Any, list[Signal]]] = {}
-    there: dict[str, bool] = {}
-    for signal in excited.signals:
-        process = signal.process(root)
-        if process.path not in there:
-            there[process.path] = bool(np.any(process.spectral_density(np.geomspace(1e-2, 10.0, 50))))
-        if there[process.path]:
-            members.setdefault(process.path, (process, []))[1].append(signal)
+    members = _signals(excited, root)
     found = {path: Process(process.spectral_density, partial(_of_signals, excited.driven, signals, root))
              for path, (process, signals) in members.items()}  # fmt: skip
     for number, (columns, places) in enumerate(excited.fields):
@@ -124,6 +117,19 @@ def _processes(excited: ExcitedModel, root: Component) -> dict[str, Process]:
         else:
             found[path] = Process(partial(field_density, places, root, basis=excited.bases.get(number)), drive)
     return found
+
+
+def _signals(excited: ExcitedModel, root: Component) -> dict[str, tuple[Any, list[Signal]]]:
+    """The processes that drive signals, with these, by path."""
+    members: dict[str, tuple[Any, list[Signal]]] = {}
+    there: dict[str, bool] = {}
+    for signal in excited.signals:
+        process = signal.process(root)
+        if process.path not in there:
+            there[process.path] = bool(np.any(process.spectral_density(np.geomspace(1e-2, 10.0, 50))))
+        if there[process.path]:
+            members.setdefault(process.path, (process, []))[1].append(signal)
+    return members
 
 
 def _refuse_without_spectrum(dae: FlatDAE, root: Component, processes: Processes) -> None:
