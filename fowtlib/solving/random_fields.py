@@ -21,6 +21,7 @@ import numpy as np
 
 from fowtlib.language.component import Component
 from fowtlib.language.run_time import RandomField, RestingPlaces, TurningRings
+from fowtlib.solving.binding import tree_with
 from fowtlib.solving.functions import AtParameters
 from fowtlib.solving.state import State
 from fowtlib.solving.turning import Turn
@@ -93,12 +94,12 @@ def angles(positions: np.ndarray, rings: TurningRings, axes: np.ndarray) -> np.n
 def field_places(plant: Any, at: AtParameters, state: State, turns: Sequence[Turn]) -> list[FieldPlaces]:
     """All places at which parts of a plant ask for a random field, about a mean state; by components."""
     dae, q = plant.dae, np.concatenate([state.u, state.d])
+    fields = [(number, item) for number, item in dae.with_data if hasattr(item.compute, "density")]
+    root = tree_with(dae, plant.root, state.parameters) if fields else plant.root  # a run may turn the wind
     speed = np.array(at.residual(state.t, state.x, state.z, q)[0]).ravel()
     found = []
-    for number, item in dae.with_data:
+    for number, item in fields:
         external = dae.externals[number]
-        if not hasattr(item.compute, "density"):
-            continue
         if external.path == item.owner:  # what the field is at the stations, which in a field drives no part
             continue
         n = (external.outputs.stop - external.outputs.start) // 3
@@ -107,7 +108,7 @@ def field_places(plant: Any, at: AtParameters, state: State, turns: Sequence[Tur
         positions = at.general.once(
             ("field positions", number), lambda asked=asked: at.general.function("positions", [asked])
         )
-        axes = np.asarray(item.compute.axes(plant.root.find(item.owner)))
+        axes = np.asarray(item.compute.axes(root.find(item.owner)))
         now = np.array(at.call(positions, state.t, state.x, state.z, q)).reshape(-1, 3)
         places: TurningRings | RestingPlaces = RestingPlaces(now)
         for turn in turns:
