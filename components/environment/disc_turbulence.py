@@ -73,7 +73,7 @@ def _tables(radii: bytes, weights: tuple[bytes, ...], orders: tuple[tuple[int, .
 
 def turning_density(omega: ArrayLike, radii: ArrayLike, rotor_speed: float, spectrum: Callable[[Floats], Floats],
                     coherence: Coherence, blades: int = 3, uniform: Floats | None = None,
-                    once: Floats | None = None) -> Complexes:  # fmt: skip
+                    once: Floats | None = None, highest: int = 1) -> Complexes:  # fmt: skip
     """One-sided spectra of g_0, 2 Re g_1 and -2 Im g_1 of all rings: (q, 3 r, 3 r) [unit of the spectrum], Hermitian.
 
     omega: circular frequencies (q,) [rad/s]; spectrum: one-sided, of omega, at a point; rotor_speed [rad/s]. Channels
@@ -82,32 +82,36 @@ def turning_density(omega: ArrayLike, radii: ArrayLike, rotor_speed: float, spec
     over the blades of B_b, B_b cos(psi_b) and B_b sin(psi_b).
 
     uniform (a, r), once (b, r): weighted sums of g_0 and of g_1 in place of each ring: (q, a + 2 b, a + 2 b).
+    highest: with the same of g_2 and so on behind, for slopes B_b that go round themselves, as those of a force along a
+    fixed direction by the wind across.
     """
     omega = np.atleast_1d(np.asarray(omega, dtype=float))
     r = np.atleast_1d(np.asarray(radii, dtype=float))
     alone, turned = (np.eye(r.size) if w is None else np.array(w, dtype=float, ndmin=2) for w in (uniform, once))
     harmonics = range(-HARMONICS, HARMONICS + 1)
-    orders = tuple(blades * k for k in harmonics), tuple(1 + blades * k for k in harmonics)
-    shares_of_0, shares_of_1 = _tables(r.tobytes(), (alone.tobytes(), turned.tobytes()), orders, coherence)
+    orders = tuple(tuple(p + blades * k for k in harmonics) for p in range(highest + 1))
+    weights = alone.tobytes(), *[turned.tobytes()] * highest
+    shares = _tables(r.tobytes(), weights, orders, coherence)
 
-    def shifted(shares: dict[int, PchipInterpolator], order: int, at: Floats) -> Floats:
-        moved = np.maximum(np.abs(at), 1e-9)
-        share = shares[abs(order)](np.log(np.clip(moved / (2 * np.pi), TABLE[0], TABLE[-1])))
-        return share * np.asarray(spectrum(moved))[:, None, None]
+    def shifted(p: int, sense: int) -> Floats:
+        """Of g_p at omega, or in the sense -1 at -omega, as if one-sided."""
+        total = 0.0
+        for k in harmonics:
+            moved = np.maximum(np.abs(sense * omega - blades * k * rotor_speed), 1e-9)
+            share = shares[p][abs(p + blades * k)](np.log(np.clip(moved / (2 * np.pi), TABLE[0], TABLE[-1])))
+            total = total + share * np.asarray(spectrum(moved))[:, None, None]
+        return total
 
     a, b = len(alone), len(turned)
-    still = np.zeros((omega.size, a, a))
-    forward, backward = np.zeros((2, omega.size, b, b))  # of g_1 at omega and at -omega, two-sided
-    for k in harmonics:
-        shift = blades * k * rotor_speed
-        still += shifted(shares_of_0, blades * k, omega - shift)
-        forward += shifted(shares_of_1, 1 + blades * k, omega - shift) / 2
-        backward += shifted(shares_of_1, 1 + blades * k, -omega - shift) / 2
-    density = np.zeros((omega.size, a + 2 * b, a + 2 * b), dtype=complex)
-    density[:, :a, :a] = still
-    density[:, a : a + b, a : a + b] = density[:, a + b :, a + b :] = 2 * (forward + backward)
-    density[:, a : a + b, a + b :] = -2j * (forward - backward)
-    density[:, a + b :, a : a + b] = 2j * (forward - backward)
+    size = a + 2 * b * highest
+    density = np.zeros((omega.size, size, size), dtype=complex)
+    density[:, :a, :a] = shifted(0, 1)
+    for p in range(1, highest + 1):
+        forward, backward = shifted(p, 1), shifted(p, -1)
+        even, odd = (slice(a + (2 * p - 2 + k) * b, a + (2 * p - 1 + k) * b) for k in range(2))
+        density[:, even, even] = density[:, odd, odd] = forward + backward
+        density[:, even, odd] = -1j * (forward - backward)
+        density[:, odd, even] = 1j * (forward - backward)
     return density
 
 
@@ -126,7 +130,7 @@ def places_density(omega: ArrayLike, places: Sequence[TurningRings | RestingPlac
         own = slice(ends[i], ends[i + 1])
         if isinstance(one, TurningRings):
             density[:, own, own] = turning_density(omega, one.radii, abs(one.speed), spectrum, coherence, one.blades,
-                                                   *one.weights)  # fmt: skip
+                                                   *one.weights, one.orders)  # fmt: skip
         else:
             density[:, own, own] = _together(omega, one, one, coherence) * alone
         for k in range(i):

@@ -27,6 +27,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from fowtlib.components.environment.field_file import (
+    COMPONENTS,
     FieldGrid,
     WindField,
     check_grid,
@@ -42,6 +43,9 @@ from fowtlib.language.errors import ParameterError
 from fowtlib.language.whole_files import write_whole
 
 Floats = NDArray[np.float64]
+
+FLUCTUATING = ("uvw", "uv", "uw", "u")
+"""Components of a field that may fluctuate together."""
 
 LEAST_COHERENCE = 1e-3
 LARGEST_GRID = 20_000  # points; a block of the coherence matrix has (points / 4)^2 numbers
@@ -67,6 +71,7 @@ def generate_field(
     turbulence_intensity: float | None = None,
     shear_exponent: float = 0.2,
     lateral_coherence: str = "none",
+    components: str = "uvw",
     seed: int = 1,
     progress: Callable[[float, float], None] | None = None,
 ) -> WindField:
@@ -76,7 +81,8 @@ def generate_field(
     A+, A, B or C, or turbulence_intensity V. The grid is `width` x `height` [m], of columns x rows points, about y = 0;
     it is centred at the hub unless the lowest row is to be at `bottom` [m]. For several rotors make it as wide as all
     of them and their motion. The field repeats itself after `duration` [s], in steps of `time_step` [s].
-    spectrum: "kaimal" or "von_karman"; lateral_coherence: "none" or "iec", see the module. A seed gives one field.
+    spectrum: "kaimal" or "von_karman"; lateral_coherence: "none" or "iec", see the module. components: those
+    that fluctuate; the others are those of the mean wind, and these are the same. A seed gives one field.
     progress is told the part of the work that is done, and 1. The file appears, or is replaced, when it is complete.
     """
     low = hub_height - height / 2 if bottom is None else bottom
@@ -85,13 +91,16 @@ def generate_field(
     note = f"fowtlib: {spectrum}, V = {mean_speed:g} m/s, shear {shear_exponent:g}, seed {seed}"
     grid = FieldGrid(rows, columns, steps, *spacing, time_step, mean_speed, hub_height, low, description=note)
     _check(path, grid, turbulence_class, lateral_coherence)
+    if components not in FLUCTUATING:
+        raise ParameterError(f"{path}: cannot generate the wind field: components '{components}' is not one of "
+                             f"{', '.join(FLUCTUATING)}.")  # fmt: skip
     if seed < 0 or (turbulence_intensity or 0) < 0:
         raise ParameterError(f"{path}: cannot generate the wind field: seed and turbulence_intensity begin at 0.")
     sigma = normal_turbulence(mean_speed, turbulence_class)
     if turbulence_intensity is not None:
         sigma = turbulence_intensity * mean_speed
     told = progress or (lambda done, total: None)
-    turbulence = _Turbulence(grid, sigma, spectrum, shear_exponent, lateral_coherence == "iec", seed, told)
+    turbulence = _Turbulence(grid, sigma, spectrum, shear_exponent, lateral_coherence == "iec", components, seed, told)
     kept, low_high = [], []
     for points, block in turbulence.blocks(1 / 3):
         low_high.append([(component.min(), component.max()) for component in block])
@@ -125,6 +134,7 @@ class _Turbulence:
     spectrum: str
     shear_exponent: float
     lateral: bool
+    components: str
     seed: int
     told: Callable[[float, float], None]
 
@@ -135,6 +145,7 @@ class _Turbulence:
         wind = (grid.speed, self.sigma, grid.hub_height)
         variance = band_variance(self.harmonics, grid.duration, *wind, model=self.spectrum)
         self.amplitude = (grid.steps * np.sqrt(variance / 2)).astype(np.float32).T  # irfft divides by steps, halves
+        self.amplitude[[name not in self.components for name in COMPONENTS]] = 0.0
         self.mean = np.repeat(power_law(grid.speed, grid.hub_height, grid.z, self.shear_exponent), grid.columns)
         self.coherent = self._coherent_noise()
 

@@ -199,6 +199,11 @@ def _cell(
     return samples % n, weights, slopes
 
 
+def cell_weights(n: int, position: Floats, count: int) -> tuple[NDArray[np.int64], Floats]:
+    """Samples of n about positions (points,) in cells, and their weights, (points, count); see SAMPLES."""
+    return _cell(False, n, position, 1.0, count)[:2]
+
+
 def _keys(away: Floats) -> tuple[Floats, Floats]:
     """Weights of samples that are `away` cells from a position, Keys (1981), equation (15), and their derivatives."""
     s = np.abs(away)

@@ -92,7 +92,7 @@ class Grid:
     @staticmethod
     def of(excited: ExcitedModel, processes: Processes, frequency: np.ndarray) -> Grid:
         """That of some processes."""
-        omega, widths = 2 * np.pi * frequency, _widths(frequency)[:, None, None]
+        omega, widths = 2 * np.pi * frequency, frequency_widths(frequency)[:, None, None]
         spectra: dict[str, np.ndarray] = {}
         driving: dict[str, Driving] = {}
         for path, process in processes.items():
@@ -111,7 +111,7 @@ class Grid:
     def thinned(self, step: int) -> Grid:
         """Every so many frequencies of it, each as what stands for its neighbours."""
         frequency = self.frequency[::step]
-        share = _widths(frequency) / _widths(self.frequency)[::step]
+        share = frequency_widths(frequency) / frequency_widths(self.frequency)[::step]
         driving = {path: one.thinned(step, share) for path, one in self.driving.items()}
         return Grid(self.excited, frequency, {path: S[::step] for path, S in self.spectra.items()}, driving)
 
@@ -244,7 +244,7 @@ def flat_times(matrix: np.ndarray, values: np.ndarray) -> np.ndarray:
     return (matrix @ values.view(float)).view(complex)
 
 
-def _widths(frequency: np.ndarray) -> np.ndarray:
+def frequency_widths(frequency: np.ndarray) -> np.ndarray:
     """What each frequency stands for [Hz]."""
     steps = np.diff(frequency)
     return (np.append(steps, 0.0) + np.append(0.0, steps)) / 2

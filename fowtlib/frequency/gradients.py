@@ -259,7 +259,7 @@ class _Evaluation:
             for item in self.excited.fields[number][1]:
                 owner = self.run.tree.find(item.owner)
                 with parameters_read() as read:
-                    item.compute.along(owner)
+                    item.compute.axes(owner)
                 paths = {f"{path}.{name}" if path else name for path, name in read}
                 if turned := next((element.name for element in self.run.elements if element.path in paths), None):
                     raise ParameterError(f"there is no derivative by {turned}, which turns a wind that is a field.")

@@ -23,6 +23,7 @@ from fowtlib.flattening import FlatDAE
 from fowtlib.frequency.corners import covariance, laws_of, reached, warn_of_corners, with_states
 from fowtlib.frequency.coverage import warn_of_ends
 from fowtlib.frequency.driven import Process, Processes
+from fowtlib.frequency.few_channels import with_few_channels
 from fowtlib.frequency.found import Response
 from fowtlib.frequency.rotation import with_rotation
 from fowtlib.frequency.settling import settled_gains
@@ -67,6 +68,7 @@ def response(
         excited = study.excited(state, names)
         given = None if frequencies is None else _checked(frequencies)
         with one_evaluation():  # from here on nothing sets a parameter
+            excited = with_few_channels(excited, root, _signals(excited, root))
             processes = _processes(excited, root)
             _refuse_without_spectrum(plant.dae, root, processes)
             if not processes:
@@ -108,6 +110,28 @@ def _checked(frequencies: Sequence[float] | np.ndarray) -> np.ndarray:
 
 def _processes(excited: ExcitedModel, root: Component) -> dict[str, Process]:
     """The random processes that drive the signals, and the fields."""
+    members, n = _signals(excited, root), excited.driven
+    found = {path: Process(process.spectral_density, np.concatenate([_numbers(signal.columns) for signal in signals]),
+                           partial(_of_signals, signals, root), n)
+             for path, (process, signals) in members.items()}  # fmt: skip
+    for number, (columns, places) in enumerate(excited.fields):
+        if not blows(places, root):
+            continue
+        path = places[0].process(root)
+        driven, ones = _numbers(columns), partial(_ones, columns.stop - columns.start)
+        if path in members:  # signals and places of one turbulence
+            beside, own = members[path][0].places, found[path]
+            density = partial(field_density, places, root, beside=beside)
+            both = partial(_side_by_side, (own.amplitudes, ones))
+            found[path] = Process(density, np.concatenate([own.driven, driven]), both, n)
+        else:
+            density = partial(field_density, places, root, basis=excited.bases.get(number))
+            found[path] = Process(density, driven, ones, n)
+    return found
+
+
+def _signals(excited: ExcitedModel, root: Component) -> dict[str, tuple[Any, list[Signal]]]:
+    """The processes that drive signals, with these, by path."""
     members: dict[str, tuple[Any, list[Signal]]] = {}
     there: dict[str, bool] = {}
     for signal in excited.signals:
@@ -116,23 +140,7 @@ def _processes(excited: ExcitedModel, root: Component) -> dict[str, Process]:
             there[process.path] = bool(np.any(process.spectral_density(np.geomspace(1e-2, 10.0, 50))))
         if there[process.path]:
             members.setdefault(process.path, (process, []))[1].append(signal)
-    n = excited.driven
-    found = {path: Process(process.spectral_density, np.concatenate([_numbers(signal.columns) for signal in signals]),
-                           partial(_of_signals, signals, root), n)
-             for path, (process, signals) in members.items()}  # fmt: skip
-    for columns, places in excited.fields:
-        if not blows(places, root):
-            continue
-        path = places[0].compute.process(root.find(places[0].owner)).path
-        driven, ones = _numbers(columns), partial(_ones, columns.stop - columns.start)
-        if path in members:  # signals and places of one turbulence
-            beside, own = members[path][0].places, found[path]
-            density = partial(field_density, places, root, beside=beside)
-            both = partial(_side_by_side, (own.amplitudes, ones))
-            found[path] = Process(density, np.concatenate([own.driven, driven]), both, n)
-        else:
-            found[path] = Process(partial(field_density, places, root), driven, ones, n)
-    return found
+    return members
 
 
 def _refuse_without_spectrum(dae: FlatDAE, root: Component, processes: Processes) -> None:

@@ -55,7 +55,8 @@ class TurningRings:
     """Places that turn about an axis along a flow: on rings of radii (r,) [m] about a centre (3,), one for each blade.
 
     speed [rad/s]: of the turning. uniform (a, r) and once (b, r): sums of rings with weights, of what goes the same way
-    all round and of what goes once round, in place of each ring by itself.
+    all round and of what goes round, in place of each ring by itself. orders: multiples of the angle that count, 1 of
+    what goes once round, 2 of what goes twice round too.
     """
 
     centre: np.ndarray
@@ -64,6 +65,7 @@ class TurningRings:
     blades: int
     uniform: np.ndarray | None = None
     once: np.ndarray | None = None
+    orders: int = 1
 
     @property
     def weights(self) -> tuple[np.ndarray, np.ndarray]:
@@ -73,9 +75,9 @@ class TurningRings:
 
     @property
     def channels(self) -> int:
-        """Three a ring, or a + 2 b: uniform, and once round in two directions."""
+        """Three a ring, or a + 2 b: uniform, and once round in two directions; 2 b more for each further order."""
         uniform, once = self.weights
-        return len(uniform) + 2 * len(once)
+        return len(uniform) + 2 * self.orders * len(once)
 
 
 @dataclass(frozen=True, eq=False)
@@ -99,11 +101,18 @@ class RandomField(Protocol):
     def process(self, component: Any) -> Any:
         """The component of a run whose field it is; one with a spectrum has `field_density`, see below."""
 
-    def along(self, component: Any) -> np.ndarray:
-        """Unit vector (3,) of the fluctuation that counts."""
+    parts: tuple[str, ...]
+    """What the components of the velocity are called before the path of the process; "" for the path alone."""
 
-    def density(self, component: Any, omega: np.ndarray, places: Sequence[TurningRings | RestingPlaces]) -> np.ndarray:
-        """One-sided spectra (q, channels, channels) [unit^2 s/rad] of all places together; Hermitian."""
+    def axes(self, component: Any) -> np.ndarray:
+        """Unit vectors (parts, 3) of the components, independent of each other: along the flow, across it, up."""
+
+    def density(self, component: Any, omega: np.ndarray, places: Sequence[TurningRings | RestingPlaces],
+                part: int = 0, basis: np.ndarray | None = None) -> np.ndarray:  # fmt: skip
+        """One-sided spectra (q, channels, channels) [unit^2 s/rad] of a component at all places, along axes; Hermitian.
+
+        basis (channels, k): the spectra of the sums of channels with the weights of its columns, (q, k, k), instead.
+        """
 
 
 def at_start(name: str, size: int = 1, unit: str = "1", doc: str = "", compute: Callable[[Any], Any] = float, *,

@@ -8,14 +8,13 @@ in.
 
 from __future__ import annotations
 
-from collections.abc import Sequence
-from dataclasses import dataclass, replace
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, field, replace
 from functools import cached_property
 from typing import Any
 
 import casadi as ca
 import numpy as np
-from scipy.linalg import block_diag
 
 from fowtlib.flattening import FlatDAE
 from fowtlib.language.component import Component
@@ -80,8 +79,9 @@ class ExcitedModel:
     """Linear model whose inputs are signals, channels of fields, and then what is added to quadratic laws; see above.
 
     linear: its outputs are the results, what these have of the turning of rotors (solving.mean_linear.Turning), and
-    then the inputs of the laws. fields: columns of the inputs, and the places of one field. laws: paths of the laws,
-    and their columns among what is added. results: number of the first and second of these outputs. means: of the
+    then the inputs of the laws. fields: columns of the inputs, and the places of one component of one field; bases: by
+    their number what these columns are sums of, where they are, see RandomField.density. laws: paths of the laws, and
+    their columns among what is added. results: number of the first and second of these outputs. means: of the
     inputs of the laws. forces: see Forces. further: what of the flat model these inputs and outputs are.
     """
 
@@ -94,6 +94,12 @@ class ExcitedModel:
     forces: Forces
     rotating: RotatingLinearModel
     further: Further
+    bases: Mapping[int, np.ndarray] = field(default_factory=dict)
+
+    @cached_property
+    def compact(self) -> dict[Any, ExcitedModel]:
+        """The same with sums of channels of fields, as they are found; see frequency.few_channels."""
+        return {}
 
     @property
     def driven(self) -> int:
@@ -175,13 +181,15 @@ def excited_model(plant: Any, state: State, names: Sequence[str]) -> ExcitedMode
     symbols = {f"{item.path} [{k}]": element for item in signals for k, element in enumerate(item.elements(dae))}
     labels = list(symbols)
     fields, raw, start = [], len(symbols), len(symbols)
-    for owner in dict.fromkeys(item.owner for item in places):
-        members = tuple(item for item in places if item.owner == owner)
+    for owner, part in dict.fromkeys((item.owner, item.part) for item in places):
+        members = tuple(item for item in places if (item.owner, item.part) == (owner, part))
         fields.append((slice(start, start := start + sum(item.places.channels for item in members)), members))
         for item in members:
             velocities = dae.w[dae.externals[item.external].outputs].elements()
-            symbols |= {f"{item.path} {item.external} velocity [{k}]": v for k, v in enumerate(velocities)}
+            symbols |= dict(zip(item.velocities, velocities, strict=True))
             labels += item.labels
+    rows = {name: k for k, name in enumerate(symbols)}  # of the mixing; laws come behind
+    driven = len(labels)
     laws, outputs, first = [], {}, 0
     for number, law in enumerate(dae.quadratics):
         n = law.added.numel()
@@ -192,13 +200,19 @@ def excited_model(plant: Any, state: State, names: Sequence[str]) -> ExcitedMode
         first += n
 
     def mixing(*point: Any) -> np.ndarray:
-        blocks = [item.mixing(at, *point) for _, members in fields for item in members]
-        return block_diag(np.eye(raw), *blocks, np.eye(first))
+        whole = np.zeros((len(rows) + first, driven + first))
+        whole[:raw, :raw], whole[len(rows) :, driven:] = np.eye(raw), np.eye(first)
+        column = raw
+        for item in (item for _, members in fields for item in members):
+            block = item.mixing(at, *point)
+            whole[[rows[name] for name in item.velocities], column : column + block.shape[1]] = block
+            column += block.shape[1]
+        return whole
 
-    speeds, rows = _motions(at)
-    further = Further(symbols, outputs, tuple(labels), mixing if fields else None, rows)
+    speeds, motions = _motions(at)
+    further = Further(symbols, outputs, tuple(labels), mixing if fields else None, motions)
     rotating = rotating_linear_model(plant, state, (), names, further, turning=True)
-    linear, forces = _without_forces(rotating.linear, speeds, len(rows))
+    linear, forces = _without_forces(rotating.linear, speeds, len(motions))
     return ExcitedModel(linear, tuple(signals), tuple(fields), tuple(laws), rotating.shown, _means(at, state), forces,
                         rotating, replace(further, added=()))  # fmt: skip
 

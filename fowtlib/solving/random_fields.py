@@ -4,12 +4,16 @@ A field gives velocities at positions, in an external function. Where the positi
 each blade is a mix of what the ring at its radius has all round: with the angle theta of a place, uniform + cos(theta)
 times one part + sin(theta) times the other. Averaged over a turn that is what the slow motions of the model feel, see
 components.environment.disc_turbulence for the spectra of these parts; higher orders come in by the turning there.
+
+Along the flow the loads of a blade depend on the velocity in the same way all round. Across it the velocity turns
+against the blade, so that its slope goes once round, and what a blade does to the hub twice: there the parts that go
+twice round count too. The components of the velocity are independent, each a process of its own.
 """
 
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Any
 
 import casadi as ca
@@ -17,6 +21,7 @@ import numpy as np
 
 from fowtlib.language.component import Component
 from fowtlib.language.run_time import RandomField, RestingPlaces, TurningRings
+from fowtlib.solving.binding import tree_with
 from fowtlib.solving.functions import AtParameters
 from fowtlib.solving.state import State
 from fowtlib.solving.turning import Turn
@@ -26,20 +31,42 @@ STEP = 1e-4  # rad of azimuth, for the direction of the turning
 
 @dataclass(frozen=True, eq=False)
 class FieldPlaces:
-    """Where one external asks a random field: number of the external, its positions, and the places that these are."""
+    """Where one external asks a random field for one component of the velocity.
+
+    part: number of the component; external: number of the external, positions: function of its positions; places: what
+    these are; axes: of the components (parts, 3), the first along the flow.
+    """
 
     path: str
     owner: str
     compute: RandomField
+    part: int
     external: int
     positions: ca.Function
     places: TurningRings | RestingPlaces
-    along: np.ndarray
+    axes: np.ndarray
 
     @property
     def labels(self) -> list[str]:
         """What the inputs are called."""
-        return [f"{self.path} {self.external} [{k}]" for k in range(self.places.channels)]
+        name = f"{self.compute.parts[self.part]} {self.path} {self.external}".strip()
+        return [f"{name} [{k}]" for k in range(self.places.channels)]
+
+    @property
+    def velocities(self) -> list[str]:
+        """What the velocities (3 n) are called, those of all components."""
+        return [f"{self.path} {self.external} velocity [{k}]" for k in range(self.positions.size1_out(0))]
+
+    def process(self, root: Component) -> str:
+        """What the process is called in a run."""
+        path = self.compute.process(root.find(self.owner)).path
+        return f"{self.compute.parts[self.part]} {path}".strip()
+
+    def along_axes(self) -> TurningRings | RestingPlaces:
+        """The places along the axes of the field."""
+        if isinstance(self.places, RestingPlaces):
+            return RestingPlaces(self.places.positions @ self.axes.T)
+        return replace(self.places, centre=self.axes @ self.places.centre)
 
     def mixing(self, at: AtParameters, *point: Any) -> np.ndarray:
         """How the velocities (3 n) at a point follow from the channels: (3 n, channels)."""
@@ -47,30 +74,32 @@ class FieldPlaces:
         if isinstance(self.places, RestingPlaces):
             parts = np.eye(n)
         else:
-            angle = angles(self._at(at, *point), self.places)
+            angle = angles(self._at(at, *point), self.places, self.axes)
             ring = np.tile(np.eye(len(self.places.radii)), (self.places.blades, 1))
-            parts = np.hstack([ring, np.cos(angle)[:, None] * ring, np.sin(angle)[:, None] * ring])
-        return np.kron(parts, self.along[:, None])
+            turned = [turn(order * angle)[:, None] * ring for order in range(1, self.places.orders + 1)
+                      for turn in (np.cos, np.sin)]  # fmt: skip
+            parts = np.hstack([ring, *turned])
+        return np.kron(parts, self.axes[self.part][:, None])
 
     def _at(self, at: AtParameters, *point: Any) -> np.ndarray:
         return np.array(at.call(self.positions, *point)).reshape(-1, 3)
 
 
-def angles(positions: np.ndarray, rings: TurningRings) -> np.ndarray:
-    """Angles (n,) of places about the axis along x, in the sense of their turning."""
-    across = positions[:, 1:] - rings.centre[1:]
+def angles(positions: np.ndarray, rings: TurningRings, axes: np.ndarray) -> np.ndarray:
+    """Angles (n,) of places about the flow, whose direction is the first of the axes, in the sense of their turning."""
+    across = (positions - rings.centre) @ axes[1:].T
     return np.sign(rings.speed) * np.arctan2(across[:, 1], across[:, 0])
 
 
 def field_places(plant: Any, at: AtParameters, state: State, turns: Sequence[Turn]) -> list[FieldPlaces]:
-    """All places at which parts of a plant ask for a random field, about a mean state."""
+    """All places at which parts of a plant ask for a random field, about a mean state; by components."""
     dae, q = plant.dae, np.concatenate([state.u, state.d])
+    fields = [(number, item) for number, item in dae.with_data if hasattr(item.compute, "density")]
+    root = tree_with(dae, plant.root, state.parameters) if fields else plant.root  # a run may turn the wind
     speed = np.array(at.residual(state.t, state.x, state.z, q)[0]).ravel()
     found = []
-    for number, item in dae.with_data:
+    for number, item in fields:
         external = dae.externals[number]
-        if not hasattr(item.compute, "density"):
-            continue
         if external.path == item.owner:  # what the field is at the stations, which in a field drives no part
             continue
         n = (external.outputs.stop - external.outputs.start) // 3
@@ -79,34 +108,41 @@ def field_places(plant: Any, at: AtParameters, state: State, turns: Sequence[Tur
         positions = at.general.once(
             ("field positions", number), lambda asked=asked: at.general.function("positions", [asked])
         )
-        along = np.asarray(item.compute.along(plant.root.find(item.owner)))
+        axes = np.asarray(item.compute.axes(root.find(item.owner)))
         now = np.array(at.call(positions, state.t, state.x, state.z, q)).reshape(-1, 3)
         places: TurningRings | RestingPlaces = RestingPlaces(now)
         for turn in turns:
             after = np.array(at.call(positions, state.t, state.x + STEP * turn.direction, state.z, q)).reshape(-1, 3)
             if np.abs(after - now).max() > STEP * 1e-3:
-                places = _rings(dae, now, after - now, speed[turn.azimuth], turn)
-        found.append(FieldPlaces(item.path, item.owner, item.compute, number, positions, places, along))
+                places = _rings(dae, now, after - now, speed[turn.azimuth], turn, axes)
+        for part in range(len(axes)):
+            own = replace(places, orders=2) if part and isinstance(places, TurningRings) else places
+            found.append(FieldPlaces(item.path, item.owner, item.compute, part, number, positions, own, axes))
     return found
 
 
-def _rings(dae: Any, now: np.ndarray, moved: np.ndarray, speed: float, turn: Turn) -> TurningRings:
-    """The rings of places that turn with a rotor, blade after blade."""
+def _rings(dae: Any, now: np.ndarray, moved: np.ndarray, speed: float, turn: Turn, axes: np.ndarray) -> TurningRings:
+    """The rings of places that turn with a rotor, blade after blade, as seen along the flow."""
     angle = dae.x[turn.azimuth].element_hash()
     blades = next(len(ring.parts) for ring in dae.symmetries if ring.angle.element_hash() == angle)
     per = len(now) // blades
     centre = now.mean(axis=0)
-    across = now[:, 1:] - centre[1:]
-    sense = np.sign(np.sum(across[:, 0] * moved[:, 2] - across[:, 1] * moved[:, 1]))
+    across, moved = (now - centre) @ axes[1:].T, moved @ axes[1:].T
+    sense = np.sign(np.sum(across[:, 0] * moved[:, 1] - across[:, 1] * moved[:, 0]))
     radii = np.linalg.norm(across.reshape(blades, per, 2), axis=2).mean(axis=0)
     return TurningRings(centre, radii, float(sense * abs(speed)), blades)
 
 
 def density(places: Sequence[FieldPlaces], root: Component, omega: np.ndarray,
-            beside: Sequence[TurningRings | RestingPlaces] = ()) -> np.ndarray:  # fmt: skip
-    """Spectra (q, channels, channels) of all places in one field, after those of what is beside them."""
-    component = root.find(places[0].owner)
-    return places[0].compute.density(component, omega, [*beside, *(item.places for item in places)])
+            beside: Sequence[TurningRings | RestingPlaces] = (), basis: np.ndarray | None = None,
+            ) -> np.ndarray:  # fmt: skip
+    """Spectra (q, channels, channels) of all places of one component in one field, after those of what is beside them.
+
+    basis: see RandomField.density.
+    """
+    component, first = root.find(places[0].owner), places[0]
+    return first.compute.density(component, omega, [*beside, *(item.along_axes() for item in places)], first.part,
+                                 basis)  # fmt: skip
 
 
 def blows(places: Sequence[FieldPlaces], root: Component) -> bool:

@@ -49,7 +49,8 @@ class FieldWind(Wind, kind="field"):
         grid = self.lookup().grid
         return grid.duration if grid.periodic else np.inf
 
-    def field_density(self, omega: np.ndarray, places: Sequence[TurningRings | RestingPlaces]) -> np.ndarray:
+    def field_density(self, omega: np.ndarray, places: Sequence[TurningRings | RestingPlaces], part: int = 0,
+                      basis: np.ndarray | None = None) -> np.ndarray:  # fmt: skip
         """Nobody knows the spectrum of a file."""
         raise ParameterError(
             f"{self.label}: the spectrum of a field in a file is not known; give the wind that it was made of, as in "

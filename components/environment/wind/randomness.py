@@ -44,12 +44,16 @@ class FieldNumbers:
     def process(self, wind: Wind) -> Wind:
         return wind
 
-    def along(self, wind: Wind) -> np.ndarray:
-        angle = float(wind.parameter_value("direction"))
-        return np.array([math.cos(angle), math.sin(angle), 0.0])
+    parts = "", "lateral", "vertical"
 
-    def density(self, wind: Wind, omega: np.ndarray, places: Sequence[TurningRings | RestingPlaces]) -> np.ndarray:
+    def axes(self, wind: Wind) -> np.ndarray:
+        angle = float(wind.parameter_value("direction"))
+        c, s = math.cos(angle), math.sin(angle)
+        return np.array([[c, s, 0.0], [-s, c, 0.0], [0.0, 0.0, 1.0]])
+
+    def density(self, wind: Wind, omega: np.ndarray, places: Sequence[TurningRings | RestingPlaces], part: int = 0,
+                basis: np.ndarray | None = None) -> np.ndarray:  # fmt: skip
         if hasattr(type(wind), "field_density"):  # kinds with a field
-            return wind.field_density(omega, places)
-        channels = sum(item.channels for item in places)
-        return np.zeros((len(omega), channels, channels))
+            return wind.field_density(omega, places, part, basis)
+        size = sum(item.channels for item in places) if basis is None else basis.shape[1]
+        return np.zeros((len(omega), size, size))

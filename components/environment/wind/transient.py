@@ -25,7 +25,7 @@ def rotor_diameter(wind: Any) -> float:
     if wind.rotor_diameter is not None:
         return float(wind.rotor_diameter)
     parts = [wind, *wind.enclosing()][-1].walk()
-    found = [part.disk_diameter() for part in parts if hasattr(part, "disk_diameter")]
+    found = [part.disk_diameter() for part in parts if hasattr(type(part), "disk_diameter")]
     if not found:
         raise ParameterError(
             f"{wind.label}.rotor_diameter has no value and the model has no rotor; a wind of kind '{wind.kind}' needs "

@@ -11,11 +11,13 @@ import numpy as np
 
 from fowtlib.components.environment import iec
 from fowtlib.components.environment.disc_turbulence import places_density
-from fowtlib.components.environment.field_generator import generate_field
+from fowtlib.components.environment.field_file import COMPONENTS
+from fowtlib.components.environment.field_generator import FLUCTUATING, generate_field
 from fowtlib.components.environment.field_lookup import FieldLookup
 from fowtlib.components.environment.field_spectra import spectra
 from fowtlib.components.environment.field_store import made_field
 from fowtlib.components.environment.field_wind import open_field
+from fowtlib.components.environment.point_turbulence import PointGrid, point_density
 from fowtlib.components.environment.turbulence import PlaneCoherence
 from fowtlib.components.environment.wind.base import mean_speed_at
 from fowtlib.components.environment.wind.field import FieldWind
@@ -50,6 +52,10 @@ class TurbulentWind(FieldWind, kind="turbulence"):
         doc="sigma/V; without a value by the class",
     )  # fmt: skip
     field_spectrum: str = param(default="kaimal", choices=("kaimal", "von_karman"), bound=True, doc="spectra")
+    lateral_coherence: str = param(
+        default="none", choices=("none", "iec"), bound=True, doc="of v and w: none from point to point, or that of u"
+    )
+    components: str = param(default="uvw", choices=FLUCTUATING, bound=True, doc="those that fluctuate")
     seed: int = param(default=1, min=0, bound=True, doc="number of the realisation")
     rotor_diameter: Number = param(
         default=None, unit="m", min=0, bound=True, doc="D; without a value that of the largest rotor of the model"
@@ -76,18 +82,36 @@ class TurbulentWind(FieldWind, kind="turbulence"):
             "hub_height": float(self.reference_height), "spectrum": self.field_spectrum, "seed": int(self.seed),
             "turbulence_class": self.turbulence_class, "turbulence_intensity": self.intensity(),
             "shear_exponent": float(self.parameter_value("shear_exponent")),
+            "lateral_coherence": self.lateral_coherence, "components": self.components,
         }  # fmt: skip
 
-    def field_density(self, omega: np.ndarray, places: Sequence[TurningRings | RestingPlaces]) -> np.ndarray:
-        """Of u, by its spectrum and coherence, without the limits of a grid; v and w are left out."""
+    def field_density(self, omega: np.ndarray, places: Sequence[TurningRings | RestingPlaces], part: int = 0,
+                      basis: np.ndarray | None = None) -> np.ndarray:  # fmt: skip
+        """By spectrum and coherence of u, v or w, without the limits of a realisation.
+
+        v and w without a coherence are those of the points of the field: between them they are interpolated.
+        """
+        if COMPONENTS[part] not in self.components:
+            size = sum(item.channels for item in places) if basis is None else basis.shape[1]
+            return np.zeros((np.size(omega), size, size))
         speed, height = self.given_speed(), float(self.reference_height)
         intensity = self.intensity()
         sigma = iec.normal_turbulence(speed, self.turbulence_class) if intensity is None else intensity * speed
 
         def spectrum(omega: np.ndarray) -> np.ndarray:
-            return spectra(omega / (2 * np.pi), speed, sigma, height, self.field_spectrum)[..., 0] / (2 * np.pi)
+            return spectra(omega / (2 * np.pi), speed, sigma, height, self.field_spectrum)[..., part] / (2 * np.pi)
 
-        return places_density(omega, places, spectrum, PlaneCoherence(speed, height))
+        if part and self.lateral_coherence == "none":
+            return point_density(omega, places, spectrum, self.points(), basis)
+        found = places_density(omega, places, spectrum, PlaneCoherence(speed, height))
+        return found if basis is None else basis.T @ found @ basis
+
+    def points(self) -> PointGrid:
+        """The points of the field in its plane."""
+        given = self.numbers()
+        dy, dz = (given[size] / (given[count] - 1) for size, count in (("width", "columns"), ("height", "rows")))
+        return PointGrid(-given["width"] / 2, given["bottom"], dy, dz, given["columns"], given["rows"],
+                         self.interpolation)  # fmt: skip
 
     def intensity(self) -> float | None:
         """Sigma/V; None for that of the normal turbulence model."""
