@@ -88,8 +88,8 @@ def turbulence(plant: fw.Plant) -> None:
                     change = (both[0].array(result) - both[1].array(result)) / (2 * part * value)
                     slope = found.array(result, parameter)
                     spans = [slice(0, 500), slice(500, 1500), slice(1500, None)]
-                    told.append("/".join(f"{np.linalg.norm((change - slope)[span]) / np.linalg.norm(change[span]):.1e}"
-                                         for span in spans))  # fmt: skip
+                    sizes = [(np.linalg.norm((change - slope)[span]), np.linalg.norm(change[span])) for span in spans]
+                    told.append("/".join(f"{rest / size:.1e}" if size else "no change" for rest, size in sizes))
                 print(f"  {parameter} {part:.0e}: " + "  ".join(told))
         for result in ("pitch", "fairlead_tension_2"):
             for number in ("mean", "std", "maximum"):

@@ -202,11 +202,12 @@ def test_a_sampled_part_whose_period_is_the_parameter_is_refused():
 # --- the spar -----------------------------------------------------------------------------------------------------
 
 SPAR = {
-    "platform.hull.mass": 1e-5, "platform.mooring.length": 1e-5, "platform.mooring.mass_per_length": 1e-4,
-    "platform.mooring.fairlead_depth": 3e-4, "platform.drag.drag_coefficient": 1e-2, "world.air_density": 1e-3,
-    "tower.mass": 1e-4, "turbine.rotor.inertia": 1e-3, "turbine.control.proportional_gain": 1e-3,
-    "turbine.control.integral_gain": 1e-3, "platform.mooring.yaw_stiffness": 1e-3, "turbine.rotor.radius": 1e-4,
-}  # fmt: skip  # with the steps of the differences, relative to the values
+    "platform.hull.mass": 3e-6, "platform.mooring.length": 3e-6, "platform.mooring.mass_per_length": 1e-4,
+    "platform.mooring.fairlead_depth": 1e-3, "platform.drag.drag_coefficient": 1e-2, "world.air_density": 1e-3,
+    "tower.mass": 1e-2, "turbine.rotor.inertia": 1e-2, "turbine.control.proportional_gain": 1e-2,
+    "turbine.control.integral_gain": 1e-2, "platform.mooring.yaw_stiffness": 1e-2, "turbine.rotor.radius": 1e-3,
+}  # fmt: skip
+"""With the steps of the differences, relative: between the rounding of the mean and the curvature of the lines."""
 SHOWN = ["surge", "heave", "pitch", "yaw", "rotor_speed", "blade_pitch", "thrust", "fairlead_tension_2"]
 
 

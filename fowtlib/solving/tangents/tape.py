@@ -95,6 +95,8 @@ class Taped:
         """States and algebraic unknowns (rows) at `points` equidistant times after t."""
         begun = self._start(Point(t, x.copy(), z.copy(), q.copy()))
         xs, zs = self.inner.advance(t, length, points, x, z, q)
+        if len(xs) < points:  # it was stopped
+            return xs, zs
         if begun is not None:
             self.tape.append(begun)
         times = t + length * np.arange(1, points + 1) / points
