@@ -123,6 +123,6 @@ class EffectiveWindRotor(CoefficientRotor):
 def _mean_of_disc(rotor: EffectiveWindRotor) -> np.ndarray:
     """A gust at the station is one of the disc; turbulence there is not, nor what a field has at that point."""
     wind: Wind = rotor.wind
-    if hasattr(wind, "field_density"):
+    if hasattr(type(wind), "field_density"):
         return np.array([0.0, 0.0, wind.mean_at(rotor.station)])
     return np.array([1.0, 0.0 if wind.turbulent or wind.station_series() is None else 1.0, 0.0])

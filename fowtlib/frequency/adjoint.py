@@ -18,6 +18,7 @@ from dataclasses import dataclass
 from functools import cached_property
 
 import numpy as np
+from scipy.linalg import lu_factor, lu_solve
 
 from fowtlib.analysis.spectra import widths
 from fowtlib.frequency.drag import best_gain
@@ -32,6 +33,7 @@ from fowtlib.solving.stationary_gradients import Bars
 SETTLED, ROUNDING = 1e-12, 1e-10  # change of the gains, relative, at which Newton ends; and where it may stay
 FAR = 0.3  # change from which on it goes by the gains found, mixed, and where Newton's step led away
 NEWTON = 40
+SLOW = 4.0  # a step that divides the change by less than this asks for new slopes, which cost some ten steps
 # Where shapes of modes are nearly alike rounding is more than any bound by the roots: a change below NOISE that so many
 # iterations have not halved is rounding
 NOISE, STALLED = 1e-6, 4
@@ -43,13 +45,15 @@ GUESS = 1.0  # m/s; deviation of the velocities of drag before the first iterati
 class Forcing:
     """What drives a response at frequencies (q,) [Hz].
 
-    drive (q, inputs, k): of all channels; density (q, k, k) per Hz, with processes in blocks; columns: of a process.
+    drive (q, inputs, k): of all channels; density (q, k, k) per Hz, with processes in blocks; columns: of a process;
+    driven: numbers of the inputs that it drives.
     """
 
     frequency: np.ndarray
     drive: np.ndarray
     density: np.ndarray
     columns: Mapping[str, slice]
+    driven: Mapping[str, np.ndarray]
 
     @property
     def widths(self) -> np.ndarray:
@@ -70,7 +74,8 @@ class Forcing:
 class Slopes:
     """Slopes of a scalar by the matrices, by the drive (q, inputs, k), by the densities (q, k, k), by means of laws.
 
-    d scalar = Re sum(conj(drive) d drive) + Re sum(density d density).
+    d scalar = Re sum(conj(drive) d drive) + Re sum(density d density). Those by the drive are of the inputs that a
+    process drives and of its channels; there are no others.
     """
 
     bars: Bars
@@ -121,7 +126,7 @@ class RandomResponse:
             if change > FAR or change > last:
                 self.gains, self.newton = mixing(self.gains, found), None
             else:
-                if self.newton is None or change > last / 10:
+                if self.newton is None or change > last / SLOW:
                     self.newton = self._map()
                 step = np.linalg.solve(np.eye(len(self.newton)) - self.newton, self._packed(off))
                 self.gains = [g + s for g, s in zip(self.gains, self._unpacked(step), strict=True)]
@@ -244,16 +249,23 @@ class RandomResponse:
             u = np.where(there, self.out[m:][rows][:, part].transpose(1, 0, 2), 0.0)
             T = np.where(there & there.T, injected[:, m:][:, rows][:, :, rows], 0.0)
             Z = (u @ self.weighted[part]) @ u.conj().transpose(0, 2, 1)  # of law j in direction e, with law i in s
-            q = len(T)
-            T = T.reshape(q, count, width, count, width).transpose(1, 3, 2, 4, 0).reshape(count, count, width**2, q)
-            Z = Z.reshape(q, count, width, count, width).transpose(3, 1, 0, 2, 4).reshape(count, count, q, width**2)
-            product += T.real @ Z.real - T.imag @ Z.imag
+            # as real numbers, the frequencies last: Re sum T Z
+            T, Z = (block.reshape(-1, count, width, count, width) for block in (T, Z))
+            T = T.conj().transpose(1, 3, 2, 4, 0).reshape(count, count, width**2, -1)
+            Z = Z.transpose(3, 1, 2, 4, 0).reshape(count, count, width**2, -1)
+            product += T.view(float) @ Z.view(float).swapaxes(2, 3)
         # covariance_i[r, s] by G_j[c, e]: T[r, c] Z[e, s], and the same with r and s exchanged
         product = product.reshape(count, count, width, width, width, width)  # i j r c e s
         by_gain = np.einsum("ijrces->irsjce", product)
         by_gain = by_gain + by_gain.transpose(0, 2, 1, 3, 4, 5)
-        phi = np.einsum("iabrs,irsjce->iabjce", self.by_covariance, by_gain, optimize=True)
+        by_gain = by_gain.reshape(count, width**2, -1)
+        phi = self.by_covariance.reshape(count, width**2, width**2) @ by_gain
         return phi.reshape(count * width**2, count * width**2)
+
+    @cached_property
+    def _of_fixed_point(self) -> tuple[np.ndarray, np.ndarray]:
+        """The factors of (1 - Phi)'."""
+        return lu_factor((np.eye(len(self.phi)) - self.phi).T)
 
     # --- adjoint ---------------------------------------------------------------------------------------------------
 
@@ -263,55 +275,77 @@ class RandomResponse:
         m, n = excited.results, excited.driven
         weight = sum(slope * forcing.frequency**order for slope, order in zip(by_moments, ORDERS, strict=True))
         weight, H, S = weight * widths(forcing.frequency), self.out[result], forcing.of(process)
-        bars = np.zeros(self.out.shape, dtype=complex)
-        bars[result] = 2 * weight[:, None] * _with_density(H[None], S)[0]
+        of_result = 2 * weight[:, None] * _with_density(H[None], S)[0]
         density = np.where(S != 0, weight[:, None, None] * (H[:, :, None] * H.conj()[:, None, :]), 0.0)
         means = np.zeros(self.means.size)
+        rows = np.r_[result, m : len(self.out)]  # of the outputs that it depends on
+        bars = np.zeros((rows.size, *self.out.shape[1:]), dtype=complex)
+        bars[0] = of_result
         if excited.laws:
-            self._through_laws(bars, density, means)
-        closed, base = self.closed, excited.linear
-        B, D, G = base.matrices["B"], base.matrices["D"], self._gain_matrix()
-        costate = self.resolvent.adjoint(times(closed.matrices["C"].T, bars))
+            self._through_laws(result, bars, density, means)
+        base, operators = excited.linear, self.closed.operators
+        B, D, G = base.matrices["B"], base.matrices["D"][rows], self._gain_matrix()
+        costate = self.resolvent.adjoint(times(self.closed.matrices["C"][rows].T, bars))
         of_u = np.zeros((0, *bars.shape[1:]), dtype=complex)
-        operators = closed.operators
         if operators is not None:
-            three = times(operators.D_output.T, bars) + times(operators.B.T, costate)
+            three = times(operators.D_output[rows].T, bars) + times(operators.B.T, costate)
             three = three.reshape(3, -1, *three.shape[1:])
             of_w = np.einsum("qd,dmqk->qmk", self.powers.conj(), three)
             of_w = np.linalg.solve(self.loop.conj().transpose(0, 2, 1), of_w)
             of_u = (self.errors.conj().transpose(0, 2, 1) @ of_w).transpose(1, 0, 2)
             costate = costate + self.resolvent.adjoint(times(operators.C.T, of_u))
-        # slopes by all that is put in, in the model without the laws
-        put_in = times(B.T, costate) + times(D.T, bars)
-        if operators is not None:
-            put_in = put_in + times(base.operators.D_input.T, of_u)
+        # slopes by what is put in, in the model without the laws: columns of what acts on the rates, outputs, operators
+        acting = [B, D] if operators is None else [B, D, base.operators.D_input]
         if excited.laws:
-            loop = np.linalg.inv(np.eye(len(G)) - D[m:, n:].T @ G.T)
-            by_laws = times(G.T @ loop, put_in[n:])
-            bars[m:] += by_laws
-            put_in = put_in + times(D[m:].T, by_laws)
-        inputs = np.concatenate([self.drive, times(G, self.out[m:]), self.three])
+            loop = np.linalg.inv(np.eye(len(G)) - D[1:, n:].T @ G.T)
+            put_in = sum(times(block[:, n:].T, bar) for block, bar in zip(acting, (costate, bars, of_u), strict=False))
+            bars[1:] += times(G.T @ loop, put_in)
         outputs = np.concatenate([bars, of_u])
-        matrices = Bars(_outer(costate, self.x), _outer(costate, inputs), _outer(outputs, self.x),
-                        _outer(outputs, inputs))  # fmt: skip
-        return Slopes(matrices, put_in[:n].transpose(1, 0, 2), density, means)
+        both, drive = np.concatenate([costate, outputs]), np.zeros(self.drive.shape, dtype=complex)
+        by_drive = np.zeros((len(both), n))
+        for path, channels in forcing.columns.items():
+            driven = forcing.driven[path]
+            own = tuple(np.ascontiguousarray(bar[:, :, channels]) for bar in (costate, bars, of_u))
+            drive[np.ix_(driven, range(len(self.omega)), range(channels.start, channels.stop))] = sum(
+                times(block[:, driven].T, bar) for block, bar in zip(acting, own, strict=False))
+            by_drive[:, driven] += _outer(np.concatenate(own), self._driven[path])
+        by_x, by_laws, by_three = (_outer(both, block) for block in (self.x, self._put_in, self.three))
+        by_put_in = np.hstack([by_drive, by_laws, by_three])
+        size, count = len(costate), len(self.out)
+        places = np.r_[rows, count : count + len(of_u)]
+        whole = [np.zeros((count + len(of_u), block.shape[1])) for block in (by_x, by_put_in)]
+        for block, part in zip(whole, (by_x, by_put_in), strict=True):
+            block[places] = part[size:]
+        return Slopes(Bars(by_x[:size], by_put_in[:size], *whole), drive.transpose(1, 0, 2), density, means)
 
-    def _through_laws(self, bars: np.ndarray, density: np.ndarray, means: np.ndarray) -> None:
-        """Add what a scalar has by the inputs of laws, whose covariance makes the gains."""
-        m, laws, phi = self.excited.results, self.excited.laws, self.phi  # with it what answers to the laws
-        added = (self.by_laws.conj().transpose(0, 2, 1) @ bars[:m].transpose(1, 0, 2)).transpose(1, 0, 2)
+    @cached_property
+    def _put_in(self) -> np.ndarray:
+        """What the laws put in (n, q, k)."""
+        return times(self._gain_matrix(), self.out[self.excited.results :])
+
+    @cached_property
+    def _driven(self) -> dict[str, np.ndarray]:
+        """The drive of each process, of its inputs and channels alone (n, q, k)."""
+        return {path: np.ascontiguousarray(self.drive[self.forcing.driven[path]][:, :, channels])
+                for path, channels in self.forcing.columns.items()}  # fmt: skip
+
+    def _through_laws(self, result: int, bars: np.ndarray, density: np.ndarray, means: np.ndarray) -> None:
+        """Add what a scalar has by the inputs of laws, whose covariance makes the gains: bars of it, and of these."""
+        m, laws, factors = self.excited.results, self.excited.laws, self._of_fixed_point  # and what answers to the laws
+        added = (self.by_laws[:, result].conj()[:, :, None] * bars[0][:, None, :]).transpose(1, 0, 2)
         direct = [_outer(added[place], self._of_law(place)) for _, place in laws]
-        whole = np.linalg.solve((np.eye(len(phi)) - phi).T, self._packed(direct))
-        for k, ((_, place), by_gain) in enumerate(zip(laws, self._unpacked(whole), strict=True)):
+        by_gains = self._unpacked(lu_solve(factors, self._packed(direct)))
+        by_covariances = np.zeros((len(bars) - 1, len(bars) - 1))
+        for k, ((_, place), by_gain) in enumerate(zip(laws, by_gains, strict=True)):
             n = len(by_gain)
             by_mean = self.by_mean[k][:n, :n, :n] - slope_at_mean(self.means[place])[1]
             means[place] = np.einsum("abk,ab->k", by_mean, by_gain)
             by_covariance = np.einsum("abcd,ab->cd", self.by_covariance[k][:n, :n, :n, :n], by_gain)
-            by_covariance = (by_covariance + by_covariance.T) / 2
-            u = self._of_law(place)
-            weighted = times(by_covariance, u)
-            bars[m + place.start : m + place.stop] = 2 * _with_density(weighted, self.weighted)
-            density += self.forcing.widths[:, None, None] * np.einsum("rqa,rqb->qab", weighted, u.conj())
+            by_covariances[place, place] = (by_covariance + by_covariance.T) / 2
+        u = self.out[m:]
+        weighted = times(by_covariances, u)
+        bars[1:] = 2 * _with_density(weighted, self.weighted)
+        density += self.forcing.widths[:, None, None] * (weighted.transpose(1, 2, 0) @ u.conj().transpose(1, 0, 2))
 
     @property
     def linear(self) -> LinearModel:
@@ -326,5 +360,6 @@ def _with_density(rows: np.ndarray, density: np.ndarray) -> np.ndarray:
 
 def _outer(a: np.ndarray, b: np.ndarray) -> np.ndarray:
     """Re sum over frequencies and channels of a b^H, of (n, q, k) and (m, q, k)."""
-    a, b = (np.ascontiguousarray(block, dtype=complex).reshape(len(block), -1).view(float) for block in (a, b))
+    size = a.shape[1] * a.shape[2]
+    a, b = (np.ascontiguousarray(block, dtype=complex).reshape(len(block), size).view(float) for block in (a, b))
     return a @ b.T

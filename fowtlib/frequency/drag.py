@@ -55,7 +55,11 @@ def _gains(covariance: np.ndarray, mean: np.ndarray) -> np.ndarray:
     shares, m, t = variances / size, m / np.sqrt(size), SQUARED[:, None, None]
     w = 1 + 2 * t * shares
     F = np.exp(-(t * m**2 / w).sum(axis=2)) / np.sqrt(w.prod(axis=2))
-    inside = np.eye(mean.shape[1]) * (1 - F[:, :, None] / w)[:, :, None, :]
-    inside += (2 * t * F[:, :, None])[..., None] * (m / w)[:, :, :, None] * (m / w)[:, :, None, :]
-    gains = np.tensordot(DENSITY, inside, axes=1) * np.sqrt(largest)[:, None, None]
-    return axes @ gains @ axes.transpose(0, 2, 1)
+    count, n = mean.shape
+    along = DENSITY @ (1 - F[:, :, None] / w).reshape(DENSITY.size, -1)
+    gains = np.eye(n) * along.reshape(count, 1, n)
+    flows = np.flatnonzero(mean.any(axis=1))
+    if flows.size:
+        share = np.sqrt(2 * SQUARED[:, None] * F[:, flows])[:, :, None] * (m[flows] / w[:, flows])
+        gains[flows] += np.einsum("t,tki,tkj->kij", DENSITY, share, share)
+    return axes @ (gains * np.sqrt(largest)[:, None, None]) @ axes.transpose(0, 2, 1)

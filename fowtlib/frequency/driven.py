@@ -21,10 +21,23 @@ from fowtlib.solving.linear import LinearModel, Resolvent, times
 
 @dataclass(frozen=True, eq=False)
 class Process:
-    """A random process: its spectrum [unit^2 s/rad] and what it drives, complex (q, inputs, channels), over omega."""
+    """A random process: its spectrum [unit^2 s/rad] over omega, and what it drives.
+
+    driven: numbers of the inputs of the model that it drives; amplitudes: of these over omega, complex (q, driven,
+    channels); inputs: number of all inputs.
+    """
 
     density: Callable[[np.ndarray], np.ndarray]
-    drive: Callable[[np.ndarray], np.ndarray]
+    driven: np.ndarray
+    amplitudes: Callable[[np.ndarray], np.ndarray]
+    inputs: int
+
+    def drive(self, omega: np.ndarray) -> np.ndarray:
+        """What it drives of all inputs, complex (q, inputs, channels)."""
+        found = self.amplitudes(omega)
+        whole = np.zeros((len(found), self.inputs, found.shape[2]), dtype=complex)
+        whole[:, self.driven] = found
+        return whole
 
 
 CANCELLED = 1e-7  # sum of a root and a conjugate one over their sizes, up to which sums cancel
@@ -85,10 +98,10 @@ class Grid:
         for path, process in processes.items():
             density = 2 * np.pi * np.asarray(process.density(omega))
             spectra[path] = density.reshape(len(density), *(density.shape[1:] or (1, 1)))
-            drive = process.drive(omega)
-            inputs = np.flatnonzero(drive.any(axis=(0, 2)))
-            drive = np.ascontiguousarray(drive[:, inputs].transpose(1, 0, 2), dtype=complex)
-            driving[path] = Driving(inputs, drive, spectra[path] * widths)
+            drive = np.ascontiguousarray(process.amplitudes(omega).transpose(1, 0, 2), dtype=complex)
+            if not (moved := drive.any(axis=(1, 2))).all():
+                drive = drive[moved]
+            driving[path] = Driving(process.driven[moved], drive, spectra[path] * widths)
         return Grid(excited, frequency, spectra, driving)
 
     def with_model(self, excited: ExcitedModel) -> Grid:

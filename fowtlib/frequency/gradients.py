@@ -487,4 +487,5 @@ def forcing(processes: Mapping[str, Process], frequency: np.ndarray) -> Forcing:
     whole = np.zeros((omega.size, first, first), dtype=complex)
     for place, block in zip(columns.values(), blocks, strict=True):
         whole[:, place, place] = block
-    return Forcing(frequency, np.concatenate(drives, axis=2), whole, columns)
+    driven = {path: process.driven for path, process in processes.items()}
+    return Forcing(frequency, np.concatenate(drives, axis=2), whole, columns, driven)

@@ -108,19 +108,22 @@ def _processes(excited: ExcitedModel, root: Component) -> dict[str, Process]:
             there[process.path] = bool(np.any(process.spectral_density(np.geomspace(1e-2, 10.0, 50))))
         if there[process.path]:
             members.setdefault(process.path, (process, []))[1].append(signal)
-    found = {path: Process(process.spectral_density, partial(_of_signals, excited.driven, signals, root))
+    n = excited.driven
+    found = {path: Process(process.spectral_density, np.concatenate([_numbers(signal.columns) for signal in signals]),
+                           partial(_of_signals, signals, root), n)
              for path, (process, signals) in members.items()}  # fmt: skip
     for columns, places in excited.fields:
         if not blows(places, root):
             continue
         path = places[0].compute.process(root.find(places[0].owner)).path
-        drive = partial(_of_field, excited.driven, columns)
+        driven, ones = _numbers(columns), partial(_ones, columns.stop - columns.start)
         if path in members:  # signals and places of one turbulence
-            beside, own = members[path][0].places, found[path].drive
+            beside, own = members[path][0].places, found[path]
             density = partial(field_density, places, root, beside=beside)
-            found[path] = Process(density, partial(_side_by_side, (own, drive)))
+            both = partial(_side_by_side, (own.amplitudes, ones))
+            found[path] = Process(density, np.concatenate([own.driven, driven]), both, n)
         else:
-            found[path] = Process(partial(field_density, places, root), drive)
+            found[path] = Process(partial(field_density, places, root), driven, ones, n)
     return found
 
 
@@ -142,21 +145,28 @@ def _refuse_without_spectrum(dae: FlatDAE, root: Component, processes: Processes
             )
 
 
-def _of_signals(driven: int, signals: Sequence[Signal], root: Component, omega: np.ndarray) -> np.ndarray:
+def _numbers(columns: slice) -> np.ndarray:
+    return np.arange(columns.start, columns.stop)
+
+
+def _of_signals(signals: Sequence[Signal], root: Component, omega: np.ndarray) -> np.ndarray:
     responses = [signal.response(root, omega) for signal in signals]
-    drive = np.zeros((omega.size, driven, responses[0].shape[2]), dtype=complex)
-    for signal, values in zip(signals, responses, strict=True):
-        drive[:, signal.columns] = values
-    return drive
+    return np.concatenate(responses, axis=1, dtype=complex)
 
 
 def _side_by_side(drives: Sequence[Callable[[np.ndarray], np.ndarray]], omega: np.ndarray) -> np.ndarray:
-    return np.concatenate([drive(omega) for drive in drives], axis=2)
+    """Those of inputs one after the other, each by channels of its own."""
+    blocks = [drive(omega) for drive in drives]
+    whole = np.zeros((omega.size, *(sum(block.shape[k] for block in blocks) for k in (1, 2))), dtype=complex)
+    row = column = 0
+    for block in blocks:
+        whole[:, row : row + block.shape[1], column : column + block.shape[2]] = block
+        row, column = row + block.shape[1], column + block.shape[2]
+    return whole
 
 
-def _of_field(driven: int, columns: slice, omega: np.ndarray) -> np.ndarray:
-    chosen = np.eye(driven, dtype=complex)[:, columns]
-    return np.broadcast_to(chosen, (omega.size, *chosen.shape))
+def _ones(count: int, omega: np.ndarray) -> np.ndarray:
+    return np.broadcast_to(np.eye(count, dtype=complex), (omega.size, count, count))
 
 
 def _spectra(H: np.ndarray, S: np.ndarray) -> np.ndarray:

@@ -238,11 +238,14 @@ class Component(Composite):
         reads = expressions.reads_now()
         if reads is not None:
             reads.add((self.path, name))
-        with one_evaluation() as known:
-            key = (id(self), name, id(reads))
-            if key not in known:
-                known[key] = self._evaluated(field, self.parameter_binding(name)), reads  # held: its id stays its own
-            return known[key][0]
+        known = expressions.known_now()
+        if known is None:
+            with one_evaluation():
+                return self._evaluated(field, self.parameter_binding(name))
+        key = (id(self), name, id(reads))
+        if key not in known:
+            known[key] = self._evaluated(field, self.parameter_binding(name)), reads  # held: its id stays its own
+        return known[key][0]
 
     def _evaluated(self, field: Parameter, value: Any) -> Any:
         """The number of a value that may be an expression, or what data stand for."""

@@ -206,6 +206,11 @@ def reads_now() -> set[tuple[str, str]] | None:
 _known: ContextVar[dict[Any, Any] | None] = ContextVar("known", default=None)
 
 
+def known_now() -> dict[Any, Any] | None:
+    """The values of the evaluation at hand; None outside of one."""
+    return _known.get()
+
+
 @contextmanager
 def one_evaluation() -> Iterator[dict[Any, Any]]:
     """Values of parameters while nothing sets any: each is computed once, however many ways lead to it."""

@@ -9,7 +9,9 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from fowtlib.components.environment.wind_file import WindSeries
+from fowtlib.language import Component
 from fowtlib.language.errors import ParameterError
+from fowtlib.language.expressions import one_evaluation
 from fowtlib.language.run_time import RestingPlaces, TurningRings
 from fowtlib.language.series import Series
 
@@ -58,8 +60,7 @@ class Turbulence:
 
     def __init__(self, wind: Wind):
         self.wind, self.path = wind, wind.path
-        parts = [wind, *wind.enclosing()][-1].walk()
-        self.rotors = [part for part in parts if hasattr(type(part), "turning_disc")]
+        self.rotors = _with_discs([wind, *wind.enclosing()][-1])
 
     @property
     def places(self) -> list[RestingPlaces | TurningRings]:
@@ -91,6 +92,15 @@ class Turbulence:
     def before(self, rotor: Any) -> list[Any]:
         """The rotors whose channels come first."""
         return self.rotors[: next(k for k, other in enumerate(self.rotors) if other.path == rotor.path)]
+
+
+def _with_discs(root: Component) -> list[Any]:
+    """The rotors in effective winds; the same within an evaluation."""
+    with one_evaluation() as known:
+        key = ("with discs", id(root))
+        if key not in known:
+            known[key] = [part for part in root.walk() if hasattr(type(part), "turning_disc")], root  # its id stays its own
+        return known[key][0]
 
 
 class DiscSignals:

@@ -30,7 +30,7 @@ class StationSignals:
     def response(self, wind: Wind, omega: ArrayLike) -> np.ndarray:
         n, all_channels = len(wind.hubs), Turbulence(wind).channels
         channels = np.zeros((2 * n, all_channels), dtype=complex)
-        if not hasattr(wind, "field_density"):  # in a field the stations are points like others
+        if not hasattr(type(wind), "field_density"):  # in a field the stations are points like others
             channels[n:, :n] = np.eye(n)
         return np.broadcast_to(channels, (np.size(omega), *channels.shape))
 
@@ -49,7 +49,7 @@ class FieldNumbers:
         return np.array([math.cos(angle), math.sin(angle), 0.0])
 
     def density(self, wind: Wind, omega: np.ndarray, places: Sequence[TurningRings | RestingPlaces]) -> np.ndarray:
-        if hasattr(wind, "field_density"):  # kinds with a field
+        if hasattr(type(wind), "field_density"):  # kinds with a field
             return wind.field_density(omega, places)
         channels = sum(item.channels for item in places)
         return np.zeros((len(omega), channels, channels))
