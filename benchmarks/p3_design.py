@@ -34,10 +34,10 @@ def nearest_to(design: fw.Design) -> fw.Design:
     kept = {item.name: np.array(item.start) for item in design.space.placed if item.name not in FREE}
 
     def change(values: dict) -> ca.MX:
-        return sum(ca.sumsqr((values[name] - start) / start) for name, start in kept.items()) + 1e-3
+        return sum(ca.sumsqr((values[name] - start) / start) for name, start in kept.items())
 
     functions = [item for item in design.functions if item.name not in ("value", "cost", "hull cost", "tower cost")]
-    return replace(design, objective="change", functions=[*functions, fw.Function("change", change, list(kept))],
+    return replace(design, objective=fw.Objective({"change": 1.0}, scale=0.05), functions=[*functions, fw.Function("change", change, list(kept))],
                    title="The printed spar, made feasible")  # fmt: skip
 
 
