@@ -43,7 +43,8 @@ def nearest_to(design: fw.Design) -> fw.Design:
 
 def begun_at(design: fw.Design, path: Path) -> fw.Design:
     """The same design with variables that start where a saved one ended."""
-    saved = {size["name"]: size["value"] for size in json.loads(path.read_text())["variables"]}
+    rows = json.loads(path.read_text())["variables"]
+    saved = {row["variable"].rpartition(" [")[0]: row["optimum"] for row in rows}
     starts = {item.name: [saved[name] for name in item.elements] for item in design.space.placed}
     return replace(design, variables=[replace(item, start=starts[item.name]) for item in design.variables])
 
