@@ -23,7 +23,7 @@ from fowtlib.design.optimisers import Ended, Settings
 from fowtlib.language.errors import ModelError
 
 PENALTY = 20.0  # of a constraint that is broken by its scale, over the scale of the objective
-FIRST, SMALLEST, LARGEST = 0.08, 1e-4, 0.5  # of the ranges of the variables: the region
+FIRST, SMALLEST, LARGEST = 0.05, 1e-4, 0.5  # of the ranges of the variables: the region
 GOOD, POOR, ACCEPTED = 0.7, 0.3, 0.02  # actual over expected improvement
 AGE = 4  # steps for which slopes learn before they are taken anew
 
@@ -31,7 +31,7 @@ AGE = 4  # steps for which slopes learn before they are taken anew
 def search(problem: Any, y: np.ndarray, settings: Settings) -> Ended:
     """From y on.
 
-    options: `region` (0.08), `age` (4 steps) and `penalty` (20) in place of those of this module; `say`, which is told
+    options: `region` (0.05), `age` (4 steps) and `penalty` (20) in place of those of this module; `say`, which is told
     of each step.
     """
     return _Search(problem, settings).run(y)
@@ -55,7 +55,7 @@ class _Search:
     def run(self, y: np.ndarray) -> Ended:
         problem, reason = self.problem, "the limit of iterations"
         r, J = problem.linear(y)
-        here, learned = self.merit(r, y), 0
+        here, learned, moved = self.merit(r, y), 0, False  # since slopes were exact
         for _ in range(self.settings.iterations):
             new = self.sub(y, r, J, self.region)
             step = new - y
@@ -63,7 +63,7 @@ class _Search:
             if expected <= self.settings.tolerance * max(abs(here), 1.0):
                 if not learned:
                     return Ended(y, True, "an optimum")
-                (r, J), learned = problem.linear(y), 0
+                (r, J), learned, moved = problem.linear(y), 0, False
                 continue
             try:
                 found = self._results(new)
@@ -81,13 +81,14 @@ class _Search:
                      f"{point.objective:.5g}, {point.violation:.2g} at {point.worst}")  # fmt: skip
             J = _learnt(J, step, found - r)
             self._resize(quality, step * held(J))
-            if quality > ACCEPTED:
-                y, r, here = new, found, there
+            if self.region < SMALLEST:
+                return Ended(y, False, "steps became too small")
             learned += 1
-            if learned >= self.age or quality < POOR:
-                if self.region < SMALLEST:
-                    return Ended(y, False, "steps became too small")
-                (r, J), learned = problem.linear(y), 0
+            if quality > ACCEPTED:
+                y, r, here, moved = new, found, there, True
+            # a step that led astray from exact slopes was too long; what it has taught stays
+            if learned >= self.age or (quality < POOR and moved):
+                (r, J), learned, moved = problem.linear(y), 0, False
         return Ended(y, False, reason)
 
     def _results(self, y: np.ndarray) -> np.ndarray:
@@ -98,7 +99,7 @@ class _Search:
 
     def _resize(self, quality: float, step: np.ndarray) -> None:
         if quality > GOOD:
-            self.region = min(max(self.region, 2 * float(np.max(np.abs(step)))), LARGEST)
+            self.region = min(max(self.region, 1.5 * float(np.max(np.abs(step)))), LARGEST)
         elif quality < POOR:
             self.region = max(0.4 * min(self.region, float(np.max(np.abs(step)))), SMALLEST / 2)
 
