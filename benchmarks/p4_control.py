@@ -398,7 +398,7 @@ def plot(spar: Spar, folder: Path, path: Path) -> None:
         order = np.argsort([-r[0] for r in rows])
         steel.plot(1e3 * duty[order], mass[order], "o-", ms=3, color=f"C{k}", label=name)
     steel.axvline(1e3 * DUTY_LIMIT, color="0.5", lw=0.8, ls="--")
-    steel.set(xlabel="duty cycle [1e-3]", ylabel="steel of the tower by fatigue [t]", xlim=(0, 20))
+    steel.set(xlabel="duty cycle [1e-3]", ylabel="steel of the tower by fatigue [t]", xlim=(2, 16), ylim=(900, 1000))
     steel.legend(frameon=False, fontsize=8)
     state = next(s for s in spar.states if s[0] == 17.0)
     spar.numbers(state, {})

@@ -159,17 +159,14 @@ CENTRE, STEPS = np.array([0.93, 0.97, 2.0]), np.array([0.06, 0.05, 4.0])
 
 
 def points() -> np.ndarray:
-    """Centre, both sides of each number, and three corners: enough for a quadratic (10, 3)."""
-    unit = np.eye(3)
-    corners = [unit[i] + unit[j] for i, j in ((0, 1), (0, 2), (1, 2))]
-    return CENTRE + STEPS * np.array([np.zeros(3), *unit, *-unit, *corners])
+    """Centre, and both sides of each number (7, 3)."""
+    return CENTRE + STEPS * np.vstack([np.zeros(3), np.eye(3), -np.eye(3)])
 
 
 def quadratic(x: np.ndarray) -> np.ndarray:
-    """Terms of a full quadratic of the three numbers, about the centre."""
+    """Terms of the three numbers and their squares, about the centre."""
     u = (np.atleast_2d(x) - CENTRE) / STEPS
-    cross = [u[:, i] * u[:, j] for i in range(3) for j in range(i, 3)]
-    return np.column_stack([np.ones(len(u)), u, *cross])
+    return np.column_stack([np.ones(len(u)), u, u**2])
 
 
 def surveyed(folder: Path, walls: dict[str, np.ndarray], start: dict[str, Gains]) -> dict[str, list[dict[str, Any]]]:
@@ -190,7 +187,7 @@ def surveyed(folder: Path, walls: dict[str, np.ndarray], start: dict[str, Gains]
 
 
 def with_hull(folder: Path) -> None:
-    """Cost of hull and tower of each strategy at least: by a quadratic of ten shapes, and then as it is there."""
+    """Cost of hull and tower of each strategy at least: by squares through seven shapes, and then as it is there."""
     start = {n: json.loads((folder / f"{n}.json").read_text()) for n in FEEDBACK}
     walls = {n: np.array(one["tower"]) for n, one in start.items()}
     folder = folder / "hull"
