@@ -212,5 +212,5 @@ def _stopped(arguments: argparse.Namespace, status: int, message: str) -> int:
 
 def _warn(message: Warning | str, category: type[Warning], *_: object) -> None:
     """Pass on what a model has to say; what packages tell their programmers is not for the user of a command."""
-    if category is UserWarning:
+    if category is UserWarning or category.__module__.startswith("fowtlib."):
         print(f"fowt: warning: {message}", file=sys.stderr)

@@ -4,6 +4,8 @@ A law is the rate of a state that has corners in it (the larger or smaller of tw
 on states alone, and is no velocity: that of a controller, of an actuator with limits, of a part of one's own. At states
 drawn from the Gaussian statistics of the response it is compared with its linear model. Where they differ by more than
 a quarter of the size of the law, all slopes times the deviations of their states, the law is another one there. The
+rate of an actuator is held by a limit as soon as what it follows has gone; so a law that pulls its state back is asked
+how far the state would have to be for the rate of the linear model, and that times its slope is how they differ. The
 state that tells best where that is, and the value at which it begins, are found by splitting the draws at one value of
 one state.
 """
@@ -17,13 +19,15 @@ from typing import Any
 
 import casadi as ca
 import numpy as np
+from scipy.special import ndtri
 
 from fowtlib.solving import LinearModel, State
 from fowtlib.solving.rates import rate_states
 
 LEAST = 0.05  # of the time beyond corners, from which it is told
 CHANGED = 0.25  # of the size of a law, by which it is another one
-DRAWS = 2000
+DRAWS = 500
+ROUNDING = 1e-6  # of the size of a law: what is less is none
 LISTED = 4  # corners that a message names
 CORNERS = frozenset(
     (ca.OP_FMIN, ca.OP_FMAX, ca.OP_FABS, ca.OP_SIGN, ca.OP_IF_ELSE_ZERO, ca.OP_LT, ca.OP_LE, ca.OP_EQ, ca.OP_NE,
@@ -64,14 +68,15 @@ class Corner:
 class Laws:
     """The laws with corners of a flat model: numbers of their states, and of all states that they follow from.
 
-    pairs: of a law and a state that it follows from. values: `(t, x, z, q)` -> the laws. slopes: the same -> the laws
-    by the states, (laws, states).
+    pairs: of a law and a state that it follows from. values: `(t, x, z, q)` -> the laws, and each alone. slopes: the
+    same -> the laws by the states, (laws, states).
     """
 
     numbers: tuple[int, ...] = ()
     states: tuple[int, ...] = ()
     pairs: frozenset[tuple[int, int]] = frozenset()
     values: ca.Function | None = None
+    alone: tuple[ca.Function, ...] = ()
     slopes: ca.Function | None = None
 
 
@@ -97,8 +102,9 @@ def _laws(at: Any) -> Laws:
     chosen = sorted({column for _, column in pairs})
     rows = ca.densify(dae.ode[numbers])
     jacobian = ca.densify(ca.jacobian(rows, dae.x[chosen]))
-    made = (at.general.function(name, [of]) for name, of in (("laws", rows), ("slopes_of_laws", jacobian)))
-    return Laws(tuple(numbers), tuple(chosen), frozenset(pairs), *made)
+    values, slopes = (at.general.function(name, [of]) for name, of in (("laws", rows), ("slopes_of_laws", jacobian)))
+    alone = tuple(at.general.function(f"law_{k}", [row]) for k, row in enumerate(ca.vertsplit(rows)))
+    return Laws(tuple(numbers), tuple(chosen), frozenset(pairs), values, alone, slopes)
 
 
 def with_states(linear: LinearModel, outputs: int, paths: Sequence[str]) -> LinearModel:
@@ -134,7 +140,7 @@ def reached(plant: Any, state: State, laws: Laws, known: Sequence[int], P: np.nd
     at, dae = plant.at(state.parameters), plant.dae
     found: list[Corner] = []
     values, axes = np.linalg.eigh((P + P.T) / 2)
-    drawn = np.random.default_rng(0).standard_normal((DRAWS, len(known)))
+    drawn = _normal(DRAWS, len(known))
     away = np.zeros((DRAWS, dae.x.numel()))
     away[:, list(known)] = (drawn * np.sqrt(np.maximum(values, 0.0))) @ axes.T
     away[0] = 0.0  # the mean itself
@@ -149,20 +155,40 @@ def reached(plant: Any, state: State, laws: Laws, known: Sequence[int], P: np.nd
         if not set(used) <= set(known):
             continue
         change = rates[:, j] - rates[0, j]
-        off = np.abs(change - away[:, list(laws.states)] @ slopes[j])
+        off = change - away[:, list(laws.states)] @ slopes[j]
         size = max(float(np.linalg.norm(slopes[j] * deviation[list(laws.states)])), float(np.std(change)))
-        changed = off > CHANGED * size
+        changed = np.abs(off) > CHANGED * size
+        back = -slopes[j][laws.states.index(number)] if number in laws.states else 0.0
+        if back > 0 and np.any(np.abs(off) > ROUNDING * size):
+            moved = x.copy()
+            moved[:, number] += np.sign(off) * CHANGED * size / back
+            left = at.along(laws.alone[j], points[0], moved, *points[2:])[:, 0] - rates[:, j] + off
+            changed = (np.abs(off) > ROUNDING * size) & (left * off > 0)
         rest = np.ones(DRAWS, dtype=bool)
         for _ in range(2):  # one on each side
             if np.mean(changed & rest) < LEAST:
                 break
-            k, border, above = _split(x[:, used], changed, rest)
-            beyond = (x[:, used[k]] > border) == above
-            item = dae.states[used[k]]
+            telling = [k for k in used if k != number] or used
+            k, border, above = _split(x[:, telling], changed, rest)
+            beyond = (x[:, telling[k]] > border) == above
+            item = dae.states[telling[k]]
             found.append(Corner(dae.states[number].path, float(np.mean(changed & rest & beyond)), item.path, border,
-                                above, float(state.x[used[k]]), float(deviation[used[k]]), item.unit))  # fmt: skip
+                                above, float(state.x[telling[k]]), float(deviation[telling[k]]),
+                                item.unit))  # fmt: skip
             rest &= ~beyond
     return tuple(sorted((one for one in found if one.probability >= LEAST), key=lambda one: -one.probability))
+
+
+def _normal(count: int, size: int) -> np.ndarray:
+    """Independent normal numbers (count, size) that fill space evenly.
+
+    Of multiples of powers of a root of g^(size + 1) = g + 1, in one dimension the golden ratio (M. Roberts, The
+    unreasonable effectiveness of quasirandom sequences, 2018).
+    """
+    g = 2.0
+    for _ in range(60):
+        g = (1 + g) ** (1 / (size + 1))
+    return ndtri((0.5 + np.outer(np.arange(count), g ** -np.arange(1.0, size + 1))) % 1.0)
 
 
 def _split(x: np.ndarray, changed: np.ndarray, rest: np.ndarray) -> tuple[int, float, bool]:

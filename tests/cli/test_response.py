@@ -26,6 +26,15 @@ def test_response_prints_statistics_and_saves_spectra(tmp_path: Path, capsys: py
     assert len(table) > 200
 
 
+def test_a_response_that_reaches_over_a_corner_of_a_control_law_warns(capsys: pytest.CaptureFixture[str]):
+    assert main(["response", "oc3_spar_rigid", "--wind", "kaimal:12,class=B", "--outputs", "pitch"]) == 0
+    told = capsys.readouterr().err
+    assert told.startswith("fowt: warning: the response reaches over corners of control laws")
+    assert "turbine.control.torque.actual is another one in" in told
+    assert main(["response", "oc3_spar_rigid", "--wind", "kaimal:18,class=B", "--outputs", "pitch"]) == 0
+    assert "corners" not in capsys.readouterr().err
+
+
 def test_mistakes_of_response(capsys: pytest.CaptureFixture[str]):
     assert main(["response", "oc3_spar_rigid", "--outputs", "heavy"]) == 2
     assert "the model has no result 'heavy'; did you mean 'heave'?" in capsys.readouterr().err

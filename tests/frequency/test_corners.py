@@ -22,6 +22,8 @@ class Follower(Oscillator):
     """An oscillator pushed at random, and a state that follows what a law makes of its displacement."""
 
     at: Scalar = param(default=0.0, unit="m", doc="corner of the law")
+    limit: Scalar = param(default=1e6, unit="m/s", doc="of the rate of what follows")
+    response_time: Scalar = param(default=TIME, unit="s", doc="with which it follows")
     law: str = param(default="above", choices=("above", "below", "away", "switched"), doc="which law")
 
     y: Scalar = var(unit="m", start=0.0, fixed=True, state="prefer", doc="what follows")
@@ -35,7 +37,8 @@ class Follower(Oscillator):
         return laws[self.law]()
 
     def equations(self):
-        return [*super().equations(), eq(der(self.y), (self.asked() - self.y) / TIME)]
+        rate = (self.asked() - self.y) / self.response_time
+        return [*super().equations(), eq(der(self.y), m.fmin(m.fmax(rate, -self.limit), self.limit))]
 
 
 def follower(**parameters):
@@ -68,6 +71,17 @@ def test_a_corner_that_is_far_away_is_not_told():
             assert response(follower(law=law, at=at)).corners == ()
 
 
+@pytest.mark.parametrize("limit", [1e6, 20.0])
+def test_a_limit_of_the_rate_does_not_hide_that_what_is_followed_has_gone(limit):
+    # the follower is some 0.5 m from what it follows there, 50 m/s of its law, which else moves at 2 m/s
+    s = response(follower(at=-100.0)).std("x")
+    with pytest.warns(CornerWarning):
+        found = response(follower(at=-0.5 * s, response_time=0.01, limit=limit))
+    off = CHANGED * np.hypot(found.std("x"), found.std("y"))
+    (corner,) = found.corners
+    assert corner.probability == pytest.approx(norm.cdf(-0.5 - off / s), abs=0.02)
+
+
 def weather(speed):
     return {"wind.kind": "kaimal", "wind.mean_speed": speed, "wind.turbulence_class": "B",
             "sea.significant_wave_height": 3.0, "sea.peak_period": 10.0}  # fmt: skip
@@ -78,7 +92,7 @@ def test_a_turbine_near_rated_wind_reaches_over_its_corners_and_one_far_above_do
     with pytest.warns(CornerWarning, match=r"turbine\.control\.torque\.actual"):
         near = response(plant, outputs=["pitch"], parameters=weather(12.0))
     assert {corner.law for corner in near.corners} == {
-        "turbine.control.torque.actual", "turbine.control.pitch.integral"
+        "turbine.control.torque.actual", "turbine.control.pitch.pitch", "turbine.control.pitch.integral"
     }  # fmt: skip
     for speed in (6.0, 18.0):
         with warnings.catch_warnings():
