@@ -89,7 +89,7 @@ def response(
     own = {path: values[:, excited.results :] for path, values in answers.items()}
     corners = reached(plant, state, laws, known, covariance(own, grid.spectra, grid.frequency))
     shares = {path: _spectra(H[path], grid.spectra[path]) for path in H}
-    mean = np.concatenate([np.ravel(value) for value in state.values(names)])
+    mean = study.shown(state, names)
     labels = linear.outputs[: excited.results]
     units = tuple(linear.units.get(name, "1") for name in labels)
     driving = dict(grid.spectra)

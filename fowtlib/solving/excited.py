@@ -18,7 +18,7 @@ import numpy as np
 
 from fowtlib.flattening import FlatDAE
 from fowtlib.language.component import Component
-from fowtlib.language.operators import eigenvectors
+from fowtlib.language.eigenvectors import eigenvectors
 from fowtlib.language.quadratic_laws import slope_at
 from fowtlib.language.run_time import RandomSignals
 from fowtlib.solving.functions import AtParameters
@@ -153,6 +153,11 @@ class ExcitedModel:
             G[place, place] = gain - slope
         return np.linalg.solve(np.eye(len(G)) - G @ D, G) if D.any() else G
 
+    def states_with(self, gains: Sequence[np.ndarray]) -> np.ndarray:
+        """State matrix of the model with linear laws; see with_gains."""
+        A, B, C = (self.linear.matrices[name] for name in "ABC")
+        return A + B[:, self.driven :] @ self.loop(gains) @ C[self.results :]
+
     def with_gains(self, gains: Sequence[np.ndarray]) -> LinearModel:
         """The linear model from what drives it to the results and the inputs u of the laws, which give gain @ u.
 
@@ -176,20 +181,61 @@ def excited_model(plant: Any, state: State, names: Sequence[str]) -> ExcitedMode
     each of them is no part of it.
     """
     dae, at = plant.dae, plant.at(state.parameters)
-    signals = _signals(dae)
     places = field_places(plant, at, state, turns_of(plant, at, state))
-    symbols = {f"{item.path} [{k}]": element for item in signals for k, element in enumerate(item.elements(dae))}
-    labels = list(symbols)
-    fields, raw, start = [], len(symbols), len(symbols)
+    asked = tuple((item.owner, item.path, item.part, item.external, item.places.channels) for item in places)
+    driven = at.general.once(("driven", asked), lambda: _driven(dae, places))
+    fields, raw, start = [], driven.signal_count, driven.signal_count
     for owner, part in dict.fromkeys((item.owner, item.part) for item in places):
         members = tuple(item for item in places if (item.owner, item.part) == (owner, part))
         fields.append((slice(start, start := start + sum(item.places.channels for item in members)), members))
-        for item in members:
+
+    def mixing(*point: Any) -> np.ndarray:
+        rows, laws = driven.rows, driven.law_count
+        whole = np.zeros((len(rows) + laws, start + laws))
+        whole[:raw, :raw], whole[len(rows) :, start:] = np.eye(raw), np.eye(laws)
+        for columns, members in fields:
+            column = columns.start
+            for item in members:
+                block = item.mixing(at, *point)
+                whole[[rows[name] for name in item.velocities], column : column + block.shape[1]] = block
+                column += block.shape[1]
+        return whole
+
+    speeds, rows = at.functions.once("motions", lambda: _motions(at))
+    further = Further(driven.symbols, driven.outputs, driven.labels, mixing if fields else None, rows)
+    rotating = rotating_linear_model(plant, state, (), names, further, turning=True)
+    linear, forces = _without_forces(rotating.linear, speeds, len(rows))
+    return ExcitedModel(linear, driven.signals, tuple(fields), driven.laws, rotating.shown, _means(at, state), forces,
+                        rotating, replace(further, added=()))  # fmt: skip
+
+
+@dataclass(frozen=True, eq=False)
+class _Driven:
+    """What random processes drive in the flat model, and its laws, by structure alone; see ExcitedModel and Further.
+
+    rows: of what signals and fields drive, by name, in the mixing of Further.
+    """
+
+    signals: tuple[Signal, ...]
+    laws: tuple[tuple[str, slice], ...]
+    symbols: dict[str, ca.SX]
+    labels: tuple[str, ...]
+    outputs: dict[str, ca.SX]
+    rows: dict[str, int]
+    signal_count: int
+    law_count: int
+
+
+def _driven(dae: FlatDAE, places: Sequence[FieldPlaces]) -> _Driven:
+    signals = _signals(dae)
+    symbols = {f"{item.path} [{k}]": element for item in signals for k, element in enumerate(item.elements(dae))}
+    labels, raw = list(symbols), len(symbols)
+    for owner, part in dict.fromkeys((item.owner, item.part) for item in places):
+        for item in (item for item in places if (item.owner, item.part) == (owner, part)):
             velocities = dae.w[dae.externals[item.external].outputs].elements()
             symbols |= dict(zip(item.velocities, velocities, strict=True))
             labels += item.labels
     rows = {name: k for k, name in enumerate(symbols)}  # of the mixing; laws come behind
-    driven = len(labels)
     laws, outputs, first = [], {}, 0
     for number, law in enumerate(dae.quadratics):
         n = law.added.numel()
@@ -198,23 +244,7 @@ def excited_model(plant: Any, state: State, names: Sequence[str]) -> ExcitedMode
         outputs |= {f"law {number} of [{k}]": element for k, element in enumerate(law.inputs.elements())}
         laws.append((law.path, slice(first, first + n)))
         first += n
-
-    def mixing(*point: Any) -> np.ndarray:
-        whole = np.zeros((len(rows) + first, driven + first))
-        whole[:raw, :raw], whole[len(rows) :, driven:] = np.eye(raw), np.eye(first)
-        column = raw
-        for item in (item for _, members in fields for item in members):
-            block = item.mixing(at, *point)
-            whole[[rows[name] for name in item.velocities], column : column + block.shape[1]] = block
-            column += block.shape[1]
-        return whole
-
-    speeds, motions = _motions(at)
-    further = Further(symbols, outputs, tuple(labels), mixing if fields else None, motions)
-    rotating = rotating_linear_model(plant, state, (), names, further, turning=True)
-    linear, forces = _without_forces(rotating.linear, speeds, len(motions))
-    return ExcitedModel(linear, tuple(signals), tuple(fields), tuple(laws), rotating.shown, _means(at, state), forces,
-                        rotating, replace(further, added=()))  # fmt: skip
+    return _Driven(tuple(signals), tuple(laws), symbols, tuple(labels), outputs, rows, raw, first)
 
 
 def _motions(at: AtParameters) -> tuple[list[str], tuple[int, ...]]:
@@ -255,7 +285,7 @@ def _means(at: AtParameters, state: State) -> np.ndarray:
     if not laws:
         return np.zeros(0)
     inputs = at.general.once("inputs of laws", lambda: at.general.function("inputs_of_laws", [ca.vertcat(*laws)]))
-    return np.array(at.call(inputs, state.t, state.x, state.z, np.concatenate([state.u, state.d]))).ravel()
+    return at.arrays(inputs, state.t, state.x, state.z, np.concatenate([state.u, state.d]))[0].ravel()
 
 
 def _signals(dae: FlatDAE) -> list[Signal]:

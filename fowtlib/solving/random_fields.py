@@ -96,7 +96,7 @@ def field_places(plant: Any, at: AtParameters, state: State, turns: Sequence[Tur
     dae, q = plant.dae, np.concatenate([state.u, state.d])
     fields = [(number, item) for number, item in dae.with_data if hasattr(item.compute, "density")]
     root = tree_with(dae, plant.root, state.parameters) if fields else plant.root  # a run may turn the wind
-    speed = np.array(at.residual(state.t, state.x, state.z, q)[0]).ravel()
+    speed = at.arrays(at.functions.residual, state.t, state.x, state.z, q)[0].ravel() if turns else np.zeros(0)
     found = []
     for number, item in fields:
         external = dae.externals[number]
