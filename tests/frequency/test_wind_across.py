@@ -149,6 +149,7 @@ def test_a_rotor_that_is_turned_with_its_wind_has_the_same_response(turbine):
             assert other.std(name, share) == pytest.approx(one.std(name, share), rel=2e-3, abs=1e-3 * one.std(name))
 
 
+@pytest.mark.long
 def test_few_channels_stand_for_all(turbine, monkeypatch):
     loads, some = [*LOADS, "flapwise"], {"frequencies": np.geomspace(2e-3, 1.5, 90)}
     few = fw.response(turbine, outputs=loads, **some)
