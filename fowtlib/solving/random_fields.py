@@ -20,6 +20,8 @@ import casadi as ca
 import numpy as np
 
 from fowtlib.language.component import Component
+from fowtlib.language.declarations import join
+from fowtlib.language.expressions import parameters_read
 from fowtlib.language.run_time import RandomField, RestingPlaces, TurningRings
 from fowtlib.solving.binding import tree_with
 from fowtlib.solving.functions import AtParameters
@@ -95,7 +97,6 @@ def field_places(plant: Any, at: AtParameters, state: State, turns: Sequence[Tur
     """All places at which parts of a plant ask for a random field, about a mean state; by components."""
     dae, q = plant.dae, np.concatenate([state.u, state.d])
     fields = [(number, item) for number, item in dae.with_data if hasattr(item.compute, "density")]
-    root = tree_with(dae, plant.root, state.parameters) if fields else plant.root  # a run may turn the wind
     speed = at.arrays(at.functions.residual, state.t, state.x, state.z, q)[0].ravel() if turns else np.zeros(0)
     found = []
     for number, item in fields:
@@ -108,7 +109,7 @@ def field_places(plant: Any, at: AtParameters, state: State, turns: Sequence[Tur
         positions = at.general.once(
             ("field positions", number), lambda asked=asked: at.general.function("positions", [asked])
         )
-        axes = np.asarray(item.compute.axes(root.find(item.owner)))
+        axes = _axes(plant, state, item)
         now = np.array(at.call(positions, state.t, state.x, state.z, q)).reshape(-1, 3)
         places: TurningRings | RestingPlaces = RestingPlaces(now)
         for turn in turns:
@@ -119,6 +120,16 @@ def field_places(plant: Any, at: AtParameters, state: State, turns: Sequence[Tur
             own = replace(places, orders=2) if part and isinstance(places, TurningRings) else places
             found.append(FieldPlaces(item.path, item.owner, item.compute, part, number, positions, own, axes))
     return found
+
+
+def _axes(plant: Any, state: State, item: Any) -> np.ndarray:
+    """Axes of the components of a field (parts, 3) in a run, which may have another direction than the model."""
+    with parameters_read() as read:
+        axes = item.compute.axes(plant.root.find(item.owner))
+    given = state.parameters or {}
+    if any(join(*place) in given for place in read) or any(isinstance(value, Component) for value in given.values()):
+        axes = item.compute.axes(tree_with(plant.dae, plant.root, given).find(item.owner))
+    return np.asarray(axes)
 
 
 def _rings(dae: Any, now: np.ndarray, moved: np.ndarray, speed: float, turn: Turn, axes: np.ndarray) -> TurningRings:

@@ -149,17 +149,18 @@ def test_a_rotor_that_is_turned_with_its_wind_has_the_same_response(turbine):
             assert other.std(name, share) == pytest.approx(one.std(name, share), rel=2e-3, abs=1e-3 * one.std(name))
 
 
+@pytest.mark.long
 def test_few_channels_stand_for_all(turbine, monkeypatch):
-    few = fw.response(turbine, outputs=[*LOADS, "flapwise"])
+    loads, some = [*LOADS, "flapwise"], {"frequencies": np.geomspace(2e-3, 1.5, 90)}
+    few = fw.response(turbine, outputs=loads, **some)
     monkeypatch.setattr(few_channels, "FEWEST", 1000)
-    all_of_them = fw.response(turbine, outputs=[*LOADS, "flapwise"], frequencies=few.frequency)
-    assert few.driving["lateral wind"].shape[1] < 20 < 80 < all_of_them.driving["lateral wind"].shape[1]
-    for k, name in enumerate(few.outputs):
-        assert few.density[k].mean() == pytest.approx(all_of_them.density[k].mean(), rel=0.2)
+    whole = fw.response(turbine, outputs=loads, **some)
+    assert few.driving["lateral wind"].shape[1] < 20 < 80 < whole.driving["lateral wind"].shape[1]
+    for name in loads:
         for share in few.shares:
-            lost = all_of_them.std(name, share) ** 2 - few.std(name, share) ** 2
-            assert abs(lost) < 2 * few_channels.LEFT_OUT * all_of_them.std(name) ** 2, (name, share)
-    alone = fw.response(turbine, outputs=LOADS, parameters={"wind.components": "u"}, frequencies=few.frequency)
-    assert alone.driving["wind"].shape[1] == all_of_them.driving["wind"].shape[1]  # as they were without v and w
+            lost = whole.std(name, share) ** 2 - few.std(name, share) ** 2
+            assert abs(lost) < 1.5 * few_channels.LEFT_OUT * whole.std(name) ** 2, (name, share)
+    alone = fw.response(turbine, outputs=LOADS, parameters={"wind.components": "u"}, **some)
+    assert alone.driving["wind"].shape[1] == whole.driving["wind"].shape[1]  # as they were without v and w
     for name in LOADS:
-        assert alone.std(name, "wind") == pytest.approx(all_of_them.std(name, "wind"), rel=1e-9)
+        assert alone.std(name, "wind") == pytest.approx(whole.std(name, "wind"), rel=1e-9)
