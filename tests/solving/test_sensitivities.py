@@ -30,7 +30,7 @@ from fowtlib.language import (
 from fowtlib.language import math as m
 from fowtlib.language.errors import ParameterError, SimulationError
 from fowtlib.solving.engines import choice
-from fowtlib.solving.tangents import propagation, sensitivities
+from fowtlib.solving.tangents import columns, propagation, sensitivities
 
 TIGHT = 1e-13
 
@@ -188,7 +188,7 @@ def test_without_a_compiler_it_is_the_same(monkeypatch):
     plant = plant_of(Servo())
     run = {"t_end": 1.0, "output_step": 0.1, "step": 0.02, "tolerance": TIGHT}
     compiled = sensitivities(plant, ["gain", "heavy"], SERVO, **run)
-    for module in (choice, propagation):
+    for module in (choice, propagation, columns):
         monkeypatch.setattr(module, "compiler", lambda: None)
     twin = sensitivities(plant, ["gain", "heavy"], SERVO, **run)
     np.testing.assert_allclose(twin.derivatives, compiled.derivatives, rtol=1e-9, atol=1e-10)
