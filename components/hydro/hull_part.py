@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from functools import cache, cached_property
+from functools import cache, cached_property, lru_cache
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -18,6 +18,7 @@ Complexes = NDArray[np.complex128]
 
 SMALLEST = 1e-3  # k a below which a cylinder is a point in the wave; the inertia coefficient is 2 within 1e-5 there
 NEAR = 1e-6  # m; two heights that are the same
+KEPT = 2048  # strips of parts of hulls
 
 
 def diffraction_coefficient(ka: ArrayLike) -> Complexes:
@@ -54,6 +55,14 @@ def _gauss_rule(count: int) -> tuple[Floats, Floats]:
 def hull_strips(heights: ArrayLike, diameters: ArrayLike, low: float, high: float, count: int) -> HullStrips:
     """The strips between `low` and `high` [m] of a hull with diameters linear between heights [m]."""
     heights, diameters = np.asarray(heights, dtype=float), np.asarray(diameters, dtype=float)
+    first, last = int(np.searchsorted(heights, low, "right")) - 1, int(np.searchsorted(heights, high, "left")) + 1
+    part = slice(max(first, 0), last)  # other diameters elsewhere are the same strips here
+    return _strips_between(heights[part].tobytes(), diameters[part].tobytes(), float(low), float(high), count)
+
+
+@lru_cache(maxsize=KEPT)
+def _strips_between(heights: bytes, diameters: bytes, low: float, high: float, count: int) -> HullStrips:
+    heights, diameters = np.frombuffer(heights), np.frombuffer(diameters)
     marks = np.concatenate([[low], heights[(heights > low) & (heights < high)], [high]])
     x, w = _gauss_rule(count + 2)
     middle, half = (marks[1:] + marks[:-1]) / 2, np.diff(marks) / 2

@@ -22,6 +22,7 @@ each.
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import dataclass
 from functools import lru_cache
 from typing import Any
@@ -94,8 +95,7 @@ def divide(
     bounds = np.concatenate([[0.0], hinges, [beam.length]])
     segments = [_segment(beam, a, b) for a, b in zip(bounds[:-1], bounds[1:], strict=True)]
     stiffness = {name: None if c is None else 1 / c for name, c in flexibility.items()}
-    points = np.array([elastic_axis(beam, s) for s in hinges])
-    axes = np.array([section_axes(beam, s) for s in hinges])
+    points, axes = elastic_axis(beam, hinges), section_axes(beam, hinges)
     return Division(
         hinges, points, axes, stiffness["stiffness_x"], stiffness["stiffness_y"], stiffness["torsional_stiffness"],
         stiffness["axial_stiffness"], segments, elastic_axis(beam, beam.length),
@@ -185,6 +185,13 @@ def _gauss(
     beam: BeamProperties, count: int, start: float, end: float, free_tip: bool = False
 ) -> tuple[np.ndarray, dict[str, np.ndarray | None]]:
     """Gauss points of the weight that the module's docstring names, and interpolatory weights of each stiffness."""
+    key = ("gauss", count, free_tip, beam.length if free_tip else 0.0, *_within(beam, STIFFNESSES, start, end))
+    return _KNOWN(key, lambda: _gauss_rule(beam, count, start, end, free_tip))
+
+
+def _gauss_rule(
+    beam: BeamProperties, count: int, start: float, end: float, free_tip: bool
+) -> tuple[np.ndarray, dict[str, np.ndarray | None]]:
     L = beam.length
     s, w = _quadrature(beam, start, end, pieces=max(4, count))
     EI = np.sqrt(beam.at("stiffness_x", s) * beam.at("stiffness_y", s))
@@ -237,6 +244,12 @@ def section_axes(beam: BeamProperties, s: Any) -> np.ndarray:
 
 def _segment(beam: BeamProperties, a: float, b: float) -> Segment:
     """Mass, centre and inertia of the beam between a and b."""
+    straight = _is_straight(beam)
+    key = ("segment", straight, *_within(beam, LYING, a, b)) if straight else None
+    return _KNOWN(key, lambda: _straight(beam, a, b)) if straight else _bent(beam, a, b)
+
+
+def _bent(beam: BeamProperties, a: float, b: float) -> Segment:
     s, w = _quadrature(beam, a, b, pieces=2)
     mass = w * beam.at("mass_per_length", s)
     axes = section_axes(beam, s)
@@ -250,3 +263,51 @@ def _segment(beam: BeamProperties, a: float, b: float) -> Segment:
     section = np.stack([y, x, x + y], axis=1) * w[:, None]
     inertia = inertia + np.einsum("nij,nj,nkj->ik", axes, section, axes)
     return Segment(a, b, float(total), centre, inertia)
+
+
+# --- what lies along the z axis, as tubes do -----------------------------------------------------------------------
+
+LYING = ("mass_per_length", "rotary_inertia_x", "rotary_inertia_y")
+OFF_AXIS = ("twist", "reference_x", "reference_y", "centre_of_mass_x", "centre_of_mass_y")
+
+
+@lru_cache(maxsize=KEPT)
+def _is_straight(beam: BeamProperties) -> bool:
+    """Whether axis and mass are on z, and the principal axes x and y."""
+    return not any(np.any(getattr(beam, name)) for name in OFF_AXIS)
+
+
+def _straight(beam: BeamProperties, a: float, b: float) -> Segment:
+    s, w = _quadrature(beam, a, b, pieces=2)
+    mass = w * beam.at("mass_per_length", s)
+    total = mass.sum()
+    height = mass @ s / total if total > 0 else s.mean()
+    across = mass @ (s - height) ** 2
+    x, y = (float(w @ beam.at(name, s)) for name in LYING[1:])
+    return Segment(a, b, float(total), np.array([0.0, 0.0, height]), np.diag([across + y, across + x, x + y]))
+
+
+def _within(beam: BeamProperties, names: tuple[str, ...], a: float, b: float) -> tuple[Any, ...]:
+    """Something that is equal where these properties between a and b are."""
+    z = beam.z - beam.z[0]
+    part = slice(max(int(np.searchsorted(z, a, "right")) - 1, 0), int(np.searchsorted(z, b, "left")) + 1)
+    columns = (getattr(beam, name) for name in names)
+    return a, b, z[part].tobytes(), *(None if column is None else column[part].tobytes() for column in columns)
+
+
+class _Known:
+    """What was computed of pieces of beams: of a tube with another wall at one place most of them are as before."""
+
+    def __init__(self, most: int):
+        self.most, self._kept = most, {}
+
+    def __call__(self, key: Any, make: Callable[[], Any]) -> Any:
+        found = self._kept.get(key)
+        if found is None:
+            found = self._kept[key] = make()
+            if len(self._kept) > self.most:
+                self._kept.pop(next(iter(self._kept)), None)
+        return found
+
+
+_KNOWN = _Known(8 * KEPT)

@@ -72,14 +72,14 @@ class Forcing:
 
 @dataclass(frozen=True, eq=False)
 class Slopes:
-    """Slopes of a scalar by the matrices, by the drive (q, inputs, k), by the densities (q, k, k), by means of laws.
+    """Slopes of a scalar by the matrices, by the drive, by the densities (q, k, k), by means of laws.
 
-    d scalar = Re sum(conj(drive) d drive) + Re sum(density d density). Those by the drive are of the inputs that a
-    process drives and of its channels; there are no others.
+    drive: of each process, (n, q, k) of the inputs that it drives and of its channels. d scalar = Re sum(conj(drive)
+    d drive) + Re sum(density d density).
     """
 
     bars: Bars
-    drive: np.ndarray
+    drive: Mapping[str, np.ndarray]
     density: np.ndarray
     means: np.ndarray
 
@@ -270,53 +270,60 @@ class RandomResponse:
     # --- adjoint ---------------------------------------------------------------------------------------------------
 
     def slopes(self, result: int, by_moments: np.ndarray, process: str | None = None) -> Slopes:
-        """Slopes of a scalar that has these slopes by the moments of a result."""
+        """Slopes of a scalar that has these slopes by the moments of a result.
+
+        Those by the outputs are `bar` for the result, and the inputs of laws times their density times a constant
+        matrix Q, so that their products with what is put in are Q times products that are the same for all scalars.
+        """
         excited, forcing = self.excited, self.forcing
-        m, n = excited.results, excited.driven
+        m, n, nx = excited.results, excited.driven, len(self.x)
         weight = sum(slope * forcing.frequency**order for slope, order in zip(by_moments, ORDERS, strict=True))
         weight, H, S = weight * widths(forcing.frequency), self.out[result], forcing.of(process)
-        of_result = 2 * weight[:, None] * _with_density(H[None], S)[0]
+        bar = 2 * weight[:, None] * _with_density(H[None], S)[0]
         density = np.where(S != 0, weight[:, None, None] * (H[:, :, None] * H.conj()[:, None, :]), 0.0)
-        means = np.zeros(self.means.size)
+        Q, means = self._through_laws(result, bar, density)
         rows = np.r_[result, m : len(self.out)]  # of the outputs that it depends on
-        bars = np.zeros((rows.size, *self.out.shape[1:]), dtype=complex)
-        bars[0] = of_result
-        if excited.laws:
-            self._through_laws(result, bars, density, means)
-        base, operators = excited.linear, self.closed.operators
-        B, D, G = base.matrices["B"], base.matrices["D"][rows], self._gain_matrix()
-        costate = self.resolvent.adjoint(times(self.closed.matrices["C"][rows].T, bars))
-        of_u = np.zeros((0, *bars.shape[1:]), dtype=complex)
+        base, operators, every = excited.linear, self.closed.operators, slice(None)
+
+        def of_outputs(matrix: np.ndarray, channels: slice = every) -> np.ndarray:
+            """A matrix times the slopes by these outputs."""
+            return times(matrix[:, 1:] @ Q, self._swept[:, :, channels]) + matrix[:, :1, None] * bar[:, channels]
+
+        costate = self.resolvent.adjoint(of_outputs(self.closed.matrices["C"][rows].T))
+        both, acting = costate, base.matrices["B"]  # slopes by the rates and by the inputs of operators
         if operators is not None:
-            three = times(operators.D_output[rows].T, bars) + times(operators.B.T, costate)
+            three = of_outputs(operators.D_output[rows].T) + times(operators.B.T, costate)
             three = three.reshape(3, -1, *three.shape[1:])
             of_w = np.einsum("qd,dmqk->qmk", self.powers.conj(), three)
             of_w = np.linalg.solve(self.loop.conj().transpose(0, 2, 1), of_w)
             of_u = (self.errors.conj().transpose(0, 2, 1) @ of_w).transpose(1, 0, 2)
-            costate = costate + self.resolvent.adjoint(times(operators.C.T, of_u))
-        # slopes by what is put in, in the model without the laws: columns of what acts on the rates, outputs, operators
-        acting = [B, D] if operators is None else [B, D, base.operators.D_input]
-        if excited.laws:
-            loop = np.linalg.inv(np.eye(len(G)) - D[1:, n:].T @ G.T)
-            put_in = sum(times(block[:, n:].T, bar) for block, bar in zip(acting, (costate, bars, of_u), strict=False))
-            bars[1:] += times(G.T @ loop, put_in)
-        outputs = np.concatenate([bars, of_u])
-        both, drive = np.concatenate([costate, outputs]), np.zeros(self.drive.shape, dtype=complex)
-        by_drive = np.zeros((len(both), n))
+            both = np.concatenate([costate + self.resolvent.adjoint(times(operators.C.T, of_u)), of_u])
+            acting = np.vstack([acting, base.operators.D_input])
+        # by the outputs of the model without the laws: those of laws have what their gains put in, too
+        D, G = base.matrices["D"][rows], self._gain_matrix()
+        back = G.T @ np.linalg.inv(np.eye(len(G)) - D[1:, n:].T @ G.T)
+        of_both, of_rows = back @ acting[:, n:].T, back @ D[:, n:].T
+        drive = {}
         for path, channels in forcing.columns.items():
             driven = forcing.driven[path]
-            own = tuple(np.ascontiguousarray(bar[:, :, channels]) for bar in (costate, bars, of_u))
-            drive[np.ix_(driven, range(len(self.omega)), range(channels.start, channels.stop))] = sum(
-                times(block[:, driven].T, bar) for block, bar in zip(acting, own, strict=False))
-            by_drive[:, driven] += _outer(np.concatenate(own), self._driven[path])
-        by_x, by_laws, by_three = (_outer(both, block) for block in (self.x, self._put_in, self.three))
-        by_put_in = np.hstack([by_drive, by_laws, by_three])
-        size, count = len(costate), len(self.out)
-        places = np.r_[rows, count : count + len(of_u)]
-        whole = [np.zeros((count + len(of_u), block.shape[1])) for block in (by_x, by_put_in)]
-        for block, part in zip(whole, (by_x, by_put_in), strict=True):
-            block[places] = part[size:]
-        return Slopes(Bars(by_x[:size], by_put_in[:size], *whole), drive.transpose(1, 0, 2), density, means)
+            direct = D[:, driven].T
+            drive[path] = times(acting[:, driven].T + direct[:, 1:] @ of_both, both[:, :, channels])
+            drive[path] += of_outputs(direct + direct[:, 1:] @ of_rows, channels)
+        sums = self._with_inputs(both)
+        of_bars = np.vstack([self._with_inputs(bar[None]), Q @ self._swept_sums])
+        of_bars[1:] += of_both @ sums + of_rows @ of_bars
+        whole = np.zeros((len(self.out) + len(both) - nx, sums.shape[1]))
+        whole[rows], whole[len(self.out) :] = of_bars, sums[nx:]
+        bars = Bars(sums[:nx, :nx], sums[:nx, nx:], whole[:, :nx], whole[:, nx:])
+        return Slopes(bars, drive, density, means)
+
+    def _with_inputs(self, rows: np.ndarray) -> np.ndarray:
+        """Re sum of rows (n, q, k) times the conjugates of the states and of all that is put in."""
+        by_drive = np.zeros((len(rows), self.excited.driven))
+        for path, channels in self.forcing.columns.items():
+            by_drive[:, self.forcing.driven[path]] += _outer(rows[:, :, channels], self._driven[path])
+        by_x, by_laws, by_three = (_outer(rows, block) for block in (self.x, self._put_in, self.three))
+        return np.hstack([by_x, by_drive, by_laws, by_three])
 
     @cached_property
     def _put_in(self) -> np.ndarray:
@@ -329,23 +336,38 @@ class RandomResponse:
         return {path: np.ascontiguousarray(self.drive[self.forcing.driven[path]][:, :, channels])
                 for path, channels in self.forcing.columns.items()}  # fmt: skip
 
-    def _through_laws(self, result: int, bars: np.ndarray, density: np.ndarray, means: np.ndarray) -> None:
-        """Add what a scalar has by the inputs of laws, whose covariance makes the gains: bars of it, and of these."""
-        m, laws, factors = self.excited.results, self.excited.laws, self._of_fixed_point  # and what answers to the laws
-        added = (self.by_laws[:, result].conj()[:, :, None] * bars[0][:, None, :]).transpose(1, 0, 2)
+    @cached_property
+    def _swept(self) -> np.ndarray:
+        """The inputs of the laws times the density (n, q, k)."""
+        return np.ascontiguousarray(_with_density(self.out[self.excited.results :], self.weighted))
+
+    @cached_property
+    def _swept_sums(self) -> np.ndarray:
+        return self._with_inputs(self._swept)
+
+    def _through_laws(self, result: int, bar: np.ndarray, density: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+        """The matrix Q, and slopes by the means, of what a scalar has by the covariances of the laws; see `slopes`.
+
+        Adds what it has by the density.
+        """
+        m, laws = self.excited.results, self.excited.laws
+        means, Q = np.zeros(self.means.size), np.zeros((len(self.out) - m,) * 2)
+        if not laws:
+            return Q, means
+        factors = self._of_fixed_point  # and with it what answers to the laws
+        added = (self.by_laws[:, result].conj()[:, :, None] * bar[:, None, :]).transpose(1, 0, 2)
         direct = [_outer(added[place], self._of_law(place)) for _, place in laws]
         by_gains = self._unpacked(lu_solve(factors, self._packed(direct)))
-        by_covariances = np.zeros((len(bars) - 1, len(bars) - 1))
         for k, ((_, place), by_gain) in enumerate(zip(laws, by_gains, strict=True)):
             n = len(by_gain)
             by_mean = self.by_mean[k][:n, :n, :n] - slope_at_mean(self.means[place])[1]
             means[place] = np.einsum("abk,ab->k", by_mean, by_gain)
             by_covariance = np.einsum("abcd,ab->cd", self.by_covariance[k][:n, :n, :n, :n], by_gain)
-            by_covariances[place, place] = (by_covariance + by_covariance.T) / 2
+            Q[place, place] = by_covariance + by_covariance.T
         u = self.out[m:]
-        weighted = times(by_covariances, u)
-        bars[1:] = 2 * _with_density(weighted, self.weighted)
-        density += self.forcing.widths[:, None, None] * (weighted.transpose(1, 2, 0) @ u.conj().transpose(1, 0, 2))
+        of_covariances = times(Q, u).transpose(1, 2, 0) @ u.conj().transpose(1, 0, 2)
+        density += self.forcing.widths[:, None, None] / 2 * of_covariances
+        return Q, means
 
     @property
     def linear(self) -> LinearModel:

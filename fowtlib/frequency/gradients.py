@@ -391,8 +391,10 @@ class _Evaluation:
 
     def _weighted(self, kept: Sequence[tuple[int, Slopes]], now: Forcing) -> np.ndarray:
         """Slopes by drive and densities times these: scalars that change with them as the results do."""
-        return np.array([np.sum((of.drive.conj() * now.drive).real) + np.sum((of.density * now.density).real)
-                         for _, of in kept])  # fmt: skip
+        driven = {path: now.drive[:, now.driven[path], columns].transpose(1, 0, 2)
+                  for path, columns in now.columns.items()}  # fmt: skip
+        return np.array([sum(np.sum((of.drive[path].conj() * drive).real) for path, drive in driven.items())
+                         + np.sum((of.density * now.density).real) for _, of in kept])  # fmt: skip
 
     def _through_processes(self, driven: Sequence[Slopes | None]) -> np.ndarray:
         """Slopes (k, m) through transfer functions and spectra of waves and wind, which are functions in Python.
@@ -425,9 +427,10 @@ class _Evaluation:
             path = signal.process(self.run.tree).path
             if path not in known.columns:
                 continue
-            first = known.columns[path].start
-            channels = slice(first, first + signal.response(self.run.tree, omega[:1]).shape[2])
-            bars = [of.drive[:, signal.columns, channels] for of in slopes]
+            first = known.driven[path].tolist().index(signal.columns.start)
+            rows = slice(first, first + signal.columns.stop - signal.columns.start)
+            channels = slice(signal.response(self.run.tree, omega[:1]).shape[2])
+            bars = [of.drive[path][rows, :, channels].transpose(1, 0, 2) for of in slopes]
             tasks.append((lambda root, signal=signal: signal.response(root, omega), bars))
         for path, columns in known.columns.items():
 
