@@ -56,7 +56,7 @@ def ring_shares(frequency: ArrayLike, radii: ArrayLike, orders: ArrayLike, coher
     return np.moveaxis(values @ turns, 3, 1)
 
 
-@lru_cache(maxsize=32)
+@lru_cache(maxsize=256)
 def _tables(radii: bytes, weights: tuple[bytes, ...], orders: tuple[tuple[int, ...], ...],
             coherence: Coherence) -> list[dict[int, PchipInterpolator]]:  # fmt: skip
     """Shares of weighted sums of rings over the logarithm of the frequency, by order, for each kind of sum."""

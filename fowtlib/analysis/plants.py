@@ -7,6 +7,7 @@ from typing import Any
 
 import numpy as np
 
+from fowtlib.language.eigenvectors import eigenvalues
 from fowtlib.language.errors import ModelError, SimulationError, did_you_mean
 
 MOTIONS = ("surge", "sway", "heave", "roll", "pitch", "yaw")
@@ -96,7 +97,7 @@ def refuse_unstable(linear: Any) -> None:
     azimuth has a root of the azimuth, which says nothing about stability.
     """
     A = linear.matrices["A"]
-    roots = np.linalg.eigvals(A) if A.size else np.zeros(0)
+    roots = eigenvalues(A) if A.size else np.zeros(0)
     growing = roots[(roots.real > 1e-6 * np.abs(roots)) & (roots.real > 1e-6)]
     if growing.size:
         worst = growing[np.argmax(growing.real)]

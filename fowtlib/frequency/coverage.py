@@ -6,6 +6,7 @@ import warnings
 
 import numpy as np
 
+from fowtlib.analysis.spectra import widths
 from fowtlib.frequency.found import Response
 
 SHARE = 0.1  # of a variance, as S f at the end of a spectrum, from which the end is in the midst of it
@@ -19,7 +20,7 @@ def warn_of_ends(found: Response, given: bool) -> None:
     frequencies are the user's; those chosen by the modes begin, on purpose, where the mean of a record does.
     """
     f, density = found.frequency, found.density
-    variance = np.array([found.std(name) ** 2 for name in found.outputs])
+    variance = (density * widths(f)).sum(axis=1)
     variance = np.where(variance > (1e-9 * np.maximum(np.abs(found.mean), 1e-6)) ** 2, variance, np.inf)
     ends = [(f[-1], "end", "higher", density[:, -1])]
     if given:

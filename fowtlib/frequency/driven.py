@@ -14,7 +14,7 @@ from functools import cached_property
 import numpy as np
 
 from fowtlib.frequency.drag import gains_of
-from fowtlib.language.operators import eigenvectors
+from fowtlib.language.eigenvectors import eigenvectors
 from fowtlib.solving.excited import ExcitedModel
 from fowtlib.solving.linear import LinearModel, Resolvent, times
 
@@ -127,7 +127,7 @@ class Grid:
         A, B, C, D = (linear.matrices[name] for name in "ABCD")
         resolvent, operators, found = Resolvent(self.omega, A), linear.operators, {}
         for path, one in self.driving.items():
-            amplitudes = resolvent.amplitudes(times(B[:, one.inputs], one.drive))
+            amplitudes = resolvent.driven(B[:, one.inputs], one.drive)
             y = times(D[:, one.inputs], one.drive)
             if operators is not None:
                 direct = times(operators.D_input[:, one.inputs], one.drive)
@@ -205,7 +205,7 @@ class Grid:
         resolvent, operators = Resolvent(self.omega, A), linear.operators
         total = np.zeros((len(C) - m,) * 2)
         for one in self.driving.values():
-            amplitudes = resolvent.amplitudes(times(B[:, one.inputs], one.weighted))
+            amplitudes = resolvent.driven(B[:, one.inputs], one.weighted)
             u = times(D[m:, one.inputs], one.weighted)
             if operators is not None:
                 direct = times(operators.D_input[:, one.inputs], one.weighted)

@@ -23,13 +23,20 @@ def response_frequencies(modes: Iterable[Mode], low: float = LOWEST, high: float
     About a mode those at which the phase of its resonance has moved on by equal steps. coarse: fewer of them, for
     integrals to a percent.
     """
+    return frequencies_about(np.array([mode.eigenvalue for mode in modes], dtype=complex), low, high, coarse)
+
+
+def frequencies_about(roots: np.ndarray, low: float = LOWEST, high: float = HIGHEST,
+                      coarse: bool = False) -> np.ndarray:  # fmt: skip
+    """The same, of the roots (n,) [rad/s] of a linear model, of a conjugate pair one or both."""
     fewer = COARSE if coarse else 1
     points = [np.geomspace(low, high, BROAD // fewer), np.linspace(*WAVES[:2], WAVES[2] // fewer)]
     angles = np.linspace(-1.5, 1.5, PEAK // fewer)
-    for mode in modes:
-        width = max(mode.damping_ratio, 1e-5) * mode.frequency_hz
-        if low < mode.frequency_hz < high and mode.damping_ratio < BROADEST:
-            points.append(abs(mode.eigenvalue.imag) / (2 * np.pi) + width * np.tan(angles))
+    for root in roots[roots.imag >= 0].tolist():
+        natural = abs(root) / (2 * np.pi)
+        damping = -root.real / abs(root) if root else 0.0
+        if low < natural < high and damping < BROADEST:
+            points.append(root.imag / (2 * np.pi) + max(damping, 1e-5) * natural * np.tan(angles))
     frequency = np.sort(np.concatenate(points))
     frequency = frequency[(frequency >= low) & (frequency <= high)]
     return frequency[np.diff(frequency, prepend=0.0) > 1e-7 * frequency]

@@ -80,7 +80,7 @@ def response(
         refuse_unstable(linear)
         H = grid.answers(linear, excited.results)
     shares = {path: _spectra(H[path], grid.spectra[path]) for path in H}
-    mean = np.concatenate([np.ravel(value) for value in state.values(names)])
+    mean = study.shown(state, names)
     labels = linear.outputs[: excited.results]
     units = tuple(linear.units.get(name, "1") for name in labels)
     driving = dict(grid.spectra)

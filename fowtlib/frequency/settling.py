@@ -14,8 +14,9 @@ import numpy as np
 from fowtlib.analysis.plants import refuse_unstable
 from fowtlib.frequency.drag import gains_of
 from fowtlib.frequency.driven import Grid, Processes
-from fowtlib.frequency.grid import HIGHEST, response_frequencies
+from fowtlib.frequency.grid import HIGHEST, frequencies_about
 from fowtlib.frequency.mixing import Mixing
+from fowtlib.language.eigenvectors import eigenvalues
 from fowtlib.language.errors import SimulationError
 from fowtlib.solving.excited import ExcitedModel
 
@@ -42,7 +43,7 @@ def settled_gains(excited: ExcitedModel, processes: Processes, frequency: np.nda
     if start is None:
         refuse_unstable(excited.with_gains(gains))
     if not excited.laws:
-        chosen = response_frequencies(excited.linear.modes()) if frequency is None else frequency
+        chosen = frequencies_about(eigenvalues(excited.linear.matrices["A"])) if frequency is None else frequency
         return gains, Grid.of(excited, processes, chosen), 1
     highest = HIGHEST if frequency is None else frequency[-1]
     model = excited.slow(2 * np.pi * FAST * highest)
@@ -71,7 +72,7 @@ def settled_gains(excited: ExcitedModel, processes: Processes, frequency: np.nda
 
 
 def _chosen(model: ExcitedModel, gains: Sequence[np.ndarray], coarse: bool = False) -> np.ndarray:
-    return response_frequencies(model.with_gains(gains).first(0).modes(), coarse=coarse)
+    return frequencies_about(eigenvalues(model.states_with(gains)), coarse=coarse)
 
 
 def _left_out(grid: Grid, excited: ExcitedModel, gains: Sequence[np.ndarray]) -> float:

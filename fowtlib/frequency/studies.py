@@ -10,7 +10,6 @@ from contextlib import contextmanager
 from threading import RLock
 from typing import Any, TypeVar
 
-import casadi as ca
 import numpy as np
 
 from fowtlib.language.component import Component
@@ -40,6 +39,7 @@ class Study:
         self._trees = RunTrees(plant.dae, plant.root) if plant.root is not None else None
         self._means: dict[Key, State] = {}
         self._models: dict[Any, ExcitedModel] = {}
+        self._shown: dict[Any, np.ndarray] = {}
         self._rotations: dict[Any, Rotation] = {}
         self._gains: dict[tuple[tuple[str, int], ...], list[np.ndarray]] = {}
         self._lock = RLock()
@@ -63,6 +63,12 @@ class Study:
         """The linear model about a mean."""
         key = _key(state.parameters), tuple(names), state.x.tobytes(), state.z.tobytes()
         return _kept(self._models, key, MODELS, lambda: excited_model(self.plant, state, names))
+
+    def shown(self, state: State, names: Sequence[str]) -> np.ndarray:
+        """Values of results at a mean, in their units, one element after the other."""
+        key = _key(state.parameters), tuple(names), state.x.tobytes(), state.z.tobytes()
+        return _kept(self._shown, key, MODELS,
+                     lambda: np.concatenate([np.ravel(value) for value in state.values(names)]))  # fmt: skip
 
     def gains(self, excited: ExcitedModel) -> list[np.ndarray] | None:
         """Gains of drag that another state settled at; None before the first one."""
@@ -93,8 +99,8 @@ class Study:
         nothing of the branch: the drag, which has hardly a slope at a mean of zero, may yet damp it.
         """
         at = self.plant.at(state.parameters)
-        blocks = at.jacobian(state.t, state.x, state.z, np.concatenate([state.u, state.d]))
-        A, by_z, alg_by_x, alg_by_z = (np.array(ca.densify(block)) for block in blocks)
+        point = state.t, state.x, state.z, np.concatenate([state.u, state.d])
+        A, by_z, alg_by_x, alg_by_z = at.arrays(at.functions.jacobian, *point)
         if len(alg_by_z):
             A = A - by_z @ np.linalg.solve(alg_by_z, alg_by_x)
         roots = np.linalg.eigvals(A) if A.size else np.zeros(0)

@@ -16,6 +16,7 @@ import casadi as ca
 import numpy as np
 from numpy.typing import ArrayLike
 
+from fowtlib.language.eigenvectors import eigenvectors
 from fowtlib.language.equations import Equation, der, input_rate, source_line
 from fowtlib.language.errors import StructureError
 from fowtlib.language.run_time import at_start
@@ -62,21 +63,6 @@ class StateSpace:
     @cached_property
     def _basis(self) -> tuple[np.ndarray, np.ndarray, np.ndarray] | None:
         return eigenvectors(self.A)
-
-
-EIGENVECTORS = 1e-9
-"""Error of a matrix from its eigenvectors, relative, up to which these serve."""
-
-
-def eigenvectors(A: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray] | None:
-    """Eigenvalues (n,) of a matrix, its right and its left eigenvectors; None where these do not give A (defective)."""
-    roots, right = np.linalg.eig(A)
-    try:
-        left = np.linalg.inv(right)
-    except np.linalg.LinAlgError:
-        return None
-    good = np.linalg.norm((right * roots) @ left - A) < EIGENVECTORS * np.linalg.norm(A)
-    return (roots, right, left) if good else None
 
 
 def transfer_matrix(s: ArrayLike, A: np.ndarray, B: np.ndarray, C: np.ndarray, D: np.ndarray) -> np.ndarray:

@@ -12,6 +12,7 @@ from collections.abc import Callable, Iterator, Mapping
 from contextlib import AbstractContextManager, contextmanager
 from dataclasses import dataclass, field
 from functools import cached_property
+from threading import RLock
 from types import MappingProxyType
 from typing import Any
 
@@ -150,6 +151,13 @@ class RunTrees:
     def __init__(self, dae: FlatDAE, root: Component):
         self.dae, self.root = dae, root
         self._kept: dict[Any, Component] = {}
+        self._lock = RLock()
+
+    @contextmanager
+    def lent(self, parameters: Values | None = None) -> Iterator[Component]:
+        """The tree of a run to look at, for as long as the context lasts."""
+        with self._lock:
+            yield self(parameters)
 
     def __call__(self, parameters: Values | None = None) -> Component:
         """The tree of a run with these parameters."""

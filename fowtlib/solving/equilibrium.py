@@ -97,8 +97,8 @@ class Rest:
         return states, values[len(self.moving) :]
 
     def rates(self, values: np.ndarray) -> np.ndarray:
-        ode, alg = self.at.residual(self.t, *self.unpack(values), self.q)
-        return np.concatenate([np.array(ode).ravel()[self.moving], np.array(alg).ravel()])
+        ode, alg = self.at.arrays(self.at.functions.residual, self.t, *self.unpack(values), self.q)
+        return np.concatenate([ode.ravel()[self.moving], alg.ravel()])
 
     def slopes(self, values: np.ndarray) -> sparse.csc_matrix:
         kept, rows, columns = self.places
@@ -112,8 +112,7 @@ class Rest:
         return matrix
 
     def _entries(self, values: np.ndarray) -> np.ndarray:
-        entries = self.at.call(self.at.functions.jacobian_entries, self.t, *self.unpack(values), self.q)
-        return np.array(entries).ravel()
+        return self.at.entries(self.at.functions.jacobian_entries, self.t, *self.unpack(values), self.q)[0]
 
     @property
     def size(self) -> int:

@@ -19,7 +19,7 @@ from scipy.linalg import block_diag
 
 from fowtlib.flattening import FlatDAE
 from fowtlib.language.component import Component
-from fowtlib.language.operators import eigenvectors
+from fowtlib.language.eigenvectors import eigenvectors
 from fowtlib.language.quadratic_laws import slope_at
 from fowtlib.language.run_time import RandomSignals
 from fowtlib.solving.functions import AtParameters
@@ -147,6 +147,11 @@ class ExcitedModel:
             G[place, place] = gain - slope
         return np.linalg.solve(np.eye(len(G)) - G @ D, G) if D.any() else G
 
+    def states_with(self, gains: Sequence[np.ndarray]) -> np.ndarray:
+        """State matrix of the model with linear laws; see with_gains."""
+        A, B, C = (self.linear.matrices[name] for name in "ABC")
+        return A + B[:, self.driven :] @ self.loop(gains) @ C[self.results :]
+
     def with_gains(self, gains: Sequence[np.ndarray]) -> LinearModel:
         """The linear model from what drives it to the results and the inputs u of the laws, which give gain @ u.
 
@@ -170,15 +175,45 @@ def excited_model(plant: Any, state: State, names: Sequence[str]) -> ExcitedMode
     each of them is no part of it.
     """
     dae, at = plant.dae, plant.at(state.parameters)
-    signals = _signals(dae)
     places = field_places(plant, at, state, turns_of(plant, at, state))
-    symbols = {f"{item.path} [{k}]": element for item in signals for k, element in enumerate(item.elements(dae))}
-    labels = list(symbols)
-    fields, raw, start = [], len(symbols), len(symbols)
+    asked = tuple((item.owner, item.path, item.external, item.places.channels) for item in places)
+    driven = at.general.once(("driven", asked), lambda: _driven(dae, places))
+    fields, start = [], driven.signal_count
     for owner in dict.fromkeys(item.owner for item in places):
         members = tuple(item for item in places if item.owner == owner)
         fields.append((slice(start, start := start + sum(item.places.channels for item in members)), members))
-        for item in members:
+
+    def mixing(*point: Any) -> np.ndarray:
+        blocks = [item.mixing(at, *point) for _, members in fields for item in members]
+        return block_diag(np.eye(driven.signal_count), *blocks, np.eye(driven.law_count))
+
+    speeds, rows = at.functions.once("motions", lambda: _motions(at))
+    further = Further(driven.symbols, driven.outputs, driven.labels, mixing if fields else None, rows)
+    rotating = rotating_linear_model(plant, state, (), names, further, turning=True)
+    linear, forces = _without_forces(rotating.linear, speeds, len(rows))
+    return ExcitedModel(linear, driven.signals, tuple(fields), driven.laws, rotating.shown, _means(at, state), forces,
+                        rotating, replace(further, added=()))  # fmt: skip
+
+
+@dataclass(frozen=True, eq=False)
+class _Driven:
+    """What random processes drive in the flat model, and its laws, by structure alone; see ExcitedModel and Further."""
+
+    signals: tuple[Signal, ...]
+    laws: tuple[tuple[str, slice], ...]
+    symbols: dict[str, ca.SX]
+    labels: tuple[str, ...]
+    outputs: dict[str, ca.SX]
+    signal_count: int
+    law_count: int
+
+
+def _driven(dae: FlatDAE, places: Sequence[FieldPlaces]) -> _Driven:
+    signals = _signals(dae)
+    symbols = {f"{item.path} [{k}]": element for item in signals for k, element in enumerate(item.elements(dae))}
+    labels, raw = list(symbols), len(symbols)
+    for owner in dict.fromkeys(item.owner for item in places):
+        for item in (item for item in places if item.owner == owner):
             velocities = dae.w[dae.externals[item.external].outputs].elements()
             symbols |= {f"{item.path} {item.external} velocity [{k}]": v for k, v in enumerate(velocities)}
             labels += item.labels
@@ -190,17 +225,7 @@ def excited_model(plant: Any, state: State, names: Sequence[str]) -> ExcitedMode
         outputs |= {f"law {number} of [{k}]": element for k, element in enumerate(law.inputs.elements())}
         laws.append((law.path, slice(first, first + n)))
         first += n
-
-    def mixing(*point: Any) -> np.ndarray:
-        blocks = [item.mixing(at, *point) for _, members in fields for item in members]
-        return block_diag(np.eye(raw), *blocks, np.eye(first))
-
-    speeds, rows = _motions(at)
-    further = Further(symbols, outputs, tuple(labels), mixing if fields else None, rows)
-    rotating = rotating_linear_model(plant, state, (), names, further, turning=True)
-    linear, forces = _without_forces(rotating.linear, speeds, len(rows))
-    return ExcitedModel(linear, tuple(signals), tuple(fields), tuple(laws), rotating.shown, _means(at, state), forces,
-                        rotating, replace(further, added=()))  # fmt: skip
+    return _Driven(tuple(signals), tuple(laws), symbols, tuple(labels), outputs, raw, first)
 
 
 def _motions(at: AtParameters) -> tuple[list[str], tuple[int, ...]]:
@@ -241,7 +266,7 @@ def _means(at: AtParameters, state: State) -> np.ndarray:
     if not laws:
         return np.zeros(0)
     inputs = at.general.once("inputs of laws", lambda: at.general.function("inputs_of_laws", [ca.vertcat(*laws)]))
-    return np.array(at.call(inputs, state.t, state.x, state.z, np.concatenate([state.u, state.d]))).ravel()
+    return at.arrays(inputs, state.t, state.x, state.z, np.concatenate([state.u, state.d]))[0].ravel()
 
 
 def _signals(dae: FlatDAE) -> list[Signal]:

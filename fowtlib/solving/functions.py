@@ -14,6 +14,7 @@ import casadi as ca
 import numpy as np
 
 from fowtlib.flattening import FlatDAE
+from fowtlib.solving.arrays import Arrays
 from fowtlib.solving.binding import Binding
 
 MANY = 300  # columns from which a sparse Jacobian is better than a directional one
@@ -63,6 +64,10 @@ class Functions:
         if len(self._made) > MOST:
             del self._made[next(iter(self._made))]
         return made
+
+    def arrays(self, function: ca.Function) -> Arrays:
+        """One of the functions of arrays."""
+        return self.once(("arrays", function.__hash__()), lambda: Arrays(function))
 
     def along(self, function: ca.Function, points: int, held: bool = False) -> ca.Function:
         """`(t, x, z, [u; d], p) -> values of a function` at that many points, one column of each but p for a point.
@@ -318,6 +323,7 @@ class AtParameters:
     def __init__(self, functions: Functions, binding: Binding, general: Functions):
         self.functions, self.dae, self.general, self.binding = functions, functions.dae, general, binding
         self.parameters = np.ascontiguousarray(binding.p, dtype=float)
+        self._again: tuple[Any, list[np.ndarray]] | None = None
 
     def whole(self, q: np.ndarray) -> np.ndarray:
         """[u; d; p] of [u; d]."""
@@ -342,6 +348,21 @@ class AtParameters:
                 blocks.append(np.array(at_once(*(column[:, part] for column in columns), given, self.parameters)))
                 first += size
         return np.concatenate(blocks, axis=1).T if blocks else np.zeros((0, function.size1_out(0)))
+
+    def arrays(self, function: ca.Function, t: Any, x: Any, z: Any, q: Any) -> list[np.ndarray]:
+        """Values of one of the functions as arrays."""
+        return self.general.arrays(function)(t, x, z, self.whole(q))
+
+    def arrays_again(self, function: ca.Function, t: Any, x: Any, z: Any, q: Any) -> list[np.ndarray]:
+        """The same, not to be changed; those of the last point are kept, for a second one who asks for them."""
+        key = function.__hash__(), float(t), *(np.asarray(value, dtype=float).tobytes() for value in (x, z, q))
+        if self._again is None or self._again[0] != key:
+            self._again = key, self.arrays(function, t, x, z, q)
+        return self._again[1]
+
+    def entries(self, function: ca.Function, t: Any, x: Any, z: Any, q: Any) -> list[np.ndarray]:
+        """The entries of the values of one of the functions, column by column."""
+        return self.general.arrays(function).entries(t, x, z, self.whole(q))
 
     def residual(self, t: Any, x: Any, z: Any, q: Any) -> tuple[ca.DM, ca.DM]:
         """Values of ode and alg."""

@@ -11,10 +11,12 @@ from typing import TYPE_CHECKING
 import casadi as ca
 import numpy as np
 
+from fowtlib.flattening import FlatDAE
 from fowtlib.flattening.flat_dae import Operator
 from fowtlib.flattening.system import element_names
+from fowtlib.language.eigenvectors import eigenvectors
 from fowtlib.language.errors import ModelError, SimulationError
-from fowtlib.language.operators import eigenvectors, transfer_matrix
+from fowtlib.language.operators import transfer_matrix
 from fowtlib.language.whole_files import write_whole
 from fowtlib.solving.binding import start_slopes
 from fowtlib.solving.functions import AtParameters
@@ -255,6 +257,14 @@ class Resolvent:
         """What x is made of, (n, n): the eigenvectors, or the states themselves where these do not serve."""
         return np.eye(len(self.A)) if self.basis is None else self.basis[1]
 
+    def driven(self, B: np.ndarray, drive: np.ndarray) -> np.ndarray:
+        """Amplitudes of the shapes in x = (i omega - A)^-1 B u, for B (n, m) and u (m, q, k)."""
+        if self.basis is None or B.shape[1] > len(B):
+            return self.amplitudes(times(B, drive))
+        found = times(self.basis[2] @ B, drive)
+        found *= self._shares[:, :, None]
+        return found
+
     def amplitudes(self, b: np.ndarray) -> np.ndarray:
         """Those of the shapes in x = (i omega - A)^-1 b, for b (n, q, k)."""
         if self.basis is None:
@@ -412,10 +422,10 @@ class Slopes:
     def __call__(self, t: float, x: np.ndarray, z: np.ndarray, q: np.ndarray) -> tuple[np.ndarray, ...]:
         """All rows by x, by z, and by the inputs and the columns of the operators."""
         dae = self.at.dae
-        by_x, by_z, by_all = (np.array(ca.densify(block)) for block in self.at.call(self.function, t, x, z, q))
+        by_x, by_z, by_all = self.at.arrays_again(self.function, t, x, z, q)
         symbols = len(self.inputs) - len(self.further.labels) + len(self.further.symbols)
         first = symbols + self.operator_columns
-        by_u = by_all[:, :first]
+        by_u = by_all[:, :first].copy()
         for name in dict.fromkeys(name for _, name, _ in self.through):
             last = first + dae.bound[name].symbol.numel()
             for place, _, slope in (item for item in self.through if item[1] == name):
@@ -453,20 +463,51 @@ def slopes_of(at: AtParameters, layout: Layout, outputs: Outputs, inputs: Sequen
     What is computed from a parameter when a run starts counts with it, by central differences (start_slopes).
     """
     dae = at.dae
-    columns: list[ca.SX] = []
-    labels: list[str] = []
+    key = (tuple(inputs), tuple(names), tuple(further.symbols), further.labels, tuple(further.outputs))
+    known = at.general.once(("rows and columns", key),
+                            lambda: _rows_and_columns(dae, layout, outputs, inputs, names, further))  # fmt: skip
     through: list[tuple[slice, str, np.ndarray]] = []  # columns of a parameter, numbers computed from it, their slopes
-    for path in inputs:
-        symbols, fresh = layout.symbols(path)
-        place = slice(len(columns), len(columns) + len(symbols))
+    for path, place in known.places:
         if path in layout.p:
             through += [(place, name, slope) for name, slope in start_slopes(dae, at.binding, path).items()]
+    computed = list(dict.fromkeys(name for _, name, _ in through))
+
+    def make() -> ca.Function:
+        columns = [*known.columns, *(dae.bound[name].symbol for name in computed)]
+        u = ca.vertcat(*columns) if columns else ca.SX(0, 1)
+        return at.general.torn_jacobian("linear", known.rows, [dae.x, dae.z, u])
+
+    function = at.general.once(("linear", key, tuple(computed)), make)
+    return Slopes(at, function, known.inputs, known.operator_columns, tuple(through), known.shown, dict(known.units),
+                  known.scale, known.rows, known.columns, further)  # fmt: skip
+
+
+@dataclass(frozen=True, eq=False)
+class _RowsAndColumns:
+    """What slopes are of, and by what; see Slopes. places: of the columns of each input."""
+
+    inputs: tuple[str, ...]
+    operator_columns: int
+    shown: tuple[str, ...]
+    units: dict[str, str]
+    scale: np.ndarray
+    rows: ca.SX
+    columns: tuple[ca.SX, ...]
+    places: tuple[tuple[str, slice], ...]
+
+
+def _rows_and_columns(dae: FlatDAE, layout: Layout, outputs: Outputs, inputs: Sequence[str], names: Sequence[str],
+                      further: Further) -> _RowsAndColumns:  # fmt: skip
+    columns: list[ca.SX] = []
+    labels: list[str] = []
+    places: list[tuple[str, slice]] = []
+    for path in inputs:
+        symbols, fresh = layout.symbols(path)
+        places.append((path, slice(len(columns), len(columns) + len(symbols))))
         columns += symbols
         labels += fresh
     columns += further.symbols.values()
-    key = (*labels, *further.symbols)
     labels += further.labels
-    computed = list(dict.fromkeys(name for _, name, _ in through))
     rows, factors, shown, units = [], [], [], {}
     for name in names:
         expression = ca.vec(dae.observe_expression(outputs.entry(name).path))
@@ -485,16 +526,9 @@ def slopes_of(at: AtParameters, layout: Layout, outputs: Outputs, inputs: Sequen
     for item in dae.operators:
         rows.append(item.inputs)
         factors += [1.0] * item.inputs.numel()
-
     expressions = ca.vertcat(dae.ode, dae.alg, *rows)
-
-    def make() -> ca.Function:
-        u = ca.vertcat(*columns, *(dae.bound[name].symbol for name in computed)) if columns else ca.SX(0, 1)
-        return at.general.torn_jacobian("linear", expressions, [dae.x, dae.z, u])
-
-    function = at.general.once(("linear", key, tuple(computed), tuple(shown)), make)
-    return Slopes(at, function, tuple(labels), len(columns) - number, tuple(through), tuple(shown), units,
-                  np.array(factors).reshape(-1, 1), expressions, tuple(columns), further)  # fmt: skip
+    return _RowsAndColumns(tuple(labels), len(columns) - number, tuple(shown), units,
+                           np.array(factors).reshape(-1, 1), expressions, tuple(columns), tuple(places))  # fmt: skip
 
 
 def linearize(at: AtParameters, layout: Layout, outputs: Outputs, state: State, inputs: Sequence[str],

@@ -65,7 +65,7 @@ def angles(positions: np.ndarray, rings: TurningRings) -> np.ndarray:
 def field_places(plant: Any, at: AtParameters, state: State, turns: Sequence[Turn]) -> list[FieldPlaces]:
     """All places at which parts of a plant ask for a random field, about a mean state."""
     dae, q = plant.dae, np.concatenate([state.u, state.d])
-    speed = np.array(at.residual(state.t, state.x, state.z, q)[0]).ravel()
+    speed = at.arrays(at.functions.residual, state.t, state.x, state.z, q)[0].ravel() if turns else np.zeros(0)
     found = []
     for number, item in dae.with_data:
         external = dae.externals[number]

@@ -21,7 +21,7 @@ from fowtlib.language.component import Component
 from fowtlib.language.declarations import join
 from fowtlib.language.errors import ModelError, SimulationError, one_of
 from fowtlib.language.native import compiler, no_compiler
-from fowtlib.solving.binding import tree_with
+from fowtlib.solving.binding import RunTrees
 from fowtlib.solving.checks import check_state
 from fowtlib.solving.paths import spread_out
 from fowtlib.solving.rates import rate_states
@@ -121,8 +121,14 @@ def mean_parameters(plant: Plant, parameters: Values | None = None, root: Compon
     root: the component tree of the run, where there is one already.
     """
     given = _whole_paths(plant, parameters) or {}
-    if root is None and plant.root is not None:
-        root = tree_with(plant.dae, plant.root, given)
+    if root is not None or plant.root is None:
+        return _in_the_mean_of(given, root)
+    trees = plant.functions.once("trees of runs", lambda: RunTrees(plant.dae, plant.root))
+    with trees.lent(given) as tree:
+        return _in_the_mean_of(given, tree)
+
+
+def _in_the_mean_of(given: dict[str, Any], root: Component | None) -> dict[str, Any]:
     for part in root.walk() if root is not None else ():
         changes = _in_the_mean(part)
         if not changes:

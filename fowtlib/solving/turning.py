@@ -115,6 +115,8 @@ def turns_of(plant: Plant, at: AtParameters, state: State) -> list[Turn]:
     The angle of a gear belongs to the rotor whose azimuth its acceleration depends on; they turn as their rates say.
     """
     dae = plant.dae
+    if not dae.symmetries:
+        return []
     numbers = {dae.x[i].element_hash(): i for i in range(dae.x.shape[0])}
     angles = {numbers.get(ring.angle.element_hash()) for ring in dae.symmetries} - {None}
     speed = np.array(at.residual(state.t, state.x, state.z, np.concatenate([state.u, state.d]))[0]).ravel()

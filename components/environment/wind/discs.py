@@ -99,7 +99,8 @@ def _with_discs(root: Component) -> list[Any]:
     with one_evaluation() as known:
         key = ("with discs", id(root))
         if key not in known:
-            known[key] = [part for part in root.walk() if hasattr(type(part), "turning_disc")], root  # its id stays its own
+            found = [part for part in root.walk() if hasattr(type(part), "turning_disc")]
+            known[key] = found, root  # held: its id stays its own
         return known[key][0]
 
 
