@@ -55,7 +55,7 @@ class _Search:
     def run(self, y: np.ndarray) -> Ended:
         problem, reason = self.problem, "the limit of iterations"
         r, J = problem.linear(y)
-        here, learned, moved = self.merit(r, y), 0, False  # since slopes were exact
+        here, learned, poor, moved = self.merit(r, y), 0, 0, False  # since slopes were exact
         for _ in range(self.settings.iterations):
             new = self.sub(y, r, J, self.region)
             step = new - y
@@ -63,7 +63,7 @@ class _Search:
             if expected <= self.settings.tolerance * max(abs(here), 1.0):
                 if not learned:
                     return Ended(y, True, "an optimum")
-                (r, J), learned, moved = problem.linear(y), 0, False
+                (r, J), learned, poor, moved = problem.linear(y), 0, 0, False
                 continue
             try:
                 found = self._results(new)
@@ -83,12 +83,12 @@ class _Search:
             self._resize(quality, step * held(J))
             if self.region < SMALLEST:
                 return Ended(y, False, "steps became too small")
-            learned += 1
+            learned, poor = learned + 1, poor + 1 if quality < POOR else 0
             if quality > ACCEPTED:
                 y, r, here, moved = new, found, there, True
-            # a step that led astray from exact slopes was too long; what it has taught stays
-            if learned >= self.age or (quality < POOR and moved):
-                (r, J), learned, moved = problem.linear(y), 0, False
+            # a step that led astray was too long, and has taught something; two in a row ask for exact slopes
+            if moved and (learned >= self.age or poor > 1):
+                (r, J), learned, poor, moved = problem.linear(y), 0, 0, False
         return Ended(y, False, reason)
 
     def _results(self, y: np.ndarray) -> np.ndarray:
