@@ -37,7 +37,8 @@ def nearest_to(design: fw.Design) -> fw.Design:
         return sum(ca.sumsqr((values[name] - start) / start) for name, start in kept.items())
 
     functions = [item for item in design.functions if item.name not in ("value", "cost", "hull cost", "tower cost")]
-    return replace(design, objective=fw.Objective({"change": 1.0}, scale=0.05), functions=[*functions, fw.Function("change", change, list(kept))],
+    functions.append(fw.Function("change", change, list(kept)))
+    return replace(design, objective=fw.Objective({"change": 1.0}, scale=0.05), functions=functions,
                    title="The printed spar, made feasible")  # fmt: skip
 
 
