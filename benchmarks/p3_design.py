@@ -37,7 +37,8 @@ def nearest_to(design: fw.Design) -> fw.Design:
         return sum(ca.sumsqr((values[name] - start) / start) for name, start in kept.items())
 
     functions = [item for item in design.functions if item.name not in ("value", "cost", "hull cost", "tower cost")]
-    return replace(design, objective=fw.Objective({"change": 1.0}, scale=0.05), functions=[*functions, fw.Function("change", change, list(kept))],
+    functions.append(fw.Function("change", change, list(kept)))
+    return replace(design, objective=fw.Objective({"change": 1.0}, scale=0.05), functions=functions,
                    title="The printed spar, made feasible")  # fmt: skip
 
 
@@ -83,6 +84,32 @@ def everywhere(design: fw.Design) -> fw.Design:
     constraints = [replace(item, cases=tuple(STORMS)) if item.cases == ("EC1",) else item
                    for item in design.constraints]  # fmt: skip
     return replace(design, cases=cases, functions=functions, constraints=constraints, slopes="differences")
+
+
+RINGS = ("ring_web_height", "ring_web", "ring_flange_width", "ring_flange", "ring_spacing")
+
+
+def cheapest_rings(design: fw.Design, found: fw.Optimum) -> str:
+    """Cost of a hull with the cheapest frames for its walls and the loads that were found."""
+    z = np.append(found["depths"], [0.0, 10.0])
+    sizes = [ca.DM(item) for item in (z, found["hull_diameters"], found["hull_walls"])]
+    nodes = [f"largest hull_moment_node_{k}" for k in range(1, 11)] + ["largest tower_base_moment"]
+    moments = [1e6 * max(found.results[storm][name] for storm in STORMS) for name in nodes]
+    forces = [1e6 * found.results["EC1"][f"hull_axial_force_node_{k}"] for k in range(1, 11)]
+    x, unit = ca.MX.sym("x", 20), np.repeat([0.5, 0.016, 0.4, 0.025, 2.5], 4)
+    rings = ca.vertsplit(x * unit, 4)
+    use = rules.hull_buckling(*sizes, ca.DM(moments), ca.DM(forces), *rings)
+    cost = rules.hull_cost(*sizes, *rings).cost / 1e6
+    rows = ca.vertcat(use.shell, use.area, use.inertia, use.stress, use.web, use.flange, use.torsion)
+    bounds = [
+        np.concatenate([getattr(design.space[name], side) for name in RINGS]) / unit for side in ("lower", "upper")
+    ]
+    solver = ca.nlpsol("rings", "ipopt", {"x": x, "f": cost, "g": rows}, {"ipopt.print_level": 0, "print_time": False})
+    best = solver(x0=np.concatenate([found[name] for name in RINGS]) / unit, lbx=bounds[0], ubx=bounds[1], ubg=1.0)
+    kept = "" if solver.stats()["success"] else " (not found)"
+    bare = rules.steel_cost(rules.tube_sections(*sizes)).cost / 1e6
+    price = float(best["f"])
+    return f"hull {price:.3f} MEUR with the cheapest frames{kept}, of which frames {price - float(bare):.3f}"
 
 
 WATCHED = ("surge", "pitch", "fairlead_offset", "upwind_tension", "rotor_speed", "tower_base_moment",
@@ -144,6 +171,7 @@ def main() -> None:
     if arguments.check:
         found = everywhere(design).evaluate()
         print(found)
+        print(cheapest_rings(design, found))
         found.save(arguments.folder / "check.json")
         return
     asked = nearest_to(design) if arguments.nearest else design

@@ -4,8 +4,9 @@ Rules, costs and other functions of a design are expressions, which cost nothing
 change little within a step, and nearly linearly. So in each step a problem is solved in which the results r are
 r_0 + J (y - y_0) and all functions are themselves, within a region about y_0. What the model says at the new point
 then decides on the step, and on the region. J is exact at times; in between it learns from each point that was
-evaluated, by Broyden's update, which makes it agree with the last two. Constraints that cannot be kept within the
-region are broken by the least sum. Variables on which no result depends may go anywhere.
+evaluated, by Broyden's update, which makes it agree with the last two. A step that leads outside of limits that bend
+is corrected once, from the results at its end. Constraints that cannot be kept within the region are broken by the
+least sum. Variables on which no result depends may go anywhere.
 
 Sources: R. Fletcher, Practical Methods of Optimization (1987), chapter 14 (steps within a region, exact penalties);
 C.G. Broyden, Mathematics of Computation 19 (1965), 577-593; L.A. Schmit and B. Farshi, AIAA Journal 12 (1974), 692-699
@@ -22,7 +23,7 @@ import numpy as np
 from fowtlib.design.optimisers import Ended, Settings
 from fowtlib.language.errors import ModelError
 
-PENALTY = 20.0  # of a constraint that is broken by its scale, over the scale of the objective
+PENALTY = 10.0  # of a constraint that is broken by its scale, over the scale of the objective
 FIRST, SMALLEST, LARGEST = 0.05, 1e-4, 0.5  # of the ranges of the variables: the region
 GOOD, POOR, ACCEPTED = 0.7, 0.3, 0.02  # actual over expected improvement
 AGE = 4  # steps for which slopes learn before they are taken anew
@@ -31,7 +32,7 @@ AGE = 4  # steps for which slopes learn before they are taken anew
 def search(problem: Any, y: np.ndarray, settings: Settings) -> Ended:
     """From y on.
 
-    options: `region` (0.05), `age` (4 steps) and `penalty` (20) in place of those of this module; `say`, which is told
+    options: `region` (0.05), `age` (4 steps) and `penalty` (10) in place of those of this module; `say`, which is told
     of each step.
     """
     return _Search(problem, settings).run(y)
@@ -55,7 +56,7 @@ class _Search:
     def run(self, y: np.ndarray) -> Ended:
         problem, reason = self.problem, "the limit of iterations"
         r, J = problem.linear(y)
-        here, learned, moved = self.merit(r, y), 0, False  # since slopes were exact
+        here, learned, poor, moved = self.merit(r, y), 0, 0, False  # since slopes were exact
         for _ in range(self.settings.iterations):
             new = self.sub(y, r, J, self.region)
             step = new - y
@@ -63,7 +64,7 @@ class _Search:
             if expected <= self.settings.tolerance * max(abs(here), 1.0):
                 if not learned:
                     return Ended(y, True, "an optimum")
-                (r, J), learned, moved = problem.linear(y), 0, False
+                (r, J), learned, poor, moved = problem.linear(y), 0, 0, False
                 continue
             try:
                 found = self._results(new)
@@ -73,23 +74,40 @@ class _Search:
                 if self.region < SMALLEST:
                     return Ended(y, False, reason)
                 continue
-            there = self.merit(found, new)
-            quality = (here - there) / expected
-            point = problem.point(new)
-            length = float(np.max(np.abs(step * held(J))))
-            self.say(f"step {length:.3f} in {self.region:.3f}: {here:.5f} to {there:.5f}, not {here - expected:.5f}; "
-                     f"{point.objective:.5g}, {point.violation:.2g} at {point.worst}")  # fmt: skip
             J = _learnt(J, step, found - r)
+            there = self.merit(found, new)
+            if here - there < POOR * expected:
+                new, found, there, J = self._corrected(y, new, found, there, J)
+                step = new - y
+            quality = (here - there) / expected
+            self._tell(new, step * held(J), here, there, here - expected)
             self._resize(quality, step * held(J))
             if self.region < SMALLEST:
                 return Ended(y, False, "steps became too small")
-            learned += 1
+            learned, poor = learned + 1, poor + 1 if quality < POOR else 0
             if quality > ACCEPTED:
                 y, r, here, moved = new, found, there, True
-            # a step that led astray from exact slopes was too long; what it has taught stays
-            if learned >= self.age or (quality < POOR and moved):
-                (r, J), learned, moved = problem.linear(y), 0, False
+            # a step that led astray was too long, and has taught something; two in a row ask for exact slopes
+            if moved and (learned >= self.age or poor > 1):
+                (r, J), learned, poor, moved = problem.linear(y), 0, 0, False
         return Ended(y, False, reason)
+
+    def _corrected(self, y: np.ndarray, new: np.ndarray, found: np.ndarray, there: float,
+                   J: np.ndarray) -> tuple[np.ndarray, np.ndarray, float, np.ndarray]:  # fmt: skip
+        """A point beside a new one, from the results there: what bends leaves it less far outside of its limits."""
+        beside = self.sub(new, found, J, self.region, y)
+        try:
+            r = self._results(beside)
+        except ModelError:
+            return new, found, there, J
+        J = _learnt(J, beside - new, r - found)
+        merit = self.merit(r, beside)
+        return (beside, r, merit, J) if merit < there else (new, found, there, J)
+
+    def _tell(self, y: np.ndarray, step: np.ndarray, here: float, there: float, expected: float) -> None:
+        point, length = self.problem.point(y), np.max(np.abs(step))
+        self.say(f"step {length:.3f} in {self.region:.3f}: {here:.5f} to {there:.5f}, not {expected:.5f}; "
+                 f"{point.objective:.5g}, {point.violation:.2g} at {point.worst}")  # fmt: skip
 
     def _results(self, y: np.ndarray) -> np.ndarray:
         point = self.problem.point(y)
@@ -134,12 +152,14 @@ class _Step:
             "ipopt.bound_relax_factor": 0.0, "show_eval_warnings": False, "ipopt.mu_strategy": "adaptive",
             "error_on_fail": False})  # fmt: skip
 
-    def __call__(self, y: np.ndarray, r: np.ndarray, J: np.ndarray, region: float) -> np.ndarray:
-        problem = self.problem
+    def __call__(self, y: np.ndarray, r: np.ndarray, J: np.ndarray, region: float,
+                 centre: np.ndarray | None = None) -> np.ndarray:  # fmt: skip
+        """The best point within a region about a centre, of results r and slopes J at y; None: about y."""
+        problem, centre = self.problem, y if centre is None else centre
         k, m = problem.lower.size, r.size
         bound = held(J) | (not self.free)
-        low = np.where(bound, np.maximum(problem.y_lower, y - region), problem.y_lower)
-        high = np.where(bound, np.minimum(problem.y_upper, y + region), problem.y_upper)
+        low = np.where(bound, np.maximum(problem.y_lower, centre - region), problem.y_lower)
+        high = np.where(bound, np.minimum(problem.y_upper, centre + region), problem.y_upper)
         sizes = np.maximum(np.abs(r), np.abs(J).sum(axis=1) * region)
         sizes = np.where(sizes > 0, sizes, 1.0)
         scaled = J / sizes[:, None]
