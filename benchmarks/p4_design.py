@@ -33,11 +33,12 @@ from p4_control import (
 from pages import markdown
 from scipy.optimize import brentq, linprog, minimize
 
+import fowtlib as fw
 from fowtlib.design import rules
 
 GRAVITY, ROTOR, LOADS, LEAST = 9.80665, 676.7e3, 1.35, 0.010
 RINGS = 0.115  # cost of ring frames over that of the wall of the hull
-TURNS, SETTLED = 4, 3e-3
+TURNS, SETTLED, ROUNDS = 4, 3e-3, 2
 
 
 def buckling_walls(spar: Spar, gains: Gains) -> tuple[np.ndarray, np.ndarray]:
@@ -169,14 +170,14 @@ def quadratic(x: np.ndarray) -> np.ndarray:
     return np.column_stack([np.ones(len(u)), u, u**2])
 
 
-def surveyed(folder: Path, walls: dict[str, np.ndarray], start: dict[str, Gains]) -> dict[str, list[dict[str, Any]]]:
-    """The outcome of each strategy at each point; one response of each state there serves all."""
+def surveyed(folder: Path, walls: np.ndarray, start: dict[str, Gains]) -> dict[str, list[dict[str, Any]]]:
+    """The outcome of each strategy at each point, where all have the same walls; one response of a state serves all."""
     found: dict[str, list[dict[str, Any]]] = {name: [] for name in start}
     for k, x in enumerate(points()):
         file = folder / f"point_{k}.json"
         if not file.exists():
             shape = Shape(*x)
-            spar, more = shaped(shape, walls["CS1"] / shape.upper**2)
+            spar, more = shaped(shape, walls / shape.upper**2)
             each = {name: outcome(spar, name, gains, more) for name, gains in start.items()}
             file.write_text(json.dumps(each))
             print(k, x, {n: (round(o["cost"] / 1e6, 3), round(o["largest_pitch"], 2)) for n, o in each.items()},
@@ -186,44 +187,54 @@ def surveyed(folder: Path, walls: dict[str, np.ndarray], start: dict[str, Gains]
     return found
 
 
+def least_shape(rows: list[dict[str, Any]], last: dict[str, Any] | None, values: dict[str, Any]) -> np.ndarray:
+    """The numbers of the shape of least cost, by squares through the rows, moved so that they meet the last outcome."""
+    fit = {}
+    for key in ("tower_cost", "largest_pitch"):
+        found = np.linalg.lstsq(quadratic(points()), np.array([r[key] for r in rows]), rcond=None)[0]
+        if last is not None:
+            found[0] += last[key] - float((quadratic(np.array(last["shape"])) @ found)[0])
+        fit[key] = found
+    hull_walls, any_walls = np.array(values["hull_walls"], float), np.ones(11)
+
+    def at(x: np.ndarray, key: str) -> float:
+        return float((quadratic(x) @ fit[key])[0])
+
+    def sized(x: np.ndarray) -> dict[str, float]:
+        return measures(Shape(*x).sizes(values, any_walls), hull_walls)
+
+    found = minimize(
+        lambda x: (at(x, "tower_cost") + sized(x)["hull"]) / 1e6, CENTRE, method="SLSQP",
+        bounds=[(c - 1.2 * h, c + 1.2 * h) for c, h in zip(CENTRE, STEPS, strict=True)],
+        constraints={"type": "ineq", "fun": lambda x: np.array([
+            (15 - at(x, "largest_pitch")) / 15, sized(x)["heave"] / 25 - 1, 1 - sized(x)["taper"]])},
+    )  # fmt: skip
+    if not found.success:
+        raise fw.ModelError(f"no shape: {found.message}")
+    return np.asarray(found.x)
+
+
 def with_hull(folder: Path) -> None:
-    """Cost of hull and tower of each strategy at least: by squares through seven shapes, and then as it is there."""
+    """Cost of hull and tower of each strategy at least: by squares through seven shapes, and what is found there."""
     start = {n: json.loads((folder / f"{n}.json").read_text()) for n in FEEDBACK}
-    walls = {n: np.array(one["tower"]) for n, one in start.items()}
     folder = folder / "hull"
     folder.mkdir(exist_ok=True)
-    survey = surveyed(folder, walls, {n: one["gains"] for n, one in start.items()})
-    terms, lines, base = quadratic(points()), [], None
-    values = compiled("dtu10mw_p4").parameter_values()
-    hull_walls = np.array(values["hull_walls"], float)
+    survey = surveyed(folder, np.array(start["CS1"]["tower"]), {n: one["gains"] for n, one in start.items()})
+    lines, base, values = [], None, compiled("dtu10mw_p4").parameter_values()
     for name, rows in survey.items():
-        file = folder / f"{name}.json"
-        if not file.exists():
-            fit = {k: np.linalg.lstsq(terms, np.array([r[k] for r in rows]), rcond=None)[0]
-                   for k in ("tower_cost", "largest_pitch")}  # fmt: skip
-
-            def at(x: np.ndarray, key: str, fit=fit) -> float:
-                return float((quadratic(x) @ fit[key])[0])
-
-            def sized(x: np.ndarray) -> dict[str, float]:
-                return measures(Shape(*x).sizes(values, walls[name]), hull_walls)  # noqa: B023
-
-            found = minimize(
-                lambda x: (at(x, "tower_cost") + sized(x)["hull"]) / 1e6, CENTRE, method="SLSQP",
-                bounds=[(c - 1.2 * h, c + 1.2 * h) for c, h in zip(CENTRE, STEPS, strict=True)],
-                constraints={"type": "ineq", "fun": lambda x: np.array([
-                    (15 - at(x, "largest_pitch")) / 15, sized(x)["heave"] / 25 - 1, 1 - sized(x)["taper"]])},
-            )  # fmt: skip
-            shape = Shape(*found.x)
-            thick, gains = walls[name] / shape.upper**2, start[name]["gains"]
-            for turn in range(2):
-                spar, more = shaped(shape, thick)
-                one = outcome(spar, name, gains, more)
-                print(name, turn, found.message, shape, more, one["cost"] / 1e6, one["largest_pitch"],
-                      max(one["use"]), max(one["buckling"]), label(one["gains"]), flush=True)  # fmt: skip
-                thick, gains = np.array(one["tower"]), one["gains"]
-            file.write_text(json.dumps(one | {"shape": list(found.x), "expected": float(found.fun)}, indent=1))
-        one = json.loads(file.read_text())
+        one, last = start[name] | {"shape": [1.0, 1.0, 0.0]}, None
+        for again in range(ROUNDS):
+            file = folder / f"{name}_{again}.json"
+            if not file.exists():
+                shape, upper = Shape(*least_shape(rows, last, values)), one["shape"][1]
+                for _ in range(2 if again == 0 else 1):
+                    spar, more = shaped(shape, np.array(one["tower"]) * (upper / shape.upper) ** 2)
+                    one, upper = outcome(spar, name, one["gains"], more), shape.upper
+                one["shape"] = [shape.lower, shape.upper, shape.longer]
+                print(name, again, shape, more, one["cost"] / 1e6, one["largest_pitch"], max(one["use"]),
+                      max(one["buckling"]), label(one["gains"]), flush=True)  # fmt: skip
+                file.write_text(json.dumps(one, indent=1))
+            one = last = json.loads(file.read_text())
         base = base or one
         share = lambda key, one=one, base=base: f"({100 * (one[key] / base[key] - 1):+.1f} %)"  # noqa: E731
         lines.append((name, label(one["gains"]), *(f"{v:.3f}" for v in one["shape"]),
