@@ -342,6 +342,21 @@ def test_what_has_no_derivative_is_refused_with_the_reason(spar):
         sensitivities(spar, ["tower.mass"], ["surge"], start="stationary", **run)
 
 
+class Still(Component):
+    """Nothing moves."""
+
+    given: Scalar = param(default=2.0, doc="a number")
+    root: Scalar = var(start=1.0, doc="its root")
+
+    def equations(self):
+        return [eq(self.root**2, self.given + self.time)]
+
+
+def test_a_model_without_states_is_refused():
+    with pytest.raises(ParameterError, match="has no states"):
+        sensitivities(plant_of(Still()), ["given"], ["root"], t_end=1.0, output_step=0.5)
+
+
 class Lorenz(Component):
     """E. N. Lorenz (1963): chaos, with a largest exponent of 0.906 / s at 10, 28, 8/3."""
 

@@ -239,6 +239,8 @@ def sensitivities(model: Any, by: Sequence[str], results: Sequence[str] | str | 
     elements = tuned_elements(plant, by)
     if not elements:
         raise ParameterError("by: no parameter is given.")
+    if not plant.dae.states:
+        raise ParameterError("this model has no states: nothing in it moves by itself, and a run has no sensitivities.")
     names = list(plant.outputs) if results is None else [results] if isinstance(results, str) else list(results)
     expressions = [_expression(plant, name) for name in names]
     for sample in plant.dae.samples:
