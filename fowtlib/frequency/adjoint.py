@@ -37,7 +37,8 @@ SLOW = 4.0  # a step that divides the change by less than this asks for new slop
 # Where shapes of modes are nearly alike rounding is more than any bound by the roots: a change below NOISE that so many
 # iterations have not halved is rounding
 NOISE, STALLED = 1e-6, 4
-AT_ONCE = 64  # frequencies, of what all laws do to all laws
+AT_ONCE = 32  # frequencies, of what all laws do to all laws
+EXACT = 1e-15  # of the largest share of functions of frequency, below which one is rounding
 GUESS = 1.0  # m/s; deviation of the velocities of drag before the first iteration
 
 
@@ -199,7 +200,7 @@ class RandomResponse:
         return [block[:n, :n] for block, n in zip(whole, sizes, strict=True)]
 
     def _injected(self) -> Iterator[tuple[slice, np.ndarray]]:
-        """Answers (q, outputs, laws), some frequencies after the other, to what is added to the laws in closed loop."""
+        """Answers (outputs, laws, q), some frequencies after the other, to what is added to the laws in closed loop."""
         excited = self.excited
         n, m = excited.driven, excited.results
         B, D = excited.linear.matrices["B"], excited.linear.matrices["D"]
@@ -210,13 +211,22 @@ class RandomResponse:
         C, operators = self.closed.matrices["C"], self.closed.operators
         if operators is not None:
             D_input = excited.linear.operators.D_input[:, n:] @ through
+        if self.resolvent.basis is not None:
+            roots, right, left = self.resolvent.basis
+            of, shares = _alike(1 / (1j * self.omega - roots[:, None]))
+            by_share = ((C @ right)[:, None, :] * (left @ B_in).T).reshape(-1, len(right)) @ of
         for first in range(0, self.omega.size, AT_ONCE):
             part = slice(first, min(first + AT_ONCE, self.omega.size))
-            found = self.resolvent.between(C, B_in, part) + D_closed
+            if self.resolvent.basis is None:
+                found = self.resolvent.between(C, B_in, part).transpose(1, 2, 0)
+            else:
+                found = (by_share @ shares[:, part]).reshape(*D_closed.shape, -1)
+            found = found + D_closed[:, :, None]
             if operators is not None:
                 u = self.resolvent.between(operators.C, B_in, part) + D_input
                 three = self._with_rates(np.linalg.solve(self.loop[part], self.errors[part] @ u), part)
-                found = found + (self.resolvent.between(C, operators.B, part) + operators.D_output) @ three
+                more = (self.resolvent.between(C, operators.B, part) + operators.D_output) @ three
+                found = found + more.transpose(1, 2, 0)
             yield part, found
 
     def _gain_matrix(self) -> np.ndarray:
@@ -242,18 +252,18 @@ class RandomResponse:
             slopes = gain_slopes(self._covariance(place), self.means[place])
             self.by_covariance[k][(slice(n),) * 4], self.by_mean[k][(slice(n),) * 3] = slopes
         rows = spread.ravel()
-        there = (rows >= 0)[:, None]
+        there = (rows >= 0)[:, None, None]
         product = np.zeros((count, count, width**2, width**2))
         for part, injected in self._injected():
-            self.by_laws[part] = injected[:, :m]
-            u = np.where(there, self.out[m:][rows][:, part].transpose(1, 0, 2), 0.0)
-            T = np.where(there & there.T, injected[:, m:][:, rows][:, :, rows], 0.0)
+            self.by_laws[part] = injected[:m].transpose(2, 0, 1)
+            u = np.where(there, self.out[m:][rows][:, part], 0.0).transpose(1, 0, 2)
+            T = np.where(there & there.transpose(1, 0, 2), injected[m:][rows][:, rows], 0.0)
             Z = (u @ self.weighted[part]) @ u.conj().transpose(0, 2, 1)  # of law j in direction e, with law i in s
             # as real numbers, the frequencies last: Re sum T Z
-            T, Z = (block.reshape(-1, count, width, count, width) for block in (T, Z))
-            T = T.conj().transpose(1, 3, 2, 4, 0).reshape(count, count, width**2, -1)
-            Z = Z.transpose(3, 1, 2, 4, 0).reshape(count, count, width**2, -1)
-            product += T.view(float) @ Z.view(float).swapaxes(2, 3)
+            T = np.conj(T, out=T).reshape(count, width, count, width, -1).swapaxes(1, 2)
+            Z = Z.reshape(-1, count, width, count, width).transpose(3, 1, 2, 4, 0)
+            T, Z = (np.ascontiguousarray(block).reshape(count, count, width**2, -1).view(float) for block in (T, Z))
+            product += T @ Z.swapaxes(2, 3)
         # covariance_i[r, s] by G_j[c, e]: T[r, c] Z[e, s], and the same with r and s exchanged
         product = product.reshape(count, count, width, width, width, width)  # i j r c e s
         by_gain = np.einsum("ijrces->irsjce", product)
@@ -373,6 +383,17 @@ class RandomResponse:
     def linear(self) -> LinearModel:
         """With the gains of drag."""
         return self.closed
+
+
+def _alike(shares: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """Functions of frequency (n, q) as sums of fewer: factors (n, r), (r, q), to rounding.
+
+    The shares of roots far above all frequencies are nearly straight lines.
+    """
+    size = np.maximum(np.abs(shares).max(axis=1, initial=0.0), 1e-300)[:, None]
+    of, values, functions = np.linalg.svd(shares / size, full_matrices=False)
+    count = int(np.sum(values > EXACT * values.max(initial=0.0)))
+    return size * of[:, :count] * values[:count], functions[:count]
 
 
 def _with_density(rows: np.ndarray, density: np.ndarray) -> np.ndarray:
