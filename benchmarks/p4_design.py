@@ -38,7 +38,7 @@ from fowtlib.design import rules
 
 GRAVITY, ROTOR, LOADS, LEAST = 9.80665, 676.7e3, 1.35, 0.010
 RINGS = 0.115  # cost of ring frames over that of the wall of the hull
-TURNS, SETTLED, ROUNDS = 4, 3e-3, 2
+TURNS, SETTLED, ROUNDS = 4, 3e-3, 3
 
 
 def buckling_walls(spar: Spar, gains: Gains) -> tuple[np.ndarray, np.ndarray]:
