@@ -23,7 +23,9 @@ import fowtlib as fw
 DISCARD, LENGTH, STEP = 400.0, 3600.0, 0.1
 STATES = {  # wind speed [m/s], significant wave height [m], peak period [s]
     "8": (8.0, 2.5, 9.8),
+    "10": (10.0, 2.8, 9.9),
     "12": (12.0, 3.2, 10.1),
+    "14": (14.0, 3.6, 10.3),
     "18": (18.0, 4.4, 10.6),
     "storm": (50.0, 12.7, 14.1),
 }
@@ -59,7 +61,7 @@ def statistics(plant: Any, names: list[str], state: str, seed: int, further: dic
 def main() -> None:
     parser = argparse.ArgumentParser(description=__doc__)
     parser.add_argument("models", nargs="+")
-    parser.add_argument("--states", default=",".join(STATES))
+    parser.add_argument("--states", default="8,12,18,storm", help=f"of {', '.join(STATES)}")
     parser.add_argument("--seeds", type=int, default=6)
     parser.add_argument("--folder", type=Path, default=Path("output/response_verification"))
     parser.add_argument("--set", action="append", default=[], metavar="PATH=VALUE")

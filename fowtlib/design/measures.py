@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import warnings
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
@@ -66,6 +67,7 @@ class Meter:
         statistics = statistics or Statistics()
         self.plant, self.case, self.free, self.targets = plant, case, free, targets
         self.statistics, self.names = statistics, list(names)
+        self._told = False  # of corners of control laws
         self.answers = {name: answer(name) for name in names if answer(name) is not None}
         self.still = [name for name in names if name not in self.answers]
         for name, (statistic, result) in self.answers.items():
@@ -114,11 +116,17 @@ class Meter:
 
     def _response(self, given: Mapping[str, Any], state: State, frequencies: np.ndarray | None) -> Response:
         from fowtlib.frequency import response
+        from fowtlib.frequency.corners import CornerWarning
 
         freed = {path: state.parameters[path] for path in _paths(self.free) if path in state.parameters}
         outputs = list(dict.fromkeys(result for _, result in self.answers.values()))
-        return response(self.plant, outputs=outputs, parameters={**given, **freed}, frequencies=frequencies,
-                        state=state, tolerance=self.statistics.tolerance)  # fmt: skip
+        with warnings.catch_warnings():
+            if self._told:  # a search comes by the same corners at each of its points
+                warnings.simplefilter("ignore", CornerWarning)
+            found = response(self.plant, outputs=outputs, parameters={**given, **freed}, frequencies=frequencies,
+                             state=state, tolerance=self.statistics.tolerance)  # fmt: skip
+        self._told = self._told or bool(found.corners)
+        return found
 
     def _of(self, found: Response, statistic: str, result: str) -> float:
         by = self.statistics

@@ -9,6 +9,8 @@ import pytest
 from scipy.stats import norm
 
 import fowtlib as fw
+from fowtlib.design import DesignCase
+from fowtlib.design.measures import Meter
 from fowtlib.frequency import response
 from fowtlib.frequency.corners import CHANGED, CornerWarning
 from fowtlib.language import Scalar, der, eq, param, var
@@ -101,3 +103,12 @@ def test_a_turbine_near_rated_wind_reaches_over_its_corners_and_one_far_above_do
     with pytest.warns(CornerWarning, match=r"2 of 3 responses .* states 1, 3") as told:
         fw.responses(plant, [weather(speed) for speed in (10.0, 18.0, 12.0)], outputs=["pitch"])
     assert len([one for one in told if issubclass(one.category, CornerWarning)]) == 1
+
+
+def test_a_search_is_told_of_the_corners_of_a_case_once():
+    meter = Meter(fw.load("oc3_spar_rigid").compile(), DesignCase("near rated", weather(12.0)), ["std of pitch"])
+    with pytest.warns(CornerWarning):
+        meter.measure({})
+    with warnings.catch_warnings():
+        warnings.simplefilter("error", CornerWarning)
+        assert meter.measure({"sea.significant_wave_height": 4.0}).values["std of pitch"] > 0
