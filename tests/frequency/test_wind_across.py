@@ -165,6 +165,7 @@ def test_feathered_blades_that_stand_feel_uniform_wind_across_as_a_turned_wind(t
     assert abs(turned[side]) > 5 * abs(blown[along])  # feathered blades have their lift across
 
 
+@pytest.mark.long
 def test_a_rotor_that_is_turned_with_its_wind_has_the_same_response(turbine):
     one = fw.response(turbine, outputs=[*LOADS, "flapwise"])
     given = {"ground.angles": (0.0, 0.0, 0.7), "wind.direction": 0.7}
