@@ -68,7 +68,7 @@ def main() -> None:
     given = parser.parse_args()
     given.folder.mkdir(parents=True, exist_ok=True)
     warnings.simplefilter("ignore")
-    further = {path: float(value) for path, _, value in (item.partition("=") for item in given.set)}
+    further = {path: _value(text) for path, _, text in (item.partition("=") for item in given.set)}
     label = hashlib.sha256(json.dumps(further, sort_keys=True).encode()).hexdigest()[:6] if further else "as_is"
     for model in given.models:
         plant = fw.load(model).compile()
@@ -81,6 +81,14 @@ def main() -> None:
                     path.write_text(json.dumps(statistics(plant, names, state, seed, further)))
                 runs.append(json.loads(path.read_text()))
             table(plant, model, state, names, runs, weather(state) | further)
+
+
+def _value(text: str) -> float | str:
+    """A number, or a word such as that of `wind.components=u`."""
+    try:
+        return float(text)
+    except ValueError:
+        return text
 
 
 def table(plant: Any, model: str, state: str, names: list[str], runs: list[dict[str, Any]],

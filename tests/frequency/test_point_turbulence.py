@@ -20,7 +20,7 @@ SIZES = {"width": 140.0, "height": 140.0, "columns": 15, "rows": 15, "duration":
 GRID = PointGrid(-70.0, 20.0, 10.0, 10.0, 15, 15)
 ROTOR_SPEED = 2 * np.pi * 0.2  # so that 0.2 Hz and 0.6 Hz are once and three times a turn
 RINGS = TurningRings(np.array([0.0, 3.0, 92.0]), np.array([25.0, 60.0]), ROTOR_SPEED, 3, orders=2)
-SEEDS = 8
+SEEDS = 6
 
 
 def at_a_point(part):
@@ -44,7 +44,7 @@ def channels(field, rings):
     return np.concatenate([np.einsum("tbrk,tb->ktr", speeds, wave) / 3 for wave in waves], axis=2)
 
 
-@pytest.fixture(scope="module", params=["none", "iec"])
+@pytest.fixture(scope="module", params=["none", pytest.param("iec", marks=pytest.mark.long)])
 def measured(request, tmp_path_factory):
     """Cross spectra per rad/s of v and w (2, q, 10, 10), mean of the seeds, and of which coherence."""
     folder, total = tmp_path_factory.mktemp("fields"), 0.0

@@ -11,6 +11,7 @@ from fowtlib.components.environment import TurbulentWind, World
 from fowtlib.components.environment.field_spectra import spectra
 from fowtlib.components.mechanics import Fixed
 from fowtlib.frequency import few_channels
+from fowtlib.language.run_time import RestingPlaces
 from fowtlib.solving.excited import excited_model
 from fowtlib.solving.mean_linear import rotating_linear_model
 from fowtlib.solving.rotation import steady_rotation
@@ -140,6 +141,31 @@ def test_a_rotor_in_uniform_wind_across_is_that_in_a_turned_wind(turbine):
     assert np.abs(found - wanted) == pytest.approx(0, abs=1e-3 * np.abs(wanted).max()), (found, wanted)
 
 
+def test_feathered_blades_that_stand_feel_uniform_wind_across_as_a_turned_wind(turbine):
+    """The loads of places at rest, at a moment at which nothing moves."""
+    storm = {"wind.kind": "steady", "wind.shear_exponent": 0.0, "wind.mean_speed": 40.0, "*.safety.idling": 1}
+    loads, paths = [*LOADS, "flapwise"], [item.path for item in turbine.dae.states]
+    still = dict(zip(paths, turbine.initial_state(storm).x.tolist(), strict=True))
+    still |= {path: 0.0 for path in paths if path.endswith((".w", "generator.speed", "speed_filter.x"))}
+
+    def at(**wind):
+        given = storm | {f"wind.{name}": value for name, value in wind.items()}
+        state = turbine.initial_state(given, still)
+        return state, np.ravel(state.values(loads))
+
+    excited = excited_model(turbine, at()[0], loads)
+    angle, faster = 5e-4, 0.02
+    turned = (at(direction=angle)[1] - at(direction=-angle)[1]) / (2 * 40.0 * np.tan(angle))
+    blown = (at(mean_speed=40 + faster)[1] - at(mean_speed=40 - faster)[1]) / (2 * faster)
+    for (columns, (places,)), wanted in zip(excited.fields, (blown, turned), strict=False):
+        assert isinstance(places.places, RestingPlaces)
+        found = excited.linear.matrices["D"][: len(loads), columns].sum(axis=1)
+        assert found == pytest.approx(wanted, rel=2e-3, abs=1e-5 * np.abs(wanted).max())
+    side, along = loads.index("side_side"), loads.index("fore_aft")
+    assert abs(turned[side]) > 5 * abs(blown[along])  # feathered blades have their lift across
+
+
+@pytest.mark.long
 def test_a_rotor_that_is_turned_with_its_wind_has_the_same_response(turbine):
     one = fw.response(turbine, outputs=[*LOADS, "flapwise"])
     given = {"ground.angles": (0.0, 0.0, 0.7), "wind.direction": 0.7}
