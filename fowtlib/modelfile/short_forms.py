@@ -239,6 +239,8 @@ WIND = Condition(
                 "wind_class": Key("wind_class", "", choices=("I", "II", "III")),
                 "seed": Key("seed", "#"),
                 "spacing": Key("point_spacing", "m"),
+                "components": Key("components", "", choices=("uvw", "uv", "uw", "u")),
+                "lateral": Key("lateral_coherence", "", choices=("none", "iec")),
                 "period": Key("repetition_period", "s"),
                 **_SHEAR,
             },
