@@ -13,6 +13,7 @@ from fowtlib.analysis.fatigue.spectral import narrow_band
 from fowtlib.components.environment import World
 from fowtlib.components.mechanics import Fixed, PointMass, TubeBeam
 from fowtlib.frequency import ModeDamping, ModeFrequency, OfSpectrum, PreparedGradient, Std, best_gain, response
+from fowtlib.frequency.adjoint import _alike
 from fowtlib.frequency.gain_slopes import gain_slopes, slope_at_mean
 from fowtlib.language import (
     Component,
@@ -455,3 +456,13 @@ def test_two_rotors_in_a_field_whose_places_move_with_an_arm():
 def test_rotors_of_blade_elements_that_turn_are_refused_before_their_mean_is_sought():
     with pytest.raises(SimulationError, match="no gradients of the mean over a revolution"):
         fw.gradient(fw.load("oc3_spar_rigid_bem"), "mean pitch", ["platform.mooring.length"])
+
+
+def test_shares_of_roots_as_sums_of_fewer_functions():
+    omega = 2 * np.pi * np.linspace(0.003, 2.0, 300)
+    slow = -0.05 * np.arange(1, 9) + 1j * np.arange(1, 9)
+    roots = np.concatenate([slow, slow.conj(), -1.0 - 1j * np.geomspace(50, 5e4, 30)])
+    shares = 1 / (1j * omega - roots[:, None])
+    of, functions = _alike(shares)
+    assert functions.shape[0] < 30
+    assert np.abs(of @ functions / shares - 1).max() < 1e-12

@@ -28,7 +28,7 @@ from fowtlib.components.mechanics import (
     WorldTorque,
     read_beam,
 )
-from fowtlib.components.mechanics.beam_division import divide
+from fowtlib.components.mechanics.beam_division import _bent, _straight, divide
 from fowtlib.language import Component, RealOutput, Vector, eq, param, port
 from fowtlib.language.errors import ModelError, ParameterError
 
@@ -401,3 +401,32 @@ def test_hinges_between_stations():
     assert [np.searchsorted(marks, s) for s in divide(even, 6, "stations", marks).s] == [1, 1, 2, 2, 3, 3]
     with pytest.raises(ParameterError, match="5 hinges are no multiple of 4"):
         divide(even, 5, "stations")
+
+
+def test_a_straight_segment_is_a_bent_one_without_bends():
+    rng = np.random.default_rng(3)
+    columns = {name: 1 + rng.random(7) for name in ("mass_per_length", "rotary_inertia_x", "rotary_inertia_y")}
+    beam = BeamProperties(np.sort(10 * rng.random(7)), stiffness_x=1.0, stiffness_y=2.0, **columns)
+    for a, b in [(0.0, beam.length), (0.31 * beam.length, 0.33 * beam.length)]:
+        one, other = _straight(beam, a, b), _bent(beam, a, b)
+        assert one.mass == pytest.approx(other.mass, rel=1e-14)
+        np.testing.assert_allclose(one.centre, other.centre, atol=1e-13)
+        np.testing.assert_allclose(one.inertia, other.inertia, rtol=1e-12, atol=1e-12)
+
+
+def test_pieces_that_are_known_are_those_of_the_same_tube_alone():
+    heights, diameters = np.linspace(0.0, 60.0, 7), np.linspace(8.0, 5.0, 7)
+    tubes = []
+    for place in (None, 0, 3, 6):
+        walls = np.full(7, 0.04)
+        if place is not None:
+            walls[place] = 0.05
+        tubes.append(BeamProperties.tube(heights, diameters, walls))
+    plain = [divide(tube, 6, "stations", tuple(heights.tolist())) for tube in tubes]
+    masses = np.array([[segment.mass for segment in found.segments] for found in plain])
+    for tube, mass in zip(tubes, masses, strict=True):
+        assert mass.sum() == pytest.approx(np.trapezoid(tube.mass_per_length, tube.z), rel=1e-12)
+    # the wall at 30 m changes what lies between 20 m and 40 m, and the hinges there; nothing else
+    moved = masses[2] != masses[0]
+    assert moved.tolist() == [False, False, True, True, True, False, False]
+    assert (plain[2].stiffness_x != plain[0].stiffness_x).tolist() == [False, False, True, True, False, False]
