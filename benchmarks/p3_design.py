@@ -112,6 +112,28 @@ def cheapest_rings(design: fw.Design, found: fw.Optimum) -> str:
     return f"hull {price:.3f} MEUR with the cheapest frames{kept}, of which frames {price - float(bare):.3f}"
 
 
+def draw(design: fw.Design, saved: dict[str, Path], to: Path) -> None:
+    """Outlines and walls of hull and tower, as printed and as saved."""
+    from matplotlib.figure import Figure
+
+    figure = Figure(figsize=(9, 6), layout="constrained")
+    shape, walls = figure.subplots(1, 2, sharey=True)
+    tower = np.array(design.plant.parameter_values()["tower_heights"])
+    for name, one in {"printed": design, **{k: begun_at(design, path) for k, path in saved.items()}}.items():
+        at = {item.name: item.start for item in one.space.placed}
+        z = np.append(at["depths"], [0.0, 10.0])
+        heights = np.concatenate([z, tower])
+        shape.plot(np.concatenate([at["hull_diameters"], at["tower_diameters"]]), heights, label=name)
+        walls.plot(1e3 * np.concatenate([at["hull_walls"], at["tower_walls"]]), heights, label=name)
+    shape.set(xlabel="diameter [m]", ylabel="height above the still water level [m]")
+    walls.set(xlabel="wall [mm]")
+    for axes in (shape, walls):
+        axes.axhline(0.0, color="0.7", linewidth=0.8)
+        axes.grid(alpha=0.3)
+    shape.legend()
+    figure.savefig(to, dpi=110)
+
+
 WATCHED = ("surge", "pitch", "fairlead_offset", "upwind_tension", "rotor_speed", "tower_base_moment",
            "tower_moment_node_5", "hull_moment_node_8")  # fmt: skip
 DISCARD, HOUR = 600.0, 3600.0
@@ -153,6 +175,7 @@ def main() -> None:
     parser.add_argument("--region", type=float, default=0.04)
     parser.add_argument("--nearest", action="store_true")
     parser.add_argument("--check", action="store_true")
+    parser.add_argument("--draw", type=Path, help="a picture of the printed spar and of those in p3_designs")
     parser.add_argument("--run", type=int, default=0)
     parser.add_argument("--from", dest="begin", type=Path)
     arguments = parser.parse_args()
@@ -165,6 +188,10 @@ def main() -> None:
 
     read = read_design(arguments.file)
     design = read.design if arguments.begin is None else begun_at(read.design, arguments.begin)
+    if arguments.draw:
+        here = Path(__file__).parent / "p3_designs"
+        draw(design, {"made feasible": here / "nearest.json", "found": here / "optimum.json"}, arguments.draw)
+        return
     if arguments.run:
         in_time(design, arguments.run)
         return
