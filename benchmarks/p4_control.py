@@ -4,8 +4,8 @@ The strategies of J.M. Hegseth, E.E. Bachynski and J.R.R.A. Martins: no feedback
 rate (CS2), of the nacelle's velocity (CS3), and of that velocity through a low-pass (CS4), which move the set point of
 the rotor speed. Parts: `sweep` varies the feedback gain, `best` finds the gains of each with which fatigue asks for the
 least steel in the tower, `front` does so at falling limits of the speed, `zeros` has the zeros from blade pitch to
-rotor speed, `plot` draws docs/figures/p4_control.png. Results are kept in FOLDER/*.json; what is there already is not
-computed again. Prints the tables of docs/p4_control.md.
+rotor speed, `runs` steps through time, `plot` draws docs/figures/p4_control.png. Results are kept in FOLDER/*.json;
+what is there already is not computed again. Prints the tables of docs/p4_control.md.
 """
 
 from __future__ import annotations
@@ -443,6 +443,28 @@ def kept(folder: Path, name: str, make: Any) -> Any:
     return json.loads(file.read_text())
 
 
+def runs(folder: Path, seeds: int = 3, duration: float = 2100.0) -> str:
+    """CS1 and CS4 at 17 m/s in the nonlinear model, and the response over it; 300 s left out of each run."""
+    plant, lines = compiled("dtu10mw_p4"), []
+    names = ["rotor_speed", "pitch", "blade_pitch_rate", "tower_base_moment", "tower_moment_node_5"]
+    weather = {"wind.mean_speed": 17.0, "wind.turbulence_intensity": 0.1511,
+               "sea.significant_wave_height": 4.09, "sea.peak_period": 10.14}  # fmt: skip
+    for name in ("CS1", "CS4"):
+        given = weather | json.loads((folder / f"{name}.json").read_text())["gains"]
+        linear, found = fw.response(plant, outputs=names, parameters=given), []
+        for seed in range(1, seeds + 1):
+            run = plant.simulate(duration, 0.25, parameters=given | {"wind.seed": seed, "sea.seed": 100 + seed},
+                                 outputs=names, solver="fixed", step=0.05)  # fmt: skip
+            late = np.asarray(run.time) > 300.0
+            loads = [float(fw.damage_equivalent_load(run[n], EXPONENT, discard=300.0)) for n in names[3:]]
+            found.append([*(float(np.asarray(run[n])[late].std()) for n in names), *loads])
+        mean, scatter = np.mean(found, axis=0), np.std(found, axis=0, ddof=1) / np.sqrt(seeds)
+        lines.append((name, *(f"{m:.4g} +- {s:.2g}" for m, s in zip(mean, scatter, strict=True))))
+        also = [*(linear.std(n) for n in names), *(linear.equivalent_load(n, EXPONENT) for n in names[3:])]
+        lines.append(("response over runs", *(f"{v / m:.2f}" for v, m in zip(also, mean, strict=True))))
+    return markdown((("", *names, *(f"range of {n}" for n in names[3:])), lines), 4)
+
+
 def main() -> None:
     folder, asked = Path(sys.argv[1]), sys.argv[2:] or ["sweep", "best", "front"]
     folder.mkdir(parents=True, exist_ok=True)
@@ -458,6 +480,8 @@ def main() -> None:
             found[name] = kept(folder, name, lambda n=name, m=more: row(
                 spar, best(spar, n, starts_of(n, m), (SPEED_LIMIT, DUTY_LIMIT))))  # fmt: skip
         print(table({f"{n}: {label(one['gains'])}": one for n, one in found.items()}, found["CS1"]), flush=True)
+    if "runs" in asked:
+        print(runs(folder), flush=True)
     if "plot" in asked:
         plot(spar, folder, Path(__file__).parent.parent / "docs" / "figures" / "p4_control.png")
     if "zeros" in asked:
