@@ -160,10 +160,11 @@ parts:
   ball: {class: RigidBody, mass: MASS, r_cm: [0, 0, 0], inertia: [[1, 0, 0], [0, 1, 0], [0, 0, 1]]}
   stick: {class: FixedTranslation, r: ["lengths[1] + lengths[2]", 0, "lengths[3]"]}
   motion: {class: Prismatic, n: [0, 0, 1]}
-  spring: {class: SpringDamper, stiffness: 100, damping: 1, natural_length: 2}
+  spring: {class: SpringDamper, stiffness: 100, damping: 1, natural_length: 5 m}
+  foot: {class: Fixed, r: [0, 0, -5 m]}
 connect:
   - [world.frame, motion.frame_a]
-  - [world.frame, spring.frame_a]
+  - [foot.frame, spring.frame_a]
   - [motion.frame_b, spring.frame_b]
   - [motion.frame_b, stick.frame_a]
   - [stick.frame_b, ball.frame_a]
