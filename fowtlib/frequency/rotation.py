@@ -83,7 +83,7 @@ def _between(frequency: np.ndarray, density: np.ndarray, ends: np.ndarray) -> np
     """Mean squares between ends that follow each other, over the width of the part of the axis that they go to."""
     steps = np.diff(frequency) * (density[:, 1:] + density[:, :-1]) / 2
     whole = np.concatenate([np.zeros((len(density), 1)), np.cumsum(steps, axis=1)], axis=1)
-    at = np.array([np.interp(ends, frequency, row) for row in whole])
+    at = np.array([np.interp(ends, frequency, row) for row in whole]).reshape(len(whole), len(ends))
     return np.diff(at, axis=1) / np.diff(_edges(frequency))
 
 
