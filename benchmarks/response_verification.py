@@ -19,6 +19,7 @@ import numpy as np
 from scipy.stats import t as student
 
 import fowtlib as fw
+from fowtlib.language.errors import SimulationError
 
 DISCARD, LENGTH, STEP = 400.0, 3600.0, 0.1
 STATES = {  # wind speed [m/s], significant wave height [m], peak period [s]
@@ -93,8 +94,12 @@ def _value(text: str) -> float | str:
 
 def table(plant: Any, model: str, state: str, names: list[str], runs: list[dict[str, Any]],
           parameters: dict[str, Any]) -> None:  # fmt: skip
-    """Print response and runs of one state."""
-    found = fw.response(plant, outputs=names, parameters=parameters)
+    """Print response and runs of one state; where there is no response, why."""
+    try:
+        found = fw.response(plant, outputs=names, parameters=parameters)
+    except SimulationError as error:
+        print(f"\n{model}, {state}: {error}", flush=True)
+        return
     bound = student.ppf(0.975, len(runs) - 1) / np.sqrt(len(runs)) if len(runs) > 1 else np.nan
     print(f"\n{model}, {state}: {len(runs)} seeds of {LENGTH:g} s\n")
     print("| result | mean, response | runs | standard deviation, response | runs | ratio |")

@@ -34,6 +34,13 @@ def test_moving_and_mirroring_keep_the_mean_square():
     assert mean_square(below, 0.0, 0.1) == pytest.approx(whole / 2, rel=0.05)
 
 
+def test_results_none_of_which_turns_have_nothing_to_move():
+    """Also of a model with two rotors, where all results are of the blades of one."""
+    nothing = np.zeros((0, len(FREQUENCY)))
+    assert moved_spectrum(FREQUENCY, nothing, 0.2, 1).shape == nothing.shape
+    assert mirrored_spectrum(FREQUENCY, nothing, 0.2).shape == nothing.shape
+
+
 @pytest.mark.parametrize("speed", [1.4, -1.4])
 @pytest.mark.parametrize("phase", [1j, -1j, 0.0])
 def test_a_blade_has_the_spectrum_of_a_run(speed, phase):
