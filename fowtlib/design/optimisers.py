@@ -1,4 +1,4 @@
-"""Optimisers behind one interface: IPOPT through CasADi, SLSQP and trust-constr of SciPy.
+"""Optimisers behind one interface: IPOPT through CasADi, SLSQP and trust-constr of SciPy, and one for dear models.
 
 All see the scaled problem of `fowtlib.design.problem` with its slopes, and stay within the bounds of the variables.
 Where a point has no results (no equilibrium, an unstable pole), IPOPT shortens its step itself; those of SciPy start
@@ -12,13 +12,14 @@ from __future__ import annotations
 
 import threading
 import warnings
-from collections.abc import Callable, Mapping
-from dataclasses import dataclass, field
+from collections.abc import Callable
 from typing import Any, Protocol
 
 import casadi as ca
 import numpy as np
 
+from fowtlib.design.settings import Ended, Settings
+from fowtlib.design.successive import search
 from fowtlib.language.errors import ModelError, one_of
 from fowtlib.solving.interrupts import deferred_interrupt
 
@@ -38,27 +39,6 @@ class Scaled(Protocol):
     def f(self, y: np.ndarray) -> float: ...
     def g(self, y: np.ndarray) -> np.ndarray: ...
     def slopes(self, y: np.ndarray) -> tuple[np.ndarray, np.ndarray]: ...
-
-
-@dataclass(frozen=True)
-class Settings:
-    """tolerance: of optimality and of constraints, of the scaled problem; iterations: at most.
-
-    options: further ones, handed to the optimiser as they are.
-    """
-
-    tolerance: float = 1e-6
-    iterations: int = 200
-    options: Mapping[str, Any] = field(default_factory=dict)
-
-
-@dataclass(frozen=True)
-class Ended:
-    """Where an optimiser has ended: y, whether it says that this is an optimum, and its reason in words."""
-
-    y: np.ndarray
-    converged: bool
-    reason: str
 
 
 Optimiser = Callable[[Scaled, np.ndarray, Settings], Ended]
@@ -320,16 +300,9 @@ _SLSQP = {0: "an optimum", 4: "no point near keeps all constraints", 8: "no furt
 _TRUST = {0: "the limit of iterations", 1: "an optimum", 2: "an optimum; steps became small"}
 
 
-def successive(problem: Any, y: np.ndarray, settings: Settings) -> Ended:
-    """Steps in which results of the model are linear and functions of them exact; see fowtlib.design.successive."""
-    from fowtlib.design.successive import search
-
-    return search(problem, y, settings)
-
-
 METHODS: dict[str, Optimiser] = {
     "ipopt": ipopt,
     "slsqp": _scipy("SLSQP"),
     "trust-constr": _scipy("trust-constr"),
-    "successive": successive,
+    "successive": search,
 }

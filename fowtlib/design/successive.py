@@ -20,7 +20,7 @@ from typing import Any
 import casadi as ca
 import numpy as np
 
-from fowtlib.design.optimisers import Ended, Settings
+from fowtlib.design.settings import Ended, Settings
 from fowtlib.language.errors import ModelError
 
 PENALTY = 10.0  # of a constraint that is broken by its scale, over the scale of the objective
