@@ -107,17 +107,16 @@ def _laws(at: Any) -> Laws:
     return Laws(tuple(numbers), tuple(chosen), frozenset(pairs), values, alone, slopes)
 
 
-def with_states(linear: LinearModel, outputs: int, paths: Sequence[str]) -> LinearModel:
-    """A linear model whose outputs are its first ones and then some states."""
+def with_states(linear: LinearModel, outputs: int, rows: np.ndarray, names: Sequence[str]) -> LinearModel:
+    """A linear model whose outputs are its first ones and then sums of its states, by rows (m, states)."""
     first = linear.first(outputs)
     C, D, operators = first.matrices["C"], first.matrices["D"], first.operators
-    rows = np.eye(len(linear.states))[[linear.states.index(path) for path in paths]]
     C, D = np.vstack([C, rows]), np.vstack([D, np.zeros((len(rows), D.shape[1]))])
     if operators is not None:
         more = np.zeros((len(rows), operators.D_output.shape[1]))
         operators = replace(operators, D_output=np.vstack([operators.D_output, more]))
     return LinearModel(first.matrices["A"], first.matrices["B"], C, D, linear.states, linear.inputs,
-                       [*first.outputs, *paths], linear.units, operators)  # fmt: skip
+                       [*first.outputs, *names], linear.units, operators)  # fmt: skip
 
 
 def covariance(H: Mapping[str, np.ndarray], spectra: Mapping[str, np.ndarray], frequency: np.ndarray) -> np.ndarray:

@@ -25,7 +25,7 @@ from fowtlib.frequency.coverage import warn_of_ends
 from fowtlib.frequency.driven import Process, Processes
 from fowtlib.frequency.few_channels import with_few_channels
 from fowtlib.frequency.found import Response
-from fowtlib.frequency.rotation import with_rotation
+from fowtlib.frequency.rotation import Turned, speeds_by_states, with_rotation
 from fowtlib.frequency.settling import settled_gains
 from fowtlib.frequency.shifts import Shifts
 from fowtlib.frequency.shifts import shifted as with_shifts
@@ -84,17 +84,24 @@ def response(
         laws = laws_of(plant, plant.at(state.parameters))
         known = [k for k in laws.states if plant.dae.states[k].path in linear.states]
         paths = [plant.dae.states[k].path for k in known]
-        answers = grid.answers(with_states(linear, excited.results, paths))
+        by_states = speeds_by_states(excited.rotating)
+        rows = np.vstack([np.eye(len(linear.states))[[linear.states.index(path) for path in paths]], by_states])
+        names_of = [*paths, *(f"speed of rotor {k}" for k in range(len(by_states)))]
+        answers = grid.answers(with_states(linear, excited.results, rows, names_of))
     H = {path: values[:, : excited.results] for path, values in answers.items()}
     own = {path: values[:, excited.results :] for path, values in answers.items()}
-    corners = reached(plant, state, laws, known, covariance(own, grid.spectra, grid.frequency))
+    of_laws = {path: values[:, : len(paths)] for path, values in own.items()}
+    corners = reached(plant, state, laws, known, covariance(of_laws, grid.spectra, grid.frequency))
+    speeds = sum((_spectra(values[:, len(paths) :], grid.spectra[path]) for path, values in own.items()),
+                 start=np.zeros((len(by_states), grid.frequency.size)))  # fmt: skip
     shares = {path: _spectra(H[path], grid.spectra[path]) for path in H}
     mean = study.shown(state, names)
     labels = linear.outputs[: excited.results]
     units = tuple(linear.units.get(name, "1") for name in labels)
     driving = dict(grid.spectra)
     found = Response(grid.frequency, tuple(labels), units, mean, shares, H, linear, state, iterations, driving, corners)
-    found = with_rotation(found, excited.rotating, study.rotation(state, names, excited.rotating))
+    rotation = study.rotation(state, names, excited.rotating)
+    found = with_rotation(found, excited.rotating, rotation, Turned(linear, speeds))
     warn_of_ends(found, frequencies is not None)
     warn_of_corners(corners)
     return found

@@ -7,24 +7,45 @@ multi-blade coordinates. With w = (y_c - i y_s) / 2 its two-sided spectrum, aver
 
 what the tower feels at omega being in a blade at the sum and the difference with the rotor speed. What goes round in
 steady wind, by gravity, shear, tilt and the dam of the tower, is no random process: it stands beside the others as the
-share `rotation`, with its mean square at each multiple of the rotor speed.
+share `rotation`, with its mean square about each multiple of the rotor speed. Since the speed itself is random, these
+are no lines but bands, and modes answer to each part of them (frequency.lines). The forces are those at the mean speed.
 """
 
 from __future__ import annotations
 
-from dataclasses import replace
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
 
 import numpy as np
 
 from fowtlib.frequency.found import Response
+from fowtlib.frequency.lines import RandomSpeed
+from fowtlib.solving.linear import LinearModel
 from fowtlib.solving.mean_linear import RotatingLinearModel, Turning
-from fowtlib.solving.rotation import Rotation
+from fowtlib.solving.rotation import HARMONICS, Rotation
 
 ROTATION = "rotation"
-LEAST = 1e-12  # of the mean square of the largest harmonic
+LEAST = 1e-12  # of the largest mean square of a result in a part of the axis
 
 
-def with_rotation(found: Response, rotating: RotatingLinearModel, rotation: Rotation | None) -> Response:
+@dataclass(frozen=True, eq=False)
+class Turned:
+    """How rotors turn in a state: the linear model with its drag, densities (q,) of the speeds [(rad/s)^2/Hz]."""
+
+    linear: LinearModel
+    speeds: Sequence[np.ndarray]
+
+
+def speeds_by_states(rotating: RotatingLinearModel) -> np.ndarray:
+    """Speeds of the rotors [rad/s] by the states of the linear model, (rotors, states)."""
+    average, mean = rotating.average, rotating.mean
+    if average is None or mean is None:
+        return np.zeros((0, len(rotating.linear.states)))
+    return mean.slopes[np.ix_([turn.azimuth for turn in average.turns], average.free)]
+
+
+def with_rotation(found: Response, rotating: RotatingLinearModel, rotation: Rotation | None,
+                  turned: Turned) -> Response:  # fmt: skip
     """The response of the results, from one that has also what these have of the turning, as outputs behind them.
 
     rotation: what goes round in steady wind; None, and the response unchanged, where nothing turns.
@@ -36,7 +57,7 @@ def with_rotation(found: Response, rotating: RotatingLinearModel, rotation: Rota
     for path, H in found.transfer.items():
         for turning in rotating.turning:
             shares[path][list(turning.of)] += turned_spectra(found.frequency, H, found.driving[path], turning)
-    lines = _lines(found.frequency, rotation)
+    lines = _lines(found.frequency, rotation, turned)
     if lines.any():
         shares[ROTATION] = lines
     transfer = {path: H[:, :own] for path, H in found.transfer.items()}
@@ -87,15 +108,15 @@ def _between(frequency: np.ndarray, density: np.ndarray, ends: np.ndarray) -> np
     return np.diff(at, axis=1) / np.diff(_edges(frequency))
 
 
-def _lines(frequency: np.ndarray, rotation: Rotation) -> np.ndarray:
-    """Spectra (m, q) with the mean square of each harmonic at the frequency next to it; of none outside of these."""
+def _lines(frequency: np.ndarray, rotation: Rotation, turned: Turned) -> np.ndarray:
+    """Spectra (m, q) of all harmonics."""
     widths = np.diff(_edges(frequency))
-    density = np.zeros((rotation.mean.size, frequency.size))
-    for speed, variance in zip(rotation.speeds, rotation.variance, strict=True):
-        for n, square in enumerate(variance, start=1):
-            line = n * abs(speed) / (2 * np.pi)
-            if not frequency[0] <= line <= frequency[-1]:
-                continue
-            k = int(np.argmin(np.abs(frequency - line)))
-            density[:, k] += np.where(square > LEAST * variance.max(axis=0), square, 0.0) / widths[k]
-    return density
+    squares = np.zeros((rotation.mean.size, frequency.size))
+    A, outputs = turned.linear.matrices["A"], turned.linear.matrices["C"][: rotation.mean.size]
+    for driven, density in zip(rotation.driven, turned.speeds, strict=True):
+        speed = RandomSpeed(driven.speed, frequency, density)
+        for n in range(1, HARMONICS + 1):
+            line = speed.line(n)
+            c = driven.harmonic(n, line.omega, A, outputs)
+            np.add.at(squares.T, line.where, 2 * np.abs(c) ** 2 * line.share[:, None])
+    return np.where(squares > LEAST * squares.max(axis=1, initial=0.0)[:, None], squares, 0.0) / widths

@@ -6,7 +6,8 @@ on blades that are bent, drives the linear model about the mean with multiples o
 
     mean + sum over the rotors and n of 2 Re(c_n exp(i n psi)),
 
-with c_n from the results at the azimuths of the mean state itself (which is exact), and from the forced motion.
+with c_n from the results at the azimuths of the mean state itself (which is exact), and from the forced motion. What a
+rotor drives is kept, so that c_n can be had for another speed of the turning and with other damping.
 """
 
 from __future__ import annotations
@@ -17,6 +18,7 @@ from typing import Any
 
 import numpy as np
 
+from fowtlib.solving.linear import Resolvent
 from fowtlib.solving.mean_linear import RotatingLinearModel
 from fowtlib.solving.state import State
 
@@ -25,15 +27,54 @@ FINER = 3  # points for one of the mean: a single blade passes the tower at few 
 
 
 @dataclass(frozen=True, eq=False)
-class Rotation:
-    """Results of a steady operation, in their units: mean (m,); harmonics: by rotor, complex c_n (n, m) from n = 1.
+class Driven:
+    """What one rotor drives in the linear model, by multiples n = 0, 1, ... of its azimuth; n = 0 is nothing.
 
-    speeds: of the rotors [rad/s].
+    rates: of the states (n, states); direct: of the results without the motion of the states (n, m); outputs, turning:
+    results by states (m, states), and what goes round once more, times exp(i psi).
+    """
+
+    speed: float
+    rates: np.ndarray
+    direct: np.ndarray
+    outputs: np.ndarray
+    turning: np.ndarray
+
+    def harmonic(self, n: int, omega: np.ndarray, A: np.ndarray, outputs: np.ndarray | None = None) -> np.ndarray:
+        """c_n (q, m) if n psi turns with omega (q,) [rad/s].
+
+        A: of the linear model of these states; outputs: results by states, in place of those of the mean.
+        """
+        C = self.outputs if outputs is None else outputs
+        c = self.direct[n] + self._moved(n, omega, A) @ C.T
+        if n > 1:
+            c = c + self._moved(n - 1, omega * (n - 1) / n, A) @ self.turning.T
+        return c + self._moved(n + 1, omega * (n + 1) / n, A) @ self.turning.conj().T
+
+    def _moved(self, n: int, omega: np.ndarray, A: np.ndarray) -> np.ndarray:
+        """States (q, states)."""
+        rates = np.broadcast_to(self.rates[n][:, None, None], (len(A), omega.size, 1))
+        return Resolvent(omega, A)(rates)[:, :, 0].T
+
+
+@dataclass(frozen=True, eq=False)
+class Rotation:
+    """Results of a steady operation, in their units: mean (m,); driven: what each rotor drives.
+
+    A: of the linear model of the states about the mean.
     """
 
     mean: np.ndarray
-    harmonics: tuple[np.ndarray, ...]
-    speeds: tuple[float, ...]
+    driven: tuple[Driven, ...]
+    A: np.ndarray
+
+    @property
+    def harmonics(self) -> tuple[np.ndarray, ...]:
+        """By rotor, complex c_n (n, m) from n = 1."""
+        return tuple(
+            np.concatenate([one.harmonic(n, np.array([n * one.speed]), self.A) for n in range(1, HARMONICS + 1)])
+            for one in self.driven
+        )
 
     def values(self, azimuths: Sequence[float]) -> np.ndarray:
         """The results (m,) at azimuths [rad], one for each rotor."""
@@ -42,11 +83,6 @@ class Rotation:
             phases = np.exp(1j * np.arange(1, len(c) + 1) * psi)
             total += 2 * (phases @ c).real
         return total
-
-    @property
-    def variance(self) -> np.ndarray:
-        """Mean squares (rotors, n, m) of the parts."""
-        return np.array([2 * np.abs(c) ** 2 for c in self.harmonics])
 
 
 def steady_rotation(plant: Any, state: State, names: Sequence[str], rotating: RotatingLinearModel) -> Rotation:
@@ -85,17 +121,12 @@ def steady_rotation(plant: Any, state: State, names: Sequence[str], rotating: Ro
         accelerations = -np.linalg.solve(mean.mass, force.T).T
         rates[:, v] = accelerations
         rates -= np.outer(rates[:, turn.azimuth], turn.direction)
-        moved = np.zeros((HARMONICS + 2, len(free)), dtype=complex)
-        for n in range(1, HARMONICS + 2):
-            moved[n] = np.linalg.solve(1j * n * speed * np.eye(len(free)) - A, rates[n, free])
-        accelerations[0] = 0.0
+        rates, accelerations[0] = rates[:, free], 0.0
+        rates[0] = 0.0
         C, C1 = mean.outputs[:count, free], mean.turning[rotor][:count, free]
         a, a1 = mean.by_rates[:count], mean.turning_by_rates[rotor][:count]
-        direct = moved @ C.T + accelerations @ a.T
-        ahead = moved @ C1.T + accelerations @ a1.T  # times exp(i psi)
-        behind = moved @ C1.conj().T + accelerations @ a1.conj().T
-        c = values + direct
-        c[1:] += ahead[:-1]
-        c[:-1] += behind[1:]
-        found.append(c[1 : HARMONICS + 1] * scale)
-    return Rotation(together[2].mean(axis=0) * scale, tuple(found), tuple(speeds.tolist()))
+        direct = values + accelerations @ a.T
+        direct[1:] += accelerations[:-1] @ a1.T
+        direct[:-1] += accelerations[1:] @ a1.conj().T
+        found.append(Driven(speed, rates, direct * scale, scale[:, None] * C, scale[:, None] * C1))
+    return Rotation(together[2].mean(axis=0) * scale, tuple(found), A)
