@@ -14,6 +14,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
+from functools import cached_property
 from typing import Any
 
 import numpy as np
@@ -68,13 +69,18 @@ class Rotation:
     driven: tuple[Driven, ...]
     A: np.ndarray
 
-    @property
+    @cached_property
     def harmonics(self) -> tuple[np.ndarray, ...]:
         """By rotor, complex c_n (n, m) from n = 1."""
         return tuple(
             np.concatenate([one.harmonic(n, np.array([n * one.speed]), self.A) for n in range(1, HARMONICS + 1)])
             for one in self.driven
         )
+
+    @property
+    def variance(self) -> np.ndarray:
+        """Mean squares (rotors, n, m) of the parts."""
+        return np.array([2 * np.abs(c) ** 2 for c in self.harmonics])
 
     def values(self, azimuths: Sequence[float]) -> np.ndarray:
         """The results (m,) at azimuths [rad], one for each rotor."""
