@@ -26,10 +26,10 @@ EACH = {
     "run": "fowt batch run dlc12.yaml --workers 4",
     "retry": "fowt batch retry dlc12.yaml",
     "status": "fowt batch status dlc12.yaml --all",
-    "table": "fowt batch table dlc12.yaml --results pitch,surge --statistics mean,max --output extremes.csv",
+    "table": "fowt batch table dlc12.yaml --results pitch,surge \\\n      --statistics mean,max --output extremes.csv",
     "report": "fowt batch report dlc12.yaml --output dlc12.html",
 }
-EXAMPLES = """FILE lists the cases (see docs/cases.md). The results lie beside it, in a
+EXAMPLES = r"""FILE lists the cases (see docs/cases.md). The results lie beside it, in a
 folder with the ending .batch, or in that of --folder: a registry, one file a
 case, batch.log. A batch that was stopped goes on where it was. Cases are done
 again where they, their model or a file of data have changed.
@@ -37,7 +37,8 @@ again where they, their model or a file of data have changed.
 examples:
   fowt batch run dlc12.yaml
   fowt batch status dlc12.yaml
-  fowt batch table dlc12.yaml --results pitch,surge --statistics mean,max --output extremes.csv
+  fowt batch table dlc12.yaml --results pitch,surge --statistics mean,max \
+      --output extremes.csv
   fowt batch report dlc12.yaml --output dlc12.html
   fowt batch run dlc12.yaml --scheduler tcp://10.0.0.1:8786
 """

@@ -20,13 +20,14 @@ if TYPE_CHECKING:
 
 DLC = "dlc"
 DEFAULT_MODEL = "oc3_spar"
-EXAMPLES = """A cases file lists runs: products of wind speeds, seas, seeds (docs/cases.md).
+EXAMPLES = r"""A cases file lists runs: products of wind speeds, seas, seeds (docs/cases.md).
 fowt cases FILE reads it, checks every case, and shows what there is; fowt cases
 dlc NUMBER.. writes one with design load cases of IEC 61400-3-1 and -3-2.
 
 examples:
   fowt cases dlc12.yaml --list
-  fowt cases dlc 1.2 1.3 1.6 --class IB --wind 4:24:2 --seeds 6 --model oc3_spar_rigid --output dlc.yaml
+  fowt cases dlc 1.2 1.3 1.6 --class IB --wind 4:24:2 --seeds 6 \
+      --model oc3_spar_rigid --output dlc.yaml
 """
 OF_DLC = ("model", "wind_class", "site", "wind", "rated", "seeds", "time", "discard", "misalignment")
 

@@ -10,13 +10,14 @@ from fowtlib.cli import site, tables
 from fowtlib.cli.files import FIGURES, check_target, say_saved
 from fowtlib.cli.run import positive
 
-EXAMPLES = """Without --wind the contour of wind speed and wave height, with the median peak
+EXAMPLES = r"""Without --wind the contour of wind speed and wave height, with the median peak
 period. With --wind the surface of all three: at each wind speed a ring of wave
 heights and peak periods. --cut-out adds the contour that ends at a wind speed.
 
 examples:
   fowt contours norway_5 --return-period 50 --plot contour.png
-  fowt contours norway_5 --height 90 --wind 4:32:4 --points 24 --output states.csv
+  fowt contours norway_5 --height 90 --wind 4:32:4 --points 24 \
+      --output states.csv
   fowt contours norway_5 --height 90 --cut-out 25 --upper
 """
 LINE = 180  # points of a line in a picture

@@ -22,7 +22,7 @@ LAWS = ("gumbel", "pooled", "rates", "gaussian")
 METHODS = ("flta", "ecm", "mecm", "sample")
 SIDES = ("max", "min", "abs")
 CASE_FILES = (".yaml", ".yml")
-EXAMPLES = """First the states: flta all bins that occur once in --keep years, ecm the contour
+EXAMPLES = r"""First the states: flta all bins that occur once in --keep years, ecm the contour
 of the return period, mecm that one and those that end at --cut-out, sample
 random states, evaluated as flta. --cases writes them as a file for `fowt batch
 run`. Then the extremes, by each method for which there are runs: of this batch
@@ -38,9 +38,11 @@ results, and about the largest values of the others.
 
 examples:
   fowt extremes norway_5 --method flta --output states.csv
-  fowt extremes norway_5 --method mecm --cut-out 25 --cases contours.yaml --model two_rotor_spar_rigid --seeds 20
+  fowt extremes norway_5 --method mecm --cut-out 25 --cases contours.yaml \
+      --model two_rotor_spar_rigid --seeds 20
   fowt batch run contours.yaml
-  fowt extremes norway_5 --cut-out 25 --batch contours.yaml --results surge,yaw --side yaw=abs --plot extremes.png
+  fowt extremes norway_5 --cut-out 25 --batch contours.yaml \
+      --results surge,yaw --side yaw=abs --plot extremes.png
 """
 
 

@@ -34,7 +34,7 @@ STUDY = (
     "X3 [%]", "X5 [%]",
 )  # fmt: skip
 
-EXAMPLES = """Added mass, radiation damping and wave loads of the hull by the panel method
+EXAMPLES = r"""Added mass, radiation damping and wave loads of the hull by the panel method
 (Capytaine, pip install "fowtlib[hydro]"); each frequency is kept and is not
 computed again (`fowt cache`). MODEL is a model, or one of these files:
   HULL.gdf  a mesh of panels, as WAMIT and HAMS read it
@@ -51,7 +51,8 @@ examples:
   fowt hydro oc3_spar --size 4,2,1 --omega 0.4,0.8
   fowt hydro oc3_spar --database --output spar.1
   fowt hydro hull.gdf --depth 200 --output hull.nc
-  fowt hydro semi.1 --volume 13917 --centre 0,0,-13.15 --depth 200 --output semi.nc
+  fowt hydro semi.1 --volume 13917 --centre 0,0,-13.15 --depth 200 \
+      --output semi.nc
 """
 
 

@@ -12,14 +12,15 @@ from fowtlib.cli.files import check_target, say_saved
 from fowtlib.cli.run import positive
 from fowtlib.language.errors import ModelError, did_you_mean
 
-EXAMPLES = """For each load its largest and smallest factored value over all results, with
+EXAMPLES = r"""For each load its largest and smallest factored value over all results, with
 the other loads at that time. FILE of --cases is a CSV table with the columns
 result and, if wanted, safety_factor, load_case (a label such as 6.2) and
 condition: results of one condition are its realisations (seeds).
 
 examples:
   fowt loads run_*.nc --of thrust,tower_base_fore_aft_moment --factor 1.35
-  fowt loads run_*.nc --of Mx,My,Fx --cases cases.csv --characteristic mean -o loads.md
+  fowt loads run_*.nc --of Mx,My,Fx --cases cases.csv --characteristic mean \
+      -o loads.md
 """
 COLUMNS = ("result", "safety_factor", "load_case", "condition")
 MATRICES = (".csv", ".md")

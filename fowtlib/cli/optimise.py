@@ -17,6 +17,7 @@ if TYPE_CHECKING:
     from fowtlib.design.file import DesignFile
 
 JOURNAL = ".jsonl"
+METHODS = ("ipopt", "slsqp", "trust-constr", "successive")  # of fowtlib.design, which is slow to import
 EXAMPLES = """DESIGN is a design file (docs/design.md) or a shipped one: its model, the
 variables, what is to become least, the constraints, the cases. Each design
 that is tried is kept in a journal at once, DESIGN.jsonl here unless --journal
@@ -43,8 +44,8 @@ def declare(commands: Any) -> None:
     parser = commands.add_parser("optimise", help=text, epilog=EXAMPLES)
     add = parser.add_argument
     add("design", metavar="DESIGN", help="a design file (.yaml), or the name of a shipped design")
-    add("--method", choices=("ipopt", "slsqp", "trust-constr"), metavar="METHOD",
-        help="ipopt, slsqp or trust-constr; else that of the file, else ipopt")  # fmt: skip
+    add("--method", choices=METHODS, metavar="METHOD",
+        help="ipopt, slsqp, trust-constr or successive; else that of the file, else ipopt")  # fmt: skip
     add("--starts", type=count, metavar="N", help="searches from N starts, all but the first at random")
     add("--seed", type=count, metavar="N", help="of the random starts")
     add("--iterations", type=count, metavar="N", help="of one search, at most")

@@ -17,14 +17,15 @@ from fowtlib.language.errors import ModelError, ParameterError, did_you_mean
 
 LEAST = 1e-9  # deviation over the size of the mean, below which a person is not shown a result
 
-EXAMPLES = """About the mean position, with the controllers in the loop. Below: mean, standard
+EXAMPLES = r"""About the mean position, with the controllers in the loop. Below: mean, standard
 deviation, that of each process alone, the median of the largest and of the
 smallest value in --hours, and the damage-equivalent range of 1 Hz (Dirlik).
 Left out: loads of second order, limits of controllers, changes of their region;
 where the deviations reach over a corner of a control law, a warning names it.
 
 examples:
-  fowt response oc3_spar_rigid --wind kaimal:18,class=B --waves jonswap:Hs=4,Tp=10
+  fowt response oc3_spar_rigid --wind kaimal:18,class=B \
+      --waves jonswap:Hs=4,Tp=10
   fowt response oc3_spar_rigid --outputs surge,pitch,thrust --plot spectra.png
   fowt response oc3_spar_rigid --site northern_north_sea --speeds 4:25:1
   fowt response oc3_spar_rigid --states states.csv --each deviations.csv

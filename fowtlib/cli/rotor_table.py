@@ -27,7 +27,7 @@ COLUMNS = (
     "C_t", "generator torque [N m]",
 )  # fmt: skip
 
-EXAMPLES = """C_p, C_t and C_q over tip speed ratio and blade pitch, of rigid blades in
+EXAMPLES = r"""C_p, C_t and C_q over tip speed ratio and blade pitch, of rigid blades in
 uniform wind along the shaft, and the steady operation of the turbine with its
 controller. The coefficients are for a CoefficientRotor:
   --set turbine.rotor.coefficients=rotor.csv
@@ -36,7 +36,8 @@ examples:
   fowt rotor-table nrel5mw_land --output rotor.csv --plot rotor.png
   fowt rotor-table oc3_spar --winds 8:14:0.5 --curve curve.csv
   fowt rotor-table oc3_spar --winds 3:25:0.5 --slopes slopes.csv
-  fowt rotor-table nrel5mw_land --ratios -1:20:0.25 --pitch -5:100:1 --output parked.csv
+  fowt rotor-table nrel5mw_land --ratios -1:20:0.25 --pitch -5:100:1 \
+      --output parked.csv
 """
 
 

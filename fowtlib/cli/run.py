@@ -25,10 +25,12 @@ if TYPE_CHECKING:
 
 MOST_VALUES = 100_000  # of first:last:step: a step with a zero too many would take all memory
 
-EXAMPLES = """examples:
+EXAMPLES = r"""examples:
   fowt run oc3_spar_rigid --time 600 --wind steady:8 --waves still
-  fowt run oc3_spar_rigid --wind kaimal:11.4,class=B,seed=1 --waves jonswap:Hs=6,Tp=10,seed=1 --plot run.png
-  fowt run oc3_spar_rigid --time 4000 --start turning --discard 400 --output run.nc
+  fowt run oc3_spar_rigid --wind kaimal:11.4,class=B,seed=1 \
+      --waves jonswap:Hs=6,Tp=10,seed=1 --plot run.png
+  fowt run oc3_spar_rigid --time 4000 --start turning --discard 400 \
+      --output run.nc
   fowt run oc3_spar_rigid --time 100 --event "turbine.grid_loss at 50 s"
   fowt run oc3_spar_rigid --time 8000 --output longer.nc --resume run.nc
 """

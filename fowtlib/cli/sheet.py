@@ -15,7 +15,7 @@ from fowtlib.language.errors import ModelError
 if TYPE_CHECKING:
     from fowtlib.analysis.sheet import Sheet
 
-EXAMPLES = """Masses, centres, inertia; displaced volume, stiffness C and added mass A of
+EXAMPLES = r"""Masses, centres, inertia; displaced volume, stiffness C and added mass A of
 floating bodies about their frames; position and tensions at rest; natural
 periods; response to waves of the linear model. Still water, no wind unless
 --wind says so.
@@ -27,7 +27,8 @@ under the same names of quantities. Differences are in percent of them.
 examples:
   fowt sheet oc3_spar_rigid -o spar.csv
   fowt sheet two_rotor_spar_rigid --against oc3_spar_rigid
-  fowt sheet oc3_spar_rigid --against published.csv --set platform.mooring.length=900
+  fowt sheet oc3_spar_rigid --against published.csv \
+      --set platform.mooring.length=900
 """
 
 

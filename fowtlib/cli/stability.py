@@ -18,16 +18,17 @@ from fowtlib.language.errors import ModelError
 
 GROWS = 1e-6  # of the size of a pole: its real part, above which a mode grows
 
-EQUILIBRIUM = """In still water, and in the wind of --wind or of the model, at its mean speed.
+EQUILIBRIUM = r"""In still water, and in the wind of --wind or of the model, at its mean speed.
 
 With --free the parameters of the model take the values at which the conditions
 of --target hold, as many as parameters are freed.
 
 examples:
   fowt equilibrium oc3_spar_rigid --wind steady:8
-  fowt equilibrium oc3_spar_rigid --wind none --free platform.mooring.length --target "fairlead_tension_2=950 kN"
+  fowt equilibrium oc3_spar_rigid --wind none --free platform.mooring.length \
+      --target "fairlead_tension_2=950 kN"
 """
-EIGEN = """About the mean position: in still water, and in the wind of --wind or of the
+EIGEN = r"""About the mean position: in still water, and in the wind of --wind or of the
 model, at its mean speed. A mode is named after the motion that takes the
 largest part in it. Of rotors that turn, the modes are those of the mean over a
 revolution in multi-blade coordinates, as seen from the tower: blades that whirl
@@ -40,7 +41,7 @@ examples:
   fowt view oc3_spar --wind none --mode 7
   fowt eigen nrel5mw_land --wind steady:12 --linear land.lin
 """
-CAMPBELL = """In each of the winds the modes of the mean in steady operation, with the
+CAMPBELL = r"""In each of the winds the modes of the mean in steady operation, with the
 controllers in the loop, in still water. A mode is followed from one wind to the
 next by its shape. Frequencies are those seen from the tower, in which a blade
 that swings with f has f - n and f + n, n the revolutions per second.

@@ -14,7 +14,7 @@ from fowtlib.language.errors import ParameterError
 if TYPE_CHECKING:
     from fowtlib.control import PitchLoop, Poles, Tuned
 
-EXAMPLES = """Without --frequency: the damping of pitch and yaw of the platform over the wind,
+EXAMPLES = r"""Without --frequency: the damping of pitch and yaw of the platform over the wind,
 in the linear model of the whole, with the gains that the model has. With it
 also gains with which the rotor alone has this frequency and damping, and the
 damping with these. A damping ratio below zero is a motion that grows.
@@ -22,7 +22,8 @@ damping with these. A damping ratio below zero is a motion that grows.
 examples:
   fowt tune oc3_spar_rigid
   fowt tune oc3_spar_rigid --frequency 0.2 --damping 0.7
-  fowt tune oc3_spar_rigid --winds 6:16:0.5 --peak-shaving 0.8 --save shaving.csv
+  fowt tune oc3_spar_rigid --winds 6:16:0.5 --peak-shaving 0.8 \
+      --save shaving.csv
 """
 
 

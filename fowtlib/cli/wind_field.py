@@ -14,12 +14,13 @@ from fowtlib.cli.run import finite, positive
 from fowtlib.language.errors import ParameterError
 
 ENDINGS = (".bts",)
-EXAMPLES = """The field is as wide as all rotors and their motion: two rotors of 63 m radius
+EXAMPLES = r"""The field is as wide as all rotors and their motion: two rotors of 63 m radius
 at y = -69.3 m and 69.3 m need 265 m, and some metres more for sway and roll.
 
 examples:
   fowt wind-field hub.bts --speed 11.4 --width 160 --height 160
-  fowt wind-field two.bts --speed 11.4 --class A --width 300 --height 150 --time 4000 --seed 3
+  fowt wind-field two.bts --speed 11.4 --class A --width 300 --height 150 \
+      --time 4000 --seed 3
   fowt run two_rotor_spar_rigid --wind field:two.bts
 """
 

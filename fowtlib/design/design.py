@@ -172,7 +172,7 @@ class Design:
     ) -> Optimum:
         """The best design.
 
-        method      "ipopt", "slsqp" or "trust-constr"
+        method      "ipopt", "slsqp", "trust-constr" or "successive"
         starts      how many searches there are: the first begins at the start of the variables, the others at random
                     places (Latin hypercube, by `seed`); the best feasible design counts
         tolerance   of optimality and of the constraints, of their scales; iterations: of one search, at most

@@ -24,7 +24,7 @@ from fowtlib.frequency.quantities import (
     quantities,
     with_slopes,
 )
-from fowtlib.frequency.responses import Process, _processes, _refuse_without_spectrum
+from fowtlib.frequency.responses import Process, _processes, _refuse_without_spectrum, _signals
 from fowtlib.frequency.settling import settled_gains
 from fowtlib.frequency.studies import study_of
 from fowtlib.language.component import Component
@@ -154,7 +154,7 @@ class PreparedGradient:
         self.quantities = quantities(results)
         if not self.quantities or not len(by):
             raise ModelError("a gradient is of one result or more, by one parameter or more.")
-        self.elements = tuned_elements(self.plant, by)
+        self.elements = tuned_elements(self.plant, by, parameters)
         self.given = dict(parameters or {})
         self.frequencies = None if frequencies is None else np.asarray(frequencies, dtype=float)
         self.start = TunedRun(self.plant, self.given, self.elements).values
@@ -423,10 +423,8 @@ class _Evaluation:
         """What goes into the response from each signal by itself, and from the spectra of each process."""
         known, omega = self.response.forcing, self.response.omega
         tasks: list[tuple[Callable[[Component], np.ndarray], list[np.ndarray]]] = []
-        for signal in self.excited.signals:
-            path = signal.process(self.run.tree).path
-            if path not in known.columns:
-                continue
+        driving = _signals(self.excited, self.run.tree).items()  # others stay at rest, as stations in a field
+        for path, signal in ((path, signal) for path, (_, signals) in driving for signal in signals):
             first = known.driven[path].tolist().index(signal.columns.start)
             rows = slice(first, first + signal.columns.stop - signal.columns.start)
             channels = slice(signal.response(self.run.tree, omega[:1]).shape[2])

@@ -49,27 +49,31 @@ class Tuned:
     max: float | None = None
 
 
-def tuned_elements(plant: Plant, by: Sequence[str]) -> list[Tuned]:
+def tuned_elements(plant: Plant, by: Sequence[str], parameters: Values | None = None) -> list[Tuned]:
     """The elements of parameters behind paths; a path without a number stands for all of its elements.
 
+    parameters: of the run, which may have a number where the model has none, and another kind of wind or sea.
     Raises ParameterError for what is no parameter, or one whose results have no derivative by it, and says why.
     """
     if isinstance(by, str):
         raise ParameterError(f"by: parameters are given as a list of paths, as in [{by!r}].")
-    found = [item for name in by for item in _elements(plant, name)]
+    root = plant.root
+    if parameters and any(name.partition("[")[0] in plant.dae.bound_parameters for name in by):
+        root = tree_with(plant.dae, root, dict(parameters))
+    found = [item for name in by for item in _elements(plant, name, root)]
     names = [item.name for item in found]
     if twice := next((name for name in names if names.count(name) > 1), None):
         raise ParameterError(f"by: {twice} is given twice.")
     return found
 
 
-def _elements(plant: Plant, name: str) -> list[Tuned]:
+def _elements(plant: Plant, name: str, root: Component | None) -> list[Tuned]:
     dae = plant.dae
     path = name if name in dae.parameters or name in dae.bound_parameters else name.partition("[")[0]
     if path in dae.parameters:
         item = dae.parameters[path]
         names, unit, bounds, tunable = element_names(path, item.symbol.shape), item.unit, (item.min, item.max), True
-    elif path in dae.bound_parameters and (field := _number(plant, path)) is not None:
+    elif path in dae.bound_parameters and (field := _number(root, path)) is not None:
         names, unit, bounds, tunable = [path], field.unit, (field.min, field.max), False
     else:
         raise ParameterError(_why_not(plant, path))
@@ -78,10 +82,10 @@ def _elements(plant: Plant, name: str) -> list[Tuned]:
     return [Tuned(path, k, own, unit, tunable, *bounds) for k, own in enumerate(names) if name in (path, own)]
 
 
-def _number(plant: Plant, path: str) -> Any:
-    """The declaration of a bound parameter that is one number now; else None."""
+def _number(root: Component, path: str) -> Any:
+    """The declaration of a bound parameter that is one number in a tree; else None."""
     owner, _, name = path.rpartition(".")
-    part = plant.root.find(owner)
+    part = root.find(owner)
     field = part.parameters.get(name)
     if field is None or field.annotation not in (float, *SHAPES):
         return None
@@ -96,7 +100,7 @@ def _why_not(plant: Plant, path: str) -> str:
     part = None if plant.root is None else next((part for part in plant.root.walk() if part.path == owner), None)
     field = part.parameters.get(name) if part is not None else None
     if path in dae.bound_parameters:
-        return f"there is no derivative by {path}: it is no number, but data that are read when a run starts."
+        return f"there is no derivative by {path}: it is no number in this run, but data that are read when it starts."
     if path in dae.dependents:
         return f"there is no derivative by {path}: it follows from other parameters; take those."
     if field is not None and field.is_data:

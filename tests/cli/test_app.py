@@ -81,6 +81,21 @@ def test_the_help_of_a_command_says_what_it_does_and_gives_an_example(capsys, mo
     assert all(len(line) <= 80 for line in text.partition("\nexamples:")[0].splitlines())
 
 
+def test_help_fits_in_80_columns(monkeypatch):
+    monkeypatch.setenv("COLUMNS", "80")
+    for name, command in app.parser()[1].items():
+        assert not [line for line in command.format_help().splitlines() if len(line) > 80], name
+
+
+def test_methods_of_optimise_are_those_of_the_library():
+    from fowtlib.cli.optimise import METHODS
+    from fowtlib.design import optimisers
+
+    assert set(METHODS) == set(optimisers.METHODS)
+    method = next(action for action in app.parser()[1]["optimise"]._actions if action.dest == "method")
+    assert all(name in method.help for name in METHODS)
+
+
 def test_a_new_model_has_a_name(capsys, monkeypatch, tmp_path):
     monkeypatch.chdir(tmp_path)
     assert main(["new", ""]) == 2

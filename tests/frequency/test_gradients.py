@@ -363,7 +363,7 @@ def test_what_has_no_derivative_says_why():
     for by, told in [
         ("one.stifness", "there is no tunable parameter 'one.stifness'; did you mean 'one.stiffness'"),
         ("one.count", "one.count: it is structural, it counts parts or states"),
-        ("one.kind", "one.kind: it is no number, but data that are read when a run starts"),
+        ("one.kind", "one.kind: it is no number in this run, but data that are read when it"),
         ("one.mass[1]", r"one.mass has no element 'one.mass\[1\]'"),
     ]:
         with pytest.raises(ParameterError, match=told):
@@ -441,6 +441,23 @@ def test_a_floating_turbine_in_wind_and_waves():
     _, jacobian = check(prepared, relative=2e-6, step=1e-3)
     assert jacobian[3, by.index("sea.peak_period")] == 0
     assert prepared.units == ("deg", "kN", "kN", "Hz")
+
+
+@pytest.mark.parametrize(
+    ("weather", "by"),
+    [
+        ({"wind.kind": "turbulence", "wind.mean_speed": 18.003}, ["wind.mean_speed", "platform.mooring.length"]),
+        ({"wind.kind": "turbulence", "wind.mean_speed": 15.5, "wind.turbulence_intensity": 0.12},
+         ["wind.turbulence_intensity", "wind.mean_speed"]),
+        ({"wind.kind": "ewm"}, ["wind.reference_speed"]),
+    ],
+)  # fmt: skip
+def test_a_mean_speed_that_a_kind_of_wind_computes_is_not_rounded(weather, by):
+    storm = {"wind.kind": "ewm", "wind.reference_speed": 17.7777}  # 10 minutes; 50 years
+    model = fw.load("oc3_spar_rigid", set=storm if weather["wind.kind"] == "ewm" else {})
+    prepared = PreparedGradient(model, ["std pitch", "mean pitch"], by,
+                                parameters=weather, frequencies=np.geomspace(2e-3, 0.5, 40))  # fmt: skip
+    check(prepared, relative=3e-6)
 
 
 @pytest.mark.long

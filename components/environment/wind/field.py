@@ -20,6 +20,7 @@ class FieldWind(Wind, kind="field"):
     """u, v, w in space and time from a .bts file, see field_lookup; mean speed and shear are those of the file."""
 
     void = ("mean_speed", "shear_exponent")
+    of_data = True
 
     file: str = param(default="", bound=True, doc="TurbSim .bts file")
     field_shift: Number = param(

@@ -18,6 +18,7 @@ class SeriesWind(Wind, kind="file"):
     """
 
     void = ("mean_speed",)
+    of_data = True
 
     file: str = param(default="", bound=True, doc="CSV with time [s] and speed [m/s] of each station")
     interpolation: str = param(

@@ -40,6 +40,7 @@ class TurbulentWind(FieldWind, kind="turbulence"):
     """
 
     void = ("file",)
+    of_data = False
 
     shear_exponent: Scalar = param(default=iec.OFFSHORE_SHEAR, doc="exponent of the power law; on land 0.2")
     turbulence_class: str = param(

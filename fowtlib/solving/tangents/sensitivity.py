@@ -236,7 +236,9 @@ def sensitivities(model: Any, by: Sequence[str], results: Sequence[str] | str | 
     that depends on the motion. Warns where perturbations grow exponentially.
     """
     plant = model.compile() if hasattr(model, "compile") else model
-    elements = tuned_elements(plant, by)
+    if parameters is None and isinstance(start, State):
+        parameters = start.parameters
+    elements = tuned_elements(plant, by, parameters)
     if not elements:
         raise ParameterError("by: no parameter is given.")
     if not plant.dae.states:
@@ -249,8 +251,6 @@ def sensitivities(model: Any, by: Sequence[str], results: Sequence[str] | str | 
                 f"{sample.path}: what a process outside of the model computes has no derivative. Take a controller "
                 "that is a part of the model."
             )
-    if parameters is None and isinstance(start, State):
-        parameters = start.parameters
     with refusals_explained():
         run = RunDirections(plant, dict(parameters or {}), elements)
         at = plant.at(run.parameters)
