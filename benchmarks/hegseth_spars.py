@@ -132,11 +132,10 @@ def bound(values: np.ndarray) -> float:
 
 def extremes(folder: Path, seeds: int) -> None:
     """Mean, deviation and most probable largest value of an hour, as printed and as found."""
-    found = {}
+    found, names = {}, ["tower_base_moment", "surge", "pitch"]
     for spar in (1, 2):
         for case, state in OF_50_YEARS.items():
             plant = plant_of(spar, state[0], tower_drag=True)[1]
-            names = ["tower_base_moment", "surge", "pitch"]
             found[spar, case] = fw.response(plant, outputs=names, parameters=weather(*state))
     print("| mean; deviation; largest | source, runs | source, linear | response | runs |")
     print("| --- | --- | --- | --- | --- |")
@@ -146,13 +145,30 @@ def extremes(folder: Path, seeds: int) -> None:
             one, ours = found[spar, case], np.array([run[name] for run in runs_of])
             cells = [runs[k], linear[k], (one.mean_of(name), one.std(name), one.extreme(name, HOUR, MODE))]
             if len(ours) > 1:
-                most = ours[:, 2].mean() - 0.5772 * np.sqrt(6) / np.pi * ours[:, 2].std(ddof=1)  # of Gumbel's law
-                cells.append((*ours[:, :2].mean(axis=0), most))
+                cells.append((*ours[:, :2].mean(axis=0), gumbel_mode(ours[:, 2])))
             else:
                 cells.append(())
             places = 1 if name == "tower_base_moment" else 2
             words = ["; ".join(f"{x:.{1 if i < 2 else places}f}" for x in cell) for i, cell in enumerate(cells)]
             print(f"| spar {spar}, {case}, {name} [{one.unit(name)}] | " + " | ".join(words) + " |", flush=True)
+    print("\n| response over runs | seeds | deviation, moment | surge | pitch | largest, moment | surge | pitch |")
+    print("| --- " * 8 + "|")
+    for (spar, case), one in found.items():
+        runs_of = hours(folder, spar, OF_50_YEARS[case], seeds, tower_drag=True)
+        cells = []
+        for column in (1, 2):
+            for name in names:
+                values = np.array([run[name][column] for run in runs_of])
+                mean, own = values.mean(), one.std(name)
+                if column == 2:
+                    mean, own = gumbel_mode(values), one.extreme(name, HOUR, MODE)
+                cells.append(f"{own / mean:.2f} +- {own / mean**2 * bound(values):.2f}")
+        print(f"| spar {spar}, {case} | {len(runs_of)} | " + " | ".join(cells) + " |")
+
+
+def gumbel_mode(values: np.ndarray) -> float:
+    """Most probable largest value by the mean and deviation of some largest ones, Gumbel's law."""
+    return float(values.mean() - 0.5772 * np.sqrt(6) / np.pi * values.std(ddof=1))
 
 
 def beside_runs(folder: Path, seeds: int) -> None:
