@@ -3,6 +3,7 @@
 `python benchmarks/hegseth_spars.py extremes`   the four 50-year states beside the printed ones and beside runs
 `python benchmarks/hegseth_spars.py runs`       deviations of spar 1 and of the optimised spar beside runs
 `python benchmarks/hegseth_spars.py life`       fatigue of spar 1 in 546 states, Dirlik beside rainflow of runs
+`python benchmarks/hegseth_spars.py shift`      fatigue of spar 2 with its bending of 1.85 s, and with that of 1.79 s
 
 Runs are hours with a wind and a sea of their own (`--seeds 6`), after 600 s from the mean position. Bounds are those of
 the mean of the seeds at 95 % (Student). What runs gave is kept in `--folder`, so that a stopped benchmark goes on.
@@ -22,7 +23,8 @@ from scipy.stats import t as student
 
 import fowtlib as fw
 from fowtlib.analysis.fatigue import SNCurve, TubeSection, rainflow_cycles, sn_curve
-from fowtlib.metocean import centre_bins, site
+from fowtlib.analysis.spectra import power_spectrum
+from fowtlib.metocean import centre_bins, likely_states, site
 
 DISCARD, HOUR, STEP = 600.0, 3600.0, 0.1
 MODE = np.exp(-1)  # quantile of the most probable largest value
@@ -32,6 +34,7 @@ CURVES = {
     "D, one slope of 3": SNCurve(3.0, 12.164, thickness_exponent=0.2).with_thickness(WALL),
     "D, two slopes": sn_curve("D", thickness=WALL),
 }
+FAST = 0.3  # Hz, between the waves and what the blades do in passing the tower
 FEATHERED = 61.0  # N/(m/s)^2, drag of the idling rotor, by dtu10mw_land in 50 m/s: 152.4 kN
 OF_50_YEARS = {  # mean wind speed [m/s], significant wave height [m], peak period [s]
     "EC1": (11.0, 6.9, 10.0), "EC2": (25.0, 10.3, 12.5), "EC3": (36.0, 12.9, 14.0), "EC4": (50.0, 15.1, 16.0),
@@ -114,7 +117,10 @@ def numbers(run: Any) -> dict[str, Any]:
     stress = values["tower_base_moment"] * 1e6 * SECTION.bending
     cycles = rainflow_cycles((run.time[kept], stress))
     damage = {name: float(curve.damage(cycles)) for name, curve in CURVES.items()}
-    return {n: [float(v.mean()), float(v.std()), float(v.max())] for n, v in values.items()} | {"damage": damage}
+    fast = float(np.sqrt(power_spectrum((run.time[kept], values["tower_base_moment"]), segment=600.0).moment(0, FAST)))
+    return {n: [float(v.mean()), float(v.std()), float(v.max())] for n, v in values.items()} | {
+        "damage": damage, "fast": fast,
+    }  # fmt: skip
 
 
 def bound(values: np.ndarray) -> float:
@@ -126,11 +132,10 @@ def bound(values: np.ndarray) -> float:
 
 def extremes(folder: Path, seeds: int) -> None:
     """Mean, deviation and most probable largest value of an hour, as printed and as found."""
-    found = {}
+    found, names = {}, ["tower_base_moment", "surge", "pitch"]
     for spar in (1, 2):
         for case, state in OF_50_YEARS.items():
             plant = plant_of(spar, state[0], tower_drag=True)[1]
-            names = ["tower_base_moment", "surge", "pitch"]
             found[spar, case] = fw.response(plant, outputs=names, parameters=weather(*state))
     print("| mean; deviation; largest | source, runs | source, linear | response | runs |")
     print("| --- | --- | --- | --- | --- |")
@@ -140,13 +145,30 @@ def extremes(folder: Path, seeds: int) -> None:
             one, ours = found[spar, case], np.array([run[name] for run in runs_of])
             cells = [runs[k], linear[k], (one.mean_of(name), one.std(name), one.extreme(name, HOUR, MODE))]
             if len(ours) > 1:
-                most = ours[:, 2].mean() - 0.5772 * np.sqrt(6) / np.pi * ours[:, 2].std(ddof=1)  # of Gumbel's law
-                cells.append((*ours[:, :2].mean(axis=0), most))
+                cells.append((*ours[:, :2].mean(axis=0), gumbel_mode(ours[:, 2])))
             else:
                 cells.append(())
             places = 1 if name == "tower_base_moment" else 2
             words = ["; ".join(f"{x:.{1 if i < 2 else places}f}" for x in cell) for i, cell in enumerate(cells)]
             print(f"| spar {spar}, {case}, {name} [{one.unit(name)}] | " + " | ".join(words) + " |", flush=True)
+    print("\n| response over runs | seeds | deviation, moment | surge | pitch | largest, moment | surge | pitch |")
+    print("| --- " * 8 + "|")
+    for (spar, case), one in found.items():
+        runs_of = hours(folder, spar, OF_50_YEARS[case], seeds, tower_drag=True)
+        cells = []
+        for column in (1, 2):
+            for name in names:
+                values = np.array([run[name][column] for run in runs_of])
+                mean, own = values.mean(), one.std(name)
+                if column == 2:
+                    mean, own = gumbel_mode(values), one.extreme(name, HOUR, MODE)
+                cells.append(f"{own / mean:.2f} +- {own / mean**2 * bound(values):.2f}")
+        print(f"| spar {spar}, {case} | {len(runs_of)} | " + " | ".join(cells) + " |")
+
+
+def gumbel_mode(values: np.ndarray) -> float:
+    """Most probable largest value by the mean and deviation of some largest ones, Gumbel's law."""
+    return float(values.mean() - 0.5772 * np.sqrt(6) / np.pi * values.std(ddof=1))
 
 
 def beside_runs(folder: Path, seeds: int) -> None:
@@ -180,6 +202,7 @@ def life(folder: Path, seeds: int) -> None:
                   for method in ("dirlik", "tovo_benasciutti", "narrow_band")]  # fmt: skip
         print(f"{name}: damage in 20 years {values[0]:.4g} (Dirlik), {values[1]:.4g} (Tovo and Benasciutti), "
               f"{values[2]:.4g} (narrow band)")  # fmt: skip
+    where(found)
     print("\n| state | curve | Dirlik, an hour | inverse FFT | rainflow of runs | ratio |")
     print("| --- | --- | --- | --- | --- | --- |")
     first = next(iter(CURVES.values()))
@@ -199,15 +222,64 @@ def life(folder: Path, seeds: int) -> None:
                   f"{values.mean():.3e} | {ratio:.2f} +- {ratio * scatter:.2f} |", flush=True)  # fmt: skip
 
 
+def where(found: Any) -> None:
+    """Which winds do the damage, and in which of them deviations reach over corners of control laws."""
+    speeds = np.array([row["wind.mean_speed"] for row in found.states])
+    shares = [found.of_each(lambda one, c=curve: one.damage("tower_base_moment", c, SECTION)) * found.probability
+              for curve in CURVES.values()]  # fmt: skip
+    over = np.array([max((corner.probability for corner in one.corners), default=0.0) if one is not None else np.nan
+                     for one in found])  # fmt: skip
+    print("\n| wind [m/s] | states | probability | " + " | ".join(f"damage, {name}" for name in CURVES) +
+          " | over corners, states | time at most |\n" + "| --- " * (5 + len(CURVES)) + "|")  # fmt: skip
+    for speed in np.unique(speeds):
+        at = speeds == speed
+        parts = " | ".join(f"{100 * np.nansum(share[at]) / np.nansum(share):.1f} %" for share in shares)
+        print(f"| {speed:g} | {at.sum()} | {100 * found.probability[at].sum():.1f} % | {parts} | "
+              f"{np.sum(over[at] > 0)} | {100 * np.nanmax(over[at]):.0f} % |", flush=True)  # fmt: skip
+
+
+def shift(folder: Path, seeds: int) -> None:
+    """Damage of spar 2 and of the same with its bending as much faster as 1.79 s is than 1.85 s, in likely seas."""
+    plant, curve = plant_of(2, 15.0)[1], CURVES["D, one slope of 3"]
+    asked = {"outputs": ["tower_base_moment", "rotor_speed"]}
+    print(f"| state | bending [s] | 3P [s] | deviation beyond {FAST} Hz [MN m] | faster | damage, an hour | ratio |")
+    print("| --- " * 7 + "|")
+    sums = np.zeros(2)
+    likely = likely_states(site("northern_north_sea").at(119), np.arange(5.0, 26.0, 2.0))
+    for state, probability in zip(likely, likely.weights, strict=True):
+        speed, height, period = (float(x) for x in state[:3])
+        given = weather(speed, height, period)
+        own = fw.response(plant, parameters=given, **asked)
+        bending = min((mode.period for mode in own.linear.modes() if mode.label.endswith("_x")),
+                      key=lambda found: abs(found - 1.85))  # fore and aft; sideways it is another  # fmt: skip
+        change = {f"{bending:.4f} s": f"{bending * 1.79 / 1.85:.4f} s"}
+        both = own, fw.response(plant, parameters=given, shifted=change, **asked)
+        damage = np.array([one.damage("tower_base_moment", curve, SECTION) for one in both])
+        fast = [np.sqrt(one["tower_base_moment"].moment(0, FAST)) for one in both]
+        sums += probability * damage
+        passing = 20 / own.mean_of("rotor_speed")
+        print(f"| {speed:g} m/s, {height:.1f} m, {period:.1f} s | {bending:.3f} | {passing:.2f} | {fast[0]:.2f} | "
+              f"{fast[1]:.2f} | {damage[0]:.3e} | {damage[1] / damage[0]:.3f} |", flush=True)  # fmt: skip
+    print(f"\nall, by the density of the wind: {sums[1] / sums[0]:.3f}\n")
+    for spar in (1, 2):
+        one = fw.response(plant_of(spar, 21.0)[1], parameters=weather(*LIKELY["21"]), **asked)
+        found = [run["fast"] for run in hours(folder, spar, LIKELY["21"], seeds) if "fast" in run]
+        if found:
+            ours = np.sqrt(one["tower_base_moment"].moment(0, FAST))
+            mean = np.mean(found)
+            print(f"spar {spar}, 21 m/s: deviation beyond {FAST} Hz {ours:.2f} MN m, in {len(found)} runs {mean:.2f}, "
+                  f"ratio {ours / mean:.2f} +- {ours / mean**2 * bound(np.array(found)):.2f}")  # fmt: skip
+
+
 def main() -> None:
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
-    parser.add_argument("study", choices=["extremes", "runs", "life"])
+    parser.add_argument("study", choices=["extremes", "runs", "life", "shift"])
     parser.add_argument("--seeds", type=int, default=6)
     parser.add_argument("--folder", type=Path, default=Path("output/hegseth_spars"))
     given = parser.parse_args()
     given.folder.mkdir(parents=True, exist_ok=True)
     warnings.simplefilter("ignore")
-    {"extremes": extremes, "runs": beside_runs, "life": life}[given.study](given.folder, given.seeds)
+    {"extremes": extremes, "runs": beside_runs, "life": life, "shift": shift}[given.study](given.folder, given.seeds)
 
 
 if __name__ == "__main__":
