@@ -55,6 +55,7 @@ from fowtlib.design.rules.tubes import (
     tower_use,
     tube_fatigue,
     tube_mass,
+    unevenness,
 )
 
 __all__ = [
@@ -106,5 +107,6 @@ __all__ = [
     "tube_fatigue",
     "tube_mass",
     "tube_sections",
+    "unevenness",
     "uplift_limit",
 ]

@@ -187,6 +187,17 @@ def tapers(heights: Any, diameters: Any, *, limit: float = pi / 18) -> Any:
     return (above - below) / (2 * (high - low)) / tan(limit)
 
 
+def unevenness(heights: Any, values: Any) -> Any:
+    """Sum over the inner nodes of the squares of how much the slope of diameters or walls changes there [-].
+
+    Sections are judged by their mean sizes, nodes by their own, so that sizes that go up and down from node to node
+    cost nearly nothing; a small price on this keeps them smooth.
+    """
+    (low, high), (below, above) = between(column(heights)), between(column(values))
+    first, second = between((above - below) / (high - low))
+    return total((second - first) ** 2)
+
+
 def spar_heave_period(heights: Any, diameters: Any, *, water_density: float = 1025.0, gravity: float = 9.80665,
                       keel: str = "node") -> Any:  # fmt: skip
     """Natural period [s] in heave of a spar that floats at rest, from its shape; one node at the water line, 0.

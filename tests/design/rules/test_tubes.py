@@ -67,6 +67,14 @@ def test_damage_of_a_range_is_that_of_the_curve():
     assert thick[0] == pytest.approx(found[0] * 2, rel=1e-9)  # (2^0.2)^5
 
 
+def test_a_straight_cone_is_even_and_a_kink_counts_by_its_square():
+    z = np.array([0.0, 1.0, 3.0, 7.0])
+    assert rules.unevenness(z, 9.0 - 0.2 * z) == pytest.approx(0.0, abs=1e-28)
+    assert rules.unevenness(z, [1.0, 2.0, 2.0, 4.0]) == pytest.approx((0 - 1) ** 2 + (0.5 - 0) ** 2)
+    teeth = np.array([0.0, 0.1, 0.0, 0.1])
+    assert float(rules.unevenness(z, ca.DM(teeth))) == pytest.approx((-0.05 - 0.1) ** 2 + (0.025 + 0.05) ** 2)
+
+
 @pytest.mark.parametrize("which", ["diameters", "walls"])
 def test_expressions_have_the_values_and_slopes_of_numbers(which):
     x = ca.MX.sym("x", 6)
