@@ -190,7 +190,7 @@ def beside_runs(folder: Path, seeds: int) -> None:
 
 
 def life(folder: Path, seeds: int) -> None:
-    """Damage of 20 years at the tower's base of spar 1, and in the five states of five winds that do most of it."""
+    """Damage of 20 years at the tower's base of spar 1, and in the state of each wind that does most of it."""
     joint = site("northern_north_sea").at(119)
     every = centre_bins(joint, np.arange(5, 26, 2), np.arange(0.5, 16), np.arange(0.5, 25), jacobian=False)
     begin = time.process_time()
@@ -203,23 +203,30 @@ def life(folder: Path, seeds: int) -> None:
         print(f"{name}: damage in 20 years {values[0]:.4g} (Dirlik), {values[1]:.4g} (Tovo and Benasciutti), "
               f"{values[2]:.4g} (narrow band)")  # fmt: skip
     where(found)
-    print("\n| state | curve | Dirlik, an hour | inverse FFT | rainflow of runs | ratio |")
-    print("| --- | --- | --- | --- | --- | --- |")
-    first = next(iter(CURVES.values()))
+    print("\n| state | seeds | curve | Dirlik, an hour | inverse FFT | rainflow of runs | ratio |")
+    print("| --- " * 7 + "|")
     speeds = np.array([row["wind.mean_speed"] for row in found.states])
-    share = found.of_each(lambda one: one.damage("tower_base_moment", first, SECTION)) * found.probability
-    for speed in (7.0, 11.0, 15.0, 19.0, 23.0):
-        number = int(np.nanargmax(np.where(speeds == speed, share, -1.0)))
+    shares = {name: found.of_each(lambda one, c=curve: one.damage("tower_base_moment", c, SECTION)) * found.probability
+              for name, curve in CURVES.items()}  # fmt: skip
+    sums = {name: np.zeros(4) for name in CURVES}  # linear, by runs, its variance, counted in series
+    for speed in np.unique(speeds):
+        number = int(np.nanargmax(np.where(speeds == speed, shares["D, one slope of 3"], -1.0)))
         row, one = found.states[number], found.found[number]
-        state = (speed, float(row["sea.significant_wave_height"]), float(row["sea.peak_period"]))
+        state = (float(speed), float(row["sea.significant_wave_height"]), float(row["sea.peak_period"]))
         runs = hours(folder, 1, state, seeds)
         for name, curve in CURVES.items():
             dirlik, counted = (one.damage("tower_base_moment", curve, SECTION, method=method)
                                for method in ("dirlik", "rainflow"))  # fmt: skip
             values = np.array([run["damage"][name] for run in runs])
             ratio, scatter = dirlik / values.mean(), bound(values) / values.mean()
-            print(f"| {speed:g} m/s, {state[1]:g} m, {state[2]:g} s | {name} | {dirlik:.3e} | {counted:.3e} | "
-                  f"{values.mean():.3e} | {ratio:.2f} +- {ratio * scatter:.2f} |", flush=True)  # fmt: skip
+            share = np.nansum(shares[name][speeds == speed])
+            sums[name] += share * np.array([1.0, 1 / ratio, share * (scatter / ratio) ** 2, counted / dirlik])
+            words = f"{speed:g} m/s, {state[1]:g} m, {state[2]:g} s | {len(runs)} | {name} | {dirlik:.3e}"
+            numbers_of_runs = f"{counted:.3e} | {values.mean():.3e} | {ratio:.2f} +- {ratio * scatter:.2f}"
+            print(f"| {words} | {numbers_of_runs} |", flush=True)
+    for name, (linear, run, variance, counted) in sums.items():
+        print(f"\n{name}: all states over runs, each wind by the ratio of its state: {linear / run:.3f} +- "
+              f"{linear / run**2 * np.sqrt(variance):.3f} (Dirlik), {counted / run:.3f} (inverse FFT)")  # fmt: skip
 
 
 def where(found: Any) -> None:
