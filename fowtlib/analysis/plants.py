@@ -63,6 +63,8 @@ def chosen_outputs(plant: Any, outputs: Sequence[str] | None) -> list[str]:
         raise ModelError(f"outputs are a list of names, as in [{outputs!r}], not a text.")
     if outputs is None:
         return [name for name in MOTIONS if name in known] or known
+    if not len(outputs):
+        raise ModelError("outputs are empty: name one result or more, or take None for all.")
     for name in outputs:
         if name not in known:
             raise ModelError(f"the model has no result '{name}'{did_you_mean(name, known, list_up_to=30)}")

@@ -91,7 +91,8 @@ def show_sensitivities(arguments: argparse.Namespace) -> int:
     columns = ("result", "parameter", "its value", "unit of slope", "mean", "std", "max", "min", "range")
     tables.show(arguments, columns, rows, f"{arguments.discard:g} s to {found.time[-1]:g} s, d result / d parameter")
     growth = "forgets its start" if found.growth < 0 else "does not forget its start"
-    tables.say(arguments, f"the motion {growth}: perturbations change by {found.growth:+.3g} 1/s")
+    half = (found.time[0] + found.time[-1]) / 2
+    tables.say(arguments, f"from {half:g} s on the motion {growth}: perturbations change by {found.growth:+.3g} 1/s")
     if arguments.output:
         found.save(arguments.output)
     say_saved(arguments.output, arguments.plot)

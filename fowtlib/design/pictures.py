@@ -73,7 +73,7 @@ def _sizes(axis: Axes, sizes: Any) -> None:
     axis.set_ylim(len(shown) - 0.5, -0.7)
     axis.set_xlim(-0.08, 1.08)
     axis.set_xticks([0, 1], ["lower", "upper"])
-    axis.set_title("sizes between their bounds; at a bound: another colour", loc="left", fontsize=9.5)
+    axis.set_title("sizes between their bounds (orange: at one)", loc="left", fontsize=9.5)
 
 
 def _constraints(axis: Axes, constraints: Any) -> None:

@@ -257,8 +257,8 @@ def responses(
 ) -> Responses:
     """The responses of a model, or of a compiled one, in many states.
 
-    states       parameters of each state: a list of mappings by path; or a mapping of lists, one of which may be called
-                 "probability"; or states of fowtlib.metocean, which hold their probabilities
+    states       parameters of each state: a list of mappings by path; or a mapping of lists; one of which may be called
+                 "probability" in both; or states of fowtlib.metocean, which hold their probabilities
     outputs      results; None: all. What is not asked for is not kept
     parameters   of all states, as for `response`; those of a state count more
     probability  of each state; None: those of the states, else all alike
@@ -325,6 +325,9 @@ def _rows(states: States, probability: Sequence[float] | np.ndarray | None) -> t
             raise ModelError("states are mappings of parameters, such as {'wind.mean_speed': 12.0}, columns of a "
                              f"table, or states of a site; not {states!r}.")  # fmt: skip
         rows = [dict(row) for row in states]
+        if rows and all(PROBABILITY in row for row in rows):
+            own = [row.pop(PROBABILITY) for row in rows]
+            probability = own if probability is None else probability
     if not rows:
         raise ModelError("there are no states.")
     shares = np.full(len(rows), 1 / len(rows)) if probability is None else np.asarray(probability, dtype=float)

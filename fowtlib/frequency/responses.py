@@ -61,6 +61,7 @@ def response(
     Raises SimulationError where there is no mean, where it is unstable, and where the drag does not settle.
     """
     plant = plant_of(model)
+    _check_numbers(tolerance, state)
     names = list(plant.outputs) if outputs is None else chosen_outputs(plant, outputs)
     study = study_of(plant)
     with study.tree(parameters) as root:
@@ -105,6 +106,14 @@ def response(
     warn_of_ends(found, frequencies is not None)
     warn_of_corners(corners)
     return found
+
+
+def _check_numbers(tolerance: Any, state: Any) -> None:
+    """ModelError for a tolerance that is not above zero, and what is no mean state."""
+    if isinstance(tolerance, bool) or not isinstance(tolerance, (int, float, np.number)) or not tolerance > 0:
+        raise ModelError(f"tolerance is a number above 0, as 1e-4, not {tolerance!r}.")
+    if state is not None and not isinstance(state, State):
+        raise ModelError(f"state is a mean, as plant.equilibrium() gives it, or None, not {state!r}.")
 
 
 def _checked(frequencies: Sequence[float] | np.ndarray) -> np.ndarray:

@@ -78,7 +78,8 @@ def _elements(plant: Plant, name: str, root: Component | None) -> list[Tuned]:
     else:
         raise ParameterError(_why_not(plant, path))
     if name != path and name not in names:
-        raise ParameterError(f"{path} has no element '{name}'; they are {names[0]} to {names[-1]}.")
+        there = f"they are {names[0]} to {names[-1]}" if len(names) > 1 else "it is one number"
+        raise ParameterError(f"{path} has no element '{name}'; {there}.")
     return [Tuned(path, k, own, unit, tunable, *bounds) for k, own in enumerate(names) if name in (path, own)]
 
 
@@ -100,7 +101,7 @@ def _why_not(plant: Plant, path: str) -> str:
     part = None if plant.root is None else next((part for part in plant.root.walk() if part.path == owner), None)
     field = part.parameters.get(name) if part is not None else None
     if path in dae.bound_parameters:
-        return f"there is no derivative by {path}: it is no number in this run, but data that are read when it starts."
+        return f"there is no derivative by {path}: it is no number in this run that could be a little more or less."
     if path in dae.dependents:
         return f"there is no derivative by {path}: it follows from other parameters; take those."
     if field is not None and field.is_data:

@@ -363,7 +363,7 @@ def test_what_has_no_derivative_says_why():
     for by, told in [
         ("one.stifness", "there is no tunable parameter 'one.stifness'; did you mean 'one.stiffness'"),
         ("one.count", "one.count: it is structural, it counts parts or states"),
-        ("one.kind", "one.kind: it is no number in this run, but data that are read when it"),
+        ("one.kind", "one.kind: it is no number in this run that could"),
         ("one.mass[1]", r"one.mass has no element 'one.mass\[1\]'"),
     ]:
         with pytest.raises(ParameterError, match=told):

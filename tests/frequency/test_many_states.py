@@ -31,6 +31,23 @@ def found(plant):
     return responses(plant, {"one.level": LEVELS, "probability": SHARES})
 
 
+def test_probabilities_stand_in_each_state_or_in_a_column(plant, found):
+    rows = [{"one.level": level, "probability": share} for level, share in zip(LEVELS, SHARES, strict=True)]
+    assert responses(plant, rows).weighted_std("x") == found.weighted_std("x")
+    with pytest.raises(ModelError, match="state 2 has the probability -1"):
+        responses(plant, [rows[0], rows[1] | {"probability": -1}])
+
+
+@pytest.mark.parametrize(
+    ("wrong", "text"),
+    [({"outputs": []}, "outputs are empty"), ({"tolerance": 0}, "tolerance is a number above 0"),
+     ({"tolerance": "1e-4"}, "tolerance is a number above 0"), ({"state": 3}, "state is a mean")],
+)  # fmt: skip
+def test_what_a_response_is_not_told(plant, wrong, text):
+    with pytest.raises(ModelError, match=text):
+        response(plant, **wrong)
+
+
 def test_weights_are_those_of_a_sum_by_hand(found):
     # a linear oscillator: the deviation goes with the root of the level, 1 : 2 : 3
     first = found[0].std("x")

@@ -340,6 +340,22 @@ def test_what_has_no_derivative_is_refused_with_the_reason(spar):
         sensitivities(spar, ["tower.mass"], ["surge"], start=spar.simulate(0.5, 0.5, solver="fixed"), **run)
     with pytest.raises(ParameterError, match="stationary"):
         sensitivities(spar, ["tower.mass"], ["surge"], start="stationary", **run)
+    with pytest.raises(ParameterError, match="no result is given"):
+        sensitivities(spar, ["tower.mass"], [], **run)
+    with pytest.raises(ParameterError, match="3 is no State, no Result"):
+        sensitivities(spar, ["tower.mass"], ["surge"], start=3, **run)
+    with pytest.raises(ParameterError, match=r"no element 'tower.mass\[0\]'; it is one number"):
+        sensitivities(spar, ["tower.mass[0]"], ["surge"], **run)
+    found = sensitivities(spar, ["tower.mass"], ["surge"], **run)
+    for wrong in (lambda t, y: y, lambda t, y: "large", lambda t, y: None):
+        with pytest.raises(ParameterError, match="one number of time and values"):
+            found.slopes_of(wrong, "surge")
+
+
+def test_a_number_of_the_wind_that_the_run_alone_gives(spar):
+    weather = {"wind.mean_speed": 18.0, "wind.turbulence_intensity": 0.1, "wind.repetition_period": 512.0}
+    run = {"t_end": 4.0, "output_step": 0.5, "tolerance": 1e-12, "start": "equilibrium"}
+    compared(spar, {"wind.turbulence_intensity": 3e-3}, weather, 2e-6, **run)
 
 
 class Still(Component):

@@ -50,7 +50,7 @@ class Beginning:
                 )
             self.moves = told == MEAN
         else:
-            self.values = start if isinstance(start, State) or start is None else dict(start)
+            self.values = dict(start) if isinstance(start, Mapping) else start
 
     def state(self, run: RunDirections) -> State:
         """The state at the start."""
@@ -70,7 +70,7 @@ class Beginning:
         if self.moves:
             return self._mean(run), d
         for places, column in ((self.plant.layout.x, x), (self.plant.layout.d, d)):
-            for path in self.values or {}:
+            for path in self.values if isinstance(self.values, Mapping) else ():
                 if path in places:
                     column[places[path]] = 0.0
         return x, d
@@ -82,7 +82,10 @@ class Beginning:
         try:
             found = LinearGradient(plant, state)
         except SimulationError as error:
-            error.message += " To hold the start as it is: start=plant.equilibrium(...), a State, or start values."
+            error.message += (
+                " To hold the start as it is: start='file' or 'rest' (--start rest), or in Python a State, as "
+                "plant.equilibrium(...) gives it, or start values."
+            )
             raise
         states = Partial(np.eye(found.nx, found.point.by_v.shape[1]), np.zeros((found.nx, plant.dae.w.numel())))
         return found.total(states, TunedRun(plant, self.parameters, run.elements))

@@ -150,7 +150,7 @@ class Sensitivities:
         it is smooth. unit: of the number; None: that of the result.
         """
         t, y, by = self._series(result, discard)
-        value, slopes = float(function(t, y)), np.zeros(by.shape[1])
+        value, slopes = _one_number(function(t, y)), np.zeros(by.shape[1])
         size = float(np.ptp(y)) or float(np.abs(y).max()) or 1.0
         for column, series in enumerate(by.T):
             largest = float(np.abs(series).max())
@@ -244,6 +244,8 @@ def sensitivities(model: Any, by: Sequence[str], results: Sequence[str] | str | 
     if not plant.dae.states:
         raise ParameterError("this model has no states: nothing in it moves by itself, and a run has no sensitivities.")
     names = list(plant.outputs) if results is None else [results] if isinstance(results, str) else list(results)
+    if not names:
+        raise ParameterError("results: no result is given; None takes all of the model.")
     expressions = [_expression(plant, name) for name in names]
     for sample in plant.dae.samples:
         if sample.process is not None:
@@ -384,6 +386,14 @@ def _growth(time: np.ndarray, size: np.ndarray) -> float:
             f"{time[-1]:g} s they are those of changes too small to matter; take a shorter run.", stacklevel=3,
         )  # fmt: skip
     return rate
+
+
+def _one_number(found: Any) -> float:
+    """What a function of a series has given; ParameterError where it is not one number."""
+    try:
+        return float(found)
+    except (TypeError, ValueError):
+        raise ParameterError(f"function: it gives one number of time and values, not {found!r}.") from None
 
 
 def _number(name: str, known: Sequence[str], what: str) -> int:
