@@ -356,7 +356,7 @@ class _Result:
         design, problem = self.design, self.problem
         y = problem.y(point.x)
         costs = self._prices(y) if prices else None
-        ended = next((s for s in searches if np.array_equal(s.x, point.x)), None)
+        ended = next((s for s in searches if np.allclose(problem.y(s.x), y, rtol=0.0, atol=1e-12)), None)
         found = problem.results_at(point)
         parameters = {**design.space.parameters(point.x), **self._freed(found)}
         results: dict[str, dict[str, Any]] = {case.name: {} for case in design.cases}

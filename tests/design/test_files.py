@@ -149,6 +149,8 @@ def test_variables_that_drive_nothing_and_rules_of_lists_in_si(written):
     t, D = np.array([0.02, 0.03, 0.04]), np.array([4, 0.09, 4])
     of = [(D[k : k + 2].mean(), t[k : k + 2].mean()) for k in (0, 1)]
     assert design.evaluate().value == pytest.approx(sum(8500 * np.pi * (d - w) * w * 10 for d, w in of), rel=1e-9)
+    walls = [[0.0213, 0.0333, 0.0417], [0.0251, 0.0301, 0.0399], [0.0207, 0.0309, 0.0411]]
+    assert {design.evaluate({"wall": wall}).reason for wall in walls} == {"as given"}
 
 
 def test_a_variable_drives_part_of_an_array_and_a_case_has_its_own_model(written):

@@ -53,8 +53,6 @@ class Wind(OnDiscs, Component, selector="kind", shared=("speeds", "velocity")):
     in `spectral_density` what its spectrum is.
     """
 
-    of_data = False  # whether its mean is that of the data of one realisation
-
     kind: str = param(default="none", bound=True, doc="kind of wind")
     mean_speed: Scalar = param(default=0.0, unit="m/s", min=0, doc="mean speed V at reference_height")
     reference_height: Number = param(default=90.0, unit="m", min=0, bound=True, doc="height of mean_speed: the hub")
@@ -167,9 +165,10 @@ class Wind(OnDiscs, Component, selector="kind", shared=("speeds", "velocity")):
 def _mean(wind: Wind) -> dict[str, Any]:
     """The steady wind of a mean, whose speed is to 1 cm/s where it is of data: for many realisations one mean.
 
-    Where a kind computes it from parameters nothing but noise is rounded off: results are differentiated by these.
+    A kind whose mean is that of the data of one realisation says `of_data`. Where it follows from parameters nothing
+    but noise is rounded off: results are differentiated by these.
     """
-    of_its_own, digits = type(wind).mean_at is not Wind.mean_at, 2 if wind.of_data else 12
+    of_its_own, digits = type(wind).mean_at is not Wind.mean_at, 2 if getattr(type(wind), "of_data", False) else 12
     own = {"mean_speed": round(wind.mean_at(0) / mean_speed_at(wind, 1.0, 0), digits)} if of_its_own else {}
     return {"kind": "steady", "shear_exponent": float(wind.parameter_value("shear_exponent")), **own}
 
