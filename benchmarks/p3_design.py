@@ -98,9 +98,10 @@ def cheapest_rings(design: fw.Design, found: fw.Optimum) -> str:
     forces = [1e6 * found.results["EC1"][f"hull_axial_force_node_{k}"] for k in range(1, 11)]
     x, unit = ca.MX.sym("x", 20), np.repeat([0.5, 0.016, 0.4, 0.025, 2.5], 4)
     rings = ca.vertsplit(x * unit, 4)
-    use = rules.hull_buckling(*sizes, ca.DM(moments), ca.DM(forces), *rings)
+    use, calm = (rules.hull_buckling(*sizes, ca.DM(m), ca.DM(forces), *rings) for m in (moments, np.zeros(11)))
     cost = rules.hull_cost(*sizes, *rings).cost / 1e6
-    rows = ca.vertcat(use.shell, use.area, use.inertia, use.stress, use.web, use.flange, use.torsion)
+    rows = ca.vertcat(use.shell, use.area, use.inertia, use.stress, use.web, use.flange, use.torsion, calm.inertia,
+                      calm.stress)  # fmt: skip
     bounds = [
         np.concatenate([getattr(design.space[name], side) for name in RINGS]) / unit for side in ("lower", "upper")
     ]
@@ -173,6 +174,7 @@ def main() -> None:
     parser.add_argument("--file", default="dtu10mw_spar")
     parser.add_argument("--iterations", type=int, default=60)
     parser.add_argument("--region", type=float, default=0.04)
+    parser.add_argument("--penalty", type=float, default=10.0, help="of limits that are broken by their size")
     parser.add_argument("--nearest", action="store_true")
     parser.add_argument("--check", action="store_true")
     parser.add_argument("--draw", type=Path, help="a picture of the printed spar and of those in p3_designs")
@@ -203,7 +205,8 @@ def main() -> None:
         return
     asked = nearest_to(design) if arguments.nearest else design
     options = {**read.optimiser, "iterations": arguments.iterations}
-    found = asked.optimise(**options, options={"region": arguments.region, "say": say}, resume=True, say=say,
+    how = {"region": arguments.region, "penalty": arguments.penalty, "say": say}
+    found = asked.optimise(**options, options=how, resume=True, say=say,
                            journal=str(arguments.folder / "journal.jsonl"))  # fmt: skip
     print(found)
     found.save(arguments.folder / "design.json")
