@@ -20,7 +20,7 @@ from fowtlib.components.environment import (
 )
 from fowtlib.language import Array, Component, ModelError, Scalar, Series, der, eq, outer, param, var
 from fowtlib.language import math as m
-from fowtlib.language.errors import ModelFileError
+from fowtlib.language.errors import ModelFileError, ParameterError
 from fowtlib.modelfile.writing import dump
 from fowtlib.solving.engines.fixed_step_code import kept_text
 from fowtlib.solving.engines.reduction import reduction
@@ -308,3 +308,10 @@ def test_the_spectrum_of_kaimal_wind_is_that_of_its_series():
         mean, count = density[band].mean(axis=0), 60 * (band.stop - band.start)
         np.testing.assert_allclose(found[band].mean(axis=0), mean, rtol=0, atol=4 * mean[0, 0] / np.sqrt(count))
     np.testing.assert_array_equal(SteadyWind(mean_speed=8).spectral_density(omega), np.zeros((512, 1, 1)))
+
+
+@pytest.mark.parametrize("kind", ["kaimal", "turbulence"])
+def test_an_intensity_is_no_percentage(kind):
+    """20 for 20 % would blow with a deviation of twenty times the mean speed."""
+    with pytest.raises(ParameterError, match="turbulence_intensity = 20 is above its maximum 2"):
+        fw.load("oc3_spar_rigid", set={"wind.kind": kind, "wind.turbulence_intensity": 20}).compile()

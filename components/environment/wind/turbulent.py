@@ -49,7 +49,7 @@ class TurbulentWind(FieldWind, kind="turbulence"):
     turbulence_model: str = param(default="ntm", choices=("ntm", "etm"), bound=True, doc="normal or extreme sigma_1")
     wind_class: str = param(default="I", choices=iec.WIND_CLASSES, bound=True, doc="of etm: IEC wind class, of V_ref")
     turbulence_intensity: Number = param(
-        default=None, min=0, bound=True, instead_of=("turbulence_class", "turbulence_model", "wind_class"),
+        default=None, min=0, max=2, bound=True, instead_of=("turbulence_class", "turbulence_model", "wind_class"),
         doc="sigma/V; without a value by the class",
     )  # fmt: skip
     field_spectrum: str = param(default="kaimal", choices=("kaimal", "von_karman"), bound=True, doc="spectra")
