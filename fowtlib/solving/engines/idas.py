@@ -50,6 +50,9 @@ def _one_thread() -> None:
             library.openblas_set_num_threads(1)
 
 
+SMALL = 40  # unknowns that are factored as a full matrix, which pivots
+
+
 class Idas:
     """Integrates from a consistent point over an interval, with equidistant output points."""
 
@@ -61,9 +64,11 @@ class Idas:
         self.at = at
         self.functions = compiled or at.functions
         self._handle = compiled.handle if compiled else np.zeros(0)
-        # the sparse LU of csparse hardly pivots, and loses the light tips of blades
+        # the sparse LU of csparse hardly pivots, and loses the light tips of blades; where rounding is all that is left of
+        # what should be zero, the reflections of the sparse QR end in a division of underflows
         self._linear_solver = "qr"
-        if compiled and compiled.full and ca.has_linsol("lapacklu"):
+        small = at.dae.x.numel() + at.dae.z.numel() <= SMALL
+        if (small or (compiled and compiled.full)) and ca.has_linsol("lapacklu"):
             self._linear_solver = "lapacklu"
             _one_thread()
         self.tolerance = tolerance
