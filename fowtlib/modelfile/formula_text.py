@@ -38,14 +38,15 @@ class FormulaWriter:
             return [self.value(component, field, item, where) for item in value]
         if not is_expression(value):
             return float(value) if isinstance(value, np.number) else value
-        units: dict[str, str] = {}
+        units: dict[str, Quantity] = {}
         text = self._text(component, value, where, units, top=True)
         return text + _correction(text, units, field, where)
 
-    def _text(self, component: Component, value: Any, where: str, units: dict[str, str], top: bool = False) -> str:
+    def _text(self, component: Component, value: Any, where: str, units: dict[str, Quantity],
+              top: bool = False) -> str:  # fmt: skip
         if isinstance(value, ParameterReference):
-            name = self._name(component, value, where)
-            units[name] = value.component.parameters[value.name].unit
+            name, unit = self._name(component, value, where), value.component.parameters[value.name].unit
+            units.setdefault(name, Quantity(1.0, None if unit == "1" else parse_unit(unit)))
             return name
         if not isinstance(value, Expression):
             if isinstance(value, (int, float, np.number)):
@@ -53,6 +54,9 @@ class FormulaWriter:
             raise ModelFileError(f"{where}: a model file cannot say {value!r} in a formula.")
         symbol, texts = value.symbol, [self._text(component, item, where, units) for item in value.arguments]
         if symbol.startswith("["):
+            if texts[0] in units:  # elements of an array
+                count = max(np.size(units[texts[0]].value), int(symbol[1:-1]) + 1)
+                units[texts[0]] = Quantity(np.ones(count), units[texts[0]].unit)
             return texts[0] + symbol
         if symbol in _SIGNS:
             text = f"-{texts[0]}" if len(texts) == 1 else f"{texts[0]} {symbol} {texts[1]}"
@@ -83,17 +87,13 @@ class FormulaWriter:
         return leaf.name in around.parameters and self.is_composite(around) and leaf.component is not around
 
 
-def _correction(text: str, units: dict[str, str], field: Parameter, where: str) -> str:
+def _correction(text: str, units: dict[str, Quantity], field: Parameter, where: str) -> str:
     """What turns the unit that the loader sees in a formula into that of the parameter, without changing the number.
 
     Python's arithmetic knows no units, so a formula from there may lack some.
     """
-
-    def lookup(name: str) -> Quantity:
-        return Quantity(1.0, None if units[name] == "1" else parse_unit(units[name]))
-
     try:
-        unit = parse(text).tree(lookup).unit
+        unit = parse(text).tree(units.__getitem__).unit
     except (ModelFileError, ArithmeticError) as error:
         raise ModelFileError(f"{where}: '{text}': {error}") from None
     wanted = parse_unit(field.unit)

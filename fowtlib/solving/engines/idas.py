@@ -64,8 +64,8 @@ class Idas:
         self.at = at
         self.functions = compiled or at.functions
         self._handle = compiled.handle if compiled else np.zeros(0)
-        # the sparse LU of csparse hardly pivots, and loses the light tips of blades; where rounding is all that is left of
-        # what should be zero, the reflections of the sparse QR end in a division of underflows
+        # the sparse LU of csparse hardly pivots, and loses the light tips of blades; where rounding is all that is left
+        # of what should be zero, the reflections of the sparse QR end in a division of underflows
         self._linear_solver = "qr"
         small = at.dae.x.numel() + at.dae.z.numel() <= SMALL
         if (small or (compiled and compiled.full)) and ca.has_linsol("lapacklu"):
