@@ -18,6 +18,7 @@ from fowtlib.components.mechanics import (
 )
 from fowtlib.components.support import Arm, FlexibleTower, RigidTower
 from fowtlib.components.turbine import Hub, Nacelle, RigidBlade
+from fowtlib.language.errors import ModelError
 
 
 def join(model, *pairs):
@@ -144,14 +145,16 @@ def test_a_changed_run_is_a_fresh_build(name, path):
 @pytest.mark.parametrize(("name", "path"), tunable())
 def test_the_slope_of_the_equilibrium_is_a_difference(name, path):
     plant, state = compiled(name)
+    if path == "tower.beam.cuts":  # one of them is at the root, and below it there is no tower
+        with pytest.raises(ModelError, match="a hinge passes one of its nodes or cuts"):
+            plant.linearize(state, inputs=[path], outputs=[])
+        return
     linear = plant.linearize(state, inputs=[path], outputs=[])
     slope = -np.linalg.solve(linear.matrices["A"], linear.matrices["B"])
     value = np.asarray(plant.dae.parameters[path].value, dtype=float)
     scale = np.max(np.abs(state.x))
     for k in range(value.size):
         step = 1e-4 * (abs(value.reshape(-1, order="F")[k]) or 1.0)
-        if path.endswith("cuts") and not value[k]:
-            continue  # below the root there is no cut
         both = []
         for sign in (1, -1):
             moved = value.reshape(-1, order="F").copy()

@@ -28,8 +28,9 @@ class KaimalWind(SteadyWind, kind="kaimal"):
 
     turbulence_class: str = param(default="B", choices=iec.TURBULENCE_CLASSES, bound=True, doc="IEC turbulence class")
     turbulence_intensity: Number = param(
-        default=None, min=0, max=2, bound=True, instead_of=("turbulence_class",), doc="sigma/V; without a value by the class"
-    )
+        default=None, min=0, max=2, bound=True, instead_of=("turbulence_class",),
+        doc="sigma/V; without a value by the class",
+    )  # fmt: skip
     seed: int = param(default=1, min=0, bound=True, doc="number of the realisation")
     sample_step: Number = param(
         default=0.25, unit="s", min=0, bound=True, doc="sampling; harmonics up to 1/(4 sample_step)"
