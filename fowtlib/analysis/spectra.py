@@ -31,6 +31,12 @@ def widths(frequency: np.ndarray) -> np.ndarray:
     return (np.append(steps, 0.0) + np.append(0.0, steps)) / 2
 
 
+def mean_square_below(frequency: np.ndarray, density: np.ndarray) -> np.ndarray:
+    """What densities (..., q) have between the lowest frequency and each, by the rule of the trapezoid: (..., q)."""
+    steps = np.diff(frequency) * (density[..., 1:] + density[..., :-1]) / 2
+    return np.concatenate([np.zeros((*density.shape[:-1], 1)), np.cumsum(steps, axis=-1)], axis=-1)
+
+
 @dataclass(frozen=True)
 class Spectrum:
     """One-sided density S(f) [unit^2/Hz] over rising frequencies f [Hz]: of a record equally spaced from 0 upward."""
@@ -223,11 +229,10 @@ def realisation(spectrum: Spectrum, duration: float, step: float, *, seed: int, 
 
 def _about(frequency: np.ndarray, spectrum: Spectrum) -> np.ndarray:
     """Mean density about each of equally spaced frequencies from 0: narrow peaks between them keep their variance."""
-    f, S = spectrum.frequency, spectrum.density
-    below = np.concatenate([[0.0], np.cumsum(np.diff(f) * (S[1:] + S[:-1]) / 2)])
+    below = mean_square_below(spectrum.frequency, spectrum.density)
     spacing = frequency[1]
     edges = np.concatenate([[0.0, 0.0], frequency[1:] + spacing / 2])
-    return np.diff(np.interp(edges, f, below)) / spacing
+    return np.diff(np.interp(edges, spectrum.frequency, below)) / spacing
 
 
 def average(spectra: Sequence[Spectrum]) -> Spectrum:

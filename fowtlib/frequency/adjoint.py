@@ -22,6 +22,7 @@ from scipy.linalg import lu_factor, lu_solve
 
 from fowtlib.analysis.spectra import widths
 from fowtlib.frequency.drag import best_gain
+from fowtlib.frequency.driven import frequency_widths
 from fowtlib.frequency.gain_slopes import gain_slopes, slope_at_mean
 from fowtlib.frequency.mixing import Mixing
 from fowtlib.frequency.quantities import ORDERS
@@ -59,8 +60,7 @@ class Forcing:
     @property
     def widths(self) -> np.ndarray:
         """What each frequency stands for in a covariance [Hz]."""
-        steps = np.diff(self.frequency)
-        return (np.append(steps, 0.0) + np.append(0.0, steps)) / 2
+        return frequency_widths(self.frequency)
 
     def of(self, process: str | None) -> np.ndarray:
         """The densities of one process alone; None: of all."""

@@ -126,7 +126,8 @@ class _Responses:
         inputs = np.arange(columns.start, columns.stop)
         drive = np.repeat(np.eye(len(inputs), dtype=complex)[:, None], len(self.omega), axis=1)
         spectrum = density(places, self.root, self.omega)
-        grid = Grid(self.excited, self.frequency, {}, {"": Driving(inputs, drive, spectrum)})
+        power = spectrum * frequency_widths(self.frequency)[:, None, None]
+        grid = Grid(self.excited, self.frequency, {}, {"": Driving(inputs, drive, power)})
         return grid.answers(self.linear)[""], spectrum
 
     def _mean_squares(self, owner: str) -> np.ndarray:

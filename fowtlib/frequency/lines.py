@@ -16,6 +16,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from fowtlib.analysis.spectra import mean_square_below
+
 STEP, COUNT = 0.25, 2**16  # of tau [s]: lines 4 Hz wide, parts of them 6e-5 Hz
 LEAST = 1e-7  # of a line: shares of it in a part of the axis that count
 
@@ -34,10 +36,9 @@ class RandomSpeed:
 
     def __init__(self, speed: float, frequency: np.ndarray, density: np.ndarray):
         self.speed, self.frequency = speed, frequency
-        widths = np.diff(frequency)
-        whole = np.append(0.0, np.cumsum(widths * (density[1:] + density[:-1]) / 2))
+        below = mean_square_below(frequency, density)
         own = np.fft.rfftfreq(COUNT, STEP)
-        squares = np.diff(np.interp(np.append(own, own[-1] + own[1]) - own[1] / 2, frequency, whole))
+        squares = np.diff(np.interp(np.append(own, own[-1] + own[1]) - own[1] / 2, frequency, below))
         squares[0] = 0.0  # what is slower belongs to the mean
         phases = np.divide(2 * squares, (2 * np.pi * own) ** 2, out=np.zeros_like(own), where=own > 0)
         self.spread = np.maximum(phases.sum() - COUNT * np.fft.irfft(phases / 2, COUNT), 0.0)  # D at tau, then at -tau

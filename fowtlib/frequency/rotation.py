@@ -18,6 +18,8 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
+from fowtlib.analysis.spectra import mean_square_below
+from fowtlib.frequency.driven import frequency_widths
 from fowtlib.frequency.found import Response
 from fowtlib.frequency.lines import RandomSpeed
 from fowtlib.solving.linear import LinearModel
@@ -102,15 +104,13 @@ def _edges(frequency: np.ndarray) -> np.ndarray:
 
 def _between(frequency: np.ndarray, density: np.ndarray, ends: np.ndarray) -> np.ndarray:
     """Mean squares between ends that follow each other, over the width of the part of the axis that they go to."""
-    steps = np.diff(frequency) * (density[:, 1:] + density[:, :-1]) / 2
-    whole = np.concatenate([np.zeros((len(density), 1)), np.cumsum(steps, axis=1)], axis=1)
-    at = np.array([np.interp(ends, frequency, row) for row in whole]).reshape(len(whole), len(ends))
-    return np.diff(at, axis=1) / np.diff(_edges(frequency))
+    below = mean_square_below(frequency, density)
+    at = np.array([np.interp(ends, frequency, row) for row in below]).reshape(len(below), len(ends))
+    return np.diff(at, axis=1) / frequency_widths(frequency)
 
 
 def _lines(frequency: np.ndarray, rotation: Rotation, turned: Turned) -> np.ndarray:
     """Spectra (m, q) of all harmonics."""
-    widths = np.diff(_edges(frequency))
     squares = np.zeros((rotation.mean.size, frequency.size))
     A, outputs = turned.linear.matrices["A"], turned.linear.matrices["C"][: rotation.mean.size]
     for driven, density in zip(rotation.driven, turned.speeds, strict=True):
@@ -119,4 +119,5 @@ def _lines(frequency: np.ndarray, rotation: Rotation, turned: Turned) -> np.ndar
             line = speed.line(n)
             c = driven.harmonic(n, line.omega, A, outputs)
             np.add.at(squares.T, line.where, 2 * np.abs(c) ** 2 * line.share[:, None])
-    return np.where(squares > LEAST * squares.max(axis=1, initial=0.0)[:, None], squares, 0.0) / widths
+    kept = squares > LEAST * squares.max(axis=1, initial=0.0)[:, None]
+    return np.where(kept, squares, 0.0) / frequency_widths(frequency)
