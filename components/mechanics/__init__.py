@@ -3,7 +3,7 @@
 # The connectors come first: World (in the environment) has a Frame, and the bodies need World.
 from fowtlib.components.mechanics.connectors import Flange, Frame  # isort: skip
 from fowtlib.components.environment.world import World
-from fowtlib.components.mechanics.adaptors import ForceToPositionAdaptor, PositionToForceAdaptor
+from fowtlib.components.mechanics.adaptors import ForceToPositionAdaptor, PositionToForceAdaptor, PositionToLoadAdaptor
 from fowtlib.components.mechanics.beam import AxialSpring, Beam, BeamHinge, BeamTurn, BendingHinge, TorsionHinge
 from fowtlib.components.mechanics.beam_properties import BeamProperties, read_beam
 from fowtlib.components.mechanics.bodies import Fixed, FixedRotation, FixedTranslation, PointMass, RigidBody
@@ -65,6 +65,7 @@ __all__ = [
     "PointMass",
     "PositionSensor",
     "PositionToForceAdaptor",
+    "PositionToLoadAdaptor",
     "Prismatic",
     "RelativeSensor",
     "Revolute",

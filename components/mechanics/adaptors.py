@@ -41,14 +41,8 @@ class ForceToPositionAdaptor(Component):
         ]
 
 
-class PositionToForceAdaptor(Component):
-    """The other side of a ForceToPositionAdaptor: takes position and velocity of the point, gives the force on it.
-
-    The position is held from one exchange to the next; parts that need the velocity of the point, such as dampers, see
-    the input `velocity`, which is zero where nobody gives it. The axes of the frame stay those of the world, and no
-    moment may act on it.
-    Reference: Modelica.Mechanics.Translational.Components.GeneralPositionToForceAdaptor, here in space.
-    """
+class _HeldPoint(Component):
+    """Partial: a point that a missing body carries along; its axes stay those of the world."""
 
     position_start: Vector = param(default=(0, 0, 0), unit="m", structural=True, doc="position unless given, world")
 
@@ -57,12 +51,40 @@ class PositionToForceAdaptor(Component):
     velocity: RealInput = port(unit="m/s", shape=(3,), default=(0, 0, 0), doc="velocity of the point, world")
     force: RealOutput = port(unit="N", shape=(3,), doc="force of the parts here on the missing body, world")
 
-    def equations(self):
+    def held(self):
+        """The frame, where the missing body has it, and the force."""
         frame = self.frame
         input_rate(self.position, self.velocity)
         return [
             eq(frame.r, self.position),
             fix_orientation(frame, m.eye(3), m.zeros(3)),
             eq(self.force, frame.f),
-            assert_(m.dot(frame.t, frame.t) < 1, "a moment acts on the point where the model is cut"),
         ]
+
+
+class PositionToForceAdaptor(_HeldPoint):
+    """The other side of a ForceToPositionAdaptor: takes position and velocity of the point, gives the force on it.
+
+    The position is held from one exchange to the next; parts that need the velocity of the point, such as dampers, see
+    the input `velocity`, which is zero where nobody gives it. The axes of the frame stay those of the world, and no
+    moment may act on it.
+    Reference: Modelica.Mechanics.Translational.Components.GeneralPositionToForceAdaptor, here in space.
+    """
+
+    def equations(self):
+        moment = self.frame.t
+        return [self.held(), assert_(m.dot(moment, moment) < 1, "a moment acts on the point where the model is cut")]
+
+
+class PositionToLoadAdaptor(_HeldPoint):
+    """A point that a missing body carries along without turning it: takes its motion, gives force and moment on it.
+
+    As in a PositionToForceAdaptor, for what may bear on the point with a moment as well, such as a turbine on a hull
+    that is in another program or in a basin. The point has no acceleration: masses here add their weight to the load,
+    and no inertia.
+    """
+
+    moment: RealOutput = port(unit="N*m", shape=(3,), doc="moment of the parts here on the missing body, world")
+
+    def equations(self):
+        return [self.held(), eq(self.moment, self.frame.t)]

@@ -86,7 +86,7 @@ def test_recipes_are_complete(path):
         assert item["over"] <= read.time
 
 
-@pytest.mark.parametrize("name", ["run_in_fmpy", "external_controller", "connect_two"])
+@pytest.mark.parametrize("name", ["run_in_fmpy", "external_controller", "connect_two", "software_in_the_loop"])
 def test_every_archive_that_a_script_opens_has_a_recipe(name):
     text = (FMUS / f"{name}.py").read_text()
     opened = {word.split('"')[0] for word in text.split('folder / "')[1:]}
@@ -179,3 +179,14 @@ def test_two_units_converge_to_the_whole(folder, mooring):
     late = np.array(found[False])
     assert late[:-1] / late[1:] == pytest.approx(2.0, rel=0.02)  # half a step of delay
     assert np.max(found[True]) < 0.1 * late[-1]
+
+
+def test_a_hull_with_the_turbine_in_software(folder):
+    """The winches at the hub do nearly what a turbine does, and late ones do it worse."""
+    recipe = build.Recipe.read(FMUS / "recipes" / "turbine_alone.yaml")
+    fw.export_fmu(recipe.plant(), folder / "turbine_alone.fmu", kind="cs", step=0.0125)
+    found = script("software_in_the_loop").main(folder, 20.0, (0.4, 0.0125))
+    (*_, late), (surge, pitch, soon) = found[0.4, False], found[0.0125, False]
+    assert max(surge, pitch, soon) < 0.06
+    assert late > 1.5 * soon
+    assert (folder / "software_in_the_loop.png").stat().st_size > 10_000
