@@ -70,6 +70,13 @@ class MemberHydrostatics(PlatformLoad):
             self.push(m.vertcat(weight * self.volume * normal, weight * m.cross(arm, normal))),
         ]
 
+    def surface(self) -> WettedSurface:
+        """The surface of the members, with the values that the parameters have now."""
+        thickness = self.parameter_value("transition")
+        return surface_of(
+            _floater(self), int(self.parameter_value("sides")), None if thickness is None else float(thickness)
+        )
+
     def _water(self):
         """Slopes (3,) of the height over the water in the world, and the height of its plane at the origin."""
         if not self.under_waves:
@@ -79,7 +86,7 @@ class MemberHydrostatics(PlatformLoad):
         return m.vertcat(-wave[1], -wave[2], 1), wave[0]
 
     def facts(self) -> list[facts.Fact]:
-        known, rho = _surface(self).under((0.0, 0.0, 0.0, 1.0)), self.world.parameter_value("water_density")
+        known, rho = self.surface().under((0.0, 0.0, 0.0, 1.0)), self.world.parameter_value("water_density")
         lift, S = rho * self.world.parameter_value("gravity"), -known.slopes
         plane = np.zeros((6, 6))
         plane[2, 2:5] = plane[2:5, 2] = [S[0, 0], S[0, 2], -S[0, 1]]
@@ -103,10 +110,7 @@ def _kept(members: tuple[MemberShape, ...], sides: int, transition: float | None
 
 
 def _surface(part: MemberHydrostatics) -> WettedSurface:
-    transition = part.parameter_value("transition")
-    return surface_of(
-        _floater(part), int(part.parameter_value("sides")), None if transition is None else float(transition)
-    )
+    return part.surface()
 
 
 def _floater(part: MemberHydrostatics) -> Floater:

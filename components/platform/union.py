@@ -105,8 +105,7 @@ class Union:
                         divided=False)
             for k, member in enumerate(self.members) for a, b in member.pieces()
         ]  # fmt: skip
-        polygons = [facet.corners for _, facet in surface(bodies)]
-        return np.array([polygon[[0, k, k + 1]] for polygon in polygons for k in range(1, len(polygon) - 1)])
+        return as_triangles([facet.corners for _, facet in surface(bodies)])
 
     def wet_spans(self, number: int) -> list[Span]:
         """The parts of the axis of a member that count and lie under water."""
@@ -170,6 +169,12 @@ class Union:
             else:
                 nearest.append((between, a.number, b.number))
         return min(((d, a, b) for d, a, b in nearest if root(a) != root(b)), default=None)
+
+
+def as_triangles(polygons: list[Floats]) -> Floats:
+    """Triangles (n, 3, 3) that fill convex polygons, fans about their first corners."""
+    triangles = [polygon[[0, k, k + 1]] for polygon in polygons for k in range(1, len(polygon) - 1)]
+    return np.array(triangles).reshape(-1, 3, 3)
 
 
 def _width(member: MemberShape, a: float, b: float) -> float:
