@@ -11,7 +11,9 @@ import numpy as np
 from fowtlib.analysis.afloat import Afloat, Liquid
 from fowtlib.analysis.masses import centre_of_mass, placed_bodies
 from fowtlib.analysis.plants import plant_of
+from fowtlib.analysis.tank_water import water_in
 from fowtlib.analysis.upright import facts_of
+from fowtlib.components.flooding import Tank
 from fowtlib.components.platform import Floater, MemberHydrostatics, MemberShape
 from fowtlib.components.platform.compartments import compartment, tank
 from fowtlib.components.platform.member_hydrostatics import surface_of
@@ -28,9 +30,10 @@ ALL = "all"
 def afloat(model: Any, slack: str | Sequence[str] = (), state: Any = None) -> Afloat:
     """The floating part of a model in the axes of its Floater, with all bodies where they are at a state.
 
-    slack: names of Ballast below the floater whose surface stays level, or "all"; the rest is as solid. state: by
-    default that at the start. Moorings and wind are not in it. Raises ParameterError where the model has not one
-    Floater with members.
+    slack: names of Ballast below the floater whose surface stays level, or "all"; the rest is as solid. Water in tanks
+    (components.flooding) is liquid always, and stays in its tank. state: by default that at the start. Moorings and
+    wind are not in it. Raises ParameterError where the model has not one Floater with members, or a tank of a shape
+    that is not known here.
     """
     plant = plant_of(model)
     state = plant.initial_state() if state is None else state
@@ -40,7 +43,8 @@ def afloat(model: Any, slack: str | Sequence[str] = (), state: Any = None) -> Af
         origin, R = state.values([join(floater.frame.path, name) for name in ("r", "R")])
         mass, centre = centre_of_mass(placed_bodies(told, state))
         density, gravity = (float(floater.world.parameter_value(name)) for name in ("water_density", "gravity"))
-        found = Afloat(_surface(floater), mass, R.T @ (centre - origin), density, gravity, name=floater.label)
+        water = tuple(water_in(part, state, origin, R) for part in root.walk() if isinstance(part, Tank))
+        found = Afloat(_surface(floater), mass, R.T @ (centre - origin), density, gravity, water, name=floater.label)
         return with_slack(found, floater, slack)
 
 
@@ -84,7 +88,7 @@ def with_slack(hull: Afloat, floater: Floater, slack: str | Sequence[str]) -> Af
         if solid.mass:
             mass, moment = mass - solid.mass, moment - solid.mass * solid.centre
             liquids.append(as_liquid(member, fill, solid.mass))
-    return replace(hull, mass=mass, centre=moment / mass, liquids=tuple(liquids))
+    return replace(hull, mass=mass, centre=moment / mass, liquids=(*hull.liquids, *liquids))
 
 
 def as_liquid(member: MemberShape, fill: Fill, mass: float) -> Liquid:

@@ -12,7 +12,7 @@ from dataclasses import dataclass, field, replace
 import numpy as np
 
 from fowtlib.analysis.afloat import Afloat, Floating
-from fowtlib.analysis.afloat_models import as_liquid
+from fowtlib.analysis.afloat_models import ALL, as_liquid
 from fowtlib.components.platform import Floater, Hull, MemberShape, WettedSurface
 from fowtlib.components.platform.solids import NOTHING, point, together
 from fowtlib.components.platform.union import union
@@ -59,17 +59,22 @@ STAGE_HEADS = ("stage", "mass [kg]", "draft [m]", "heel [deg]", "z_G [m]", "z_B 
 
 
 def construction_stages(
-    floater: Floater, stages: Sequence[Stage], *, clearance: float = 0.0, least: float = 0.0, slack: bool = True
-) -> list[StageFound]:
+    floater: Floater, stages: Sequence[Stage], *, clearance: float = 0.0, least: float = 0.0,
+    slack: str | Sequence[str] = ALL,
+) -> list[StageFound]:  # fmt: skip
     """How a floater floats at each of the stages of its construction.
 
-    clearance [m]: below the keel. least [m]: GM that is needed at every stage. slack: whether ballast of members has a
-    free surface. Raises ParameterError where it sinks or GM is not above `least`, with the stage.
+    clearance [m]: below the keel. least [m]: GM that is needed at every stage. slack: names of ballast with a free
+    surface, or "all"; the rest, as sand and concrete, is solid. Raises ParameterError where it sinks or GM is not above
+    `least`, with the stage.
     """
     if not stages:
         raise ParameterError("there are no stages; give one or more.")
     shapes = {shape.name.removeprefix(f"{floater.label}."): shape for shape in floater.hull().members}
     fills = {fill.name.removeprefix(f"{floater.label}.") for shape in shapes.values() for fill in shape.fills}
+    loose = fills if slack == ALL else {slack} if isinstance(slack, str) else set(slack)
+    if unknown := sorted(loose - fills):
+        raise NotFoundError(f"{floater.label} has no ballast '{unknown[0]}'{did_you_mean(unknown[0], sorted(fills))}")
     built: list[str] = [] if any(stage.members for stage in stages) else list(shapes)
     levels: dict[str, float | None] = {}
     masses: dict[str, tuple[float, Point] | None] = {}
@@ -82,7 +87,7 @@ def construction_stages(
         masses |= stage.masses
         if not built:
             raise ParameterError(f"stage '{stage.name}': nothing is built yet; name its members.")
-        hull = _at_stage(floater, stage.name, [shapes[name] for name in built], levels, masses, slack)
+        hull = _at_stage(floater, stage.name, [shapes[name] for name in built], levels, masses, loose)
         found.append(_floats(stage.name, hull, clearance, least))
     return found
 
@@ -95,7 +100,7 @@ def _known(stage: Stage, known: object, names: object, what: str) -> None:
 
 def _at_stage(
     floater: Floater, name: str, shapes: list[MemberShape], levels: Mapping[str, float | None],
-    masses: Mapping[str, tuple[float, Point] | None], slack: bool,
+    masses: Mapping[str, tuple[float, Point] | None], loose: set[str],
 ) -> Afloat:  # fmt: skip
     """What is there at a stage."""
     raised = float(floater.parameter_value("raised"))
@@ -106,9 +111,12 @@ def _at_stage(
     hull = Hull(members, f"{floater.label} at stage '{name}'")
     hull.check_joined()
     water = {fill.name: (member, fill) for member in members for fill in member.fills}
-    liquids = [as_liquid(*water[key], solid.mass) for key, solid in hull.fills.items() if solid.mass and slack]
+    prefix = f"{floater.label}."
+    liquids = [as_liquid(*water[key], fill.mass) for key, fill in hull.fills.items()
+               if fill.mass and key.removeprefix(prefix) in loose]  # fmt: skip
     put = [point(mass, place) for mass, place in filter(None, masses.values())]
-    solid = together([hull.structure, *put, *([] if slack else hull.fills.values())])
+    put += [fill for key, fill in hull.fills.items() if key.removeprefix(prefix) not in loose]
+    solid = together([hull.structure, *put])
     if solid is NOTHING:
         raise ParameterError(f"{hull.name}: it has no mass; give its members walls, or the stage masses.")
     density, gravity = (float(floater.world.parameter_value(key)) for key in ("water_density", "gravity"))
