@@ -86,8 +86,9 @@ class RightingCurve:
     @property
     def vanishing(self) -> float:
         """The first heel [rad] above zero from which it does not come back; NaN where there is none in the curve."""
-        roots = [r for r in self._spline(self.arm).roots(extrapolate=False) if r > 1e-6]
-        return float(min(roots)) if roots and self.metacentric_height > 0 else math.nan
+        arms = self._spline(self.arm)
+        roots = [float(root) for root in arms.roots(extrapolate=False) if root > 1e-6 and arms(root, 1) < 0]
+        return min(roots, default=math.nan)
 
     def area(self, end: float) -> float:
         """Energy [J] that heeling from upright to `end` [rad] takes."""
