@@ -74,12 +74,14 @@ def show_stability(arguments: argparse.Namespace) -> int:
     hull = _damaged(arguments, model, afloat(model, slack="all" if "all" in arguments.slack else arguments.slack))
     curve = righting_curve(hull, np.radians(heels), math.radians(arguments.towards), not arguments.hold_trim)
     rows = [*_floating(hull.at(), hull), *_arms(arguments, curve, wind)]
+    scales = (1.0, 1.0, curve.mass * curve.gravity, 1.0, 1.0)
+    arms = [tuple(map(tables.rounded, row, scales)) for row in curve.rows()]
     if arguments.form:
-        tables.show(arguments, HEADS, curve.rows())
+        tables.show(arguments, HEADS, arms)
     else:
         tables.show_rows(("quantity", "value", "unit"), rows)
         print()
-        tables.show(arguments, HEADS, curve.rows(), f"heel towards {arguments.towards:g} deg")
+        tables.show(arguments, HEADS, arms, f"heel towards {arguments.towards:g} deg")
     if arguments.plot:
         curve.plot(arguments.plot, model.title or model.name, wind)
         say_saved(arguments.plot)
@@ -118,9 +120,9 @@ def _floating(upright: Floating, hull: Afloat) -> list[tuple[str, float, str]]:
         ("displaced volume", upright.volume, "m^3"),
         ("draft, upright", upright.draft, "m"),
         ("height of the frame over the water", upright.height, "m"),
-        *((f"centre of mass {axis}", float(value), "m")
+        *((f"centre of mass {axis}", tables.rounded(float(value), 1.0), "m")
           for axis, value in zip("xyz", upright.centre_of_mass, strict=True)),
-        *((f"centre of buoyancy {axis}", float(value), "m")
+        *((f"centre of buoyancy {axis}", tables.rounded(float(value), 1.0), "m")
           for axis, value in zip("xyz", upright.centre_of_buoyancy, strict=True)),
         ("waterplane area", upright.waterplane_area, "m^2"),
         ("second moment of it along x", float(second[0]), "m^4"),
