@@ -35,6 +35,8 @@ def afloat(model: Any, slack: str | Sequence[str] = (), state: Any = None) -> Af
     wind are not in it. Raises ParameterError where the model has not one Floater with members, or a tank of a shape
     that is not known here.
     """
+    if hasattr(model, "root"):
+        the_floater(model.root)  # before it is compiled
     plant = plant_of(model)
     state = plant.initial_state() if state is None else state
     with plant.binding(state.parameters).tree() as root, one_evaluation():
