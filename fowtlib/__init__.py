@@ -42,6 +42,9 @@ if TYPE_CHECKING:
         ultimate_loads,
         up_crossings,
     )
+    from fowtlib.analysis.afloat_models import afloat
+    from fowtlib.analysis.righting import righting_curve
+    from fowtlib.analysis.stages import Stage, construction_stages
     from fowtlib.case_files import read_cases
     from fowtlib.cases import Batch, Case, check_cases, run_batch
     from fowtlib.design import (
@@ -104,6 +107,9 @@ _LATER = {
          "aerodynamic_coefficients", "forced_oscillation", "gradient", "response"),
         "fowtlib.frequency",
     ),
+    "afloat": "fowtlib.analysis.afloat_models",
+    "righting_curve": "fowtlib.analysis.righting",
+    **dict.fromkeys(("Stage", "construction_stages"), "fowtlib.analysis.stages"),
     "responses": "fowtlib.frequency.many",
     "read_cases": "fowtlib.case_files",
     **dict.fromkeys(("Batch", "Case", "check_cases", "run_batch"), "fowtlib.cases"),
@@ -166,9 +172,11 @@ __all__ = [
     "Responses",
     "Result",
     "Sensitivities",
+    "Stage",
     "State",
     "Variable",
     "aerodynamic_coefficients",
+    "afloat",
     "analyse_decay",
     "analysis",
     "average",
@@ -179,6 +187,7 @@ __all__ = [
     "compare",
     "compare_results",
     "components",
+    "construction_stages",
     "damage_equivalent_load",
     "dump",
     "equivalent_loads",
@@ -205,6 +214,7 @@ __all__ = [
     "read_design",
     "response",
     "responses",
+    "righting_curve",
     "run_batch",
     "sensitivities",
     "simulated_rao",

@@ -40,6 +40,7 @@ from fowtlib.cli import (
     optimise,
     rao,
     response,
+    righting,
     rotor_table,
     run,
     sensitivity,
@@ -56,9 +57,9 @@ from fowtlib.cli.report import write_report
 from fowtlib.language.errors import ModelError, did_you_mean
 
 GROUPS = (
-    run, cases, batch, export, view, inspection, events, stability, tune, sheet, maps, optimise, decay, rao, response,
-    sensitivity, statistics, maxima, loads, fatigue, compare, rotor_table, hydro, wind_field, contours, extremes,
-    library, cache,
+    run, cases, batch, export, view, inspection, events, stability, righting, tune, sheet, maps, optimise, decay, rao,
+    response, sensitivity, statistics, maxima, loads, fatigue, compare, rotor_table, hydro, wind_field, contours,
+    extremes, library, cache,
 )  # fmt: skip
 
 
