@@ -1,8 +1,10 @@
 """Water inside: tanks with a free surface, pipes, valves and pumps between them, openings to the sea, trapped air."""
 
+from fowtlib.components.flooding.compartments import CompartmentRing
 from fowtlib.components.flooding.connectors import Air, Water
+from fowtlib.components.flooding.floating_piston import FloatingPiston
 from fowtlib.components.flooding.pipe import Pipe
 from fowtlib.components.flooding.tank import Tank
 from fowtlib.components.flooding.tanks import BoxTank, RoundTank
 
-__all__ = ["Air", "BoxTank", "Pipe", "RoundTank", "Tank", "Water"]
+__all__ = ["Air", "BoxTank", "CompartmentRing", "FloatingPiston", "Pipe", "RoundTank", "Tank", "Water"]
