@@ -3,8 +3,21 @@
 from fowtlib.components.flooding.compartments import CompartmentRing
 from fowtlib.components.flooding.connectors import Air, Water
 from fowtlib.components.flooding.floating_piston import FloatingPiston
+from fowtlib.components.flooding.lifting_command import LiftingCommand
 from fowtlib.components.flooding.pipe import Pipe
+from fowtlib.components.flooding.pump import Pump
 from fowtlib.components.flooding.tank import Tank
 from fowtlib.components.flooding.tanks import BoxTank, RoundTank
 
-__all__ = ["Air", "BoxTank", "CompartmentRing", "FloatingPiston", "Pipe", "RoundTank", "Tank", "Water"]
+__all__ = [
+    "Air",
+    "BoxTank",
+    "CompartmentRing",
+    "FloatingPiston",
+    "LiftingCommand",
+    "Pipe",
+    "Pump",
+    "RoundTank",
+    "Tank",
+    "Water",
+]

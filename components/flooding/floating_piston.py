@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from fowtlib.components.environment.world import World
 from fowtlib.components.flooding.connectors import Water
-from fowtlib.components.flooding.shaft import levels, on_the_axis, on_the_frames
+from fowtlib.components.flooding.shaft import centre, levels, on_the_axis, on_the_frames
 from fowtlib.components.mechanics.connectors import Frame, TranslationalFlange
 from fowtlib.language import Component, RealOutput, Scalar, Vector, assert_, der, eq, outer, param, port, var
 from fowtlib.language import math as m
@@ -42,6 +42,8 @@ class FloatingPiston(Component):
     lift: Scalar = var(unit="N", doc="force of the water on the piston along the axis")
     gap_pressure: Scalar = var(unit="Pa", doc="pressure lost by the flow in the gap")
     energy: Scalar = var(unit="J", doc="of the water in the shaft: potential above the floor, and kinetic of the gap")
+    mass: Scalar = var(unit="kg", state="never", doc="mass of the water")
+    centre: Vector = var(unit="m", state="never", doc="centre of the water, from frame_a, resolved in it")
     velocity: Vector = var(unit="m/s", state="avoid", doc="velocity of frame_a, world")
 
     area = property(lambda self: m.pi / 4 * self.diameter**2)
@@ -62,6 +64,7 @@ class FloatingPiston(Component):
             eq(der(self.volume), self.water.volume_flow),
             eq(self.velocity, der(self.frame_a.r)),
             [eq(self.level, found.surface), eq(self.immersion, found.immersion)],
+            [eq(self.mass, self.density_now() * self.volume), eq(self.centre, centre(self, found))],
             *on_the_axis(self, found),
             *on_the_frames(self, found),
             *_limits(self),
@@ -72,18 +75,18 @@ def _limits(shaft: FloatingPiston) -> list:
     return [
         assert_(
             shaft.immersion < shaft.piston_height,
-            "the water stands over the top of the piston, {immersion:.4g} m above its foot, and it is {height:.4g} m "
+            "the water stands over the top of the piston, {immersion} m above its foot, and it is {height} m "
             "high: its displacement is too small for the weight on it, or it is held; make it larger, or stop the pump",
             immersion=shaft.immersion, height=shaft.piston_height,
         ),
         assert_(
             shaft.level < shaft.height,
-            "the water runs over the top of the shaft: it stands {surface:.4g} m above the floor of its {height:.4g} m",
+            "the water runs over the top of the shaft: it stands {surface} m above the floor of its {height} m",
             surface=shaft.level, height=shaft.height,
         ),
         assert_(
             shaft.volume > -1e-6 * shaft.area,
-            "the shaft is empty and water is still taken out of it: stop the pump when its volume is {volume:.3g} m^3",
+            "the shaft is empty and water is still taken out of it: stop the pump when its volume is {volume} m^3",
             volume=shaft.volume,
         ),
     ]  # fmt: skip

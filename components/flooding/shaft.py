@@ -52,6 +52,18 @@ def levels(shaft) -> Levels:
     )  # fmt: skip
 
 
+def surface_moment(shaft, found: Levels):
+    """Second moment of area of the free surface [m^4]."""
+    return m.pi / 64 * (shaft.diameter**4 - begun(found) * shaft.piston_diameter**4)
+
+
+def centre(shaft, found: Levels):
+    """Centre of the water in the axes of the shaft (3,) [m]; its surface is level, to the first order in the slope."""
+    up = shaft.frame_a.R.T @ m.vertcat(0, 0, 1)
+    aside = -surface_moment(shaft, found) * up[:2] / up[2]
+    return m.vertcat(aside, found.first) / (found.volume + 1e-9 * shaft.area)
+
+
 def gap_loss(shaft, found: Levels):
     """Pressure [Pa] lost by the flow in the gap, positive for one upwards; zero where the piston is dry."""
     gap = shaft.area - shaft.piston_area
@@ -99,7 +111,7 @@ def on_the_frames(shaft, found: Levels) -> list:
     growth = found.wet * (shaft.water.volume_flow - area * v) / (area - piston)
     rate = -rho * piston * (growth * v + found.immersion * der(v))
     coriolis = 2 * momentum * m.cross(a.w, n)
-    surface = rho * m.pi / 64 * (shaft.diameter**4 - begun(found) * shaft.piston_diameter**4)
+    surface = rho * surface_moment(shaft, found)
     push = rho * piston * found.immersion * (up + middle * turning)
     across = push - n * m.dot(n, push)
     pressed = weight + n * rate + coriolis + across

@@ -82,6 +82,7 @@ class Latch(Component):
 
     axis: TranslationalFlange = port(doc="axis of the slide")
     lost_power: RealOutput = port(unit="W", doc="power that the damper of the latch takes out")
+    shut: RealOutput = port(doc="1 when it holds the slide, else 0")
 
     ready: Scalar = var(discrete=True, start=ready_start, doc="1 when it has been told to close")
     closed: Scalar = var(discrete=True, start=closed_start, doc="1 when it holds the slide")
@@ -99,7 +100,7 @@ class Latch(Component):
             eq(self.force, -self.closed * (self.stiffness * (s - self.held) + self.damping * v)),
             eq(self.energy, self.closed * self.stiffness * (s - self.held) ** 2 / 2),
             eq(self.axis.f, -self.force),
-            eq(self.lost_power, self.closed * self.damping * v**2),
+            [eq(self.lost_power, self.closed * self.damping * v**2), eq(self.shut, self.closed)],
             when(arrived > 0, assign(self.closed, caught), assign(self.held, s)),
             on(self.close, assign(self.ready, 1), assign(self.closed, caught), assign(self.held, s)),
             on(self.open, assign(self.ready, 0), assign(self.closed, 0)),

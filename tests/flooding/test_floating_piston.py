@@ -177,6 +177,7 @@ def test_a_leaning_shaft_carries_water_whose_surface_is_level():
     moment = np.cross(R @ first, weight) + np.cross(R @ (0, 0, s + 40.0), MASS * np.array(weight))
     assert array(result, "carrier.frame_a.f")[-1] == pytest.approx([0, 0, (MASS + mass) * G], rel=1e-4, abs=1)
     assert array(result, "carrier.frame_a.t")[-1][1] == pytest.approx(-moment[1], rel=3e-5)
+    assert array(result, "shaft.centre")[-1] == pytest.approx(first / mass, rel=1e-3, abs=1e-9)
 
 
 @pytest.mark.parametrize(
