@@ -7,6 +7,8 @@ from typing import Any
 from fowtlib.components.flooding.connectors import Air
 from fowtlib.language import Scalar, assert_, der, eq, port, var
 
+PARAMETERS = ("air_volume", "atmospheric_pressure", "air_mass_start", "polytropic_exponent")  # of a sealed tank
+
 
 def declare(tank: Any) -> None:
     """The mass of the air as a state, and a port for a vent; nothing joined to it: no air comes or goes."""
@@ -28,8 +30,7 @@ def laws(tank: Any) -> list[Any]:
 
 def space(tank: Any, volume: Any) -> Any:
     """Volume of the air [m^3] over a volume of water."""
-    vessel = tank.vessel()
-    return vessel.area * vessel.height + tank.air_volume - volume
+    return tank.vessel().capacity + tank.air_volume - volume
 
 
 def _start(tank: Any) -> Any:

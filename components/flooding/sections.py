@@ -42,6 +42,11 @@ class Wedge:
     moments: tuple[Any, Any, Any]
     height: Any
 
+    @property
+    def capacity(self) -> Any:
+        """Volume up to the roof [m^3]."""
+        return self.area * self.height
+
     def contents(self, h: Any, slope: tuple[Any, Any]) -> Contents:
         """What is under the surface; nothing is held at floor or roof."""
         xx, yy, xy = self.moments
@@ -65,6 +70,11 @@ class Box:
     def area(self) -> Any:
         """Area of the section [m^2]."""
         return self.length * self.width
+
+    @property
+    def capacity(self) -> Any:
+        """Volume up to the roof [m^3]."""
+        return self.area * self.height
 
     def contents(self, h: Any, slope: tuple[Any, Any]) -> Contents:
         """What is under the surface between floor and roof."""
@@ -108,13 +118,21 @@ class Disc:
         """Area of the section [m^2]."""
         return m.pi * (self.radius**2 - (self.inner**2 if self.ring else 0.0))
 
+    @property
+    def capacity(self) -> Any:
+        """Volume up to the roof [m^3]."""
+        return self.area * self.height
+
     def contents(self, h: Any, slope: tuple[Any, Any]) -> Contents:
         """What is under the surface between floor and roof."""
-        x, y = slope[0] + 1e-9, slope[1]  # so that its direction exists
+        x, y = slope[0] + 1e-9, slope[1]  # so that its direction exists; what is left across it matters at the upright
         steepness = m.sqrt(x**2 + y**2)
         c, s = x / steepness, y / steepness
         along = c * slope[0] + s * slope[1], 0.0
         found = _columns(self._plus(h, along), self._plus(h - self.height, along), self.height)
+        moment = m.pi / 4 * (self.radius**4 - (self.inner**4 if self.ring else 0.0))
+        left = (s * slope[0] - c * slope[1]) * m.if_else(h * (self.height - h) > 0, moment, 0)
+        found = _lifted(found, left, h)
         turn = m.vertcat(m.horzcat(c, -s, 0), m.horzcat(s, c, 0), m.horzcat(0, 0, 1))
         return Contents(found.volume, turn @ found.first, turn @ found.second @ turn.T)
 
@@ -133,13 +151,20 @@ class Disc:
             yield radius * float(y), 2 * radius * float(step * half), radius * float(half)
 
 
+def _lifted(held: Contents, moment: Any, h: Any) -> Contents:
+    """With the first moment of a wedge along y, over all of a section at height h."""
+    z = m.zeros(3, 3)
+    z[1, 2] = z[2, 1] = h * moment
+    return Contents(held.volume, held.first + m.vertcat(0, moment, 0), held.second + z)
+
+
 def _strips(u0: Any, slope: tuple[Any, Any], strips: Iterable[tuple[Any, Any, Any]]) -> Sum:
     """Integrals of (u)+ times 1, x, y, x^2, x y, y^2; of (u)+^2 times 1, x, y; and of (u)+^3."""
     total: list[Any] = [0.0] * 10
     for y, width, half in strips:
-        u, s = u0 - slope[1] * y, _not_zero(-slope[0])
-        edge = _held(-u / s, half)
-        low, high = m.if_else(s > 0, edge, -half), m.if_else(s > 0, half, edge)
+        u, s, steep = u0 - slope[1] * y, -slope[0], _not_zero(-slope[0])
+        edge = _held(-u / steep, half)
+        low, high = m.if_else(steep > 0, edge, -half), m.if_else(steep > 0, half, edge)
         p = [0.0] + [(high**n - low**n) / n for n in range(1, 5)]  # p[n]: integral of x^(n - 1)
         one, x, xx = u * p[1] + s * p[2], u * p[2] + s * p[3], u * p[3] + s * p[4]
         square, x_square = u * one + s * x, u * x + s * xx

@@ -6,12 +6,12 @@ import math
 from typing import Any
 
 from fowtlib.components.environment.world import World
-from fowtlib.components.flooding import air_space
+from fowtlib.components.flooding import air_space, sloshing, water_loads
 from fowtlib.components.flooding.connectors import Water
-from fowtlib.components.flooding.sections import Contents
 from fowtlib.components.mechanics.connectors import Frame
 from fowtlib.language import Array, Component, Matrix, Scalar, Vector, assert_, der, eq, facts, outer, param, port, var
 from fowtlib.language import math as m
+from fowtlib.language.errors import ParameterError
 
 STEEPEST = 80.0  # deg, of the axis of a tank against the vertical
 MARGIN = 1e-6  # of the height of a tank: what Newton and rounding may leave above its roof, or below its floor
@@ -35,7 +35,7 @@ class Tank(Component):
     velocity of its port, the Coriolis loads of what flows inside, and the change of inertia. Left out are d(P)/dt in
     the tank (pressures by which the flow itself speeds up, of the order of m dQ/dt / area), jets, and the rotation of
     the water relative to the tank. Pressures at ports are those in the world's gravity, not in that of a tank that
-    accelerates.
+    accelerates. With `sloshing`: see fowtlib.components.flooding.sloshing.
     """
 
     place: Vector = param(default=(0, 0, 0), unit="m", doc="middle of the floor, resolved in the frame")
@@ -49,6 +49,8 @@ class Tank(Component):
     atmospheric_pressure: Scalar = param(default=101325.0, unit="Pa", min=1.0, doc="absolute pressure of the open air")
     air_mass_start: Scalar = param(default=None, unit="kg", min=0, doc="air of a sealed tank; without: at atmosphere")
     polytropic_exponent: Scalar = param(default=1.0, min=1, max=1.67, doc="n of trapped air, p ~ rho^n; 1: isothermal")
+    sloshing: bool = param(default=False, doc="the first mode of the water along x and y moves by itself")
+    slosh_damping: Scalar = param(default=0.01, min=0, doc="damping of that mode over the critical one")
 
     world: World = outer(World)
     frame: Frame = port(doc="frame that carries the tank")
@@ -68,6 +70,17 @@ class Tank(Component):
         """Its shape, with `area`, `height` and `contents(level, slope)`: see fowtlib.components.flooding.sections."""
         raise NotImplementedError
 
+    def modes(self, density: Any) -> tuple[sloshing.Mode, sloshing.Mode]:
+        """First modes along x and y."""
+        raise NotImplementedError(type(self).__name__)
+
+    def first_mode_share(self) -> float:
+        """Share of that mode in the static moment of the free surface."""
+        raise ParameterError(
+            f"{self.label}.sloshing: modes are known of box tanks and round tanks without an inner wall, and not of "
+            f"a {type(self).__name__} like this; leave sloshing out."
+        )
+
     def start_level(self) -> Any:
         """A first guess of the level at the start."""
         return self.volume_start / self.vessel().area
@@ -75,11 +88,21 @@ class Tank(Component):
     def build(self):
         if self.sealed:
             air_space.declare(self)
+        else:
+            self.refuse_unused(*air_space.PARAMETERS, because="the tank is open to the air (sealed: false)")
+        if self.sloshing:
+            self.first_mode_share()
+            sloshing.declare(self)
+        else:
+            self.refuse_unused("slosh_damping", because="the surface stays level (sloshing: false)")
 
     def equations(self):
         vessel, rho, up = self.vessel(), density(self), self.frame.R.T @ m.vertcat(0, 0, 1)
-        held = vessel.contents(self.level, (up[0] / up[2], up[1] / up[2]))
-        first, inertia = _about_frame(self, rho, held)
+        modes = self.modes(rho) if self.sloshing else None
+        level_share = 1 - self.first_mode_share() if self.sloshing else 1  # of the slope, that follows at once
+        held = vessel.contents(self.level, (level_share * up[0] / up[2], level_share * up[1] / up[2]))
+        first, inertia = water_loads.about_frame(self, rho, held)
+        first = first + sloshing.moved(self, modes) if self.sloshing else first
         film = FILM * vessel.area * (self.level - vessel.height / 2)
         ports = [self.place + self.places[i, :].T for i in range(len(self.water))]
         return [
@@ -90,7 +113,7 @@ class Tank(Component):
             [eq(self.centre, first / (self.mass + rho * FILM * vessel.area)), eq(self.inertia, inertia)],
             [eq(w.head, _head(self, rho, up, p)) for w, p in zip(self.water, ports, strict=True)],
             air_space.laws(self) if self.sealed else eq(self.air_pressure, 0),
-            *_loads(self, rho, ports),
+            *water_loads.laws(self, rho, ports, modes),
             *_limits(self, vessel, up, ports),
         ]
 
@@ -109,32 +132,9 @@ def _head(tank: Tank, rho: Any, up: Any, place: Any) -> Any:
     return m.smooth_max(tank.surface, own, DRY) + tank.air_pressure / (rho * tank.world.gravity)
 
 
-def _about_frame(tank: Tank, rho: Any, held: Contents) -> tuple[Any, Any]:
-    """Mass times centre, and inertia about the origin of the frame, of what is in the vessel."""
-    b = tank.place
-    first = held.volume * b + held.first
-    second = held.second + m.mtimes(b, held.first.T) + m.mtimes(first, b.T)
-    trace = second[0, 0] + second[1, 1] + second[2, 2]
-    return rho * first, rho * (trace * m.eye(3) - second)
-
-
-def _loads(tank: Tank, rho: Any, ports: list[Any]) -> list[Any]:
-    """What moves the water: force, and moment about the origin of the frame; see the class."""
-    frame, R, mass, first = tank.frame, tank.frame.R, tank.mass, tank.moments
-    w, turning = R.T @ frame.w, R.T @ der(frame.w)
-    a = R.T @ (der(tank.velocity) + m.vertcat(0, 0, tank.world.gravity))
-    flows = [rho * port.volume_flow for port in tank.water]
-    inside = der(first) - sum((q * p for q, p in zip(flows, ports, strict=True)), m.zeros(3))
-    brought = sum((q * m.cross(p, m.cross(w, p)) for q, p in zip(flows, ports, strict=True)), m.zeros(3))
-    force = mass * a + m.cross(turning, first) + m.cross(w, m.cross(w, first)) + 2 * m.cross(w, inside)
-    spin = tank.inertia @ turning + m.cross(w, tank.inertia @ w) + der(tank.inertia) @ w - brought
-    moment = m.cross(first, a) + spin + m.cross(w, m.cross(tank.centre, inside))
-    return [eq(frame.f, R @ force), eq(frame.t, R @ moment)]
-
-
 def _limits(tank: Tank, vessel: Any, up: Any, ports: list[Any]) -> list[Any]:
     """What the equations hold for: neither more than it holds, nor less than nothing, nor air into a pipe."""
-    full, found = vessel.area * vessel.height, []
+    full, found = vessel.capacity, []
     for i, place in enumerate(ports):
         flow, dry = -tank.water[i].volume_flow, tank.frame.r[2] + m.dot(up, place) - tank.surface
         found.append(
