@@ -165,7 +165,9 @@ class _Tower:
         if water is not None:
             return found
         for part, frame in ((self.piston, "frame_a"), *((tank, "frame") for tank in self.tanks)):
-            r, R, centre, mass = state.values([join(part.path, n) for n in (f"{frame}.r", f"{frame}.R", "centre", "mass")])
+            r, R, centre, mass = state.values(
+                [join(part.path, n) for n in (f"{frame}.r", f"{frame}.R", "centre", "mass")]
+            )
             found = found + mass * (r + R @ centre - origin)
         return found
 
