@@ -2,10 +2,16 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
+from typing import Any
+
+import numpy as np
+
 from fowtlib.components.flooding.sections import Wedge
 from fowtlib.components.flooding.tank import Tank
-from fowtlib.language import Number, Scalar, param
+from fowtlib.language import Number, Scalar, param, shapes
 from fowtlib.language import math as m
+from fowtlib.language.declarations import join
 
 
 class CompartmentRing(Tank):
@@ -29,3 +35,16 @@ class CompartmentRing(Tank):
         middle = 2 / 3 * (R**3 - r**3) / (R**2 - r**2) * m.sin(half) / half
         own = m.pi / 4 * (R**4 - r**4) - area * middle**2 / 2
         return Wedge(area, (own, own, 0.0), self.height)
+
+    def drawing(self) -> shapes.Drawing:
+        """The water as one disc on the axis of the frame."""
+        up = {name: join(self.path, f"frame.R[{i},2]") for i, name in enumerate("xyz")}
+        floor = float(self.parameter_value("place")[2])
+
+        def column(at: Mapping[str, Any]) -> np.ndarray:
+            axis = np.stack([at[name] for name in "xyz"], axis=1)
+            heights = floor + np.stack([0 * at["level"], at["level"]], axis=1)
+            return at["frame"][:, None, :] + heights[:, :, None] * axis[:, None, :]
+
+        of = {"frame": self.frame, "level": join(self.path, "level"), **up}
+        return [shapes.Curve(of, column, float(self.parameter_value("diameter")), material="water")]

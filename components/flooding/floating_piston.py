@@ -2,12 +2,18 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
+from typing import Any
+
+import numpy as np
+
 from fowtlib.components.environment.world import World
 from fowtlib.components.flooding.connectors import Water
 from fowtlib.components.flooding.shaft import centre, levels, on_the_axis, on_the_frames
 from fowtlib.components.mechanics.connectors import Frame, TranslationalFlange
-from fowtlib.language import Component, RealOutput, Scalar, Vector, assert_, der, eq, outer, param, port, var
+from fowtlib.language import Component, RealOutput, Scalar, Vector, assert_, der, eq, outer, param, port, shapes, var
 from fowtlib.language import math as m
+from fowtlib.language.declarations import join
 
 
 class FloatingPiston(Component):
@@ -69,6 +75,17 @@ class FloatingPiston(Component):
             *on_the_frames(self, found),
             *_limits(self),
         ]
+
+    def drawing(self) -> shapes.Drawing:
+        of = {"floor": self.frame_a, "foot": self.frame_b, "level": join(self.path, "level")}
+        return [shapes.Curve(of, _column, float(self.parameter_value("diameter")), material="water")]
+
+
+def _column(at: Mapping[str, Any]) -> np.ndarray:
+    """The axis of the water, (n_time, 2, 3), from the floor to the surface."""
+    along = at["foot"] - at["floor"]
+    axis = along / np.maximum(np.linalg.norm(along, axis=1, keepdims=True), 1e-9)
+    return np.stack([at["floor"], at["floor"] + axis * np.reshape(at["level"], (-1, 1))], axis=1)
 
 
 def _limits(shaft: FloatingPiston) -> list:

@@ -51,28 +51,26 @@ class Stroke:
     excess: float
 
     def check(self, least: float = 1.0) -> None:
-        """Raises ModelError where the cylinder is too small, the tanks run dry, or GM is below `least` [m]; and where."""
+        """Raises ModelError where the cylinder is too small, the tanks run dry, or GM is below `least` [m]."""
         if self.immersion > self.cylinder_height:
             raise ModelError(
-                f"the flotation cylinder is too small: {self.lifted_mass:.6g} kg float on it at {self.immersion:.4g} m, "
-                f"and it is {self.cylinder_height:.4g} m high. Make it wider or higher, or what it lifts lighter."
+                f"the flotation cylinder is too small: {self.lifted_mass:.6g} kg float on it at {self.immersion:.4g} "
+                f"m, and it is {self.cylinder_height:.4g} m high. Make it wider or higher, or what it lifts lighter."
             )
         if (self.tank_volume < 0).any():
             raise ModelError(
-                f"the tanks run dry when the tower is at s = {self._crossing(self.tank_volume, 0.0):.4g} m: the whole way "
-                f"takes {-self.tank_volume.min():.4g} m3 more than there is. Give them more water, or a shorter stroke."
+                f"the tanks run dry when the tower is at s = {self._crossing(self.tank_volume, 0.0):.4g} m: the "
+                f"whole way takes {-self.tank_volume.min():.4g} m3 more than there is. Give them more water."
             )
         if (self.metacentric_height < least).any():
             low, worst = self.metacentric_height < least, int(np.argmin(self.metacentric_height))
             first = self.position[0] if low[0] else self._crossing(self.metacentric_height, least)
-            negative = np.flatnonzero(self.metacentric_height < 0)
-            upside = (
-                f" From s = {self._crossing(self.metacentric_height, 0.0):.4g} m on it is negative: the floater turns over."
-                if negative.size and not self.metacentric_height[0] < 0 else ""
-            )  # fmt: skip
+            turns = ""
+            if (self.metacentric_height < 0).any():
+                turns = f" From s = {self._crossing(self.metacentric_height, 0.0):.4g} m on the floater turns over."
             raise ModelError(
                 f"GM is below {least:.4g} m from s = {first:.4g} m on, and {self.metacentric_height[worst]:.4g} m at "
-                f"s = {self.position[worst]:.4g} m.{upside} Put mass lower, or widen the waterplane."
+                f"s = {self.position[worst]:.4g} m.{turns} Put mass lower, or widen the waterplane."
             )
 
     def _crossing(self, values: Floats, level: float) -> float:
@@ -117,11 +115,10 @@ class _Tower:
         if len(hulls) != 1:
             raise ModelError(f"{plant.name}: it has {len(hulls)} hulls with a linear stiffness; this asks for one.")
         self.hull, self.stiffness = hulls[0][0], np.asarray(hulls[0][1].matrix, dtype=float)
-        displaced = next(fact.value for part, fact in told
-                         if part is self.hull and isinstance(fact, facts.Number) and fact.name == "displaced volume")  # fmt: skip
+        numbers = {fact.name: fact.value for part, fact in told if part is self.hull and isinstance(fact, facts.Number)}
         self.density = float(self.hull.world.parameter_value("water_density"))
         self.gravity = float(self.hull.world.parameter_value("gravity"))
-        self.displaced = self.density * float(np.asarray(displaced))
+        self.displaced = self.density * float(np.asarray(numbers["displaced volume"]))
         self._balance()
 
     def _balance(self) -> None:
