@@ -88,22 +88,18 @@ def _column(at: Mapping[str, Any]) -> np.ndarray:
     return np.stack([at["floor"], at["floor"] + axis * np.reshape(at["level"], (-1, 1))], axis=1)
 
 
+_OVER_THE_PISTON = (
+    "the water stands over the top of the piston, {immersion} m above its foot, and it is {height} m high: its "
+    "displacement is too small for the weight on it, or it is held; make it larger, or stop the pump"
+)
+_OVER_THE_SHAFT = "the water runs over the top of the shaft: it stands {surface} m above the floor of its {height} m"
+_EMPTY = "the shaft is empty and water is still taken out of it: stop the pump when its volume is {volume} m^3"
+
+
 def _limits(shaft: FloatingPiston) -> list:
+    c, h, V = shaft.immersion, shaft.level, shaft.volume
     return [
-        assert_(
-            shaft.immersion < shaft.piston_height,
-            "the water stands over the top of the piston, {immersion} m above its foot, and it is {height} m "
-            "high: its displacement is too small for the weight on it, or it is held; make it larger, or stop the pump",
-            immersion=shaft.immersion, height=shaft.piston_height,
-        ),
-        assert_(
-            shaft.level < shaft.height,
-            "the water runs over the top of the shaft: it stands {surface} m above the floor of its {height} m",
-            surface=shaft.level, height=shaft.height,
-        ),
-        assert_(
-            shaft.volume > -1e-6 * shaft.area,
-            "the shaft is empty and water is still taken out of it: stop the pump when its volume is {volume} m^3",
-            volume=shaft.volume,
-        ),
-    ]  # fmt: skip
+        assert_(c < shaft.piston_height, _OVER_THE_PISTON, immersion=c, height=shaft.piston_height),
+        assert_(h < shaft.height, _OVER_THE_SHAFT, surface=h, height=shaft.height),
+        assert_(shaft.volume > -1e-6 * shaft.area, _EMPTY, volume=V),
+    ]
