@@ -1,13 +1,14 @@
-"""Mechanical parts: 3-D multibody with `Frame` ports and 1-D rotational with `Flange` ports."""
+"""Mechanical parts: 3-D multibody with `Frame` ports, 1-D rotation and translation with flanges."""
 
 # The connectors come first: World (in the environment) has a Frame, and the bodies need World.
-from fowtlib.components.mechanics.connectors import Flange, Frame  # isort: skip
+from fowtlib.components.mechanics.connectors import Flange, Frame, TranslationalFlange  # isort: skip
 from fowtlib.components.environment.world import World
 from fowtlib.components.mechanics.adaptors import ForceToPositionAdaptor, PositionToForceAdaptor, PositionToLoadAdaptor
 from fowtlib.components.mechanics.beam import AxialSpring, Beam, BeamHinge, BeamTurn, BendingHinge, TorsionHinge
 from fowtlib.components.mechanics.beam_properties import BeamProperties, read_beam
 from fowtlib.components.mechanics.bodies import Fixed, FixedRotation, FixedTranslation, PointMass, RigidBody
 from fowtlib.components.mechanics.forced_motion import ForcedOscillation
+from fowtlib.components.mechanics.guide import Guide
 from fowtlib.components.mechanics.interfaces import TwoFlanges, TwoFrames
 from fowtlib.components.mechanics.joints import Crank, FreeMotion, PlanarLoopRevolute, Prismatic, Revolute, Spherical
 from fowtlib.components.mechanics.loads import ConstantForce, SpringDamper, WorldForce, WorldTorque
@@ -31,11 +32,17 @@ from fowtlib.components.mechanics.sensors import (
     RelativeSensor,
     VelocitySensor,
 )
+from fowtlib.components.mechanics.translational import EndStop, Latch, SlidingFriction
 from fowtlib.components.mechanics.tube_beam import TubeBeam
 from fowtlib.components.mechanics.visual import VisualBox, VisualTube
 from fowtlib.components.mechanics.wire import AxialWire
 
 __all__ = [
+    "TranslationalFlange",
+    "SlidingFriction",
+    "Latch",
+    "Guide",
+    "EndStop",
     "AccelerationSensor",
     "AngleSensor",
     "AngleSource",

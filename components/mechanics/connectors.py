@@ -1,4 +1,4 @@
-"""The two mechanical connectors: `Frame` (3-D) and `Flange` (1-D rotation)."""
+"""The mechanical connectors: `Frame` (3-D), `Flange` (1-D rotation) and `TranslationalFlange` (1-D translation)."""
 
 from __future__ import annotations
 
@@ -31,3 +31,15 @@ class Flange(Connector):
 
     phi = potential(unit="rad", doc="angle of the shaft end")
     tau = flow(unit="N*m", doc="torque into the component")
+
+
+class TranslationalFlange(Connector):
+    """A sliding end of the 1-D translational parts: position along an axis, and force.
+
+    The force is positive into the component that owns the port: it pushes that component towards +s. On the axis of a
+    `Prismatic` its reaction acts on the carrier of the slide.
+    Vocabulary: Modelica.Mechanics.Translational.Interfaces.Flange.
+    """
+
+    s = potential(unit="m", doc="position of the sliding end")
+    f = flow(unit="N", doc="force into the component")

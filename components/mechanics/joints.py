@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from fowtlib.components.mechanics.connectors import Flange
+from fowtlib.components.mechanics.connectors import Flange, TranslationalFlange
 from fowtlib.components.mechanics.interfaces import TwoFrames
 from fowtlib.components.mechanics.rotations import (
     axis_rotation,
@@ -160,6 +160,7 @@ class Prismatic(TwoFrames):
     v_start: Scalar = param(default=0.0, unit="m/s", doc="initial velocity")
 
     force: RealInput = port(unit="N", default=0.0, doc="drive force along n; zero when unconnected")
+    axis: TranslationalFlange = port(optional=True, doc="what drives or holds the slide; free when unconnected")
 
     s: Scalar = var(unit="m", start=s_start, state="prefer", doc="position", hint="is there mass on both sides?")
     v: Scalar = var(unit="m/s", start=v_start, state="prefer", doc="velocity")
@@ -176,7 +177,8 @@ class Prismatic(TwoFrames):
             eq(der(self.v), self.a),
             eq(b.r, a.r + axis * self.s),
             rotation(a, b, m.eye(3), m.zeros(3)),
-            eq(self.force, -m.dot(axis, b.f)),
+            eq(self.axis.s, self.s),
+            eq(self.force + self.axis.f, -m.dot(axis, b.f)),
             self.transmit(axis * self.s),
         ]
 

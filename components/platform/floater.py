@@ -47,6 +47,7 @@ class Floater(Component):
     radiation_order: int = param(default=4, min=0, doc="states per motion of the radiation memory; 0: none")
     excitation: bool = param(default=True, doc="wave loads of the database; the model needs a Sea for them")
     held_upright: bool = param(default=False, doc="moorings hold it upright, as a TLP: it may be unstable without them")
+    material: str = param(default="hull", choices=shapes.MATERIALS, doc="what it looks like; glass is seen through")
     node_points: Array = param(default=(), unit="m", doc="points (n, 3) that get frames of their own, in the frame")
 
     frame: Frame = port(doc="reference point, on the still water level")
@@ -110,7 +111,7 @@ class Floater(Component):
         return _regimes(self) if self.sea is not None else []
 
     def drawing(self) -> shapes.Drawing:
-        return [_drawn(self.frame, member) for member in self.hull().members] if members_of(self) else []
+        return [_drawn(self.frame, member, self.material) for member in self.hull().members] if members_of(self) else []
 
 
 @lru_cache(maxsize=32)
@@ -167,10 +168,10 @@ def _regimes(floater: Floater) -> list[str]:
     return lines
 
 
-def _drawn(frame, member: MemberShape) -> shapes.Shape:
+def _drawn(frame, member: MemberShape, material: str) -> shapes.Shape:
     points = [member.at(s) for s in member.stations]
     if member.is_round:
-        return shapes.Tube(frame, points, [size[0] for size in member.sizes], material="hull")
+        return shapes.Tube(frame, points, [size[0] for size in member.sizes], material=material)
     corners = np.array([(-0.5, -0.5), (0.5, -0.5), (0.5, 0.5), (-0.5, 0.5)])
     rings = [at + (corners * size) @ member.axes[:, :2].T for at, size in zip(points, member.sizes, strict=True)]
-    return shapes.Loft(frame, np.array(rings), material="hull")
+    return shapes.Loft(frame, np.array(rings), material=material)

@@ -16,7 +16,8 @@ from numpy.typing import ArrayLike
 
 from fowtlib.language.errors import ParameterError
 
-MATERIALS = ("structure", "hull", "tower", "nacelle", "blade", "line", "rod", "body")
+MATERIALS = ("structure", "hull", "tower", "nacelle", "blade", "line", "rod", "body", "glass", "water")
+"""What a shape looks like; glass is a hull that is seen through."""
 
 
 @dataclass(frozen=True)

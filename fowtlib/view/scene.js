@@ -143,8 +143,10 @@ const THEMES = {
 };
 const MATERIALS = {
   structure: [0.62, 0.66, 0.70], hull: [0.93, 0.73, 0.22], tower: [0.90, 0.91, 0.92], nacelle: [0.78, 0.81, 0.84],
-  blade: [0.95, 0.96, 0.97], rod: [0.50, 0.58, 0.66], body: [0.83, 0.36, 0.22],
+  blade: [0.95, 0.96, 0.97], rod: [0.50, 0.58, 0.66], body: [0.83, 0.36, 0.22], glass: [0.93, 0.73, 0.22],
+  water: [0.16, 0.50, 0.85],
 };
+const cover = (material) => material === "glass" ? 0.28 : 1;
 let theme = matchMedia("(prefers-color-scheme: dark)").matches ? "dark" : "light";
 const color = (material) => MATERIALS[material] || THEMES[theme].line;
 
@@ -166,7 +168,7 @@ const SOLID = program(`
   in vec3 point, normal; out vec3 world, facing;
   vec3 turned(vec3 v) { return v + 2.0 * cross(turn.xyz, cross(turn.xyz, v) + turn.w * v); }
   void main() { world = place + turned(size * point); facing = turned(normal); gl_Position = camera * vec4(world, 1.0); }`, `
-  uniform vec3 eye, tint; ${SUNK}
+  uniform vec3 eye, tint; uniform float cover; ${SUNK}
   in vec3 world, facing; out vec4 pixel;
   void main() {
     vec3 view = normalize(eye - world), n = normalize(facing);
@@ -174,7 +176,7 @@ const SOLID = program(`
     vec3 sun = normalize(vec3(-0.5, -0.6, 0.75));
     float shine = pow(max(dot(n, normalize(sun + view)), 0.0), 40.0);
     vec3 c = tint * (0.42 + 0.13 * n.z + 0.12 * dot(n, view) + 0.45 * max(dot(n, sun), 0.0)) + 0.12 * shine;
-    pixel = vec4(under(c, world.z), 1.0);
+    pixel = vec4(under(c, world.z), cover);
   }`);
 
 // Lines are ribbons that face the viewer: as wide as they are, and at least two pixels.
@@ -421,12 +423,17 @@ function render() {
   if (eye[2] > level) draw(ground);
   gl.depthMask(true);
 
-  use(SOLID, common);
-  for (const body of bodies) {
-    const [place, turn] = pose(body.frame, time);
-    use(SOLID, { place, turn, size: 1, tint: color(body.material) });
-    draw(body);
-  }
+  const drawBodies = (clear) => {
+    for (const body of bodies) {
+      if ((cover(body.material) < 1) !== clear) continue;
+      const [place, turn] = pose(body.frame, time);
+      use(SOLID, { place, turn, size: 1, tint: color(body.material), cover: cover(body.material) });
+      draw(body);
+    }
+  };
+  use(SOLID, { ...common, cover: 1 });
+  drawBodies(false);
+  use(SOLID, { cover: 1 });
   for (const arrow of scene.arrows) {
     const length = valueAt(arrow.lengths, time), along = arrowDirection(arrow, time);
     use(SOLID, { place: arrow.tip, turn: turnTo(length < 0 ? along.map((x) => -x) : along), size: Math.abs(length), tint: colors.wind });
@@ -438,6 +445,10 @@ function render() {
     use(RIBBON, { ...common, screen: [width, height], focal, diameter: ribbon.curve.diameter, tint: color(ribbon.curve.material) });
     draw(ribbon);
   }
+  gl.depthMask(false);  // what is seen through, in front of what it holds
+  use(SOLID, common);
+  drawBodies(true);
+  gl.depthMask(true);
   if (wet) {
     moveSea(time);
     gl.depthMask(false);

@@ -1,0 +1,242 @@
+"""The spar whose tower is raised by water: draft, volume, lift-off, stability, periods, failures, waves, lowering."""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+import pytest
+
+import fowtlib as fw
+from fowtlib.analysis.lifting import stroke
+from fowtlib.language.errors import ModelError, SimulationError
+
+G, RHO = 9.80665, 1025.0
+SHAFT, CYLINDER = math.pi / 4 * 7.0**2, math.pi / 4 * 6.6**2
+LIFTED = 163e3 + 340e3 + 480e3  # cylinder, tower, rotor and nacelle
+DEPTH = LIFTED / (RHO * CYLINDER)
+FRICTIONLESS = {
+    "platform.rubbing.coefficient": 0.0, "platform.shaft.gap_loss": 0.0, "platform.shaft.gap_friction": 0.0
+}  # fmt: skip
+
+
+@pytest.fixture(scope="module")
+def plant():
+    return fw.load("dtif_raising").compile()
+
+
+@pytest.fixture(scope="module")
+def raised(plant):
+    """The whole operation in still water: raised, latched."""
+    return plant.simulate(4500, 1.0)
+
+
+def array(result, name):
+    return np.asarray(result[name])
+
+
+def floating(plant, s, **motion):
+    """The state with the tower afloat at s, without friction and losses in the gap."""
+    volume = SHAFT * s + (SHAFT - CYLINDER) * DEPTH
+    start = {"guide.s": s, "shaft.volume": volume, "tanks.volume": 2140 - volume, **motion}
+    return plant.initial_state(FRICTIONLESS, {f"platform.{name}": value for name, value in start.items()})
+
+
+# --- the operation in still water -----------------------------------------------------------------------------------
+
+
+def test_the_draft_does_not_change_while_the_tower_is_raised(raised):
+    """All water stays inside, and what moves slowly weighs the same wherever it is: to 2 mm of 62 m."""
+    assert np.abs(array(raised, "heave")).max() < 2e-3
+    total = array(raised, "shaft_water") + array(raised, "tank_water")
+    assert np.abs(total - 2140.0).max() < 1e-7
+
+
+def test_each_metre_takes_the_section_of_the_shaft(raised):
+    s, volume = array(raised, "position"), array(raised, "shaft_water")
+    way = (s > 2) & (s < 48)
+    assert np.polyfit(s[way], volume[way], 1)[0] == pytest.approx(SHAFT, rel=1e-3)
+    level = (volume - CYLINDER * s) / (SHAFT - CYLINDER)
+    assert np.allclose(array(raised, "shaft_level")[way], level[way], rtol=1e-9)
+
+
+def test_the_floor_is_left_when_its_force_is_zero(raised):
+    """N = m g - rho g A_c h until then; afterwards the floor is not touched again, and the latch closes at the top."""
+    t, s, immersion = raised.time, array(raised, "position"), array(raised, "immersion")
+    N = 1e3 * array(raised, "floor_force")  # the output is in kN
+    before = (t > 30) & (immersion < 0.95 * DEPTH) & (s < 0.2)
+    assert before.sum() > 50
+    expected = LIFTED * G - RHO * G * CYLINDER * immersion
+    assert np.abs(N - expected)[before].max() < 0.02 * LIFTED * G
+    assert N[s > 0.25].max() == 0
+    assert array(raised, "platform.latch.closed")[-1] == 1
+    assert s[-1] == pytest.approx(49.95, abs=2e-3)
+
+
+def test_pump_work_is_what_tower_and_water_gain(raised):
+    """Work of the pump between 1000 s and 3500 s against potential energies; losses in gap and guide are below 1 %."""
+    t, power = raised.time, 1e3 * array(raised, "pump_power")
+    a, b = 1000, 3500
+    work = np.trapezoid(power[a : b + 1], t[a : b + 1])
+    s, tank = array(raised, "position"), array(raised, "platform.tanks.surface")
+    water = array(raised, "platform.shaft.energy")
+    column = RHO * G * array(raised, "tank_water") * ((tank - 58.2077) / 2 + 60.0)
+    gained = LIFTED * G * (s[b] - s[a]) + (water[b] - water[a]) + (column[b] - column[a])
+    assert gained <= work
+    assert gained == pytest.approx(work, rel=1e-2)
+
+
+def test_both_engines_agree_on_the_lift_off(plant):
+    options = {"t_end": 220.0, "output_step": 1.0}
+    fixed = plant.simulate(**options, solver="fixed", step=0.02)
+    exact = plant.simulate(**options, solver="idas", tolerance=1e-8)
+    assert np.abs(array(fixed, "position") - array(exact, "position")).max() < 2e-3
+    assert np.abs(array(fixed, "shaft_level") - array(exact, "shaft_level")).max() < 5e-3
+
+
+def test_a_pump_that_fails_leaves_the_tower_where_it_floats(plant):
+    events = ["platform.lifting.lift at 10 s", "platform.filling.failure at 300 s", "platform.filling.repair at 500 s"]
+    result = plant.simulate(600, 1.0, events=events)
+    s, t = array(result, "position"), result.time
+    stopped = s[(t > 330) & (t < 500)]
+    assert np.ptp(stopped) < 0.05 and stopped[0] > 1.0
+    assert s[-1] > stopped[-1] + 0.8
+    assert array(result, "floor_force")[t > 200].max() == 0
+
+
+# --- stability over the stroke ----------------------------------------------------------------------------------------
+
+
+def by_hand(s):
+    """GM [m] at the place s, from masses and levels written down anew; see docs/dtif.md for the rules."""
+
+    def cone(a, b, height):
+        both = a * a + a * b + b * b
+        return math.pi * height / 3 * both, height / 4 * (a * a + 2 * a * b + 3 * b * b) / both
+
+    masses = [(math.pi * 20**2 * 2 * 2500, 1.0)]
+    for a, b, low, high, density in ((15, 15, 2, 7, 2500), (15, 7.5, 7, 12, 2000), (7.5, 7.5, 12, 82, 2000)):
+        outer, inner = cone(a, b, high - low), cone(a - 0.35, b - 0.35, high - low)
+        volume = outer[0] - inner[0]
+        masses.append((volume * density, low + (outer[0] * outer[1] - inner[0] * inner[1]) / volume))
+    masses.append((416.1e3, 42.0))
+    ring, ballast = math.pi * (14.65**2 - 3.53**2), 62 - 58.2077
+    masses.append((ring * (ballast - 2) * 3900, (2 + ballast) / 2))
+    foot, shaft = 2 + s, SHAFT * s + (SHAFT - CYLINDER) * DEPTH
+    masses += [(163e3, foot + 15), (340e3, foot + 30 + 0.45 * 73.3), (480e3, foot + 30 + 77.8)]
+    column = (SHAFT * (s + DEPTH) ** 2 / 2 - CYLINDER * ((s + DEPTH) ** 2 - s**2) / 2) / shaft
+    masses += [(RHO * shaft, 2 + column), (RHO * (2140 - shaft), ballast + (2140 - shaft) / ring / 2)]
+    plate, base, frustum, above = math.pi * 400 * 2, math.pi * 225 * 5, cone(15, 7.5, 5), math.pi * 7.5**2 * 50
+    volume = plate + base + frustum[0] + above
+    buoyancy = (plate * 1 + base * 4.5 + frustum[0] * (7 + frustum[1]) + above * 37) / volume
+    middle = 2 / 3 * (14.65**3 - 3.53**3) / (14.65**2 - 3.53**2) * math.sin(math.pi / 8) / (math.pi / 8)
+    tanks = math.pi / 4 * (14.65**4 - 3.53**4) - ring * middle**2 / 2
+    surfaces = tanks + math.pi / 64 * (7**4 - 6.6**4)
+    moment = sum(mass * (z - 62) for mass, z in masses)
+    height = buoyancy - 62 + (math.pi / 4 * 7.5**4 - surfaces) / volume - moment / (RHO * volume)
+    return height, sum(mass for mass, _ in masses) - RHO * volume
+
+
+def test_the_metacentric_height_over_the_stroke_is_that_of_a_sum_by_hand(plant):
+    """Both leave out the pull of the lines, 147 t, for which the ballast makes room."""
+    found = stroke(plant, 50.0, 0.2, count=6)
+    hand = [by_hand(s) for s in found.position]
+    assert found.metacentric_height == pytest.approx([gm for gm, _ in hand], abs=0.01)
+    assert found.excess == pytest.approx(hand[0][1], rel=1e-3)
+    assert found.lifted_mass == pytest.approx(LIFTED) and found.immersion == pytest.approx(DEPTH)
+    assert (np.diff(found.shaft_volume) / np.diff(found.position)) == pytest.approx(SHAFT)
+    found.check(1.0)
+    assert found.metacentric_height[-1] < 2.5 < found.metacentric_height[0]
+
+
+def test_it_says_where_the_floater_would_turn_over(plant):
+    """Of normal concrete, with a shaft of concrete as thick as the hull, GM runs out on the way."""
+    heavy = {"platform.light_concrete": 2500, "platform.shaft_wall_mass": 1617e3, "platform.ballast_level": -58.97}
+    found = stroke(plant, 50.0, 0.2, count=11, parameters=heavy)
+    assert abs(found.excess) < 250e3
+    with pytest.raises(
+        ModelError, match=r"GM is below 1 m from s = \d+\.?\d* m on.*From s = \d+\.?\d* m on the floater turns"
+    ):
+        found.check(1.0)
+
+
+@pytest.mark.parametrize(
+    "changes, says",
+    [
+        (
+            {"platform.cylinder_diameter": "6 m"},
+            "the flotation cylinder is too small: 983000 kg float on it at 33.92 m",
+        ),
+        ({"platform.tank_water": "1500 m^3"}, "the tanks run dry when the tower is at s = 36.9"),
+    ],
+)
+def test_what_cannot_be_raised_is_refused_with_the_reason(plant, changes, says):
+    with pytest.raises(ModelError, match=says):
+        stroke(plant, 50.0, 0.2, count=11, parameters=changes).check()
+
+
+def test_a_run_stops_where_the_cylinder_is_too_small(plant):
+    changes = {"platform.cylinder_diameter": 6.0, "platform.shaft_water": 230.0}
+    with pytest.raises(SimulationError, match="the water stands over the top of the piston"):
+        plant.simulate(400, 1.0, parameters=changes)
+
+
+def test_a_run_stops_where_the_tanks_are_drained_below_their_pump(plant):
+    with pytest.raises(SimulationError, match="platform.tanks"):
+        plant.simulate(400, 1.0, parameters={"platform.tank_water": 100.0})
+
+
+# --- modes and waves --------------------------------------------------------------------------------------------------
+
+
+def test_modes_afloat_are_those_of_closed_forms(plant):
+    """Heave 2 pi sqrt((m + A33)/C33) with A33 in closed form; the tower in the shaft 2 pi sqrt(d/g)."""
+    modes = plant.linearize(floating(plant, 25.0)).modes()
+
+    def period(state):
+        return (
+            1 / max(modes, key=lambda mode: mode.participation.get(state, 0) * (mode.damping_ratio < 0.5)).frequency_hz
+        )
+
+    assert period("platform.guide.s") == pytest.approx(2 * math.pi * math.sqrt(DEPTH / G), rel=1e-4)
+    added = RHO / 12 * (2 * 40**3 + 3 * math.pi * 40**2 * (z := math.sqrt(40**2 - 15**2) / math.pi)
+                        - math.pi**3 * z**3 - 3 * math.pi * 15**2 * z)  # fmt: skip
+    mass = RHO * 16944.97 - 147.2e3
+    alone = 2 * math.pi * math.sqrt((mass + added) / (RHO * G * math.pi / 4 * 15**2))
+    assert alone == pytest.approx(28.6, abs=0.15)
+    assert period("platform.motion.heave") == pytest.approx(alone, rel=0.01)
+    assert period("platform.motion.heave") < alone  # the lines add 1 % of stiffness
+
+
+def test_a_floating_tower_goes_with_the_heave_of_its_hull(plant):
+    """Its weight and its lift grow alike in a hull that heaves: nothing moves it in the shaft, at any period."""
+    result = plant.simulate(
+        60, 0.5, parameters=FRICTIONLESS, start=floating(plant, 25.0, **{"motion.heave": 2.0}), events=()
+    )
+    assert np.ptp(array(result, "heave")) > 3.5
+    assert np.ptp(array(result, "position")) < 2e-3
+
+
+def test_it_is_raised_in_waves_within_its_limits(plant):
+    """A part of the way in 2 m of 9 s: the floor is not touched again, and the cylinder stays above the water."""
+    sea = {"sea.spectrum": "jonswap", "sea.significant_wave_height": 2.0, "sea.peak_period": 9.0, "sea.build_up": 100.0}
+    result = plant.simulate(700, 0.5, parameters=sea)
+    s, N, immersion = array(result, "position"), array(result, "floor_force"), array(result, "immersion")
+    assert s[-1] > 6.0
+    assert N[s > 0.5].max() == 0 and immersion.max() < 29.5
+    assert np.ptp(array(result, "heave")) > 0.02
+
+
+# --- lowering ---------------------------------------------------------------------------------------------------------
+
+
+def test_the_tower_is_let_go_afloat_and_set_down_gently():
+    result = fw.load("dtif_lowering").compile().simulate()
+    s, latch = array(result, "position"), array(result, "latch_force")
+    assert 1e3 * latch[20] == pytest.approx(LIFTED * G, rel=1e-3)
+    assert latch[-1] == 0 and array(result, "platform.latch.closed")[-1] == 0
+    assert s[-1] < 0.2 and array(result, "platform.floor_stop.impact_speed").max() < 0.03
+    assert np.abs(array(result, "heave")).max() < 2e-3
+    assert [line.split(": ")[1].split(" ")[0] for line in result.attributes["events"].splitlines()] == [
+        "platform.lifting.fill", "platform.latch.open", "platform.lifting.drain"
+    ]  # fmt: skip
