@@ -9,6 +9,7 @@ from fowtlib.components.platform.member_parts import CircularMember, Member, Mem
 from fowtlib.components.platform.members import MemberShape
 from fowtlib.components.platform.solids import MassProperties
 from fowtlib.components.platform.spar_hull import SparHull
+from fowtlib.components.platform.stepped_spar import SteppedSpar
 
 __all__ = [
     "Ballast",
@@ -24,4 +25,5 @@ __all__ = [
     "MemberShape",
     "RectangularMember",
     "SparHull",
+    "SteppedSpar",
 ]
