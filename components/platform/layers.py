@@ -27,7 +27,7 @@ class Layer(NamedTuple):
 
 
 class Moments(NamedTuple):
-    """Of a solid of revolution: volume [m^3], int A z dz [m^4], int A z^2 dz and int pi R^4/4 dz [m^5]; or of a mass."""
+    """Of a solid of revolution: volume [m^3], int A z dz [m^4], int A z^2 dz, int pi R^4/4 dz [m^5]; or of a mass."""
 
     amount: Any
     first: Any
@@ -48,7 +48,7 @@ class Moments(NamedTuple):
 
     @property
     def centre(self) -> Any:
-        """z of the centre [m]."""
+        """Z of the centre [m]."""
         return self.first / self.amount
 
     @property
@@ -89,9 +89,17 @@ def frustum(foot: Any, height: Any, lower: Any, upper: Any) -> Moments:
     return Moments(volume, foot * volume + first, foot**2 * volume + 2 * foot * first + second, lateral)
 
 
-def up_to(layers: Iterable[Layer], level: Any) -> Moments:
-    """Moments of what lies below a level z [m]; with kinks where the level passes from one layer to the next."""
-    total = NOTHING
+def up_to(layers: Sequence[Layer], level: Any) -> Moments:
+    """Moments of what lies below a level z [m]; with kinks where the level passes from one layer to the next.
+
+    Beyond the ends the layers go on as cylinders (below with a negative volume), so that a solver always has a slope:
+    whoever uses it checks that the level lies within.
+    """
+    first, last = layers[0], layers[-1]
+    above = m.fmax(level - last.foot - last.height, 0)
+    below = m.fmax(first.foot - level, 0)
+    total = frustum(last.foot + last.height, above, last.upper, last.upper)
+    total = total - frustum(first.foot - below, below, first.lower, first.lower)
     for layer in layers:
         height = m.fmin(m.fmax(level - layer.foot, 0), layer.height)
         upper = layer.lower + (layer.upper - layer.lower) * height / layer.height

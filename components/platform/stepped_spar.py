@@ -1,4 +1,4 @@
-"""A spar of concrete in steps, with a shaft for its tower, as equations between its sizes and what they give at rest."""
+"""A spar of concrete in steps, with a shaft for its tower: equations between its sizes and what it does at rest."""
 
 from __future__ import annotations
 
@@ -17,7 +17,7 @@ from fowtlib.components.platform.layers import (
     up_to,
     whole,
 )
-from fowtlib.language import Component, Scalar, eq, outer, param, var
+from fowtlib.language import Component, Scalar, assert_, eq, outer, param, var
 from fowtlib.language import math as m
 
 
@@ -46,7 +46,7 @@ class SteppedHull(Component):
 
 
 class RaisableSet(Component):
-    """Partial: tower, nacelle and rotor, which float on a cylinder at the foot of the tower when the shaft is flooded."""
+    """Partial: tower, nacelle and rotor; in the flooded shaft they float on a cylinder at the foot of the tower."""
 
     set_mass: Scalar = param(default=9.5e5, unit="kg", min=0, doc="tower, nacelle, rotor and flotation cylinder")
     set_centre: Scalar = param(default=58.0, unit="m", doc="their centre of mass above the foot of the cylinder")
@@ -89,8 +89,8 @@ class SteppedSpar(AtRest, RaisableSet, SteppedHull):
     at the water level, which is a semi-empirical choice for a base between both (see there). Periods are those of the
     rigid body, undamped, pitch about the centre of mass with its coupling to surge.
 
-    Valid for a draft within the column, the free surface of its ballast within the hull and an upright spar (metacentric
-    height above zero): a period of less does not exist, and the solver says so.
+    Valid for a draft within the column, ballast and water that the hull holds, and a metacentric height above zero:
+    without it there is no period in pitch (nan). Draft and levels are checked.
     """
 
     mooring_pull: Scalar = param(default=0.0, unit="N", doc="vertical pull of the moorings")
@@ -132,6 +132,7 @@ class SteppedSpar(AtRest, RaisableSet, SteppedHull):
             eq(self.pitch_period, 2 * m.pi * m.sqrt(moving_inertia(self) / self.pitch_stiffness)),
             eq(self.heel, self.thrust * lever / self.pitch_stiffness),
             eq(self.flotation_capacity, capacity / m.fmax(self.set_mass, 1.0)),
+            *checks_of(self),
         ]  # fmt: skip
 
 
@@ -191,10 +192,23 @@ def mass_of(spar: SteppedSpar) -> Moments:
     )  # fmt: skip
 
 
+def checks_of(spar: SteppedSpar) -> list[Any]:
+    """What the equations are valid for."""
+    top, foot = height_of(spar), height_of(spar) - spar.column_height
+    return [
+        assert_(spar.draft >= foot, "the draft of {draft} m ends below the column, which begins {foot} m above the keel; "
+                "take more ballast or a smaller base", draft=spar.draft, foot=foot),
+        assert_(spar.draft <= top, "it sinks: the draft would be {draft} m and its top is {top} m above the keel; take "
+                "less ballast or a larger hull", draft=spar.draft, top=top),
+        assert_(spar.water_level <= top, "the ballast would reach {reached} m above the keel and the hull ends at {top} m; "
+                "take less, or a denser one", reached=spar.water_level, top=top),
+    ]  # fmt: skip
+
+
 def moving_inertia(spar: SteppedSpar) -> Any:
     """Moment of inertia in pitch about the centre of mass with added mass by strips, surge free to follow."""
     rho, z, layers = spar.world.water_density, spar.centre_of_mass, hull_layers(spar)
-    plate = up_to(layers[:1], spar.draft).times(rho * spar.plate_side_added_mass)
+    plate = whole(layers[:1]).times(rho * spar.plate_side_added_mass)
     strips = plate + up_to(layers[1:], spar.draft).times(rho * spar.side_added_mass)
     coupling = strips.first - strips.amount * z
     about = strips.second - 2 * z * strips.first + z**2 * strips.amount
