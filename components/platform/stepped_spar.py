@@ -196,12 +196,12 @@ def checks_of(spar: SteppedSpar) -> list[Any]:
     """What the equations are valid for."""
     top, foot = height_of(spar), height_of(spar) - spar.column_height
     return [
-        assert_(spar.draft >= foot, "the draft of {draft} m ends below the column, which begins {foot} m above the keel; "
-                "take more ballast or a smaller base", draft=spar.draft, foot=foot),
+        assert_(spar.draft >= foot, "the draft of {draft} m ends below the column, which begins {foot} m above the keel"
+                "; take more ballast or a smaller base", draft=spar.draft, foot=foot),
         assert_(spar.draft <= top, "it sinks: the draft would be {draft} m and its top is {top} m above the keel; take "
                 "less ballast or a larger hull", draft=spar.draft, top=top),
-        assert_(spar.water_level <= top, "the ballast would reach {reached} m above the keel and the hull ends at {top} m; "
-                "take less, or a denser one", reached=spar.water_level, top=top),
+        assert_(spar.water_level <= top, "the ballast would reach {reached} m above the keel and the top is {top} m above "
+                "it; take less, or a denser one", reached=spar.water_level, top=top),
     ]  # fmt: skip
 
 

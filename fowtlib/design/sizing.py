@@ -1,15 +1,15 @@
 """Sizes from what a model shall do at rest: the same equations, solved for other unknowns.
 
-As many targets as sizes: the equations of the model are solved for the sizes (Plant.equilibrium). More or fewer targets,
-bounds among them, or an answer out of bounds: the design that keeps all and makes an objective least (Design). Where no
-sizes keep all targets, those that are against each other are found, two where two are enough.
+As many targets as sizes: the equations of the model are solved for the sizes (Plant.equilibrium). More or fewer
+targets, bounds among them, or an answer out of bounds: the design that keeps all and makes an objective least (Design).
+Where no sizes keep all targets, those that are against each other are found, two where two are enough.
 """
 
 from __future__ import annotations
 
 import itertools
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Any
 
 import numpy as np
@@ -22,8 +22,8 @@ from fowtlib.design.terms import Constraint, Function
 from fowtlib.design.variables import Variable
 from fowtlib.language.errors import ModelError, NotFoundError, SimulationError, did_you_mean
 
-ITERATIONS, EVALUATIONS = 60, 60  # of the optimisation, and for the targets alone
-STARTS = 6  # of the search for the targets alone: the first guesses, and others at random within the bounds
+ITERATIONS, EVALUATIONS = 60, 40  # of the optimisation, and for the targets alone
+STARTS = 4  # of the search for the targets alone: the first guesses, and others at random within the bounds
 MISSED = 1e-5  # of the scale of a target, by which it counts as missed
 NOWHERE = 1e3  # what all targets are missed by, in their scales, where the model has no equilibrium
 CLOSE = 1e-6  # of a bound, by which what is found may lie beyond it
@@ -41,7 +41,7 @@ class TargetsError(ModelError):
 
 @dataclass(frozen=True, eq=False)
 class Sized:
-    """Sizes that were found. parameters: of a run, in SI; results: of all outputs, in `units`, as `before` at the start.
+    """Sizes that were found. parameters: of a run, in SI; results: of all outputs, in `units`; before: at the start.
 
     way: "equations", solved for the sizes; or "optimisation". bounds, starts: of the sizes, in SI.
     """
@@ -150,7 +150,8 @@ class _Sizing:
         if not nearest.feasible:
             raise self._refusal(nearest)
         values = dict(zip(self.starts, nearest.x.tolist(), strict=True))
-        optimum = self._design(self.targets).optimise("slsqp", iterations=ITERATIONS)
+        begun = [replace(item, start=values[item.name]) for item in self.variables]
+        optimum = replace(self._design(self.targets), variables=begun).optimise("slsqp", iterations=ITERATIONS)
         if optimum.feasible:
             values = {path: float(optimum[path]) for path in self.starts}
         return self._sized(values, self.plant.equilibrium(values), "optimisation")
@@ -276,5 +277,3 @@ def _unit(plant: Any, name: str) -> str:
 
 def _number(state: Any, name: str) -> float:
     return float(np.ravel(np.asarray(state[name], dtype=float))[0])
-
-

@@ -55,7 +55,8 @@ def test_other_columns_in_the_closed_form_miss_the_measured_period():
 def test_displacement():
     """T2: 17,370 t at 62 m; the model at its two drafts, and the weighed model scaled up."""
     assert 1.025 * layers.up_to(FULL, 62.0).amount == pytest.approx(17370.0, rel=1e-3)
-    assert 186.0 * SCALE**3 * 1.025e-3 == pytest.approx(17370.0, rel=1e-3)
+    weighed = 186.0 * SCALE**3 * 1.025e-3
+    assert weighed == pytest.approx(17370.0, rel=1e-3)
     for draft, volume, centre in ((1.320, 0.18050, 0.4529), (1.375, 0.18529, 0.4760)):
         wet = layers.up_to(MODEL, draft)
         assert (wet.amount, wet.centre) == (pytest.approx(volume, abs=1e-5), pytest.approx(centre, abs=1e-4))
@@ -153,6 +154,7 @@ def test_three_equal_lines_are_as_stiff_in_surge_as_in_sway():
 
 def forces_of(plant, step=1e-3):
     """Horizontal stiffness (2, 2) [N/m] of three lines, by central differences of their pulls."""
+
     def pull(x, y):
         state = plant.initial_state({"motion.surge_start": x, "motion.sway_start": y})
         return sum(np.ravel(state[f"line_{k}.fairlead.f"])[:2] for k in range(3))
@@ -174,8 +176,8 @@ def test_betz():
     """T9: an ideal rotor, without drag and losses and hardly any swirl: C_P has its largest value, 16/27, at C_T = 8/9.
 
     One constant lift coefficient and a chord that asks every annulus for an induction of 1/3; tip speed ratio 25
-    (from 50 on the rotor takes the wind as none), annuli from 0.4 of the radius. Chords of 0.9 and 1.1 of this have less
-    power.
+    (from 50 on the rotor takes the wind as none), annuli from 0.4 of the radius. Chords of 0.9 and 1.1 of this
+    have less power.
     """
     power, thrust = zip(*(ideal_rotor(share) for share in (0.9, 1.0, 1.1)), strict=True)
     assert thrust[1] == pytest.approx(8 / 9, rel=2e-3)
