@@ -200,8 +200,8 @@ def checks_of(spar: SteppedSpar) -> list[Any]:
                 "; take more ballast or a smaller base", draft=spar.draft, foot=foot),
         assert_(spar.draft <= top, "it sinks: the draft would be {draft} m and its top is {top} m above the keel; take "
                 "less ballast or a larger hull", draft=spar.draft, top=top),
-        assert_(spar.water_level <= top, "the ballast would reach {reached} m above the keel and the top is {top} m above "
-                "it; take less, or a denser one", reached=spar.water_level, top=top),
+        assert_(spar.water_level <= top, "the ballast would reach {reached} m above the keel and its top is {top} m "
+                "above; take less, or a denser one", reached=spar.water_level, top=top),
     ]  # fmt: skip
 
 
