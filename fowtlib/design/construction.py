@@ -27,7 +27,7 @@ from fowtlib.language.math import pi
 
 
 @dataclass(frozen=True)
-class Stage:
+class BuildStage:
     """A stage: hull built up to `top` [m above the keel], solid ballast and water in it, and what is set into it [kg].
 
     set_centre: of what is set in, above the keel [m]. free_surface: 1 for water in an open ring, 0 where it has none.
@@ -59,15 +59,15 @@ class StageRow:
 
 
 def hull_sizes(model: Any, path: str = "spar") -> SimpleNamespace:
-    """The numbers of a SteppedSpar of a model [SI] for `construction_stages`; other sizes: model.with_parameters."""
+    """The numbers of a SteppedSpar of a model [SI] for `build_stages`; other sizes: model.with_parameters."""
     part = model.root.find(path)
     if not isinstance(part, SteppedHull):
         raise ModelError(f"'{path}' is not a SteppedSpar of '{model.title}'.")
     return SimpleNamespace(**{name: float(part.parameter_value(name)) for name in SteppedHull.parameters})
 
 
-def construction_stages(
-    hull: Any, stages: Sequence[Stage], *, water_density: float = 1025.0, clearance: float = 2.0
+def build_stages(
+    hull: Any, stages: Sequence[BuildStage], *, water_density: float = 1025.0, clearance: float = 2.0
 ) -> list[StageRow]:
     """How each of the stages floats. hull: numbers as of `hull_sizes`; clearance: of the keel over the seabed [m].
 
@@ -76,13 +76,14 @@ def construction_stages(
     return [_row(hull, stage, water_density, clearance) for stage in stages]
 
 
-def ballast_for(hull: Any, stage: Stage, metacentric_height: float, *, water_density: float = 1025.0) -> float:
+def ballast_for(hull: Any, stage: BuildStage, metacentric_height: float, *, water_density: float = 1025.0) -> float:
     """The least solid ballast [kg] with which a stage has a metacentric height [m].
 
     Raises ModelError where no ballast does that before the stage sinks.
     """
+
     def short(mass: float) -> float:
-        given = Stage(**{**asdict(stage), "solid_ballast": mass})
+        given = BuildStage(**{**asdict(stage), "solid_ballast": mass})
         return _row(hull, given, water_density, 0.0).metacentric_height - metacentric_height
 
     if short(0.0) >= 0:
@@ -100,7 +101,7 @@ def ballast_for(hull: Any, stage: Stage, metacentric_height: float, *, water_den
         last += step
 
 
-def _row(hull: Any, stage: Stage, rho: float, clearance: float) -> StageRow:
+def _row(hull: Any, stage: BuildStage, rho: float, clearance: float) -> StageRow:
     if not hull.plate_height <= stage.top <= height_of(hull) * (1 + 1e-9):
         raise ModelError(f"{stage.name}: the hull is built from {hull.plate_height:g} m to {height_of(hull):g} m above "
                          f"the keel, not to {stage.top:g} m.")  # fmt: skip
@@ -132,7 +133,7 @@ def _concrete(hull: Any, top: float) -> Moments:
     return frustum(*plate) + walls.times(1 + hull.internals)
 
 
-def _level(hull: Any, stage: Stage, volume: float, what: str) -> float:
+def _level(hull: Any, stage: BuildStage, volume: float, what: str) -> float:
     """The level [m] up to which a volume fills the ring."""
     most = room(hull, stage.top).amount
     if volume > most:
