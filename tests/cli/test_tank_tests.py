@@ -1,0 +1,61 @@
+"""Commands for tests in a tank: decay of a record, scaling, calibration."""
+
+from __future__ import annotations
+
+import json
+import math
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from fowtlib.cli.app import main
+
+TIME = np.arange(0.0, 60.0, 0.05)
+
+
+@pytest.fixture(autouse=True)
+def folder(tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    w = 2 * math.pi / 4.0
+    heave = 0.01 + 0.05 * np.exp(-0.02 * w * TIME) * np.cos(w * math.sqrt(1 - 0.02**2) * TIME)
+    rows = "".join(f"{t:.3f},{x:.9f}\n" for t, x in zip(TIME, heave, strict=True))
+    Path("test.csv").write_text("time [s],heave [m]\n" + rows)
+    return tmp_path
+
+
+def printed(capsys: pytest.CaptureFixture[str], *argv: str):
+    """What a command prints as JSON."""
+    assert main([*argv, "--json"]) == 0, capsys.readouterr().err
+    return json.loads(capsys.readouterr().out)
+
+
+@pytest.mark.parametrize("way", ["sinusoid", "line", "equation"])
+def test_the_decay_of_a_record(capsys, way):
+    table = printed(capsys, "decay", "test.csv", "--dof", "heave", "--fit", way, "--plot", "d.png")
+    rows = {row["quantity"]: row for row in table}
+    assert rows["damping ratio"]["value"] == pytest.approx(0.02, rel=1e-3)
+    assert rows[f"natural frequency ({way})"]["value"] == pytest.approx(math.pi / 2, rel=1e-4)
+    linear = rows[f"damping ratio, linear part ({way})"]
+    assert linear["value"] == pytest.approx(0.02, rel=1e-3)
+    assert linear["from"] <= linear["value"] <= linear["to"]
+    assert Path("d.png").exists()
+
+
+def test_the_beginning_of_a_record_is_left_out(capsys):
+    assert main(["decay", "test.csv", "--dof", "heave", "--discard", "8"]) == 0
+    assert capsys.readouterr().out.startswith("without the first 8 s")
+
+
+@pytest.mark.parametrize(
+    ("options", "message"),
+    [
+        (["test.csv", "--dof", "heave", "--offset", "1"], "--offset is for a model; test.csv is a record."),
+        (["test.csv", "--dof", "surge"], "surge"),
+        (["oc3_spar_rigid", "--dof", "surge"], "--offset: say how far from rest the motion begins"),
+        (["oc3_spar_rigid", "--dof", "surge", "--offset", "1", "--discard", "1"], "--discard is for records"),
+    ],
+)
+def test_what_a_decay_needs(capsys, options, message):
+    assert main(["decay", *options]) == 2
+    assert message in capsys.readouterr().err
