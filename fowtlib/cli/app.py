@@ -42,6 +42,7 @@ from fowtlib.cli import (
     response,
     rotor_table,
     run,
+    scale,
     sensitivity,
     sheet,
     stability,
@@ -56,9 +57,9 @@ from fowtlib.cli.report import write_report
 from fowtlib.language.errors import ModelError, did_you_mean
 
 GROUPS = (
-    run, cases, batch, export, view, inspection, events, stability, tune, sheet, maps, optimise, decay, rao, response,
-    sensitivity, statistics, maxima, loads, fatigue, compare, rotor_table, hydro, wind_field, contours, extremes,
-    library, cache,
+    run, cases, batch, export, view, inspection, events, stability, tune, sheet, maps, optimise, scale, decay, rao,
+    response, sensitivity, statistics, maxima, loads, fatigue, compare, rotor_table, hydro, wind_field, contours,
+    extremes, library, cache,
 )  # fmt: skip
 
 

@@ -59,3 +59,29 @@ def test_the_beginning_of_a_record_is_left_out(capsys):
 def test_what_a_decay_needs(capsys, options, message):
     assert main(["decay", *options]) == 2
     assert message in capsys.readouterr().err
+
+
+def test_a_model_in_another_scale(capsys):
+    import fowtlib as fw
+
+    argv = ["scale", "oc3_spar_rigid", "--wind", "none", "--by", "1/45", "--density-ratio", "1000/1025"]
+    rows = {row["quantity"]: row["new / old"] for row in printed(capsys, *argv, "-o", "tank.yaml")}
+    assert rows["mass"] == pytest.approx(1 / (1.025 * 45**3))
+    assert fw.load("tank.yaml").root.world.parameter_value("water_depth") == pytest.approx(320 / 45)
+    assert Path("tank_platform_water_database.nc").exists()
+
+
+@pytest.mark.parametrize(
+    ("options", "message"),
+    [
+        (["--by", "0"], "'0' is no ratio above 0"),
+        (["--by", "1/45"], "wind: the turbulence of the standard has lengths and speeds of full scale"),
+        (["--by", "1/45", "--wind", "none", "--unit", "x"], "--unit: 'x' is not PATH=UNIT"),
+    ],
+)
+def test_what_a_scale_needs(capsys, options, message):
+    try:
+        assert main(["scale", "oc3_spar_rigid", *options]) == 2
+    except SystemExit as stop:
+        assert stop.code == 2
+    assert message in capsys.readouterr().err
