@@ -161,8 +161,8 @@ def compare_results(
     """
     if relative_to not in RELATIVE_TO:
         raise ModelError(
-            "differences are relative to the 'value' or to the 'range', or to the 'larger', the 'smaller' or the 'mean' "
-            f"of both values, not to '{relative_to}'."
+            "differences are relative to the 'value' or to the 'range', or to the 'larger', the 'smaller' or the "
+            f"'mean' of both values, not to '{relative_to}'."
         )
     if not 0.0 < limits[0] <= limits[1]:
         raise ModelError(
