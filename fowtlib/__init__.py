@@ -49,6 +49,7 @@ if TYPE_CHECKING:
     from fowtlib.case_files import read_cases
     from fowtlib.cases import Batch, Case, check_cases, run_batch
     from fowtlib.design import (
+        Calibration,
         Constraint,
         Design,
         DesignCase,
@@ -56,6 +57,7 @@ if TYPE_CHECKING:
         Objective,
         Optimum,
         Variable,
+        calibrate,
         pareto,
         read_design,
     )
@@ -100,7 +102,8 @@ _LATER = {
     "export_fmu": "fowtlib.fmi",
     "view": "fowtlib.view",
     **dict.fromkeys(
-        ("Constraint", "Design", "DesignCase", "Function", "Objective", "Optimum", "Variable", "pareto", "read_design"),
+        ("Calibration", "Constraint", "Design", "DesignCase", "Function", "Objective", "Optimum", "Variable",
+         "calibrate", "pareto", "read_design"),
         "fowtlib.design",
     ),
     **dict.fromkeys(
@@ -148,6 +151,7 @@ __all__ = [
     "AerodynamicCoefficients",
     "Assembly",
     "Batch",
+    "Calibration",
     "Case",
     "Component",
     "Conditions",
@@ -178,6 +182,7 @@ __all__ = [
     "analysis",
     "average",
     "block_maxima",
+    "calibrate",
     "campbell",
     "case_statistics",
     "check_cases",

@@ -44,6 +44,7 @@ class DecayFit:
     p1, p2              1/s, and 1/unit
     fitted              the motion of the equation at the times of the record (of a straight line: its half cycles)
     residual            standard deviation of what is left, in the unit of the record; correlation of neighbours
+    begin               offset from rest and speed at the first time of the record, of decay_equation
     amplitude, rate     of linear_quadratic: the points (X_n, 2/T ln(X_n-1 / X_n+1)) of the line
     """
 
@@ -59,6 +60,7 @@ class DecayFit:
     fitted: np.ndarray
     amplitude: np.ndarray
     rate: np.ndarray
+    begin: tuple[float, float] = (math.nan, math.nan)
 
     @property
     def damping_ratio(self) -> Estimate:
@@ -198,7 +200,8 @@ def decay_equation(series: SeriesLike, *, discard: float = 0.0, name: str = "") 
     covariance = covariance_of(best.jac, best.fun)[3:, 3:]
     fitted = record.values - best.fun
     rest, numbers = float(best.x[0]), tuple(map(float, best.x[3:]))
-    return _fit("equation", record, rest, numbers, covariance, best.fun, fitted, record.values.size - 6)
+    fit = _fit("equation", record, rest, numbers, covariance, best.fun, fitted, record.values.size - 6)
+    return replace(fit, begin=(float(best.x[1]), float(best.x[2])))
 
 
 METHODS: dict[str, Callable[..., DecayFit]] = {

@@ -22,6 +22,7 @@ from typing import NoReturn
 from fowtlib.cli import (
     batch,
     cache,
+    calibrate,
     cases,
     compare,
     contours,
@@ -57,9 +58,9 @@ from fowtlib.cli.report import write_report
 from fowtlib.language.errors import ModelError, did_you_mean
 
 GROUPS = (
-    run, cases, batch, export, view, inspection, events, stability, tune, sheet, maps, optimise, scale, decay, rao,
-    response, sensitivity, statistics, maxima, loads, fatigue, compare, rotor_table, hydro, wind_field, contours,
-    extremes, library, cache,
+    run, cases, batch, export, view, inspection, events, stability, tune, sheet, maps, optimise, scale, decay,
+    calibrate, rao, response, sensitivity, statistics, maxima, loads, fatigue, compare, rotor_table, hydro, wind_field,
+    contours, extremes, library, cache,
 )  # fmt: skip
 
 

@@ -85,3 +85,24 @@ def test_what_a_scale_needs(capsys, options, message):
     except SystemExit as stop:
         assert stop.code == 2
     assert message in capsys.readouterr().err
+
+
+def test_a_calibration(capsys):
+    """The damping with which a record was made comes back."""
+    import fowtlib as fw
+
+    model = fw.load("oc3_spar_rigid", set={"wind.kind": "none"}).in_the_mean()
+    plant = model.compile()
+    given = {"platform.damping.translation": [1e5, 1e5, 2.0e5]}
+    run = fw.free_decay(plant, "heave", 2.0, duration=120.0, output_step=0.5, solver="fixed", step=0.1,
+                        parameters=given).result  # fmt: skip
+    rows = "".join(f"{t},{x}\n" for t, x in zip(run.time, run["heave"].values, strict=True))
+    Path("heave.csv").write_text("time [s],heave [m]\n" + rows)
+    argv = ["calibrate", "oc3_spar_rigid", "heave.csv", "--release", "heave", "--wind", "none",
+            "--fit", "platform.damping.translation[2]", "--plot", "fit.png"]  # fmt: skip
+    (row,) = printed(capsys, *argv)
+    assert row["before"] == pytest.approx(1.3e5)
+    assert row["value"] == pytest.approx(2.0e5, rel=2e-3)
+    assert Path("fit.png").exists()
+    assert main([*argv[:-4], "--fit", "platform.damping.translation[7]"]) == 2
+    assert "platform.damping.translation has no element" in capsys.readouterr().err
