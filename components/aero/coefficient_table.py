@@ -6,13 +6,16 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import lru_cache
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
 from fowtlib.language.data_files import number_rows, remembered
-from fowtlib.language.errors import ModelError
+from fowtlib.language.errors import ModelError, ParameterError
 from fowtlib.language.whole_files import write_text
+
+if TYPE_CHECKING:
+    from fowtlib.language.similarity import Similarity
 
 COLUMNS = ("tip_speed_ratio", "blade_pitch_deg", "thrust_coefficient", "torque_coefficient")
 REMEDY = "give a table that covers the state (`fowt rotor-table` makes one from the blades), or start elsewhere"
@@ -53,6 +56,15 @@ class CoefficientTable:
                 )
         thrust, torque = _splines(self)
         return thrust(tip_speed_ratio, blade_pitch, grid=False), torque(tip_speed_ratio, blade_pitch, grid=False)
+
+    def in_similarity(self, similarity: Similarity) -> CoefficientTable:
+        """The same: coefficients over the tip speed ratio have no dimension, and it stays where the wind does."""
+        if similarity.wind != 1.0:
+            raise ParameterError(
+                "coefficients over the tip speed ratio hold for a wind in proportion to the other speeds; another "
+                f"ratio ({similarity.wind:g}) makes another rotor."
+            )
+        return self
 
     def extended(self) -> CoefficientTable:
         """The table continued to LARGEST_RATIO, an estimate for overspeed and for low wind.

@@ -3,11 +3,17 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from pathlib import Path
+from typing import TYPE_CHECKING
 
 import numpy as np
 
 from fowtlib.language.data_files import number_rows, remembered
 from fowtlib.language.errors import ParameterError
+from fowtlib.language.whole_files import write_text
+
+if TYPE_CHECKING:
+    from fowtlib.language.similarity import Similarity
 
 COLUMNS = ("wind_speed_m_s", "thrust_coefficient")
 
@@ -32,6 +38,18 @@ class ThrustCurve:
         if falls.size:
             i = falls[0]
             raise self._wrong(f"the wind speeds must rise; {wind[i]:g} m/s is followed by {wind[i + 1]:g} m/s.")
+
+    ending = ".csv"
+
+    def in_similarity(self, similarity: Similarity) -> ThrustCurve:
+        """The winds in the other scale; where their ratio differs, coefficients that keep the thrust in proportion."""
+        coefficient = self.thrust_coefficient / similarity.wind**2
+        return ThrustCurve(self.wind_speed * similarity.wind_speed, coefficient, self.where)
+
+    def write(self, path: str | Path) -> None:
+        """Write a CSV that read_thrust_curve reads. Raises WriteError."""
+        pairs = zip(self.wind_speed, self.thrust_coefficient, strict=True)
+        write_text(path, "\n".join([",".join(COLUMNS), *(f"{v:.17g},{c:.17g}" for v, c in pairs)]) + "\n")
 
     def _wrong(self, message: str) -> ParameterError:
         return ParameterError(message, where=self.where)

@@ -11,6 +11,8 @@ UNLIMITED = 1e30  # the default of a limit that is not there
 class Gain(Component):
     """y = gain u."""
 
+    units_within = {"gain": "y/u"}
+
     gain: Scalar = param(doc="factor")
 
     u: RealInput = port(doc="input")
@@ -22,6 +24,8 @@ class Gain(Component):
 
 class Sum(Component):
     """y = sum of gains[i] u[i]; gains = (1, -1) makes the difference of two signals."""
+
+    units_within = {"gains": "y/u"}
 
     n: int = param(default=2, min=1, doc="number of inputs")
     gains: Array = param(default=lambda self: [1.0] * self.n, shape="n", doc="factor of each input")
@@ -54,6 +58,8 @@ class Limiter(Component):
     Exact with rounding = 0 (the derivative jumps at the limits); otherwise the corners are rounded over about that
     width in u, y has all derivatives and differs from the exact limiter by at most rounding.
     """
+
+    units_within = {"lower": "y", "upper": "y", "rounding": "y"}
 
     lower: Scalar = param(default=-UNLIMITED, doc="smallest output")
     upper: Scalar = param(default=UNLIMITED, doc="largest output")

@@ -34,6 +34,10 @@ class PI(Component):
     Anti-windup: K. Astrom, T. Hagglund (2006), Advanced PID Control, section 3.5.
     """
 
+    units_within = dict.fromkeys(("proportional_gain", "integral_gain"), "y/u") | dict.fromkeys(
+        ("lower", "upper", "integral_start"), "y"
+    )
+
     proportional_gain: Scalar = param(doc="k_p, output per input")
     integral_gain: Scalar = param(unit="1/s", doc="k_i, output per input and second")
     lower: Scalar = param(default=-UNLIMITED, doc="smallest output")
@@ -83,6 +87,10 @@ class SampledPI(Component):
     controller); y[k] = k_p u[k] + integral[k], held likewise.
     """
 
+    units_within = dict.fromkeys(("proportional_gain", "integral_gain"), "y/u") | dict.fromkeys(
+        ("lower", "upper", "integral_start"), "y"
+    )
+
     proportional_gain: Scalar = param(doc="k_p, output per input")
     integral_gain: Scalar = param(unit="1/s", doc="k_i, output per input and second")
     lower: Scalar = param(default=-UNLIMITED, doc="smallest output")
@@ -114,6 +122,8 @@ class SampledPI(Component):
 
 class DiscreteTransferFunction(Component):
     """y = numerator(z) / denominator(z) u every `period` seconds, held in between; starts from zero states."""
+
+    in_own_units = {"": "its coefficients are numbers of its sampling period"}
 
     numerator: Array = param(structural=True, doc="coefficients, highest power of z first")
     denominator: Array = param(structural=True, doc="coefficients, highest power of z first")

@@ -20,6 +20,8 @@ STARTS = ("steady", "value")
 class Integrator(Component):
     """dy/dt = gain u."""
 
+    units_within = {"gain": "y/u", "y_start": "y"}
+
     gain: Scalar = param(default=1.0, unit="1/s", doc="factor")
     y_start: Scalar = param(default=0.0, doc="initial output")
 
@@ -37,6 +39,8 @@ class Derivative(Component):
 
     Reference: Modelica.Blocks.Continuous.Derivative.
     """
+
+    units_within = {"gain": "y/u"}
 
     gain: Scalar = param(default=1.0, unit="s", doc="factor")
     time_constant: Scalar = param(unit="s", min=0, doc="time constant of the filter, well below that of the signal")
@@ -67,6 +71,8 @@ def _start(block):
 class FirstOrder(Component):
     """Lag of first order: time_constant y' + y = gain u."""
 
+    units_within = {"gain": "y/u", "y_start": "y"}
+
     gain: Scalar = param(default=1.0, doc="steady gain")
     time_constant: Scalar = param(unit="s", min=0, doc="time constant")
     initialization: str = param(default="steady", choices=STARTS, doc="start at rest, or at y_start")
@@ -89,6 +95,8 @@ class SecondOrderActuator(Component):
     y'' + 2 damping_ratio w0 y' + w0^2 y = w0^2 u with w0 = 2 pi natural_frequency. The output is twice
     differentiable even where the input jumps, so that it may prescribe an angle (AngleSource).
     """
+
+    units_within = {"y_start": "y"}
 
     natural_frequency: Scalar = param(unit="Hz", min=0, doc="undamped natural frequency")
     damping_ratio: Scalar = param(min=0, doc="damping ratio")
@@ -117,6 +125,8 @@ class ButterworthLowPass(Component):
     Sections of second order in series with damping ratios sin((2k - 1) pi / (2 order)), k = 1..order/2, and one of
     first order before them where the order is odd. Reference: S. Butterworth (1930), Wireless Engineer 7, 536-541.
     """
+
+    units_within = {"y_start": "y"}
 
     order: int = param(default=2, min=1, max=20, doc="order")
     cutoff_frequency: Scalar = param(unit="Hz", min=0, doc="frequency of -3 dB")
@@ -184,6 +194,8 @@ class StateSpace(Component):
     Raises ParameterError where the shapes of A, B, C and D do not fit.
     """
 
+    in_own_units = {"": "its coefficients are numbers of its states, whose units nobody knows"}
+
     A: Array = param(structural=True, doc="system matrix, n x n")
     B: Array = param(structural=True, doc="input matrix, n x inputs")
     C: Array = param(structural=True, doc="output matrix, outputs x n")
@@ -237,6 +249,8 @@ class TransferFunction(Component):
     poles: write such a filter as several blocks in series.
     """
 
+    in_own_units = {"": "its coefficients are numbers of its states, whose units nobody knows"}
+
     numerator: Array = param(structural=True, doc="coefficients, highest power of s first")
     denominator: Array = param(structural=True, doc="coefficients, highest power of s first")
 
@@ -256,6 +270,8 @@ class SlewRateLimiter(Component):
     A continuous limiter must lag to know its rate: slow inputs come out late by time_constant. Keep it well below the
     times that matter, and not smaller than needed: every jump of u costs steps of that length.
     """
+
+    units_within = {"rising_rate": "y", "falling_rate": "y", "y_start": "y"}
 
     rising_rate: Scalar = param(unit="1/s", min=0, doc="largest rate of y")
     falling_rate: Scalar = param(default=rising_rate, unit="1/s", min=0, doc="largest rate of fall of y, positive")

@@ -27,6 +27,8 @@ from fowtlib.language import math as m
 class Constant(Component):
     """y = value, a scalar or a vector."""
 
+    units_within = {"value": "y"}
+
     value: Array = param(doc="constant value")
 
     y: RealOutput = port(shape=lambda self: self.shape(type(self).value), doc="output")
@@ -37,6 +39,8 @@ class Constant(Component):
 
 class Sine(Component):
     """y = offset + amplitude sin(2 pi frequency t + phase)."""
+
+    units_within = {"amplitude": "y", "offset": "y"}
 
     amplitude: Scalar = param(default=1.0, doc="amplitude")
     frequency: Scalar = param(unit="Hz", min=0, doc="frequency")
@@ -52,6 +56,8 @@ class Sine(Component):
 
 class Step(Component):
     """y = offset before start_time, offset + height after it; the jump is an event, where the integrator restarts."""
+
+    units_within = {"height": "y", "offset": "y"}
 
     height: Scalar = param(default=1.0, doc="height of the step")
     start_time: Scalar = param(default=0.0, unit="s", doc="time of the step")
@@ -74,6 +80,8 @@ class Step(Component):
 class Ramp(Component):
     """y rises from offset by height, linearly within `duration` from start_time on, and stays there."""
 
+    units_within = {"height": "y", "offset": "y"}
+
     height: Scalar = param(default=1.0, doc="height of the ramp")
     duration: Scalar = param(unit="s", min=0, doc="time of the rise")
     start_time: Scalar = param(default=0.0, unit="s", doc="time at which the rise begins")
@@ -91,6 +99,8 @@ class TimeTable(Component):
 
     The run stops at the end of the table, unless it is periodic; the period is the number of samples times the step.
     """
+
+    units_within = {"values": "y"}
 
     values: Array = param(structural=True, doc="samples")
     step: Number = param(unit="s", doc="time between samples")

@@ -13,6 +13,8 @@ class Table1D(Component):
     smoothness "c2": cubic spline; "c1": piecewise cubic that does not overshoot the points.
     """
 
+    units_within = {"x": "u", "values": "y"}
+
     x: Array = param(structural=True, doc="rising abscissae")
     values: Array = param(structural=True, doc="one value per abscissa")
     smoothness: str = param(default="c2", choices=("c1", "c2"), doc="continuous derivatives")
@@ -27,6 +29,8 @@ class Table1D(Component):
 
 class Table2D(Component):
     """z = smooth surface through values[i, j] at (x[i], y[j]); the run stops with a message where u or v leaves it."""
+
+    units_within = {"x": "u", "y": "v", "values": "z"}
 
     x: Array = param(structural=True, doc="rising abscissae of the rows")
     y: Array = param(structural=True, doc="rising abscissae of the columns")

@@ -24,6 +24,8 @@ class FMU(Component):
     Source: FMI 2.0.4, chapter 4; FMI 3.0.2, chapter 4.
     """
 
+    in_own_units = {"": "an FMU has units and times of its own"}
+
     file: str = param(native=True, doc="path of the .fmu file")
     period: Number = param(default=None, unit="s", min=1e-9, doc="communication step; by default that of the file")
     start: dict = param(

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import warnings
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any
 
@@ -16,6 +16,7 @@ from fowtlib.components.hydro.errors import HydrodynamicDataError
 from fowtlib.components.hydro.wamit_writing import write_wamit
 from fowtlib.language.data_files import require_file
 from fowtlib.language.netcdf_files import add_variable, read_netcdf, set_attributes, write_netcdf
+from fowtlib.language.similarity import Similarity, six_by_six
 from fowtlib.language.whole_files import write_whole
 
 _MODES = ("surge", "sway", "heave", "roll", "pitch", "yaw")
@@ -202,6 +203,19 @@ class HydrodynamicDatabase:
 
         write_whole(path, lambda temporary: write_netcdf(temporary, fill))
 
+    ending = ".nc"
+
+    def in_similarity(self, similarity: Similarity) -> HydrodynamicDatabase:
+        """The data of the same hull in another scale, its water depth with it."""
+        one = similarity.factor
+        mass, damping, stiffness = (_factors(similarity, unit) for unit in ("kg", "N*s/m", "N/m"))
+        return replace(
+            self, omega=self.omega * one("rad/s"), A=self.A * mass, B=self.B * damping, A_inf=self.A_inf * mass,
+            A_zero=None if self.A_zero is None else self.A_zero * mass, X=self.X * stiffness[0], C=self.C * stiffness,
+            volume=self.volume * one("m^3"), centre_of_buoyancy=self.centre_of_buoyancy * one("m"),
+            rho=self.rho * one("kg/m^3"), water_depth=self.water_depth * one("m"),
+        )  # fmt: skip
+
     def nearest_heading(self, heading: float = 0.0) -> int:
         """The number of the heading of the data that is nearest to a heading [rad], all round."""
         return int(np.argmin(np.abs(np.mod(self.heading - heading + np.pi, 2 * np.pi) - np.pi)))
@@ -316,6 +330,11 @@ class HydrodynamicDatabase:
 
     def _error(self, message: str) -> HydrodynamicDataError:
         return HydrodynamicDataError(f"hydrodynamic data{f' ({self.source})' if self.source else ''}: {message}")
+
+
+def _factors(similarity: Similarity, unit: str) -> np.ndarray:
+    """Factors (6, 6) of a matrix over forces and moments."""
+    return np.vectorize(similarity.factor, otypes=[float])(six_by_six(unit))
 
 
 def _interpolate(x: np.ndarray, y: np.ndarray, at: np.ndarray) -> np.ndarray:

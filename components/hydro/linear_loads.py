@@ -70,6 +70,7 @@ from fowtlib.language import (
 )
 from fowtlib.language import math as m
 from fowtlib.language.data_files import remembered
+from fowtlib.language.similarity import six_by_six
 
 LARGEST_TILT = np.radians(45.0)  # of a hull, beyond which a run says that its loads mean nothing
 
@@ -127,6 +128,8 @@ class Hydrostatics(PlatformLoad):
     weight of the bodies does; at small angles the sum is that of the file.
     Source: J.N. Newman, Marine Hydrodynamics (1977), 6.16; WAMIT User Manual 7, section 3.1.
     """
+
+    units_within = {"stiffness": six_by_six("N/m")}
 
     volume: Scalar = param(unit="m^3", min=0, doc="displaced volume at rest")
     centre_of_buoyancy: Vector = param(unit="m", doc="centre of that volume, resolved in the frame")
@@ -200,6 +203,8 @@ class AddedMass(PlatformLoad):
     Source: W.E. Cummins, Schiffstechnik 9 (1962) 101-109.
     """
 
+    units_within = {"matrix": six_by_six("kg")}
+
     matrix: Array = param(shape=(6, 6), doc="added mass at infinite frequency, SI")
     reference_density: Number = param(default=1025.0, unit="kg/m^3", min=0, doc="water density rho_0 of the matrix")
 
@@ -217,6 +222,8 @@ class AddedMass(PlatformLoad):
 
 class LinearDamping(PlatformLoad):
     """A load -B q' against the velocity, axes of the module: diagonal, plus a full `matrix`."""
+
+    units_within = {"matrix": six_by_six("N*s/m")}
 
     translation: Vector = param(default=(0, 0, 0), unit="N*s/m", doc="damping of surge, sway, heave")
     rotation: Vector = param(default=(0, 0, 0), unit="N*m*s/rad", doc="damping of roll, pitch, yaw")

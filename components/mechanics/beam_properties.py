@@ -3,12 +3,17 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import Any
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
 from fowtlib.language.data_files import cells_of, lines_of, remembered
 from fowtlib.language.errors import ModelError, ParameterError
+from fowtlib.language.whole_files import write_text
+
+if TYPE_CHECKING:
+    from fowtlib.language.similarity import Similarity
 
 COLUMNS = {
     "z_m": "z",
@@ -108,6 +113,29 @@ class BeamProperties:
         factors |= dict.fromkeys(POSITIVE, stiffness)
         columns = {name: getattr(self, name) for name in self.__dataclass_fields__}
         return BeamProperties(**{n: v if v is None else v * factors.get(n, 1.0) for n, v in columns.items()})
+
+    ending = ".csv"
+
+    def in_similarity(self, similarity: Similarity) -> BeamProperties:
+        """The beam of a model in another scale: EI as N m^2."""
+        units = {
+            "z": "m", "mass_per_length": "kg/m", "stiffness_x": "N*m^2", "stiffness_y": "N*m^2",
+            "torsional_stiffness": "N*m^2", "axial_stiffness": "N", "twist": "rad", "rotary_inertia_x": "kg*m",
+            "rotary_inertia_y": "kg*m", "reference_x": "m", "reference_y": "m", "centre_of_mass_x": "m",
+            "centre_of_mass_y": "m",
+        }  # fmt: skip
+        columns = {name: (getattr(self, name), similarity.factor(unit)) for name, unit in units.items()}
+        return BeamProperties(**{n: None if value is None else value * f for n, (value, f) in columns.items()})
+
+    def write(self, path: str | Path) -> None:
+        """Write a CSV that read_beam reads. Raises WriteError."""
+        columns: dict[str, np.ndarray] = {}
+        for head, name in COLUMNS.items():
+            value = getattr(self, name, None)
+            if value is not None and name not in {COLUMNS[known] for known in columns}:
+                columns[head] = np.degrees(value) if name == "twist" else value
+        rows = [",".join(f"{value:.17g}" for value in row) for row in zip(*columns.values(), strict=True)]
+        write_text(path, "\n".join([",".join(columns), *rows]) + "\n")
 
     def mirrored(self) -> BeamProperties:
         """The mirror image, y to -y: the blade of a rotor that turns the other way."""

@@ -30,6 +30,8 @@ class BladedController(TurbineController):
     Source of the records: OpenFAST 3.5, ServoDyn, table of the Bladed interface; ROSCO 2.10, ReadSetParameters.
     """
 
+    in_own_units = {"": "a controller library has gains and units of its own"}
+
     file: str = param(native=True, doc="path of the shared library (.so, .dll, .dylib)")
     input_file: str = param(default="", doc="path of its input file, such as DISCON.IN; the library runs in its folder")
     procedure: str = param(default="DISCON", doc="name of the procedure in the library")

@@ -28,6 +28,8 @@ class StateEstimator(Component):
     shapes do not fit.
     """
 
+    in_own_units = {"": "its matrices are numbers of its states, whose units nobody knows"}
+
     memory = "controller"
 
     A: Array = param(shape=lambda self: np.shape(self.A), doc="rates of the states by the states")
@@ -79,6 +81,8 @@ class ScheduledEstimator(Component):
     and count in SI; rows of them hold a matrix of each point, row by row.
     Source: W. J. Rugh and J. S. Shamma, Automatica 36 (2000) 1401.
     """
+
+    in_own_units = {"": "its matrices are numbers of its states, whose units nobody knows"}
 
     memory = "controller"
 

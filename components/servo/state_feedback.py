@@ -40,6 +40,8 @@ class ScheduledFeedback(Component):
     Source: W. J. Rugh and J. S. Shamma, Automatica 36 (2000) 1401.
     """
 
+    in_own_units = {"": "its gains are numbers in the units of its signals"}
+
     memory = "controller"
 
     table: Data[GainTable] = data(read_gains, doc="file of a GainTable, or one itself")

@@ -4,12 +4,14 @@ from fowtlib.analysis.campbell import Campbell, campbell
 from fowtlib.analysis.case_statistics import case_statistics, over_cases
 from fowtlib.analysis.comparison import compare_results
 from fowtlib.analysis.decay import Decay, analyse_decay, free_decay
+from fowtlib.analysis.decay_fits import DecayFit, damped_sinusoid, decay_equation, linear_quadratic
 from fowtlib.analysis.extremes import block_maxima, fit_gumbel
 from fowtlib.analysis.fatigue import damage_equivalent_load, equivalent_loads, lifetime_equivalent_load
 from fowtlib.analysis.harmonics import HarmonicFit, harmonic_fit
 from fowtlib.analysis.load_matrix import ultimate_loads
 from fowtlib.analysis.maps import ParameterMap, parameter_map
 from fowtlib.analysis.rao import Rao, linear_rao, simulated_rao
+from fowtlib.analysis.scaling import scaled
 from fowtlib.analysis.sheet import Sheet, model_sheet
 from fowtlib.analysis.spectra import Spectrum, average, compare, power_spectrum
 from fowtlib.analysis.static import StaticCurve, static_curve
@@ -18,6 +20,7 @@ from fowtlib.analysis.statistics import normalized_maxima, over_seeds, up_crossi
 __all__ = [
     "Campbell",
     "Decay",
+    "DecayFit",
     "HarmonicFit",
     "ParameterMap",
     "Rao",
@@ -32,11 +35,14 @@ __all__ = [
     "compare",
     "compare_results",
     "damage_equivalent_load",
+    "damped_sinusoid",
+    "decay_equation",
     "equivalent_loads",
     "fit_gumbel",
     "free_decay",
     "harmonic_fit",
     "lifetime_equivalent_load",
+    "linear_quadratic",
     "linear_rao",
     "model_sheet",
     "normalized_maxima",
@@ -44,6 +50,7 @@ __all__ = [
     "over_seeds",
     "parameter_map",
     "power_spectrum",
+    "scaled",
     "simulated_rao",
     "static_curve",
     "ultimate_loads",

@@ -16,6 +16,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from fowtlib.analysis.agreement import Agreement, agreement, denominator
 from fowtlib.analysis.case_statistics import case_statistics
 from fowtlib.analysis.series import Series
 from fowtlib.language.data_files import cells_of
@@ -31,6 +32,7 @@ if TYPE_CHECKING:
 LIMITS = (10.0, 30.0)  # percent: the largest difference of a green and of an amber light
 LIGHTS = ("green", "amber", "red", "none")
 MEASURES = ("mean", "std", "min", "max")
+RELATIVE_TO = ("value", "range", "larger", "smaller", "mean")
 MAP_COLUMNS = ("first", "second", "sign", "first_unit", "second_unit")
 _NOTHING = 1e-9  # of the largest value of a channel, and absolute: what is left by rounding
 
@@ -150,14 +152,18 @@ def compare_results(
     limits       percent, of green and of amber lights
     measures     more of them, name -> function of a Series: {"DEL 4": lambda series: ...}
     relative_to  "value": percent of the second's value; "range": of the second's range, maximum - minimum, which also
-                 means something where a mean is near zero
+                 means something where a mean is near zero; "larger", "smaller" or "mean": of the larger or smaller of
+                 both values, or of their mean, as published tables have it that do not say which
 
     Numbers below 1e-9 of the largest value of a channel, or below 1e-9, are rounding: two of them differ by 0 %, and a
     difference from such a one has no percent and no light. Raises ModelError: nothing to compare, units of different
     dimension, a pair that names what is not there.
     """
-    if relative_to not in ("value", "range"):
-        raise ModelError(f"differences are relative to the 'value' or to the 'range', not to '{relative_to}'.")
+    if relative_to not in RELATIVE_TO:
+        raise ModelError(
+            "differences are relative to the 'value' or to the 'range', or to the 'larger', the 'smaller' or the "
+            f"'mean' of both values, not to '{relative_to}'."
+        )
     if not 0.0 < limits[0] <= limits[1]:
         raise ModelError(
             f"the limits of the lights are two rising numbers above 0, not {limits[0]:g} and {limits[1]:g}."
@@ -198,12 +204,33 @@ def compare_results(
         largest = max(abs(numbers[key][which]) for key in ("min", "max") for which in (0, 1))
         span = numbers["max"][1] - numbers["min"][1]
         for key, (a, b) in numbers.items():
-            percent = _percent(a, b, span if relative_to == "range" else abs(b), largest)
+            percent = _percent(a, b, _scale(a, b, span, relative_to), largest)
             rows.append(Difference(name, pair.second, one.unit(name), key, a, b, percent, _light(percent, limits)))
     used = {pair.second for pair in chosen.values()}
     first_only = tuple(name for name in ours if name not in chosen)
     second_only = tuple(name for name in theirs if name not in used)
     return Comparison(tuple(rows), limits, first_only, second_only, refused, relative_to)
+
+
+def compare_over_time(
+    first: Result, second: Result, pairs: Sequence[Pair] | None = None, *, discard: float = 0.0,
+) -> list[Agreement]:
+    """Correlation and root mean square difference of all channels that both results have: see analysis.agreement.
+
+    For results of the same waves, as of a test and of the run in its measured record. pairs, discard, errors: as for
+    compare_results.
+    """
+    ours, theirs = (_columns(result) for result in (first, second))
+    chosen = _pairs(ours, theirs, pairs or ())
+    if not chosen:
+        raise ModelError("the two results have no channel in common; say in a list of pairs which belong together.")
+    found = []
+    for name, pair in chosen.items():
+        unit = _unit(ours, name, pair.first_unit)
+        one = Series(first.time, ours[name][1], unit, name).after(discard)
+        other = Series(second.time, _converted(theirs, pair, unit), unit, name).after(discard)
+        found.append(agreement(one, other))
+    return found
 
 
 def read_pairs(path: str | Path) -> list[Pair]:
@@ -305,6 +332,13 @@ def _converted(columns: Mapping[str, Any], pair: Pair, unit: str) -> np.ndarray:
             )
         values = values * conversion(one, out)
     return pair.sign * values
+
+
+def _scale(a: float, b: float, span: float, relative_to: str) -> float:
+    """What a difference is divided by."""
+    if relative_to == "range":
+        return span
+    return denominator(a, b, "test" if relative_to == "value" else relative_to)
 
 
 def _percent(a: float, b: float, scale: float, largest: float) -> float | None:

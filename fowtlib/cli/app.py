@@ -22,6 +22,7 @@ from typing import NoReturn
 from fowtlib.cli import (
     batch,
     cache,
+    calibrate,
     cases,
     compare,
     contours,
@@ -43,6 +44,7 @@ from fowtlib.cli import (
     righting,
     rotor_table,
     run,
+    scale,
     sensitivity,
     sheet,
     size,
@@ -58,9 +60,9 @@ from fowtlib.cli.report import write_report
 from fowtlib.language.errors import ModelError, did_you_mean
 
 GROUPS = (
-    run, cases, batch, export, view, inspection, events, stability, righting, tune, sheet, maps, size, optimise, decay, rao,
-    response, sensitivity, statistics, maxima, loads, fatigue, compare, rotor_table, hydro, wind_field, contours,
-    extremes, library, cache,
+    run, cases, batch, export, view, inspection, events, stability, righting, tune, sheet, maps, size, optimise, scale,
+    decay, calibrate, rao, response, sensitivity, statistics, maxima, loads, fatigue, compare, rotor_table, hydro,
+    wind_field, contours, extremes, library, cache,
 )  # fmt: skip
 
 

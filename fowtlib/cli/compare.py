@@ -10,7 +10,9 @@ from typing import Any
 from fowtlib.cli import tables
 from fowtlib.cli.files import FIGURES, check_target, say_saved
 from fowtlib.cli.run import not_negative
+from fowtlib.language.errors import ModelError
 
+RELATIVE_TO = ("value", "range", "larger", "smaller", "mean")
 EXAMPLES = """B is the reference: differences are in percent of its values, green up to the
 first of --limits, amber up to the second, red beyond. Channels are paired by
 name, also under the names of OpenFAST. FILE of --map is a CSV table with the
@@ -19,6 +21,7 @@ columns first, second and, if wanted, sign (1 or -1), first_unit, second_unit.
 examples:
   fowt compare run.nc openfast.outb --discard 400 --plot lights.png
   fowt compare run.nc bladed.csv --map names.csv --equivalent-loads 4,10
+  fowt compare run.nc tank_test.csv --over-time
 """
 
 
@@ -32,8 +35,10 @@ def declare(commands: Any) -> None:
     add("--map", type=Path, metavar="FILE", help="table of channels that belong together (.csv)")
     add("--discard", type=not_negative, metavar="S", default=0.0, help="without the first S seconds of both")
     add("--limits", type=limits, metavar="P,Q", default=(10.0, 30.0), help="of green and amber [%%]; default: 10,30")
-    add("--relative-to", choices=("value", "range"), default="value", metavar="WHAT",
-        help="percent of the value of B, or of its range (maximum - minimum); default: value")  # fmt: skip
+    add("--relative-to", choices=RELATIVE_TO, default="value", metavar="WHAT",
+        help="percent of the value of B, its range (maximum - minimum), or the larger, smaller or mean of both values; "
+             "default: value")  # fmt: skip
+    add("--over-time", action="store_true", help="instead: correlation and RMSE, of records of the same waves")
     add("--equivalent-loads", type=exponents, metavar="M,...", default=(),
         help="damage-equivalent loads too, for these exponents")  # fmt: skip
     add("--strict", action="store_true", help="exit status 1 if there is a red light")
@@ -73,6 +78,8 @@ def show_comparison(arguments: argparse.Namespace) -> int:
     tables.check(arguments)
     pairs = read_pairs(arguments.map) if arguments.map else None
     first, second = Result.open(arguments.first), Result.open(arguments.second)
+    if arguments.over_time:
+        return _over_time(arguments, first, second, pairs)
     comparison = compare_results(
         first, second, pairs, discard=arguments.discard, limits=arguments.limits, relative_to=arguments.relative_to,
         measures={f"DEL {m:g}": _equivalent_load(m) for m in arguments.equivalent_loads},
@@ -100,6 +107,22 @@ def show_comparison(arguments: argparse.Namespace) -> int:
             tables.say(arguments, f"only in {which}: {', '.join(names)}" if names else "")
     say_saved(arguments.plot)
     return int(arguments.strict and comparison.count()["red"] > 0)
+
+
+def _over_time(arguments: argparse.Namespace, first: Any, second: Any, pairs: Any) -> int:
+    """Print correlation and root mean square differences, with what these are divided by."""
+    from fowtlib.analysis.comparison import compare_over_time
+
+    if arguments.plot or arguments.strict or arguments.equivalent_loads:
+        raise ModelError("--over-time has no lights: leave out --plot, --strict and --equivalent-loads.")
+    found = compare_over_time(first, second, pairs, discard=arguments.discard)
+    columns = ("result", "unit", "correlation", "RMSE", "std of B", "RMSE / std", "RMSE / range")
+    rows = [
+        (row.name, row.unit, row.correlation, row.rmse, row.test_std, row.rmse_of_std, row.rmse_of_range)
+        for row in found
+    ]
+    tables.show(arguments, columns, rows, f"{arguments.first.name} against {arguments.second.name}")
+    return 0
 
 
 def _equivalent_load(exponent: float) -> Any:

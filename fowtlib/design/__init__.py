@@ -3,6 +3,7 @@
 See docs/design.md.
 """
 
+from fowtlib.design.calibration import Calibration, calibrate
 from fowtlib.design.design import Design
 from fowtlib.design.evaluation import Evaluated, Evaluator
 from fowtlib.design.file import DesignFile, read_design
@@ -13,6 +14,7 @@ from fowtlib.design.terms import Constraint, DesignCase, Function, Objective, kr
 from fowtlib.design.variables import Variable
 
 __all__ = [
+    "Calibration",
     "Constraint",
     "Design",
     "DesignCase",
@@ -25,6 +27,7 @@ __all__ = [
     "Optimum",
     "Statistics",
     "Variable",
+    "calibrate",
     "kreisselmeier_steinhauser",
     "pareto",
     "read_design",

@@ -117,3 +117,24 @@ def plot_front(front: Any, path: str | Path | None = None) -> Figure:
         axis.set_ylabel(front.names[1])
         axis.set_title(front.title, loc="left", fontsize=10.5)
     return save_figure(figure, path)
+
+
+def plot_calibration(found: Any, path: str | Path | None = None) -> Figure:
+    """Of a Calibration, for every channel: record, run before and after; below, the residuals after."""
+    names = list(found.measured)
+    with drawing_style():
+        figure = drawing(9.0, 3.6 * len(names) + 0.4)
+        axes = figure.subplots(2 * len(names), 1, height_ratios=[2.2, 1.0] * len(names), squeeze=False)[:, 0]
+        for top, below, name in zip(axes[::2], axes[1::2], names, strict=True):
+            series = found.measured[name]
+            top.plot(found.time, found.run_before[name], color=BEFORE, ls="--", lw=1.0, label="model before")
+            top.plot(found.time, series.values, color=INK, lw=1.0, label="record")
+            top.plot(found.time, found.run[name], color=AFTER, lw=1.0, label="model fitted")
+            top.set(ylabel=f"{name} [{series.unit}]")
+            top.legend(loc="upper right", ncols=3, fontsize=8)
+            below.plot(found.time, found.residuals[name], color=LIMIT, lw=0.8)
+            below.axhline(0.0, color=INK, linewidth=0.7)
+            below.set(ylabel="residual", xlabel="time [s]" if name == names[-1] else "")
+            left = f"left: {100 * found.left[name]:.2g} % (before {100 * found.left_before[name]:.2g} %)"
+            below.set_title(left, loc="left", fontsize=8.5)
+    return save_figure(figure, path)

@@ -67,6 +67,15 @@ class Component(Composite):
     void: tuple[str, ...] = ()
     """Parameters of its base class which a kind takes no notice of."""
 
+    units_within: dict[str, Any] = {}
+    """Units of parameters that a declaration cannot say: by element, or of a general block by its signals, "y/u"."""
+
+    in_own_units: dict[str, str] = {}
+    """Parameters with data that no scaled model can have, and why; under "" the component itself."""
+
+    of_the_air: bool = False
+    """Its speeds are those of the wind, which a scaled model may have in a proportion of its own."""
+
     def __init_subclass__(
         cls, *, selector: str = "", kind: str = "", shared: Sequence[str] = (), **kwargs: Any
     ) -> None:

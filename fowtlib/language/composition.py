@@ -20,7 +20,7 @@ from fowtlib.language.units import dimension
 Component = Any  # the class is derived from the one below
 OWN_NAMES = {"origins", "parts", "connections"}
 AnyPort = PortReference | Connector | Signal  # what a port is outside of equations, and how it is declared
-_NOTHING: Any = object()
+_NOTHING: Any = type("Nothing", (), {})  # a class, which is itself in a copy
 
 
 class Composite:

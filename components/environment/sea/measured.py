@@ -25,6 +25,8 @@ class MeasuredSea(Sea, kind="record"):
     is that of the record without what lies outside of the band. t = 0 is the time `start` of the record.
     """
 
+    in_own_units = {"file": "a record has seconds and metres of its own"}
+
     file: str = param(default="", bound=True, doc="record: CSV file with time [s] and elevation [m]")
     start: Number = param(default=None, unit="s", bound=True, doc="record: its time at t = 0; else its first")
     gauge: Vector = param(default=(0, 0, 0), unit="m", bound=True, doc="record: where it was measured; z is not used")

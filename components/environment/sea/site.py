@@ -22,6 +22,8 @@ class NormalSea(JonswapSea, kind="nss"):
     The mean wind is that at station 0, unless `wind_speed` is given.
     """
 
+    units_within = {"states": ("m/s", "m", "s")}
+
     void = ("significant_wave_height", "peak_period")
 
     states: Array = param(

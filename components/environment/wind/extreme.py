@@ -51,6 +51,8 @@ class SteadyExtremeWind(Wind, kind="ewm_steady"):
     V_e50(z) = 1.4 V_ref (z/z_hub)^0.11. Its speed comes from the wind class.
     """
 
+    in_own_units = {"": "its speed and profile are those of a standard"}
+
     void = ("mean_speed", "shear_exponent")
 
     shear_exponent: Scalar = param(default=iec.EXTREME_SHEAR, doc="exponent of the power law")

@@ -19,6 +19,8 @@ from fowtlib.language.run_time import RestingPlaces, TurningRings
 class FieldWind(Wind, kind="field"):
     """u, v, w in space and time from a .bts file, see field_lookup; mean speed and shear are those of the file."""
 
+    in_own_units = {"": "a field of turbulence has lengths and speeds of its own"}
+
     void = ("mean_speed", "shear_exponent")
     of_data = True
 

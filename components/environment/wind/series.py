@@ -17,6 +17,8 @@ class SeriesWind(Wind, kind="file"):
     "monotone" is the cubic of Fritsch and Carlson (1980), which stays between the samples, and "linear" straight.
     """
 
+    in_own_units = {"": "the file has seconds and speeds of its own"}
+
     void = ("mean_speed",)
     of_data = True
 

@@ -37,6 +37,8 @@ def rotor_diameter(wind: Any) -> float:
 class Transient(NormalProfile):
     """Wind of the normal profile in which something happens from `start_time` on. Partial."""
 
+    in_own_units = {"": "the gusts of the standard have lengths and speeds of full scale"}
+
     start_time: Number = param(default=0.0, unit="s", min=0, bound=True, doc="when it begins")
     turbulence_class: str = param(
         default="B", choices=iec.TURBULENCE_CLASSES, bound=True, doc="IEC turbulence class, of sigma_1"
