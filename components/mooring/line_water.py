@@ -1,0 +1,33 @@
+"""The water at the nodes of a line: waves as they are at the nodes at rest."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import casadi as ca
+import numpy as np
+
+from fowtlib.components.environment.waves import WaveComponents
+from fowtlib.components.mooring import line_at_rest
+
+
+def at_nodes(line: Any, n: int) -> tuple[Any, Any]:
+    """Velocities and accelerations (3, n) of the water at the nodes, world."""
+    if line.sea is None or not line.waves:
+        return ca.SX.zeros(3, n), ca.SX.zeros(3, n)
+    velocity = line.sea.signal(_velocity, 3 * n, "water velocity", "m/s", of=line)
+    acceleration = line.sea.signal(_acceleration, 3 * n, "water acceleration", "m/s^2", of=line)
+    return ca.reshape(velocity, 3, n), ca.reshape(acceleration, 3, n)
+
+
+def _places(line: Any, depth: float) -> np.ndarray:
+    nodes = line_at_rest.shape_at_rest(line).reshape(-1, 3)
+    return np.column_stack([nodes[:, :2], np.maximum(nodes[:, 2], -depth)])
+
+
+def _velocity(waves: WaveComponents, line: Any) -> np.ndarray:
+    return waves.velocity_transfer(_places(line, waves.depth)).reshape(len(waves), -1)
+
+
+def _acceleration(waves: WaveComponents, line: Any) -> np.ndarray:
+    return waves.acceleration_transfer(_places(line, waves.depth)).reshape(len(waves), -1)
