@@ -63,7 +63,7 @@ class DynamicLine(DynamicSections):
     tensions: Array = var(unit="N", shape=lambda self: (self.nodes() - 1,), doc="tensions of the elements")
     clearances: Array = var(unit="m", shape=lambda self: (self.nodes(),), doc="heights of the nodes above the seabed")
     curvatures: Array = var(unit="1/m", shape=lambda self: (self.nodes() - 2,), doc="at the nodes between the ends")
-    tension: Scalar = var(unit="N", doc="tension at the fairlead: of the last element, and half of its weight")
+    tension: Scalar = var(unit="N", doc="tension at the fairlead: the force that holds the end there")
     anchor_tension: Scalar = var(unit="N", doc="tension at the anchor: of the first element")
 
     def equations(self):
@@ -74,7 +74,7 @@ class DynamicLine(DynamicSections):
         carried = [_carried(of, share) for of in (ends, *_rates(anchor, fairlead))]
         nodes = rest + carried[0] + _between(self.offsets)
         velocities = carried[1] + _between(self.offset_rates)
-        line, points, around = self.elements_now(), self.points_now(), self.surroundings(n)
+        line, points, around = self.elements_now(), self.points_now(), self.surroundings(nodes)
         now = lumped_mass.loads(nodes, velocities, line, points, around)
         pull = lumped_mass.tensions(nodes, velocities, line) * self.whole(n - 1)
         inside = lumped_mass.directions(nodes)[1] * ca.repmat(pull, 3, 1)
@@ -82,7 +82,7 @@ class DynamicLine(DynamicSections):
             inside += lumped_mass.shears(nodes, line)
         moving = now.accelerations(now.force + _differences(inside))[:, 1:-1] - carried[2][:, 1:-1]
         held = now.inertia(carried[2]) - now.force
-        weight = ca.vertcat(0, 0, now.weight[-1])
+        pulls = [held[:, 0] - inside[:, 0], held[:, -1] + inside[:, -1]]  # what holds the ends
         return [
             eq(der(self.offsets), self.offset_rates),
             eq(der(self.offset_rates), moving),
@@ -90,10 +90,10 @@ class DynamicLine(DynamicSections):
             eq(self.tensions, pull.T),
             eq(self.clearances, nodes[2, :].T + self.world.water_depth),
             eq(self.curvatures, lumped_mass.curvatures(nodes, line).T),
-            eq(self.tension, self.intact * m.norm(inside[:, -1] + weight)),
+            eq(self.tension, self.intact * m.norm(pulls[1])),
             eq(self.anchor_tension, m.norm(inside[:, 0])),
-            [eq(fairlead.f, held[:, -1] + inside[:, -1]), eq(fairlead.t, m.zeros(3))],
-            hold_anchor(self, held[:, 0] - inside[:, 0]),
+            [eq(fairlead.f, pulls[1]), eq(fairlead.t, m.zeros(3))],
+            hold_anchor(self, pulls[0]),
             on(self.loss, assign(self.intact, 0)),
             *_limits(self, nodes, line),
         ]

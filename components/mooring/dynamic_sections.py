@@ -37,7 +37,7 @@ class DynamicSections(LineOfSections):
     fairlead_start: Vector = param(
         default=None, unit="m", doc="fairlead where a run starts, world; without a value: as the parts lead to it"
     )
-    waves: bool = param(default=True, doc="waves move the water along the line")
+    waves: bool = param(default=True, doc="waves move the water at the nodes, as it moves where these are at rest")
 
     def nodes(self) -> int:
         """How many nodes there are, both ends among them."""
@@ -117,10 +117,10 @@ class DynamicSections(LineOfSections):
         names = ("point_mass", "point_volume", "point_drag_area", "point_added_mass")
         return Points(*(ca.horzcat(*self.of_nodes(name)) for name in names))
 
-    def surroundings(self, n: int) -> Surroundings:
-        """Water and seabed, as the equations take them."""
+    def surroundings(self, nodes: Any) -> Surroundings:
+        """Water and seabed at the nodes (3, n + 1), as the equations take them."""
         world = self.world
-        velocity, acceleration = line_water.at_nodes(self, n)
+        velocity, acceleration = line_water.at_nodes(self, nodes)
         friction = ca.horzcat(*self.of_elements("friction"))
         return Surroundings(
             world.water_density, world.gravity, world.water_depth, self.seabed_stiffness, self.seabed_damping, friction,

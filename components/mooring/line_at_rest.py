@@ -61,10 +61,12 @@ def static_line(line: Any) -> StaticLine:
     rho, gravity, depth = (float(world.parameter_value(k)) for k in ("water_density", "gravity", "water_depth"))
     own = _halves((of("mass_per_length") - rho * np.pi / 4 * of("diameter") ** 2) * length) * gravity
     weight = own + (of_points("point_mass") - rho * of_points("point_volume")) * gravity
+    lift = rho * gravity * (_halves(np.pi / 4 * of("diameter") ** 2 * length) + of_points("point_volume"))
+    diameter = of("diameter")[[0, *range(len(length))]]
     heavy = np.maximum(own, FEATHER)
     ground = float(line.parameter_value("seabed_stiffness")) * _halves(of("diameter") * length)
     width, law = TOUCH * heavy / ground, _law(line, EA, of)
-    return StaticLine(length, law, weight, ground * np.maximum(weight, heavy) / heavy, width, depth)
+    return StaticLine(length, law, weight, lift, diameter, ground * np.maximum(weight, heavy) / heavy, width, depth)
 
 
 def _law(line: Any, EA: Floats, of: Any) -> Any:

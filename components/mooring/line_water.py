@@ -1,4 +1,4 @@
-"""The water at the nodes of a line: waves as they are at the nodes at rest."""
+"""The water at the nodes of a line: waves as they are at the nodes at rest, and the current where the nodes are."""
 
 from __future__ import annotations
 
@@ -11,13 +11,14 @@ from fowtlib.components.environment.waves import WaveComponents
 from fowtlib.components.mooring import line_at_rest
 
 
-def at_nodes(line: Any, n: int) -> tuple[Any, Any]:
-    """Velocities and accelerations (3, n) of the water at the nodes, world."""
-    if line.sea is None or not line.waves:
-        return ca.SX.zeros(3, n), ca.SX.zeros(3, n)
-    velocity = line.sea.signal(_velocity, 3 * n, "water velocity", "m/s", of=line)
-    acceleration = line.sea.signal(_acceleration, 3 * n, "water acceleration", "m/s^2", of=line)
-    return ca.reshape(velocity, 3, n), ca.reshape(acceleration, 3, n)
+def at_nodes(line: Any, nodes: Any) -> tuple[Any, Any]:
+    """Velocities and accelerations (3, n) of the water at nodes (3, n), world."""
+    n = nodes.shape[1]
+    velocity = acceleration = ca.SX.zeros(3, n)
+    if line.sea is not None and line.waves:
+        velocity = ca.reshape(line.sea.signal(_velocity, 3 * n, "water velocity", "m/s", of=line), 3, n)
+        acceleration = ca.reshape(line.sea.signal(_acceleration, 3 * n, "water acceleration", "m/s^2", of=line), 3, n)
+    return velocity, acceleration
 
 
 def _places(line: Any, depth: float) -> np.ndarray:

@@ -10,6 +10,8 @@ elements beside it. With the unstretched length l of an element, its length L, d
 - water: Morison's forces on a node with its tangent q, across 1/2 rho C_d d l |u_n| u_n, along 1/2 rho C_t pi d l
   |u_t| u_t, of the water against the node; rho V (a + C_a a_n + C_at a_t) of its acceleration a, and the added masses
   rho V C_a across and rho V C_at along, so that the acceleration of a node is explicit;
+- the still water level: what stands above it has no buoyancy, drag or added mass, the share by the heights that a node
+  stands for;
 - seabed: k d l times the depth below it, and damping c d l w of the speed w, only where they push; the touch begins
   smoothly, over a quarter of the depth to which the weight sinks in. Friction mu N v / sqrt(v^2 + CREEP^2) against the
   level velocity v of a node that pushes with N: at rest it lets go, slowly.
@@ -192,14 +194,24 @@ def tangents(nodes: Any) -> Any:
     return ways / _wide(ca.sqrt(_dots(ways, ways)))
 
 
+def wet(nodes: Any, diameter: Any) -> Any:
+    """Share (1, n + 1) of each node that lies below the still water level: over the heights that it stands for."""
+    count = nodes.shape[1]
+    before, after = [0, *range(count - 1)], [*range(1, count), count - 1]
+    half = ca.fabs(nodes[2, after] - nodes[2, before]) / 4 + diameter[0, [0, *range(count - 1)]] / 2
+    s = ca.fmax(ca.fmin(nodes[2, :] / half, 1), -1)
+    return 0.5 - 0.75 * s + 0.25 * s**3
+
+
 def loads(nodes: Any, velocities: Any, line: Elements, points: Points, around: Surroundings) -> Loads:
     """The loads on the nodes; inside equations() only, because drag is told to the frequency domain."""
     rho, q = around.density, tangents(nodes)
-    volume = at_nodes(line.volume)
+    share = wet(nodes, ca.SX(line.diameter))
+    volume = at_nodes(line.volume) + points.volume
     mass = at_nodes(line.mass * line.length) + points.mass
-    added = rho * (at_nodes(line.added * line.volume) + points.added * points.volume)
-    axial_added = rho * (at_nodes(line.axial_added * line.volume) + points.added * points.volume)
-    down = around.gravity * (mass - rho * (volume + points.volume))
+    added = rho * share * (at_nodes(line.added * line.volume) + points.added * points.volume)
+    axial_added = rho * share * (at_nodes(line.axial_added * line.volume) + points.added * points.volume)
+    down = around.gravity * (mass - rho * share * volume)
     flow = around.velocity - velocities
     along = _dots(q, flow)
     across = flow - q * _wide(along)
@@ -210,9 +222,9 @@ def loads(nodes: Any, velocities: Any, line: Elements, points: Points, around: S
         force = area[k] * quadratic(across[:, k], STILL) + skin[k] * quadratic(along[k], STILL, "axial drag") * q[:, k]
         if not ca.SX(points.drag_area[k]).is_zero():
             force += points.drag_area[k] * quadratic(flow[:, k], STILL, "drag of a point")
-        drag.append(rho / 2 * force)
+        drag.append(rho / 2 * share[k] * force)
     wave = around.acceleration
-    by_waves = _wide(rho * (volume + points.volume) + added) * wave + q * _wide(_dots(q, wave) * (axial_added - added))
+    by_waves = _wide(rho * share * volume + added) * wave + q * _wide(_dots(q, wave) * (axial_added - added))
     force = ca.horzcat(*drag) + by_waves + seabed(nodes, velocities, down, line, around)
     return Loads(force - ca.vertcat(ca.SX.zeros(2, nodes.shape[1]), down), down, q, mass + axial_added, mass + added)
 

@@ -24,12 +24,15 @@ Floats = NDArray[np.float64]
 class StaticLine:
     """Numbers of elements (n,): length [m], tension(strain) and its slope, and of nodes (n + 1,): weight [N].
 
-    ground: stiffness [N/m] of the seabed at each node, depth [m]; width [m] over which it begins.
+    lift: buoyancy [N] of the nodes under water, which is in their weight; diameter [m]. ground: stiffness [N/m] of the
+    seabed at each node, depth [m]; width [m] over which it begins.
     """
 
     length: Floats
     tension: Any
     weight: Floats
+    lift: Floats
+    diameter: Floats
     ground: Floats
     width: Floats
     depth: float
@@ -57,9 +60,14 @@ def _forces(nodes: Floats, line: StaticLine) -> tuple[Floats, Floats, Floats]:
     below = -line.depth - nodes[:, 2]
     size = np.sqrt(below**2 + line.width**2)
     force[:, 2] += line.ground * (below + size) / 2 - line.weight
+    half = np.abs(np.diff(nodes[:, 2], prepend=nodes[0, 2]) + np.diff(nodes[:, 2], append=nodes[-1, 2])) / 4
+    half = half + line.diameter / 2
+    s = np.clip(nodes[:, 2] / half, -1, 1)
+    force[:, 2] -= line.lift * (0.5 + 0.75 * s - 0.25 * s**3)
     if line.drag is not None:
         force += line.drag(nodes)
-    return force, stiffness, line.ground * (1 + below / size) / 2
+    upright = line.ground * (1 + below / size) / 2 + np.maximum(line.lift, 0) * 0.75 * (1 - s**2) / half
+    return force, stiffness, upright
 
 
 def settled(nodes: Floats, line: StaticLine) -> Floats:

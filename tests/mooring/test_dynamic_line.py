@@ -4,6 +4,7 @@ import numpy as np
 import pytest
 
 import fowtlib as fw
+from fowtlib.components.environment import Sea
 from fowtlib.components.mechanics import Fixed, World
 from fowtlib.components.mechanics.forced_motion import ForcedOscillation
 from fowtlib.components.mooring import CatenaryLine, DynamicLine, catenary
@@ -189,3 +190,81 @@ def test_messages_say_what_to_do():
         between(DynamicLine(lengths=100, axial_stiffness=1e8, weight_per_length=80), (0, 0, -50), (90, 0, 0), 50)
     with pytest.raises(ParameterError, match="3 sections and 2 elements"):
         between(DynamicLine(lengths=[1, 2, 3], elements=2, **OC3), (0, 0, -50), (5, 0, 0), 50)
+
+
+# --- published series -------------------------------------------------------------------------------------------------
+
+
+def harmonics(time, values, period, count=3):
+    """Amplitudes of the harmonics over the last two periods, range and mean."""
+    kept = time >= time[-1] - 2 * period - 1e-9
+    t, s = time[kept][:-1], values[kept][:-1]
+    found = [2 * abs(np.mean(s * np.exp(-2j * np.pi * k * t / period))) for k in range(1, count + 1)]
+    return found, np.ptp(values[kept]), s.mean()
+
+
+@pytest.mark.parametrize(("depth", "anchor", "length", "elements", "static", "span", "first"), [
+    (200, 700, 760, 38, 2065.4e3, 2042e3, 1004e3),
+    pytest.param(50, 400, 410, 82, 991.6e3, 1196e3, 519e3, marks=pytest.mark.long),
+])  # fmt: skip
+def test_chain_whose_fairlead_heaves(depth, anchor, length, elements, static, span, first):
+    """5 m in 10 s, against OrcaFlex (tests of MoorDyn, BSD-3): range and first harmonic within 5 %.
+
+    Axial drag is 1.15 on the bar (DNV-OS-E301), which is 0.64 d there, and 0.64 / pi on pi d here.
+    """
+    line = DynamicLine(
+        lengths=length, elements=elements, anchor_position=(anchor, 0, -depth), axial_stiffness=1.674e9,
+        mass_per_length=390, diameter=0.252, damping_ratio=1.0, drag_coefficient=1.37, friction=0.5,
+        axial_drag_coefficient=0.64 / np.pi,
+    )  # fmt: skip
+    plant = driven(line, (0, 0, 0), depth, 5.0, 0.1, n=(0, 0, 1))
+    result = plant.simulate(50.0, output_step=0.05, solver="fixed", step=0.0125)
+    tension = np.asarray(result["line.tension"])
+    (found, *_), size, _ = harmonics(result.time, tension, 10.0)
+    assert tension[0] == pytest.approx(static, rel=0.014)  # 1.3 % at 50 m, where the catenary is 1.0 % above OrcaFlex
+    assert size == pytest.approx(span, rel=0.05)
+    assert found == pytest.approx(first, rel=0.05)
+
+
+@pytest.mark.parametrize(("n", "span", "expected"), [
+    ((1, 0, 0), 10.76, (3.88, 2.42)),
+    ((0, 1, 0), 4.83, (0.05, 2.34)),
+    ((0, 0, 1), 21.00, (9.53, 1.17)),
+])  # fmt: skip
+def test_jumper_whose_top_moves(n, span, expected):
+    """Lowe and Langley (2006), 10 m in 27 s, kN: range, and harmonics above a tenth of it, within 5 %.
+
+    The top comes 5 m out of the water when it heaves: nearly half of the mean comes from what weighs more there.
+    """
+    model = Assembly("jumper")
+    model.world = World(water_depth=100, water_density=1000, gravity=9.807)
+    model.drive = ForcedOscillation(r=(0, 0, -5), n=n, speed_amplitude=10 * 2 * np.pi / 27, period=27)
+    model.line = DynamicLine(lengths=170, elements=34, anchor_position=(-100, 0, -55), **JUMPER)
+    model.connect(model.drive.frame, model.line.fairlead)
+    result = fw.load(model).compile().simulate(108.0, output_step=0.1, solver="fixed", step=0.0125)
+    found, size, _ = harmonics(result.time, np.asarray(result["line.tension"]) / 1e3, 27.0)
+    assert size == pytest.approx(span, rel=0.05)
+    for amplitude, published in zip(found, expected, strict=False):
+        if published > 0.1 * span:
+            assert amplitude == pytest.approx(published, rel=0.05)
+
+
+JUMPER = {"axial_stiffness": 5e8, "bending_stiffness": 1.208e5, "mass_per_length": 165.0, "diameter": 0.396,
+          "damping_ratio": 0.5, "drag_coefficient": 1.0, "axial_drag_coefficient": 0.0}  # fmt: skip
+
+
+@pytest.mark.parametrize(("heading", "span", "first"), [(45, 12.2, 5.50), (90, 12.65, 5.72)])
+def test_jumper_in_waves(heading, span, first):
+    """The same, its top held, in waves of 5 m amplitude and 10 s."""
+    model = Assembly("jumper in waves")
+    model.world = World(water_depth=100, water_density=1000, gravity=9.807)
+    model.sea = Sea(spectrum="regular", wave_height=10, wave_period=10, heading=np.radians(heading), build_up=20)
+    model.top = Fixed(r=(0, 0, -5))
+    model.line = DynamicLine(lengths=170, elements=34, anchor_position=(-100, 0, -55), **JUMPER)
+    model.connect(model.top.frame, model.line.fairlead)
+    plant = fw.load(model).compile()
+    assert np.ravel(plant.initial_state()["line.fairlead.f"])[[0, 2]] == pytest.approx([11.40e3, 45.71e3], rel=2e-3)
+    result = plant.simulate(80.0, output_step=0.1, solver="fixed", step=0.0125)
+    (found, *_), size, _ = harmonics(result.time, np.asarray(result["line.tension"]) / 1e3, 10.0)
+    assert size == pytest.approx(span, rel=0.05)
+    assert found == pytest.approx(first, rel=0.05)
