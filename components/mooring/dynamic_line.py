@@ -7,6 +7,7 @@ from typing import Any
 import casadi as ca
 import numpy as np
 
+from fowtlib.components.environment.current import Current
 from fowtlib.components.environment.sea import Sea
 from fowtlib.components.mechanics.connectors import Frame
 from fowtlib.components.mooring import line_at_rest, lumped_mass
@@ -50,6 +51,7 @@ class DynamicLine(DynamicSections):
     greatest_strain: Scalar = param(default=0.1, min=0, doc="stretch per length up to which the tension law holds")
 
     sea: Sea = outer(Sea, optional=True)
+    sea_current: Current = outer(Current, optional=True)
     fairlead: Frame = port(doc="upper end")
     anchor: Frame = port(optional=True, doc="lower end, when the anchor is part of a body")
 

@@ -66,7 +66,8 @@ def static_line(line: Any) -> StaticLine:
     heavy = np.maximum(own, FEATHER)
     ground = float(line.parameter_value("seabed_stiffness")) * _halves(of("diameter") * length)
     width, law = TOUCH * heavy / ground, _law(line, EA, of)
-    return StaticLine(length, law, weight, lift, diameter, ground * np.maximum(weight, heavy) / heavy, width, depth)
+    ground = ground * np.maximum(weight, heavy) / heavy
+    return StaticLine(length, law, weight, lift, diameter, ground, width, depth)
 
 
 def _law(line: Any, EA: Floats, of: Any) -> Any:

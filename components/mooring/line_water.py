@@ -18,6 +18,8 @@ def at_nodes(line: Any, nodes: Any) -> tuple[Any, Any]:
     if line.sea is not None and line.waves:
         velocity = ca.reshape(line.sea.signal(_velocity, 3 * n, "water velocity", "m/s", of=line), 3, n)
         acceleration = ca.reshape(line.sea.signal(_acceleration, 3 * n, "water acceleration", "m/s^2", of=line), 3, n)
+    if line.sea_current is not None:
+        velocity = velocity + line.sea_current.velocities(nodes[2, :])
     return velocity, acceleration
 
 
