@@ -2,6 +2,7 @@
 
 # World has a Frame and the bodies of the mechanics need World: the mechanics load first and fetch World themselves.
 from fowtlib.components import mechanics as _mechanics  # noqa: F401  isort: skip
+from fowtlib.components.environment.current import Current
 from fowtlib.components.environment.field_file import FieldGrid, WindField, create_field, read_field, write_field
 from fowtlib.components.environment.field_generator import generate_field
 from fowtlib.components.environment.iec import extreme_turbulence, normal_turbulence, operating_gust
@@ -45,6 +46,7 @@ from fowtlib.components.environment.world import World
 
 __all__ = [
     "CoherentGust",
+    "Current",
     "DirectionChange",
     "ExtremeSea",
     "ExtremeShear",

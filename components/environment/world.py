@@ -25,5 +25,8 @@ class World(Component):
     def fixed_rotation(self):
         return m.eye(3)
 
+    def start_place(self):
+        return (0.0, 0.0, 0.0)
+
     def equations(self):
         return [eq(self.frame.r, m.zeros(3)), fix_orientation(self.frame, m.eye(3), m.zeros(3))]

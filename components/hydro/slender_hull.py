@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
+from fowtlib.components.environment.current import Current
 from fowtlib.components.environment.sea import Sea
 from fowtlib.components.environment.waves import WaveComponents, unit_waves
 from fowtlib.components.environment.world import World
@@ -62,6 +63,7 @@ class SlenderHullLoads(PlatformLoad, HullCoefficients):
 
     world: World = outer(World)
     sea: Sea = outer(Sea, optional=True)
+    sea_current: Current = outer(Current, optional=True)
 
     force: Vector = var(unit="N", doc="load of the water on the part, world")
     moment: Vector = var(unit="N*m", doc="its moment about the frame, world")
@@ -72,6 +74,8 @@ class SlenderHullLoads(PlatformLoad, HullCoefficients):
         wet, lengthwise, frame = _strips(self, numbers), m.vertcat(0, 0, 1), self.frame
         force, moment = self._buoyancy(numbers, lengthwise)
         water, acceleration = (self._water(name, len(wet)) for name in ("velocity", "acceleration"))
+        if self.sea_current is not None:
+            water = water + self.sea_current.velocities(m.vertcat(*(s.place[2] + self.position[2] for s in wet))).T
         for push, turn in (drag_loads(frame, water, wet), inertia_loads(frame, acceleration, wet)):
             force, moment = force + push, moment + turn
         return [

@@ -26,6 +26,37 @@ def heading_at_start(component: Component, port: str) -> float:
     return float(np.arctan2(R[1, 0], R[0, 0]))
 
 
+def place_at_start(component: Component, port: str) -> np.ndarray | None:
+    """Where a frame (3,) [m], world, is where a run starts; None where nothing leads to a frame whose place is known.
+
+    The way counts by `start_rotation` and `start_translation` of the parts on it, from a part that knows the place of
+    its frames (`start_place`): World, Fixed, what is moved, or a point with states of its own.
+    """
+    parts, links = _network([component, *component.enclosing()][-1])
+    start = (id(component), port)
+    found = {start: (np.eye(3), np.zeros(3))}  # rotation and place of what was sought, seen from this place
+    for number, label in (waiting := [start]):
+        R, r = found[number, label]
+        part = parts.get(number)
+        known = getattr(type(part), "start_place", None)
+        if known is not None and number != id(component):
+            fixed = getattr(type(part), "fixed_rotation", None)
+            turn = np.eye(3) if fixed is None else _numbers(fixed(part))
+            return np.asarray(known(part), dtype=float) + turn @ r
+        for place, turn in _next(part, number, label, links, parts):
+            if place in found:
+                continue
+            found[place] = (R, r) if turn is None else _moved(part, label, turn, R, r)
+            waiting.append(place)
+    return None
+
+
+def _moved(part: Any, label: str, turn: np.ndarray, R: np.ndarray, r: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """Rotation and place seen from the other frame of a part."""
+    arm = np.asarray(part.start_translation(), dtype=float)
+    return (turn @ R, turn @ (r - arm)) if label == "frame_a" else (turn @ R, arm + turn @ r)
+
+
 def _attitude(component: Component, port: str) -> np.ndarray:
     """World from frame (3, 3), by the way through the fewest parts."""
     parts, links = _network([component, *component.enclosing()][-1])

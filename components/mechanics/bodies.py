@@ -42,6 +42,9 @@ class Fixed(Component):
     def fixed_rotation(self):
         return yaw_pitch_roll(*map(float, self.parameter_value("angles")))
 
+    def start_place(self):
+        return self.parameter_value("r")
+
     def equations(self):
         R = yaw_pitch_roll(self.angles[0], self.angles[1], self.angles[2])
         return [eq(self.frame.r, self.r), fix_orientation(self.frame, R, m.zeros(3))]
@@ -58,6 +61,9 @@ class FixedTranslation(TwoFrames):
 
     def start_rotation(self, command):
         return np.eye(3)
+
+    def start_translation(self):
+        return self.parameter_value("r")
 
     def equations(self):
         a, b = self.frame_a, self.frame_b
@@ -85,6 +91,9 @@ class FixedRotation(TwoFrames):
 
     def start_rotation(self, command):
         return axis_rotation(self.n, float(self.parameter_value("angle")))
+
+    def start_translation(self):
+        return self.parameter_value("r")
 
     def equations(self):
         a, b = self.frame_a, self.frame_b

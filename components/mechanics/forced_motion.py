@@ -28,6 +28,9 @@ class ForcedOscillation(Component):
     speed: Scalar = var(unit="m/s", discrete=True, start=speed_amplitude, doc="amplitude of the velocity; 0: no motion")
     displacement: Scalar = var(unit="m", state="never", doc="along the axis")
 
+    def start_place(self):
+        return self.parameter_value("r")
+
     def in_the_mean(self):
         return {"speed_amplitude": 0.0}
 

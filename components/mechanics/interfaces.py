@@ -20,6 +20,10 @@ class TwoFrames(Component):
         """
         return None
 
+    def start_translation(self):
+        """From frame_a to frame_b (3,) [m], resolved in frame_a, where a run starts. Called outside of flattening."""
+        return (0.0, 0.0, 0.0)
+
     def transmit(self, arm=None):
         """Balance of the loads on both frames of a massless part; arm = r_b - r_a, world (None: zero)."""
         a, b = self.frame_a, self.frame_b

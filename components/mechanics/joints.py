@@ -71,6 +71,9 @@ class FreeMotion(TwoFrames):
     def start_rotation(self, command):
         return yaw_pitch_roll(*(float(self.parameter_value(f"{name}_start")) for name in ("roll", "pitch", "yaw")))
 
+    def start_translation(self):
+        return [self.parameter_value(f"{name}_start") for name in ("surge", "sway", "heave")]
+
     def equations(self):
         a, b = self.frame_a, self.frame_b
         position = m.vertcat(self.surge, self.sway, self.heave)
@@ -168,6 +171,9 @@ class Prismatic(TwoFrames):
 
     def start_rotation(self, command):
         return np.eye(3)
+
+    def start_translation(self):
+        return np.ravel(unit_axis(self.n)) * float(self.parameter_value("s_start"))
 
     def equations(self):
         a, b = self.frame_a, self.frame_b

@@ -14,8 +14,9 @@ from fowtlib.components.mechanics.connectors import Frame
 from fowtlib.components.mooring import catenary
 from fowtlib.components.mooring.anchors import LEVEL
 from fowtlib.components.mooring.catenary_line import CatenaryLine
+from fowtlib.components.mooring.lumped_system import LumpedSystem
 from fowtlib.components.mooring.yaw_spring import YawSpring
-from fowtlib.language import Array, Component, Scalar, like, param, parts, port
+from fowtlib.language import Array, Component, Scalar, param, parts, port
 from fowtlib.language import math as m
 from fowtlib.language.errors import ParameterError
 from fowtlib.language.shapes import Drawing
@@ -26,12 +27,13 @@ LINE_PROPERTIES = (
 )  # fmt: skip
 
 
-class MooringSystem(Component):
+class MooringSystem(LumpedSystem):
     """Catenary lines from fairleads on a body to anchors on the seabed; line_1, line_2, ... are its parts.
 
     Layout: `headings` (the directions of the lines seen from above, counter-clockwise from x) with fairlead radius and
     depth and anchor radius; or explicit lists of `fairleads` (in the body's frame) and `anchors` (world). A property of
-    the lines is one number, or one for each line. `yaw_stiffness` adds a YawSpring; `dynamics` is that of CatenaryLine.
+    the lines is one number, or one for each line. `yaw_stiffness` adds a YawSpring. `dynamics` is that of CatenaryLine;
+    or lumped: the lines are DynamicLines of `elements` elements, which take the parameters above that these have.
     How many lines there are is fixed when the model is built; all numbers may be changed afterwards.
     """
 
@@ -50,7 +52,9 @@ class MooringSystem(Component):
     friction: Array = param(default=0.0, min=0, doc="friction coefficient of the seabed")
     greatest_strain: Array = param(default=0.1, min=0, doc="stretch per length up to which EA is constant")
     breaking_load: Array = param(default=None, unit="N", min=0, doc="tension above which a line warns")
-    dynamics: str = like(CatenaryLine.dynamics)
+    dynamics: str = param(
+        default="none", choices=("none", "coupled", "uncoupled", "lumped"), doc="inertia and drag of the lines"
+    )
     drag_coefficient: Array = param(default=1.33, min=0, doc="of flow across; see CatenaryLine")
     added_mass_coefficient: Array = param(default=1.0, min=0, doc="of flow across, of the displaced water")
     yaw_stiffness: Scalar = param(default=None, unit="N*m/rad", min=0, doc="yaw stiffness of the delta lines")
@@ -66,6 +70,9 @@ class MooringSystem(Component):
     )
 
     def build(self):
+        if self.dynamics == "lumped":
+            for i in range(len(self.layout())):
+                self.lines[i] = self.dynamic_line(self.line_values(i), lambda name, i=i: self._of_line(name, i))
         for arm, line in zip(self.arms, self.lines, strict=True):
             self.connect(self.frame, arm.frame_a)
             self.connect(arm.frame_b, line.fairlead)
@@ -79,7 +86,8 @@ class MooringSystem(Component):
     def line_values(self, i: int) -> dict[str, Any]:
         """The parameters of line number i, counted from 0."""
         properties = {name: self._of_line(name, i) for name in LINE_PROPERTIES if self._has(name)}
-        return {"anchor_position": self.layout()[i][1], "dynamics": self.dynamics, **properties}
+        dynamics = "none" if self.dynamics == "lumped" else self.dynamics
+        return {"anchor_position": self.layout()[i][1], "dynamics": dynamics, **properties}
 
     def layout(self) -> list[tuple[Any, Any]]:
         """Fairlead (in the frame of the body) and anchor (world) of each line."""

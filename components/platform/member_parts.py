@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from fowtlib.components.environment.current import Current
 from fowtlib.components.environment.sea import Sea
 from fowtlib.components.environment.waves import WaveComponents, wave_number
 from fowtlib.components.environment.world import World
@@ -91,6 +92,7 @@ class Member(Component):
 
     world: World = outer(World)
     sea: Sea = outer(Sea, optional=True)
+    sea_current: Current = outer(Current, optional=True)
     carrier: MemberLoads = outer(MemberLoads)
 
     force: Vector = var(unit="N", doc="load of the water on the member, besides buoyancy and potential flow; world")
@@ -215,7 +217,10 @@ def _loads(member: Member) -> list:
         found = at_start("strips", ends[-1], "", "places and sizes of the strips in the water", _all_strips, of=floater)
         found = found[ends[number] : ends[number + 1]]
         frame, strips = member.carrier.frame, _strips(member, found)
-        force, moment = drag_loads(frame, _water(member, "velocity", len(strips), "m/s"), strips)
+        water = _water(member, "velocity", len(strips), "m/s")
+        if member.sea_current is not None:
+            water = water + member.sea_current.velocities(m.vertcat(*(strip.place[2] for strip in strips))).T
+        force, moment = drag_loads(frame, water, strips)
         if strips[0].added_mass is not None:
             acceleration = _water(member, "acceleration", len(strips), "m/s^2")
             for push, turn in (inertia_loads(frame, acceleration, strips), _lifted(member, found)):
