@@ -59,8 +59,9 @@ def apart() -> Any:
   ground: {class: Fixed, r: [0, 0, top]}
   body: {use: turbines/dtu10mw_body}
   to_hub: {class: FixedTranslation, r: [-7.07298, 0, 3.36881]}""")  # fmt: skip
-    joined = ("[ground.frame, rna.frame]", "[tower_to_top.frame_b, body.frame]", "[tower_to_top.frame_b, to_hub.frame_a]")
-    text = text.replace("[tower_to_top.frame_b, rna.frame]", "\n  - ".join(joined))
+    joined = [("ground.frame", "rna"), ("tower_to_top.frame_b", "body"), ("tower_to_top.frame_b", "to_hub.frame_a")]
+    lines = "\n  - ".join(f"[{a}, {b if '.' in b else f'{b}.frame'}]" for a, b in joined)
+    text = text.replace("[tower_to_top.frame_b, rna.frame]", lines)
     with tempfile.TemporaryDirectory() as folder:
         path = Path(folder) / "apart.yaml"
         path.write_text(text)
