@@ -156,14 +156,10 @@ class Spar:
         return fw.response(self.parked, outputs=names, parameters=given)
 
     def _in_a_storm(self) -> dict[str, Any]:
-        """Sizes of the hull in a storm, which has one more station, at the water line."""
+        """Sizes of the hull in a storm; both models have a station at the water line."""
         own = {n: v for n, v in self.sizes.items() if n in self.parked.parameter_values()}
         given = self.above.parameter_values() | self.sizes
-        here = np.array(given["hull_heights"], float)
-        own["hull_heights"] = at = np.array([*here[:-1], 0.0, here[-1]])
-        for name in ("hull_diameters", "hull_walls"):
-            own[name] = np.interp(at, here, np.array(given[name], float))
-        return own
+        return own | {name: given[name] for name in ("hull_heights", "hull_diameters", "hull_walls")}
 
     def balance(self) -> float:
         """Let the ballast fill to a heave of zero at rest [kg]."""

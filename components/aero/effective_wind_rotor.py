@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from fowtlib.components.aero.coefficient_rotor import BEHIND, CoefficientRotor
+from fowtlib.components.aero.coefficient_rotor import CoefficientRotor
 from fowtlib.components.aero.load_slopes import LoadSlopes, read_load_slopes
 from fowtlib.components.environment.wind import Wind
 from fowtlib.components.environment.wind.discs import DISC_WINDS, DiscSignals
@@ -12,7 +12,6 @@ from fowtlib.language import (
     Data,
     RealOutput,
     Scalar,
-    assert_,
     at_start,
     data,
     der,
@@ -114,7 +113,7 @@ class EffectiveWindRotor(CoefficientRotor):
         ratio, air, of_thrust = self.looked_up(self.mean_wind - hub_velocity)
         of_torque = of_thrust if self.filtered else self.looked_up(self.torque_wind())[2]
         return [
-            assert_(self.mean_wind > -self.lowest_wind, BEHIND),
+            self.wind_from_front(self.mean_wind - hub_velocity, ratio),
             eq(self.tip_speed_ratio, ratio),
             [eq(self.thrust_coefficient, air * of_thrust[0]), eq(self.torque_coefficient, air * of_torque[1])],
         ]

@@ -9,6 +9,7 @@ import numpy as np
 
 from fowtlib.language.eigenvectors import eigenvalues
 from fowtlib.language.errors import ModelError, SimulationError, did_you_mean
+from fowtlib.solving.paths import names_of
 
 MOTIONS = ("surge", "sway", "heave", "roll", "pitch", "yaw")
 CALM = {"sea.spectrum": "still", "wind.kind": "none"}
@@ -59,16 +60,15 @@ def checked_frequencies(frequencies: Sequence[float] | np.ndarray) -> np.ndarray
 def chosen_outputs(plant: Any, outputs: Sequence[str] | None) -> list[str]:
     """The outputs asked for; None takes the six motions as far as there are any, else all."""
     known = list(plant.outputs)
-    if isinstance(outputs, str):
-        raise ModelError(f"outputs are a list of names, as in [{outputs!r}], not a text.")
     if outputs is None:
         return [name for name in MOTIONS if name in known] or known
-    if not len(outputs):
+    names = names_of(outputs)
+    if not names:
         raise ModelError("outputs are empty: name one result or more, or take None for all.")
-    for name in outputs:
+    for name in names:
         if name not in known:
             raise ModelError(f"the model has no result '{name}'{did_you_mean(name, known, list_up_to=30)}")
-    return list(outputs)
+    return names
 
 
 def shown_unit(plant: Any, name: str) -> str:

@@ -7,7 +7,7 @@ speed. A state that has no response leaves the others as they are; a Ctrl-C ends
 from __future__ import annotations
 
 import warnings
-from collections.abc import Callable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -321,7 +321,8 @@ def _rows(states: States, probability: Sequence[float] | np.ndarray | None) -> t
         count = len(own) if own is not None else len(next(iter(columns.values())))
         rows = [{path: values[k] for path, values in columns.items()} for k in range(count)]
     else:
-        if isinstance(states, str) or not all(isinstance(row, Mapping) for row in states):
+        known = isinstance(states, Iterable) and not isinstance(states, str)
+        if not known or not all(isinstance(row, Mapping) for row in states):
             raise ModelError("states are mappings of parameters, such as {'wind.mean_speed': 12.0}, columns of a "
                              f"table, or states of a site; not {states!r}.")  # fmt: skip
         rows = [dict(row) for row in states]

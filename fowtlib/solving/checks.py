@@ -3,6 +3,8 @@
 from __future__ import annotations
 
 import warnings
+from collections.abc import Iterator
+from contextlib import contextmanager
 
 import numpy as np
 
@@ -27,6 +29,19 @@ def check_state(at: AtParameters, state: State, model: str, *, warn: bool = True
             raise SimulationError(text)
         if warn and level == "warning":
             warnings.warn(text, stacklevel=4)
+
+
+@contextmanager
+def search_from(at: AtParameters, state: State, model: str) -> Iterator[None]:
+    """What is said of a search that fails also says which conditions of level "error" were broken where it began."""
+    try:
+        yield
+    except SimulationError as error:
+        try:
+            check_state(at, state, model, warn=False)
+        except SimulationError as cause:
+            error.message += f" It was sought from a state that breaks a condition: {cause.message}"
+        raise
 
 
 def broken(at: AtParameters, check: int, model: str, t: float, x: np.ndarray, z: np.ndarray, q: np.ndarray) -> str:

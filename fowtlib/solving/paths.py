@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from typing import Any
 
 from fowtlib.language.component import Component
@@ -25,6 +25,16 @@ def by_path(values: Any, what: str = "parameters") -> dict[str, Any]:
         if not isinstance(path, str):
             raise ParameterError(f"{what}: a path is a text, as in 'wind.mean_speed', and {path!r} is not.")
     return dict(values)
+
+
+def names_of(values: Any, what: str = "outputs") -> list[str]:
+    """Names or paths that are given as a list. Raises ParameterError where they are one text, or no texts."""
+    if isinstance(values, str):
+        raise ParameterError(f"{what} are a list of names, as in [{values!r}], not a text.")
+    names = list(values) if isinstance(values, Iterable) else [None]
+    if not all(isinstance(name, str) for name in names):
+        raise ParameterError(f"{what} are a list of names, as in ['pitch'], not {values!r}.")
+    return names
 
 
 def meant(what: str, paths: Sequence[str]) -> list[str]:

@@ -15,7 +15,7 @@ from fowtlib.language.errors import SimulationError
 from fowtlib.language.externals import refusals_explained
 from fowtlib.solving.binding import Binding
 from fowtlib.solving.bindings import Bindings
-from fowtlib.solving.checks import check_state
+from fowtlib.solving.checks import check_state, search_from
 from fowtlib.solving.conditions import Conditions
 from fowtlib.solving.engines import FixedStepCode
 from fowtlib.solving.equilibrium import equilibrium, next_equilibrium
@@ -27,6 +27,7 @@ from fowtlib.solving.linear import LinearModel, linearize
 from fowtlib.solving.observation import Observation, observed
 from fowtlib.solving.operating_point import operating_point
 from fowtlib.solving.outputs import Outputs
+from fowtlib.solving.paths import by_path, names_of
 from fowtlib.solving.results import Observer, RawTrajectory, Result
 from fowtlib.solving.results.html import table
 from fowtlib.solving.results.journal import Journal
@@ -98,8 +99,8 @@ class Plant:
         start: values of states (SI or with unit) in place of their start values; of an algebraic unknown, a guess.
         base: a state to change by `start`, instead of the start values.
         """
-        u = self.layout.inputs(self.input_paths(inputs))
-        return self.state(*start_point(self.at(parameters), self.layout, u, start or {}, t, base), u, parameters)
+        u, before = self.layout.inputs(self.input_paths(inputs)), None if base is None else State.of(base, "base")
+        return self.state(*start_point(self.at(parameters), self.layout, u, start or {}, t, before), u, parameters)
 
     @refusals_explained()
     def equilibrium(self, parameters: Values | None = None, hold: Values | None = None, start: Values | None = None,
@@ -111,6 +112,7 @@ class Plant:
         many conditions on results or variables. The state's `parameters` hold them; see fowtlib.solving.freed.
         near: an equilibrium of other parameters, from which Newton is tried first, in a tenth of the time.
         """
+        near, hold = None if near is None else State.of(near, "near"), by_path(hold or {}, "states to hold")
         if free or targets:
             beside = None if hold or start or inputs else near
             found = freed_equilibrium(self, free or (), targets or {}, parameters, hold, start, inputs, beside)
@@ -122,9 +124,10 @@ class Plant:
         if beside is not None:
             found = self.state(near.t, *beside, near.u, parameters)
         else:
-            state = self.initial_state(parameters, {**(start or {}), **(hold or {})}, inputs)
-            held = {self.layout.x[path] for path in hold or {}}
-            x, z = equilibrium(at, state.t, state.x, state.z, np.concatenate([state.u, state.d]), held)
+            state = self.initial_state(parameters, {**(start or {}), **hold}, inputs)
+            held = {self.layout.x[path] for path in hold}
+            with search_from(at, state, self.name):
+                x, z = equilibrium(at, state.t, state.x, state.z, np.concatenate([state.u, state.d]), held)
             found = self.state(state.t, x, z, state.d, state.u, parameters)
         check_state(at, found, self.name, rest=True)
         return found
@@ -178,7 +181,9 @@ class Plant:
 
         All states are kept; algebraic unknowns are eliminated.
         """
-        names, at = list(self.outputs) if outputs is None else outputs, self.at(state.parameters)
+        state, inputs = State.of(state, "what a model is linear about"), names_of(inputs, "inputs")
+        names = list(self.outputs) if outputs is None else names_of(outputs)
+        at = self.at(state.parameters)
         check_state(at, state, self.name, warn=False)
         paths = [self.input_names.get(name, name) for name in inputs]
         linear = linearize(at, self.layout, self.outputs, state, paths, names)

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import warnings
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from typing import Any
@@ -12,6 +13,7 @@ from fowtlib.solving.checkpoint import last_time
 from fowtlib.solving.conditions import Conditions
 from fowtlib.solving.engines import Engine, create_engine
 from fowtlib.solving.layout import Values
+from fowtlib.solving.paths import names_of
 from fowtlib.solving.results import Result
 from fowtlib.solving.results.journal import Journal
 from fowtlib.solving.run import About, Run, duration_settings
@@ -54,7 +56,10 @@ def simulated(plant: Plant, conditions: Conditions, choice: SolverChoice, replac
     )  # fmt: skip
     about = About(plant.name, plant.title, plant.binding(parameters))
     state = start_state(plant, start, parameters, inputs, about.binding)
-    names = list(plant.outputs) if conditions.outputs is None else conditions.outputs
+    names = list(plant.outputs) if conditions.outputs is None else names_of(conditions.outputs)
+    if conditions.output_step is not None and interval > end - state.t > 0:
+        warnings.warn(f"the output step of {interval:g} s is longer than the run of {end - state.t:g} s, whose results "
+                      "are those of its start and its end; give a shorter one for more.", stacklevel=3)  # fmt: skip
     timeline = plant.timeline(conditions.events, about.binding.root)
     resumed = isinstance(start, Result)
     timeline.begin(state.t, resumed, str(start.attributes.get("events", "")).splitlines() if resumed else ())

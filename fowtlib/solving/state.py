@@ -74,6 +74,15 @@ class State:
         }
         return plant.initial_state(parameters, given, t=float(content["time"]))
 
+    @staticmethod
+    def of(value: Any, what: str) -> State:
+        """The value where it is a state. Raises ModelError with what it was given for, where it is something else."""
+        if isinstance(value, State):
+            return value
+        raise ModelError(
+            f"{what} is a state of the model, as plant.equilibrium() or plant.initial_state() gives it, not {value!r}."
+        )
+
     def __repr__(self) -> str:
         what = f" of {self.plant.title or self.plant.name}" if self.plant is not None else ""
         return f"<State{what}: t = {self.t:g} s, {self.x.size} states, {self.z.size} unknowns>"

@@ -165,6 +165,24 @@ def test_wind_from_behind_stops_the_run():
         fw.load(model).compile().simulate(1.0, 0.1)
 
 
+def test_wind_across_the_shaft_is_named_where_the_table_is_left():
+    across = {"wind_settings": {"direction": "90 deg"}, "coefficients": WHOLE}
+    with pytest.raises(
+        SimulationError, match=r"blows across the rotor: .* m/s of it go along .* speed ratio of -12\.6"
+    ):
+        fw.load(turning(speed=-0.1, wind=8.0, **across)).compile().simulate(1.0, 0.1)
+    assert values(turning(speed=0.0, wind=8.0, **across), "thrust") == pytest.approx([0.0], abs=1.0)  # stands, no loads
+
+
+def test_a_search_for_the_mean_tells_what_was_wrong_where_it_began():
+    model = fw.load("oc3_spar_rigid").compile()
+    behind = {"wind.kind": "steady", "wind.mean_speed": 12.0, "wind.direction": np.pi, "sea.spectrum": "still"}
+    with pytest.raises(
+        SimulationError, match=r"no equilibrium .* breaks a condition: turbine\.rotor: the mean wind is "
+    ):
+        model.equilibrium(behind)
+
+
 def test_a_feathered_rotor_in_a_storm():
     """50 m/s from standstill at 85 deg with nothing that brakes: it idles where the torque of the table is 0."""
     free = Assembly("idling")

@@ -128,7 +128,8 @@ def test_a_batch_that_is_asked_to_end_does_so_soon(tmp_path, python_handler):
         workers = []
         with pytest.raises(KeyboardInterrupt):
             run_batch(cases, folder, workers=1, progress=ask(number))
-        assert time.monotonic() - asked[-1] < 5 and workers and not any(map(alive, workers))
+        assert time.monotonic() - asked[-1] < 60, "a case of hours was waited for"
+        assert workers and not any(map(alive, workers))
         rows = Batch.open(folder).rows()
         assert [row.state for row in rows] == ["done", "due"] and rows[1].why == "the batch was stopped"
 

@@ -153,7 +153,7 @@ def test_ctrl_c_during_a_call_that_hangs(fmu, python_handler):
     begin = time.monotonic()
     with pytest.raises(Interrupted) as caught:
         one.simulate(1.0, 0.1, solver="fixed")
-    assert 1.4 < time.monotonic() - begin < 3
+    assert 1.4 < time.monotonic() - begin < 50  # not the 60 s that a call may take
     times = caught.value.result.time
     assert times[:5] == pytest.approx([0.0, 0.1, 0.2, 0.3, 0.4])
     assert len(times) == 6 and 0.4 < times[5] <= 0.5  # where it stood

@@ -1,8 +1,9 @@
 """Tries inputs one by one, each in a process of its own that a warm parent forks, with limits of time and memory.
 
 A fork of a parent that has imported everything costs milliseconds, so that ten thousand inputs take minutes. What a
-child may take beyond what the parent had is limited by the system (RLIMIT_AS), its time by the parent, which ends it.
-POSIX only.
+child may take beyond what the parent had is limited by the system (RLIMIT_AS), and so is its processor time
+(RLIMIT_CPU), which does not grow where others keep the machine busy. A child that waits takes none: the parent, which
+has much patience, ends it. POSIX only.
 """
 
 from __future__ import annotations
@@ -26,7 +27,8 @@ from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
 
-SECONDS = 10.0
+SECONDS = 10  # of processor time
+PATIENCE = 60.0  # s of the clock for each of them
 BYTES = 10**9
 
 OK, REFUSED = "ok", "refused"
@@ -55,9 +57,12 @@ class Attempt:
     act: Callable[[Path], tuple[str, str]] = field(repr=False)
 
 
-def run(attempts: Iterable[Attempt], workers: int = 1, keep: Path | None = None, seconds: float = SECONDS,
-        memory: int = BYTES) -> Iterator[Outcome]:  # fmt: skip
-    """The outcomes of attempts, as they come. keep: where the folders of those that failed go."""
+def run(attempts: Iterable[Attempt], workers: int = 1, keep: Path | None = None, seconds: int = SECONDS,
+        memory: int = BYTES, patience: float = PATIENCE) -> Iterator[Outcome]:  # fmt: skip
+    """The outcomes of attempts, as they come. keep: where the folders of those that failed go.
+
+    seconds: of processor time that one may take. patience: how often that by the clock.
+    """
     import multiprocessing  # noqa: F401  its helpers must not be made in a child
 
     gc.collect()
@@ -76,14 +81,16 @@ def run(attempts: Iterable[Attempt], workers: int = 1, keep: Path | None = None,
                 number += 1
                 folder = scratch / str(number)
                 folder.mkdir()
-                pipe, child = _start(attempt, folder, memory)
+                pipe, child = _start(attempt, folder, seconds, memory)
                 running[pipe] = (child, time.monotonic(), attempt, folder)
             now = time.monotonic()
-            waits = [started + seconds - now for _, started, _, _ in running.values()]
+            waits = [started + patience * seconds - now for _, started, _, _ in running.values()]
             if not running:
                 break
             ready, _, _ = select.select(list(running), [], [], max(0.0, min(waits)))
-            late = [pipe for pipe, (_, started, _, _) in running.items() if time.monotonic() - started >= seconds]
+            late = [
+                pipe for pipe, (_, started, _, _) in running.items() if time.monotonic() - started >= patience * seconds
+            ]
             for pipe in {*ready, *late}:
                 child, started, attempt, folder = running.pop(pipe)
                 outcome = _finish(pipe, child, attempt.name, time.monotonic() - started, pipe in ready)
@@ -101,7 +108,7 @@ def run(attempts: Iterable[Attempt], workers: int = 1, keep: Path | None = None,
         shutil.rmtree(scratch, ignore_errors=True)
 
 
-def _start(attempt: Attempt, folder: Path, memory: int) -> tuple[int, int]:
+def _start(attempt: Attempt, folder: Path, seconds: int, memory: int) -> tuple[int, int]:
     """Fork a child that makes the attempt; the end of the pipe from which its outcome is read, and the child."""
     sys.stdout.flush()
     sys.stderr.flush()
@@ -117,7 +124,7 @@ def _start(attempt: Attempt, folder: Path, memory: int) -> tuple[int, int]:
         faulthandler.disable()  # a crash is told by the parent
         os.setsid()  # what it starts ends with it
         os.close(pipe)
-        _limit(memory)
+        _limit(seconds, memory)
         base = _resident()
         os.chdir(folder)
         os.environ["TMPDIR"] = str(folder)
@@ -137,11 +144,12 @@ def _start(attempt: Attempt, folder: Path, memory: int) -> tuple[int, int]:
         os._exit(status)
 
 
-def _limit(memory: int) -> None:
+def _limit(seconds: int, memory: int) -> None:
     pages = int(Path("/proc/self/statm").read_text().split()[0]) if sys.platform == "linux" else 0
     limit = pages * resource.getpagesize() + memory
     with contextlib.suppress(ValueError, OSError):
         resource.setrlimit(resource.RLIMIT_AS, (limit, limit))
+    resource.setrlimit(resource.RLIMIT_CPU, (seconds, seconds + 1))
     resource.setrlimit(resource.RLIMIT_CORE, (0, 0))
 
 
@@ -173,5 +181,7 @@ def _finish(pipe: int, child: int, name: str, seconds: float, answered: bool) ->
         return Outcome(name, kind, words, used, memory)
     if not answered:
         return Outcome(name, HANG, f"no end after {seconds:.1f} s", seconds)
+    if os.WIFSIGNALED(status) and os.WTERMSIG(status) == signal.SIGXCPU:
+        return Outcome(name, HANG, "no end within its processor time", seconds)
     what = f"signal {os.WTERMSIG(status)}" if os.WIFSIGNALED(status) else f"exit status {os.WEXITSTATUS(status)}"
     return Outcome(name, CRASH, what, seconds)

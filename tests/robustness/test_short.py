@@ -64,6 +64,12 @@ def _spins(folder):
         pass
 
 
+def _waits(folder):
+    import time
+
+    time.sleep(3600)
+
+
 def _grows(folder):
     return pool.OK, str(len(bytearray(3 * 10**9)))
 
@@ -81,8 +87,13 @@ def _raises(folder):
 
 def test_the_pool_tells_what_became_of_an_input(tmp_path):
     acts = {"spins": _spins, "grows": _grows, "falls": _falls, "raises": _raises, "ok": lambda folder: (pool.OK, "")}
-    found = pool.run([pool.Attempt(*item) for item in acts.items()], keep=tmp_path, seconds=1.0)
+    found = pool.run([pool.Attempt(*item) for item in acts.items()], keep=tmp_path, seconds=1)
     kinds = {outcome.name: outcome.kind for outcome in found}
     expected = {"spins": pool.HANG, "grows": pool.MEMORY, "falls": pool.CRASH, "raises": pool.RAW, "ok": pool.OK}
     assert kinds == expected
     assert (tmp_path / "raw_error" / "raises" / "outcome.txt").read_text().count("ZeroDivisionError")
+
+
+def test_an_input_that_waits_is_ended_by_the_clock(tmp_path):
+    (outcome,) = pool.run([pool.Attempt("waits", _waits)], seconds=1, patience=0.5)
+    assert outcome.kind == pool.HANG and "no end after 0.5 s" in outcome.words

@@ -9,7 +9,7 @@ import pytest
 
 import fowtlib as fw
 from fowtlib.language import Array, RealInput, Scalar, der, eq, param, port, var
-from fowtlib.language.errors import ParameterError
+from fowtlib.language.errors import ModelError, ParameterError
 from fowtlib.solving.layout import Layout
 
 
@@ -86,6 +86,33 @@ def test_parameters_that_a_run_cannot_take(plant, parameters, words):
 def test_times_that_a_run_cannot_have(name, value):
     with pytest.raises(ParameterError, match=f"{name} is .* s[;,] (it must be|which is not a finite)"):
         fw.Conditions(**{name: value})
+
+
+def test_an_output_step_longer_than_the_run_is_told(plant):
+    with pytest.warns(UserWarning, match=r"the output step of 5 s is longer than the run of 2 s, whose results are"):
+        assert plant.simulate(2.0, 5.0).time.tolist() == [0.0, 2.0]
+
+
+def test_what_is_no_state_and_no_list_of_names_is_a_sentence(plant):
+    state = plant.initial_state()
+    for asked in (lambda: plant.linearize(3), lambda: plant.equilibrium(near=3), lambda: plant.initial_state(base=3)):
+        with pytest.raises(
+            ModelError, match=r"is a state of the model, as plant\.equilibrium\(\) .* gives it, not 3\."
+        ):
+            asked()
+    names = r"are a list of names, as in \['pitch'\], not 3\."
+    with pytest.raises(ParameterError, match=f"inputs {names}"):
+        plant.linearize(state, inputs=3)
+    with pytest.raises(ParameterError, match=f"outputs {names}"):
+        plant.linearize(state, outputs=3)
+    with pytest.raises(ParameterError, match=f"outputs {names}"):
+        plant.simulate(1.0, 0.5, outputs=3)
+    with pytest.raises(ParameterError, match=r"outputs are a list of names, as in \['sum'\], not a text"):
+        plant.simulate(1.0, 0.5, outputs="sum")
+    with pytest.raises(ParameterError, match=f"freed parameters {names}"):
+        plant.equilibrium(free=3, targets={"sum": 1.0})
+    with pytest.raises(ParameterError, match="states to hold are given by path"):
+        plant.equilibrium(hold=3)
 
 
 def test_what_a_run_takes_in_cannot_be_changed(plant):
