@@ -13,7 +13,8 @@ from functools import cached_property
 
 import numpy as np
 
-from fowtlib.frequency.drag import gains_of
+from fowtlib.frequency.drag import stacked_gains
+from fowtlib.frequency.real_modes import RealModes
 from fowtlib.language.eigenvectors import eigenvectors
 from fowtlib.solving.excited import ExcitedModel
 from fowtlib.solving.linear import LinearModel, Resolvent, times
@@ -163,40 +164,55 @@ class Grid:
         loop = excited.loop(gains)
         A, B, C, D = (linear.matrices[name] for name in "ABCD")
         basis = eigenvectors(A + B[:, n:] @ loop @ C[m:]) if linear.operators is None and len(A) else None
-        covariance = self._covariance(loop, *basis) if basis is not None else self._covariance_by_answers(gains)
-        return gains_of([covariance[place, place] for _, place in excited.laws],
-                        [excited.means[place] for _, place in excited.laws])  # fmt: skip
+        modes = None if basis is None else RealModes.made(*basis)
+        if basis is not None and modes is not None:
+            covariances = self._covariances(loop, basis[0], basis[2], modes, C[m:] @ basis[1])
+        else:
+            covariance = self._covariance_by_answers(gains)
+            covariances = [covariance[rows[:, :, None], rows[:, None, :]] for _, rows in excited.law_rows]
+        found: list[np.ndarray] = [np.zeros((0, 0))] * len(excited.laws)
+        for (numbers, rows), values in zip(excited.law_rows, covariances, strict=True):
+            for number, gain in zip(numbers, stacked_gains(values, excited.means[rows]), strict=True):
+                found[number] = gain
+        return found
 
-    def _covariance(self, loop: np.ndarray, roots: np.ndarray, right: np.ndarray, left: np.ndarray) -> np.ndarray:
-        """Of the inputs of all laws, by the eigenvectors with them in the loop."""
+    def _covariances(self, loop: np.ndarray, roots: np.ndarray, left: np.ndarray, modes: RealModes,
+                     shapes: np.ndarray) -> list[np.ndarray]:  # fmt: skip
+        """Of the inputs of the laws, by the eigenvectors with them in the loop; shapes: of these inputs.
+
+        In the order of ExcitedModel.law_rows.
+        """
         excited, n, m = self.excited, self.excited.driven, self.excited.results
         B, C, D = (excited.linear.matrices[name] for name in "BCD")
-        of_laws = D[m:, n:] @ loop
-        through = np.eye(len(loop)) + of_laws if of_laws.any() else None
-        shapes, by_laws = C[m:] @ right, left @ (B[:, n:] @ loop)
+        added, groups = B[:, n:] @ loop, [rows for _, rows in excited.law_rows]
+        through = np.eye(len(loop)) + D[m:, n:] @ loop if excited.laws_add else None
+        totals = [np.zeros((*rows.shape, rows.shape[1])) for rows in groups]
+        seen = shapes.any(axis=0)  # an angle that nothing depends on has a root of zero
+        real_shapes = C[m:] @ modes.shapes
         if through is not None:
-            shapes = through @ shapes
-        if not (seen := shapes.any(axis=0)).all():  # an angle that nothing depends on has a root of zero
-            roots, shapes, left, by_laws = roots[seen], shapes[:, seen], left[seen], by_laws[seen]
-        shares, total = 1 / (1j * self.omega - roots[:, None]), np.zeros((len(loop), len(loop)))
+            shapes, real_shapes = through @ shapes, through @ real_shapes
         for path, one in self.driving.items():
             if path not in self._direct:
                 direct = D[m:, one.inputs]
                 own = direct if through is None else through @ direct
-                by_inputs = left @ B[:, one.inputs] + by_laws @ direct
-                total += _of_few(one.covariances, roots, shares, by_inputs, shapes, own)
+                by_inputs = left[seen] @ (B[:, one.inputs] + added @ direct)
+                shares = 1 / (1j * self.omega - roots[seen, None])
+                found = _of_few(one.covariances, roots[seen], shares, by_inputs, shapes[:, seen], own)
+                for total, rows in zip(totals, groups, strict=True):
+                    total += found[rows[:, :, None], rows[:, None, :]]
                 continue
             rates, u = self._direct[path]
-            amplitudes = left @ rates
-            if u is not None:
-                amplitudes += by_laws @ u
-            amplitudes.reshape(*shares.shape, -1)[...] *= shares[:, :, None]
-            y = shapes @ amplitudes
+            rates = rates if u is None else rates + flat_times(added, u)
+            parts = flat_times(modes.of, rates).reshape(len(rates), self.omega.size, -1)
+            y = flat_times(real_shapes, modes.answers(self.omega, parts).reshape(len(rates), -1))
             if u is not None:
                 y += u if through is None else flat_times(through, u)
             y = y.view(float)
-            total += y @ y.T
-        return total
+            for total, rows in zip(totals, groups, strict=True):
+                in_order = bool((np.diff(rows.ravel()) == 1).all())
+                of_each = (y[rows[0, 0] : rows[-1, -1] + 1] if in_order else y[rows]).reshape(*rows.shape, -1)
+                total += of_each @ of_each.transpose(0, 2, 1)
+        return totals
 
     def _covariance_by_answers(self, gains: Sequence[np.ndarray]) -> np.ndarray:
         """The same by the inputs themselves at all frequencies: with operators, and without eigenvectors."""
