@@ -5,14 +5,14 @@ All seas about one mean wind have one mean state and one linear model; the means
 
 from __future__ import annotations
 
-from collections.abc import Callable, Hashable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from threading import RLock
 from typing import Any, TypeVar
 
 import numpy as np
 
-from fowtlib.frequency.known_rows import KnownRows, OfFrequency
+from fowtlib.frequency.known_rows import Known, KnownRows
 from fowtlib.language.component import Component
 from fowtlib.solving import State, mean_state
 from fowtlib.solving.binding import RunTrees, content_of
@@ -73,11 +73,11 @@ class Study:
         return _kept(self._shown, key, MODELS,
                      lambda: np.concatenate([np.ravel(value) for value in state.values(names)]))  # fmt: skip
 
-    def rows(self, parameters: Mapping[str, Any] | None) -> Callable[[Hashable, OfFrequency], OfFrequency]:
-        """Functions of frequency of a run with these parameters, by name, with what is known of them; see KnownRows."""
+    def rows(self, parameters: Mapping[str, Any] | None, root: Component) -> Known:
+        """Functions of frequency of a run with these parameters and this tree, with what is known of them."""
         given = by_path(parameters or {})
         given = spread_out(given, self.plant.root) if self.plant.root is not None else given
-        return lambda name, function: self._rows.of(name, given, function)
+        return lambda name, function: self._rows.of(name, root, given, function)
 
     def gains(self, excited: ExcitedModel) -> list[np.ndarray] | None:
         """Gains of drag that another state settled at; None before the first one."""

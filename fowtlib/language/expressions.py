@@ -225,6 +225,20 @@ def one_evaluation() -> Iterator[dict[Any, Any]]:
         _known.reset(token)
 
 
+@contextmanager
+def evaluation_again(known: dict[Any, Any], reads: set[tuple[str, str]]) -> Iterator[None]:
+    """An evaluation that has values of an earlier one, and notes in `reads` which parameters it asks for.
+
+    Whoever keeps both sees to it that nothing that was read has changed, and holds the components.
+    """
+    tokens = _reads.set(reads), _known.set(known)
+    try:
+        yield
+    finally:
+        _known.reset(tokens[1])
+        _reads.reset(tokens[0])
+
+
 def value_of(owner: Any, what: str, compute: Callable[[], Any]) -> Any:
     """What follows from the values of parameters alone: computed once in an evaluation, by its owner and a word."""
     reads = _reads.get()
