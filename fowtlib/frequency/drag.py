@@ -36,13 +36,13 @@ def best_gains(velocities: Sequence[np.ndarray], means: Sequence[np.ndarray]) ->
 
 def gains_of(covariances: Sequence[np.ndarray], means: Sequence[np.ndarray]) -> list[np.ndarray]:
     """The gains of many laws, from the covariance (n, n) and the mean (n,) of each."""
-    gains: list[np.ndarray] = [np.zeros((0, 0))] * len(means)
-    for size in {len(mean) for mean in means}:
-        of_size = [number for number, mean in enumerate(means) if len(mean) == size]
-        of_these = (np.stack([values[number] for number in of_size]) for values in (covariances, means))
-        for number, gain in zip(of_size, stacked_gains(*of_these), strict=True):
-            gains[number] = gain
-    return gains
+    sizes = [len(mean) for mean in means]
+    width = max(sizes, default=0)
+    # one that has fewer directions is one that does not move along the others
+    covariance, mean = np.zeros((len(means), width, width)), np.zeros((len(means), width))
+    for k, n in enumerate(sizes):
+        covariance[k, :n, :n], mean[k, :n] = covariances[k], means[k]
+    return [gain[:n, :n] for gain, n in zip(stacked_gains(covariance, mean), sizes, strict=True)]
 
 
 def stacked_gains(covariance: np.ndarray, mean: np.ndarray) -> np.ndarray:

@@ -36,14 +36,26 @@ class RealModes:
         of = np.vstack([left[pairs].real, left[pairs].imag, left[reals].real])
         return RealModes(roots[pairs], roots[reals].real, shapes, of)
 
-    def answers(self, omega: np.ndarray, parts: np.ndarray) -> np.ndarray:
-        """Amplitudes (n, q, k) at frequencies omega (q,) [rad/s], of what each has of the rates, `of` times b."""
-        p, found = len(self.pairs), np.empty(parts.shape, dtype=complex)
+    def functions(self, omega: np.ndarray) -> np.ndarray:
+        """P and Q of the pairs, and 1/(i omega - s) of the real roots, at frequencies omega (q,) [rad/s]: (n, q)."""
         off = 1j * omega - self.pairs.real[:, None]
         over = 2 / (off**2 + self.pairs.imag[:, None] ** 2)
-        P, Q = (off * over)[:, :, None], (-self.pairs.imag[:, None] * over)[:, :, None]
-        g, h = parts[:p], parts[p : 2 * p]
+        return np.concatenate([off * over, -self.pairs.imag[:, None] * over, 1 / (1j * omega - self.reals[:, None])])
+
+    def answers(self, functions: np.ndarray, parts: np.ndarray) -> np.ndarray:
+        """Amplitudes (n, q, k), of what each has of the rates, `of` times b (n, q, k)."""
+        p, found = len(self.pairs), np.empty(parts.shape, dtype=complex)
+        (P, Q, alone), (g, h) = np.split(functions[:, :, None], [p, 2 * p]), (parts[:p], parts[p : 2 * p])
         found[:p] = P * g + Q * h
         found[p : 2 * p] = Q * g - P * h
-        found[2 * p :] = parts[2 * p :] / (1j * omega - self.reals[:, None])[:, :, None]
+        found[2 * p :] = alone * parts[2 * p :]
         return found
+
+    def between(self, C: np.ndarray, B: np.ndarray) -> np.ndarray:
+        """C (i omega - A)^-1 B as sums of the functions, for C (m, n) and B (n, k): (m, k, n)."""
+        p = len(self.pairs)
+        (c, d, e), (g, h, b) = (
+            np.split((C @ self.shapes)[:, None], [p, 2 * p], 2),
+            np.split((self.of @ B).T, [p, 2 * p], 1),
+        )
+        return np.concatenate([c * g - d * h, c * h + d * g, e * b], axis=2)

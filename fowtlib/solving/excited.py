@@ -165,7 +165,7 @@ class ExcitedModel:
         D = self.linear.matrices["D"][m:, n:]
         G = np.zeros((D.shape[1], D.shape[1]))
         for (_, place), gain, slope in zip(self.laws, gains, self.slopes, strict=True):
-            G[place, place] = gain - slope
+            np.subtract(gain, slope, out=G[place, place])
         return np.linalg.solve(np.eye(len(G)) - G @ D, G) if self.laws_add else G
 
     def states_with(self, gains: Sequence[np.ndarray]) -> np.ndarray:
