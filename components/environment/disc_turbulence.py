@@ -23,7 +23,7 @@ from typing import Any
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
-from scipy.interpolate import PchipInterpolator
+from scipy.interpolate import PchipInterpolator, PPoly
 
 from fowtlib.language.run_time import RestingPlaces, TurningRings
 
@@ -36,7 +36,7 @@ TABLE = np.geomspace(1e-4, 20.0, 80)  # Hz, of a table of the shares; below they
 HARMONICS = 4  # multiples of the number of blades, on both sides
 
 Coherence = Callable[[Floats, Floats], Floats]
-"""`(frequency [Hz] (q, 1, 1, 1), distance [m] (1, r, r, angles)) -> coherence`."""
+"""`(frequency [Hz] (q, 1, 1), distance [m] (1, pairs, angles)) -> coherence`, as one broadcasts them."""
 
 
 def ring_shares(frequency: ArrayLike, radii: ArrayLike, orders: ArrayLike, coherence: Coherence) -> Floats:
@@ -45,29 +45,53 @@ def ring_shares(frequency: ArrayLike, radii: ArrayLike, orders: ArrayLike, coher
     The sum over all orders is the coherence of two points on one ray, and 1 on one ring.
     """
     r, order = np.atleast_1d(np.asarray(radii, dtype=float)), np.atleast_1d(np.asarray(orders, dtype=int))
-    f = np.atleast_1d(np.asarray(frequency, dtype=float))[:, None, None, None]
-    angle = np.pi * np.arange(ANGLES // 2 + 1) / (ANGLES // 2)  # the other half of a ring is the same
-    square = r[:, None, None] ** 2 + r[None, :, None] ** 2 - 2 * r[:, None, None] * r[None, :, None] * np.cos(angle)
-    one, other = np.triu_indices(r.size)  # two rings have the same in common in either order
-    values = np.empty((f.shape[0], r.size, r.size, angle.size))
-    values[:, one, other] = coherence(f[..., 0], np.sqrt(np.maximum(square[one, other], 0.0))[None])
-    values[:, other, one] = values[:, one, other]
-    turns = np.cos(angle[:, None] * order) * np.where((angle == 0) | (angle == angle[-1]), 1, 2)[:, None] / ANGLES
-    return np.moveaxis(values @ turns, 3, 1)
+    return _of_rings(_around(frequency, r, coherence), r.size, order)
+
+
+def _of_rings(around: Floats, count: int, orders: NDArray[np.int64]) -> Floats:
+    """Shares (q, orders, r, r) of the coherence of each two rings; two have the same in common in either order."""
+    one, other = np.triu_indices(count)
+    found = np.empty((len(around), orders.size, count, count))
+    found[:, :, one, other] = found[:, :, other, one] = (around @ _turns(orders)).transpose(0, 2, 1)
+    return found
+
+
+def _around(frequency: ArrayLike, r: Floats, coherence: Coherence) -> Floats:
+    """Coherence of each two rings at the angles of half a ring, (q, pairs, angles); the other half is the same."""
+    f = np.atleast_1d(np.asarray(frequency, dtype=float))[:, None, None]
+    one, other = np.triu_indices(r.size)
+    square = r[one, None] ** 2 + r[other, None] ** 2 - 2 * (r[one] * r[other])[:, None] * np.cos(_HALF)
+    return coherence(f, np.sqrt(np.maximum(square, 0.0))[None])
+
+
+_HALF = np.pi * np.arange(ANGLES // 2 + 1) / (ANGLES // 2)
+
+
+def _turns(orders: NDArray[np.int64]) -> Floats:
+    """Weights (angles, orders) of the angles of half a ring, for its harmonics."""
+    weights = np.full(_HALF.size, 2 / ANGLES)
+    weights[[0, -1]] = 1 / ANGLES
+    return np.cos(_HALF[:, None] * orders) * weights[:, None]
 
 
 @lru_cache(maxsize=256)
 def _tables(radii: bytes, weights: tuple[bytes, ...], orders: tuple[tuple[int, ...], ...],
-            coherence: Coherence) -> list[dict[int, PchipInterpolator]]:  # fmt: skip
+            coherence: Coherence) -> list[dict[int, PPoly]]:  # fmt: skip
     """Shares of weighted sums of rings over the logarithm of the frequency, by order, for each kind of sum."""
     r = np.frombuffer(radii)
-    whole = sorted({abs(order) for of_kind in orders for order in of_kind})
-    table = ring_shares(TABLE, r, whole, coherence)
-    found = []
+    one, other = np.triu_indices(r.size)
+    table, found = _around(TABLE, r, coherence), []
     for text, of_kind in zip(weights, orders, strict=True):
-        w = np.frombuffer(text).reshape(-1, r.size)
-        sums = {abs(order): w @ table[:, whole.index(abs(order))] @ w.T for order in of_kind}
-        found.append({order: PchipInterpolator(np.log(TABLE), sums[order], axis=0) for order in sums})
+        w, whole = np.frombuffer(text).reshape(-1, r.size), sorted({abs(order) for order in of_kind})
+        if len(w) ** 2 < one.size:
+            of_pairs = w[:, None, one] * w[:, other] + np.where(one == other, 0.0, w[:, None, other] * w[:, one])
+            sums = (of_pairs.reshape(-1, one.size) @ table) @ _turns(np.array(whole))  # (q, sums, orders)
+        else:  # hardly fewer sums than rings
+            sums = np.moveaxis(w @ _of_rings(table, r.size, np.array(whole)) @ w.T, 1, -1)
+        sums = sums.reshape(TABLE.size, len(w), len(w), len(whole))
+        splines = PchipInterpolator(np.log(TABLE), sums, axis=0)
+        found.append({order: PPoly.construct_fast(np.ascontiguousarray(splines.c[..., k]), splines.x)
+                      for k, order in enumerate(whole)})  # fmt: skip
     return found
 
 

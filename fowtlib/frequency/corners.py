@@ -22,6 +22,7 @@ import numpy as np
 from scipy.special import ndtri
 
 from fowtlib.solving import LinearModel, State
+from fowtlib.solving.arrays import Arrays
 from fowtlib.solving.rates import rate_states
 
 LEAST = 0.05  # of the time beyond corners, from which it is told
@@ -68,16 +69,23 @@ class Corner:
 class Laws:
     """The laws with corners of a flat model: numbers of their states, and of all states that they follow from.
 
-    pairs: of a law and a state that it follows from. values: `(t, x, z, q)` -> the laws, and each alone. slopes: the
-    same -> the laws by the states, (laws, states).
+    pairs: of a law and a state that it follows from. values: the laws at DRAWS points, and each alone, from the states
+    that are named in them (`moving`), at each point, and the elements of [t; q] that are (`held`), once: a model has a
+    thousand parameters, and a law a dozen. slopes: `(t, x, z, q)` -> the laws by the states, (laws, states).
     """
 
     numbers: tuple[int, ...] = ()
     states: tuple[int, ...] = ()
     pairs: frozenset[tuple[int, int]] = frozenset()
-    values: ca.Function | None = None
-    alone: tuple[ca.Function, ...] = ()
+    moving: tuple[int, ...] = ()
+    held: tuple[int, ...] = ()
+    values: Arrays | None = None
+    alone: tuple[Arrays, ...] = ()
     slopes: ca.Function | None = None
+
+    def at(self, values: Arrays, x: np.ndarray, others: np.ndarray) -> np.ndarray:
+        """The laws, or one of them, (DRAWS, n), at states x (DRAWS, all states), with [t; q] the same at all."""
+        return values.entries(x[:, list(self.moving)], others[list(self.held)])[0].reshape(DRAWS, -1)
 
 
 def laws_of(plant: Any, at: Any) -> Laws:
@@ -102,9 +110,18 @@ def _laws(at: Any) -> Laws:
     chosen = sorted({column for _, column in pairs})
     rows = ca.densify(dae.ode[numbers])
     jacobian = ca.densify(ca.jacobian(rows, dae.x[chosen]))
-    values, slopes = (at.general.function(name, [of]) for name, of in (("laws", rows), ("slopes_of_laws", jacobian)))
-    alone = tuple(at.general.function(f"law_{k}", [row]) for k, row in enumerate(ca.vertsplit(rows)))
-    return Laws(tuple(numbers), tuple(chosen), frozenset(pairs), values, alone, slopes)
+    slopes = at.general.function("slopes_of_laws", [jacobian])
+    named, others = {symbol.element_hash() for symbol in ca.symvar(rows)}, ca.vertcat(at.general.t, at.general.q)
+    moving, held = ([k for k, symbol in enumerate(of.elements()) if symbol.element_hash() in named]
+                    for of in (dae.x, others))  # fmt: skip
+
+    def at_draws(row: ca.SX) -> Arrays:
+        one = ca.Function("laws", [dae.x[moving], others[held]], [row])
+        return Arrays(one.map("laws_at_draws", "serial", DRAWS, [1], []))
+
+    alone = tuple(at_draws(row) for row in ca.vertsplit(rows))
+    return Laws(tuple(numbers), tuple(chosen), frozenset(pairs), tuple(moving), tuple(held), at_draws(rows), alone,
+                slopes)  # fmt: skip
 
 
 def with_states(linear: LinearModel, outputs: int, rows: np.ndarray, names: Sequence[str]) -> LinearModel:
@@ -146,8 +163,8 @@ def reached(plant: Any, state: State, laws: Laws, known: Sequence[int], P: np.nd
     deviation = np.zeros(dae.x.numel())
     deviation[list(known)] = np.sqrt(np.maximum(np.diag(P), 0.0))
     x, q = state.x + away, np.concatenate([state.u, state.d])
-    points = np.full(DRAWS, state.t), x, np.tile(state.z, (DRAWS, 1)), np.tile(q, (DRAWS, 1))
-    rates = at.along(laws.values, *points)
+    others = np.concatenate([[state.t], at.whole(q)])
+    rates = laws.at(laws.values, x, others)
     slopes = np.array(at.call(laws.slopes, state.t, state.x, state.z, q))
     for j, number in enumerate(laws.numbers):
         used = [k for k in laws.states if (number, k) in laws.pairs]
@@ -161,7 +178,7 @@ def reached(plant: Any, state: State, laws: Laws, known: Sequence[int], P: np.nd
         if back > 0 and np.any(np.abs(off) > ROUNDING * size):
             moved = x.copy()
             moved[:, number] += np.sign(off) * CHANGED * size / back
-            left = at.along(laws.alone[j], points[0], moved, *points[2:])[:, 0] - rates[:, j] + off
+            left = laws.at(laws.alone[j], moved, others)[:, 0] - rates[:, j] + off
             changed = (np.abs(off) > ROUNDING * size) & (left * off > 0)
         rest = np.ones(DRAWS, dtype=bool)
         for _ in range(2):  # one on each side

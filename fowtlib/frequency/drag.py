@@ -26,7 +26,7 @@ def best_gain(covariance: np.ndarray, mean: np.ndarray | None = None) -> np.ndar
     """
     covariance = np.asarray(covariance, dtype=float)
     mean = np.zeros(len(covariance)) if mean is None else np.asarray(mean, dtype=float)
-    return _gains(covariance[None], mean[None])[0]
+    return stacked_gains(covariance[None], mean[None])[0]
 
 
 def best_gains(velocities: Sequence[np.ndarray], means: Sequence[np.ndarray]) -> list[np.ndarray]:
@@ -36,16 +36,16 @@ def best_gains(velocities: Sequence[np.ndarray], means: Sequence[np.ndarray]) ->
 
 def gains_of(covariances: Sequence[np.ndarray], means: Sequence[np.ndarray]) -> list[np.ndarray]:
     """The gains of many laws, from the covariance (n, n) and the mean (n,) of each."""
-    gains: list[np.ndarray] = [np.zeros((0, 0))] * len(means)
-    for size in {len(mean) for mean in means}:
-        of_size = [number for number, mean in enumerate(means) if len(mean) == size]
-        of_these = (np.stack([values[number] for number in of_size]) for values in (covariances, means))
-        for number, gain in zip(of_size, _gains(*of_these), strict=True):
-            gains[number] = gain
-    return gains
+    sizes = [len(mean) for mean in means]
+    width = max(sizes, default=0)
+    # one that has fewer directions is one that does not move along the others
+    covariance, mean = np.zeros((len(means), width, width)), np.zeros((len(means), width))
+    for k, n in enumerate(sizes):
+        covariance[k, :n, :n], mean[k, :n] = covariances[k], means[k]
+    return [gain[:n, :n] for gain, n in zip(stacked_gains(covariance, mean), sizes, strict=True)]
 
 
-def _gains(covariance: np.ndarray, mean: np.ndarray) -> np.ndarray:
+def stacked_gains(covariance: np.ndarray, mean: np.ndarray) -> np.ndarray:
     """The gains (k, n, n) of covariances (k, n, n) and means (k, n)."""
     variances, axes = np.linalg.eigh((covariance + covariance.transpose(0, 2, 1)) / 2)
     variances = np.maximum(variances, 0.0)

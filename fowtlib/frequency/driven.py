@@ -14,6 +14,7 @@ from functools import cached_property
 import numpy as np
 
 from fowtlib.frequency.drag import gains_of
+from fowtlib.frequency.real_modes import RealModes
 from fowtlib.language.eigenvectors import eigenvectors
 from fowtlib.solving.excited import ExcitedModel
 from fowtlib.solving.linear import LinearModel, Resolvent, times
@@ -41,6 +42,7 @@ class Process:
 
 
 CANCELLED = 1e-7  # sum of a root and a conjugate one over their sizes, up to which sums cancel
+NOTHING = 1e-35  # of the largest power at a frequency: what no resonance makes felt beside it
 
 Processes = Mapping[str, Process]
 """The random processes by path."""
@@ -67,6 +69,13 @@ class Driving:
         """Of the inputs, what each frequency adds: (q, inputs, inputs), Hermitian."""
         drive = self.drive.transpose(1, 0, 2)
         return drive @ self.power @ drive.conj().transpose(0, 2, 1)
+
+    @cached_property
+    def moved(self) -> slice:
+        """From the first to the last of the frequencies at which it has power: a sea has none at those of the drift."""
+        power = np.trace(self.power, axis1=1, axis2=2).real
+        there = np.flatnonzero(power > NOTHING * power.max(initial=0.0))
+        return slice(int(there[0]), int(there[-1]) + 1) if there.size else slice(0, 0)
 
     @property
     def channels(self) -> int:
@@ -125,6 +134,10 @@ class Grid:
         """Transfer functions (q, outputs, channels) by process, of the first outputs or of all."""
         linear = linear.first(outputs)
         A, B, C, D = (linear.matrices[name] for name in "ABCD")
+        basis = eigenvectors(A) if linear.operators is None and len(A) else None
+        modes = None if basis is None else RealModes.made(*basis)
+        if modes is not None:
+            return self._answers_of_modes(modes, B, C, D)
         resolvent, operators, found = Resolvent(self.omega, A), linear.operators, {}
         for path, one in self.driving.items():
             amplitudes = resolvent.driven(B[:, one.inputs], one.drive)
@@ -137,19 +150,35 @@ class Grid:
             found[path] = np.ascontiguousarray(y.transpose(1, 0, 2))
         return found
 
+    def _answers_of_modes(self, modes: RealModes, B: np.ndarray, C: np.ndarray, D: np.ndarray) -> dict[str, np.ndarray]:
+        """The same by the modes of a model without operators."""
+        functions, found = modes.functions(self.omega), {}
+        for path, one in self.driving.items():
+            of, direct, inputs = B[:, one.inputs], D[:, one.inputs], one.inputs.size
+            if inputs <= one.channels:  # the answers to each input are fewer than those of all modes
+                by_input = flat_times(modes.between(C, of).reshape(-1, len(B)), functions)
+                by_input = by_input.reshape(len(C), inputs, -1) + direct[:, :, None]
+                found[path] = np.ascontiguousarray(by_input.transpose(2, 0, 1)) @ one.drive.transpose(1, 0, 2)
+                continue
+            parts = times(modes.of, times(of, one.drive)) if inputs > len(B) else times(modes.of @ of, one.drive)
+            y = times(direct, one.drive) + times(C @ modes.shapes, modes.answers(functions, parts))
+            found[path] = np.ascontiguousarray(y.transpose(1, 0, 2))
+        return found
+
     @cached_property
-    def _direct(self) -> dict[str, tuple[np.ndarray, np.ndarray | None]]:
+    def _direct(self) -> dict[str, tuple[np.ndarray, np.ndarray | None, slice]]:
         """Rates of the states (n, q k) and inputs of the laws by the drive alone, of processes that drive many inputs.
 
-        None: nothing drives the laws.
+        None: nothing drives the laws. With the frequencies at which the process has any power.
         """
         n, m, found = self.excited.driven, self.excited.results, {}
         B, D = self.excited.linear.matrices["B"], self.excited.linear.matrices["D"][m:, :n]
         for path, one in self.driving.items():
             if not self._few(one):
-                drive = one.weighted.reshape(len(one.inputs), -1)
+                drive = one.weighted[:, one.moved].reshape(len(one.inputs), -1)
                 of_laws = D[:, one.inputs]
-                found[path] = flat_times(B[:, one.inputs], drive), flat_times(of_laws, drive) if of_laws.any() else None
+                u = flat_times(of_laws, drive) if of_laws.any() else None
+                found[path] = flat_times(B[:, one.inputs], drive), u, one.moved
         return found
 
     def _few(self, one: Driving) -> bool:
@@ -163,40 +192,53 @@ class Grid:
         loop = excited.loop(gains)
         A, B, C, D = (linear.matrices[name] for name in "ABCD")
         basis = eigenvectors(A + B[:, n:] @ loop @ C[m:]) if linear.operators is None and len(A) else None
-        covariance = self._covariance(loop, *basis) if basis is not None else self._covariance_by_answers(gains)
-        return gains_of([covariance[place, place] for _, place in excited.laws],
-                        [excited.means[place] for _, place in excited.laws])  # fmt: skip
+        modes = None if basis is None else RealModes.made(*basis)
+        if basis is not None and modes is not None:
+            covariances = self._covariances(loop, basis[0], basis[2], modes, C[m:] @ basis[1])
+        else:
+            covariance = self._covariance_by_answers(gains)
+            covariances = [covariance[place, place] for _, place in excited.laws]
+        return gains_of(covariances, [excited.means[place] for _, place in excited.laws])
 
-    def _covariance(self, loop: np.ndarray, roots: np.ndarray, right: np.ndarray, left: np.ndarray) -> np.ndarray:
-        """Of the inputs of all laws, by the eigenvectors with them in the loop."""
+    def _covariances(self, loop: np.ndarray, roots: np.ndarray, left: np.ndarray, modes: RealModes,
+                     shapes: np.ndarray) -> list[np.ndarray]:  # fmt: skip
+        """Of the inputs of each law, by the eigenvectors with them in the loop; shapes: of these inputs."""
         excited, n, m = self.excited, self.excited.driven, self.excited.results
         B, C, D = (excited.linear.matrices[name] for name in "BCD")
-        of_laws = D[m:, n:] @ loop
-        through = np.eye(len(loop)) + of_laws if of_laws.any() else None
-        shapes, by_laws = C[m:] @ right, left @ (B[:, n:] @ loop)
+        added, groups = B[:, n:] @ loop, [rows for _, rows in excited.law_rows]
+        through = np.eye(len(loop)) + D[m:, n:] @ loop if excited.laws_add else None
+        totals = [np.zeros((*rows.shape, rows.shape[1])) for rows in groups]
+        seen = shapes.any(axis=0)  # an angle that nothing depends on has a root of zero
+        real_shapes = C[m:] @ modes.shapes
         if through is not None:
-            shapes = through @ shapes
-        if not (seen := shapes.any(axis=0)).all():  # an angle that nothing depends on has a root of zero
-            roots, shapes, left, by_laws = roots[seen], shapes[:, seen], left[seen], by_laws[seen]
-        shares, total = 1 / (1j * self.omega - roots[:, None]), np.zeros((len(loop), len(loop)))
+            shapes, real_shapes = through @ shapes, through @ real_shapes
         for path, one in self.driving.items():
             if path not in self._direct:
                 direct = D[m:, one.inputs]
                 own = direct if through is None else through @ direct
-                by_inputs = left @ B[:, one.inputs] + by_laws @ direct
-                total += _of_few(one.covariances, roots, shares, by_inputs, shapes, own)
+                by_inputs = left[seen] @ (B[:, one.inputs] + added @ direct)
+                shares = 1 / (1j * self.omega - roots[seen, None])
+                found = _of_few(one.covariances, roots[seen], shares, by_inputs, shapes[:, seen], own)
+                for total, rows in zip(totals, groups, strict=True):
+                    total += found[rows[:, :, None], rows[:, None, :]]
                 continue
-            rates, u = self._direct[path]
-            amplitudes = left @ rates
-            if u is not None:
-                amplitudes += by_laws @ u
-            amplitudes.reshape(*shares.shape, -1)[...] *= shares[:, :, None]
-            y = shapes @ amplitudes
+            rates, u, moved = self._direct[path]
+            rates = rates if u is None else rates + flat_times(added, u)
+            parts = flat_times(modes.of, rates).reshape(len(rates), -1, one.channels)
+            amplitudes = modes.answers(modes.functions(self.omega[moved]), parts)
+            y = flat_times(real_shapes, amplitudes.reshape(len(rates), -1))
             if u is not None:
                 y += u if through is None else flat_times(through, u)
             y = y.view(float)
-            total += y @ y.T
-        return total
+            for total, rows in zip(totals, groups, strict=True):
+                in_order = bool((np.diff(rows.ravel()) == 1).all())
+                of_each = (y[rows[0, 0] : rows[-1, -1] + 1] if in_order else y[rows]).reshape(*rows.shape, -1)
+                total += of_each @ of_each.transpose(0, 2, 1)
+        found_of: list[np.ndarray] = [totals[0][0]] * len(excited.laws)
+        for (numbers, _), total in zip(excited.law_rows, totals, strict=True):
+            for number, covariance in zip(numbers, total, strict=True):
+                found_of[number] = covariance
+        return found_of
 
     def _covariance_by_answers(self, gains: Sequence[np.ndarray]) -> np.ndarray:
         """The same by the inputs themselves at all frequencies: with operators, and without eigenvectors."""

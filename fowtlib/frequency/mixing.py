@@ -44,23 +44,23 @@ class Mixing:
         share = np.linalg.lstsq(differences, steps[-1], rcond=1e-10)[0]
         moves = np.column_stack([b - a for a, b in zip(self._found[:-1], self._found[1:], strict=True)])
         mixed, first = self._found[-1] - moves @ share, 0
-        guess = []
+        guess: list[np.ndarray] = []
         for matrix in plain:
             part = mixed[first : first + matrix.size].reshape(matrix.shape)
             first += matrix.size
-            part = (part + part.T) / 2
-            if not np.trace(part) > LEAST * np.trace(matrix) or not _positive(part):
-                part = matrix
-            guess.append(part)
+            guess.append((part + part.T) / 2)
+        for size in {len(matrix) for matrix in plain}:
+            numbers = [k for k, matrix in enumerate(plain) if len(matrix) == size]
+            parts, whole = (np.stack([of[k] for k in numbers]) for of in (guess, plain))
+            kept = np.trace(parts, axis1=1, axis2=2) > LEAST * np.trace(whole, axis1=1, axis2=2)
+            kept &= np.linalg.eigvalsh(parts)[:, 0] >= 0 if size > 1 else parts[:, 0, 0] >= 0
+            for k in (number for number, keep in zip(numbers, kept, strict=True) if not keep):
+                guess[k] = plain[k]
         return guess
 
     def moved(self, before: Sequence[np.ndarray], after: Sequence[np.ndarray]) -> None:
         """F has become another one, that gives `after` where it gave `before`, with steps that shrink alike."""
         self._found = [found + _flat(after) - _flat(before) for found in self._found]
-
-
-def _positive(matrix: np.ndarray) -> bool:
-    return bool(matrix[0, 0] >= 0 if len(matrix) == 1 else np.linalg.eigvalsh(matrix)[0] >= 0)
 
 
 def _flat(matrices: Sequence[np.ndarray]) -> np.ndarray:

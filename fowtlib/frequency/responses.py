@@ -12,7 +12,7 @@ the turbulence, dead bands and limits.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Hashable, Mapping, Sequence
 from functools import partial
 from typing import Any
 
@@ -25,6 +25,7 @@ from fowtlib.frequency.coverage import warn_of_ends
 from fowtlib.frequency.driven import Process, Processes
 from fowtlib.frequency.few_channels import with_few_channels
 from fowtlib.frequency.found import Response
+from fowtlib.frequency.known_rows import Known, OfFrequency
 from fowtlib.frequency.rotation import Turned, speeds_by_states, with_rotation
 from fowtlib.frequency.settling import settled_gains
 from fowtlib.frequency.shifts import Shifts
@@ -38,6 +39,17 @@ from fowtlib.solving import State
 from fowtlib.solving.excited import ExcitedModel, Signal
 from fowtlib.solving.random_fields import blows
 from fowtlib.solving.random_fields import density as field_density
+
+Members = dict[str, tuple[Any, list[Signal]]]
+"""Processes that drive signals, with these, by path."""
+
+
+SOME = np.geomspace(1e-2, 10.0, 50)  # rad/s, at which a process has a spectrum if it has one
+
+
+def _unknown(name: Hashable, function: OfFrequency) -> OfFrequency:
+    """A function of which nothing is known."""
+    return function
 
 
 def response(
@@ -69,8 +81,10 @@ def response(
         excited = study.excited(state, names)
         given = None if frequencies is None else _checked(frequencies)
         with one_evaluation():  # from here on nothing sets a parameter
-            excited = with_few_channels(excited, root, _signals(excited, root))
-            processes = _processes(excited, root)
+            known = study.rows(parameters, root)
+            signals = _signals(excited, root, known)
+            excited = with_few_channels(excited, root, signals)
+            processes = _processes(excited, root, signals, known)
             _refuse_without_spectrum(plant.dae, root, processes)
             if not processes:
                 raise ModelError(
@@ -124,11 +138,16 @@ def _checked(frequencies: Sequence[float] | np.ndarray) -> np.ndarray:
     return frequency
 
 
-def _processes(excited: ExcitedModel, root: Component) -> dict[str, Process]:
-    """The random processes that drive the signals, and the fields."""
-    members, n = _signals(excited, root), excited.driven
-    found = {path: Process(process.spectral_density, np.concatenate([_numbers(signal.columns) for signal in signals]),
-                           partial(_of_signals, signals, root), n)
+def _processes(excited: ExcitedModel, root: Component, members: Members | None = None,
+               known: Known = _unknown) -> dict[str, Process]:  # fmt: skip
+    """The random processes that drive the signals, and the fields.
+
+    members: the signals, where these are there already. known: see KnownRows.
+    """
+    members, n = _signals(excited, root) if members is None else members, excited.driven
+    found = {path: Process(known(("density", path), process.spectral_density),
+                           np.concatenate([_numbers(signal.columns) for signal in signals]),
+                           known(("amplitudes", path), partial(_of_signals, signals, root)), n)
              for path, (process, signals) in members.items()}  # fmt: skip
     for number, (columns, places) in enumerate(excited.fields):
         if not blows(places, root):
@@ -146,14 +165,15 @@ def _processes(excited: ExcitedModel, root: Component) -> dict[str, Process]:
     return found
 
 
-def _signals(excited: ExcitedModel, root: Component) -> dict[str, tuple[Any, list[Signal]]]:
+def _signals(excited: ExcitedModel, root: Component, known: Known = _unknown) -> Members:
     """The processes that drive signals, with these, by path."""
-    members: dict[str, tuple[Any, list[Signal]]] = {}
+    members: Members = {}
     there: dict[str, bool] = {}
     for signal in excited.signals:
         process = signal.process(root)
         if process.path not in there:
-            there[process.path] = bool(np.any(process.spectral_density(np.geomspace(1e-2, 10.0, 50))))
+            density = known(("some density", process.path), process.spectral_density)
+            there[process.path] = bool(np.any(density(SOME)))
         if there[process.path]:
             members.setdefault(process.path, (process, []))[1].append(signal)
     return members

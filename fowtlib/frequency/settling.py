@@ -83,6 +83,7 @@ def _left_out(grid: Grid, excited: ExcitedModel, gains: Sequence[np.ndarray]) ->
 
 def _change(gains: Sequence[np.ndarray], found: Sequence[np.ndarray]) -> float:
     """The largest relative change of a gain; one below a tenth of the largest counts as that much."""
-    sizes = np.array([np.linalg.norm(new) for new in found])
-    steps = np.array([np.linalg.norm(new - old) for new, old in zip(found, gains, strict=True)])
+    first = np.cumsum([0, *(matrix.size for matrix in found[:-1])])
+    new, old = (np.concatenate([matrix.ravel() for matrix in of]) for of in (found, gains))
+    sizes, steps = (np.sqrt(np.add.reduceat(values**2, first)) for values in (new, new - old))
     return float(np.max(steps / np.maximum(sizes, max(SMALL * sizes.max(), 1e-12))))

@@ -12,11 +12,13 @@ from typing import Any, TypeVar
 
 import numpy as np
 
+from fowtlib.frequency.known_rows import Known, KnownRows
 from fowtlib.language.component import Component
 from fowtlib.solving import State, mean_state
 from fowtlib.solving.binding import RunTrees, content_of
 from fowtlib.solving.excited import ExcitedModel, excited_model
 from fowtlib.solving.mean_linear import RotatingLinearModel
+from fowtlib.solving.paths import by_path, spread_out
 from fowtlib.solving.rotation import Rotation, steady_rotation
 from fowtlib.solving.starts import mean_parameters
 
@@ -42,6 +44,7 @@ class Study:
         self._shown: dict[Any, np.ndarray] = {}
         self._rotations: dict[Any, Rotation] = {}
         self._gains: dict[tuple[tuple[str, int], ...], list[np.ndarray]] = {}
+        self._rows = KnownRows()
         self._lock = RLock()
 
     @contextmanager
@@ -69,6 +72,12 @@ class Study:
         key = _key(state.parameters), tuple(names), state.x.tobytes(), state.z.tobytes()
         return _kept(self._shown, key, MODELS,
                      lambda: np.concatenate([np.ravel(value) for value in state.values(names)]))  # fmt: skip
+
+    def rows(self, parameters: Mapping[str, Any] | None, root: Component) -> Known:
+        """Functions of frequency of a run with these parameters and this tree, with what is known of them."""
+        given = by_path(parameters or {})
+        given = spread_out(given, self.plant.root) if self.plant.root is not None else given
+        return lambda name, function: self._rows.of(name, root, given, function)
 
     def gains(self, excited: ExcitedModel) -> list[np.ndarray] | None:
         """Gains of drag that another state settled at; None before the first one."""

@@ -31,7 +31,6 @@ from fowtlib.language.declarations import (
 )
 from fowtlib.language.equations import active
 from fowtlib.language.errors import ModelError, NotFoundError, ParameterError, StructureError, did_you_mean, one_of
-from fowtlib.language.expressions import one_evaluation
 from fowtlib.language.facts import Fact
 from fowtlib.language.families import Family
 from fowtlib.language.offered import OfferedEvent, event
@@ -247,14 +246,11 @@ class Component(Composite):
         reads = expressions.reads_now()
         if reads is not None:
             reads.add((self.path, name))
-        known = expressions.known_now()
-        if known is None:
-            with one_evaluation():
-                return self._evaluated(field, self.parameter_binding(name))
-        key = (id(self), name, id(reads))
-        if key not in known:
-            known[key] = self._evaluated(field, self.parameter_binding(name)), reads  # held: its id stays its own
-        return known[key][0]
+        found = (expressions.known_now() or {}).get((id(self), name))
+        if found is not None and reads is None:  # the way that is gone most, made short
+            return found[0]
+        key = id(self), name
+        return expressions.remembered(key, self, lambda: self._evaluated(field, self.parameter_binding(name)))
 
     def _evaluated(self, field: Parameter, value: Any) -> Any:
         """The number of a value that may be an expression, or what data stand for."""

@@ -225,24 +225,48 @@ def one_evaluation() -> Iterator[dict[Any, Any]]:
         _known.reset(token)
 
 
-def value_of(owner: Any, what: str, compute: Callable[[], Any]) -> Any:
-    """What follows from the values of parameters alone: computed once in an evaluation, by its owner and a word."""
+@contextmanager
+def evaluation_again(known: dict[Any, Any], reads: set[tuple[str, str]]) -> Iterator[None]:
+    """An evaluation that has values of an earlier one, and notes in `reads` which parameters it asks for.
+
+    Whoever keeps both sees to it that nothing that was read has changed, and holds the components.
+    """
+    tokens = _reads.set(reads), _known.set(known)
+    try:
+        yield
+    finally:
+        _known.reset(tokens[1])
+        _reads.reset(tokens[0])
+
+
+def remembered(key: Any, held: Any, compute: Callable[[], Any]) -> Any:
+    """What `compute` says, once in an evaluation by its key; what it reads is noted wherever it is asked for.
+
+    held: what the key names by its id, which stays its own.
+    """
     reads = _reads.get()
     with one_evaluation() as known:
-        key = (id(owner), "value of", what, id(reads))
-        if key not in known:
-            known[key] = compute(), owner, reads  # held: their ids stay their own
-        return known[key][0]
+        found = known.get(key)
+        if found is None or (reads is not None and found[1] is None):
+            own: set[tuple[str, str]] | None = None if reads is None else set()
+            token = _reads.set(own)
+            try:
+                found = known[key] = compute(), own, held
+            finally:
+                _reads.reset(token)
+        if reads is not None:
+            reads |= found[1]
+        return found[0]
+
+
+def value_of(owner: Any, what: str, compute: Callable[[], Any]) -> Any:
+    """What follows from the values of parameters alone: computed once in an evaluation, by its owner and a word."""
+    return remembered((id(owner), "value of", what), owner, compute)
 
 
 def _number(leaf: Any) -> Any:
     if isinstance(leaf, StartNumbers):
-        reads = _reads.get()
-        with one_evaluation() as known:
-            key = (id(leaf), id(reads))
-            if key not in known:
-                known[key] = _started(leaf), leaf, reads  # held: their ids stay their own
-            return known[key][0]
+        return remembered((id(leaf), "number"), leaf, lambda: _started(leaf))
     if not isinstance(leaf, ParameterReference):
         raise TypeError(f"{leaf!r} has no value outside of an instance")
     return leaf.component.current.parameter_value(leaf.name)

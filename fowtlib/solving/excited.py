@@ -111,6 +111,21 @@ class ExcitedModel:
         """What the linear model has of each law by itself."""
         return [slope_at(self.means[place]) for _, place in self.laws]
 
+    @cached_property
+    def law_rows(self) -> list[tuple[list[int], np.ndarray]]:
+        """The laws of each number of inputs: which they are, and the rows of these inputs (laws, inputs)."""
+        found: dict[int, tuple[list[int], list[np.ndarray]]] = {}
+        for number, (_, place) in enumerate(self.laws):
+            numbers, rows = found.setdefault(place.stop - place.start, ([], []))
+            numbers.append(number)
+            rows.append(np.arange(place.start, place.stop))
+        return [(numbers, np.array(rows)) for numbers, rows in found.values()]
+
+    @cached_property
+    def laws_add(self) -> bool:
+        """Whether what the laws add is felt by their inputs at once."""
+        return bool(self.linear.matrices["D"][self.results :, self.driven :].any())
+
     def slow(self, fastest: float) -> ExcitedModel:
         """Its modes with roots below `fastest` [rad/s], with the inputs of the laws as the only outputs.
 
@@ -150,8 +165,8 @@ class ExcitedModel:
         D = self.linear.matrices["D"][m:, n:]
         G = np.zeros((D.shape[1], D.shape[1]))
         for (_, place), gain, slope in zip(self.laws, gains, self.slopes, strict=True):
-            G[place, place] = gain - slope
-        return np.linalg.solve(np.eye(len(G)) - G @ D, G) if D.any() else G
+            np.subtract(gain, slope, out=G[place, place])
+        return np.linalg.solve(np.eye(len(G)) - G @ D, G) if self.laws_add else G
 
     def states_with(self, gains: Sequence[np.ndarray]) -> np.ndarray:
         """State matrix of the model with linear laws; see with_gains."""

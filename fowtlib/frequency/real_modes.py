@@ -1,0 +1,61 @@
+"""Modes of a real linear model in real numbers: what frequencies ask of them costs half of that of complex ones.
+
+A pair of roots s +- i w with right vectors v, conj v and left ones l, conj l answers b exp(i omega t) with
+
+    v l b/(i omega - s - i w) + its partner = (Re v)(P g + Q h) + (Im v)(Q g - P h),   g = (Re l) b, h = (Im l) b,
+    P = 2 (i omega - s)/d,  Q = -2 w/d,  d = (i omega - s)^2 + w^2.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+
+@dataclass(frozen=True, eq=False)
+class RealModes:
+    """Real amplitudes of modes: roots (p,) of pairs, one of each, and real ones (r,); n = 2 p + r.
+
+    shapes (n, n): states by amplitudes, of pairs the real parts, then the imaginary ones, then real roots; of (n, n):
+    what each amplitude has of the rates.
+    """
+
+    pairs: np.ndarray
+    reals: np.ndarray
+    shapes: np.ndarray
+    of: np.ndarray
+
+    @staticmethod
+    def made(roots: np.ndarray, right: np.ndarray, left: np.ndarray) -> RealModes | None:
+        """Those of the eigenvectors of a real matrix; None where these do not come in conjugate pairs."""
+        pairs, reals = np.flatnonzero(roots.imag > 0), np.flatnonzero(roots.imag == 0)
+        if 2 * pairs.size + reals.size != roots.size:
+            return None
+        shapes = np.hstack([right[:, pairs].real, right[:, pairs].imag, right[:, reals].real])
+        of = np.vstack([left[pairs].real, left[pairs].imag, left[reals].real])
+        return RealModes(roots[pairs], roots[reals].real, shapes, of)
+
+    def functions(self, omega: np.ndarray) -> np.ndarray:
+        """P and Q of the pairs, and 1/(i omega - s) of the real roots, at frequencies omega (q,) [rad/s]: (n, q)."""
+        off = 1j * omega - self.pairs.real[:, None]
+        over = 2 / (off**2 + self.pairs.imag[:, None] ** 2)
+        return np.concatenate([off * over, -self.pairs.imag[:, None] * over, 1 / (1j * omega - self.reals[:, None])])
+
+    def answers(self, functions: np.ndarray, parts: np.ndarray) -> np.ndarray:
+        """Amplitudes (n, q, k), of what each has of the rates, `of` times b (n, q, k)."""
+        p, found = len(self.pairs), np.empty(parts.shape, dtype=complex)
+        (P, Q, alone), (g, h) = np.split(functions[:, :, None], [p, 2 * p]), (parts[:p], parts[p : 2 * p])
+        found[:p] = P * g + Q * h
+        found[p : 2 * p] = Q * g - P * h
+        found[2 * p :] = alone * parts[2 * p :]
+        return found
+
+    def between(self, C: np.ndarray, B: np.ndarray) -> np.ndarray:
+        """C (i omega - A)^-1 B as sums of the functions, for C (m, n) and B (n, k): (m, k, n)."""
+        p = len(self.pairs)
+        (c, d, e), (g, h, b) = (
+            np.split((C @ self.shapes)[:, None], [p, 2 * p], 2),
+            np.split((self.of @ B).T, [p, 2 * p], 1),
+        )
+        return np.concatenate([c * g - d * h, c * h + d * g, e * b], axis=2)
