@@ -57,6 +57,10 @@ class Wedge:
         rows = m.horzcat(h * xx, h * xy, x_z), m.horzcat(h * xy, h * yy, y_z), m.horzcat(x_z, y_z, z_z)
         return Contents(self.area * h, first, m.vertcat(*rows))
 
+    def beyond(self, h: Any, slope: tuple[Any, Any]) -> Any:
+        """What is above the roof, less what lacks below the floor [m^3]: nothing, it is in the contents."""
+        return 0.0
+
 
 @dataclass(frozen=True)
 class Box:
@@ -79,6 +83,11 @@ class Box:
     def contents(self, h: Any, slope: tuple[Any, Any]) -> Contents:
         """What is under the surface between floor and roof."""
         return _columns(self._plus(h, slope), self._plus(h - self.height, slope), self.height)
+
+    def beyond(self, h: Any, slope: tuple[Any, Any]) -> Any:
+        """What is above the roof, less what lacks below the floor [m^3]."""
+        reach = m.abs(slope[0]) * self.length / 2 + m.abs(slope[1]) * self.width / 2
+        return beyond(h, reach, self)
 
     def _plus(self, u0: Any, slope: tuple[Any, Any]) -> Sum:
         """Integrals of the plus function over the rectangle.
@@ -136,6 +145,10 @@ class Disc:
         turn = m.vertcat(m.horzcat(c, -s, 0), m.horzcat(s, c, 0), m.horzcat(0, 0, 1))
         return Contents(found.volume, turn @ found.first, turn @ found.second @ turn.T)
 
+    def beyond(self, h: Any, slope: tuple[Any, Any]) -> Any:
+        """What is above the roof, less what lacks below the floor [m^3]."""
+        return beyond(h, self.radius * m.smooth_norm(m.vertcat(*slope), 1e-9), self)
+
     def _plus(self, u0: Any, slope: tuple[Any, Any]) -> Sum:
         found = _strips(u0, slope, self._chords(self.radius))
         if self.ring:
@@ -149,6 +162,14 @@ class Disc:
         for i in range(1, self.strips // 2 + 1):
             y, half = np.cos(i * step), np.sin(i * step)
             yield radius * float(y), 2 * radius * float(step * half), radius * float(half)
+
+
+def beyond(h: Any, reach: Any, vessel: Any) -> Any:
+    """Volume [m^3] of a column of the section above the highest point of the roof, and below the lowest of the floor.
+
+    No vessel holds it: a step of a solver that goes too far finds a level, and the run is then told that it did.
+    """
+    return vessel.area * (m.fmax(h - vessel.height - reach, 0) + m.fmin(h + reach, 0))
 
 
 def _lifted(held: Contents, moment: Any, h: Any) -> Contents:

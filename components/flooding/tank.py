@@ -15,9 +15,9 @@ from fowtlib.language.errors import ParameterError
 
 STEEPEST = 80.0  # deg, of the axis of a tank against the vertical
 MARGIN = 1e-6  # of the height of a tank: what Newton and rounding may leave above its roof, or below its floor
-DRY = 1e-3  # m, over which the head of a port passes from the surface to the port that comes out of the water
+DRY = 2e-3  # m, by which a port may be above the water while water leaves through it
 SEEPING = 1e-6  # m/s on the section of the tank: what may leave through a dry port
-FILM = 1e-8  # of the section: it widens a tank above its roof and below its floor, so that a level exists at either
+FILM = 1e-8  # of the section, by which a tank is wider than it is: so that the level of a last drop in a corner exists
 
 
 class Tank(Component):
@@ -100,10 +100,11 @@ class Tank(Component):
         vessel, rho, up = self.vessel(), density(self), self.frame.R.T @ m.vertcat(0, 0, 1)
         modes = self.modes(rho) if self.sloshing else None
         level_share = 1 - self.first_mode_share() if self.sloshing else 1  # of the slope, that follows at once
-        held = vessel.contents(self.level, (level_share * up[0] / up[2], level_share * up[1] / up[2]))
+        slope = level_share * up[0] / up[2], level_share * up[1] / up[2]
+        held = vessel.contents(self.level, slope)
         first, inertia = water_loads.about_frame(self, rho, held)
         first = first + sloshing.moved(self, modes) if self.sloshing else first
-        film = FILM * vessel.area * (self.level - vessel.height / 2)
+        film = FILM * vessel.area * (self.level - vessel.height / 2) + vessel.beyond(self.level, slope)
         ports = [self.place + self.places[i, :].T for i in range(len(self.water))]
         return [
             eq(der(self.volume), sum((w.volume_flow for w in self.water), 0.0)),
@@ -129,7 +130,7 @@ def density(tank: Tank) -> Any:
 def _head(tank: Tank, rho: Any, up: Any, place: Any) -> Any:
     """Head at a port: the surface, or its own height while it is dry, and the air on top of it."""
     own = tank.frame.r[2] + m.dot(up, place)
-    return m.smooth_max(tank.surface, own, DRY) + tank.air_pressure / (rho * tank.world.gravity)
+    return m.fmax(tank.surface, own) + tank.air_pressure / (rho * tank.world.gravity)
 
 
 def _limits(tank: Tank, vessel: Any, up: Any, ports: list[Any]) -> list[Any]:
@@ -138,7 +139,7 @@ def _limits(tank: Tank, vessel: Any, up: Any, ports: list[Any]) -> list[Any]:
     for i, place in enumerate(ports):
         flow, dry = -tank.water[i].volume_flow, tank.frame.r[2] + m.dot(up, place) - tank.surface
         found.append(
-            assert_(m.if_else(dry > 2 * DRY, flow < SEEPING * vessel.area, 1), f"air comes into its port {i}: it lies "
+            assert_(m.if_else(dry > DRY, flow < SEEPING * vessel.area, 1), f"air comes into its port {i}: it lies "
                     "{dry} m above the water, of which {water} m3 are left, and {flow} m3/s leave through it; stop the "
                     "pump or close the valve before", dry=dry, water=tank.volume, flow=flow)
         )  # fmt: skip

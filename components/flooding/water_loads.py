@@ -13,7 +13,7 @@ from fowtlib.language import math as m
 def about_frame(tank: Any, rho: Any, held: Contents) -> tuple[Any, Any]:
     """Mass times centre, and inertia about the origin of the frame, of what is in the vessel."""
     b = tank.place
-    first = held.volume * b + held.first
+    first = tank.volume * b + held.first
     second = held.second + m.mtimes(b, held.first.T) + m.mtimes(first, b.T)
     trace = second[0, 0] + second[1, 1] + second[2, 2]
     return rho * first, rho * (trace * m.eye(3) - second)
