@@ -106,7 +106,7 @@ def test_the_frame_of_a_tank_does_not_matter():
         model.connect(model.pump.water_b, model.round.water[0])
         start = {"motion.angle_rates_start": (0.05, 0.02, 0.1), "motion.velocity_start": (0.5, 1.0, -0.2)}
         names = [f"motion.{name}" for name in ("surge", "sway", "heave", "roll", "pitch", "yaw")]
-        return fw.load(model).compile().simulate(20, 0.5, tolerance=1e-9, parameters=start, outputs=names)
+        return fw.load(model).compile().simulate(20, 0.5, tolerance=1e-10, parameters=start, outputs=names)
 
     here = moved(
         floating_box(

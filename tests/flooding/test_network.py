@@ -106,7 +106,7 @@ def test_a_check_valve_holds_the_water_and_its_absence_does_not():
         model.connect(model.off.y, model.pump.command)
         return float(fw.load(model).compile().simulate(60, 1)["low.volume"].values[-1])
 
-    leak = 0.1 * math.sqrt(3 / 2) * 1e-4 * 60
+    leak = 0.1 * 3 / 2 * 1e-4 * 60
     assert after() == pytest.approx(10 + leak, rel=1e-5)
     assert after(check_valve=False) > 15
 
