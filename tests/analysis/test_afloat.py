@@ -359,3 +359,18 @@ def test_a_hull_that_leans_over_is_told_of_with_the_metacentric_height_at_its_ow
     assert float(state["motion.heave"]) == pytest.approx(-10.0, abs=1e-3)
     (told,) = upright_faults(plant, state)
     assert "metacentric height of the whole, without moorings, is -0.8 m" in told
+
+
+def test_the_full_scale_spar_displaces_17_370_t_at_62_m():
+    """Plate 40 x 2 m, base 30 x 5 m, frustum of 5 m, column of 15 m in sea water: the stated 17 370 t within 0.1 %."""
+    floater = Floater()
+    steps = [(0, 40), (2, 40), (2, 30), (7, 30), (12, 15), (82, 15)]
+    floater.column = CircularMember(start=(0, 0, -62), end=(0, 0, 20), stations=[z / 82 for z, _ in steps],
+                                    diameters=[d for _, d in steps], wall_thickness=0.0)  # fmt: skip
+    floater.column.load = LumpedMass(mass=17_370e3, place=(0, 0, -45))
+    hull = afloat(fw.load(at_sea(floater)))
+    assert hull.at().draft == pytest.approx(62.0, abs=17_370 * 1e-3 / 181)  # 181 t/m
+    base = Afloat(hull.surface, 12_000e3, (0, 0, -50.0), RHO)  # towed without ballast and turbine
+    plate, cylinder_, cone = math.pi * 400 * 2, math.pi * 225 * 5, math.pi * 5 / 12 * (900 + 450 + 225)
+    column = (12_000e3 / RHO - plate - cylinder_ - cone) / (math.pi / 4 * 225)
+    assert base.at().draft == pytest.approx(12 + column, abs=1e-3)
