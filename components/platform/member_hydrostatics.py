@@ -85,16 +85,22 @@ class MemberHydrostatics(PlatformLoad):
         wave = self.sea.signal(_plane, 3, "surface of the water", "", of=self)
         return m.vertcat(-wave[1], -wave[2], 1), wave[0]
 
-    def facts(self) -> list[facts.Fact]:
-        known, rho = self.surface().under((0.0, 0.0, 0.0, 1.0)), self.world.parameter_value("water_density")
-        lift, S = rho * self.world.parameter_value("gravity"), -known.slopes
+    def upright(self, height: float = 0.0) -> tuple[float, np.ndarray, np.ndarray]:
+        """Volume, its centre (3,) and C (6, 6) without weight, upright with the frame at a height above the water."""
+        known = self.surface().under((height, 0.0, 0.0, 1.0))
+        rho, gravity = (float(self.world.parameter_value(name)) for name in ("water_density", "gravity"))
+        S = -known.slopes
         plane = np.zeros((6, 6))
         plane[2, 2:5] = plane[2:5, 2] = [S[0, 0], S[0, 2], -S[0, 1]]
         plane[3, 3], plane[4, 4], plane[3, 4], plane[4, 3] = S[2, 2], S[1, 1], -S[1, 2], -S[1, 2]
+        return known.volume, known.centre, rho * gravity * stiffness_with_buoyancy(plane, known.volume, known.centre)
+
+    def facts(self) -> list[facts.Fact]:
+        volume, centre, stiffness = self.upright()
         return [
-            facts.Number("displaced volume", np.float64(known.volume), "m^3"),
-            facts.Number("centre of buoyancy", known.centre, "m"),
-            facts.Loads("C", lift * stiffness_with_buoyancy(plane, known.volume, known.centre), "N/m"),
+            facts.Number("displaced volume", np.float64(volume), "m^3"),
+            facts.Number("centre of buoyancy", centre, "m"),
+            facts.Loads("C", stiffness, "N/m"),
         ]
 
 

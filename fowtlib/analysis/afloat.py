@@ -15,6 +15,7 @@ from __future__ import annotations
 import math
 from dataclasses import dataclass, field, replace
 from functools import cached_property
+from typing import Protocol
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -57,6 +58,24 @@ class Liquid:
             return share * whole[0, 1:], np.zeros((3, 3))
         below = self.tank.under([level_for([(self.tank, 1.0)], self.volume, normal), *normal])
         return below.moments, _level_slopes(below.slopes)
+
+
+class Carried(Protocol):
+    """A liquid that a hull carries: Liquid, or another that says the same of itself."""
+
+    @property
+    def mass(self) -> float:
+        """Mass [kg]."""
+        ...
+
+    @property
+    def density(self) -> float:
+        """Density [kg/m^3]."""
+        ...
+
+    def at(self, normal: Floats) -> tuple[Floats, Floats]:
+        """First moments (3,) [m^4] with a vertical (3,), and their derivatives (3, 3) by it."""
+        ...
 
 
 @dataclass(frozen=True, eq=False)
@@ -105,7 +124,7 @@ class Afloat:
     centre: ArrayLike
     density: float = 1025.0
     gravity: float = 9.80665
-    liquids: tuple[Liquid, ...] = ()
+    liquids: tuple[Carried, ...] = ()
     flooded: tuple[tuple[WettedSurface, float], ...] = ()
     name: str = "the hull"
     _corners: Floats = field(init=False, repr=False)

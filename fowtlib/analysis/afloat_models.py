@@ -32,8 +32,7 @@ def afloat(model: Any, slack: str | Sequence[str] = (), state: Any = None) -> Af
 
     slack: names of Ballast below the floater whose surface stays level, or "all"; the rest is as solid. Water in tanks
     (components.flooding) is liquid always, and stays in its tank. state: by default that at the start. Moorings and
-    wind are not in it. Raises ParameterError where the model has not one Floater with members, or a tank of a shape
-    that is not known here.
+    wind are not in it. Raises ParameterError where the model has not one Floater with members.
     """
     if hasattr(model, "root"):
         the_floater(model.root)  # before it is compiled

@@ -72,12 +72,14 @@ def metacentre(told: Sequence[tuple[Any, facts.Fact]], state: Any) -> Metacentre
     bodies = placed_bodies([(owner, fact) for owner, fact in told if isinstance(fact, facts.Mass)], state)
     gravity = float(part.world.parameter_value("gravity"))
     density = float(part.world.parameter_value("water_density"))
-    lift = density * gravity * float(np.asarray(volumes[0])) if volumes else 0.0
-    mass, centre = centre_of_mass(bodies)
-    if not lift or not mass:
-        return None
+    volume = float(np.asarray(volumes[0])) if volumes else 0.0
     C = np.asarray(stiffness.matrix, dtype=float)
     frame_z = float(np.asarray(state[join(part.path, "frame.r")])[2])
+    if hasattr(part, "upright"):  # it knows its water at any draft
+        volume, _, C = part.upright(frame_z)
+    lift, (mass, centre) = density * gravity * volume, centre_of_mass(bodies)
+    if not lift or not mass:
+        return None
     arm = mass * gravity * (centre[2] - frame_z)
     coupled = C[2, 3:5]  # with heave, which gives way
     leaning = C[3:5, 3:5] - np.outer(coupled, coupled) / C[2, 2] if C[2, 2] > 0 else C[3:5, 3:5]

@@ -348,6 +348,12 @@ def _computed(dae: FlatDAE, tree: Component, values: dict[str, np.ndarray]) -> B
     return Binding(p, values, tree, None, instants, sources, reads, frozenset(steady), known, data)
 
 
+def data_from(dae: FlatDAE, binding: Binding, path: str) -> list[str]:
+    """The paths of data behind a handle that are made from a parameter when a run starts."""
+    return [item.path for item in dae.bound.values()
+            if item.path in binding.sources and path in binding.reads.get(item.path, ())]  # fmt: skip
+
+
 def start_slopes(dae: FlatDAE, binding: Binding, path: str) -> dict[str, np.ndarray]:
     """Derivatives of numbers that are computed at the start by a tunable parameter, by central differences.
 
@@ -357,12 +363,11 @@ def start_slopes(dae: FlatDAE, binding: Binding, path: str) -> dict[str, np.ndar
     given = np.asarray(binding.values[path], dtype=float)
     owner, _, name = path.rpartition(".")
     following = [item for item in dae.bound.values() if path in binding.reads.get(item.path, ())]
-    for item in following:
-        if item.path in binding.sources:
-            raise ParameterError(
-                f"{item.path} is computed from {path} when a run starts, as data that have no derivative by it; "
-                "run with two values of it, and take the difference."
-            )
+    for place in data_from(dae, binding, path):
+        raise ParameterError(
+            f"{place} is computed from {path} when a run starts, as data that have no derivative by it; "
+            "run with two values of it, and take the difference."
+        )
     if not following:
         return {}
     columns = []  # of each element of the parameter, by the numbers that follow from it

@@ -21,7 +21,7 @@ from fowtlib.flattening.system import element_names
 from fowtlib.language.data_files import is_number
 from fowtlib.language.errors import ModelError, NotFoundError, ParameterError, SimulationError, did_you_mean
 from fowtlib.language.units import to_si
-from fowtlib.solving.binding import start_slopes
+from fowtlib.solving.binding import data_from, start_slopes
 from fowtlib.solving.equilibrium import Rest, equilibrium, moving_states, refuse_time, time_dependence
 from fowtlib.solving.functions import AtParameters
 from fowtlib.solving.initial import csc
@@ -36,6 +36,7 @@ Plant = Any
 SHORTEST = 1 / 32  # of the way to the wanted conditions, in one step
 ITERATIONS = 30  # of one step; from a start that is near enough some ten are needed
 FARTHEST, NEAREST = 0.2, 1e-6  # change of a parameter over its value from one equilibrium to the next
+DIFFERENCE = 1e-5  # of a parameter over its value, where data behind a handle are made from it
 NONE = 1e-10  # relative change of a condition by relative changes of the parameters that counts as none
 
 
@@ -275,7 +276,9 @@ class _Equations:
     def __init__(self, problem: _Problem, rest: Rest):
         self.problem, self.rest, at = problem, rest, rest.at
         dae, self.paths = at.dae, list(dict.fromkeys(item.path for item in problem.sought))
-        self.computed = sorted({k for path in self.paths for k in start_slopes(dae, at.binding, path)})
+        self.through_data = {path for path in self.paths if data_from(dae, at.binding, path)}
+        sloped = [path for path in self.paths if path not in self.through_data]
+        self.computed = sorted({k for path in sloped for k in start_slopes(dae, at.binding, path)})
         self.columns = {path: dae.parameters[path].symbol for path in self.paths}
         self.columns |= {name: dae.bound[name].symbol for name in self.computed}
         rows = ca.vertcat(dae.ode, dae.alg, *(item.expression for item in problem.wanted))
@@ -333,14 +336,24 @@ class _Equations:
         at = problem.at(shares)
         by_x, by_z, *by_numbers = (csc(block) for block in at.call(self.jacobian, self.rest.t, x, z, self.rest.q))
         by = dict(zip(self.columns, by_numbers, strict=True))
-        through = {} if problem.alone else {path: start_slopes(at.dae, at.binding, path) for path in self.paths}
+        sloped = [] if problem.alone else [path for path in self.paths if path not in self.through_data]
+        through = {path: start_slopes(at.dae, at.binding, path) for path in sloped}
         columns = []
-        for item, scale in zip(problem.sought, problem.scale, strict=True):
+        for k, (item, scale) in enumerate(zip(problem.sought, problem.scale, strict=True)):
+            if item.path in self.through_data:
+                columns.append(self._differences(values, k))
+                continue
             column = by[item.path][:, [item.number]].toarray()
             for name, slope in through.get(item.path, {}).items():
                 column = column + by[name] @ slope[:, [item.number]]
             columns.append(column * scale)
         return sparse.csr_matrix(sparse.hstack([by_x[:, self.rest.moving], by_z, np.hstack(columns)]))
+
+    def _differences(self, values: np.ndarray, number: int) -> np.ndarray:
+        """The column of a parameter from which data of a run are made, as the surface of a hull is: by differences."""
+        step = np.zeros(values.size)
+        step[self.rest.size + number] = DIFFERENCE
+        return ((self._rows(values + step) - self._rows(values - step)) / (2 * DIFFERENCE))[:, None]
 
     def slopes_at_rest(self, values: np.ndarray) -> np.ndarray:
         """Derivatives of the targets at the equilibrium by the shares; what is free to move, as a yaw, stays."""

@@ -12,9 +12,10 @@ from fowtlib.analysis.afloat import Afloat, Liquid
 from fowtlib.analysis.afloat_models import afloat, compartment_of
 from fowtlib.analysis.righting import righting_curve
 from fowtlib.analysis.stages import Stage, construction_stages
+from fowtlib.analysis.upright import upright_faults
 from fowtlib.components.environment import World
-from fowtlib.components.flooding import BoxTank, RoundTank
-from fowtlib.components.mechanics import FreeMotion
+from fowtlib.components.flooding import BoxTank, PrismaticTank, RoundTank
+from fowtlib.components.mechanics import FreeMotion, RigidBody
 from fowtlib.components.platform import (
     Ballast,
     Bulkhead,
@@ -318,6 +319,21 @@ def test_ballast_and_tanks_of_a_model_are_liquids():
     assert np.diag(dry.metacentric - upright[0].metacentric) == pytest.approx(by_tanks / upright[0].volume, rel=1e-4)
 
 
+def test_a_tank_of_any_kind_is_a_liquid():
+    """A prism as a box of its section, free surface and all, at 20 deg as upright."""
+    whole = {"length": 6.0, "width": 5.0, "height": 20.0}
+    given = {"place": (1, 2, -50.0), "height": 20.0, "volume_start": 300.0}
+    prism = PrismaticTank(area=30.0, second_moments=(90.0, 62.5, 0.0), half_length=3.0, half_width=2.5, **given)
+    kinds = (BoxTank(**{**given, **whole}), prism)
+    hulls = [afloat(fw.load(at_sea(caisson(), tank=kind))) for kind in kinds]
+    for normal in ((0, 0, 1.0), (0.2, -0.3, 0.93)):
+        first, second = (hull.at(normal) for hull in hulls)
+        assert second.centre_of_mass == pytest.approx(first.centre_of_mass, abs=1e-6)
+        assert second.metacentric == pytest.approx(first.metacentric, abs=1e-5)
+    with pytest.raises(ParameterError, match="tank: its axis is turned by more than 80 deg"):
+        hulls[1].at((1.0, 0, 0.1))
+
+
 def test_a_compartment_of_a_member_floods():
     model = fw.load(at_sea(caisson()))
     hull, floater = afloat(model), model.root.floater
@@ -328,3 +344,33 @@ def test_a_compartment_of_a_member_floods():
     barge = Floater()
     barge.pontoon = RectangularMember(start=(-5, 0, 0), end=(5, 0, 0), widths=4.0, heights=2.0, wall_thickness=0.0)
     assert compartment_of(fw.load(at_sea(barge)).root.floater, "pontoon", 0, 5).whole[0, 0] == pytest.approx(40)
+
+
+def test_a_hull_that_leans_over_is_told_of_with_the_metacentric_height_at_its_own_draft():
+    """A column drawn with 10 m of draft, which comes to 20 m: GM = d^2 / 16 / 20 + z_B - z_G, -10 m and -9 m."""
+    floater = Floater()
+    floater.column = CircularMember(start=(0, 0, -10), end=(0, 0, 30), diameters=8.0, wall_thickness=0.0)
+    floater.column.load = LumpedMass(mass=RHO * math.pi * 16 * 20, place=(0, 0, 1.0))
+    model = at_sea(floater)
+    model.spin = RigidBody(mass=0.0, inertia=np.diag([1e7, 1e7, 1e6]).tolist())
+    model.connect(floater.frame, model.spin.frame_a)
+    plant = fw.load(model).compile()
+    state = plant.equilibrium(start={"motion.heave": -9.0})
+    assert float(state["motion.heave"]) == pytest.approx(-10.0, abs=1e-3)
+    (told,) = upright_faults(plant, state)
+    assert "metacentric height of the whole, without moorings, is -0.8 m" in told
+
+
+def test_the_full_scale_spar_displaces_17_370_t_at_62_m():
+    """Plate 40 x 2 m, base 30 x 5 m, frustum of 5 m, column of 15 m in sea water: the stated 17 370 t within 0.1 %."""
+    floater = Floater()
+    steps = [(0, 40), (2, 40), (2, 30), (7, 30), (12, 15), (82, 15)]
+    floater.column = CircularMember(start=(0, 0, -62), end=(0, 0, 20), stations=[z / 82 for z, _ in steps],
+                                    diameters=[d for _, d in steps], wall_thickness=0.0)  # fmt: skip
+    floater.column.load = LumpedMass(mass=17_370e3, place=(0, 0, -45))
+    hull = afloat(fw.load(at_sea(floater)))
+    assert hull.at().draft == pytest.approx(62.0, abs=17_370 * 1e-3 / 181)  # 181 t/m
+    base = Afloat(hull.surface, 12_000e3, (0, 0, -50.0), RHO)  # towed without ballast and turbine
+    plate, cylinder_, cone = math.pi * 400 * 2, math.pi * 225 * 5, math.pi * 5 / 12 * (900 + 450 + 225)
+    column = (12_000e3 / RHO - plate - cylinder_ - cone) / (math.pi / 4 * 225)
+    assert base.at().draft == pytest.approx(12 + column, abs=1e-3)

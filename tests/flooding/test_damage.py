@@ -12,10 +12,10 @@ from fowtlib.analysis.afloat import Afloat
 from fowtlib.analysis.afloat_models import afloat
 from fowtlib.analysis.tank_water import inside_of
 from fowtlib.components.environment import World
-from fowtlib.components.flooding import BoxTank, SeaOpening
+from fowtlib.components.flooding import BoxTank, RoundTank, SeaOpening
 from fowtlib.components.hydro.linear_loads import LinearDamping
-from fowtlib.components.mechanics import FreeMotion, RigidBody
-from fowtlib.components.platform import Floater, MemberHydrostatics, RectangularMember
+from fowtlib.components.mechanics import FreeMotion, Prismatic, RigidBody
+from fowtlib.components.platform import CircularMember, Floater, MemberHydrostatics, RectangularMember
 
 RHO, G = 1025.0, 9.80665
 LENGTH, WIDTH, HEIGHT, DRAFT = 60.0, 14.0, 9.0, 4.0
@@ -102,3 +102,29 @@ def test_energy_goes_into_the_hole_and_the_damping(flooded):
     lost = potential[0] - potential[-1]
     assert lost > 1e6
     assert potential - potential[0] == pytest.approx(work, abs=0.01 * lost)
+
+
+def test_a_column_that_takes_in_ballast_sinks_to_its_new_draft():
+    """A valve to the sea is open for a minute: 15 m of draft become (m + rho V) / (rho A), and stay."""
+    model = fw.Assembly("column")
+    model.world = World(gravity=G, water_density=RHO, water_depth=100.0)
+    model.motion, model.floater = Prismatic(n=(0, 0, 1)), Floater()
+    model.floater.column = CircularMember(start=(0, 0, -15), end=(0, 0, 25), diameters=10.0, wall_thickness=0.0)
+    model.floater.hydrostatics = MemberHydrostatics()
+    area = math.pi * 25
+    model.body = RigidBody(mass=RHO * area * 15, r_cm=(0, 0, -10), inertia=np.diag([1e8, 1e8, 1e7]).tolist())
+    model.tank = RoundTank(place=(0, 0, -15), diameter=9.0, height=30.0, volume_start=10.0)
+    model.valve = SeaOpening(place=(0, 0, -15), area=0.3)
+    model.damping = LinearDamping(translation=(0, 0, 4e5))
+    model.connect(model.world.frame, model.motion.frame_a)
+    for frame in (model.floater.frame, model.body.frame_a, model.tank.frame, model.valve.frame, model.damping.frame):
+        model.connect(model.motion.frame_b, frame)
+    model.connect(model.valve.water, model.tank.water[0])
+    events = [fw.Event("valve.shut", at=60.0)]
+    paths = ("tank.volume", "floater.hydrostatics.draft", "valve.volume_flow")
+    result = fw.load(model).compile().simulate(300.0, 1.0, events=events, outputs=paths)
+    water, draft, flow = (np.asarray(result[path], dtype=float) for path in paths)
+    assert flow[30] > 1 and np.abs(flow[70:]).max() < 1e-9 and np.ptp(water[70:]) < 1e-6
+    assert water[-1] > 100
+    assert 15 + draft[-1] == pytest.approx((15 * area + water[-1]) / area, abs=1e-3)
+    assert 15 + draft[45] == pytest.approx((15 * area + water[45]) / area, abs=0.05)  # it follows on the way

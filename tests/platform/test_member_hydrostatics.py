@@ -223,6 +223,19 @@ def test_draft_by_ballast_and_ballast_by_draft_are_the_same_equations():
         assert float(back.parameters["floater.member_1.water.level"]) == pytest.approx(level, abs=1e-6)
 
 
+def test_a_diameter_is_found_for_a_draft():
+    """The surface of a hull is data of a run; a search that moves it takes differences."""
+    plant = fw.load(ballasted()).compile()
+    path = "floater.member_1.diameters"
+    found = plant.equilibrium(free={path: 8.0}, targets={"floater.hydrostatics.draft": -10.0})
+    diameter = float(found.parameters[path])
+    steel = 7850 * math.pi * (diameter - 0.04) * 0.04 * 40
+    water = RHO * math.pi / 4 * (diameter - 0.08) ** 2 * 8
+    assert RHO * math.pi / 4 * diameter**2 * 10 == pytest.approx(steel + water + 300e3, rel=1e-5)
+    again = plant.equilibrium({path: diameter})
+    assert float(again["floater.hydrostatics.draft"]) == pytest.approx(-10.0, abs=1e-6)
+
+
 # --- waves -----------------------------------------------------------------------------------------------------------
 
 
