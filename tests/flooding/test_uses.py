@@ -189,3 +189,23 @@ def test_an_overflow_between_compartments_keeps_the_level_of_its_sill():
     result = fw.load(model).compile().simulate(600, 5)
     assert result["high.level"].values[-1] == pytest.approx(2.5 + 1.5 / 16, abs=0.01)  # the middle of its lowest slice
     assert result["high.volume"].values + result["low.volume"].values == pytest.approx(30, abs=1e-12)
+
+
+def test_pictures_show_the_water_level_on_the_walls(tmp_path):
+    """The line of a box that leans: level in the world, on the walls, at the height of the surface."""
+    model = fw.Assembly("leaning tank")
+    model.world = World()
+    model.ground = Fixed(r=(1, 2, 3), angles=(0.1, -0.2, 0.5))
+    model.tank = BoxTank(length=4, width=2, height=4, volume_start=16, place=(1, 0, 1), walls_wet=True)
+    model.connect(model.ground.frame, model.tank.frame)
+    plant = fw.load(model).compile()
+    state = plant.initial_state()
+    line = model.tank.drawing()[1]
+    values = {key: np.atleast_1d(state[of]) for key, of in line.of.items() if isinstance(of, str)}
+    values["r"] = np.array([[1.0, 2.0, 3.0]])
+    points = line.points(values)[0]
+    assert points[:, 2] == pytest.approx(float(state["tank.surface"]), abs=1e-9)
+    R = np.array(state["tank.frame.R"])
+    local = (points - (1, 2, 3)) @ R - (1, 0, 1)
+    assert np.abs(local[:, :2]) == pytest.approx(np.array([[2, 1]] * 5), abs=1e-9)
+    assert fw.view(plant.simulate(1, 0.5), tmp_path / "tank.html").path.stat().st_size > 1e4
