@@ -5,7 +5,18 @@ from __future__ import annotations
 from typing import Any
 
 from fowtlib.components.flooding.connectors import Air
-from fowtlib.language import Scalar, assert_, der, eq, port, var
+from fowtlib.language import Component, Scalar, assert_, der, eq, param, port, var
+
+
+class TrappedAir(Component):
+    """Partial: what a tank says of the air above its water."""
+
+    sealed: bool = param(default=False, doc="its air is trapped; else it is the open air")
+    air_volume: Scalar = param(default=0.0, unit="m^3", min=0, doc="air of a sealed tank above its roof, in pipes")
+    atmospheric_pressure: Scalar = param(default=101325.0, unit="Pa", min=1.0, doc="absolute pressure of the open air")
+    air_mass_start: Scalar = param(default=None, unit="kg", min=0, doc="air of a sealed tank; without: at atmosphere")
+    polytropic_exponent: Scalar = param(default=1.0, min=1, max=1.67, doc="n of trapped air, p ~ rho^n; 1: isothermal")
+
 
 PARAMETERS = ("air_volume", "atmospheric_pressure", "air_mass_start", "polytropic_exponent")  # of a sealed tank
 

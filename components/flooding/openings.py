@@ -18,7 +18,6 @@ from fowtlib.language import math as m
 from fowtlib.language.errors import ParameterError
 
 SLICES = 8  # of equal height in an opening
-EDGE = 1e-4  # m, over which the water at a slice passes from wet to dry
 
 
 class Opening(Throttle):
@@ -42,7 +41,7 @@ class Opening(Throttle):
         middle, flow = self.frame.r[2] + m.dot(up, self.place), 0.0
         for share in ((np.arange(SLICES) + 0.5) / SLICES - 0.5).tolist():
             z = middle + up[2] * share * self.height
-            drop = m.smooth_max(first, z, EDGE) - m.smooth_max(second, z, EDGE)
+            drop = m.fmax(first, z) - m.fmax(second, z)
             flow = flow + signed_root(drop, SMALL_HEAD) / SLICES
         return area * m.sqrt(2 * gravity) * flow, [
             *more,

@@ -35,12 +35,14 @@ class Contents:
 class Wedge:
     """A vessel of any section in which the surface meets all walls: exact where the section has two axes of symmetry.
 
-    area [m^2]; moments: second moments of area (I_xx = int x^2, I_yy = int y^2, I_xy = int x y) [m^4] about its middle.
+    area [m^2]; moments: second moments of area (I_xx = int x^2, I_yy = int y^2, I_xy = int x y) [m^4] about its middle;
+    reach: how far the section goes along x and along y [m].
     """
 
     area: Any
     moments: tuple[Any, Any, Any]
     height: Any
+    reach: tuple[Any, Any]
 
     @property
     def capacity(self) -> Any:
@@ -56,6 +58,10 @@ class Wedge:
         first = m.vertcat(-tilted[0], -tilted[1], (self.area * h**2 + raised) / 2)
         rows = m.horzcat(h * xx, h * xy, x_z), m.horzcat(h * xy, h * yy, y_z), m.horzcat(x_z, y_z, z_z)
         return Contents(self.area * h, first, m.vertcat(*rows))
+
+    def beyond(self, h: Any, slope: tuple[Any, Any]) -> Any:
+        """What is above the roof, less what lacks below the floor [m^3]: nothing, it is in the contents."""
+        return 0.0
 
 
 @dataclass(frozen=True)
@@ -80,22 +86,29 @@ class Box:
         """What is under the surface between floor and roof."""
         return _columns(self._plus(h, slope), self._plus(h - self.height, slope), self.height)
 
+    def beyond(self, h: Any, slope: tuple[Any, Any]) -> Any:
+        """What is above the roof, less what lacks below the floor [m^3]."""
+        reach = m.abs(slope[0]) * self.length / 2 + m.abs(slope[1]) * self.width / 2
+        return beyond(h, reach, self)
+
     def _plus(self, u0: Any, slope: tuple[Any, Any]) -> Sum:
         """Integrals of the plus function over the rectangle.
 
         Along y the integral over a strip is a polynomial between the places where the edge of the water passes a
-        corner line x = +-length / 2; three points of Gauss are exact for each piece (degree 5).
+        corner line x = +-length / 2; points of Gauss are exact for each of the three pieces.
         """
         half, side = self.length / 2, self.width / 2
         corners = [_held((u0 - slope[0] * x) / _not_zero(slope[1]), side) for x in (-half, half)]
         ends = (-side, m.fmin(*corners), m.fmax(*corners), side)
-        nodes, weights = np.polynomial.legendre.leggauss(3)
-        strips = []
-        for low, high in zip(ends, ends[1:], strict=False):
-            for node, weight in zip(nodes.tolist(), weights.tolist(), strict=True):
-                y = (low + high) / 2 + node * (high - low) / 2
-                strips.append((y, weight * (high - low) / 2, half))
-        return _strips(u0, slope, strips)
+        total: Sum = (0.0,) * 10
+        for piece, count in enumerate((2, 3, 2)):  # of the outer two each strip is wet or dry as a whole: degree 3
+            low, high = ends[piece], ends[piece + 1]
+            for node, weight in zip(*(a.tolist() for a in np.polynomial.legendre.leggauss(count)), strict=True):
+                y, width = (low + high) / 2 + node * (high - low) / 2, weight * (high - low) / 2
+                u = u0 - slope[1] * y
+                strip = _part(u, -slope[0], half) if piece == 1 else _whole(u, -slope[0], half)
+                total = _added(total, strip, y, width)
+        return total
 
 
 @dataclass(frozen=True)
@@ -119,6 +132,11 @@ class Disc:
         return m.pi * (self.radius**2 - (self.inner**2 if self.ring else 0.0))
 
     @property
+    def moment(self) -> Any:
+        """Second moment of area about a diameter [m^4]."""
+        return m.pi / 4 * (self.radius**4 - (self.inner**4 if self.ring else 0.0))
+
+    @property
     def capacity(self) -> Any:
         """Volume up to the roof [m^3]."""
         return self.area * self.height
@@ -130,11 +148,14 @@ class Disc:
         c, s = x / steepness, y / steepness
         along = c * slope[0] + s * slope[1], 0.0
         found = _columns(self._plus(h, along), self._plus(h - self.height, along), self.height)
-        moment = m.pi / 4 * (self.radius**4 - (self.inner**4 if self.ring else 0.0))
-        left = (s * slope[0] - c * slope[1]) * m.if_else(h * (self.height - h) > 0, moment, 0)
+        left = (s * slope[0] - c * slope[1]) * m.if_else(h * (self.height - h) > 0, self.moment, 0)
         found = _lifted(found, left, h)
         turn = m.vertcat(m.horzcat(c, -s, 0), m.horzcat(s, c, 0), m.horzcat(0, 0, 1))
         return Contents(found.volume, turn @ found.first, turn @ found.second @ turn.T)
+
+    def beyond(self, h: Any, slope: tuple[Any, Any]) -> Any:
+        """What is above the roof, less what lacks below the floor [m^3]."""
+        return beyond(h, self.radius * m.smooth_norm(m.vertcat(*slope), 1e-9), self)
 
     def _plus(self, u0: Any, slope: tuple[Any, Any]) -> Sum:
         found = _strips(u0, slope, self._chords(self.radius))
@@ -151,6 +172,14 @@ class Disc:
             yield radius * float(y), 2 * radius * float(step * half), radius * float(half)
 
 
+def beyond(h: Any, reach: Any, vessel: Any) -> Any:
+    """Volume [m^3] of a column of the section above the highest point of the roof, and below the lowest of the floor.
+
+    No vessel holds it: a step of a solver that goes too far finds a level, and the run is then told that it did.
+    """
+    return vessel.area * (m.fmax(h - vessel.height - reach, 0) + m.fmin(h + reach, 0))
+
+
 def _lifted(held: Contents, moment: Any, h: Any) -> Contents:
     """With the first moment of a wedge along y, over all of a section at height h."""
     z = m.zeros(3, 3)
@@ -158,20 +187,41 @@ def _lifted(held: Contents, moment: Any, h: Any) -> Contents:
     return Contents(held.volume, held.first + m.vertcat(0, moment, 0), held.second + z)
 
 
+Strip = tuple[Any, Any, Any, Any, Any, Any]  # integrals of u, x u, x^2 u, u^2, x u^2, u^3 over what is wet of it
+
+
+def _whole(u: Any, s: Any, half: Any) -> Strip:
+    """Of a strip from -half to half with the column u + s x, which is wet where its middle is."""
+    wet = m.if_else(u > 0, 2 * half, 0)
+    square = wet * half**2 / 3
+    one, x, xx = wet * u, square * s, square * u
+    return one, x, xx, u * one + s * x, 2 * u * x, u * (u * one + s * x) + 2 * s * u * x
+
+
+def _part(u: Any, s: Any, half: Any) -> Strip:
+    """Of a strip that may be wet in part."""
+    steep = _not_zero(s)
+    edge = _held(-u / steep, half)
+    low, high = m.if_else(steep > 0, edge, -half), m.if_else(steep > 0, half, edge)
+    p = [0.0] + [(high**n - low**n) / n for n in range(1, 5)]  # p[n]: integral of x^(n - 1)
+    one, x, xx = u * p[1] + s * p[2], u * p[2] + s * p[3], u * p[3] + s * p[4]
+    square, x_square = u * one + s * x, u * x + s * xx
+    return one, x, xx, square, x_square, u * square + s * x_square
+
+
+def _added(total: Sum, strip: Strip, y: Any, width: Any) -> Sum:
+    """With a strip at y: integrals of (u)+ times 1, x, y, x^2, x y, y^2; of (u)+^2 times 1, x, y; and of (u)+^3."""
+    one, x, xx, square, x_square, cube = strip
+    each = (one, x, y * one, xx, y * x, y * y * one, square, x_square, y * square, cube)
+    return tuple(a + width * b for a, b in zip(total, each, strict=True))
+
+
 def _strips(u0: Any, slope: tuple[Any, Any], strips: Iterable[tuple[Any, Any, Any]]) -> Sum:
-    """Integrals of (u)+ times 1, x, y, x^2, x y, y^2; of (u)+^2 times 1, x, y; and of (u)+^3."""
-    total: list[Any] = [0.0] * 10
+    """The sum over strips (y, width, half length)."""
+    total: Sum = (0.0,) * 10
     for y, width, half in strips:
-        u, s, steep = u0 - slope[1] * y, -slope[0], _not_zero(-slope[0])
-        edge = _held(-u / steep, half)
-        low, high = m.if_else(steep > 0, edge, -half), m.if_else(steep > 0, half, edge)
-        p = [0.0] + [(high**n - low**n) / n for n in range(1, 5)]  # p[n]: integral of x^(n - 1)
-        one, x, xx = u * p[1] + s * p[2], u * p[2] + s * p[3], u * p[3] + s * p[4]
-        square, x_square = u * one + s * x, u * x + s * xx
-        cube = u * square + s * x_square
-        each = (one, x, y * one, xx, y * x, y * y * one, square, x_square, y * square, cube)
-        total = [a + width * b for a, b in zip(total, each, strict=True)]
-    return tuple(total)
+        total = _added(total, _part(u0 - slope[1] * y, -slope[0], half), y, width)
+    return total
 
 
 def _columns(u: Sum, v: Sum, height: Any) -> Contents:

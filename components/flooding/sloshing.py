@@ -17,8 +17,9 @@ import math
 from dataclasses import dataclass
 from typing import Any
 
-from fowtlib.language import Array, assert_, der, eq, var
+from fowtlib.language import Array, Component, Scalar, assert_, der, eq, param, var
 from fowtlib.language import math as m
+from fowtlib.language.errors import ParameterError
 
 XI = 1.8411837813406593  # first zero of the derivative of the Bessel function J_1
 
@@ -35,6 +36,24 @@ class Mode:
 
 BOX = 96 / math.pi**4  # share of the first mode in the moment of the free surface
 ROUND = 8 / (XI**2 * (XI**2 - 1))
+
+
+class FirstMode(Component):
+    """Partial: what a tank says of the sloshing of its water."""
+
+    sloshing: bool = param(default=False, doc="the first mode of the water along x and y moves by itself")
+    slosh_damping: Scalar = param(default=0.01, min=0, doc="damping of that mode over the critical one")
+
+    def modes(self, density: Any) -> tuple[Mode, Mode]:
+        """First modes along x and y."""
+        raise NotImplementedError(type(self).__name__)
+
+    def first_mode_share(self) -> float:
+        """Share of that mode in the static moment of the free surface."""
+        raise ParameterError(
+            f"{self.label}.sloshing: modes are known of box tanks and round tanks without an inner wall, and not of "
+            f"a {type(self).__name__} like this; leave sloshing out."
+        )
 
 
 def box_mode(length: Any, width: Any, depth: Any, density: Any, gravity: Any) -> Mode:

@@ -5,7 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import Any
 
-from fowtlib.components.flooding.sections import Contents
+from fowtlib.components.flooding.sections import Contents, beyond
 from fowtlib.language import math as m
 
 
@@ -58,6 +58,10 @@ class Sections:
         xz, yz, zz = xz - h * wx, yz - h * wy, zz - h**2 * lifted + 2 * h * raised
         rows = m.horzcat(xx, xy, xz), m.horzcat(xy, yy, yz), m.horzcat(xz, yz, zz)
         return Contents(volume - lifted, first, m.vertcat(*rows))
+
+    def beyond(self, h: Any, slope: tuple[Any, Any]) -> Any:
+        """What is above the roof, less what lacks below the floor [m^3]."""
+        return beyond(h, 0.0, self)
 
     def _filled(self, h: Any, of: Any, count: int) -> tuple[Any, ...]:
         """Integrals from the floor to h of a quantity of the section times 1, z, z^2."""

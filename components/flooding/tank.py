@@ -5,22 +5,25 @@ from __future__ import annotations
 import math
 from typing import Any
 
-from fowtlib.components.environment.world import World
+import numpy as np
+
 from fowtlib.components.flooding import air_space, sloshing, water_loads
+from fowtlib.components.flooding.air_space import TrappedAir
 from fowtlib.components.flooding.connectors import Water
-from fowtlib.components.mechanics.connectors import Frame
-from fowtlib.language import Array, Component, Matrix, Scalar, Vector, assert_, der, eq, facts, outer, param, port, var
+from fowtlib.components.flooding.sections import Wedge
+from fowtlib.components.flooding.sloshing import FirstMode
+from fowtlib.components.flooding.water_loads import WaterOnFrame
+from fowtlib.language import Array, Scalar, Vector, assert_, der, eq, facts, param, port, var
 from fowtlib.language import math as m
-from fowtlib.language.errors import ParameterError
 
 STEEPEST = 80.0  # deg, of the axis of a tank against the vertical
 MARGIN = 1e-6  # of the height of a tank: what Newton and rounding may leave above its roof, or below its floor
-DRY = 1e-3  # m, over which the head of a port passes from the surface to the port that comes out of the water
+DRY = 2e-3  # m, by which a port may be above the water while water leaves through it
 SEEPING = 1e-6  # m/s on the section of the tank: what may leave through a dry port
-FILM = 1e-8  # of the section: it widens a tank above its roof and below its floor, so that a level exists at either
+FILM = 1e-8  # of the section, by which a tank is wider than it is: so that the level of a last drop in a corner exists
 
 
-class Tank(Component):
+class Tank(WaterOnFrame, TrappedAir, FirstMode):
     """Partial: a tank whose axis is the z axis of its frame, with `place` the middle of its floor.
 
     State: the volume of water. Its surface is level in the world, whatever the body does, and mass, centre and inertia
@@ -44,42 +47,17 @@ class Tank(Component):
     )
     volume_start: Scalar = param(unit="m^3", min=0, doc="water at the start")
     density: Scalar = param(default=None, unit="kg/m^3", min=0, doc="density of the water; without: World's")
-    sealed: bool = param(default=False, doc="its air is trapped; else it is the open air")
-    air_volume: Scalar = param(default=0.0, unit="m^3", min=0, doc="air of a sealed tank above its roof, in pipes")
-    atmospheric_pressure: Scalar = param(default=101325.0, unit="Pa", min=1.0, doc="absolute pressure of the open air")
-    air_mass_start: Scalar = param(default=None, unit="kg", min=0, doc="air of a sealed tank; without: at atmosphere")
-    polytropic_exponent: Scalar = param(default=1.0, min=1, max=1.67, doc="n of trapped air, p ~ rho^n; 1: isothermal")
-    sloshing: bool = param(default=False, doc="the first mode of the water along x and y moves by itself")
-    slosh_damping: Scalar = param(default=0.01, min=0, doc="damping of that mode over the critical one")
 
-    world: World = outer(World)
-    frame: Frame = port(doc="frame that carries the tank")
     water: Water = port(size=lambda self: len(self.parameter_value("places")), optional=True, doc="at each place")
 
     volume: Scalar = var(unit="m^3", state="always", start=volume_start, doc="volume of the water")
     level: Scalar = var(unit="m", state="never", start=lambda self: self.start_level(), doc="water on the axis")
     surface: Scalar = var(unit="m", state="never", doc="height of the free surface above the still water level")
     air_pressure: Scalar = var(unit="Pa", doc="of the air above the water, above the atmosphere")
-    velocity: Vector = var(unit="m/s", state="avoid", doc="velocity of the frame, world")
-    mass: Scalar = var(unit="kg", state="never", doc="mass of the water")
-    moments: Vector = var(unit="kg*m", state="never", doc="mass times centre, from the frame, resolved in it")
-    centre: Vector = var(unit="m", state="never", doc="centre of the water, from the frame, resolved in it")
-    inertia: Matrix = var(unit="kg*m^2", state="never", doc="inertia about the origin of the frame, resolved in it")
 
     def vessel(self) -> Any:
         """Its shape, with `area`, `height` and `contents(level, slope)`: see fowtlib.components.flooding.sections."""
         raise NotImplementedError
-
-    def modes(self, density: Any) -> tuple[sloshing.Mode, sloshing.Mode]:
-        """First modes along x and y."""
-        raise NotImplementedError(type(self).__name__)
-
-    def first_mode_share(self) -> float:
-        """Share of that mode in the static moment of the free surface."""
-        raise ParameterError(
-            f"{self.label}.sloshing: modes are known of box tanks and round tanks without an inner wall, and not of "
-            f"a {type(self).__name__} like this; leave sloshing out."
-        )
 
     def start_level(self) -> Any:
         """A first guess of the level at the start."""
@@ -100,10 +78,11 @@ class Tank(Component):
         vessel, rho, up = self.vessel(), density(self), self.frame.R.T @ m.vertcat(0, 0, 1)
         modes = self.modes(rho) if self.sloshing else None
         level_share = 1 - self.first_mode_share() if self.sloshing else 1  # of the slope, that follows at once
-        held = vessel.contents(self.level, (level_share * up[0] / up[2], level_share * up[1] / up[2]))
+        slope = level_share * up[0] / up[2], level_share * up[1] / up[2]
+        held = vessel.contents(self.level, slope)
         first, inertia = water_loads.about_frame(self, rho, held)
         first = first + sloshing.moved(self, modes) if self.sloshing else first
-        film = FILM * vessel.area * (self.level - vessel.height / 2)
+        film = FILM * vessel.area * (self.level - vessel.height / 2) + vessel.beyond(self.level, slope)
         ports = [self.place + self.places[i, :].T for i in range(len(self.water))]
         return [
             eq(der(self.volume), sum((w.volume_flow for w in self.water), 0.0)),
@@ -117,8 +96,16 @@ class Tank(Component):
             *_limits(self, vessel, up, ports),
         ]
 
+    def start_height(self) -> float:
+        """Height [m] of the centre of the water above the floor at the start, upright."""
+        return float(self.volume_start / self.vessel().area) / 2
+
     def facts(self) -> list[facts.Fact]:
-        return [facts.Reading("volume"), facts.Reading("level")]
+        given = self.parameter_value("density")
+        rho = self.world.parameter_value("water_density") if given is None else given
+        centre = np.ravel(self.parameter_value("place")) + (0, 0, self.start_height())
+        water = facts.Mass(self.frame, float(rho * self.parameter_value("volume_start")), centre)
+        return [water, facts.Reading("volume"), facts.Reading("level")]
 
 
 def density(tank: Tank) -> Any:
@@ -129,7 +116,7 @@ def density(tank: Tank) -> Any:
 def _head(tank: Tank, rho: Any, up: Any, place: Any) -> Any:
     """Head at a port: the surface, or its own height while it is dry, and the air on top of it."""
     own = tank.frame.r[2] + m.dot(up, place)
-    return m.smooth_max(tank.surface, own, DRY) + tank.air_pressure / (rho * tank.world.gravity)
+    return m.fmax(tank.surface, own) + tank.air_pressure / (rho * tank.world.gravity)
 
 
 def _limits(tank: Tank, vessel: Any, up: Any, ports: list[Any]) -> list[Any]:
@@ -138,10 +125,12 @@ def _limits(tank: Tank, vessel: Any, up: Any, ports: list[Any]) -> list[Any]:
     for i, place in enumerate(ports):
         flow, dry = -tank.water[i].volume_flow, tank.frame.r[2] + m.dot(up, place) - tank.surface
         found.append(
-            assert_(m.if_else(dry > 2 * DRY, flow < SEEPING * vessel.area, 1), f"air comes into its port {i}: it lies "
+            assert_(m.if_else(dry > DRY, flow < SEEPING * vessel.area, 1), f"air comes into its port {i}: it lies "
                     "{dry} m above the water, of which {water} m3 are left, and {flow} m3/s leave through it; stop the "
                     "pump or close the valve before", dry=dry, water=tank.volume, flow=flow)
         )  # fmt: skip
+    if isinstance(vessel, Wedge):
+        found.append(_wet_walls(tank, vessel, up))
     return [
         *found,
         assert_(tank.volume < (1 + MARGIN) * full, "the tank is overfilled: {water} m3 of water, and it holds {full} m3"
@@ -151,3 +140,12 @@ def _limits(tank: Tank, vessel: Any, up: Any, ports: list[Any]) -> list[Any]:
         assert_(up[2] > math.cos(math.radians(STEEPEST)), "the axis of the tank is turned by more than "
                 f"{STEEPEST:g} deg against the vertical, where its level is not determined"),
     ]  # fmt: skip
+
+
+def _wet_walls(tank: Tank, vessel: Wedge, up: Any) -> Any:
+    """Of a wedge: it ends at the walls, above the floor and below the roof."""
+    wedge = (m.abs(up[0]) * vessel.reach[0] + m.abs(up[1]) * vessel.reach[1]) / up[2]
+    room = m.fmin(tank.level, vessel.height - tank.level) + MARGIN * vessel.height
+    return assert_(wedge <= room, "the surface comes to the floor or the roof: it rises by {wedge} m at the wall, and "
+                   "there are {room} m; take a tank that knows its corners (a BoxTank or RoundTank without walls_wet), "
+                   "or another amount of water", wedge=wedge, room=room)  # fmt: skip

@@ -21,9 +21,13 @@ class BoxTank(Tank):
     length: Scalar = param(unit="m", min=1e-6, doc="inside, along x of the frame")
     width: Scalar = param(unit="m", min=1e-6, doc="inside, along y of the frame")
     height: Scalar = param(unit="m", min=1e-6, doc="from floor to roof")
+    walls_wet: bool = param(default=False, doc="floor and roof are never bare, which is checked: far fewer operations")
 
     def vessel(self):
-        return Box(self.length, self.width, self.height)
+        a, b = self.length, self.width
+        if not self.walls_wet:
+            return Box(a, b, self.height)
+        return Wedge(a * b, (a**3 * b / 12, a * b**3 / 12, 0.0), self.height, (a / 2, b / 2))
 
     def modes(self, density: Any):
         depth, g = self.volume / (self.length * self.width), self.world.gravity
@@ -48,10 +52,14 @@ class RoundTank(Tank):
     diameter: Scalar = param(unit="m", min=1e-6, doc="inside, of the outer wall")
     inner_diameter: Scalar = param(default=None, unit="m", min=0, doc="of the inner wall of a ring; without: none")
     height: Scalar = param(unit="m", min=1e-6, doc="from floor to roof")
+    walls_wet: bool = param(default=False, doc="floor and roof are never bare, which is checked: far fewer operations")
 
     def vessel(self):
         ring = self.is_set("inner_diameter")
-        return Disc(self.diameter / 2, self.inner_diameter / 2 if ring else 0.0, self.height, ring)
+        disc = Disc(self.diameter / 2, self.inner_diameter / 2 if ring else 0.0, self.height, ring)
+        if not self.walls_wet:
+            return disc
+        return Wedge(disc.area, (disc.moment, disc.moment, 0.0), self.height, (disc.radius, disc.radius))
 
     def modes(self, density: Any):
         radius = self.diameter / 2
@@ -83,18 +91,8 @@ class PrismaticTank(Tank):
     height: Scalar = param(unit="m", min=1e-6, doc="from floor to roof")
 
     def vessel(self):
-        return Wedge(self.area, tuple(self.second_moments[i] for i in range(3)), self.height)
-
-    def equations(self):
-        up = self.frame.R.T @ m.vertcat(0, 0, 1)
-        wedge = (m.abs(up[0]) * self.half_length + m.abs(up[1]) * self.half_width) / m.abs(up[2])
-        room = m.fmin(self.level, self.height - self.level) + 1e-6 * self.height
-        return [
-            *super().equations(),
-            assert_(wedge < room, "the surface comes to the floor or the roof: it rises by {wedge} m at the wall, and "
-                    "there are {room} m; take a BoxTank or a RoundTank, or another amount of water", wedge=wedge,
-                    room=room),
-        ]  # fmt: skip
+        moments = tuple(self.second_moments[i] for i in range(3))
+        return Wedge(self.area, moments, self.height, (self.half_length, self.half_width))
 
 
 class TabulatedTank(Tank):
@@ -130,6 +128,12 @@ class TabulatedTank(Tank):
         volume, levels, areas = (np.ravel(self.parameter_value(k)) for k in ("volume_start", "levels", "areas"))
         filled = np.concatenate([[0.0], np.cumsum((areas[1:] + areas[:-1]) / 2 * np.diff(levels))])
         return float(np.interp(volume[0], filled, levels))
+
+    def start_height(self):
+        levels, areas = (np.ravel(self.parameter_value(k)) for k in ("levels", "areas"))
+        z = np.linspace(0, max(self.start_level(), 1e-9), 1001)
+        area = np.interp(z, levels, areas)
+        return float(np.trapezoid(area * z, z) / np.trapezoid(area, z))
 
     def equations(self):
         up = self.frame.R.T @ m.vertcat(0, 0, 1)

@@ -54,12 +54,29 @@ class Throttle(Component):
 
 
 class Valve(TwoWaters, Throttle):
-    """A valve or an orifice: volume_flow = C_d A sqrt(2 g head_drop), both ways; it can be shut."""
+    """A valve or an orifice: volume_flow = C_d A sqrt(2 g head_drop), both ways; it can be shut.
+
+    In line with a pipe that has inertia the flow is given and the head follows: say `in_line`. There it cannot be shut
+    as a whole, for no pressure stops water at once; it comes down to `leakage` of its area.
+    """
+
+    in_line: bool = param(default=False, doc="a pipe with inertia is in line with it")
+    leakage: Scalar = param(default=1e-3, min=1e-9, max=1, doc="share that stays open, of a valve in line")
+
+    def build(self):
+        if not self.in_line:
+            self.refuse_unused("leakage", because="it is not in line with a pipe that has inertia (in_line: false)")
 
     def equations(self):
         area, more = self.open_area()
-        flow = area * m.sqrt(2 * self.world.gravity) * signed_root(self.head_drop, SMALL_HEAD)
-        return [*self.through(), eq(self.volume_flow, flow), *more]
+        g = self.world.gravity
+        if self.in_line:
+            area = m.fmax(area, self.leakage * self.discharge_coefficient * self.area)
+            speed = self.volume_flow / area / m.sqrt(2 * g)
+            law = eq(self.head_drop, signed_square(speed, SMALL_HEAD))
+        else:
+            law = eq(self.volume_flow, area * m.sqrt(2 * g) * signed_root(self.head_drop, SMALL_HEAD))
+        return [*self.through(), law, *more]
 
 
 class Vent(Throttle):
@@ -90,4 +107,9 @@ class Vent(Throttle):
 
 def signed_root(x: Any, small: Any) -> Any:
     """Root of |x| with the sign of x; linear below `small`, and smooth."""
-    return x / (x**2 + small**2) ** 0.25
+    return x / ((small**2 + m.sqrt(small**4 + 4 * x**4)) / 2) ** 0.25
+
+
+def signed_square(y: Any, small: Any) -> Any:
+    """The x of which y is the signed_root: y |y|, linear below the root of `small`."""
+    return y * (y**4 + small**2) ** 0.25

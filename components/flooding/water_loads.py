@@ -4,16 +4,31 @@ from __future__ import annotations
 
 from typing import Any
 
+from fowtlib.components.environment.world import World
 from fowtlib.components.flooding import sloshing
 from fowtlib.components.flooding.sections import Contents
-from fowtlib.language import der, eq
+from fowtlib.components.mechanics.connectors import Frame
+from fowtlib.language import Component, Matrix, Scalar, Vector, der, eq, outer, port, var
 from fowtlib.language import math as m
+
+
+class WaterOnFrame(Component):
+    """Partial: water that a frame carries, and what its loads are made of."""
+
+    world: World = outer(World)
+    frame: Frame = port(doc="frame that carries the tank")
+
+    velocity: Vector = var(unit="m/s", state="avoid", doc="velocity of the frame, world")
+    mass: Scalar = var(unit="kg", state="never", doc="mass of the water")
+    moments: Vector = var(unit="kg*m", state="never", doc="mass times centre, from the frame, resolved in it")
+    centre: Vector = var(unit="m", state="never", doc="centre of the water, from the frame, resolved in it")
+    inertia: Matrix = var(unit="kg*m^2", state="never", doc="inertia about the origin of the frame, resolved in it")
 
 
 def about_frame(tank: Any, rho: Any, held: Contents) -> tuple[Any, Any]:
     """Mass times centre, and inertia about the origin of the frame, of what is in the vessel."""
     b = tank.place
-    first = held.volume * b + held.first
+    first = tank.volume * b + held.first
     second = held.second + m.mtimes(b, held.first.T) + m.mtimes(first, b.T)
     trace = second[0, 0] + second[1, 1] + second[2, 2]
     return rho * first, rho * (trace * m.eye(3) - second)

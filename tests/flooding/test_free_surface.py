@@ -114,7 +114,7 @@ def test_water_in_a_tilted_tank_against_a_million_columns(shape, share):
 
 
 def test_a_table_of_a_frustum_gives_its_level_and_centre():
-    """V = pi h / 3 (R_1^2 + R_1 R_2 + R_2^2), centre h / 4 (R_1^2 + 2 R_1 R_2 + 3 R_2^2) / (R_1^2 + R_1 R_2 + R_2^2)."""
+    """V = pi h / 3 S, S = R_1^2 + R_1 R_2 + R_2^2; centre h / 4 (R_1^2 + 2 R_1 R_2 + 3 R_2^2) / S."""
     h = np.linspace(0, 4, 81)
     r = 1 + h / 2
     moments = np.stack([math.pi / 4 * r**4, math.pi / 4 * r**4, 0 * r], axis=1)
