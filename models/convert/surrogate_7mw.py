@@ -1,4 +1,4 @@
-"""Writes models/turbines/surrogate_7mw.yaml by the rule of fowtlib.design.rules.turbine: python models/convert/surrogate_7mw.py"""
+"""Writes turbines/surrogate_7mw.yaml by the rule of fowtlib.design.rules.turbine."""
 
 from __future__ import annotations
 
@@ -7,7 +7,8 @@ from pathlib import Path
 from fowtlib.design.rules.turbine import DTU_10MW, NREL_5MW, TurbineSizes, between, pitch_gains
 
 RADIUS, POWER = 85.6, 7.0e6
-SPEEDS = {"cut_in_speed": 280 / 480, "region_2_speed": 320 / 480, "region_3_speed": 475 / 480}  # of the rated speed, DTU 10-MW
+# of the rated speed, DTU 10-MW
+SPEEDS = {"cut_in_speed": 280 / 480, "region_2_speed": 320 / 480, "region_3_speed": 475 / 480}
 TARGET = Path(__file__).parents[1] / "turbines" / "surrogate_7mw.yaml"
 
 
@@ -18,10 +19,12 @@ def text(turbine: TurbineSizes) -> str:
     xx, yy, zz, xz = turbine.inertia
     rated = turbine.rated_torque / n
     proportional, integral = pitch_gains(turbine, DTU_10MW, 0.1794, 0.0165)
-    speeds = "\n".join(f"        {key}: {share * turbine.rated_speed * n * rpm:.6g} rpm" for key, share in SPEEDS.items())
-    return f"""# A 7-MW turbine between the NREL 5-MW and the DTU 10-MW, rigid, above its tower: a stand-in for one whose data are closed.
-# Made by models/convert/surrogate_7mw.py; the rule is that of fowtlib.design.rules.turbine: what belongs to the rotor by its radius,
-# what belongs to nacelle and drive train by its rated torque; coefficients and controller of the DTU 10-MW. The frame is the hub.
+    speed = turbine.rated_speed * n * rpm
+    speeds = "\n".join(f"        {key}: {share * speed:.6g} rpm" for key, share in SPEEDS.items())
+    return f"""# A 7-MW turbine between the NREL 5-MW and the DTU 10-MW, rigid, above its tower, for one of closed data.
+# Made by models/convert/surrogate_7mw.py by the rule of fowtlib.design.rules.turbine: what belongs to the rotor by its
+# radius, what belongs to nacelle and drive train by the rated torque; coefficients and controller of the DTU 10-MW.
+# The frame is the hub.
 fowtlib: 1
 title: Surrogate 7-MW rotor, nacelle, drive train and controller
 class: RotorNacelle
@@ -40,14 +43,18 @@ parts:
     inertia: {turbine.rotor_inertia:.0f} kg*m^2
   control:
     class: BaselineController
-    rated_speed: {turbine.rated_speed * n * rpm:.6g} rpm
+    rated_speed: {speed:.6g} rpm
     filter_frequency: 1.25 Hz
     # {proportional:.4f} s and {integral:.5f} of the rotor's speed
     proportional_gain: {proportional / n:.6g} s
     integral_gain: {integral / n:.6g}
     region_3: constant_torque
     parts:
-      pitch: {{scheduled: gains, doubling_pitch: 2.0597 rad, schedule_curvature: 16.8919 rad^-2, greatest_rate: 10 deg/s}}
+      pitch:
+        scheduled: gains
+        doubling_pitch: 2.0597 rad
+        schedule_curvature: 16.8919 rad^-2
+        greatest_rate: 10 deg/s
       torque:
 {speeds}
         rated_torque: {rated:.6g} N*m

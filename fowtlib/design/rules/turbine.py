@@ -1,9 +1,9 @@
 """A turbine between two others, or beyond: geometric similarity, and power laws through two turbines that are known.
 
-Similarity at equal tip speed: with the length l, power ~ l^2, torque ~ l^3, mass ~ l^3, moment of inertia ~ l^5, speed ~ 1/l,
-time ~ l (P. Jamieson, Innovation in Wind Turbine Design (2011), chapter 4). Real turbines grow slower than that. Between two
-that are known, what belongs to the rotor goes with a power of its radius, and what belongs to nacelle and drive train with a
-power of the rated torque; the powers are those that pass through both.
+Similarity at equal tip speed: with the length l, power ~ l^2, torque ~ l^3, mass ~ l^3, moment of inertia ~ l^5, speed
+~ 1/l, time ~ l (P. Jamieson, Innovation in Wind Turbine Design (2011), chapter 4). Real turbines grow slower than that.
+Between two that are known, what belongs to the rotor goes with a power of its radius, and what belongs to nacelle and
+drive train with a power of the rated torque; the powers are those that pass through both.
 """
 
 from __future__ import annotations
@@ -26,8 +26,8 @@ class TurbineSizes:
 
     rated_speed: of the rotor [rad/s]; optimal_constant: torque over speed^2 of the rotor at its best [N m s^2/rad^2];
     rotor_inertia: about the shaft; generator_inertia: on the side of the rotor; overhang, drop: centre of mass of the
-    nacelle behind and below the hub; roll_inertia: of nacelle and rotor about x through their centre, without that of the
-    rotor; spread, lean: their other moments of inertia over those of a disk and two points (see `inertia`).
+    nacelle behind and below the hub; roll_inertia: of nacelle and rotor about x through their centre, without that of
+    the rotor; spread, lean: their other moments of inertia over those of a disk and two points (see `inertia`).
     """
 
     name: str
@@ -58,7 +58,7 @@ class TurbineSizes:
 
     @property
     def centre(self) -> tuple[float, float]:
-        """x and z of the centre of mass, from the hub, whose rotor counts as a point there."""
+        """Its centre of mass, x and z from the hub, where the rotor counts as a point."""
         share = self.nacelle_mass / self.mass
         return share * self.overhang, -share * self.drop
 
@@ -66,8 +66,8 @@ class TurbineSizes:
     def inertia(self) -> tuple[float, float, float, float]:
         """I_xx, I_yy, I_zz and I_xz [kg m^2] about the centre of mass, without the rotor about its shaft.
 
-        Of a disk with half of its moment of inertia about its diameters, and two points: I_yy and I_zz times `spread`, I_xz
-        times `lean`.
+        Of a disk with half of its moment of inertia about its diameters, and two points: I_yy and I_zz times `spread`,
+        I_xz times `lean`.
         """
         half, apart = self.rotor_inertia / 2, self.rotor_mass * self.nacelle_mass / self.mass
         y, z = half + apart * (self.overhang**2 + self.drop**2), half + apart * self.overhang**2
@@ -97,8 +97,8 @@ def between(
 ) -> TurbineSizes:  # fmt: skip
     """A turbine of a radius [m] and a rated power [W] by the power laws through two others.
 
-    Its rotor is as good as that of the second: optimal_constant ~ R^5. Its rated speed is such that the rated power is the
-    same share of what the rotor at its best would give there, (P/R^5)^(1/3). spread and lean go evenly with the radius.
+    Its rotor is as good as that of the second: optimal_constant ~ R^5. Its rated speed is such that the rated power is
+    the same share of what the rotor at its best would give there, (P/R^5)^(1/3). spread and lean go evenly with radius.
     """
     demand("a turbine", 0.0, radius=radius, rated_power=rated_power)
     powers = powers_between(first, second)
@@ -118,12 +118,15 @@ def between(
                         lean=evenly(first.lean, second.lean), tilt=second.tilt, **sizes)  # fmt: skip
 
 
-def pitch_gains(turbine: TurbineSizes, known: TurbineSizes, proportional: float, integral: float) -> tuple[float, float]:
+def pitch_gains(
+    turbine: TurbineSizes, known: TurbineSizes, proportional: float, integral: float
+) -> tuple[float, float]:  # fmt: skip
     """Gains [s] and [-] on the speed of the rotor, of the same damping, and of a frequency that goes with 1/R.
 
-    proportional, integral: those of the known turbine. K_p ~ omega I Omega/P and K_i ~ omega^2 I Omega/P, where the slope of
-    the power by the pitch goes with the rated power; M. Hansen et al., Risoe-R-1500 (2005), for the second-order form.
+    proportional, integral: those of the known turbine. K_p ~ omega I Omega/P and K_i ~ omega^2 I Omega/P, where the
+    slope of the power by the pitch goes with the rated power; M. Hansen et al., Risoe-R-1500 (2005), for this form.
     """
+
     def measure(t: TurbineSizes) -> float:
         return (t.rotor_inertia + t.generator_inertia) * t.rated_speed / t.rated_power
 
