@@ -114,6 +114,29 @@ def operating_gust(
     return max(gust, 0.0)
 
 
+SECOND_EDITION = {"A": (0.18, 2.0), "B": (0.16, 3.0)}
+"""I_15 and a of the turbulence categories of ed. 2: sigma_1 = I_15 (15 m/s + a V)/(a + 1)."""
+
+SECOND_EDITION_GUSTS = {50: (6.4, 14.0), 1: (4.8, 10.5)}
+"""beta and T [s] of the gust of ed. 2, by its return period in years."""
+
+
+def second_edition_gust(
+    mean_speed: float, turbulence_class: str = "A", rotor_diameter: float = 126.0, height: float = 90.0, years: int = 50
+) -> float:
+    """Gust magnitude V_gust [m/s] of the extreme operating gust of IEC 61400-1 ed. 2 (1999), 6.3.2.2.
+
+    beta sigma_1/(1 + 0.1 D/Lambda_1), beta = 6.4 for 50 years and 4.8 for one, Lambda_1 = 0.7 z up to 21 m. There are
+    categories A and B of turbulence, and no limit by the extreme wind.
+    """
+    if turbulence_class not in SECOND_EDITION or years not in SECOND_EDITION_GUSTS:
+        raise ParameterError(f"the gust of edition 2 is of turbulence class A or B and of 50 years or 1, not of "
+                             f"'{turbulence_class}' and {years}.")  # fmt: skip
+    intensity, slope = SECOND_EDITION[turbulence_class]
+    sigma = intensity * (15.0 + slope * mean_speed) / (slope + 1.0)
+    return SECOND_EDITION_GUSTS[years][0] * sigma / (1 + 0.1 * rotor_diameter / min(0.7 * height, 21.0))
+
+
 def direction_change(
     mean_speed: float, turbulence_class: str = "B", rotor_diameter: float = 126.0, height: float = 90.0
 ) -> float:

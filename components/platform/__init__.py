@@ -10,6 +10,7 @@ from fowtlib.components.platform.member_parts import CircularMember, Member, Mem
 from fowtlib.components.platform.members import MemberShape
 from fowtlib.components.platform.solids import MassProperties
 from fowtlib.components.platform.spar_hull import SparHull
+from fowtlib.components.platform.stepped_spar import SteppedSpar
 from fowtlib.components.platform.wetted import WettedSurface
 
 __all__ = [
@@ -27,5 +28,6 @@ __all__ = [
     "MemberShape",
     "RectangularMember",
     "SparHull",
+    "SteppedSpar",
     "WettedSurface",
 ]

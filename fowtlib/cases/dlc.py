@@ -66,6 +66,13 @@ def load_case_table() -> dict[str, Any]:
     return parse(read_text(TABLE, TABLE.name), TABLE.name).plain()
 
 
+def load_cases_of(numbers: Sequence[str]) -> list[str]:
+    """The numbers of load cases, those of a set in place of its name."""
+    sets = load_case_table()["sets"]
+    found = [one for name in numbers for one in (sets[name]["load_cases"] if name in sets else [name])]
+    return list(dict.fromkeys(found))
+
+
 def write_dlc(request: Request, model: Model) -> str:
     """The text of a cases file with these load cases.
 
@@ -99,12 +106,15 @@ class _Writer:
 
     def document(self) -> dict[str, Any]:
         """The whole file as plain data."""
-        sets = [self.set(number) for number in dict.fromkeys(self.request.numbers)]
-        about = f"DLC {', '.join(dict.fromkeys(self.request.numbers))}, class {self.request.wind_class}"
+        numbers = load_cases_of(self.request.numbers)
+        sets = [self.set(number) for number in numbers]
+        about = f"DLC {', '.join(numbers)}, class {self.request.wind_class}"
+        sources = [item["source"] for name, item in self.table["sets"].items() if name in self.request.numbers]
+        source = " ".join(sources) if len(sources) == len(self.request.numbers) else self.table["source"]
         document: dict[str, Any] = {
             "fowtlib_cases": 1,
             "title": f"{about}, {self.site.title}",
-            "description": f"Load cases: {self.table['source']} Site: {self.site.source}",
+            "description": f"Load cases: {source} Site: {self.site.source}",
             "model": self.request.model,
         }
         if self.variables:
@@ -148,7 +158,9 @@ class _Writer:
         return made
 
     def _entry(self, number: str) -> dict[str, Any]:
-        known = self.table["load_cases"]
+        known = dict(self.table["load_cases"])
+        for item in self.table["sets"].values():
+            known |= item["load_cases"]
         if number in self.table["others"]:
             raise ModelError(f"DLC {number} is not written: {self.table['others'][number]}.")
         if number not in known:

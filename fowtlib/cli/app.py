@@ -44,6 +44,7 @@ from fowtlib.cli import (
     run,
     sensitivity,
     sheet,
+    size,
     stability,
     statistics,
     tune,
@@ -56,9 +57,9 @@ from fowtlib.cli.report import write_report
 from fowtlib.language.errors import ModelError, did_you_mean
 
 GROUPS = (
-    run, cases, batch, export, view, inspection, events, stability, tune, sheet, maps, optimise, decay, rao, response,
-    sensitivity, statistics, maxima, loads, fatigue, compare, rotor_table, hydro, wind_field, contours, extremes,
-    library, cache,
+    run, cases, batch, export, view, inspection, events, stability, tune, sheet, maps, size, optimise, decay, rao,
+    response, sensitivity, statistics, maxima, loads, fatigue, compare, rotor_table, hydro, wind_field, contours,
+    extremes, library, cache,
 )  # fmt: skip
 
 

@@ -207,7 +207,10 @@ class _Problem:
         size = np.maximum(np.maximum(np.abs(equations.conditions(unknowns)), np.abs(self.want)), 1e-9)
         miss, reach = (self.want - equations.conditions(unknowns)) / size, FARTHEST
         for _ in range(ITERATIONS):
-            step = np.linalg.lstsq(equations.slopes_at_rest(unknowns) / size[:, None], miss, rcond=1e-12)[0]
+            slopes = equations.slopes_at_rest(unknowns)
+            if not np.all(np.isfinite(slopes)):
+                return False, unknowns
+            step = np.linalg.lstsq(slopes / size[:, None], miss, rcond=1e-12)[0]
             step *= min(1.0, reach / max(float(np.max(np.abs(step))), 1e-300))
             while (largest := float(np.max(np.abs(step)))) > NEAREST:
                 trial = equations.at_rest(unknowns, step, held)
@@ -229,6 +232,11 @@ class _Problem:
         slopes = equations.slopes_at_rest(unknowns)
         sizes = np.maximum(np.abs(equations.conditions(unknowns)), np.abs(self.want))
         for target, row, size in zip(self.wanted, slopes, sizes, strict=True):
+            if not (np.isfinite(size) and np.all(np.isfinite(row))):
+                raise SimulationError(
+                    f"{target.name} is not a number at the equilibrium from which the search begins (a period where "
+                    "there is no stiffness?). Give first guesses at which it is one."
+                )
             if np.max(np.abs(row)) <= NONE * max(size, 1e-9):
                 raise SimulationError(
                     f"{target.name} = {target.text} cannot be reached: at the equilibrium it does not change with "

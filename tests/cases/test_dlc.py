@@ -2,14 +2,20 @@
 
 import json
 import math
+from dataclasses import replace
 from pathlib import Path
 
+import numpy as np
 import pytest
 
 from fowtlib import case_files
-from fowtlib.cases import CaseSet, check_cases, read_cases
+from fowtlib.analysis.load_matrix import ultimate_loads
+from fowtlib.cases import CaseSet, check_cases, read_cases, run_batch
+from fowtlib.cases import batch as batches
 from fowtlib.cases.dlc import Request, load_case_table, write_dlc
+from fowtlib.cases.job import carry_out
 from fowtlib.cases.plant_facts import rated_wind_speed
+from fowtlib.cases.pool import Event
 from fowtlib.cases.site import read_site
 from fowtlib.cli.app import main
 from fowtlib.components.environment import Wind
@@ -227,3 +233,67 @@ def test_the_list_of_runs_of_the_long_term_is_a_cases_file(tmp_path):
     cases = read_cases(tmp_path / "bins.yaml", text=cases_file(states, "oc3_spar_rigid", seeds=2))
     assert len(cases) == 2 * len(states)
     assert sum(case.weight for case in cases) == pytest.approx(sum(states.probability))
+
+
+LEVENMOUTH = TABLE["sets"]["levenmouth"]["load_cases"]
+
+
+def test_the_set_of_levenmouth():
+    """18 load cases of five seeds (Serret, 2019, tables 3.1 and 3.2): five at three speeds, and three parked ones.
+
+    The speeds are V_r and 2 m/s about it; the gust is that of edition 2, and the grid is lost 2.45 s after it begins.
+    """
+    cases = list(written(["levenmouth"], wind_class="IA", seeds=5, time=600.0, discard=100.0))
+    assert len(cases) == 90 and len({case.name.rpartition("_s")[0] for case in cases}) == 18
+    counts = {number: sum(case.group == f"DLC {number}" for case in cases) for number in LEVENMOUTH}
+    assert counts == dict.fromkeys(("L1.1", "L1.3", "L2.2", "L2.3", "L4.2"), 15) | dict.fromkeys(
+        ("L6.1", "L6.2", "L6.3"), 5
+    )
+    factors = {case.group: case.safety_factor for case in cases}
+    assert {factors[f"DLC {number}"] for number in ("L2.2", "L2.3", "L6.2")} == {1.1}
+    assert {factors[f"DLC {number}"] for number in ("L1.1", "L1.3", "L4.2", "L6.1", "L6.3")} == {1.35}
+    for case in cases:
+        if case.group in ("DLC L2.3", "DLC L4.2"):
+            assert (case.parameters["wind.edition"], case.parameters["wind.gust_years"]) == (2, 50)
+            assert case.events[0]["at"] == pytest.approx(to_si(case.parameters["wind.start_time"], "s") + 2.45)
+    check_cases(written(["levenmouth"], seeds=1))
+    assert [case.group for case in written(["L6.2"], seeds=1)] == ["DLC L6.2"]
+
+
+def test_a_short_variant_of_the_set_gives_a_sound_load_matrix(tmp_path, monkeypatch):
+    """Three of its cases, cut short, as a batch; each row of the matrix is of one moment of one case."""
+    monkeypatch.chdir(tmp_path)
+    chosen = ("dlcL1.1_u11.5_s1", "dlcL2.3_u11.5_s1", "dlcL6.2_yaw+45_s1")
+    sets = written(["levenmouth"], wind_class="IA", seeds=1, time=4.0, discard=2.0)
+    cases = [replace(case, duration=min(case.duration, 6.0)) for case in sets if case.name in chosen]
+    cases = [replace(case, parameters=case.parameters | _sooner(case), events=_at(case, 1.0)) for case in cases]
+    monkeypatch.setattr(batches, "_workers", lambda *_: Here())
+    batch = run_batch(cases, "levenmouth.batch")
+    assert [row.state for row in batch] == ["done"] * 3
+    results = {row.name: batch.result(row.name) for row in batch}
+    channels = ("thrust", "fairlead_tension_2", "pitch")
+    factors = {case.name: case.safety_factor for case in cases}
+    matrix = ultimate_loads(results, channels, factors, discard=2.0)
+    assert matrix.broken_rules() == [] and len(matrix.rows) == 6
+    for row in matrix.rows:
+        result = results[row.case]
+        k = int(np.argmin(np.abs(result.time - row.time)))
+        assert row.safety_factor == factors[row.case]
+        assert row.values == pytest.approx([row.safety_factor * result.array(name)[k] for name in channels])
+
+
+class Here:
+    """Workers that compute in this process."""
+
+    def carry_out(self, jobs):
+        for job in jobs:
+            yield Event("ended", job.name, "here", outcome=carry_out(job))
+
+
+def _sooner(case):
+    """The gust begins after a second."""
+    return {"wind.start_time": 1.0} if "wind.start_time" in case.parameters else {}
+
+
+def _at(case, time):
+    return tuple({**event, "at": time + 2.45} for event in case.events)

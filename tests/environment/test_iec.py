@@ -12,6 +12,7 @@ from fowtlib.components.environment import ExtremeWave, NormalSea, Sea, SevereSe
 from fowtlib.components.environment.wind.transient import rotor_diameter
 from fowtlib.language import Array, Component, ModelError, eq, outer, var
 from fowtlib.language import math as m
+from fowtlib.language.errors import ParameterError
 
 SIZES = ("B", 126.0, 90.0)  # turbulence class, rotor diameter, hub height: Lambda_1 = 42 m, D/Lambda_1 = 3
 PLACES = np.array([[0, 30, 90], [0, -30, 150], [0, 90, 30], [40, 30, 61]], dtype=float)
@@ -402,3 +403,24 @@ def test_the_rotor_by_coefficients_feels_the_turn(solver):
     expected = hub * np.cos(bearing - yaw) * np.cos(math.radians(5) + pitch)
     np.testing.assert_allclose(np.asarray(result["turbine.rotor.normal_wind"]), expected, rtol=1e-3)
     assert bearing[-1] == pytest.approx(math.radians(29.878), abs=1e-3)  # of a rotor of 125.88 m
+
+
+@pytest.mark.parametrize(("years", "beta", "T"), [(50, 6.4, 14.0), (1, 4.8, 10.5)])
+def test_the_gust_of_the_second_edition(plant, years, beta, T):
+    """IEC 61400-1 (1999), 6.3.2.2, category A: sigma_1 = 0.18 (15 m/s + 2 V)/3, Lambda_1 = 21 m; by hand at 12 m/s."""
+    size = beta * 0.18 * (15 + 2 * 12.0) / 3 / (1 + 0.1 * 171.2 / 21.0)
+    assert iec.second_edition_gust(12.0, "A", 171.2, 90.0, years) == pytest.approx(size)
+    values = {"wind.kind": "eog", "wind.edition": 2, "wind.gust_years": years, "wind.turbulence_class": "A",
+              "wind.mean_speed": 12.0, "wind.rotor_diameter": 171.2, "wind.start_time": 1.0}  # fmt: skip
+    result = plant.simulate(17.0, 0.125, solver="fixed", step=0.125, parameters=values)
+    felt = np.asarray(result["vane.felt"]).reshape(-1, 4, 3)[..., 0]
+    s = np.clip(np.asarray(result["vane.felt"].time) - 1.0, 0, T) / T
+    expected = -0.37 * size * np.sin(3 * np.pi * s) * (1 - np.cos(2 * np.pi * s))
+    np.testing.assert_allclose(felt[:, 0] - felt[0, 0], expected, atol=2e-5)
+    assert expected.max() == pytest.approx(0.74 * size, rel=1e-3)  # half a period after it begins, between two dips
+
+
+@pytest.mark.parametrize(("turbulence_class", "years"), [("C", 50), ("A", 100)])
+def test_the_second_edition_knows_two_categories_and_two_periods(turbulence_class, years):
+    with pytest.raises(ParameterError, match="edition 2"):
+        iec.second_edition_gust(12.0, turbulence_class, years=years)

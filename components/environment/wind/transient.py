@@ -53,16 +53,22 @@ class Transient(NormalProfile):
 class OperatingGust(Transient, kind="eog"):
     """Extreme operating gust, EOG: V(z) - 0.37 V_gust sin(3 pi t/T) (1 - cos(2 pi t/T)), T = 10.5 s.
 
-    Dip, peak and dip, the same at all heights and stations; V_gust: iec.operating_gust.
+    Dip, peak and dip, the same at all heights and stations; V_gust: iec.operating_gust. That of edition 2 (1999), which
+    older designs are made with, is of a return period: T = 14 s for 50 years; V_gust: iec.second_edition_gust.
     """
 
     wind_class: str = param(default="I", choices=iec.WIND_CLASSES, bound=True, doc="IEC wind class, of V_ref")
     reference_speed: Number = param(
         default=None, unit="m/s", min=0, bound=True, instead_of=("wind_class",), doc="V_ref; else by the wind class"
     )
+    edition: int = param(default=3, choices=(3, 2), bound=True, doc="of IEC 61400-1; 3: that of later ones, too")
+    gust_years: int = param(default=50, choices=iec.RETURN_PERIODS, bound=True, doc="edition 2: return period in years")
 
     def station_series(self) -> Series | None:
         """The gust in the fluctuation."""
+        if self.edition == 2:
+            size = iec.second_edition_gust(*self.sizes(), self.gust_years)
+            return fluctuation(self, size, SHAPES["eog"], iec.SECOND_EDITION_GUSTS[self.gust_years][1])
         size = iec.operating_gust(*self.sizes(), reference_speed(self.wind_class, self.reference_speed))
         return fluctuation(self, size, SHAPES["eog"], iec.DURATIONS["eog"])
 

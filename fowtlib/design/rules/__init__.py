@@ -41,6 +41,24 @@ from fowtlib.design.rules.shell import (
     hoop_stress,
     shell_buckling,
 )
+from fowtlib.design.rules.stability import (
+    highest_wave_ratio,
+    nacelle_acceleration,
+    righting_arm,
+    stability_area_ratio,
+    static_heel,
+)
+from fowtlib.design.rules.standards import (
+    SPAR,
+    SPAR_AT_REST,
+    SPAR_PERIODS,
+    Limit,
+    Verdict,
+    broken,
+    check_limits,
+    check_periods,
+    within_wave_band,
+)
 from fowtlib.design.rules.steel import STEEL, Steel
 from fowtlib.design.rules.tower import TowerBuckling, tower_buckling
 from fowtlib.design.rules.tubes import (
@@ -109,4 +127,18 @@ __all__ = [
     "tube_sections",
     "unevenness",
     "uplift_limit",
+    "highest_wave_ratio",
+    "nacelle_acceleration",
+    "righting_arm",
+    "stability_area_ratio",
+    "static_heel",
+    "SPAR",
+    "SPAR_AT_REST",
+    "SPAR_PERIODS",
+    "Limit",
+    "Verdict",
+    "broken",
+    "check_limits",
+    "check_periods",
+    "within_wave_band",
 ]
