@@ -11,7 +11,21 @@ from fowtlib.components.environment.world import World
 from fowtlib.components.flooding.connectors import Water
 from fowtlib.components.flooding.shaft import centre, levels, on_the_axis, on_the_frames
 from fowtlib.components.mechanics.connectors import Frame, TranslationalFlange
-from fowtlib.language import Component, RealOutput, Scalar, Vector, assert_, der, eq, outer, param, port, shapes, var
+from fowtlib.language import (
+    Component,
+    RealOutput,
+    Scalar,
+    Vector,
+    assert_,
+    der,
+    eq,
+    facts,
+    outer,
+    param,
+    port,
+    shapes,
+    var,
+)
 from fowtlib.language import math as m
 from fowtlib.language.declarations import join
 
@@ -75,6 +89,9 @@ class FloatingPiston(Component):
             *on_the_frames(self, found),
             *_limits(self),
         ]
+
+    def facts(self) -> list[facts.Fact]:
+        return [facts.Reading("mass"), facts.Reading("volume"), facts.Reading("level")]
 
     def drawing(self) -> shapes.Drawing:
         of = {"floor": self.frame_a, "foot": self.frame_b, "level": join(self.path, "level")}

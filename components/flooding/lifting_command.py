@@ -57,9 +57,9 @@ class LiftingCommand(Component):
 
     def equations(self):
         rising, draining = m.fmax(self.direction, 0), m.fmax(-self.direction, 0)
-        way = self.top - self.axis.s
-        left = self.water.head - self.floor - self.least_head
-        slow = m.fmax(m.fmin(way / self.slow_way, 1), m.fmax(self.slowest, self.filling))
+        way = (self.top - self.axis.s) / self.slow_way
+        left = (self.water.head - self.floor - self.least_head) / self.slow_way
+        slow = m.fmax(m.fmin(way, 1), m.fmax(self.slowest, self.filling))
         arrived = m.fmax(m.fmin(way, 0.5 - self.held), self.filling)
         return [
             eq(self.time_constant * der(self.command), rising * slow - draining - self.command),

@@ -95,7 +95,7 @@ class Latch(Component):
         here = m.abs(s - self.place) < self.reach
         caught = m.if_else(here, 1.0, 0.0)
         waits = self.ready * (1 - self.closed)
-        arrived = waits * (s - self.place + self.reach) - (1 - waits)  # negative while nothing is waited for
+        arrived = waits * ((s - self.place) / self.reach + 1) - (1 - waits)  # negative while nothing is waited for
         return [
             eq(self.force, -self.closed * (self.stiffness * (s - self.held) + self.damping * v)),
             eq(self.energy, self.closed * self.stiffness * (s - self.held) ** 2 / 2),

@@ -28,6 +28,6 @@ __all__ = [
     "MemberShape",
     "RectangularMember",
     "SparHull",
-    "WettedSurface",
     "SteppedSpar",
+    "WettedSurface",
 ]

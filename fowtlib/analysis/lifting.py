@@ -110,7 +110,8 @@ class _Tower:
         if not self.tanks:
             raise ModelError(f"{plant.name}: the water of {self.piston.path} comes from a tank, and there is none.")
         told = [(part, fact) for part in root.walk() for fact in part.facts()]
-        self.bodies = [(part, fact) for part, fact in told if isinstance(fact, facts.Mass)]
+        water = (self.piston, *self.tanks)  # whose masses are those of a state, not of the start
+        self.bodies = [(part, fact) for part, fact in told if isinstance(fact, facts.Mass) and part not in water]
         hulls = [(part, fact) for part, fact in told if isinstance(fact, facts.Loads) and fact.name == "C"]
         if len(hulls) != 1:
             raise ModelError(f"{plant.name}: it has {len(hulls)} hulls with a linear stiffness; this asks for one.")

@@ -197,7 +197,7 @@ class _Sizing:
             y = np.clip(problem.y(begin), *ends)
             if problem.point(y).failure:
                 continue
-            found = least_squares(missed, y, slopes, ends, xtol=1e-10, ftol=1e-10, gtol=1e-12, max_nfev=EVALUATIONS)
+            found = least_squares(missed, y, slopes, ends, xtol=1e-8, ftol=1e-9, gtol=1e-12, max_nfev=EVALUATIONS)
             best = found if best is None or found.cost < best.cost else best
             if best.cost < MISSED**2 / 2:
                 break
