@@ -134,7 +134,8 @@ def hull_numbers(floater: Floater) -> Sequence[float]:
             f"{floater.label}.position: its z must be zero, for the frame lies on the still water level; to float "
             "higher or deeper, set raised."
         )
-    hull = _checked(floater.hull(), floater.held_upright)
+    linear = any(isinstance(part, Hydrostatics) for part in floater.parts.values())
+    hull = _checked(floater.hull(), floater.held_upright or not linear)
     depth = float(floater.world.parameter_value("water_depth"))
     if hull.lowest < -depth:
         raise ParameterError(

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable
+from dataclasses import replace
 from functools import partial
 from typing import TYPE_CHECKING
 
@@ -108,6 +109,17 @@ class Member(Component):
 
     def numbers(self, raised: float) -> MemberShape:
         """The member with the values that its parameters have now, everything `raised` [m] higher."""
+        outside, inner = self.outside(raised), self.parts.values()
+        walls = np.broadcast_to(np.ravel(self.parameter_value("wall_thickness")), len(outside.stations))
+        return replace(
+            outside, walls=tuple(map(float, walls)), density=float(self.parameter_value("density")),
+            fills=tuple(part.numbers(raised, outside.length) for part in inner if isinstance(part, Ballast)),
+            plates=tuple(part.numbers() for part in inner if isinstance(part, Bulkhead)),
+            lumps=tuple(part.numbers(raised) for part in inner if isinstance(part, LumpedMass)),
+        )  # fmt: skip
+
+    def outside(self, raised: float) -> MemberShape:
+        """What the water sees of it: as `numbers`, without what it is made of and filled with, which is not read."""
         start, end = ((float(x), float(y), float(z) + raised) for x, y, z in
                       (self.parameter_value("start"), self.parameter_value("end")))  # fmt: skip
         length = float(np.linalg.norm(np.subtract(end, start)))
@@ -115,16 +127,10 @@ class Member(Component):
         places = _stations(
             self, {"its section": len(sizes), "wall_thickness": np.size(self.parameter_value("wall_thickness"))}
         )
-        walls = np.broadcast_to(np.ravel(self.parameter_value("wall_thickness")), len(places))
         sizes = np.broadcast_to(sizes, (len(places), 2))
-        inner = self.parts.values()
         return MemberShape(
             self.label, start, end, tuple(float(s * length) for s in places),
-            tuple((float(a), float(b)) for a, b in sizes), is_round,
-            tuple(map(float, walls)), float(self.parameter_value("density")), turn,
-            tuple(part.numbers(raised, length) for part in inner if isinstance(part, Ballast)),
-            tuple(part.numbers() for part in inner if isinstance(part, Bulkhead)),
-            tuple(part.numbers(raised) for part in inner if isinstance(part, LumpedMass)),
+            tuple((float(a), float(b)) for a, b in sizes), is_round, turn=turn,
         )  # fmt: skip
 
 

@@ -98,6 +98,15 @@ class Union:
         """The surface of the union under water, in large facets."""
         return surface(self.bodies, below=0.0)
 
+    def triangles(self, sides: int | None = None) -> Floats:
+        """The whole surface (n, 3, 3), above the water too; sides: of the polygon of a circle, FINE where not given."""
+        bodies = self.bodies if sides is None else [
+            member.body(a, b, k, _width(member, a, b) * math.pi / (sides - 0.5) if member.is_round else None,
+                        divided=False)
+            for k, member in enumerate(self.members) for a, b in member.pieces()
+        ]  # fmt: skip
+        return as_triangles([facet.corners for _, facet in surface(bodies)])
+
     def wet_spans(self, number: int) -> list[Span]:
         """The parts of the axis of a member that count and lie under water."""
         member = self.members[number]
@@ -160,6 +169,16 @@ class Union:
             else:
                 nearest.append((between, a.number, b.number))
         return min(((d, a, b) for d, a, b in nearest if root(a) != root(b)), default=None)
+
+
+def as_triangles(polygons: list[Floats]) -> Floats:
+    """Triangles (n, 3, 3) that fill convex polygons, fans about their first corners."""
+    triangles = [polygon[[0, k, k + 1]] for polygon in polygons for k in range(1, len(polygon) - 1)]
+    return np.array(triangles).reshape(-1, 3, 3)
+
+
+def _width(member: MemberShape, a: float, b: float) -> float:
+    return float(max(member.size_at(a)[0], member.size_at(b, after=False)[0]))
 
 
 @lru_cache(maxsize=16)

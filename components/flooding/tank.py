@@ -1,0 +1,153 @@
+"""A tank on a frame: water with a level surface, whose mass, centre and inertia follow from volume and tilt."""
+
+from __future__ import annotations
+
+import math
+from typing import Any
+
+from fowtlib.components.environment.world import World
+from fowtlib.components.flooding import air_space, sloshing, water_loads
+from fowtlib.components.flooding.connectors import Water
+from fowtlib.components.mechanics.connectors import Frame
+from fowtlib.language import Array, Component, Matrix, Scalar, Vector, assert_, der, eq, facts, outer, param, port, var
+from fowtlib.language import math as m
+from fowtlib.language.errors import ParameterError
+
+STEEPEST = 80.0  # deg, of the axis of a tank against the vertical
+MARGIN = 1e-6  # of the height of a tank: what Newton and rounding may leave above its roof, or below its floor
+DRY = 1e-3  # m, over which the head of a port passes from the surface to the port that comes out of the water
+SEEPING = 1e-6  # m/s on the section of the tank: what may leave through a dry port
+FILM = 1e-8  # of the section: it widens a tank above its roof and below its floor, so that a level exists at either
+
+
+class Tank(Component):
+    """Partial: a tank whose axis is the z axis of its frame, with `place` the middle of its floor.
+
+    State: the volume of water. Its surface is level in the world, whatever the body does, and mass, centre and inertia
+    are those of the water below that plane: the loss of stability by a free surface comes out and is no correction.
+    Ports lie at `places` on the wall. Head at a port: the surface, or the port itself while it lies above the surface,
+    plus the pressure of the air over rho g. Water may come in through a dry port, and none may leave.
+
+    Loads on the frame, in its axes, a: acceleration of its origin less gravity, w: angular velocity, c: centre, J:
+    inertia about the origin, p: ports, Q: flows in. The momentum of the water relative to the tank is P = d(m c)/dt -
+    rho sum(Q p); force = m a + w' x m c + w x (w x m c) + 2 w x P, moment = m c x a + J w' + w x J w + J' w - rho sum(Q
+    p x (w x p)) + w x (c x P). Kept are all terms of a flow that is steady relative to the tank: what comes in has the
+    velocity of its port, the Coriolis loads of what flows inside, and the change of inertia. Left out are d(P)/dt in
+    the tank (pressures by which the flow itself speeds up, of the order of m dQ/dt / area), jets, and the rotation of
+    the water relative to the tank. Pressures at ports are those in the world's gravity, not in that of a tank that
+    accelerates. With `sloshing`: see fowtlib.components.flooding.sloshing.
+    """
+
+    place: Vector = param(default=(0, 0, 0), unit="m", doc="middle of the floor, resolved in the frame")
+    places: Array = param(
+        default=((0.0, 0.0, 0.0),), unit="m", doc="ports (n, 3), from the middle of the floor, resolved in the frame"
+    )
+    volume_start: Scalar = param(unit="m^3", min=0, doc="water at the start")
+    density: Scalar = param(default=None, unit="kg/m^3", min=0, doc="density of the water; without: World's")
+    sealed: bool = param(default=False, doc="its air is trapped; else it is the open air")
+    air_volume: Scalar = param(default=0.0, unit="m^3", min=0, doc="air of a sealed tank above its roof, in pipes")
+    atmospheric_pressure: Scalar = param(default=101325.0, unit="Pa", min=1.0, doc="absolute pressure of the open air")
+    air_mass_start: Scalar = param(default=None, unit="kg", min=0, doc="air of a sealed tank; without: at atmosphere")
+    polytropic_exponent: Scalar = param(default=1.0, min=1, max=1.67, doc="n of trapped air, p ~ rho^n; 1: isothermal")
+    sloshing: bool = param(default=False, doc="the first mode of the water along x and y moves by itself")
+    slosh_damping: Scalar = param(default=0.01, min=0, doc="damping of that mode over the critical one")
+
+    world: World = outer(World)
+    frame: Frame = port(doc="frame that carries the tank")
+    water: Water = port(size=lambda self: len(self.parameter_value("places")), optional=True, doc="at each place")
+
+    volume: Scalar = var(unit="m^3", state="always", start=volume_start, doc="volume of the water")
+    level: Scalar = var(unit="m", state="never", start=lambda self: self.start_level(), doc="water on the axis")
+    surface: Scalar = var(unit="m", state="never", doc="height of the free surface above the still water level")
+    air_pressure: Scalar = var(unit="Pa", doc="of the air above the water, above the atmosphere")
+    velocity: Vector = var(unit="m/s", state="avoid", doc="velocity of the frame, world")
+    mass: Scalar = var(unit="kg", state="never", doc="mass of the water")
+    moments: Vector = var(unit="kg*m", state="never", doc="mass times centre, from the frame, resolved in it")
+    centre: Vector = var(unit="m", state="never", doc="centre of the water, from the frame, resolved in it")
+    inertia: Matrix = var(unit="kg*m^2", state="never", doc="inertia about the origin of the frame, resolved in it")
+
+    def vessel(self) -> Any:
+        """Its shape, with `area`, `height` and `contents(level, slope)`: see fowtlib.components.flooding.sections."""
+        raise NotImplementedError
+
+    def modes(self, density: Any) -> tuple[sloshing.Mode, sloshing.Mode]:
+        """First modes along x and y."""
+        raise NotImplementedError(type(self).__name__)
+
+    def first_mode_share(self) -> float:
+        """Share of that mode in the static moment of the free surface."""
+        raise ParameterError(
+            f"{self.label}.sloshing: modes are known of box tanks and round tanks without an inner wall, and not of "
+            f"a {type(self).__name__} like this; leave sloshing out."
+        )
+
+    def start_level(self) -> Any:
+        """A first guess of the level at the start."""
+        return self.volume_start / self.vessel().area
+
+    def build(self):
+        if self.sealed:
+            air_space.declare(self)
+        else:
+            self.refuse_unused(*air_space.PARAMETERS, because="the tank is open to the air (sealed: false)")
+        if self.sloshing:
+            self.first_mode_share()
+            sloshing.declare(self)
+        else:
+            self.refuse_unused("slosh_damping", because="the surface stays level (sloshing: false)")
+
+    def equations(self):
+        vessel, rho, up = self.vessel(), density(self), self.frame.R.T @ m.vertcat(0, 0, 1)
+        modes = self.modes(rho) if self.sloshing else None
+        level_share = 1 - self.first_mode_share() if self.sloshing else 1  # of the slope, that follows at once
+        held = vessel.contents(self.level, (level_share * up[0] / up[2], level_share * up[1] / up[2]))
+        first, inertia = water_loads.about_frame(self, rho, held)
+        first = first + sloshing.moved(self, modes) if self.sloshing else first
+        film = FILM * vessel.area * (self.level - vessel.height / 2)
+        ports = [self.place + self.places[i, :].T for i in range(len(self.water))]
+        return [
+            eq(der(self.volume), sum((w.volume_flow for w in self.water), 0.0)),
+            eq(self.volume, held.volume + film),
+            eq(self.surface, self.frame.r[2] + m.dot(up, self.place + m.vertcat(0, 0, self.level))),
+            [eq(self.velocity, der(self.frame.r)), eq(self.mass, rho * self.volume), eq(self.moments, first)],
+            [eq(self.centre, first / (self.mass + rho * FILM * vessel.area)), eq(self.inertia, inertia)],
+            [eq(w.head, _head(self, rho, up, p)) for w, p in zip(self.water, ports, strict=True)],
+            air_space.laws(self) if self.sealed else eq(self.air_pressure, 0),
+            *water_loads.laws(self, rho, ports, modes),
+            *_limits(self, vessel, up, ports),
+        ]
+
+    def facts(self) -> list[facts.Fact]:
+        return [facts.Reading("volume"), facts.Reading("level")]
+
+
+def density(tank: Tank) -> Any:
+    """Density of its water [kg/m^3]."""
+    return tank.world.water_density if tank.density is None else tank.density
+
+
+def _head(tank: Tank, rho: Any, up: Any, place: Any) -> Any:
+    """Head at a port: the surface, or its own height while it is dry, and the air on top of it."""
+    own = tank.frame.r[2] + m.dot(up, place)
+    return m.smooth_max(tank.surface, own, DRY) + tank.air_pressure / (rho * tank.world.gravity)
+
+
+def _limits(tank: Tank, vessel: Any, up: Any, ports: list[Any]) -> list[Any]:
+    """What the equations hold for: neither more than it holds, nor less than nothing, nor air into a pipe."""
+    full, found = vessel.capacity, []
+    for i, place in enumerate(ports):
+        flow, dry = -tank.water[i].volume_flow, tank.frame.r[2] + m.dot(up, place) - tank.surface
+        found.append(
+            assert_(m.if_else(dry > 2 * DRY, flow < SEEPING * vessel.area, 1), f"air comes into its port {i}: it lies "
+                    "{dry} m above the water, of which {water} m3 are left, and {flow} m3/s leave through it; stop the "
+                    "pump or close the valve before", dry=dry, water=tank.volume, flow=flow)
+        )  # fmt: skip
+    return [
+        *found,
+        assert_(tank.volume < (1 + MARGIN) * full, "the tank is overfilled: {water} m3 of water, and it holds {full} m3"
+                "; stop its pump before, or join an overflow", water=tank.volume, full=full),
+        assert_(tank.volume > -MARGIN * full, "the tank is drained: {water} m3 are left in it; stop its pump before",
+                water=tank.volume),
+        assert_(up[2] > math.cos(math.radians(STEEPEST)), "the axis of the tank is turned by more than "
+                f"{STEEPEST:g} deg against the vertical, where its level is not determined"),
+    ]  # fmt: skip
