@@ -6,7 +6,11 @@ from dataclasses import replace
 import pytest
 
 import fowtlib as fw
+from fowtlib.analysis.stages import Stage, construction_stages
+from fowtlib.components.mechanics import FreeMotion, World
+from fowtlib.components.platform import CircularMember, Floater
 from fowtlib.design.construction import BuildStage, ballast_for, build_stages, hull_sizes
+from fowtlib.language import Assembly
 from fowtlib.language.errors import ModelError
 
 
@@ -62,6 +66,32 @@ def test_rings_without_ballast_turn_over(hull):
     for row, ballast in zip(rows[1:], needed[1:], strict=True):
         (found,) = build_stages(hull, [BuildStage(row.name, row.top, solid_ballast=ballast)])
         assert found.metacentric_height == pytest.approx(1.0, abs=1e-5)
+
+
+def test_the_stages_are_those_of_the_surfaces_of_members(hull):
+    """Draft, centre of buoyancy and metacentric height by integrals over wetted triangles: another formulation."""
+    ours = [BuildStage("base", 12.0), BuildStage("rings", 47.0, 1860e3),
+            BuildStage("raised", 82.0, 5325e3, 0.0, 970e3, 127.0)]  # fmt: skip
+    rows = build_stages(hull, ours)
+    root = Assembly("members")
+    root.world = World(water_depth=90, gravity=9.81)
+    root.motion, root.floater = FreeMotion(), Floater(held_upright=True)
+    places = {"plate": (0, 2, 40, 40), "base": (2, 7, 30, 30), "cone": (7, 12, 30, 15), "lower": (12, 47, 15, 15),
+              "upper": (47, 82, 15, 15)}  # fmt: skip
+    for name, (low, high, below, above) in places.items():
+        part = CircularMember(start=(0, 0, low - 62), end=(0, 0, high - 62), diameters=[below, above])
+        setattr(root.floater, name, part)
+    root.connect(root.world.frame, root.motion.frame_a)
+    root.connect(root.motion.frame_b, root.floater.frame)
+    built = (("plate", "base", "cone"), ("lower",), ("upper",))
+    stages = [Stage(row.name, members, {}, {"all": (row.mass, (0.0, 0.0, row.centre_of_mass - 62))})
+              for row, members in zip(rows, built, strict=True)]  # fmt: skip
+    found = construction_stages(fw.load(root).root.floater, stages, clearance=2.0)
+    for row, other in zip(rows, found, strict=True):
+        assert other.rest.draft == pytest.approx(row.draft, abs=1e-4)
+        assert other.upright.metacentric_height == pytest.approx(row.metacentric_height, abs=1e-4)
+        assert other.upright.centre_of_buoyancy[2] + 62 == pytest.approx(row.centre_of_buoyancy, abs=1e-4)
+        assert other.needed_depth == pytest.approx(row.water_depth, abs=1e-4)
 
 
 def test_raising_keeps_the_draft(hull):
