@@ -8,6 +8,7 @@ from fowtlib.components.mechanics.beam import AxialSpring, Beam, BeamHinge, Beam
 from fowtlib.components.mechanics.beam_properties import BeamProperties, read_beam
 from fowtlib.components.mechanics.bodies import Fixed, FixedRotation, FixedTranslation, PointMass, RigidBody
 from fowtlib.components.mechanics.forced_motion import ForcedOscillation
+from fowtlib.components.mechanics.imposed_motion import ImposedMotion, MotionRecord, read_motion
 from fowtlib.components.mechanics.interfaces import TwoFlanges, TwoFrames
 from fowtlib.components.mechanics.joints import Crank, FreeMotion, PlanarLoopRevolute, Prismatic, Revolute, Spherical
 from fowtlib.components.mechanics.loads import ConstantForce, SpringDamper, WorldForce, WorldTorque
@@ -31,6 +32,7 @@ from fowtlib.components.mechanics.sensors import (
     RelativeSensor,
     VelocitySensor,
 )
+from fowtlib.components.mechanics.swept_force import SweptForce
 from fowtlib.components.mechanics.tube_beam import TubeBeam
 from fowtlib.components.mechanics.visual import VisualBox, VisualTube
 from fowtlib.components.mechanics.wire import AxialWire
@@ -43,9 +45,9 @@ __all__ = [
     "AxialSpring",
     "AxialWire",
     "Beam",
+    "BeamHinge",
     "BeamProperties",
     "BeamTurn",
-    "BeamHinge",
     "BendingHinge",
     "ConstantForce",
     "Crank",
@@ -59,8 +61,10 @@ __all__ = [
     "Frame",
     "FreeMotion",
     "IdealGear",
+    "ImposedMotion",
     "Inertia",
     "LoadSensor",
+    "MotionRecord",
     "PlanarLoopRevolute",
     "PointMass",
     "PositionSensor",
@@ -73,6 +77,7 @@ __all__ = [
     "SpeedSource",
     "Spherical",
     "SpringDamper",
+    "SweptForce",
     "TorqueSensor",
     "TorqueSource",
     "TorsionHinge",
@@ -87,4 +92,5 @@ __all__ = [
     "WorldForce",
     "WorldTorque",
     "read_beam",
+    "read_motion",
 ]
