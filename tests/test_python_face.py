@@ -42,7 +42,8 @@ def test_the_names_are_those_that_are_there():
     assert sorted(dir(fw)) == sorted([*fw.__all__, "__version__"])
     assert all(getattr(fw, name) is not None for name in dir(fw))
     assert set(fw.analysis.__all__) - set(dir(fw)) <= {
-        "Campbell", "Decay", "DecayFit", "HarmonicFit", "ParameterMap", "Rao", "Sheet", "Spectrum", "StaticCurve"
+        "Campbell", "Decay", "DecayFit", "HarmonicFit", "ParameterMap", "PullTest", "Rao",
+        "RegularTest", "Sheet", "SpectralRao", "Spectrum", "StaticCurve", "Transfer"
     }  # what the functions give  # fmt: skip
     assert fw.__version__ == version("fowtlib")
     with pytest.raises(AttributeError, match="module 'fowtlib' has no attribute 'lod'"):

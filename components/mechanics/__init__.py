@@ -9,6 +9,7 @@ from fowtlib.components.mechanics.beam_properties import BeamProperties, read_be
 from fowtlib.components.mechanics.bodies import Fixed, FixedRotation, FixedTranslation, PointMass, RigidBody
 from fowtlib.components.mechanics.forced_motion import ForcedOscillation
 from fowtlib.components.mechanics.guide import Guide
+from fowtlib.components.mechanics.imposed_motion import ImposedMotion, MotionRecord, read_motion
 from fowtlib.components.mechanics.interfaces import TwoFlanges, TwoFrames
 from fowtlib.components.mechanics.joints import Crank, FreeMotion, PlanarLoopRevolute, Prismatic, Revolute, Spherical
 from fowtlib.components.mechanics.loads import ConstantForce, SpringDamper, WorldForce, WorldTorque
@@ -32,6 +33,7 @@ from fowtlib.components.mechanics.sensors import (
     RelativeSensor,
     VelocitySensor,
 )
+from fowtlib.components.mechanics.swept_force import SweptForce
 from fowtlib.components.mechanics.translational import EndStop, Latch, SlidingFriction
 from fowtlib.components.mechanics.tube_beam import TubeBeam
 from fowtlib.components.mechanics.visual import VisualBox, VisualTube
@@ -50,9 +52,9 @@ __all__ = [
     "AxialSpring",
     "AxialWire",
     "Beam",
+    "BeamHinge",
     "BeamProperties",
     "BeamTurn",
-    "BeamHinge",
     "BendingHinge",
     "ConstantForce",
     "Crank",
@@ -66,8 +68,10 @@ __all__ = [
     "Frame",
     "FreeMotion",
     "IdealGear",
+    "ImposedMotion",
     "Inertia",
     "LoadSensor",
+    "MotionRecord",
     "PlanarLoopRevolute",
     "PointMass",
     "PositionSensor",
@@ -81,6 +85,7 @@ __all__ = [
     "SpeedSource",
     "Spherical",
     "SpringDamper",
+    "SweptForce",
     "TorqueSensor",
     "TorqueSource",
     "TorsionHinge",
@@ -95,4 +100,5 @@ __all__ = [
     "WorldForce",
     "WorldTorque",
     "read_beam",
+    "read_motion",
 ]

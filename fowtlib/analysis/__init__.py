@@ -2,9 +2,10 @@
 
 from fowtlib.analysis.campbell import Campbell, campbell
 from fowtlib.analysis.case_statistics import case_statistics, over_cases
-from fowtlib.analysis.comparison import compare_results
+from fowtlib.analysis.comparison import compare_over_time, compare_results
 from fowtlib.analysis.decay import Decay, analyse_decay, free_decay
 from fowtlib.analysis.decay_fits import DecayFit, damped_sinusoid, decay_equation, linear_quadratic
+from fowtlib.analysis.dry_tests import PullTest, pull_test
 from fowtlib.analysis.extremes import block_maxima, fit_gumbel
 from fowtlib.analysis.fatigue import damage_equivalent_load, equivalent_loads, lifetime_equivalent_load
 from fowtlib.analysis.harmonics import HarmonicFit, harmonic_fit
@@ -16,6 +17,8 @@ from fowtlib.analysis.sheet import Sheet, model_sheet
 from fowtlib.analysis.spectra import Spectrum, average, compare, power_spectrum
 from fowtlib.analysis.static import StaticCurve, static_curve
 from fowtlib.analysis.statistics import normalized_maxima, over_seeds, up_crossings
+from fowtlib.analysis.swept import Transfer, linear_transfer, swept_transfer
+from fowtlib.analysis.tank_waves import RegularTest, SpectralRao, rao_of_tests, regular_test, spectral_rao
 
 __all__ = [
     "Campbell",
@@ -23,16 +26,21 @@ __all__ = [
     "DecayFit",
     "HarmonicFit",
     "ParameterMap",
+    "PullTest",
     "Rao",
+    "RegularTest",
     "Sheet",
+    "SpectralRao",
     "Spectrum",
     "StaticCurve",
+    "Transfer",
     "analyse_decay",
     "average",
     "block_maxima",
     "campbell",
     "case_statistics",
     "compare",
+    "compare_over_time",
     "compare_results",
     "damage_equivalent_load",
     "damped_sinusoid",
@@ -44,15 +52,21 @@ __all__ = [
     "lifetime_equivalent_load",
     "linear_quadratic",
     "linear_rao",
+    "linear_transfer",
     "model_sheet",
     "normalized_maxima",
     "over_cases",
     "over_seeds",
     "parameter_map",
     "power_spectrum",
+    "pull_test",
+    "rao_of_tests",
+    "regular_test",
     "scaled",
     "simulated_rao",
+    "spectral_rao",
     "static_curve",
+    "swept_transfer",
     "ultimate_loads",
     "up_crossings",
 ]

@@ -53,8 +53,6 @@ class Wind(OnDiscs, Component, selector="kind", shared=("speeds", "velocity")):
     in `spectral_density` what its spectrum is.
     """
 
-    of_the_air = True
-
     kind: str = param(default="none", bound=True, doc="kind of wind")
     mean_speed: Scalar = param(default=0.0, unit="m/s", min=0, doc="mean speed V at reference_height")
     reference_height: Number = param(default=90.0, unit="m", min=0, bound=True, doc="height of mean_speed: the hub")

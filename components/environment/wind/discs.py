@@ -25,6 +25,8 @@ DISC_WINDS = ("thrust", "torque", "tilt moment", "yaw moment")
 class OnDiscs:
     """What a kind of wind knows of its turbulence away from the stations, for rotors in effective winds; for Wind."""
 
+    of_the_air = True
+
     kind: str
     label: str
     spectral_density: Callable[[ArrayLike], np.ndarray]
