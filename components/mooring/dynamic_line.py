@@ -47,6 +47,8 @@ class DynamicLine(DynamicSections):
     tension above breaking_load; a node that comes out of the water.
     """
 
+    mode_names = {"*": "{part} motion"}
+
     anchor_position: Vector = param(default=(0, 0, 0), unit="m", doc="anchor, world; unless a frame is its anchor")
     greatest_strain: Scalar = param(default=0.1, min=0, doc="stretch per length up to which the tension law holds")
 
@@ -81,7 +83,7 @@ class DynamicLine(DynamicSections):
         pull = lumped_mass.tensions(nodes, velocities, line) * self.whole(n - 1)
         inside = lumped_mass.directions(nodes)[1] * ca.repmat(pull, 3, 1)
         if self.bends():
-            inside += lumped_mass.shears(nodes, line)
+            inside += lumped_mass.shears(nodes, line) * ca.repmat(self.whole(n - 1), 3, 1)
         moving = now.accelerations(now.force + _differences(inside))[:, 1:-1] - carried[2][:, 1:-1]
         held = now.inertia(carried[2]) - now.force
         pulls = [held[:, 0] - inside[:, 0], held[:, -1] + inside[:, -1]]  # what holds the ends
@@ -135,7 +137,8 @@ def _rates(anchor: Any, fairlead: Any) -> list[Any]:
 
 def _limits(line: DynamicLine, nodes: Any, elements: lumped_mass.Elements) -> list[Any]:
     """What the equations hold for."""
-    strain = ca.mmax(lumped_mass.directions(nodes)[0] / elements.length) - 1
+    whole = line.whole(nodes.shape[1] - 1)  # an element that broke has no strain
+    strain = ca.mmax((lumped_mass.directions(nodes)[0] / elements.length - 1) * whole)
     breaking = [] if line.parameter_value("breaking_load") is None else [
         assert_(line.tension < line.each("breaking_load")[-1], "the tension of {tension} N is above the breaking load",
                 "warning", tension=line.tension)

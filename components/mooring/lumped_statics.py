@@ -76,6 +76,8 @@ def settled(nodes: Floats, line: StaticLine) -> Floats:
     step = 1e-3 / max(float(np.max(_forces(nodes, line)[1])), 1e-12)
     for _ in range(600):
         force, stiffness, ground = _forces(nodes, line)
+        if np.max(np.abs(force[1:-1])) < 1e-9 * np.max(np.abs(line.weight)):
+            return nodes
         move = _solved(force[1:-1], stiffness, ground[1:-1], 1 / step)
         longest = np.max(np.linalg.norm(move, axis=1)) / np.min(line.length)
         if not np.isfinite(longest):
