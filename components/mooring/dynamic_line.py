@@ -39,12 +39,13 @@ class DynamicLine(DynamicSections):
     Equations: fowtlib.components.mooring.lumped_mass. Ports and names are those of CatenaryLine, whose place it takes.
     States are the offsets of the nodes between the ends from the shape at rest, which is found where a run starts for
     where the ends are then, and goes with them: node k by the share of unstretched length that lies below it. The run
-    begins settled, but for bending and friction; where a start value moves an end, `equilibrium` settles the line.
+    begins settled, but for bending and current; with these, and where a start value moves an end, `equilibrium` settles
+    the line.
 
     Good for elements of less than a quarter of the length of the waves in the line, whose axial modes the solver need
     not resolve; for a seabed without slopes; for angles from element to element that are small, where it bends. The
     water is that at the nodes at rest. Errors: an end below the seabed; a strain beyond greatest_strain. Warnings: a
-    tension above breaking_load; a node that comes out of the water.
+    tension above breaking_load. It may break at its fairlead during a run (`loss`), and falls.
     """
 
     mode_names = {"*": "{part} motion"}

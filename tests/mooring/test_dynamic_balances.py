@@ -8,7 +8,7 @@ import fowtlib as fw
 from fowtlib.components.environment import Current
 from fowtlib.components.mechanics import Fixed, World
 from fowtlib.components.mechanics.forced_motion import ForcedOscillation
-from fowtlib.components.mooring import CrowFoot, DynamicLine, LineJoint, SectionedLine
+from fowtlib.components.mooring import CrowFoot, DragAnchor, DynamicLine, LineJoint, SectionedLine
 from fowtlib.language import Assembly
 from fowtlib.language.errors import ParameterError
 
@@ -239,6 +239,29 @@ def test_friction_of_a_line_that_is_drawn_over_the_seabed():
     v = speed * np.arange(1, n) / n
     expected = friction * weight * np.sum(v / np.hypot(v, 0.01))
     assert np.max((tensions[:, -1] - tensions[:, 0])[last]) == pytest.approx(expected, rel=0.03)
+
+
+def test_an_anchor_is_dragged_where_the_pull_is_more_than_it_holds():
+    """It holds one that is pulled with less, and goes until the line pulls with its capacity."""
+    H = 736.1e3  # of this line at rest
+
+    def dragged(capacity):
+        model = Assembly("an anchor that gives way")
+        model.world = World(water_depth=320)
+        model.anchor = DragAnchor(position=(0, 0, -320), holding_capacity=capacity)
+        model.fairlead = Fixed(r=(848.67, 0, -70))
+        model.line = DynamicLine(lengths=902.2, elements=8, **CHAIN)
+        model.connect(model.anchor.frame, model.line.anchor)
+        model.connect(model.fairlead.frame, model.line.fairlead)
+        return fw.load(model).compile().simulate(120.0, output_step=0.5, solver="fixed", step=0.0125)
+
+    held = dragged(1.5 * H)
+    assert float(held["anchor.way"][-1]) == pytest.approx(0.16, abs=0.01)  # 0.2 H / C, and less stiff near C
+    with pytest.warns(UserWarning, match="the anchor is dragged"):
+        gone = dragged(0.8 * H)
+    assert float(gone["anchor.way"][-1]) > 3.0
+    assert float(gone["line.anchor_tension"][-1]) == pytest.approx(0.8 * H, rel=0.02)
+    assert np.asarray(gone["anchor.dragged"])[-1][1:] == pytest.approx(0, abs=1e-6)
 
 
 def test_points_are_counted():
