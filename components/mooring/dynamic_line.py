@@ -39,13 +39,16 @@ class DynamicLine(DynamicSections):
     Equations: fowtlib.components.mooring.lumped_mass. Ports and names are those of CatenaryLine, whose place it takes.
     States are the offsets of the nodes between the ends from the shape at rest, which is found where a run starts for
     where the ends are then, and goes with them: node k by the share of unstretched length that lies below it. The run
-    begins settled, but for bending and friction; where a start value moves an end, `equilibrium` settles the line.
+    begins settled, but for bending and current; with these, and where a start value moves an end, `equilibrium` settles
+    the line.
 
     Good for elements of less than a quarter of the length of the waves in the line, whose axial modes the solver need
     not resolve; for a seabed without slopes; for angles from element to element that are small, where it bends. The
     water is that at the nodes at rest. Errors: an end below the seabed; a strain beyond greatest_strain. Warnings: a
-    tension above breaking_load; a node that comes out of the water.
+    tension above breaking_load. It may break at its fairlead during a run (`loss`), and falls.
     """
+
+    mode_names = {"*": "{part} motion"}
 
     anchor_position: Vector = param(default=(0, 0, 0), unit="m", doc="anchor, world; unless a frame is its anchor")
     greatest_strain: Scalar = param(default=0.1, min=0, doc="stretch per length up to which the tension law holds")
@@ -81,7 +84,7 @@ class DynamicLine(DynamicSections):
         pull = lumped_mass.tensions(nodes, velocities, line) * self.whole(n - 1)
         inside = lumped_mass.directions(nodes)[1] * ca.repmat(pull, 3, 1)
         if self.bends():
-            inside += lumped_mass.shears(nodes, line)
+            inside += lumped_mass.shears(nodes, line) * ca.repmat(self.whole(n - 1), 3, 1)
         moving = now.accelerations(now.force + _differences(inside))[:, 1:-1] - carried[2][:, 1:-1]
         held = now.inertia(carried[2]) - now.force
         pulls = [held[:, 0] - inside[:, 0], held[:, -1] + inside[:, -1]]  # what holds the ends
@@ -135,7 +138,8 @@ def _rates(anchor: Any, fairlead: Any) -> list[Any]:
 
 def _limits(line: DynamicLine, nodes: Any, elements: lumped_mass.Elements) -> list[Any]:
     """What the equations hold for."""
-    strain = ca.mmax(lumped_mass.directions(nodes)[0] / elements.length) - 1
+    whole = line.whole(nodes.shape[1] - 1)  # an element that broke has no strain
+    strain = ca.mmax((lumped_mass.directions(nodes)[0] / elements.length - 1) * whole)
     breaking = [] if line.parameter_value("breaking_load") is None else [
         assert_(line.tension < line.each("breaking_load")[-1], "the tension of {tension} N is above the breaking load",
                 "warning", tension=line.tension)

@@ -1,6 +1,6 @@
 """The shape of a line of point masses at rest between two places, in NumPy: where runs start.
 
-The nodes are those of fowtlib.components.mooring.lumped_mass, without bending and friction; current counts by its drag.
+The nodes are those of fowtlib.components.mooring.lumped_mass, without bending, friction and current.
 The way to it is that of a line in honey: implicit steps along -dE/dr, of growing length, with the exact stiffness of
 the elements, the seabed and the weight, so that the energy E falls whatever the start is.
 """
@@ -36,8 +36,6 @@ class StaticLine:
     ground: Floats
     width: Floats
     depth: float
-    drag: Any = None
-    """Function of nodes (n + 1, 3) that gives the forces (n + 1, 3) of a current; None: there is none."""
 
 
 def rounded(pull: Floats, slope: Floats, stiffness: Floats) -> tuple[Floats, Floats]:
@@ -64,8 +62,6 @@ def _forces(nodes: Floats, line: StaticLine) -> tuple[Floats, Floats, Floats]:
     half = half + line.diameter / 2
     s = np.clip(nodes[:, 2] / half, -1, 1)
     force[:, 2] -= line.lift * (0.5 + 0.75 * s - 0.25 * s**3)
-    if line.drag is not None:
-        force += line.drag(nodes)
     upright = line.ground * (1 + below / size) / 2 + np.maximum(line.lift, 0) * 0.75 * (1 - s**2) / half
     return force, stiffness, upright
 
@@ -76,6 +72,8 @@ def settled(nodes: Floats, line: StaticLine) -> Floats:
     step = 1e-3 / max(float(np.max(_forces(nodes, line)[1])), 1e-12)
     for _ in range(600):
         force, stiffness, ground = _forces(nodes, line)
+        if np.max(np.abs(force[1:-1])) < 1e-9 * np.max(np.abs(line.weight)):
+            return nodes
         move = _solved(force[1:-1], stiffness, ground[1:-1], 1 / step)
         longest = np.max(np.linalg.norm(move, axis=1)) / np.min(line.length)
         if not np.isfinite(longest):

@@ -7,6 +7,7 @@ import fowtlib as fw
 from fowtlib.components.blocks import Constant
 from fowtlib.components.mechanics import FreeMotion, RigidBody, World, WorldForce
 from fowtlib.components.mooring import CatenaryLine, MooringSystem
+from fowtlib.components.mooring.lumped_system import LumpedSystem
 from fowtlib.language import Assembly
 
 LINES = {"length": [902.2, 900.0, 905.0], "axial_stiffness": 384.243e6, "friction": 0.5}
@@ -67,9 +68,11 @@ NUMBERS = [(layout, name) for layout in LAYOUTS for name in LAYOUTS[layout]]
 def test_every_number_is_covered():
     plain = {"greatest_strain", "breaking_load", "drag_coefficient", "added_mass_coefficient"}  # move nothing at rest
     declared = {name for name, field in MooringSystem.parameters.items() if field.tunable}
-    assert declared == plain | {name for _, name in NUMBERS}
-    for kind in (MooringSystem, CatenaryLine):
-        assert [name for name, field in kind.parameters.items() if not field.tunable] == ["dynamics"]
+    lumped = {name for name, field in LumpedSystem.parameters.items() if field.tunable}  # of lines with dynamics only
+    assert declared == plain | lumped | {name for _, name in NUMBERS}
+    assert [name for name, field in CatenaryLine.parameters.items() if not field.tunable] == ["dynamics"]
+    chosen = {name for name, field in MooringSystem.parameters.items() if not field.tunable}
+    assert chosen == {"dynamics", "elements", "waves"}
 
 
 @pytest.mark.parametrize(("layout", "name"), NUMBERS)
