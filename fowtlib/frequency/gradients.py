@@ -6,7 +6,7 @@ model about it, the answers at all frequencies, the fixed point of the drag, and
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Hashable, Mapping, Sequence
 from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING, Any
 
@@ -178,6 +178,7 @@ class PreparedGradient:
         self._state: State | None = None
         self._gains: list[np.ndarray] | None = None
         self._newton: np.ndarray | None = None
+        self._apart: dict[Hashable, set[str]] = {}
 
     def _check(self, name: str) -> None:
         known = [*self.plant.outputs, *self.plant.dae.names]
@@ -207,6 +208,7 @@ class PreparedGradient:
         if self.freed:
             parameters = {**parameters, **{item.path: state.parameters[item.path] for item in self.freed}}
             run, freed = (TunedRun(self.plant, parameters, items) for items in (self.elements, self.freed))
+        run.apart = self._apart
         return _Evaluation(self, run, freed, state).found(slopes)
 
     def _parameters(self, point: Sequence[float] | np.ndarray | None) -> dict[str, Any]:
@@ -406,37 +408,49 @@ class _Evaluation:
             return found
         kept = [(k, item) for k, item in enumerate(driven) if item is not None]
         shares = self._shares([item for _, item in kept])
+        apart = {share.name: self.run.kept_apart(share.name, [item for item in self.run.elements
+                                                              if item.path in share.paths],
+                                                 share.here, share.weighted) for share in shares}  # fmt: skip
         for column, item in enumerate(self.run.elements):
-            mine = [share for share in shares if item.path in share.paths]
+            mine = [share for share in shares if item.path in share.paths and item not in apart[share.name]]
             if not mine:
                 continue
+            matters: set[Hashable] = set()
 
-            def weighted(value: float, item: Any = item, mine: Sequence[Share] = mine) -> np.ndarray:
+            def weighted(value: float, item: Any = item, mine: Sequence[Share] = mine,
+                         matters: set[Hashable] = matters) -> np.ndarray:  # fmt: skip
                 with self.run.tree_at(item, value) as root, one_evaluation():
-                    return sum(share.weighted(root) for share in mine)
+                    parts = [share.weighted(root) for share in mine]
+                matters |= {share.name for share, part in zip(mine, parts, strict=True)
+                            if not np.array_equal(part, share.here)}  # fmt: skip
+                return sum(parts)
 
             here = sum(share.here for share in mine)
             found[[k for k, _ in kept], column] = self.run.slope(item, weighted, here)
+            for share in mine:
+                if share.name not in matters:
+                    self.run.apart[share.name].add(item.name)
         return found
 
     def _shares(self, slopes: Sequence[Slopes]) -> list[Share]:
         """What goes into the response from each signal by itself, and from the spectra of each process."""
         known, omega = self.response.forcing, self.response.omega
-        tasks: list[tuple[Callable[[Component], np.ndarray], list[np.ndarray]]] = []
+        tasks: list[tuple[Hashable, Callable[[Component], np.ndarray], list[np.ndarray]]] = []
         driving = _signals(self.excited, self.run.tree).items()  # others stay at rest, as stations in a field
         for path, signal in ((path, signal) for path, (_, signals) in driving for signal in signals):
             first = known.driven[path].tolist().index(signal.columns.start)
             rows = slice(first, first + signal.columns.stop - signal.columns.start)
             channels = slice(signal.response(self.run.tree, omega[:1]).shape[2])
             bars = [of.drive[path][rows, :, channels].transpose(1, 0, 2) for of in slopes]
-            tasks.append((lambda root, signal=signal: signal.response(root, omega), bars))
+            name = ("signal", signal.path, signal.columns.start)
+            tasks.append((name, lambda root, signal=signal: signal.response(root, omega), bars))
         for path, columns in known.columns.items():
 
             def density(root: Component, path: str = path) -> np.ndarray:
                 return 2 * np.pi * np.asarray(_processes(self.excited, root)[path].density(omega))
 
-            tasks.append((density, [of.density[:, columns, columns] for of in slopes]))
-        return [Share.of(compute, bars, self.run.tree) for compute, bars in tasks]
+            tasks.append((("density", path), density, [of.density[:, columns, columns] for of in slopes]))
+        return [Share.of(name, compute, bars, self.run.tree) for name, compute, bars in tasks]
 
 
 @dataclass(frozen=True, eq=False)
@@ -446,19 +460,21 @@ class Share:
     paths: of the parameters that they are computed from; here: the slopes times the numbers, as they are.
     """
 
+    name: Hashable
     compute: Callable[[Component], np.ndarray]
     bars: np.ndarray
     paths: frozenset[str]
     here: np.ndarray
 
     @staticmethod
-    def of(compute: Callable[[Component], np.ndarray], bars: Sequence[np.ndarray], root: Component) -> Share:
+    def of(name: Hashable, compute: Callable[[Component], np.ndarray], bars: Sequence[np.ndarray],
+           root: Component) -> Share:  # fmt: skip
         """At a tree as it is."""
-        with parameters_read() as read:
+        with parameters_read() as read, one_evaluation():
             values = compute(root)
         paths = frozenset(f"{owner}.{name}" if owner else name for owner, name in read)
         rows = np.array([bar.conj().ravel() for bar in bars])
-        return Share(compute, rows, paths, (rows @ np.ravel(values)).real)
+        return Share(name, compute, rows, paths, (rows @ np.ravel(values)).real)
 
     def weighted(self, root: Component) -> np.ndarray:
         """The slopes times the numbers of another tree: scalars that change with them as the results do."""

@@ -9,7 +9,7 @@ differences of that part alone, on one copy of the component tree, and only of n
 from __future__ import annotations
 
 import copy
-from collections.abc import Callable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Hashable, Iterable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from dataclasses import dataclass
 from functools import cached_property
@@ -26,7 +26,7 @@ from fowtlib.language.series import Series
 from fowtlib.language.units import to_si
 from fowtlib.solving.binding import start_numbers, tree_with
 from fowtlib.solving.bindings import Common
-from fowtlib.solving.differences import derivative
+from fowtlib.solving.differences import SHORT, derivative
 from fowtlib.solving.starts import mean_parameters
 
 Plant = Any
@@ -123,6 +123,8 @@ class TunedRun:
         self.plant, self.parameters, self.elements = plant, dict(parameters or {}), list(elements)
         self.mean = mean_parameters(plant, self.parameters)
         self.binding = plant.binding(self.mean)
+        self.apart: dict[Hashable, set[str]] = {}
+        """Names of elements that do not matter to what is computed when a run starts, by what that is."""
 
     @cached_property
     def values(self) -> np.ndarray:
@@ -173,6 +175,35 @@ class TunedRun:
             return value
         moved.T.flat[item.number] = value
         return moved
+
+    def moved(self, items: Iterable[Tuned]) -> dict[str, np.ndarray]:
+        """Whole parameters with all these elements elsewhere, by the steps of their slopes."""
+        found: dict[str, np.ndarray] = {}
+        for item in items:
+            value = float(self.values[self.elements.index(item)])
+            step = SHORT * (abs(value) or 1.0)
+            value += step if item.max is None or value + step <= item.max else -step
+            whole = found.setdefault(item.path, np.array(self.whole(item)))
+            whole.T.flat[item.number if whole.shape else 0] = value
+        return found
+
+    def kept_apart(self, key: Hashable, items: Sequence[Tuned], here: np.ndarray,
+                   computed: Callable[[Component], np.ndarray],
+                   common: Common | None = None) -> list[Tuned]:  # fmt: skip
+        """The elements that did not matter to numbers computed from a tree, in evaluations before this.
+
+        A part of a hull knows all diameters and reads those near to it. That it still does is seen at once, by moving
+        all the others together: where the numbers are no longer the same, to the last digit, all count again.
+        """
+        common = self._of_run if common is None else common
+        known = self.apart.get(key, set())
+        apart = [item for item in items if item.name in known and item.tunable and common.is_plain(item.path)]
+        if apart:
+            with common.put(self.moved(apart)) as tree, one_evaluation():
+                if not np.array_equal(computed(tree), here):
+                    apart = []
+        self.apart[key] = {item.name for item in apart}
+        return apart
 
     def slope(self, item: Tuned, function: Callable[[float], np.ndarray],
               here: np.ndarray | None = None) -> np.ndarray:  # fmt: skip
@@ -237,18 +268,43 @@ class TunedRun:
                    if used[place].any() and read & self.binding.reads.get(path, frozenset())]  # fmt: skip
         if not others and not numbers:
             return np.zeros(len(p))
+        apart = self._numbers_apart
+        numbers = [k for k in numbers if item.name not in apart.get(k, ())]
+        if not others and not numbers:
+            return np.zeros(len(p))
         places = np.concatenate([np.r_[layout[path]] for path in others] + [np.r_[self._numbers[k]] for k in numbers])
-        given = np.array(self.binding.values[item.path])
+        given, matters = np.array(self.binding.values[item.path]), set()
 
         def computed(value: float) -> np.ndarray:
             moved = given.copy()
             moved.T.flat[item.number] = value
             with self._common.put({item.path: moved}) as tree, one_evaluation():
                 columns = [self._parameter(tree, path) for path in others]
-                columns += [start_numbers(dae.bound[k], tree.find(dae.bound[k].owner)) for k in numbers]
+                for k in numbers:
+                    columns.append(start_numbers(dae.bound[k], tree.find(dae.bound[k].owner)))
+                    if not np.array_equal(columns[-1], self.binding.p[self._numbers[k]]):
+                        matters.add(k)
             return np.concatenate(columns)
 
-        return p[:, places] @ self.slope(item, computed, self.binding.p[places])
+        found = p[:, places] @ self.slope(item, computed, self.binding.p[places])
+        for k in set(numbers) - matters:
+            self.apart.setdefault(k, set()).add(item.name)
+        return found
+
+    @cached_property
+    def _numbers_apart(self) -> dict[str, set[str]]:
+        """Names of the elements that are known not to matter to numbers, by the path of these; see kept_apart."""
+        found = {}
+        for path, place in self._numbers.items():
+            if path in self.apart and path not in self.binding.sources:
+                bound = self.plant.dae.bound[path]
+
+                def computed(tree: Component, bound: Any = bound) -> np.ndarray:
+                    return start_numbers(bound, tree.find(bound.owner))
+
+                kept = self.kept_apart(path, self.elements, self.binding.p[place], computed, self._common)
+                found[path] = {item.name for item in kept}
+        return found
 
     def _parameter(self, tree: Component, path: str) -> np.ndarray:
         owner, _, name = path.rpartition(".")
