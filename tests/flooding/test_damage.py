@@ -66,9 +66,9 @@ def test_a_damaged_compartment_comes_to_where_lost_buoyancy_says(flooded):
     model, found, _ = flooded
     hull = afloat(model)
     damaged = Afloat(hull.surface, hull.mass, hull.centre, RHO, G).with_flooded(inside_of(model.root.room)).at_rest()
-    assert found["motion.pitch"][-1] == pytest.approx(math.atan2(-damaged.normal[0], damaged.normal[2]), rel=1e-4)
+    assert found["motion.pitch"][-1] == pytest.approx(math.atan2(-damaged.normal[0], damaged.normal[2]), rel=1e-5)
     assert damaged.heel > math.radians(1) and found["motion.roll"][-1] == pytest.approx(0, abs=1e-6)
-    assert found["motion.heave"][-1] == pytest.approx(damaged.height, abs=1e-3)
+    assert found["motion.heave"][-1] == pytest.approx(damaged.height, abs=1e-5)
     assert found["room.surface"][-1] == pytest.approx(0, abs=1e-3)  # inside as outside
 
 
@@ -77,7 +77,7 @@ def test_what_came_in_is_in_it_and_is_displaced(flooded):
     _, found, time = flooded
     flow = found["hole.volume_flow"]
     came = np.concatenate([[0], np.cumsum((flow[1:] + flow[:-1]) / 2 * np.diff(time))])
-    assert found["room.volume"] == pytest.approx(came, rel=1e-3, abs=0.2)
+    assert found["room.volume"] == pytest.approx(came, rel=1e-4, abs=0.1)
     dry = LENGTH * WIDTH * DRAFT
     assert found["floater.hydrostatics.volume"][-1] == pytest.approx(dry + found["room.volume"][-1], rel=1e-6)
     assert found["room.volume"][-1] > 10 * WIDTH * DRAFT  # more than at the first draft
@@ -101,7 +101,7 @@ def test_energy_goes_into_the_hole_and_the_damping(flooded):
     work = np.concatenate([[0], np.cumsum((power[1:] + power[:-1]) / 2 * np.diff(time))])
     lost = potential[0] - potential[-1]
     assert lost > 1e6
-    assert potential - potential[0] == pytest.approx(work, abs=0.01 * lost)
+    assert potential - potential[0] == pytest.approx(work, abs=1e-4 * lost)
 
 
 def test_a_column_that_takes_in_ballast_sinks_to_its_new_draft():
