@@ -3,10 +3,12 @@
 from __future__ import annotations
 
 import math
+import warnings
 
 import numpy as np
 import pytest
 
+import fowtlib as fw
 from fowtlib.analysis.agreement import agreement, percent_difference
 from fowtlib.analysis.comparison import compare_over_time, compare_results
 from fowtlib.analysis.series import Series
@@ -202,3 +204,25 @@ def test_lights_say_over_what(of, percent):
     assert found["surge", "std"].percent == pytest.approx(percent)
     with pytest.raises(ModelError, match="to the 'larger', .*not to 'max'"):
         compare_results(one, other, relative_to="max")
+
+
+def test_spectra_of_a_run_are_its_linear_model():
+    """A moored spar without drag in small waves: spectra of its run, and the linear model about still water.
+
+    The sea repeats itself with the segments, so that only the free motions of the start are left: 2 % of the peak.
+    """
+    model = fw.load("oc3_spar_rigid", set={
+        "wind.kind": "none", "platform.drag.drag_coefficient": 0.0, "sea.significant_wave_height": 0.2,
+        "sea.peak_period": 12.0, "sea.repetition_period": 512.0,
+    })  # fmt: skip
+    plant = model.compile()
+    with warnings.catch_warnings():
+        warnings.simplefilter("ignore")  # the sea repeats itself: that is wanted
+        run = plant.simulate(2048.0, output_step=0.5, solver="fixed", step=0.1)
+    records = {name: run[name] for name in ("heave", "pitch")}
+    found = spectral_rao(run["wave_elevation"], records, segment=512.0, discard=1024.0, window="boxcar")
+    linear = fw.linear_rao(model, found.frequency, outputs=["heave", "pitch"])
+    for name in records:
+        largest = np.abs(linear[name]).max()
+        np.testing.assert_allclose(found.rao[name], linear[name], atol=0.03 * largest, err_msg=name)
+        assert found.rao.unit(name) == linear.unit(name)

@@ -87,22 +87,36 @@ def test_what_a_scale_needs(capsys, options, message):
     assert message in capsys.readouterr().err
 
 
-def test_a_calibration(capsys):
-    """The damping with which a record was made comes back."""
-    import fowtlib as fw
+OSCILLATOR = """fowtlib: 1
+title: heave on a spring
+parts:
+  world: {class: World, gravity: 0.001 m/s^2}
+  slide: {class: Prismatic, n: [0, 0, 1]}
+  body: {class: RigidBody, mass: 393 kg, inertia: [[1, 0, 0], [0, 1, 0], [0, 0, 1]]}
+  above: {class: FixedTranslation, r: [0, 0, 10]}
+  spring: {class: SpringDamper, stiffness: 850 N/m, damping: 30 N*s/m, natural_length: 10 m}
+connect:
+  - [world.frame, slide.frame_a]
+  - [world.frame, above.frame_a]
+  - [slide.frame_b, body.frame_a]
+  - [slide.frame_b, spring.frame_b]
+  - [above.frame_b, spring.frame_a]
+outputs: {heave: slide.s}
+simulation: {solver: fixed, duration: 40 s, output_step: 0.1 s, step: 0.02 s}
+"""
 
-    model = fw.load("oc3_spar_rigid", set={"wind.kind": "none"}).in_the_mean()
-    plant = model.compile()
-    given = {"platform.damping.translation": [1e5, 1e5, 2.0e5]}
-    run = fw.free_decay(plant, "heave", 2.0, duration=120.0, output_step=0.5, solver="fixed", step=0.1,
-                        parameters=given).result  # fmt: skip
-    rows = "".join(f"{t},{x}\n" for t, x in zip(run.time, run["heave"].values, strict=True))
-    Path("heave.csv").write_text("time [s],heave [m]\n" + rows)
-    argv = ["calibrate", "oc3_spar_rigid", "heave.csv", "--release", "heave", "--wind", "none",
-            "--fit", "platform.damping.translation[2]", "--plot", "fit.png"]  # fmt: skip
-    (row,) = printed(capsys, *argv)
-    assert row["before"] == pytest.approx(1.3e5)
-    assert row["value"] == pytest.approx(2.0e5, rel=2e-3)
+
+def test_a_calibration(capsys):
+    """The damping of the record comes back: 2 zeta w m."""
+    Path("spring.yaml").write_text(OSCILLATOR)
+    argv = ["calibrate", "spring.yaml", "test.csv", "--release", "heave", "--plot", "fit.png"]
+    rows = {row["parameter"]: row for row in printed(capsys, *argv, "--fit", "spring.damping,spring.stiffness")}
+    w = math.pi / 2
+    assert rows["spring.damping"]["before"] == 30.0
+    assert rows["spring.damping"]["value"] == pytest.approx(2 * 0.02 * w * 393, rel=2e-3)
+    assert rows["spring.stiffness"]["value"] == pytest.approx(w**2 * 393, rel=1e-3)
     assert Path("fit.png").exists()
-    assert main([*argv[:-4], "--fit", "platform.damping.translation[7]"]) == 2
-    assert "platform.damping.translation has no element" in capsys.readouterr().err
+    assert main([*argv, "--force", "--fit", "spring.stiffness,spring.damping,body.mass"]) == 2
+    assert "cannot be told apart by this record" in capsys.readouterr().err
+    assert main([*argv, "--force", "--fit", "spring.dampin"]) == 2
+    assert "no tunable parameter 'spring.dampin'; did you mean 'spring.damping'" in capsys.readouterr().err
