@@ -14,10 +14,10 @@ from functools import cached_property
 import numpy as np
 
 from fowtlib.frequency.drag import gains_of
-from fowtlib.frequency.real_modes import RealModes
 from fowtlib.language.eigenvectors import eigenvectors
 from fowtlib.solving.excited import ExcitedModel
 from fowtlib.solving.linear import LinearModel, Resolvent, times
+from fowtlib.solving.real_modes import RealModes
 
 
 @dataclass(frozen=True, eq=False)

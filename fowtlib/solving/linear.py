@@ -22,6 +22,7 @@ from fowtlib.solving.binding import start_slopes
 from fowtlib.solving.functions import AtParameters
 from fowtlib.solving.layout import Layout
 from fowtlib.solving.outputs import Outputs
+from fowtlib.solving.real_modes import RealModes
 from fowtlib.solving.results.html import table
 from fowtlib.solving.results.linear_files import OperatingPoint, write_lin
 from fowtlib.solving.state import State
@@ -251,16 +252,21 @@ class Resolvent:
     def __init__(self, omega: np.ndarray, A: np.ndarray):
         self.omega, self.A = omega, A
         self.basis = eigenvectors(A) if len(A) else None
+        self.modes = RealModes.made(*self.basis) if self.basis is not None and np.isrealobj(A) else None
 
     @property
     def shapes(self) -> np.ndarray:
         """What x is made of, (n, n): the eigenvectors, or the states themselves where these do not serve."""
+        if self.modes is not None:
+            return self.modes.shapes
         return np.eye(len(self.A)) if self.basis is None else self.basis[1]
 
     def driven(self, B: np.ndarray, drive: np.ndarray) -> np.ndarray:
         """Amplitudes of the shapes in x = (i omega - A)^-1 B u, for B (n, m) and u (m, q, k)."""
         if self.basis is None or B.shape[1] > len(B):
             return self.amplitudes(times(B, drive))
+        if self.modes is not None:
+            return self.modes.answers(self._functions, times(self.modes.of @ B, drive))
         found = times(self.basis[2] @ B, drive)
         found *= self._shares[:, :, None]
         return found
@@ -269,16 +275,21 @@ class Resolvent:
         """Those of the shapes in x = (i omega - A)^-1 b, for b (n, q, k)."""
         if self.basis is None:
             return self._solved(b)
+        if self.modes is not None:
+            return self.modes.answers(self._functions, times(self.modes.of, b))
         return times(self.basis[2], b) * self._shares[:, :, None]
 
     def __call__(self, b: np.ndarray) -> np.ndarray:
         """(i omega - A)^-1 b, for b (n, q, k)."""
-        return self._solved(b) if self.basis is None else times(self.basis[1], self.amplitudes(b))
+        return self._solved(b) if self.basis is None else times(self.shapes, self.amplitudes(b))
 
     def adjoint(self, b: np.ndarray) -> np.ndarray:
         """(i omega - A)^-H b, for b (n, q, k)."""
         if self.basis is None:
             return self._solved(b, adjoint=True)
+        if self.modes is not None:
+            backwards = self.modes.answers(self._functions.conj(), times(self.modes.shapes.T, b))
+            return times(self.modes.of.T, backwards)
         _, right, left = self.basis
         return times(left.conj().T, times(right.conj().T, b) * self._shares.conj()[:, :, None])
 
@@ -299,6 +310,10 @@ class Resolvent:
             matrix = 1j * w * one - self.A
             found[:, k] = np.linalg.solve(matrix.conj().T if adjoint else matrix, b[:, k])
         return found
+
+    @cached_property
+    def _functions(self) -> np.ndarray:
+        return self.modes.functions(self.omega)
 
     @cached_property
     def _shares(self) -> np.ndarray:

@@ -20,6 +20,7 @@ from fowtlib.language import (
     ExternalFunction,
     Number,
     Scalar,
+    Vector,
     at_start,
     der,
     eq,
@@ -257,6 +258,37 @@ def test_through_tables_and_external_functions_and_numbers_of_the_start(table):
     by_x = 1.8 * x * share
     assert jacobian[0, 1] == pytest.approx(1 / stiffness, rel=1e-8)
     assert jacobian[1, 1] == pytest.approx(values[1] / (2 * stiffness) * by_x / stiffness, rel=1e-7)
+
+
+class Stepped(Component):
+    """A mass on a spring; the mass counts the first size, and of the second what is beyond 2."""
+
+    sizes: Vector = param(default=(1.5, 1.0, 4.0), doc="of which the third counts for nothing")
+
+    x: Scalar = var(unit="m", start=0.0, doc="stretch")
+    v: Scalar = var(unit="m/s", start=0.0, doc="rate")
+
+    def equations(self):
+        def counted(part):
+            first, second, _ = part.parameter_value("sizes")
+            return first + max(second - 2.0, 0.0) ** 2
+
+        mass = at_start("mass", 1, "kg", "what counts of the sizes", counted, of=self)
+        return [eq(der(self.x), self.v), eq(mass * der(self.v), 0.1 * self.sizes[1] - 4.0 * self.x - 0.01 * self.v)]
+
+
+def test_sizes_that_did_not_matter_to_a_part_count_as_soon_as_they_do():
+    made = lambda: PreparedGradient(model({"x": "one.x"}, one=Stepped()), ["frequency x"], ["one.sizes"])  # noqa: E731
+    prepared = made()
+    _, first = prepared.evaluate()
+    assert first[0, 1:].tolist() == [0.0, 0.0]
+    assert sorted(next(iter(prepared._apart.values()))) == ["one.sizes[1]", "one.sizes[2]"]
+    values, again = prepared.evaluate([1.6, 1.2, 4.5])
+    assert again[0] == pytest.approx([-values[0] / 3.2, 0.0, 0.0], rel=1e-7)
+    values, later = prepared.evaluate([1.6, 3.0, 4.5])
+    mass = 1.6 + 1.0
+    assert later[0] == pytest.approx([-values[0] / (2 * mass), -values[0] / mass, 0.0], rel=1e-4)
+    np.testing.assert_allclose(later, made().evaluate([1.6, 3.0, 4.5])[1], rtol=1e-12)
 
 
 def cantilever():

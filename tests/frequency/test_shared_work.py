@@ -5,9 +5,13 @@ import numpy as np
 import pytest
 
 from fowtlib.frequency.driven import _of_few
+from fowtlib.frequency.known_rows import KnownRows
 from fowtlib.frequency.studies import _distance
+from fowtlib.language import Component, Number, param
 from fowtlib.language.eigenvectors import eigenvalues, eigenvectors
+from fowtlib.language.expressions import one_evaluation, parameters_read
 from fowtlib.solving.arrays import Arrays
+from fowtlib.solving.real_modes import RealModes
 
 
 @pytest.mark.parametrize("undamped", [(), (0,), (0, 1)])
@@ -58,3 +62,59 @@ def test_means_of_other_sizes_are_near_and_of_other_kinds_are_not():
     assert 0 < _distance(sizes, near) < _distance(sizes, far) < 1
     for other in ({"hull": np.array([6.0, 7.0, 8.0])}, {"wind.kind": "none"}, {"hull": [[1.0], [1.0, 2.0]]}):
         assert _distance(sizes, {**sizes, **other}) == np.inf
+
+
+def test_modes_in_real_numbers_answer_as_the_equations_do_and_backwards():
+    random = np.random.default_rng(5)
+    A = random.standard_normal((7, 7)) - 2 * np.eye(7)
+    roots, right, left = eigenvectors(A)
+    assert 0 < np.sum(roots.imag == 0) < 7  # pairs and real roots
+    modes, omega = RealModes.made(roots, right, left), np.array([0.1, 0.9, 3.0])
+    b = random.standard_normal((7, 3, 2)) + 1j * random.standard_normal((7, 3, 2))
+    B, C, functions = random.standard_normal((7, 2)), random.standard_normal((4, 7)), modes.functions(omega)
+    x = np.einsum("sn,nqk->sqk", modes.shapes, modes.answers(functions, np.einsum("ns,sqk->nqk", modes.of, b)))
+    parts = modes.answers(functions.conj(), np.einsum("sn,sqk->nqk", modes.shapes, b))
+    y, H = np.einsum("ns,nqk->sqk", modes.of, parts), modes.between(C, B) @ functions
+    for k, w in enumerate(omega):
+        system = 1j * w * np.eye(7) - A
+        np.testing.assert_allclose(system @ x[:, k], b[:, k], atol=1e-12)
+        np.testing.assert_allclose(system.conj().T @ y[:, k], b[:, k], atol=1e-12)
+        np.testing.assert_allclose(H[:, :, k], C @ np.linalg.solve(system, B), atol=1e-12)
+
+
+class Filter(Component):
+    """Something that is a function of frequency."""
+
+    gain: Number = param(default=2.0, doc="factor")
+    other: Number = param(default=1.0, doc="what the function does not read")
+
+
+def test_rows_that_are_known_are_not_asked_for_again():
+    part, known, asked = Filter(), KnownRows(), []
+
+    def function(omega):
+        asked.append(omega.tolist())
+        return part.parameter_value("gain") * omega
+
+    def rows(omega, **values):
+        part._values.update(values)
+        return known.of("f", part, values, function)(np.array(omega)).tolist()
+
+    assert rows([1.0, 2.0, 4.0], gain=2.0, other=1.0) == [2.0, 4.0, 8.0]
+    assert rows([1.0, 3.0, 4.0], gain=2.0, other=5.0) == [2.0, 6.0, 8.0]  # of the same gain
+    assert rows([2.0, 3.0, 4.0], gain=2.0, other=5.0) == [4.0, 6.0, 8.0]  # of two tables
+    assert rows([1.0, 3.0], gain=3.0, other=5.0) == [3.0, 9.0]
+    assert rows([3.0], gain=2.0, other=7.0) == [6.0]
+    assert asked == [[1.0, 2.0, 4.0], [3.0], [1.0, 3.0]]
+    assert rows([3.0]) == [6.0]  # a gain that is not given may be another one: asked
+    assert len(asked) == 4
+
+
+def test_what_a_value_reads_is_noted_for_all_who_ask_for_it():
+    part = Filter()
+    with one_evaluation():
+        assert part.parameter_value("gain") == 2.0  # nobody notes it
+        for _ in range(2):
+            with parameters_read() as read:
+                part.parameter_value("gain")
+            assert read == {("", "gain")}

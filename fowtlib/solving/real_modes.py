@@ -43,7 +43,10 @@ class RealModes:
         return np.concatenate([off * over, -self.pairs.imag[:, None] * over, 1 / (1j * omega - self.reals[:, None])])
 
     def answers(self, functions: np.ndarray, parts: np.ndarray) -> np.ndarray:
-        """Amplitudes (n, q, k), of what each has of the rates, `of` times b (n, q, k)."""
+        """Amplitudes (n, q, k), of what each has of the rates, `of` times b (n, q, k).
+
+        A symmetric matrix at each frequency: with the conjugate functions it answers backwards, from shapes' to of'.
+        """
         p, found = len(self.pairs), np.empty(parts.shape, dtype=complex)
         (P, Q, alone), (g, h) = np.split(functions[:, :, None], [p, 2 * p]), (parts[:p], parts[p : 2 * p])
         found[:p] = P * g + Q * h
