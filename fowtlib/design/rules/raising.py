@@ -26,9 +26,9 @@ def flotation_draft(mass: Any, diameter: Any, water_density: Any = 1025.0) -> An
 def shaft_water(shaft_diameter: Any, cylinder_diameter: Any, draft: Any, stroke: Any) -> Any:
     """Water [m^3] in a shaft that holds its cylinder afloat a stroke [m] above the floor.
 
-    (A_s - A_c) d + A_s S: what the cylinder leaves of the shaft up to its draft d, and the whole shaft below it. A metre
-    of stroke takes the area of the shaft, whatever the cylinder; all of it comes from the tanks, so that the hull keeps
-    its draft.
+    (A_s - A_c) d + A_s S: what the cylinder leaves of the shaft up to its draft d, and the whole shaft below it. A
+    metre of stroke takes the area of the shaft, whatever the cylinder; all of it comes from the tanks, so that the hull
+    keeps its draft.
     """
     demand("a shaft", 0.0, shaft_diameter=shaft_diameter, cylinder_diameter=cylinder_diameter)
     demand("a shaft", 0.0, gap=shaft_diameter - cylinder_diameter)
