@@ -42,3 +42,8 @@ class Current(Component):
         above = ca.fmax(ca.fmin(1 + z / self.world.water_depth, 1), LEAST)
         size = self.speed * above**self.exponent
         return ca.vertcat(size * m.cos(self.direction), size * m.sin(self.direction), ca.SX.zeros(1, z.shape[1]))
+
+
+def with_current(water: Any, current: Current | None, heights: Any) -> Any:
+    """Velocities (n, 3) of the water in waves at heights (n,), and of the current there, if there is one."""
+    return water if current is None else water + current.velocities(heights).T

@@ -7,7 +7,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from fowtlib.components.environment.current import Current
+from fowtlib.components.environment.current import Current, with_current
 from fowtlib.components.environment.sea import Sea
 from fowtlib.components.environment.world import World
 from fowtlib.components.hydro.strips import Strip, drag_loads
@@ -62,8 +62,7 @@ class MorisonDrag(Component):
         along = half * m.pi / 4 * diameters**2 * ends
         still = m.zeros(len(wet.places), 3)
         water = self.sea.velocity(wet.places + self.position) if self.sea is not None else still
-        if self.sea_current is not None:
-            water = water + self.sea_current.velocities(wet.places[:, 2] + self.position[2]).T
+        water = with_current(water, self.sea_current, wet.places[:, 2] + self.position[2])
         strips = [Strip(wet.places[k], wet.axes[k], across[k], along[k]) for k in range(len(wet.places))]
         force, moment = drag_loads(self.frame, water, strips)
         return [eq(self.force, force), eq(self.moment, moment), eq(self.frame.f, -force), eq(self.frame.t, -moment)]

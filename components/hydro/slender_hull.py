@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from fowtlib.components.environment.current import Current
+from fowtlib.components.environment.current import Current, with_current
 from fowtlib.components.environment.sea import Sea
 from fowtlib.components.environment.waves import WaveComponents, unit_waves
 from fowtlib.components.environment.world import World
@@ -74,8 +74,7 @@ class SlenderHullLoads(PlatformLoad, HullCoefficients):
         wet, lengthwise, frame = _strips(self, numbers), m.vertcat(0, 0, 1), self.frame
         force, moment = self._buoyancy(numbers, lengthwise)
         water, acceleration = (self._water(name, len(wet)) for name in ("velocity", "acceleration"))
-        if self.sea_current is not None:
-            water = water + self.sea_current.velocities(m.vertcat(*(s.place[2] + self.position[2] for s in wet))).T
+        water = with_current(water, self.sea_current, m.vertcat(*(s.place[2] + self.position[2] for s in wet)))
         for push, turn in (drag_loads(frame, water, wet), inertia_loads(frame, acceleration, wet)):
             force, moment = force + push, moment + turn
         return [

@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from fowtlib.components.environment.current import Current
+from fowtlib.components.environment.current import Current, with_current
 from fowtlib.components.environment.sea import Sea
 from fowtlib.components.environment.waves import WaveComponents, wave_number
 from fowtlib.components.environment.world import World
@@ -218,8 +218,7 @@ def _loads(member: Member) -> list:
         found = found[ends[number] : ends[number + 1]]
         frame, strips = member.carrier.frame, _strips(member, found)
         water = _water(member, "velocity", len(strips), "m/s")
-        if member.sea_current is not None:
-            water = water + member.sea_current.velocities(m.vertcat(*(strip.place[2] for strip in strips))).T
+        water = with_current(water, member.sea_current, m.vertcat(*(strip.place[2] for strip in strips)))
         force, moment = drag_loads(frame, water, strips)
         if strips[0].added_mass is not None:
             acceleration = _water(member, "acceleration", len(strips), "m/s^2")

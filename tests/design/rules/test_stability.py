@@ -8,7 +8,9 @@ import pytest
 from scipy.integrate import quad
 
 from fowtlib.design import rules
+from fowtlib.design.standards import check_result
 from fowtlib.language.errors import ModelError
+from fowtlib.solving.results import Result
 
 
 def test_the_area_ratio_is_that_of_the_integrals():
@@ -70,3 +72,17 @@ def test_limits_of_a_spar():
 def test_mistakes(action, words):
     with pytest.raises(ModelError, match=words):
         action()
+
+
+def test_limits_on_a_run():
+    """A pitch of 4 degrees with a swing of 1, and an acceleration in g: 5 degrees are too many, 0.25 g are kept."""
+    time = np.linspace(0.0, 100.0, 1001)
+    series = {"pitch": 4.0 + np.sin(time), "acceleration": 2.45 * np.sin(time)}
+    result = Result(time, series, units={"pitch": "deg", "acceleration": "m/s^2"})
+    heel, nacelle = check_result(result, {"heel": "pitch", "nacelle acceleration": "acceleration"})
+    assert heel.value == pytest.approx(math.radians(5.0), rel=1e-3) and not heel.kept
+    assert nacelle.value == pytest.approx(2.45, rel=1e-3) and nacelle.kept
+    with pytest.raises(ModelError, match="pitch"):
+        check_result(result, {"nacelle acceleration": "pitch"})
+    with pytest.raises(ModelError, match="no limit on 'heal'"):
+        check_result(result, {"heal": "pitch"})

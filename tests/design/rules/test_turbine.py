@@ -131,7 +131,7 @@ def test_mistakes():
 
 
 def test_two_blades_of_the_same_solidity_lose_at_their_tips():
-    """The largest power coefficient at pitch 0 falls by 3 to 5 % at the same tip speed ratio, so does the torque."""
+    """The largest power coefficient at pitch 0 falls by 3 to 5 %, at the same tip speed ratio, and so the torque."""
     three = read_coefficients(str(MODELS / "data" / "dtu10mw" / "rotor_coefficients.csv"))
     two = read_coefficients(str(MODELS / "data" / "surrogate_7mw" / "two_bladed_coefficients.csv"))
     ratios = np.linspace(5.0, 11.0, 601)
