@@ -27,9 +27,9 @@ class LiftingCommand(Component):
     """Commands, 0 to 1, of the two pumps of a shaft: up (into the shaft) and down (out of it).
 
     `lift` raises until the piston is at `top`, or held there, and more slowly on the last way, where the command falls
-    to `slowest`; `fill` lets water in until another event, wherever the piston is; `drain` pumps the shaft out until
-    the water in it stands `least_head` above its floor. `hold` stops both. The pumps follow
-    with the lag `time_constant`.
+    to `slowest`. `lower` fills the shaft while the piston is held, until it is let go, and then drains. `drain` pumps
+    the shaft out until the water in it stands `least_head` above its floor. `hold` stops both. The pumps follow with
+    the lag `time_constant`.
     """
 
     top: Scalar = param(unit="m", doc="position of the piston at which raising ends")
@@ -41,7 +41,7 @@ class LiftingCommand(Component):
     direction_start: Scalar = param(default=0.0, min=-1, max=1, doc="1 raises, -1 drains, 0 holds at the start")
 
     lift: OfferedEvent = event(doc="the shaft is filled until the piston is at the top")
-    fill: OfferedEvent = event(doc="the shaft is filled, whether the piston moves or not")
+    lower: OfferedEvent = event(doc="the shaft is filled until the piston is let go, and then pumped out")
     drain: OfferedEvent = event(doc="the shaft is pumped out")
     hold: OfferedEvent = event(doc="the pumps stop")
 
@@ -52,7 +52,7 @@ class LiftingCommand(Component):
     down: RealOutput = port(doc="command of the pump out of the shaft")
 
     direction: Scalar = var(discrete=True, start=direction_start, doc="1 raises, -1 drains, 0 holds")
-    filling: Scalar = var(discrete=True, start=0.0, doc="1: raising ends by an event alone")
+    filling: Scalar = var(discrete=True, start=0.0, doc="1: it is filled until the piston is let go")
     command: Scalar = var(start=0.0, state="prefer", doc="up, or down where it is negative")
 
     def equations(self):
@@ -66,9 +66,10 @@ class LiftingCommand(Component):
             [eq(self.up, m.fmax(self.command, 0)), eq(self.down, m.fmax(-self.command, 0))],
             [eq(self.axis.f, 0), eq(self.water.volume_flow, 0)],
             on(self.lift, assign(self.direction, 1), assign(self.filling, 0)),
-            on(self.fill, assign(self.direction, 1), assign(self.filling, 1)),
-            on(self.drain, assign(self.direction, -1)),
+            on(self.lower, assign(self.direction, 1), assign(self.filling, 1)),
+            on(self.drain, assign(self.direction, -1), assign(self.filling, 0)),
             on(self.hold, assign(self.direction, 0)),
+            when(self.filling * (1.5 - self.held) > 1, assign(self.direction, -1), assign(self.filling, 0)),
             when(rising * arrived + (1 - rising) < 0, assign(self.direction, 0)),
             when(draining * left + (1 - draining) < 0, assign(self.direction, 0)),
         ]

@@ -238,5 +238,5 @@ def test_the_tower_is_let_go_afloat_and_set_down_gently():
     assert s[-1] < 0.2 and array(result, "platform.floor_stop.impact_speed").max() < 0.03
     assert np.abs(array(result, "heave")).max() < 2e-3
     assert [line.split(": ")[1].split(" ")[0] for line in result.attributes["events"].splitlines()] == [
-        "platform.lifting.fill", "platform.latch.open", "platform.lifting.drain"
+        "platform.lifting.lower", "platform.latch.open"
     ]  # fmt: skip
