@@ -26,6 +26,8 @@ dlc NUMBER.. writes one with design load cases of IEC 61400-3-1 and -3-2.
 
 examples:
   fowt cases dlc12.yaml --list
+  fowt cases dlc levenmouth --class IA --seeds 5 --time 600 --discard 100 \
+      --model oc3_spar_rigid --output levenmouth.yaml
   fowt cases dlc 1.2 1.3 1.6 --class IB --wind 4:24:2 --seeds 6 \
       --model oc3_spar_rigid --output dlc.yaml
 """
@@ -94,7 +96,7 @@ def _write(arguments: argparse.Namespace) -> int:
     from fowtlib.cases.dlc import Request, load_case_table, write_dlc
     from fowtlib.cases.plant_facts import hub_height
 
-    known = load_case_table()["load_cases"]
+    known = [*load_case_table()["load_cases"], *load_case_table()["sets"]]
     if len(arguments.words) < 2:
         raise ModelError(f"which load cases? There are {', '.join(known)}; for example: fowt cases dlc 1.2 6.1")
     if arguments.output is None:
