@@ -74,9 +74,7 @@ class SlenderHullLoads(PlatformLoad, HullCoefficients):
         wet, lengthwise, frame = _strips(self, numbers), m.vertcat(0, 0, 1), self.frame
         force, moment = self._buoyancy(numbers, lengthwise)
         water, acceleration = (self._water(name, len(wet)) for name in ("velocity", "acceleration"))
-        if self.sea_current is not None:
-            water = water + self.sea_current.velocities(m.vertcat(*(s.place[2] + self.position[2] for s in wet))).T
-        for push, turn in (drag_loads(frame, water, wet), inertia_loads(frame, acceleration, wet)):
+        for push, turn in (drag_loads(frame, _flowing(self, water, wet), wet), inertia_loads(frame, acceleration, wet)):
             force, moment = force + push, moment + turn
         return [
             [eq(self.force, force + self.extra_force), eq(self.moment, moment + self.extra_moment)],
@@ -155,6 +153,13 @@ def _strips(part: SlenderHullLoads, numbers) -> list[Strip]:
             added_along=rho * part.end_added_mass * width**3 / 3,
         ))  # fmt: skip
     return found
+
+
+def _flowing(part: SlenderHullLoads, water, wet: list[Strip]):
+    """The velocity (count, 3) of the water at the strips with that of a current."""
+    if part.sea_current is None:
+        return water
+    return water + part.sea_current.velocities(m.vertcat(*(strip.place[2] + part.position[2] for strip in wet))).T
 
 
 def _elevation(waves: WaveComponents, part: SlenderHullLoads) -> Complexes:
