@@ -136,14 +136,20 @@ def _rates(anchor: Any, fairlead: Any) -> list[Any]:
     return [ca.horzcat(*velocities), ca.horzcat(*(der(velocity) for velocity in velocities))]
 
 
+def _strengths(line: DynamicLine) -> list[Any]:
+    """Breaking loads [N] of the end at the fairlead, and of the elements."""
+    of_elements = line.of_elements("breaking_load")
+    return [of_elements[-1], *of_elements]
+
+
 def _limits(line: DynamicLine, nodes: Any, elements: lumped_mass.Elements) -> list[Any]:
     """What the equations hold for."""
     whole = line.whole(nodes.shape[1] - 1)  # an element that broke has no strain
     strain = ca.mmax((lumped_mass.directions(nodes)[0] / elements.length - 1) * whole)
-    breaking = [] if line.parameter_value("breaking_load") is None else [
-        assert_(line.tension < line.each("breaking_load")[-1], "the tension of {tension} N is above the breaking load",
-                "warning", tension=line.tension)
-    ]  # fmt: skip
+    breaking = []
+    if line.parameter_value("breaking_load") is not None:
+        share = ca.mmax(ca.vertcat(line.tension, line.tensions) / ca.vertcat(*_strengths(line)))
+        breaking = [assert_(share < 1, "the tension is {share} of the breaking load", "warning", share=share)]
     return [
         *ends_above_seabed(line.world.water_depth, line.anchor.r[2], line.fairlead.r[2]),
         assert_(strain < line.greatest_strain, "an element is stretched by {strain} of its length; its tension is "
