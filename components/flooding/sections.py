@@ -65,8 +65,16 @@ class Wedge:
         return m.abs(slope[0]) * self.reach[0] + m.abs(slope[1]) * self.reach[1]
 
 
+class Cornered:
+    """A vessel that knows what it holds where its floor or its roof is bare; `lift` says where that begins."""
+
+    def lift(self, slope: tuple[Any, Any]) -> Any:
+        """How far the surface is above its height on the axis at the highest wall [m]."""
+        raise NotImplementedError
+
+
 @dataclass(frozen=True)
-class Box:
+class Box(Cornered):
     """A vessel with a rectangular section, length along x, width along y; exact also where floor or roof is bare."""
 
     length: Any
@@ -113,7 +121,7 @@ class Box:
 
 
 @dataclass(frozen=True)
-class Disc:
+class Disc(Cornered):
     """A vessel with a round section, or a ring where it has an inner radius.
 
     Strips lie along the slope, at the points of Gauss and Chebyshev (second kind), exact where the surface meets all

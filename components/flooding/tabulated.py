@@ -5,12 +5,12 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import Any
 
-from fowtlib.components.flooding.sections import Contents, free
+from fowtlib.components.flooding.sections import Contents, Cornered, free
 from fowtlib.language import math as m
 
 
 @dataclass(frozen=True)
-class Sections:
+class Sections(Cornered):
     """Sections at `levels` (n,) above the floor, what is given of them linear between; for small slopes.
 
     areas (n,) [m^2]; firsts (n, 2): A x_c, A y_c [m^3]; seconds (n, 3): int x^2, int y^2, int x y [m^4], all about the

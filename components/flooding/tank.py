@@ -10,7 +10,7 @@ import numpy as np
 from fowtlib.components.flooding import air_space, sloshing, water_loads
 from fowtlib.components.flooding.air_space import TrappedAir
 from fowtlib.components.flooding.connectors import Water
-from fowtlib.components.flooding.sections import Contents, Wedge
+from fowtlib.components.flooding.sections import Contents, Cornered, Wedge
 from fowtlib.components.flooding.sloshing import FirstMode
 from fowtlib.components.flooding.water_loads import WaterOnFrame
 from fowtlib.language import Array, Scalar, Vector, assert_, der, eq, facts, param, port, var
@@ -125,7 +125,7 @@ def _fill(tank: Tank, vessel: Any, slope: tuple[Any, Any], held: Contents) -> An
     there is a level of the last drop in a corner, and one for a step of a solver that goes too far. The volume is
     scaled by as much: empty, full and upright the level is exact.
     """
-    if isinstance(vessel, Wedge):
+    if not isinstance(vessel, Cornered):
         return eq(tank.volume, held.volume)
     h, area, reach = tank.level, vessel.area, vessel.lift(slope)
     beyond = area * (m.fmax(h - vessel.height - reach, 0) + m.fmin(h + reach, 0))
