@@ -10,7 +10,7 @@ import numpy as np
 from fowtlib.components.flooding import air_space, sloshing, water_loads
 from fowtlib.components.flooding.air_space import TrappedAir
 from fowtlib.components.flooding.connectors import Water
-from fowtlib.components.flooding.sections import Contents, Wedge
+from fowtlib.components.flooding.sections import Contents, Cornered, Wedge
 from fowtlib.components.flooding.sloshing import FirstMode
 from fowtlib.components.flooding.water_loads import WaterOnFrame
 from fowtlib.language import Array, Scalar, Vector, assert_, der, eq, facts, param, port, var
@@ -20,7 +20,7 @@ STEEPEST = 80.0  # deg, of the axis of a tank against the vertical
 MARGIN = 1e-6  # of the height of a tank: what Newton and rounding may leave above its roof, or below its floor
 DRY = 2e-3  # m, by which a port may be above the water while water leaves through it
 SEEPING = 1e-6  # m/s on the section of the tank: what may leave through a dry port
-FILM = 1e-7  # of the section, by which a tank is wider than it is: so that the level of a last drop in a corner exists
+FILM = 1e-8  # of the section, by which a tank is wider than it is: so that the level of a last drop in a corner exists
 
 
 class Tank(WaterOnFrame, TrappedAir, FirstMode):
@@ -80,12 +80,14 @@ class Tank(WaterOnFrame, TrappedAir, FirstMode):
         level_share = 1 - self.first_mode_share() if self.sloshing else 1  # of the slope, that follows at once
         slope = level_share * up[0] / up[2], level_share * up[1] / up[2]
         held = vessel.contents(self.level, slope)
+        fill = _fill(self, vessel, slope, held)
+        held = vessel.settled(held, self.level, self.volume) if isinstance(vessel, Cornered) else held
         first, inertia = water_loads.about_frame(self, rho, held)
         first = first + sloshing.moved(self, modes) if self.sloshing else first
         ports = [self.place + self.places[i, :].T for i in range(len(self.water))]
         return [
             eq(der(self.volume), sum((w.volume_flow for w in self.water), 0.0)),
-            _fill(self, vessel, slope, held),
+            fill,
             eq(self.surface, self.frame.r[2] + m.dot(up, self.place + m.vertcat(0, 0, self.level))),
             [eq(self.velocity, der(self.frame.r)), eq(self.mass, rho * self.volume), eq(self.moments, first)],
             [eq(self.centre, first / (self.mass + rho * FILM * vessel.area)), eq(self.inertia, inertia)],
@@ -122,15 +124,14 @@ def _fill(tank: Tank, vessel: Any, slope: tuple[Any, Any], held: Contents) -> An
     """What is below the level is the volume.
 
     A vessel with corners has a film of FILM of its section at all heights, and a column of it beyond floor and roof: so
-    there is a level of the last drop in a corner, and one for a step of a solver that goes too far. The volume is
-    scaled by as much: empty, full and upright the level is exact.
+    there is a level of the last drop in a corner, and one for a step of a solver that goes too far. An empty tank has
+    its level just above its floor and a full one just below its roof, where the equations are smooth.
     """
-    if isinstance(vessel, Wedge):
+    if not isinstance(vessel, Cornered):
         return eq(tank.volume, held.volume)
     h, area, reach = tank.level, vessel.area, vessel.lift(slope)
     beyond = area * (m.fmax(h - vessel.height - reach, 0) + m.fmin(h + reach, 0))
-    full = 1 + FILM * area * (vessel.height + 2 * reach) / vessel.capacity
-    return eq(tank.volume * full, held.volume + FILM * area * (h + reach) + beyond)
+    return eq(tank.volume, held.volume + FILM * area * (h - vessel.height / 2) + beyond)
 
 
 def _limits(tank: Tank, vessel: Any, up: Any, ports: list[Any]) -> list[Any]:
