@@ -240,3 +240,20 @@ def test_the_tower_is_let_go_afloat_and_set_down_gently():
     assert [line.split(": ")[1].split(" ")[0] for line in result.attributes["events"].splitlines()] == [
         "platform.lifting.lower", "platform.latch.open"
     ]  # fmt: skip
+
+
+# --- operation --------------------------------------------------------------------------------------------------------
+
+
+def test_it_leans_in_the_wind_as_its_stiffness_says():
+    """Thrust times its lever over the fairleads, over rho g V GM, to 10 %: the lines turn it as well."""
+    plant = fw.load("dtif_operating").compile()
+    wind = {"wind.kind": "steady", "wind.mean_speed": 18.0, "sea.spectrum": "still"}
+    state = plant.equilibrium(parameters=wind)
+    pitch, thrust = state["platform.motion.pitch"], state["turbine.thrust"]
+    fairlead, hub = -25.0, 97.8
+    metacentre = 4.4  # m; docs/dtif.md
+    expected = thrust * (hub - fairlead) / (RHO * G * 16944.97 * metacentre)
+    assert pitch == pytest.approx(expected, rel=0.1)
+    assert state["platform.latch.force"] == pytest.approx(LIFTED * G * math.cos(pitch), rel=0.01)
+    assert state["platform.shaft.lift"] == pytest.approx(0, abs=1.0)
