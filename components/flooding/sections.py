@@ -20,6 +20,7 @@ from fowtlib.language import math as m
 
 Sum = tuple[Any, ...]  # what _strips gives
 _ODD_IN_Y = (2, 4, 8)  # of these integrals
+NOTHING = 1e-9  # of the capacity: below it a vessel is empty, and that far from it full
 
 
 @dataclass(frozen=True)
@@ -59,13 +60,21 @@ class Wedge:
         rows = m.horzcat(h * xx, h * xy, x_z), m.horzcat(h * xy, h * yy, y_z), m.horzcat(x_z, y_z, z_z)
         return Contents(self.area * h, first, m.vertcat(*rows))
 
-    def beyond(self, h: Any, slope: tuple[Any, Any]) -> Any:
-        """What is above the roof, less what lacks below the floor [m^3]: nothing, it is in the contents."""
-        return 0.0
+    def lift(self, slope: tuple[Any, Any]) -> Any:
+        """How far the surface is above its height on the axis at the highest wall [m]."""
+        return m.abs(slope[0]) * self.reach[0] + m.abs(slope[1]) * self.reach[1]
+
+
+class Cornered:
+    """A vessel that knows what it holds where its floor or its roof is bare; `lift` says where that begins."""
+
+    def lift(self, slope: tuple[Any, Any]) -> Any:
+        """How far the surface is above its height on the axis at the highest wall [m]."""
+        raise NotImplementedError
 
 
 @dataclass(frozen=True)
-class Box:
+class Box(Cornered):
     """A vessel with a rectangular section, length along x, width along y; exact also where floor or roof is bare."""
 
     length: Any
@@ -84,12 +93,12 @@ class Box:
 
     def contents(self, h: Any, slope: tuple[Any, Any]) -> Contents:
         """What is under the surface between floor and roof."""
-        return _columns(self._plus(h, slope), self._plus(h - self.height, slope), self.height)
+        found = _columns(self._plus(h, slope), self._plus(h - self.height, slope), self.height)
+        return Contents(found.volume, free(found.volume, self.capacity, found.first), found.second)
 
-    def beyond(self, h: Any, slope: tuple[Any, Any]) -> Any:
-        """What is above the roof, less what lacks below the floor [m^3]."""
-        reach = m.abs(slope[0]) * self.length / 2 + m.abs(slope[1]) * self.width / 2
-        return beyond(h, reach, self)
+    def lift(self, slope: tuple[Any, Any]) -> Any:
+        """How far the surface is above its height on the axis at the highest wall [m]."""
+        return m.abs(slope[0]) * self.length / 2 + m.abs(slope[1]) * self.width / 2
 
     def _plus(self, u0: Any, slope: tuple[Any, Any]) -> Sum:
         """Integrals of the plus function over the rectangle.
@@ -112,7 +121,7 @@ class Box:
 
 
 @dataclass(frozen=True)
-class Disc:
+class Disc(Cornered):
     """A vessel with a round section, or a ring where it has an inner radius.
 
     Strips lie along the slope, at the points of Gauss and Chebyshev (second kind), exact where the surface meets all
@@ -151,11 +160,12 @@ class Disc:
         left = (s * slope[0] - c * slope[1]) * m.if_else(h * (self.height - h) > 0, self.moment, 0)
         found = _lifted(found, left, h)
         turn = m.vertcat(m.horzcat(c, -s, 0), m.horzcat(s, c, 0), m.horzcat(0, 0, 1))
-        return Contents(found.volume, turn @ found.first, turn @ found.second @ turn.T)
+        first = free(found.volume, self.capacity, turn @ found.first)
+        return Contents(found.volume, first, turn @ found.second @ turn.T)
 
-    def beyond(self, h: Any, slope: tuple[Any, Any]) -> Any:
-        """What is above the roof, less what lacks below the floor [m^3]."""
-        return beyond(h, self.radius * m.smooth_norm(m.vertcat(*slope), 1e-9), self)
+    def lift(self, slope: tuple[Any, Any]) -> Any:
+        """How far the surface is above its height on the axis at the highest wall [m]."""
+        return self.radius * m.smooth_norm(m.vertcat(*slope), 1e-9)
 
     def _plus(self, u0: Any, slope: tuple[Any, Any]) -> Sum:
         found = _strips(u0, slope, self._chords(self.radius))
@@ -172,12 +182,15 @@ class Disc:
             yield radius * float(y), 2 * radius * float(step * half), radius * float(half)
 
 
-def beyond(h: Any, reach: Any, vessel: Any) -> Any:
-    """Volume [m^3] of a column of the section above the highest point of the roof, and below the lowest of the floor.
+def free(volume: Any, capacity: Any, first: Any) -> Any:
+    """First moments (3,) without what a surface shifts sideways where there is none: in an empty and in a full vessel.
 
-    No vessel holds it: a step of a solver that goes too far finds a level, and the run is then told that it did.
+    Over 1e-9 of the capacity, so that a linear model of such a tank in an upright body knows it.
     """
-    return vessel.area * (m.fmax(h - vessel.height - reach, 0) + m.fmin(h + reach, 0))
+    least = NOTHING * capacity
+    wet, room = m.fmax(volume, 0), m.fmax(capacity - volume, 0)
+    share = wet / (wet + least) * room / (room + least)
+    return m.vertcat(share * first[0], share * first[1], first[2])
 
 
 def _lifted(held: Contents, moment: Any, h: Any) -> Contents:

@@ -5,12 +5,12 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import Any
 
-from fowtlib.components.flooding.sections import Contents, beyond
+from fowtlib.components.flooding.sections import Contents, Cornered, free
 from fowtlib.language import math as m
 
 
 @dataclass(frozen=True)
-class Sections:
+class Sections(Cornered):
     """Sections at `levels` (n,) above the floor, what is given of them linear between; for small slopes.
 
     areas (n,) [m^2]; firsts (n, 2): A x_c, A y_c [m^3]; seconds (n, 3): int x^2, int y^2, int x y [m^4], all about the
@@ -54,14 +54,15 @@ class Sections:
         X, Y, (XX, YY, XY) = self._at(h, xs), self._at(h, ys), (self._at(h, of) for of in squares)
         lifted, wx, wy = tx * X + ty * Y, tx * XX + ty * XY, tx * XY + ty * YY
         raised = (tx * wx + ty * wy) / 2
-        first = m.vertcat(x - wx, y - wy, z - h * lifted + raised)
+        shift = free(volume, self.capacity, m.vertcat(wx, wy, raised - h * lifted))
+        first = m.vertcat(x, y, z) + m.vertcat(-shift[0], -shift[1], shift[2])
         xz, yz, zz = xz - h * wx, yz - h * wy, zz - h**2 * lifted + 2 * h * raised
         rows = m.horzcat(xx, xy, xz), m.horzcat(xy, yy, yz), m.horzcat(xz, yz, zz)
         return Contents(volume - lifted, first, m.vertcat(*rows))
 
-    def beyond(self, h: Any, slope: tuple[Any, Any]) -> Any:
-        """What is above the roof, less what lacks below the floor [m^3]."""
-        return beyond(h, 0.0, self)
+    def lift(self, slope: tuple[Any, Any]) -> Any:
+        """How far the water goes above the height of the surface on the axis [m]: not at all, to first order."""
+        return 0.0
 
     def _filled(self, h: Any, of: Any, count: int) -> tuple[Any, ...]:
         """Integrals from the floor to h of a quantity of the section times 1, z, z^2."""

@@ -10,7 +10,7 @@ import numpy as np
 from fowtlib.components.flooding import air_space, sloshing, water_loads
 from fowtlib.components.flooding.air_space import TrappedAir
 from fowtlib.components.flooding.connectors import Water
-from fowtlib.components.flooding.sections import Wedge
+from fowtlib.components.flooding.sections import Contents, Cornered, Wedge
 from fowtlib.components.flooding.sloshing import FirstMode
 from fowtlib.components.flooding.water_loads import WaterOnFrame
 from fowtlib.language import Array, Scalar, Vector, assert_, der, eq, facts, param, port, var
@@ -20,7 +20,7 @@ STEEPEST = 80.0  # deg, of the axis of a tank against the vertical
 MARGIN = 1e-6  # of the height of a tank: what Newton and rounding may leave above its roof, or below its floor
 DRY = 2e-3  # m, by which a port may be above the water while water leaves through it
 SEEPING = 1e-6  # m/s on the section of the tank: what may leave through a dry port
-FILM = 1e-8  # of the section, by which a tank is wider than it is: so that the level of a last drop in a corner exists
+FILM = 1e-7  # of the section, by which a tank is wider than it is: so that the level of a last drop in a corner exists
 
 
 class Tank(WaterOnFrame, TrappedAir, FirstMode):
@@ -82,11 +82,10 @@ class Tank(WaterOnFrame, TrappedAir, FirstMode):
         held = vessel.contents(self.level, slope)
         first, inertia = water_loads.about_frame(self, rho, held)
         first = first + sloshing.moved(self, modes) if self.sloshing else first
-        film = FILM * vessel.area * (self.level - vessel.height / 2) + vessel.beyond(self.level, slope)
         ports = [self.place + self.places[i, :].T for i in range(len(self.water))]
         return [
             eq(der(self.volume), sum((w.volume_flow for w in self.water), 0.0)),
-            eq(self.volume, held.volume + film),
+            _fill(self, vessel, slope, held),
             eq(self.surface, self.frame.r[2] + m.dot(up, self.place + m.vertcat(0, 0, self.level))),
             [eq(self.velocity, der(self.frame.r)), eq(self.mass, rho * self.volume), eq(self.moments, first)],
             [eq(self.centre, first / (self.mass + rho * FILM * vessel.area)), eq(self.inertia, inertia)],
@@ -119,6 +118,21 @@ def _head(tank: Tank, rho: Any, up: Any, place: Any) -> Any:
     return m.fmax(tank.surface, own) + tank.air_pressure / (rho * tank.world.gravity)
 
 
+def _fill(tank: Tank, vessel: Any, slope: tuple[Any, Any], held: Contents) -> Any:
+    """What is below the level is the volume.
+
+    A vessel with corners has a film of FILM of its section at all heights, and a column of it beyond floor and roof: so
+    there is a level of the last drop in a corner, and one for a step of a solver that goes too far. The volume is
+    scaled by as much: empty, full and upright the level is exact.
+    """
+    if not isinstance(vessel, Cornered):
+        return eq(tank.volume, held.volume)
+    h, area, reach = tank.level, vessel.area, vessel.lift(slope)
+    beyond = area * (m.fmax(h - vessel.height - reach, 0) + m.fmin(h + reach, 0))
+    full = 1 + FILM * area * (vessel.height + 2 * reach) / vessel.capacity
+    return eq(tank.volume * full, held.volume + FILM * area * (h + reach) + beyond)
+
+
 def _limits(tank: Tank, vessel: Any, up: Any, ports: list[Any]) -> list[Any]:
     """What the equations hold for: neither more than it holds, nor less than nothing, nor air into a pipe."""
     full, found = vessel.capacity, []
@@ -144,8 +158,8 @@ def _limits(tank: Tank, vessel: Any, up: Any, ports: list[Any]) -> list[Any]:
 
 def _wet_walls(tank: Tank, vessel: Wedge, up: Any) -> Any:
     """Of a wedge: it ends at the walls, above the floor and below the roof."""
-    wedge = (m.abs(up[0]) * vessel.reach[0] + m.abs(up[1]) * vessel.reach[1]) / up[2]
-    room = m.fmin(tank.level, vessel.height - tank.level) + MARGIN * vessel.height
+    wedge = vessel.lift((up[0] / up[2], up[1] / up[2]))
+    room = m.fmin(tank.level, vessel.height - tank.level) - MARGIN * vessel.height
     return assert_(wedge <= room, "the surface comes to the floor or the roof: it rises by {wedge} m at the wall, and "
                    "there are {room} m; take a tank that knows its corners (a BoxTank or RoundTank without walls_wet), "
                    "or another amount of water", wedge=wedge, room=room)  # fmt: skip

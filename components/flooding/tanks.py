@@ -10,6 +10,7 @@ from fowtlib.components.flooding import sloshing
 from fowtlib.components.flooding.sections import Box, Disc, Wedge
 from fowtlib.components.flooding.tabulated import Sections
 from fowtlib.components.flooding.tank import Tank
+from fowtlib.components.flooding.waterline import waterline
 from fowtlib.language import Array, Scalar, assert_, param, shapes
 from fowtlib.language import math as m
 from fowtlib.language.errors import ParameterError
@@ -40,7 +41,8 @@ class BoxTank(Tank):
     def drawing(self) -> shapes.Drawing:
         size = np.array([float(self.parameter_value(name)) for name in ("length", "width", "height")])
         middle = np.ravel(self.parameter_value("place")) + (0, 0, size[2] / 2)
-        return [shapes.Box(self.frame, middle, size, material="body")]
+        corners = np.array([(-1, -1), (1, -1), (1, 1), (-1, 1), (-1, -1)]) / 2 * size[:2]
+        return [shapes.Box(self.frame, middle, size, material="body"), waterline(self, corners)]
 
 
 class RoundTank(Tank):
@@ -72,7 +74,9 @@ class RoundTank(Tank):
     def drawing(self) -> shapes.Drawing:
         floor, height = np.ravel(self.parameter_value("place")), float(self.parameter_value("height"))
         ends = np.array([floor, floor + (0, 0, height)])
-        return [shapes.Tube(self.frame, ends, [float(self.parameter_value("diameter"))] * 2, material="body")]
+        diameter, turn = float(self.parameter_value("diameter")), np.linspace(0, 2 * np.pi, 37)
+        ring = diameter / 2 * np.column_stack([np.cos(turn), np.sin(turn)])
+        return [shapes.Tube(self.frame, ends, [diameter] * 2, material="body"), waterline(self, ring)]
 
 
 class PrismaticTank(Tank):

@@ -76,6 +76,18 @@ def test_a_free_surface_takes_rho_i_over_the_displaced_mass_from_gm(shape, slosh
     assert K[2, 2] == pytest.approx(RHO * GRAVITY * LENGTH * WIDTH, rel=1e-9)
 
 
+@pytest.mark.parametrize("share", [0.0, 1.0])
+@pytest.mark.parametrize("shape", ["box", "round", "ring"])
+def test_a_tank_that_is_empty_or_full_has_no_free_surface(shape, share):
+    tank, area, _ = TANKS[shape]
+    held = share * 4 * area
+    K = static_stiffness(floating_box(("tank", tank(volume_start=held, place=(0, 0, -2.5))), water=held))
+    centre = (held * -0.5 + (VOLUME - held) * KG) / VOLUME
+    for i, (breadth, length) in enumerate(((WIDTH, LENGTH), (LENGTH, WIDTH))):
+        gm = -DRAFT / 2 + length * breadth**3 / 12 / VOLUME - centre
+        assert K[3 + i, 3 + i] == pytest.approx(RHO * GRAVITY * VOLUME * gm, rel=1e-6)
+
+
 def tilted(tank: object, roll: float, pitch: float) -> dict[str, np.ndarray]:
     """Volume, centre, inertia of a tank that is held at an attitude, in axes of its frame."""
     model = fw.Assembly("tilted tank")

@@ -110,13 +110,26 @@ def test_the_frame_of_a_tank_does_not_matter():
 
     here = moved(
         floating_box(
-            ("box", BoxTank(length=8, width=5, height=4, volume_start=80, place=(6, 1, -3), places=((0, 2.5, 1),))),
+            (
+                "box",
+                BoxTank(
+                    length=8,
+                    width=5,
+                    height=4,
+                    volume_start=80,
+                    place=(6, 1, -3),
+                    places=((0, 2.5, 1),),
+                    walls_wet=True,
+                ),
+            ),
             ("round", RoundTank(diameter=6, height=4, volume_start=40, place=(-6, -1, -3), places=((3, 0, 0.5),))),
             water=120,
         )
     )
     model = floating_box(water=120)
-    model.box = BoxTank(length=5, width=8, height=4, volume_start=80, place=(0, 0, 0), places=((2.5, 0, 1),))
+    model.box = BoxTank(
+        length=5, width=8, height=4, volume_start=80, place=(0, 0, 0), places=((2.5, 0, 1),), walls_wet=True
+    )
     model.round = RoundTank(
         diameter=6, height=4, volume_start=40, place=(1, 2, 0), places=((3 * math.cos(0.6), -3 * math.sin(0.6), 0.5),)
     )

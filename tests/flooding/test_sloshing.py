@@ -89,6 +89,27 @@ def test_the_mode_of_a_round_tank_shares_the_free_surface_as_the_sum_over_all_mo
     assert float(mode.mass) * GRAVITY / float(mode.omega2) / (RHO * math.pi * 4) == pytest.approx(ROUND, rel=1e-12)
 
 
+@pytest.mark.parametrize("solver", ["idas", "fixed"])
+def test_the_mode_swings_out_as_its_damping_says(solver):
+    """Y = y_0 exp(-zeta omega t) (cos + zeta / sqrt(1 - zeta^2) sin)(omega_d t), of a tank that stands still."""
+    a, b, depth, zeta = 5.0, 3.0, 2.0, 0.03
+    model = fw.Assembly("standing tank")
+    model.world = World()
+    model.tank = BoxTank(
+        length=a, width=b, height=8, volume_start=a * b * depth, sloshing=True, slosh_damping=zeta, walls_wet=True
+    )
+    model.connect(model.world.frame, model.tank.frame)
+    more = {"step": 0.004} if solver == "fixed" else {"tolerance": 1e-9}
+    result = fw.load(model).compile().simulate(20, 0.1, solver=solver, start={"tank.slosh[0]": 0.2}, **more)
+    t = result.time
+    omega = math.sqrt(GRAVITY * math.pi / a * math.tanh(math.pi * depth / a))
+    damped = omega * math.sqrt(1 - zeta**2)
+    swing = np.cos(damped * t) + zeta * omega / damped * np.sin(damped * t)
+    assert np.max(np.abs(result["tank.slosh"].values[:, 0] - 0.2 * np.exp(-zeta * omega * t) * swing)) < 2e-4 * 0.2
+    force, mass = result["tank.frame.f"].values[:, 0], box_mode(a, b, depth, RHO, GRAVITY).mass
+    assert np.max(np.abs(force - float(mass) * result["tank.slosh_acceleration"].values[:, 0])) < 1e-9 * np.max(force)
+
+
 def test_a_sloshing_wave_that_comes_to_the_roof_stops_the_run():
     tank = BoxTank(length=5, width=3, height=2, volume_start=27, sloshing=True)
     plant = sliding(tank, 1e3)

@@ -9,6 +9,7 @@ import numpy as np
 import pytest
 
 import fowtlib as fw
+from fowtlib.components import flooding
 from fowtlib.components.environment import Sea, World
 from fowtlib.components.flooding import BoxTank, Doorway, RoundTank, SeaOpening, TabulatedTank
 from fowtlib.components.hydro.linear_loads import LinearDamping
@@ -53,6 +54,45 @@ connect:
   - [pipe.water_b, "starboard_tank.water[0]"]
   - [valve.water_b, "bell.water[0]"]
 """
+EVERYTHING = """
+fowtlib: 1
+title: everything
+world: {class: World}
+parts:
+  ground: {class: Fixed, r: [0, 0, 2]}
+  sea: {class: Sea, spectrum: regular, wave_height: 1, wave_period: 8}
+  a:
+    {class: TabulatedTank, levels: [0, 2, 4], areas: [8, 9, 10], second_moments: [[4, 5, 0], [5, 5, 0], [6, 5, 0]],
+     first_moments: [[1, 0], [1, 0], [1, 0]], volume_start: 9, sealed: true, density: 1000}
+  b:
+    {class: RoundTank, diameter: 3, inner_diameter: 1, height: 4, volume_start: 9, sealed: true,
+     polytropic_exponent: 1.4}
+  c: {class: BoxTank, length: 3, width: 2, height: 4, volume_start: 9, sloshing: true, places: [[0, 0, 0], [0, 1, 1]]}
+  d:
+    {class: PrismaticTank, area: 8, second_moments: [4, 5, 0], half_length: 2, half_width: 1, height: 4,
+     volume_start: 9}
+  e: {class: RoundTank, diameter: 3, height: 4, volume_start: 9, sloshing: true, walls_wet: true}
+  p1: {class: Pump, rated_flow: 0.01, mode: flow}
+  p2: {class: Pump, rated_flow: 0.01, rated_head: 2, shutoff_head: 4, in_line: true}
+  pipe: {class: Pipe, length: 9 m, diameter: 0.3 m, inertia: true}
+  pipe2: {class: Pipe, length: 9 m, diameter: 0.3 m}
+  v: {class: Valve, area: 0.01, in_line: true}
+  v2: {class: Valve, area: 0.01}
+  vent: {class: Vent, area: 0.001}
+  door: {class: Doorway, area: 0.1, height: 0.2, place: [0, 0, 2]}
+  hole: {class: SeaOpening, area: 0.1, height: 0.2, place: [0, 0, -2], waves: true, opening_start: 0}
+connect:
+  - [ground.frame, a.frame, b.frame, c.frame, d.frame, e.frame, door.frame, hole.frame]
+  - ["a.water[0]", p1.water_a, v2.water_a]
+  - [p1.water_b, pipe2.water_a]
+  - [pipe2.water_b, "b.water[0]", v2.water_b]
+  - ["c.water[0]", p2.water_a]
+  - [p2.water_b, pipe.water_a]
+  - [pipe.water_b, v.water_a]
+  - [v.water_b, "d.water[0]", door.water_a, hole.water]
+  - [door.water_b, "e.water[0]"]
+  - [a.air, vent.air]
+"""
 NAMES = ["motion.roll", "motion.pitch", "motion.heave", "port_tank.volume", "starboard_tank.level", "bell.air_pressure"]
 
 
@@ -83,6 +123,21 @@ def test_a_barge_with_tanks_survives_being_written(barge, tmp_path):
     again = fw.load(tmp_path / "again.yaml")
     assert again.tree() == model.tree()
     assert dump(again) == text
+
+
+def test_every_part_in_one_file_in_both_solvers_and_written_again(tmp_path):
+    (tmp_path / "all.yaml").write_text(EVERYTHING)
+    model = fw.load(tmp_path / "all.yaml")
+    there = {type(part).__name__ for part in model.root.parts.values()}
+    assert there >= set(flooding.__all__) - {"Air", "Tank", "Water"}
+    (tmp_path / "again.yaml").write_text(dump(model))
+    plant = fw.load(tmp_path / "again.yaml").compile()
+    events = ["hole.turn at 2 s, to=0.3", "vent.shut at 3 s", "p2.failure at 5 s"]
+    a = plant.simulate(8, 0.5, events=events, tolerance=1e-8)
+    b = plant.simulate(8, 0.5, events=events, solver="fixed", step=0.01)
+    for name in ("a.volume", "d.volume", "b.air_pressure", "p2.volume_flow", "hole.volume_flow"):
+        x, y = a[name].values, b[name].values
+        assert np.max(np.abs(x - y)) < 1e-4 * np.ptp(x), name
 
 
 @pytest.mark.skipif(not (find_spec("fmpy") and compiler()), reason="needs fmpy and a compiler")
@@ -189,3 +244,23 @@ def test_an_overflow_between_compartments_keeps_the_level_of_its_sill():
     result = fw.load(model).compile().simulate(600, 5)
     assert result["high.level"].values[-1] == pytest.approx(2.5 + 1.5 / 16, abs=0.01)  # the middle of its lowest slice
     assert result["high.volume"].values + result["low.volume"].values == pytest.approx(30, abs=1e-12)
+
+
+def test_pictures_show_the_water_level_on_the_walls(tmp_path):
+    """The line of a box that leans: level in the world, on the walls, at the height of the surface."""
+    model = fw.Assembly("leaning tank")
+    model.world = World()
+    model.ground = Fixed(r=(1, 2, 3), angles=(0.1, -0.2, 0.5))
+    model.tank = BoxTank(length=4, width=2, height=4, volume_start=16, place=(1, 0, 1), walls_wet=True)
+    model.connect(model.ground.frame, model.tank.frame)
+    plant = fw.load(model).compile()
+    state = plant.initial_state()
+    line = model.tank.drawing()[1]
+    values = {key: np.atleast_1d(state[of]) for key, of in line.of.items() if isinstance(of, str)}
+    values["r"] = np.array([[1.0, 2.0, 3.0]])
+    points = line.points(values)[0]
+    assert points[:, 2] == pytest.approx(float(state["tank.surface"]), abs=1e-9)
+    R = np.array(state["tank.frame.R"])
+    local = (points - (1, 2, 3)) @ R - (1, 0, 1)
+    assert np.abs(local[:, :2]) == pytest.approx(np.array([[2, 1]] * 5), abs=1e-9)
+    assert fw.view(plant.simulate(1, 0.5), tmp_path / "tank.html").path.stat().st_size > 1e4
