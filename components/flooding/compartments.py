@@ -34,10 +34,6 @@ class Compartments:
         """What is under the surfaces."""
         return self.wedge.contents(h, slope)
 
-    def beyond(self, h: Any, slope: tuple[Any, Any]) -> Any:
-        """As of a Wedge: nothing."""
-        return self.wedge.beyond(h, slope)
-
 
 class CompartmentRing(Tank):
     """A ring-shaped tank parted by radial walls into equal compartments, which are emptied and filled alike.
