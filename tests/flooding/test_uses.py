@@ -269,3 +269,21 @@ def test_pictures_show_the_water_level_on_the_walls(tmp_path):
     local = (points - (1, 2, 3)) @ R - (1, 0, 1)
     assert np.abs(local[:, :2]) == pytest.approx(np.array([[2, 1]] * 5), abs=1e-9)
     assert fw.view(plant.simulate(1, 0.5), tmp_path / "tank.html").path.stat().st_size > 1e4
+
+
+def test_empty_and_full_tanks_roll_in_both_solvers():
+    """Through the upright, where the level of a last drop goes from corner to corner."""
+    model = floating_box(
+        ("box", BoxTank(length=8, width=5, height=4, volume_start=0, place=(6, 1, -3))),
+        ("round", RoundTank(diameter=5, height=4, volume_start=0, place=(-6, -1, -3))),
+        water=60,
+    )
+    plant = fw.load(model).compile()
+    start = {"motion.roll_start": 0.1, "motion.pitch_start": 0.05}
+    for box, round_tank in ((0.0, 25 * math.pi), (160.0, 0.0)):
+        given = start | {"box.volume_start": box, "round.volume_start": round_tank}
+        a = plant.simulate(10, 0.25, tolerance=1e-7, parameters=given, outputs=["motion.roll"])["motion.roll"]
+        b = plant.simulate(10, 0.25, solver="fixed", step=0.01, parameters=given, outputs=["motion.roll"])[
+            "motion.roll"
+        ]
+        assert np.max(np.abs(a.values - b.values)) < 2e-3 * np.max(np.abs(a.values))
