@@ -19,7 +19,7 @@ relative to the shaft, -rho A_c c v, and in T the flow Q of the pump is left out
 
 from __future__ import annotations
 
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 from fowtlib.language import der, eq, quadratic
 from fowtlib.language import math as m
@@ -31,12 +31,12 @@ ENTRY = 0.1  # m; immersion over which the losses and the wall of the gap come i
 class Levels(NamedTuple):
     """Lengths [m] of the water of a shaft and its moments; wet: 1 where the piston is in the water, else 0."""
 
-    surface: object
-    immersion: object
-    wet: object
-    volume: object
-    first: object
-    second: object
+    surface: Any
+    immersion: Any
+    wet: Any
+    volume: Any
+    first: Any
+    second: Any
 
 
 def levels(shaft) -> Levels:

@@ -94,8 +94,10 @@ def stroke(
     tower = _Tower(plant, parameters)
     places = np.linspace(bottom, top, count)
     rows = [tower.at(float(s)) for s in places]
-    columns = [np.array([row[k] for row in rows]) for k in range(5)]
-    return Stroke(places, *columns, tower.lifted, tower.immersion, tower.height, tower.excess)
+    height, shaft, tanks, level, centre = (np.array([row[k] for row in rows]) for k in range(5))
+    return Stroke(
+        places, height, shaft, tanks, level, centre, tower.lifted, tower.immersion, tower.height, tower.excess
+    )
 
 
 class _Tower:
