@@ -103,7 +103,9 @@ def test_bending(plants, rest, spar, on_top, at_its_height):
     assert nearest(rest[spar][0], at_its_height) == pytest.approx(at_its_height, rel=5e-3)
 
 
-@pytest.mark.parametrize("spar, moment, surge", [(1, 247.2, 27.3), (1, 123.0, 13.8), (2, 305.7, 23.7), (2, 152.9, 12.0)])
+@pytest.mark.parametrize(
+    "spar, moment, surge", [(1, 247.2, 27.3), (1, 123.0, 13.8), (2, 305.7, 23.7), (2, 152.9, 12.0)]
+)
 def test_two_lines_go_upwind(plants, spar, moment, surge):
     """Mean surge of the source's runs in EC1 and EC2 (tables 6 to 11) at the mean moment that they have there.
 
