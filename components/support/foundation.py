@@ -8,6 +8,7 @@ from fowtlib.components.mechanics import FreeMotion, TwoFrames
 from fowtlib.language import Matrix, Scalar, Vector, assert_, der, eq, param, part, shapes, var
 from fowtlib.language import math as m
 from fowtlib.language.errors import ParameterError
+from fowtlib.language.similarity import six_by_six
 
 _LARGEST_ANGLE = 0.1  # rad; the rotation vector of CoupledSpring is exact to (angle^2) / 6 there, 0.2 %
 
@@ -21,6 +22,8 @@ class CoupledSpring(TwoFrames):
     pile upright has stiffness[0][4] < 0. Errors: a matrix that is not symmetric, or would release energy; an angle
     beyond 0.1 rad.
     """
+
+    units_within = {"stiffness": six_by_six("N/m")}
 
     stiffness: Matrix = param(shape=(6, 6), doc="stiffness, SI units, symmetric: three forces, then three moments")
     damping_time: Scalar = param(default=0.0, unit="s", min=0, doc="damping over stiffness")
@@ -51,6 +54,8 @@ class Foundation(TwoFrames):
 
     Its six motions are states, so that something with a mass has to stand on it. See CoupledSpring for the matrix.
     """
+
+    units_within = {"stiffness": six_by_six("N/m")}
 
     stiffness: Matrix = param(shape=(6, 6), doc="stiffness, SI units: three forces, then three moments, at frame_b")
     damping_time: Scalar = param(default=0.0, unit="s", min=0, doc="damping over stiffness")
