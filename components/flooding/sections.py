@@ -140,7 +140,7 @@ class Disc(Cornered):
     """A vessel with a round section, or a ring where it has an inner radius.
 
     Strips lie along the slope, at the points of Gauss and Chebyshev (second kind), exact where the surface meets all
-    walls. Where floor or roof is bare, what `strips` leave out is below 1e-3 of the volume that is above or below the
+    walls. Where floor or roof is bare, what `strips` leave out is below 2e-3 of the volume that is above or below the
     bare part.
     """
 
