@@ -7,7 +7,7 @@ from typing import Any
 import numpy as np
 
 from fowtlib.components.environment.sea import Sea
-from fowtlib.components.environment.waves import WaveComponents
+from fowtlib.components.environment.waves import WaveComponents, depth_decay
 from fowtlib.components.environment.world import World
 from fowtlib.components.flooding.connectors import Water
 from fowtlib.components.flooding.pipe import TwoWaters
@@ -58,14 +58,15 @@ class Doorway(TwoWaters, Opening):
 
 
 class SeaOpening(Opening):
-    """An opening to the sea: outside the head is the still water level, and with `waves` the elevation at its place.
+    """An opening to the sea: outside the head is the still water level, and with `waves` that of linear waves at it.
 
-    Damage: shut at the start (opening_start: 0) it comes with the event `turn`. Waves: the elevation where the opening
-    is at rest, `position` being the place of the frame there; pressures of waves at a depth fade, which is left out: a
-    bound from above for openings near the surface. volume_flow is positive into the compartment.
+    Damage: shut at the start (opening_start: 0) it comes with the event `turn`. Waves: elevation and pressure where the
+    middle of the opening is at rest, `position` being the place of the frame there; z + p / (rho g) of them is the
+    elevation times cosh k(z + h) / cosh k h, and above z = 0 the elevation. volume_flow is positive into the
+    compartment.
     """
 
-    waves: bool = param(default=False, doc="the elevation of the waves counts, too; needs a Sea")
+    waves: bool = param(default=False, doc="the waves count, too; needs a Sea")
     position: Vector = param(default=(0, 0, 0), unit="m", doc="place of the frame at rest, world")
 
     world: World = outer(World)
@@ -85,15 +86,18 @@ class SeaOpening(Opening):
 
 
 def _elevation(opening: SeaOpening) -> Any:
-    """Elevation of the water at the opening [m]."""
+    """Head of the sea at the opening [m]."""
     if not opening.waves:
         opening.refuse_unused("position", because="its waves are left out (waves: false)")
         return 0.0
     if opening.sea is None:
         raise ParameterError(f"{opening.label}.waves needs a part of class Sea, and the model has none.")
-    return opening.sea.signal(_at_opening, 1, "elevation at the opening", "m", of=opening)
+    return opening.sea.signal(_at_opening, 1, "head of the waves at the opening", "m", of=opening)
 
 
 def _at_opening(waves: WaveComponents, opening: SeaOpening) -> np.ndarray:
+    """Head of linear waves (n, 1) per unit amplitude; above the still water level that of the surface."""
     place = np.ravel(opening.parameter_value("position")) + np.ravel(opening.parameter_value("place"))
-    return waves.elevation_transfer(place[None, :])
+    k = waves.wave_number
+    fading = depth_decay(k, place[2:], waves.depth)[0] * np.tanh(k * waves.depth)[:, None]  # cosh k(z + h) / cosh k h
+    return waves.elevation_transfer(place[None, :]) * fading

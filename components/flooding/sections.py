@@ -66,11 +66,27 @@ class Wedge:
 
 
 class Cornered:
-    """A vessel that knows what it holds where its floor or its roof is bare; `lift` says where that begins."""
+    """Partial: a vessel that knows what it holds where its floor or its roof is bare."""
+
+    capacity: Any
 
     def lift(self, slope: tuple[Any, Any]) -> Any:
         """How far the surface is above its height on the axis at the highest wall [m]."""
         raise NotImplementedError
+
+    def upright(self, h: Any) -> tuple[Any, Any]:
+        """First moments (x, y) [m^4] under a surface without slope."""
+        return 0.0, 0.0
+
+    def settled(self, held: Contents, h: Any, volume: Any) -> Contents:
+        """Without what a surface shifts sideways where there is none: in an empty and in a full vessel.
+
+        Over 1e-9 of the capacity, so that a linear model of such a tank in an upright body knows it.
+        """
+        least, wet, room = NOTHING * self.capacity, m.fmax(volume, 0), m.fmax(self.capacity - volume, 0)
+        share = wet / (wet + least) * room / (room + least)
+        x, y = (still + share * (held.first[i] - still) for i, still in enumerate(self.upright(h)))
+        return Contents(held.volume, m.vertcat(x, y, held.first[2]), held.second)
 
 
 @dataclass(frozen=True)
@@ -93,8 +109,7 @@ class Box(Cornered):
 
     def contents(self, h: Any, slope: tuple[Any, Any]) -> Contents:
         """What is under the surface between floor and roof."""
-        found = _columns(self._plus(h, slope), self._plus(h - self.height, slope), self.height)
-        return Contents(found.volume, free(found.volume, self.capacity, found.first), found.second)
+        return _columns(self._plus(h, slope), self._plus(h - self.height, slope), self.height)
 
     def lift(self, slope: tuple[Any, Any]) -> Any:
         """How far the surface is above its height on the axis at the highest wall [m]."""
@@ -160,8 +175,7 @@ class Disc(Cornered):
         left = (s * slope[0] - c * slope[1]) * m.if_else(h * (self.height - h) > 0, self.moment, 0)
         found = _lifted(found, left, h)
         turn = m.vertcat(m.horzcat(c, -s, 0), m.horzcat(s, c, 0), m.horzcat(0, 0, 1))
-        first = free(found.volume, self.capacity, turn @ found.first)
-        return Contents(found.volume, first, turn @ found.second @ turn.T)
+        return Contents(found.volume, turn @ found.first, turn @ found.second @ turn.T)
 
     def lift(self, slope: tuple[Any, Any]) -> Any:
         """How far the surface is above its height on the axis at the highest wall [m]."""
@@ -180,17 +194,6 @@ class Disc(Cornered):
         for i in range(1, self.strips // 2 + 1):
             y, half = np.cos(i * step), np.sin(i * step)
             yield radius * float(y), 2 * radius * float(step * half), radius * float(half)
-
-
-def free(volume: Any, capacity: Any, first: Any) -> Any:
-    """First moments (3,) without what a surface shifts sideways where there is none: in an empty and in a full vessel.
-
-    Over 1e-9 of the capacity, so that a linear model of such a tank in an upright body knows it.
-    """
-    least = NOTHING * capacity
-    wet, room = m.fmax(volume, 0), m.fmax(capacity - volume, 0)
-    share = wet / (wet + least) * room / (room + least)
-    return m.vertcat(share * first[0], share * first[1], first[2])
 
 
 def _lifted(held: Contents, moment: Any, h: Any) -> Contents:

@@ -5,7 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import Any
 
-from fowtlib.components.flooding.sections import Contents, Cornered, free
+from fowtlib.components.flooding.sections import Contents, Cornered
 from fowtlib.language import math as m
 
 
@@ -54,11 +54,14 @@ class Sections(Cornered):
         X, Y, (XX, YY, XY) = self._at(h, xs), self._at(h, ys), (self._at(h, of) for of in squares)
         lifted, wx, wy = tx * X + ty * Y, tx * XX + ty * XY, tx * XY + ty * YY
         raised = (tx * wx + ty * wy) / 2
-        shift = free(volume, self.capacity, m.vertcat(wx, wy, raised - h * lifted))
-        first = m.vertcat(x, y, z) + m.vertcat(-shift[0], -shift[1], shift[2])
+        first = m.vertcat(x - wx, y - wy, z - h * lifted + raised)
         xz, yz, zz = xz - h * wx, yz - h * wy, zz - h**2 * lifted + 2 * h * raised
         rows = m.horzcat(xx, xy, xz), m.horzcat(xy, yy, yz), m.horzcat(xz, yz, zz)
         return Contents(volume - lifted, first, m.vertcat(*rows))
+
+    def upright(self, h: Any) -> tuple[Any, Any]:
+        """First moments (x, y) [m^4] under a surface without slope."""
+        return tuple(self._filled(h, lambda i, k=k: self.firsts[i, k], 1)[0] for k in range(2))
 
     def lift(self, slope: tuple[Any, Any]) -> Any:
         """How far the water goes above the height of the surface on the axis [m]: not at all, to first order."""

@@ -20,7 +20,7 @@ STEEPEST = 80.0  # deg, of the axis of a tank against the vertical
 MARGIN = 1e-6  # of the height of a tank: what Newton and rounding may leave above its roof, or below its floor
 DRY = 2e-3  # m, by which a port may be above the water while water leaves through it
 SEEPING = 1e-6  # m/s on the section of the tank: what may leave through a dry port
-FILM = 1e-7  # of the section, by which a tank is wider than it is: so that the level of a last drop in a corner exists
+LEAST = 1e-4  # of the capacity of a tank, to which its level takes it as filled at least, and as empty
 
 
 class Tank(WaterOnFrame, TrappedAir, FirstMode):
@@ -79,16 +79,16 @@ class Tank(WaterOnFrame, TrappedAir, FirstMode):
         modes = self.modes(rho) if self.sloshing else None
         level_share = 1 - self.first_mode_share() if self.sloshing else 1  # of the slope, that follows at once
         slope = level_share * up[0] / up[2], level_share * up[1] / up[2]
-        held = vessel.contents(self.level, slope)
+        held, fill = _filled(self, vessel, slope)
         first, inertia = water_loads.about_frame(self, rho, held)
         first = first + sloshing.moved(self, modes) if self.sloshing else first
         ports = [self.place + self.places[i, :].T for i in range(len(self.water))]
         return [
             eq(der(self.volume), sum((w.volume_flow for w in self.water), 0.0)),
-            _fill(self, vessel, slope, held),
+            fill,
             eq(self.surface, self.frame.r[2] + m.dot(up, self.place + m.vertcat(0, 0, self.level))),
             [eq(self.velocity, der(self.frame.r)), eq(self.mass, rho * self.volume), eq(self.moments, first)],
-            [eq(self.centre, first / (self.mass + rho * FILM * vessel.area)), eq(self.inertia, inertia)],
+            [eq(self.centre, first / (self.mass + 1e-9 * rho * vessel.capacity)), eq(self.inertia, inertia)],
             [eq(w.head, _head(self, rho, up, p)) for w, p in zip(self.water, ports, strict=True)],
             air_space.laws(self) if self.sealed else eq(self.air_pressure, 0),
             *water_loads.laws(self, rho, ports, modes),
@@ -118,19 +118,24 @@ def _head(tank: Tank, rho: Any, up: Any, place: Any) -> Any:
     return m.fmax(tank.surface, own) + tank.air_pressure / (rho * tank.world.gravity)
 
 
-def _fill(tank: Tank, vessel: Any, slope: tuple[Any, Any], held: Contents) -> Any:
-    """What is below the level is the volume.
+def _filled(tank: Tank, vessel: Any, slope: tuple[Any, Any]) -> tuple[Contents, Any]:
+    """What is below the level, and the equation that it is the volume.
 
-    A vessel with corners has a film of FILM of its section at all heights, and a column of it beyond floor and roof: so
-    there is a level of the last drop in a corner, and one for a step of a solver that goes too far. The volume is
-    scaled by as much: empty, full and upright the level is exact.
+    A vessel with corners is never filled by less than LEAST of it, nor to less than that below its roof, by which the
+    level of an empty and of a full one is smooth in the tilt; V + LEAST^2 / V elsewhere. Moments are those of the
+    volume. Beyond floor and roof the section goes on: there is a level for a step of a solver that goes too far.
     """
+    held, h, volume = vessel.contents(tank.level, slope), tank.level, tank.volume
     if not isinstance(vessel, Cornered):
-        return eq(tank.volume, held.volume)
-    h, area, reach = tank.level, vessel.area, vessel.lift(slope)
-    beyond = area * (m.fmax(h - vessel.height - reach, 0) + m.fmin(h + reach, 0))
-    full = 1 + FILM * area * (vessel.height + 2 * reach) / vessel.capacity
-    return eq(tank.volume * full, held.volume + FILM * area * (h + reach) + beyond)
+        return held, eq(volume, held.volume)
+    least, reach = LEAST * vessel.capacity, vessel.lift(slope)
+    wet = m.smooth_max(volume, 0, 2 * least)
+    filled = vessel.capacity - m.smooth_max(vessel.capacity - wet, 0, 2 * least)
+    beyond = vessel.area * (m.fmax(h - vessel.height - reach, 0) + m.fmin(h + reach, 0))
+    settled, share = vessel.settled(held, h, volume), volume / filled
+    first = share * settled.first * m.vertcat(1, 1, share)  # so that the height of the centre of a column is exact
+    outside = m.fmin(volume, 0) + m.fmax(volume - vessel.capacity, 0)
+    return Contents(volume, first, share * settled.second), eq(filled + outside, held.volume + beyond)
 
 
 def _limits(tank: Tank, vessel: Any, up: Any, ports: list[Any]) -> list[Any]:

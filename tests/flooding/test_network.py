@@ -113,7 +113,7 @@ def test_a_check_valve_holds_the_water_and_its_absence_does_not():
 
 def test_an_orifice_drains_a_tank_in_the_time_of_torricelli():
     """sqrt(h) falls by C_d A_o / A sqrt(g / 2) t."""
-    model = ashore(tank=pool(4, 16), sink=pool(1e4, 1.0, -1.0), valve=Valve(area=0.02))
+    model = ashore(tank=pool(4, 16), sink=pool(1e4, 1e4, -2.0), valve=Valve(area=0.02))
     model.connect(model.tank.water[0], model.valve.water_a)
     model.connect(model.valve.water_b, model.sink.water[0])
     result = fw.load(model).compile().simulate(120, 1, tolerance=1e-8)
