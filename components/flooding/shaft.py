@@ -115,7 +115,8 @@ def on_the_frames(shaft, found: Levels) -> list:
     push = rho * piston * found.immersion * (up + middle * turning)
     across = push - n * m.dot(n, push)
     pressed = weight + n * rate + coriolis + across
-    turned = moment + middle * m.cross(n, coriolis + across) - surface * m.cross(up, n)
+    level = surface * m.cross(up + found.surface * turning, n)  # at right angles to the acceleration that it feels
+    turned = moment + middle * m.cross(n, coriolis + across) - level
     return [
         [eq(a.f, pressed), eq(a.t, turned)],
         [eq(b.f, -across), eq(b.t, -m.cross(n * found.immersion / 2, across))],

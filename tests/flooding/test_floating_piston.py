@@ -14,7 +14,10 @@ from fowtlib.components.flooding.floating_piston import FloatingPiston
 from fowtlib.components.mechanics import (
     EndStop,
     FixedRotation,
+    FixedTranslation,
+    Latch,
     Prismatic,
+    Revolute,
     RigidBody,
     SlidingFriction,
     World,
@@ -201,6 +204,43 @@ def test_a_run_stops_where_there_is_too_much_water(changes, says):
 def test_a_run_stops_where_the_shaft_is_pumped_dry():
     with pytest.raises(SimulationError, match="the shaft is empty"):
         run(machine(0.2, flow=-1.0, volume_start=20.0), 60.0, 0.5)
+
+
+def test_a_shaft_with_water_swings_as_a_column_with_a_free_surface():
+    """(I - rho i l_s) w^2 = g sum(m l) - rho g i: slabs move with the shaft, the surface with what it feels.
+
+    I: hull and column about the pivot; l: depths of centres below it, l_s of the surface; the piston hangs dry above.
+    """
+    depth, h, hull, dry = 60.0, 12.0, 5e6, 40.0
+    model = fw.Assembly("swing")
+    model.world = World(gravity=G, water_density=RHO)
+    model.pivot = Revolute(n=(0, 1, 0), phi_start=1e-4)
+    model.rod = FixedTranslation(r=(0, 0, -depth))
+    model.hull = RigidBody(mass=hull, inertia=np.diag([1e9, 1e9, 1e9]))
+    model.slide = Prismatic(n=(0, 0, 1), s_start=dry)
+    model.latch = Latch(place=dry, stiffness=1e12, damping=1e9, closed_start=1)
+    model.body = RigidBody(mass=1e3, inertia=np.diag([1.0, 1.0, 1.0]))
+    model.shaft = FloatingPiston(
+        diameter=SHAFT, height=80.0, piston_diameter=PISTON, piston_height=HEIGHT, volume_start=AREA * h
+    )
+    model.connect(model.world.frame, model.pivot.frame_a)
+    model.connect(model.pivot.frame_b, model.rod.frame_a)
+    model.connect(model.rod.frame_b, model.hull.frame_a)
+    for part in (model.slide, model.shaft):
+        model.connect(model.rod.frame_b, part.frame_a)
+    for part in (model.body.frame_a, model.shaft.frame_b):
+        model.connect(model.slide.frame_b, part)
+    for part in (model.shaft.axis, model.latch.axis):
+        model.connect(model.slide.axis, part)
+    plant = fw.load(model).compile()
+    values = np.linalg.eigvals(plant.linearize(plant.initial_state()).A.values)
+    omega = min(abs(value.imag) for value in values if abs(value.imag) > 1e-3)
+    water, second, surface = RHO * AREA * h, math.pi / 64 * SHAFT**4, depth - h
+    column = RHO * AREA * (depth**3 - surface**3) / 3
+    inertia = 1e9 + hull * depth**2 + column + 1 + 1e3 * (depth - dry) ** 2
+    levers = hull * depth + water * (depth - h / 2) + 1e3 * (depth - dry)
+    expected = math.sqrt((G * levers - RHO * G * second) / (inertia - RHO * second * surface))
+    assert omega == pytest.approx(expected, rel=1e-6)
 
 
 @pytest.mark.parametrize("count", [3, 8])
