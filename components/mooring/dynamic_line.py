@@ -32,6 +32,9 @@ from fowtlib.language import (
 from fowtlib.language import math as m
 from fowtlib.language.declarations import join
 
+SHARP = 0.5
+"""Angle [rad] between elements from which on a line that bends warns."""
+
 
 class DynamicLine(DynamicSections):
     """A line of `elements` elastic elements between point masses, in waves and current, over a flat seabed.
@@ -145,7 +148,8 @@ def _strengths(line: DynamicLine) -> list[Any]:
 def _limits(line: DynamicLine, nodes: Any, elements: lumped_mass.Elements) -> list[Any]:
     """What the equations hold for."""
     whole = line.whole(nodes.shape[1] - 1)  # an element that broke has no strain
-    strain = ca.mmax((lumped_mass.directions(nodes)[0] / elements.length - 1) * whole)
+    strains = (lumped_mass.directions(nodes)[0] / elements.length - 1) * whole
+    strain = ca.mmax(strains)
     breaking = []
     if line.parameter_value("breaking_load") is not None:
         share = ca.mmax(ca.vertcat(line.tension, line.tensions) / ca.vertcat(*_strengths(line)))
@@ -155,4 +159,25 @@ def _limits(line: DynamicLine, nodes: Any, elements: lumped_mass.Elements) -> li
         assert_(strain < line.greatest_strain, "an element is stretched by {strain} of its length; its tension is "
                 "known up to greatest_strain = {limit}", strain=strain, limit=line.greatest_strain),
         *breaking,
+        *_tables(line, strains, elements),
+        *_angles(line, nodes, elements),
     ]  # fmt: skip
+
+
+def _tables(line: DynamicLine, strains: Any, elements: lumped_mass.Elements) -> list[Any]:
+    """A rope is not stretched beyond its table."""
+    if elements.table is None:
+        return []
+    last, reached = elements.table[elements.table.shape[0] - 1, 0], ca.mmax(strains * elements.fibre)
+    return [assert_(reached <= last, "a rope is stretched by {strain} of its length; its strain_table ends at {last}",
+                    strain=reached, last=last)]  # fmt: skip
+
+
+def _angles(line: DynamicLine, nodes: Any, elements: lumped_mass.Elements) -> list[Any]:
+    """Where a line bends, the angles between its elements are small."""
+    if not line.bends():
+        return []
+    lengths = (elements.length[:, 1:] + elements.length[:, :-1]) / 2
+    angle = ca.mmax(lumped_mass.curvatures(nodes, elements) * lengths)
+    said = "two elements are at an angle of {angle} rad; bending is good for small ones: take more elements"
+    return [assert_(angle < SHARP, said, "warning", angle=angle)]

@@ -103,7 +103,9 @@ class DynamicSections(LineOfSections):
         length, EA, mass = ca.horzcat(*self.element_lengths()), row("axial_stiffness"), row("mass_per_length")
         table = fibre = None
         if self.parameter_value("strain_table") is not None:
-            table = self.strain_table
+            given, table = np.asarray(self.parameter_value("strain_table"), dtype=float), self.strain_table
+            if given.ndim != 2 or given.shape[1] != 2 or len(given) < 2 or not np.all(np.diff(given, axis=0) > 0):
+                raise ParameterError(f"{self.label}.strain_table needs rows of strain and tension, both rising.")
             fibre = ca.horzcat(*(self.of_elements("fibre") if self.parameter_value("fibre") is not None else [1] * len(
                 self.element_lengths())))  # fmt: skip
         return Elements(

@@ -10,6 +10,7 @@ from fowtlib.language import (
     Component,
     Scalar,
     Vector,
+    assert_,
     der,
     eq,
     fix_orientation,
@@ -28,7 +29,8 @@ class LineJoint(Component):
 
     Its mass and volume may be zero: the ends of the lines have inertia. Weight less buoyancy, drag 1/2 rho C_d A |u| u
     against the current and added mass C_a rho V, the same in all directions; waves do not reach it. `position` is where
-    a run starts; `equilibrium` finds where it rests. It neither floats at the surface nor touches the seabed.
+    a run starts; `equilibrium` finds where it rests. Surface and seabed do not hold it: it warns above the one, and is
+    refused below the other.
     """
 
     mode_names = {"*": "{part} motion"}
@@ -65,6 +67,8 @@ class LineJoint(Component):
             eq(self.frame.r, self.r),
             fix_orientation(self.frame, m.eye(3), m.zeros(3)),
             eq(self.frame.f, inertia * der(self.v) - drag - weight),
+            assert_(self.r[2] <= 0, "the joint comes out of the water, to z = {z} m", "warning", z=self.r[2]),
+            assert_(self.r[2] >= -world.water_depth, "the joint is at z = {z} m, below the seabed", z=self.r[2]),
         ]
 
     def drawing(self) -> shapes.Drawing:

@@ -10,7 +10,7 @@ from fowtlib.components.mechanics import Fixed, World
 from fowtlib.components.mechanics.forced_motion import ForcedOscillation
 from fowtlib.components.mooring import CrowFoot, DragAnchor, DynamicLine, LineJoint, SectionedLine
 from fowtlib.language import Assembly
-from fowtlib.language.errors import ParameterError
+from fowtlib.language.errors import ParameterError, SimulationError
 
 CHAIN = {"axial_stiffness": 384.243e6, "mass_per_length": 77.7066, "diameter": 0.09}
 
@@ -208,6 +208,11 @@ def test_a_fibre_rope_follows_its_table():
     for strain, expected in ((0.005, 1e5), (0.02, 0.8e6), (0.03, 1.4e6)):
         state = plant.initial_state({"right.r": (100 * (1 + strain), 0, -60)})
         assert np.asarray(state["line.tensions"]) == pytest.approx(expected, rel=1e-3)
+    with pytest.raises(SimulationError, match="its strain_table ends at 0.03"):
+        plant.simulate(1.0, parameters={"right.r": (103.5, 0, -60)})
+    with pytest.raises(ParameterError, match="both rising"):
+        flat = DynamicLine(lengths=100.0, strain_table=[(0, 0), (0.01, 0)], **CHAIN)
+        fw.load(held(flat, (0, 0, -60), (100, 0, -60))).compile()
 
 
 def test_a_line_breaks_at_its_fairlead_during_a_run_and_falls():
