@@ -40,6 +40,7 @@ from fowtlib.language.units import check_si, to_si
 
 MOST_ELEMENTS = 10_000  # of one array of ports, variables or parts
 
+
 class UnknownAttribute(NotFoundError, AttributeError):
     """A name that a component does not have."""
 

@@ -101,7 +101,7 @@ class ExcitedModel:
         """The same with sums of channels of fields, as they are found; see frequency.few_channels."""
         return {}
 
-    @property
+    @cached_property
     def driven(self) -> int:
         """Number of the signals and channels, one by one."""
         return len(self.linear.inputs) - sum(place.stop - place.start for _, place in self.laws)
