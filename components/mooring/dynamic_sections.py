@@ -17,6 +17,8 @@ from fowtlib.language.errors import ParameterError
 class DynamicSections(LineOfSections):
     """Partial: sections of a line with dynamics, counted from the anchor; a property is one number, or one each."""
 
+    units_within = {"strain_table": ("1", "N")}
+
     elements: int = param(default=20, min=2, max=400, doc="elements of the line, shared out by lengths of sections")
     damping_ratio: Array = param(
         default=0.8, min=0, doc="internal damping: of the fastest axial mode of the elements; less in slower ones"
