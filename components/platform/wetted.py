@@ -22,7 +22,6 @@ Source: J.N. Newman, Marine Hydrodynamics (1977), 6.16; moments of tetrahedra: F
 
 from __future__ import annotations
 
-import ctypes
 import hashlib
 import weakref
 from dataclasses import dataclass
@@ -35,10 +34,9 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from fowtlib.language import ExternalFunction
-from fowtlib.language import cache_folder as store
-from fowtlib.language.errors import ParameterError
 from fowtlib.language.externals import with_interface
-from fowtlib.language.native import compiler, open_library
+from fowtlib.language.handed_numbers import kept_file, load, problem
+from fowtlib.language.native import compiler
 
 Floats = NDArray[np.float64]
 
@@ -148,29 +146,13 @@ class WettedSurface:
         _known[self.handle] = self
         if function.library is None:
             return held
-        library, numbers = open_library(function.library), np.ascontiguousarray(self.block)
-        load, close = getattr(library, f"{function.name}_load"), getattr(library, f"{function.name}_close")
-        close.restype, close.argtypes = None, [ctypes.c_double]
-        if load(ctypes.c_double(self.handle), ctypes.c_void_p(numbers.ctypes.data), ctypes.c_longlong(numbers.size)):
-            raise ParameterError(_problem(function))
-        held.finalizer = weakref.finalize(held, close, self.handle)
+        held.finalizer = load(function, self.handle, self.block, held)
         return held
 
     def file_for(self, function: ExternalFunction) -> tuple[Path, tuple[float | int, ...]]:
         """A file with its numbers for `<name>_open(handle, path)` of the function's library."""
-        name, content = f"surface_{int(self.handle):012x}", self.block.astype("<f8").tobytes()
-        try:
-            path = store.find(name, "numbers")
-            if path is None or path.read_bytes() != content:
-                with store.workshop() as folder:
-                    fresh = folder / "fresh.numbers"
-                    fresh.write_bytes(content)
-                    path = store.keep(name, "numbers", fresh)
-        except OSError as error:
-            raise ParameterError(
-                f"{error.filename or store.cache_folder()}: cannot be written: {error.strerror or error}."
-            ) from None
-        return path, ()
+        content = self.block.astype("<f8").tobytes()
+        return kept_file(f"surface_{int(self.handle):012x}", "numbers", content), ()
 
 
 class _Held:
@@ -227,7 +209,7 @@ def _function(command: tuple[str, ...]) -> ExternalFunction:
         return matrix
 
     def explain() -> str:
-        return _problem(function) if function.library else ""
+        return problem(function) if function.library else ""
 
     pattern = ca.Sparsity(5, 5, [0, 0, 5, 10, 15, 20], list(range(5)) * 4)
     function = ExternalFunction(
@@ -241,10 +223,3 @@ def _of(handle: float) -> WettedSurface:
     if handle not in _known:
         raise RuntimeError("a surface of a hull is used that was not opened in this process; compile the model again.")
     return _known[handle]
-
-
-def _problem(function: ExternalFunction) -> str:
-    found = getattr(open_library(function.library), f"{function.name}_problem")
-    found.restype = ctypes.c_char_p
-    text = found().decode("utf-8", "replace")
-    return f"{text}." if text else ""

@@ -6,7 +6,6 @@ values; see series.c. What the series is made of is no part of the model, nor of
 
 from __future__ import annotations
 
-import ctypes
 import hashlib
 import math
 import weakref
@@ -20,10 +19,10 @@ import casadi as ca
 import numpy as np
 from numpy.typing import ArrayLike
 
-from fowtlib.language import cache_folder as store
 from fowtlib.language.errors import ParameterError
 from fowtlib.language.externals import ExternalFunction, with_interface
-from fowtlib.language.native import compiler, open_library
+from fowtlib.language.handed_numbers import kept_file, load, problem
+from fowtlib.language.native import compiler
 from fowtlib.language.tables import cardinal, cardinal_of_spectrum, cardinal_periodic
 
 KINDS = ("constant", "cubic", "linear", "monotone", "harmonics", "transition")
@@ -236,30 +235,12 @@ class Series:
         _known[self.handle] = self
         if function.library is None:
             return held
-        library = open_library(function.library)
-        numbers = np.ascontiguousarray(self.block)
-        load, close = getattr(library, f"{function.name}_load"), getattr(library, f"{function.name}_close")
-        close.restype, close.argtypes = None, [ctypes.c_double]
-        if load(ctypes.c_double(self.handle), ctypes.c_void_p(numbers.ctypes.data), ctypes.c_longlong(numbers.size)):
-            raise ParameterError(_problem(function))
-        held.finalizer = weakref.finalize(held, close, self.handle)
+        held.finalizer = load(function, self.handle, self.block, held)
         return held
 
     def file_for(self, function: ExternalFunction) -> tuple[Path, tuple[float | int, ...]]:
         """A file with its numbers for `<name>_open(handle, path)` of the function's library, and further arguments."""
-        name, packed = f"series_{int(self.handle):012x}", self._packed()
-        try:
-            path = store.find(name, "packed")
-            if path is None or path.read_bytes() != packed:
-                with store.workshop() as folder:
-                    fresh = folder / "fresh.packed"
-                    fresh.write_bytes(packed)
-                    path = store.keep(name, "packed", fresh)
-        except OSError as error:
-            raise ParameterError(
-                f"{error.filename or store.cache_folder()}: cannot be written: {error.strerror or error}."
-            ) from None
-        return path, ()
+        return kept_file(f"series_{int(self.handle):012x}", "packed", self._packed()), ()
 
     def _packed(self) -> bytes:
         """The numbers of a file, so that they compress well: see `unpack` in series.c."""
@@ -306,7 +287,7 @@ def _function(size: int, command: tuple[str, ...]) -> ExternalFunction:
         return np.column_stack([np.zeros(size), _of(column[0], size).rate(column[1])])
 
     def explain() -> str:
-        return _problem(function) if function.library else ""
+        return problem(function) if function.library else ""
 
     pattern = ca.Sparsity(size, 2, [0, 0, size], list(range(size)))
     function = ExternalFunction(
@@ -322,13 +303,6 @@ def _of(handle: float, size: int) -> Series:
     if handle not in _known:
         raise RuntimeError("a time series is used that was not opened in this process; compile the model again.")
     return _known[handle]
-
-
-def _problem(function: ExternalFunction) -> str:
-    found = getattr(open_library(function.library), f"{function.name}_problem")
-    found.restype = ctypes.c_char_p
-    text = found().decode("utf-8", "replace")
-    return f"{text}." if text else ""
 
 
 def _harmonics(rows: np.ndarray, t: np.ndarray, per: float) -> tuple[np.ndarray, np.ndarray]:

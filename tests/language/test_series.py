@@ -67,9 +67,9 @@ def test_c_code_and_twin(name):
 
 
 def function_problem(function):
-    from fowtlib.language.series import _problem
+    from fowtlib.language.handed_numbers import problem
 
-    return _problem(function)
+    return problem(function)
 
 
 @pytest.mark.parametrize("name", SERIES)
