@@ -217,6 +217,21 @@ def test_a_floating_tower_goes_with_the_heave_of_its_hull(plant):
     assert np.ptp(array(result, "position")) < 2e-3
 
 
+def test_regular_waves_of_its_own_period_do_not_move_it(plant):
+    """4 m at 2 pi sqrt(d/g), without friction and losses: 2 mm in the shaft, while the hull pitches by a degree."""
+    sea = {
+        "spectrum": "regular",
+        "wave_height": 4.0,
+        "wave_period": 2 * math.pi * math.sqrt(DEPTH / G),
+        "build_up": 60.0,
+    }
+    parameters = FRICTIONLESS | {f"sea.{name}": value for name, value in sea.items()}
+    result = plant.simulate(300, 0.25, parameters=parameters, start=floating(plant, 25.0), events=())
+    late = result.time > 150
+    assert np.ptp(array(result, "position")[late]) < 4e-3
+    assert np.ptp(array(result, "pitch")[late]) > 1.5 and np.ptp(array(result, "heave")[late]) > 0.1
+
+
 def test_it_is_raised_in_waves_within_its_limits(plant):
     """A part of the way in 2 m of 9 s: the floor is not touched again, and the cylinder stays above the water."""
     sea = {"sea.spectrum": "jonswap", "sea.significant_wave_height": 2.0, "sea.peak_period": 9.0, "sea.build_up": 100.0}
