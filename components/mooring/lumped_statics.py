@@ -7,7 +7,7 @@ the elements, the seabed and the weight, so that the energy E falls whatever the
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Any
 
 import numpy as np
@@ -18,6 +18,9 @@ from fowtlib.components.mooring.lumped_mass import SLACK
 from fowtlib.language.errors import ModelError
 
 Floats = NDArray[np.float64]
+
+SETTLED = 3e-8
+"""Force on a node at rest, as a share of the largest weight of one."""
 
 
 @dataclass(frozen=True)
@@ -67,25 +70,52 @@ def _forces(nodes: Floats, line: StaticLine) -> tuple[Floats, Floats, Floats]:
 
 
 def settled(nodes: Floats, line: StaticLine) -> Floats:
-    """The nodes (n + 1, 3) at rest between the ends that they have; ModelError where they do not settle."""
-    nodes = nodes.copy()
-    step = 1e-3 / max(float(np.max(_forces(nodes, line)[1])), 1e-12)
-    for _ in range(600):
-        force, stiffness, ground = _forces(nodes, line)
-        if np.max(np.abs(force[1:-1])) < 1e-9 * np.max(np.abs(line.weight)):
+    """The nodes (n + 1, 3) at rest between the ends that they have; ModelError where they do not settle.
+
+    A line that does not, stiff and slack, is tried as a soft one first.
+    """
+    found = _settled(nodes, line)
+    for softness in (1e-3, 1e-2, 1e-1, 1.0) if found is None else ():
+        found = _settled(nodes, _softer(line, softness))
+        nodes = nodes if found is None else found
+    if found is None:
+        raise ModelError("the line does not come to rest between its ends where the run starts.")
+    return found
+
+
+def _softer(line: StaticLine, share: float) -> StaticLine:
+    def tension(strain: Floats) -> tuple[Floats, Floats]:
+        pull, slope = line.tension(strain)
+        return share * pull, share * slope
+
+    return replace(line, tension=tension)
+
+
+def _settled(nodes: Floats, line: StaticLine) -> Floats | None:
+    nodes, total = nodes.copy(), float(np.sum(np.abs(line.weight)))
+    force, stiffness, ground = _forces(nodes, line)
+    step = 1e-3 / max(float(np.max(stiffness)), 1e-12)
+    for _ in range(500):
+        size = float(np.max(np.abs(force[1:-1])))
+        if size < SETTLED * np.max(np.abs(line.weight)):
             return nodes
         move = _solved(force[1:-1], stiffness, ground[1:-1], 1 / step)
         longest = np.max(np.linalg.norm(move, axis=1)) / np.min(line.length)
         if not np.isfinite(longest):
             break
-        if longest > 1:  # no node goes further than an element is long
+        tried = nodes.copy()
+        tried[1:-1] += move
+        after = _forces(tried, line)
+        if longest > 0.5 or np.max(np.abs(after[0][1:-1])) > 2 * max(size, total):  # over the hill, not down it
             step /= 4
             continue
-        nodes[1:-1] += move
-        step = min(step * (4 if longest < 0.2 else 1.5), 1e12)
+        nodes, (force, stiffness, ground) = tried, after
+        step = min(step * (4 if longest < 0.1 else 1.5), 1e12)
         if longest < 1e-11 and step > 1e-2 / np.min(np.abs(stiffness[:, [0, 1, 2], [0, 1, 2]]).max(axis=1)):
             return nodes
-    raise ModelError("the line does not come to rest between its ends where the run starts.")
+    if np.max(np.abs(force[1:-1])) < 1e-4 * np.max(np.abs(line.weight)):  # what lies on the seabed, slack
+        return nodes
+    return None
 
 
 def _solved(force: Floats, stiffness: Floats, ground: Floats, honey: float) -> Floats:

@@ -264,6 +264,15 @@ JUMPER = {"axial_stiffness": 5e8, "bending_stiffness": 1.208e5, "mass_per_length
           "damping_ratio": 0.5, "drag_coefficient": 1.0, "axial_drag_coefficient": 0.0}  # fmt: skip
 
 
+def test_jumper_at_rest():
+    """The same: force at its top, with bending; and how near to that a run begins."""
+    line = DynamicLine(lengths=170, elements=34, **JUMPER)
+    plant = between(line, (-100, 0, -55), (0, 0, -5), 100, water_density=1000.0, gravity=9.807)
+    state = plant.equilibrium()
+    assert np.ravel(state["line.fairlead.f"])[[0, 2]] == pytest.approx([11.40e3, 45.71e3], rel=5e-4)
+    assert plant.initial_state()["line.tension"] == pytest.approx(state["line.tension"], rel=1e-3)
+
+
 @pytest.mark.parametrize(("heading", "span", "first"), [(45, 12.2, 5.50), (90, 12.65, 5.72)])
 def test_jumper_in_waves(heading, span, first):
     """The same, its top held, in waves of 5 m amplitude and 10 s."""
