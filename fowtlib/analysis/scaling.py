@@ -178,12 +178,16 @@ class _Wanted:
         return factor * self.similarity.factor(text)
 
 
+_SCALES = {"wind": "--wind steady:12", "sea": "--waves jonswap:Hs=6,Tp=10"}  # what can be scaled
+
+
 def _refuse(part: Component) -> None:
     """What a part says of itself that has its own units."""
     for name, what in part.in_own_units.items():
         if not name or part.parameter_value(name):
             shown = part.path if not name else f"{join(part.path, name)} = {part.parameter_value(name)!r}"
-            raise ParameterError(f"{shown}: {what}, so the model cannot be scaled.")
+            other = f" Another kind may do, such as {_SCALES[part.path]}." if part.path in _SCALES else ""
+            raise ParameterError(f"{shown}: {what}, so the model cannot be scaled.{other}")
 
 
 def _is_general(part: Component) -> bool:

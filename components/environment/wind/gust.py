@@ -24,7 +24,7 @@ class GustWind(SteadyWind, kind="gust"):
     "eog" is the extreme operating gust of IEC 61400-1 ed. 3, magnitude by (17) unless given; "1-cos" is one hump.
     """
 
-    in_own_units = {"": "the gust of the standard has lengths and speeds of full scale (a steady wind scales: --wind steady:12)"}
+    in_own_units = {"": "the gust of the standard has lengths and speeds of full scale"}
 
     start_time: Number = param(default=0.0, unit="s", min=0, bound=True, doc="start of the gust")
     gust_shape: str = param(default="eog", choices=tuple(SHAPES), bound=True, doc="time function")

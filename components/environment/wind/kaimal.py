@@ -26,7 +26,7 @@ class KaimalWind(SteadyWind, kind="kaimal"):
     It is the fluctuation, not sheared (IEC 61400-1 annex B). What a series holds and loses: module turbulence.
     """
 
-    in_own_units = {"": "the turbulence of the standard has lengths and speeds of full scale (a steady wind scales: --wind steady:12)"}
+    in_own_units = {"": "the turbulence of the standard has lengths and speeds of full scale"}
 
     turbulence_class: str = param(default="B", choices=iec.TURBULENCE_CLASSES, bound=True, doc="IEC turbulence class")
     turbulence_intensity: Number = param(
