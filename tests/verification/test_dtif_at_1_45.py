@@ -31,6 +31,32 @@ def modes(name):
     return plant, state, {motion: of(motion) for motion in MOTIONS}
 
 
+def test_four_lines_of_the_lir_basin():
+    """Table 5.17: heave 4.203 s, pitch 7.383 s (fitted), yaw 10.385 s; surge 24.9 s and sway 11.1 s cannot be both.
+
+    The pull is the mean of the printed tensions (9.5, 9.5, 6.8, 6.8 N), from which the span is.
+    """
+    plant, state, found = modes("dtif_model_scale_four_lines")
+    assert np.abs(state["platform.motion.acceleration"]).max() < 2e-3
+    assert state["line_1.tension"] == pytest.approx(8.15, abs=0.01)
+    assert 1 / found["heave"][0] == pytest.approx(4.203, rel=0.01)
+    assert 1 / found["pitch"][0] == pytest.approx(7.383, rel=0.01)
+    assert 1 / found["yaw"][0] == pytest.approx(10.385, rel=0.15)
+    assert found["surge"][0] == pytest.approx(found["sway"][0], rel=1e-6)
+    assert 11.1 < 1 / found["surge"][0] < 24.9
+
+
+def test_lines_are_lost_one_after_another():
+    """The model drifts to the line that is left, which does not pull more than before for long."""
+    plant = fw.load("dtif_model_scale_flowave").compile()
+    events = [fw.Event("line_2.loss", at="5 s"), fw.Event("line_3.loss", at="30 s")]
+    result = plant.simulate(60, 0.05, events=events)
+    surge, t = np.asarray(result["surge"]), result.time
+    assert abs(surge[t < 5]).max() < 0.01
+    assert surge[(t > 25) & (t < 30)].mean() > 0.05 and surge[-1] > 0.3
+    assert np.asarray(result["line_2.tension"])[t > 5.1].max() == 0.0
+
+
 def decay_period(plant):
     """Mean period [s] between upward crossings of a heave decay from 40 mm."""
     start = plant.initial_state(start={"platform.motion.heave": 0.04})
