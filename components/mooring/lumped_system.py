@@ -23,6 +23,11 @@ class LumpedSystem(Component):
     seabed_damping: Scalar = like(DynamicLine.seabed_damping)
     waves: bool = like(DynamicLine.waves)
 
+    def refuse_lumped(self, dynamics: str) -> None:
+        """Raise ParameterError where one of these parameters is given, and the lines are no DynamicLines."""
+        names = (*PER_LINE, "bending_stiffness", *SHARED)
+        self.refuse_unused(*names, because=f"it is of lines of point masses (dynamics: lumped; here {dynamics})")
+
     def dynamic_line(self, values: dict[str, Any], of_line: Any) -> DynamicLine:
         """A line with the values of a CatenaryLine and those of this class; of_line(name): that of the line."""
         names = PER_LINE if not self.is_set("bending_stiffness") else (*PER_LINE, "bending_stiffness")

@@ -73,6 +73,8 @@ class MooringSystem(LumpedSystem):
         if self.dynamics == "lumped":
             for i in range(len(self.layout())):
                 self.lines[i] = self.dynamic_line(self.line_values(i), lambda name, i=i: self._of_line(name, i))
+        else:
+            self.refuse_lumped(self.dynamics)
         for arm, line in zip(self.arms, self.lines, strict=True):
             self.connect(self.frame, arm.frame_a)
             self.connect(arm.frame_b, line.fairlead)

@@ -9,11 +9,11 @@ from typing import Any
 import numpy as np
 
 from fowtlib.analysis.afloat import Afloat, Liquid
-from fowtlib.analysis.masses import centre_of_mass, placed_bodies
+from fowtlib.analysis.masses import Placed, centre_of_mass, placed_bodies
 from fowtlib.analysis.plants import plant_of
 from fowtlib.analysis.tank_water import water_in
 from fowtlib.analysis.upright import facts_of
-from fowtlib.components.flooding import Tank
+from fowtlib.components.flooding import FloatingPiston, Tank
 from fowtlib.components.platform import Floater, MemberHydrostatics, MemberShape
 from fowtlib.components.platform.compartments import compartment, tank
 from fowtlib.components.platform.member_hydrostatics import surface_of
@@ -31,8 +31,9 @@ def afloat(model: Any, slack: str | Sequence[str] = (), state: Any = None) -> Af
     """The floating part of a model in the axes of its Floater, with all bodies where they are at a state.
 
     slack: names of Ballast below the floater whose surface stays level, or "all"; the rest is as solid. Water in tanks
-    (components.flooding) is liquid always, and stays in its tank. state: by default that at the start. Moorings and
-    wind are not in it. Raises ParameterError where the model has not one Floater with members.
+    (components.flooding) is liquid always, and stays in its tank; that around a FloatingPiston is as solid. state: by
+    default that at the start. Moorings and wind are not in it. Raises ParameterError where the model has not one
+    Floater with members.
     """
     if hasattr(model, "root"):
         the_floater(model.root)  # before it is compiled
@@ -41,8 +42,9 @@ def afloat(model: Any, slack: str | Sequence[str] = (), state: Any = None) -> Af
     with plant.binding(state.parameters).tree() as root, one_evaluation():
         floater = the_floater(root)
         told = [(part, fact) for part, fact in facts_of(root) if isinstance(fact, facts.Mass)]
+        told = [(part, fact) for part, fact in told if not isinstance(part, Tank)]  # its water is a liquid
         origin, R = state.values([join(floater.frame.path, name) for name in ("r", "R")])
-        mass, centre = centre_of_mass(placed_bodies(told, state))
+        mass, centre = centre_of_mass([*placed_bodies(told, state), *_in_shafts(root, state)])
         density, gravity = (float(floater.world.parameter_value(name)) for name in ("water_density", "gravity"))
         water = tuple(water_in(part, state, origin, R) for part in root.walk() if isinstance(part, Tank))
         found = Afloat(_surface(floater), mass, R.T @ (centre - origin), density, gravity, water, name=floater.label)
@@ -95,6 +97,17 @@ def with_slack(hull: Afloat, floater: Floater, slack: str | Sequence[str]) -> Af
 def as_liquid(member: MemberShape, fill: Fill, mass: float) -> Liquid:
     """Ballast as a liquid in its tank. Raises ParameterError where it does not fit."""
     return Liquid(tank(member, fill), mass / fill.density, fill.density, fill.name)
+
+
+def _in_shafts(root: Any, state: Any) -> list[Placed]:
+    """The water around each FloatingPiston, as a mass at a state."""
+    found: list[Placed] = []
+    for part in root.walk():
+        if isinstance(part, FloatingPiston):
+            names = ("frame_a.r", "frame_a.R", "centre", "mass")
+            r, R, centre, mass = state.values([join(part.path, name) for name in names])
+            found.append(Placed(part.path, float(np.ravel(mass)[0]), r + R @ np.ravel(centre), np.zeros((3, 3))))
+    return found
 
 
 def _surface(floater: Floater) -> WettedSurface:

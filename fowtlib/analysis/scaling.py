@@ -25,7 +25,7 @@ import numpy as np
 from fowtlib.language.component import Component
 from fowtlib.language.connectors import Signal
 from fowtlib.language.declarations import SHAPES, Parameter, join
-from fowtlib.language.errors import ModelError, ParameterError
+from fowtlib.language.errors import ModelError, ParameterError, UnusedParameterError
 from fowtlib.language.expressions import is_expression
 from fowtlib.language.similarity import Similarity
 from fowtlib.language.units import quantity
@@ -245,12 +245,14 @@ def _give(root: Component, wanted: _Wanted) -> None:
         first = min(_order(root, place) for place in places)
         now = [place for place in places if _order(root, place) == first]
         tried |= set(now)
-        _set(root, now, wanted.values)
+        refused = _set(root, now, wanted.values)
+        for path, name in [place for place, error in refused.items() if isinstance(error, UnusedParameterError)]:
+            del wanted.values[join(path, name)]  # it does nothing in this model, in either scale
     if wrong:
         (path, name), error = next(iter(wrong.items()))
         where = join(path, name)
-        told = error or f"what the model is made of gives {root.find(path).parameter_value(name)!r}."
-        raise ParameterError(f"{where} cannot be given its scaled value {wanted.values[where]!r}: {told}")
+        told = error or f"what the model is made of gives {root.find(path).parameter_value(name)}."
+        raise ParameterError(f"{where} cannot be given its scaled value {wanted.values[where]}: {told}")
 
 
 def _order(root: Component, place: tuple[str, str]) -> tuple[bool, bool, bool, int]:

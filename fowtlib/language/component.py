@@ -30,7 +30,15 @@ from fowtlib.language.declarations import (
     var,
 )
 from fowtlib.language.equations import active
-from fowtlib.language.errors import ModelError, NotFoundError, ParameterError, StructureError, did_you_mean, one_of
+from fowtlib.language.errors import (
+    ModelError,
+    NotFoundError,
+    ParameterError,
+    StructureError,
+    UnusedParameterError,
+    did_you_mean,
+    one_of,
+)
 from fowtlib.language.facts import Fact
 from fowtlib.language.families import Family
 from fowtlib.language.offered import OfferedEvent, event
@@ -318,7 +326,7 @@ class Component(Composite):
         for name in names:
             if self.is_set(name):
                 where = f"{self.origins[name]}: " if name in self.origins else ""
-                raise ParameterError(
+                raise UnusedParameterError(
                     f"{where}{join(self.path or type(self).__name__, name)} is given and would do nothing, because "
                     f"{because}; leave one of them out, or change it."
                 )

@@ -36,6 +36,10 @@ class ParameterError(ModelError):
     """A parameter is unknown, missing, out of bounds, of the wrong shape or of the wrong type."""
 
 
+class UnusedParameterError(ParameterError):
+    """A parameter is given, and another one takes precedence, so that it would do nothing."""
+
+
 class ConnectionFault(ModelError):
     """Ports are joined that cannot be, or a port that must be joined is not."""
 

@@ -10,11 +10,12 @@ import pytest
 import fowtlib as fw
 from fowtlib.analysis.afloat import Afloat, Liquid
 from fowtlib.analysis.afloat_models import afloat, compartment_of
+from fowtlib.analysis.masses import placed_bodies
 from fowtlib.analysis.righting import righting_curve
 from fowtlib.analysis.stages import Stage, construction_stages
-from fowtlib.analysis.upright import upright_faults
+from fowtlib.analysis.upright import facts_of, upright_faults
 from fowtlib.components.environment import World
-from fowtlib.components.flooding import BoxTank, PrismaticTank, RoundTank
+from fowtlib.components.flooding import BoxTank, PrismaticTank, RoundTank, Tank
 from fowtlib.components.mechanics import FreeMotion, RigidBody
 from fowtlib.components.platform import (
     Ballast,
@@ -28,6 +29,7 @@ from fowtlib.components.platform import (
     WettedSurface,
 )
 from fowtlib.components.platform.union import union
+from fowtlib.language import facts
 from fowtlib.language.errors import ModelError, ParameterError
 
 RHO = 1025.0
@@ -308,6 +310,7 @@ def test_ballast_and_tanks_of_a_model_are_liquids():
              "box": BoxTank(place=(0, 0, -50.0), length=6.0, width=5.0, height=20.0, volume_start=150.0)}  # fmt: skip
     model = fw.load(at_sea(caisson(), **tanks))
     solid, slack = afloat(model), afloat(model, slack="all")
+    assert solid.total_mass == pytest.approx(afloat(fw.load(at_sea(caisson()))).total_mass + RHO * 1050, rel=1e-12)
     assert [liquid.mass for liquid in solid.liquids] == pytest.approx([RHO * 900, RHO * 150])
     assert slack.total_mass == pytest.approx(solid.total_mass, rel=1e-12)
     upright = solid.at(), slack.at()
@@ -332,6 +335,16 @@ def test_a_tank_of_any_kind_is_a_liquid():
         assert second.metacentric == pytest.approx(first.metacentric, abs=1e-5)
     with pytest.raises(ParameterError, match="tank: its axis is turned by more than 80 deg"):
         hulls[1].at((1.0, 0, 0.1))
+
+
+def test_the_water_of_a_raisable_tower_counts_once():
+    """As `stroke` does: tanks and shaft with what is in them at the start, 17369 t less the pull of the lines."""
+    plant = fw.load("dtif_raising").compile()
+    state = plant.initial_state()
+    dry = sum(body.mass for body in placed_bodies([(part, fact) for part, fact in facts_of(plant.root)
+                                                   if isinstance(fact, facts.Mass)
+                                                   and not isinstance(part, Tank)], state))  # fmt: skip
+    assert afloat(plant).total_mass == pytest.approx(dry + RHO * (40 + 2100), rel=1e-9)
 
 
 def test_a_compartment_of_a_member_floods():

@@ -11,8 +11,10 @@ import fowtlib as fw
 from fowtlib.analysis.scaling import scaled, store_data
 from fowtlib.components.blocks import ButterworthLowPass, Constant, Gain, Limiter, Sine, Table1D
 from fowtlib.components.environment import World
+from fowtlib.components.flooding import BoxTank, RoundTank
 from fowtlib.components.mechanics import BeamProperties, FreeMotion, RigidBody, WorldForce
 from fowtlib.components.mooring import CatenaryLine
+from fowtlib.language import Assembly
 from fowtlib.language.errors import ModelError, ParameterError
 from fowtlib.language.similarity import Similarity, factors, six_by_six
 
@@ -242,6 +244,29 @@ def test_six_by_six():
 def test_what_cannot_be_scaled_is_named(name, settings, options, message):
     with pytest.raises(ModelError, match=message):
         scaled(fw.load(name, set=settings), SMALL, **options)
+
+
+@pytest.mark.parametrize(
+    ("tank", "kept"),
+    [
+        (BoxTank(length=6.0, width=5.0, height=4.0, volume_start=50.0), {"atmospheric_pressure": 101325.0}),
+        (BoxTank(length=6.0, width=5.0, height=4.0, volume_start=50.0, sealed=True),
+         {"atmospheric_pressure": 101325 * FRESH / 45}),
+        (RoundTank(diameter=6.0, height=4.0, volume_start=50.0), {"air_volume": 0.0}),
+    ],
+)  # fmt: skip
+def test_what_does_nothing_in_a_tank_is_left_alone(tank, kept):
+    """The pressure of the open air, which an open tank refuses; a sealed one has that of the scale."""
+    model = Assembly("tank")
+    model.world, model.motion, model.tank = World(), FreeMotion(), tank
+    model.body = RigidBody(mass=1e5, inertia=np.eye(3) * 1e6)
+    model.connect(model.world.frame, model.motion.frame_a)
+    model.connect(model.motion.frame_b, model.body.frame_a)
+    model.connect(model.motion.frame_b, model.tank.frame)
+    small = scaled(fw.load(model), SMALL, density_ratio=FRESH).root.tank
+    assert small.parameter_value("volume_start") == pytest.approx(50 / 45**3)
+    for name, value in kept.items():
+        assert small.parameter_value(name) == pytest.approx(value)
 
 
 @pytest.mark.parametrize("by", [0.0, -1.0, math.inf, math.nan])

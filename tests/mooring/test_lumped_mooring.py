@@ -4,6 +4,7 @@ import numpy as np
 import pytest
 
 import fowtlib as fw
+from fowtlib.language.errors import ModelError
 
 LUMPED = {"platform.mooring.dynamics": "lumped", "platform.mooring.elements": 8}
 
@@ -56,3 +57,14 @@ def test_a_model_with_them_is_written_and_read_again(tmp_path):
     again = fw.load(path).root.find("platform.mooring")
     assert again.parameter_value("elements") == 8
     assert type(again.lines[1]).__name__ == "DynamicLine"
+
+
+@pytest.mark.parametrize(
+    ("name", "value", "dynamics"), [("elements", 20, "none"), ("axial_drag_coefficient", 0.1, "coupled"),
+                                    ("seabed_stiffness", 1e4, "uncoupled")]
+)  # fmt: skip
+def test_what_only_lumped_lines_have_is_refused_for_others(name, value, dynamics):
+    given = {f"platform.mooring.{name}": value, "platform.mooring.dynamics": dynamics}
+    said = rf"MooringSystem.{name} is given and would do nothing.* here {dynamics}\)"
+    with pytest.raises(ModelError, match=said):
+        fw.load("oc3_spar_rigid", set=given)
