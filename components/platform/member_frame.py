@@ -37,6 +37,14 @@ class _Piece:
     high: float
 
 
+@dataclass(frozen=True)
+class Field:
+    """Displacements (m, k, 3) of k points in m shapes, and their gradients (m, k, 3, 3): [..., i, j] du_i / dx_j."""
+
+    displacement: Floats
+    gradient: Floats
+
+
 class MemberFrame:
     """The beams of a hull. frame: SpaceFrame; longest [m]: no beam is longer; moduli [Pa] of all walls.
 
@@ -52,13 +60,29 @@ class MemberFrame:
         self.pieces, self._beams = self._divided_beams()
         self.frame = SpaceFrame(self._points, self._beams, self._masses())
 
-    def motion(self, points: ArrayLike, displacements: ArrayLike) -> Floats:
-        """Displacements (k, 6) of points (k, 3) of the hull, as a section carries them: of its surface, or inside.
+    def field(self, points: ArrayLike, shapes: ArrayLike) -> Field:
+        """How points (k, 3) of the hull move with displacements of the nodes, of several shapes (m, n, 6).
 
-        displacements (n, 6): of the nodes. Raises ParameterError for a point further off than half a radius.
+        A section of a member carries them: those of its surface, and inside. Raises ParameterError for a point further
+        off than one and a half radii.
         """
-        moved = np.asarray(displacements, dtype=float)
-        return np.array([self._carried(point, moved) for point in np.asarray(points, dtype=float).reshape(-1, 3)])
+        places, given = np.asarray(points, dtype=float).reshape(-1, 3), np.asarray(shapes, dtype=float)
+        moved = np.zeros((len(given), len(places), 3))
+        gradient = np.zeros((len(given), len(places), 3, 3))
+        for k, place in enumerate(places):
+            piece, share = self._carrier(place)
+            axis, motion, slope = self.frame.section_motion(piece, share, given)
+            along, arm = self.frame.direction(piece), place - axis
+            moved[:, k] = motion[:, :3] + np.cross(motion[:, 3:], arm)
+            stretch = slope[:, :3] + np.cross(slope[:, 3:], arm) - np.cross(motion[:, 3:], along)
+            gradient[:, k] = stretch[:, :, None] * along + _turning(motion[:, 3:])
+        return Field(moved, gradient)
+
+    def turn(self, points: ArrayLike, shapes: ArrayLike) -> Floats:
+        """Small turns (m, k, 3) [rad] of the sections that carry points (k, 3), for displacements (m, n, 6)."""
+        carried = (self._carrier(place) for place in np.asarray(points, dtype=float).reshape(-1, 3))
+        given = np.asarray(shapes, dtype=float)
+        return np.stack([self.frame.section_motion(*where, given)[1][:, 3:] for where in carried], axis=1)
 
     def node_at(self, point: ArrayLike) -> int:
         """The node of the frame nearest to a point [m]."""
@@ -197,8 +221,8 @@ class MemberFrame:
 
     # --- between nodes ---------------------------------------------------------------------------------------------
 
-    def _carried(self, place: Floats, moved: Floats) -> Floats:
-        """Displacement (6,) of a point that the nearest section carries."""
+    def _carrier(self, place: Floats) -> tuple[int, float]:
+        """The piece whose section carries a point, and the share of its length where that is."""
         best, where = math.inf, (0, 0.0)
         for k, piece in enumerate(self.pieces):
             member = self.hull.members[piece.member]
@@ -209,10 +233,15 @@ class MemberFrame:
         if best > _FAR:
             x, y, z = place
             raise ParameterError(f"the point ({x:g}, {y:g}, {z:g}) m is off the hull, so that no member carries it.")
-        axis, there = self.frame.along(where[0], where[1], moved)
-        found = there[0].copy()
-        found[:3] += np.cross(there[0, 3:], place - axis[0])
-        return found
+        return where
+
+
+def _turning(angles: Floats) -> Floats:
+    """Gradients (m, 3, 3) of small turns (m, 3)."""
+    matrix = np.zeros((len(angles), 3, 3))
+    for i, j, k in ((0, 1, 2), (1, 2, 0), (2, 0, 1)):
+        matrix[:, j, i], matrix[:, i, j] = angles[:, k], -angles[:, k]
+    return matrix
 
 
 def _point(values: Floats) -> tuple[float, float, float]:

@@ -185,14 +185,20 @@ class SpaceFrame:
         shapes[:, free] = vectors.T
         return FrameModes(np.sqrt(np.maximum(values, 0.0)), shapes.reshape(number, -1, 6))
 
-    def along(self, beam: int, share: ArrayLike, displacements: ArrayLike) -> tuple[Floats, Floats]:
-        """Places (k, 3) on the axis of a beam at shares 0 to 1 of its length, and their displacements (k, 6)."""
-        element = self._elements[beam]
-        shares, moved = np.atleast_1d(np.asarray(share, dtype=float)), np.ravel(displacements)
-        local = element.to_local @ moved[element.rows]
+    def direction(self, beam: int) -> Floats:
+        """Unit vector (3,) along a beam."""
+        return self._elements[beam].axes[:, 0]
+
+    def section_motion(self, beam: int, share: float, shapes: ArrayLike) -> tuple[Floats, Floats, Floats]:
+        """A section of a beam at a share 0 to 1 of its length: its place (3,), and how it moves in shapes (m, n, 6).
+
+        The motion (m, 6) is displacement and turn, the third its derivative along the beam [1/m].
+        """
+        element, moved = self._elements[beam], np.asarray(shapes, dtype=float).reshape(len(shapes), -1)
+        local = element.to_local @ moved[:, element.rows].T
         turn = np.kron(np.eye(2), element.axes)
-        found = np.array([turn @ (element.interpolation(x) @ local) for x in shares])
-        return element.first_end + shares[:, None] * element.length * element.axes[:, 0], found
+        motion, slope = (turn @ (matrix @ local) for matrix in (element.interpolation(share), element.rates(share)))
+        return element.first_end + share * element.length * element.axes[:, 0], motion.T, slope.T
 
     def _assembled(self, matrices: Iterable[Floats]) -> sparse.csc_matrix:
         size, rows, columns, values = 6 * len(self.nodes), [], [], []
@@ -280,6 +286,12 @@ class _Element:
             matrix[place[0], rows] += moved * sign
             matrix[place[1], rows] += turned * sign * sign[1]
         return matrix
+
+    def rates(self, x: float) -> Floats:
+        """Derivatives of displacements and turns along the axis (6, 12) at a share x; of third degree at most."""
+        step = 0.25
+        ends = [self.interpolation(x + k * step) for k in (-2, -1, 1, 2)]
+        return (ends[0] - 8 * ends[1] + 8 * ends[2] - ends[3]) / (12 * step * self.length)
 
     def _slopes(self, x: float) -> Floats:
         """Slopes of the axis (2, 12) along the two directions of the section."""

@@ -106,11 +106,24 @@ def test_points_move_with_the_section_that_carries_them():
     hull = semi()
     frame = MemberFrame(hull, 6.0)
     points = np.array([[35.0, 0, -10.0], [15.0, 0, 9.0 + 1.25], [0, 0, 14.0], [0, 3.0, 7.0]])
-    for k, moved in enumerate(rigid(frame.frame.nodes)):
-        expected = rigid(points)[k]
-        np.testing.assert_allclose(frame.motion(points, moved), expected, atol=1e-9)
+    moved = rigid(frame.frame.nodes)
+    found = frame.field(points, moved)
+    np.testing.assert_allclose(found.displacement, rigid(points)[:, :, :3], atol=1e-9)
+    np.testing.assert_allclose(frame.turn(points, moved), rigid(points)[:, :, 3:], atol=1e-9)
+    assert np.abs(found.gradient + np.swapaxes(found.gradient, 2, 3)).max() < 1e-9  # no strain
     with pytest.raises(ParameterError, match=r"the point \(0, 0, -60\) m is off the hull"):
-        frame.motion([[0, 0, -60.0]], np.zeros((len(frame.frame.nodes), 6)))
+        frame.field([[0, 0, -60.0]], moved)
+
+
+def test_gradients_are_those_of_the_field():
+    frame = MemberFrame(semi(), 6.0)
+    shapes = frame.frame.modes(9).shapes[6:]
+    points = np.array([[33.0, 3.0, -10.3], [15.0, 0.5, 10.0], [1.0, 2.0, 12.0]])
+    gradient = frame.field(points, shapes).gradient
+    for j in range(3):
+        step = 1e-5 * np.eye(3)[j]
+        ahead, behind = (frame.field(points + sign * step, shapes).displacement for sign in (1, -1))
+        np.testing.assert_allclose(gradient[..., j], (ahead - behind) / 2e-5, rtol=1e-5, atol=1e-10)
 
 
 def test_mistakes_are_named():

@@ -158,9 +158,13 @@ def test_section_loads_balance_and_displacements_between_nodes_are_those_of_fine
     more = np.zeros((9, 6))
     more[-1] = loads[-1]
     moved = coarse.static(loads, clamped(coarse))
-    places, between = coarse.along(0, np.linspace(0, 1, 9), moved)
-    np.testing.assert_allclose(places, fine.nodes, atol=1e-9)
-    np.testing.assert_allclose(between, fine.static(more, clamped(fine)), rtol=1e-6, atol=1e-9)
+    expected = fine.static(more, clamped(fine))
+    for k, share in enumerate(np.linspace(0, 1, 9)):
+        place, (between,), (rate,) = coarse.section_motion(0, share, moved[None])
+        np.testing.assert_allclose(place, fine.nodes[k], atol=1e-9)
+        np.testing.assert_allclose(between, expected[k], rtol=1e-6, atol=1e-9)
+        ahead, behind = (coarse.section_motion(0, share + step, moved[None])[1][0] for step in (1e-4, -1e-4))
+        np.testing.assert_allclose(rate, (ahead - behind) / (2e-4 * 40.0), rtol=1e-5, atol=1e-9)
     ends = coarse.section_loads(moved)[0]
     np.testing.assert_allclose(ends[1, :3], loads[-1, :3], rtol=1e-9)
     np.testing.assert_allclose(ends[0, :3], loads[-1, :3], rtol=1e-9)
