@@ -14,6 +14,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from fowtlib.components.hydro.deformation import Field
 from fowtlib.components.platform.convex import TOUCH
 from fowtlib.components.platform.hull import Hull
 from fowtlib.components.platform.members import MemberShape
@@ -35,14 +36,6 @@ class _Piece:
     member: int
     low: float
     high: float
-
-
-@dataclass(frozen=True)
-class Field:
-    """Displacements (m, k, 3) of k points in m shapes, and their gradients (m, k, 3, 3): [..., i, j] du_i / dx_j."""
-
-    displacement: Floats
-    gradient: Floats
 
 
 class MemberFrame:
