@@ -43,19 +43,46 @@ def pressure_stiffness(panels: ArrayLike, deformation: Deformation) -> Floats:
     """Hydrostatic stiffness over rho g (m, m) of panels (n, 4, 3) by the pressure on them; normals into the water.
 
     K_ij = -int u^i . [u^j_z n + z (div u^j n - grad(u^j)^T n)] dS: the pressure at the moved place, on the moved
-    surface, by the shapes at rest. Weight, and stresses that the structure has at rest, add what makes it symmetric and
-    turns the arms of moments with the hull; for rigid motions take `HullMesh.stiffness`. Source: L.L. Huang and H.R. Riggs, Marine Structures 13 (2000) 91-106.
+    surface, by the shapes at rest. Weight, and stresses that the structure has at rest, add what makes it symmetric
+    and turns the arms of moments with the hull; for rigid motions take `HullMesh.stiffness`.
+    Source: L.L. Huang and H.R. Riggs, Marine Structures 13 (2000) 91-106.
     """
-    corners = np.asarray(panels, dtype=float)
-    triangles = np.concatenate([corners[:, [0, 1, 2]], corners[:, [0, 2, 3]]])
-    normal = np.cross(triangles[:, 1] - triangles[:, 0], triangles[:, 2] - triangles[:, 0]) / 2  # times the area
-    kept = np.linalg.norm(normal, axis=1) > 0
-    triangles, normal = triangles[kept], normal[kept]
-    middle = (triangles + np.roll(triangles, -1, axis=1)) / 2  # of the sides: exact to the second degree
-    points, weight = middle.reshape(-1, 3), np.repeat(normal / 3, 3, axis=0)
+    points, weight = _points(panels)
     field = deformation(points)
     moved, gradient = field.displacement, field.gradient
     divergence = np.einsum("mkii->mk", gradient)
     turned = divergence[..., None] * weight - np.einsum("mkij,ki->mkj", gradient, weight)
     change = moved[..., 2, None] * weight + points[:, 2, None] * turned
     return -np.einsum("ika,jka->ij", moved, change)
+
+
+@dataclass(frozen=True)
+class ShapeStiffness:
+    """Stiffness over rho g that buoyancy gives shapes: between them (m, m), and with the rigid motions (m, 6).
+
+    A shape is carried along by the body that turns, so that its stiffness with roll and pitch is by the pressure at the
+    turned place alone, and both ways the same, as buoyancy has a potential. Surge, sway and yaw have none.
+    """
+
+    among: Floats
+    with_rigid: Floats
+
+
+def shape_stiffness(panels: ArrayLike, deformation: Deformation) -> ShapeStiffness:
+    """What buoyancy gives the shapes of a hull of panels (n, 4, 3), normals into the water."""
+    points, weight = _points(panels)
+    flux = np.einsum("mka,ka->mk", deformation(points).displacement, weight)
+    x, y, _ = points.T
+    with_rigid = np.zeros((len(flux), 6))
+    with_rigid[:, 2], with_rigid[:, 3], with_rigid[:, 4] = -flux.sum(axis=1), -flux @ y, flux @ x
+    return ShapeStiffness(pressure_stiffness(panels, deformation), with_rigid)
+
+
+def _points(panels: ArrayLike) -> tuple[Floats, Floats]:
+    """Points (k, 3) of a quadrature that is exact to the second degree, and the normals times the area (k, 3)."""
+    corners = np.asarray(panels, dtype=float)
+    triangles = np.concatenate([corners[:, [0, 1, 2]], corners[:, [0, 2, 3]]])
+    normal = np.cross(triangles[:, 1] - triangles[:, 0], triangles[:, 2] - triangles[:, 0]) / 2
+    kept = np.linalg.norm(normal, axis=1) > 0
+    middle = (triangles[kept] + np.roll(triangles[kept], -1, axis=1)) / 2  # of the sides
+    return middle.reshape(-1, 3), np.repeat(normal[kept] / 3, 3, axis=0)
