@@ -2,14 +2,14 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cached_property
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 
-from fowtlib.components.hydro.database import HydrodynamicDatabase
+from fowtlib.components.hydro.database import HydrodynamicDatabase, at_heading, loads_between
 from fowtlib.components.hydro.errors import HydrodynamicDataError
 from fowtlib.language.data_files import require_file
 from fowtlib.language.netcdf_files import add_variable, read_netcdf, set_attributes, write_netcdf
@@ -118,6 +118,25 @@ class ModalDatabase:
 
     def __repr__(self):
         return f"ModalDatabase({self.count} shapes of {len(self.nodes)} nodes, {self.rigid!r})"
+
+    def excitation_at(self, omega, heading: float) -> np.ndarray:
+        """Complex wave load (n, 6 + k) per unit amplitude at frequencies [rad/s] and one heading [rad].
+
+        As HydrodynamicDatabase.excitation_at; towards omega = 0 a shape is lifted as by a tide.
+        """
+        rigid = self.rigid.excitation_at(omega, heading)
+        shapes = at_heading(self.heading, self.X[:, :, 6:], float(heading))
+        asked = np.atleast_1d(np.asarray(omega, dtype=float))
+        return np.hstack([rigid, loads_between(self.omega, shapes, self.with_rigid[:, 2], asked)])
+
+    def first(self, count: int) -> ModalDatabase:
+        """The same with the first shapes only."""
+        kept = slice(0, 6 + count)
+        return replace(
+            self, A=self.A[:, kept, kept], B=self.B[:, kept, kept], A_inf=self.A_inf[kept, kept],
+            A_zero=self.A_zero[kept, kept], X=self.X[:, :, kept], among=self.among[:count, :count],
+            with_rigid=self.with_rigid[:count], shapes=self.shapes[:count],
+        )  # fmt: skip
 
     def write(self, path: str | Path) -> None:
         """Write a netCDF file that `read` reads; every variable has a unit and a checksum. Raises WriteError."""

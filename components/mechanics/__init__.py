@@ -1,7 +1,7 @@
 """Mechanical parts: 3-D multibody with `Frame` ports and 1-D rotational with `Flange` ports."""
 
 # The connectors come first: World (in the environment) has a Frame, and the bodies need World.
-from fowtlib.components.mechanics.connectors import Flange, Frame  # isort: skip
+from fowtlib.components.mechanics.connectors import Flange, Frame, ModalCoordinates  # isort: skip
 from fowtlib.components.environment.world import World
 from fowtlib.components.mechanics.adaptors import ForceToPositionAdaptor, PositionToForceAdaptor, PositionToLoadAdaptor
 from fowtlib.components.mechanics.beam import AxialSpring, Beam, BeamHinge, BeamTurn, BendingHinge, TorsionHinge
@@ -11,6 +11,7 @@ from fowtlib.components.mechanics.forced_motion import ForcedOscillation
 from fowtlib.components.mechanics.interfaces import TwoFlanges, TwoFrames
 from fowtlib.components.mechanics.joints import Crank, FreeMotion, PlanarLoopRevolute, Prismatic, Revolute, Spherical
 from fowtlib.components.mechanics.loads import ConstantForce, SpringDamper, WorldForce, WorldTorque
+from fowtlib.components.mechanics.modal import ElasticBody, ElasticFrame
 from fowtlib.components.mechanics.rotational import (
     AngleSensor,
     AngleSource,
@@ -49,6 +50,8 @@ __all__ = [
     "BendingHinge",
     "ConstantForce",
     "Crank",
+    "ElasticBody",
+    "ElasticFrame",
     "Fixed",
     "FixedFlange",
     "FixedRotation",
@@ -61,6 +64,7 @@ __all__ = [
     "IdealGear",
     "Inertia",
     "LoadSensor",
+    "ModalCoordinates",
     "PlanarLoopRevolute",
     "PointMass",
     "PositionSensor",

@@ -1,4 +1,4 @@
-"""The two mechanical connectors: `Frame` (3-D) and `Flange` (1-D rotation)."""
+"""The mechanical connectors: `Frame` (3-D), `Flange` (1-D rotation), `ModalCoordinates` (shapes of a body)."""
 
 from __future__ import annotations
 
@@ -31,3 +31,13 @@ class Flange(Connector):
 
     phi = potential(unit="rad", doc="angle of the shaft end")
     tau = flow(unit="N*m", doc="torque into the component")
+
+
+class ModalCoordinates(Connector):
+    """The coordinates of the shapes into which a body deforms, as many as the port says, and the loads on them.
+
+    A shape is a field of displacements [m] per coordinate [m]; the load on it is the work of all forces per coordinate.
+    """
+
+    q = potential(shape="port", unit="m", doc="coordinates of the shapes")
+    f = flow(shape="port", unit="N", doc="loads on the shapes, into the component")

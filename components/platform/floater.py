@@ -72,15 +72,23 @@ class Floater(Component):
         self.connect(self.frame, self.hydrostatics.frame)
         self.connect(self.frame, self.member_loads.frame)
         if self.database is not None:
-            self.potential_flow = LinearPotentialFlow(
+            self.potential_flow = self.flow(
                 database=self.parameter_binding("database"), radiation_order=self.radiation_order,
-                excitation=self.excitation, position=self.position, buoyancy=False,
+                excitation=self.excitation, position=self.position,
             )  # fmt: skip
             self.connect(self.frame, self.potential_flow.frame)
         for k, (x, y, z) in enumerate(self.node_rows()):
-            rod = self.add(f"to_node_{k + 1}", FixedTranslation(r=[x, y, z + self.raised], diameter=0))
-            self.connect(self.frame, rod.frame_a)
-            self.connect(rod.frame_b, self.nodes[k])
+            self.carry(k, [x, y, z + self.raised])
+
+    def flow(self, **settings) -> LinearPotentialFlow:
+        """The potential flow of its database."""
+        return LinearPotentialFlow(buoyancy=False, **settings)
+
+    def carry(self, k: int, point: list) -> None:
+        """Join node k, at a point of the frame, to the hull."""
+        rod = self.add(f"to_node_{k + 1}", FixedTranslation(r=point, diameter=0))
+        self.connect(self.frame, rod.frame_a)
+        self.connect(rod.frame_b, self.nodes[k])
 
     def node_rows(self) -> list:
         """The points of the nodes, row by row."""
