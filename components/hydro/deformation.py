@@ -47,7 +47,7 @@ def pressure_stiffness(panels: ArrayLike, deformation: Deformation) -> Floats:
     and turns the arms of moments with the hull; for rigid motions take `HullMesh.stiffness`.
     Source: L.L. Huang and H.R. Riggs, Marine Structures 13 (2000) 91-106.
     """
-    points, weight = _points(panels)
+    points, weight = quadrature(panels)
     field = deformation(points)
     moved, gradient = field.displacement, field.gradient
     divergence = np.einsum("mkii->mk", gradient)
@@ -70,7 +70,7 @@ class ShapeStiffness:
 
 def shape_stiffness(panels: ArrayLike, deformation: Deformation) -> ShapeStiffness:
     """What buoyancy gives the shapes of a hull of panels (n, 4, 3), normals into the water."""
-    points, weight = _points(panels)
+    points, weight = quadrature(panels)
     flux = np.einsum("mka,ka->mk", deformation(points).displacement, weight)
     x, y, _ = points.T
     with_rigid = np.zeros((len(flux), 6))
@@ -78,7 +78,7 @@ def shape_stiffness(panels: ArrayLike, deformation: Deformation) -> ShapeStiffne
     return ShapeStiffness(pressure_stiffness(panels, deformation), with_rigid)
 
 
-def _points(panels: ArrayLike) -> tuple[Floats, Floats]:
+def quadrature(panels: ArrayLike) -> tuple[Floats, Floats]:
     """Points (k, 3) of a quadrature that is exact to the second degree, and the normals times the area (k, 3)."""
     corners = np.asarray(panels, dtype=float)
     triangles = np.concatenate([corners[:, [0, 1, 2]], corners[:, [0, 2, 3]]])

@@ -63,7 +63,7 @@ class MemberFrame:
         moved = np.zeros((len(given), len(places), 3))
         gradient = np.zeros((len(given), len(places), 3, 3))
         for k, place in enumerate(places):
-            piece, share = self._carrier(place)
+            piece, share = self.carrier(place)
             axis, motion, slope = self.frame.section_motion(piece, share, given)
             along, arm = self.frame.direction(piece), place - axis
             moved[:, k] = motion[:, :3] + np.cross(motion[:, 3:], arm)
@@ -73,7 +73,7 @@ class MemberFrame:
 
     def turn(self, points: ArrayLike, shapes: ArrayLike) -> Floats:
         """Small turns (m, k, 3) [rad] of the sections that carry points (k, 3), for displacements (m, n, 6)."""
-        carried = (self._carrier(place) for place in np.asarray(points, dtype=float).reshape(-1, 3))
+        carried = (self.carrier(place) for place in np.asarray(points, dtype=float).reshape(-1, 3))
         given = np.asarray(shapes, dtype=float)
         return np.stack([self.frame.section_motion(*where, given)[1][:, 3:] for where in carried], axis=1)
 
@@ -214,7 +214,7 @@ class MemberFrame:
 
     # --- between nodes ---------------------------------------------------------------------------------------------
 
-    def _carrier(self, place: Floats) -> tuple[int, float]:
+    def carrier(self, place: Floats) -> tuple[int, float]:
         """The piece whose section carries a point, and the share of its length where that is."""
         best, where = math.inf, (0, 0.0)
         for k, piece in enumerate(self.pieces):

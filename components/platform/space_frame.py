@@ -189,6 +189,10 @@ class SpaceFrame:
         """Unit vector (3,) along a beam."""
         return self._elements[beam].axes[:, 0]
 
+    def axes(self, beam: int) -> Floats:
+        """Columns (3, 3): along a beam, first and second direction of its section."""
+        return self._elements[beam].axes
+
     def section_motion(self, beam: int, share: float, shapes: ArrayLike) -> tuple[Floats, Floats, Floats]:
         """A section of a beam at a share 0 to 1 of its length: its place (3,), and how it moves in shapes (m, n, 6).
 
@@ -198,7 +202,38 @@ class SpaceFrame:
         local = element.to_local @ moved[:, element.rows].T
         turn = np.kron(np.eye(2), element.axes)
         motion, slope = (turn @ (matrix @ local) for matrix in (element.interpolation(share), element.rates(share)))
-        return element.first_end + share * element.length * element.axes[:, 0], motion.T, slope.T
+        return self.place(beam, share), motion.T, slope.T
+
+    def place(self, beam: int, share: float) -> Floats:
+        """The point (3,) of its axis at a share 0 to 1 of the length of a beam."""
+        element = self._elements[beam]
+        return element.first_end + share * element.length * element.axes[:, 0]
+
+    def carried(self, beam: int, share: float, load: ArrayLike) -> Floats:
+        """Loads (m, n, 6) on the nodes that do the work of loads (m, 6) on a section, as `section_motion` moves it."""
+        element, given = self._elements[beam], np.asarray(load, dtype=float).reshape(-1, 6)
+        turn = np.kron(np.eye(2), element.axes)
+        found = np.zeros((len(given), 6 * len(self.nodes)))
+        np.add.at(found.T, element.rows, (given @ turn @ element.interpolation(share) @ element.to_local).T)
+        return found.reshape(len(given), -1, 6)
+
+    def relieved(self, loads: ArrayLike) -> Floats:
+        """Displacements (m, n, 6) of the free frame under loads (m, n, 6): bent by them and by its own inertia.
+
+        What the loads leave unbalanced moves the frame as a rigid one, whose inertia is a load too (inertia relief).
+        Rigid motion is taken off: M-orthogonal displacements.
+        """
+        given = np.asarray(loads, dtype=float).reshape(-1, 6 * len(self.nodes))
+        rigid = rigid_motions(self.nodes).reshape(6, -1)
+        carried = self.mass @ rigid.T
+        own = rigid @ carried
+        balanced = given - np.linalg.solve(own, rigid @ given.T).T @ carried.T
+        held = np.zeros((len(self.nodes), 6), dtype=bool)
+        held[0] = True
+        factors = splu(self.stiffness[~held.reshape(-1)][:, ~held.reshape(-1)].tocsc())
+        found = np.zeros_like(given)
+        found[:, 6:] = factors.solve(balanced[:, 6:].T).T
+        return (found - np.linalg.solve(own, carried.T @ found.T).T @ rigid).reshape(len(given), -1, 6)
 
     def _assembled(self, matrices: Iterable[Floats]) -> sparse.csc_matrix:
         size, rows, columns, values = 6 * len(self.nodes), [], [], []
@@ -309,6 +344,17 @@ class _Element:
             (first, e * section.about_second, g * section.shear_first),
             (second, e * section.about_first, g * section.shear_second),
         )
+
+
+def rigid_motions(nodes: ArrayLike, about: ArrayLike = (0.0, 0.0, 0.0)) -> Floats:
+    """Displacements (6, n, 6) of nodes (n, 3) in surge, sway, heave, and roll, pitch, yaw about a point."""
+    places = np.asarray(nodes, dtype=float) - np.asarray(about, dtype=float)
+    moved = np.zeros((6, len(places), 6))
+    for k in range(3):
+        axis = np.eye(3)[k]
+        moved[k, :, :3] = axis
+        moved[3 + k, :, :3], moved[3 + k, :, 3:] = np.cross(axis, places), axis
+    return moved
 
 
 def _shear_factor(bending: float, shear: float, length: float) -> float:
