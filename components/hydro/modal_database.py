@@ -31,6 +31,7 @@ _VARIABLES = {
     "shape_stiffness_rigid": ("with_rigid", ("shape", "rigid"), "N/m, N", "the same of shapes with rigid motions"),
     "node": ("nodes", ("node", "axis"), "m", "nodes of the structure at rest"),
     "shape": ("shapes", ("shape", "node", "rigid"), "m/m, rad/m", "displacement and turn of each node"),
+    "water_at_rest": ("at_rest", ("node", "rigid"), "N, N m", "load of the water at rest on each node"),
     "displaced_volume": ("volume", (), "m^3", "displaced volume at rest"),
     "centre_of_buoyancy": ("centre_of_buoyancy", ("axis",), "m", "centre of the displaced volume at rest"),
     "water_density": ("rho", (), "kg/m^3", "water density"),
@@ -52,6 +53,7 @@ class ModalDatabase:
     C                   (6, 6) stiffness of the rigid motions without weight
     among, with_rigid   (k, k) and (k, 6) stiffness of the shapes by buoyancy
     nodes, shapes       (p, 3) [m] and (k, p, 6)
+    at_rest             (p, 6) [N, N m] load of the water at rest on each node; zero: shapes are from the hull at rest
     volume, centre_of_buoyancy, rho, g, water_depth, source   as there
 
     Checked when made: shapes, finite numbers, A and B symmetric within 5 % of sqrt(M_ii M_jj); `rigid` checks the rest.
@@ -70,6 +72,7 @@ class ModalDatabase:
     with_rigid: np.ndarray
     nodes: np.ndarray
     shapes: np.ndarray
+    at_rest: np.ndarray
     volume: float
     centre_of_buoyancy: np.ndarray
     rho: float
@@ -83,6 +86,7 @@ class ModalDatabase:
         expected = {
             "omega": (n,), "heading": (nh,), "A": (n, m, m), "B": (n, m, m), "A_inf": (m, m), "A_zero": (m, m),
             "X": (n, nh, m), "C": (6, 6), "among": (k, k), "with_rigid": (k, 6), "nodes": (p, 3), "shapes": (k, p, 6),
+            "at_rest": (p, 6),
             "centre_of_buoyancy": (3,),
         }  # fmt: skip
         for name, shape in expected.items():

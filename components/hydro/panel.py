@@ -103,6 +103,7 @@ def solve_shapes(
     deformation: Deformation,
     nodes: np.ndarray,
     shapes: np.ndarray,
+    at_rest: np.ndarray | None = None,
     *,
     omega: Iterable[float],
     headings: Iterable[float],
@@ -115,14 +116,16 @@ def solve_shapes(
 ) -> ModalDatabase:
     """The same of a hull that deforms as `deformation` says, besides its rigid motions.
 
-    nodes (p, 3) [m] and shapes (k, p, 6): what of the structure moves with each shape, for who reads the database.
+    nodes (p, 3) [m] and shapes (k, p, 6): what of the structure moves with each shape, for who reads the database;
+    at_rest (p, 6) [N, N m]: what the water at rest does to each node, zero without.
     """
     solver, found = _solved(hull, omega, headings, water_depth, rho, g, path, progress, deformation)
     stiffness = shape_stiffness(hull.panels, deformation)
     with _kept_when_refused():
         database = ModalDatabase(
             **found, **_of_hull(hull, water_depth, rho, g), among=rho * g * (stiffness.among + stiffness.among.T) / 2,
-            with_rigid=rho * g * stiffness.with_rigid, nodes=nodes, shapes=shapes, source=source or solver.about,
+            with_rigid=rho * g * stiffness.with_rigid, nodes=nodes, shapes=shapes,
+            at_rest=np.zeros((len(nodes), 6)) if at_rest is None else at_rest, source=source or solver.about,
         )  # fmt: skip
         database = _made_symmetric(database)
         check_conventions(database.rigid)

@@ -17,12 +17,15 @@ _LARGEST_TURN = 0.2  # rad: of a frame by the shapes, beyond which they are not 
 
 
 class ElasticBody(Component):
-    """Inertia, damping and stiffness of shapes: load = mass q'' + damping_time stiffness q' + stiffness q."""
+    """Inertia, damping and stiffness of shapes: load + `load` = mass q'' + damping_time stiffness q' + stiffness q."""
 
     shapes: int = param(min=1, doc="number of shapes")
     mass: Array = param(shape=("shapes", "shapes"), unit="kg", doc="modal mass")
     stiffness: Array = param(shape=("shapes", "shapes"), unit="N/m", doc="modal stiffness")
     damping_time: Scalar = param(default=0.0, unit="s", min=0, doc="damping over stiffness")
+    load: Array = param(
+        default=lambda self: [0.0] * self.shapes, shape="shapes", unit="N", doc="load on the shapes at rest"
+    )
 
     modes: ModalCoordinates = port(shape="shapes", optional=True, doc="coordinates of the shapes")
     q: Array = var(shape="shapes", unit="m", state="prefer", doc="coordinates of the shapes")
@@ -35,7 +38,7 @@ class ElasticBody(Component):
         return [
             eq(self.modes.q, self.q),
             eq(der(self.q), self.v),
-            eq(self.modes.f, m.mtimes(self.mass, der(self.v)) + elastic),
+            eq(self.modes.f, m.mtimes(self.mass, der(self.v)) + elastic - self.load),
         ]
 
 

@@ -67,7 +67,7 @@ class Floater(Component):
             stiffness=[[found[17 + 6 * i + k] for k in range(6)] for i in range(6)], reference_density=_RHO,
             position=self.position,
         )  # fmt: skip
-        self.member_loads = MemberLoads()
+        self.member_loads = self.loads_of_members()
         self.connect(self.frame, self.body.frame_a)
         self.connect(self.frame, self.hydrostatics.frame)
         self.connect(self.frame, self.member_loads.frame)
@@ -79,6 +79,10 @@ class Floater(Component):
             self.connect(self.frame, self.potential_flow.frame)
         for k, (x, y, z) in enumerate(self.node_rows()):
             self.carry(k, [x, y, z + self.raised])
+
+    def loads_of_members(self) -> MemberLoads:
+        """The loads of the water on its members."""
+        return MemberLoads()
 
     def flow(self, **settings) -> LinearPotentialFlow:
         """The potential flow of its database."""

@@ -21,7 +21,7 @@ Floats = NDArray[np.float64]
 
 
 def water_at_rest(structure: MemberFrame, panels: ArrayLike) -> Floats:
-    """Loads (n, 6) on the nodes over rho g [m^3, m^4] by the pressure -z on panels (k, 4, 3), normals into the water."""
+    """Loads (n, 6) on the nodes over rho g by the pressure -z on panels (k, 4, 3), normals into the water."""
     points, weight = quadrature(panels)
     count = len(points) // 3  # triangles, each by three points
     points, force = points.reshape(count, 3, 3), (points[:, 2, None] * weight).reshape(count, 3, 3)
@@ -37,6 +37,14 @@ def weight_at_rest(frame: SpaceFrame, gravity: float) -> Floats:
     """Loads (n, 6) on the nodes by the weight of all beams and masses; z is up."""
     down = rigid_motions(frame.nodes)[2].reshape(-1)
     return -gravity * (frame.mass @ down).reshape(-1, 6)
+
+
+def loads_at(structure: MemberFrame, points: ArrayLike, forces: ArrayLike) -> Floats:
+    """Loads (n, 6) on the nodes of forces (p, 3) at points (p, 3) of the hull."""
+    total = np.zeros((len(structure.frame.nodes), 6))
+    for point, force in zip(np.asarray(points, dtype=float), np.asarray(forces, dtype=float), strict=True):
+        total += _carried(structure, point, force)
+    return total
 
 
 def stiffness_by_loads(frame: SpaceFrame, loads: ArrayLike, gravity: float) -> sparse.csc_matrix:
@@ -108,8 +116,8 @@ def check_on_axes(structure: MemberFrame, places: ArrayLike, name: str) -> None:
         axis = structure.hull.members[piece.member].at(piece.low + share * (piece.high - piece.low))
         if np.linalg.norm(axis - (x, y, z)) > 0.01 * max(1.0, structure.longest):
             raise ParameterError(
-                f"{name}: the point ({x:g}, {y:g}, {z:g}) m lies on no beam of the frame; a section is on the axis of a "
-                "member, outside of wider ones."
+                f"{name}: the point ({x:g}, {y:g}, {z:g}) m lies on no beam of the frame; a section is on the "
+                "axis of a member, outside of wider ones."
             )
 
 

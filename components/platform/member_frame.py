@@ -194,7 +194,7 @@ class MemberFrame:
         return make[0](make[1], wall, density, *self._moduli)
 
     def _masses(self) -> list[NodeMass]:
-        """What the hull weighs beyond its walls: bulkheads, point masses, ballast, each at a node of its piece."""
+        """What the hull weighs beyond its walls: bulkheads and ballast at the ends of their piece, point masses at a node."""
         found = []
         for piece, beam in zip(self.pieces, self._beams, strict=True):
             member = self.hull.members[piece.member]
@@ -202,11 +202,19 @@ class MemberFrame:
             bare = replace(member, density=0.0, lumps=())
             for part in [*bare.structure(spans), *(member.ballast(fill, spans) for fill in member.fills)]:
                 if part.mass:
-                    found.append(self._at_a_node((beam.start, beam.end), part))
+                    found += self._at_both_ends((beam.start, beam.end), part)
         for k, member in enumerate(self.hull.members):
             nodes = [node for (one, _), node in self._nodes.items() if one == k]
             found += [self._at_a_node(nodes, point(lump.mass, lump.place)) for lump in member.lumps]
         return found
+
+    def _at_both_ends(self, ends: tuple[int, int], part: MassProperties) -> list[NodeMass]:
+        """A part of a piece, shared between its ends as their distance says: each share stays at its own centre."""
+        one, other = (self._points[n] for n in ends)
+        along = other - one
+        second = float(np.clip((part.centre - one) @ along / max(float(along @ along), _NEAR**2), 0.0, 1.0))
+        return [NodeMass(n, share * part.mass, _point(part.centre - self._points[n]), share * part.inertia)
+                for n, share in zip(ends, (1 - second, second), strict=True) if share]  # fmt: skip
 
     def _at_a_node(self, nodes: Iterable[int], part: MassProperties) -> NodeMass:
         node = min(nodes, key=lambda n: float(np.linalg.norm(self._points[n] - part.centre)))

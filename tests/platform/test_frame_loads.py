@@ -128,7 +128,9 @@ def test_a_mass_above_its_node_topples_it():
     def energy(turn):
         angle = np.linalg.norm(turn)
         axis, arm = np.asarray(turn) / angle, np.array([1.0, 0.0, 3.0])
-        moved = arm * math.cos(angle) + np.cross(axis, arm) * math.sin(angle) + axis * (axis @ arm) * (1 - math.cos(angle))
+        moved = (
+            arm * math.cos(angle) + np.cross(axis, arm) * math.sin(angle) + axis * (axis @ arm) * (1 - math.cos(angle))
+        )
         return 1e4 * G * (moved[2] - arm[2] - np.cross(turn, arm)[2])
 
     for turn in ([1e-3, 0, 0], [0, 1e-3, 0], [1e-3, 2e-4, 3e-4]):
