@@ -315,7 +315,12 @@ class WaveExcitation(PlatformLoad):
 
     def equations(self):
         scale = self.world.water_density / self.database.rho
-        return [self.driven(scale * self.sea.loads(_excitation, of=self)), self.push(self.load())]
+        given = self.sea.signal(_excitation, self.motions(), "wave load", "", of=self)
+        return [self.driven(scale * given), self.push(self.load())]
+
+    def motions(self) -> int:
+        """How many motions have a load: the rigid ones."""
+        return 6
 
     def driven(self, load):
         """What the waves drive, with what is added to it."""

@@ -78,6 +78,9 @@ class ModalWaveExcitation(ModalLoad, WaveExcitation):
 
     on_shapes: Array = var(shape="shapes", unit="N", doc="wave load on the shapes")
 
+    def motions(self):
+        return 6 + self.shapes
+
     def driven(self, load):
         return [*super().driven(load), eq(self.on_shapes, load[6:] + self.extra_on_shapes)]
 

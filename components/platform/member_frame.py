@@ -194,7 +194,7 @@ class MemberFrame:
         return make[0](make[1], wall, density, *self._moduli)
 
     def _masses(self) -> list[NodeMass]:
-        """What the hull weighs beyond its walls: bulkheads and ballast at the ends of their piece, point masses at a node."""
+        """What the hull weighs beyond its walls: each bulkhead and ballast at both ends of a piece, lumps at a node."""
         found = []
         for piece, beam in zip(self.pieces, self._beams, strict=True):
             member = self.hull.members[piece.member]

@@ -74,7 +74,8 @@ def matrices(database, structure):
     hull = barge().hull()
     x, y, z = hull.mass.centre
     skew = np.array([[0, -z, y], [z, 0, -x], [-y, x, 0]])
-    mass, stiffness = database.A_inf.copy(), np.zeros((9, 9))
+    size = 6 + database.count
+    mass, stiffness = database.A_inf.copy(), np.zeros((size, size))
     mass[:3, :3] += hull.mass.mass * np.eye(3)
     mass[:3, 3:6] -= hull.mass.mass * skew
     mass[3:6, :3] += hull.mass.mass * skew
@@ -82,7 +83,7 @@ def matrices(database, structure):
     stiffness[:6, :6] = hull.buoyancy.stiffness()
     stiffness[3, 3] -= hull.mass.mass * G * z
     stiffness[4, 4] -= hull.mass.mass * G * z
-    shapes = database.shapes.reshape(3, -1)
+    shapes = database.shapes.reshape(database.count, -1)
     mass[6:, 6:] += shapes @ (structure.frame.mass @ shapes.T)
     stiffness[6:, 6:] += shapes @ ((structure.frame.stiffness + by_loads(database, structure)) @ shapes.T)
     stiffness[6:, 6:] += database.among
