@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import warnings
+from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -98,22 +99,30 @@ def in_waves(floater):
     return fw.load(model).compile()
 
 
-@pytest.mark.parametrize("solver", ["idas", "fixed"])
-def test_a_stiff_hull_moves_as_a_rigid_one_in_waves(made, solver):
-    """Heave and pitch of the same hull in the same waves, with radiation; 0.1 % of the largest motion.
+def without_memory(database, k):
+    """The database with a shape k that makes no waves, with the added mass that it has at infinite frequency."""
+    A, B = database.A.copy(), database.B.copy()
+    for matrix, value in ((A, database.A_inf), (B, np.zeros_like(database.A_inf))):
+        matrix[:, 6 + k], matrix[:, :, 6 + k] = value[6 + k], value[:, 6 + k]
+    return replace(database, A=A, B=B)
 
-    By 8 states a motion: those of heave are fitted together with the shape, which 4 do to 0.4 %.
+
+@pytest.mark.parametrize(("solver", "order"), [("idas", 0), ("fixed", 0), ("fixed", 4)])
+def test_a_stiff_hull_moves_as_a_rigid_one_in_waves(made, solver, order):
+    """Heave and pitch of the same hull in the same waves, to 0.1 % of the motion.
+
+    With the memory of the water only of bending sideways: bending upwards shares the states of heave and makes their
+    fit another one, by 0.4 % here.
     """
-    database = ModalDatabase.read(made / "barge.nc")
-    stiff = barge(ElasticFloater, database=database.first(1), young_modulus=210e12, shear_modulus=80.8e12,
-                  damping_time=1e-3, radiation_order=8)  # fmt: skip
-    names = ["hull.frame.r[2]", "hull.frame.R[2,0]"]
+    database = without_memory(ModalDatabase.read(made / "barge.nc").first(2), 0)
+    stiff = barge(ElasticFloater, database=database, young_modulus=210e12, shear_modulus=80.8e12, damping_time=1e-3,
+                  radiation_order=order)  # fmt: skip
     settings = {"step": 0.02} if solver == "fixed" else {"tolerance": 1e-7}
     found, expected = (
         in_waves(floater).simulate(16.0, 0.5, solver=solver, outputs=[], **settings)
-        for floater in (stiff, barge(Floater, database=database.rigid, radiation_order=8))
+        for floater in (stiff, barge(Floater, database=database.rigid, radiation_order=order))
     )
-    for name in names:
+    for name in ("hull.frame.r[2]", "hull.frame.R[2,0]"):
         one, other = found.array(name), expected.array(name)
         assert np.ptp(other) > 0.02
         assert np.abs(one - other).max() < 1e-3 * np.ptp(other)
