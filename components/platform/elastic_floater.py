@@ -14,7 +14,7 @@ from fowtlib.components.hydro.modal_database import ModalDatabase
 from fowtlib.components.hydro.modal_loads import ModalPotentialFlow, read_modal_database
 from fowtlib.components.mechanics.modal import ElasticBody, ElasticFrame
 from fowtlib.components.platform.bending_members import BendingMemberLoads, SectionLoads
-from fowtlib.components.platform.floater import Floater
+from fowtlib.components.platform.floater import Floater, drawn_between
 from fowtlib.components.platform.frame_loads import (
     SectionRecovery,
     check_on_axes,
@@ -25,8 +25,9 @@ from fowtlib.components.platform.frame_loads import (
 )
 from fowtlib.components.platform.hull import Hull
 from fowtlib.components.platform.member_frame import MemberFrame
+from fowtlib.components.platform.member_parts import members_of
 from fowtlib.components.platform.space_frame import FrameModes, rigid_motions
-from fowtlib.language import Array, Data, Number, Scalar, data, param
+from fowtlib.language import Array, Data, Number, Scalar, data, param, shapes
 from fowtlib.language.errors import ParameterError
 from fowtlib.language.expressions import StartNumbers
 
@@ -56,6 +57,7 @@ class ElasticFloater(Floater):
     shear_modulus: Scalar = param(default=80.8e9, unit="Pa", min=1.0, doc="shear modulus of all walls")
     damping_time: Scalar = param(default=0.0, unit="s", min=0, doc="damping over stiffness of the structure")
     section_points: Array = param(default=(), unit="m", doc="points (n, 3) on axes of members with section loads")
+    drawn_bending: Scalar = param(default=1.0, min=0, doc="how many times its size bending has in pictures")
     node_forces: Array = param(
         default=(), unit="N", doc="forces (n, 3) on the nodes at rest, as far as they change the stiffness; none: zero"
     )
@@ -99,6 +101,19 @@ class ElasticFloater(Floater):
 
     def _matrix(self, first: int, rows: int, columns: int) -> list:
         return [[self._numbers[first + i * columns + j] for j in range(columns)] for i in range(rows)]
+
+    def drawing(self) -> shapes.Drawing:
+        """Its beams, each on a frame that moves with the shapes."""
+        if not members_of(self):
+            return []
+        structure, size = self.member_frame(), float(self.parameter_value("drawn_bending"))
+        found, of = [], tuple(f"{self.structure.path}.q[{k}]" for k in range(self.database.count))
+        for k, piece in enumerate(structure.pieces):
+            axis, motion, _ = structure.frame.section_motion(k, 0.5, self.database.shapes)
+            x, y, z = axis.tolist()
+            carrier = shapes.Carried(self.frame, (x, y, z), of, size * motion[:, :3].T, size * motion[:, 3:].T)
+            found.append(drawn_between(carrier, structure.hull.members[piece.member], piece.low, piece.high, axis))
+        return found
 
     def member_frame(self) -> MemberFrame:
         """Its structure with the values that the parameters have now."""

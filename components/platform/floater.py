@@ -4,8 +4,10 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from functools import lru_cache
+from typing import Any
 
 import numpy as np
+from numpy.typing import ArrayLike
 
 from fowtlib.components.environment.sea import Sea
 from fowtlib.components.environment.world import World
@@ -178,10 +180,20 @@ def _regimes(floater: Floater) -> list[str]:
     return lines
 
 
-def _drawn(frame, member: MemberShape) -> shapes.Shape:
-    points = [member.at(s) for s in member.stations]
+def _drawn(frame: Any, member: MemberShape) -> shapes.Shape:
+    return drawn_between(frame, member, member.stations[0], member.stations[-1], (0.0, 0.0, 0.0))
+
+
+def drawn_between(frame: Any, member: MemberShape, low: float, high: float, origin: ArrayLike) -> shapes.Shape:
+    """A member between two places along it [m], on a frame whose origin is at this point of the floater."""
+    places = [s for s in member.stations if low <= s <= high]
+    places = [*([low] if low not in places else []), *places, *([high] if high not in places else [])]
+    points = [member.at(s) - np.asarray(origin, dtype=float) for s in places]
+    sizes = [member.size_at(s, after=s < high) for s in places]
+    if low == member.stations[0] and high == member.stations[-1]:
+        sizes = list(member.sizes)  # with both sizes of a step
     if member.is_round:
-        return shapes.Tube(frame, points, [size[0] for size in member.sizes], material="hull")
+        return shapes.Tube(frame, points, [float(size[0]) for size in sizes], material="hull")
     corners = np.array([(-0.5, -0.5), (0.5, -0.5), (0.5, 0.5), (-0.5, 0.5)])
-    rings = [at + (corners * size) @ member.axes[:, :2].T for at, size in zip(points, member.sizes, strict=True)]
+    rings = [at + (corners * size) @ member.axes[:, :2].T for at, size in zip(points, sizes, strict=True)]
     return shapes.Loft(frame, np.array(rings), material="hull")

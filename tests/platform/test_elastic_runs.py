@@ -15,8 +15,10 @@ from fowtlib.components.hydro.linear_loads import RadiationTransfer
 from fowtlib.components.hydro.modal_database import ModalDatabase
 from fowtlib.components.mechanics import FreeMotion, World
 from fowtlib.components.platform import ElasticFloater, Floater
-from fowtlib.language import StateSpace
+from fowtlib.language import StateSpace, shapes
 from fowtlib.solving.modes import natural_modes
+from fowtlib.view.modes import played
+from fowtlib.view.recording import Cast
 from tests.platform.test_elastic_floater import barge, matrices
 
 pytest.importorskip("capytaine")
@@ -182,3 +184,24 @@ def test_what_a_bent_barge_loses_the_water_takes(made):
 
 def heave_of(state):
     return float(state["hull.frame.r"][2])
+
+
+def test_pictures_show_it_bent(made, tmp_path):
+    """Sections lie where the field of its shapes moves them, as often as is said; a mode of bending is an animation."""
+    database = ModalDatabase.read(made / "barge.nc")
+    elastic = barge(ElasticFloater, database=database, excitation=False, radiation_order=0, drawn_bending=20.0)
+    plant = fw.load(floating(elastic)).compile()
+    state = plant.initial_state(start={"hull.structure.q[0]": 0.05})
+    cast = Cast(elastic.drawing())
+    poses = cast.poses(played(plant, [state], np.array([0.0])).observe, 1)[0]
+    carried = [(cast._numbers[frame], frame) for frame in cast.frames if isinstance(frame, shapes.Carried)]
+    assert len(carried) == len(elastic.member_frame().pieces)
+    points = np.array([frame.point for _, frame in carried])
+    moved = elastic.member_frame().field(points, database.shapes[:1]).displacement[0]
+    turned = elastic.member_frame().turn(points, database.shapes[:1])[0]
+    found = poses[[number for number, _ in carried]]
+    np.testing.assert_allclose(found[:, :3], points + 20 * 0.05 * moved, atol=1e-9)
+    np.testing.assert_allclose(2 * found[:, 3:6], 20 * 0.05 * turned, rtol=1e-3, atol=1e-9)
+    number = next(mode.number for mode in natural_modes(plant, plant.equilibrium()) if "1st hull bending" in mode.name)
+    shown = fw.view(plant, tmp_path / "bending.html", mode=number)
+    assert shown.moments > 10 and "1st hull bending" in (tmp_path / "bending.html").read_text()
