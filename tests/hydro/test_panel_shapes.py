@@ -8,10 +8,12 @@ import numpy as np
 import pytest
 from numpy.polynomial import legendre
 
-from fowtlib.components.hydro.deformation import shape_stiffness
+from fowtlib.components.hydro.deformation import Field, shape_stiffness
 from fowtlib.components.hydro.errors import HydrodynamicDataError
 from fowtlib.components.hydro.hull_mesh import HullMesh
 from fowtlib.components.hydro.modal_database import ModalDatabase
+from fowtlib.components.platform.hull import Hull
+from fowtlib.components.platform.members import MemberShape
 from tests.hydro.test_deformation import box, vertical
 
 pytest.importorskip("capytaine")
@@ -79,6 +81,56 @@ def test_motions_are_those_of_wamit(barge):
         found = np.abs(np.linalg.solve(dynamic[np.ix_(kept, kept)], barge.X[k, 0, kept]))
         assert found[0] == pytest.approx(expected[0], rel=0.02)
         assert found[2] == pytest.approx(expected[2], rel=0.03)
+
+
+def test_wet_frequencies_are_those_of_wamit(barge):
+    """Coupled, with the added mass at infinite frequency: 2.032 rad/s of the first bending by the same source."""
+    mass = np.diag([4e6, 4e6, 4e6, 6.666667e7, 2.166667e9, 2.166667e9, 1.079216e6, 1.209976e6])
+    stiffness = np.diag([0.0, 0, 0, 0, 0, 0, 6.077064e6, 4.382532e7])
+    stiffness[:6, :6] += barge.C
+    stiffness[6:, 6:] += barge.among
+    stiffness[6:, :6] += barge.with_rigid
+    stiffness[:6, 6:] += barge.with_rigid.T
+    kept = [2, 4, 6, 7]
+    squares = np.linalg.eigvals(np.linalg.solve((mass + barge.A_inf)[np.ix_(kept, kept)], stiffness[np.ix_(kept, kept)]))
+    found = np.sqrt(np.sort(squares.real))
+    print("wet", found)
+    assert found[2] == pytest.approx(2.032, rel=0.01)
+    assert found[3] == pytest.approx(4.595, rel=0.02)
+
+
+def test_a_slender_column_in_water_slows_down_as_its_strips_say():
+    """A cantilever from the sea bed to the water level: omega / sqrt(1 + rho C_a A / m) with C_a = 1, towards rest.
+
+    There the water level is a wall, and the strips at it are like the others; 3 m on 60 m.
+    """
+    column = MemberShape("column", (0, 0, -60.0), (0, 0, 5.0), (0.0, 65.0), ((3.0, 3.0),) * 2, True, (0.05, 0.05), 7850.0)
+    hull = Hull((column,))
+    root = 1.8751041
+    share = (math.cosh(root) + math.cos(root)) / (math.sinh(root) + math.sin(root))
+
+    def shape(z):
+        s = root * (z + 60) / 60
+        return (np.cosh(s) - np.cos(s) - share * (np.sinh(s) - np.sin(s))) / 2
+
+    def deform(points):
+        moved, gradient = np.zeros((1, len(points), 3)), np.zeros((1, len(points), 3, 3))
+        z = points[:, 2]
+        moved[0, :, 0] = shape(z)
+        gradient[0, :, 0, 2] = (shape(z + 1e-4) - shape(z - 1e-4)) / 2e-4
+        return Field(moved, gradient)
+
+    nodes = np.column_stack([0 * np.arange(7), 0 * np.arange(7), np.linspace(-60, 0, 7)])
+    shapes = np.zeros((1, 7, 6))
+    shapes[0, :, 0] = shape(nodes[:, 2])
+    mesh = HullMesh(hull.panels(1.5), hull.lids(1.5), join=1e-3)
+    found = solve_shapes(mesh, deform, nodes, shapes, omega=[0.3, 0.6], headings=[0.0], rho=RHO, g=G)
+    z = np.linspace(-60, 0, 2001)
+    steel, section = 3000.0, mesh.volume / 60  # kg/m of the column; area of the meshed section
+    dry, wet = (np.trapezoid(per_length * shape(z) ** 2, z) for per_length in (steel, RHO * section))
+    print("column", found.A_zero[6, 6] / wet, math.sqrt(1 / (1 + found.A_zero[6, 6] / dry)) * math.sqrt(1 + wet / dry))
+    assert math.sqrt((dry + wet) / (dry + found.A_zero[6, 6])) == pytest.approx(1, abs=0.02)
+    assert found.A_zero[6, 6] == pytest.approx(wet, rel=0.05)
 
 
 def test_a_file_comes_back_and_mistakes_are_told(barge, tmp_path):
