@@ -60,10 +60,9 @@ class Floater(Component):
     def build(self):
         found = StartNumbers(self, "hull", _NUMBERS, hull_numbers)
         self.body = RigidBody(
-            mass=found[0],
-            r_cm=[found[k] for k in (1, 2, 3)],
+            mass=found[0], r_cm=[found[k] for k in (1, 2, 3)],
             inertia=[[found[4 + 3 * i + k] for k in range(3)] for i in range(3)],
-        )
+        )  # fmt: skip
         self.hydrostatics = Hydrostatics(
             volume=found[13], centre_of_buoyancy=[found[k] for k in (14, 15, 16)],
             stiffness=[[found[17 + 6 * i + k] for k in range(6)] for i in range(6)], reference_density=_RHO,

@@ -92,9 +92,10 @@ def test_wet_frequencies_are_those_of_wamit(barge):
     stiffness[6:, :6] += barge.with_rigid
     stiffness[:6, 6:] += barge.with_rigid.T
     kept = [2, 4, 6, 7]
-    squares = np.linalg.eigvals(np.linalg.solve((mass + barge.A_inf)[np.ix_(kept, kept)], stiffness[np.ix_(kept, kept)]))
+    squares = np.linalg.eigvals(
+        np.linalg.solve((mass + barge.A_inf)[np.ix_(kept, kept)], stiffness[np.ix_(kept, kept)])
+    )
     found = np.sqrt(np.sort(squares.real))
-    print("wet", found)
     assert found[2] == pytest.approx(2.032, rel=0.01)
     assert found[3] == pytest.approx(4.595, rel=0.02)
 
@@ -104,7 +105,8 @@ def test_a_slender_column_in_water_slows_down_as_its_strips_say():
 
     There the water level is a wall, and the strips at it are like the others; 3 m on 60 m.
     """
-    column = MemberShape("column", (0, 0, -60.0), (0, 0, 5.0), (0.0, 65.0), ((3.0, 3.0),) * 2, True, (0.05, 0.05), 7850.0)
+    sizes = ((3.0, 3.0),) * 2
+    column = MemberShape("column", (0, 0, -60.0), (0, 0, 5.0), (0.0, 65.0), sizes, True, (0.05, 0.05), 7850.0)
     hull = Hull((column,))
     root = 1.8751041
     share = (math.cosh(root) + math.cos(root)) / (math.sinh(root) + math.sin(root))
@@ -128,7 +130,6 @@ def test_a_slender_column_in_water_slows_down_as_its_strips_say():
     z = np.linspace(-60, 0, 2001)
     steel, section = 3000.0, mesh.volume / 60  # kg/m of the column; area of the meshed section
     dry, wet = (np.trapezoid(per_length * shape(z) ** 2, z) for per_length in (steel, RHO * section))
-    print("column", found.A_zero[6, 6] / wet, math.sqrt(1 / (1 + found.A_zero[6, 6] / dry)) * math.sqrt(1 + wet / dry))
     assert math.sqrt((dry + wet) / (dry + found.A_zero[6, 6])) == pytest.approx(1, abs=0.02)
     assert found.A_zero[6, 6] == pytest.approx(wet, rel=0.05)
 
