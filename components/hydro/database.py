@@ -234,47 +234,10 @@ class HydrodynamicDatabase:
         omega = np.atleast_1d(np.asarray(omega, dtype=float))
         if omega.ndim != 1 or not np.isfinite(omega).all() or (omega < 0).any():
             raise HydrodynamicDataError("excitation: the frequencies must be finite numbers, not negative")
-        X = self._at_heading(float(heading))
-        highest = self.omega[-1]
-        beyond = omega > highest * (1 + _SAME_OMEGA)
-        if beyond.any():
+        X = at_heading(self.heading, self.X, float(heading))
+        if (omega > self.omega[-1] * (1 + _SAME_OMEGA)).any():
             self._check_tail(float(omega.max()))
-        x = np.concatenate([[0.0], self.omega])
-        y = np.vstack([self.C[:, 2].astype(complex)[None, :], X])
-        inside = np.minimum(omega, highest)
-        values = (_interpolate(x, y.real, inside) + 1j * _interpolate(x, y.imag, inside))
-        values[beyond] = 0.0
-        return values
-
-    def _at_heading(self, heading: float) -> np.ndarray:
-        """X (n, 6) on the frequencies of the data."""
-        if not np.isfinite(heading):
-            raise HydrodynamicDataError("excitation: the heading must be a finite number")
-        known = np.mod(self.heading, _FULL_TURN)
-        known[_FULL_TURN - known < 1e-9] = 0.0
-        known, index = np.unique(np.round(known, 9), return_index=True)
-        X = self.X[:, index, :]
-        wanted = float(np.mod(heading, _FULL_TURN))
-        offset = np.abs(np.mod(known - wanted + np.pi, _FULL_TURN) - np.pi)
-        if offset.min() < 1e-6:
-            return X[:, int(offset.argmin()), :]
-        start = float(known[int(np.diff(np.append(known, known[0] + _FULL_TURN)).argmax()) + 1 - known.size])
-        order = np.argsort(np.mod(known - start, _FULL_TURN))  # the widest gap comes last
-        angle = np.append(np.mod(known - start, _FULL_TURN)[order], _FULL_TURN)
-        X = X[:, np.append(order, order[0]), :]
-        position = float(np.mod(wanted - start, _FULL_TURN))
-        wide = np.diff(angle) > _GAP
-        after = int(np.searchsorted(angle, position))
-        if wide[after - 1]:
-            before, behind = np.degrees(start + angle[[after - 1, after]]) % 360
-            raise HydrodynamicDataError(
-                f"excitation: the heading {np.degrees(heading):.6g} deg is outside of the data: there is none between "
-                f"{before:.6g} and {behind:.6g} deg; compute the missing headings")
-        if not wide.any():
-            return CubicSpline(angle, X, axis=1, bc_type="periodic")(position)
-        ends = np.flatnonzero(np.concatenate([[True], wide, [True]]))  # runs of headings between wide gaps
-        run = slice(ends[ends < after].max(), ends[ends >= after].min())
-        return CubicSpline(angle[run], X[:, run], axis=1)(position)
+        return loads_between(self.omega, X, self.C[:, 2], omega)
 
     def _check_tail(self, wanted: float) -> None:
         largest = np.abs(self.X).max(axis=(0, 1))
@@ -335,6 +298,46 @@ class HydrodynamicDatabase:
 def _factors(similarity: Similarity, unit: str) -> np.ndarray:
     """Factors (6, 6) of a matrix over forces and moments."""
     return np.vectorize(similarity.factor, otypes=[float])(six_by_six(unit))
+
+
+def loads_between(known: np.ndarray, X: np.ndarray, tide: np.ndarray, omega: np.ndarray) -> np.ndarray:
+    """Loads X (n, m) of the frequencies `known` at others [rad/s]; tide (m,): at zero frequency; zero above."""
+    beyond, inside = omega > known[-1] * (1 + _SAME_OMEGA), np.minimum(omega, known[-1])
+    x, y = np.concatenate([[0.0], known]), np.vstack([tide.astype(complex)[None, :], X])
+    values = _interpolate(x, y.real, inside) + 1j * _interpolate(x, y.imag, inside)
+    values[beyond] = 0.0
+    return values
+
+
+def at_heading(headings: np.ndarray, X: np.ndarray, heading: float) -> np.ndarray:
+    """Loads (n, m) at a heading [rad] from those X (n, nh, m) at some; see HydrodynamicDatabase.excitation_at."""
+    if not np.isfinite(heading):
+        raise HydrodynamicDataError("excitation: the heading must be a finite number")
+    known = np.mod(headings, _FULL_TURN)
+    known[_FULL_TURN - known < 1e-9] = 0.0
+    known, index = np.unique(np.round(known, 9), return_index=True)
+    X = X[:, index, :]
+    wanted = float(np.mod(heading, _FULL_TURN))
+    offset = np.abs(np.mod(known - wanted + np.pi, _FULL_TURN) - np.pi)
+    if offset.min() < 1e-6:
+        return X[:, int(offset.argmin()), :]
+    start = float(known[int(np.diff(np.append(known, known[0] + _FULL_TURN)).argmax()) + 1 - known.size])
+    order = np.argsort(np.mod(known - start, _FULL_TURN))  # the widest gap comes last
+    angle = np.append(np.mod(known - start, _FULL_TURN)[order], _FULL_TURN)
+    X = X[:, np.append(order, order[0]), :]
+    position = float(np.mod(wanted - start, _FULL_TURN))
+    wide = np.diff(angle) > _GAP
+    after = int(np.searchsorted(angle, position))
+    if wide[after - 1]:
+        before, behind = np.degrees(start + angle[[after - 1, after]]) % 360
+        raise HydrodynamicDataError(
+            f"excitation: the heading {np.degrees(heading):.6g} deg is outside of the data: there is none between "
+            f"{before:.6g} and {behind:.6g} deg; compute the missing headings")
+    if not wide.any():
+        return CubicSpline(angle, X, axis=1, bc_type="periodic")(position)
+    ends = np.flatnonzero(np.concatenate([[True], wide, [True]]))  # runs of headings between wide gaps
+    run = slice(ends[ends < after].max(), ends[ends >= after].min())
+    return CubicSpline(angle[run], X[:, run], axis=1)(position)
 
 
 def _interpolate(x: np.ndarray, y: np.ndarray, at: np.ndarray) -> np.ndarray:

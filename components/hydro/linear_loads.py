@@ -47,6 +47,7 @@ from fowtlib.components.environment.sea import Sea
 from fowtlib.components.environment.waves import WaveComponents, wave_number
 from fowtlib.components.environment.world import World
 from fowtlib.components.hydro.database import HydrodynamicDatabase
+from fowtlib.components.hydro.modal_database import ModalDatabase
 from fowtlib.components.hydro.radiation_identification import RadiationModel, kept_radiation
 from fowtlib.components.mechanics.connectors import Frame
 from fowtlib.language import (
@@ -260,10 +261,14 @@ class Radiation(PlatformLoad):
         """The identified state-space model, with its report."""
         return _radiation(self.database, self.order, self.passive)
 
+    def load(self):
+        """The load on all motions, axes of the module."""
+        return m.vertcat(self.force, self.moment)
+
     def equations(self):
         model = self.model()
         known = self.database
-        load, realized = m.vertcat(self.force, self.moment), StateSpace(model.A, model.B, model.C)
+        load, realized = self.load(), StateSpace(model.A, model.B, model.C)
         return [
             linear_operator(
                 load, self.in_own_axes(self.velocity()), RadiationTransfer(known, realized), realized, self.x,
@@ -280,7 +285,7 @@ class RadiationTransfer:
     the realization. Source: T.F. Ogilvie, 5th Symposium on Naval Hydrodynamics (1964).
     """
 
-    def __init__(self, data: HydrodynamicDatabase, realization: StateSpace):
+    def __init__(self, data: HydrodynamicDatabase | ModalDatabase, realization: StateSpace):
         self.range, self.realization = (data.omega[0], data.omega[-1]), realization
         damping = Akima1DInterpolator(data.omega, data.B, method="akima")
         added = Akima1DInterpolator(data.omega, data.A - data.A_inf, method="akima")
@@ -317,12 +322,20 @@ class WaveExcitation(PlatformLoad):
 
     def equations(self):
         scale = self.world.water_density / self.database.rho
-        load = scale * self.sea.loads(_excitation, of=self)
-        return [
-            eq(self.force, load[:3] + self.extra_force),
-            eq(self.moment, load[3:] + self.extra_moment),
-            self.push(m.vertcat(self.force, self.frame.R @ self.heading_axes().T @ self.moment)),
-        ]
+        given = self.sea.signal(_excitation, self.motions(), "wave load", "", of=self)
+        return [self.driven(scale * given), self.push(self.load())]
+
+    def motions(self) -> int:
+        """How many motions have a load: the rigid ones."""
+        return 6
+
+    def driven(self, load):
+        """What the waves drive, with what is added to it."""
+        return [eq(self.force, load[:3] + self.extra_force), eq(self.moment, load[3:6] + self.extra_moment)]
+
+    def load(self):
+        """The load on the platform, world."""
+        return m.vertcat(self.force, self.frame.R @ self.heading_axes().T @ self.moment)
 
     def wave_transfer(self, omega, heading):
         """Complex load (n, 6) per unit wave amplitude, at circular frequencies [rad/s] and a heading [rad]."""
@@ -335,11 +348,11 @@ class WaveExcitation(PlatformLoad):
 
 
 def _excitation(waves: WaveComponents, part: WaveExcitation) -> NDArray[np.complex128]:
-    """Load (n, 6) per unit amplitude of the waves of a run."""
+    """Load (n, 6, or more for shapes) per unit amplitude of the waves of a run."""
     load = part.database.excitation_at(waves.omega, waves.heading)
     return load * waves.elevation_transfer(part.parameter_value("position"))
 
 
 @lru_cache(maxsize=8)
-def _radiation(data: HydrodynamicDatabase, order: int, passive: bool) -> RadiationModel:
+def _radiation(data: HydrodynamicDatabase | ModalDatabase, order: int, passive: bool) -> RadiationModel:
     return kept_radiation(data.omega, data.B, data.A, data.A_inf, order=order, passive=passive)

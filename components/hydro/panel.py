@@ -8,19 +8,23 @@ soon as it is solved: a computation that was stopped goes on from there, one wit
 
 from __future__ import annotations
 
+import contextlib
 import math
 import tempfile
 import warnings
 from collections.abc import Callable, Iterable
 from dataclasses import dataclass, replace
 from pathlib import Path
+from typing import Any, TypeVar
 
 import numpy as np
 
 from fowtlib.components.hydro.conventions import check_conventions
 from fowtlib.components.hydro.database import HydrodynamicDatabase
+from fowtlib.components.hydro.deformation import Deformation, shape_stiffness
 from fowtlib.components.hydro.errors import HydrodynamicDataError
 from fowtlib.components.hydro.hull_mesh import HullMesh
+from fowtlib.components.hydro.modal_database import ModalDatabase
 from fowtlib.components.hydro.panel_limits import warnings_of
 from fowtlib.components.hydro.panel_mesh import Column, Pontoon, members_mesh
 from fowtlib.components.hydro.panel_solver import PanelSolver
@@ -28,6 +32,7 @@ from fowtlib.language.errors import ModelError
 
 Progress = Callable[[float, float], None]
 
+_Database = TypeVar("_Database", HydrodynamicDatabase, ModalDatabase)
 _SHALLOWEST = 0.25  # smallest wave number times depth that Capytaine's finite-depth function takes, with a margin
 _NOISE = 1e-7  # of the largest load: what symmetry makes zero
 
@@ -81,14 +86,67 @@ def solve_hull(
     Raises MissingExtraError without Capytaine, HydrodynamicDataError for frequencies out of range; warns, with the
     frequency, of panels that are wide for their waves, and of irregular frequencies of a hull without a lid.
     """
+    solver, found = _solved(hull, omega, headings, water_depth, rho, g, path, progress, None)
+    with _kept_when_refused():
+        database = HydrodynamicDatabase(  # its checks come first: they refuse what is far from symmetric
+            **found, **_of_hull(hull, water_depth, rho, g), source=source or solver.about
+        )
+        database = _made_symmetric(database)
+        check_conventions(database)
+    if path is not None:
+        database.write(path)
+    return database
+
+
+def solve_shapes(
+    hull: HullMesh,
+    deformation: Deformation,
+    nodes: np.ndarray,
+    shapes: np.ndarray,
+    at_rest: np.ndarray | None = None,
+    *,
+    omega: Iterable[float],
+    headings: Iterable[float],
+    water_depth: float = math.inf,
+    rho: float = 1025.0,
+    g: float = 9.80665,
+    source: str = "",
+    path: str | Path | None = None,
+    progress: Progress | None = None,
+) -> ModalDatabase:
+    """The same of a hull that deforms as `deformation` says, besides its rigid motions.
+
+    nodes (p, 3) [m] and shapes (k, p, 6): what of the structure moves with each shape, for who reads the database;
+    at_rest (p, 6) [N, N m]: what the water at rest does to each node, zero without.
+    """
+    solver, found = _solved(hull, omega, headings, water_depth, rho, g, path, progress, deformation)
+    stiffness = shape_stiffness(hull.panels, deformation)
+    with _kept_when_refused():
+        database = ModalDatabase(
+            **found, **_of_hull(hull, water_depth, rho, g), among=rho * g * (stiffness.among + stiffness.among.T) / 2,
+            with_rigid=rho * g * stiffness.with_rigid, nodes=nodes, shapes=shapes,
+            at_rest=np.zeros((len(nodes), 6)) if at_rest is None else at_rest, source=source or solver.about,
+        )  # fmt: skip
+        database = _made_symmetric(database)
+        check_conventions(database.rigid)
+    if path is not None:
+        database.write(path)
+    return database
+
+
+def _solved(
+    hull: HullMesh, omega: Iterable[float], headings: Iterable[float], water_depth: float, rho: float, g: float,
+    path: str | Path | None, progress: Progress | None, deformation: Deformation | None,
+) -> tuple[PanelSolver, dict[str, np.ndarray]]:  # fmt: skip
+    """What the solver finds at all frequencies, by the names of a database."""
     omega = np.unique(np.asarray(list(omega), dtype=float))
     headings = np.unique(np.asarray(list(headings), dtype=float))
     lowest = _check(omega, headings, water_depth, g)
     if path is not None:
         _check_target(Path(path))
     for sentence in warnings_of(hull, omega, water_depth, g):
-        warnings.warn(f"{sentence}.", stacklevel=2)
-    solver = PanelSolver(hull, water_depth, g)
+        warnings.warn(f"{sentence}.", stacklevel=3)
+    solver = PanelSolver(hull, water_depth, g, deformation)
     flows = []
     for k, frequency in enumerate(frequencies := [math.inf, lowest, *omega.tolist()]):
         flows.append(solver.solve(frequency, headings if k > 1 else np.zeros(0)))
@@ -98,22 +156,26 @@ def solve_hull(
     X = rho * np.array([flow.X for flow in flows[2:]])
     for part in (X.real, X.imag):
         part[np.abs(part) < _NOISE * np.abs(X).max(axis=(0, 1))] = 0.0
+    return solver, {"omega": omega, "heading": headings, "A": A[2:], "B": B[2:], "A_inf": A[0], "A_zero": A[1], "X": X}
+
+
+def _of_hull(hull: HullMesh, water_depth: float, rho: float, g: float) -> dict[str, Any]:
+    return {"C": rho * g * hull.stiffness, "volume": hull.volume, "centre_of_buoyancy": hull.centre_of_buoyancy,
+            "rho": rho, "g": g, "water_depth": water_depth}  # fmt: skip
+
+
+def _made_symmetric(database: _Database) -> _Database:
+    return replace(database, **{name: _symmetric(getattr(database, name)) for name in ("A", "B", "A_inf", "A_zero")})
+
+
+@contextlib.contextmanager
+def _kept_when_refused():
     try:
-        database = HydrodynamicDatabase(  # its checks come first: they refuse what is far from symmetric
-            omega=omega, heading=headings, A=A[2:], B=B[2:], A_inf=A[0], A_zero=A[1], X=X, C=rho * g * hull.stiffness,
-            volume=hull.volume, centre_of_buoyancy=hull.centre_of_buoyancy, rho=rho, g=g, water_depth=water_depth,
-            source=source or f"Capytaine {solver.capytaine.__version__}, {len(hull.panels)} panels",
-        )
-        database = replace(database, **{name: _symmetric(getattr(database, name))
-                                        for name in ("A", "B", "A_inf", "A_zero")})  # fmt: skip
-        check_conventions(database)
+        yield
     except ModelError as error:
         error.message = (f"{error.message.rstrip('.')}. If it is the mesh, take smaller panels. What was solved is "
                          "kept (`fowt cache`), no frequency is lost")
         raise
-    if path is not None:
-        database.write(path)
-    return database
 
 
 @dataclass(frozen=True)

@@ -8,6 +8,9 @@ symmetric hull only a part is meshed (hull_mesh.Symmetry), which saves time and 
 revolution is solved for surge, heave and pitch in waves along x, from which sway, roll and all headings follow.
 Capytaine uses exp(-i omega t); its loads are conjugated to our exp(+i omega t).
 
+Shapes into which the hull deforms (hydro.deformation) are further motions behind the six rigid ones. They are given by
+their displacements at the middles of the panels of the whole hull; symmetry of the hull still divides the matrix.
+
 The results of a frequency lie in the folder of what is kept (`fowt cache`), under a digest of all that they follow
 from: panels, lid, frequency, headings, depth, gravity, version of Capytaine, text of this module. They are per unit of
 density.
@@ -24,6 +27,7 @@ from typing import Any
 
 import numpy as np
 
+from fowtlib.components.hydro.deformation import Deformation
 from fowtlib.components.hydro.errors import MissingExtraError
 from fowtlib.components.hydro.hull_mesh import HullMesh, Symmetry
 from fowtlib.language.cache import cached, sources
@@ -34,7 +38,10 @@ _ROUND_DOFS = ("Surge", "Heave", "Pitch")
 
 @dataclass(frozen=True, eq=False)
 class Flow:
-    """Added mass A and damping B (6, 6) and wave load X (nh, 6) per amplitude, all divided by the density."""
+    """Added mass A and damping B (m, m) and wave load X (nh, m) per amplitude, all divided by the density.
+
+    m: six rigid motions, then the shapes.
+    """
 
     A: np.ndarray
     B: np.ndarray
@@ -44,13 +51,16 @@ class Flow:
 class PanelSolver:
     """Solves one frequency after the other for a hull [m] in water of a depth [m, inf: deep] and gravity [m/s^2].
 
-    Raises MissingExtraError without Capytaine.
+    deformation: the shapes besides the rigid motions. Raises MissingExtraError without Capytaine.
     """
 
-    def __init__(self, hull: HullMesh, water_depth: float, g: float):
+    def __init__(self, hull: HullMesh, water_depth: float, g: float, deformation: Deformation | None = None):
         self.capytaine = _capytaine()
         self.hull, self.water_depth, self.g = hull, water_depth, g
         self.part, self.lid = (hull.part(panels) if len(panels) else panels for panels in (hull.panels, hull.lid))
+        self._round = hull.symmetry.round and deformation is None
+        self._shapes = self._shapes_of(deformation) if deformation is not None else np.zeros((0, 0, 3))
+        self._dofs = (*_DOFS, *(f"shape {k + 1}" for k in range(len(self._shapes))))
         self._body: Any = None
         self._bem: Any = None
 
@@ -59,20 +69,26 @@ class PanelSolver:
         """Panels of the part that is meshed, with its lid."""
         return len(self.part) + len(self.lid)
 
+    @property
+    def about(self) -> str:
+        """One line on the origin of what it finds."""
+        return f"Capytaine {self.capytaine.__version__}, {len(self.hull.panels)} panels"
+
     def solve(self, omega: float, headings: np.ndarray) -> Flow:
         """The flow at a frequency [rad/s, also 0 in deep water, and inf] and headings (nh,) [rad]; kept, if it can be.
 
-        Without headings X is (0, 6): at zero and infinite frequency there are no waves.
+        Without headings X is (0, m): at zero and infinite frequency there are no waves.
         """
         headings = np.asarray(headings, dtype=float)
         about = f"{omega!r} {self.water_depth!r} {self.g!r} {self.hull.symmetry} {self.capytaine.__version__}"
-        found = cached("panels", [about, self.part, self.lid, headings, *sources(__name__)],
+        given = [self.part, self.lid, headings, *([self._shapes] if self._shapes.size else [])]
+        found = cached("panels", [about, *given, *sources(__name__)],
                        lambda: self._solve(omega, headings))  # fmt: skip
         X = np.array(found["X_real"]) + 1j * np.array(found["X_imaginary"])
-        return Flow(np.array(found["A"]), np.array(found["B"]), X.reshape(-1, 6))
+        return Flow(np.array(found["A"]), np.array(found["B"]), X.reshape(-1, len(self._dofs)))
 
     def _solve(self, omega: float, headings: np.ndarray) -> dict[str, np.ndarray]:
-        cpt, symmetric = self.capytaine, self.hull.symmetry.round
+        cpt, symmetric, count = self.capytaine, self._round, len(self._dofs)
         if self._body is None:
             with _quiet("capytaine"):
                 self._body, self._bem = self._floating_body(), cpt.BEMSolver(method="direct")
@@ -80,7 +96,7 @@ class PanelSolver:
         waves = headings if not symmetric else [0.0] * bool(headings.size)
         problems = [cpt.RadiationProblem(radiating_dof=dof, **flow) for dof in self._body.dofs]
         problems += [cpt.DiffractionProblem(wave_direction=float(wave), **flow) for wave in waves]
-        A, B, X = np.zeros((6, 6)), np.zeros((6, 6)), np.zeros((len(waves), 6), dtype=complex)
+        A, B, X = np.zeros((count, count)), np.zeros((count, count)), np.zeros((len(waves), count), dtype=complex)
         with _quiet("capytaine"):
             results = self._bem.solve_all(problems, progress_bar=False, _check_wavelength=False, keep_details=False)
         for k, result in enumerate(results):
@@ -88,15 +104,15 @@ class PanelSolver:
                 raise error
             wave = k - len(self._body.dofs)
             for dof in self._body.dofs:
-                row = _DOFS.index(dof)
+                row = self._dofs.index(dof)
                 if wave < 0:
-                    A[row, _DOFS.index(result.radiating_dof)] = result.added_masses[dof]
-                    B[row, _DOFS.index(result.radiating_dof)] = result.radiation_dampings[dof]
+                    A[row, self._dofs.index(result.radiating_dof)] = result.added_masses[dof]
+                    B[row, self._dofs.index(result.radiating_dof)] = result.radiation_dampings[dof]
                 else:
                     X[wave, row] = np.conj(result.forces[dof])
         for wave, problem in enumerate(problems[len(self._body.dofs) :]):
             for dof, load in cpt.bem.airy_waves.froude_krylov_force(problem).items():
-                X[wave, _DOFS.index(dof)] += np.conj(load)
+                X[wave, self._dofs.index(dof)] += np.conj(load)
         if symmetric:
             A, B = _turned(A), _turned(B)
             X = _all_headings(X[0], headings) if headings.size else X
@@ -105,10 +121,17 @@ class PanelSolver:
     def _floating_body(self) -> Any:
         symmetry = self.hull.symmetry
         lid = _mesh(self.capytaine, self.lid, symmetry) if len(self.lid) else None
-        dofs = self.capytaine.rigid_body_dofs(only=list(_ROUND_DOFS) if symmetry.round else None,
+        dofs = self.capytaine.rigid_body_dofs(only=list(_ROUND_DOFS) if self._round else None,
                                               rotation_center=(0, 0, 0))  # fmt: skip
         mesh = _mesh(self.capytaine, self.part, symmetry)
-        return self.capytaine.FloatingBody(mesh=mesh, lid_mesh=lid, dofs=dofs, name="floater")
+        body = self.capytaine.FloatingBody(mesh=mesh, lid_mesh=lid, dofs=dofs, name="floater")
+        for name, shape in zip(self._dofs[len(_DOFS) :], self._shapes, strict=True):
+            body.dofs[name] = shape
+        return body
+
+    def _shapes_of(self, deformation: Deformation) -> np.ndarray:
+        """Displacements (m, n, 3) at the middles of the panels, in the order that Capytaine has for the whole hull."""
+        return deformation(np.asarray(_mesh(self.capytaine, self.part, self.hull.symmetry).faces_centers)).displacement
 
 
 def _mesh(cpt: Any, part: np.ndarray, symmetry: Symmetry) -> Any:

@@ -33,6 +33,7 @@ class Strip:
     place (3,), axis (3,). across [kg/m]: 1/2 rho C_d D ds; of a section with two directions a pair of them, for flows
     along `side` (3,) and along the third direction. along [kg/m]: 1/2 rho C_e A.
     volume_mass [kg]: rho dV. added_mass [kg]: rho C_a dV across, one or a pair. added_along [kg]: of an end.
+    shapes (3, k): displacement per coordinate of the k shapes into which what carries it deforms; None: it is rigid.
     """
 
     place: Any
@@ -43,13 +44,24 @@ class Strip:
     volume_mass: Any = 0.0
     added_mass: Any = None
     added_along: Any = 0.0
+    shapes: Any = None
 
 
 def drag_loads(frame: Any, velocity: Any, strips: Sequence[Strip]) -> tuple[Any, Any]:
     """Force and moment about the frame (world) of the drag; velocity (k, 3) of the water at the strips, world."""
+    return deforming_drag_loads(frame, velocity, strips, None)[:2]
+
+
+def inertia_loads(frame: Any, acceleration: Any, strips: Sequence[Strip]) -> tuple[Any, Any]:
+    """Force and moment about the frame (world) of the inertia of the water; its acceleration (k, 3), world."""
+    return deforming_inertia_loads(frame, acceleration, strips, None)[:2]
+
+
+def deforming_drag_loads(frame: Any, velocity: Any, strips: Sequence[Strip], q: Any) -> tuple[Any, Any, Any]:
+    """As drag_loads of strips that move with shapes of coordinates q (k,); third the load on these: the same work."""
 
     def load(k: int, strip: Strip, arm: Any, axes: Any) -> Any:
-        u = velocity[k, :].T - der(frame.r) - m.cross(frame.w, arm)
+        u = velocity[k, :].T - der(frame.r) - m.cross(frame.w, arm) - _bending(frame, strip, q, 1)
         along = m.dot(u, axes[0])
         if not isinstance(strip.across, tuple) and ca.SX(strip.across).is_zero():
             return strip.along * quadratic(along, STILL, "end drag") * axes[0]
@@ -60,22 +72,33 @@ def drag_loads(frame: Any, velocity: Any, strips: Sequence[Strip]) -> tuple[Any,
             return across
         return across + strip.along * quadratic(along, STILL, "end drag") * axes[0]
 
-    return _summed(frame, strips, load)
+    return _summed(frame, strips, load, q)
 
 
-def inertia_loads(frame: Any, acceleration: Any, strips: Sequence[Strip]) -> tuple[Any, Any]:
-    """Force and moment about the frame (world) of the inertia of the water; its acceleration (k, 3), world."""
+def deforming_inertia_loads(frame: Any, acceleration: Any, strips: Sequence[Strip], q: Any) -> tuple[Any, Any, Any]:
+    """As inertia_loads of strips that move with shapes of coordinates q (k,); third the load on these.
+
+    Without the accelerations by both the turning of the frame and bending at once.
+    """
     linear, angular = der(der(frame.r)), der(frame.w)
 
     def load(k: int, strip: Strip, arm: Any, axes: Any) -> Any:
         water = acceleration[k, :].T
-        own = linear + m.cross(angular, arm) + m.cross(frame.w, m.cross(frame.w, arm))
+        own = linear + m.cross(angular, arm) + m.cross(frame.w, m.cross(frame.w, arm)) + _bending(frame, strip, q, 2)
         a = water - own
         along, *across = _split(a, axes)
         added = _across(strip.added_mass, a, axes, along, across) + strip.added_along * along * axes[0]
         return strip.volume_mass * water + added
 
-    return _summed(frame, strips, load)
+    return _summed(frame, strips, load, q)
+
+
+def _bending(frame: Any, strip: Strip, q: Any, order: int) -> Any:
+    """Velocity (order 1) or acceleration (2) of a strip by its shapes, world."""
+    if strip.shapes is None:
+        return m.zeros(3)
+    rate = der(q) if order == 1 else der(der(q))
+    return m.mtimes(frame.R, m.mtimes(strip.shapes, rate))
 
 
 def _split(u: Any, axes: list[Any]) -> list[Any]:
@@ -89,11 +112,15 @@ def _across(amount: Any, u: Any, axes: list[Any], along: Any, across: list[Any])
     return amount[0] * across[0] * axes[1] + amount[1] * (u - axes[0] * along - axes[1] * across[0])
 
 
-def _summed(frame: Any, strips: Sequence[Strip], load: Any) -> tuple[Any, Any]:
+def _summed(frame: Any, strips: Sequence[Strip], load: Any, q: Any) -> tuple[Any, Any, Any]:
     force, moment, R = m.zeros(3), m.zeros(3), frame.R
+    on_shapes = m.zeros(0 if q is None else q.shape[0])
     for k, strip in enumerate(strips):
-        arm = m.mtimes(R, strip.place)
+        place = strip.place if strip.shapes is None else strip.place + m.mtimes(strip.shapes, q)
+        arm = m.mtimes(R, place)
         axes = [m.mtimes(R, strip.axis)] + ([] if strip.side is None else [m.mtimes(R, strip.side)])
         given = load(k, strip, arm, axes)
         force, moment = force + given, moment + m.cross(arm, given)
-    return force, moment
+        if strip.shapes is not None:
+            on_shapes = on_shapes + m.mtimes(strip.shapes.T, m.mtimes(R.T, given))
+    return force, moment, on_shapes

@@ -1,7 +1,7 @@
 """Mechanical parts: 3-D multibody with `Frame` ports, 1-D rotation and translation with flanges."""
 
 # The connectors come first: World (in the environment) has a Frame, and the bodies need World.
-from fowtlib.components.mechanics.connectors import Flange, Frame, TranslationalFlange  # isort: skip
+from fowtlib.components.mechanics.connectors import Flange, Frame, ModalCoordinates, TranslationalFlange  # isort: skip
 from fowtlib.components.environment.world import World
 from fowtlib.components.mechanics.adaptors import ForceToPositionAdaptor, PositionToForceAdaptor, PositionToLoadAdaptor
 from fowtlib.components.mechanics.beam import AxialSpring, Beam, BeamHinge, BeamTurn, BendingHinge, TorsionHinge
@@ -13,6 +13,7 @@ from fowtlib.components.mechanics.imposed_motion import ImposedMotion, MotionRec
 from fowtlib.components.mechanics.interfaces import TwoFlanges, TwoFrames
 from fowtlib.components.mechanics.joints import Crank, FreeMotion, PlanarLoopRevolute, Prismatic, Revolute, Spherical
 from fowtlib.components.mechanics.loads import ConstantForce, SpringDamper, WorldForce, WorldTorque
+from fowtlib.components.mechanics.modal import ElasticBody, ElasticFrame
 from fowtlib.components.mechanics.rotational import (
     AngleSensor,
     AngleSource,
@@ -58,6 +59,8 @@ __all__ = [
     "BendingHinge",
     "ConstantForce",
     "Crank",
+    "ElasticBody",
+    "ElasticFrame",
     "Fixed",
     "FixedFlange",
     "FixedRotation",
@@ -71,6 +74,7 @@ __all__ = [
     "ImposedMotion",
     "Inertia",
     "LoadSensor",
+    "ModalCoordinates",
     "MotionRecord",
     "PlanarLoopRevolute",
     "PointMass",

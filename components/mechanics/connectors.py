@@ -1,4 +1,4 @@
-"""The mechanical connectors: `Frame` (3-D), `Flange` (1-D rotation) and `TranslationalFlange` (1-D translation)."""
+"""The mechanical connectors: `Frame` (3-D), `Flange` and `TranslationalFlange` (1-D), `ModalCoordinates` (of shapes)."""
 
 from __future__ import annotations
 
@@ -43,3 +43,13 @@ class TranslationalFlange(Connector):
 
     s = potential(unit="m", doc="position of the sliding end")
     f = flow(unit="N", doc="force into the component")
+
+
+class ModalCoordinates(Connector):
+    """The coordinates of the shapes into which a body deforms, as many as the port says, and the loads on them.
+
+    A shape is a field of displacements [m] per coordinate [m]; the load on it is the work of all forces per coordinate.
+    """
+
+    q = potential(shape="port", unit="m", doc="coordinates of the shapes")
+    f = flow(shape="port", unit="N", doc="loads on the shapes, into the component")

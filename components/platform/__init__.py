@@ -3,6 +3,7 @@
 # the connectors of the mechanics come first, see components/environment
 from fowtlib.components import mechanics as _mechanics  # noqa: F401  isort: skip
 from fowtlib.components.platform.contents import Ballast, Bulkhead, LumpedMass
+from fowtlib.components.platform.elastic_floater import ElasticFloater, modal_database
 from fowtlib.components.platform.floater import Floater
 from fowtlib.components.platform.hull import Buoyancy, Hull
 from fowtlib.components.platform.member_hydrostatics import MemberHydrostatics
@@ -18,6 +19,7 @@ __all__ = [
     "Buoyancy",
     "Bulkhead",
     "CircularMember",
+    "ElasticFloater",
     "Floater",
     "Hull",
     "LumpedMass",
@@ -30,4 +32,5 @@ __all__ = [
     "SparHull",
     "SteppedSpar",
     "WettedSurface",
+    "modal_database",
 ]

@@ -4,8 +4,10 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from functools import lru_cache
+from typing import Any
 
 import numpy as np
+from numpy.typing import ArrayLike
 
 from fowtlib.components.environment.sea import Sea
 from fowtlib.components.environment.world import World
@@ -59,29 +61,40 @@ class Floater(Component):
     def build(self):
         found = StartNumbers(self, "hull", _NUMBERS, hull_numbers)
         self.body = RigidBody(
-            mass=found[0],
-            r_cm=[found[k] for k in (1, 2, 3)],
+            mass=found[0], r_cm=[found[k] for k in (1, 2, 3)],
             inertia=[[found[4 + 3 * i + k] for k in range(3)] for i in range(3)],
-        )
+        )  # fmt: skip
         self.hydrostatics = Hydrostatics(
             volume=found[13], centre_of_buoyancy=[found[k] for k in (14, 15, 16)],
             stiffness=[[found[17 + 6 * i + k] for k in range(6)] for i in range(6)], reference_density=_RHO,
             position=self.position,
         )  # fmt: skip
-        self.member_loads = MemberLoads()
+        self.member_loads = self.loads_of_members()
         self.connect(self.frame, self.body.frame_a)
         self.connect(self.frame, self.hydrostatics.frame)
         self.connect(self.frame, self.member_loads.frame)
         if self.database is not None:
-            self.potential_flow = LinearPotentialFlow(
+            self.potential_flow = self.flow(
                 database=self.parameter_binding("database"), radiation_order=self.radiation_order,
-                excitation=self.excitation, position=self.position, buoyancy=False,
+                excitation=self.excitation, position=self.position,
             )  # fmt: skip
             self.connect(self.frame, self.potential_flow.frame)
         for k, (x, y, z) in enumerate(self.node_rows()):
-            rod = self.add(f"to_node_{k + 1}", FixedTranslation(r=[x, y, z + self.raised], diameter=0))
-            self.connect(self.frame, rod.frame_a)
-            self.connect(rod.frame_b, self.nodes[k])
+            self.carry(k, [x, y, z + self.raised])
+
+    def loads_of_members(self) -> MemberLoads:
+        """The loads of the water on its members."""
+        return MemberLoads()
+
+    def flow(self, **settings) -> LinearPotentialFlow:
+        """The potential flow of its database."""
+        return LinearPotentialFlow(buoyancy=False, **settings)
+
+    def carry(self, k: int, point: list) -> None:
+        """Join node k, at a point of the frame, to the hull."""
+        rod = self.add(f"to_node_{k + 1}", FixedTranslation(r=point, diameter=0))
+        self.connect(self.frame, rod.frame_a)
+        self.connect(rod.frame_b, self.nodes[k])
 
     def node_rows(self) -> list:
         """The points of the nodes, row by row."""
@@ -168,10 +181,22 @@ def _regimes(floater: Floater) -> list[str]:
     return lines
 
 
-def _drawn(frame, member: MemberShape, material: str) -> shapes.Shape:
-    points = [member.at(s) for s in member.stations]
+def _drawn(frame: Any, member: MemberShape, material: str) -> shapes.Shape:
+    return drawn_between(frame, member, member.stations[0], member.stations[-1], (0.0, 0.0, 0.0), material)
+
+
+def drawn_between(
+    frame: Any, member: MemberShape, low: float, high: float, origin: ArrayLike, material: str = "hull"
+) -> shapes.Shape:
+    """A member between two places along it [m], on a frame whose origin is at this point of the floater."""
+    places = [s for s in member.stations if low <= s <= high]
+    places = [*([low] if low not in places else []), *places, *([high] if high not in places else [])]
+    points = [member.at(s) - np.asarray(origin, dtype=float) for s in places]
+    sizes = [member.size_at(s, after=s < high) for s in places]
+    if low == member.stations[0] and high == member.stations[-1]:
+        sizes = list(member.sizes)  # with both sizes of a step
     if member.is_round:
-        return shapes.Tube(frame, points, [size[0] for size in member.sizes], material=material)
+        return shapes.Tube(frame, points, [float(size[0]) for size in sizes], material=material)
     corners = np.array([(-0.5, -0.5), (0.5, -0.5), (0.5, 0.5), (-0.5, 0.5)])
-    rings = [at + (corners * size) @ member.axes[:, :2].T for at, size in zip(points, member.sizes, strict=True)]
+    rings = [at + (corners * size) @ member.axes[:, :2].T for at, size in zip(points, sizes, strict=True)]
     return shapes.Loft(frame, np.array(rings), material=material)

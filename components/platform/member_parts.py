@@ -14,7 +14,7 @@ from fowtlib.components.environment.sea import Sea
 from fowtlib.components.environment.waves import WaveComponents, wave_number
 from fowtlib.components.environment.world import World
 from fowtlib.components.hydro.linear_loads import PlatformLoad
-from fowtlib.components.hydro.strips import Strip, drag_loads, inertia_loads
+from fowtlib.components.hydro.strips import Strip, deforming_drag_loads, deforming_inertia_loads
 from fowtlib.components.platform.contents import Ballast, Bulkhead, LumpedMass
 from fowtlib.components.platform.members import MemberShape
 from fowtlib.language import Array, Component, Scalar, Vector, at_start, eq, facts, outer, param, shapes, var
@@ -38,6 +38,7 @@ class MemberLoads(PlatformLoad):
     """
 
     wave_inputs = ("extra_force", "extra_moment")
+    bends = False  # whether there are shapes of coordinates `modes.q` that move the members
 
     extra_force: Vector = param(default=(0, 0, 0), unit="N", doc="force added to those of the members, world")
     extra_moment: Vector = param(default=(0, 0, 0), unit="N*m", doc="moment added to those of the members, world")
@@ -97,6 +98,7 @@ class Member(Component):
 
     force: Vector = var(unit="N", doc="load of the water on the member, besides buoyancy and potential flow; world")
     moment: Vector = var(unit="N*m", doc="moment of that about the frame of the floater, world")
+    on_shapes: Array = var(shape=lambda self: (_shape_count(self),), unit="N", doc="load of that on shapes of bending")
 
     def drawing(self) -> shapes.Drawing:
         return []  # the floater draws it, since it has the frame
@@ -207,9 +209,16 @@ def floater_of(member: Component) -> Floater:
     return next(one for one in member.enclosing() if any(isinstance(part, MemberLoads) for part in one.parts.values()))
 
 
+def _shape_count(member: Component) -> int:
+    """How many shapes the carrier of a member bends in; 0: it is rigid."""
+    parts = (part for one in member.enclosing() for part in one.parts.values() if isinstance(part, MemberLoads))
+    carrier = next(parts, None)
+    return carrier.shapes if carrier is not None and carrier.bends else 0
+
+
 def _loads(member: Member) -> list:
-    """The equations of a member: its force and moment."""
-    force, moment = m.zeros(3), m.zeros(3)
+    """The equations of a member: its force and moment, and the loads on the shapes in which it bends."""
+    force, moment, on_shapes = m.zeros(3), m.zeros(3), m.zeros(_shape_count(member))
     if member.sections:
         floater = floater_of(member)
         ends = np.cumsum([0, *(_count(one) for one in members_of(floater))]).tolist()
@@ -217,14 +226,18 @@ def _loads(member: Member) -> list:
         found = at_start("strips", ends[-1], "", "places and sizes of the strips in the water", _all_strips, of=floater)
         found = found[ends[number] : ends[number + 1]]
         frame, strips = member.carrier.frame, _strips(member, found)
-        water = _water(member, "velocity", len(strips), "m/s")
-        water = with_current(water, member.sea_current, m.vertcat(*(strip.place[2] for strip in strips)))
-        force, moment = drag_loads(frame, water, strips)
+        q = None
+        if member.carrier.bends:
+            q, strips = member.carrier.modes.q, member.carrier.bending(floater, number, strips)
+        velocity = _water(member, "velocity", len(strips), "m/s")
+        velocity = with_current(velocity, member.sea_current, m.vertcat(*(strip.place[2] for strip in strips)))
+        force, moment, on_shapes = deforming_drag_loads(frame, velocity, strips, q)
         if strips[0].added_mass is not None:
             acceleration = _water(member, "acceleration", len(strips), "m/s^2")
-            for push, turn in (inertia_loads(frame, acceleration, strips), _lifted(member, found)):
-                force, moment = force + push, moment + turn
-    return [eq(member.force, force), eq(member.moment, moment)]
+            push, turn, bent = deforming_inertia_loads(frame, acceleration, strips, q)
+            lift, tilt = _lifted(member, found)
+            force, moment, on_shapes = force + push + lift, moment + turn + tilt, on_shapes + bent
+    return [eq(member.force, force), eq(member.moment, moment), eq(member.on_shapes, on_shapes)]
 
 
 def _stations(member: Member, counts: dict[str, int]) -> np.ndarray:

@@ -45,11 +45,17 @@ Several panel sizes are a study of the mesh: the largest difference of each
 coefficient from that of the finest, over all frequencies, in percent of its
 largest value. --output HULL.1 writes HULL.1, HULL.3 and HULL.hst.
 
+--shapes 12 lets a floater of members bend in the 12 lowest shapes of its
+structure; the .nc file is the database of an ElasticFloater. Beams are at most
+--longest long (5 m, or as the ElasticFloater has it).
+
 examples:
   fowt hydro oc3_spar --mesh-only
   fowt hydro oc3_spar --output spar.nc --plot spar.png
   fowt hydro oc3_spar --size 4,2,1 --omega 0.4,0.8
   fowt hydro oc3_spar --database --output spar.1
+  fowt hydro oc4_semi_unmoored --shapes 6 --size 4 --omega 0.2:2:0.2 \
+      --headings 0:180:30 --output oc4_shapes.nc
   fowt hydro hull.gdf --depth 200 --output hull.nc
   fowt hydro semi.1 --volume 13917 --centre 0,0,-13.15 --depth 200 \
       --output semi.nc
@@ -75,6 +81,8 @@ def declare(commands: Any) -> None:
     parser.add_argument("--mesh-only", action="store_true", help="check the mesh (leaks, volume), solve nothing")
     parser.add_argument("--leaky", action="store_true", help="take a mesh with small leaks, with a warning")
     parser.add_argument("--no-lid", action="store_true", help="leave the irregular frequencies in")
+    parser.add_argument("--shapes", type=count, metavar="N", help="also of N shapes of a floater that bends")
+    parser.add_argument("--longest", type=positive, metavar="M", help="with --shapes: longest beam [m]; default: 5")
     parser.add_argument("--volume", type=positive, metavar="M3", help="of WAMIT files: displaced volume [m^3]")
     parser.add_argument("--centre", type=point, metavar="X,Y,Z", help="of WAMIT files: centre of that volume [m]")
     parser.add_argument("--length", type=positive, default=1.0, metavar="M",
@@ -104,6 +112,13 @@ def sizes(text: str) -> list[float]:
     return values
 
 
+def count(text: str) -> int:
+    """A number of shapes; for argparse."""
+    if not text.isdecimal() or not int(text):
+        raise argparse.ArgumentTypeError(f"'{text}' is not a number of shapes, 1 or more")
+    return int(text)
+
+
 def depth(text: str) -> float:
     """A depth above zero, also inf; for argparse."""
     return math.inf if text.lower() in ("inf", "deep") else positive(text)
@@ -125,6 +140,14 @@ def show_hydro(arguments: argparse.Namespace) -> int:
     for name, (read, text) in zip(SOLVING, ((series, OMEGA), (series, HEADINGS), (sizes, SIZE)), strict=True):
         if getattr(arguments, name) is None:
             setattr(arguments, name, read(text))
+    if arguments.longest and not arguments.shapes:
+        raise ModelError("--longest goes with --shapes: the beams of a floater that bends.")
+    if arguments.shapes:
+        if kind in (".nc", ".gdf", *WAMIT):
+            raise ModelError(f"{arguments.model}: --shapes needs a model with a floater of members, not a file.")
+        from fowtlib.cli.hydro_shapes import show_shapes
+
+        return show_shapes(arguments)
     _check_targets(arguments)
     if kind == ".nc" or kind in WAMIT:
         return _show_database(_read(arguments, kind), arguments)

@@ -13,10 +13,10 @@ import numpy as np
 from fowtlib.flattening.system import BALANCE, Input, System, element_names, scalars
 from fowtlib.language.component import Component
 from fowtlib.language.composition import check_there
-from fowtlib.language.connectors import Member, RealInput, RealOutput, Signal
+from fowtlib.language.connectors import PORT, Member, RealInput, RealOutput, Signal
 from fowtlib.language.declarations import Port, PortReference, Variable, join
 from fowtlib.language.equations import place
-from fowtlib.language.errors import ConnectionFault, NotFoundError, did_you_mean, one_of
+from fowtlib.language.errors import ConnectionFault, NotFoundError, ParameterError, did_you_mean, one_of
 from fowtlib.language.units import dimension, to_si
 
 
@@ -117,13 +117,15 @@ class Connections:
                 f"{a.path} is a {a.field.annotation.__name__} and {b.path} a {b.field.annotation.__name__}; "
                 "only ports of one kind can be connected."
             )
-        if not a.is_signal:
+        if not a.is_signal and not a.field.annotation.sized:
             return
         shapes = [node.component.shape(node.field) for node in (a, b)]
         if shapes[0] != shapes[1]:
             raise ConnectionFault(
                 f"{a.path} has shape {shapes[0]} and {b.path} has shape {shapes[1]}; they cannot be connected."
             )
+        if not a.is_signal:
+            return
         units = [a.field.unit, b.field.unit]
         if units[0] != units[1] and "1" not in units and dimension(units[0]) != dimension(units[1]):
             raise ConnectionFault(f"{a.path} is in {units[0]} and {b.path} in {units[1]}; they cannot be connected.")
@@ -164,7 +166,7 @@ class Connections:
         for name, member in first.field.annotation.members.items():
             if member.kind == "flow":
                 continue
-            shared[name] = _symbol(system, first.path, name, member, unknown=member.kind == "potential")
+            shared[name] = _symbol(system, first, name, member, unknown=member.kind == "potential")
         for name, member in first.field.annotation.members.items():
             if member.kind == "orientation":
                 system.orient(shared[name], shared[member.angular_velocity])
@@ -201,8 +203,8 @@ class Connections:
             representative, sign = pairs.find(node.number)
             if representative not in shared:
                 shared[representative] = {
-                    name: ca.densify(ca.SX(*_two(member.shape))) if representative in zero
-                    else _symbol(system, self.nodes[representative].path, name, member)
+                    name: ca.densify(ca.SX(*_two(_shape(node, member)))) if representative in zero
+                    else _symbol(system, self.nodes[representative], name, member)
                     for name, member in node.field.annotation.members.items() if member.kind == "flow"
                 }  # fmt: skip
             for name, value in shared[representative].items():
@@ -345,11 +347,24 @@ def _drives(node: PortNode, root: Component) -> bool:
     return issubclass(node.field.annotation, RealOutput) and not node.connected_inside
 
 
-def _symbol(system: System, path: str, name: str, member: Member, unknown: bool = True) -> ca.SX:
-    symbol = ca.SX.sym(f"{path}.{name}", *_two(member.shape))
+def _shape(node: PortNode, member: Member) -> tuple[int, ...]:
+    """Shape of a member, or of the port that sizes it."""
+    if member.shape != PORT:
+        return member.shape
+    if node.field.shape is None:
+        raise ParameterError(
+            f"{node.component.label}.{node.field.name}: a {node.field.annotation.__name__} as a port needs a shape, "
+            'as port(shape="n_modes").'
+        )
+    return node.component.shape(node.field)
+
+
+def _symbol(system: System, node: PortNode, name: str, member: Member, unknown: bool = True) -> ca.SX:
+    path = join(node.path, name)
+    symbol = ca.SX.sym(path, *_two(_shape(node, member)))
     if unknown:
         declared = _variable(member.unit, member.doc)
-        for element, label in zip(scalars(symbol), element_names(f"{path}.{name}", symbol.shape), strict=True):
+        for element, label in zip(scalars(symbol), element_names(path, symbol.shape), strict=True):
             system.add_unknown(element, label, declared)
     return symbol
 

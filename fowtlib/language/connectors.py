@@ -8,9 +8,12 @@ drives any number of inputs.
 from __future__ import annotations
 
 from collections.abc import Iterator
-from typing import TYPE_CHECKING, Any, Self
+from typing import TYPE_CHECKING, Any, Literal, Self
 
 from fowtlib.language.expressions import Arithmetic
+
+PORT = "port"  # shape of a member that every port has as it declares it: port(shape=...)
+Shape = tuple[int, ...] | Literal["port"]
 
 
 class Member:
@@ -18,20 +21,23 @@ class Member:
 
     name: str = "?"
 
-    def __init__(self, kind: str, shape: tuple[int, ...], unit: str, doc: str, angular_velocity: str | None = None):
+    def __init__(self, kind: str, shape: Shape, unit: str, doc: str, angular_velocity: str | None = None):
         self.kind, self.shape, self.unit, self.doc, self.angular_velocity = kind, shape, unit, doc, angular_velocity
 
     def __set_name__(self, owner: type, name: str) -> None:
         self.name = name
 
 
-def potential(*, shape: tuple[int, ...] = (), unit: str = "1", doc: str = "") -> Any:
-    """A quantity that is equal in a connection."""
+def potential(*, shape: Shape = (), unit: str = "1", doc: str = "") -> Any:
+    """A quantity that is equal in a connection.
+
+    shape: "port" for one that each port sizes: `modes: ModalCoordinates = port(shape="n_modes")`.
+    """
     return Member("potential", shape, unit, doc)
 
 
-def flow(*, shape: tuple[int, ...] = (), unit: str = "1", doc: str = "") -> Any:
-    """A quantity that sums to zero in a connection, positive into the component."""
+def flow(*, shape: Shape = (), unit: str = "1", doc: str = "") -> Any:
+    """A quantity that sums to zero in a connection, positive into the component; shape: as of a potential."""
     return Member("flow", shape, unit, doc)
 
 
@@ -47,11 +53,13 @@ class Connector:
     """Base class of acausal connectors; the members are class-body fields."""
 
     members: dict[str, Member] = {}
+    sized: bool = False  # a port of it declares a shape
 
     def __init_subclass__(cls, **kwargs: Any) -> None:
         super().__init_subclass__(**kwargs)
         own = {name: value for name, value in vars(cls).items() if isinstance(value, Member)}
         cls.members = {**cls.members, **own}
+        cls.sized = any(member.shape == PORT for member in cls.members.values())
 
     if TYPE_CHECKING:  # a port is declared by the class of its connector; one declaration may be an array of ports
         path: str

@@ -34,6 +34,21 @@ class Turned:
 
 
 @dataclass(frozen=True, eq=False)
+class Carried:
+    """A frame at a point of a body that deforms: moved and turned against another by what variables say, linearly.
+
+    point (3,): where it is without them; of: paths of n variables; displacement, turn (3, n) [rad]: per variable, turns
+    small. All are resolved in `frame`.
+    """
+
+    frame: Any
+    point: tuple[float, float, float]
+    of: tuple[str, ...]
+    displacement: np.ndarray
+    turn: np.ndarray
+
+
+@dataclass(frozen=True, eq=False)
 class Shape:
     """Partial: a rigid shape on a frame."""
 

@@ -50,9 +50,10 @@ class Cast:
     def _number(self, frame: Any) -> int:
         if frame is None:
             return -1
-        key = frame if isinstance(frame, shapes.Turned) else frame.path
+        derived = isinstance(frame, shapes.Turned | shapes.Carried)
+        key = frame if derived else frame.path
         if key not in self._numbers:
-            if isinstance(frame, shapes.Turned):
+            if derived:
                 self._number(frame.frame)
             self._numbers[key] = len(self.frames)
             self.frames.append(frame)
@@ -72,10 +73,13 @@ class Cast:
 
     def poses(self, observe: Observe, moments: int) -> np.ndarray:
         """Position [m] and unit quaternion (x, y, z, w) of every frame: (n_time, n_frames, 7)."""
-        plain = [frame for frame in self.frames if not isinstance(frame, shapes.Turned)]
+        plain = [frame for frame in self.frames if not isinstance(frame, shapes.Turned | shapes.Carried)]
+        carried = [frame for frame in self.frames if isinstance(frame, shapes.Carried)]
+        moving = list(dict.fromkeys(path for frame in carried for path in frame.of))
         turned = [frame for frame in self.frames if isinstance(frame, shapes.Turned)]
         names = [join(frame.path, name) for frame in plain for name in POSE_NAMES]
-        values = _observed(observe, [*names, *(frame.angle for frame in turned)], moments)
+        values = _observed(observe, [*names, *(frame.angle for frame in turned), *moving], moments)
+        given = dict(zip(moving, values[:, len(names) + len(turned) :].T, strict=True))
         poses = np.zeros((moments, len(self.frames), 7))
         for i, frame in enumerate(plain):
             columns = values[:, 12 * i : 12 * i + 12]
@@ -88,6 +92,12 @@ class Cast:
             number = self._numbers[frame]
             poses[:, number, :3] = poses[:, base, :3]
             poses[:, number, 3:] = product(poses[:, base, 3:], turn(frame.axis, angle))
+        for frame in carried:
+            base = poses[:, self._number(frame.frame)]
+            amounts = np.stack([given[path] for path in frame.of], axis=1)
+            number = self._numbers[frame]
+            poses[:, number, :3] = base[:, :3] + rotated(base[:, 3:], frame.point + amounts @ frame.displacement.T)
+            poses[:, number, 3:] = product(base[:, 3:], small_turn(amounts @ frame.turn.T))
         return _continuous(poses)
 
     def lines(self, observe: Observe, moments: int) -> list[np.ndarray]:
@@ -154,6 +164,18 @@ def turn(axis: Sequence[float], angle: np.ndarray) -> np.ndarray:
     return np.concatenate([np.sin(angle / 2)[:, None] * unit, np.cos(angle / 2)[:, None]], axis=1)
 
 
+def small_turn(angles: np.ndarray) -> np.ndarray:
+    """Quaternions (n, 4) of turns by vectors of angles (n, 3) [rad]."""
+    size = np.linalg.norm(angles, axis=1, keepdims=True)
+    return np.concatenate([angles / 2 * np.sinc(size / 2 / np.pi), np.cos(size / 2)], axis=1)
+
+
+def rotated(q: np.ndarray, vectors: np.ndarray) -> np.ndarray:
+    """Vectors (n, 3), resolved in frames of quaternions (n, 4), in the world."""
+    across = 2 * np.cross(q[:, :3], vectors)
+    return vectors + q[:, 3:] * across + np.cross(q[:, :3], across)
+
+
 def product(p: np.ndarray, q: np.ndarray) -> np.ndarray:
     """Quaternions (n, 4) of the turn q, resolved in the frame of p, after p."""
     a, b, v, w = p[:, :3], q[:, :3], p[:, 3:], q[:, 3:]
@@ -180,4 +202,7 @@ def _observed(observe: Observe, names: list[str], moments: int) -> np.ndarray:
 def _name(frame: Any) -> str:
     if isinstance(frame, shapes.Turned):
         return f"{_name(frame.frame)} turned by {frame.angle}"
+    if isinstance(frame, shapes.Carried):
+        x, y, z = frame.point
+        return f"{_name(frame.frame)} bent at ({x:g}, {y:g}, {z:g}) m"
     return frame.path
