@@ -15,6 +15,7 @@ from fowtlib.components.mechanics.modal import ElasticBody, ElasticFrame
 from fowtlib.components.mechanics.rotational import (
     AngleSensor,
     AngleSource,
+    BearingFriction,
     FixedFlange,
     IdealGear,
     Inertia,
@@ -46,6 +47,7 @@ __all__ = [
     "Beam",
     "BeamProperties",
     "BeamTurn",
+    "BearingFriction",
     "BeamHinge",
     "BendingHinge",
     "ConstantForce",

@@ -46,6 +46,7 @@ class Floater(Component):
     database: Data[HydrodynamicDatabase] = data(read_database, default=None, doc="potential flow of the hull, or none")
     radiation_order: int = param(default=4, min=0, doc="states per motion of the radiation memory; 0: none")
     excitation: bool = param(default=True, doc="wave loads of the database; the model needs a Sea for them")
+    turning: bool = param(default=False, doc="it turns far about the vertical; see TurningWaveExcitation")
     held_upright: bool = param(default=False, doc="moorings hold it upright, as a TLP: it may be unstable without them")
     node_points: Array = param(default=(), unit="m", doc="points (n, 3) that get frames of their own, in the frame")
 
@@ -72,11 +73,16 @@ class Floater(Component):
         self.connect(self.frame, self.hydrostatics.frame)
         self.connect(self.frame, self.member_loads.frame)
         if self.database is not None:
+            turning = {"turning": True} if self.turning else {}
             self.potential_flow = self.flow(
                 database=self.parameter_binding("database"), radiation_order=self.radiation_order,
-                excitation=self.excitation, position=self.position,
+                excitation=self.excitation, position=self.position, **turning,
             )  # fmt: skip
             self.connect(self.frame, self.potential_flow.frame)
+            if self.turning and type(self.potential_flow) is not LinearPotentialFlow:
+                raise ParameterError(f"{self.label}.turning: the waves on a hull that bends know no turn; leave it false.")
+        else:
+            self.refuse_unused("turning", because="there is no database")
         for k, (x, y, z) in enumerate(self.node_rows()):
             self.carry(k, [x, y, z + self.raised])
 
