@@ -57,6 +57,11 @@ class LinearPotentialFlow(Component):
 
     def equations(self):
         known = self.database
+        if self.turning and not any(isinstance(load, TurningWaveExcitation) for load in self.parts.values()):
+            raise ParameterError(
+                f"{self.label}.turning is true, and there is no wave load that could know of a turn: leave it false "
+                "where there is no excitation, and on a hull that bends."
+            )
         given = {"gravity": (known.g, 1e-3, "m/s^2"), "water_depth": (known.water_depth, 1e-2, "m")}
         for name, (expected, tolerance, unit) in given.items():
             value = getattr(self.world, name)

@@ -9,8 +9,8 @@ place of the hull. G is periodic in theta, so that
 with time functions C_m, D_m that do not depend on the motion: they are series of the sea as any other load of waves
 (`Sea.signal`), bound when a run starts, exact for every psi and smooth in it.
 
-A hull that turns about a mooring far from its reference point moves this point by more than a wave length. What stays at
-its place is the pivot: the waves have their phase there, and the phase between pivot and reference point is in G.
+A hull that turns about a mooring far from its reference point moves this point by more than a wave length. What stays
+is the pivot: the waves have their phase there, and the phase between pivot and reference point is in G.
 """
 
 from __future__ import annotations

@@ -73,16 +73,11 @@ class Floater(Component):
         self.connect(self.frame, self.hydrostatics.frame)
         self.connect(self.frame, self.member_loads.frame)
         if self.database is not None:
-            turning = {"turning": True} if self.turning else {}
             self.potential_flow = self.flow(
                 database=self.parameter_binding("database"), radiation_order=self.radiation_order,
-                excitation=self.excitation, position=self.position, **turning,
+                excitation=self.excitation, position=self.position, turning=self.turning,
             )  # fmt: skip
             self.connect(self.frame, self.potential_flow.frame)
-            if self.turning and type(self.potential_flow) is not LinearPotentialFlow:
-                raise ParameterError(f"{self.label}.turning: the waves on a hull that bends know no turn; leave it false.")
-        else:
-            self.refuse_unused("turning", because="there is no database")
         for k, (x, y, z) in enumerate(self.node_rows()):
             self.carry(k, [x, y, z + self.raised])
 
@@ -156,7 +151,9 @@ def hull_numbers(floater: Floater) -> Sequence[float]:
             "the draft, or the water_depth of the World."
         )
     known = floater.database
-    if known is not None and abs(hull.buoyancy.volume / known.volume - 1) > _APART:
+    if known is None:
+        floater.refuse_unused("turning", because="there is no database")
+    elif abs(hull.buoyancy.volume / known.volume - 1) > _APART:
         raise ParameterError(
             f"{floater.label}: its members displace {hull.buoyancy.volume:.6g} m^3, and the hull of its database "
             f"{known.volume:.6g} m^3; they are not the same hull, or not at the same draft."

@@ -11,7 +11,7 @@ import fowtlib as fw
 from fowtlib.components.environment import Sea, World
 from fowtlib.components.hydro import HydrodynamicDatabase, LinearPotentialFlow, TurningWaveExcitation, WaveExcitation
 from fowtlib.components.mechanics import Fixed, FreeMotion, RigidBody
-from fowtlib.components.platform import Floater
+from fowtlib.components.platform import CircularMember, Floater
 from fowtlib.language.errors import ParameterError
 
 OC4 = str(Path(__file__).parents[2] / "models" / "data" / "oc4_semi" / "hydrodynamics.nc")
@@ -88,5 +88,20 @@ def test_harmonics_that_are_too_few_are_refused():
 
 
 def test_turning_without_a_database_is_refused():
+    model = fw.Assembly("a floater without potential flow")
+    model.world, model.motion, model.hull = World(water_depth=200), FreeMotion(), Floater(turning=True, held_upright=True)
+    model.hull.column = CircularMember(start=(0, 0, -30), end=(0, 0, 5), diameters=9.0, wall_thickness=0.05)
+    model.connect(model.world.frame, model.motion.frame_a)
+    model.connect(model.motion.frame_b, model.hull.frame)
     with pytest.raises(ParameterError, match="turning is given and would do nothing"):
-        Floater(turning=True)
+        fw.load(model).compile()
+
+
+def test_turning_without_waves_is_refused():
+    model = fw.Assembly("a hull without waves")
+    model.world, model.motion = World(water_depth=200), FreeMotion()
+    model.water = LinearPotentialFlow(database=OC4, turning=True, excitation=False)
+    model.connect(model.world.frame, model.motion.frame_a)
+    model.connect(model.motion.frame_b, model.water.frame)
+    with pytest.raises(ParameterError, match="no wave load that could know of a turn"):
+        fw.load(model).compile()
