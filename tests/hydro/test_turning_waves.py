@@ -89,7 +89,8 @@ def test_harmonics_that_are_too_few_are_refused():
 
 def test_turning_without_a_database_is_refused():
     model = fw.Assembly("a floater without potential flow")
-    model.world, model.motion, model.hull = World(water_depth=200), FreeMotion(), Floater(turning=True, held_upright=True)
+    model.world, model.motion = World(water_depth=200), FreeMotion()
+    model.hull = Floater(turning=True, held_upright=True)
     model.hull.column = CircularMember(start=(0, 0, -30), end=(0, 0, 5), diameters=9.0, wall_thickness=0.05)
     model.connect(model.world.frame, model.motion.frame_a)
     model.connect(model.motion.frame_b, model.hull.frame)
