@@ -111,7 +111,7 @@ def six(mass, centre, inertia):
 
 
 def test_formulas_without_wind_are_the_linear_model():
-    """Mass, water and lines put together by hand against the model: head waves, in calm air, above the resonance of pitch."""
+    """Mass, water and lines by hand against the model: head waves, calm air, above the resonance of pitch."""
     root = plant().root
     hull, data = root.find("platform.hull"), root.find("platform.hull").database
     M, water = masses(), hull.hull().buoyancy
