@@ -65,11 +65,21 @@ def test_yaw_in_steady_wind_is_where_the_drag_of_the_towers_holds_the_tilted_tor
 
 
 @pytest.mark.parametrize("speed", [8.0, 11.4, 18.0])
-def test_yaw_is_stable(speed):
+def test_yaw_is_stable_with_the_friction_of_its_turret(speed):
     slow = np.linalg.eigvals(np.asarray(plant().linearize(mean(speed)).A))
     slow = slow[(np.abs(slow) > 1e-6) & (np.abs(slow) < 0.012)]
     assert len(slow) >= 3
     assert slow.real.max() < -3e-4
+
+
+def test_without_friction_yaw_grows_above_rated_wind_where_the_control_takes_its_damping():
+    growth = {}
+    for speed in (11.4, 14.0):
+        state = fw.mean_state(plant(), parameters=steady(speed, **{"platform.friction_torque": 0.0}))
+        slow = np.linalg.eigvals(np.asarray(plant().linearize(state).A))
+        growth[speed] = slow[(np.abs(slow) > 1e-6) & (np.abs(slow) < 0.0035)].real.max()
+    assert growth[11.4] < -5e-4
+    assert 1e-4 < growth[14.0] < 5e-4
 
 
 def test_it_follows_a_wind_that_turns_by_thirty_degrees_in_five_minutes():
