@@ -39,6 +39,7 @@ from fowtlib.components.environment.wind import (
     SteadyWind,
     StepWind,
     TurbulentWind,
+    VeeringWind,
     Wind,
 )
 from fowtlib.components.environment.wind_file import WindSeries, read_series
@@ -74,6 +75,7 @@ __all__ = [
     "SteadyWind",
     "StepWind",
     "TurbulentWind",
+    "VeeringWind",
     "StillSea",
     "WaveComponents",
     "Wind",

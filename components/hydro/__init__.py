@@ -19,6 +19,7 @@ from fowtlib.components.hydro.potential_flow import LinearPotentialFlow
 from fowtlib.components.hydro.radiation_identification import RadiationModel, identify_radiation
 from fowtlib.components.hydro.retardation import retardation_kernel
 from fowtlib.components.hydro.slender_hull import HullCoefficients, SlenderHullLoads
+from fowtlib.components.hydro.turning_waves import TurningWaveExcitation
 
 __all__ = [
     "AddedMass",
@@ -34,6 +35,7 @@ __all__ = [
     "Radiation",
     "RadiationModel",
     "SlenderHullLoads",
+    "TurningWaveExcitation",
     "WaveExcitation",
     "diffraction_coefficient",
     "identify_radiation",

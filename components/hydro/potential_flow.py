@@ -12,6 +12,7 @@ from fowtlib.components.hydro.linear_loads import (
     read_database,
     waterplane_stiffness,
 )
+from fowtlib.components.hydro.turning_waves import TurningWaveExcitation
 from fowtlib.components.mechanics.connectors import Frame
 from fowtlib.language import Component, Data, Vector, data, facts, outer, param, port
 from fowtlib.language.errors import ParameterError
@@ -29,6 +30,7 @@ class LinearPotentialFlow(Component):
     radiation_order: int = param(default=4, min=0, doc="states per motion of the radiation memory; 0: none")
     excitation: bool = param(default=True, doc="wave loads; the model needs a Sea for them")
     buoyancy: bool = param(default=True, doc="hydrostatics of the database; false where another part has them")
+    turning: bool = param(default=False, doc="the hull turns far about the vertical; see TurningWaveExcitation")
     position: Vector = param(default=(0, 0, 0), unit="m", doc="place of the frame at rest, world")
 
     world: World = outer(World)
@@ -48,12 +50,18 @@ class LinearPotentialFlow(Component):
         if self.radiation_order:
             self.radiation = Radiation(database=given, order=self.radiation_order)
         if self.excitation:
-            self.waves = WaveExcitation(database=given, position=place)
+            kind = TurningWaveExcitation if self.turning else WaveExcitation
+            self.waves = kind(database=given, position=place)
         for load in self.parts.values():
             self.connect(self.frame, load.frame)
 
     def equations(self):
         known = self.database
+        if self.turning and not any(isinstance(load, TurningWaveExcitation) for load in self.parts.values()):
+            raise ParameterError(
+                f"{self.label}.turning is true, and there is no wave load that could know of a turn: leave it false "
+                "where there is no excitation, and on a hull that bends."
+            )
         given = {"gravity": (known.g, 1e-3, "m/s^2"), "water_depth": (known.water_depth, 1e-2, "m")}
         for name, (expected, tolerance, unit) in given.items():
             value = getattr(self.world, name)

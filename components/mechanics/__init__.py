@@ -17,6 +17,7 @@ from fowtlib.components.mechanics.modal import ElasticBody, ElasticFrame
 from fowtlib.components.mechanics.rotational import (
     AngleSensor,
     AngleSource,
+    BearingFriction,
     FixedFlange,
     IdealGear,
     Inertia,
@@ -56,6 +57,7 @@ __all__ = [
     "BeamHinge",
     "BeamProperties",
     "BeamTurn",
+    "BearingFriction",
     "BendingHinge",
     "ConstantForce",
     "Crank",

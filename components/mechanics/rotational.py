@@ -5,6 +5,7 @@ from __future__ import annotations
 from fowtlib.components.mechanics.connectors import Flange
 from fowtlib.components.mechanics.interfaces import TwoFlanges
 from fowtlib.language import Component, RealInput, RealOutput, Scalar, der, eq, param, port, var
+from fowtlib.language import math as m
 
 
 class Inertia(TwoFlanges):
@@ -63,6 +64,32 @@ class TorsionSpringDamper(TwoFlanges):
             eq(self.twist, b.phi - a.phi),
             eq(b.tau, self.stiffness * (self.twist - self.phi_zero) + self.damping * (der(b.phi) - der(a.phi))),
             eq(a.tau, -b.tau),
+        ]
+
+
+class BearingFriction(Component):
+    """Friction of a bearing whose housing stands still, or moves with the other side of the hinge that it is part of.
+
+    The torque on the turning part is -friction_torque w / sqrt(w^2 + creep_speed^2) - damping w: Coulomb's friction
+    with its jump at rest made smooth. Where less than the friction torque pulls at it the bearing does not stand, but
+    creeps: at half of that torque with 0.58 of the creep speed.
+    """
+
+    friction_torque: Scalar = param(default=0.0, unit="N*m", min=0, doc="torque of friction while it turns")
+    creep_speed: Scalar = param(default=1e-4, unit="rad/s", min=1e-9, doc="speed at which the friction is 71 % of that")
+    damping: Scalar = param(default=0.0, unit="N*m*s/rad", min=0, doc="torque that grows with the speed, over it")
+
+    flange: Flange = port(doc="the turning part")
+
+    w: Scalar = var(unit="rad/s", doc="speed of the bearing")
+    torque: Scalar = var(unit="N*m", doc="torque on the turning part, against its motion")
+
+    def equations(self):
+        share = self.w / m.smooth_abs(self.w, self.creep_speed)
+        return [
+            eq(self.w, der(self.flange.phi)),
+            eq(self.torque, -self.friction_torque * share - self.damping * self.w),
+            eq(self.flange.tau, -self.torque),
         ]
 
 

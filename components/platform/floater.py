@@ -48,6 +48,7 @@ class Floater(Component):
     database: Data[HydrodynamicDatabase] = data(read_database, default=None, doc="potential flow of the hull, or none")
     radiation_order: int = param(default=4, min=0, doc="states per motion of the radiation memory; 0: none")
     excitation: bool = param(default=True, doc="wave loads of the database; the model needs a Sea for them")
+    turning: bool = param(default=False, doc="it turns far about the vertical; see TurningWaveExcitation")
     held_upright: bool = param(default=False, doc="moorings hold it upright, as a TLP: it may be unstable without them")
     material: str = param(default="hull", choices=shapes.MATERIALS, doc="what it looks like; glass is seen through")
     node_points: Array = param(default=(), unit="m", doc="points (n, 3) that get frames of their own, in the frame")
@@ -76,7 +77,7 @@ class Floater(Component):
         if self.database is not None:
             self.potential_flow = self.flow(
                 database=self.parameter_binding("database"), radiation_order=self.radiation_order,
-                excitation=self.excitation, position=self.position,
+                excitation=self.excitation, position=self.position, turning=self.turning,
             )  # fmt: skip
             self.connect(self.frame, self.potential_flow.frame)
         for k, (x, y, z) in enumerate(self.node_rows()):
@@ -157,7 +158,9 @@ def hull_numbers(floater: Floater) -> Sequence[float]:
             "the draft, or the water_depth of the World."
         )
     known = floater.database
-    if known is not None and abs(hull.buoyancy.volume / known.volume - 1) > _APART:
+    if known is None:
+        floater.refuse_unused("turning", because="there is no database")
+    elif abs(hull.buoyancy.volume / known.volume - 1) > _APART:
         raise ParameterError(
             f"{floater.label}: its members displace {hull.buoyancy.volume:.6g} m^3, and the hull of its database "
             f"{known.volume:.6g} m^3; they are not the same hull, or not at the same draft."

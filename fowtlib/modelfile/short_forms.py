@@ -195,6 +195,16 @@ WIND = Condition(
             },
             bare="speed",
         ),
+        "veer": Kind(
+            {
+                **_SPEED,
+                "by": Key("turn", "deg", required=True),
+                "at": Key("start_time", "s"),
+                "within": Key("turn_duration", "s"),
+                **_SHEAR,
+            },
+            bare="speed",
+        ),
         "gust": Kind(
             {
                 **_SPEED,

@@ -86,7 +86,7 @@ REGULAR = "regular:H=..,T=..[,heading=..][,misalignment=..]"
         (
             WIND,
             "",
-            "--wind: unknown kind ''; there are 'none', 'steady', 'step', 'gust', 'kaimal', 'nwp', 'ntm', 'etm', "
+            "--wind: unknown kind ''; there are 'none', 'steady', 'step', 'veer', 'gust', 'kaimal', 'nwp', 'ntm', 'etm', "
             "'ewm', 'ewm_steady', 'eog', 'edc', 'ecd', 'ews', 'file', 'field', 'turbulence' and 'input'.",
         ),
         (WIND, "steady", "--wind: 'steady' needs 'speed'; write steady:SPEED[,shear=..][,direction=..]"),

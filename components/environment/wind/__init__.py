@@ -6,6 +6,7 @@ from fowtlib.components.environment.wind.base import Wind, require_disk
 from fowtlib.components.environment.wind.no_wind import NoWind
 from fowtlib.components.environment.wind.steady import SteadyWind
 from fowtlib.components.environment.wind.step import StepWind
+from fowtlib.components.environment.wind.veer import VeeringWind
 from fowtlib.components.environment.wind.gust import GustWind
 from fowtlib.components.environment.wind.kaimal import KaimalWind
 from fowtlib.components.environment.wind.normal import ExtremeTurbulence, NormalProfile, NormalTurbulence
@@ -36,6 +37,7 @@ __all__ = [
     "SteadyWind",
     "StepWind",
     "TurbulentWind",
+    "VeeringWind",
     "Wind",
     "require_disk",
 ]
