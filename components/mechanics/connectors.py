@@ -1,4 +1,4 @@
-"""The mechanical connectors: `Frame` (3-D), `Flange` and `TranslationalFlange` (1-D), `ModalCoordinates` (of shapes)."""
+"""The mechanical connectors: `Frame` (3-D), `Flange`, `TranslationalFlange` (1-D), `ModalCoordinates` (of shapes)."""
 
 from __future__ import annotations
 

@@ -86,8 +86,8 @@ REGULAR = "regular:H=..,T=..[,heading=..][,misalignment=..]"
         (
             WIND,
             "",
-            "--wind: unknown kind ''; there are 'none', 'steady', 'step', 'veer', 'gust', 'kaimal', 'nwp', 'ntm', 'etm', "
-            "'ewm', 'ewm_steady', 'eog', 'edc', 'ecd', 'ews', 'file', 'field', 'turbulence' and 'input'.",
+            "--wind: unknown kind ''; there are 'none', 'steady', 'step', 'veer', 'gust', 'kaimal', 'nwp', 'ntm', "
+            "'etm', 'ewm', 'ewm_steady', 'eog', 'edc', 'ecd', 'ews', 'file', 'field', 'turbulence' and 'input'.",
         ),
         (WIND, "steady", "--wind: 'steady' needs 'speed'; write steady:SPEED[,shear=..][,direction=..]"),
         (WIND, "steady:fast", f"--wind: speed: got 'fast'; {SPEED}"),
