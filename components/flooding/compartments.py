@@ -8,6 +8,7 @@ from typing import Any
 
 import numpy as np
 
+from fowtlib.components.flooding.rings import refuse_inside_out
 from fowtlib.components.flooding.sections import Contents, Wedge
 from fowtlib.components.flooding.tank import Tank
 from fowtlib.language import Number, Scalar, assert_, param, shapes
@@ -57,6 +58,10 @@ class CompartmentRing(Tank):
         middle = 2 / 3 * (R**3 - r**3) / (R**2 - r**2) * m.sin(half) / half
         own = m.pi / 4 * (R**4 - r**4) - area * middle**2 / 2
         return Compartments(Wedge(area, (own, own, 0.0), self.height, (R - middle, R - middle)))
+
+    def build(self):
+        super().build()
+        refuse_inside_out(self, "inner_diameter", "diameter")
 
     def equations(self):
         up, reach = self.frame.R.T @ m.vertcat(0, 0, 1), self.vessel().wedge.reach[0]

@@ -9,10 +9,10 @@ import numpy as np
 
 from fowtlib.components.environment.world import World
 from fowtlib.components.flooding.connectors import Water
+from fowtlib.components.flooding.rings import AroundAPiston
 from fowtlib.components.flooding.shaft import centre, levels, on_the_axis, on_the_frames
 from fowtlib.components.mechanics.connectors import Frame, TranslationalFlange
 from fowtlib.language import (
-    Component,
     RealOutput,
     Scalar,
     Vector,
@@ -30,7 +30,7 @@ from fowtlib.language import math as m
 from fowtlib.language.declarations import join
 
 
-class FloatingPiston(Component):
+class FloatingPiston(AroundAPiston):
     """Water in a round shaft in which a round piston slides: it lifts the piston, and is pumped through the floor.
 
     The shaft's axis is z of frame_a, in the middle of its floor; frame_b, in the middle of the foot of the piston, is
@@ -116,6 +116,7 @@ _EMPTY = "the shaft is empty and water is still taken out of it: stop the pump w
 def _limits(shaft: FloatingPiston) -> list:
     c, h, V = shaft.immersion, shaft.level, shaft.volume
     return [
+        shaft.stays_a_ring(),
         assert_(c < shaft.piston_height, _OVER_THE_PISTON, immersion=c, height=shaft.piston_height),
         assert_(h < shaft.height, _OVER_THE_SHAFT, surface=h, height=shaft.height),
         assert_(shaft.volume > -1e-6 * shaft.area, _EMPTY, volume=V),

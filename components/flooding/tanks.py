@@ -7,6 +7,7 @@ from typing import Any
 import numpy as np
 
 from fowtlib.components.flooding import sloshing
+from fowtlib.components.flooding.rings import refuse_inside_out
 from fowtlib.components.flooding.sections import Box, Disc, Wedge
 from fowtlib.components.flooding.tabulated import Sections
 from fowtlib.components.flooding.tank import Tank
@@ -55,6 +56,11 @@ class RoundTank(Tank):
     inner_diameter: Scalar = param(default=None, unit="m", min=0, doc="of the inner wall of a ring; without: none")
     height: Scalar = param(unit="m", min=1e-6, doc="from floor to roof")
     walls_wet: bool = param(default=False, doc="floor and roof are never bare, which is checked: far fewer operations")
+
+    def build(self):
+        super().build()
+        if self.is_set("inner_diameter"):
+            refuse_inside_out(self, "inner_diameter", "diameter")
 
     def vessel(self):
         ring = self.is_set("inner_diameter")

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import argparse
+import math
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -90,9 +91,7 @@ def show_sensitivities(arguments: argparse.Namespace) -> int:
     tables.say(arguments, weather(model, arguments))
     columns = ("result", "parameter", "its value", "unit of slope", "mean", "std", "max", "min", "range")
     tables.show(arguments, columns, rows, f"{arguments.discard:g} s to {found.time[-1]:g} s, d result / d parameter")
-    growth = "forgets its start" if found.growth < 0 else "does not forget its start"
-    half = (found.time[0] + found.time[-1]) / 2
-    tables.say(arguments, f"from {half:g} s on the motion {growth}: perturbations change by {found.growth:+.3g} 1/s")
+    tables.say(arguments, _memory(found))
     if arguments.output:
         found.save(arguments.output)
     say_saved(arguments.output, arguments.plot)
@@ -119,3 +118,12 @@ def _rows(found: Sensitivities, name: str, discard: float, exponent: float) -> l
         slopes = [None if number is None else float(number.by[k]) for number in numbers]
         rows.append([name, parameter, float(found.at[k]), found.unit(name, parameter), *slopes])
     return rows
+
+
+def _memory(found: Sensitivities) -> str:
+    """Whether the motion forgets its start, in the second half of the run."""
+    half = (found.time[0] + found.time[-1]) / 2
+    if not math.isfinite(found.growth):
+        return f"whether the motion forgets its start cannot be told from {found.time[-1]:g} s; take a longer run"
+    growth = "forgets its start" if found.growth < 0 else "does not forget its start"
+    return f"from {half:g} s on the motion {growth}: perturbations change by {found.growth:+.3g} 1/s"

@@ -1,10 +1,13 @@
 """`fowt sensitivity`: its table, files, picture, and what it refuses."""
 
 import json
+from types import SimpleNamespace
 
+import numpy as np
 import pytest
 
 from fowtlib.cli import main
+from fowtlib.cli.sensitivity import _memory
 
 RUN = [
     "sensitivity", "oc3_spar_rigid", "--wind", "steady:14", "--waves", "still", "--time", "10", "--output-step", "0.5",
@@ -40,3 +43,13 @@ def test_a_mistake_is_one_sentence(words, told, capsys, tmp_path, monkeypatch):
     assert main([*RUN, *words]) == 2
     error = capsys.readouterr().err
     assert told in error and "Traceback" not in error
+
+
+@pytest.mark.parametrize(
+    ("growth", "said"),
+    [(np.nan, "cannot be told from 1 s; take a longer run"), (np.inf, "cannot be told"),
+     (-0.1, "from 0.5 s on the motion forgets its start: perturbations change by -0.1 1/s"),
+     (0.2, "does not forget its start")],
+)  # fmt: skip
+def test_the_memory_of_a_motion_is_told_where_it_is_known(growth, said):
+    assert said in _memory(SimpleNamespace(time=np.array([0.0, 0.5, 1.0]), growth=growth))

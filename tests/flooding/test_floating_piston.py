@@ -9,6 +9,7 @@ import pytest
 
 import fowtlib as fw
 from fowtlib.components.blocks import Constant, Integrator
+from fowtlib.components.flooding import CompartmentRing, RoundTank
 from fowtlib.components.flooding.connectors import Water
 from fowtlib.components.flooding.floating_piston import FloatingPiston
 from fowtlib.components.mechanics import (
@@ -23,7 +24,7 @@ from fowtlib.components.mechanics import (
     World,
 )
 from fowtlib.language import Component, RealInput, RealOutput, eq, port
-from fowtlib.language.errors import SimulationError
+from fowtlib.language.errors import ModelError, ParameterError, SimulationError
 
 G, RHO = 9.80665, 1025.0
 MASS, SHAFT, PISTON, HEIGHT = 9.0e5, 7.0, 6.4, 30.0
@@ -201,6 +202,20 @@ def test_a_run_stops_where_there_is_too_much_water(changes, says):
         run(model, 200.0, 0.5)
 
 
+def test_a_piston_is_narrower_than_its_shaft():
+    with pytest.raises(ParameterError, match=r"piston_diameter = 8 m must be below its diameter, 7 m: no water fits"):
+        FloatingPiston(diameter=7.0, height=50.0, piston_diameter=8.0, piston_height=30.0, volume_start=100.0)
+    model = machine(flow=0.0, volume_start=volume(20.0, DEPTH))
+    with pytest.raises(ModelError, match="its piston_diameter, 7.5 m, must be below its diameter, 7 m"):
+        fw.load(model).compile().simulate(1.0, parameters={"shaft.piston_diameter": 7.5})
+
+
+@pytest.mark.parametrize("kind", [RoundTank, CompartmentRing])
+def test_a_ring_is_wider_than_its_hole(kind):
+    with pytest.raises(ParameterError, match=r"inner_diameter = 9 m must be below its diameter, 6 m"):
+        kind(diameter=6.0, inner_diameter=9.0, height=3.0, volume_start=1.0)
+
+
 def test_a_run_stops_where_the_shaft_is_pumped_dry():
     with pytest.raises(SimulationError, match="the shaft is empty"):
         run(machine(0.2, flow=-1.0, volume_start=20.0), 60.0, 0.5)
@@ -246,8 +261,6 @@ def test_a_shaft_with_water_swings_as_a_column_with_a_free_surface():
 @pytest.mark.parametrize("count", [3, 8])
 def test_compartments_take_less_off_the_stability(count):
     """Second moments of the compartments about their own middles, summed on a grid over the section."""
-    from fowtlib.components.flooding import CompartmentRing
-
     ring = CompartmentRing(diameter=29.3, inner_diameter=7.7, height=6.0, compartments=count, volume_start=100.0)
     radius, angle = np.meshgrid(
         3.85 + (14.65 - 3.85) * (np.arange(400) + 0.5) / 400, 2 * np.pi * (np.arange(2400) + 0.5) / 2400, indexing="ij"
