@@ -18,7 +18,15 @@ from fowtlib.language import Component, Data, Vector, data, facts, outer, param,
 from fowtlib.language.errors import ParameterError
 
 
-class LinearPotentialFlow(Component):
+class FlowSettings(Component):
+    """Partial: what of a database acts on a hull."""
+
+    radiation_order: int = param(default=4, min=0, doc="states per motion of the radiation memory; 0: none")
+    excitation: bool = param(default=True, doc="wave loads of the database; the model needs a Sea for them")
+    turning: bool = param(default=False, doc="the hull turns far about the vertical; see TurningWaveExcitation")
+
+
+class LinearPotentialFlow(FlowSettings):
     """Hydrostatics, added mass, radiation and wave excitation of a floating body on one frame, from one database.
 
     The frame is the point (0, 0, 0) of the database, fixed to the body; `position` is its place at rest. Gravity and
@@ -27,10 +35,7 @@ class LinearPotentialFlow(Component):
     """
 
     database: Data[HydrodynamicDatabase] = data(read_database, doc="file of a HydrodynamicDatabase, or one itself")
-    radiation_order: int = param(default=4, min=0, doc="states per motion of the radiation memory; 0: none")
-    excitation: bool = param(default=True, doc="wave loads; the model needs a Sea for them")
     buoyancy: bool = param(default=True, doc="hydrostatics of the database; false where another part has them")
-    turning: bool = param(default=False, doc="the hull turns far about the vertical; see TurningWaveExcitation")
     position: Vector = param(default=(0, 0, 0), unit="m", doc="place of the frame at rest, world")
 
     world: World = outer(World)

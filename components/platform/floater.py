@@ -13,14 +13,14 @@ from fowtlib.components.environment.sea import Sea
 from fowtlib.components.environment.world import World
 from fowtlib.components.hydro.database import HydrodynamicDatabase
 from fowtlib.components.hydro.linear_loads import Hydrostatics, read_database
-from fowtlib.components.hydro.potential_flow import LinearPotentialFlow
+from fowtlib.components.hydro.potential_flow import FlowSettings, LinearPotentialFlow
 from fowtlib.components.mechanics.bodies import FixedTranslation, RigidBody
 from fowtlib.components.mechanics.connectors import Frame
 from fowtlib.components.platform.hull import Hull
 from fowtlib.components.platform.member_parts import MemberLoads, members_of
 from fowtlib.components.platform.members import MemberShape
 from fowtlib.components.platform.regimes import regime
-from fowtlib.language import Array, Component, Data, Scalar, Vector, data, outer, param, port, shapes
+from fowtlib.language import Array, Data, Scalar, Vector, data, outer, param, port, shapes
 from fowtlib.language.errors import ParameterError
 from fowtlib.language.expressions import StartNumbers
 
@@ -29,7 +29,7 @@ _RHO = 1025.0  # density for which the stiffness is computed; Hydrostatics scale
 _APART = 0.05  # relative difference of the volumes of members and database beyond which they are not the same hull
 
 
-class Floater(Component):
+class Floater(FlowSettings):
     """A rigid hull of members: its mass, its buoyancy, the drag of its members, and, where given, a potential flow.
 
     Its parts of class CircularMember and RectangularMember, added under any name and at any depth, are its members.
@@ -46,9 +46,6 @@ class Floater(Component):
     raised: Scalar = param(default=0.0, unit="m", doc="how much higher members lie than their coordinates say")
     position: Vector = param(default=(0, 0, 0), unit="m", doc="place of the frame at rest, world; z is zero")
     database: Data[HydrodynamicDatabase] = data(read_database, default=None, doc="potential flow of the hull, or none")
-    radiation_order: int = param(default=4, min=0, doc="states per motion of the radiation memory; 0: none")
-    excitation: bool = param(default=True, doc="wave loads of the database; the model needs a Sea for them")
-    turning: bool = param(default=False, doc="it turns far about the vertical; see TurningWaveExcitation")
     held_upright: bool = param(default=False, doc="moorings hold it upright, as a TLP: it may be unstable without them")
     material: str = param(default="hull", choices=shapes.MATERIALS, doc="what it looks like; glass is seen through")
     node_points: Array = param(default=(), unit="m", doc="points (n, 3) that get frames of their own, in the frame")
@@ -75,10 +72,8 @@ class Floater(Component):
         self.connect(self.frame, self.hydrostatics.frame)
         self.connect(self.frame, self.member_loads.frame)
         if self.database is not None:
-            self.potential_flow = self.flow(
-                database=self.parameter_binding("database"), radiation_order=self.radiation_order,
-                excitation=self.excitation, position=self.position, turning=self.turning,
-            )  # fmt: skip
+            given = {"database": self.parameter_binding("database"), "position": self.position}
+            self.potential_flow = self.flow(**given, **self.values_of(FlowSettings))
             self.connect(self.frame, self.potential_flow.frame)
         for k, (x, y, z) in enumerate(self.node_rows()):
             self.carry(k, [x, y, z + self.raised])
