@@ -150,6 +150,8 @@ class ValueReader:
             found = self.scope.find(name)
             if found is None and name in value.variables:
                 found = self._variable(value.variables[name])
+            if found is None and name == "nan":
+                raise ModelFileError(f"'{text}' is not a finite number; {expected(unit)}.")
             if found is None:
                 known = [*self.scope.names, *value.variables, *formulas.FUNCTIONS, *formulas.CONSTANTS]
                 hint = did_you_mean(name, known, list_up_to=0)

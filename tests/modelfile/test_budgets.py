@@ -82,6 +82,8 @@ def test_a_structural_chain_is_as_fast_and_its_number_has_a_limit(tmp_path):
         (HEAD + "parameters: {q: {value: [[[1]]]}}\n" + BALL, "nested too deeply"),
         (HEAD + "simulation: {duration: .inf}", "a finite number is expected"),
         (HEAD + "simulation: {output_step: 1e400 s}", "a finite number is expected"),
+        (HEAD + "parts: {b: {class: PointMass, mass: nan}}", "'nan' is not a finite number; a mass in kg is expected"),
+        (HEAD + "parts: {b: {class: PointMass, mass: 2*nan}}", "'2*nan' is not a finite number"),
     ],
 )  # fmt: skip
 def test_a_limit_is_said(tmp_path, text, words):
