@@ -11,7 +11,7 @@ import pytest
 
 import fowtlib as fw
 import fowtlib.models
-from fowtlib.components.aero import read_coefficients
+from fowtlib.components.aero import read_coefficients, read_load_slopes
 from fowtlib.design.rules import turbine as rule
 from fowtlib.language.errors import ModelError
 
@@ -141,3 +141,21 @@ def test_two_blades_of_the_same_solidity_lose_at_their_tips():
     texts = [(MODELS / "turbines" / f"surrogate_7mw{end}.yaml").read_text() for end in ("", "_two_bladed")]
     constants = [float(text.partition("region_2_constant: ")[2].split()[0]) for text in texts]
     assert constants[1] / constants[0] == pytest.approx(powers[1].max() / powers[0].max(), abs=0.01)
+
+
+def test_slopes_of_the_surrogate_are_those_of_its_coefficients():
+    """Thrust and torque by the wind at held speed and pitch: 3 blades of elements beside the table of the rotor."""
+    slopes = read_load_slopes(str(MODELS / "data" / "surrogate_7mw" / "load_slopes.csv"))
+    table = read_coefficients(str(MODELS / "data" / "dtu10mw" / "rotor_coefficients.csv"))
+    radius = 85.6
+
+    def loads(wind, speed, pitch):
+        thrust, torque = (float(np.ravel(c)[0]) for c in table(np.array([speed * radius / wind]), np.array([pitch])))
+        return np.array([thrust, torque * radius]) * 0.5 * math.pi * radius**2 * wind**2
+
+    for wind in (7.0, 9.0, 14.0, 20.0):
+        at = slopes.at(wind)
+        speed, pitch = float(at.rotor_speed[0]), float(at.blade_pitch[0])
+        expected = (loads(wind + 0.05, speed, pitch) - loads(wind - 0.05, speed, pitch)) / 0.1
+        found = 3 * np.array([at.thrust[0].sum(), at.torque[0].sum()])
+        np.testing.assert_allclose(found, expected, rtol=0.06)
