@@ -147,18 +147,18 @@ class CoefficientRotor(HubWind):
         """Tip speed ratio and coefficients, for the velocity of the hub along the rotor normal."""
         ratio, air, C = self.looked_up(self.mean_wind - hub_velocity)
         return [
-            self.wind_from_front(self.mean_wind - hub_velocity, ratio),
+            self.wind_from_front(self.mean_wind - hub_velocity, ratio, air),
             eq(self.tip_speed_ratio, ratio),
             [eq(self.thrust_coefficient, air * C[0]), eq(self.torque_coefficient, air * C[1])],
         ]
 
-    def wind_from_front(self, speed, ratio):
+    def wind_from_front(self, speed, ratio, air):
         """Conditions on the wind along the shaft, told before the edge of the table, of which they say the cause."""
         table = self.coefficients.tip_speed_ratio
         beside = m.fmax(float(table[0]) - ratio, ratio - float(table[-1]))  # of the table, below zero within it
         return [
             assert_(self.mean_wind > -self.lowest_wind, BEHIND),
-            assert_(m.fmin(self.lowest_wind - speed, beside) <= 0, ACROSS, along=speed, ratio=ratio),
+            assert_(air * m.fmin(self.lowest_wind - speed, beside) <= 0, ACROSS, along=speed, ratio=ratio),
         ]
 
     def looked_up(self, speed):

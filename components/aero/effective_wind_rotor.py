@@ -113,7 +113,7 @@ class EffectiveWindRotor(CoefficientRotor):
         ratio, air, of_thrust = self.looked_up(self.mean_wind - hub_velocity)
         of_torque = of_thrust if self.filtered else self.looked_up(self.torque_wind())[2]
         return [
-            self.wind_from_front(self.mean_wind - hub_velocity, ratio),
+            self.wind_from_front(self.mean_wind - hub_velocity, ratio, air),
             eq(self.tip_speed_ratio, ratio),
             [eq(self.thrust_coefficient, air * of_thrust[0]), eq(self.torque_coefficient, air * of_torque[1])],
         ]

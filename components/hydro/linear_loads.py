@@ -322,7 +322,7 @@ class WaveExcitation(PlatformLoad):
 
     def equations(self):
         scale = self.world.water_density / self.database.rho
-        given = self.sea.signal(_excitation, self.motions(), "wave load", "", of=self)
+        given = self.sea.loads(_excitation, motions=self.motions(), of=self)
         return [self.driven(scale * given), self.push(self.load())]
 
     def motions(self) -> int:

@@ -38,6 +38,8 @@ def gains_of(covariances: Sequence[np.ndarray], means: Sequence[np.ndarray]) -> 
     """The gains of many laws, from the covariance (n, n) and the mean (n,) of each."""
     sizes = [len(mean) for mean in means]
     width = max(sizes, default=0)
+    if not width:
+        return [np.zeros((0, 0)) for _ in means]
     # one that has fewer directions is one that does not move along the others
     covariance, mean = np.zeros((len(means), width, width)), np.zeros((len(means), width))
     for k, n in enumerate(sizes):

@@ -114,7 +114,7 @@ def three_columns():
 
 
 @pytest.mark.parametrize(
-    ("make", "fold"), [(two_columns, 4), (three_columns, 3), (lambda: hemisphere(6, 16), 16)],
+    ("make", "fold"), [(two_columns, 4), (three_columns, 3), (lambda: hemisphere(5, 16), 16)],
     ids=["planes", "thirds", "round"],
 )  # fmt: skip
 def test_symmetry_changes_nothing_but_the_time(make, fold):
@@ -128,6 +128,16 @@ def test_symmetry_changes_nothing_but_the_time(make, fold):
     for name in ("A", "B", "X"):
         a, b = getattr(one, name), getattr(two, name)
         np.testing.assert_allclose(a, b, atol=2e-5 * np.abs(b).max(), err_msg=name)
+
+
+def test_in_deep_water_symmetry_changes_nothing_at_all():
+    """At a depth the flow between two panels is interpolated, with errors of 1e-5 by where they lie."""
+    hull, whole = hemisphere(6, 16), hemisphere(6, 16)
+    whole.__dict__["symmetry"] = Symmetry()
+    one, two = (PanelSolver(mesh, np.inf, G).solve(0.9, np.radians([0, 35, 200])) for mesh in (hull, whole))
+    for name in ("A", "B", "X"):
+        a, b = getattr(one, name), getattr(two, name)
+        np.testing.assert_allclose(a, b, atol=1e-12 * np.abs(b).max(), err_msg=name)
 
 
 def test_a_study_of_the_mesh_size():

@@ -112,9 +112,12 @@ class Sea(Component, selector="spectrum", shared=("signal", "loads", "velocity",
         signals = WaveSignals(self.path, transfer, of is not None)
         return run_time_series(self.time, columns, name, signals, of=of)
 
-    def loads(self, transfer: Transfer, name: str = "wave load", *, of: Any = None) -> ca.SX:
-        """The time function of a force and a moment, a column of 6 [N, N m]; transfer: (n, 6), as for `signal`."""
-        return self.signal(transfer, 6, name, "", of=of)
+    def loads(self, transfer: Transfer, name: str = "wave load", *, motions: int = 6, of: Any = None) -> ca.SX:
+        """The time function of a force, a moment and loads on further motions, a column [N, N m, N].
+
+        transfer: (n, motions), as for `signal`.
+        """
+        return self.signal(transfer, motions, name, "", of=of)
 
     def velocity(self, points: ArrayLike) -> ca.SX:
         """Velocity of the water (p x 3, world) at fixed `points` (p, 3) [m] with z <= 0; zero above the water level."""

@@ -24,6 +24,8 @@ class InputSea(Sea, kind="input"):
     ) -> ca.SX:
         return open_input(name.replace(" ", "_"), columns, unit, f"{name} from outside")
 
-    def loads(self, transfer: Transfer, name: str = "wave load", *, of: Any = None) -> ca.SX:
-        force = self.signal(transfer, 3, f"{name} force", "N")
-        return m.vertcat(force, self.signal(transfer, 3, f"{name} moment", "N*m"))
+    def loads(self, transfer: Transfer, name: str = "wave load", *, motions: int = 6, of: Any = None) -> ca.SX:
+        parts = [self.signal(transfer, 3, f"{name} force", "N"), self.signal(transfer, 3, f"{name} moment", "N*m")]
+        if motions > 6:
+            parts.append(self.signal(transfer, motions - 6, f"{name} on shapes", "N"))
+        return m.vertcat(*parts)
