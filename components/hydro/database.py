@@ -13,9 +13,9 @@ from scipy.interpolate import Akima1DInterpolator, CubicSpline
 from fowtlib.components.hydro import wamit
 from fowtlib.components.hydro.conventions import check_conventions
 from fowtlib.components.hydro.errors import HydrodynamicDataError
+from fowtlib.components.hydro.stored_numbers import EXCITATION, excitation_of, missing_from, stored_numbers
 from fowtlib.components.hydro.wamit_writing import write_wamit
-from fowtlib.language.data_files import require_file
-from fowtlib.language.netcdf_files import add_variable, read_netcdf, set_attributes, write_netcdf
+from fowtlib.language.netcdf_files import add_variable, set_attributes, write_netcdf
 from fowtlib.language.similarity import Similarity, six_by_six
 from fowtlib.language.whole_files import write_whole
 
@@ -149,25 +149,15 @@ class HydrodynamicDatabase:
 
         Files of earlier versions have no checksums, and are believed. Raises HydrodynamicDataError.
         """
-        require_file(path, HydrodynamicDataError)
-        try:
-            contents = read_netcdf(path)
-            data = {name: np.array(item.values, dtype=float) for name, item in contents.variables.items()}
-        except OSError as error:
-            raise HydrodynamicDataError(f"{path}: cannot be read: {error.strerror or error}") from None
-        except (ValueError, TypeError) as error:
-            raise HydrodynamicDataError(f"{path}: {error}") from None
-        if contents.damaged:
-            raise HydrodynamicDataError(f"{path}: the file is damaged: {contents.damage}; make or fetch it anew")
-        required = [*_VARIABLES, "excitation_real", "excitation_imaginary"]
-        missing = [name for name in required if name not in data and name != "added_mass_zero"]
+        stored, source = stored_numbers(path)
+        missing = missing_from(stored, [name for name in _VARIABLES if name != "added_mass_zero"])
         if missing:
             raise HydrodynamicDataError(f"{path}: the variable '{missing[0]}' is missing; "
                                         "this is not a file of HydrodynamicDatabase.write")
-        fields = {attribute: data.get(name) for name, (attribute, *_) in _VARIABLES.items()}
-        fields["X"] = data["excitation_real"] + 1j * data["excitation_imaginary"]
+        fields: dict[str, Any] = {attribute: stored.get(name) for name, (attribute, *_) in _VARIABLES.items()}
+        fields["X"] = excitation_of(stored)
         try:
-            data = cls(**fields, source=str(contents.attributes.get("source", "")))
+            data = cls(**fields, source=source)
         except HydrodynamicDataError as error:
             raise HydrodynamicDataError(f"{path}: {error}") from None
         return data._checked(path)
@@ -198,7 +188,7 @@ class HydrodynamicDatabase:
                 if value is not None:
                     add_variable(file, name, "d", dimensions, value, units=unit, long_name=meaning)
             about = {"units": "N/m, N m/m", "long_name": "wave load per unit amplitude"}
-            for name, value in (("excitation_real", self.X.real), ("excitation_imaginary", self.X.imag)):
+            for name, value in zip(EXCITATION, (self.X.real, self.X.imag), strict=True):
                 add_variable(file, name, "d", ("omega", "heading", "mode"), value, **about)
 
         write_whole(path, lambda temporary: write_netcdf(temporary, fill))

@@ -11,8 +11,8 @@ import numpy as np
 
 from fowtlib.components.hydro.database import HydrodynamicDatabase, at_heading, loads_between
 from fowtlib.components.hydro.errors import HydrodynamicDataError
-from fowtlib.language.data_files import require_file
-from fowtlib.language.netcdf_files import add_variable, read_netcdf, set_attributes, write_netcdf
+from fowtlib.components.hydro.stored_numbers import EXCITATION, excitation_of, missing_from, stored_numbers
+from fowtlib.language.netcdf_files import add_variable, set_attributes, write_netcdf
 from fowtlib.language.whole_files import write_whole
 
 _SYMMETRY = 0.05  # largest |M_ij - M_ji| / sqrt(M_ii M_jj) of a believable matrix, as of a rigid body
@@ -150,7 +150,7 @@ class ModalDatabase:
             set_attributes(file, about)
             for name, (attribute, dimensions, unit, meaning) in _VARIABLES.items():
                 add_variable(file, name, "d", dimensions, getattr(self, attribute), units=unit, long_name=meaning)
-            for name, value in (("excitation_real", self.X.real), ("excitation_imaginary", self.X.imag)):
+            for name, value in zip(EXCITATION, (self.X.real, self.X.imag), strict=True):
                 add_variable(file, name, "d", ("omega", "heading", "row"), value, units=_MIXED, long_name="wave load")
 
         write_whole(path, lambda temporary: write_netcdf(temporary, fill))
@@ -158,17 +158,8 @@ class ModalDatabase:
     @classmethod
     def read(cls, path: str | Path) -> ModalDatabase:
         """Read a file of `write`. Raises HydrodynamicDataError: damaged, of a rigid body, or another file."""
-        require_file(path, HydrodynamicDataError)
-        try:
-            contents = read_netcdf(path)
-            data = {name: np.array(item.values, dtype=float) for name, item in contents.variables.items()}
-        except OSError as error:
-            raise HydrodynamicDataError(f"{path}: cannot be read: {error.strerror or error}") from None
-        except (ValueError, TypeError) as error:
-            raise HydrodynamicDataError(f"{path}: {error}") from None
-        if contents.damaged:
-            raise HydrodynamicDataError(f"{path}: the file is damaged: {contents.damage}; make or fetch it anew")
-        missing = [name for name in (*_VARIABLES, "excitation_real", "excitation_imaginary") if name not in data]
+        data, source = stored_numbers(path)
+        missing = missing_from(data, tuple(_VARIABLES))
         if missing:
             rigid = " It has the coefficients of a rigid hull." if "added_mass" in data and "shape" in missing else ""
             raise HydrodynamicDataError(
@@ -177,9 +168,9 @@ class ModalDatabase:
         fields: dict[str, Any] = {attribute: data[name] for name, (attribute, *_) in _VARIABLES.items()}
         for name in ("volume", "rho", "g", "water_depth"):
             fields[name] = float(fields[name])
-        fields["X"] = data["excitation_real"] + 1j * data["excitation_imaginary"]
+        fields["X"] = excitation_of(data)
         try:
-            return cls(**fields, source=str(contents.attributes.get("source", "")))
+            return cls(**fields, source=source)
         except HydrodynamicDataError as error:
             raise HydrodynamicDataError(f"{path}: {error}") from None
 
