@@ -77,11 +77,14 @@ def test_gains_by_similarity():
     assert rule.pitch_gains(rule.similar(known, 2 * known.radius), known, 0.2, 0.02) == pytest.approx((0.4, 0.02))
 
 
-def test_the_definition_is_what_the_rule_says():
-    spec = importlib.util.spec_from_file_location("surrogate", MODELS / "convert" / "surrogate_7mw.py")
+def test_the_definitions_are_what_the_rule_says():
+    spec = importlib.util.spec_from_file_location("surrogate", MODELS / "convert" / "surrogate_turbines.py")
     script = importlib.util.module_from_spec(spec)
     spec.loader.exec_module(script)
-    assert (MODELS / "turbines" / "surrogate_7mw.yaml").read_text() == script.text(surrogate())
+    assert len(script.ABOUT) == 2
+    for (radius, power), about in script.ABOUT.items():
+        path = MODELS / "turbines" / f"surrogate_{power / 1e6:g}mw.yaml"
+        assert path.read_text() == script.text(script.surrogate(radius, power), about)
 
 
 def test_the_surrogate_between_both(tmp_path):
@@ -121,6 +124,21 @@ def test_fifteen_megawatts_by_the_same_rule_are_heavier_than_those_of_iea():
     assert found.rated_speed * 30 / math.pi == pytest.approx(7.56, rel=0.15)
     similar = rule.similar(rule.DTU_10MW, 120.97)
     assert similar.rotor_mass > found.rotor_mass and similar.rated_power == pytest.approx(18.4e6, rel=0.01)
+
+
+def test_fifteen_megawatts_by_scaling_run(tmp_path):
+    """Rated power and speed above rated wind, steady; at 8 m/s the power coefficient of the DTU 10-MW rotor."""
+    path = tmp_path / "land.yaml"
+    path.write_text(LAND.replace("surrogate_7mw", "surrogate_15mw").replace("110", "150"))
+    plant = fw.load(str(path)).compile()
+    sizes = rule.between(rule.NREL_5MW, rule.DTU_10MW, 120.97, 15e6)
+    rated = plant.simulate(parameters={"wind.mean_speed": 18.0})
+    assert np.ptp(rated.array("rotor_speed")[-30:]) < 1e-3
+    assert float(rated["generator_power"][-1]) == pytest.approx(15e3, rel=1e-4)
+    assert float(rated["rotor_speed"][-1]) == pytest.approx(sizes.rated_speed * 30 / math.pi, rel=1e-4)
+    below = plant.simulate(parameters={"wind.mean_speed": 8.0})
+    area = math.pi * (120.97 * math.cos(math.radians(2.5))) ** 2
+    assert 0.45 < float(below["generator_power"][-1]) * 1e3 / (0.5 * 1.225 * area * 8.0**3) < 0.5
 
 
 def test_mistakes():

@@ -1,4 +1,4 @@
-"""Writes turbines/surrogate_7mw.yaml by the rule of fowtlib.design.rules.turbine."""
+"""Writes turbines/surrogate_7mw.yaml and surrogate_15mw.yaml by the rule of fowtlib.design.rules.turbine."""
 
 from __future__ import annotations
 
@@ -9,11 +9,18 @@ from fowtlib.design.rules.turbine import DTU_10MW, NREL_5MW, TurbineSizes, betwe
 RADIUS, POWER = 85.6, 7.0e6
 # of the rated speed, DTU 10-MW
 SPEEDS = {"cut_in_speed": 280 / 480, "region_2_speed": 320 / 480, "region_3_speed": 475 / 480}
-TARGET = Path(__file__).parents[1] / "turbines" / "surrogate_7mw.yaml"
+LARGE_RADIUS, LARGE_POWER = 120.97, 15.0e6
+TURBINES = Path(__file__).parents[1] / "turbines"
 
 
-def text(turbine: TurbineSizes) -> str:
-    """The definition file."""
+def surrogate(radius: float, power: float) -> TurbineSizes:
+    """By the powers through the two known turbines, also beyond them."""
+    return between(NREL_5MW, DTU_10MW, radius, power, f"surrogate {power / 1e6:g}-MW")
+
+
+def text(turbine: TurbineSizes, about: str) -> str:
+    """The definition file; about: what it stands for."""
+    megawatts = f"{turbine.rated_power / 1e6:g}"
     n, rpm = turbine.gear_ratio, 9.549296585513721
     x, z = turbine.centre
     xx, yy, zz, xz = turbine.inertia
@@ -21,12 +28,12 @@ def text(turbine: TurbineSizes) -> str:
     proportional, integral = pitch_gains(turbine, DTU_10MW, 0.1794, 0.0165)
     speed = turbine.rated_speed * n * rpm
     speeds = "\n".join(f"        {key}: {share * speed:.6g} rpm" for key, share in SPEEDS.items())
-    return f"""# A 7-MW turbine between the NREL 5-MW and the DTU 10-MW, rigid, above its tower, for one of closed data.
-# Made by models/convert/surrogate_7mw.py by the rule of fowtlib.design.rules.turbine: what belongs to the rotor by its
-# radius, what belongs to nacelle and drive train by the rated torque; coefficients and controller of the DTU 10-MW.
+    return f"""# {about}
+# Made by models/convert/surrogate_turbines.py by the rule of fowtlib.design.rules.turbine: what belongs to the
+# rotor by its radius, to nacelle and drive train by the rated torque; coefficients and controller of the DTU 10-MW.
 # The frame is the hub.
 fowtlib: 1
-title: Surrogate 7-MW rotor, nacelle, drive train and controller
+title: Surrogate {megawatts}-MW rotor, nacelle, drive train and controller
 class: RotorNacelle
 mass: {turbine.mass:.0f} kg
 centre_of_mass: [{x:.5f}, 0, {z:.5f}]
@@ -66,5 +73,18 @@ parts:
 """
 
 
+ABOUT = {
+    (
+        RADIUS,
+        POWER,
+    ): "A 7-MW turbine between the NREL 5-MW and the DTU 10-MW, rigid, above its tower, for one of closed data.",
+    (
+        LARGE_RADIUS,
+        LARGE_POWER,
+    ): "A 15-MW turbine by the powers through the NREL 5-MW and the DTU 10-MW, rigid, above its tower.",
+}
+
 if __name__ == "__main__":
-    TARGET.write_text(text(between(NREL_5MW, DTU_10MW, RADIUS, POWER, "surrogate 7-MW")))
+    for (radius, power), about in ABOUT.items():
+        path = TURBINES / f"surrogate_{power / 1e6:g}mw.yaml"
+        path.write_text(text(surrogate(radius, power), about))
