@@ -354,5 +354,5 @@ def _excitation(waves: WaveComponents, part: WaveExcitation) -> NDArray[np.compl
 
 
 @lru_cache(maxsize=8)
-def _radiation(data: HydrodynamicDatabase | ModalDatabase, order: int, passive: bool) -> RadiationModel:
+def _radiation(data: HydrodynamicDatabase, order: int, passive: bool) -> RadiationModel:
     return kept_radiation(data.omega, data.B, data.A, data.A_inf, order=order, passive=passive)

@@ -10,6 +10,7 @@ from pathlib import Path
 from fowtlib.components.environment.world import World
 from fowtlib.components.hydro.linear_loads import AddedMass, PlatformLoad, Radiation, WaveExcitation
 from fowtlib.components.hydro.modal_database import ModalDatabase
+from fowtlib.components.hydro.modal_radiation import kept_modal_radiation
 from fowtlib.components.hydro.potential_flow import LinearPotentialFlow
 from fowtlib.components.mechanics.connectors import ModalCoordinates
 from fowtlib.language import Array, Data, Number, Vector, data, der, eq, outer, param, port, var
@@ -56,11 +57,14 @@ class ModalAddedMass(ModalLoad, AddedMass):
 
 
 class ModalRadiation(ModalLoad, Radiation):
-    """Memory of the waves that the body and its shapes have made; see Radiation."""
+    """Memory of the waves that the body and its shapes have made; see Radiation, and modal_radiation for the model."""
 
     database: Data[ModalDatabase] = data(read_modal_database, doc="file of a ModalDatabase, or one itself")
 
     on_shapes: Array = var(shape="shapes", unit="N", doc="radiation load on the shapes")
+
+    def model(self):
+        return kept_modal_radiation(self.database, self.order, self.passive)
 
     def load(self):
         return m.vertcat(super().load(), self.on_shapes)

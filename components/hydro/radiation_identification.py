@@ -24,8 +24,8 @@ Taghipour, Perez and Moan, Ocean Engineering 35 (2008) 684-705; Lawson and Hanso
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import asdict, dataclass, field
-from typing import Any
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -44,10 +44,10 @@ NEGLIGIBLE = 1e-4  # a motion whose max B_ii is below this share of the largest 
 SAMPLES = 360  # of the kernel at most
 _FEWEST_SAMPLES = 20
 _DECAYED = 1e-6  # the kernel ends where so little of its energy is left
-_RAW_TOLERANCE = 1e-5  # Hankel singular values below this share of the first are noise
-_RAW_STATES = 16  # per motion, of the realisation before truncation
+RAW_TOLERANCE = 1e-5  # Hankel singular values below this share of the first are noise
+RAW_STATES = 16  # per motion, of the realisation before truncation
 _PASSIVITY_POINTS = 300, 1200, 4800  # as many as it takes: narrow dips hide between few
-_PASSIVE = -1e-6  # of the largest eigenvalue
+PASSIVE = -1e-6  # of the largest eigenvalue
 _PASSIVITY_ROUNDS = 40
 
 
@@ -113,15 +113,15 @@ class RadiationModel:
     @property
     def passive(self) -> bool:
         """No frequency at which the model feeds energy to the body, to 1e-6 of the largest damping."""
-        return all(group.passivity > _PASSIVE for group in self.groups)
+        return all(group.passivity > PASSIVE for group in self.groups)
 
     def kernel(self, time: ArrayLike) -> Floats:
         """K (nt, m, m) of the model at the times t [s]."""
-        return _kernel(self.A, self.B, self.C, np.asarray(time, dtype=float))
+        return model_kernel(self.A, self.B, self.C, np.asarray(time, dtype=float))
 
     def transfer(self, omega: ArrayLike) -> NDArray[np.complex128]:
         """B(omega) + i omega (A(omega) - A_inf) of the model, (n, m, m)."""
-        return _transfer(self.A, self.B, self.C, np.asarray(omega, dtype=float))
+        return model_transfer(self.A, self.B, self.C, np.asarray(omega, dtype=float))
 
     def __str__(self) -> str:
         lines = [f"radiation: {self.states} states, {'passive' if self.passive else 'NOT passive'}"]
@@ -156,19 +156,19 @@ def identify_radiation(omega: ArrayLike, damping: ArrayLike, added_mass: ArrayLi
             f"radiation: order is {order}; a motion needs two states at least, because one cannot have a kernel whose "
             "integral is zero (no load at constant velocity)")
     damping = 0.5 * (damping + damping.transpose(0, 2, 1))
-    scale, used = _used_entries(damping, threshold)
+    scale, used = used_entries(damping, threshold)
     m = len(scale)
     skipped = tuple((i, j) for i in range(m) for j in range(m) if not used[i, j])
     if not used.any():
         return RadiationModel(np.zeros((0, 0)), np.zeros((0, m)), np.zeros((m, 0)), (), (), skipped)
     scaled = np.where(used, damping / np.outer(scale, scale), 0.0)
-    time, K = _sampled_kernel(omega, scaled, used, time_step, duration)
+    time, K = sampled_kernel(omega, scaled, used, time_step, duration)
 
     count, label = connected_components(used, directed=False)
     reduced, groups = [], []
     for motions in (np.flatnonzero(label == k) for k in range(count)):
         if used[motions[0], motions[0]]:
-            *matrices, group = _identify_group(time, K[:, motions[:, None], motions], order, passive, motions)
+            *matrices, group = identify_group(time, K[:, motions[:, None], motions], order, passive, motions)
             reduced.append((motions, matrices))
             groups.append(group)
     A = linalg.block_diag(*(a for _, (a, _, _) in reduced))
@@ -178,7 +178,8 @@ def identify_radiation(omega: ArrayLike, damping: ArrayLike, added_mass: ArrayLi
         B[row : row + len(a), motions] = b * scale[motions] / size
         C[motions, row : row + len(a)] = c * scale[motions, None] * size
         row += len(a)
-    entries = _report(omega, damping, added_mass, added_mass_infinite, time, K * np.outer(scale, scale), used, A, B, C)
+    found = K * np.outer(scale, scale), used, A, B, C
+    entries = entry_fits(omega, damping, added_mass, added_mass_infinite, time, *found)
     return RadiationModel(A, B, C, entries, tuple(groups), skipped)
 
 
@@ -186,13 +187,18 @@ def kept_radiation(omega: Floats, damping: Floats, added_mass: Floats, added_mas
                    passive: bool) -> RadiationModel:  # fmt: skip
     """`identify_radiation`, from the cache where it has been asked for the same before."""
     arrays = omega, damping, added_mass, added_mass_infinite
+    return kept_model(
+        lambda: identify_radiation(*arrays, order=order, passive=passive), arrays, f"{order} {passive}", __name__
+    )
 
-    def make() -> dict[str, Any]:
-        return asdict(identify_radiation(*arrays, order=order, passive=passive))
 
-    code = sources(__name__, retardation_kernel.__module__)
-    found = cached("radiation", [*code, f"{order} {passive}", *map(np.asarray, arrays)], make)
-    m = damping.shape[1]
+def kept_model(
+    make: Callable[[], RadiationModel], arrays: tuple[Floats, ...], about: str, *modules: str
+) -> RadiationModel:
+    """What `make` finds, from the cache where these modules have made one of the same arrays and text before."""
+    code = sources(*modules, retardation_kernel.__module__)
+    found = cached("radiation", [*code, about, *map(np.asarray, arrays)], lambda: asdict(make()))
+    m = arrays[1].shape[1]
     A, B, C = (np.array(found[name], dtype=float) for name in "ABC")
     return RadiationModel(
         A.reshape(len(A), len(A)), B.reshape(len(A), m), C.reshape(m, len(A)),
@@ -220,7 +226,7 @@ def hankel_singular_values(kernel: ArrayLike) -> Floats:
 # --- the steps --------------------------------------------------------------------------------------------------------
 
 
-def _used_entries(damping: Floats, threshold: float) -> tuple[Floats, NDArray[np.bool_]]:
+def used_entries(damping: Floats, threshold: float) -> tuple[Floats, NDArray[np.bool_]]:
     """Scale (m,) of each motion and which entries (m, m) are identified; motions beyond six are each their own kind."""
     largest = np.maximum(np.einsum("nii->ni", damping).max(axis=0), 0.0)
     kind = np.minimum(np.arange(len(largest)) // 3, 2)
@@ -231,8 +237,9 @@ def _used_entries(damping: Floats, threshold: float) -> tuple[Floats, NDArray[np
     return np.where(alive, scale, 1.0), used & np.outer(alive, alive)
 
 
-def _sampled_kernel(omega: Floats, damping: Floats, used: NDArray[np.bool_], time_step: float | None,
+def sampled_kernel(omega: Floats, damping: Floats, used: NDArray[np.bool_], time_step: float | None,
                     duration: float | None) -> tuple[Floats, Floats]:
+    """Times (nt,) [s] and the kernel (nt, m, m) at them, until it has decayed."""
     rows, columns = np.nonzero(np.triu(used))
     column = damping[:, rows, columns]
     band = bandwidth(omega, column)
@@ -254,19 +261,20 @@ def _sampled_kernel(omega: Floats, damping: Floats, used: NDArray[np.bool_], tim
     return time, kernel
 
 
-def _identify_group(time: Floats, K: Floats, order: int, passive: bool, motions: NDArray[np.intp]):
+def identify_group(time: Floats, K: Floats, order: int, passive: bool, motions: NDArray[np.intp]):
+    """A, B, C of one group of coupled motions from its kernel (nt, p, p), and how well they fit."""
     step, p = time[1] - time[0], K.shape[1]
-    hankel, Ad, B, C = _realisation(K, _RAW_STATES * p)
-    A, B, C = _continuous(Ad, B, C, step)
+    hankel, Ad, B, C = _realisation(K, RAW_STATES * p)
+    A, B, C = continuous(Ad, B, C, step)
     dropped, states = len(Ad) - len(A), min(order * p, len(A))
-    A, B, C = _balanced_truncation(A, B, C, states)
+    A, B, C = balanced_truncation(A, B, C, states)
     outputs = (_fit_output(A, B, time, K, passive, points) for points in _PASSIVITY_POINTS)
     C = next(outputs)
-    while passive and _passivity(A, B, C) < _PASSIVE and (closer := next(outputs, None)) is not None:
+    while passive and passivity(A, B, C) < PASSIVE and (closer := next(outputs, None)) is not None:
         C = closer
     share, slowest = hankel[:states].sum() / hankel.sum(), linalg.eigvals(A).real.max()
     names = tuple(int(k) for k in motions)
-    return A, B, C, GroupFit(names, states, hankel, float(share), dropped, float(slowest), _passivity(A, B, C))
+    return A, B, C, GroupFit(names, states, hankel, float(share), dropped, float(slowest), passivity(A, B, C))
 
 
 def _block_hankel(K: Floats) -> Floats:
@@ -281,13 +289,13 @@ def _realisation(K: Floats, most: int) -> tuple[Floats, Floats, Floats, Floats]:
     value, vector = linalg.eigh(_block_hankel(K))
     largest = np.argsort(-np.abs(value))
     hankel = np.abs(value[largest])
-    keep = largest[: min(most, int((hankel > _RAW_TOLERANCE * hankel[0]).sum()))]
+    keep = largest[: min(most, int((hankel > RAW_TOLERANCE * hankel[0]).sum()))]
     observability = vector[:, keep] * np.sqrt(np.abs(value[keep]))
     Ad = np.linalg.lstsq(observability[:-p], observability[p:], rcond=None)[0]
     return hankel, Ad, np.sign(value[keep])[:, None] * observability[:p].T, observability[:p]
 
 
-def _continuous(Ad: Floats, B: Floats, C: Floats, step: float) -> tuple[Floats, Floats, Floats]:
+def continuous(Ad: Floats, B: Floats, C: Floats, step: float) -> tuple[Floats, Floats, Floats]:
     """Real modal form of A = log(Ad) / step; modes that grow, and negative real ones, which have no logarithm, drop."""
     value, vector = linalg.eig(Ad)
     b, c = linalg.solve(vector, B.astype(complex)), C @ vector
@@ -303,7 +311,8 @@ def _continuous(Ad: Floats, B: Floats, C: Floats, step: float) -> tuple[Floats, 
     return linalg.block_diag(*blocks), np.array(rows), np.array(columns).T
 
 
-def _balanced_truncation(A: Floats, B: Floats, C: Floats, states: int) -> tuple[Floats, Floats, Floats]:
+def balanced_truncation(A: Floats, B: Floats, C: Floats, states: int) -> tuple[Floats, Floats, Floats]:
+    """The model of fewer states by the square-root method; see the head of the module."""
     reach = _root(linalg.solve_continuous_lyapunov(A, -B @ B.T))
     see = _root(linalg.solve_continuous_lyapunov(A.T, -C.T @ C))
     U, sigma, Vt = linalg.svd(see.T @ reach)
@@ -320,26 +329,26 @@ def _root(gramian: Floats) -> Floats:
 def _fit_output(A: Floats, B: Floats, time: Floats, K: Floats, passive: bool, points: int) -> Floats:
     """C that meets the samples K best under C A^-1 B = 0 and, if wanted, passivity at so many points."""
     n, p = B.shape
-    powers = _kernel(A, B, np.eye(n), time)
+    powers = model_kernel(A, B, np.eye(n), time)
     gram = np.einsum("kis,kjs->ij", powers, powers)
     target = np.einsum("kis,kjs->ij", K, powers)
-    free = linalg.null_space(linalg.solve(A, B).T, rcond=_RAW_TOLERANCE)  # of patterns that are there, not of noise
+    free = linalg.null_space(linalg.solve(A, B).T, rcond=RAW_TOLERANCE)  # of patterns that are there, not of noise
     white = linalg.solve_triangular(linalg.cholesky(free.T @ gram @ free), free.T, trans=1)
     best = target @ white.T  # C = y white meets C A^-1 B = 0, row by row, and |y - best|^2 is the error of the samples
     if not passive:
         return best @ white
     span = linalg.null_space(_symmetric_limits(A, B, white)) if n > 2 * p else np.eye(best.size)
-    basis = white @ _normalised_damping(A, B, points)  # (points, free, p), complex
+    basis = white @ normalised_damping(A, B, points)  # (points, free, p), complex
     y, rows = span @ (span.T @ best.ravel()), np.zeros((0, span.shape[1]))
     for _ in range(_PASSIVITY_ROUNDS):
         load = y.reshape(best.shape) @ basis
         value, vector = np.linalg.eigh(load + load.conj().transpose(0, 2, 1))
-        worst = np.flatnonzero(_local_minima(value[:, 0]) & (value[:, 0] < -1e-9 * value.max()))
+        worst = np.flatnonzero(local_minima(value[:, 0]) & (value[:, 0] < -1e-9 * value.max()))
         if not worst.size:
             break
         cuts = [np.outer(vector[k, :, 0].conj(), basis[k] @ vector[k, :, 0]).real.ravel() @ span for k in worst]
         rows = np.vstack([rows, [cut / linalg.norm(cut) for cut in cuts]])
-        y = span @ _least_distance(span.T @ best.ravel(), rows)
+        y = span @ least_distance(span.T @ best.ravel(), rows)
     return y.reshape(best.shape) @ white
 
 
@@ -358,9 +367,9 @@ def _symmetric_limits(A: Floats, B: Floats, white: Floats) -> Floats:
     return np.array(conditions).reshape(-1, p * len(white))
 
 
-def _least_distance(best: Floats, rows: Floats) -> Floats:
-    """The point nearest to `best` with rows @ point >= a small margin (Lawson and Hanson 1974, section 23.4)."""
-    wanted = 1e-7 * linalg.norm(best) - rows @ best
+def least_distance(best: Floats, rows: Floats, limits: Floats | float = 0.0) -> Floats:
+    """The point nearest to `best` with rows @ point >= limits + a small margin (Lawson and Hanson 1974, 23.4)."""
+    wanted = limits + 1e-7 * linalg.norm(best) - rows @ best
     stacked = np.vstack([rows.T, wanted])
     unit = np.zeros(len(stacked))
     unit[-1] = 1.0
@@ -369,12 +378,13 @@ def _least_distance(best: Floats, rows: Floats) -> Floats:
     return best - residual[:-1] / residual[-1]
 
 
-def _local_minima(values: Floats) -> NDArray[np.bool_]:
+def local_minima(values: Floats) -> NDArray[np.bool_]:
+    """Where (n,) no neighbour is smaller; ends count."""
     padded = np.concatenate([[np.inf], values, [np.inf]])
     return (values <= padded[:-2]) & (values <= padded[2:])
 
 
-def _normalised_damping(A: Floats, B: Floats, points: int) -> NDArray[np.complex128]:
+def normalised_damping(A: Floats, B: Floats, points: int) -> NDArray[np.complex128]:
     """M (points, n, p) with C M proportional to C (i omega - A)^-1 B at omega = 0 ... infinity, where C A^-1 B = 0.
 
     omega = w tan(theta / 2), and the factor (w^2 + omega^2)^2 / (w omega)^2 keeps both limits, where the damping goes
@@ -392,14 +402,16 @@ def _normalised_damping(A: Floats, B: Floats, points: int) -> NDArray[np.complex
     return real + 1j * imaginary
 
 
-def _passivity(A: Floats, B: Floats, C: Floats) -> float:
+def passivity(A: Floats, B: Floats, C: Floats) -> float:
+    """Smallest eigenvalue of the Hermitian part of the load over its largest, over all frequencies."""
     omega = np.append(0.0, np.abs(linalg.eigvals(A)).mean() * np.tan(np.linspace(0.002, np.pi - 0.002, 1500) / 2))
-    response = _transfer(A, B, C, omega)
+    response = model_transfer(A, B, C, omega)
     value = np.linalg.eigvalsh(response + response.conj().transpose(0, 2, 1))
     return float(value[:, 0].min() / value.max())
 
 
-def _kernel(A: Floats, B: Floats, C: Floats, time: Floats) -> Floats:
+def model_kernel(A: Floats, B: Floats, C: Floats, time: Floats) -> Floats:
+    """C exp(A t) B (nt, m, m) at times t [s]."""
     if not len(A):
         return np.zeros((len(time), len(C), B.shape[1]))
     value, vector = linalg.eig(A)
@@ -407,13 +419,15 @@ def _kernel(A: Floats, B: Floats, C: Floats, time: Floats) -> Floats:
     return np.einsum("im,tm,mj->tij", left, np.exp(np.outer(time, value)), right, optimize=True).real
 
 
-def _transfer(A: Floats, B: Floats, C: Floats, omega: Floats) -> NDArray[np.complex128]:
+def model_transfer(A: Floats, B: Floats, C: Floats, omega: Floats) -> NDArray[np.complex128]:
+    """C (i omega - A)^-1 B (n, m, m)."""
     shifted = 1j * omega[:, None, None] * np.eye(len(A)) - A
     return C @ np.linalg.solve(shifted, np.broadcast_to(B, (len(omega), *B.shape)))
 
 
-def _report(omega, damping, added_mass, infinite, time, K, used, A, B, C) -> tuple[EntryFit, ...]:
-    model, response = _kernel(A, B, C, time), _transfer(A, B, C, omega)
+def entry_fits(omega, damping, added_mass, infinite, time, K, used, A, B, C) -> tuple[EntryFit, ...]:
+    """How well each used entry (i, j) is met."""
+    model, response = model_kernel(A, B, C, time), model_transfer(A, B, C, omega)
     have_mass = added_mass is not None and infinite is not None
     if have_mass:
         excess = np.asarray(added_mass, dtype=float) - np.asarray(infinite, dtype=float)
