@@ -35,10 +35,9 @@ def c_text(rotor: BladeElementRotor) -> str:
                "most_lift": most[:, 0], "most_drag": most[:, 1],
                "lift_slope": lift_lines[:, 0], "zero_lift": lift_lines[:, 1]}  # fmt: skip
     numbers = {**{name: np.tile(values, rotor.blades) for name, values in stations.items()},
-               "knot": np.concatenate([foil.angle for foil in foils]),
+               "knot": np.concatenate([[*foil.angle[:-1], 10.0] for foil in foils]),
                "cubic": np.concatenate([c.ravel() for c in cubics]), **more_numbers}  # fmt: skip
-    integers = {"polar": np.tile(polar, rotor.blades), "first_in": np.concatenate(first_in + starts[:, None]),
-                "last_knot": starts + np.array(sizes) - 2}  # fmt: skip
+    integers = {"polar": np.tile(polar, rotor.blades), "first_in": np.concatenate(first_in + starts[:, None])}
     macros = {"BLADES": rotor.blades, "STATIONS": len(b.radius), "SENSE": rotor.rotation,
               "TIP_RADIUS": _number(b.tip_radius), "SKEW": _number(rotor.skew), "SKEWED_WAKE": int(rotor.skew != 0),
               "DYNAMIC_INFLOW": int(rotor.dynamic_inflow), "AXIAL_DRAG": int(rotor.axial_drag),

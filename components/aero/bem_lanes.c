@@ -9,25 +9,26 @@
 struct LANE(piece) { V begin, end, cubic[12]; int low[LANES]; };
 
 /* Numbers `from` to from + n - 1 of the cubics in rows of LANES pieces. */
-static inline void LANE(read_cubics)(struct LANE(piece) *p, int from, int n) {
-    for (int first = from; first < from + n; first += LANES) {
+INLINE void LANE(read_cubics)(struct LANE(piece) *p, int from, int n) {
+    EACH for (int first = from; first < from + n; first += LANES) {
         V row[LANES];
-        for (int l = 0; l < LANES; l++) row[l] = LANE(load)(cubic + 4 * COLUMNS * p->low[l] + first);
+        EACH for (int l = 0; l < LANES; l++) row[l] = LANE(load)(cubic + 4 * COLUMNS * p->low[l] + first);
         LANE(transpose)(row);
-        for (int k = 0; k < LANES && first + k < from + n; k++) p->cubic[first + k] = row[k];
+        EACH for (int k = 0; k < LANES; k++)
+            if (first + k < from + n) p->cubic[first + k] = row[k];
     }
 }
 
 /* Those of c_l and c_d; the angle lies between -pi and pi, or is no number. */
-static void LANE(look_up)(int i, V alpha, struct LANE(piece) *p) {
+APART void LANE(look_up)(int i, V alpha, struct LANE(piece) *p) {
     const double most = BINS - 1;
     V bin = (alpha + pi) * (BINS / (2 * pi)), zero = {0};
     bin = LANE(choose)(bin >= 0, bin, zero), bin = LANE(least)(bin, LANE(all)(most));
     double angle[LANES], place[LANES], edge_of[2 * LANES];
     LANE(store)(angle, alpha), LANE(store)(place, bin);
-    for (int l = 0; l < LANES; l++) {
+    EACH for (int l = 0; l < LANES; l++) {
         int foil = polar[i + l], low = first_in[BINS * foil + (int)place[l]];
-        for (int n = 0; n < MOST_IN_BIN; n++) low += (knot[low + 1] <= angle[l]) & (low < last_knot[foil]);
+        for (int n = 0; n < MOST_IN_BIN; n++) low += knot[low + 1] <= angle[l];
         p->low[l] = low, edge_of[l] = knot[low], edge_of[LANES + l] = knot[low + 1];
     }
     p->begin = STRIDED(edge_of, 1), p->end = STRIDED(edge_of + LANES, 1);
@@ -35,13 +36,13 @@ static void LANE(look_up)(int i, V alpha, struct LANE(piece) *p) {
 }
 
 /* An angle that lies between -2 pi and 2 pi, between -pi and pi. */
-static inline V LANE(turned)(V alpha) {
+INLINE V LANE(turned)(V alpha) {
     alpha = LANE(choose)(alpha >= pi, alpha - 2 * pi, alpha);
     return LANE(choose)(alpha < -pi, alpha + 2 * pi, alpha);
 }
 
 /* As `loss` of bem.c. */
-static inline V LANE(loss)(V f, V cot, V *log_slope) {
+INLINE V LANE(loss)(V f, V cot, V *log_slope) {
     V e = LANE(decay)(f);
     M large = e > 0.5;
     V q = LANE(choose)(large, 0.5 - 0.5 * e, e * e), y = LANE(choose)(large, LANE(root)(q), e);
@@ -56,7 +57,7 @@ static inline V LANE(loss)(V f, V cot, V *log_slope) {
  * begin, that of the piece of the polar, high and low_loss tell the smooth pieces apart. */
 struct LANE(balance) { V s, c, F, F_phi, A, B, A_phi, B_phi, A_twist, A_sigma, B_twist, B_sigma, begin; M high, low_loss; };
 
-static inline void LANE(balance)(int i, V x, V side, V sigma, const struct LANE(piece) *p, V alpha, struct LANE(balance) *b) {
+INLINE void LANE(balance)(int i, V x, V side, V sigma, const struct LANE(piece) *p, V alpha, struct LANE(balance) *b) {
     V s, c, tip, hub, one = LANE(all)(1), zero = {0};
     LANE(sine_cosine)(x, &s, &c);
     V per_size = 1 / s, cot = side * c * per_size, sine = side * s, square = sine * s;
@@ -95,7 +96,7 @@ static inline void LANE(balance)(int i, V x, V side, V sigma, const struct LANE(
 }
 
 /* As `guess` of bem.c. */
-static inline V LANE(guess)(int i, V Vx, V Vt, V twist, V sigma) {
+INLINE V LANE(guess)(int i, V Vx, V Vt, V twist, V sigma) {
     V one = LANE(all)(1), ratio = Vt / Vx, x = 1.22 * LANE(load)(least_loss + i) * (ratio + 0.2);
     V F = LANE(choose)(x < 6, LANE(root)(1 - 1 / (1 + x * (1 + x * (0.5 + x * (1.0 / 6))))), one);
     V m = sigma * LANE(load)(lift_slope + i), theta = twist + LANE(load)(zero_lift + i);
@@ -108,11 +109,11 @@ static inline V LANE(guess)(int i, V Vx, V Vt, V twist, V sigma) {
 
 /* The last step along the cubics, as `finish` of bem.c, or along the slopes where it is `straight`. Returns the lanes that
  * it suits. */
-static inline M LANE(finish)(V Vx, V Vt, V alpha, V per_step, V per_slope, M straight, const struct LANE(balance) *past,
+INLINE M LANE(finish)(V Vx, V Vt, V alpha, V per_step, V per_slope, M straight, const struct LANE(balance) *past,
                              struct LANE(balance) *b, const struct LANE(piece) *p, V *newton) {
     V now[6] = {b->A, b->B, b->F, b->A_phi, b->B_phi, b->F_phi}, zero = {0}, second[3], third[3], d = *newton;
     V before[6] = {past->A, past->B, past->F, past->A_phi, past->B_phi, past->F_phi};
-    for (int i = 0; i < 3; i++) {
+    EACH for (int i = 0; i < 3; i++) {
         V mean = (now[i] - before[i]) * per_step;
         second[i] = LANE(choose)(straight, zero, (2 * now[i + 3] + before[i + 3] - 3 * mean) * per_step);
         third[i] = LANE(choose)(straight, zero, (now[i + 3] + before[i + 3] - 2 * mean) * per_step * per_step);
@@ -130,7 +131,7 @@ static inline M LANE(finish)(V Vx, V Vt, V alpha, V per_step, V per_slope, M str
 
 /* The balances of the lanes that are `active`, as `solve` of bem.c: the inflow angle phi, its sine and cosine and the
  * balance there. Returns the lanes where it is found. */
-static inline M LANE(solve)(int i, V Vx, V Vt, V twist, V sigma, int derivatives, M active, V *phi,
+INLINE M LANE(solve)(int i, V Vx, V Vt, V twist, V sigma, int derivatives, M active, V *phi,
                             struct LANE(balance) *b, struct LANE(piece) *p) {
     V zero = {0}, one = LANE(all)(1), side = LANE(choose)(Vx < 0, -one, one), size = LANE(size)(Vx);
     V low = LANE(all)(edge), high = LANE(all)(pi / 2), before = high - low, per_step = zero, newton, per_slope, alpha;
@@ -190,7 +191,7 @@ static inline M LANE(solve)(int i, V Vx, V Vt, V twist, V sigma, int derivatives
 }
 
 /* As `near_angle` of bem.c. */
-static inline V LANE(near_angle)(V y, V x, V angle, V s, V c) {
+INLINE V LANE(near_angle)(V y, V x, V angle, V s, V c) {
     V along = x * c + y * s, t = (y * c - x * s) / along, q = t * t, q2 = q * q;
     V near = angle + t * ((1 - q * (1.0 / 3)) + q2 * ((1.0 / 5 - q * (1.0 / 7)) + q2 * (1.0 / 9 - q * (1.0 / 11))));
     M far = ~((along > 0) & (q < 0.0025));
@@ -198,7 +199,7 @@ static inline V LANE(near_angle)(V y, V x, V angle, V s, V c) {
 }
 
 /* As `share_of` of bem.c, without slopes. */
-static inline V LANE(share)(V Vx, V Vt, V spin, V spanwise, V per_r) {
+INLINE V LANE(share)(V Vx, V Vt, V spin, V spanwise, V per_r) {
     V one = LANE(all)(1), zero = {0}, across = Vt - spin, size = LANE(size)(Vx);
     V tip_speed = LANE(size)(spin) * TIP_RADIUS * per_r, wind = Vx * Vx + across * across + spanwise * spanwise;
     M whole = (4 * wind <= tip_speed * tip_speed) & (size >= 0.02 * tip_speed) & (4 * Vt * spin >= spin * spin);
@@ -208,7 +209,7 @@ static inline V LANE(share)(V Vx, V Vt, V spin, V spanwise, V per_r) {
                  2 - 2 * LANE(choose)(tip_speed > wind, wind / tip_speed, one),
                  LANE(choose)(spin != 0, 4 * Vt / spin, zero)};
     V share = one;
-    for (int k = 0; k < 3; k++) {
+    EACH for (int k = 0; k < 3; k++) {
         V x = LANE(choose)(part[k] <= 0, zero, LANE(choose)(part[k] >= 1, one, part[k]));
         share *= x * x * (3 - 2 * x);
     }
@@ -216,14 +217,14 @@ static inline V LANE(share)(V Vx, V Vt, V spin, V spanwise, V per_r) {
 }
 
 /* Coefficients and rates of the airfoil model, and their slopes unless d is null. `at` has the piece of the last balance. */
-static inline void LANE(airfoils)(int i, const V *told, double step, struct LANE(piece) *at, V *v, V (*d)[FLOW_INPUTS]) {
+INLINE void LANE(airfoils)(int i, const V *told, double step, struct LANE(piece) *at, V *v, V (*d)[FLOW_INPUTS]) {
 #if STEADY_AIRFOIL
     V alpha = LANE(turned)(told[FLOW_ANGLE]);
     (void)step;
     if (LANE(bits)(~((alpha >= at->begin) & (alpha < at->end)))) LANE(look_up)(i, alpha, at);
     LANE(read_cubics)(at, 8, 4);
     V x = alpha - at->begin;
-    for (int k = 0; k < 3; k++) {
+    EACH for (int k = 0; k < 3; k++) {
         const V *c = at->cubic + 4 * k;
         v[k] = ((c[3] * x + c[2]) * x + c[1]) * x + c[0];
         if (d) d[k][0] = (3 * c[3] * x + 2 * c[2]) * x + c[1];
@@ -231,17 +232,17 @@ static inline void LANE(airfoils)(int i, const V *told, double step, struct LANE
 #else
     (void)at;
     double in[FLOW_STATE + AIRFOIL_STATES][LANES], value[FLOW_VALUES][LANES], slope[FLOW_VALUES][FLOW_INPUTS][LANES];
-    for (int k = 0; k < FLOW_INPUTS; k++) LANE(store)(in[k], told[k]);
-    for (int l = 0; l < LANES; l++) {
+    EACH for (int k = 0; k < FLOW_INPUTS; k++) LANE(store)(in[k], told[k]);
+    EACH for (int l = 0; l < LANES; l++) {
         double one_in[FLOW_STATE + AIRFOIL_STATES], one[FLOW_VALUES], by[FLOW_VALUES][FLOW_INPUTS];
-        for (int k = 0; k < FLOW_INPUTS; k++) one_in[k] = in[k][l];
+        EACH for (int k = 0; k < FLOW_INPUTS; k++) one_in[k] = in[k][l];
         flow((i + l) % STATIONS, one_in, step, one, d ? by : NULL);
-        for (int k = 0; k < FLOW_VALUES; k++) {
+        EACH for (int k = 0; k < FLOW_VALUES; k++) {
             value[k][l] = one[k];
             for (int j = 0; d && j < FLOW_INPUTS; j++) slope[k][j][l] = by[k][j];
         }
     }
-    for (int k = 0; k < FLOW_VALUES; k++) {
+    EACH for (int k = 0; k < FLOW_VALUES; k++) {
         v[k] = LANE(load)(value[k]);
         for (int j = 0; d && j < FLOW_INPUTS; j++) d[k][j] = LANE(load)(slope[k][j]);
     }
@@ -249,7 +250,7 @@ static inline void LANE(airfoils)(int i, const V *told, double step, struct LANE
 }
 
 /* As `section` of bem.c. Returns the lanes that are left to it, as bits. */
-static inline int LANE(section)(int i, const V *in, double chi, double step, V *load, V (*slope)[NUMBERS]) {
+INLINE int LANE(section)(int i, const V *in, double chi, double step, V *load, V (*slope)[NUMBERS]) {
     V Vx = in[VX], Vt = in[VT], chord = in[CHORD], zero = {0}, one = LANE(all)(1), per_r = 1 / in[RADIUS];
     V sigma = BLADES / (2 * pi) * chord * per_r, given = DYNAMIC_INFLOW * in[INDUCED];
     V share = LANE(share)(Vx, Vt, in[SPIN], in[SPANWISE], per_r), U = Vx - given, T = Vt, induced = zero, phi = zero;
@@ -259,7 +260,7 @@ static inline int LANE(section)(int i, const V *in, double chi, double step, V *
     M acting = share > 0, left = share != share;
     if (slope) {
         left |= acting & (share < 1), acting &= ~left;
-        for (int j = 0; j < NUMBERS; j++) dU[j] = dT[j] = dinduced[j] = zero;
+        EACH for (int j = 0; j < NUMBERS; j++) dU[j] = dT[j] = dinduced[j] = zero;
         dU[VX] = dT[VT] = one;
         if (DYNAMIC_INFLOW) dU[INDUCED] = -one;
     }
@@ -300,7 +301,7 @@ static inline int LANE(section)(int i, const V *in, double chi, double step, V *
             V dB[COUNT] = {b.B_sigma * per_chord, zero, zero, b.B_twist, b.B_sigma * solidity};
             V residual[COUNT] = {sigma_A * per_chord, -b.B, b.A, Vt * b.A_twist - Vx * b.B_twist, sigma_A * solidity};
             V by_a = LANE(choose)(a_in, induced * SKEW * in[SKEWED] * T_a * per_Vx, zero);
-            for (int n = 0; n < COUNT; n++) {
+            EACH for (int n = 0; n < COUNT; n++) {
                 int j = CHORD + n;
                 V dphi = residual[n] * by_phi, A = dA[n] + b.A_phi * dphi, B = dB[n] + b.B_phi * dphi;
                 V dW = W * (W_phi * dphi + speed[n] - (b.A * A + b.B * B) * per_N);
@@ -327,7 +328,7 @@ static inline int LANE(section)(int i, const V *in, double chi, double step, V *
     V turn = LANE(choose)(speed > 0, 1 / speed, zero), u = U * turn, t = T * turn, per_chord = 1 / chord;
     for (int j = CHORD; j < NUMBERS; j++) {
         V dspeed = u * dU[j] + t * dT[j], dalpha = (t * dU[j] - u * dT[j]) * turn - (j == TWIST), by[FLOW_VALUES];
-        for (int k = 0; k < FLOW_VALUES; k++) {
+        EACH for (int k = 0; k < FLOW_VALUES; k++) {
             by[k] = d[k][FLOW_ANGLE] * dalpha;
             if (AIRFOIL_STATES) {
                 by[k] += d[k][FLOW_SPEED] * dspeed;
@@ -341,23 +342,26 @@ static inline int LANE(section)(int i, const V *in, double chi, double step, V *
         slope[3][j] = dinduced[j];
         for (int k = 0; k < AIRFOIL_STATES; k++) slope[4 + k][j] = by[3 + k];
     }
-    for (int k = 0; k < 3; k++) slope[k][CHORD] += (k == 2 ? 2 : 1) * load[k] * per_chord;
+    EACH for (int k = 0; k < 3; k++) slope[k][CHORD] += (k == 2 ? 2 : 1) * load[k] * per_chord;
     return LANE(bits)(left);
 }
 
 /* Writes rows of numbers for each lane, its own at at[stride * lane]. */
-static inline void LANE(spread)(const V *of, int rows, double *at, int stride) {
-    for (int first = 0; first < rows; first += LANES) {
+INLINE void LANE(spread)(const V *of, int rows, double *at, int stride) {
+    EACH for (int first = 0; first < rows; first += LANES) {
         V some[LANES];
-        for (int k = 0; k < LANES; k++) some[k] = first + k < rows ? of[first + k] : (V){0};
+        EACH for (int k = 0; k < LANES; k++) some[k] = first + k < rows ? of[first + k] : (V){0};
         LANE(transpose)(some);
         int n = rows - first < LANES ? rows - first : LANES;
-        for (int l = 0; l < LANES; l++) memcpy(at + stride * l + first, &some[l], n * sizeof(double));
+        EACH for (int l = 0; l < LANES; l++) memcpy(at + stride * l + first, &some[l], n * sizeof(double));
     }
 }
 
+/* All rows of the columns that belong to a node. */
+APART void LANE(put_own)(const V *out, double *at, int stride) { LANE(spread)(out, ROWS, at, stride); }
+
 /* As `put` of bem.c for the columns of all nodes. */
-static inline void LANE(put)(int i, int induced, double sign, const V *out, double *at) {
+APART void LANE(put)(int i, int induced, double sign, const V *out, double *at) {
     V turned[ROWS];
     for (int row = 0; row < ROWS; row++) turned[row] = sign * out[row];
     LANE(spread)(turned, 6, at + 6 * i, 6);
@@ -366,18 +370,18 @@ static inline void LANE(put)(int i, int induced, double sign, const V *out, doub
         LANE(spread)(turned + 6 + DYNAMIC_INFLOW, AIRFOIL_STATES, at + (6 + (DYNAMIC_INFLOW && induced)) * NODES + AIRFOIL_STATES * i, AIRFOIL_STATES);
 }
 
-static inline V LANE(dot)(const V *a, const V *b) { return a[0] * b[0] + a[1] * b[1] + a[2] * b[2]; }
+INLINE V LANE(dot)(const V *a, const V *b) { return a[0] * b[0] + a[1] * b[1] + a[2] * b[2]; }
 
-static inline void LANE(cross)(const V *a, const V *b, V *c) {
+INLINE void LANE(cross)(const V *a, const V *b, V *c) {
     c[0] = a[1] * b[2] - a[2] * b[1];
     c[1] = a[2] * b[0] - a[0] * b[2];
     c[2] = a[0] * b[1] - a[1] * b[0];
 }
 
-static inline void LANE(column)(V (*of)[ROWS], const V *change, int first, int last, V *out) {
+INLINE void LANE(column)(V (*of)[ROWS], const V *change, int first, int last, V *out) {
     for (int row = 0; row < ROWS; row++) {
         out[row] = change[first] * of[first][row];
-        for (int j = first + 1; j <= last; j++) out[row] += change[j] * of[j][row];
+        EACH for (int j = first + 1; j <= last; j++) out[row] += change[j] * of[j][row];
     }
 }
 
@@ -386,7 +390,7 @@ static int LANE(nodes)(int i, const double *u, const struct wake *wake, double *
     const double *X = u + ORIENTATION + 9 * i;
     V v[3], d[3], c[3], turning[3], x[3], z[3], n[3], s[3], ey[3], ex[3], et[3], in[NUMBERS], load[4 + AIRFOIL_STATES];
     V slope[4 + AIRFOIL_STATES][NUMBERS];
-    for (int k = 0; k < 3; k++) {
+    EACH for (int k = 0; k < 3; k++) {
         V velocity = STRIDED(u + VELOCITY + 3 * i + k, 3);
         v[k] = STRIDED(u + WIND + 3 * i + k, 3) - velocity;
         d[k] = STRIDED(u + POSITION + 3 * i + k, 3) - u[HUB_POSITION + k];
@@ -396,11 +400,11 @@ static int LANE(nodes)(int i, const double *u, const struct wake *wake, double *
     }
     LANE(cross)(z, n, c);
     V per_size = 1 / LANE(root)(LANE(dot)(c, c)), along = LANE(dot)(d, n), scale = u[DENSITY] * LANE(load)(length + i);
-    for (int k = 0; k < 3; k++) ey[k] = c[k] * per_size, et[k] = SENSE * ey[k];
+    EACH for (int k = 0; k < 3; k++) ey[k] = c[k] * per_size, et[k] = SENSE * ey[k];
     LANE(cross)(ey, z, ex);
     V p = -LANE(dot)(x, et), q = LANE(dot)(x, ex);
     double chord[LANES], induced[LANES];
-    for (int l = 0; l < LANES; l++) {
+    EACH for (int l = 0; l < LANES; l++) {
         chord[l] = u[CHORD_LENGTH + (i + l) % STATIONS];
         if (DYNAMIC_INFLOW) induced[l] = u[INDUCED_SPEED + (i + l) % STATIONS];
     }
@@ -416,7 +420,7 @@ static int LANE(nodes)(int i, const double *u, const struct wake *wake, double *
     int left = LANE(section)(i, in, wake->chi, AIRFOIL_STATES ? u[STAGE_STEP] : 0, load, jac ? slope : NULL);
     if (!jac) {
         V out[6];
-        for (int k = 0; k < 3; k++) {
+        EACH for (int k = 0; k < 3; k++) {
             out[k] = scale * (load[0] * ex[k] + load[1] * et[k]);
             out[3 + k] = scale * SENSE * load[2] * z[k];
         }
@@ -428,9 +432,9 @@ static int LANE(nodes)(int i, const double *u, const struct wake *wake, double *
     }
 
     V of[NUMBERS][ROWS], out[ROWS], change[NUMBERS], zero = {0}, per_radius = 1 / in[RADIUS], turn = 1 / (p * p + q * q);
-    for (int j = 0; j < NUMBERS; j++) change[j] = zero;
+    EACH for (int j = 0; j < NUMBERS; j++) change[j] = zero;
     for (int j = CHORD; j < NUMBERS; j++) {
-        for (int k = 0; k < 3; k++) {
+        EACH for (int k = 0; k < 3; k++) {
             of[j][k] = scale * (slope[0][j] * ex[k] + slope[1][j] * et[k]);
             of[j][3 + k] = scale * SENSE * slope[2][j] * z[k];
         }
@@ -442,36 +446,36 @@ static int LANE(nodes)(int i, const double *u, const struct wake *wake, double *
         int hub = ROWS * NODES * k;
         change[RADIUS] = (d[k] - along * n[k]) * per_radius, change[SKEWED] = s[k] * (1 / TIP_RADIUS);
         LANE(column)(of, change, RADIUS, SKEWED, out);
-        LANE(spread)(out, ROWS, own + NZ_POSITION + ROWS * k, 3 * ROWS);
+        LANE(put_own)(out, own + NZ_POSITION + ROWS * k, 3 * ROWS);
         LANE(put)(i, 1, -1, out, jac + NZ_HUB_POSITION + hub);
         change[VX] = ex[k], change[VT] = et[k];
         LANE(column)(of, change, VX, VT, out);
-        LANE(spread)(out, ROWS, own + NZ_WIND + ROWS * k, 3 * ROWS);
+        LANE(put_own)(out, own + NZ_WIND + ROWS * k, 3 * ROWS);
         for (int row = 0; row < ROWS; row++) out[row] = -out[row];
-        LANE(spread)(out, ROWS, own + NZ_VELOCITY + ROWS * k, 3 * ROWS);
+        LANE(put_own)(out, own + NZ_VELOCITY + ROWS * k, 3 * ROWS);
         change[TWIST] = (-et[k] * q - ex[k] * p) * turn;
         LANE(column)(of, change, TWIST, TWIST, out);
-        LANE(spread)(out, ROWS, axis + ROWS * k, 6 * ROWS);
+        LANE(put_own)(out, axis + ROWS * k, 6 * ROWS);
 
         for (int of_z = 0; of_z < 2; of_z++) { /* the section's axes turn with the normal and the blade axis */
             V unit[3] = {zero + (k == 0), zero + (k == 1), zero + (k == 2)}, dc[3], dey[3], dex[3], det[3], extra[3];
             if (of_z) LANE(cross)(unit, n, dc); else LANE(cross)(z, unit, dc);
             V part = LANE(dot)(dc, ey);
-            for (int j = 0; j < 3; j++) dey[j] = (dc[j] - part * ey[j]) * per_size, det[j] = SENSE * dey[j];
+            EACH for (int j = 0; j < 3; j++) dey[j] = (dc[j] - part * ey[j]) * per_size, det[j] = SENSE * dey[j];
             LANE(cross)(dey, z, dex);
             if (of_z) {
                 LANE(cross)(ey, unit, extra);
-                for (int j = 0; j < 3; j++) dex[j] += extra[j];
+                EACH for (int j = 0; j < 3; j++) dex[j] += extra[j];
             }
             change[VX] = LANE(dot)(v, dex), change[VT] = LANE(dot)(v, det);
             change[TWIST] = (-LANE(dot)(x, det) * q - LANE(dot)(x, dex) * p) * turn;
             change[RADIUS] = -along * d[k] * per_radius, change[ANGLE] = zero + wake->chi_n[k];
             change[SKEWED] = (d[0] * wake->s_n[0][k] + d[1] * wake->s_n[1][k] + d[2] * wake->s_n[2][k]) * (1 / TIP_RADIUS);
             LANE(column)(of, change, VX, of_z ? TWIST : ANGLE, out);
-            for (int j = 0; j < 3; j++) out[j] += scale * (load[0] * dex[j] + load[1] * det[j]);
+            EACH for (int j = 0; j < 3; j++) out[j] += scale * (load[0] * dex[j] + load[1] * det[j]);
             if (of_z) {
                 out[3 + k] += scale * SENSE * load[2];
-                LANE(spread)(out, ROWS, axis + ROWS * (3 + k), 6 * ROWS);
+                LANE(put_own)(out, axis + ROWS * (3 + k), 6 * ROWS);
             } else {
                 LANE(put)(i, 1, 1, out, jac + NZ_HUB_NORMAL + hub);
             }
@@ -485,7 +489,7 @@ static int LANE(nodes)(int i, const double *u, const struct wake *wake, double *
         }
         LANE(put)(i, 1, -1, out, jac + NZ_HUB_VELOCITY + hub);
     }
-    for (int k = 0; k < 3; k++) {
+    EACH for (int k = 0; k < 3; k++) {
         out[k] = LANE(load)(length + i) * (load[0] * ex[k] + load[1] * et[k]);
         out[3 + k] = LANE(load)(length + i) * SENSE * load[2] * z[k];
     }
@@ -493,7 +497,7 @@ static int LANE(nodes)(int i, const double *u, const struct wake *wake, double *
     double row[2 * LANES][ROWS];
     LANE(spread)(of[CHORD], ROWS, row[0], ROWS);
     if (DYNAMIC_INFLOW) LANE(spread)(of[INDUCED], ROWS, row[LANES], ROWS);
-    for (int l = 0; l < LANES; l++) {
+    EACH for (int l = 0; l < LANES; l++) {
         int blade = (i + l) / STATIONS, station = (i + l) % STATIONS;
         put(blade, BLADES, 1, 1, row[l], jac + NZ_CHORD + ROWS * BLADES * station);
         if (DYNAMIC_INFLOW) put(blade, BLADES, 0, 1, row[LANES + l], jac + NZ_INDUCED_SPEED + LOADS_AND_RATES * BLADES * station);

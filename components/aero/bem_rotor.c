@@ -3,22 +3,6 @@
 #ifdef VECTORS
 typedef int nodes_at_once(int i, const double *u, const struct wake *wake, double *f, double *jac);
 
-#ifdef __x86_64__
-#include <cpuid.h>
-
-/* Lanes of the widest vectors that the processor has and the system keeps. */
-static int widest(void) {
-    unsigned a, b, c, d, low, high;
-    if (!__get_cpuid(1, &a, &b, &c, &d) || !(c & bit_OSXSAVE) || !(c & bit_FMA)) return 2;
-    __asm__("xgetbv" : "=a"(low), "=d"(high) : "c"(0));
-    if ((low & 0x06) != 0x06 || !__get_cpuid_count(7, 0, &a, &b, &c, &d) || !(b & bit_AVX2)) return 2;
-    int wide = (b & bit_AVX512F) && (b & bit_AVX512DQ) && (b & bit_AVX512VL) && (low & 0xe6) == 0xe6;
-    return wide ? 8 : 4;
-}
-#else
-static int widest(void) { return 2; }
-#endif
-
 static int lanes; /* as many at most; 0 before the first call */
 
 static int lanes_in_use(void) {

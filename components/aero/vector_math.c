@@ -2,9 +2,9 @@
  * with LANE(name) for what belongs to one of them.
  *
  * Written in the vector types of gcc and clang, which are the same on all processors; what they have no words for stands
- * first. The polynomials go through the functions at Chebyshev's points, computed with 60 digits. Largest errors, as
- * tests/aero/test_vector_math.py measures them, in units of 2^-53 of the value: sine 4, exponential 3, arc sine 4, angle 4;
- * of the cosine in units of 2^-53: 4. No number in, no number out; a lane never changes another one. */
+ * first. The polynomials go through the functions at Chebyshev's points, computed with 60 digits. Largest errors, which
+ * tests/aero/test_vector_math.py checks, in units of 2^-53 of the value: sine 2.5, exponential 1.5, arc sine 1.5, angle 2;
+ * cosine 2.5 of 2^-53. No number in, no number out; a lane never changes another one. */
 
 typedef double LANE(numbers) __attribute__((vector_size(8 * LANES)));
 typedef long long LANE(mask) __attribute__((vector_size(8 * LANES))); /* of a lane all bits, or none */
@@ -21,12 +21,12 @@ typedef double LANE(anywhere) __attribute__((vector_size(8 * LANES), aligned(8),
 #define STRIDED(p, n) (V){(p)[0], (p)[n]}
 #endif
 
-static inline V LANE(load)(const double *p) { return *(const LANE(anywhere) *)p; }
-static inline void LANE(store)(double *p, V x) { *(LANE(anywhere) *)p = x; }
-static inline V LANE(all)(double x) { return x - (V){0}; }
+INLINE V LANE(load)(const double *p) { return *(const LANE(anywhere) *)p; }
+INLINE void LANE(store)(double *p, V x) { *(LANE(anywhere) *)p = x; }
+INLINE V LANE(all)(double x) { return x - (V){0}; }
 
 /* Bit l of the result says whether lane l is on. */
-static inline int LANE(bits)(M m) {
+INLINE int LANE(bits)(M m) {
 #if LANES == 8
     return (unsigned char)__builtin_ia32_cvtq2mask512(m);
 #elif LANES == 4
@@ -38,7 +38,7 @@ static inline int LANE(bits)(M m) {
 #endif
 }
 
-static inline V LANE(root)(V x) {
+INLINE V LANE(root)(V x) {
     V r;
 #if LANES > 2
     __asm__("vsqrtpd %1, %0" : "=v"(r) : "v"(x));
@@ -50,12 +50,12 @@ static inline V LANE(root)(V x) {
     return r;
 }
 
-static inline V LANE(choose)(M m, V a, V b) { return (V)((m & (M)a) | (~m & (M)b)); }
-static inline V LANE(size)(V x) { return (V)((M)x & 0x7fffffffffffffffLL); }
-static inline V LANE(least)(V a, V b) { return LANE(choose)(a < b, a, b); }
+INLINE V LANE(choose)(M m, V a, V b) { return (V)((m & (M)a) | (~m & (M)b)); }
+INLINE V LANE(size)(V x) { return (V)((M)x & 0x7fffffffffffffffLL); }
+INLINE V LANE(least)(V a, V b) { return LANE(choose)(a < b, a, b); }
 
 /* The other way round: a[k] has the number k of all rows after it. */
-static inline void LANE(transpose)(V *a) {
+INLINE void LANE(transpose)(V *a) {
 #if defined(__has_builtin)
 #if __has_builtin(__builtin_shufflevector)
 #define SHUFFLE __builtin_shufflevector
@@ -68,15 +68,16 @@ static inline void LANE(transpose)(V *a) {
         for (int l = 0; l < LANES; l++) a[k][l] = b[l][k];
 #elif LANES == 8
     V b[8];
-    for (int k = 0; k < 8; k += 2) {
+    EACH for (int k = 0; k < 8; k += 2) {
         b[k] = SHUFFLE(a[k], a[k + 1], 0, 8, 2, 10, 4, 12, 6, 14);
         b[k + 1] = SHUFFLE(a[k], a[k + 1], 1, 9, 3, 11, 5, 13, 7, 15);
     }
-    for (int k = 0; k < 8; k += k % 4 == 1 ? 3 : 1) {
-        a[k] = SHUFFLE(b[k], b[k + 2], 0, 1, 8, 9, 4, 5, 12, 13);
-        a[k + 2] = SHUFFLE(b[k], b[k + 2], 2, 3, 10, 11, 6, 7, 14, 15);
+    EACH for (int k = 0; k < 4; k++) {
+        int from = k < 2 ? k : k + 2; /* 0, 1, 4, 5 */
+        a[from] = SHUFFLE(b[from], b[from + 2], 0, 1, 8, 9, 4, 5, 12, 13);
+        a[from + 2] = SHUFFLE(b[from], b[from + 2], 2, 3, 10, 11, 6, 7, 14, 15);
     }
-    for (int k = 0; k < 4; k++) {
+    EACH for (int k = 0; k < 4; k++) {
         V low = a[k], high = a[k + 4];
         a[k] = SHUFFLE(low, high, 0, 1, 2, 3, 8, 9, 10, 11), a[k + 4] = SHUFFLE(low, high, 4, 5, 6, 7, 12, 13, 14, 15);
     }
@@ -93,7 +94,7 @@ static inline void LANE(transpose)(V *a) {
 }
 
 /* Sine and cosine of an angle between 0 and pi, from those of its half where that is below pi/4: to pi/2 as said above. */
-static inline void LANE(sine_cosine)(V x, V *sine, V *cosine) {
+INLINE void LANE(sine_cosine)(V x, V *sine, V *cosine) {
     V y = 0.5 * x, q = y * y, q2 = q * q, q4 = q2 * q2;
     V p = (-0.16666666666666666 + 0.008333333333330948 * q) + q2 * (-0.00019841269836756774 + 2.7557316101617874e-06 * q)
           + q4 * (-2.505113165023518e-08 + 1.5918115263265974e-10 * q);
@@ -104,7 +105,7 @@ static inline void LANE(sine_cosine)(V x, V *sine, V *cosine) {
 }
 
 /* exp(-x) of x from 0 on; beyond 700 that of 700. */
-static inline V LANE(decay)(V x) {
+INLINE V LANE(decay)(V x) {
     const double shift = 6755399441055744.0; /* 3 * 2^51: what is added to it becomes a whole number in its last bits */
     x = LANE(least)(x, LANE(all)(700));
     V moved = x * -1.4426950408889634 + shift, n = moved - shift;
@@ -117,7 +118,7 @@ static inline V LANE(decay)(V x) {
 }
 
 /* (asin(y) - y) / y^3 of y * y = q between 0 and 1/4 */
-static inline V LANE(arc_sine_rest)(V q) {
+INLINE V LANE(arc_sine_rest)(V q) {
     V q2 = q * q, q4 = q2 * q2, q8 = q4 * q4;
     V a = (0.16666666666666669 + 0.07499999999998433 * q) + q2 * (0.04464285714635543 + 0.030381944138531247 * q);
     V b = (0.02237217294214989 + 0.017352392720869973 * q) + q2 * (0.013971212973552933 + 0.011479177415184906 * q);
@@ -126,7 +127,7 @@ static inline V LANE(arc_sine_rest)(V q) {
 }
 
 /* The angle of the point (x, y), as atan2. */
-static inline V LANE(angle)(V y, V x) {
+INLINE V LANE(angle)(V y, V x) {
     V up = LANE(size)(y), along = LANE(size)(x);
     M steep = up > along;
     V low = LANE(choose)(steep, along, up), high = LANE(choose)(steep, up, along);
