@@ -1,4 +1,7 @@
-"""The data of a blade-element rotor as C text, which stands in front of polar.c, its airfoil model and bem.c."""
+"""The data of a blade-element rotor as C text, which stands in front of polar.c, its airfoil model and bem.c.
+
+The numbers of a station are there for every node, so that a vector of nodes reads them at once.
+"""
 
 from __future__ import annotations
 
@@ -31,9 +34,9 @@ def c_text(rotor: BladeElementRotor) -> str:
     tip, hub = rotor.losses
     upright = np.prod([2 / np.pi * np.arccos(np.exp(-x)) for x in (tip, hub)], axis=0)
     stations = {"length": rotor.lengths, "tip_loss": tip, "hub_loss": hub,
-               "least_loss": np.minimum(tip, hub), "upright_loss": upright,
-               "most_lift": most[:, 0], "most_drag": most[:, 1],
-               "lift_slope": lift_lines[:, 0], "zero_lift": lift_lines[:, 1]}  # fmt: skip
+                "least_loss": np.minimum(tip, hub), "upright_loss": upright,
+                "most_lift": most[:, 0], "most_drag": most[:, 1],
+                "lift_slope": lift_lines[:, 0], "zero_lift": lift_lines[:, 1]}  # fmt: skip
     numbers = {**{name: np.tile(values, rotor.blades) for name, values in stations.items()},
                "knot": np.concatenate([[*foil.angle[:-1], 10.0] for foil in foils]),
                "cubic": np.concatenate([c.ravel() for c in cubics]), **more_numbers}  # fmt: skip
@@ -42,7 +45,8 @@ def c_text(rotor: BladeElementRotor) -> str:
               "TIP_RADIUS": _number(b.tip_radius), "SKEW": _number(rotor.skew), "SKEWED_WAKE": int(rotor.skew != 0),
               "DYNAMIC_INFLOW": int(rotor.dynamic_inflow), "AXIAL_DRAG": int(rotor.axial_drag),
               "TANGENTIAL_DRAG": int(rotor.tangential_drag),
-              "AIRFOIL_STATES": model.states, "COLUMNS": cubics[0].shape[1], "BINS": first_in.shape[1], "MOST_IN_BIN": most_in_bin, **more_macros}  # fmt: skip
+              "AIRFOIL_STATES": model.states, "COLUMNS": cubics[0].shape[1], "BINS": first_in.shape[1],
+              "MOST_IN_BIN": most_in_bin, **more_macros}  # fmt: skip
     lines = [f"#define {key} {value if str(value).startswith('{') else f'({value})'}" for key, value in macros.items()]
     lines += [_array("int", key, value) for key, value in integers.items()]
     lines += [_array("double", key, value) for key, value in numbers.items()]

@@ -1,6 +1,6 @@
 """The blade elements in vectors, at every width this machine has, against one node after the other by bem.c.
 
-Bound everywhere: 1e-10 of the largest number of each unit, of the loads and of their slopes by each kind of input.
+Bound everywhere: 1e-10 of the largest number of each unit, of outputs and of their slopes by all inputs of a unit.
 """
 
 import ctypes
@@ -27,13 +27,19 @@ OPTIONS = {
     "beddoes": {"airfoil_model": AIRFOIL_MODELS["beddoes_leishman"], "dynamic_inflow": True},
     "oye": {"airfoil_model": AIRFOIL_MODELS["oye"], "skew": 0.0},
 }
+UNITS = {
+    "position": "m", "hub_position": "m", "chord": "m", "orientation": "1", "hub_orientation": "1", "velocity": "m/s",
+    "wind": "m/s", "hub_velocity": "m/s", "disk_wind": "m/s", "induced": "m/s",
+}  # fmt: skip
 MOMENTS = ("parked", "idling", "starting", "turning", "fast", "backwards", "from behind", "calm")
 
 
 def moment(rotor, kind, g):
     """Inputs of a rotor in a moment of its life, its nodes in uneven wind, shaken and turned."""
     n, stations = rotor.nodes, len(rotor.blade.radius)
-    speed = {"parked": 0.0, "idling": 0.05, "starting": 0.4, "fast": 2.0, "backwards": -0.5}.get(kind, g.uniform(0.6, 1.5))
+    speed = {"parked": 0.0, "idling": 0.05, "starting": 0.4, "fast": 2.0, "backwards": -0.5}.get(
+        kind, g.uniform(0.6, 1.5)
+    )
     along = {"from behind": -9.0, "calm": 0.05}.get(kind, g.uniform(3, 25))
     wind = np.array([along, 0, 0]) + g.normal(size=(n, 3)) * g.choice([0.02, 0.3, 2.0])
     pitch = g.uniform(1.3, 1.6) if kind in ("parked", "idling") else g.uniform(-0.1, 0.5)
@@ -70,7 +76,8 @@ def worst_differences(rotor, states):
     """Of loads and of Jacobian between one node and several at once, as parts of the largest of each unit."""
     lanes, function = lanes_of(rotor), rotor.external.function
     jacobian = function.jacobian()
-    ends, groups = np.cumsum([0, *rotor.outputs.values()]), np.cumsum([0, *rotor.inputs.values()])
+    outputs = np.split(np.arange(sum(rotor.outputs.values())), np.cumsum(list(rotor.outputs.values()))[:-1])
+    unit = np.repeat([UNITS.get(name, name) for name in rotor.inputs], list(rotor.inputs.values()))
     worst = [0.0, 0.0]
     for u in states:
         lanes(1)
@@ -79,12 +86,11 @@ def worst_differences(rotor, states):
         for width in widths(rotor):
             assert lanes(width) == width
             change, turned = function(u).full().ravel() - loads, jacobian(u, 0).full() - slopes
-            for begin, end in zip(ends[:-1], ends[1:], strict=True):
-                size = np.abs(loads[begin:end]).max()
-                worst[0] = max(worst[0], np.abs(change[begin:end]).max() / max(size, 1e-300))
-                for first, last in zip(groups[:-1], groups[1:], strict=True):
-                    size = np.abs(slopes[begin:end, first:last]).max(initial=0)
-                    worst[1] = max(worst[1], np.abs(turned[begin:end, first:last]).max(initial=0) / max(size, 1e-300))
+            for rows in outputs:
+                worst[0] = max(worst[0], np.abs(change[rows]).max() / max(np.abs(loads[rows]).max(), 1e-300))
+                for one in set(unit) - {"stage_step"}:
+                    place = np.ix_(rows, np.flatnonzero(unit == one))
+                    worst[1] = max(worst[1], np.abs(turned[place]).max() / max(np.abs(slopes[place]).max(), 1e-300))
         lanes(max(WIDTHS))
     return worst
 
@@ -95,6 +101,7 @@ def test_nodes_at_once_are_nodes_alone(blade, name):
     states = [moment(rotor, kind, g) for kind in MOMENTS for _ in range(3)]
     loads, slopes = worst_differences(rotor, states)
     assert loads < 1e-10 and slopes < 1e-10
+    assert loads > 0 or not widths(rotor)  # other operations are rounded otherwise: it is not the same code
 
 
 @pytest.mark.parametrize("smooth", [True, False])
@@ -110,8 +117,9 @@ def test_dense_and_uneven_polars(blade, smooth):
 
 
 def test_a_rotor_with_fewer_nodes_than_lanes(blade):
-    few = {name: getattr(blade, name)[9:12] for name in ("radius", "length", "chord", "twist", "airfoil", "curve", "sweep")}
-    g, rotor = np.random.default_rng(7), BladeElementRotor(replace(blade, **few), blades=1)
+    names = ("radius", "length", "chord", "twist", "airfoil", "curve", "sweep")
+    few = {name: getattr(blade, name)[3::6] for name in names}
+    g, rotor = np.random.default_rng(7), BladeElementRotor(replace(blade, **few | {"length": [20.5] * 3}), blades=1)
     assert lanes_of(rotor)(8) in (1, 2)
     loads, slopes = worst_differences(rotor, [moment(rotor, kind, g) for kind in MOMENTS])
     assert loads < 1e-10 and slopes < 1e-10
