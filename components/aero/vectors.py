@@ -27,8 +27,8 @@ _END = """
 def in_vectors(text: str) -> str:
     """The text for each width, with LANES and LANE(name), a name of its own; in front of it what processor.c gives.
 
-    A product and a sum may become one operation, rounded once, in this text and nowhere else. The text itself says so: no
-    flag of a compiler or linker that would change how the processor rounds for others.
+    A product and a sum may become one operation, rounded once, in this text and nowhere else. The text itself says so,
+    and no flag for a compiler or linker, which could change how the processor rounds for others.
     """
     parts = [(Path(__file__).parent / "processor.c").read_text(encoding="utf-8")]
     for lanes, target in WIDTHS.items():

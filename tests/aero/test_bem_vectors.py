@@ -169,7 +169,7 @@ EXPORT unsigned long long control(void) {
 
 @pytest.mark.skipif(platform.machine() not in ("x86_64", "AMD64", "aarch64", "arm64"), reason="words of this processor")
 def test_loading_does_not_change_how_the_processor_computes(blade, tmp_path):
-    """Its rounding and what becomes of the smallest numbers, before and after loading and a call; in a fresh process."""
+    """Its rounding and what becomes of the smallest numbers, before loading, after it and after a call."""
     rotor = BladeElementRotor(blade)
     control, _ = load_library(CONTROL, "control_word")
     text = f"""

@@ -114,7 +114,9 @@ def test_above_rated_wind_the_thrust_drives_the_pitch_and_the_notch_takes_that_a
     plain = fw.load(str(spar))
     without, frequency = pitch_damping(fw.load(str(spar), set={"turbine.air_loads": 0}), 16.0)
     driven, _ = pitch_damping(plain, 16.0)
-    notched, _ = pitch_damping(fw.load(str(spar), set={"turbine.rotor.notch_frequency": f"{frequency} Hz"}), 16.0)
+    notched, _ = pitch_damping(
+        fw.load(str(spar), set={"turbine.rotor.notch_frequency": f"{frequency} Hz"}), 16.0
+    )
     below, _ = pitch_damping(plain, 8.0)
     assert driven < 0 < without < below
     assert notched == pytest.approx(without, abs=0.3 * (without - driven))

@@ -91,6 +91,7 @@ def test_slopes_are_finite_everywhere():
         assert np.all(np.isfinite(slope(at).full()))
 
 
+
 def shadowed(wind, place, drag=1.0, greatest=1.0, points=STRAIGHT, diameters=(D, D, D)):
     points = [ca.SX(np.array(p, dtype=float)) for p in points]
     wind, place = (ca.SX(np.array(v, dtype=float)) for v in (wind, place))
