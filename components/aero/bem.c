@@ -60,7 +60,7 @@ static double loss(double f, double cot, double *log_slope) {
     if (q < 1e-6) { /* the series of acos and of the root, to the last digit too */
         factor = 1 - 2 / pi * e * (1 + q / 6), root = 1 - q / 2;
     } else {
-        factor = 2 / pi * acos(e), root = sqrt(1 - q);
+        factor = 2 / pi * acos(e), root = sqrt((1 - e) * (1 + e));
         if (factor < 1e-4) return 1e-4;
     }
     *log_slope = -2 / pi * e * f * cot / (root * factor);
@@ -474,27 +474,4 @@ static void node(int i, const double *u, const struct wake *wake, double *f, dou
         put(0, 1, 0, sign, of[k], jac + (k == TURN ? NZ_TURN_RATE + LOADS_AND_RATES * i : NZ_STATE
             + LOADS_AND_RATES * (AIRFOIL_STATES * i + k - FIRST_STATE)));
     }
-}
-
-static void rotor(const double *u, double *f, double *jac) {
-    struct wake wake = {0};
-    double wind[3];
-    for (int k = 0; k < 3; k++) wind[k] = u[DISK_WIND + k] - u[HUB_VELOCITY + k];
-    if (SKEWED_WAKE) skewed_wake(wind, u + HUB_ORIENTATION, &wake);
-    for (int i = 0; i < NODES; i++) node(i, u, &wake, f, jac);
-}
-
-/* loads, and their Jacobian */
-EXPORT int FUNCTION()(const double **arg, double **res, casadi_int *iw, double *w, int mem) {
-    (void)iw, (void)w, (void)mem;
-    if (!arg[0]) return 1;
-    if (res[0]) rotor(arg[0], res[0], NULL);
-    return 0;
-}
-
-EXPORT int JACOBIAN()(const double **arg, double **res, casadi_int *iw, double *w, int mem) {
-    (void)iw, (void)w, (void)mem;
-    if (!arg[0]) return 1;
-    if (res[0]) rotor(arg[0], NULL, res[0]);
-    return 0;
 }

@@ -14,6 +14,7 @@ from fowtlib.components.aero import bem_numpy
 from fowtlib.components.aero.airfoil_models import STEADY, AirfoilModel
 from fowtlib.components.aero.bem_data import c_text
 from fowtlib.components.aero.blade_aerodynamics import BladeAerodynamics
+from fowtlib.components.aero.vectors import in_vectors
 from fowtlib.language import ExternalFunction
 from fowtlib.language.errors import ParameterError
 from fowtlib.language.externals import with_interface
@@ -138,11 +139,16 @@ class BladeElementRotor:
     @cached_property
     def external(self) -> ExternalFunction:
         """The function for equations(); compiled once."""
-        texts = ("polar.c", self.airfoil_model.source, "bem.c")
-        text = c_text(self) + "".join((Path(__file__).parent / part).read_text(encoding="utf-8") for part in texts)
+        text = c_text(self) + _texts("polar.c", self.airfoil_model.source, "bem.c")
+        text += in_vectors(_texts("vector_math.c", "bem_lanes.c")) + _texts("bem_rotor.c")
         name = f"bem_{hashlib.sha256(text.encode()).hexdigest()[:8]}"
         return ExternalFunction(
             name, self.inputs, self.outputs, source=with_interface(name, self.sparsity, text),
             python=lambda u: bem_numpy.loads(self, u), jacobian=lambda u: bem_numpy.jacobian(self, u),
             sparsity=self.sparsity,
         )  # fmt: skip
+
+
+def _texts(*names: str) -> str:
+    """The C texts of these files beside this one, one after the other."""
+    return "".join((Path(__file__).parent / name).read_text(encoding="utf-8") for name in names)

@@ -1,11 +1,13 @@
 /* The polars of a rotor: the head of the text of a rotor, whose airfoil model and bem.c follow.
  *
  * In front stands what bem_data.py writes: COLUMNS, 3 (c_l, c_d, c_m) or more where the airfoil model adds some; of the
- * stations: polar, the number of its airfoil; of the airfoils: knot and cubic of all in a row, last_knot with a cubic,
- * first_in (see airfoil). */
+ * nodes: polar, the number of its airfoil; of the airfoils: knot and cubic of all in a row, the last knot of each
+ * beyond all angles; first_in, which holds for every of BINS parts of the turn from -180 deg the knot below its begin, and MOST_IN_BIN, the
+ * largest number of knots within one of them. */
 
 #include <math.h>
 #include <stddef.h>
+#include <string.h>
 
 static const double pi = 3.14159265358979323846;
 
@@ -23,13 +25,12 @@ static double turned(double alpha) {
     return alpha >= -pi && alpha < pi ? alpha : alpha - 2 * pi * floor((alpha + pi) / (2 * pi));
 }
 
-/* Columns `from` to `end` - 1 of a polar at an angle of attack, and their slopes; returns the knot below the angle.
- * first_in holds for every degree from -180 the knot below its begin. */
+/* Columns `from` to `end` - 1 of a polar at an angle of attack, and their slopes; returns the knot below the angle. */
 static int airfoil(int station, double alpha, int from, int end, double *value, double *slope) {
     alpha = turned(alpha);
-    double degree = (alpha + pi) * (180 / pi); /* an angle that is no number must not lead astray */
-    int low = first_in[360 * polar[station] + (degree >= 0 ? degree < 359 ? (int)degree : 359 : 0)];
-    while (knot[low + 1] <= alpha && low < last_knot[polar[station]]) low++;
+    double bin = (alpha + pi) * (BINS / (2 * pi)); /* an angle that is no number must not lead astray */
+    int low = first_in[BINS * polar[station] + (bin >= 0 ? bin < BINS - 1 ? (int)bin : BINS - 1 : 0)];
+    while (knot[low + 1] <= alpha) low++;
     double x = alpha - knot[low];
     for (int i = from; i < end; i++) {
         const double *c = cubic + 4 * COLUMNS * low + 4 * i;

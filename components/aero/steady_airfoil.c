@@ -1,4 +1,6 @@
 /* The steady airfoil: the coefficients of the polar, without memory. */
+#define STEADY_AIRFOIL 1 /* so that vectors need not ask */
+
 static inline void flow(int station, const double *in, double step, double *value, double (*slope)[FLOW_INPUTS]) {
     double d[3];
     (void)step;
