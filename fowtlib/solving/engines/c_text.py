@@ -17,34 +17,11 @@ from operator import or_
 
 import casadi as ca
 
+from fowtlib.solving.engines.c_lanes import OPERATIONS, VECTORS
+from fowtlib.solving.engines.lanes import CONSTANT, INPUT, WIDTH, Lanes, Operations, Packs, operations_of
+
 PIECE = 800  # operations in one piece at most
 SMALL = 40  # a piece with less goes on with the next operations that depend on all that it depends on
-
-OPERATIONS = {
-    ca.OP_ASSIGN: "{0}", ca.OP_LIFT: "{0}", ca.OP_ADD: "{0} + {1}", ca.OP_SUB: "{0} - {1}", ca.OP_MUL: "{0} * {1}",
-    ca.OP_DIV: "{0} / {1}", ca.OP_NEG: "-{0}", ca.OP_EXP: "exp({0})", ca.OP_LOG: "log({0})",
-    ca.OP_POW: "pow({0}, {1})", ca.OP_CONSTPOW: "pow({0}, {1})", ca.OP_SQRT: "sqrt({0})", ca.OP_SQ: "{0} * {0}",
-    ca.OP_TWICE: "2.0 * {0}", ca.OP_SIN: "sin({0})", ca.OP_COS: "cos({0})", ca.OP_TAN: "tan({0})",
-    ca.OP_ASIN: "asin({0})", ca.OP_ACOS: "acos({0})", ca.OP_ATAN: "atan({0})", ca.OP_LT: "{0} < {1}",
-    ca.OP_LE: "{0} <= {1}", ca.OP_EQ: "{0} == {1}", ca.OP_NE: "{0} != {1}", ca.OP_NOT: "!{0}",
-    ca.OP_AND: "{0} && {1}", ca.OP_OR: "{0} || {1}", ca.OP_FLOOR: "floor({0})", ca.OP_CEIL: "ceil({0})",
-    ca.OP_FMOD: "fmod({0}, {1})", ca.OP_REMAINDER: "remainder({0}, {1})", ca.OP_FABS: "fabs({0})",
-    ca.OP_SIGN: "({0} > 0) - ({0} < 0)", ca.OP_COPYSIGN: "copysign({0}, {1})", ca.OP_IF_ELSE_ZERO: "{0} ? {1} : 0",
-    ca.OP_ERF: "erf({0})", ca.OP_FMIN: "fmin({0}, {1})", ca.OP_FMAX: "fmax({0}, {1})", ca.OP_INV: "1.0 / {0}",
-    ca.OP_SINH: "sinh({0})", ca.OP_COSH: "cosh({0})", ca.OP_TANH: "tanh({0})", ca.OP_ASINH: "asinh({0})",
-    ca.OP_ACOSH: "acosh({0})", ca.OP_ATANH: "atanh({0})", ca.OP_ATAN2: "atan2({0}, {1})", ca.OP_LOG1P: "log1p({0})",
-    ca.OP_EXPM1: "expm1({0})", ca.OP_HYPOT: "hypot({0}, {1})",
-}  # fmt: skip
-
-
-PROLOGUE = """#include <math.h>
-#ifdef __GNUC__
-#define FS_PIECE __attribute__((noinline))
-#else
-#define FS_PIECE
-#endif
-"""
-"""In front of the text of `c_program`."""
 
 Depends = Callable[[int, int], int]
 """Unknowns on which an element of an argument depends, as bits of an integer: of the number of argument and element."""
@@ -73,22 +50,26 @@ def c_program(
     arguments: Sequence[str],
     parameters: Sequence[str],
     dependences: Sequence[Depends] = (),
+    known_from: Callable[[int, int], int] = lambda argument, element: 0,
 ) -> Program:
     """The C text of a scalar (SX) function of dense columns, in sections that run one after the other.
 
     sections: name, and the results of the function that it writes (in order, as the parameters they are written to).
     A value is computed in the first section that needs it. parameters: names of all result parameters. Pieces are made
-    by the first of the dependences, and there is a table of them where there are dependences.
+    by the first of the dependences, and there is a table of them where there are dependences. known_from: the section
+    from which on an element of an argument is known.
     """
-    values = _Values(function, arguments, [(s, r) for s, (_, results) in enumerate(sections) for r in results])
-    pieces, starts = values.grouped(*dependences[:1])
-    bodies, places = values.bodies(pieces)
-    masks = [values.of_pieces(pieces, depends) for depends in dependences]
+    results = [(s, r) for s, (_, results) in enumerate(sections) for r in results]
+    lines = _Lines(operations_of(function, known_from), arguments, results, dependences)
+    pieces, starts = _grouped(lines.sections, dependences[:1])
+    bodies, places = _bodies(lines, pieces)
+    masks = [[reduce(or_, (line.masks[k] for line in piece), 0) for piece in pieces] for k in range(len(dependences))]
     signature = ", ".join([*(f"const double *{a}" for a in arguments), *(f"double *{r}" for r in parameters)])
     signature += ", double *scratch"
     call = ", ".join([*arguments, *parameters, "scratch"])
     name = sections[0][0]
-    text = [f"static FS_PIECE void {name}_piece_{k}({signature}) {{\n{body}}}\n" for k, body in enumerate(bodies)]
+    apart = signature.replace("*", "*restrict ")
+    text = [f"static FS_PIECE void {name}_piece_{k}({apart}) {{\n{body}}}\n" for k, body in enumerate(bodies)]
     for s, (section, _) in enumerate(sections):
         calls = "".join(f"  {name}_piece_{k}({call});\n" for k in range(starts[s], starts[s + 1]))
         text.append(f"EXPORT void {section}({signature}) {{\n{calls}}}\n")
@@ -100,112 +81,203 @@ def c_program(
 
 @dataclass(frozen=True)
 class _Line:
-    """One operation: the value it makes, or None for a result; C text with {0}, {1}; values that it needs."""
+    """A statement: the values that it makes side by side, those that are a result's element, what it needs, masks."""
 
-    value: int | None
-    text: str
-    needs: list[int]
-    section: int
+    column: Lanes
+    result: str
+    needs: tuple[Lanes, ...]
+    masks: tuple[int, ...]
 
 
-class _Values:
-    """The instructions of a function with every value assigned once."""
+class _Lines:
+    """Statements of each section, in an order in which they can run, and how what they make is called.
 
-    def __init__(self, function: ca.Function, arguments: Sequence[str], results: Sequence[tuple[int, str]]):
-        self.plain: dict[int, str] = {}  # values that are inputs or constants
-        self.inputs: dict[int, tuple[int, int]] = {}  # argument and element of those that are inputs
-        holder: dict[int, int] = {}
-        found: list[tuple[int | None, str, list[int], int]] = []
-        for k in range(function.n_instructions()):
-            code = function.instruction_id(k)
-            inside, outside = function.instruction_input(k), function.instruction_output(k)
-            if code == ca.OP_OUTPUT:
-                section, name = results[outside[0]]
-                found.append((None, f"{name}[{outside[1]}] = {{0}};", [holder[inside[0]]], section))
+    plain: text of inputs and constants. column: where a value is made. number: of the statement that makes a column.
+    """
+
+    def __init__(self, operations: Operations, arguments: Sequence[str], results: Sequence[tuple[int, str]],
+                 dependences: Sequence[Depends]):  # fmt: skip
+        self.operations = operations
+        self.plain: dict[int, str] = {}
+        self._masks: dict[Lanes, tuple[int, ...]] = {}
+        self._nothing = (0,) * len(dependences)
+        for value, (code, needs) in enumerate(zip(operations.code, operations.needs, strict=True)):
+            if code == CONSTANT:
+                self.plain[value] = _number(operations.constant[value])
+            elif code == INPUT:
+                self.plain[value] = f"{arguments[needs[0]]}[{needs[1]}]"
+                self._masks[(value,)] = tuple(depends(*needs) for depends in dependences)
+        self.packs = Packs(operations, _needed(operations))
+        self.column = {value: column for column in self.packs.columns for value in column}
+        self.number: dict[Lanes, int] = {}
+        self.sections: list[list[_Line]] = [[] for _ in range(1 + max((section for section, _ in results), default=0))]
+        for result, element, value in operations.results:
+            section, name = results[result]
+            needs = self._columns([value])
+            self._make(needs, self.sections[section])
+            masks = self._joined([value], needs)
+            self.sections[section].append(_Line((value,), f"{name}[{element}]", needs, masks))
+
+    def operands(self, column: Lanes) -> list[Lanes]:
+        """What a column is of, lane by lane."""
+        return self.packs.operands(column)
+
+    def gathered(self, column: Lanes) -> bool:
+        """Whether values are put side by side that are not made so."""
+        return len(column) > 1 and self.column.get(column[0]) != column
+
+    def direct(self, column: Lanes) -> str:
+        """Text of values side by side that needs no statement; empty where there is none."""
+        if len(set(column)) > 1 and any(value not in self.plain for value in column):
+            return ""
+        plain = [self.plain.get(value, "") for value in column]
+        if all(self.operations.code[value] == CONSTANT for value in column):
+            return _four(plain)
+        places = [self.operations.needs[value] for value in column]
+        if len(column) == WIDTH and places == [(places[0][0], places[0][1] + lane) for lane in range(WIDTH)]:
+            return f"LOAD({plain[0].split('[')[0]} + {places[0][1]})"
+        return ""
+
+    def _columns(self, values: Sequence[int]) -> tuple[Lanes, ...]:
+        """Where values are made, one by one."""
+        columns = [self.column.get(value, (value,)) for value in values if value not in self.plain]
+        return tuple(dict.fromkeys(columns))
+
+    def _needs(self, column: Lanes) -> tuple[Lanes, ...]:
+        """Columns that have to be made first."""
+        if self.gathered(column):
+            return self._columns(column)
+        needs: list[Lanes] = []
+        for inside in self.operands(column):
+            if len(set(inside)) == 1:
+                needs += self._columns(inside[:1])
+            elif not self.direct(inside):
+                needs.append(inside)
+        return tuple(dict.fromkeys(needs))
+
+    def _joined(self, plain: Sequence[int], needs: Sequence[Lanes]) -> tuple[int, ...]:
+        """Unknowns on which inputs and columns depend together."""
+        masks = [self._masks[key] for key in [*((value,) for value in plain), *needs] if key in self._masks]
+        return tuple(reduce(or_, some) for some in zip(*masks, strict=True)) if masks else self._nothing
+
+    def _make(self, columns: Sequence[Lanes], lines: list[_Line]) -> None:
+        """Write statements that make columns, and before them of what they need."""
+        waiting = [(column, False) for column in reversed(columns)]
+        while waiting:
+            column, ready = waiting.pop()
+            if column in self.number:
                 continue
-            if code == ca.OP_CONST:
-                self.plain[k] = _number(function.instruction_constant(k))
-            elif code == ca.OP_INPUT:
-                self.plain[k] = f"{arguments[inside[0]]}[{inside[1]}]"
-                self.inputs[k] = (inside[0], inside[1])
-            elif code in OPERATIONS:
-                found.append((k, OPERATIONS[code], [holder[place] for place in inside], len(results)))
+            needs = self._needs(column)
+            if ready:
+                inside = [column] if self.gathered(column) else self.operands(column)
+                plain = [value for operand in inside for value in operand if value in self.plain]
+                self._masks[column] = self._joined(plain, needs)
+                self.number[column] = len(self.number)
+                lines.append(_Line(column, "", needs, self._masks[column]))
             else:
-                raise NotImplementedError(f"there is no C text for the CasADi operation {code}")
-            holder[outside[0]] = k
-        first: dict[int, int] = {}  # section that needs a value first
-        self.lines: list[_Line] = []
-        for value, text, needs, section in reversed(found):
-            section = section if value is None else first.get(value, section)
-            for need in needs:
-                first[need] = min(first.get(need, section), section)
-            self.lines.append(_Line(value, text, needs, section))
-        self.lines.reverse()
-        self.sections = max((section for section, _ in results), default=0) + 1
+                waiting.append((column, True))
+                waiting += [(need, False) for need in reversed(needs)]
 
-    def masks(self, depends: Depends) -> dict[int, int]:
-        """Unknowns on which each line depends, by the identity of the line."""
-        of = {k: depends(*place) for k, place in self.inputs.items()}
-        masks = {}
-        for line in self.lines:
-            mask = 0
-            for need in line.needs:
-                mask |= of.get(need, 0)
-            if line.value is not None:
-                of[line.value] = mask
-            masks[id(line)] = mask
-        return masks
 
-    def of_pieces(self, pieces: list[list[_Line]], depends: Depends) -> list[int]:
-        """Unknowns on which each piece depends."""
-        masks = self.masks(depends)
-        return [reduce(or_, (masks[id(line)] for line in lines), 0) for lines in pieces]
+def _needed(operations: Operations) -> list[int]:
+    """Values that results need, in their order."""
+    needed = [False] * len(operations.code)
+    for _, _, value in operations.results:
+        needed[value] = True
+    for value in range(len(needed) - 1, -1, -1):
+        if needed[value]:
+            for need in operations.operands(value):
+                needed[need] = True
+    return [value for value, is_needed in enumerate(needed) if is_needed]
 
-    def grouped(self, depends: Depends = lambda argument, element: 0) -> tuple[list[list[_Line]], list[int]]:
-        """The lines of every piece, and the first piece of each section."""
-        masks = self.masks(depends)
-        of_section: list[dict[int, list[_Line]]] = [defaultdict(list) for _ in range(self.sections)]
-        for line in self.lines:
-            if line.section < self.sections:  # what no result needs is left out
-                of_section[line.section][masks[id(line)]].append(line)
-        pieces: list[list[_Line]] = []
-        starts = [0]
-        for groups in of_section:
-            last = 0
-            for mask in _chained(list(groups)):
-                lines = groups[mask]
-                if len(pieces) > starts[-1] and len(pieces[-1]) < SMALL and last & mask == last:
-                    lines = pieces.pop() + lines
-                pieces += [lines[i : i + PIECE] for i in range(0, len(lines), PIECE)]
-                last = mask
-            starts.append(len(pieces))
-        return pieces, starts
 
-    def bodies(self, pieces: list[list[_Line]]) -> tuple[list[str], list[int]]:
-        """C text of the pieces, and the places in the scratch memory where what each of them keeps begins."""
-        born = {line.value: number for number, lines in enumerate(pieces) for line in lines if line.value is not None}
-        shared = {need for number, lines in enumerate(pieces) for line in lines for need in line.needs
-                  if born.get(need, number) != number}  # fmt: skip
-        slot: dict[int, int] = {}
-        bodies, places = [], [0]
-        for lines in pieces:
-            body, here = [], {}
-            for line in lines:
-                for need in line.needs:
-                    if need not in here:
-                        here[need] = self.plain[need] if need in self.plain else f"scratch[{slot[need]}]"
-                expression = line.text.format(*(here[need] for need in line.needs))
-                if line.value is None:
-                    body.append(f"  {expression}\n")
-                    continue
-                here[line.value] = f"a{line.value}"
-                body.append(f"  const double a{line.value} = {expression};\n")
-                if line.value in shared:
-                    slot[line.value] = len(slot)
-                    body.append(f"  scratch[{slot[line.value]}] = a{line.value};\n")
-            bodies.append("".join(body))
-            places.append(len(slot))
-        return bodies, places
+def _grouped(sections: list[list[_Line]], by: Sequence[Depends]) -> tuple[list[list[_Line]], list[int]]:
+    """The lines of every piece, and the first piece of each section."""
+    pieces: list[list[_Line]] = []
+    starts = [0]
+    for section in sections:
+        groups: dict[int, list[_Line]] = defaultdict(list)
+        for line in section:
+            groups[line.masks[0] if by else 0].append(line)
+        last = 0
+        for mask in _chained(list(groups)):
+            lines = groups[mask]
+            if len(pieces) > starts[-1] and len(pieces[-1]) < SMALL and last & mask == last:
+                lines = pieces.pop() + lines
+            pieces += [lines[i : i + PIECE] for i in range(0, len(lines), PIECE)]
+            last = mask
+        starts.append(len(pieces))
+    return pieces, starts
+
+
+def _bodies(lines: _Lines, pieces: list[list[_Line]]) -> tuple[list[str], list[int]]:
+    """C text of the pieces, and the places in the scratch memory where what each of them keeps begins."""
+    born = {line.column: number for number, piece in enumerate(pieces) for line in piece if not line.result}
+    shared = {need for number, piece in enumerate(pieces) for line in piece for need in line.needs
+              if born[need] != number}  # fmt: skip
+    slot: dict[Lanes, int] = {}
+    bodies, places, size = [], [0], 0
+    for piece in pieces:
+        body, here = [], _Here(lines, slot)
+        for line in piece:
+            if line.result:
+                body.append(f"  {line.result} = {here.value(line.column[0])};\n")
+                continue
+            text, name = here.statement(line.column), here.made(line.column)
+            body.append(f"  const {'V' if len(line.column) > 1 else 'double'} {name} = {text};\n")
+            if line.column in shared:
+                slot[line.column] = size
+                body.append(f"  KEEP(scratch + {size}, {name});\n" if name[0] == "v" else f"  scratch[{size}] = {name};\n")
+                size += WIDTH if name[0] == "v" else 1
+        bodies.append("".join(body))
+        places.append(size)
+    return bodies, places
+
+
+class _Here:
+    """How numbers and vectors are written inside of a piece. slot: where those of the pieces before lie."""
+
+    def __init__(self, lines: _Lines, slot: dict[Lanes, int]):
+        self.lines, self.slot = lines, slot
+        self.names: dict[Lanes, str] = {}
+
+    def made(self, column: Lanes) -> str:
+        """The name of what is made now."""
+        self.names[column] = f"{'v' if len(column) > 1 else 'a'}{self.lines.number[column]}"
+        return self.names[column]
+
+    def value(self, value: int) -> str:
+        """A number."""
+        if value in self.lines.plain:
+            return self.lines.plain[value]
+        column = self.lines.column.get(value, (value,))
+        lane = column.index(value)
+        if column not in self.names:
+            return f"scratch[{self.slot[column] + lane}]"
+        return f"LANE({self.names[column]}, {lane})" if len(column) > 1 else self.names[column]
+
+    def vector(self, column: Lanes) -> str:
+        """Values side by side."""
+        if len(set(column)) == 1:
+            return f"ALL({self.value(column[0])})"
+        if column in self.names:
+            return self.names[column]
+        return self.lines.direct(column) or f"LOAD(scratch + {self.slot[column]})"
+
+    def statement(self, column: Lanes) -> str:
+        """What makes a column."""
+        if self.lines.gathered(column):
+            return _four([self.value(value) for value in column])
+        code, operands = self.lines.operations.code[column[0]], self.lines.operands(column)
+        if len(column) == 1:
+            return OPERATIONS[code].format(*(self.value(operand[0]) for operand in operands))
+        if code in VECTORS:
+            return VECTORS[code].format(*map(self.vector, operands))
+        return _four([OPERATIONS[code].format(*map(self.value, lane)) for lane in zip(*operands, strict=True)])
+
+
+def _four(lanes: Sequence[str]) -> str:
+    return f"FOUR({', '.join([*lanes, *['0.0'] * (WIDTH - len(lanes))])})"
 
 
 def _chained(masks: list[int]) -> list[int]:

@@ -21,7 +21,8 @@ from fowtlib.language.cache import cached, sources
 from fowtlib.language.externals import LibraryFunction
 from fowtlib.language.native import Library, load_library
 from fowtlib.language.tables import SplineFunction
-from fowtlib.solving.engines.c_text import PROLOGUE, Depends, Program, c_program
+from fowtlib.solving.engines.c_lanes import PROLOGUE
+from fowtlib.solving.engines.c_text import Depends, Program, c_program
 from fowtlib.solving.engines.reduction import Reduction, reduction
 from fowtlib.solving.engines.symmetry import cyclic_unknowns
 
