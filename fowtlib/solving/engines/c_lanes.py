@@ -2,7 +2,11 @@
 
 from __future__ import annotations
 
+from functools import cache
+
 import casadi as ca
+
+from fowtlib.language.native import load_library
 
 OPERATIONS = {
     ca.OP_ASSIGN: "{0}", ca.OP_LIFT: "{0}", ca.OP_ADD: "{0} + {1}", ca.OP_SUB: "{0} - {1}", ca.OP_MUL: "{0} * {1}",
@@ -31,7 +35,7 @@ VECTORS = {
 PROLOGUE = """#include <math.h>
 #if defined(__GNUC__)
 #define FS_PIECE __attribute__((noinline))
-#if defined(__AVX2__)
+#if defined(FS_WIDE)
 #define FS_BYTES 32
 #else
 #define FS_BYTES 16
@@ -54,7 +58,7 @@ typedef double W;
 #define MUL1(a, b) ((a) * (b))
 #define DIV1(a, b) ((a) / (b))
 #define NEG1(a) (-(a))
-#if defined(__AVX2__) && defined(__GNUC__)
+#if defined(FS_WIDE)
 typedef W V;
 #define FOUR(a, b, c, d) ((V){a, b, c, d})
 #define LANE(v, k) ((v)[k])
@@ -80,6 +84,9 @@ typedef struct { W a, b, c, d; } V;
 #define EACH2(f, v, u) FOUR(f((v).a, (u).a), f((v).b, (u).b), f((v).c, (u).c), f((v).d, (u).d))
 #endif
 #define ALL(a) FOUR(a, a, a, a)
+#ifndef FS_LEAVE
+#define FS_LEAVE
+#endif
 #define ADD(v, u) EACH2(ADD1, v, u)
 #define SUB(v, u) EACH2(SUB1, v, u)
 #define MUL(v, u) EACH2(MUL1, v, u)
@@ -90,3 +97,35 @@ typedef struct { W a, b, c, d; } V;
 #define ONLY(v, u) EACH2(ONLY1, v, u)
 """
 """In front of the text of `c_program`: vectors of four lanes in what a processor has, or one by one without."""
+
+WIDE = """#if defined(__x86_64__) && defined(__clang__)
+#pragma clang attribute push(__attribute__((target("avx2"))), apply_to = function)
+#define FS_WIDE
+#elif defined(__x86_64__) && defined(__GNUC__)
+#pragma GCC target("avx2")
+#define FS_WIDE
+#define FS_LEAVE __builtin_ia32_vzeroupper(); /* gcc leaves it out at -O1, and what follows would be slow without */
+#endif
+"""
+PROBE = """#if defined(__x86_64__) && defined(__GNUC__)
+#include <cpuid.h>
+EXPORT int wide(void) {
+  unsigned a, b, c, d, low, high;
+  if (!__get_cpuid(1, &a, &b, &c, &d) || (~c & (bit_OSXSAVE | bit_AVX))) return 0;
+  __asm__("xgetbv" : "=a"(low), "=d"(high) : "c"(0)); /* does the system keep these registers? */
+  return (low & 6) == 6 && __get_cpuid_count(7, 0, &a, &b, &c, &d) && (b & bit_AVX2);
+}
+#else
+EXPORT int wide(void) { return 0; }
+#endif
+"""
+
+
+@cache
+def for_this_processor() -> str:
+    """What stands in front of PROLOGUE for vectors of 32 bytes, where this processor has them; else nothing.
+
+    Without it the code runs on any processor of its kind, as that of an FMU has to.
+    """
+    _, library = load_library(PROBE, "processor")
+    return WIDE if library.wide() else ""

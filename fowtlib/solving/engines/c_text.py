@@ -23,6 +23,9 @@ from fowtlib.solving.engines.lanes import CONSTANT, INPUT, WIDTH, Lanes, Operati
 PIECE = 800  # operations in one piece at most
 SMALL = 40  # a piece with less goes on with the next operations that depend on all that it depends on
 
+WRITERS = (__name__, "fowtlib.solving.engines.c_lanes", "fowtlib.solving.engines.lanes")
+"""Modules on which the text of a function depends."""
+
 Depends = Callable[[int, int], int]
 """Unknowns on which an element of an argument depends, as bits of an integer: of the number of argument and element."""
 
@@ -229,6 +232,8 @@ def _bodies(lines: _Lines, pieces: list[list[_Line]]) -> tuple[list[str], list[i
                 slot[line.column] = size
                 body.append(f"  KEEP(scratch + {size}, {name});\n" if name[0] == "v" else f"  scratch[{size}] = {name};\n")
                 size += WIDTH if name[0] == "v" else 1
+        if any(len(line.column) > 1 for line in piece):
+            body.append("  FS_LEAVE\n")
         bodies.append("".join(body))
         places.append(size)
     return bodies, places

@@ -8,7 +8,7 @@ from __future__ import annotations
 
 import ctypes as c
 import json
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from functools import cache
 from pathlib import Path
 from typing import Any
@@ -21,8 +21,8 @@ from fowtlib.language.cache import cached, sources
 from fowtlib.language.externals import LibraryFunction
 from fowtlib.language.native import Library, load_library
 from fowtlib.language.tables import SplineFunction
-from fowtlib.solving.engines.c_lanes import PROLOGUE
-from fowtlib.solving.engines.c_text import Depends, Program, c_program
+from fowtlib.solving.engines.c_lanes import PROLOGUE, for_this_processor
+from fowtlib.solving.engines.c_text import WRITERS, Depends, Program, c_program
 from fowtlib.solving.engines.reduction import Reduction, reduction
 from fowtlib.solving.engines.symmetry import cyclic_unknowns
 
@@ -30,6 +30,7 @@ DOUBLES, INTEGERS = c.POINTER(c.c_double), c.POINTER(c.c_int)
 CASADI = c.CFUNCTYPE(c.c_int, c.POINTER(DOUBLES), c.POINTER(DOUBLES), c.c_void_p, DOUBLES, c.c_int)
 
 OUT = ["first", "second"]
+W = 4  # the number of w among the arguments of the functions
 
 
 class Spline(c.Structure):
@@ -136,7 +137,7 @@ class FixedStepCode:
         self._alive: list[Any] = []  # what the tables point to
         self.external_order = [k for level in dae.levels for k in level]
         text, self.program, self.scratch = kept_text(dae, self.reduction, self.observed)
-        self.path, self.library = load_library(text, "model", optimization="-O1")
+        self.path, self.library = load_library(for_this_processor() + text, "model", optimization="-O1")
         self.table = self._model()
         self.samples_need_outputs = [dae.needs_outputs(sample.values) for sample in dae.samples]
 
@@ -296,7 +297,7 @@ def kept_text(dae: FlatDAE, reduced: Reduction, observed: Sequence[str]) -> tupl
     ]  # fmt: skip
     samples = [ca.Function("sample", _arguments(dae), [ca.densify(sample.values)]) for sample in dae.samples]
     equations = [item.serialize() for item in (function, *samples)]
-    parts = [*sources(__name__, c_program.__module__), json.dumps(structure), *equations]
+    parts = [*sources(__name__, *WRITERS), json.dumps(structure), *equations]
 
     def make() -> dict[str, Any]:
         text, program, scratch = model_text(dae, reduced, observed)
@@ -336,7 +337,7 @@ def model_text(dae: FlatDAE, reduced: Reduction, observed: Sequence[str]) -> tup
     function = _function(dae, observed, {"cse": True})
     sections = [(f"level_{level}", ["first"]) for level in range(len(dae.levels))] + [("model", ["first", "second"])]
     sections.append(("observed", ["first"]))
-    program = c_program(function, sections, list("txzqw"), OUT, dependences(dae, reduced))
+    program = c_program(function, sections, list("txzqw"), OUT, dependences(dae, reduced), _known_from(dae))
     texts, scratch = [PROLOGUE, program.text], program.scratch
     for k, sample in enumerate(dae.samples):
         function = ca.Function("sample", _arguments(dae), [ca.densify(sample.values)], {"cse": True})
@@ -344,6 +345,16 @@ def model_text(dae: FlatDAE, reduced: Reduction, observed: Sequence[str]) -> tup
         texts.append(alone.text)
         scratch = max(scratch, alone.scratch)
     return "".join(texts), program, scratch
+
+
+def _known_from(dae: FlatDAE) -> Callable[[int, int], int]:
+    """The section from which on an element of an argument is known: outputs of externals behind their level."""
+    level = [0] * dae.w.shape[0]
+    for number, members in enumerate(dae.levels):
+        for k in members:
+            outputs = dae.externals[k].outputs
+            level[outputs] = [number + 1] * (outputs.stop - outputs.start)
+    return lambda argument, element: level[element] if argument == W else 0
 
 
 def dependences(dae: FlatDAE, reduced: Reduction) -> tuple[Depends, Depends]:
