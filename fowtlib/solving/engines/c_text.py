@@ -21,7 +21,8 @@ from fowtlib.solving.engines.c_lanes import OPERATIONS, VECTORS
 from fowtlib.solving.engines.lanes import CONSTANT, INPUT, WIDTH, Lanes, Operations, Packs, operations_of
 
 PIECE = 800  # operations in one piece at most
-SMALL = 40  # a piece with less goes on with the next operations that depend on all that it depends on
+CALL = 5  # operations that take as long as the call of a piece
+EVALUATIONS = 100  # of all pieces, for one of each unknown with the pieces that depend on it
 
 WRITERS = (__name__, "fowtlib.solving.engines.c_lanes", "fowtlib.solving.engines.lanes")
 """Modules on which the text of a function depends."""
@@ -205,12 +206,19 @@ def _grouped(sections: list[list[_Line]], by: Sequence[Depends]) -> tuple[list[l
         last = 0
         for mask in _chained(list(groups)):
             lines = groups[mask]
-            if len(pieces) > starts[-1] and len(pieces[-1]) < SMALL and last & mask == last:
-                lines = pieces.pop() + lines
+            if len(pieces) > starts[-1] and _better_as_one(len(pieces[-1]), last, len(lines), mask):
+                lines, mask = pieces.pop() + lines, last | mask
             pieces += [lines[i : i + PIECE] for i in range(0, len(lines), PIECE)]
             last = mask
         starts.append(len(pieces))
     return pieces, starts
+
+
+def _better_as_one(one: int, mask: int, other: int, more: int) -> bool:
+    """Whether two pieces with so many operations, and the unknowns they depend on, take less time as one."""
+    both = mask | more
+    beside = one * (both.bit_count() - mask.bit_count()) + other * (both.bit_count() - more.bit_count())
+    return one + other <= PIECE and beside < CALL * (EVALUATIONS + (mask & more).bit_count())
 
 
 def _bodies(lines: _Lines, pieces: list[list[_Line]]) -> tuple[list[str], list[int]]:
