@@ -17,7 +17,7 @@ from operator import or_
 
 import casadi as ca
 
-from fowtlib.solving.engines.c_lanes import OPERATIONS, VECTORS
+from fowtlib.solving.engines.c_lanes import ANY_PROCESSOR, OPERATIONS, VECTORS
 from fowtlib.solving.engines.lanes import CONSTANT, INPUT, WIDTH, Lanes, Operations, Packs, operations_of
 
 PIECE = 800  # operations in one piece at most
@@ -55,18 +55,19 @@ def c_program(
     parameters: Sequence[str],
     dependences: Sequence[Depends] = (),
     known_from: Callable[[int, int], int] = lambda argument, element: 0,
+    word: int = ANY_PROCESSOR,
 ) -> Program:
     """The C text of a scalar (SX) function of dense columns, in sections that run one after the other.
 
     sections: name, and the results of the function that it writes (in order, as the parameters they are written to).
     A value is computed in the first section that needs it. parameters: names of all result parameters. Pieces are made
     by the first of the dependences, and there is a table of them where there are dependences. known_from: the section
-    from which on an element of an argument is known.
+    from which on an element of an argument is known. word: lanes of a vector of C; `prologue` of them stands in front.
     """
     results = [(s, r) for s, (_, results) in enumerate(sections) for r in results]
     lines = _Lines(operations_of(function, known_from), arguments, results, dependences)
     pieces, starts = _grouped(lines.sections, dependences[:1])
-    bodies, places = _bodies(lines, pieces)
+    bodies, places = _bodies(lines, pieces, word)
     masks = [[reduce(or_, (line.masks[k] for line in piece), 0) for piece in pieces] for k in range(len(dependences))]
     signature = ", ".join([*(f"const double *{a}" for a in arguments), *(f"double *{r}" for r in parameters)])
     signature += ", double *scratch"
@@ -130,17 +131,13 @@ class _Lines:
         """Whether values are put side by side that are not made so."""
         return len(column) > 1 and self.column.get(column[0]) != column
 
-    def direct(self, column: Lanes) -> str:
-        """Text of values side by side that needs no statement; empty where there is none."""
-        if len(set(column)) > 1 and any(value not in self.plain for value in column):
-            return ""
-        plain = [self.plain.get(value, "") for value in column]
-        if all(self.operations.code[value] == CONSTANT for value in column):
-            return _four(plain)
-        places = [self.operations.needs[value] for value in column]
-        if len(column) == WIDTH and places == [(places[0][0], places[0][1] + lane) for lane in range(WIDTH)]:
-            return f"LOAD({plain[0].split('[')[0]} + {places[0][1]})"
-        return ""
+    def direct(self, column: Lanes) -> bool:
+        """Whether values side by side need no statement: constants, and inputs that lie so."""
+        codes = {self.operations.code[value] for value in column}
+        if codes == {INPUT} and len(column) == WIDTH:
+            argument, first = self.operations.needs[column[0]]
+            return [self.operations.needs[value] for value in column] == [(argument, first + k) for k in range(WIDTH)]
+        return codes == {CONSTANT}
 
     def _columns(self, values: Sequence[int]) -> tuple[Lanes, ...]:
         """Where values are made, one by one."""
@@ -221,7 +218,7 @@ def _better_as_one(one: int, mask: int, other: int, more: int) -> bool:
     return one + other <= PIECE and beside < CALL * (EVALUATIONS + (mask & more).bit_count())
 
 
-def _bodies(lines: _Lines, pieces: list[list[_Line]]) -> tuple[list[str], list[int]]:
+def _bodies(lines: _Lines, pieces: list[list[_Line]], word: int) -> tuple[list[str], list[int]]:
     """C text of the pieces, and the places in the scratch memory where what each of them keeps begins."""
     born = {line.column: number for number, piece in enumerate(pieces) for line in piece if not line.result}
     shared = {need for number, piece in enumerate(pieces) for line in piece for need in line.needs
@@ -229,19 +226,23 @@ def _bodies(lines: _Lines, pieces: list[list[_Line]]) -> tuple[list[str], list[i
     slot: dict[Lanes, int] = {}
     bodies, places, size = [], [0], 0
     for piece in pieces:
-        body, here = [], _Here(lines, slot)
+        body, here = [], _Here(lines, slot, word)
         for line in piece:
             if line.result:
                 body.append(f"  {line.result} = {here.value(line.column[0])};\n")
                 continue
-            text, name = here.statement(line.column), here.made(line.column)
-            body.append(f"  const {'V' if len(line.column) > 1 else 'double'} {name} = {text};\n")
-            if line.column in shared:
+            texts, names, kept = here.statement(line.column), here.made(line.column), line.column in shared
+            kind = "double" if len(line.column) == 1 else "W"
+            body += [f"  const {kind} {name} = {text};\n" for name, text in zip(names, texts, strict=True)]
+            if kept:
                 slot[line.column] = size
-                body.append(f"  KEEP(scratch + {size}, {name});\n" if name[0] == "v" else f"  scratch[{size}] = {name};\n")
-                size += WIDTH if name[0] == "v" else 1
+                stores = [f"scratch[{size}] = {names[0]}"]
+                if kind == "W":
+                    stores = [f"KEEP(scratch + {size + k * word}, {name})" for k, name in enumerate(names)]
+                body += [f"  {store};\n" for store in stores]
+                size += 1 if kind == "double" else len(names) * word
         if any(len(line.column) > 1 for line in piece):
-            body.append("  FS_LEAVE\n")
+            body.append("  LEAVE\n")
         bodies.append("".join(body))
         places.append(size)
     return bodies, places
@@ -250,13 +251,15 @@ def _bodies(lines: _Lines, pieces: list[list[_Line]]) -> tuple[list[str], list[i
 class _Here:
     """How numbers and vectors are written inside of a piece. slot: where those of the pieces before lie."""
 
-    def __init__(self, lines: _Lines, slot: dict[Lanes, int]):
-        self.lines, self.slot = lines, slot
-        self.names: dict[Lanes, str] = {}
+    def __init__(self, lines: _Lines, slot: dict[Lanes, int], word: int):
+        self.lines, self.slot, self.word = lines, slot, word
+        self.names: dict[Lanes, list[str]] = {}
 
-    def made(self, column: Lanes) -> str:
-        """The name of what is made now."""
-        self.names[column] = f"{'v' if len(column) > 1 else 'a'}{self.lines.number[column]}"
+    def made(self, column: Lanes) -> list[str]:
+        """The names of what is made now: a number, or the words of a vector."""
+        number = self.lines.number[column]
+        words = [f"v{number}{'abcd'[k]}" for k in range(-(-len(column) // self.word))]
+        self.names[column] = words if len(column) > 1 else [f"a{number}"]
         return self.names[column]
 
     def value(self, value: int) -> str:
@@ -267,30 +270,35 @@ class _Here:
         lane = column.index(value)
         if column not in self.names:
             return f"scratch[{self.slot[column] + lane}]"
-        return f"LANE({self.names[column]}, {lane})" if len(column) > 1 else self.names[column]
+        names = self.names[column]
+        return f"LANE({names[lane // self.word]}, {lane % self.word})" if len(column) > 1 else names[0]
 
-    def vector(self, column: Lanes) -> str:
-        """Values side by side."""
-        if len(set(column)) == 1:
-            return f"ALL({self.value(column[0])})"
+    def vector(self, column: Lanes) -> list[str]:
+        """The words of values side by side."""
         if column in self.names:
             return self.names[column]
-        return self.lines.direct(column) or f"LOAD(scratch + {self.slot[column]})"
+        lines, starts = self.lines, range(0, len(column), self.word)
+        if len(set(column)) == 1 or lines.operations.code[column[0]] == CONSTANT:
+            return self.words([self.value(value) for value in column])
+        if lines.direct(column):
+            return [f"LOAD(&{lines.plain[column[k]]})" for k in starts]
+        return [f"LOAD(scratch + {self.slot[column] + k})" for k in starts]
 
-    def statement(self, column: Lanes) -> str:
-        """What makes a column."""
+    def words(self, lanes: list[str]) -> list[str]:
+        """Words of lanes; what is left of the last is filled with its last lane."""
+        filled = lanes + lanes[-1:] * (-len(lanes) % self.word)
+        return [f"WORD({', '.join(filled[k : k + self.word])})" for k in range(0, len(filled), self.word)]
+
+    def statement(self, column: Lanes) -> list[str]:
+        """What makes a number, or the words of a vector."""
         if self.lines.gathered(column):
-            return _four([self.value(value) for value in column])
+            return self.words([self.value(value) for value in column])
         code, operands = self.lines.operations.code[column[0]], self.lines.operands(column)
         if len(column) == 1:
-            return OPERATIONS[code].format(*(self.value(operand[0]) for operand in operands))
+            return [OPERATIONS[code].format(*(self.value(operand[0]) for operand in operands))]
         if code in VECTORS:
-            return VECTORS[code].format(*map(self.vector, operands))
-        return _four([OPERATIONS[code].format(*map(self.value, lane)) for lane in zip(*operands, strict=True)])
-
-
-def _four(lanes: Sequence[str]) -> str:
-    return f"FOUR({', '.join([*lanes, *['0.0'] * (WIDTH - len(lanes))])})"
+            return [VECTORS[code].format(*words) for words in zip(*map(self.vector, operands), strict=True)]
+        return self.words([OPERATIONS[code].format(*map(self.value, lane)) for lane in zip(*operands, strict=True)])
 
 
 def _chained(masks: list[int]) -> list[int]:
