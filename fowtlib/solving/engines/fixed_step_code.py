@@ -22,8 +22,9 @@ from fowtlib.language.externals import LibraryFunction
 from fowtlib.language.native import Library, load_library
 from fowtlib.language.tables import SplineFunction
 from fowtlib.solving.engines.c_lanes import lanes_here, prologue
-from fowtlib.solving.engines.c_text import WRITERS, Depends, Program, c_program
+from fowtlib.solving.engines.c_text import WRITERS, Program, c_program
 from fowtlib.solving.engines.reduction import Reduction, reduction
+from fowtlib.solving.engines.statements import Depends
 from fowtlib.solving.engines.symmetry import cyclic_unknowns
 
 DOUBLES, INTEGERS = c.POINTER(c.c_double), c.POINTER(c.c_int)
