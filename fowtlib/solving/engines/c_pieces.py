@@ -120,7 +120,9 @@ class _Here:
             number, vector = self.number(line.column), len(line.column) > 1
             names = [f"v{number}{'ab'[k]}" for k in range(len(texts))] if vector else [f"a{number}"]
             self.names[line.column] = names
-            lines += [f"const {'W' if vector else 'double'} {name} = {text}" for name, text in zip(names, texts, strict=True)]
+            lines += [
+                f"const {'W' if vector else 'double'} {name} = {text}" for name, text in zip(names, texts, strict=True)
+            ]
             if line.column in self.kept:
                 self.slot[line.column] = self.size
                 for name in names:

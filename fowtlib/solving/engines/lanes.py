@@ -55,7 +55,11 @@ def operations_of(function: ca.Function, known_from: Callable[[int, int], int]) 
     shapes: dict[tuple, int] = {}
     holder: dict[int, int] = {}
     for k in range(function.n_instructions()):
-        code, inside, outside = function.instruction_id(k), function.instruction_input(k), function.instruction_output(k)
+        code, inside, outside = (
+            function.instruction_id(k),
+            function.instruction_input(k),
+            function.instruction_output(k),
+        )
         if code == ca.OP_OUTPUT:
             program.results.append((outside[0], outside[1], holder[inside[0]]))
             continue
@@ -89,23 +93,22 @@ def operations_of(function: ca.Function, known_from: Callable[[int, int], int]) 
 class Packs:
     """Operations among the values that go together, each once at most: `columns` of values, in the order of their lanes.
 
-    Those of a column have the same shape, so that none of them can wait for another.
+    The values of a column have the same shape, so that none of them can wait for another.
     """
 
     def __init__(self, program: Operations, values: Iterable[int]):
         self.program = program
         self.place: dict[int, tuple[int, int]] = {}  # pack and lane of operations and inputs
         self._columns: list[Lanes] = []
-        self.values = [value for value in values if program.code[value] >= 0]
+        self._values = [value for value in values if program.code[value] >= 0]
         classes: dict[int, list[int]] = defaultdict(list)
-        for value in self.values:
+        for value in self._values:
             classes[program.shape[value]].append(value)
         largest = sorted(classes.values(), key=lambda members: (-program.depth[members[0]], members[0]))
-        few = [members for members in largest if LEAST <= len(members) <= WIDTH]
-        many = [members for members in largest if len(members) > WIDTH]
-        for some in (few, many):
-            for members in some:
-                self._divided(members)
+        for few in (True, False):
+            for members in largest:
+                if few == (len(members) <= WIDTH):
+                    self._divided(members)
             self._from_below()
         self.columns = [column for column in self._columns if program.code[column[0]] >= 0]
 
@@ -171,28 +174,39 @@ class Packs:
         return column
 
     def _from_below(self) -> None:
-        """Put together what reads the lanes of the same vectors, and else the same values."""
-        program = self.program
+        """Put together what reads the lanes of the same vectors, and else the same values, or inputs of its own."""
         levels: dict[int, list[int]] = defaultdict(list)
-        for value in self.values:
+        for value in self._values:
             if value not in self.place:
-                levels[program.depth[value]].append(value)
+                levels[self.program.depth[value]].append(value)
         for depth in sorted(levels):
-            beside: dict[tuple, dict[int, int]] = defaultdict(dict)
-            for value in levels[depth]:
-                needs = program.needs[value]
-                places = [self.place.get(need) for need in needs]
-                packs = {place[0] for place in places if place is not None}
-                lanes = {place[1] for place in places if place is not None}
-                if len(lanes) == 1 and len({len(self._columns[pack]) for pack in packs}) == 1:
-                    key = [self._key(need, place) for need, place in zip(needs, places, strict=True)]
-                    key = sorted(key) if program.code[value] in COMMUTATIVE else key
-                    beside[(len(self._columns[min(packs)]), program.shape[value], *key)].setdefault(lanes.pop(), value)
-            for key, of_lane in beside.items():
-                if len(of_lane) == key[0]:
-                    self._keep(tuple(value for _, value in sorted(of_lane.items())))
+            for own_inputs in (False, True):
+                beside: dict[tuple, list[list[int]]] = defaultdict(lambda: [[] for _ in range(WIDTH)])
+                for value in levels[depth]:
+                    if value not in self.place and (found := self._reads(value, own_inputs)) is not None:
+                        beside[found[0]][found[1]].append(value)
+                for (width, *_), of_lane in beside.items():
+                    for column in zip(*of_lane[:width], strict=False):
+                        self._keep(column)
+                        for inside in self.operands(column):
+                            if all(self.program.code[need] == INPUT and need not in self.place for need in inside):
+                                self._together(inside)
 
-    def _key(self, value: int, place: tuple[int, int] | None) -> tuple[int, int]:
+    def _reads(self, value: int, own_inputs: bool) -> tuple[tuple, int] | None:
+        """What an operation has in common with those it goes together with, and its lane; None where it reads none."""
+        needs = self.program.needs[value]
+        places = [self.place.get(need) for need in needs]
+        lanes = {place[1] for place in places if place is not None}
+        widths = {len(self._columns[place[0]]) for place in places if place is not None}
+        if len(lanes) != 1 or len(widths) != 1:
+            return None
+        key = [self._key(need, place, own_inputs) for need, place in zip(needs, places, strict=True)]
+        key = sorted(key) if self.program.code[value] in COMMUTATIVE else key
+        return (widths.pop(), self.program.shape[value], *key), lanes.pop()
+
+    def _key(self, value: int, place: tuple[int, int] | None, own_inputs: bool) -> tuple[int, int]:
         if place is not None:
             return 0, place[0]
-        return (1, 0) if self.program.code[value] == CONSTANT else (2, value)
+        if self.program.code[value] == CONSTANT or (own_inputs and self.program.code[value] == INPUT):
+            return 1, self.program.shape[value]
+        return 2, value

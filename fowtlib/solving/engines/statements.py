@@ -50,7 +50,9 @@ class Statements:
         self.packs = Packs(operations, _needed(operations))
         self.column = {value: column for column in self.packs.columns for value in column}
         self.number: dict[Lanes, int] = {}
-        self.sections: list[list[Statement]] = [[] for _ in range(1 + max((section for section, _ in results), default=0))]
+        self.sections: list[list[Statement]] = [
+            [] for _ in range(1 + max((section for section, _ in results), default=0))
+        ]
         for result, element, value in operations.results:
             section, name = results[result]
             needs = self._columns([value])
