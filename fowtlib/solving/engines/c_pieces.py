@@ -12,15 +12,15 @@ from fowtlib.solving.engines.statements import Statement, Statements
 REPEATED = 40  # statements from which on a text is shared
 
 Segment = list[Statement]
-Source = Lanes | tuple[str, int]
-"""What a number in a table stands for: a column in the scratch memory, or an element of an argument or result."""
+Source = tuple[str, int, Lanes]
+"""What a number in a table stands for: argument or result, and its element; or a column in the scratch memory."""
 
 
 class Pieces:
-    """C text of the pieces, of the functions and tables they share, and where in the scratch memory each begins to write.
+    """C text of the pieces, of the functions and tables they share, and the first place in the scratch memory of each.
 
-    segments: of each piece, lists of statements, each of which may be the same as others but for what it is of. word:
-    lanes of a vector of C.
+    segments: of each piece, lists of statements, which may be the same as others but for what they are of. word: lanes
+    of a vector of C.
     """
 
     def __init__(self, name: str, statements: Statements, segments: list[list[Segment]], word: int):
@@ -44,7 +44,7 @@ class Pieces:
                     functions[text] = f"{name}_part_{len(functions)}"
                     self.shared.append(part.function(functions[text], inside))
                 slot |= {column: here.size + offset for column, offset in part.slot.items()}
-                numbers = [source[1] if isinstance(source[0], str) else slot[source] for source in sources]
+                numbers = [slot[column] if column else element for _, element, column in sources]
                 table = f"{name}_table_{len(self.shared)}"
                 values = ", ".join(map(str, [here.size, *numbers]))
                 self.shared.append(f"static const int {table}[] = {{{values}}};\n")
@@ -87,7 +87,7 @@ def _kept(segments: list[list[Segment]], alike: dict[int, tuple[list[Source], st
 
 
 class _Here:
-    """How statements are written inside of a piece. slot: where columns that are kept lie; size: where the next will."""
+    """How statements are written inside of a piece. slot: where what is kept lies; size: where the next does."""
 
     def __init__(self, statements: Statements, word: int, kept: frozenset[Lanes], slot: dict[Lanes, int], size: int):
         self.statements, self.word, self.kept, self.slot, self.size = statements, word, kept, slot, size
@@ -158,7 +158,7 @@ class _Here:
 
     def words(self, lanes: Sequence[str]) -> list[str]:
         """Words of lanes; what is left of the last one is filled with its last lane."""
-        filled = [*lanes, *lanes[-1:] * (-len(lanes) % self.word)]
+        filled = [*lanes, *[lanes[-1]] * (-len(lanes) % self.word)]
         return [f"WORD({', '.join(filled[k : k + self.word])})" for k in range(0, len(filled), self.word)]
 
     def right(self, column: Lanes) -> list[str]:
@@ -187,10 +187,10 @@ class _Part(_Here):
 
     def element(self, name: str, number: int) -> str:
         self.used[name] = f"{'const ' if name in self._arguments else ''}double *restrict {name}"
-        return f"{name}[{self._number_of((name, number))}]"
+        return f"{name}[{self._number_of((name, number, ()))}]"
 
     def place(self, column: Lanes, lane: int) -> str:
-        return f"{self._number_of(column)} + {lane}"
+        return f"{self._number_of(('', 0, column))} + {lane}"
 
     def next_place(self, offset: int) -> str:
         return f"k[0] + {offset}"

@@ -1,8 +1,8 @@
-"""Operations of a program that are alike, side by side: what three blades do is done once, with a lane for each of them.
+"""Operations of a program that are alike, side by side: what three blades do is done once, with a lane for each.
 
 Operations go together where they are the roots of the same expressions but for the numbers at their ends. That is found
-from the program alone, for any model. The largest expressions of which there are a few say which parts are alike, and how
-their inputs belong to each other; what is left follows from below, where operations read the lanes of the same vectors.
+from the program alone, for any model. The largest expressions of which there are a few say which parts are alike, and
+how their inputs belong to each other; what is left follows from below, where operations read lanes of the same vectors.
 
 An operation with lanes does to each of them what it does to a number, so that no result changes.
 """
@@ -30,10 +30,10 @@ Lanes = tuple[int, ...]
 class Operations:
     """Operations of a scalar (SX) function, each once, in an order in which they can run.
 
-    code: CasADi's number of the operation, or CONSTANT or INPUT. needs: of an operation the values it is of; of an input
-    its argument and element. constant: numbers of those that are constants. shape: equal for expressions that are equal
-    but for constants and inputs (of the same argument, and known from the same section on). depth: operations one behind
-    the other. results: number of the result, element, and value.
+    code: CasADi's number of the operation, or CONSTANT or INPUT. needs: of an operation the values it is of; of an
+    input its argument and element. constant: numbers of those that are constants. shape: equal for expressions that are
+    equal but for constants and inputs (of the same argument, and known from the same section on). depth: operations one
+    behind the other. results: number of the result, element, and value.
     """
 
     code: list[int] = field(default_factory=list)
@@ -91,7 +91,7 @@ def operations_of(function: ca.Function, known_from: Callable[[int, int], int]) 
 
 
 class Packs:
-    """Operations among the values that go together, each once at most: `columns` of values, in the order of their lanes.
+    """Operations among the values that go together, each once at most: `columns` of values, in the order of lanes.
 
     The values of a column have the same shape, so that none of them can wait for another.
     """

@@ -50,9 +50,9 @@ class Statements:
         self.packs = Packs(operations, _needed(operations))
         self.column = {value: column for column in self.packs.columns for value in column}
         self.number: dict[Lanes, int] = {}
-        self.sections: list[list[Statement]] = [
-            [] for _ in range(1 + max((section for section, _ in results), default=0))
-        ]
+        self._operands: dict[Lanes, list[Lanes]] = {}
+        last = max((section for section, _ in results), default=0)
+        self.sections: list[list[Statement]] = [[] for _ in range(last + 1)]
         for result, element, value in operations.results:
             section, name = results[result]
             needs = self._columns([value])
@@ -66,7 +66,9 @@ class Statements:
 
     def operands(self, column: Lanes) -> list[Lanes]:
         """What a column is of, lane by lane."""
-        return self.packs.operands(column)
+        if column not in self._operands:
+            self._operands[column] = self.packs.operands(column)
+        return self._operands[column]
 
     def gathered(self, column: Lanes) -> bool:
         """Whether values are put side by side that are not made so."""
@@ -104,21 +106,21 @@ class Statements:
 
     def _make(self, columns: Sequence[Lanes], lines: list[Statement]) -> None:
         """Write statements that make columns, and before them of what they need."""
-        waiting = [(column, False) for column in reversed(columns)]
+        waiting: list[tuple[Lanes, tuple[Lanes, ...] | None]] = [(column, None) for column in reversed(columns)]
         while waiting:
-            column, ready = waiting.pop()
+            column, needs = waiting.pop()
             if column in self.number:
                 continue
-            needs = self._needs(column)
-            if ready:
-                inside = [column] if self.gathered(column) else self.operands(column)
-                plain = [value for operand in inside for value in operand if value in self.inputs]
-                self._masks[column] = self._joined(plain, needs)
-                self.number[column] = len(self.number)
-                lines.append(Statement(column, None, needs, self._masks[column]))
-            else:
-                waiting.append((column, True))
-                waiting += [(need, False) for need in reversed(needs)]
+            if needs is None:
+                needs = self._needs(column)
+                waiting.append((column, needs))
+                waiting += [(need, None) for need in reversed(needs) if need not in self.number]
+                continue
+            inside = [column] if self.gathered(column) else self.operands(column)
+            plain = [value for operand in inside for value in operand if value in self.inputs]
+            self._masks[column] = self._joined(plain, needs)
+            self.number[column] = len(self.number)
+            lines.append(Statement(column, None, needs, self._masks[column]))
 
 
 def _needed(operations: Operations) -> list[int]:
