@@ -15,6 +15,7 @@ from fowtlib.language.externals import LibraryFunction
 from fowtlib.language.native import EXPORT
 from fowtlib.language.tables import SplineFunction
 from fowtlib.solving.engines import fixed_step
+from fowtlib.solving.engines.c_lanes import ANY_PROCESSOR
 from fowtlib.solving.engines.c_text import Program, c_program
 from fowtlib.solving.engines.fixed_step_code import OUT, kept_text
 from fowtlib.solving.engines.reduction import reduction
@@ -97,7 +98,7 @@ def _source_of(function: LibraryFunction) -> str:
 
 def _functions(variables: Variables, dae: FlatDAE) -> tuple[str, Program, int]:
     """C text of all functions and of their derivatives along a direction; the engine's program; scratch memory."""
-    text, program, scratch = kept_text(dae, reduction(dae), variables.observed)
+    text, program, scratch = kept_text(dae, reduction(dae), variables.observed, ANY_PROCESSOR)
     q = ca.vertcat(dae.u, dae.d, dae.p)
     arguments = [dae.t, dae.x, dae.z, q, dae.w]
     checks = ca.vertcat(*[check.condition for check in dae.checks])

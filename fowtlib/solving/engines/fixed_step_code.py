@@ -8,7 +8,7 @@ from __future__ import annotations
 
 import ctypes as c
 import json
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from functools import cache
 from pathlib import Path
 from typing import Any
@@ -21,14 +21,17 @@ from fowtlib.language.cache import cached, sources
 from fowtlib.language.externals import LibraryFunction
 from fowtlib.language.native import Library, load_library
 from fowtlib.language.tables import SplineFunction
-from fowtlib.solving.engines.c_text import PROLOGUE, Depends, Program, c_program
+from fowtlib.solving.engines.c_lanes import lanes_here, prologue
+from fowtlib.solving.engines.c_text import WRITERS, Program, c_program
 from fowtlib.solving.engines.reduction import Reduction, reduction
+from fowtlib.solving.engines.statements import Depends
 from fowtlib.solving.engines.symmetry import cyclic_unknowns
 
 DOUBLES, INTEGERS = c.POINTER(c.c_double), c.POINTER(c.c_int)
 CASADI = c.CFUNCTYPE(c.c_int, c.POINTER(DOUBLES), c.POINTER(DOUBLES), c.c_void_p, DOUBLES, c.c_int)
 
 OUT = ["first", "second"]
+W = 4  # the number of w among the arguments of the functions
 
 
 class Spline(c.Structure):
@@ -134,7 +137,7 @@ class FixedStepCode:
         self.raised: list[Exception] = []  # by Python code inside of a step
         self._alive: list[Any] = []  # what the tables point to
         self.external_order = [k for level in dae.levels for k in level]
-        text, self.program, self.scratch = kept_text(dae, self.reduction, self.observed)
+        text, self.program, self.scratch = kept_text(dae, self.reduction, self.observed, lanes_here())
         self.path, self.library = load_library(text, "model", optimization="-O1")
         self.table = self._model()
         self.samples_need_outputs = [dae.needs_outputs(sample.values) for sample in dae.samples]
@@ -284,7 +287,7 @@ class FixedStepCode:
         return c.cast(self._alive[-1], c.c_void_p).value
 
 
-def kept_text(dae: FlatDAE, reduced: Reduction, observed: Sequence[str]) -> tuple[str, Program, int]:
+def kept_text(dae: FlatDAE, reduced: Reduction, observed: Sequence[str], word: int) -> tuple[str, Program, int]:
     """What `model_text` returns, from the cache where these equations have been written before."""
     function = _function(dae, observed, {})
     patterns = [_slope_pattern(external.function) for external in dae.externals]
@@ -295,10 +298,10 @@ def kept_text(dae: FlatDAE, reduced: Reduction, observed: Sequence[str]) -> tupl
     ]  # fmt: skip
     samples = [ca.Function("sample", _arguments(dae), [ca.densify(sample.values)]) for sample in dae.samples]
     equations = [item.serialize() for item in (function, *samples)]
-    parts = [*sources(__name__, c_program.__module__), json.dumps(structure), *equations]
+    parts = [*sources(__name__, *WRITERS), json.dumps([word, structure]), *equations]
 
     def make() -> dict[str, Any]:
-        text, program, scratch = model_text(dae, reduced, observed)
+        text, program, scratch = model_text(dae, reduced, observed, word)
         masks = [[hex(mask) for mask in some] for some in program.masks]
         return {"text": text, "scratch": scratch, "program": {**vars(program), "text": "", "masks": masks}}
 
@@ -326,7 +329,7 @@ def moved_pieces(program: Program, levels: int, masks: list[int], unknowns: int)
     return [0, *np.cumsum([*map(len, pieces)]).tolist()], [piece for some in pieces for piece in some]
 
 
-def model_text(dae: FlatDAE, reduced: Reduction, observed: Sequence[str]) -> tuple[str, Program, int]:
+def model_text(dae: FlatDAE, reduced: Reduction, observed: Sequence[str], word: int) -> tuple[str, Program, int]:
     """C text, its program of the inputs of the externals, level by level, and the residual, and its scratch memory.
 
     The text defines level_0, level_1, ..., model; observed, which follows a call of these; and sample_0, ... for the
@@ -335,14 +338,24 @@ def model_text(dae: FlatDAE, reduced: Reduction, observed: Sequence[str]) -> tup
     function = _function(dae, observed, {"cse": True})
     sections = [(f"level_{level}", ["first"]) for level in range(len(dae.levels))] + [("model", ["first", "second"])]
     sections.append(("observed", ["first"]))
-    program = c_program(function, sections, list("txzqw"), OUT, dependences(dae, reduced))
-    texts, scratch = [PROLOGUE, program.text], program.scratch
+    program = c_program(function, sections, list("txzqw"), OUT, dependences(dae, reduced), _known_from(dae), word)
+    texts, scratch = [prologue(word), program.text], program.scratch
     for k, sample in enumerate(dae.samples):
         function = ca.Function("sample", _arguments(dae), [ca.densify(sample.values)], {"cse": True})
-        alone = c_program(function, [(f"sample_{k}", ["first"])], list("txzqw"), OUT)
+        alone = c_program(function, [(f"sample_{k}", ["first"])], list("txzqw"), OUT, word=word)
         texts.append(alone.text)
         scratch = max(scratch, alone.scratch)
     return "".join(texts), program, scratch
+
+
+def _known_from(dae: FlatDAE) -> Callable[[int, int], int]:
+    """The section from which on an element of an argument is known: outputs of externals behind their level."""
+    level = [0] * dae.w.shape[0]
+    for number, members in enumerate(dae.levels):
+        for k in members:
+            outputs = dae.externals[k].outputs
+            level[outputs] = [number + 1] * (outputs.stop - outputs.start)
+    return lambda argument, element: level[element] if argument == W else 0
 
 
 def dependences(dae: FlatDAE, reduced: Reduction) -> tuple[Depends, Depends]:

@@ -15,7 +15,7 @@ import casadi as ca
 import numpy as np
 
 from fowtlib.language.native import Library, compiler, load_library
-from fowtlib.solving.engines.c_text import OPERATIONS
+from fowtlib.solving.engines.c_lanes import OPERATIONS
 
 POINTS = (100, 10, 1)  # at which CasADi's own functions are evaluated in one call
 INPUT, OUTPUT, CONSTANT = -1, -2, -3

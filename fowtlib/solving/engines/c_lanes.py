@@ -1,0 +1,111 @@
+"""C text of operations, of numbers and of vectors (see lanes.py).
+
+Vectors are those that gcc and clang have for any processor, in words of as many lanes as a register holds.
+"""
+
+from __future__ import annotations
+
+from functools import cache
+
+import casadi as ca
+
+from fowtlib.language.native import load_library
+
+OPERATIONS = {
+    ca.OP_ASSIGN: "{0}", ca.OP_LIFT: "{0}", ca.OP_ADD: "{0} + {1}", ca.OP_SUB: "{0} - {1}", ca.OP_MUL: "{0} * {1}",
+    ca.OP_DIV: "{0} / {1}", ca.OP_NEG: "-{0}", ca.OP_EXP: "exp({0})", ca.OP_LOG: "log({0})",
+    ca.OP_POW: "pow({0}, {1})", ca.OP_CONSTPOW: "pow({0}, {1})", ca.OP_SQRT: "sqrt({0})", ca.OP_SQ: "{0} * {0}",
+    ca.OP_TWICE: "2.0 * {0}", ca.OP_SIN: "sin({0})", ca.OP_COS: "cos({0})", ca.OP_TAN: "tan({0})",
+    ca.OP_ASIN: "asin({0})", ca.OP_ACOS: "acos({0})", ca.OP_ATAN: "atan({0})", ca.OP_LT: "{0} < {1}",
+    ca.OP_LE: "{0} <= {1}", ca.OP_EQ: "{0} == {1}", ca.OP_NE: "{0} != {1}", ca.OP_NOT: "!{0}",
+    ca.OP_AND: "{0} && {1}", ca.OP_OR: "{0} || {1}", ca.OP_FLOOR: "floor({0})", ca.OP_CEIL: "ceil({0})",
+    ca.OP_FMOD: "fmod({0}, {1})", ca.OP_REMAINDER: "remainder({0}, {1})", ca.OP_FABS: "fabs({0})",
+    ca.OP_SIGN: "{0} > 0 ? 1 : {0} < 0 ? -1 : {0}", ca.OP_COPYSIGN: "copysign({0}, {1})",
+    ca.OP_IF_ELSE_ZERO: "{0} ? {1} : 0", ca.OP_ERF: "erf({0})", ca.OP_FMIN: "fmin({0}, {1})", ca.OP_FMAX: "fmax({0}, {1})", ca.OP_INV: "1.0 / {0}",
+    ca.OP_SINH: "sinh({0})", ca.OP_COSH: "cosh({0})", ca.OP_TANH: "tanh({0})", ca.OP_ASINH: "asinh({0})",
+    ca.OP_ACOSH: "acosh({0})", ca.OP_ATANH: "atanh({0})", ca.OP_ATAN2: "atan2({0}, {1})", ca.OP_LOG1P: "log1p({0})",
+    ca.OP_EXPM1: "expm1({0})", ca.OP_HYPOT: "hypot({0}, {1})",
+}  # fmt: skip
+"""C text of a CasADi operation."""
+
+ANY_PROCESSOR = 2  # lanes of a word that every processor has, or can do without
+
+VECTORS = {
+    ca.OP_ADD: "ADD({0}, {1})", ca.OP_SUB: "SUB({0}, {1})", ca.OP_MUL: "MUL({0}, {1})", ca.OP_DIV: "DIV({0}, {1})",
+    ca.OP_NEG: "NEG({0})", ca.OP_SQ: "MUL({0}, {0})", ca.OP_TWICE: "ADD({0}, {0})", ca.OP_FMIN: "MIN({0}, {1})",
+    ca.OP_FMAX: "MAX({0}, {1})", ca.OP_IF_ELSE_ZERO: "ONLY({0}, {1})",
+}  # fmt: skip
+"""The same of vectors, for those that need not be carried out lane by lane."""
+
+_WIDE = """#if defined(__clang__)
+#pragma clang attribute push(__attribute__((target("avx2"))), apply_to = function)
+#else
+#pragma GCC target("avx2")
+#endif
+#define LEAVE __builtin_ia32_vzeroupper(); /* gcc leaves it out at -O1, and what follows would be slow without */
+"""
+_PROLOGUE = """#include <math.h>
+#ifndef LEAVE
+#define LEAVE
+#endif
+#ifdef __GNUC__
+#define FS_PIECE __attribute__((noinline))
+typedef double W __attribute__((vector_size(BYTES), aligned(8), may_alias));
+typedef long long M __attribute__((vector_size(BYTES), aligned(8), may_alias));
+#define WORD(...) ((W){__VA_ARGS__})
+#define LANE(v, k) ((v)[k])
+#define LOAD(p) (*(const W *)(p))
+#define KEEP(p, v) (*(W *)(p) = (v))
+#define ADD(v, u) ((v) + (u))
+#define SUB(v, u) ((v) - (u))
+#define MUL(v, u) ((v) * (u))
+#define DIV(v, u) ((v) / (u))
+#define NEG(v) (-(v))
+#define CHOICE(m, v, u) ((W)(((M)(v) & (m)) | ((M)(u) & ~(m))))
+#define MIN(v, u) CHOICE((M)((v) < (u)) | (M)((u) != (u)), v, u)
+#define MAX(v, u) CHOICE((M)((v) > (u)) | (M)((u) != (u)), v, u)
+#define ONLY(c, v) ((W)((M)(v) & (M)((c) != (W){0.0})))
+#else
+#define FS_PIECE
+typedef struct { double a, b; } W;
+#define WORD(p, q) ((W){p, q})
+#define LANE(v, k) ((k) ? (v).b : (v).a)
+#define LOAD(p) ((W){(p)[0], (p)[1]})
+#define KEEP(p, v) ((p)[0] = (v).a, (p)[1] = (v).b)
+#define ADD(v, u) ((W){(v).a + (u).a, (v).b + (u).b})
+#define SUB(v, u) ((W){(v).a - (u).a, (v).b - (u).b})
+#define MUL(v, u) ((W){(v).a * (u).a, (v).b * (u).b})
+#define DIV(v, u) ((W){(v).a / (u).a, (v).b / (u).b})
+#define NEG(v) ((W){-(v).a, -(v).b})
+#define MIN(v, u) ((W){fmin((v).a, (u).a), fmin((v).b, (u).b)})
+#define MAX(v, u) ((W){fmax((v).a, (u).a), fmax((v).b, (u).b)})
+#define ONLY(c, v) ((W){(c).a != 0.0 ? (v).a : 0.0, (c).b != 0.0 ? (v).b : 0.0})
+#endif
+"""
+_PROBE = """#if defined(__x86_64__) && defined(__GNUC__)
+#include <cpuid.h>
+EXPORT int lanes(void) {
+  unsigned a, b, c, d, low, high;
+  if (!__get_cpuid(1, &a, &b, &c, &d) || (~c & (bit_OSXSAVE | bit_AVX))) return 2;
+  __asm__("xgetbv" : "=a"(low), "=d"(high) : "c"(0)); /* does the system keep these registers? */
+  return (low & 6) == 6 && __get_cpuid_count(7, 0, &a, &b, &c, &d) && (b & bit_AVX2) ? 4 : 2;
+}
+#else
+EXPORT int lanes(void) { return 2; }
+#endif
+"""
+
+
+def prologue(word: int) -> str:
+    """In front of the text of `c_program` with vectors of so many lanes: 2 for every processor, 4 for those with AVX2.
+
+    Without the vectors of gcc and clang there are two numbers in their place.
+    """
+    return (_WIDE if word > ANY_PROCESSOR else "") + _PROLOGUE.replace("BYTES", str(8 * word))
+
+
+@cache
+def lanes_here() -> int:
+    """Lanes of the vectors of this processor."""
+    _, library = load_library(_PROBE, "processor")
+    return library.lanes()
