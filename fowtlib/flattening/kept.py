@@ -78,7 +78,7 @@ def _read(key: str, root: Component, opened: Sequence[str]) -> FlatDAE | None:
         return flatten(root, opened).equation_table
 
     stats = {**dae.stats, "flattening_time": time.perf_counter() - began}
-    return replace(dae, write_equations=write_equations, stats=stats)
+    return replace(dae, write_equations=write_equations, stats=stats, key=key)
 
 
 def _made(key: str, root: Component, opened: Sequence[str], foreign: bool) -> FlatDAE:
@@ -90,13 +90,14 @@ def _made(key: str, root: Component, opened: Sequence[str], foreign: bool) -> Fl
         dae, instances = flatten_with(root, opened)
     for item in said:
         warnings.warn_explicit(item.message, item.category, item.filename, item.lineno, registry=_shown)
-    if not said and read <= {os.path.realpath(file) for file in files_of(root).values()}:
-        try:
-            hooks = Hooks.of(instances.system, instances.statements)
-            _keep(f"flat_{key}", {**record_of(dae, hooks), "given_with": instances.given_with})
-        except (NotArithmetic, ValueError, OSError):
-            pass
-    return dae
+    if said or not read <= {os.path.realpath(file) for file in files_of(root).values()}:
+        return dae
+    try:
+        hooks = Hooks.of(instances.system, instances.statements)
+        _keep(f"flat_{key}", {**record_of(dae, hooks), "given_with": instances.given_with})
+    except (NotArithmetic, ValueError, OSError):
+        pass
+    return replace(dae, key=key)
 
 
 def _keep(name: str, record: Record) -> None:

@@ -23,23 +23,23 @@ class Unknown(Exception):
 
 
 @cache
-def folders() -> tuple[str, ...]:
-    """Where the code is."""
+def folders(packages: tuple[str, ...] = _PACKAGES) -> tuple[str, ...]:
+    """Where the code of packages is."""
     found = []
-    for name in _PACKAGES:
+    for name in packages:
         spec = find_spec(name)
         found += [os.path.realpath(place) for place in (spec and spec.submodule_search_locations) or ()]
     return tuple(f"{folder}{os.sep}" for folder in found)
 
 
 @cache
-def digest_of_own_code() -> str:
-    """Of all its texts and of the versions of the packages it computes with.
+def digest_of_own_code(*more: str) -> str:
+    """Of all its texts, those of more packages, and of the versions of the packages it computes with.
 
     Raises Unknown where a text was written after this process has begun: what runs may be what stood there before.
     """
     digest = hashlib.sha256(repr([version(name) for name in _VERSIONS]).encode())
-    for folder in folders():
+    for folder in folders(_PACKAGES + more):
         for path in sorted((*Path(folder).rglob("*.py"), *Path(folder).rglob("*.c"))):
             digest.update(f"\0{path.relative_to(folder)}\0".encode() + content_from_before(path))
     return digest.hexdigest()
