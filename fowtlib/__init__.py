@@ -13,8 +13,6 @@ from __future__ import annotations
 import importlib as _importlib
 from typing import TYPE_CHECKING, Any
 
-from fowtlib.language import Assembly, Component, ModelError
-
 if TYPE_CHECKING:
     from fowtlib import analysis, components
     from fowtlib.analysis import (
@@ -84,6 +82,7 @@ if TYPE_CHECKING:
         response,
     )
     from fowtlib.frequency.many import responses
+    from fowtlib.language import Assembly, Component, ModelError
     from fowtlib.modelfile import dump, load
     from fowtlib.solving import (
         Conditions,
@@ -109,6 +108,7 @@ if TYPE_CHECKING:
 # imported when first used, so that `import fowtlib` stays fast
 _PACKAGES = ("analysis", "components")
 _LATER = {
+    **dict.fromkeys(("Assembly", "Component", "ModelError"), "fowtlib.language"),
     "export_fmu": "fowtlib.fmi",
     "view": "fowtlib.view",
     **dict.fromkeys(
@@ -147,7 +147,8 @@ _LATER = {
 
 def __getattr__(name: str) -> Any:
     if name in _LATER:
-        return getattr(_importlib.import_module(_LATER[name]), name)
+        found = globals()[name] = getattr(_importlib.import_module(_LATER[name]), name)
+        return found
     if name in _PACKAGES:
         return _importlib.import_module(f"fowtlib.{name}")
     if name == "__version__":

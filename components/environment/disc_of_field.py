@@ -2,12 +2,16 @@
 
 from __future__ import annotations
 
+from typing import TYPE_CHECKING
+
 import numpy as np
-from scipy.interpolate import RegularGridInterpolator
 
 from fowtlib.components.environment.field_lookup import FieldLookup
 from fowtlib.components.environment.wind_file import WindSeries
 from fowtlib.language.run_time import TurningRings
+
+if TYPE_CHECKING:
+    from scipy.interpolate import RegularGridInterpolator
 
 STEP = 0.1  # s between two samples, about
 AT_ONCE = 20_000  # points of one look-up
@@ -47,6 +51,8 @@ def disc_of_field(lookup: FieldLookup, disc: TurningRings) -> WindSeries:
 
 def _mean_of(lookup: FieldLookup) -> RegularGridInterpolator:
     """Mean of u [m/s] over time, of (z, y) in the plane."""
+    from scipy.interpolate import RegularGridInterpolator
+
     grid = lookup.grid
     total = sum(block[:, : grid.rows * grid.columns, 0].sum(axis=0, dtype=float) for _, block in lookup.field.blocks())
     mean = (total / grid.steps - grid.offset[0]) / grid.slope[0]

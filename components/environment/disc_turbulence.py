@@ -19,13 +19,15 @@ from __future__ import annotations
 
 from collections.abc import Callable, Sequence
 from functools import lru_cache
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
-from scipy.interpolate import PchipInterpolator, PPoly
 
 from fowtlib.language.run_time import RestingPlaces, TurningRings
+
+if TYPE_CHECKING:
+    from scipy.interpolate import PPoly
 
 Floats = NDArray[np.float64]
 Complexes = NDArray[np.complex128]
@@ -78,6 +80,8 @@ def _turns(orders: NDArray[np.int64]) -> Floats:
 def _tables(radii: bytes, weights: tuple[bytes, ...], orders: tuple[tuple[int, ...], ...],
             coherence: Coherence) -> list[dict[int, PPoly]]:  # fmt: skip
     """Shares of weighted sums of rings over the logarithm of the frequency, by order, for each kind of sum."""
+    from scipy.interpolate import PchipInterpolator, PPoly
+
     r = np.frombuffer(radii)
     one, other = np.triu_indices(r.size)
     table, found = _around(TABLE, r, coherence), []

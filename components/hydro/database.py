@@ -8,7 +8,6 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
-from scipy.interpolate import Akima1DInterpolator, CubicSpline
 
 from fowtlib.components.hydro import wamit
 from fowtlib.components.hydro.conventions import check_conventions
@@ -301,6 +300,8 @@ def loads_between(known: np.ndarray, X: np.ndarray, tide: np.ndarray, omega: np.
 
 def at_heading(headings: np.ndarray, X: np.ndarray, heading: float) -> np.ndarray:
     """Loads (n, m) at a heading [rad] from those X (n, nh, m) at some; see HydrodynamicDatabase.excitation_at."""
+    from scipy.interpolate import CubicSpline
+
     if not np.isfinite(heading):
         raise HydrodynamicDataError("excitation: the heading must be a finite number")
     known = np.mod(headings, _FULL_TURN)
@@ -331,6 +332,8 @@ def at_heading(headings: np.ndarray, X: np.ndarray, heading: float) -> np.ndarra
 
 
 def _interpolate(x: np.ndarray, y: np.ndarray, at: np.ndarray) -> np.ndarray:
+    from scipy.interpolate import Akima1DInterpolator
+
     return Akima1DInterpolator(x, y, axis=0, method="makima")(at)
 
 

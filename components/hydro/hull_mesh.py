@@ -13,7 +13,6 @@ from dataclasses import dataclass, field, replace
 from functools import cached_property
 
 import numpy as np
-from scipy.spatial import cKDTree
 
 from fowtlib.components.hydro.mesh_leaks import LeakError, check_closed, free_edges, joined
 from fowtlib.language.errors import ParameterError
@@ -259,6 +258,8 @@ def find_symmetry(panels: np.ndarray, lid: np.ndarray) -> Symmetry:
 
 def part_of(panels: np.ndarray, symmetry: Symmetry) -> np.ndarray:
     """One panel of each set of panels that the symmetry makes the same."""
+    from scipy.spatial import cKDTree
+
     centre = _centres(panels)
     if symmetry.rotation > 1:
         step = 2 * np.pi / symmetry.rotation
@@ -285,6 +286,8 @@ def _mirrors(panels: np.ndarray, axis: int) -> bool:
 
 def _rotation(parts: list[np.ndarray]) -> int:
     """The largest n for which a turn by 2 pi / n about z leaves all parts as they are; none of them on the axis."""
+    from scipy.spatial import cKDTree
+
     if any((np.linalg.norm(_centres(part)[:, :2], axis=1) < _near(part)).any() for part in parts):
         return 1
     counts = []
@@ -313,6 +316,8 @@ def _same(one: np.ndarray, other: np.ndarray) -> bool:
 
     Told by their centres, the nearest and the farthest corner from them, and the lowest corner.
     """
+    from scipy.spatial import cKDTree
+
     near = _near(other)
 
     def marks(panels: np.ndarray) -> np.ndarray:

@@ -7,7 +7,6 @@ from functools import cache, cached_property, lru_cache
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
-from scipy.special import j0, j1, y0, y1
 
 from fowtlib.components.environment.waves import WaveComponents
 from fowtlib.components.mechanics.beam_division import gauss_points
@@ -28,6 +27,8 @@ def diffraction_coefficient(ka: ArrayLike) -> Complexes:
     there, exp(+i omega t): C = 4 / (i pi (k a)^2 (J1'(k a) - i Y1'(k a))). Long waves: 2.
     Source: R.C. MacCamy and R.A. Fuchs, Beach Erosion Board Technical Memorandum 69 (1954).
     """
+    from scipy.special import j0, j1, y0, y1
+
     x = np.asarray(ka, dtype=float)
     wide = x > SMALLEST
     safe = np.where(wide, x, 1.0)

@@ -36,12 +36,11 @@ A port's f and t are positive into the component, so what the water gives to the
 
 from __future__ import annotations
 
-from functools import lru_cache
+from functools import cached_property, lru_cache
 from pathlib import Path
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
-from scipy.interpolate import Akima1DInterpolator
 
 from fowtlib.components.environment.sea import Sea
 from fowtlib.components.environment.waves import WaveComponents, wave_number
@@ -71,6 +70,7 @@ from fowtlib.language import (
 )
 from fowtlib.language import math as m
 from fowtlib.language.data_files import remembered
+from fowtlib.language.operators import Transfer
 from fowtlib.language.similarity import six_by_six
 
 LARGEST_TILT = np.radians(45.0)  # of a hull, beyond which a run says that its loads mean nothing
@@ -286,10 +286,16 @@ class RadiationTransfer:
     """
 
     def __init__(self, data: HydrodynamicDatabase | ModalDatabase, realization: StateSpace):
-        self.range, self.realization = (data.omega[0], data.omega[-1]), realization
-        damping = Akima1DInterpolator(data.omega, data.B, method="akima")
-        added = Akima1DInterpolator(data.omega, data.A - data.A_inf, method="akima")
-        self.known = lambda omega: damping(omega) + 1j * omega[:, None, None] * added(omega)
+        self.range, self.realization, self._data = (data.omega[0], data.omega[-1]), realization, data
+
+    @cached_property
+    def known(self) -> Transfer:
+        """H between the frequencies of the data."""
+        from scipy.interpolate import Akima1DInterpolator  # a run in time asks for none, and it takes long to import
+
+        damping = Akima1DInterpolator(self._data.omega, self._data.B, method="akima")
+        added = Akima1DInterpolator(self._data.omega, self._data.A - self._data.A_inf, method="akima")
+        return lambda omega: damping(omega) + 1j * omega[:, None, None] * added(omega)
 
     def __call__(self, omega: np.ndarray) -> np.ndarray:
         transfer = np.array(self.realization.transfer(omega))

@@ -9,9 +9,6 @@ from __future__ import annotations
 from collections import Counter
 
 import numpy as np
-from scipy.sparse import coo_matrix
-from scipy.sparse.csgraph import connected_components
-from scipy.spatial import cKDTree
 
 from fowtlib.language.errors import ParameterError
 
@@ -74,6 +71,10 @@ def _edges(panels: np.ndarray) -> tuple[np.ndarray, list[tuple[int, int]]]:
 
 def _clusters(corners: np.ndarray, reach: float) -> tuple[np.ndarray, np.ndarray]:
     """Which point (k, 3) each corner belongs to, corners within `reach` being one point."""
+    from scipy.sparse import coo_matrix
+    from scipy.sparse.csgraph import connected_components
+    from scipy.spatial import cKDTree
+
     pairs = cKDTree(corners).query_pairs(reach, output_type="ndarray")
     links = coo_matrix((np.ones(len(pairs)), (pairs[:, 0], pairs[:, 1])), shape=(len(corners),) * 2)
     number, label = connected_components(links, directed=False)
@@ -90,6 +91,8 @@ def _twice(edges: list[tuple[int, int]]) -> tuple[int, int] | None:
 
 def _unmatched(points: np.ndarray, edges: list[tuple[int, int]], reach: float) -> list[tuple[int, int]]:
     """Edges without their counterpart, after long ones were divided at the free points that lie on them."""
+    from scipy.spatial import cKDTree
+
     rest = _without_counterparts(edges)
     if not rest:
         return []
@@ -115,6 +118,9 @@ def _without_counterparts(edges: list[tuple[int, int]]) -> list[tuple[int, int]]
 
 def _holes(edges: list[tuple[int, int]]) -> list[list[tuple[int, int]]]:
     """The edges, those together that hang together."""
+    from scipy.sparse import coo_matrix
+    from scipy.sparse.csgraph import connected_components
+
     ends = np.array(edges)
     names, index = np.unique(ends, return_inverse=True)
     index = index.reshape(ends.shape)
@@ -128,6 +134,8 @@ def _holes(edges: list[tuple[int, int]]) -> list[list[tuple[int, int]]]:
 
 def _told(points: np.ndarray, hole: list[tuple[int, int]], loose: np.ndarray) -> str:
     """How many edges a rim has, the longest of them, and how near its corners come to another one on a rim."""
+    from scipy.spatial import cKDTree
+
     ends = np.array(hole)
     lengths = np.linalg.norm(points[ends[:, 1]] - points[ends[:, 0]], axis=1)
     a, b = ends[int(lengths.argmax())]

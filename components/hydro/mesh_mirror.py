@@ -10,7 +10,6 @@ import contextlib
 from dataclasses import replace
 
 import numpy as np
-from scipy.spatial import cKDTree
 
 from fowtlib.components.hydro.hull_mesh import HullMesh, clipped
 from fowtlib.language.errors import ParameterError
@@ -95,6 +94,8 @@ def _volume(half: np.ndarray) -> float:
 
 def _distances(panels: np.ndarray, surface: np.ndarray) -> np.ndarray:
     """Distance (n,) of the centre of each panel from another surface [m]."""
+    from scipy.spatial import cKDTree
+
     points = panels.mean(axis=1)
     s, t = (c.reshape(-1, 1, 1) for c in np.meshgrid(np.linspace(0, 1, _SAMPLES), np.linspace(0, 1, _SAMPLES)))
     a, b, c, d = surface.transpose(1, 0, 2)

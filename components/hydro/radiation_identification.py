@@ -30,8 +30,6 @@ from dataclasses import asdict, dataclass, field
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 from scipy import linalg
-from scipy.optimize import nnls
-from scipy.sparse.csgraph import connected_components
 
 from fowtlib.components.hydro.errors import HydrodynamicDataError
 from fowtlib.components.hydro.retardation import added_mass_from_kernel, bandwidth, retardation_kernel
@@ -148,6 +146,8 @@ def identify_radiation(omega: ArrayLike, damping: ArrayLike, added_mass: ArrayLi
     C A^-1 B = 0 only. The kernel is sampled four times above its bandwidth until it has decayed, unless time_step and
     duration [s] are given. Raises HydrodynamicDataError.
     """
+    from scipy.sparse.csgraph import connected_components
+
     omega, damping = np.asarray(omega, dtype=float), np.asarray(damping, dtype=float)
     if damping.ndim != 3 or damping.shape[0] != omega.size or damping.shape[1] != damping.shape[2]:
         raise HydrodynamicDataError(f"radiation: damping has the shape {damping.shape}, expected ({omega.size}, m, m)")
@@ -369,6 +369,8 @@ def _symmetric_limits(A: Floats, B: Floats, white: Floats) -> Floats:
 
 def least_distance(best: Floats, rows: Floats, limits: Floats | float = 0.0) -> Floats:
     """The point nearest to `best` with rows @ point >= limits + a small margin (Lawson and Hanson 1974, 23.4)."""
+    from scipy.optimize import nnls
+
     wanted = limits + 1e-7 * linalg.norm(best) - rows @ best
     stacked = np.vstack([rows.T, wanted])
     unit = np.zeros(len(stacked))

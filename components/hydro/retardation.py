@@ -19,10 +19,13 @@ its maximum.
 
 from __future__ import annotations
 
+from typing import TYPE_CHECKING
+
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
-from scipy.interpolate import CubicSpline
-from scipy.special import sici
+
+if TYPE_CHECKING:
+    from scipy.interpolate import CubicSpline
 
 Floats = NDArray[np.float64]
 
@@ -45,6 +48,8 @@ def retardation_kernel(omega: ArrayLike, damping: ArrayLike, time: ArrayLike, *,
 
 def added_mass_from_kernel(time: ArrayLike, kernel: ArrayLike, omega: ArrayLike) -> Floats:
     """A(omega) - A_inf (n, ...) that belongs to a kernel K (nt, ...) sampled at the times t (nt,)."""
+    from scipy.interpolate import CubicSpline
+
     time, kernel, omega = (np.asarray(item, dtype=float) for item in (time, kernel, omega))
     flat = kernel.reshape(time.size, -1)
     spline = CubicSpline(time, flat, bc_type=((1, np.zeros(flat.shape[1])), "not-a-knot"))
@@ -61,6 +66,8 @@ def bandwidth(omega: Floats, damping: Floats, share: float = 0.99) -> float:
 
 
 def _damping_spline(omega: Floats, damping: Floats) -> CubicSpline:
+    from scipy.interpolate import CubicSpline
+
     zero = np.zeros((1, damping.shape[1]))
     return CubicSpline(np.append(0.0, omega), np.vstack([zero, damping]), bc_type=((1, zero[0]), "not-a-knot"))
 
@@ -79,6 +86,8 @@ def _transform(spline: CubicSpline, knots: Floats, frequency: Floats, function: 
 
 def _cubic_tail(x: Floats) -> Floats:
     """int_1^inf cos(x u) / u^3 du."""
+    from scipy.special import sici
+
     x = np.abs(x)
     cosine_integral = sici(np.maximum(x, 1e-12))[1]
     return 0.5 * (np.cos(x) - x * np.sin(x) + x**2 * cosine_integral)

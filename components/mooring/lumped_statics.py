@@ -12,7 +12,6 @@ from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.linalg import solve_banded
 
 from fowtlib.components.mooring.lumped_mass import SLACK
 from fowtlib.language.errors import ModelError
@@ -120,6 +119,8 @@ def _settled(nodes: Floats, line: StaticLine) -> Floats | None:
 
 def _solved(force: Floats, stiffness: Floats, ground: Floats, honey: float) -> Floats:
     """Displacements (k, 3) of the nodes between the ends: banded, three unknowns a node."""
+    from scipy.linalg import solve_banded
+
     count = len(force)
     own = stiffness[:-1] + stiffness[1:] + honey * np.eye(3)
     own[:, 2, 2] += ground

@@ -8,14 +8,18 @@ for that.
 
 from __future__ import annotations
 
+from typing import TYPE_CHECKING
+
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
-from scipy import sparse
 
 from fowtlib.components.hydro.deformation import quadrature
 from fowtlib.components.platform.member_frame import MemberFrame
 from fowtlib.components.platform.space_frame import SpaceFrame, rigid_motions
 from fowtlib.language.errors import ParameterError
+
+if TYPE_CHECKING:
+    from scipy import sparse
 
 Floats = NDArray[np.float64]
 

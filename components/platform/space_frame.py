@@ -12,14 +12,15 @@ import math
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass, field
 from functools import cached_property
+from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
-from scipy import sparse
-from scipy.linalg import eigh
-from scipy.sparse.linalg import splu
 
 from fowtlib.language.errors import ParameterError
+
+if TYPE_CHECKING:
+    from scipy import sparse
 
 Floats = NDArray[np.float64]
 _GAUSS = np.polynomial.legendre.leggauss(4)  # exact for what is integrated, of degree 6
@@ -146,6 +147,8 @@ class SpaceFrame:
 
         Raises ParameterError where what is held leaves the frame free to move.
         """
+        from scipy.sparse.linalg import splu
+
         matrix = self.stiffness + self.geometric_stiffness(tensions)
         free = ~np.asarray(held, dtype=bool).reshape(-1)
         given = np.asarray(loads, dtype=float).reshape(-1)
@@ -176,6 +179,8 @@ class SpaceFrame:
 
     def modes(self, number: int, held: ArrayLike | None = None, tensions: ArrayLike = 0.0) -> FrameModes:
         """The lowest modes, dry; a frame that nothing holds has six of frequency zero first."""
+        from scipy.linalg import eigh
+
         matrix = (self.stiffness + self.geometric_stiffness(tensions)).toarray()
         mass = self.mass.toarray()
         free = np.ones(len(mass), dtype=bool) if held is None else ~np.asarray(held, dtype=bool).reshape(-1)
@@ -223,6 +228,8 @@ class SpaceFrame:
         What the loads leave unbalanced moves the frame as a rigid one, whose inertia is a load too (inertia relief).
         Rigid motion is taken off: M-orthogonal displacements.
         """
+        from scipy.sparse.linalg import splu
+
         given = np.asarray(loads, dtype=float).reshape(-1, 6 * len(self.nodes))
         rigid = rigid_motions(self.nodes).reshape(6, -1)
         carried = self.mass @ rigid.T
@@ -236,6 +243,8 @@ class SpaceFrame:
         return (found - np.linalg.solve(own, carried.T @ found.T).T @ rigid).reshape(len(given), -1, 6)
 
     def _assembled(self, matrices: Iterable[Floats]) -> sparse.csc_matrix:
+        from scipy import sparse
+
         size, rows, columns, values = 6 * len(self.nodes), [], [], []
         for element, matrix in zip(self._elements, matrices, strict=True):
             rows.append(np.repeat(element.rows, 12))
@@ -247,6 +256,8 @@ class SpaceFrame:
         return sparse.coo_matrix((np.concatenate(values), place), (size, size)).tocsc()
 
     def _check_joined(self) -> None:
+        from scipy import sparse
+
         pairs = np.array([(beam.start, beam.end) for beam in self.beams]).reshape(-1, 2)
         count = len(self.nodes)
         graph = sparse.coo_matrix((np.ones(len(pairs)), (pairs[:, 0], pairs[:, 1])), (count, count))

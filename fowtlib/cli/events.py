@@ -7,7 +7,6 @@ from typing import TYPE_CHECKING, Any
 
 from fowtlib.cli import loading, tables
 from fowtlib.language.errors import ModelError
-from fowtlib.language.units import from_si
 
 if TYPE_CHECKING:
     from fowtlib.solving.timeline import Event
@@ -65,5 +64,7 @@ def show_events(arguments: argparse.Namespace) -> int:
 
 
 def _shown(value: float, unit: str) -> str:
+    from fowtlib.language.units import from_si
+
     out = SHOWN.get(unit, unit)
     return f"{from_si(value, unit, out):.5g}" + ("" if unit == "1" else f" {out}")

@@ -9,7 +9,6 @@ from typing import Any
 
 from fowtlib.cli import loading, tables
 from fowtlib.cli.weather import weather
-from fowtlib.language.declarations import join
 
 CHECK = """exit status: 0 nothing wrong, 1 something found, 2 the model cannot be built
 
@@ -97,6 +96,8 @@ def show_equations(arguments: argparse.Namespace) -> int:
 
 def show_parameters(arguments: argparse.Namespace) -> int:
     """Print the parameters of all parts in the order of the tree."""
+    from fowtlib.language.declarations import join
+
     rows = []
     model = loading.load(arguments)
     tables.say(arguments, weather(model, arguments))

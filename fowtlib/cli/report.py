@@ -9,7 +9,6 @@ import sys
 import tempfile
 import traceback
 from datetime import UTC, datetime
-from importlib.metadata import PackageNotFoundError, version
 from pathlib import Path
 
 PACKAGES = ("fowtlib", "casadi", "numpy", "scipy", "xarray", "pyyaml")
@@ -40,6 +39,8 @@ def _lines(arguments: argparse.Namespace, error: BaseException) -> list[str]:
 
 
 def _version(package: str) -> str:
+    from importlib.metadata import PackageNotFoundError, version
+
     try:
         return version(package)
     except PackageNotFoundError:

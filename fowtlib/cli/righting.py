@@ -7,8 +7,6 @@ import math
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-import numpy as np
-
 from fowtlib.cli import loading, tables
 from fowtlib.cli.files import FIGURES, check_target, say_saved
 from fowtlib.cli.run import finite, numbers, positive
@@ -58,6 +56,8 @@ def declare(commands: Any) -> None:
 
 def show_stability(arguments: argparse.Namespace) -> int:
     """Print how it floats and its righting arms, or its stages of construction."""
+    import numpy as np
+
     tables.check(arguments)
     check_target(arguments.plot, FIGURES, arguments.force)
     model = loading.load(arguments)
@@ -114,6 +114,8 @@ def _damaged(arguments: argparse.Namespace, model: Model, hull: Afloat) -> Afloa
 
 def _floating(upright: Floating, hull: Afloat) -> list[tuple[str, float, str]]:
     """Rows of how it floats held upright, and of how it comes to rest."""
+    import numpy as np
+
     second, rest = np.diag(upright.second_moments), hull.at_rest()
     return [
         ("mass with liquids", upright.mass, "kg"),

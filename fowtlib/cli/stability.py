@@ -9,8 +9,6 @@ from collections.abc import Container
 from pathlib import Path
 from typing import Any
 
-import numpy as np
-
 from fowtlib.cli import loading, tables
 from fowtlib.cli.files import FIGURES, check_target, say_saved
 from fowtlib.cli.run import numbers, positive
@@ -169,6 +167,8 @@ def show_modes(arguments: argparse.Namespace) -> int:
 
 def show_campbell(arguments: argparse.Namespace) -> int:
     """Print the modes over the wind, and draw them."""
+    import numpy as np
+
     from fowtlib.analysis.campbell import campbell
     from fowtlib.cli.progress import part_bar
 

@@ -5,8 +5,6 @@ from __future__ import annotations
 import argparse
 from typing import TYPE_CHECKING, Any
 
-import numpy as np
-
 from fowtlib.cli import loading, tables
 from fowtlib.cli.run import finite, numbers
 from fowtlib.language.errors import ParameterError
@@ -32,7 +30,7 @@ def declare(commands: Any) -> None:
     text = "PI gains of the blade pitch; damping of the platform over the wind"
     parser = commands.add_parser("tune", help=text, epilog=EXAMPLES)
     loading.declare(parser, wind=False, waves=False)
-    parser.add_argument("--winds", type=winds, metavar="first:last:step", default=winds("12:24:2"),
+    parser.add_argument("--winds", type=winds, metavar="first:last:step", default="12:24:2",
                         help="mean wind speeds [m/s], or single ones; default: 12:24:2")  # fmt: skip
     parser.add_argument("--frequency", type=finite, metavar="RAD/S", help="wanted natural frequency of the rotor alone")
     parser.add_argument("--damping", type=finite, metavar="RATIO", help="its damping ratio; default: 0.7")
@@ -55,6 +53,8 @@ def winds(text: str) -> list[float]:
 
 def tune(arguments: argparse.Namespace) -> int:
     """Print gains, damping over the wind, and what grows; or the least pitch of peak shaving."""
+    import numpy as np
+
     from fowtlib.control import PitchLoop, least_pitch, shave_peak, tune_pi
 
     tables.check(arguments)
@@ -110,6 +110,8 @@ def _say_gains(arguments: argparse.Namespace, loop: PitchLoop, tuned: Tuned) -> 
 
 
 def _table(own: list[Poles], then: list[Poles], tuned: Tuned | None) -> tuple[list[str], list[list[Any]]]:
+    import numpy as np
+
     from fowtlib.control.pi_tuning import WATCHED
 
     watched = [name for name in WATCHED if any(item.mode(name) for item in own)]

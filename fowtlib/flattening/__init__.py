@@ -2,5 +2,6 @@
 
 from fowtlib.flattening.assembler import flatten
 from fowtlib.flattening.flat_dae import FlatDAE
+from fowtlib.flattening.kept import flat
 
-__all__ = ["FlatDAE", "flatten"]
+__all__ = ["FlatDAE", "flat", "flatten"]

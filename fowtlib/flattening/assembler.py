@@ -46,12 +46,17 @@ def flatten(root: Component, opened: Sequence[str] = ()) -> FlatDAE:
     that output goes on being computed, and nobody hears it.
     Raises ModelError subclasses that say by path what is wrong: parameters, connections, structure.
     """
+    return flatten_with(root, opened)[0]
+
+
+def flatten_with(root: Component, opened: Sequence[str] = ()) -> tuple[FlatDAE, Instances]:
+    """The same, and the tree as it was bound to symbols."""
     started = time.perf_counter()
     with _without_collection(), Instances(root, opened) as instances:
         instances.collect()
         resolve_orientations(instances.system, instances.statements)
         dae = _Flattening(instances.system, instances.statements).run()
-    return replace(dae, stats={**dae.stats, "flattening_time": time.perf_counter() - started})
+    return replace(dae, stats={**dae.stats, "flattening_time": time.perf_counter() - started}), instances
 
 
 @contextmanager

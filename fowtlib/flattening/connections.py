@@ -166,7 +166,7 @@ class Connections:
         for name, member in first.field.annotation.members.items():
             if member.kind == "flow":
                 continue
-            shared[name] = _symbol(system, first, name, member, unknown=member.kind == "potential")
+            shared[name] = member_symbol(system, first, name, member, unknown=member.kind == "potential")
         for name, member in first.field.annotation.members.items():
             if member.kind == "orientation":
                 system.orient(shared[name], shared[member.angular_velocity])
@@ -204,7 +204,7 @@ class Connections:
             if representative not in shared:
                 shared[representative] = {
                     name: ca.densify(ca.SX(*_two(_shape(node, member)))) if representative in zero
-                    else _symbol(system, self.nodes[representative], name, member)
+                    else member_symbol(system, self.nodes[representative], name, member)
                     for name, member in node.field.annotation.members.items() if member.kind == "flow"
                 }  # fmt: skip
             for name, value in shared[representative].items():
@@ -359,7 +359,8 @@ def _shape(node: PortNode, member: Member) -> tuple[int, ...]:
     return node.component.shape(node.field)
 
 
-def _symbol(system: System, node: PortNode, name: str, member: Member, unknown: bool = True) -> ca.SX:
+def member_symbol(system: System, node: PortNode, name: str, member: Member, unknown: bool = True) -> ca.SX:
+    """The symbol of a member of a port; an unknown of the system, or nothing that it knows."""
     path = join(node.path, name)
     symbol = ca.SX.sym(path, *_two(_shape(node, member)))
     if unknown:

@@ -199,6 +199,8 @@ class FlatDAE:
     write_equations: Callable[[], list[tuple[str, str, str]]] = list
     initial_sources: tuple[str, ...] = ()
     stats: Mapping[str, float] = field(default_factory=dict)
+    key: str = ""
+    """Digest of all that it was flattened from, but for bound parameters; "" where that is not known."""
 
     def __post_init__(self) -> None:
         _freeze(self)

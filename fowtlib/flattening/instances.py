@@ -3,7 +3,8 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Iterable, Sequence
+from collections.abc import Iterable, Iterator, Sequence
+from contextlib import contextmanager
 from dataclasses import dataclass, field
 from typing import Any
 
@@ -52,16 +53,28 @@ class Instances:
         self.system.places = {item.path: item.origins[""] for item in self.components if "" in item.origins}
         self.statements = Statements()
         self._parameters: dict[tuple[int, str], Any] = {}
+        self.given_with: tuple[list[str], list[str]] = ([], [])
+        """Paths of the components whose values, and whose equations, gave something that is no expression."""
 
     def __enter__(self) -> Instances:
         self.connections = Connections(self.components)
         for component in self.components:
             check_parameters(component)
-        bindings = [self._bind(component) for component in self.components]
+        bindings = []
+        for component in self.components:
+            with self._noting(component, 0):
+                bindings.append(self._bind(component))
         self._bind_ports(bindings)
         for component, binding in zip(self.components, bindings, strict=True):
             component._binding = binding
         return self
+
+    @contextmanager
+    def _noting(self, component: Component, kind: int) -> Iterator[None]:
+        before = self.system.asked
+        yield
+        if self.system.asked > before:
+            self.given_with[kind].append(component.path)
 
     def __exit__(self, *_: object) -> None:
         for component in self.components:
@@ -84,7 +97,7 @@ class Instances:
             bound = self._evaluate(value) if expressions.is_expression(value) else None
             shape = component.shape(declared)
             if isinstance(bound, ca.SX):
-                bound = ca.densify(ca.repmat(bound, *_two(shape)) if bound.is_scalar() else bound)
+                bound = ca.densify(ca.repmat(bound, *two_dimensions(shape)) if bound.is_scalar() else bound)
                 self._dependent(component, declared, bound)
             else:  # a number, or an expression of structural parameters only
                 bound = self._tunable(component, declared, shape)
@@ -105,9 +118,9 @@ class Instances:
     def _tunable(self, component: Component, declared: Any, shape: tuple[int, ...]) -> ca.SX:
         """The symbol of an independent parameter."""
         if not np.prod(shape):  # an empty list of something optional
-            return ca.SX(*_two(shape))
+            return ca.SX(*two_dimensions(shape))
         path = join(component.path, declared.name)
-        symbol = ca.SX.sym(path, *_two(shape))
+        symbol = ca.SX.sym(path, *two_dimensions(shape))
         value = np.broadcast_to(np.asarray(component.parameter_value(declared.name), dtype=float), shape)
         self.system.parameters[path] = Parameter(
             path, symbol, value, declared.unit, declared.doc, declared.min, declared.max
@@ -165,7 +178,7 @@ class Instances:
 
     def _variable(self, component: Component, declared: Variable) -> ca.SX:
         path, shape = join(component.path, declared.name), component.shape(declared)
-        symbol = ca.SX.sym(path, *_two(shape))
+        symbol = ca.SX.sym(path, *two_dimensions(shape))
         starts = self._start(component, declared, shape)
         given = any(component.is_set(parameter.name) for parameter in _parameters_in(declared.start))
         for element, name, start in zip(scalars(symbol), element_names(path, shape), starts, strict=True):
@@ -214,12 +227,8 @@ class Instances:
             for component in self.components:
                 self.system.current_path = component.path
                 try:
-                    returned = component.equations()
-                    if returned is None:
-                        what = "equations() returned nothing; end it with return [...]."
-                        raise StructureError(f"{component.label}: {what}")
-                    for statement in _flattened(returned):
-                        self._take(component, statement)
+                    with self._noting(component, 1):
+                        self.take(component, component.equations())
                     self._check_offers(component)
                 except ModelError as error:
                     raise _located(error, component) from None
@@ -229,6 +238,14 @@ class Instances:
                         f"{reason(error)}"
                     ) from error
         self.statements.assertions += self.system.range_checks
+
+    def take(self, component: Component, returned: Any) -> None:
+        """Sort what `equations()` of a component returned."""
+        if returned is None:
+            what = "equations() returned nothing; end it with return [...]."
+            raise StructureError(f"{component.label}: {what}")
+        for statement in _flattened(returned):
+            self._take(component, statement)
 
     def _take(self, component: Component, statement: Any) -> None:
         path = component.path
@@ -252,6 +269,7 @@ class Instances:
             raise StructureError(f"{component.label}: {what}; put it into a {home}.")
         if isinstance(statement, statements.Sampled):
             self._check_targets(path, statement)
+            self.system.asked += statement.process is not None
         if type(statement) not in lists:
             what = "an expression" if isinstance(statement, ca.SX) else repr(statement)
             raise StructureError(
@@ -350,7 +368,8 @@ def _where(component: Component, name: str) -> str:
     return f"{origin}: {path}" if origin else path
 
 
-def _two(shape: tuple[int, ...]) -> tuple[int, int]:
+def two_dimensions(shape: tuple[int, ...]) -> tuple[int, int]:
+    """Rows and columns of a quantity; ParameterError where it has more than two dimensions."""
     if len(shape) > 2:
         raise ParameterError(f"quantities have two dimensions at most, not {len(shape)}.")
     return (1, 1) if not shape else (shape[0], shape[1] if len(shape) == 2 else 1)

@@ -2,8 +2,9 @@
 
 from __future__ import annotations
 
+from typing import TYPE_CHECKING
+
 import casadi as ca
-import networkx as nx
 
 from fowtlib.flattening.instances import Statements
 from fowtlib.flattening.system import Intermediate, Loop, System, scalars
@@ -11,9 +12,14 @@ from fowtlib.language.connectors import BoundPort
 from fowtlib.language.equations import Assertion, Rotation
 from fowtlib.language.errors import ConnectionFault
 
+if TYPE_CHECKING:
+    import networkx as nx
+
 
 def resolve_orientations(system: System, statements: Statements) -> nx.MultiGraph:
     """Define the rotation matrix of every frame from the roots outwards; returns the graph of the relations."""
+    import networkx as nx
+
     graph = nx.MultiGraph()
     matrices: dict[int, tuple[str, ca.SX, ca.SX]] = {}
     roots: dict[int, str] = {}

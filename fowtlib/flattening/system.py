@@ -152,6 +152,8 @@ class Intermediate:
     function: ca.Function | None
     path: str
     matrix: str = ""
+    slope_of: int = -1
+    """Of the Jacobian of another one: its number."""
 
     def names(self) -> list[str]:
         """Result names of the elements of an orientation."""
@@ -210,6 +212,7 @@ class System:
         self.stages: list[Stage] = []
         self.quadratics: list[QuadraticLaw] = []
         self.current_path = ""
+        self.asked = 0  # how often a part has given something that is no expression: a function, a computation
         self._external_of: dict[int, int] = {}
 
     def placed(self, path: str) -> str:
@@ -264,6 +267,7 @@ class System:
 
     def external(self, function: ca.Function, inputs: ca.SX) -> ca.SX:
         """Tear the system at a call of `function`: its outputs become symbols."""
+        self.asked += 1
         inputs = ca.densify(ca.vec(inputs))
         if function.n_in() != 1 or function.n_out() != 1:
             raise StructureError(f"external function {function.name()} must have one input and one output column.")
@@ -292,6 +296,7 @@ class System:
 
     def at_start(self, wanted: AtStart) -> ca.SX:
         """Symbols of numbers that are computed when a run starts."""
+        self.asked += 1
         owner = self.current_path if wanted.of is None else wanted.of.path
         path = first = join(owner, wanted.name)
         if wanted.of is not None and path in self.bound:
@@ -383,9 +388,10 @@ class System:
 
     def _differentiate_external(self, call: Intermediate) -> None:
         """d/dt w = J(y) dy/dt, with the Jacobian of the function as an external of its own."""
-        jacobian = _jacobian_of(call.function)
+        jacobian = jacobian_of(call.function)
         path, self.current_path = self.current_path, call.path
         entries = ca.reshape(self.external(jacobian, call.inputs), len(call.symbols), call.inputs.shape[0])
+        self.intermediates[-1].slope_of = next(k for k, item in enumerate(self.intermediates) if item is call)
         self.current_path = path
         rates = scalars(entries @ self.derivative(call.inputs))
         for symbol, rate in zip(call.symbols, rates, strict=True):
@@ -398,7 +404,7 @@ class System:
                 self.rates[symbol.element_hash()] = rate
 
 
-def _jacobian_of(function: ca.Function) -> ca.Function:
+def jacobian_of(function: ca.Function) -> ca.Function:
     """Jacobian entries, column by column; second derivatives by finite differences where there are none."""
     y = ca.MX.sym("y", function.size1_in(0))
     name, entries = f"{function.name()}_jacobian", ca.densify(ca.vec(ca.jacobian(function(y), y)))

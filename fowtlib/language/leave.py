@@ -18,7 +18,6 @@ from typing import Any
 
 from fowtlib.language.cache_folder import ownership_problem, user_home
 from fowtlib.language.data_files import digest_of
-from fowtlib.language.declarations import join
 from fowtlib.language.errors import ModelError, ParameterError
 
 NATIVE, FOLDER = "native code", "folder"
@@ -83,6 +82,8 @@ def give_native(root: Any) -> list[str]:
 
 def native_code(root: Any) -> Iterator[tuple[str, FromModelFile]]:
     """Paths of parameters, and the files that model files name there as native code."""
+    from fowtlib.language.declarations import join
+
     for part in root.walk() if root is not None else ():
         for name, declared in part.parameters.items():
             if declared.native and isinstance(given := part.parameter_binding(name), FromModelFile):

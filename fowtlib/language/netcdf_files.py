@@ -14,10 +14,12 @@ import os
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
-from scipy.io import netcdf_file
+
+if TYPE_CHECKING:
+    from scipy.io import netcdf_file
 
 CHECKSUM = "checksum"
 HEAD = ""  # stands for the attributes and names of a file, among the names of what is damaged
@@ -50,6 +52,8 @@ class Contents:
 
 def write_netcdf(path: Path, fill: Callable[[netcdf_file], None], version: int = 1) -> None:
     """Make a file, let `fill` put into it what it holds, and add the checksums. version: 2 for more than 2 GB."""
+    from scipy.io import netcdf_file
+
     with netcdf_file(path, "w", version=version) as file:
         fill(file)
         for name, variable in file.variables.items():
@@ -81,6 +85,8 @@ def read_netcdf(path: str | Path, cut: bool = False) -> Contents:
 
     Raises OSError where it cannot be read, ValueError where it is no such file or nothing in it can be found.
     """
+    from scipy.io import netcdf_file
+
     with _Stream(path, cut) as stream:
         try:
             file = netcdf_file(stream, "r", mmap=False)

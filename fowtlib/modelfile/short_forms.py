@@ -14,7 +14,6 @@ from pathlib import Path
 from typing import Any
 
 from fowtlib.language.errors import ParameterError, did_you_mean, one_of
-from fowtlib.language.units import to_si
 
 
 @dataclass(frozen=True)
@@ -37,6 +36,8 @@ class Key:
             return text
         if self.unit == "path":
             return str((folder / Path(text).expanduser()).resolve())
+        from fowtlib.language.units import to_si  # the short forms are read by `fowt --help`, and units need NumPy
+
         if self.unit == "#":
             if not text.isdecimal():
                 raise ParameterError(f"{where}: '{text}' is not a whole number.")

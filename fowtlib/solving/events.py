@@ -10,7 +10,6 @@ from collections.abc import Callable
 from typing import Protocol
 
 import numpy as np
-from scipy.optimize import brentq
 
 from fowtlib.flattening.flat_dae import Event, Offer
 from fowtlib.language.errors import SimulationError
@@ -112,6 +111,8 @@ class StateEvents:
 
     def _instant(self, i: int, indicator: Callable[[float, int], float], length: float) -> float:
         """Time from now until indicator i is not positive any more: the first point behind its root."""
+        from scipy.optimize import brentq
+
         low = 0.0
         if indicator(low, i) <= 0:  # it was zero at the last event and has risen since
             shorter = (length * 0.5**k for k in range(1, rules.HALVINGS))

@@ -11,7 +11,7 @@ from weakref import WeakKeyDictionary
 
 import numpy as np
 
-from fowtlib.flattening import FlatDAE, flatten
+from fowtlib.flattening import FlatDAE, flat
 from fowtlib.flattening.dimensions import check_dimensions
 from fowtlib.language.component import Component
 from fowtlib.language.errors import ModelError
@@ -73,7 +73,7 @@ class Model:
         if "equilibrium" in self.settings:
             return self.solved().compile(inputs)
         names = dict(inputs) if isinstance(inputs, Mapping) else {}
-        dae = flatten(self.root, list(names.values()) if names else inputs)
+        dae = flat(self.root, list(names.values()) if names else inputs)
         plant = self._plant(dae, names)
         plant.binding()  # a mistake in the data of the model is found now, and not at the first run
         plant.timeline()
@@ -126,7 +126,7 @@ class Model:
         """Flatten the model and check the dimensions of its equations; the report says what was found."""
         dimensions = check_dimensions(self.root)
         title = self.title or self.name or "model"
-        dae = flatten(self.root)
+        dae = flat(self.root)
         bind(dae, self.root)
         remarks = tuple(remark for part in self.root.walk() for remark in part.remarks())
         return ModelReport(title, sum(1 for _ in self.root.walk()) - 1, dae, dimensions, remarks)

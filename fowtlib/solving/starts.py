@@ -10,17 +10,21 @@ from __future__ import annotations
 import hashlib
 import json
 import warnings
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from pathlib import Path
 from typing import Any
 from weakref import WeakKeyDictionary
 
 import numpy as np
 
+from fowtlib.flattening.own_code import Unknown, digest_of_own_code
+from fowtlib.language.cache import cached
 from fowtlib.language.component import Component
 from fowtlib.language.declarations import join
 from fowtlib.language.errors import ModelError, SimulationError, one_of
+from fowtlib.language.externals import LibraryFunction
 from fowtlib.language.native import compiler, no_compiler
+from fowtlib.language.tables import SplineFunction
 from fowtlib.solving.binding import RunTrees
 from fowtlib.solving.checks import check_state
 from fowtlib.solving.paths import spread_out
@@ -152,11 +156,24 @@ def _mean(plant: Plant, word: str, parameters: Values | None, inputs: Values | N
     mean = mean_parameters(plant, parameters)
     key = f"{word} {_digest(plant, parameters, mean, inputs)}"
     if key not in plant.kept_starts:
-        found = _found(plant, word, mean, inputs)
+        found = _known(plant, key, lambda: _by_path(_found(plant, word, mean, inputs)))
         while len(plant.kept_starts) >= KEPT:
             del plant.kept_starts[next(iter(plant.kept_starts))]
-        plant.kept_starts[key] = _by_path(found)
+        plant.kept_starts[key] = found
     return dict(plant.kept_starts[key])
+
+
+def _known(plant: Plant, key: str, find: Callable[[], dict[str, float]]) -> dict[str, float]:
+    """A mean that another process has found, of equations that are known to be the same; else what `find` gives."""
+    functions = [external.function for external in plant.dae.externals]
+    if not plant.dae.key or not all(isinstance(one, SplineFunction | LibraryFunction) for one in functions):
+        return find()
+    try:
+        code = digest_of_own_code("fowtlib.solving")
+    except Unknown:
+        return find()
+    libraries = [str(function.path) for function in functions if isinstance(function, LibraryFunction)]
+    return cached("start", [plant.dae.key, key, code, *libraries], find)
 
 
 def _found(plant: Plant, word: str, mean: Values, inputs: Values | None) -> State:

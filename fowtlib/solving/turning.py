@@ -76,8 +76,7 @@ def mean_state(plant: Plant, parameters: Mapping[str, Any] | None = None, inputs
     values = None if start is None else dict(zip(names, start.x.tolist(), strict=True))
     state = plant.initial_state(parameters, values, inputs)
     at = plant.at(parameters)
-    turns = turns_of(plant, at, state)
-    if not turns:
+    if not _moving_azimuths(at, state)[0]:
         return plant.equilibrium(parameters, inputs=inputs)
     sources = time_dependence(at, state.d)
     if sources:
@@ -90,6 +89,7 @@ def mean_state(plant: Plant, parameters: Mapping[str, Any] | None = None, inputs
     def settled() -> np.ndarray:
         if line := mean_announcement(at, (state.t, state.x, state.z, np.concatenate([state.u, state.d])), azimuths):
             warnings.warn(line, RuntimeWarning, stacklevel=2)
+        turns = turns_of(plant, at, state)
         average = Average(at, state, turns, FEW)
         y = _found(average, average.multiblade.from_states(state.x), NEAR)
         if not near:
@@ -123,12 +123,7 @@ def turns_of(plant: Plant, at: AtParameters, state: State) -> list[Turn]:
     The angle of a gear belongs to the rotor whose azimuth its acceleration depends on; they turn as their rates say.
     """
     dae = plant.dae
-    if not dae.symmetries:
-        return []
-    numbers = {dae.x[i].element_hash(): i for i in range(dae.x.shape[0])}
-    angles = {numbers.get(ring.angle.element_hash()) for ring in dae.symmetries} - {None}
-    speed = np.array(at.residual(state.t, state.x, state.z, np.concatenate([state.u, state.d]))[0]).ravel()
-    azimuths = sorted(k for k in angles if abs(speed[k]) > 1e-9)
+    azimuths, speed = _moving_azimuths(at, state)
     if not azimuths:
         return []
     inside = tuple(f"{part}." for ring in dae.symmetries for part in ring.parts)
@@ -150,6 +145,17 @@ def turns_of(plant: Plant, at: AtParameters, state: State) -> list[Turn]:
         if row[owner] > GEARED * row[k] > 0:
             directions[owner][k] = speed[k] / speed[owner]
     return [Turn(k, direction) for k, direction in directions.items()]
+
+
+def _moving_azimuths(at: AtParameters, state: State) -> tuple[list[int], np.ndarray]:
+    """Numbers of the azimuths that move at the start, and the rates of all states."""
+    dae = at.dae
+    if not dae.symmetries:
+        return [], np.zeros(0)
+    numbers = {symbol.element_hash(): i for i, symbol in enumerate(dae.x.elements())}
+    angles = {numbers.get(ring.angle.element_hash()) for ring in dae.symmetries} - {None}
+    speed = np.array(at.residual(state.t, state.x, state.z, np.concatenate([state.u, state.d]))[0]).ravel()
+    return sorted(k for k in angles if abs(speed[k]) > 1e-9), speed
 
 
 @dataclass
