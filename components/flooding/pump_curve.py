@@ -1,7 +1,7 @@
 """The curve of a pump through points of flow and lift, by the laws of affinity at any speed.
 
-Between two points the lift is linear in the square of the flow, H = a - b Q^2. With the speed s over the rated one
-H = a s^2 - b Q^2: the laws of affinity, H / s^2 over Q / s, hold without a division by the speed, down to rest.
+Between two points the lift is linear in the square of the flow, H = a - b Q^2. At the speed s over the rated one it
+is H = a s^2 - b Q^2: the laws of affinity, H / s^2 over Q / s, hold without a division by the speed, down to rest.
 Two points are the parabola of a pump of which the lift at shut-off and at the rated flow are known. Beyond its points a
 curve goes on as its last piece: a run warns of it.
 """
