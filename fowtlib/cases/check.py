@@ -213,9 +213,9 @@ def _is_number(value: Any) -> bool:
 
 def _number(field: Parameter, path: str, value: Any) -> float:
     try:
-        given = as_quantity(value) if isinstance(value, str) else (value, "")
-        if given is not None and not given[1]:
-            bounds.refuse_turns(float(given[0]), field.unit)
+        given = as_quantity(value) if isinstance(value, str) else None
+        if not isinstance(value, str) or (given is not None and given.unit is None):
+            bounds.refuse_turns(float(value), field.unit)
         return float(to_si(value, field.unit))
     except ModelError as error:
         raise _Wrong(path, f"{path}: {error}") from None
