@@ -48,7 +48,8 @@ class DynamicLine(DynamicSections):
     Good for elements of less than a quarter of the length of the waves in the line, whose axial modes the solver need
     not resolve; for a seabed without slopes; for angles from element to element that are small, where it bends. The
     water is that at the nodes at rest. Errors: an end below the seabed; a strain beyond greatest_strain. Warnings: a
-    tension above breaking_load; a curvature above 1 / least_bending_radius. It may break at its fairlead during a run (`loss`), and falls.
+    tension above breaking_load; a curvature above 1 / least_bending_radius. It may break at its fairlead during a run
+    (`loss`), and falls.
     """
 
     mode_names = {"*": "{part} motion"}

@@ -276,7 +276,7 @@ def test_pictures_show_the_water_where_it_is(plant, raised):
 
 
 def test_the_speed_loop_does_not_drive_the_hull():
-    """At 12 m/s surge, sway and pitch die out; with the gains of land surge grows. Yaw grows slowly, see docs/dtif.md."""
+    """At 12 m/s surge and pitch die out; with the gains of land surge grows. Yaw: see docs/dtif.md."""
     plant = fw.load("dtif_operating").compile()
     wind = {"wind.kind": "steady", "wind.mean_speed": 12.0, "sea.spectrum": "still"}
     land = {"turbine.control.proportional_gain": 0.00348359, "turbine.control.integral_gain": 0.000333743}

@@ -1,4 +1,4 @@
-"""A lazy-wave cable: statics against catenaries of both weights, motion against MoorDyn, its bending radius, both engines."""
+"""A lazy-wave cable: catenaries of both weights, MoorDyn, bending radius, both engines, the linear model."""
 
 from __future__ import annotations
 
@@ -86,7 +86,8 @@ def test_it_is_told_when_it_is_bent_too_much():
 
 
 def heaving(amplitude, period):
-    return ForcedOscillation(r=(0, 0, TOP), n=(0.6, 0, 0.8), speed_amplitude=amplitude * 2 * np.pi / period, period=period)
+    speed = amplitude * 2 * np.pi / period
+    return ForcedOscillation(r=(0, 0, TOP), n=(0.6, 0, 0.8), speed_amplitude=speed, period=period)
 
 
 def test_both_engines_agree():
@@ -170,7 +171,7 @@ rk2 tScheme
         moordyn.SetVerbosity(system, moordyn.LEVEL_NONE)
         moordyn.Init(system, [0, 0, TOP], [0, 0, 0])
         parts = [moordyn.GetLine(system, i + 1) for i in range(3)]
-        omega, s, largest = 2 * np.pi / period, 0.0, 0.0
+        omega, largest = 2 * np.pi / period, 0.0
         times, pulls = [0.0], [np.linalg.norm(moordyn.GetLineNodeTen(parts[-1], counts[-1]))]
 
         def motion(t):
