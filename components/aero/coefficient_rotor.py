@@ -27,6 +27,7 @@ from fowtlib.language import (
     var,
 )
 from fowtlib.language import math as m
+from fowtlib.language.bounds import POSITIVE
 from fowtlib.language.shapes import Drawing
 
 BEHIND = (
@@ -105,9 +106,11 @@ class CoefficientRotor(HubWind):
         read_coefficients, using=("extended",), doc="CSV with the coefficients, see read_coefficients, or a whole table"
     )
     extended: bool = param(default=False, doc="estimate coefficients above the tip speed ratios of the table")
-    radius: Scalar = param(unit="m", min=0, doc="tip radius along the blade, of the tip speed ratio")
+    radius: Scalar = param(unit="m", min=POSITIVE, doc="tip radius along the blade, of the tip speed ratio")
     precone: Scalar = param(default=0.0, unit="rad", doc="cone angle: R = radius cos(precone), A = pi R^2")
-    lowest_wind: Scalar = param(default=0.5, unit="m/s", min=0, doc="least speed the tip speed ratio is divided by")
+    lowest_wind: Scalar = param(
+        default=0.5, unit="m/s", min=POSITIVE, doc="least speed the tip speed ratio is divided by"
+    )
 
     world: World = outer(World)
     tip_speed_ratio: Scalar = var(doc="tip speed ratio")

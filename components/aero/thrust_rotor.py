@@ -26,6 +26,7 @@ from fowtlib.language import (
     var,
 )
 from fowtlib.language import math as m
+from fowtlib.language.bounds import POSITIVE
 from fowtlib.language.shapes import Drawing
 
 
@@ -41,7 +42,7 @@ class ThrustRotor(RotorSide, AirLoads):
     """
 
     curve: Data[ThrustCurve] = data(read_thrust_curve, doc="CSV with C_t over the wind speed, see read_thrust_curve")
-    radius: Scalar = param(unit="m", min=0, doc="tip radius along the blade")
+    radius: Scalar = param(unit="m", min=POSITIVE, doc="tip radius along the blade")
     precone: Scalar = param(default=0.0, unit="rad", doc="cone angle: A = pi (radius cos(precone))^2")
     tilt: Scalar = param(default=0.0, unit="rad", doc="shaft tilt, positive when the end of the hub points up")
     station: int = param(default=0, min=0, doc="number of the wind's station at this hub")

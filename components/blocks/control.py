@@ -22,6 +22,7 @@ from fowtlib.language import (
     var,
 )
 from fowtlib.language import math as m
+from fowtlib.language.bounds import POSITIVE
 
 
 class PI(Component):
@@ -42,7 +43,7 @@ class PI(Component):
     integral_gain: Scalar = param(unit="1/s", doc="k_i, output per input and second")
     lower: Scalar = param(default=-UNLIMITED, doc="smallest output")
     upper: Scalar = param(default=UNLIMITED, doc="largest output")
-    tracking_time: Scalar = param(default=1.0, unit="s", min=0, doc="time constant of the anti-windup")
+    tracking_time: Scalar = param(default=1.0, unit="s", min=POSITIVE, doc="time constant of the anti-windup")
     gain_on: str = param(default="integrand", choices=("integrand", "integral"), doc="what the gain multiplies")
     integral_start: Scalar = param(default=0.0, doc="initial integral part before the gain")
 
@@ -68,7 +69,7 @@ class PI(Component):
 class Sampler(Component):
     """Sample and zero-order hold: y takes the value of u every `period` seconds."""
 
-    period: Number = param(unit="s", min=0.0, doc="sampling period")
+    period: Number = param(unit="s", min=POSITIVE, doc="sampling period")
     offset: Number = param(default=0.0, unit="s", doc="time of the first sample")
 
     u: RealInput = port(doc="continuous signal")
@@ -96,7 +97,7 @@ class SampledPI(Component):
     lower: Scalar = param(default=-UNLIMITED, doc="smallest output")
     upper: Scalar = param(default=UNLIMITED, doc="largest output")
     integral_start: Scalar = param(default=0.0, doc="integral part before the first sample")
-    period: Number = param(unit="s", min=0.0, doc="sampling period")
+    period: Number = param(unit="s", min=POSITIVE, doc="sampling period")
     offset: Number = param(default=0.0, unit="s", doc="time of the first sample")
 
     u: RealInput = port(doc="control error")
@@ -127,7 +128,7 @@ class DiscreteTransferFunction(Component):
 
     numerator: Array = param(structural=True, doc="coefficients, highest power of z first")
     denominator: Array = param(structural=True, doc="coefficients, highest power of z first")
-    period: Number = param(unit="s", min=0.0, doc="sampling period")
+    period: Number = param(unit="s", min=POSITIVE, doc="sampling period")
     offset: Number = param(default=0.0, unit="s", doc="time of the first sample")
 
     u: RealInput = port(doc="input")

@@ -12,6 +12,7 @@ import numpy as np
 
 from fowtlib.language import Array, Component, RealInput, RealOutput, Scalar, der, eq, initial, param, port, var
 from fowtlib.language import math as m
+from fowtlib.language.bounds import POSITIVE
 from fowtlib.language.errors import ParameterError
 
 STARTS = ("steady", "value")
@@ -43,7 +44,9 @@ class Derivative(Component):
     units_within = {"gain": "y/u"}
 
     gain: Scalar = param(default=1.0, unit="s", doc="factor")
-    time_constant: Scalar = param(unit="s", min=0, doc="time constant of the filter, well below that of the signal")
+    time_constant: Scalar = param(
+        unit="s", min=POSITIVE, doc="time constant of the filter, well below that of the signal"
+    )
 
     u: RealInput = port(doc="input")
     y: RealOutput = port(doc="output")
@@ -98,7 +101,7 @@ class SecondOrderActuator(Component):
 
     units_within = {"y_start": "y"}
 
-    natural_frequency: Scalar = param(unit="Hz", min=0, doc="undamped natural frequency")
+    natural_frequency: Scalar = param(unit="Hz", min=POSITIVE, doc="undamped natural frequency")
     damping_ratio: Scalar = param(min=0, doc="damping ratio")
     initialization: str = param(default="steady", choices=STARTS, doc="start at rest, or at y_start with zero rate")
     y_start: Scalar = param(default=0.0, doc="initial output")
@@ -129,7 +132,7 @@ class ButterworthLowPass(Component):
     units_within = {"y_start": "y"}
 
     order: int = param(default=2, min=1, max=20, doc="order")
-    cutoff_frequency: Scalar = param(unit="Hz", min=0, doc="frequency of -3 dB")
+    cutoff_frequency: Scalar = param(unit="Hz", min=POSITIVE, doc="frequency of -3 dB")
     initialization: str = param(default="steady", choices=STARTS, doc="start at rest, or at y_start")
     y_start: Scalar = param(default=0.0, doc="initial output")
 
@@ -170,7 +173,7 @@ class BandPass(Component):
     What is left of u without it, u - y, is a notch. It starts at rest, with y = 0.
     """
 
-    frequency: Scalar = param(unit="Hz", min=0, doc="centre")
+    frequency: Scalar = param(unit="Hz", min=POSITIVE, doc="centre")
     damping_ratio: Scalar = param(default=0.5, min=0, doc="zeta: half of the width over the centre")
 
     u: RealInput = port(doc="input")
@@ -275,7 +278,7 @@ class SlewRateLimiter(Component):
 
     rising_rate: Scalar = param(unit="1/s", min=0, doc="largest rate of y")
     falling_rate: Scalar = param(default=rising_rate, unit="1/s", min=0, doc="largest rate of fall of y, positive")
-    time_constant: Scalar = param(default=0.02, unit="s", min=0, doc="lag within the rate limits")
+    time_constant: Scalar = param(default=0.02, unit="s", min=POSITIVE, doc="lag within the rate limits")
     initialization: str = param(default="steady", choices=STARTS, doc="start at u, or at y_start")
     y_start: Scalar = param(default=0.0, doc="initial output")
 

@@ -27,6 +27,7 @@ from fowtlib.language import (
     var,
 )
 from fowtlib.language import math as m
+from fowtlib.language.bounds import POSITIVE
 from fowtlib.language.declarations import join
 
 
@@ -40,10 +41,10 @@ class FloatingPiston(AroundAPiston):
     A run stops where the water stands above the shaft or above the top of the piston, and where none is left to pump.
     """
 
-    diameter: Scalar = param(unit="m", min=0, doc="inner diameter of the shaft")
-    height: Scalar = param(unit="m", min=0, doc="height of the shaft above its floor")
-    piston_diameter: Scalar = param(unit="m", min=0, doc="diameter of the piston")
-    piston_height: Scalar = param(unit="m", min=0, doc="height of the piston")
+    diameter: Scalar = param(unit="m", min=POSITIVE, doc="inner diameter of the shaft")
+    height: Scalar = param(unit="m", min=POSITIVE, doc="height of the shaft above its floor")
+    piston_diameter: Scalar = param(unit="m", min=POSITIVE, doc="diameter of the piston")
+    piston_height: Scalar = param(unit="m", min=POSITIVE, doc="height of the piston")
     volume_start: Scalar = param(unit="m^3", min=0, doc="water at the start")
     density: Scalar = param(default=None, unit="kg/m^3", min=0, doc="density of the water; without: World's")
     gap_loss: Scalar = param(default=1.5, min=0, doc="pressure lost at both ends of the gap, over rho u^2/2")

@@ -7,8 +7,9 @@ from typing import Any
 
 import numpy as np
 
-from fowtlib.components.flooding import air_space, sloshing, water_loads
+from fowtlib.components.flooding import air_space, columns, sloshing, water_loads
 from fowtlib.components.flooding.air_space import TrappedAir
+from fowtlib.components.flooding.columns import MovingColumns
 from fowtlib.components.flooding.connectors import Water
 from fowtlib.components.flooding.sections import Contents, Cornered, Wedge
 from fowtlib.components.flooding.sloshing import FirstMode
@@ -23,7 +24,7 @@ SEEPING = 1e-6  # m/s on the section of the tank: what may leave through a dry p
 LEAST = 1e-4  # of the capacity of a tank, to which its level takes it as filled at least, and as empty
 
 
-class Tank(WaterOnFrame, TrappedAir, FirstMode):
+class Tank(WaterOnFrame, TrappedAir, FirstMode, MovingColumns):
     """Partial: a tank whose axis is the z axis of its frame, with `place` the middle of its floor.
 
     State: the volume of water. Its surface is level in the world, whatever the body does, and mass, centre and inertia
@@ -38,7 +39,8 @@ class Tank(WaterOnFrame, TrappedAir, FirstMode):
     velocity of its port, the Coriolis loads of what flows inside, and the change of inertia. Left out are d(P)/dt in
     the tank (pressures by which the flow itself speeds up, of the order of m dQ/dt / area), jets, and the rotation of
     the water relative to the tank. Pressures at ports are those in the world's gravity, not in that of a tank that
-    accelerates. With `sloshing`: see fowtlib.components.flooding.sloshing.
+    accelerates, unless it has `flow_inertia`: then both are there, see fowtlib.components.flooding.columns.
+    With `sloshing`: see fowtlib.components.flooding.sloshing.
     """
 
     place: Vector = param(default=(0, 0, 0), unit="m", doc="middle of the floor, resolved in the frame")
@@ -73,6 +75,8 @@ class Tank(WaterOnFrame, TrappedAir, FirstMode):
             sloshing.declare(self)
         else:
             self.refuse_unused("slosh_damping", because="the surface stays level (sloshing: false)")
+        if self.flow_inertia:
+            columns.check(self)
 
     def equations(self):
         vessel, rho, up = self.vessel(), density(self), self.frame.R.T @ m.vertcat(0, 0, 1)
@@ -89,7 +93,7 @@ class Tank(WaterOnFrame, TrappedAir, FirstMode):
             eq(self.surface, self.frame.r[2] + m.dot(up, self.place + m.vertcat(0, 0, self.level))),
             [eq(self.velocity, der(self.frame.r)), eq(self.mass, rho * self.volume), eq(self.moments, first)],
             [eq(self.centre, first / (self.mass + 1e-9 * rho * vessel.capacity)), eq(self.inertia, inertia)],
-            [eq(w.head, _head(self, rho, up, p)) for w, p in zip(self.water, ports, strict=True)],
+            [eq(w.head, head) for w, head in zip(self.water, _heads(self, rho, up, ports), strict=True)],
             air_space.laws(self) if self.sealed else eq(self.air_pressure, 0),
             *water_loads.laws(self, rho, ports, modes),
             *_limits(self, vessel, up, ports),
@@ -112,10 +116,14 @@ def density(tank: Tank) -> Any:
     return tank.world.water_density if tank.density is None else tank.density
 
 
-def _head(tank: Tank, rho: Any, up: Any, place: Any) -> Any:
-    """Head at a port: the surface, or its own height while it is dry, and the air on top of it."""
-    own = tank.frame.r[2] + m.dot(up, place)
-    return m.fmax(tank.surface, own) + tank.air_pressure / (rho * tank.world.gravity)
+def _heads(tank: Tank, rho: Any, up: Any, ports: list[Any]) -> list[Any]:
+    """Heads at ports: the surface, or their own heights while they are dry, the air on top, and accelerations."""
+    motion, found = water_loads.motion_of(tank) if tank.flow_inertia else None, []
+    for place in ports:
+        own = tank.frame.r[2] + m.dot(up, place)
+        moved = columns.head(tank, motion, place, up) if motion else 0.0
+        found.append(m.fmax(tank.surface, own) + tank.air_pressure / (rho * tank.world.gravity) + moved)
+    return found
 
 
 def _filled(tank: Tank, vessel: Any, slope: tuple[Any, Any]) -> tuple[Contents, Any]:

@@ -5,7 +5,7 @@ from __future__ import annotations
 from typing import Any
 
 from fowtlib.components.environment.world import World
-from fowtlib.components.flooding import sloshing
+from fowtlib.components.flooding import columns, sloshing
 from fowtlib.components.flooding.sections import Contents
 from fowtlib.components.mechanics.connectors import Frame
 from fowtlib.language import Component, Matrix, Scalar, Vector, der, eq, outer, port, var
@@ -36,9 +36,7 @@ def about_frame(tank: Any, rho: Any, held: Contents) -> tuple[Any, Any]:
 
 def motion_of(tank: Any) -> tuple[Any, Any, Any]:
     """Acceleration of the origin of the frame less gravity, angular velocity and its rate, in axes of the frame."""
-    R = tank.frame.R
-    a = R.T @ (der(tank.velocity) + m.vertcat(0, 0, tank.world.gravity))
-    return a, R.T @ tank.frame.w, R.T @ der(tank.frame.w)
+    return columns.apparent(tank.frame, tank.velocity, tank.world.gravity)
 
 
 def laws(tank: Any, rho: Any, ports: list[Any], modes: tuple[Any, Any] | None) -> list[Any]:
@@ -52,6 +50,9 @@ def laws(tank: Any, rho: Any, ports: list[Any], modes: tuple[Any, Any] | None) -
     spin = tank.inertia @ turning + m.cross(w, tank.inertia @ w) + der(tank.inertia) @ w - brought
     moment = m.cross(first, a) + spin + m.cross(w, m.cross(tank.centre, inside))
     more = []
+    if tank.flow_inertia:
+        push, twist = columns.loads(tank, rho, ports)
+        force, moment = force + push, moment + twist
     if modes is not None:
         push, twist = sloshing.loads(tank, modes)
         force, moment, more = force + push, moment + twist, sloshing.laws(tank, modes, motion)

@@ -69,6 +69,7 @@ from fowtlib.language import (
     var,
 )
 from fowtlib.language import math as m
+from fowtlib.language.bounds import POSITIVE
 from fowtlib.language.data_files import remembered
 from fowtlib.language.operators import Transfer
 from fowtlib.language.similarity import six_by_six
@@ -135,7 +136,7 @@ class Hydrostatics(PlatformLoad):
     volume: Scalar = param(unit="m^3", min=0, doc="displaced volume at rest")
     centre_of_buoyancy: Vector = param(unit="m", doc="centre of that volume, resolved in the frame")
     stiffness: Array = param(shape=(6, 6), doc="C_w, without buoyancy moments, SI")
-    reference_density: Number = param(default=1025.0, unit="kg/m^3", min=0, doc="water density rho_0 of C_w")
+    reference_density: Number = param(default=1025.0, unit="kg/m^3", min=POSITIVE, doc="water density rho_0 of C_w")
     position: Vector = param(default=(0, 0, 0), unit="m", doc="place of the frame at rest, world")
 
     world: World = outer(World)
@@ -207,7 +208,9 @@ class AddedMass(PlatformLoad):
     units_within = {"matrix": six_by_six("kg")}
 
     matrix: Array = param(shape=(6, 6), doc="added mass at infinite frequency, SI")
-    reference_density: Number = param(default=1025.0, unit="kg/m^3", min=0, doc="water density rho_0 of the matrix")
+    reference_density: Number = param(
+        default=1025.0, unit="kg/m^3", min=POSITIVE, doc="water density rho_0 of the matrix"
+    )
 
     world: World = outer(World)
 

@@ -8,6 +8,7 @@ from fowtlib.components.mechanics.beam_division import QUADRATURES
 from fowtlib.components.mechanics.beam_properties import BeamProperties, read_beam
 from fowtlib.components.mechanics.connectors import Frame
 from fowtlib.language import Array, Component, Data, Scalar, data, param, port
+from fowtlib.language.bounds import POSITIVE
 
 
 class BeamTable(Component):
@@ -30,10 +31,10 @@ class WallMaterial(Component):
         doc="density of the wall, with paint, bolts, flanges; 8500 unless given",
     )  # fmt: skip
     young_modulus: Scalar = param(
-        default=of_a_tube(210e9), unit="Pa", min=0, doc="Young's modulus of the wall; 210 GPa unless given"
+        default=of_a_tube(210e9), unit="Pa", min=POSITIVE, doc="Young's modulus of the wall; 210 GPa unless given"
     )
     shear_modulus: Scalar = param(
-        default=of_a_tube(80.8e9), unit="Pa", min=0, doc="shear modulus of the wall; 80.8 GPa unless given"
+        default=of_a_tube(80.8e9), unit="Pa", min=POSITIVE, doc="shear modulus of the wall; 80.8 GPa unless given"
     )
 
 
@@ -59,9 +60,7 @@ class BeamSettings(BeamCuts):
 class BeamNodes(Component):
     """Partial: frames along a beam."""
 
-    node_points: list = param(
-        default=[], unit="m", doc="frames along it: distance from the root, or a point (x, y, z)"
-    )
+    node_points: list = param(default=[], unit="m", doc="frames along it: distance from the root, or a point (x, y, z)")
     n_nodes: int = param(default=lambda self: len(self.node_points), min=0, doc="number of those frames")
 
     nodes: Frame = port(size="n_nodes", optional=True, doc="those frames, for loads and sensors; parallel to frame_a "

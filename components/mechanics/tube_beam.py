@@ -15,6 +15,7 @@ from fowtlib.components.mechanics.interfaces import TwoFrames
 from fowtlib.components.mechanics.sensors import LoadSensor
 from fowtlib.language import Array, eq, like, param, shapes
 from fowtlib.language import math as m
+from fowtlib.language.bounds import POSITIVE
 from fowtlib.language.errors import ParameterError
 from fowtlib.language.expressions import StartNumbers
 
@@ -30,12 +31,10 @@ class TubeChain(TwoFrames, WallMaterial, BeamSettings):
     """
 
     heights: Array = param(unit="m", doc="stations along the axis, root first")
-    diameters: Array = param(unit="m", min=0, doc="outer diameters at the stations")
-    wall_thicknesses: Array = param(unit="m", min=0, doc="wall thicknesses at the stations")
+    diameters: Array = param(unit="m", min=POSITIVE, doc="outer diameters at the stations")
+    wall_thicknesses: Array = param(unit="m", min=POSITIVE, doc="wall thicknesses at the stations")
     cuts: Array = param(default=(), unit="m", doc="places of section loads: distance from the root")
-    n_cuts: int = like(
-        BeamSettings.n_cuts, default=lambda self: np.size(self.parameter_value("cuts"))
-    )
+    n_cuts: int = like(BeamSettings.n_cuts, default=lambda self: np.size(self.parameter_value("cuts")))
 
     def build(self):
         self._chain_keys = tuple(self.chain())

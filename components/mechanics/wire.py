@@ -8,6 +8,7 @@ from fowtlib.components.environment.world import World
 from fowtlib.components.mechanics.interfaces import TwoFrames
 from fowtlib.language import Number, RealOutput, Scalar, assert_, der, eq, facts, outer, param, port, shapes, var
 from fowtlib.language import math as m
+from fowtlib.language.bounds import POSITIVE
 
 
 class AxialWire(TwoFrames):
@@ -20,8 +21,8 @@ class AxialWire(TwoFrames):
     (slack_tension / 2 T)^2 of T when taut; the damper cannot push either. Its mass is lumped, half at each end.
     """
 
-    axial_stiffness: Scalar = param(unit="N", min=0, doc="Young's modulus times metallic area, EA")
-    length: Scalar = param(unit="m", min=0, doc="distance of the ends at which the tension is the pretension")
+    axial_stiffness: Scalar = param(unit="N", min=POSITIVE, doc="Young's modulus times metallic area, EA")
+    length: Scalar = param(unit="m", min=POSITIVE, doc="distance of the ends at which the tension is the pretension")
     pretension: Scalar = param(default=0.0, unit="N", min=0, doc="tension at that distance")
     damping: Scalar = param(default=0.0, unit="N*s/m", min=0, doc="axial damping")
     mass_per_length: Number = param(default=0.0, unit="kg/m", min=0, doc="mass per unstretched length")

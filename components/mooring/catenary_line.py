@@ -8,7 +8,7 @@ from fowtlib.components.environment.world import World
 from fowtlib.components.mechanics.connectors import Frame
 from fowtlib.components.mooring import catenary, line_motion
 from fowtlib.components.mooring.anchors import LEVEL, ends_above_seabed, hold_anchor
-from fowtlib.components.mooring.line_properties import UniformLine
+from fowtlib.components.mooring.line_properties import IN_BALANCE, MOVING, UniformLine
 from fowtlib.language import (
     Scalar,
     Vector,
@@ -65,6 +65,8 @@ class CatenaryLine(UniformLine):
     def build(self):
         if self.dynamics != "none":
             line_motion.declare(self)
+        else:
+            self.refuse_unused(*MOVING, because=IN_BALANCE)
 
     def equations(self):
         fairlead, reach, there = self.fairlead, self.fairlead.r - self.anchor.r, self.intact

@@ -24,6 +24,7 @@ from fowtlib.language import (
     var,
 )
 from fowtlib.language import math as m
+from fowtlib.language.bounds import POSITIVE
 
 
 class CrowFoot(Component):
@@ -90,8 +91,8 @@ class DeltaLine(Component):
 
     fairleads: Array = param(shape=(2, 3), unit="m", doc="the fairleads of the two legs, resolved in the frame")
     leg_length: Scalar = param(unit="m", min=1e-3, doc="unstretched length of each leg")
-    length: Scalar = param(unit="m", min=0, doc="unstretched length of the line from the anchor to the node")
-    axial_stiffness: Scalar = param(unit="N", min=0, doc="axial stiffness EA of line and legs")
+    length: Scalar = param(unit="m", min=POSITIVE, doc="unstretched length of the line from the anchor to the node")
+    axial_stiffness: Scalar = param(unit="N", min=POSITIVE, doc="axial stiffness EA of line and legs")
     mass_per_length: Scalar = param(default=None, unit="kg/m", min=0, doc="mass per length in air, of both")
     diameter: Scalar = param(default=0.0, unit="m", min=0, doc="diameter of a bar that displaces the same water")
     weight_per_length: Scalar = param(default=None, unit="N/m", doc="weight in water, instead of mass and diameter")

@@ -48,7 +48,8 @@ class DynamicLine(DynamicSections):
     Good for elements of less than a quarter of the length of the waves in the line, whose axial modes the solver need
     not resolve; for a seabed without slopes; for angles from element to element that are small, where it bends. The
     water is that at the nodes at rest. Errors: an end below the seabed; a strain beyond greatest_strain. Warnings: a
-    tension above breaking_load. It may break at its fairlead during a run (`loss`), and falls.
+    tension above breaking_load; a curvature above 1 / least_bending_radius. It may break at its fairlead during a run
+    (`loss`), and falls.
     """
 
     mode_names = {"*": "{part} motion"}
@@ -71,6 +72,7 @@ class DynamicLine(DynamicSections):
     tensions: Array = var(unit="N", shape=lambda self: (self.nodes() - 1,), doc="tensions of the elements")
     clearances: Array = var(unit="m", shape=lambda self: (self.nodes(),), doc="heights of the nodes above the seabed")
     curvatures: Array = var(unit="1/m", shape=lambda self: (self.nodes() - 2,), doc="at the nodes between the ends")
+    curvature: Scalar = var(unit="1/m", doc="largest of the curvatures")
     tension: Scalar = var(unit="N", doc="tension at the fairlead: the force that holds the end there")
     anchor_tension: Scalar = var(unit="N", doc="tension at the anchor: of the first element")
 
@@ -97,7 +99,7 @@ class DynamicLine(DynamicSections):
             eq(self.positions, nodes),
             eq(self.tensions, pull.T),
             eq(self.clearances, nodes[2, :].T + self.world.water_depth),
-            eq(self.curvatures, lumped_mass.curvatures(nodes, line).T),
+            [eq(self.curvatures, lumped_mass.curvatures(nodes, line).T), eq(self.curvature, ca.mmax(self.curvatures))],
             eq(self.tension, self.intact * m.norm(pulls[1])),
             eq(self.anchor_tension, m.norm(inside[:, 0])),
             [eq(fairlead.f, pulls[1]), eq(fairlead.t, m.zeros(3))],
@@ -161,6 +163,7 @@ def _limits(line: DynamicLine, nodes: Any, elements: lumped_mass.Elements) -> li
         *breaking,
         *_tables(line, strains, elements),
         *_angles(line, nodes, elements),
+        *_bent(line),
     ]  # fmt: skip
 
 
@@ -171,6 +174,17 @@ def _tables(line: DynamicLine, strains: Any, elements: lumped_mass.Elements) -> 
     last, reached = elements.table[elements.table.shape[0] - 1, 0], ca.mmax(strains * elements.fibre)
     return [assert_(reached <= last, "a rope is stretched by {strain} of its length; its strain_table ends at {last}",
                     strain=reached, last=last)]  # fmt: skip
+
+
+def _bent(line: DynamicLine) -> list[Any]:
+    """A cable is not bent more than it may be."""
+    if line.parameter_value("least_bending_radius") is None:
+        return []
+    radii = line.of_elements("least_bending_radius")  # of a node the larger one of both sides
+    allowed = ca.vertcat(*(ca.fmax(*pair) for pair in zip(radii, radii[1:], strict=False)))
+    share = ca.mmax(line.curvatures * allowed)
+    said = "the cable is bent to {share} times the curvature of its least_bending_radius"
+    return [assert_(share < 1, said, "warning", share=share)]
 
 
 def _angles(line: DynamicLine, nodes: Any, elements: lumped_mass.Elements) -> list[Any]:

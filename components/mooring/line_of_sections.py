@@ -10,6 +10,7 @@ from fowtlib.components.mooring.catenary_line import weight_is_given
 from fowtlib.components.mooring.lost_line import LosableLine
 from fowtlib.language import Array, outer, param
 from fowtlib.language import math as m
+from fowtlib.language.bounds import POSITIVE
 from fowtlib.language.errors import ParameterError
 
 OF_POINTS = ("point_mass", "point_volume")
@@ -18,8 +19,8 @@ OF_POINTS = ("point_mass", "point_volume")
 class LineOfSections(LosableLine):
     """Partial: sections and the points between them, counted from the anchor; a property is one number, or one each."""
 
-    lengths: Array = param(unit="m", min=0, doc="unstretched lengths of the sections, from the anchor on")
-    axial_stiffness: Array = param(unit="N", min=0, doc="axial stiffness EA")
+    lengths: Array = param(unit="m", min=POSITIVE, doc="unstretched lengths of the sections, from the anchor on")
+    axial_stiffness: Array = param(unit="N", min=POSITIVE, doc="axial stiffness EA")
     mass_per_length: Array = param(default=None, unit="kg/m", min=0, doc="mass per length in air")
     diameter: Array = param(default=0.0, unit="m", min=0, doc="diameter of a bar that displaces the same water")
     weight_per_length: Array = param(

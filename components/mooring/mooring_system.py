@@ -14,10 +14,12 @@ from fowtlib.components.mechanics.connectors import Frame
 from fowtlib.components.mooring import catenary
 from fowtlib.components.mooring.anchors import LEVEL
 from fowtlib.components.mooring.catenary_line import CatenaryLine
+from fowtlib.components.mooring.line_properties import IN_BALANCE, MOVING
 from fowtlib.components.mooring.lumped_system import LumpedSystem
 from fowtlib.components.mooring.yaw_spring import YawSpring
 from fowtlib.language import Array, Component, Scalar, param, parts, port
 from fowtlib.language import math as m
+from fowtlib.language.bounds import POSITIVE
 from fowtlib.language.errors import ParameterError
 from fowtlib.language.shapes import Drawing
 
@@ -44,13 +46,13 @@ class MooringSystem(LumpedSystem):
     anchor_depth: Scalar = param(default=None, unit="m", doc="depth of the anchors below the still water level")
     fairleads: Array = param(default=None, unit="m", doc="fairleads (n, 3), resolved in the frame")
     anchors: Array = param(default=None, unit="m", doc="anchors (n, 3), world")
-    length: Array = param(unit="m", min=0, doc="unstretched length")
-    axial_stiffness: Array = param(unit="N", min=0, doc="axial stiffness EA")
+    length: Array = param(unit="m", min=POSITIVE, doc="unstretched length")
+    axial_stiffness: Array = param(unit="N", min=POSITIVE, doc="axial stiffness EA")
     mass_per_length: Array = param(default=None, unit="kg/m", min=0, doc="mass per length in air")
     diameter: Array = param(default=0.0, unit="m", min=0, doc="diameter of a bar that displaces the same water")
     weight_per_length: Array = param(default=None, unit="N/m", doc="weight in water, instead of mass and diameter")
     friction: Array = param(default=0.0, min=0, doc="friction coefficient of the seabed")
-    greatest_strain: Array = param(default=0.1, min=0, doc="stretch per length up to which EA is constant")
+    greatest_strain: Array = param(default=0.1, min=POSITIVE, doc="stretch per length up to which EA is constant")
     breaking_load: Array = param(default=None, unit="N", min=0, doc="tension above which a line warns")
     dynamics: str = param(
         default="none", choices=("none", "coupled", "uncoupled", "lumped"), doc="inertia and drag of the lines"
@@ -72,9 +74,12 @@ class MooringSystem(LumpedSystem):
     def build(self):
         if self.dynamics == "lumped":
             for i in range(len(self.layout())):
-                self.lines[i] = self.dynamic_line(self.line_values(i), lambda name, i=i: self._of_line(name, i))
+                values = self.line_values(i) | {name: self._of_line(name, i) for name in MOVING}
+                self.lines[i] = self.dynamic_line(values, lambda name, i=i: self._of_line(name, i))
         else:
             self.refuse_lumped(self.dynamics)
+        if self.dynamics == "none":
+            self.refuse_unused(*MOVING, because=IN_BALANCE)
         for arm, line in zip(self.arms, self.lines, strict=True):
             self.connect(self.frame, arm.frame_a)
             self.connect(arm.frame_b, line.fairlead)
@@ -87,8 +92,9 @@ class MooringSystem(LumpedSystem):
 
     def line_values(self, i: int) -> dict[str, Any]:
         """The parameters of line number i, counted from 0."""
-        properties = {name: self._of_line(name, i) for name in LINE_PROPERTIES if self._has(name)}
         dynamics = "none" if self.dynamics == "lumped" else self.dynamics
+        known = [name for name in LINE_PROPERTIES if dynamics != "none" or name not in MOVING]
+        properties = {name: self._of_line(name, i) for name in known if self._has(name)}
         return {"anchor_position": self.layout()[i][1], "dynamics": dynamics, **properties}
 
     def layout(self) -> list[tuple[Any, Any]]:
@@ -125,8 +131,10 @@ class MooringSystem(LumpedSystem):
     def _of_line(self, name: str, i: int) -> Any:
         value, shape = getattr(self, name), np.shape(self.parameter_value(name))
         if shape and shape[0] != len(self.layout()):
-            raise ParameterError(f"{self.label}.{name} has {shape[0]} values for {len(self.layout())} lines; "
-                                 "give one for all of them, or one for each.")
+            raise ParameterError(
+                f"{self.label}.{name} has {shape[0]} values for {len(self.layout())} lines; "
+                "give one for all of them, or one for each."
+            )
         return value[i] if shape else value
 
     def static_load(

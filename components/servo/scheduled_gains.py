@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from fowtlib.language import Component, Scalar, param
+from fowtlib.language.bounds import POSITIVE
 
 
 class ScheduledGains(Component):
@@ -16,7 +17,9 @@ class ScheduledGains(Component):
 
     proportional_gain: Scalar = param(unit="s", doc="K_P at zero pitch")
     integral_gain: Scalar = param(doc="K_I at zero pitch")
-    doubling_pitch: Scalar = param(default=0.1099965, unit="rad", min=0, doc="pitch at which the gains are halved")
+    doubling_pitch: Scalar = param(
+        default=0.1099965, unit="rad", min=POSITIVE, doc="pitch at which the gains are halved"
+    )
     schedule_curvature: Scalar = param(
         default=0.0, unit="1/rad^2", min=0, doc="factor of the square of the pitch in 1 / G"
     )

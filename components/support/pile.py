@@ -11,6 +11,7 @@ from fowtlib.components.mechanics.tube_beam import TUBE
 from fowtlib.components.support.soil_springs import ClaySpring, LinearSoilSpring, SandSpring, SoilSpring
 from fowtlib.language import Array, Number, RealOutput, Scalar, eq, like, param, port
 from fowtlib.language import math as m
+from fowtlib.language.bounds import POSITIVE
 from fowtlib.language.errors import ParameterError
 
 
@@ -26,8 +27,8 @@ class Pile(WallMaterial):
     mode_names = {"*_x": "{part} fore-aft", "*_y": "{part} side-side", "*.twisting.*": "{part} torsion"}
 
     heights: Array = param(unit="m", doc="heights of the stations, toe first")
-    diameters: Array = param(unit="m", min=0, doc="outer diameters at the heights")
-    wall_thicknesses: Array = param(unit="m", min=0, doc="wall thicknesses at the heights")
+    diameters: Array = param(unit="m", min=POSITIVE, doc="outer diameters at the heights")
+    wall_thicknesses: Array = param(unit="m", min=POSITIVE, doc="wall thicknesses at the heights")
     hinges: int = like(BeamSettings.hinges, default=10)
     quadrature: str = like(BeamSettings.quadrature, default="plain")
     torsion: bool = like(BeamSettings.torsion)

@@ -5,6 +5,7 @@ from __future__ import annotations
 from fowtlib.components.mechanics.connectors import Frame
 from fowtlib.language import Component, Scalar, Vector, der, eq, param, port, var
 from fowtlib.language import math as m
+from fowtlib.language.bounds import POSITIVE
 
 _APART = 1e-6  # m; within it of the place at rest a spring is linear
 
@@ -64,10 +65,10 @@ class SandSpring(SoilSpring):
     """
 
     depth: Scalar = param(unit="m", min=0, doc="depth below the mudline")
-    diameter: Scalar = param(unit="m", min=0, doc="diameter of the pile")
-    friction_angle: Scalar = param(unit="rad", min=0, max=0.9, doc="angle of internal friction")
-    unit_weight: Scalar = param(unit="N/m^3", min=0, doc="weight of the soil in water per volume")
-    modulus_gradient: Scalar = param(unit="N/m^3", min=0, doc="k: growth of the subgrade modulus with depth")
+    diameter: Scalar = param(unit="m", min=POSITIVE, doc="diameter of the pile")
+    friction_angle: Scalar = param(unit="rad", min=POSITIVE, max=0.9, doc="angle of internal friction")
+    unit_weight: Scalar = param(unit="N/m^3", min=POSITIVE, doc="weight of the soil in water per volume")
+    modulus_gradient: Scalar = param(unit="N/m^3", min=POSITIVE, doc="k: growth of the subgrade modulus with depth")
     cyclic: bool = param(default=True, doc="cyclic loads; else static ones")
 
     def strength(self):
@@ -105,9 +106,9 @@ class ClaySpring(SoilSpring):
     """
 
     depth: Scalar = param(unit="m", min=0, doc="depth below the mudline")
-    diameter: Scalar = param(unit="m", min=0, doc="diameter of the pile")
-    shear_strength: Scalar = param(unit="Pa", min=0, doc="c: undrained shear strength")
-    unit_weight: Scalar = param(unit="N/m^3", min=0, doc="weight of the soil in water per volume")
+    diameter: Scalar = param(unit="m", min=POSITIVE, doc="diameter of the pile")
+    shear_strength: Scalar = param(unit="Pa", min=POSITIVE, doc="c: undrained shear strength")
+    unit_weight: Scalar = param(unit="N/m^3", min=POSITIVE, doc="weight of the soil in water per volume")
     strain_50: Scalar = param(default=0.01, min=1e-4, doc="epsilon_50: strain at half of the strength")
     shape: Scalar = param(default=0.5, min=0, doc="J: 0.25 to 0.5")
     initial_stiffness: Scalar = param(default=10.0, min=0.1, doc="10 for normally, 30 for over-consolidated clay")

@@ -32,6 +32,7 @@ from fowtlib.language import (
     shapes,
 )
 from fowtlib.language import math as m
+from fowtlib.language.bounds import POSITIVE
 
 
 class Nacelle(RotorSide):
@@ -119,7 +120,7 @@ class Drivetrain(Component):
 
     mode_names = {"*": "drivetrain torsion"}
 
-    gear_ratio: Scalar = param(min=0, doc="generator speed over rotor speed")
+    gear_ratio: Scalar = param(min=POSITIVE, doc="generator speed over rotor speed")
     stiffness: Scalar = param(unit="N*m/rad", min=0, doc="torsional stiffness, on the low speed side")
     damping: Scalar = param(default=0.0, unit="N*m*s/rad", min=0, doc="torsional damping, on the low speed side")
     generator_inertia: Scalar = param(unit="kg*m^2", min=0, doc="moment of inertia about the high speed shaft")

@@ -25,6 +25,7 @@ from fowtlib.language import (
     part,
     port,
 )
+from fowtlib.language.bounds import POSITIVE
 from fowtlib.language.shapes import Drawing
 
 
@@ -46,7 +47,7 @@ class RotorNacelle(RotorSide):
         default=((0, 0, 0), (0, 0, 0), (0, 0, 0)), unit="kg*m^2", doc="inertia tensor about the centre of mass"
     )
     centre_of_mass: Vector = param(default=(0, 0, 0), unit="m", doc="from the hub, resolved in the frame")
-    gear_ratio: Scalar = param(min=0, doc="generator speed over rotor speed")
+    gear_ratio: Scalar = param(min=POSITIVE, doc="generator speed over rotor speed")
     generator_inertia: Scalar = param(unit="kg*m^2", min=0, doc="moment of inertia about the high speed shaft")
     generator_efficiency: Scalar = param(default=1.0, min=0, max=1, doc="electrical over mechanical power")
     air_loads: Scalar = like(CoefficientRotor.air_loads)

@@ -14,6 +14,7 @@ from fowtlib.cases.case_set import CaseSet
 from fowtlib.cases.run_keys import CONDITIONS
 from fowtlib.cases.values import as_quantity
 from fowtlib.components.environment.waves import breaking_height, steepest_sea
+from fowtlib.language import bounds
 from fowtlib.language.component import Component
 from fowtlib.language.declarations import SHAPES, Parameter
 from fowtlib.language.errors import ModelError, ModelFileError, did_you_mean, one_of
@@ -212,6 +213,9 @@ def _is_number(value: Any) -> bool:
 
 def _number(field: Parameter, path: str, value: Any) -> float:
     try:
+        given = as_quantity(value) if isinstance(value, str) else None
+        if not isinstance(value, str) or (given is not None and given.unit is None):
+            bounds.refuse_turns(float(value), field.unit)
         return float(to_si(value, field.unit))
     except ModelError as error:
         raise _Wrong(path, f"{path}: {error}") from None
@@ -229,11 +233,9 @@ def _check_value(root: Component, path: str, value: Any) -> None:
         raise _Wrong(path, f"{path}: got {number:g}; a whole number is expected ({field.doc}).")
     if not math.isfinite(number):
         raise _Wrong(path, f"{path} = {number:g} is not a finite number ({field.doc}).")
-    low, high = field.min, field.max
-    if low is not None and number < low:
-        raise _Wrong(path, f"{path} = {number:g}{unit} is below its minimum {low:g}{unit} ({field.doc}).")
-    if high is not None and number > high:
-        raise _Wrong(path, f"{path} = {number:g}{unit} is above its maximum {high:g}{unit} ({field.doc}).")
+    found = bounds.outside(number, field.min, field.max, field.unit)
+    if found:
+        raise _Wrong(path, f"{path} = {number:g}{unit} is {found[1]} ({field.doc}).")
     if field.choices is not None and number not in field.choices:
         raise _Wrong(path, f"{path} = {number:g} is not {one_of(map(str, field.choices))} ({field.doc}).")
 

@@ -9,7 +9,7 @@ from typing import Any
 
 from fowtlib.cli import tables
 from fowtlib.cli.files import check_target, say_saved
-from fowtlib.language.errors import ModelError, NotFoundError, did_you_mean
+from fowtlib.language.errors import ModelError, NotFoundError, did_you_mean, one_of
 from fowtlib.language.whole_files import write_text
 
 NEW = """examples:
@@ -86,6 +86,7 @@ def show_parts(arguments: argparse.Namespace) -> int:
     from dataclasses import asdict
 
     from fowtlib.cli import catalogue
+    from fowtlib.modelfile.catalogue import derived_from
 
     classes = catalogue.classes()
     if arguments.markdown:
@@ -93,6 +94,9 @@ def show_parts(arguments: argparse.Namespace) -> int:
         return 0
     chosen = [item for item in classes if arguments.name in (None, item.group, item.name)]
     if not chosen:
+        made = derived_from(arguments.name)
+        if made:
+            raise NotFoundError(f"'{arguments.name}' is a base of other classes, no part: see {one_of(made)}.")
         known = {name: None for item in classes for name in (item.group, item.name)}
         raise NotFoundError(f"there is no part '{arguments.name}'{did_you_mean(arguments.name, known)}")
     if arguments.form == "json":

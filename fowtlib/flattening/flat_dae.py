@@ -12,6 +12,7 @@ import casadi as ca
 import numpy as np
 
 from fowtlib.flattening.system import Bound, BoundParameter, Input, Parameter
+from fowtlib.language.bounds import outside, shown
 from fowtlib.language.equations import Process
 from fowtlib.language.errors import NotFoundError, ParameterError, did_you_mean
 from fowtlib.language.offered import OfferedEvent
@@ -221,17 +222,14 @@ class FlatDAE:
         for item in self.dependents.values():
             numbers = values[first : first + item.symbol.numel()]
             first += item.symbol.numel()
-            unit = "" if item.unit == "1" else f" {item.unit}"
-            for wrong, what in (
-                (~np.isfinite(numbers), "no finite number"),
-                (numbers < (-np.inf if item.min is None else item.min), f"below its minimum {item.min or 0:g}{unit}"),
-                (numbers > (np.inf if item.max is None else item.max), f"above its maximum {item.max or 0:g}{unit}"),
-            ):
-                if wrong.any():
-                    raise ParameterError(
-                        f"{item.path} = {numbers[wrong][0]:g}{unit} is {what} ({item.doc}); it follows from the values "
-                        "that were given."
-                    )
+            wrong = numbers[~np.isfinite(numbers)]
+            found = (float(wrong[0]), "no finite number") if wrong.size else outside(
+                numbers, item.min, item.max, item.unit)  # fmt: skip
+            if found:
+                raise ParameterError(
+                    f"{item.path} = {shown(found[0], item.unit)} is {found[1]} ({item.doc}); it follows from the "
+                    "values that were given."
+                )
 
     @cached_property
     def with_data(self) -> list[tuple[int, Bound]]:

@@ -13,7 +13,7 @@ import numpy as np
 
 from fowtlib.flattening.connections import Connections
 from fowtlib.flattening.system import Bound, BoundParameter, Parameter, System, element_names, scalars
-from fowtlib.language import declarations, expressions
+from fowtlib.language import bounds, declarations, expressions
 from fowtlib.language import equations as statements
 from fowtlib.language.component import Component, UnknownAttribute
 from fowtlib.language.connectors import BoundPort, Signal
@@ -329,19 +329,15 @@ def check_parameters(component: Component) -> None:
 
 
 def _check_bounds(where: str, declared: Any, value: Any) -> None:
-    unit = "" if declared.unit == "1" else f" {declared.unit}"
     numbers = np.asarray(value)
     if numbers.dtype.kind not in "fiu":
         return
     if not np.all(np.isfinite(numbers)):
         raise ParameterError(f"{where} is not a finite number: {value} ({declared.doc}).")
-    for bound, is_outside, word in (
-        (declared.min, np.any(numbers < declared.min) if declared.min is not None else False, "below its minimum"),
-        (declared.max, np.any(numbers > declared.max) if declared.max is not None else False, "above its maximum"),
-    ):
-        if is_outside:
-            worst = numbers.min() if word.startswith("below") else numbers.max()
-            raise ParameterError(f"{where} = {worst:g}{unit} is {word} {bound:g}{unit} ({declared.doc}).")
+    found = bounds.outside(numbers, declared.min, declared.max, declared.unit)
+    if found:
+        worst, said = found
+        raise ParameterError(f"{where} = {bounds.shown(worst, declared.unit)} is {said} ({declared.doc}).")
 
 
 def _parameters_in(value: Any) -> Iterable[declarations.Parameter]:

@@ -11,6 +11,7 @@ import numpy as np
 
 from fowtlib.flattening.flat_dae import Check, FlatDAE
 from fowtlib.flattening.system import element_names, scalars
+from fowtlib.language.bounds import lower, upper
 from fowtlib.solving.binding import Binding
 from fowtlib.solving.plant import Plant
 
@@ -69,10 +70,10 @@ def _bounds(dae: FlatDAE) -> Iterator[Check]:
                 message = f"{name} = {{value}}{unit} is no finite number {ends}"
                 yield Check(finite, message, "error", {"value": value}, "")
             if item.min is not None and (ensured[0] is None or ensured[0] < item.min):
-                message = f"{name} = {{value}}{unit} is below its minimum {item.min:g}{unit} {ends}"
+                message = f"{name} = {{value}}{unit} is {lower(item.min, item.unit)} {ends}"
                 yield Check(value >= item.min, message, "error", {"value": value}, "")
             if item.max is not None and (ensured[1] is None or ensured[1] > item.max):
-                message = f"{name} = {{value}}{unit} is above its maximum {item.max:g}{unit} {ends}"
+                message = f"{name} = {{value}}{unit} is {upper(item.max, item.unit)} {ends}"
                 yield Check(value <= item.max, message, "error", {"value": value}, "")
 
 

@@ -7,7 +7,7 @@ from pathlib import Path
 from fowtlib.language.component import Assembly, Component, did_you_mean_part
 from fowtlib.language.composition import check_fits
 from fowtlib.language.declarations import join
-from fowtlib.language.errors import ModelFileError, did_you_mean
+from fowtlib.language.errors import ModelFileError, did_you_mean, one_of
 from fowtlib.modelfile import catalogue, document, files
 from fowtlib.modelfile.layers import (
     Layer,
@@ -143,6 +143,10 @@ class TreeBuilder:
         if name == Assembly.__name__:
             return Assembly
         if name not in known:
+            made = catalogue.derived_from(name)
+            if made:
+                where = f"{path + ': ' if path else ''}"
+                raise value.place.error(f"{where}'{name}' is a base of other classes, no part; take {one_of(made)}.")
             hint = did_you_mean(name, [*own, *known])
             raise value.place.error(f"{path + ': ' if path else ''}there is no class '{name}'{hint} See `fowt parts`.")
         return known[name]

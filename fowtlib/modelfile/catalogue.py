@@ -6,6 +6,7 @@ import importlib
 import importlib.util
 import inspect
 import pkgutil
+import re
 from functools import cache
 from pathlib import Path
 from types import ModuleType
@@ -47,9 +48,18 @@ def classes_of_file(path: Path) -> Classes:
 
 
 def is_partial(item: type[Component]) -> bool:
-    """A class without equations, parts or connections is there for others to derive from."""
+    """A class that is there for others to derive from: its docstring says so, or it has no equations and no parts."""
+    if re.search(r"(^|[.:] )Partial[.:]", " ".join((item.__doc__ or "").partition("\n\n")[0].split())):
+        return True
     empty = not (item.declared_parts or item.part_arrays)
     return item.equations is Component.equations and item.build is Component.build and empty
+
+
+def derived_from(name: str) -> list[str]:
+    """The classes of the library that are made from a partial one of this name."""
+    if name == Component.__name__:
+        return []
+    return [made for made, item in classes().items() if name in {base.__name__ for base in item.__mro__[1:]}]
 
 
 def _defined_in(module: ModuleType) -> Classes:

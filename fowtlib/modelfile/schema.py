@@ -6,6 +6,7 @@ import inspect
 import math
 from typing import Any
 
+from fowtlib.language.bounds import POSITIVE
 from fowtlib.language.component import Component
 from fowtlib.language.declarations import SHAPES, Parameter, Scalar
 from fowtlib.modelfile import catalogue, reader
@@ -182,7 +183,8 @@ def _quantity(unit: str, field: Parameter | None = None) -> Schema:
     """A number in SI within the bounds, or text: a number with a unit, or a formula."""
     number: Schema = {"type": "number"}
     if field is not None:
-        bounds = {"minimum": field.min, "maximum": field.max}
+        lowest = "exclusiveMinimum" if field.min == POSITIVE else "minimum"
+        bounds = {lowest: 0 if field.min == POSITIVE else field.min, "maximum": field.max}
         numeric = {key: bound for key, bound in bounds.items() if isinstance(bound, (int, float))}
         number |= {key: bound for key, bound in numeric.items() if math.isfinite(bound)}
     choices = [number, {"type": "string", "description": f"number with a unit, or a formula [{unit}]"}]

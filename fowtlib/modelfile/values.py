@@ -9,6 +9,7 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any, Protocol
 
+from fowtlib.language.bounds import refuse_turns
 from fowtlib.language.declarations import SHAPES, Parameter
 from fowtlib.language.errors import ModelError, ModelFileError, did_you_mean
 from fowtlib.language.leave import FromModelFile
@@ -23,6 +24,7 @@ from fowtlib.modelfile.specs import Declared, Value, substituted
 _WORD = re.compile(r"[^\W\d]\w*")
 _NAME = re.compile(r"[^\W\d][\w.]*")
 _EXPONENT = re.compile(r"(\^|\*\*)\s*-?\d+(\.\d+)?")
+_NOT_FINITE = ("nan", "inf", "infinity")
 _UNIT = re.compile(r"[\w\s*/()·°%]*")
 
 
@@ -115,10 +117,13 @@ class ValueReader:
             given = {True: "true", False: "false"}.get(node.value) if isinstance(node.value, bool) else node.kind
             raise ModelFileError(f"got {given}; {expected(field.unit)}.")
         if not isinstance(node.value, str):
+            refuse_turns(node.value, field.unit)
             return _whole(node.value, field)
         text = _formula_text(value, node)
         found = quantity(text)
         if found and self._is_unit(found[1], value.variables):
+            if not found[1]:
+                refuse_turns(found[0], field.unit)
             return _whole(to_si(text, field.unit), field)
         result = self._formula(value, node, field.unit)
         if result.unit is None:
@@ -145,13 +150,13 @@ class ValueReader:
         if not isinstance(node.value, str):
             return Quantity(float(node.value))
         text = _formula_text(value, node)
+        if any(name.lower() in _NOT_FINITE and not self._known(name, value) for name in _WORD.findall(text)):
+            raise ModelFileError(f"'{text}' is not a finite number; {expected(unit)}.")
 
         def lookup(name: str) -> Quantity:
             found = self.scope.find(name)
             if found is None and name in value.variables:
                 found = self._variable(value.variables[name])
-            if found is None and name == "nan":
-                raise ModelFileError(f"'{text}' is not a finite number; {expected(unit)}.")
             if found is None:
                 known = [*self.scope.names, *value.variables, *formulas.FUNCTIONS, *formulas.CONSTANTS]
                 hint = did_you_mean(name, known, list_up_to=0)
@@ -161,6 +166,9 @@ class ValueReader:
             return found
 
         return formulas.parse(text, {*self.scope.names, *value.variables}).evaluate(lookup)
+
+    def _known(self, name: str, value: Value) -> bool:
+        return name in value.variables or self.scope.find(name) is not None
 
     def _variable(self, node: Node) -> Quantity:
         """A variable of an `each` block in a formula."""

@@ -21,6 +21,7 @@ import numpy as np
 from fowtlib.flattening import FlatDAE
 from fowtlib.flattening.instances import check_parameters
 from fowtlib.flattening.system import Bound
+from fowtlib.language import bounds
 from fowtlib.language.component import Component
 from fowtlib.language.data_files import files_of, named
 from fowtlib.language.declarations import join
@@ -228,12 +229,9 @@ def tunable_value(dae: FlatDAE, path: str, value: Any) -> np.ndarray:
         raise ParameterError(f"{path} = {value} does not fit: it takes {shape} [{item.unit}] ({item.doc}).") from None
     if not np.all(np.isfinite(numbers)):
         raise ParameterError(f"{path} = {value} is not a finite number ({item.doc}).")
-    for bound, outside, word in (
-        (item.min, item.min is not None and np.any(numbers < item.min), "below its minimum"),
-        (item.max, item.max is not None and np.any(numbers > item.max), "above its maximum"),
-    ):
-        if outside:
-            raise ParameterError(f"{path} = {value} is {word} {bound:g} {item.unit} ({item.doc}).")
+    found = bounds.outside(numbers, item.min, item.max, item.unit)
+    if found:
+        raise ParameterError(f"{path} = {value} is {found[1]} ({item.doc}).")
     return fits
 
 

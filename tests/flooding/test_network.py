@@ -86,6 +86,65 @@ def test_a_pump_between_two_tanks_finds_the_flow_of_its_curve_and_of_the_pipe():
     assert float(state["pump.shaft_power"]) == pytest.approx(power / 0.6, rel=1e-9)
 
 
+CURVE = ((0.0, 12.0), (0.05, 11.2), (0.1, 8.0), (0.14, 3.0))  # m^3/s and m
+
+
+def pumped(head: float, command: float = 1.0, in_line: bool = False, **pump: object) -> fw.Plant:
+    """A pump between two lakes, `head` metres apart, told by a constant command; in_line: with a pipe of inertia."""
+    model = ashore(
+        low=pool(1e6, 3e6), high=pool(1e6, 3e6, head), pump=Pump(in_line=in_line, **pump), told=Constant(value=command)
+    )
+    ways = [(model.low.water[0], model.pump.water_a), (model.pump.water_b, model.high.water[0])]
+    if in_line:
+        model.pipe = Pipe(length=30, diameter=0.5, loss_factor=0.0, roughness=0.0, viscosity=1e-9, inertia=True)
+        ways[1:] = [(model.pump.water_b, model.pipe.water_a), (model.pipe.water_b, model.high.water[0])]
+    for a, b in (*ways, (model.told.y, model.pump.command)):
+        model.connect(a, b)
+    return fw.load(model).compile()
+
+
+@pytest.mark.parametrize("command", [1.0, 0.7])
+def test_a_pump_by_points_obeys_the_laws_of_affinity(command):
+    """At its points Q = s Q_i under s^2 H_i, between them linear in the square of the flow; by hand."""
+    plant = pumped(0.0, command, curve=CURVE)
+    (low, high), between = (CURVE[1], CURVE[2]), 9.0
+    squared = low[0] ** 2 + (low[1] - between) / (low[1] - high[1]) * (high[0] ** 2 - low[0] ** 2)
+    for flow, lift in (*CURVE[1:], (math.sqrt(squared), between)):
+        state = plant.initial_state({"high.place": (0, 0, lift * command**2)})
+        assert float(state["pump.volume_flow"]) == pytest.approx(flow * command, rel=1e-6)
+        power = RHO * GRAVITY * flow * lift * command**3
+        assert float(state["pump.hydraulic_power"]) == pytest.approx(power, rel=1e-6)
+
+
+def test_a_pump_of_two_points_is_the_parabola_and_one_in_line_finds_the_same_flow():
+    parabola = pumped(5.0, rated_flow=0.14, rated_head=3.0, shutoff_head=12.0).initial_state()
+    points = pumped(5.0, curve=(CURVE[0], CURVE[-1])).initial_state()
+    assert float(points["pump.volume_flow"]) == pytest.approx(float(parabola["pump.volume_flow"]), rel=1e-12)
+    result = pumped(5.0, 0.8, True, curve=CURVE).simulate(200, 1)
+    lift = float(result["pump.lift"].values[-1])  # 5 m, and what the pipe loses
+    same = pumped(lift, 0.8, curve=CURVE).initial_state()["pump.volume_flow"]
+    assert 5.0 < lift < 5.1
+    assert result["pump.volume_flow"].values[-1] == pytest.approx(float(same), rel=1e-4)
+
+
+def test_a_pump_beyond_its_points_says_so_and_a_curve_that_rises_is_refused():
+    with pytest.warns(UserWarning, match=r"its curve goes from 0 to 0.14 m3/s at its speed; beyond that it is cont"):
+        flow = pumped(1.0, curve=CURVE).simulate(1, 1)["pump.volume_flow"].values[0]
+    (a, b), (c, d) = CURVE[2:]
+    assert flow == pytest.approx(math.sqrt(a**2 + (b - 1.0) / (b - d) * (c**2 - a**2)), rel=1e-6)
+    for curve, said in (
+        (((0, 5), (0.1, 6)), "its lifts must fall from row to row"),
+        (((0.1, 5), (0.2, 4)), "its flows must begin with 0 and rise"),
+        (((0, 5, 1), (0.1, 4, 1)), "two rows or more of flow"),
+    ):
+        with pytest.raises(ModelError, match=said):
+            Pump(curve=curve)
+    with pytest.raises(ModelError, match="rated_flow is given and would do nothing, because its curve is given"):
+        Pump(curve=CURVE, rated_flow=0.1)
+    with pytest.raises(ModelError, match="rated_flow needs a value, or its curve"):
+        Pump(shutoff_head=3)
+
+
 def test_friction_is_that_of_poiseuille_and_of_colebrook():
     for reynolds in (1.0, 100.0, 1500.0):
         assert float(friction_factor(reynolds, 1e-4)) == pytest.approx(64 / reynolds, rel=2e-3)

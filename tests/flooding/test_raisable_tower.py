@@ -275,6 +275,20 @@ def test_pictures_show_the_water_where_it_is(plant, raised):
 # --- operation --------------------------------------------------------------------------------------------------------
 
 
+def test_the_speed_loop_does_not_drive_the_hull():
+    """At 12 m/s surge and pitch die out; with the gains of land surge grows. Yaw: see docs/dtif.md."""
+    plant = fw.load("dtif_operating").compile()
+    wind = {"wind.kind": "steady", "wind.mean_speed": 12.0, "sea.spectrum": "still"}
+    land = {"turbine.control.proportional_gain": 0.00348359, "turbine.control.integral_gain": 0.000333743}
+    surge = []
+    for gains in ({}, land):
+        modes = plant.linearize(plant.equilibrium(parameters=wind | gains), outputs=[]).modes()
+        damping = {mode.label: mode.damping_ratio for mode in modes if mode.frequency_hz < 0.03}
+        surge.append(next(ratio for label, ratio in damping.items() if "surge" in label))
+        assert next(ratio for label, ratio in damping.items() if "pitch" in label and "turbine" not in label) > 0.2
+    assert surge[0] > 0.01 and surge[1] < -0.01
+
+
 def test_it_leans_in_the_wind_as_its_stiffness_says():
     """Thrust times its lever over the fairleads, over rho g V GM with the pull of the lines, to 8 %."""
     plant = fw.load("dtif_operating").compile()
