@@ -12,6 +12,7 @@ from fowtlib.components.hydro.linear_loads import AddedMass, PlatformLoad, Radia
 from fowtlib.components.hydro.modal_database import ModalDatabase
 from fowtlib.components.hydro.modal_radiation import kept_modal_radiation
 from fowtlib.components.hydro.potential_flow import LinearPotentialFlow
+from fowtlib.components.hydro.turning_waves import TurningWaveExcitation
 from fowtlib.components.mechanics.connectors import ModalCoordinates
 from fowtlib.language import Array, Data, Number, Vector, data, der, eq, outer, param, port, var
 from fowtlib.language import math as m
@@ -92,6 +93,11 @@ class ModalWaveExcitation(ModalLoad, WaveExcitation):
         return m.vertcat(super().load(), self.on_shapes)
 
 
+class TurningModalWaveExcitation(ModalWaveExcitation, TurningWaveExcitation):
+    """The same on a body that deforms and turns far about the vertical: all its loads by the heading relative to the
+    waves, now. Shapes are those of the body, so that their loads need no axes. See TurningWaveExcitation."""
+
+
 class ShapeHydrostatics(ModalLoad):
     """Stiffness that buoyancy gives shapes: between them, and with heave, roll and pitch (slopes) both ways.
 
@@ -133,7 +139,8 @@ class ModalPotentialFlow(LinearPotentialFlow):
         if self.radiation_order:
             self.radiation = ModalRadiation(shapes=count, database=given, order=self.radiation_order)
         if self.excitation:
-            self.waves = ModalWaveExcitation(shapes=count, database=given, position=place)
+            kind = TurningModalWaveExcitation if self.turning else ModalWaveExcitation
+            self.waves = kind(shapes=count, database=given, position=place)
         for load in self.parts.values():
             self.connect(self.frame, load.frame)
             self.connect(self.modes, load.modes)

@@ -65,7 +65,7 @@ class LinearPotentialFlow(FlowSettings):
         if self.turning and not any(isinstance(load, TurningWaveExcitation) for load in self.parts.values()):
             raise ParameterError(
                 f"{self.label}.turning is true, and there is no wave load that could know of a turn: leave it false "
-                "where there is no excitation, and on a hull that bends."
+                "where there is no excitation."
             )
         given = {"gravity": (known.g, 1e-3, "m/s^2"), "water_depth": (known.water_depth, 1e-2, "m")}
         for name, (expected, tolerance, unit) in given.items():

@@ -43,10 +43,11 @@ class TurningWaveExcitation(WaveExcitation):
     harmonics: int = param(default=24, min=0, doc="of the load over the heading; about wave number times half width")
 
     def equations(self):
-        scale, count = self.world.water_density / self.database.rho, 2 * self.harmonics + 1
-        parts = scale * self.sea.signal(_over_headings, 6 * count, "wave load over headings", "", of=self)
-        own, axes = _turned([parts[6 * i : 6 * i + 6] for i in range(count)], self.heading_axes()), self.heading_axes()
-        load = m.vertcat(axes @ own[:3], axes @ own[3:])
+        scale, count, size = self.world.water_density / self.database.rho, 2 * self.harmonics + 1, self.motions()
+        parts = scale * self.sea.signal(_over_headings, size * count, "wave load over headings", "", of=self)
+        axes = self.heading_axes()
+        own = _turned([parts[size * i : size * (i + 1)] for i in range(count)], axes)
+        load = m.vertcat(axes @ own[:3], axes @ own[3:6], own[6:])
         return [self.driven(load), self.push(self.load())]
 
 
@@ -61,7 +62,7 @@ def _turned(parts, axes):
 
 
 def _over_headings(waves: WaveComponents, part: TurningWaveExcitation) -> NDArray[np.complex128]:
-    """Transfers (n, 6 (2 M + 1)) of C_0, C_1, D_1, ... of the waves of a run."""
+    """Transfers (n, motions (2 M + 1)) of C_0, C_1, D_1, ... of the waves of a run."""
     M, omega = part.harmonics, waves.omega
     count = max(128, 4 * M)
     heading = 2 * np.pi * np.arange(count) / count
@@ -75,7 +76,7 @@ def _over_headings(waves: WaveComponents, part: TurningWaveExcitation) -> NDArra
     order = np.arange(1, M + 1)
     plus = g[order] * np.exp(1j * order * waves.heading)[:, None, None]
     minus = g[-order] * np.exp(-1j * order * waves.heading)[:, None, None]
-    both = np.stack([plus + minus, -1j * (plus - minus)], axis=1).reshape(2 * M, len(omega), 6)
+    both = np.stack([plus + minus, -1j * (plus - minus)], axis=1).reshape(2 * M, len(omega), part.motions())
     table = np.concatenate([g[:1], both]) * waves.elevation_transfer(place + pivot).reshape(1, -1, 1)
     return table.transpose(1, 0, 2).reshape(len(omega), -1)
 

@@ -12,7 +12,7 @@ from fowtlib.components.hydro.modal_loads import ModalPotentialFlow, read_modal_
 from fowtlib.components.mechanics.modal import ElasticBody, ElasticFrame
 from fowtlib.components.platform.bending_members import BendingMemberLoads, SectionLoads
 from fowtlib.components.platform.floater import Floater, drawn_between
-from fowtlib.components.platform.frame_loads import water_at_rest
+from fowtlib.components.platform.frame_loads import check_mesh, water_at_rest
 from fowtlib.components.platform.hull import Hull
 from fowtlib.components.platform.member_frame import MemberFrame
 from fowtlib.components.platform.member_parts import members_of
@@ -112,23 +112,26 @@ def _frame(hull: Hull, longest: float, young_modulus: float, shear_modulus: floa
 
 def modal_database(
     floater: ElasticFloater | Floater, count: int, *, omega: Iterable[float], headings: Iterable[float], panel: float,
-    water_depth: float, longest: float = 5.0, young_modulus: float = 210e9, shear_modulus: float = 80.8e9,
+    water_depth: float, mesh: HullMesh | None = None, longest: float = 5.0, young_modulus: float = 210e9, shear_modulus: float = 80.8e9,
     path: str | Path | None = None, rho: float = 1025.0, g: float = 9.80665, **options,
 ) -> ModalDatabase:  # fmt: skip
     """The potential flow of the rigid motions and the lowest `count` shapes of a floater of members.
 
     omega [rad/s], headings [rad], panel: about their width [m]; longest beam [m] and moduli [Pa] as the part has them.
     rho [kg/m^3], g [m/s^2]; options: source, progress of `hydro.panel.solve_shapes`, whose errors are raised.
+    mesh: panels of another source, in the place of those that the members have; they must lie on the members.
+    Raises ParameterError for a mesh that does not match the frame.
     """
     from fowtlib.components.hydro.panel import solve_shapes  # with its optional package
 
     hull = floater.hull()
     structure = MemberFrame(hull, longest, young_modulus, shear_modulus)
     shapes = shapes_of(structure, count).shapes
-    panels = hull.panels(panel)
-    mesh = HullMesh(panels, hull.lids(panel), floater.label, join=SAME_NODE)
+    if mesh is None:
+        mesh = HullMesh(hull.panels(panel), hull.lids(panel), floater.label, join=SAME_NODE)
+    check_mesh(structure, mesh)
     return solve_shapes(
         mesh, lambda points: structure.field(points, shapes), structure.frame.nodes, shapes,
-        rho * g * water_at_rest(structure, panels), omega=omega, headings=headings, water_depth=water_depth, path=path,
+        rho * g * water_at_rest(structure, mesh.panels), omega=omega, headings=headings, water_depth=water_depth, path=path,
         rho=rho, g=g, **options,
     )  # fmt: skip

@@ -16,7 +16,7 @@ from fowtlib.components.hydro.linear_loads import Hydrostatics, read_database
 from fowtlib.components.hydro.potential_flow import FlowSettings, LinearPotentialFlow
 from fowtlib.components.mechanics.bodies import FixedTranslation, RigidBody
 from fowtlib.components.mechanics.connectors import Frame
-from fowtlib.components.platform.hull import Hull
+from fowtlib.components.platform.hull import APART, Hull
 from fowtlib.components.platform.member_parts import MemberLoads, members_of
 from fowtlib.components.platform.members import MemberShape
 from fowtlib.components.platform.regimes import regime
@@ -26,7 +26,6 @@ from fowtlib.language.expressions import StartNumbers
 
 _NUMBERS = 1 + 3 + 9 + 1 + 3 + 36  # mass, centre, inertia, volume, centre of buoyancy, stiffness
 _RHO = 1025.0  # density for which the stiffness is computed; Hydrostatics scales it
-_APART = 0.05  # relative difference of the volumes of members and database beyond which they are not the same hull
 
 
 class Floater(FlowSettings):
@@ -155,7 +154,7 @@ def hull_numbers(floater: Floater) -> Sequence[float]:
     known = floater.database
     if known is None:
         floater.refuse_unused("turning", because="there is no database")
-    elif abs(hull.buoyancy.volume / known.volume - 1) > _APART:
+    elif abs(hull.buoyancy.volume / known.volume - 1) > APART:
         raise ParameterError(
             f"{floater.label}: its members displace {hull.buoyancy.volume:.6g} m^3, and the hull of its database "
             f"{known.volume:.6g} m^3; they are not the same hull, or not at the same draft."

@@ -14,7 +14,9 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from fowtlib.components.hydro.deformation import quadrature
-from fowtlib.components.platform.member_frame import MemberFrame
+from fowtlib.components.hydro.hull_mesh import HullMesh
+from fowtlib.components.platform.hull import APART
+from fowtlib.components.platform.member_frame import FAR, MemberFrame
 from fowtlib.components.platform.space_frame import SpaceFrame, rigid_motions
 from fowtlib.language.errors import ParameterError
 
@@ -110,6 +112,34 @@ class SectionRecovery:
     def axes(self) -> Floats:
         """Columns (s, 3, 3) of each section: along the member, first and second direction across."""
         return np.array([self.frame.axes(beam) for beam, _ in self.where]).reshape(-1, 3, 3)
+
+
+def check_carried(structure: MemberFrame, places: ArrayLike, name: str) -> None:
+    """Raises ParameterError for a point that no member carries: a joint that meets no node of the frame."""
+    for k, (x, y, z) in enumerate(np.asarray(places, dtype=float).reshape(-1, 3)):
+        distance, member = structure.nearest(np.array([x, y, z]))
+        if distance > FAR:
+            raise ParameterError(
+                f"{name}[{k}]: the point ({x:g}, {y:g}, {z:g}) m meets no node of the frame: it is {distance:.2g} radii "
+                f"from the axis of {member}, the nearest member. Put it on a member, or lead a member to it."
+            )
+
+
+def check_mesh(structure: MemberFrame, mesh: HullMesh) -> None:
+    """Raises ParameterError for a mesh that is not that of the frame: off its members, or of another volume."""
+    volume = structure.hull.buoyancy.volume
+    if abs(mesh.volume / volume - 1) > APART:
+        raise ParameterError(
+            f"the mesh {mesh.name} holds {mesh.volume:.6g} m^3, and the members of the frame {volume:.6g} m^3: the mesh "
+            "does not match the frame. Are draft, origin and unit the same?"
+        )
+    for x, y, z in mesh.panels.mean(axis=1):
+        distance, member = structure.nearest(np.array([x, y, z]))
+        if distance > FAR:
+            raise ParameterError(
+                f"the mesh {mesh.name} does not match the frame: its panel at ({x:g}, {y:g}, {z:g}) m is {distance:.2g} "
+                f"radii from the axis of {member}, the nearest member. Are draft, origin and unit the same?"
+            )
 
 
 def check_on_axes(structure: MemberFrame, places: ArrayLike, name: str) -> None:

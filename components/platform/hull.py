@@ -23,6 +23,7 @@ from fowtlib.components.platform.union import Span, Strips, Union, union
 from fowtlib.language.errors import ParameterError
 
 Floats = NDArray[np.float64]
+APART = 0.05  # relative difference of volumes beyond which two hulls are not the same
 
 
 @dataclass(frozen=True)

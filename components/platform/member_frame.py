@@ -26,7 +26,7 @@ Floats = NDArray[np.float64]
 Place = tuple[int, int]  # number of a member, and of a place along it
 _NEAR = 1e-3  # m; closer than this two places on an axis are one
 _MEET = 0.05  # of the radius: so far off a surface an end still meets it
-_FAR = 1.5  # radii off the axis: further out a point belongs to no member
+FAR = 1.5  # radii off the axis: further out a point belongs to no member
 
 
 @dataclass(frozen=True)
@@ -224,6 +224,18 @@ class MemberFrame:
 
     def carrier(self, place: Floats) -> tuple[int, float]:
         """The piece whose section carries a point, and the share of its length where that is."""
+        off, piece, share = self._nearest_piece(place)
+        if off > FAR:
+            x, y, z = place
+            raise ParameterError(f"the point ({x:g}, {y:g}, {z:g}) m is off the hull, so that no member carries it.")
+        return piece, share
+
+    def nearest(self, place: Floats) -> tuple[float, str]:
+        """How many radii a point is off the axis of the nearest member, and the name of that."""
+        off, piece, _ = self._nearest_piece(place)
+        return off, self.hull.members[self.pieces[piece].member].name
+
+    def _nearest_piece(self, place: Floats) -> tuple[float, int, float]:
         best, where = math.inf, (0, 0.0)
         for k, piece in enumerate(self.pieces):
             member = self.hull.members[piece.member]
@@ -231,10 +243,7 @@ class MemberFrame:
             off = _off(member, s, place) / (float(np.max(member.size_at(s))) / 2)
             if off < best:
                 best, where = off, (k, (s - piece.low) / (piece.high - piece.low))
-        if best > _FAR:
-            x, y, z = place
-            raise ParameterError(f"the point ({x:g}, {y:g}, {z:g}) m is off the hull, so that no member carries it.")
-        return where
+        return best, *where
 
 
 def _turning(angles: Floats) -> Floats:

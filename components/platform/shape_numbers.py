@@ -9,6 +9,7 @@ from numpy.typing import NDArray
 
 from fowtlib.components.platform.frame_loads import (
     SectionRecovery,
+    check_carried,
     check_on_axes,
     loads_at,
     stiffness_by_loads,
@@ -55,6 +56,7 @@ def shape_numbers(floater: ElasticFloater) -> Floats:
         )
     raise_by = [0.0, 0.0, float(floater.parameter_value("raised"))]
     points, cuts = (rows_of(floater, name) + raise_by for name in ("node_points", "section_points"))
+    check_carried(structure, points, f"{floater.label}.node_points")
     check_on_axes(structure, cuts, f"{floater.label}.section_points")
     resting = loads_at_rest(floater, structure, points)
     gravity = float(floater.world.parameter_value("gravity"))

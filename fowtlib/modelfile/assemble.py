@@ -125,7 +125,8 @@ class TreeBuilder:
         for i, layer in enumerate(layers):
             spec, above = layer.spec, layers[: i + 1]
             if spec.class_name is not None:
-                return self._class_named(spec.class_name, layer.scope, path), above
+                named = self._class_named(spec.class_name, layer.scope, path)
+                return named, [*above, *self._kept_below(named, layers[i + 1 :], path)]
             if spec.use is not None:
                 base, below = self._base([self._definition(spec.use, layer, path)], path)
                 return base, [*above, *below]
@@ -133,6 +134,13 @@ class TreeBuilder:
             place = layers[0].spec.place
             raise place.error(f"{path}: the part has no 'class', no 'use' (a definition file) and no 'parts'.")
         return Assembly, layers
+
+    def _kept_below(self, named: type[Component], layers: list[Layer], path: str) -> list[Layer]:
+        """What a class named on top leaves of the part below: all where it is derived from that class, else nothing."""
+        if not has_base(layers):
+            return []
+        below, kept = self._base(layers, path)
+        return kept if issubclass(named, below) and below is not Assembly else []
 
     def _class_named(self, value: Value, scope: Scope, path: str) -> type[Component]:
         name = ValueReader(scope, scope.folder).text(value, "the name of a class")

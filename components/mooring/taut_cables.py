@@ -1,0 +1,64 @@
+"""Three taut cables that hold a point below a platform."""
+
+from __future__ import annotations
+
+from fowtlib.components.mechanics.connectors import Frame
+from fowtlib.components.mechanics.interfaces import TwoFrames
+from fowtlib.language import Array, Vector, assert_, eq, param, port, rotation, var
+from fowtlib.language import math as m
+
+
+class TautCables(TwoFrames):
+    """Three taut cables without stretch or mass, from points of a platform to one point, frame_b, that hangs on them.
+
+    The three lengths, from `ends_at` to `place`, say where frame_b is once the ends are somewhere else, as those of a
+    platform that bends; on a rigid one it lies at `place`. It has the axes of frame_a, which takes the moments: cables
+    that meet in a point take none. Tensions balance the force at frame_b. A cable that would have to push is told; the
+    point must not lie in the plane of the ends.
+    """
+
+    place: Vector = param(unit="m", doc="frame_b at rest, resolved in frame_a")
+    ends_at: Array = param(shape=(3, 3), unit="m", doc="the ends at rest, row by row, resolved in frame_a")
+
+    ends: Frame = port(size=3, doc="where the cables are fixed to the platform")
+
+    tension: Vector = var(unit="N", doc="tension of each cable")
+
+    def start_translation(self):
+        return self.parameter_value("place")
+
+    def equations(self):
+        a, b, ends = self.frame_a, self.frame_b, self.ends
+        rest = [self.ends_at[k, :].T - self.place for k in range(3)]
+        r = _point_at(*(end.r for end in ends), *(m.sumsqr(row) for row in rest), m.dot(m.cross(*rest[:2]), rest[2]))
+        ways = [end.r - b.r for end in ends]
+        ways = [way / m.norm(way) for way in ways]
+        volume = m.dot(m.cross(ways[0], ways[1]), ways[2])
+        sides = [m.cross(ways[1], ways[2]), m.cross(ways[2], ways[0]), m.cross(ways[0], ways[1])]
+        return [
+            eq(b.r, r),
+            rotation(a, b, m.eye(3), m.zeros(3)),
+            eq(self.tension, m.vertcat(*(-m.dot(side, b.f) / volume for side in sides))),
+            [eq(end.f, self.tension[k] * way) for k, (end, way) in enumerate(zip(ends, ways, strict=True))],
+            [eq(end.t, m.zeros(3)) for end in ends],
+            [eq(a.f, m.zeros(3)), eq(a.t, -b.t)],
+            [assert_(self.tension[k] > 0, f"cable {k + 1} is not taut but pushes", "warning") for k in range(3)],
+        ]
+
+
+def _point_at(p, q, s, from_p, from_q, from_s, side):
+    """The point at the given squares of distances from p, q and s, on the side of their plane that `side` has.
+
+    Axes in the plane: along q - p, and across towards s.
+    """
+    base, third = q - p, s - p
+    d = m.norm(base)
+    along = base / d
+    i = m.dot(along, third)
+    across = third - i * along
+    j = m.norm(across)
+    across = across / j
+    x = (from_p - from_q + d**2) / (2 * d)
+    y = (from_p - from_s + i**2 + j**2 - 2 * i * x) / (2 * j)
+    z = m.sqrt(from_p - x**2 - y**2)
+    return p + x * along + y * across - m.sign(side) * z * m.cross(along, across)
