@@ -15,6 +15,7 @@ from fowtlib.components.environment.waves import wave_number
 from fowtlib.components.hydro.hull_mesh import HullMesh, waterlines, widths_of
 
 _PER_WAVE = 4  # panels a wave must have along its length
+_LEVEL = 0.7  # of the normal upright: 45 degrees
 _REACH = 0.5  # wave lengths below the surface at which a wave has died out (exp(-pi) = 0.04)
 
 
@@ -60,6 +61,16 @@ def coarse_from(
     return None
 
 
+def is_thin(panels: np.ndarray) -> bool:
+    """Whether panels (n, 4, 3) that lie level are wider than they are deep, as those of a thin plate afloat.
+
+    The part of the flow by the water level then varies over a panel as the logarithm of the distance from its image.
+    """
+    normal = np.cross(panels[:, 2] - panels[:, 0], panels[:, 3] - panels[:, 1])
+    level = np.abs(normal[:, 2]) > _LEVEL * np.linalg.norm(normal, axis=1)
+    return bool((level & (widths_of(panels) > -panels[:, :, 2].mean(axis=1))).any())
+
+
 def warnings_of(hull: HullMesh, omega: np.ndarray, water_depth: float, g: float) -> list[str]:
     """Sentences about what is doubtful in a computation of these frequencies, with the frequency; none is good."""
     found = []
@@ -68,11 +79,13 @@ def warnings_of(hull: HullMesh, omega: np.ndarray, water_depth: float, g: float)
         found.append(
             f"{hull.name}: from {frequency:.4g} rad/s on the panels are wide for the waves: {width:.3g} m at "
             f"({x:.4g}, {y:.4g}, {z:.4g}), the wave is {length:.3g} m long; expect errors of the small loads. Take "
-            "smaller panels, or lower frequencies")
+            "smaller panels, or lower frequencies"
+        )
     if not len(hull.lid) and (lowest := irregular_frequency(hull, g)) <= omega[-1]:
         beyond = omega[omega >= lowest]
         found.append(
             f"{hull.name}: without a lid there can be irregular frequencies from {lowest:.3g} rad/s on, where added "
             f"mass and damping jump; {beyond.size} of {omega.size} frequencies lie there, {beyond[0]:.4g} to "
-            f"{beyond[-1]:.4g} rad/s. Give the hull a lid")
+            f"{beyond[-1]:.4g} rad/s. Give the hull a lid"
+        )
     return found

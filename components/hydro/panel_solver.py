@@ -8,6 +8,9 @@ symmetric hull only a part is meshed (hull_mesh.Symmetry), which saves time and 
 revolution is solved for surge, heave and pitch in waves along x, from which sway, roll and all headings follow.
 Capytaine uses exp(-i omega t); its loads are conjugated to our exp(+i omega t).
 
+The part of the flow by the water level is taken at one point of each panel; at four points where panels are wider than
+they are deep (panel_limits.is_thin), without which the radiation of a thin plate is wrong by as much as it is large.
+
 Shapes into which the hull deforms (hydro.deformation) are further motions behind the six rigid ones. They are given by
 their displacements at the middles of the panels of the whole hull; symmetry of the hull still divides the matrix.
 
@@ -30,6 +33,7 @@ import numpy as np
 from fowtlib.components.hydro.deformation import Deformation
 from fowtlib.components.hydro.errors import MissingExtraError
 from fowtlib.components.hydro.hull_mesh import HullMesh, Symmetry
+from fowtlib.components.hydro.panel_limits import is_thin
 from fowtlib.language.cache import cached, sources
 
 _DOFS = ("Surge", "Sway", "Heave", "Roll", "Pitch", "Yaw")
@@ -60,6 +64,7 @@ class PanelSolver:
         self.part, self.lid = (hull.part(panels) if len(panels) else panels for panels in (hull.panels, hull.lid))
         self._round = hull.symmetry.round and deformation is None
         self._shapes = self._shapes_of(deformation) if deformation is not None else np.zeros((0, 0, 3))
+        self._quadrature = "Gauss-Legendre 2" if is_thin(self.part) else None
         self._dofs = (*_DOFS, *(f"shape {k + 1}" for k in range(len(self._shapes))))
         self._body: Any = None
         self._bem: Any = None
@@ -80,9 +85,9 @@ class PanelSolver:
         Without headings X is (0, m): at zero and infinite frequency there are no waves.
         """
         headings = np.asarray(headings, dtype=float)
-        about = f"{omega!r} {self.water_depth!r} {self.g!r} {self.hull.symmetry} {self.capytaine.__version__}"
+        about = f"{omega!r} {self.water_depth!r} {self.g!r} {self.hull.symmetry} {self._quadrature}"
         given = [self.part, self.lid, headings, *([self._shapes] if self._shapes.size else [])]
-        found = cached("panels", [about, *given, *sources(__name__)],
+        found = cached("panels", [about, self.capytaine.__version__, *given, *sources(__name__)],
                        lambda: self._solve(omega, headings))  # fmt: skip
         X = np.array(found["X_real"]) + 1j * np.array(found["X_imaginary"])
         return Flow(np.array(found["A"]), np.array(found["B"]), X.reshape(-1, len(self._dofs)))
@@ -120,10 +125,10 @@ class PanelSolver:
 
     def _floating_body(self) -> Any:
         symmetry = self.hull.symmetry
-        lid = _mesh(self.capytaine, self.lid, symmetry) if len(self.lid) else None
+        lid = _mesh(self.capytaine, self.lid, symmetry, self._quadrature) if len(self.lid) else None
         dofs = self.capytaine.rigid_body_dofs(only=list(_ROUND_DOFS) if self._round else None,
                                               rotation_center=(0, 0, 0))  # fmt: skip
-        mesh = _mesh(self.capytaine, self.part, symmetry)
+        mesh = _mesh(self.capytaine, self.part, symmetry, self._quadrature)
         body = self.capytaine.FloatingBody(mesh=mesh, lid_mesh=lid, dofs=dofs, name="floater")
         for name, shape in zip(self._dofs[len(_DOFS) :], self._shapes, strict=True):
             body.dofs[name] = shape
@@ -134,8 +139,9 @@ class PanelSolver:
         return deformation(np.asarray(_mesh(self.capytaine, self.part, self.hull.symmetry).faces_centers)).displacement
 
 
-def _mesh(cpt: Any, part: np.ndarray, symmetry: Symmetry) -> Any:
-    mesh = cpt.Mesh(vertices=part.reshape(-1, 3), faces=np.arange(4 * len(part)).reshape(-1, 4))
+def _mesh(cpt: Any, part: np.ndarray, symmetry: Symmetry, quadrature: str | None = None) -> Any:
+    faces = np.arange(4 * len(part)).reshape(-1, 4)
+    mesh = cpt.Mesh(vertices=part.reshape(-1, 3), faces=faces, quadrature_method=quadrature)
     if symmetry.rotation > 1:
         return cpt.RotationSymmetricMesh(mesh, n=symmetry.rotation)
     for plane in symmetry.planes:
@@ -160,7 +166,8 @@ def _capytaine() -> Any:
         import capytaine
     except ImportError:
         raise MissingExtraError(
-            'the panel method needs Capytaine, which is not installed: pip install "fowtlib[hydro]"') from None
+            'the panel method needs Capytaine, which is not installed: pip install "fowtlib[hydro]"'
+        ) from None
     return capytaine
 
 

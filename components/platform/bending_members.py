@@ -11,7 +11,8 @@ import numpy as np
 from fowtlib.components.hydro.modal_loads import ModalLoad
 from fowtlib.components.hydro.strips import Strip
 from fowtlib.components.mechanics.connectors import ModalCoordinates
-from fowtlib.components.platform.member_parts import MemberLoads, members_of
+from fowtlib.components.platform.member_parts import MemberLoads, has_inertia, members_of, wave_forces
+from fowtlib.components.platform.shape_numbers import shapes_in_use
 from fowtlib.language import Array, Component, at_start, eq, param, port, var
 from fowtlib.language import math as m
 
@@ -27,22 +28,51 @@ class BendingMemberLoads(ModalLoad, MemberLoads):
     """
 
     bends = True
+    wave_inputs = ("extra_force", "extra_moment", "extra_on_shapes")
+
+    extra_on_shapes: Array = param(
+        default=lambda self: [0.0] * self.shapes, shape="shapes", unit="N", doc="load added to that on the shapes"
+    )
 
     def equations(self):
         members = members_of(next(iter(self.enclosing())))
         loads = [m.vertcat(member.force, member.moment, member.on_shapes) for member in members]
-        extra = m.vertcat(self.extra_force, self.extra_moment, m.zeros(self.shapes))
+        extra = m.vertcat(self.extra_force, self.extra_moment, self.extra_on_shapes)
         return self.push(sum(loads, extra))
+
+    @property
+    def wave_transfer(self):
+        """Complex load (n, 6 + k) per unit wave amplitude, a function of frequencies [rad/s] and a heading [rad]."""
+        rigid, floater = super().wave_transfer, next(iter(self.enclosing()))
+
+        def transfer(omega: np.ndarray, heading: float) -> np.ndarray:
+            on_shapes = np.zeros((len(omega), self.shapes), dtype=complex)
+            ends = np.cumsum([0, *(len(places) for places in strip_places(floater))])
+            moved = _strip_shapes(floater).reshape(ends[-1], 3, self.shapes)
+            for k, member in enumerate(members_of(floater)):
+                if has_inertia(member):
+                    force, _ = wave_forces(self.world, member, omega, heading)
+                    on_shapes += np.einsum("nki,kis->ns", force, moved[ends[k] : ends[k + 1]])
+            return np.hstack([rigid(omega, heading), on_shapes])
+
+        return transfer
 
     def bending(self, floater: ElasticFloater, number: int, strips: Sequence[Strip]) -> list[Strip]:
         """The strips of a member, by its number, with how they move in each shape."""
-        counts = [3 * self.shapes * len(places) for places in strip_places(floater)]
-        ends = np.cumsum([0, *counts]).tolist()
+        rows = self._moved(floater, number)
+        return [replace(strip, shapes=row) for strip, row in zip(strips, rows[:-1], strict=True)]
+
+    def at_waterline(self, floater: ElasticFloater, number: int) -> Any:
+        """How the section of a member at the water level moves in each shape (3, k)."""
+        return self._moved(floater, number)[-1]
+
+    def _moved(self, floater: ElasticFloater, number: int) -> list[Any]:
+        size = 3 * self.shapes
+        ends = np.cumsum([0, *(size * len(places) for places in strip_places(floater))]).tolist()
         found = at_start("strip_shapes", ends[-1], "1", "how strips move with the shapes", _strip_shapes, of=floater)
-        own, size = found[ends[number] : ends[number + 1]], 3 * self.shapes
-        rows = [[own[k * size + i * self.shapes : k * size + (i + 1) * self.shapes].T for i in range(3)]
-                for k in range(len(strips))]  # fmt: skip
-        return [replace(strip, shapes=m.vertcat(*row)) for strip, row in zip(strips, rows, strict=True)]
+        own = found[ends[number] : ends[number + 1]]
+        return [m.vertcat(*[own[k + i * self.shapes : k + (i + 1) * self.shapes].T for i in range(3)])
+                for k in range(0, ends[number + 1] - ends[number], size)]  # fmt: skip
 
 
 class SectionLoads(Component):
@@ -82,16 +112,19 @@ class SectionLoads(Component):
 
 
 def strip_places(floater: ElasticFloater) -> list[np.ndarray]:
-    """Places (k, 3) of the strips of each member, in the frame; none of one without sections."""
+    """Places (k, 3) of the strips of each member and of its water line, in the frame; none of one without sections."""
     hull, found = floater.hull(), []
     for k, member in enumerate(members_of(floater)):
         count = member.parameter_value("sections")
-        found.append(hull.strips(k, count).places if count else np.zeros((0, 3)))
+        strips = hull.strips(k, count) if count else None
+        wet = strips is not None and strips.waterline > 0
+        line = [] if strips is None else [strips.waterline_place if wet else strips.places[0]]
+        found.append(np.zeros((0, 3)) if strips is None else np.vstack([strips.places, *line]))
     return found
 
 
 def _strip_shapes(floater: ElasticFloater) -> np.ndarray:
     """Displacement of all strips per coordinate, row by row: strip, axis, shape."""
     places = np.concatenate(strip_places(floater))
-    moved = floater.member_frame().field(places, floater.database.shapes).displacement
+    moved = floater.member_frame().field(places, shapes_in_use(floater).shapes).displacement
     return moved.transpose(1, 2, 0).ravel()

@@ -8,7 +8,7 @@ from pathlib import Path
 
 from fowtlib.components.hydro.hull_mesh import HullMesh
 from fowtlib.components.hydro.modal_database import ModalDatabase
-from fowtlib.components.hydro.modal_loads import ModalPotentialFlow, read_modal_database
+from fowtlib.components.hydro.modal_loads import ModalPotentialFlow, ShapeHydrostatics, read_modal_database
 from fowtlib.components.mechanics.modal import ElasticBody, ElasticFrame
 from fowtlib.components.platform.bending_members import BendingMemberLoads, SectionLoads
 from fowtlib.components.platform.floater import Floater, drawn_between
@@ -16,8 +16,9 @@ from fowtlib.components.platform.frame_loads import check_mesh, water_at_rest
 from fowtlib.components.platform.hull import Hull
 from fowtlib.components.platform.member_frame import MemberFrame
 from fowtlib.components.platform.member_parts import members_of
-from fowtlib.components.platform.shape_numbers import SAME_NODE, rows_of, shape_numbers, shapes_of
+from fowtlib.components.platform.shape_numbers import RHO, SAME_NODE, rows_of, shape_numbers, shapes_in_use, shapes_of
 from fowtlib.language import Array, Data, Number, Scalar, data, param, shapes
+from fowtlib.language.errors import ParameterError
 from fowtlib.language.expressions import StartNumbers
 
 
@@ -26,7 +27,9 @@ class ElasticFloater(Floater):
 
     The structure is a frame of beams along the axes of the members (see MemberFrame), with all that the hull weighs;
     its shapes are those of the free hull, whose water and whatever stands on it come as loads. The `database`, made
-    by `modal_database`, has the flow of the rigid motions and of each shape; `nodes` move with the shapes. Bending is
+    by `modal_database`, has the flow of the rigid motions and of each shape. Without one, `shapes` says how many of the
+    lowest are in use, and the water acts by strips on members with an `added_mass_coefficient`: no waves are made, and
+    shapes follow the sizes of a run. `nodes` move with the shapes. Bending is
     small, the motion of the frame is not. Drag acts on the members as they move, and buoyancy of shapes is linear. Mass
     and stiffness of the shapes follow from the members when a run starts; weight and water at rest bend the hull and
     change its stiffness, with the `node_forces` that are given for that. `sections.force` and `sections.moment` are
@@ -35,7 +38,10 @@ class ElasticFloater(Floater):
     off the axes of members.
     """
 
-    database: Data[ModalDatabase] = data(read_modal_database, doc="potential flow of the hull and its shapes")
+    database: Data[ModalDatabase] = data(
+        read_modal_database, default=None, doc="potential flow of the hull and its shapes, or none"
+    )
+    shapes: int = param(default=0, min=0, doc="number of shapes in use; 0: all those of the database")
     longest: Number = param(default=5.0, unit="m", min=0.1, structural="it divides the frame", doc="longest beam")
     young_modulus: Scalar = param(default=210e9, unit="Pa", min=1.0, doc="Young's modulus of all walls")
     shear_modulus: Scalar = param(default=80.8e9, unit="Pa", min=1.0, doc="shear modulus of all walls")
@@ -47,16 +53,26 @@ class ElasticFloater(Floater):
     )
 
     def build(self):
-        count, points, cuts = self.database.count, len(self.node_rows()), len(rows_of(self, "section_points"))
+        count, points, cuts = self.count, len(self.node_rows()), len(rows_of(self, "section_points"))
         recovered = 6 * cuts * (1 + count + 6 * points)
         first = 2 * count**2 + 6 * count * points
-        self._numbers = StartNumbers(self, "shapes", first + recovered + count, shape_numbers)
+        last = first + recovered + count
+        floats = 0 if self.database is not None else count * (count + 6)
+        self._numbers = StartNumbers(self, "shapes", last + floats, shape_numbers)
         self.structure = ElasticBody(
             shapes=count, mass=self._matrix(0, count, count), stiffness=self._matrix(count**2, count, count),
             damping_time=self.damping_time, load=self._matrix(first + recovered, 1, count)[0],
         )  # fmt: skip
         super().build()
-        self.connect(self.structure.modes, self.potential_flow.modes)
+        if self.database is not None:
+            self.connect(self.structure.modes, self.potential_flow.modes)
+        else:
+            self.buoyancy_of_shapes = ShapeHydrostatics(
+                shapes=count, position=self.position, reference_density=RHO,
+                among=self._matrix(last, count, count), with_rigid=self._matrix(last + count**2, count, 6),
+            )  # fmt: skip
+            self.connect(self.frame, self.buoyancy_of_shapes.frame)
+            self.connect(self.structure.modes, self.buoyancy_of_shapes.modes)
         self.connect(self.structure.modes, self.member_loads.modes)
         if cuts:
             by_nodes = self._matrix(first + 6 * cuts * (1 + count), 6 * cuts, 6 * points) if points else None
@@ -66,14 +82,30 @@ class ElasticFloater(Floater):
             )  # fmt: skip
             self.connect(self.structure.modes, self.sections.modes)
 
+    @property
+    def count(self) -> int:
+        """Number of shapes in use."""
+        known, asked = self.database, self.shapes
+        if known is None and not asked:
+            raise ParameterError(
+                f"{self.label} has neither a database nor shapes: give the one (fowt hydro --shapes), or say how many "
+                "shapes of its members are in use, with the water by strips."
+            )
+        if known is not None and asked not in (0, known.count):
+            raise ParameterError(
+                f"{self.label}.shapes is {asked}, and its database has {known.count}; leave it out, or take "
+                f"ModalDatabase.first({asked})."
+            )
+        return known.count if known is not None else asked
+
     def loads_of_members(self):
-        return BendingMemberLoads(shapes=self.database.count)
+        return BendingMemberLoads(shapes=self.count)
 
     def flow(self, **settings):
-        return ModalPotentialFlow(shapes=self.database.count, **settings)
+        return ModalPotentialFlow(shapes=self.count, **settings)
 
     def carry(self, k, point):
-        count = self.database.count
+        count = self.count
         first = 2 * count**2 + 6 * count * k
         arm = self.add(f"to_node_{k + 1}", ElasticFrame(
             shapes=count, place=point, displacement=self._matrix(first, 3, count),
@@ -91,9 +123,10 @@ class ElasticFloater(Floater):
         if not members_of(self):
             return []
         structure, size = self.member_frame(), float(self.parameter_value("drawn_bending"))
-        found, of = [], tuple(f"{self.structure.path}.q[{k}]" for k in range(self.database.count))
+        found, of = [], tuple(f"{self.structure.path}.q[{k}]" for k in range(self.count))
+        used = shapes_in_use(self).shapes
         for k, piece in enumerate(structure.pieces):
-            axis, motion, _ = structure.frame.section_motion(k, 0.5, self.database.shapes)
+            axis, motion, _ = structure.frame.section_motion(k, 0.5, used)
             x, y, z = axis.tolist()
             carrier = shapes.Carried(self.frame, (x, y, z), of, size * motion[:, :3].T, size * motion[:, 3:].T)
             found.append(drawn_between(carrier, structure.hull.members[piece.member], piece.low, piece.high, axis))

@@ -17,7 +17,7 @@ from fowtlib.components.hydro.deformation import quadrature
 from fowtlib.components.hydro.hull_mesh import HullMesh
 from fowtlib.components.platform.hull import APART
 from fowtlib.components.platform.member_frame import FAR, MemberFrame
-from fowtlib.components.platform.space_frame import SpaceFrame, rigid_motions
+from fowtlib.components.platform.space_frame import SpaceFrame, leaning, rigid_motions
 from fowtlib.language.errors import ParameterError
 
 if TYPE_CHECKING:
@@ -54,18 +54,15 @@ def loads_at(structure: MemberFrame, points: ArrayLike, forces: ArrayLike) -> Fl
 
 
 def stiffness_by_loads(frame: SpaceFrame, loads: ArrayLike, gravity: float) -> sparse.csc_matrix:
-    """What loads (n, 6) at rest, weight among them, add to the stiffness: tension of beams, and masses above nodes.
+    """What loads (n, 6) at rest, weight among them, add to the stiffness: what beams bear, and masses above nodes.
 
-    The beams have the tension by which they bear the loads, with inertia relief where those are not in balance. A mass
-    that stands above its node falls with it: m g (sym(z arm^T) - arm_z I) on its turns. Rigid arms of beams, and what
-    moments and torsion add, are left out.
+    The beams have the tension, shear, moments and torsion by which they bear the loads, with inertia relief where those
+    are not in balance. A mass that stands above its node falls with it.
     """
-    matrix = frame.geometric_stiffness(frame.tensions(frame.relieved(np.asarray(loads)[None])[0])).tolil()
+    matrix = frame.stress_stiffness(frame.relieved(np.asarray(loads)[None])[0]).tolil()
     for one in frame.masses:
-        up, arm = np.array([0.0, 0.0, 1.0]), np.asarray(one.centre)
         turns = slice(6 * one.node + 3, 6 * one.node + 6)
-        lean = (np.outer(up, arm) + np.outer(arm, up)) / 2 - arm[2] * np.eye(3)
-        matrix[turns, turns] += one.mass * gravity * lean
+        matrix[turns, turns] += leaning((0.0, 0.0, one.mass * gravity), one.centre)
     return matrix.tocsc()
 
 

@@ -54,12 +54,12 @@ class MemberLoads(PlatformLoad):
     def wave_transfer(self) -> Callable[[np.ndarray, float], np.ndarray]:
         """Complex load (n, 6) per unit wave amplitude, a function of frequencies [rad/s] and a heading [rad]."""
         members = members_of(next(iter(self.enclosing())))
-        if not any(map(_has_inertia, members)):
+        if not any(map(has_inertia, members)):
             raise AttributeError("no member has the inertia of the water")
-        return partial(_wave_loads, self.world, members)
+        return partial(wave_loads, self.world, members)
 
     def facts(self) -> list[facts.Fact]:
-        members = [one for one in members_of(next(iter(self.enclosing()))) if _has_inertia(one)]
+        members = [one for one in members_of(next(iter(self.enclosing()))) if has_inertia(one)]
         density = float(self.world.parameter_value("water_density"))
         matrix = sum((_added_mass(member) for member in members), np.zeros((6, 6)))
         return [facts.Loads("A(inf)", density * matrix, "kg")] if members else []
@@ -237,6 +237,9 @@ def _loads(member: Member) -> list:
             push, turn, bent = deforming_inertia_loads(frame, acceleration, strips, q)
             lift, tilt = _lifted(member, found)
             force, moment, on_shapes = force + push + lift, moment + turn + tilt, on_shapes + bent
+            if q is not None:
+                by_line = m.mtimes(frame.R, member.carrier.at_waterline(floater, number))
+                on_shapes = on_shapes + m.mtimes(by_line.T, lift)
     return [eq(member.force, force), eq(member.moment, moment), eq(member.on_shapes, on_shapes)]
 
 
@@ -337,7 +340,8 @@ def _elevation(waves: WaveComponents, member: Member) -> np.ndarray:
     return waves.elevation_transfer(place)
 
 
-def _has_inertia(member: Member) -> bool:
+def has_inertia(member: Member) -> bool:
+    """Whether a member has the inertia of the water, and with it the load of the waves."""
     return bool(member.sections) and member.parameter_value("added_mass_coefficient") is not None
 
 
@@ -359,20 +363,28 @@ def _added_mass(member: Member) -> np.ndarray:
     return np.einsum("kia,kij,kjb->ab", motion, _added_volumes(member, found), motion)
 
 
-def _wave_loads(world: World, members: list[Member], omega: np.ndarray, heading: float) -> np.ndarray:
-    """Complex load (n, 6) of a wave of unit amplitude on members at rest, about their frame."""
+def wave_forces(world: World, member: Member, omega: np.ndarray, heading: float) -> tuple[np.ndarray, np.ndarray]:
+    """Complex forces (n, k, 3) of a wave of unit amplitude on a member at rest: on its strips, and at its water line.
+
+    The second: their places (k, 3) in the frame of the floater.
+    """
     depth, gravity, rho = (float(world.parameter_value(name)) for name in ("water_depth", "gravity", "water_density"))
     omega = np.asarray(omega, dtype=float)
     one, number = np.ones(len(omega)), wave_number(omega, depth, gravity)
     waves = WaveComponents(omega, one, 0 * one, number, heading, np.inf, depth)
+    found, a = _strip_numbers(member), waves.acceleration_transfer(_places(member))
+    rows = found[_PER_MEMBER:].reshape(-1, _PER_STRIP)
+    mass = rows[:, 5, None, None] * np.eye(3) + _added_volumes(member, found)
+    force = rho * np.einsum("kij,nkj->nki", mass, a)
+    lift = rho * gravity * found[9] * _elevation(waves, member) * [[0, 0, 1]]
+    return np.concatenate([force, lift[:, None, :]], axis=1), np.vstack([rows[:, :3], found[10:13]])
+
+
+def wave_loads(world: World, members: list[Member], omega: np.ndarray, heading: float) -> np.ndarray:
+    """Complex load (n, 6) of a wave of unit amplitude on members at rest, about their frame."""
     total = np.zeros((len(omega), 6), dtype=complex)
-    for member in filter(_has_inertia, members):
-        found, a = _strip_numbers(member), waves.acceleration_transfer(_places(member))
-        rows = found[_PER_MEMBER:].reshape(-1, _PER_STRIP)
-        mass = rows[:, 5, None, None] * np.eye(3) + _added_volumes(member, found)
-        force = rho * np.einsum("kij,nkj->nki", mass, a)
-        lift = rho * gravity * found[9] * _elevation(waves, member) * [[0, 0, 1]]
-        force, places = np.concatenate([force, lift[:, None, :]], axis=1), np.vstack([rows[:, :3], found[10:13]])
+    for member in filter(has_inertia, members):
+        force, places = wave_forces(world, member, omega, heading)
         total += np.concatenate([force.sum(axis=1), np.cross(places, force).sum(axis=1)], axis=1)
     return total
 

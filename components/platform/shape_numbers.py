@@ -2,17 +2,21 @@
 
 from __future__ import annotations
 
+from dataclasses import dataclass
+from functools import lru_cache
 from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import NDArray
 
+from fowtlib.components.hydro.deformation import shape_stiffness
 from fowtlib.components.platform.frame_loads import (
     SectionRecovery,
     check_carried,
     check_on_axes,
     loads_at,
     stiffness_by_loads,
+    water_at_rest,
     weight_at_rest,
 )
 from fowtlib.components.platform.member_frame import MemberFrame
@@ -24,6 +28,7 @@ if TYPE_CHECKING:
 
 Floats = NDArray[np.float64]
 SAME_NODE = 1e-3  # m
+RHO = 1025.0  # kg/m^3: density for which buoyancy of own shapes is computed; ShapeHydrostatics scales it
 _MOMENTUM = 1e-3  # largest share of the mass that moves with a shape as with a rigid motion
 _ALIKE = 0.95  # least part of each own shape that the shapes of the database make up
 
@@ -37,6 +42,40 @@ def shapes_of(structure: MemberFrame, count: int) -> FrameModes:
     return FrameModes(modes.frequencies[6:], shapes)
 
 
+@dataclass(frozen=True, eq=False)
+class ShapesInUse:
+    """The shapes of a floater: of its database, or the lowest of its structure as it is now.
+
+    shapes (k, p, 6) on nodes (p, 3); at_rest (p, 6): load of the water at rest on the nodes over rho g [m^3, m^4];
+    among (k, k), with_rigid (k, 6): stiffness by buoyancy over rho g, see hydro.deformation.
+    """
+
+    nodes: Floats
+    shapes: Floats
+    at_rest: Floats
+    among: Floats
+    with_rigid: Floats
+
+
+def shapes_in_use(floater: ElasticFloater) -> ShapesInUse:
+    """Those of its database; without one computed, the water at rest on panels as wide as beams are long."""
+    known = floater.database
+    if known is None:
+        return _own_shapes(floater.member_frame(), floater.count)
+    weight = known.rho * known.g
+    return ShapesInUse(
+        known.nodes, known.shapes, known.at_rest / weight, known.among / weight, known.with_rigid / weight
+    )
+
+
+@lru_cache(maxsize=16)
+def _own_shapes(structure: MemberFrame, count: int) -> ShapesInUse:
+    shapes, panels = shapes_of(structure, count).shapes, structure.hull.panels(structure.longest)
+    stiffness = shape_stiffness(panels, lambda points: structure.field(points, shapes))
+    among = (stiffness.among + stiffness.among.T) / 2
+    return ShapesInUse(structure.frame.nodes, shapes, water_at_rest(structure, panels), among, stiffness.with_rigid)
+
+
 def rows_of(floater: ElasticFloater, name: str) -> Floats:
     """A parameter of points or forces as rows (n, 3)."""
     values = np.asarray(floater.parameter_value(name), dtype=float)
@@ -47,20 +86,21 @@ def rows_of(floater: ElasticFloater, name: str) -> Floats:
 
 def shape_numbers(floater: ElasticFloater) -> Floats:
     """Modal mass, stiffness, what nodes do with each shape, section loads; everything is checked when a run starts."""
-    known, structure = floater.database, floater.member_frame()
+    known, structure = shapes_in_use(floater), floater.member_frame()
     frame, nodes = structure.frame, structure.frame.nodes
     if nodes.shape != known.nodes.shape or np.abs(nodes - known.nodes).max() > SAME_NODE:
         raise ParameterError(
             f"{floater.label}: the frame of its members has {len(nodes)} nodes that are not the {len(known.nodes)} of "
             "its database; members, or longest, are others than when it was made. Make it anew."
         )
+    count = len(known.shapes)
     raise_by = [0.0, 0.0, float(floater.parameter_value("raised"))]
     points, cuts = (rows_of(floater, name) + raise_by for name in ("node_points", "section_points"))
     check_carried(structure, points, f"{floater.label}.node_points")
     check_on_axes(structure, cuts, f"{floater.label}.section_points")
     resting = loads_at_rest(floater, structure, points)
     gravity = float(floater.world.parameter_value("gravity"))
-    shapes = known.shapes.reshape(known.count, -1)
+    shapes = known.shapes.reshape(count, -1)
     mass = shapes @ (frame.mass @ shapes.T)
     stiffness = shapes @ ((frame.stiffness + stiffness_by_loads(frame, resting.sum(axis=0), gravity)) @ shapes.T)
     _check_momentum(floater, structure, shapes, np.diag(mass))
@@ -70,23 +110,25 @@ def shape_numbers(floater: ElasticFloater) -> Floats:
     at_nodes = np.stack([moved, turned]).transpose(2, 0, 3, 1)  # points, kind, axis, shape
     recovery = SectionRecovery(structure, known.shapes, cuts)
     recovered = [
-        recovery.by_loads(resting[:1]).ravel(), recovery.by_shapes().reshape(known.count, -1).T.ravel(),
+        recovery.by_loads(resting[:1]).ravel(), recovery.by_shapes().reshape(count, -1).T.ravel(),
         recovery.by_points(points).reshape(6 * len(points), -1).T.ravel(),
     ] if len(cuts) else []  # fmt: skip
     load = shapes @ resting[0].ravel()
-    return np.concatenate([mass.ravel(), stiffness.ravel(), at_nodes.ravel(), *recovered, load])
+    own = [] if floater.database is not None else [known.among.ravel(), known.with_rigid.ravel()]
+    floats = [RHO * gravity * stiffness for stiffness in own]
+    return np.concatenate([mass.ravel(), stiffness.ravel(), at_nodes.ravel(), *recovered, load, *floats])
 
 
 def loads_at_rest(floater: ElasticFloater, structure: MemberFrame, points: Floats) -> Floats:
     """Loads (2, n, 6) on the nodes of the frame at rest: of water and weight, and of the `node_forces`."""
     density, gravity = (float(floater.world.parameter_value(name)) for name in ("water_density", "gravity"))
-    known, forces = floater.database, rows_of(floater, "node_forces")
+    forces = rows_of(floater, "node_forces")
     if len(forces) not in (0, len(points)):
         raise ParameterError(
             f"{floater.label}.node_forces has {len(forces)} rows, and there are {len(points)} node_points; give one "
             "force for each, or none."
         )
-    water = known.at_rest * density * gravity / (known.rho * known.g)
+    water = shapes_in_use(floater).at_rest * density * gravity
     weight = weight_at_rest(structure.frame, gravity) if water.any() else np.zeros_like(water)
     return np.stack([water + weight, loads_at(structure, points[: len(forces)], forces)])
 

@@ -142,6 +142,16 @@ class SpaceFrame:
             element.geometric_stiffness(force) for element, force in zip(self._elements, pulled, strict=True)
         )
 
+    def stress_stiffness(self, displacements: ArrayLike) -> sparse.csc_matrix:
+        """What all that the beams bear at these displacements (n, 6) adds to the stiffness, with their rigid arms.
+
+        Axial forces resist turns of the axis; shear, bending moments and torsion couple turns about different axes.
+        Turns at nodes are rotation vectors to the second order, so that moments balance at joints of any angle (J.H.
+        Argyris et al., Computer Methods in Applied Mechanics and Engineering 20 (1979) 105-155, semitangential).
+        """
+        moved = np.asarray(displacements, dtype=float).reshape(-1)
+        return self._assembled(element.stress_stiffness(element.end_loads(moved)) for element in self._elements)
+
     def static(self, loads: ArrayLike, held: ArrayLike, tensions: ArrayLike = 0.0) -> Floats:
         """Displacements (n, 6) under loads (n, 6) [N, N m]; held (n, 6): True where a displacement is zero.
 
@@ -275,6 +285,7 @@ class _Element:
 
     def __init__(self, nodes: Floats, number: int, beam: Beam):
         self.section = beam.section
+        self.arms = np.asarray(beam.start_arm, dtype=float), np.asarray(beam.end_arm, dtype=float)
         self.rows = np.concatenate([6 * n + np.arange(6) for n in (beam.start, beam.end)])
         self.first_end = nodes[beam.start] + beam.start_arm
         along = nodes[beam.end] + beam.end_arm - self.first_end
@@ -317,6 +328,35 @@ class _Element:
             slope = self._slopes((1 + x) / 2)
             total += weight * self.length / 2 * tension * slope.T @ slope
         return self.to_local.T @ total @ self.to_local
+
+    def stress_stiffness(self, ends: Floats) -> Floats:
+        """By loads (12,) on both ends, in the axes of the beam.
+
+        With section loads N, F_1, F_2 and T, M_1, M_2, displacements u, v, w and turns t, a, b (axis, first, second):
+        N (v'^2 + w'^2) / 2 + M_1 (-v' t' + (t b)' / 2) - M_2 (w' t' + (t a)' / 2)
+        + F_1 (w' t + t a / 2 - u' b) + F_2 (-v' t + t b / 2 + u' a) + T (a' b - a b') / 2 along the beam, from the
+        quadratic part of Green's strain.
+        """
+        total, before = np.zeros((12, 12)), -ends[:6]
+        for x, weight in zip(*_GAUSS, strict=True):
+            share = (1 + x) / 2
+            load = (1 - share) * before + share * ends[6:]
+            t, a, b = self.interpolation(share)[3:]
+            du, dt, da, db = self.rates(share)[[0, 3, 4, 5]]
+            v, w = self._slopes(share)
+            pairs = [
+                (load[0] / 2, v, v), (load[0] / 2, w, w), (load[3] / 2, da, b), (-load[3] / 2, a, db),
+                (-load[4], v, dt), (load[4] / 2, dt, b), (load[4] / 2, t, db),
+                (-load[5], w, dt), (-load[5] / 2, dt, a), (-load[5] / 2, t, da),
+                (load[1], w, t), (load[1] / 2, t, a), (-load[1], du, b),
+                (-load[2], v, t), (load[2] / 2, t, b), (load[2], du, a),
+            ]  # fmt: skip
+            energy = sum(force * np.outer(one, other) for force, one, other in pairs)
+            total += weight * self.length / 2 * (energy + energy.T)
+        found = self.to_local.T @ total @ self.to_local
+        for turns, force, arm in zip((slice(3, 6), slice(9, 12)), (ends[:3], ends[6:9]), self.arms, strict=True):
+            found[turns, turns] += leaning(self.axes @ force, arm)
+        return found
 
     def end_loads(self, moved: Floats) -> Floats:
         """Forces and moments (12,) of the nodes on the ends, in the axes of the beam."""
@@ -366,6 +406,12 @@ def rigid_motions(nodes: ArrayLike, about: ArrayLike = (0.0, 0.0, 0.0)) -> Float
         moved[k, :, :3] = axis
         moved[3 + k, :, :3], moved[3 + k, :, 3:] = np.cross(axis, places), axis
     return moved
+
+
+def leaning(force: ArrayLike, arm: ArrayLike) -> Floats:
+    """Stiffness (3, 3) on small turns of a force that an arm carries: where it goes at the second order of the turn."""
+    f, a = np.asarray(force, dtype=float), np.asarray(arm, dtype=float)
+    return (np.outer(f, a) + np.outer(a, f)) / 2 - (f @ a) * np.eye(3)
 
 
 def _shear_factor(bending: float, shear: float, length: float) -> float:

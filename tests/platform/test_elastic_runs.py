@@ -136,7 +136,7 @@ def test_the_memory_of_the_water_takes_energy(made):
 
 
 def test_the_memory_of_rigid_motions_is_that_of_the_rigid_hull(made):
-    """The same model of heave, surge and pitch, digit by digit, and the shapes near to the data (0.2 of the largest)."""
+    """The same model of heave, surge and pitch, and the shapes near to the data (0.2 of the largest)."""
     database = ModalDatabase.read(made / "barge.nc")
     bent = kept_modal_radiation(database, 4, True)
     rigid = database.rigid

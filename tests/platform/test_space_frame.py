@@ -6,6 +6,7 @@ import math
 
 import numpy as np
 import pytest
+from scipy.linalg import eigvals
 
 from fowtlib.components.platform.space_frame import Beam, NodeMass, Section, SpaceFrame
 from fowtlib.language.errors import ParameterError
@@ -183,3 +184,69 @@ def test_mistakes_are_named():
     held[0, :3] = True
     with pytest.raises(ParameterError, match="free to move"):
         frame.static(np.ones((9, 6)), held)
+
+
+def loaded(torque=0.0, moment=0.0):
+    """A thin beam of 10 m along x in 32 pieces under a torque, or a moment about its strong axis; stiffness by it."""
+    section = Section(1.0, 8e-6, 1e-3, 1.2e-5, 210e9, 80e9, 1.0, 1.0)  # weak about the first direction, y
+    nodes = np.column_stack([np.linspace(0, 10, 33), np.zeros(33), np.zeros(33)])
+    frame = SpaceFrame(nodes, [Beam(k, k + 1, section, (0.0, 1.0, 0.0)) for k in range(32)])
+    loads, held = np.zeros((33, 6)), np.zeros((33, 6), dtype=bool)
+    held[0] = True
+    loads[-1, 3], loads[-1, 5] = torque, moment
+    return frame, frame.stress_stiffness(frame.static(loads, held)), section
+
+
+def critical(frame, stress, free):
+    """The smallest factor of the load at which the frame buckles."""
+    kept = free.reshape(-1)
+    K, S = (matrix.toarray()[np.ix_(kept, kept)] for matrix in (frame.stiffness, stress))
+    assert pytest.approx(S.T, abs=1e-9 * np.abs(S).max()) == S
+    values = eigvals(K, -S)
+    real = values.real[np.isfinite(values) & (np.abs(values.imag) < 1e-6 * np.abs(values))]
+    return real[real > 0].min()
+
+
+def test_a_beam_between_forks_buckles_sideways_as_prandtl_said():
+    """Uniform moment pi / L sqrt(E I_weak G J) (S.P. Timoshenko and J.M. Gere, Theory of Elastic Stability, 6.3)."""
+    frame, stress, section = loaded(moment=1e3)
+    free = np.ones((33, 6), dtype=bool)
+    free[:, [0, 1, 5]] = False  # out of the plane of bending alone
+    free[[0, -1], 2] = free[[0, -1], 3] = False
+    expected = np.pi / 10 * np.sqrt(210e9 * section.about_first * 80e9 * section.torsion)
+    assert 1e3 * critical(frame, stress, free) == pytest.approx(expected, rel=1e-3)
+
+
+def test_a_shaft_that_is_held_at_both_ends_buckles_by_torsion():
+    """8.987 E I / L (A.G. Greenhill, 1883, for clamped ends; Timoshenko and Gere, 2.21)."""
+    section = Section(1.0, 8e-6, 8e-6, 1.2e-5, 210e9, 80e9, 1.0, 1.0)
+    frame, _, _ = loaded()
+    frame = SpaceFrame(frame.nodes, [Beam(k, k + 1, section, (0.0, 1.0, 0.0)) for k in range(32)])
+    loads, held = np.zeros((33, 6)), np.zeros((33, 6), dtype=bool)
+    held[0], loads[-1, 3] = True, 1e3
+    stress, free = frame.stress_stiffness(frame.static(loads, held)), np.ones((33, 6), dtype=bool)
+    free[[0, -1]] = False
+    assert 1e3 * critical(frame, stress, free) == pytest.approx(8.98682 * 210e9 * 8e-6 / 10, rel=1e-3)
+
+
+def test_loads_turn_with_a_frame_that_turns_as_one():
+    """An angle with rigid arms under a load at its end: forces turn with it, of semitangential moments half does."""
+    section = Section.tube(1.0, 0.05, 7850.0, 210e9, 80e9)
+    nodes = [[0, 0, 0], [4.0, 0, 0], [4.0, 3.0, 0], [4.0, 3.0, 5.0]]
+    arms = {"end_arm": (-0.5, 0.2, 0.1)}, {}, {"start_arm": (0, 0, 0.6)}
+    beams = [Beam(k, k + 1, section, **arm) for k, arm in enumerate(arms)]
+    frame = SpaceFrame(nodes, beams)
+    held, loads = np.zeros((4, 6), dtype=bool), np.zeros((4, 6))
+    held[0], loads[3] = True, [1e5, -2e5, 3e5, 2e4, 5e4, -4e4]
+    moved = frame.static(loads, held)
+    stress = frame.stress_stiffness(moved)
+    inner = (frame.stiffness @ moved.reshape(-1)).reshape(4, 6)  # by the nodes on the beams, in balance
+    for k in range(3):
+        axis = np.eye(3)[k]
+        turn = np.zeros((4, 6))
+        turn[:, :3], turn[:, 3:] = np.cross(axis, frame.nodes), axis
+        found = (stress @ turn.reshape(-1)).reshape(4, 6)
+        turned = np.cross(axis, inner[:, :3])  # forces that turn with the frame
+        moments = np.cross(axis, inner[:, 3:]) / 2  # of semitangential moments half
+        assert found[:, :3] == pytest.approx(turned, abs=1e-6 * np.abs(inner).max())
+        assert found[:, 3:] == pytest.approx(moments, abs=1e-6 * np.abs(inner).max())
