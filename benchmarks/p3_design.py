@@ -11,9 +11,11 @@ from __future__ import annotations
 
 import argparse
 import json
+import os
 import time
 import warnings
 from dataclasses import replace
+from multiprocessing import active_children
 from pathlib import Path
 
 import casadi as ca
@@ -168,6 +170,14 @@ def in_time(design: fw.Design, seeds: int) -> None:
                   (series.mean(), series.std(), series.max())), flush=True)  # fmt: skip
 
 
+def processor_time() -> float:
+    """Of this process and of those that it has made [s]."""
+    ticks = 0
+    for child in active_children():
+        ticks += sum(map(int, Path(f"/proc/{child.pid}/stat").read_text().rpartition(")")[2].split()[11:13]))
+    return time.process_time() + ticks / os.sysconf("SC_CLK_TCK")
+
+
 def main() -> None:
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("folder", type=Path)
@@ -180,13 +190,14 @@ def main() -> None:
     parser.add_argument("--draw", type=Path, help="a picture of the printed spar and of those in p3_designs")
     parser.add_argument("--run", type=int, default=0)
     parser.add_argument("--from", dest="begin", type=Path)
+    parser.add_argument("--processes", type=int, default=1, help="that evaluate states at once")
     arguments = parser.parse_args()
     warnings.simplefilter("ignore")
     arguments.folder.mkdir(parents=True, exist_ok=True)
     begun = time.perf_counter()
 
     def say(line: str) -> None:
-        print(f"{time.perf_counter() - begun:7.0f} s {time.process_time():6.0f} s  {line}", flush=True)
+        print(f"{time.perf_counter() - begun:7.0f} s {processor_time():6.0f} s  {line}", flush=True)
 
     read = read_design(arguments.file)
     design = read.design if arguments.begin is None else begun_at(read.design, arguments.begin)
@@ -203,7 +214,7 @@ def main() -> None:
         print(cheapest_rings(design, found))
         found.save(arguments.folder / "check.json")
         return
-    asked = nearest_to(design) if arguments.nearest else design
+    asked = replace(nearest_to(design) if arguments.nearest else design, processes=arguments.processes)
     options = {**read.optimiser, "iterations": arguments.iterations}
     how = {"region": arguments.region, "penalty": arguments.penalty, "say": say}
     found = asked.optimise(**options, options=how, resume=True, say=say,

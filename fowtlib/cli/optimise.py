@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import argparse
 import sys
+from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -49,6 +50,7 @@ def declare(commands: Any) -> None:
     add("--starts", type=count, metavar="N", help="searches from N starts, all but the first at random")
     add("--seed", type=count, metavar="N", help="of the random starts")
     add("--iterations", type=count, metavar="N", help="of one search, at most")
+    add("--processes", type=count, metavar="N", help="that evaluate cases at once; else one")
     add("--tolerance", type=positive, metavar="X", help="of optimum and constraints, of their sizes")
     add("--evaluate", action="store_true", help="the start as it is, without a search")
     add("--front", type=front, metavar="RESULT=POINTS", help="a Pareto front with a second result")
@@ -84,6 +86,8 @@ def optimise(arguments: argparse.Namespace) -> int:
     journal = None if alone else _journal(arguments, path)
     file = read_design(path, load_model=lambda name: loading.load_file(arguments, name))
     options = _options(arguments, file)
+    if arguments.processes is not None:
+        file = replace(file, design=replace(file.design, processes=arguments.processes))
     try:
         if arguments.front:
             return _front(arguments, file, options)

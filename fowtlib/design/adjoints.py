@@ -46,7 +46,7 @@ class Adjoints:
                 self.prepared[case.name] = PreparedGradient(
                     plant, [self._quantity(name) for name in exact], self.paths + ([] if own else self.freed),
                     parameters=case.parameters, free=free if own and free else None,
-                    targets=targets if own and targets else None,
+                    targets=targets if own and targets else None, tolerance=self.statistics.tolerance,
                 )  # fmt: skip
         rest = [key for key in keys if key[1] not in self.names.get(key[0], ())]
         rest += [(balance, path.partition("[")[0]) for path in self.freed if balance is not None]

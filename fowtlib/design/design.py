@@ -53,6 +53,8 @@ class Design:
                  many variables, and by differences of the rest (fowtlib.design.adjoints)
     evaluator    makes another source of results and slopes, from (plant, space, cases, keys) and free, targets,
                  statistics as keywords; see fowtlib.design.evaluation
+    processes    that evaluate cases at once, as many as there are cores, say; copies of this one, where the system has
+                 these (not Windows)
     Raises ModelError for what does not fit, such as a constraint on a result that there is not.
     """
 
@@ -69,6 +71,7 @@ class Design:
     slopes: Literal["differences", "adjoint"] = "differences"
     evaluator: Callable[..., Evaluator] | None = None
     title: str = ""
+    processes: int = 1
 
     def __post_init__(self) -> None:
         object.__setattr__(self, "objective", Objective.read(self.objective))
@@ -76,6 +79,8 @@ class Design:
         object.__setattr__(self, "cases", tuple(self.cases) or (ALONE,))
         if self.slopes not in SLOPES:
             raise ModelError(f"slopes are by {one_of(SLOPES)}, not by '{self.slopes}'.")
+        if isinstance(self.processes, bool) or not isinstance(self.processes, int) or self.processes < 1:
+            raise ModelError(f"processes is a whole number, 1 or more, not {self.processes!r}.")
         if not self.objective.terms:  # type: ignore[union-attr]
             raise ModelError("the objective has no results.")
         for what, items in (("case", self.cases), ("function", self.functions)):
@@ -140,7 +145,7 @@ class Design:
             return NoModel()
         make = self.evaluator or (Adjoints if self.slopes == "adjoint" else Differences)
         return evaluator_of(make, self.plant, self.space, self.cases, self.keys, free=self.free, targets=self.targets,
-                            statistics=self.statistics, balance=self.balance)  # fmt: skip
+                            statistics=self.statistics, balance=self.balance, processes=self.processes)  # fmt: skip
 
     def problem(self, x: np.ndarray | None = None) -> Problem:
         """The design as a problem of optimisation, set up at x [SI], or at the start."""

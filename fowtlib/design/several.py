@@ -4,12 +4,14 @@ from __future__ import annotations
 
 from collections.abc import Callable, Sequence
 from dataclasses import replace
+from functools import partial
 from typing import Any
 
 import numpy as np
 
 from fowtlib.analysis.plants import plant_of
 from fowtlib.design.evaluation import Evaluated, Evaluator, Key
+from fowtlib.design.parallel import Parallel, joined, refuse_where_none, shared_out
 from fowtlib.design.terms import DesignCase
 from fowtlib.design.variables import Space
 from fowtlib.language.errors import ModelError
@@ -23,14 +25,43 @@ class Several:
 
     def evaluate(self, x: np.ndarray, jacobian: bool = False) -> Evaluated:
         """See Evaluator.evaluate."""
-        found = [one.evaluate(x, jacobian) for one in self.evaluators]
-        values, slopes, units, states = ({k: v for one in found for k, v in (getattr(one, what) or {}).items()}
-                                         for what in ("values", "jacobian", "units", "states"))  # fmt: skip
-        return Evaluated({key: values[key] for key in self.keys}, units, slopes if jacobian else None, states)
+        return joined([one.evaluate(x, jacobian) for one in self.evaluators], self.keys)
+
+
+class OfCase:
+    """The evaluator of one case among others, whose errors say which it is."""
+
+    def __init__(self, name: str, make: Callable[[], Evaluator]):
+        self.name, self.evaluator = name, make()
+
+    def evaluate(self, x: np.ndarray, jacobian: bool = False) -> Evaluated:
+        """See Evaluator.evaluate."""
+        try:
+            return self.evaluator.evaluate(x, jacobian)
+        except ModelError as error:
+            raise error.at(f"case {self.name}") from None
 
 
 def evaluator_of(make: Callable[..., Evaluator], plant: Any, space: Space, cases: Sequence[DesignCase],
-                 keys: Sequence[Key], **options: Any) -> Evaluator:  # fmt: skip
+                 keys: Sequence[Key], processes: int = 1, **options: Any) -> Evaluator:  # fmt: skip
+    """The evaluator that `make` makes, of cases that are shared out to so many processes."""
+    asked = [case for case in cases if any(own == case.name for own, _ in keys)]
+    if processes == 1 or len(asked) < 2:
+        return _in_one_process(make, plant, space, cases, keys, **options)
+    if options.get("balance") is not None:
+        raise ModelError("cases that take what is freed in one of them are evaluated in one process: processes=1.")
+    refuse_where_none()
+    makers = []
+    for group in shared_out([sum(own == case.name for own, _ in keys) for case in asked], processes):
+        own = [asked[k] for k in group]
+        mine = [key for key in keys if key[0] in {case.name for case in own}]
+        maker = partial(_in_one_process, make, plant, space, own, mine, **options)
+        makers.append(maker if len(own) > 1 else partial(OfCase, own[0].name, maker))
+    return Parallel(makers[0], makers[1:], keys)
+
+
+def _in_one_process(make: Callable[..., Evaluator], plant: Any, space: Space, cases: Sequence[DesignCase],
+                    keys: Sequence[Key], **options: Any) -> Evaluator:  # fmt: skip
     """The evaluator that `make` makes; of cases that have models of their own, one for each of these beside it."""
     groups: dict[int, tuple[Any, list[DesignCase]]] = {}
     for case in cases:

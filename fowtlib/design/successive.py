@@ -26,14 +26,15 @@ from fowtlib.language.errors import ModelError
 PENALTY = 10.0  # of a constraint that is broken by its scale, over the scale of the objective
 FIRST, SMALLEST, LARGEST = 0.05, 1e-4, 0.5  # of the ranges of the variables: the region
 GOOD, POOR, ACCEPTED = 0.7, 0.3, 0.02  # actual over expected improvement
+DEARER, FALLING = 2.0, 0.3  # of the largest price of a limit: what is broken costs; and how fast that may fall
 AGE = 4  # steps for which slopes learn before they are taken anew
 
 
 def search(problem: Any, y: np.ndarray, settings: Settings) -> Ended:
     """From y on.
 
-    options: `region` (0.05), `age` (4 steps) and `penalty` (10) in place of those of this module; `say`, which is told
-    of each step.
+    options: `region` (0.05), `age` (4 steps) and `penalty` (10), of limits that cannot be kept in a step, in place of
+    those of this module; `say`, which is told of each step.
     """
     return _Search(problem, settings).run(y)
 
@@ -46,12 +47,13 @@ class _Search:
         self.region = float(options.get("region", FIRST))
         self.say = options.get("say", lambda line: None)
         self.sub = _Step(problem, self.penalty)
+        self.price = self.penalty  # of what is broken, in the merit of a point
 
     def merit(self, r: np.ndarray, y: np.ndarray) -> float:
         f, g = self.problem.composition.function(self.problem.x(y), r)
         g = np.ravel(g)
         over = np.maximum(np.maximum(g - self.problem.upper, self.problem.lower - g), 0.0)
-        return float(f) / self.problem.f_scale + self.penalty * float(over.sum())
+        return float(f) / self.problem.f_scale + self.price * float(over.sum())
 
     def run(self, y: np.ndarray) -> Ended:
         problem, reason = self.problem, "the limit of iterations"
@@ -59,7 +61,8 @@ class _Search:
         here, learned, poor, moved = self.merit(r, y), 0, 0, False  # since slopes were exact
         for _ in range(self.settings.iterations):
             new = self.sub(y, r, J, self.region)
-            step = new - y
+            self._set_price(self.sub.price)
+            step, here = new - y, self.merit(r, y)
             expected = here - self.merit(r + J @ step, new)
             if expected <= self.settings.tolerance * max(abs(here), 1.0):
                 if not learned:
@@ -104,6 +107,13 @@ class _Search:
         merit = self.merit(r, beside)
         return (beside, r, merit, J) if merit < there else (new, found, there, J)
 
+    def _set_price(self, price: float) -> None:
+        """What is broken costs more than limits are worth in a step, and not much more.
+
+        So a step may bend out of its limits by what later ones take back. A price falls slowly.
+        """
+        self.price = min(max(DEARER * price, FALLING * self.price), DEARER * self.penalty)
+
     def _tell(self, y: np.ndarray, step: np.ndarray, here: float, there: float, expected: float) -> None:
         point, length = self.problem.point(y), np.max(np.abs(step))
         self.say(f"step {length:.3f} in {self.region:.3f}: {here:.5f} to {there:.5f}, not {expected:.5f}; "
@@ -120,6 +130,17 @@ class _Search:
             self.region = min(max(self.region, 1.5 * float(np.max(np.abs(step)))), LARGEST)
         elif quality < POOR:
             self.region = max(0.4 * min(self.region, float(np.max(np.abs(step)))), SMALLEST / 2)
+
+
+def _solver(problem: dict[str, ca.MX]) -> ca.Function:
+    """IPOPT, with functions as plain operations where they are some: derivatives then take a twentieth of the time."""
+    options = {"ipopt.print_level": 0, "print_time": False, "ipopt.sb": "yes", "ipopt.max_iter": 300, "ipopt.tol": 1e-7,
+               "ipopt.bound_relax_factor": 0.0, "show_eval_warnings": False, "ipopt.mu_strategy": "adaptive",
+               "error_on_fail": False}  # fmt: skip
+    try:
+        return ca.nlpsol("step", "ipopt", problem, {**options, "expand": True})
+    except RuntimeError:  # a table, or an iteration
+        return ca.nlpsol("step", "ipopt", problem, options)
 
 
 def held(J: np.ndarray) -> np.ndarray:
@@ -139,18 +160,17 @@ class _Step:
 
     def __init__(self, problem: Any, penalty: float):
         self.problem, self.free = problem, True  # whether variables that no result depends on may go anywhere
+        self.price = penalty  # the largest of a limit, in the last step
         composition = problem.composition
         n, m, k = len(problem.space), composition.free.numel(), problem.lower.size
         y, r, s = (ca.MX.sym(name, size) for name, size in (("y", n), ("r", m), ("s", k)))
         J, rest, sizes = ca.MX.sym("J", m, n), ca.MX.sym("rest", m), ca.MX.sym("sizes", m)
         f, g = composition.function(problem.offset + problem.scale * y, sizes * r)
         rows = [g - s, g + s, r - ca.mtimes(J, y)]
-        self.solver = ca.nlpsol("step", "ipopt", {
+        self.solver = _solver({
             "x": ca.vertcat(y, r, s), "p": ca.vertcat(ca.vec(J), rest, sizes),
             "f": f / problem.f_scale + penalty * ca.sum1(s), "g": ca.vertcat(*rows[:2], rows[2] - rest),
-        }, {"ipopt.print_level": 0, "print_time": False, "ipopt.sb": "yes", "ipopt.max_iter": 300, "ipopt.tol": 1e-7,
-            "ipopt.bound_relax_factor": 0.0, "show_eval_warnings": False, "ipopt.mu_strategy": "adaptive",
-            "error_on_fail": False})  # fmt: skip
+        })  # fmt: skip
 
     def __call__(self, y: np.ndarray, r: np.ndarray, J: np.ndarray, region: float,
                  centre: np.ndarray | None = None) -> np.ndarray:  # fmt: skip
@@ -173,4 +193,5 @@ class _Step:
             lbg=np.concatenate([np.full(k, -np.inf), problem.lower, np.zeros(m)]),
             ubg=np.concatenate([problem.upper, np.full(k, np.inf), np.zeros(m)]),
         )  # fmt: skip
+        self.price = float(np.max(np.abs(np.ravel(found["lam_g"])[: 2 * k]), initial=0.0))
         return np.clip(np.ravel(found["x"])[: y.size], low, high)

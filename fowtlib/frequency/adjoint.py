@@ -21,7 +21,7 @@ import numpy as np
 from scipy.linalg import lu_factor, lu_solve
 
 from fowtlib.analysis.spectra import widths
-from fowtlib.frequency.drag import best_gain
+from fowtlib.frequency.drag import best_gain, gains_of
 from fowtlib.frequency.driven import frequency_widths
 from fowtlib.frequency.gain_slopes import gain_slopes, slope_at_mean
 from fowtlib.frequency.mixing import Mixing
@@ -95,7 +95,6 @@ class RandomResponse:
     def __init__(self, excited: ExcitedModel, forcing: Forcing, gains: Sequence[np.ndarray] | None = None,
                  newton: np.ndarray | None = None):  # fmt: skip
         self.excited, self.forcing, self.omega = excited, forcing, 2 * np.pi * forcing.frequency
-        self.drive = np.ascontiguousarray(forcing.drive.transpose(1, 0, 2))
         self.weighted = forcing.density * forcing.widths[:, None, None]
         operators = excited.linear.operators
         self.errors = operators.errors(self.omega) if operators is not None else None
@@ -115,7 +114,7 @@ class RandomResponse:
         best, stalled = np.inf, 0
         for iteration in range(NEWTON):
             self._answer()
-            found = [best_gain(self._covariance(place), self.means[place]) for _, place in self.excited.laws]
+            found = gains_of(self._covariances(), [self.means[place] for _, place in self.excited.laws])
             off = [new - old for new, old in zip(found, self.gains, strict=True)]
             change = max((float(np.linalg.norm(d) / max(np.linalg.norm(g), 1e-12))
                           for d, g in zip(off, found, strict=True)), default=0.0)  # fmt: skip
@@ -147,34 +146,53 @@ class RandomResponse:
         return self._map() if self.excited.laws else np.zeros((0, 0))
 
     def _answer(self) -> None:
+        """Amplitudes of the modes, and outputs, to what each process drives."""
         self.closed = self.excited.with_gains(self.gains)
         A, B, C, D = (self.closed.matrices[name] for name in "ABCD")
-        self.resolvent = Resolvent(self.omega, A)
-        x, direct = self.resolvent(times(B, self.drive)), times(D, self.drive)
-        operators = self.closed.operators
-        self.three = np.zeros((0, *self.drive.shape[1:]), dtype=complex)
+        self.resolvent, operators = Resolvent(self.omega, A), self.closed.operators
+        size = self.omega.size, self.weighted.shape[1]
+        self.three = np.zeros((0, *size), dtype=complex)
+        self.amplitudes, self.out = (np.empty((rows, *size), dtype=complex) for rows in (len(A), len(C)))
+        for path, channels in self.forcing.columns.items():
+            driven, drive = self.forcing.driven[path], self._driven[path]
+            self.amplitudes[:, :, channels] = self.resolvent.driven(B[:, driven], drive)
+            self.out[:, :, channels] = times(D[:, driven], drive)
         if operators is not None:
             by_w = self.resolvent.between(operators.C, operators.B) + operators.D
             q, n = by_w.shape[:2]
             by_w = np.einsum("qndm,qd->qnm", by_w.reshape(q, n, 3, -1), self.powers)
             self.loop = np.eye(self.errors.shape[1]) - self.errors @ by_w  # (1 - E G), to the outputs w
-            u = (times(operators.C, x) + times(operators.D_input, self.drive)).transpose(1, 0, 2)
+            u = times(operators.C @ self.resolvent.shapes, self.amplitudes)
+            for path, channels in self.forcing.columns.items():
+                u[:, :, channels] += times(operators.D_input[:, self.forcing.driven[path]], self._driven[path])
+            u = u.transpose(1, 0, 2)
             self.three = self._with_rates(np.linalg.solve(self.loop, self.errors @ u)).transpose(1, 0, 2)
-            x = x + self.resolvent(times(operators.B, self.three))
-            direct = direct + times(operators.D_output, self.three)
-        self.x, self.out = x, times(C, x) + direct
+            self.amplitudes += self.resolvent.amplitudes(times(operators.B, self.three))
+            self.out += times(operators.D_output, self.three)
+        self.out += times(C @ self.resolvent.shapes, self.amplitudes)
+
+    @cached_property
+    def x(self) -> np.ndarray:
+        """The states (n, q, k), with the gains that were found."""
+        return times(self.resolvent.shapes, self.amplitudes)
 
     def _with_rates(self, w: np.ndarray, part: slice = slice(None)) -> np.ndarray:
         """Outputs of operators (q, m, k), and their rates and those of the rates: (q, 3 m, k)."""
         return (self.powers[part, :, None, None] * w[:, None]).reshape(len(w), -1, w.shape[2])
 
-    def _of_law(self, place: slice) -> np.ndarray:
-        m = self.excited.results
-        return self.out[m + place.start : m + place.stop]
+    def _covariances(self) -> list[np.ndarray]:
+        """Of the inputs of each law."""
+        u = self.out[self.excited.results :]
+        return self._of_each_law(_with_density(u, self.weighted), u)
 
-    def _covariance(self, place: slice) -> np.ndarray:
-        u = self._of_law(place)
-        return _outer(_with_density(u, self.weighted), u)
+    def _of_each_law(self, a: np.ndarray, b: np.ndarray) -> list[np.ndarray]:
+        """Re sum over frequencies, and channels, of a b^H, of the inputs of each law (n, q, ...)."""
+        found: list[np.ndarray] = [np.zeros((0, 0))] * len(self.excited.laws)
+        for numbers, rows in self.excited.law_rows:
+            one, other = (_grouped(of, rows) for of in (a, b))
+            for number, block in zip(numbers, one @ other.transpose(0, 2, 1), strict=True):
+                found[number] = block
+        return found
 
     def moments(self, result: int, process: str | None = None) -> np.ndarray:
         """Spectral moments of a result, of orders 0, 1, 2 and 4 [unit^2 Hz^n]."""
@@ -246,10 +264,11 @@ class RandomResponse:
         self.by_laws = np.zeros((self.omega.size, m, len(self.out) - m), dtype=complex)
         self.by_covariance, self.by_mean = np.zeros((count, *[width] * 4)), np.zeros((count, *[width] * 3))
         spread = np.zeros((count, width), dtype=int)  # rows of laws, of those that are narrower -1
+        covariances = self._covariances()
         for k, (_, place) in enumerate(laws):
             n = place.stop - place.start
             spread[k] = [*range(place.start, place.stop), *[-1] * (width - n)]
-            slopes = gain_slopes(self._covariance(place), self.means[place])
+            slopes = gain_slopes(covariances[k], self.means[place])
             self.by_covariance[k][(slice(n),) * 4], self.by_mean[k][(slice(n),) * 3] = slopes
         rows = spread.ravel()
         there = (rows >= 0)[:, None, None]
@@ -286,7 +305,7 @@ class RandomResponse:
         matrix Q, so that their products with what is put in are Q times products that are the same for all scalars.
         """
         excited, forcing = self.excited, self.forcing
-        m, n, nx = excited.results, excited.driven, len(self.x)
+        m, n, nx = excited.results, excited.driven, len(self.amplitudes)
         weight = sum(slope * forcing.frequency**order for slope, order in zip(by_moments, ORDERS, strict=True))
         weight, H, S = weight * widths(forcing.frequency), self.out[result], forcing.of(process)
         bar = 2 * weight[:, None] * _with_density(H[None], S)[0]
@@ -299,16 +318,19 @@ class RandomResponse:
             """A matrix times the slopes by these outputs."""
             return times(matrix[:, 1:] @ Q, self._swept[:, :, channels]) + matrix[:, :1, None] * bar[:, channels]
 
-        costate = self.resolvent.adjoint(of_outputs(self.closed.matrices["C"][rows].T))
-        both, acting = costate, base.matrices["B"]  # slopes by the rates and by the inputs of operators
+        # slopes by the rates, and by the inputs of operators, are `lift` times both
+        of_states = self.resolvent.shapes.conj().T @ self.closed.matrices["C"][rows].T
+        both, lift = self.resolvent.backwards(of_outputs(of_states))
+        acting = base.matrices["B"]
         if operators is not None:
+            costate = times(lift, both)
             three = of_outputs(operators.D_output[rows].T) + times(operators.B.T, costate)
             three = three.reshape(3, -1, *three.shape[1:])
             of_w = np.einsum("qd,dmqk->qmk", self.powers.conj(), three)
             of_w = np.linalg.solve(self.loop.conj().transpose(0, 2, 1), of_w)
             of_u = (self.errors.conj().transpose(0, 2, 1) @ of_w).transpose(1, 0, 2)
             both = np.concatenate([costate + self.resolvent.adjoint(times(operators.C.T, of_u)), of_u])
-            acting = np.vstack([acting, base.operators.D_input])
+            acting, lift = np.vstack([acting, base.operators.D_input]), np.eye(len(both))
         # by the outputs of the model without the laws: those of laws have what their gains put in, too
         D, G = base.matrices["D"][rows], self._gain_matrix()
         back = G.T @ np.linalg.inv(np.eye(len(G)) - D[1:, n:].T @ G.T)
@@ -317,33 +339,42 @@ class RandomResponse:
         for path, channels in forcing.columns.items():
             driven = forcing.driven[path]
             direct = D[:, driven].T
-            drive[path] = times(acting[:, driven].T + direct[:, 1:] @ of_both, both[:, :, channels])
+            drive[path] = times((acting[:, driven].T + direct[:, 1:] @ of_both) @ lift, both[:, :, channels])
             drive[path] += of_outputs(direct + direct[:, 1:] @ of_rows, channels)
-        sums = self._with_inputs(both)
+        sums = self._with_inputs(both, lift)
         of_bars = np.vstack([self._with_inputs(bar[None]), Q @ self._swept_sums])
         of_bars[1:] += of_both @ sums + of_rows @ of_bars
-        whole = np.zeros((len(self.out) + len(both) - nx, sums.shape[1]))
+        whole = np.zeros((len(self.out) + len(sums) - nx, sums.shape[1]))
         whole[rows], whole[len(self.out) :] = of_bars, sums[nx:]
         bars = Bars(sums[:nx, :nx], sums[:nx, nx:], whole[:, :nx], whole[:, nx:])
         return Slopes(bars, drive, density, means)
 
-    def _with_inputs(self, rows: np.ndarray) -> np.ndarray:
-        """Re sum of rows (n, q, k) times the conjugates of the states and of all that is put in."""
+    def _with_inputs(self, rows: np.ndarray, lift: np.ndarray | None = None) -> np.ndarray:
+        """Re sum of rows (n, q, k) times the conjugates of the states and of all that is put in; of lift times rows.
+
+        What the laws put in are gains times their inputs, which are sums of the others.
+        """
         by_drive = np.zeros((len(rows), self.excited.driven))
         for path, channels in self.forcing.columns.items():
             by_drive[:, self.forcing.driven[path]] += _outer(rows[:, :, channels], self._driven[path])
-        by_x, by_laws, by_three = (_outer(rows, block) for block in (self.x, self._put_in, self.three))
-        return np.hstack([by_x, by_drive, by_laws, by_three])
+        by_x, by_three = (_outer(rows, block) for block in (self.x, self.three))
+        laws, (C, D), operators = slice(self.excited.results, None), self._to_outputs, self.closed.operators
+        by_laws = by_x @ C[laws].T + by_drive @ D[laws].T
+        if operators is not None:
+            by_laws = by_laws + by_three @ operators.D_output[laws].T
+        found = np.hstack([by_x, by_drive, by_laws @ self._gain_matrix().T, by_three])
+        return found if lift is None else lift @ found
 
-    @cached_property
-    def _put_in(self) -> np.ndarray:
-        """What the laws put in (n, q, k)."""
-        return times(self._gain_matrix(), self.out[self.excited.results :])
+    @property
+    def _to_outputs(self) -> tuple[np.ndarray, np.ndarray]:
+        """C and D with the laws in the loop."""
+        return self.closed.matrices["C"], self.closed.matrices["D"]
 
     @cached_property
     def _driven(self) -> dict[str, np.ndarray]:
         """The drive of each process, of its inputs and channels alone (n, q, k)."""
-        return {path: np.ascontiguousarray(self.drive[self.forcing.driven[path]][:, :, channels])
+        drive = self.forcing.drive
+        return {path: np.ascontiguousarray(drive[:, self.forcing.driven[path], channels].transpose(1, 0, 2))
                 for path, channels in self.forcing.columns.items()}  # fmt: skip
 
     @cached_property
@@ -365,8 +396,9 @@ class RandomResponse:
         if not laws:
             return Q, means
         factors = self._of_fixed_point  # and with it what answers to the laws
-        added = (self.by_laws[:, result].conj()[:, :, None] * bar[:, None, :]).transpose(1, 0, 2)
-        direct = [_outer(added[place], self._of_law(place)) for _, place in laws]
+        u = self.out[m:]
+        of_bar = np.ascontiguousarray((u.transpose(1, 0, 2) @ bar.conj()[:, :, None])[:, :, 0].T)
+        direct = self._of_each_law(np.ascontiguousarray(self.by_laws[:, result].conj().T), of_bar)
         by_gains = self._unpacked(lu_solve(factors, self._packed(direct)))
         for k, ((_, place), by_gain) in enumerate(zip(laws, by_gains, strict=True)):
             n = len(by_gain)
@@ -374,8 +406,11 @@ class RandomResponse:
             means[place] = np.einsum("abk,ab->k", by_mean, by_gain)
             by_covariance = np.einsum("abcd,ab->cd", self.by_covariance[k][:n, :n, :n, :n], by_gain)
             Q[place, place] = by_covariance + by_covariance.T
-        u = self.out[m:]
-        of_covariances = times(Q, u).transpose(1, 2, 0) @ u.conj().transpose(1, 0, 2)
+        turned = np.empty_like(u)
+        for _, rows in self.excited.law_rows:
+            blocks = Q[rows[:, :, None], rows[:, None, :]] @ _grouped(u, rows)
+            turned[rows] = blocks.view(complex).reshape(*rows.shape, *u.shape[1:])
+        of_covariances = turned.transpose(1, 2, 0) @ u.conj().transpose(1, 0, 2)
         density += self.forcing.widths[:, None, None] / 2 * of_covariances
         return Q, means
 
@@ -383,6 +418,13 @@ class RandomResponse:
     def linear(self) -> LinearModel:
         """With the gains of drag."""
         return self.closed
+
+
+def _grouped(values: np.ndarray, rows: np.ndarray) -> np.ndarray:
+    """Rows (laws, n) of complex values (m, q, ...), as real numbers (laws, n, l)."""
+    in_order = bool((np.diff(rows.ravel()) == 1).all())
+    chosen = values[rows[0, 0] : rows[-1, -1] + 1] if in_order else values[rows]
+    return np.ascontiguousarray(chosen).reshape(*rows.shape, -1).view(float)
 
 
 def _alike(shares: np.ndarray) -> tuple[np.ndarray, np.ndarray]:

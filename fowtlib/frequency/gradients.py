@@ -6,8 +6,9 @@ model about it, the answers at all frequencies, the fixed point of the drag, and
 
 from __future__ import annotations
 
-from collections.abc import Callable, Hashable, Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, replace
+from functools import cached_property
 from typing import TYPE_CHECKING, Any
 
 import casadi as ca
@@ -15,6 +16,7 @@ import numpy as np
 
 from fowtlib.analysis.plants import plant_of, refuse_unstable
 from fowtlib.frequency.adjoint import Forcing, RandomResponse, Slopes
+from fowtlib.frequency.known_rows import Known
 from fowtlib.frequency.quantities import (
     Mean,
     ModeDamping,
@@ -25,7 +27,9 @@ from fowtlib.frequency.quantities import (
     with_slopes,
 )
 from fowtlib.frequency.responses import Process, _processes, _refuse_without_spectrum, _signals
+from fowtlib.frequency.settled import SettledResponse
 from fowtlib.frequency.settling import settled_gains
+from fowtlib.frequency.signal_slopes import SignalSlopes
 from fowtlib.frequency.studies import study_of
 from fowtlib.language.component import Component
 from fowtlib.language.errors import ModelError, ParameterError, did_you_mean
@@ -34,6 +38,7 @@ from fowtlib.language.run_time import RestingPlaces
 from fowtlib.solving import State, mean_state
 from fowtlib.solving.differences import derivative
 from fowtlib.solving.excited import ExcitedModel, excited_model
+from fowtlib.solving.known_slopes import Known as KnownOfRun
 from fowtlib.solving.linear import NOTHING
 from fowtlib.solving.pullback import Pullback
 from fowtlib.solving.random_fields import blows
@@ -144,13 +149,15 @@ class PreparedGradient:
 
     Each point starts from the equilibrium and the gains of the last one. The frequencies are those of the first point,
     so that results are smooth functions of the parameters; `choose_frequencies()` before a point chooses anew.
+    tolerance: of the gains of drag, relative, in `values`; None: to rounding, as they always are in `evaluate`.
     Raises SimulationError where a point has no equilibrium, or no stable one.
     """
 
     def __init__(self, model: Any, results: Sequence[str | Quantity] | str | Quantity, by: Sequence[str], *,
                  parameters: Values | None = None, frequencies: Sequence[float] | np.ndarray | None = None,
-                 free: Values | Sequence[str] | None = None, targets: Values | None = None):  # fmt: skip
-        self.plant = plant_of(model)
+                 free: Values | Sequence[str] | None = None, targets: Values | None = None,
+                 tolerance: float | None = None):  # fmt: skip
+        self.plant, self.tolerance = plant_of(model), tolerance
         self.quantities = quantities(results)
         if not self.quantities or not len(by):
             raise ModelError("a gradient is of one result or more, by one parameter or more.")
@@ -178,7 +185,6 @@ class PreparedGradient:
         self._state: State | None = None
         self._gains: list[np.ndarray] | None = None
         self._newton: np.ndarray | None = None
-        self._apart: dict[Hashable, set[str]] = {}
 
     def _check(self, name: str) -> None:
         known = [*self.plant.outputs, *self.plant.dae.names]
@@ -208,8 +214,7 @@ class PreparedGradient:
         if self.freed:
             parameters = {**parameters, **{item.path: state.parameters[item.path] for item in self.freed}}
             run, freed = (TunedRun(self.plant, parameters, items) for items in (self.elements, self.freed))
-        run.apart = self._apart
-        return _Evaluation(self, run, freed, state).found(slopes)
+        return _Evaluation(self, run, freed, state, slopes).found(slopes)
 
     def _parameters(self, point: Sequence[float] | np.ndarray | None) -> dict[str, Any]:
         """The parameters of a run at a point."""
@@ -239,21 +244,28 @@ class PreparedGradient:
 class _Evaluation:
     """All results at one point, and what their adjoints need."""
 
-    def __init__(self, prepared: PreparedGradient, run: TunedRun, freed: TunedRun | None, state: State):
+    def __init__(self, prepared: PreparedGradient, run: TunedRun, freed: TunedRun | None, state: State,
+                 slopes: bool = True):  # fmt: skip
         self.prepared, self.run, self.freed = prepared, run, freed
         self.state, self.plant = state, prepared.plant
         kinds = prepared.quantities
         self.of_spectra = any(not isinstance(item, Mean | ModeFrequency) for item in kinds)
         further, self.excited = NOTHING, None
-        self.response = None
+        self.response: RandomResponse | SettledResponse | None = None
         if self.of_spectra:
             self.excited = excited_model(self.plant, state, prepared.names)
             with study_of(self.plant).tree(run.parameters) as root, one_evaluation():
                 self.fields = [number for number, (_, places) in enumerate(self.excited.fields) if blows(places, root)]
                 self._refuse_fields()
-                self.response = self._response(root)
+                rough = None if slopes else prepared.tolerance
+                self.response = self._response(root) if rough is None else self._settled(root, rough)
             further = self.excited.further
-        self.model = LinearGradient(self.plant, state, prepared.names, further)
+        self._further = further
+
+    @cached_property
+    def model(self) -> LinearGradient:
+        """The linear model with its own gradients."""
+        return LinearGradient(self.plant, self.state, self.prepared.names, self._further)
 
     def _refuse_fields(self) -> None:
         """ParameterError for what turns a field, of which no slope is taken."""
@@ -266,16 +278,22 @@ class _Evaluation:
                 if turned := next((element.name for element in self.run.elements if element.path in paths), None):
                     raise ParameterError(f"there is no derivative by {turned}, which turns a wind that is a field.")
 
-    def _response(self, root: Component) -> RandomResponse:
-        prepared, excited = self.prepared, self.excited
-        processes = _processes(excited, root)
+    def _driving(self, root: Component, known: Known) -> dict[str, Process]:
+        """The random processes that drive the model."""
+        signals = _signals(self.excited, root, known)
+        processes = _processes(self.excited, root, signals, known)
         _refuse_without_spectrum(self.plant.dae, root, processes)
         if not processes:
             raise ModelError("no part of this model takes anything from random waves or wind; there is no response.")
-        for item in prepared.quantities:
+        for item in self.prepared.quantities:
             process = getattr(item, "process", None)
             if process is not None and process not in processes:
                 raise ModelError(f"the response has no process '{process}'{did_you_mean(process, list(processes))}")
+        return processes
+
+    def _response(self, root: Component) -> RandomResponse:
+        prepared, excited = self.prepared, self.excited
+        processes = self._driving(root, study_of(self.plant).rows(self.run.parameters, root))
         gains = prepared._gains
         if prepared.frequencies is None or gains is None:
             gains, grid, _ = settled_gains(excited, processes, prepared.frequencies, NEAR, gains)
@@ -285,11 +303,20 @@ class _Evaluation:
         prepared._gains, prepared._newton = found.gains, found.newton
         return found
 
+    def _settled(self, root: Component, tolerance: float) -> SettledResponse:
+        """The response without what slopes need."""
+        prepared = self.prepared
+        processes = self._driving(root, study_of(self.plant).rows(self.run.parameters, root))
+        gains, grid, _ = settled_gains(self.excited, processes, prepared.frequencies, tolerance, prepared._gains)
+        prepared.frequencies, prepared._gains = grid.frequency, gains
+        return SettledResponse(self.excited, grid, gains)
+
     def found(self, slopes: bool) -> tuple[np.ndarray, np.ndarray]:
         """Values (k,) and derivatives (k, m)."""
         prepared = self.prepared
-        count, outputs = len(prepared.quantities), len(self.model.slopes.scale)
-        values, weights = np.zeros(count), np.zeros((count, outputs))  # slopes by the values of outputs
+        count = len(prepared.quantities)
+        values = np.zeros(count)
+        weights = np.zeros((count, len(self.model.slopes.scale) if slopes else len(prepared.names)))  # of outputs
         means = np.array([float(np.squeeze(value)) for value in self.state.values(prepared.names)])
         driven: list[Slopes | None] = [None] * count
         bars: dict[int, Bars] = {}
@@ -406,51 +433,56 @@ class _Evaluation:
         found = np.zeros((len(driven), len(self.run.elements)))
         if self.response is None:
             return found
-        kept = [(k, item) for k, item in enumerate(driven) if item is not None]
-        shares = self._shares([item for _, item in kept])
-        apart = {share.name: self.run.kept_apart(share.name, [item for item in self.run.elements
-                                                              if item.path in share.paths],
-                                                 share.here, share.weighted) for share in shares}  # fmt: skip
-        for column, item in enumerate(self.run.elements):
-            mine = [share for share in shares if item.path in share.paths and item not in apart[share.name]]
-            if not mine:
-                continue
-            matters: set[Hashable] = set()
-
-            def weighted(value: float, item: Any = item, mine: Sequence[Share] = mine,
-                         matters: set[Hashable] = matters) -> np.ndarray:  # fmt: skip
-                with self.run.tree_at(item, value) as root, one_evaluation():
-                    parts = [share.weighted(root) for share in mine]
-                matters |= {share.name for share, part in zip(mine, parts, strict=True)
-                            if not np.array_equal(part, share.here)}  # fmt: skip
-                return sum(parts)
-
-            here = sum(share.here for share in mine)
-            found[[k for k, _ in kept], column] = self.run.slope(item, weighted, here)
-            for share in mine:
-                if share.name not in matters:
-                    self.run.apart[share.name].add(item.name)
+        kept = [k for k, item in enumerate(driven) if item is not None]
+        slopes = [driven[k] for k in kept]
+        found[kept] = self._through_signals(slopes) + self._through_densities(slopes)
         return found
 
-    def _shares(self, slopes: Sequence[Slopes]) -> list[Share]:
-        """What goes into the response from each signal by itself, and from the spectra of each process."""
+    def _through_signals(self, slopes: Sequence[Slopes]) -> np.ndarray:
+        """Those through what signals are per channel of their process."""
+        driving = _signals(self.excited, self.run.tree)  # others stay at rest, as stations in a field
+        places = [(path, signal) for path, (_, signals) in driving.items() for signal in signals]
+        by_element = SignalSlopes(self.run, [signal for _, signal in places], self.response.omega)
+        found = np.zeros((len(slopes), len(self.run.elements)))
+        changes: list[list[tuple[int, np.ndarray]]] = [[] for _ in places]
+        for column, item in enumerate(self.run.elements):
+            for number, change in by_element.of(item).items():
+                changes[number].append((column, change))
+        for (path, signal), of_signal in zip(places, changes, strict=True):
+            if not of_signal:
+                continue
+            columns, moved = [column for column, _ in of_signal], np.array([change for _, change in of_signal])
+            first = self.response.forcing.driven[path].tolist().index(signal.columns.start)
+            rows, channels = slice(first, first + moved.shape[2]), slice(moved.shape[3])
+            bars = np.array([of.drive[path][rows, :, channels] for of in slopes])
+            bars, moved = bars.reshape(len(bars), -1), moved.transpose(0, 2, 1, 3).reshape(len(moved), -1)
+            found[:, columns] += np.ascontiguousarray(bars).view(float) @ np.ascontiguousarray(moved).view(float).T
+        return found
+
+    def _through_densities(self, slopes: Sequence[Slopes]) -> np.ndarray:
+        """Those through the spectra of processes."""
         known, omega = self.response.forcing, self.response.omega
-        tasks: list[tuple[Hashable, Callable[[Component], np.ndarray], list[np.ndarray]]] = []
-        driving = _signals(self.excited, self.run.tree).items()  # others stay at rest, as stations in a field
-        for path, signal in ((path, signal) for path, (_, signals) in driving for signal in signals):
-            first = known.driven[path].tolist().index(signal.columns.start)
-            rows = slice(first, first + signal.columns.stop - signal.columns.start)
-            channels = slice(signal.response(self.run.tree, omega[:1]).shape[2])
-            bars = [of.drive[path][rows, :, channels].transpose(1, 0, 2) for of in slopes]
-            name = ("signal", signal.path, signal.columns.start)
-            tasks.append((name, lambda root, signal=signal: signal.response(root, omega), bars))
+        found = np.zeros((len(slopes), len(self.run.elements)))
         for path, columns in known.columns.items():
 
             def density(root: Component, path: str = path) -> np.ndarray:
                 return 2 * np.pi * np.asarray(_processes(self.excited, root)[path].density(omega))
 
-            tasks.append((("density", path), density, [of.density[:, columns, columns] for of in slopes]))
-        return [Share.of(name, compute, bars, self.run.tree) for name, compute, bars in tasks]
+            share = Share.of(density, [of.density[:, columns, columns] for of in slopes], self.run.tree)
+            items = [item for item in self.run.elements if item.path in share.paths]
+            name = ("density", path)
+            apart = self.run.kept_apart(name, KnownOfRun({}), items, share.here, share.weighted)
+            for item in (one for one in items if one.name not in apart):
+
+                def weighted(value: float, item: Any = item, share: Share = share) -> np.ndarray:
+                    with self.run.tree_at(item, value) as root, one_evaluation():
+                        return share.weighted(root)
+
+                slope = self.run.slope(item, weighted, share.here)
+                found[:, self.run.elements.index(item)] += slope
+                if not slope.any():
+                    self.run.set_apart(name, item)
+        return found
 
 
 @dataclass(frozen=True, eq=False)
@@ -460,21 +492,19 @@ class Share:
     paths: of the parameters that they are computed from; here: the slopes times the numbers, as they are.
     """
 
-    name: Hashable
     compute: Callable[[Component], np.ndarray]
     bars: np.ndarray
     paths: frozenset[str]
     here: np.ndarray
 
     @staticmethod
-    def of(name: Hashable, compute: Callable[[Component], np.ndarray], bars: Sequence[np.ndarray],
-           root: Component) -> Share:  # fmt: skip
+    def of(compute: Callable[[Component], np.ndarray], bars: Sequence[np.ndarray], root: Component) -> Share:
         """At a tree as it is."""
         with parameters_read() as read, one_evaluation():
             values = compute(root)
         paths = frozenset(f"{owner}.{name}" if owner else name for owner, name in read)
         rows = np.array([bar.conj().ravel() for bar in bars])
-        return Share(name, compute, rows, paths, (rows @ np.ravel(values)).real)
+        return Share(compute, rows, paths, (rows @ np.ravel(values)).real)
 
     def weighted(self, root: Component) -> np.ndarray:
         """The slopes times the numbers of another tree: scalars that change with them as the results do."""

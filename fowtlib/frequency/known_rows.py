@@ -6,7 +6,7 @@ functions of waves do not know how high the sea is. Which parameters a function 
 
 from __future__ import annotations
 
-from collections.abc import Callable, Hashable, Mapping
+from collections.abc import Callable, Hashable
 from dataclasses import dataclass, field
 from functools import cached_property
 from typing import Any
@@ -16,7 +16,7 @@ import numpy as np
 from fowtlib.language.component import Component
 from fowtlib.language.declarations import join
 from fowtlib.language.expressions import evaluation_again
-from fowtlib.solving.binding import content_of
+from fowtlib.solving.known_slopes import Contents, relevant
 
 OfFrequency = Callable[[np.ndarray], np.ndarray]
 """`omega (q,), rising -> values (q, ...)`, each row by its own frequency alone."""
@@ -42,12 +42,12 @@ class _Known:
     numbers: dict[Any, Any] = field(default_factory=dict)
     tables: list[tuple[np.ndarray, np.ndarray]] = field(default_factory=list)
 
-    def suits(self, parameters: Mapping[str, Any]) -> bool:
+    def suits(self, parameters: Contents) -> bool:
         """Whether all that counts has the same values in a run with these parameters."""
-        return _relevant(parameters, self._read) == self.values
+        return relevant(parameters, self._read) == self.values
 
     def computed(self, function: OfFrequency, omega: np.ndarray, root: Component,
-                 parameters: Mapping[str, Any]) -> np.ndarray:  # fmt: skip
+                 parameters: Contents) -> np.ndarray:  # fmt: skip
         """The rows of these frequencies, anew."""
         if root is not self.root:  # of another tree
             self.root, self.numbers = root, {}
@@ -55,7 +55,7 @@ class _Known:
             found = function(omega)
         if len(self._read) != len(self.places):
             self.__dict__.pop("_read")
-        self.values = _relevant(parameters, self._read)
+        self.values = relevant(parameters, self._read)
         return found
 
     @cached_property
@@ -69,10 +69,10 @@ class KnownRows:
     def __init__(self) -> None:
         self._known: dict[Hashable, list[_Known]] = {}
 
-    def of(self, name: Hashable, root: Component, parameters: Mapping[str, Any], function: OfFrequency) -> OfFrequency:
+    def of(self, name: Hashable, root: Component, parameters: Contents, function: OfFrequency) -> OfFrequency:
         """A function under a name, which asks for the rows that are not known yet.
 
-        root: the tree of a run with these parameters, by path; the function is one of its parts.
+        root: the tree of a run with these parameters; the function is one of its parts.
         """
 
         def rows(omega: np.ndarray) -> np.ndarray:
@@ -113,15 +113,3 @@ def _with_known(known: _Known, omega: np.ndarray, compute: OfFrequency) -> np.nd
     if new is not None:
         found[missing] = new
     return found
-
-
-def _relevant(parameters: Mapping[str, Any], read: frozenset[str]) -> dict[str, Any]:
-    """What the numbers that are read, and all that is no number, are set to; a word may choose another kind of part."""
-    return {path: content_of(value) for path, value in parameters.items()
-            if path.partition("[")[0] in read or not _is_number(value)}  # fmt: skip
-
-
-def _is_number(value: Any) -> bool:
-    if isinstance(value, (Component, str, bool)):
-        return False
-    return isinstance(value, (int, float, np.number)) or (isinstance(value, np.ndarray) and value.dtype.kind in "iuf")

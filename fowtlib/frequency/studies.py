@@ -17,6 +17,7 @@ from fowtlib.language.component import Component
 from fowtlib.solving import State, mean_state
 from fowtlib.solving.binding import RunTrees, content_of
 from fowtlib.solving.excited import ExcitedModel, excited_model
+from fowtlib.solving.known_slopes import contents_of
 from fowtlib.solving.mean_linear import RotatingLinearModel
 from fowtlib.solving.paths import by_path, spread_out
 from fowtlib.solving.rotation import Rotation, steady_rotation
@@ -77,7 +78,8 @@ class Study:
         """Functions of frequency of a run with these parameters and this tree, with what is known of them."""
         given = by_path(parameters or {})
         given = spread_out(given, self.plant.root) if self.plant.root is not None else given
-        return lambda name, function: self._rows.of(name, root, given, function)
+        contents = contents_of(given)
+        return lambda name, function: self._rows.of(name, root, contents, function)
 
     def gains(self, excited: ExcitedModel) -> list[np.ndarray] | None:
         """Gains of drag that another state settled at; None before the first one."""

@@ -285,13 +285,16 @@ class Resolvent:
 
     def adjoint(self, b: np.ndarray) -> np.ndarray:
         """(i omega - A)^-H b, for b (n, q, k)."""
+        amplitudes, lift = self.backwards(times(self.shapes.conj().T, b))
+        return times(lift, amplitudes)
+
+    def backwards(self, b: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+        """Amplitudes a (n, q, k), and a real matrix L with (i omega - A)^-H c = L a, for b = shapes^H c."""
         if self.basis is None:
-            return self._solved(b, adjoint=True)
+            return self._solved(b, adjoint=True), np.eye(len(self.A))
         if self.modes is not None:
-            backwards = self.modes.answers(self._functions.conj(), times(self.modes.shapes.T, b))
-            return times(self.modes.of.T, backwards)
-        _, right, left = self.basis
-        return times(left.conj().T, times(right.conj().T, b) * self._shares.conj()[:, :, None])
+            return self.modes.answers(self._functions.conj(), b), self.modes.of.T
+        return times(self.basis[2].conj().T, b * self._shares.conj()[:, :, None]), np.eye(len(self.A))
 
     def between(self, C: np.ndarray, B: np.ndarray, part: slice = slice(None)) -> np.ndarray:
         """C (i omega - A)^-1 B, for constant C (m, n) and B (n, k): (q, m, k); part: of the frequencies."""

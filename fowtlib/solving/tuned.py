@@ -9,6 +9,7 @@ differences of that part alone, on one copy of the component tree, and only of n
 from __future__ import annotations
 
 import copy
+import threading
 from collections.abc import Callable, Hashable, Iterable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from dataclasses import dataclass
@@ -21,12 +22,14 @@ from fowtlib.flattening.system import element_names
 from fowtlib.language.component import Component
 from fowtlib.language.declarations import SHAPES, join
 from fowtlib.language.errors import ParameterError, did_you_mean
-from fowtlib.language.expressions import one_evaluation
+from fowtlib.language.expressions import one_evaluation, parameters_read
 from fowtlib.language.series import Series
 from fowtlib.language.units import to_si
-from fowtlib.solving.binding import start_numbers, tree_with
+from fowtlib.solving.binding import RunTrees, start_numbers, tree_with
 from fowtlib.solving.bindings import Common
 from fowtlib.solving.differences import SHORT, derivative
+from fowtlib.solving.known_slopes import Contents, Known, KnownSlopes, contents_of
+from fowtlib.solving.paths import by_path, spread_out
 from fowtlib.solving.starts import mean_parameters
 
 Plant = Any
@@ -113,6 +116,38 @@ def _why_not(plant: Plant, path: str) -> str:
     return f"there is no tunable parameter '{path}'{did_you_mean(path, known)}"
 
 
+class _Work(threading.local):
+    """What the runs of one plant have in common, in one thread: component trees, and slopes of what follows from them.
+
+    A tree has the values of the run that asked for it last, and is put anew for another one.
+    """
+
+    def __init__(self, plant: Plant):
+        self.of_runs, self.of_means, self.apart = KnownSlopes(), KnownSlopes(), dict[Hashable, set[str]]()
+        self._plant = plant
+        self._trees = {what: RunTrees(plant.dae, plant.root) for what in ("run", "mean")}
+        self._lent: dict[str, tuple[object, Common]] = {}
+        self._asked: list[tuple[Any, dict[bytes, np.ndarray]]] = []
+
+    def common(self, what: str, owner: object, parameters: Values) -> Common:
+        """The tree of a run, or of its mean."""
+        known = self._lent.get(what)
+        if known is None or known[0] is not owner:
+            tree = self._trees[what](parameters)
+            if tree is self._plant.root:
+                tree = copy.deepcopy(tree)
+            same = known is not None and known[1].tree is tree
+            known = self._lent[what] = owner, known[1] if same else Common(self._plant.dae, tree, frozenset())
+        return known[1]
+
+    def asked(self, values: Any, omega: np.ndarray) -> np.ndarray:
+        """Frequencies, with those that were asked for at these values of the elements, and at the last ones."""
+        if not self._asked or self._asked[-1][0] != values:
+            self._asked = [*self._asked[-1:], (values, {})]
+        self._asked[-1][1][omega.tobytes()] = omega
+        return np.unique(np.concatenate([one for _, group in self._asked for one in group.values()]))
+
+
 class TunedRun:
     """A run about its mean, and the elements of parameters by which its results are differentiated.
 
@@ -123,8 +158,7 @@ class TunedRun:
         self.plant, self.parameters, self.elements = plant, dict(parameters or {}), list(elements)
         self.mean = mean_parameters(plant, self.parameters)
         self.binding = plant.binding(self.mean)
-        self.apart: dict[Hashable, set[str]] = {}
-        """Names of elements that do not matter to what is computed when a run starts, by what that is."""
+        self._work: _Work = plant.functions.once("tuned runs", lambda: _Work(plant))
 
     @cached_property
     def values(self) -> np.ndarray:
@@ -137,14 +171,46 @@ class TunedRun:
         owner, _, name = item.path.rpartition(".")
         return float(self.tree.find(owner).parameter_value(name))
 
-    @cached_property
+    @property
     def tree(self) -> Component:
-        """Component tree of the run itself, not of its mean; a copy."""
-        return copy.deepcopy(tree_with(self.plant.dae, self.plant.root, self.parameters))
+        """Component tree of the run itself, not of its mean."""
+        return self._of_run.tree
+
+    @property
+    def _of_run(self) -> Common:
+        return self._work.common("run", self, self.parameters)
+
+    @property
+    def _common(self) -> Common:
+        return self._work.common("mean", self, self.mean)
 
     @cached_property
-    def _of_run(self) -> Common:
-        return Common(self.plant.dae, self.tree, frozenset())
+    def contents(self) -> Contents:
+        """The parameters of the run, to compare."""
+        return self._compared(self.parameters)
+
+    @cached_property
+    def _contents(self) -> Contents:
+        """Those of its mean."""
+        return self._compared(self.mean)
+
+    def _compared(self, parameters: Values) -> Contents:
+        """Parameters by path, and the files that were read."""
+        values = by_path(parameters) if self.plant.root is None else spread_out(by_path(parameters), self.plant.root)
+        return {**contents_of(values), "": (False, tuple(sorted(self.binding.data.items())))}
+
+    def known(self, name: Hashable) -> Known:
+        """What runs with the same numbers, as far as these count, have found of what is computed from a tree."""
+        return self._work.of_runs.of(name, self.contents)
+
+    def _known(self, path: str) -> Known:
+        """The same of a parameter, or of numbers, in the mean."""
+        return self._work.of_means.of(path, self._contents)
+
+    def asked(self, omega: np.ndarray) -> np.ndarray:
+        """All frequencies that this run and others with equal elements ask for, or did at the last elements."""
+        values = tuple(self.contents.get(path) for path in dict.fromkeys(item.path for item in self.elements))
+        return self._work.asked(values, omega)
 
     @contextmanager
     def tree_at(self, item: Tuned, value: float) -> Iterator[Component]:
@@ -187,23 +253,29 @@ class TunedRun:
             whole.T.flat[item.number if whole.shape else 0] = value
         return found
 
-    def kept_apart(self, key: Hashable, items: Sequence[Tuned], here: np.ndarray,
-                   computed: Callable[[Component], np.ndarray],
-                   common: Common | None = None) -> list[Tuned]:  # fmt: skip
-        """The elements that did not matter to numbers computed from a tree, in evaluations before this.
+    def kept_apart(self, name: Hashable, known: Known, items: Sequence[Tuned], here: np.ndarray,
+                   computed: Callable[[Component], np.ndarray], of_mean: bool = False) -> set[str]:  # fmt: skip
+        """Names of the elements that did not matter to numbers computed from a tree, in evaluations before this.
 
         A part of a hull knows all diameters and reads those near to it. That it still does is seen at once, by moving
         all the others together: where the numbers are no longer the same, to the last digit, all count again.
         """
-        common = self._of_run if common is None else common
-        known = self.apart.get(key, set())
-        apart = [item for item in items if item.name in known and item.tunable and common.is_plain(item.path)]
-        if apart:
-            with common.put(self.moved(apart)) as tree, one_evaluation():
-                if not np.array_equal(computed(tree), here):
-                    apart = []
-        self.apart[key] = {item.name for item in apart}
-        return apart
+        if known.apart is None:
+            common, contents = (self._common, self._contents) if of_mean else (self._of_run, self.contents)
+            before = self._work.apart.setdefault(name, set())
+            apart = [item for item in items if item.name in before and item.tunable and common.is_plain(item.path)]
+            if apart:
+                with common.put(self.moved(apart)) as tree, one_evaluation(), parameters_read() as read:
+                    if not np.array_equal(computed(tree), here):
+                        apart = []
+                known.note(read, contents)
+            before -= {item.name for item in items} - {item.name for item in apart}
+            known.apart = {item.name for item in apart}
+        return known.apart
+
+    def set_apart(self, name: Hashable, item: Tuned) -> None:
+        """That an element did not matter to numbers; see kept_apart."""
+        self._work.apart.setdefault(name, set()).add(item.name)
 
     def slope(self, item: Tuned, function: Callable[[float], np.ndarray],
               here: np.ndarray | None = None) -> np.ndarray:  # fmt: skip
@@ -213,11 +285,6 @@ class TunedRun:
         return derivative(function, value, here=here, low=item.min, high=item.max, quick=True, what=what)
 
     # --- what the mean takes in ----------------------------------------------------------------------------------
-
-    @cached_property
-    def _common(self) -> Common:
-        with self.binding.tree() as tree:
-            return Common(self.plant.dae, copy.deepcopy(tree), frozenset())
 
     @cached_property
     def _numbers(self) -> dict[str, slice]:
@@ -261,50 +328,61 @@ class TunedRun:
         return [path for path, by in self._common.needs.items() if item.path in by]
 
     def _through_numbers(self, item: Tuned, p: np.ndarray, used: np.ndarray) -> np.ndarray:
-        dae, layout, followers = self.plant.dae, self.plant.layout.p, self._followers(item)
+        """Slopes through other parameters, and through numbers, that are computed from an element."""
+        layout, followers = self.plant.layout.p, self._followers(item)
         read = {item.path, *followers}
-        others = [path for path in followers if used[layout[path]].any()]
-        numbers = [path for path, place in self._numbers.items()
-                   if used[place].any() and read & self.binding.reads.get(path, frozenset())]  # fmt: skip
-        if not others and not numbers:
-            return np.zeros(len(p))
-        apart = self._numbers_apart
-        numbers = [k for k in numbers if item.name not in apart.get(k, ())]
-        if not others and not numbers:
-            return np.zeros(len(p))
-        places = np.concatenate([np.r_[layout[path]] for path in others] + [np.r_[self._numbers[k]] for k in numbers])
-        given, matters = np.array(self.binding.values[item.path]), set()
+        asked = [path for path in followers if used[layout[path]].any()]
+        asked += [path for path, place in self._numbers.items()
+                  if used[place].any() and read & self.binding.reads.get(path, frozenset())]  # fmt: skip
+        known = {path: self._known(path) for path in asked}
+        self._learn(item, {path: one for path, one in known.items() if item.name not in one.slopes})
+        found = np.zeros(len(p))
+        for path, one in known.items():
+            if (slope := one.slopes[item.name]) is not None:
+                found += p[:, self._place(path)] @ slope
+        return found
+
+    def _place(self, path: str) -> Any:
+        """Where a parameter, or numbers, stand in p."""
+        return self._numbers[path] if path in self._numbers else self.plant.layout.p[path]
+
+    def _learn(self, item: Tuned, unknown: Mapping[str, Known]) -> None:
+        """The slopes of what is computed from an element; None of what does not depend on it."""
+        bound, apart = self.plant.dae.bound, set[str]()
+        for path, one in unknown.items():
+            if path in self._numbers and path not in self.binding.sources:
+                kept = self.kept_apart(path, one, self.elements, self.binding.p[self._place(path)],
+                                       lambda tree, path=path: start_numbers(bound[path], tree.find(bound[path].owner)),
+                                       of_mean=True)  # fmt: skip
+                if item.name in kept:
+                    one.slopes[item.name] = None
+                    apart.add(path)
+        asked = {path: one for path, one in unknown.items() if path not in apart}
+        if not asked:
+            return
+        ends = np.cumsum([0, *(np.size(self.binding.p[self._place(path)]) for path in asked)])
+        given = np.array(self.binding.values[item.path])
 
         def computed(value: float) -> np.ndarray:
-            moved = given.copy()
+            moved, columns = given.copy(), []
             moved.T.flat[item.number] = value
             with self._common.put({item.path: moved}) as tree, one_evaluation():
-                columns = [self._parameter(tree, path) for path in others]
-                for k in numbers:
-                    columns.append(start_numbers(dae.bound[k], tree.find(dae.bound[k].owner)))
-                    if not np.array_equal(columns[-1], self.binding.p[self._numbers[k]]):
-                        matters.add(k)
+                for path, one in asked.items():
+                    with parameters_read() as read:
+                        if path in self._numbers:
+                            columns.append(start_numbers(bound[path], tree.find(bound[path].owner)))
+                        else:
+                            columns.append(self._parameter(tree, path))
+                    one.note(read, self._contents)
             return np.concatenate(columns)
 
-        found = p[:, places] @ self.slope(item, computed, self.binding.p[places])
-        for k in set(numbers) - matters:
-            self.apart.setdefault(k, set()).add(item.name)
-        return found
-
-    @cached_property
-    def _numbers_apart(self) -> dict[str, set[str]]:
-        """Names of the elements that are known not to matter to numbers, by the path of these; see kept_apart."""
-        found = {}
-        for path, place in self._numbers.items():
-            if path in self.apart and path not in self.binding.sources:
-                bound = self.plant.dae.bound[path]
-
-                def computed(tree: Component, bound: Any = bound) -> np.ndarray:
-                    return start_numbers(bound, tree.find(bound.owner))
-
-                kept = self.kept_apart(path, self.elements, self.binding.p[place], computed, self._common)
-                found[path] = {item.name for item in kept}
-        return found
+        here = np.concatenate([np.atleast_1d(self.binding.p[self._place(path)]) for path in asked])
+        slope = self.slope(item, computed, here)
+        for (path, one), first, last in zip(asked.items(), ends[:-1], ends[1:], strict=True):
+            part = slope[first:last]
+            one.slopes[item.name] = part if part.any() else None
+            if path in self._numbers and not part.any():
+                self.set_apart(path, item)
 
     def _parameter(self, tree: Component, path: str) -> np.ndarray:
         owner, _, name = path.rpartition(".")

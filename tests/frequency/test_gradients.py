@@ -148,8 +148,13 @@ def test_drag_that_rounding_keeps_from_settling(monkeypatch, noise, settles):
     from fowtlib.frequency import adjoint
 
     quiet = PreparedGradient(chain(), ["std x"], ["one.drag"], frequencies=GRID).values()
-    exact, sides = adjoint.best_gain, itertools.cycle((1, -1))
-    monkeypatch.setattr(adjoint, "best_gain", lambda *of: exact(*of) * (1 + noise * next(sides)))
+    exact, sides = adjoint.gains_of, itertools.cycle((1, -1))
+
+    def noisy(*of):
+        side = next(sides)
+        return [gain * (1 + noise * side) for gain in exact(*of)]
+
+    monkeypatch.setattr(adjoint, "gains_of", noisy)
     prepared = PreparedGradient(chain(), ["std x"], ["one.drag"], frequencies=GRID)
     if settles:
         assert prepared.values() == pytest.approx(quiet, rel=noise)
@@ -282,13 +287,38 @@ def test_sizes_that_did_not_matter_to_a_part_count_as_soon_as_they_do():
     prepared = made()
     _, first = prepared.evaluate()
     assert first[0, 1:].tolist() == [0.0, 0.0]
-    assert sorted(next(iter(prepared._apart.values()))) == ["one.sizes[1]", "one.sizes[2]"]
+    work = prepared.plant.functions.once("tuned runs", lambda: None)
+    assert sorted(next(iter(work.apart.values()))) == ["one.sizes[1]", "one.sizes[2]"]
     values, again = prepared.evaluate([1.6, 1.2, 4.5])
     assert again[0] == pytest.approx([-values[0] / 3.2, 0.0, 0.0], rel=1e-7)
     values, later = prepared.evaluate([1.6, 3.0, 4.5])
     mass = 1.6 + 1.0
     assert later[0] == pytest.approx([-values[0] / (2 * mass), -values[0] / mass, 0.0], rel=1e-4)
     np.testing.assert_allclose(later, made().evaluate([1.6, 3.0, 4.5])[1], rtol=1e-12)
+
+
+@pytest.mark.parametrize("level", [0.9, 2.0])
+def test_two_runs_of_one_model_have_slopes_of_their_own(level):
+    """What one has computed is used by the other where it holds for it, and is that of a model of its own."""
+    results, by, other = ["std x", "std pull", "mean x"], [*TUNED, "one.flow"], {"one.level": level, "one.delay": 0.7}
+    plant = fw.load(chain(flow=0.4)).compile()
+    first, second = (PreparedGradient(plant, results, by, parameters=given, frequencies=grid)
+                     for given, grid in (({}, GRID), (other, GRID[::2])))  # fmt: skip
+    alone = PreparedGradient(chain(flow=0.4), results, by, parameters=other, frequencies=GRID[::2])
+    kept = first.evaluate()
+    for mine, own in zip(second.evaluate(), alone.evaluate(), strict=True):
+        np.testing.assert_allclose(mine, own, rtol=1e-9, atol=1e-12)
+    for one, again in zip(kept, first.evaluate(), strict=True):
+        np.testing.assert_allclose(one, again, rtol=1e-9, atol=1e-12)
+
+
+def test_values_to_a_tolerance_are_those_to_rounding():
+    results = ["std x", "max pull", "mean x"]
+    exact, rough = (PreparedGradient(chain(), results, ["one.drag"], frequencies=GRID, tolerance=tolerance)
+                    for tolerance in (None, 1e-7))  # fmt: skip
+    for drag in (1.0, 3.0):
+        assert rough.values([drag]) == pytest.approx(exact.values([drag]), rel=1e-6)
+    np.testing.assert_allclose(rough.evaluate([3.0])[1], exact.evaluate([3.0])[1], rtol=1e-9)
 
 
 def cantilever():

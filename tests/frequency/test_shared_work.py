@@ -11,6 +11,7 @@ from fowtlib.language import Component, Number, param
 from fowtlib.language.eigenvectors import eigenvalues, eigenvectors
 from fowtlib.language.expressions import one_evaluation, parameters_read
 from fowtlib.solving.arrays import Arrays
+from fowtlib.solving.known_slopes import KnownSlopes, contents_of
 from fowtlib.solving.real_modes import RealModes
 
 
@@ -98,7 +99,7 @@ def test_rows_that_are_known_are_not_asked_for_again():
 
     def rows(omega, **values):
         part._values.update(values)
-        return known.of("f", part, values, function)(np.array(omega)).tolist()
+        return known.of("f", part, contents_of(values), function)(np.array(omega)).tolist()
 
     assert rows([1.0, 2.0, 4.0], gain=2.0, other=1.0) == [2.0, 4.0, 8.0]
     assert rows([1.0, 3.0, 4.0], gain=2.0, other=5.0) == [2.0, 6.0, 8.0]  # of the same gain
@@ -118,3 +119,16 @@ def test_what_a_value_reads_is_noted_for_all_who_ask_for_it():
             with parameters_read() as read:
                 part.parameter_value("gain")
             assert read == {("", "gain")}
+
+
+def test_slopes_are_known_for_equal_numbers_alone():
+    known, wind = KnownSlopes(), {"wind.kind": "kaimal", "wind.speed": 9.0, "hull.wall": np.array([0.04, 0.05])}
+    first = known.of("mass", contents_of(wind))
+    first.note({("hull", "wall")}, contents_of(wind))
+    first.slopes["hull.wall[0]"] = 7.0
+    assert known.of("mass", contents_of(wind | {"wind.speed": 12.0})) is first  # nobody reads it
+    assert known.of("mass", contents_of(wind | {"hull.wall": np.array([0.04, 0.06])})).slopes == {}
+    again = known.of("mass", contents_of(wind))
+    assert again.slopes == {}  # of the last numbers alone
+    again.note({("hull", "wall")}, contents_of(wind))
+    assert known.of("mass", contents_of(wind | {"wind.kind": "frozen"})) is not again  # another kind of part
