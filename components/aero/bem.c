@@ -2,10 +2,12 @@
  *
  * In front of this text stand CasADi's interface and the data of one rotor (bem_data.py), polar.c and the airfoil model.
  * The data are the macros BLADES, STATIONS, SENSE, TIP_RADIUS, SKEW, SKEWED_WAKE, DYNAMIC_INFLOW, AXIAL_DRAG,
- * TANGENTIAL_DRAG, those of polar.c and of the airfoil model, and constant arrays of the stations: length; tip_loss,
- * hub_loss, the lesser of them least_loss, F at pi/2 upright_loss; of the polar its largest |c_l| and |c_d| most_lift,
- * most_drag, and a line through its lift lift_slope, zero_lift. Every call stands alone: the states of the airfoil model
- * are inputs, and their rates outputs. Momentum balances the polars; the loads are those of the airfoil model.
+ * TANGENTIAL_DRAG, those of polar.c and of the airfoil model, and constant arrays of the nodes, of which this text reads
+ * those of the first blade: length; tip_loss, hub_loss, the lesser of them least_loss, F at pi/2 upright_loss; of the
+ * polar its largest |c_l| and |c_d| most_lift, most_drag, and a line through its lift lift_slope, zero_lift. Every call
+ * stands alone: the states of the airfoil model are inputs, and their rates outputs. Momentum balances the polars; the
+ * loads are those of the airfoil model. Behind this text, which has one node at a time, stand several at once
+ * (bem_lanes.c) and what calls both (bem_rotor.c).
  *
  * Physics, per node (Ning 2014, Wind Energy 17:1327; Burton et al. 2011, section 3): e_x and e_t span the plane of the
  * blade section, e_t against the motion, e_x downwind. With the relative wind (Vx, Vt) before induction and the speed W

@@ -110,7 +110,7 @@ INLINE V LANE(guess)(int i, V Vx, V Vt, V twist, V sigma) {
 /* The last step along the cubics, as `finish` of bem.c, or along the slopes where it is `straight`. Returns the lanes that
  * it suits. */
 INLINE M LANE(finish)(V Vx, V Vt, V alpha, V per_step, V per_slope, M straight, const struct LANE(balance) *past,
-                             struct LANE(balance) *b, const struct LANE(piece) *p, V *newton) {
+                      struct LANE(balance) *b, const struct LANE(piece) *p, V *newton) {
     V now[6] = {b->A, b->B, b->F, b->A_phi, b->B_phi, b->F_phi}, zero = {0}, second[3], third[3], d = *newton;
     V before[6] = {past->A, past->B, past->F, past->A_phi, past->B_phi, past->F_phi};
     EACH for (int i = 0; i < 3; i++) {
@@ -132,7 +132,7 @@ INLINE M LANE(finish)(V Vx, V Vt, V alpha, V per_step, V per_slope, M straight, 
 /* The balances of the lanes that are `active`, as `solve` of bem.c: the inflow angle phi, its sine and cosine and the
  * balance there. Returns the lanes where it is found. */
 INLINE M LANE(solve)(int i, V Vx, V Vt, V twist, V sigma, int derivatives, M active, V *phi,
-                            struct LANE(balance) *b, struct LANE(piece) *p) {
+                     struct LANE(balance) *b, struct LANE(piece) *p) {
     V zero = {0}, one = LANE(all)(1), side = LANE(choose)(Vx < 0, -one, one), size = LANE(size)(Vx);
     V low = LANE(all)(edge), high = LANE(all)(pi / 2), before = high - low, per_step = zero, newton, per_slope, alpha;
     V least = 4 * LANE(load)(upright_loss + i) - sigma * LANE(load)(most_drag + i);
@@ -310,9 +310,9 @@ INLINE int LANE(section)(int i, const V *in, double chi, double step, V *load, V
                 dU[j] = LANE(choose)(acting, dVx[n] - daxial * yaw - by_a * (daxial - a * dVx[n]), dU[j]);
                 dT[j] = LANE(choose)(acting, dVt[n] + dswirl, dT[j]);
             }
-            if (SKEWED_WAKE) dU[SKEWED] = -induced * SKEW * T0, dU[ANGLE] = -induced * SKEW * in[SKEWED] * T_chi;
-            if (SKEWED_WAKE && LANE(bits)(~acting)) {
-                dU[SKEWED] = LANE(choose)(acting, dU[SKEWED], zero), dU[ANGLE] = LANE(choose)(acting, dU[ANGLE], zero);
+            if (SKEWED_WAKE) {
+                dU[SKEWED] = LANE(choose)(acting, -induced * SKEW * T0, zero);
+                dU[ANGLE] = LANE(choose)(acting, -induced * SKEW * in[SKEWED] * T_chi, zero);
             }
         }
     }
@@ -367,7 +367,8 @@ APART void LANE(put)(int i, int induced, double sign, const V *out, double *at) 
     LANE(spread)(turned, 6, at + 6 * i, 6);
     if (DYNAMIC_INFLOW && induced) LANE(store)(at + 6 * NODES + i, turned[6]);
     if (AIRFOIL_STATES)
-        LANE(spread)(turned + 6 + DYNAMIC_INFLOW, AIRFOIL_STATES, at + (6 + (DYNAMIC_INFLOW && induced)) * NODES + AIRFOIL_STATES * i, AIRFOIL_STATES);
+        LANE(spread)(turned + 6 + DYNAMIC_INFLOW, AIRFOIL_STATES,
+                     at + (6 + (DYNAMIC_INFLOW && induced)) * NODES + AIRFOIL_STATES * i, AIRFOIL_STATES);
 }
 
 INLINE V LANE(dot)(const V *a, const V *b) { return a[0] * b[0] + a[1] * b[1] + a[2] * b[2]; }

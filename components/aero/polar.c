@@ -1,9 +1,9 @@
 /* The polars of a rotor: the head of the text of a rotor, whose airfoil model and bem.c follow.
  *
  * In front stands what bem_data.py writes: COLUMNS, 3 (c_l, c_d, c_m) or more where the airfoil model adds some; of the
- * nodes: polar, the number of its airfoil; of the airfoils: knot and cubic of all in a row, the last knot of each
- * beyond all angles; first_in, which holds for every of BINS parts of the turn from -180 deg the knot below its begin, and MOST_IN_BIN, the
- * largest number of knots within one of them. */
+ * nodes: polar, the number of its airfoil; of the airfoils: knot and cubic of all in a row, the last knot of each beyond
+ * all angles; first_in, which has for each of BINS parts of the turn from -180 deg the knot below its begin; MOST_IN_BIN,
+ * the largest number of knots within one of them. */
 
 #include <math.h>
 #include <stddef.h>

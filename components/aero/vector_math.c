@@ -56,17 +56,12 @@ INLINE V LANE(least)(V a, V b) { return LANE(choose)(a < b, a, b); }
 
 /* The other way round: a[k] has the number k of all rows after it. */
 INLINE void LANE(transpose)(V *a) {
-#if defined(__has_builtin)
-#if __has_builtin(__builtin_shufflevector)
+#ifdef __clang__
 #define SHUFFLE __builtin_shufflevector
+#else
+#define SHUFFLE(a, b, ...) __builtin_shuffle(a, b, (M){__VA_ARGS__})
 #endif
-#endif
-#ifndef SHUFFLE
-    V b[LANES];
-    for (int k = 0; k < LANES; k++) b[k] = a[k];
-    for (int k = 0; k < LANES; k++)
-        for (int l = 0; l < LANES; l++) a[k][l] = b[l][k];
-#elif LANES == 8
+#if LANES == 8
     V b[8];
     EACH for (int k = 0; k < 8; k += 2) {
         b[k] = SHUFFLE(a[k], a[k + 1], 0, 8, 2, 10, 4, 12, 6, 14);
@@ -93,7 +88,7 @@ INLINE void LANE(transpose)(V *a) {
 #undef SHUFFLE
 }
 
-/* Sine and cosine of an angle between 0 and pi, from those of its half where that is below pi/4: to pi/2 as said above. */
+/* Sine and cosine of an angle between 0 and pi/2, by those of its half. */
 INLINE void LANE(sine_cosine)(V x, V *sine, V *cosine) {
     V y = 0.5 * x, q = y * y, q2 = q * q, q4 = q2 * q2;
     V p = (-0.16666666666666666 + 0.008333333333330948 * q) + q2 * (-0.00019841269836756774 + 2.7557316101617874e-06 * q)
