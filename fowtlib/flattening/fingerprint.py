@@ -79,10 +79,11 @@ class _Contents:
                 self.add(value)
 
     def module(self, module: types.ModuleType) -> None:
-        """A module from outside of fowtlib: its text, and the plain data in it."""
+        """A module from outside of fowtlib: its text, the code of it that runs, and the data in it."""
         self._say("module", module.__name__, self.foreign.text(module))
         for name, value in vars(module).items():
-            if not name.startswith("__") and not self.foreign.is_code(value):
+            own = getattr(value, "__module__", None) == module.__name__
+            if not name.startswith("__") and (own or not self.foreign.is_code(value)):
                 self._say(name)
                 self.add(value)
 
