@@ -29,7 +29,7 @@ from fowtlib.language.externals import ExternalFunction
 from fowtlib.language.native import compiler
 
 # What a component knows of its place, of the text it was read from, and of the way in which it was composed.
-_NO_CONTENT = {"_binding", "_parent", "origins", "_predecessors", "_by_owner", "_given", "_added", "parts"}
+_NO_CONTENT = {"_binding", "_parent", "origins", "_predecessors", "_by_owner", "_given", "_added", "_later", "parts"}
 _PLAIN = (int, float, bool, str, bytes, complex, type(None))
 
 
