@@ -10,6 +10,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike
 
+from fowtlib.components.aero.monotone_cubics import monotone_cubics
 from fowtlib.language.data_files import cells_of, lines_of, remembered
 from fowtlib.language.errors import ParameterError, did_you_mean
 
@@ -68,10 +69,8 @@ class Airfoil:
     @cached_property
     def cubics(self) -> np.ndarray:
         """Coefficients by power of (angle - knot): (n - 1, 3, 4)."""
-        from scipy.interpolate import PchipInterpolator
-
         if self.smooth:
-            return np.moveaxis(PchipInterpolator(self.angle, self.coefficients, axis=0).c[::-1], 0, -1)
+            return monotone_cubics(self.angle, self.coefficients)
         lines = np.zeros((len(self.angle) - 1, 3, 4))
         lines[..., 0] = self.coefficients[:-1]
         lines[..., 1] = np.diff(self.coefficients, axis=0) / np.diff(self.angle)[:, None]

@@ -29,7 +29,7 @@ from fowtlib.language.externals import ExternalFunction
 from fowtlib.language.native import compiler
 
 # What a component knows of its place, of the text it was read from, and of the way in which it was composed.
-_NO_CONTENT = {"_binding", "_parent", "origins", "_predecessors", "_by_owner", "_given", "_added", "parts"}
+_NO_CONTENT = {"_binding", "_parent", "origins", "_predecessors", "_by_owner", "_given", "_added", "_later", "parts"}
 _PLAIN = (int, float, bool, str, bytes, complex, type(None))
 
 
@@ -79,10 +79,11 @@ class _Contents:
                 self.add(value)
 
     def module(self, module: types.ModuleType) -> None:
-        """A module from outside of fowtlib: its text, and the plain data in it."""
+        """A module from outside of fowtlib: its text, the code of it that runs, and the data in it."""
         self._say("module", module.__name__, self.foreign.text(module))
         for name, value in vars(module).items():
-            if not name.startswith("__") and not self.foreign.is_code(value):
+            own = getattr(value, "__module__", None) == module.__name__
+            if not name.startswith("__") and (own or not self.foreign.is_code(value)):
                 self._say(name)
                 self.add(value)
 

@@ -8,6 +8,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
+from functools import partial
 from typing import Any
 
 import casadi as ca
@@ -57,19 +58,14 @@ def hooks_again(root: Component, given_with: tuple[Sequence[str], Sequence[str]]
     """The hooks of a component tree whose equations are known already; given_with: see Instances."""
     instances = _Sparing(root)
     found = {component.path: component for component in instances.components}
-    try:
-        with one_evaluation(), statements.flattening(instances.system):
-            for component in instances.components:
-                component._binding = _OnDemand(lambda name, of=component: instances.value_of(of, name))
-            for path in given_with[0]:
-                for name in (*found[path].parameters, *found[path].variables):
-                    found[path]._binding[name]
+    with one_evaluation(), statements.flattening(instances.system):
+        for path in given_with[0]:
+            for name in (*found[path].parameters, *found[path].variables):
+                instances.bindings[path][name]
+        with instances:
             for path in given_with[1]:
                 instances.system.current_path = path
                 instances.take(found[path], found[path].equations())
-    finally:
-        for component in instances.components:
-            component._binding = None
     return Hooks.of(instances.system, instances.statements)
 
 
@@ -90,6 +86,27 @@ class _Sparing(Instances):
         super().__init__(root)
         ends = (check_there(end) for component in self.components for pair in component.connections for end in pair[:2])
         self._connected = {(id(end.component), end.field.name, end.index) for end in ends}
+        self.bindings = {one.path: _OnDemand(partial(self._outside, one)) for one in self.components}
+
+    def __enter__(self) -> _Sparing:
+        for component, binding in zip(self.components, self.bindings.values(), strict=True):
+            vars(component)["_binding"] = binding
+        return self
+
+    def __exit__(self, *_: object) -> None:
+        for component in self.components:
+            vars(component)["_binding"] = None
+
+    def _outside(self, component: Component, name: str) -> Any:
+        """What stands for a name, found while components give values, as at the start of a flattening."""
+        bound = vars(component)["_binding"] is not None
+        if bound:
+            self.__exit__()
+        try:
+            return self.value_of(component, name)
+        finally:
+            if bound:
+                self.__enter__()
 
     def value_of(self, component: Component, name: str) -> Any:
         """What stands for a name of a component in its equations."""

@@ -89,8 +89,8 @@ class Component(Composite):
     ) -> None:
         super().__init_subclass__(**kwargs)
         _resolve_annotations(cls, sys._getframe(1).f_locals)
+        fields = [item for base in reversed(cls.__mro__) for item in vars(base).items() if isinstance(item[1], Field)]
         for field_class, table in _TABLES.items():
-            fields = (item for base in reversed(cls.__mro__) for item in vars(base).items())
             setattr(cls, table, {name: value for name, value in fields if isinstance(value, field_class)})
         if selector:
             cls.family = Family(cls, selector, tuple(shared))

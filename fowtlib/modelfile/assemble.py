@@ -147,17 +147,17 @@ class TreeBuilder:
         own = _own_classes(scope)
         if name in own:
             return own[name]
-        known = catalogue.classes()
         if name == Assembly.__name__:
             return Assembly
-        if name not in known:
+        found = catalogue.class_named(name)
+        if found is None:
             made = catalogue.derived_from(name)
             if made:
                 where = f"{path + ': ' if path else ''}"
                 raise value.place.error(f"{where}'{name}' is a base of other classes, no part; take {one_of(made)}.")
-            hint = did_you_mean(name, [*own, *known])
+            hint = did_you_mean(name, [*own, *catalogue.classes()])
             raise value.place.error(f"{path + ': ' if path else ''}there is no class '{name}'{hint} See `fowt parts`.")
-        return known[name]
+        return found
 
     def _definition(self, use: Value, layer: Layer, path: str) -> Layer:
         name = layer.reader().text(use, "the name of a definition file")

@@ -15,6 +15,7 @@ from fowtlib.language.component import Component
 from fowtlib.language.errors import ModelFileError
 
 Classes = dict[str, type[Component]]
+_CLASS = re.compile(r"^class ([A-Za-z]\w*)\(", re.MULTILINE)
 
 
 @cache
@@ -29,6 +30,26 @@ def classes() -> Classes:
                 raise TypeError(f"two components are called {name}: in {found[name].__module__} and {item.__module__}")
             found[name] = item
     return dict(sorted(found.items()))
+
+
+def class_named(name: str) -> type[Component] | None:
+    """The class of the library of that name, or None; of the library only the room is imported in which it stands."""
+    module = _places().get(name)
+    return None if module is None else _defined_in(importlib.import_module(module)).get(name)
+
+
+@cache
+def _places() -> dict[str, str]:
+    """The modules in whose text the classes of the library stand."""
+    import fowtlib.components as library
+
+    found = {}
+    for folder in map(Path, library.__path__):
+        for path in folder.rglob("*.py"):
+            names = path.relative_to(folder).with_suffix("").parts
+            module = ".".join((library.__name__, *(names[:-1] if names[-1] == "__init__" else names)))
+            found |= dict.fromkeys(_CLASS.findall(path.read_text(encoding="utf-8")), module)
+    return found
 
 
 def classes_of_file(path: Path) -> Classes:

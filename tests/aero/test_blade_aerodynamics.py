@@ -4,8 +4,10 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+from scipy.interpolate import PchipInterpolator
 
 from fowtlib.components.aero import Airfoil, read_airfoils, read_blade
+from fowtlib.components.aero.monotone_cubics import monotone_cubics
 from fowtlib.language.errors import ParameterError
 
 ANGLES = np.radians([-180, -90, 0, 90, 180])
@@ -141,3 +143,13 @@ def test_a_blade_of_the_wrong_length_is_told_its_file(tmp_path):
     path.write_text("\n".join([BLADE_HEAD, "2,4,3,5,0,0,plate", "6,2,3,5,0,0,plate"]))
     message = "the elements are 6 m long together, and the blade is 8 m."
     assert message_of(read_blade, str(path), str(airfoils), 2.0, 10.0) == f"{path}: {message}"
+
+
+def test_monotone_cubics_are_those_of_scipy():
+    """Own code for what every polar needs, since the import of SciPy's takes longer: the same to the last bit."""
+    rng = np.random.default_rng(4)
+    for count in (3, 4, 17, 150):
+        x = np.cumsum(rng.uniform(0.01, 1.0, count))
+        for y in (rng.normal(size=(count, 3)), np.round(rng.normal(size=(count, 2)), 1), np.zeros((count, 1))):
+            known = np.moveaxis(PchipInterpolator(x, y, axis=0).c[::-1], 0, -1)
+            np.testing.assert_array_equal(monotone_cubics(x, y), known)
