@@ -11,7 +11,7 @@ from __future__ import annotations
 import math
 from collections import defaultdict
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from functools import reduce
 from operator import or_
 
@@ -58,6 +58,7 @@ class Program:
     section, and where it is asked for an array `pieces` of pointers to its pieces. scratch: numbers of memory that it
     needs. starts: the first piece of each section, and their count. places: the first place in the scratch memory that
     each piece writes, and their count. masks: unknowns on which each piece depends, for each of the dependences.
+    constants: numbers of the function that its text does not hold.
     """
 
     text: str
@@ -65,6 +66,7 @@ class Program:
     starts: list[int]
     places: list[int]
     masks: list[list[int]]
+    constants: list[float] = field(default_factory=list)
 
 
 def c_program(
@@ -73,14 +75,17 @@ def c_program(
     arguments: Sequence[str],
     parameters: Sequence[str],
     dependences: Sequence[Depends] = (),
+    constants: str = "",
 ) -> Program:
     """The C text of a scalar (SX) function of dense columns, in sections that run one after the other.
 
     sections: name, and the results of the function that it writes (in order, as the parameters they are written to).
     A value is computed in the first section that needs it. parameters: names of all result parameters. Pieces are made
-    by the first of the dependences, and there is a table of them where there are dependences.
+    by the first of the dependences, and there is a table of them where there are dependences. constants: the parameter
+    from which the numbers in the function are read; without it they stand in the text.
     """
-    values = _Values(function, arguments, [(s, r) for s, (_, results) in enumerate(sections) for r in results])
+    results = [(s, r) for s, (_, names) in enumerate(sections) for r in names]
+    values = _Values(function, arguments, results, constants)
     pieces, starts = values.grouped(*dependences[:1])
     bodies, places = values.bodies(pieces)
     masks = [values.of_pieces(pieces, depends) for depends in dependences]
@@ -95,7 +100,7 @@ def c_program(
     if dependences:
         table = ", ".join([*(f"{name}_piece_{k}" for k in range(len(bodies))), "0"])
         text.append(f"EXPORT void (*const pieces[])({signature}) = {{{table}}};\n")
-    return Program("".join(text), places[-1], starts, places, masks)
+    return Program("".join(text), places[-1], starts, places, masks, values.constants)
 
 
 @dataclass(frozen=True)
@@ -111,8 +116,10 @@ class _Line:
 class _Values:
     """The instructions of a function with every value assigned once."""
 
-    def __init__(self, function: ca.Function, arguments: Sequence[str], results: Sequence[tuple[int, str]]):
+    def __init__(self, function: ca.Function, arguments: Sequence[str], results: Sequence[tuple[int, str]],
+                 constants: str = ""):  # fmt: skip
         self.plain: dict[int, str] = {}  # values that are inputs or constants
+        self.constants: list[float] = []  # those that are read from an array of that name
         self.inputs: dict[int, tuple[int, int]] = {}  # argument and element of those that are inputs
         holder: dict[int, int] = {}
         found: list[tuple[int | None, str, list[int], int]] = []
@@ -125,6 +132,9 @@ class _Values:
                 continue
             if code == ca.OP_CONST:
                 self.plain[k] = _number(function.instruction_constant(k))
+                if constants:
+                    self.plain[k] = f"{constants}[{len(self.constants)}]"
+                    self.constants.append(function.instruction_constant(k))
             elif code == ca.OP_INPUT:
                 self.plain[k] = f"{arguments[inside[0]]}[{inside[1]}]"
                 self.inputs[k] = (inside[0], inside[1])
