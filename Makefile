@@ -38,8 +38,9 @@ test: $(STAMP)
 lint: $(STAMP)
 	$(BIN)/ruff check .
 
+# BENCH: further words, such as BENCH="--former COMMIT" for the rows of former.py beside those of an earlier commit.
 bench: $(STAMP)
-	$(BIN)/python benchmarks/run.py
+	$(BIN)/python benchmarks/run.py $(BENCH)
 
 docs: $(STAMP)
 	$(BIN)/zensical build --strict

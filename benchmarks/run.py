@@ -1,6 +1,7 @@
 """Measure fowtlib: `make bench`, or `python benchmarks/run.py NAME ...` for some of it.
 
-`python benchmarks/run.py --write` puts the table into docs/performance.md.
+`python benchmarks/run.py --write` puts the table into docs/performance.md. `--former COMMIT`, or a folder with a
+checkout, compares this code with a former one instead, in turn; see former.py.
 
 Each measurement runs in a process of its own, so that its peak memory is its own. The table has the goal beside the
 measured value; wall-clock times depend on the machine and on what else it does. Beside them stands the time of the
@@ -21,6 +22,7 @@ import time
 from collections.abc import Callable
 from pathlib import Path
 
+from former import ROWS, compare
 from pages import fill
 
 PAGE = Path(__file__).parent.parent / "docs" / "performance.md"
@@ -443,15 +445,26 @@ def main(words: list[str]) -> int:
     if words[:1] == ["--one"]:
         print(json.dumps(MEASUREMENTS[words[1]]()))
         return 0
-    write = "--write" in words
+    write, against = "--write" in words, None
     names = [word for word in words if word != "--write"]
-    unknown = [name for name in names if name not in MEASUREMENTS]
+    if "--former" in names:
+        place = names.index("--former")
+        against = (names[place + 1 : place + 2] or [""])[0]
+        del names[place : place + 2]
+        if not against:
+            print("--former COMMIT or --former FOLDER: which code shall it be compared with?", file=sys.stderr)
+            return 2
+    known = ROWS if against else MEASUREMENTS
+    unknown = [name for name in names if name not in known]
     if unknown:
-        print(f"unknown: {', '.join(unknown)}; there are {', '.join(MEASUREMENTS)}", file=sys.stderr)
+        print(f"unknown: {', '.join(unknown)}; there are {', '.join(known)}", file=sys.stderr)
         return 2
-    table, well = measure(names or list(MEASUREMENTS))
+    if against:
+        table, well = compare(against, names or list(known)), True
+    else:
+        table, well = measure(names or list(known))
     if write and well:
-        PAGE.write_text(fill(PAGE.read_text(), "bench", table))
+        PAGE.write_text(fill(PAGE.read_text(), "former" if against else "bench", table))
     return 0 if well else 1
 
 

@@ -47,7 +47,7 @@ struct fmu_instance {
   char reason[TEXT];
   /* what follows from `now` */
   int evaluated, observed, linear;      /* w and ode; outputs; matrix of the algebraic unknowns */
-  double output[AT_LEAST(OBSERVED)], indicator[AT_LEAST(EVENTS)], new_d[AT_LEAST(ND)], new_x[AT_LEAST(NX)];
+  double output[AT_LEAST(OBSERVED)], last_output[AT_LEAST(OBSERVED)], indicator[AT_LEAST(EVENTS)], new_d[AT_LEAST(ND)], new_x[AT_LEAST(NX)];
   double rows_x[RULE_SUBSTEPS * AT_LEAST(NX)], rows_z[RULE_SUBSTEPS * AT_LEAST(NZ)], try_x[AT_LEAST(NX)], try_z[AT_LEAST(NZ)];
   double condition[AT_LEAST(CHECKS)], message_value[AT_LEAST(MESSAGE_VALUES)];
   double scratch[AT_LEAST(SCRATCH)];
@@ -579,6 +579,7 @@ static int fmu_advance(fmu_instance *f, double length, int points, int *reached)
     if (status) fmu_reason(f, status);
     return status;
   }
+  fs_watch(f->engine, observed, OBSERVED, 0, 0, 0, f->last_output); /* the same place for all points */
   status = fs_advance(f->engine, n->t, length, points, n->x, n->z, n->q, f->rows_x, f->rows_z, reached);
   if (status == FS_DONE) return FS_DONE;
   for (k = 0, status = FS_DONE; k < points && status == FS_DONE; k++) {
@@ -725,7 +726,12 @@ static int fmu_stretch(fmu_instance *f, double length) {
   }
   if (reached)
     fmu_go_to(f, from + length * reached / points, f->rows_x + (reached - 1) * NX, f->rows_z + (reached - 1) * NZ);
-  return status ? fmu_failure(f) : FMU_OK;
+  if (status) return fmu_failure(f);
+  if (NX) { /* the engine has made the outputs with the last of the points */
+    memcpy(f->output, f->last_output, sizeof f->output);
+    f->evaluated = f->observed = 1;
+  }
+  return FMU_OK;
 }
 
 /* The end of the communication step h, on the grid of the steps before it where it lies there.

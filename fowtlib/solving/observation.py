@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from typing import Any
 
 import casadi as ca
 import numpy as np
@@ -27,12 +28,12 @@ class Observation:
     """Rebuilds variables of the model along a trajectory: t (n,), and x, z, d with a row for each, u of all times.
 
     code: the compiled functions of the fixed-step engine, where they have been made; they give the variables that they
-    were made for.
+    were made for. seen: what they have given at these points already, (n, code.width), rows of NaN where nothing.
     """
 
     def __init__(self, at: AtParameters, t: np.ndarray, x: np.ndarray, z: np.ndarray, u: np.ndarray, d: np.ndarray,
-                 code: FixedStepCode | None = None):  # fmt: skip
-        self.at, self.code = at, code
+                 code: FixedStepCode | None = None, seen: np.ndarray | None = None):  # fmt: skip
+        self.at, self.code, self.seen = at, code, seen
         self.arguments = (t, x, z, np.concatenate([np.repeat(u[None], len(t), axis=0), d], axis=1))
 
     def arrays(self, paths: Sequence[str]) -> list[np.ndarray]:
@@ -48,9 +49,29 @@ class Observation:
         return [_shaped(column, shape) for column, shape in zip(columns, shapes, strict=True)]
 
     def _compiled(self, paths: Sequence[str]) -> np.ndarray | None:
-        if self.code is None or self.code.observed != list(paths):
+        """The variables from compiled code, all their elements in a row; None where it does not give all of them."""
+        if self.code is None or not all(path in self.code.columns for path in paths):
             return None
-        t, x, z, q = self.arguments
+        columns = [column for path in paths for column in self.code.columns[path]]
+        if self.seen is None:
+            table = self.rows()
+        elif (unseen := np.isnan(self.seen).all(axis=1)).any():
+            missing = self.rows(unseen)
+            table = None if missing is None else self.seen.copy()
+            if table is not None:
+                table[unseen] = missing
+        else:
+            table = self.seen
+        return None if table is None else table[:, columns]
+
+    def rows(self, chosen: Any = slice(None)) -> np.ndarray | None:
+        """What compiled code gives at the chosen points, (n, code.width), NaN for the conditions of the checks.
+
+        None where there is no such code, or it fails.
+        """
+        if self.code is None:
+            return None
+        t, x, z, q = (values[chosen] for values in self.arguments)
         blocks = []
         for first in range(0, max(len(t), 1), ROWS):  # the parameters stand beside each point, and there may be many
             part = slice(first, first + ROWS)
@@ -59,7 +80,8 @@ class Observation:
             if values is None:
                 return None
             blocks.append(values)
-        return np.concatenate(blocks)
+        rows = np.concatenate(blocks)
+        return np.hstack([rows, np.full((len(rows), self.code.width - self.code.size), np.nan)])
 
     def values(self, names: Sequence[str]) -> np.ndarray:
         """Columns of scalars, (n_time, n); a single vector or matrix as (n_time, *shape)."""

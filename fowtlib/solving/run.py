@@ -95,7 +95,7 @@ class Run:
                  resumed: bool = False, code: Callable[[], FixedStepCode | None] = lambda: None,
                  timeline: Timeline | None = None):  # fmt: skip
         self.engine, self.at, self.dae = engine, engine.at, engine.at.dae
-        self.outputs, self.names, self.about, self.code = outputs, list(names), about, code
+        self.outputs, self.names, self.about, self.code = outputs, list(names), about, code()
         self.binding, self.resumed = about.binding, resumed
         self.most, self.parts = rules.STRETCH, 1  # output points of a stretch, or stretches of an output step
         require_leave(self.binding.root)
@@ -111,6 +111,7 @@ class Run:
         self.t = start.t
         self.x, self.z, self.d, self.u = start.x.copy(), start.z.copy(), start.d.copy(), start.u.copy()
         self.rows: list[tuple[np.ndarray, np.ndarray, np.ndarray, np.ndarray]] = []
+        self.seen: list[np.ndarray] = []  # what compiled code has given at these rows; NaN where they were amended
         self.warned: dict[int, str] = {}
         self.timeline = timeline or Timeline((), self.dae, outputs, about.binding.root)
         self.events = StateEvents(self)
@@ -246,6 +247,7 @@ class Run:
     def _go_on(self, checkpoint: bytes) -> None:
         try:
             restore(checkpoint, self)
+            self.seen = [self._unseen(1)]
         except (ValueError, KeyError) as error:
             raise SimulationError(f"the result to resume from does not fit: of its checkpoint, {error}.") from None
         self.checkpoint, self.went_on_from = checkpoint, float(self.rows[0][0][0])
@@ -291,19 +293,20 @@ class Run:
         if self.journal is None:
             return
         new, left = [], sum(len(row[0]) for row in self.rows) - self.written
-        for row in reversed(self.rows):  # what is written already is not copied again
+        rows = [(*row, seen) for row, seen in zip(self.rows, self.seen, strict=True)]
+        for row in reversed(rows):  # what is written already is not copied again
             if left <= 0:
                 break
             new.insert(0, tuple(column[-left:] for column in row))
             left -= len(row[0])
-        t, x, z, d = (np.concatenate([row[i] for row in new])[:-1] for i in range(4))
+        t, x, z, d, seen = (np.concatenate([row[i] for row in new])[:-1] for i in range(5))
         kept = t >= self.t_start + self.discard - 1e-9 * self.step
         self.written += len(t)
-        t, x, z, d = t[kept], x[kept], z[kept], d[kept]
+        t, x, z, d, seen = t[kept], x[kept], z[kept], d[kept], seen[kept]
         if not len(t):
             self.journal.write(None, {}, self.checkpoint)
             return
-        self.pieces.append(self._series(self._observe(t, x, z, d)))
+        self.pieces.append(self._series(self._observe(t, x, z, d, seen)))
         self.journal.write(self._raw(t, x, z, d), self.pieces[-1], self.checkpoint)
 
     def _integrate(self, t_end: float, step: float, report: Callable[[float, float], None], goes_on: bool) -> None:
@@ -348,28 +351,30 @@ class Run:
         watching = self.events.watching
         substeps = rules.SUBSTEPS if watching else 1
         x, z = self.advance(length, points * substeps)
-        reached = len(x)
+        reached, seen = len(x), self.engine.seen
+        seen = seen if len(seen) == reached else self._unseen(reached)
         times = self.t + length * np.arange(1, points * substeps + 1) / (points * substeps)
         if watching:
             crossing = self.events.first_crossing(times[:reached], x, z)
             if crossing is not None:
                 whole = (crossing // substeps) * substeps
-                self._keep(times, x, z, whole, substeps, record)
+                self._keep(times, x, z, seen, whole, substeps, record)
                 self.events.carry_out(times, x, z, crossing)
                 return
-        self._keep(times, x, z, reached, substeps, record)
+        self._keep(times, x, z, seen, reached, substeps, record)
         if reached < points * substeps:
             if self.interrupted.is_set():
                 raise KeyboardInterrupt
             raise self.failure()
 
-    def _keep(self, times: np.ndarray, x: np.ndarray, z: np.ndarray, reached: int, substeps: int, record: bool) -> None:
+    def _keep(self, times: np.ndarray, x: np.ndarray, z: np.ndarray, seen: np.ndarray, reached: int, substeps: int,
+              record: bool) -> None:  # fmt: skip
         if reached == 0:
             return
         chosen = slice(substeps - 1, reached, substeps)
         self.t, self.x, self.z = float(times[reached - 1]), x[reached - 1].copy(), z[reached - 1].copy()
         if record and len(times[chosen]):
-            self._record(times[chosen], x[chosen], z[chosen])
+            self._record(times[chosen], x[chosen], z[chosen], seen[chosen])
 
     def advance(self, length: float, points: int) -> tuple[np.ndarray, np.ndarray]:
         """Rows of x and z at equidistant points; fewer rows where the engine fails."""
@@ -441,22 +446,31 @@ class Run:
 
     # --- output points -------------------------------------------------------------------------------------------
 
-    def _record(self, times: np.ndarray, x: np.ndarray, z: np.ndarray) -> None:
+    def _record(self, times: np.ndarray, x: np.ndarray, z: np.ndarray, seen: np.ndarray | None = None) -> None:
+        """seen: what the engine has given there, rows of NaN where nothing."""
         self.rows.append((times, x, z, np.repeat(self.d[None], len(times), axis=0)))
+        if seen is None or not seen.shape[1] or np.isnan(seen).all():
+            seen = self._observe(*self.rows[-1]).rows()
+        self.seen.append(self._unseen(len(times)) if seen is None else seen)
         self._check(times, x, z)
+
+    def _unseen(self, points: int) -> np.ndarray:
+        return np.full((points, self.code.width if self.code else 0), np.nan)
 
     def _amend_last(self) -> None:
         """The last output point lies at an event or a sample: keep the values after it."""
         times, *values = self.rows[-1]
         for rows, now in zip(values, (self.x, self.z, self.d), strict=True):
             rows[-1] = now
+        self.seen[-1][-1] = np.nan
 
     def _check(self, times: np.ndarray, x: np.ndarray, z: np.ndarray) -> None:
         """Assertions at output points; the first broken one of level error stops the run there."""
         if not self.dae.checks:
             return
-        n = len(times)
-        values = self.at.along(self.at.functions.conditions, times, x, z, np.repeat(self.q[None], n, axis=0))
+        n, values = len(times), self.seen[-1][:, -len(self.dae.checks) :]
+        if not values.size or np.isnan(values).any():
+            values = self.at.along(self.at.functions.conditions, times, x, z, np.repeat(self.q[None], n, axis=0))
         for k in np.flatnonzero((values == 0).any(axis=1)):
             for i in np.flatnonzero(values[k] == 0):
                 check = self.dae.checks[i]
@@ -469,6 +483,7 @@ class Run:
                     continue
                 last = self.rows[-1]
                 self.rows[-1] = tuple(part[: k + 1] for part in last)  # type: ignore[assignment]
+                self.seen[-1] = self.seen[-1][: k + 1]
                 self.t, self.x, self.z = float(times[k]), x[k], z[k]
                 raise SimulationError(text)
 
@@ -490,9 +505,10 @@ class Run:
     def result(self, status: str) -> Result:
         """What has been computed, as a Result."""
         t, x, z, d = (np.concatenate([row[i] for row in self.rows]) for i in range(4))
+        seen = np.concatenate(self.seen)
         kept = t >= min(self.t_start + self.discard - 1e-9 * self.step, t[-1])
         t, x, z, d = t[kept], x[kept], z[kept], d[kept]
-        observe, values = self._observe(t, x, z, d), self._all_series(t, x, z, d)
+        observe, values = self._observe(t, x, z, d), self._all_series(t, x, z, d, seen[kept])
         for name, series in values.items():
             self._warn_of_gaps(name, t, series)
         raw = self._raw(t, x, z, d, self.checkpoint)
@@ -501,8 +517,9 @@ class Run:
         units, docs = ({name: getattr(entry, of) for name, entry in entries.items()} for of in ("unit", "doc"))
         return Result(t, values, units, docs, self._attributes(status), raw, observer)
 
-    def _observe(self, t: np.ndarray, x: np.ndarray, z: np.ndarray, d: np.ndarray) -> Observation:
-        return Observation(self.at, t, x, z, self.u, d, self.code())
+    def _observe(self, t: np.ndarray, x: np.ndarray, z: np.ndarray, d: np.ndarray,
+                 seen: np.ndarray | None = None) -> Observation:  # fmt: skip
+        return Observation(self.at, t, x, z, self.u, d, self.code, seen)
 
     def _series(self, observe: Observation) -> dict[str, np.ndarray]:
         """The results along rows of a trajectory."""

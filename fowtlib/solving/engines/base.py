@@ -19,6 +19,9 @@ class Engine(Protocol):
     at: AtParameters
     """The functions of the model at the parameters of the run."""
 
+    seen: np.ndarray
+    """What the engine also knows at the points of the last `advance`: rows as of FixedStepCode.observe, or none."""
+
     advice: str
     """What to try where it fails; the end of a sentence."""
 

@@ -10,7 +10,7 @@ from __future__ import annotations
 
 from collections import defaultdict
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from functools import reduce
 from operator import or_
 
@@ -37,6 +37,7 @@ class Program:
     section, and where it is asked for an array `pieces` of pointers to its pieces. scratch: numbers of memory that it
     needs. starts: the first piece of each section, and their count. places: the first place in the scratch memory that
     each piece writes, and their count. masks: unknowns on which each piece depends, for each of the dependences.
+    constants: numbers of the function that its text does not hold.
     """
 
     text: str
@@ -44,6 +45,7 @@ class Program:
     starts: list[int]
     places: list[int]
     masks: list[list[int]]
+    constants: list[float] = field(default_factory=list)
 
 
 def c_program(
@@ -54,6 +56,7 @@ def c_program(
     dependences: Sequence[Depends] = (),
     known_from: Callable[[int, int], int] = lambda argument, element: 0,
     word: int = ANY_PROCESSOR,
+    constants: str = "",
 ) -> Program:
     """The C text of a scalar (SX) function of dense columns, in sections that run one after the other.
 
@@ -61,9 +64,13 @@ def c_program(
     A value is computed in the first section that needs it. parameters: names of all result parameters. Pieces are made
     by the first of the dependences, and there is a table of them where there are dependences. known_from: the section
     from which on an element of an argument is known. word: lanes of a vector of C; `prologue` of them stands in front.
+    constants: the parameter from which the numbers in the function are read; without it they stand in the text.
     """
     results = [(s, r) for s, (_, results) in enumerate(sections) for r in results]
-    statements = Statements(operations_of(function, known_from), arguments, results, dependences)
+    operations, read = operations_of(function, known_from), []
+    if constants:
+        read = operations.read_constants(len(arguments))
+    statements = Statements(operations, [*arguments, constants], results, dependences)
     segments, starts = _grouped(statements.sections, bool(dependences))
     pieces = Pieces(sections[0][0], statements, segments, word)
     masks = [[_mask(piece, k) for piece in segments] for k in range(len(dependences))]
@@ -80,7 +87,7 @@ def c_program(
     if dependences:
         table = ", ".join([*(f"{name}_piece_{k}" for k in range(len(pieces.bodies))), "0"])
         text.append(f"EXPORT void (*const pieces[])({signature}) = {{{table}}};\n")
-    return Program("".join(text), pieces.places[-1], starts, pieces.places, masks)
+    return Program("".join(text), pieces.places[-1], starts, pieces.places, masks, read)
 
 
 def _mask(piece: list[Segment], dependence: int) -> int:

@@ -108,6 +108,7 @@ typedef struct {
   int n;                /* unknowns of a stage: z, then the free rates */
   double *q, *y, *w, *y2, *w2, *ode, *alg, *ode2, *alg2, *scratch, *scratch2;
   double *x, *rate, *xbar, *xf, *xf2, *v, *v2, *z, *zf, *unknown, *move, *right, *weight, *z_scale, *slope, *real, *size, *least;
+  double *guess, *missed; /* the prediction of a step's unknowns; what it has missed in the last steps, on average */
   double *past[FS_HISTORY], past_time[FS_HISTORY];
   double *before;       /* the update of the iteration before */
   int pasts;
@@ -119,6 +120,10 @@ typedef struct {
   volatile int stop;    /* set by another thread: stop before the next step */
   double t, failed_time;
   double *record;       /* where each step writes its stage, and goes on behind; null: nowhere */
+  fs_code watched, checked; /* of whose values fs_advance writes a row at each of its points, and goes on behind */
+  double *seen, *constants; /* the row; what `checked` reads */
+  int watched_size, row_size;
+  int *at_point, at_points; /* pieces that any of z moves where x is held, in order */
   long long count[FS_COUNTS];
 } fs_instance;
 
@@ -126,8 +131,10 @@ static const double FS_DIFFERENCE = 1e-6; /* of the scale of an unknown; the cub
 
 static const double FS_PART = 1e-3;        /* of a nominal value: the least size of a rate */
 static const double FS_MEMORY = 4000.0;    /* steps after which the size of a rate is forgotten */
+static const double FS_MISSED = 500.0;     /* sizes of a rate for what prediction misses of it */
+static const double FS_MISSED_MEMORY = 16.0; /* steps after which that is forgotten */
 static const double FS_DISTRUST = 1.2;    /* by which a contraction that was not measured grows from step to step */
-static const double FS_LEAST_THETA = 1e-2; /* below it a measured contraction is luck */
+static const double FS_LEAST_THETA = 1e-3; /* below it a measured contraction is luck */
 static const double FS_PRICE = 0.15;       /* of a column of a matrix, in evaluations */
 static const double FS_ROUNDING = 1e-6;    /* updates that do not become smaller any more are accepted below this */
 
@@ -167,6 +174,33 @@ static int fs_evaluate(fs_instance *s, double t, const double *x, const double *
     }
   }
   m->residual(&t, x, z, s->q, s->w, s->ode, s->alg, s->scratch);
+  return FS_DONE;
+}
+
+/* The same where z alone has moved since the last evaluation: the pieces that it moves, and the externals whose inputs
+   have moved with them. */
+static int fs_evaluate_again(fs_instance *s, double t, const double *x, const double *z) {
+  const fs_model *m = &s->m;
+  const int *piece = s->at_point, *end = piece + s->at_points;
+  int l, i;
+  for (l = 0; l < m->levels; l++) {
+    int first = m->external[m->level_start[l]].first_input;
+    if (piece == end || *piece >= m->piece_start[l + 1]) continue;
+    memcpy(s->y2, s->y, sizeof(double) * (size_t)m->inputs);
+    for (; piece < end && *piece < m->piece_start[l + 1]; piece++)
+      m->pieces[*piece](&t, x, z, s->q, s->w, s->y + first, 0, s->scratch);
+    for (i = m->level_start[l]; i < m->level_start[l + 1]; i++) {
+      const fs_external *e = m->external + i;
+      const double *y = s->y + e->first_input;
+      if (memcmp(y, s->y2 + e->first_input, sizeof(double) * (size_t)e->inputs) == 0) continue;
+      if (fs_value(s, e, y, s->w + e->first_output)) {
+        s->failed_external = i;
+        s->failed_time = t;
+        return FS_EXTERNAL;
+      }
+    }
+  }
+  for (; piece < end; piece++) m->pieces[*piece](&t, x, z, s->q, s->w, s->ode, s->alg, s->scratch);
   return FS_DONE;
 }
 
@@ -393,10 +427,14 @@ static double fs_scale(double value, double nominal) {
 }
 
 /* 1 / scale of the unknowns of a stage. A rate counts by the largest it has been, which s->size remembers, and not by what
-   its state is: what an iteration leaves of a slow motion adds up over many steps, and slow motions have small rates. */
+   its state is: what an iteration leaves of a slow motion adds up over many steps, and slow motions have small rates.
+
+   What prediction misses is of the order of the error of the scheme itself (W. E. Milne's device; E. Hairer, G. Wanner
+   (1996), Solving Ordinary Differential Equations II, Springer, section IV.8, on when to stop the iterations of a step):
+   light ends that gusts push are not solved to more than a small part of it, FS_MISSED times the tolerance. */
 static void fs_weigh(fs_instance *s) {
   int i;
-  for (i = 0; i < s->n; i++) s->weight[i] = 1.0 / s->size[i];
+  for (i = 0; i < s->n; i++) s->weight[i] = 1.0 / fmax(s->size[i], FS_MISSED * s->missed[i]);
 }
 
 /* Sizes for a start: of rates, and of algebraic unknowns that are rates, a small part of the nominal state; of the other
@@ -415,6 +453,13 @@ static void fs_size(fs_instance *s) {
 static void fs_remember_size(fs_instance *s, const double *unknown) {
   int i;
   for (i = 0; i < s->n; i++) s->size[i] = fs_scale(unknown[i], fs_scale(s->size[i] * (1.0 - 1.0 / FS_MEMORY), s->least[i]));
+}
+
+/* The first predictions, of a lower degree, do not count. */
+static void fs_remember_missed(fs_instance *s) {
+  int i;
+  if (s->pasts > s->o.predictor)
+    for (i = 0; i < s->n; i++) s->missed[i] += (fabs(s->unknown[i] - s->guess[i]) - s->missed[i]) / FS_MISSED_MEMORY;
 }
 
 static void fs_remember_scale(fs_instance *s, const double *z) {
@@ -661,9 +706,10 @@ static int fs_step(fs_instance *s, double t, double h) {
   fs_weigh(s);
   fs_reach(s, k);
   if (a->age >= s->o.keep || fabs(k - a->k) > 0.2 * a->k) a->made = 0;
+  fs_predict(s, stage, s->guess, s->n);
   /* the kept matrix; a new one at the prediction; a new one in every iteration, from the last stage */
   for (attempt = a->made ? 0 : 1; attempt < 3 && status; attempt++) {
-    if (attempt < 2) fs_predict(s, stage, s->unknown, s->n);
+    if (attempt < 2) memcpy(s->unknown, s->guess, sizeof(double) * (size_t)s->n);
     else memcpy(s->unknown, s->past[0], sizeof(double) * (size_t)s->n);
     status = fs_iterate_stage(s, stage, k, attempt);
   }
@@ -689,24 +735,20 @@ static int fs_step(fs_instance *s, double t, double h) {
   }
   fs_remember_scale(s, s->unknown);
   fs_remember_size(s, s->unknown);
+  fs_remember_missed(s);
   fs_keep(s, stage, s->unknown);
   return FS_DONE;
 }
 
 /* --- algebraic unknowns at a point --------------------------------------------------------------------------------- */
 
-/* Solve alg for z; `ode` belongs to the solution where ready comes back as 1. */
-static int fs_iterate_algebraic(fs_instance *s, double t, const double *x, double *z, int fresh, int *ready) {
+/* Solve alg for z; the last evaluation is that of the solution. */
+static int fs_iterate_algebraic(fs_instance *s, double t, const double *x, double *z, int fresh) {
   fs_matrix *a = &s->algebraic;
   int n = a->n, iteration, i, status, verdict;
   double size[FS_ITERATIONS];
-  *ready = 0;
+  if ((status = fs_evaluate(s, t, x, z)) || n == 0) return status;
   for (iteration = 0; iteration < FS_ITERATIONS; iteration++) {
-    if ((status = fs_evaluate(s, t, x, z))) return status;
-    if (n == 0) {
-      *ready = 1;
-      return FS_DONE;
-    }
     if (fresh && (iteration == 0 || fresh > 1)) {
       double theta = a->theta;
       for (i = 0; i < n; i++)
@@ -727,14 +769,12 @@ static int fs_iterate_algebraic(fs_instance *s, double t, const double *x, doubl
     fs_solve(a, s->move);
     if (fresh < 2) fs_broyden(s, a, iteration);
     size[iteration] = fs_norm(s->move, s->weight, n);
-    if (size[iteration] <= 0.1 * s->o.at_points) {
-      *ready = 1;
-      return FS_DONE;
-    }
+    if (size[iteration] <= 0.1 * s->o.at_points) return FS_DONE;
     verdict = fs_judge(a, size, iteration, s->o.at_points);
     if (verdict < 0) break;
     fs_turn(s, a, x, s->move, 0, 1.0);
     for (i = 0; i < n; i++) z[i] += s->move[i];
+    if ((status = fs_evaluate_again(s, t, x, z))) return status;
     if (verdict) {
       fs_trust(a, size, iteration + 1, fresh, s->o.keep);
       return FS_DONE;
@@ -744,7 +784,7 @@ static int fs_iterate_algebraic(fs_instance *s, double t, const double *x, doubl
   return FS_ALGEBRAIC;
 }
 
-static int fs_algebraics(fs_instance *s, double t, const double *x, double *z, int *ready) {
+static int fs_algebraics(fs_instance *s, double t, const double *x, double *z) {
   fs_matrix *a = &s->algebraic;
   int attempt, status = FS_ALGEBRAIC;
   if (a->age >= s->o.keep) a->made = 0;
@@ -752,7 +792,7 @@ static int fs_algebraics(fs_instance *s, double t, const double *x, double *z, i
   for (attempt = a->made || a->n == 0 ? 0 : 1;
        attempt < 3 && status; attempt++) {
     memcpy(z, s->zf, sizeof(double) * (size_t)a->n);
-    status = fs_iterate_algebraic(s, t, x, z, attempt, ready);
+    status = fs_iterate_algebraic(s, t, x, z, attempt);
   }
   if (status) {
     a->made = 0;
@@ -771,7 +811,7 @@ static int fs_algebraics(fs_instance *s, double t, const double *x, double *z, i
 static int fs_start(fs_instance *s, double t, const double *x, const double *z, const double *q) {
   int jumped = s->started && fabs(t - s->t) <= 1e-9 * s->o.step
       && memcmp(x, s->x, sizeof(double) * (size_t)s->m.states) == 0;
-  int ready, i, c, status;
+  int i, c, status;
   s->count[FS_STARTS]++;
   s->started = 0;
   if (jumped && (status = fs_evaluate(s, t, s->x, s->z))) return status;
@@ -780,8 +820,7 @@ static int fs_start(fs_instance *s, double t, const double *x, const double *z, 
   memcpy(s->x, x, sizeof(double) * (size_t)s->m.states);
   memcpy(s->z, z, sizeof(double) * (size_t)s->m.algebraics);
   fs_remember_scale(s, z);
-  if ((status = fs_algebraics(s, t, s->x, s->z, &ready))) return status;
-  if (!ready && (status = fs_evaluate(s, t, s->x, s->z))) return status;
+  if ((status = fs_algebraics(s, t, s->x, s->z))) return status;
   for (i = 0; i < s->m.states; i++) s->rate[i] = s->ode[i] + s->v[i];
   for (i = 0; i < s->m.states; i++)
     if (!isfinite(s->rate[i])) {
@@ -811,8 +850,7 @@ EXPORT int fs_consistent(fs_instance *s, double t, const double *x, double *z, c
 
 /* z becomes consistent with t, x at the q of the instance, which goes on standing where it stands. */
 EXPORT int fs_consistent_beside(fs_instance *s, double t, const double *x, double *z) {
-  int ready;
-  return fs_algebraics(s, t, x, z, &ready);
+  return fs_algebraics(s, t, x, z);
 }
 
 /* Values of a function of the model at a point, such as what a sampled part computes; `outputs` says whether it needs w. */
@@ -886,7 +924,7 @@ static int fs_stands_at(const fs_instance *s, double t, const double *x, const d
    x and z at the points. *reached: points that were reached. Returns FS_DONE or why it stops. */
 EXPORT int fs_advance(fs_instance *s, double t, double length, int points, const double *x, const double *z,
                       const double *q, double *x_rows, double *z_rows, int *reached) {
-  int nx = s->m.states, nz = s->m.algebraics, status, ready, p, i;
+  int nx = s->m.states, nz = s->m.algebraics, status, p, i;
   double interval = length / points, steps = ceil(interval / s->o.step * (1.0 - 1e-9));
   double h = interval / (steps > 1.0 ? steps : 1.0);
   *reached = 0;
@@ -901,12 +939,17 @@ EXPORT int fs_advance(fs_instance *s, double t, double length, int points, const
     s->t = t + length * (p + 1) / points;
     fs_predict(s, s->t, s->unknown, s->n);
     memcpy(s->z, s->unknown, sizeof(double) * (size_t)nz);
-    if ((status = fs_algebraics(s, s->t, s->x, s->z, &ready))) {
+    if ((status = fs_algebraics(s, s->t, s->x, s->z))) {
       s->started = 0;
       return status;
     }
     memcpy(x_rows + (size_t)p * nx, s->x, sizeof(double) * (size_t)nx);
     memcpy(z_rows + (size_t)p * nz, s->z, sizeof(double) * (size_t)nz);
+    if (s->seen) {
+      s->watched(&s->t, s->x, s->z, s->q, s->w, s->seen, 0, s->scratch); /* at once after the equations */
+      if (s->checked) s->checked(&s->t, s->x, s->z, s->q, s->w, s->seen + s->watched_size, s->constants, s->scratch);
+      s->seen += s->row_size;
+    }
     *reached = p + 1;
   }
   return FS_DONE;
@@ -914,6 +957,18 @@ EXPORT int fs_advance(fs_instance *s, double t, double length, int points, const
 
 /* Where the steps of the next fs_advance write their stages: rows of its time, the length of the step, x_f and z. */
 EXPORT void fs_record(fs_instance *s, double *rows) { s->record = rows; }
+
+/* Where the next fs_advance writes rows of values at its points, null: nowhere. First the `size` ones of a function that
+   follows the equations, then those of one that stands alone, with constants as its second result, or null. */
+EXPORT void fs_watch(fs_instance *s, fs_code watched, int size, fs_code checked, int row_size, double *constants,
+                     double *rows) {
+  s->watched = watched;
+  s->checked = checked;
+  s->watched_size = size;
+  s->row_size = row_size;
+  s->constants = constants;
+  s->seen = rows;
+}
 
 /* Whether fs_advance and fs_values shall stop; may be called while they run in another thread. */
 EXPORT void fs_stop(fs_instance *s, int stop) { s->stop = stop; }
@@ -988,12 +1043,28 @@ static size_t fs_lay(fs_instance *s, double *memory) {
   s->z = fs_take(m, u, nz); s->zf = fs_take(m, u, nz); s->z_scale = fs_take(m, u, nz);
   s->unknown = fs_take(m, u, n); s->move = fs_take(m, u, n); s->right = fs_take(m, u, n); s->weight = fs_take(m, u, n);
   s->size = fs_take(m, u, n); s->least = fs_take(m, u, n);
+  s->guess = fs_take(m, u, n); s->missed = fs_take(m, u, n);
   s->slope = fs_take(m, u, entries); s->real = fs_take(m, u, real);
   for (i = 0; i < FS_HISTORY; i++) s->past[i] = fs_take(m, u, n);
   s->before = fs_take(m, u, n);
   fs_lay_matrix(&s->stage, (size_t)s->m.symmetries, m, u);
   fs_lay_matrix(&s->algebraic, (size_t)s->m.symmetries, m, u);
   return used;
+}
+
+/* The pieces that any of z moves where x is held, in order; 0 where there is no memory. */
+static int fs_join_pieces(fs_instance *s) {
+  const fs_moving *moving = &s->m.at_point;
+  int pieces = s->m.piece_start[s->m.levels + 1], i;
+  char *moves = calloc((size_t)pieces + 1, 1);
+  s->at_point = calloc((size_t)pieces + 1, sizeof(int));
+  if (moves && s->at_point) {
+    for (i = 0; i < moving->first[s->m.algebraics]; i++) moves[moving->piece[i]] = 1;
+    for (i = 0; i < pieces; i++)
+      if (moves[i]) s->at_point[s->at_points++] = i;
+  }
+  free(moves);
+  return moves && s->at_point;
 }
 
 /* An instance; null where there is no memory. The tables that the model points to must live as long. */
@@ -1019,8 +1090,10 @@ EXPORT fs_instance *fs_create(const fs_model *model, const fs_options *options) 
   s->arg = calloc(arguments, sizeof(double *));
   s->res = calloc(results, sizeof(double *));
   s->integer = calloc(integers + 1, sizeof(fs_int));
-  if (!memory || !s->arg || !s->res || !s->integer || !fs_lay_integers(&s->stage) || !fs_lay_integers(&s->algebraic)) {
-    free(memory); free(s->arg); free(s->res); free(s->integer); free(s->stage.pivot); free(s->algebraic.pivot); free(s);
+  if (!memory || !s->arg || !s->res || !s->integer || !fs_lay_integers(&s->stage) || !fs_lay_integers(&s->algebraic)
+      || !fs_join_pieces(s)) {
+    free(memory); free(s->arg); free(s->res); free(s->integer); free(s->stage.pivot); free(s->algebraic.pivot);
+    free(s->at_point); free(s);
     return 0;
   }
   fs_lay(s, memory);
@@ -1032,7 +1105,7 @@ EXPORT fs_instance *fs_create(const fs_model *model, const fs_options *options) 
 EXPORT void fs_free(fs_instance *s) {
   if (!s) return;
   free(s->q); /* the first of all arrays */
-  free(s->arg); free(s->res); free(s->integer); free(s->stage.pivot); free(s->algebraic.pivot);
+  free(s->arg); free(s->res); free(s->integer); free(s->stage.pivot); free(s->algebraic.pivot); free(s->at_point);
   free(s);
 }
 
@@ -1069,6 +1142,9 @@ EXPORT void fs_restore(fs_instance *s, const void *image) {
   s->m = now.m;
   s->arg = now.arg; s->res = now.res; s->integer = now.integer;
   s->stop = now.stop; s->record = now.record;
+  s->watched = now.watched; s->checked = now.checked; s->seen = now.seen; s->constants = now.constants;
+  s->watched_size = now.watched_size; s->row_size = now.row_size;
+  s->at_point = now.at_point; s->at_points = now.at_points;
   s->stage.pivot = now.stage.pivot; s->stage.list = now.stage.list; s->stage.column = now.stage.column;
   s->algebraic.pivot = now.algebraic.pivot; s->algebraic.list = now.algebraic.list;
   s->algebraic.column = now.algebraic.column;

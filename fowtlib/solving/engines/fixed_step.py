@@ -15,7 +15,7 @@ from fowtlib.solving.functions import AtParameters
 from fowtlib.solving.initial import consistent_algebraics
 
 NEWTON = 200.0  # times the tolerance: what the iterations leave of a rate, relative to the largest it has been
-AT_POINTS = 30.0  # times the tolerance: the same of the algebraic unknowns at output points
+AT_POINTS = 1.0  # times the tolerance: the same of the algebraic unknowns at output points, where it costs little
 KEEP = 50  # steps over which a Newton matrix is kept, as long as it leads on
 PREDICTOR = 2  # degree of the polynomial through the last stages
 EXTERNAL, STOPPED = 3, 5  # FS_EXTERNAL and FS_STOPPED of fixed_step.c
@@ -32,9 +32,10 @@ class FixedStep:
                  rho_inf: float, keep: int = KEEP, predictor: int = PREDICTOR):  # fmt: skip
         self.code, self.at, self.reduced = code, at, code.reduction
         self.watch: Callable[[np.ndarray], None] | None = None
+        self.seen = np.empty((0, code.width))
         self.attributes = {"solver": "fixed", "step": step, "rho_inf": rho_inf, "tolerance": tolerance}
         self.advice = f"or take a shorter step (--step {500 * step:g}ms)"
-        self._library = runtime()
+        self._library, self._watched = runtime(), (code.address("observed"), code.size, code.address("checked"))
         options = Options(step, rho_inf, NEWTON * tolerance, AT_POINTS * tolerance, keep, predictor)
         self._instance = self._library.fs_create(c.byref(code.table), c.byref(options))
         if not self._instance:
@@ -52,6 +53,9 @@ class FixedStep:
         self.code.raised.clear()
         x, z, given = _numbers(x), _numbers(z), self.at.whole(q)
         xs, zs, reached = np.empty((points, len(x))), np.empty((points, len(z))), c.c_int()
+        seen, self.seen = np.empty((points, self.code.width)), self.seen[:0]
+        rows = seen.ctypes.data if seen.size else None
+        self._library.fs_watch(self._instance, *self._watched, self.code.width, self.code.constants, rows)
         stages = None
         if self.watch is not None:
             rows = points * max(1, int(np.ceil(length / points / self.attributes["step"] * (1 - 1e-9))))
@@ -61,10 +65,12 @@ class FixedStep:
             self._instance, t, length, points, x.ctypes.data, z.ctypes.data, given.ctypes.data, xs.ctypes.data,
             zs.ctypes.data, c.byref(reached),
         )  # fmt: skip
+        self._library.fs_watch(self._instance, None, 0, None, 0, None, None)
         if stages is not None:
             self._library.fs_record(self._instance, None)
             if not status:
                 self.watch(stages)
+        self.seen = seen[: reached.value]
         if status == STOPPED:
             return xs[: reached.value], zs[: reached.value]
         if status:

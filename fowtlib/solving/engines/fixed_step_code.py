@@ -9,6 +9,7 @@ from __future__ import annotations
 import ctypes as c
 import json
 from collections.abc import Callable, Sequence
+from dataclasses import replace
 from functools import cache
 from pathlib import Path
 from typing import Any
@@ -113,6 +114,7 @@ def runtime() -> Library:
         "counts": (None, [pointer] * 2),
         "stop": (None, [pointer, c.c_int]),
         "record": (None, [pointer] * 2),
+        "watch": (None, [pointer, pointer, c.c_int, pointer, c.c_int, pointer, pointer]),
         "image_size": (c.c_size_t, [pointer]),
         "save": (None, [pointer] * 2),
         "restore": (None, [pointer] * 2),
@@ -127,17 +129,23 @@ def runtime() -> Library:
 class FixedStepCode:
     """What the runtime needs of one model: compiled functions, externals and tables; made once for a plant.
 
-    observed: paths of variables that can be rebuilt by compiled code, too; see `observe`.
+    observed: paths of variables that can be rebuilt by compiled code, too; see `observe`. columns: of each of them in
+    what `observe` gives; size: of all of that; width: with the conditions of the checks behind it.
     """
 
     def __init__(self, dae: FlatDAE, observed: Sequence[str] = ()):
         self.dae = dae
         self.observed = list(observed)
+        ends = np.cumsum([dae.observe_expression(path).numel() for path in self.observed], dtype=int).tolist()
+        self.columns = {path: range(first, end) for path, first, end in zip(observed, [0, *ends], ends, strict=False)}
+        self.size = ends[-1] if ends else 0
+        self.width = self.size + len(dae.checks)
         self.reduction = reduction(dae)
         self.raised: list[Exception] = []  # by Python code inside of a step
         self._alive: list[Any] = []  # what the tables point to
         self.external_order = [k for level in dae.levels for k in level]
         text, self.program, self.scratch = kept_text(dae, self.reduction, self.observed, lanes_here())
+        self.constants = self.doubles([*self.program.constants, 0.0])
         self.path, self.library = load_library(text, "model", optimization="-O1")
         self.table = self._model()
         self.samples_need_outputs = [dae.needs_outputs(sample.values) for sample in dae.samples]
@@ -190,15 +198,14 @@ class FixedStepCode:
 
     def observe(self, t: np.ndarray, x: np.ndarray, z: np.ndarray, q: np.ndarray) -> np.ndarray | None:
         """The observed variables, all their elements in a row for each of t; None where an external function fails."""
-        size = sum(self.dae.observe_expression(path).numel() for path in self.observed)
         rows = [np.ascontiguousarray(values, dtype=float) for values in (t, x, z, q)]
-        values = np.empty((len(t), size))
+        values = np.empty((len(t), self.size))
         library = runtime()
         instance = library.fs_create(c.byref(self.table), c.byref(Options(1.0, 0.0, 1.0, 1.0, 1, 0)))
         if not instance:
             raise MemoryError("no memory for the fixed-step engine")
         try:
-            status = library.fs_observe_rows(instance, self.address("observed"), len(t), size,
+            status = library.fs_observe_rows(instance, self.address("observed"), len(t), self.size,
                                              *(row.ctypes.data for row in rows), values.ctypes.data)  # fmt: skip
         finally:
             library.fs_free(instance)
@@ -297,7 +304,7 @@ def kept_text(dae: FlatDAE, reduced: Reduction, observed: Sequence[str], word: i
         [pattern and [pattern.shape, pattern.colind(), pattern.row()] for pattern in patterns],
     ]  # fmt: skip
     samples = [ca.Function("sample", _arguments(dae), [ca.densify(sample.values)]) for sample in dae.samples]
-    equations = [item.serialize() for item in (function, *samples)]
+    equations = [item.serialize() for item in (function, *samples, _conditions(dae))]
     parts = [*sources(__name__, *WRITERS), json.dumps([word, structure]), *equations]
 
     def make() -> dict[str, Any]:
@@ -322,6 +329,12 @@ def _function(dae: FlatDAE, observed: Sequence[str], options: dict[str, Any]) ->
     return ca.Function("model", _arguments(dae), results, options)
 
 
+def _conditions(dae: FlatDAE) -> ca.Function:
+    """Of the checks: 0 where one is broken."""
+    conditions = ca.densify(ca.vertcat(*[check.condition for check in dae.checks]))
+    return ca.Function("checked", _arguments(dae), dae.in_time([conditions]), {"cse": True})
+
+
 def moved_pieces(program: Program, levels: int, masks: list[int], unknowns: int) -> tuple[list[int], list[int]]:
     """The pieces that depend on each unknown, one after the other, and where those of each unknown begin."""
     last = program.starts[levels + 1]  # behind the residual
@@ -333,7 +346,8 @@ def model_text(dae: FlatDAE, reduced: Reduction, observed: Sequence[str], word: 
     """C text, its program of the inputs of the externals, level by level, and the residual, and its scratch memory.
 
     The text defines level_0, level_1, ..., model; observed, which follows a call of these; and sample_0, ... for the
-    sampled parts, which stand alone.
+    sampled parts, and checked for the conditions of the checks, which stand alone. Constants of the program are those
+    of the checks, which may tell where data end: the text is the same for all data.
     """
     function = _function(dae, observed, {"cse": True})
     sections = [(f"level_{level}", ["first"]) for level in range(len(dae.levels))] + [("model", ["first", "second"])]
@@ -345,7 +359,9 @@ def model_text(dae: FlatDAE, reduced: Reduction, observed: Sequence[str], word: 
         alone = c_program(function, [(f"sample_{k}", ["first"])], list("txzqw"), OUT, word=word)
         texts.append(alone.text)
         scratch = max(scratch, alone.scratch)
-    return "".join(texts), program, scratch
+    alone = c_program(_conditions(dae), [("checked", ["first"])], list("txzqw"), OUT, word=word, constants="second")
+    program = replace(program, constants=alone.constants)
+    return "".join([*texts, alone.text]), program, max(scratch, alone.scratch)
 
 
 def _known_from(dae: FlatDAE) -> Callable[[int, int], int]:

@@ -56,7 +56,7 @@ SMALL = 40  # unknowns that are factored as a full matrix, which pivots
 class Idas:
     """Integrates from a consistent point over an interval, with equidistant output points."""
 
-    name = "idas"
+    name, seen = "idas", np.empty((0, 0))
     advice = "or try another tolerance (--tolerance 1e-8)"
 
     def __init__(self, at: AtParameters, tolerance: float, options: dict | None = None,

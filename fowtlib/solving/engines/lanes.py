@@ -47,6 +47,14 @@ class Operations:
         """The values that an operation is of; none of an input or a constant."""
         return self.needs[value] if self.code[value] >= 0 else ()
 
+    def read_constants(self, argument: int) -> list[float]:
+        """Make inputs of the constants, elements of one more argument; what it has to hold."""
+        numbers = list(self.constant.values())
+        for element, value in enumerate(self.constant):
+            self.code[value], self.needs[value] = INPUT, (argument, element)
+        self.constant = {}
+        return numbers
+
 
 def operations_of(function: ca.Function, known_from: Callable[[int, int], int]) -> Operations:
     """The operations of a function. known_from: the section from which on an element of an argument is known."""

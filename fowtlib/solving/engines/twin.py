@@ -37,6 +37,7 @@ class FixedStepTwin:
         self.stands: tuple[float, np.ndarray, np.ndarray] | None = None
         self.inverse, self.made_for, self.age = np.zeros((0, 0)), 0.0, KEEP
         self.watch: Callable[[np.ndarray], None] | None = None
+        self.seen = np.empty((0, 0))
         self.stages: list[np.ndarray] = []  # of one call of `advance`, as FixedStep.watch is given them
 
     def algebraics(self, t: float, x: np.ndarray, z: np.ndarray, q: np.ndarray) -> np.ndarray:
