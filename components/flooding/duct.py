@@ -35,11 +35,9 @@ class Duct(TwoWaters):
     loss_factor: Scalar = param(default=1.5, min=0, doc="K, of inlet, bends and outlet together")
     viscosity: Scalar = param(default=1.19e-6, unit="m^2/s", min=1e-9, doc="kinematic; sea water of 15 deg C: 1.19e-6")
     density: Scalar = param(default=None, unit="kg/m^3", min=0, doc="density of the water; without: World's")
-    flow_start: Scalar = param(default=0.0, unit="m^3/s", doc="flow where a run starts")
 
     frame: Frame = port(doc="body that carries it")
 
-    flow_state: Scalar = var(unit="m^3/s", state="always", start=flow_start, doc="its flow, which takes time to change")
     velocity: Vector = var(unit="m/s", state="avoid", doc="velocity of the frame, world")
 
     def build(self):
@@ -57,11 +55,12 @@ class Duct(TwoWaters):
         motion = apparent(self.frame, self.velocity, g)
         driven = sum((potential_along(motion, a, b) for a, b in ways), 0.0) / g
         raised = m.dot(self.frame.R[2, :].T, points[-1] - points[0])  # gravity is in the heads
+        slow = length / (g * self.area) * der(self.volume_flow)
         force, moment = _loads(self, rho, ways, motion)
         return [
             *self.through(),
-            [eq(self.flow_state, self.volume_flow), eq(self.velocity, der(self.frame.r))],
-            eq(self.head_drop, _lost(self, length) + length / (g * self.area) * der(self.flow_state) + driven - raised),
+            eq(self.velocity, der(self.frame.r)),
+            eq(self.head_drop, _lost(self, length) + slow + driven - raised),
             [eq(self.frame.f, self.frame.R @ force), eq(self.frame.t, self.frame.R @ moment)],
         ]
 
@@ -91,7 +90,7 @@ def _lost(duct: Duct, length: Any) -> Any:
 def _loads(duct: Duct, rho: Any, ways: list[Any], motion: tuple[Any, Any, Any]) -> tuple[Any, Any]:
     """Force and moment about the frame, in its axes: of the mass of the water, and of its flow."""
     a, w, turning = motion
-    flow, rate = rho * duct.volume_flow, rho * der(duct.flow_state)
+    flow, rate = rho * duct.volume_flow, rho * der(duct.volume_flow)
     force, moment = m.zeros(3), m.zeros(3)
     for start, end in ways:
         way, middle = end - start, (start + end) / 2

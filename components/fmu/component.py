@@ -28,6 +28,9 @@ class FMU(Component):
 
     file: str = param(native=True, doc="path of the .fmu file")
     period: Number = param(default=None, unit="s", min=1e-9, doc="communication step; by default that of the file")
+    time_factor: Number = param(
+        default=1.0, min=1e-9, doc="seconds of the FMU in one of the model: sqrt(45) of a prototype in a tank at 1:45"
+    )
     start: dict = param(
         default={},
         doc="values of parameters, open inputs and first outputs, by the FMU's names; numbers in the FMU's own unit",
@@ -48,7 +51,7 @@ class FMU(Component):
         check_names(description, self.ignore, "ignore", list)
         check_ports(self.names)
         self._start = check_start(description, self.start, self.units)
-        self._step = _step(description, self.period)
+        self._step = _step(description, self.period, self.time_factor)
         given = (self.start, self.names, self.units, self.ignore)
         self._inputs, self._outputs = (signals(description, kind, *given) for kind in ("input", "output"))
         for signal in self._inputs:
@@ -62,8 +65,8 @@ class FMU(Component):
     def equations(self):
         held = [getattr(self, f"{signal.port}_held") for signal in self._outputs]
         process = FmuProcess(
-            self._archive, self._description, self._content, self._inputs, self._outputs, self._start, self._step,
-            self.patience, self.in_process,
+            self._archive, self._description, self._content, self._inputs, self._outputs, self._start,
+            self._step * self.time_factor, self.patience, self.in_process, self.time_factor,
         )  # fmt: skip
         return [
             sampled(self._step, call(held, process, [getattr(self, signal.port) for signal in self._inputs])),
@@ -94,11 +97,12 @@ def _check_platform(archive: Archive, description: Description) -> None:
         raise ModelError(f"'{archive.path.name}' has no library for this machine ('{here}'), but {known}.{more}")
 
 
-def _step(description: Description, given: float | None) -> float:
-    step = given if given is not None else description.step
+def _step(description: Description, given: float | None, factor: float) -> float:
+    """Period of the exchange in seconds of the model; factor: seconds of the FMU in one of these."""
+    step = given * factor if given is not None else description.step
     if step is None:
         raise ParameterError("the FMU does not name a communication step; give 'period'.")
     fixed = description.fixed_step
     if fixed is not None and abs(step / fixed - max(1, round(step / fixed))) > 1e-6:
         raise ParameterError(f"the period is {step:g} s, and this FMU steps by multiples of {fixed:g} s only.")
-    return step
+    return step / factor

@@ -51,6 +51,8 @@ class FmuProcess:
     period: float
     patience: float = 60.0
     in_process: bool = False
+    time_factor: float = 1.0
+    """Seconds of the FMU in one second of the model; `period` is in those of the FMU."""
 
     @property
     def keeps_state(self) -> bool:
@@ -109,7 +111,7 @@ class FmuSession:
 
     def step(self, t: float, inputs: np.ndarray) -> np.ndarray:
         """See FmuProcess."""
-        self._time[0] = t
+        self._time[0] = t * self.process.time_factor
         self._inputs.put(inputs)
         self.unit.step()
         return self._outputs.take()

@@ -176,6 +176,9 @@ def _tables(line: DynamicLine, strains: Any, elements: lumped_mass.Elements) -> 
                     strain=reached, last=last)]  # fmt: skip
 
 
+_BENT = "the cable is bent to {share} times the curvature of its least_bending_radius"
+
+
 def _bent(line: DynamicLine) -> list[Any]:
     """A cable is not bent more than it may be."""
     if line.parameter_value("least_bending_radius") is None:
@@ -183,8 +186,7 @@ def _bent(line: DynamicLine) -> list[Any]:
     radii = line.of_elements("least_bending_radius")  # of a node the larger one of both sides
     allowed = ca.vertcat(*(ca.fmax(*pair) for pair in zip(radii, radii[1:], strict=False)))
     share = ca.mmax(line.curvatures * allowed)
-    said = "the cable is bent to {share} times the curvature of its least_bending_radius"
-    return [assert_(share < 1, said, "warning", share=share)]
+    return [assert_(share < 1, _BENT, "warning", share=share)]
 
 
 def _angles(line: DynamicLine, nodes: Any, elements: lumped_mass.Elements) -> list[Any]:

@@ -5,6 +5,7 @@ from __future__ import annotations
 from typing import Any
 
 from fowtlib.components.mooring.dynamic_line import DynamicLine
+from fowtlib.components.mooring.line_properties import MOVING
 from fowtlib.language import Array, Component, Scalar, like
 
 PER_LINE = ("damping_ratio", "axial_drag_coefficient", "axial_added_mass_coefficient")
@@ -31,6 +32,6 @@ class LumpedSystem(Component):
     def dynamic_line(self, values: dict[str, Any], of_line: Any) -> DynamicLine:
         """A line with the values of a CatenaryLine and those of this class; of_line(name): that of the line."""
         names = PER_LINE if not self.is_set("bending_stiffness") else (*PER_LINE, "bending_stiffness")
-        own = {name: of_line(name) for name in names} | {name: getattr(self, name) for name in SHARED}
+        own = {name: of_line(name) for name in (*names, *MOVING)} | {name: getattr(self, name) for name in SHARED}
         given = {name: value for name, value in values.items() if name not in ("dynamics", "length")}
         return DynamicLine(lengths=values["length"], **given, **own)

@@ -74,8 +74,7 @@ class MooringSystem(LumpedSystem):
     def build(self):
         if self.dynamics == "lumped":
             for i in range(len(self.layout())):
-                values = self.line_values(i) | {name: self._of_line(name, i) for name in MOVING}
-                self.lines[i] = self.dynamic_line(values, lambda name, i=i: self._of_line(name, i))
+                self.lines[i] = self.dynamic_line(self.line_values(i), lambda name, i=i: self._of_line(name, i))
         else:
             self.refuse_lumped(self.dynamics)
         if self.dynamics == "none":
@@ -93,8 +92,9 @@ class MooringSystem(LumpedSystem):
     def line_values(self, i: int) -> dict[str, Any]:
         """The parameters of line number i, counted from 0."""
         dynamics = "none" if self.dynamics == "lumped" else self.dynamics
-        known = [name for name in LINE_PROPERTIES if dynamics != "none" or name not in MOVING]
-        properties = {name: self._of_line(name, i) for name in known if self._has(name)}
+        unused = MOVING if dynamics == "none" else ()
+        names = (name for name in LINE_PROPERTIES if self._has(name) and name not in unused)
+        properties = {name: self._of_line(name, i) for name in names}
         return {"anchor_position": self.layout()[i][1], "dynamics": dynamics, **properties}
 
     def layout(self) -> list[tuple[Any, Any]]:

@@ -114,3 +114,19 @@ def test_a_measured_record_drives_the_model(tmp_path):
     assert found["wave_elevation"].rmse_of_std < 0.1
     for name in ("heave", "pitch"):
         assert found[name].correlation > 0.98, name
+
+
+def test_the_programme_at_model_scale_has_seeds_with_a_highest_wave():
+    from fowtlib.modelfile.files import models_folder
+
+    cases = fw.read_cases(models_folder() / "cases" / "tank_programme_flowave.yaml")
+    assert len(cases) == 54
+    fw.check_cases(cases)
+    seeds: dict[tuple[float, float], set[int]] = {}
+    for case in cases:
+        state = tuple(float(case.parameters[f"sea.{name}"]) for name in ("significant_wave_height", "peak_period"))
+        seeds.setdefault(state, set()).add(int(case.parameters["sea.seed"]))
+        assert case.duration - case.discard == 1610.0
+    for (height, period), chosen in seeds.items():
+        found = accepted_seeds(height, period, 2.0, duration=1610.0, discard=60.0, repetition_period=2442.0)
+        assert chosen == set(found)

@@ -382,3 +382,15 @@ def test_the_period(fmu):
     model.unit = FMU(file=fmu(3, change), period=0.05, start={**OPEN, "generator.speed": 0, "array_in": 0})
     result = fw.load(model).compile().simulate(1.0, 0.5, outputs=["unit.samples"])
     assert result["unit.samples"].values.tolist() == [1, 11, 21]
+
+
+def test_seconds_of_an_fmu_may_pass_faster(fmu):
+    """A rotor with a ninth of its inertia, and an FMU of which 9 s pass in one of the model: all is 9 times as fast."""
+    path = str(fmu(2))
+    slow, fast = braked(path), braked(path)
+    fast.unit.time_factor = 9.0
+    fast.rotor.inertia = 43.0e6 / 97**2 / 9
+    runs = [fw.load(model).compile().simulate(end, step, tolerance=1e-9)["rotor.speed"].values
+            for model, end, step in ((slow, 9.0, 0.9), (fast, 1.0, 0.1))]  # fmt: skip
+    assert runs[1] == pytest.approx(runs[0], rel=1e-6)
+    assert abs(runs[0][-1] / runs[0][0] - 1) > 1e-3
