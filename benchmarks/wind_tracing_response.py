@@ -1,4 +1,4 @@
-"""Response of the wind-tracing triangle to waves, rigid and elastic, with and without steady wind (docs/wind_tracing.md).
+"""Response of the wind-tracing triangle to waves, rigid and elastic, calm and in steady wind (docs/wind_tracing.md).
 
     python benchmarks/wind_tracing_response.py [FIGURE.png]
 
@@ -85,8 +85,9 @@ def draw(found, path):
         for colour, heading in zip(("C0", "C1", "C2", "C3"), HEADINGS, strict=True):
             axis.plot(PERIODS, found["calm", "elastic", heading][:, k], colour, label=f"{heading} deg")
             axis.plot(PERIODS, found["calm", "rigid", heading][:, k], colour, linestyle="--", linewidth=1)
-        axis.set(title=f"{motion} [{'m/m' if k < 3 else 'deg/m'}]", ylim=(0, None), xlim=(5, 25))
-        axis.set_ylim(0, 1.1 * max(found["calm", h, b][PERIODS <= 25, k].max() for h in ("rigid", "elastic") for b in HEADINGS))
+        within = [found["calm", hull, b][PERIODS <= 25, k] for hull in ("rigid", "elastic") for b in HEADINGS]
+        title = f"{motion} [{'m/m' if k < 3 else 'deg/m'}]"
+        axis.set(title=title, ylim=(0, 1.1 * np.max(within)), xlim=(5, 25))
         axis.grid(alpha=0.3)
     axes[0, 0].legend()
     for axis in axes[1]:

@@ -94,8 +94,10 @@ class ModalWaveExcitation(ModalLoad, WaveExcitation):
 
 
 class TurningModalWaveExcitation(ModalWaveExcitation, TurningWaveExcitation):
-    """The same on a body that deforms and turns far about the vertical: all its loads by the heading relative to the
-    waves, now. Shapes are those of the body, so that their loads need no axes. See TurningWaveExcitation."""
+    """The same on a body that also turns far about the vertical: all loads by its heading relative to the waves, now.
+
+    Shapes are those of the body, so that their loads need no axes. See TurningWaveExcitation.
+    """
 
 
 class ShapeHydrostatics(ModalLoad):

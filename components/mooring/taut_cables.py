@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from fowtlib.components.mechanics.connectors import Frame
 from fowtlib.components.mechanics.interfaces import TwoFrames
-from fowtlib.language import Array, Vector, assert_, eq, param, port, rotation, var
+from fowtlib.language import Array, Number, Vector, assert_, eq, param, port, rotation, shapes, var
 from fowtlib.language import math as m
 
 
@@ -19,6 +19,8 @@ class TautCables(TwoFrames):
 
     place: Vector = param(unit="m", doc="frame_b at rest, resolved in frame_a")
     ends_at: Array = param(shape=(3, 3), unit="m", doc="the ends at rest, row by row, resolved in frame_a")
+
+    diameter: Number = param(default=0.5, unit="m", min=0, doc="diameter in pictures")
 
     ends: Frame = port(size=3, doc="where the cables are fixed to the platform")
 
@@ -44,6 +46,9 @@ class TautCables(TwoFrames):
             [eq(a.f, m.zeros(3)), eq(a.t, -b.t)],
             [assert_(self.tension[k] > 0, f"cable {k + 1} is not taut but pushes", "warning") for k in range(3)],
         ]
+
+    def drawing(self) -> shapes.Drawing:
+        return [shapes.link(end, self.frame_b, self.parameter_value("diameter"), "line") for end in self.ends]
 
 
 def _point_at(p, q, s, from_p, from_q, from_s, side):

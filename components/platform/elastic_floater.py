@@ -145,8 +145,8 @@ def _frame(hull: Hull, longest: float, young_modulus: float, shear_modulus: floa
 
 def modal_database(
     floater: ElasticFloater | Floater, count: int, *, omega: Iterable[float], headings: Iterable[float], panel: float,
-    water_depth: float, mesh: HullMesh | None = None, longest: float = 5.0, young_modulus: float = 210e9, shear_modulus: float = 80.8e9,
-    path: str | Path | None = None, rho: float = 1025.0, g: float = 9.80665, **options,
+    water_depth: float, mesh: HullMesh | None = None, longest: float = 5.0, young_modulus: float = 210e9,
+    shear_modulus: float = 80.8e9, path: str | Path | None = None, rho: float = 1025.0, g: float = 9.80665, **options,
 ) -> ModalDatabase:  # fmt: skip
     """The potential flow of the rigid motions and the lowest `count` shapes of a floater of members.
 
@@ -165,6 +165,6 @@ def modal_database(
     check_mesh(structure, mesh)
     return solve_shapes(
         mesh, lambda points: structure.field(points, shapes), structure.frame.nodes, shapes,
-        rho * g * water_at_rest(structure, mesh.panels), omega=omega, headings=headings, water_depth=water_depth, path=path,
-        rho=rho, g=g, **options,
+        rho * g * water_at_rest(structure, mesh.panels), omega=omega, headings=headings, water_depth=water_depth,
+        path=path, rho=rho, g=g, **options,
     )  # fmt: skip

@@ -117,8 +117,8 @@ def check_carried(structure: MemberFrame, places: ArrayLike, name: str) -> None:
         distance, member = structure.nearest(np.array([x, y, z]))
         if distance > FAR:
             raise ParameterError(
-                f"{name}[{k}]: the point ({x:g}, {y:g}, {z:g}) m meets no node of the frame: it is {distance:.2g} radii "
-                f"from the axis of {member}, the nearest member. Put it on a member, or lead a member to it."
+                f"{name}[{k}]: the point ({x:g}, {y:g}, {z:g}) m meets no node of the frame: it is {distance:.2g} "
+                f"radii from the axis of {member}, the nearest member. Put it on a member, or lead a member to it."
             )
 
 
@@ -127,15 +127,16 @@ def check_mesh(structure: MemberFrame, mesh: HullMesh) -> None:
     volume = structure.hull.buoyancy.volume
     if abs(mesh.volume / volume - 1) > APART:
         raise ParameterError(
-            f"the mesh {mesh.name} holds {mesh.volume:.6g} m^3, and the members of the frame {volume:.6g} m^3: the mesh "
-            "does not match the frame. Are draft, origin and unit the same?"
+            f"the mesh {mesh.name} holds {mesh.volume:.6g} m^3, and the members of the frame {volume:.6g} m^3: the "
+            "mesh does not match the frame. Are draft, origin and unit the same?"
         )
     for x, y, z in mesh.panels.mean(axis=1):
         distance, member = structure.nearest(np.array([x, y, z]))
         if distance > FAR:
             raise ParameterError(
-                f"the mesh {mesh.name} does not match the frame: its panel at ({x:g}, {y:g}, {z:g}) m is {distance:.2g} "
-                f"radii from the axis of {member}, the nearest member. Are draft, origin and unit the same?"
+                f"the mesh {mesh.name} does not match the frame: its panel at ({x:g}, {y:g}, {z:g}) m is "
+                f"{distance:.2g} radii from the axis of {member}, the nearest member. Are draft, origin and unit the "
+                "same?"
             )
 
 

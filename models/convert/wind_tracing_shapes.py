@@ -30,7 +30,8 @@ def convert(size: float = 6.0, target: Path = TARGET) -> ModalDatabase:
         warnings.simplefilter("ignore")  # waves above 1.8 rad/s are too short for the panels; they move nothing
         return modal_database(
             floater, SHAPES, omega=OMEGA, headings=np.radians(both_sides), panel=size, water_depth=200.0,
-            longest=LONGEST, path=target, progress=lambda done, total: print(f"{done} of {total}", flush=True), **CONCRETE,
+            longest=LONGEST, path=target, progress=lambda done, total: print(f"{done} of {total}", flush=True),
+            **CONCRETE,
         )  # fmt: skip
 
 

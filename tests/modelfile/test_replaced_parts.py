@@ -94,6 +94,16 @@ def test_values_of_a_part_made_in_build_still_act(write):
     assert [model.root.find(f"mooring.line_{i}").parameter_value("length") for i in (1, 2)] == [850.0, 902.2]
 
 
+def test_a_derived_class_on_top_keeps_what_the_part_had_and_another_begins_anew(write):
+    hull = fw.load("wind_tracing").root.find("platform.hull")
+    assert type(hull).__name__ == "ElasticFloater"
+    assert hull.turning  # said below, of the Floater
+    assert hull.column_1.parameter_value("wall_thickness") == 0.4
+    write("fowtlib: 1\nparts: {one: {class: FixedTranslation, r: [1, 2, 3]}}", "pair.yaml")
+    model = "fowtlib: 1\nparts: {pair: {use: pair, parts: {one: {class: PointMass, mass: 3 t}}}}"
+    assert fw.load(write(model)).root.find("pair.one").parameter_value("mass") == 3000.0
+
+
 def test_a_structural_value_of_a_part_that_its_owner_has_made():
     plain = fw.load("oc3_spar_rigid")
     changed = fw.load("oc3_spar_rigid", set={"platform.water.radiation.order": 2})

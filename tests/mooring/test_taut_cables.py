@@ -24,7 +24,7 @@ class Given(Component):
         return [eq(self.y, self.value)]
 
 
-def hung(moved=np.zeros((3, 3)), lift=0.0):
+def hung(moved=0.0, lift=0.0):
     """A mass of 200 t on cables whose ends were moved, with a force up."""
     model = fw.Assembly("cables")
     model.world, model.middle, model.cables = World(), Fixed(), TautCables(place=tuple(PLACE), ends_at=AT.tolist())

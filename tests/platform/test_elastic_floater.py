@@ -189,8 +189,8 @@ def test_mistakes_are_named(database):
 
     refused("has 11 nodes that are not the 17 of its database", longest=8.0)
     refused("of its database moves the mass of the hull in surge", level=-4.9)
-    refused(r"^hull.node_points\[1\]: the point \(0, 0, 30\) m meets no node of the frame: it is 6.2 radii from the axis of "
-            "hull.log, the nearest member. Put it on a member", nodes=[[35.0, 0, 0], [0, 0, 30.0]])  # fmt: skip
+    refused(r"^hull.node_points\[1\]: the point \(0, 0, 30\) m meets no node of the frame: it is 6.2 radii from the "
+            "axis of hull.log, the nearest member. Put it on a member", nodes=[[35.0, 0, 0], [0, 0, 30.0]])  # fmt: skip
     refused(r"hull.section_points: the point \(0, 0, 2\) m lies on no beam", section_points=[[0, 0, 2.0]])
     refused("node_forces has 1 rows, and there are 3 node_points", node_forces=[[0, 0, 1e5]])
     other = replace(database.first(1), shapes=database.shapes[1:2])
@@ -206,8 +206,8 @@ def test_a_mesh_that_does_not_match_the_frame_is_refused():
         with pytest.raises(ModelError, match=said):
             modal_database(barge(), 1, omega=[0.5, 1.0], headings=[0.0], panel=4.0, water_depth=200.0, mesh=mesh)
 
-    refused(r"^the mesh barge.gdf holds 2\d\d\d m\^3, and the members of the frame 4000 m\^3: the mesh does not match the "
-            "frame. Are draft", hull.panels(4.0) * [1, 1, 0.5])  # fmt: skip
+    refused(r"^the mesh barge.gdf holds 2\d\d\d m\^3, and the members of the frame 4000 m\^3: the mesh does not match "
+            "the frame. Are draft", hull.panels(4.0) * [1, 1, 0.5])  # fmt: skip
     refused(r"^the mesh barge.gdf does not match the frame: its panel at \(.*\) m is [\d.]+ radii from the axis of log",
             hull.panels(4.0) + [0, 30.0, 0])  # fmt: skip
 
