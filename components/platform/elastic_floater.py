@@ -6,6 +6,8 @@ from collections.abc import Iterable
 from functools import lru_cache
 from pathlib import Path
 
+from numpy.typing import ArrayLike
+
 from fowtlib.components.hydro.hull_mesh import HullMesh
 from fowtlib.components.hydro.modal_database import ModalDatabase
 from fowtlib.components.hydro.modal_loads import ModalPotentialFlow, ShapeHydrostatics, read_modal_database
@@ -42,6 +44,9 @@ class ElasticFloater(Floater):
         read_modal_database, default=None, doc="potential flow of the hull and its shapes, or none"
     )
     shapes: int = param(default=0, min=0, doc="number of shapes in use; 0: all those of the database")
+    attached: int = param(
+        default=0, min=0, doc="of the first nodes, without a database: where heavy things stand; each adds six shapes"
+    )
     longest: Number = param(default=5.0, unit="m", min=0.1, structural="it divides the frame", doc="longest beam")
     young_modulus: Scalar = param(default=210e9, unit="Pa", min=1.0, doc="Young's modulus of all walls")
     shear_modulus: Scalar = param(default=80.8e9, unit="Pa", min=1.0, doc="shear modulus of all walls")
@@ -96,7 +101,7 @@ class ElasticFloater(Floater):
                 f"{self.label}.shapes is {asked}, and its database has {known.count}; leave it out, or take "
                 f"ModalDatabase.first({asked})."
             )
-        return known.count if known is not None else asked
+        return known.count if known is not None else asked + 6 * min(self.attached, len(self.node_rows()))
 
     def loads_of_members(self):
         return BendingMemberLoads(shapes=self.count)
@@ -146,18 +151,19 @@ def _frame(hull: Hull, longest: float, young_modulus: float, shear_modulus: floa
 def modal_database(
     floater: ElasticFloater | Floater, count: int, *, omega: Iterable[float], headings: Iterable[float], panel: float,
     water_depth: float, longest: float = 5.0, young_modulus: float = 210e9, shear_modulus: float = 80.8e9,
-    path: str | Path | None = None, rho: float = 1025.0, g: float = 9.80665, **options,
+    attached: ArrayLike = (), path: str | Path | None = None, rho: float = 1025.0, g: float = 9.80665, **options,
 ) -> ModalDatabase:  # fmt: skip
     """The potential flow of the rigid motions and the lowest `count` shapes of a floater of members.
 
     omega [rad/s], headings [rad], panel: about their width [m]; longest beam [m] and moduli [Pa] as the part has them.
+    attached (p, 3) [m]: where heavy things stand, as towers; each adds six shapes, see `shapes_of`.
     rho [kg/m^3], g [m/s^2]; options: source, progress of `hydro.panel.solve_shapes`, whose errors are raised.
     """
     from fowtlib.components.hydro.panel import solve_shapes  # with its optional package
 
     hull = floater.hull()
     structure = MemberFrame(hull, longest, young_modulus, shear_modulus)
-    shapes = shapes_of(structure, count).shapes
+    shapes = shapes_of(structure, count, attached).shapes
     panels = hull.panels(panel)
     mesh = HullMesh(panels, hull.lids(panel), floater.label, join=SAME_NODE)
     return solve_shapes(
