@@ -24,7 +24,7 @@ from fowtlib.components.platform.space_frame import FrameModes, SpaceFrame, rigi
 from fowtlib.language.errors import ParameterError
 
 if TYPE_CHECKING:
-    from fowtlib.components.platform.elastic_floater import ElasticFloater
+    from fowtlib.components.platform.bending_hull import BendingHull
 
 Floats = NDArray[np.float64]
 SAME_NODE = 1e-3  # m
@@ -81,7 +81,7 @@ class ShapesInUse:
     with_rigid: Floats
 
 
-def shapes_in_use(floater: ElasticFloater) -> ShapesInUse:
+def shapes_in_use(floater: BendingHull) -> ShapesInUse:
     """Those of its database; without one computed, the water at rest on panels as wide as beams are long."""
     known = floater.database
     if known is None:
@@ -107,7 +107,7 @@ def _own_shapes(structure: MemberFrame, count: int, attached: tuple[tuple[float,
     return ShapesInUse(structure.frame.nodes, shapes, water_at_rest(structure, panels), among, stiffness.with_rigid)
 
 
-def rows_of(floater: ElasticFloater, name: str) -> Floats:
+def rows_of(floater: BendingHull, name: str) -> Floats:
     """A parameter of points or forces as rows (n, 3)."""
     values = np.asarray(floater.parameter_value(name), dtype=float)
     if values.size and (values.ndim != 2 or values.shape[1] != 3):
@@ -115,7 +115,7 @@ def rows_of(floater: ElasticFloater, name: str) -> Floats:
     return values.reshape(-1, 3)
 
 
-def shape_numbers(floater: ElasticFloater) -> Floats:
+def shape_numbers(floater: BendingHull) -> Floats:
     """Modal mass, stiffness, what nodes do with each shape, section loads; everything is checked when a run starts."""
     known, structure = shapes_in_use(floater), floater.member_frame()
     frame, nodes = structure.frame, structure.frame.nodes
@@ -148,11 +148,11 @@ def shape_numbers(floater: ElasticFloater) -> Floats:
     return np.concatenate([mass.ravel(), stiffness.ravel(), at_nodes.ravel(), *recovered, load, *floats])
 
 
-def _raised(floater: ElasticFloater) -> Floats:
+def _raised(floater: BendingHull) -> Floats:
     return np.array([0.0, 0.0, float(floater.parameter_value("raised"))])
 
 
-def loads_at_rest(floater: ElasticFloater, structure: MemberFrame, points: Floats) -> Floats:
+def loads_at_rest(floater: BendingHull, structure: MemberFrame, points: Floats) -> Floats:
     """Loads (2, n, 6) on the nodes of the frame at rest: of water and weight, and of the `node_forces`."""
     density, gravity = (float(floater.world.parameter_value(name)) for name in ("water_density", "gravity"))
     forces = rows_of(floater, "node_forces")
@@ -166,7 +166,7 @@ def loads_at_rest(floater: ElasticFloater, structure: MemberFrame, points: Float
     return np.stack([water + weight, loads_at(structure, points[: len(forces)], forces)])
 
 
-def _check_momentum(floater: ElasticFloater, structure: MemberFrame, shapes: Floats, modal: Floats) -> None:
+def _check_momentum(floater: BendingHull, structure: MemberFrame, shapes: Floats, modal: Floats) -> None:
     """Shapes carry no momentum: what moves with one and with a rigid motion at once is no shape of the free hull."""
     nodes = structure.frame.nodes
     motions = rigid_motions(nodes, nodes.mean(axis=0)).reshape(6, -1)
@@ -182,7 +182,7 @@ def _check_momentum(floater: ElasticFloater, structure: MemberFrame, shapes: Flo
         )
 
 
-def _check_alike(floater: ElasticFloater, structure: MemberFrame, shapes: Floats, mass: Floats) -> None:
+def _check_alike(floater: BendingHull, structure: MemberFrame, shapes: Floats, mass: Floats) -> None:
     """The shapes of the database make up the lowest ones that the structure has now."""
     own = shapes_of(structure, 1).shapes.reshape(1, -1)
     shared = shapes @ (structure.frame.mass @ own.T)

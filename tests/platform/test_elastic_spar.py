@@ -63,7 +63,7 @@ def elastic():
 
 
 def test_an_elastic_hull_lowers_the_frequency_by_17_per_cent(elastic):
-    """Printed -17 % (J.M. Hegseth's thesis, NTNU 2020, fig. 2.5), 1.25 s of the elastic spar; within a point and 3 %."""
+    """Printed -17 % (J.M. Hegseth's thesis, NTNU 2020, fig. 2.5), and 1.25 s; within 1.2 points and 3 %."""
     assert bending(members(Floater)) / elastic - 1 == pytest.approx(-0.17, abs=0.012)
     assert elastic == pytest.approx(1.25, rel=0.03)
 
