@@ -17,7 +17,7 @@ from fowtlib.language import Array, Component, at_start, eq, param, port, var
 from fowtlib.language import math as m
 
 if TYPE_CHECKING:
-    from fowtlib.components.platform.elastic_floater import ElasticFloater
+    from fowtlib.components.platform.bending_hull import BendingHull
 
 
 class BendingMemberLoads(ModalLoad, MemberLoads):
@@ -57,16 +57,16 @@ class BendingMemberLoads(ModalLoad, MemberLoads):
 
         return transfer
 
-    def bending(self, floater: ElasticFloater, number: int, strips: Sequence[Strip]) -> list[Strip]:
+    def bending(self, floater: BendingHull, number: int, strips: Sequence[Strip]) -> list[Strip]:
         """The strips of a member, by its number, with how they move in each shape."""
         rows = self._moved(floater, number)
         return [replace(strip, shapes=row) for strip, row in zip(strips, rows[:-1], strict=True)]
 
-    def at_waterline(self, floater: ElasticFloater, number: int) -> Any:
+    def at_waterline(self, floater: BendingHull, number: int) -> Any:
         """How the section of a member at the water level moves in each shape (3, k)."""
         return self._moved(floater, number)[-1]
 
-    def _moved(self, floater: ElasticFloater, number: int) -> list[Any]:
+    def _moved(self, floater: BendingHull, number: int) -> list[Any]:
         size = 3 * self.shapes
         ends = np.cumsum([0, *(size * len(places) for places in strip_places(floater))]).tolist()
         found = at_start("strip_shapes", ends[-1], "1", "how strips move with the shapes", _strip_shapes, of=floater)
@@ -111,7 +111,7 @@ class SectionLoads(Component):
         ]
 
 
-def strip_places(floater: ElasticFloater) -> list[np.ndarray]:
+def strip_places(floater: BendingHull) -> list[np.ndarray]:
     """Places (k, 3) of the strips of each member and of its water line, in the frame; none of one without sections."""
     hull, found = floater.hull(), []
     for k, member in enumerate(members_of(floater)):
@@ -123,7 +123,7 @@ def strip_places(floater: ElasticFloater) -> list[np.ndarray]:
     return found
 
 
-def _strip_shapes(floater: ElasticFloater) -> np.ndarray:
+def _strip_shapes(floater: BendingHull) -> np.ndarray:
     """Displacement of all strips per coordinate, row by row: strip, axis, shape."""
     places = np.concatenate(strip_places(floater))
     moved = floater.member_frame().field(places, shapes_in_use(floater).shapes).displacement

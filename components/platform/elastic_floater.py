@@ -3,54 +3,44 @@
 from __future__ import annotations
 
 from collections.abc import Iterable
-from functools import lru_cache
 from pathlib import Path
+
+from numpy.typing import ArrayLike
 
 from fowtlib.components.hydro.hull_mesh import HullMesh
 from fowtlib.components.hydro.modal_database import ModalDatabase
-from fowtlib.components.hydro.modal_loads import ModalPotentialFlow, ShapeHydrostatics, read_modal_database
+from fowtlib.components.hydro.modal_loads import ModalPotentialFlow, ShapeHydrostatics
 from fowtlib.components.mechanics.modal import ElasticBody, ElasticFrame
+from fowtlib.components.platform.bending_hull import BendingHull
 from fowtlib.components.platform.bending_members import BendingMemberLoads, SectionLoads
-from fowtlib.components.platform.floater import Floater, drawn_between
+from fowtlib.components.platform.floater import Floater
 from fowtlib.components.platform.frame_loads import check_mesh, water_at_rest
-from fowtlib.components.platform.hull import Hull
 from fowtlib.components.platform.member_frame import MemberFrame
-from fowtlib.components.platform.member_parts import members_of
-from fowtlib.components.platform.shape_numbers import RHO, SAME_NODE, rows_of, shape_numbers, shapes_in_use, shapes_of
-from fowtlib.language import Array, Data, Number, Scalar, data, param, shapes
-from fowtlib.language.errors import ParameterError
+from fowtlib.components.platform.shape_numbers import (
+    RHO,
+    SAME_NODE,
+    rows_of,
+    shape_numbers,
+    shapes_of,
+)
 from fowtlib.language.expressions import StartNumbers
 
 
-class ElasticFloater(Floater):
+class ElasticFloater(BendingHull):
     """A hull of members that bend: a Floater with the lowest shapes of its structure as further coordinates.
 
     The structure is a frame of beams along the axes of the members (see MemberFrame), with all that the hull weighs;
     its shapes are those of the free hull, whose water and whatever stands on it come as loads. The `database`, made
     by `modal_database`, has the flow of the rigid motions and of each shape. Without one, `shapes` says how many of the
     lowest are in use, and the water acts by strips on members with an `added_mass_coefficient`: no waves are made, and
-    shapes follow the sizes of a run. `nodes` move with the shapes. Bending is
-    small, the motion of the frame is not. Drag acts on the members as they move, and buoyancy of shapes is linear. Mass
-    and stiffness of the shapes follow from the members when a run starts; weight and water at rest bend the hull and
-    change its stiffness, with the `node_forces` that are given for that. `sections.force` and `sections.moment` are
-    the loads in the members at the `section_points`, see SectionLoads.
+    shapes follow the sizes of a run. `attached` nodes, on which something heavy stands, have shapes of their loads
+    too. `nodes` move with the shapes. Bending is small, the motion of the frame is not. Drag acts on the members as
+    they move, and buoyancy of shapes is linear. Mass and stiffness of the shapes follow from the members when a run
+    starts; weight and water at rest bend the hull and change its stiffness, with the `node_forces` that are given for
+    that. `sections.force` and `sections.moment` are the loads in the members at the `section_points`, see SectionLoads.
     Errors: shapes that carry momentum, a database of another structure or of other shapes, nodes off the hull, sections
     off the axes of members.
     """
-
-    database: Data[ModalDatabase] = data(
-        read_modal_database, default=None, doc="potential flow of the hull and its shapes, or none"
-    )
-    shapes: int = param(default=0, min=0, doc="number of shapes in use; 0: all those of the database")
-    longest: Number = param(default=5.0, unit="m", min=0.1, structural="it divides the frame", doc="longest beam")
-    young_modulus: Scalar = param(default=210e9, unit="Pa", min=1.0, doc="Young's modulus of all walls")
-    shear_modulus: Scalar = param(default=80.8e9, unit="Pa", min=1.0, doc="shear modulus of all walls")
-    damping_time: Scalar = param(default=0.0, unit="s", min=0, doc="damping over stiffness of the structure")
-    section_points: Array = param(default=(), unit="m", doc="points (n, 3) on axes of members with section loads")
-    drawn_bending: Scalar = param(default=1.0, min=0, doc="how many times its size bending has in pictures")
-    node_forces: Array = param(
-        default=(), unit="N", doc="forces (n, 3) on the nodes at rest, as far as they change the stiffness; none: zero"
-    )
 
     def build(self):
         count, points, cuts = self.count, len(self.node_rows()), len(rows_of(self, "section_points"))
@@ -82,22 +72,6 @@ class ElasticFloater(Floater):
             )  # fmt: skip
             self.connect(self.structure.modes, self.sections.modes)
 
-    @property
-    def count(self) -> int:
-        """Number of shapes in use."""
-        known, asked = self.database, self.shapes
-        if known is None and not asked:
-            raise ParameterError(
-                f"{self.label} has neither a database nor shapes: give the one (fowt hydro --shapes), or say how many "
-                "shapes of its members are in use, with the water by strips."
-            )
-        if known is not None and asked not in (0, known.count):
-            raise ParameterError(
-                f"{self.label}.shapes is {asked}, and its database has {known.count}; leave it out, or take "
-                f"ModalDatabase.first({asked})."
-            )
-        return known.count if known is not None else asked
-
     def loads_of_members(self):
         return BendingMemberLoads(shapes=self.count)
 
@@ -118,39 +92,17 @@ class ElasticFloater(Floater):
     def _matrix(self, first: int, rows: int, columns: int) -> list:
         return [[self._numbers[first + i * columns + j] for j in range(columns)] for i in range(rows)]
 
-    def drawing(self) -> shapes.Drawing:
-        """Its beams, each on a frame that moves with the shapes."""
-        if not members_of(self):
-            return []
-        structure, size = self.member_frame(), float(self.parameter_value("drawn_bending"))
-        found, of = [], tuple(f"{self.structure.path}.q[{k}]" for k in range(self.count))
-        used = shapes_in_use(self).shapes
-        for k, piece in enumerate(structure.pieces):
-            axis, motion, _ = structure.frame.section_motion(k, 0.5, used)
-            x, y, z = axis.tolist()
-            carrier = shapes.Carried(self.frame, (x, y, z), of, size * motion[:, :3].T, size * motion[:, 3:].T)
-            found.append(drawn_between(carrier, structure.hull.members[piece.member], piece.low, piece.high, axis))
-        return found
-
-    def member_frame(self) -> MemberFrame:
-        """Its structure with the values that the parameters have now."""
-        moduli = (float(self.parameter_value(name)) for name in ("young_modulus", "shear_modulus"))
-        return _frame(self.hull(), float(self.parameter_value("longest")), *moduli)
-
-
-@lru_cache(maxsize=16)
-def _frame(hull: Hull, longest: float, young_modulus: float, shear_modulus: float) -> MemberFrame:
-    return MemberFrame(hull, longest, young_modulus, shear_modulus)
-
 
 def modal_database(
     floater: ElasticFloater | Floater, count: int, *, omega: Iterable[float], headings: Iterable[float], panel: float,
     water_depth: float, mesh: HullMesh | None = None, longest: float = 5.0, young_modulus: float = 210e9,
-    shear_modulus: float = 80.8e9, path: str | Path | None = None, rho: float = 1025.0, g: float = 9.80665, **options,
+    shear_modulus: float = 80.8e9, attached: ArrayLike = (), path: str | Path | None = None, rho: float = 1025.0,
+    g: float = 9.80665, **options,
 ) -> ModalDatabase:  # fmt: skip
     """The potential flow of the rigid motions and the lowest `count` shapes of a floater of members.
 
     omega [rad/s], headings [rad], panel: about their width [m]; longest beam [m] and moduli [Pa] as the part has them.
+    attached (p, 3) [m]: where heavy things stand, as towers; each adds six shapes, see `shapes_of`.
     rho [kg/m^3], g [m/s^2]; options: source, progress of `hydro.panel.solve_shapes`, whose errors are raised.
     mesh: panels of another source, in the place of those that the members have; they must lie on the members.
     Raises ParameterError for a mesh that does not match the frame.
@@ -159,7 +111,7 @@ def modal_database(
 
     hull = floater.hull()
     structure = MemberFrame(hull, longest, young_modulus, shear_modulus)
-    shapes = shapes_of(structure, count).shapes
+    shapes = shapes_of(structure, count, attached).shapes
     if mesh is None:
         mesh = HullMesh(hull.panels(panel), hull.lids(panel), floater.label, join=SAME_NODE)
     check_mesh(structure, mesh)

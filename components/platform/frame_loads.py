@@ -53,6 +53,14 @@ def loads_at(structure: MemberFrame, points: ArrayLike, forces: ArrayLike) -> Fl
     return total
 
 
+def unit_loads(structure: MemberFrame, points: ArrayLike) -> Floats:
+    """Loads (6 p, n, 6) on the nodes of a unit force and moment about each axis at points (p, 3) of the hull."""
+    units = np.split(np.eye(6), 6)
+    loads = [_carried(structure, point, unit[0, :3], unit[0, 3:])
+             for point in np.asarray(points, dtype=float).reshape(-1, 3) for unit in units]  # fmt: skip
+    return np.array(loads).reshape(-1, len(structure.frame.nodes), 6)
+
+
 def stiffness_by_loads(frame: SpaceFrame, loads: ArrayLike, gravity: float) -> sparse.csc_matrix:
     """What loads (n, 6) at rest, weight among them, add to the stiffness: what beams bear, and masses above nodes.
 
@@ -101,9 +109,8 @@ class SectionRecovery:
     def by_points(self, points: ArrayLike) -> Floats:
         """The same (p, 6, s, 6) of unit forces and moments at points (p, 3), in the axes of the frame."""
         given = np.asarray(points, dtype=float).reshape(-1, 3)
-        units = [np.eye(6)[k] for k in range(6)]
-        loads = [_carried(self.structure, point, unit[:3], unit[3:]) for point in given for unit in units]
-        found = self.by_loads(np.array(loads)) if loads else np.zeros((0, len(self.where), 6))
+        loads = unit_loads(self.structure, given)
+        found = self.by_loads(loads) if len(loads) else np.zeros((0, len(self.where), 6))
         return found.reshape(len(given), 6, len(self.where), 6)
 
     def axes(self) -> Floats:

@@ -10,6 +10,7 @@ from __future__ import annotations
 import math
 from collections.abc import Iterable
 from dataclasses import dataclass, replace
+from functools import cached_property
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -222,6 +223,16 @@ class MemberFrame:
 
     # --- between nodes ---------------------------------------------------------------------------------------------
 
+    @cached_property
+    def _segments(self) -> tuple[Floats, Floats, Floats, Floats]:
+        """Of each piece its start, its direction, its length, and the largest radius that it has."""
+        members = [self.hull.members[piece.member] for piece in self.pieces]
+        starts = np.array([member.at(piece.low) for member, piece in zip(members, self.pieces, strict=True)])
+        lengths = np.array([piece.high - piece.low for piece in self.pieces])
+        radii = [max(float(np.max(member.size_at(s, after=after))) / 2 for s, after in _sizes(member, piece))
+                 for member, piece in zip(members, self.pieces, strict=True)]  # fmt: skip
+        return starts, np.array([member.axes[:, 2] for member in members]), lengths, np.array(radii)
+
     def carrier(self, place: Floats) -> tuple[int, float]:
         """The piece whose section carries a point, and the share of its length where that is."""
         off, piece, share = self._nearest_piece(place)
@@ -236,14 +247,27 @@ class MemberFrame:
         return off, self.hull.members[self.pieces[piece].member].name
 
     def _nearest_piece(self, place: Floats) -> tuple[float, int, float]:
+        """Radii off the axis of the nearest piece, that piece, and the share of its length where that is."""
+        starts, along, lengths, radii = self._segments
+        shares = np.clip(np.einsum("ki,ki->k", place - starts, along), 0.0, lengths)
+        near = np.linalg.norm(place - starts - shares[:, None] * along, axis=1) / radii  # at most what it is
         best, where = math.inf, (0, 0.0)
-        for k, piece in enumerate(self.pieces):
+        for k in np.argsort(near, kind="stable").tolist():
+            if near[k] >= best:
+                break
+            piece = self.pieces[k]
             member = self.hull.members[piece.member]
-            s = float(np.clip((place - member.start) @ member.axes[:, 2], piece.low, piece.high))
+            s = piece.low + float(shares[k])
             off = _off(member, s, place) / (float(np.max(member.size_at(s))) / 2)
             if off < best:
                 best, where = off, (k, (s - piece.low) / (piece.high - piece.low))
         return best, *where
+
+
+def _sizes(member: MemberShape, piece: _Piece) -> list[tuple[float, bool]]:
+    """The places of a piece that have its extreme sizes: its ends, and stations between them from both sides."""
+    inside = [s for s in member.stations if piece.low <= s <= piece.high]
+    return [(s, after) for s in (piece.low, piece.high, *inside) for after in (True, False)]
 
 
 def _turning(angles: Floats) -> Floats:

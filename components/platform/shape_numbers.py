@@ -7,7 +7,7 @@ from functools import lru_cache
 from typing import TYPE_CHECKING
 
 import numpy as np
-from numpy.typing import NDArray
+from numpy.typing import ArrayLike, NDArray
 
 from fowtlib.components.hydro.deformation import shape_stiffness
 from fowtlib.components.platform.frame_loads import (
@@ -16,30 +16,55 @@ from fowtlib.components.platform.frame_loads import (
     check_on_axes,
     loads_at,
     stiffness_by_loads,
+    unit_loads,
     water_at_rest,
     weight_at_rest,
 )
 from fowtlib.components.platform.member_frame import MemberFrame
-from fowtlib.components.platform.space_frame import FrameModes, rigid_motions
+from fowtlib.components.platform.space_frame import FrameModes, SpaceFrame, rigid_motions
 from fowtlib.language.errors import ParameterError
 
 if TYPE_CHECKING:
-    from fowtlib.components.platform.elastic_floater import ElasticFloater
+    from fowtlib.components.platform.bending_hull import BendingHull
 
 Floats = NDArray[np.float64]
 SAME_NODE = 1e-3  # m
 RHO = 1025.0  # kg/m^3: density for which buoyancy of own shapes is computed; ShapeHydrostatics scales it
+_SAME_SHAPE = 1e-8  # of shapes that are the same but for this share
 _MOMENTUM = 1e-3  # largest share of the mass that moves with a shape as with a rigid motion
 _ALIKE = 0.95  # least part of each own shape that the shapes of the database make up
 
 
-def shapes_of(structure: MemberFrame, count: int) -> FrameModes:
-    """The lowest shapes of the free structure, of one metre at most; frequencies [rad/s]."""
+def shapes_of(structure: MemberFrame, count: int, attached: ArrayLike = ()) -> FrameModes:
+    """The lowest shapes of the free structure, of one metre at most; frequencies [rad/s].
+
+    attached (p, 3) [m]: points where something heavy stands. Each adds six shapes, into which the structure bends
+    under a force or a moment there and its own inertia: free shapes alone have no moment at an end, and many of them
+    make up for that (S. Rubin, AIAA J. 13 (1975) 995-1006).
+    They are made orthogonal to the others and to each other, so that they are the shapes of a smaller structure.
+    """
     modes = structure.frame.modes(6 + count)
     if len(modes.frequencies) < 6 + count:
         raise ParameterError(f"the frame has {len(modes.frequencies) - 6} shapes, and {count} are asked; set longest.")
-    shapes = modes.shapes[6:] / np.linalg.norm(modes.shapes[6:, :, :3], axis=2).max(axis=1)[:, None, None]
-    return FrameModes(modes.frequencies[6:], shapes)
+    found, frequencies = modes.shapes[6:].reshape(count, -1), modes.frequencies[6:]
+    points = np.asarray(attached, dtype=float).reshape(-1, 3)
+    if len(points):
+        bent = structure.frame.relieved(unit_loads(structure, points)).reshape(6 * len(points), -1)
+        own = np.concatenate([found, bent / np.abs(bent).max(axis=1)[:, None]])
+        frequencies, found = _ritz(structure.frame, own)
+    shapes = found.reshape(len(found), -1, 6)
+    return FrameModes(frequencies, shapes / np.linalg.norm(shapes[:, :, :3], axis=2).max(axis=1)[:, None, None])
+
+
+def _ritz(frame: SpaceFrame, shapes: Floats) -> tuple[Floats, Floats]:
+    """Frequencies and shapes (m, 6 n) of the structure that bends into these only; dependent ones are left out."""
+    mass, stiffness = (shapes @ (matrix @ shapes.T) for matrix in (frame.mass, frame.stiffness))
+    size = 1 / np.sqrt(np.diag(mass))
+    value, vector = np.linalg.eigh(mass * np.outer(size, size))
+    kept = value > _SAME_SHAPE * value.max()
+    basis = (vector[:, kept] / np.sqrt(value[kept])).T * size
+    squares, mixed = np.linalg.eigh(basis @ stiffness @ basis.T)
+    return np.sqrt(np.maximum(squares, 0.0)), mixed.T @ basis @ shapes
 
 
 @dataclass(frozen=True, eq=False)
@@ -57,11 +82,18 @@ class ShapesInUse:
     with_rigid: Floats
 
 
-def shapes_in_use(floater: ElasticFloater) -> ShapesInUse:
+def shapes_in_use(floater: BendingHull) -> ShapesInUse:
     """Those of its database; without one computed, the water at rest on panels as wide as beams are long."""
     known = floater.database
     if known is None:
-        return _own_shapes(floater.member_frame(), floater.count)
+        attached = rows_of(floater, "node_points")[: floater.attached] + _raised(floater)
+        used = _own_shapes(floater.member_frame(), floater.shapes, tuple(map(tuple, attached.tolist())))
+        if len(used.shapes) != floater.count:
+            raise ParameterError(
+                f"{floater.label}: its attached nodes do not have six shapes each beside the {floater.shapes} lowest; "
+                "take fewer shapes, or attach fewer nodes."
+            )
+        return used
     weight = known.rho * known.g
     return ShapesInUse(
         known.nodes, known.shapes, known.at_rest / weight, known.among / weight, known.with_rigid / weight
@@ -69,14 +101,14 @@ def shapes_in_use(floater: ElasticFloater) -> ShapesInUse:
 
 
 @lru_cache(maxsize=16)
-def _own_shapes(structure: MemberFrame, count: int) -> ShapesInUse:
-    shapes, panels = shapes_of(structure, count).shapes, structure.hull.panels(structure.longest)
+def _own_shapes(structure: MemberFrame, count: int, attached: tuple[tuple[float, ...], ...]) -> ShapesInUse:
+    shapes, panels = shapes_of(structure, count, attached).shapes, structure.hull.panels(structure.longest)
     stiffness = shape_stiffness(panels, lambda points: structure.field(points, shapes))
     among = (stiffness.among + stiffness.among.T) / 2
     return ShapesInUse(structure.frame.nodes, shapes, water_at_rest(structure, panels), among, stiffness.with_rigid)
 
 
-def rows_of(floater: ElasticFloater, name: str) -> Floats:
+def rows_of(floater: BendingHull, name: str) -> Floats:
     """A parameter of points or forces as rows (n, 3)."""
     values = np.asarray(floater.parameter_value(name), dtype=float)
     if values.size and (values.ndim != 2 or values.shape[1] != 3):
@@ -84,7 +116,7 @@ def rows_of(floater: ElasticFloater, name: str) -> Floats:
     return values.reshape(-1, 3)
 
 
-def shape_numbers(floater: ElasticFloater) -> Floats:
+def shape_numbers(floater: BendingHull) -> Floats:
     """Modal mass, stiffness, what nodes do with each shape, section loads; everything is checked when a run starts."""
     known, structure = shapes_in_use(floater), floater.member_frame()
     frame, nodes = structure.frame, structure.frame.nodes
@@ -94,8 +126,7 @@ def shape_numbers(floater: ElasticFloater) -> Floats:
             "its database; members, or longest, are others than when it was made. Make it anew."
         )
     count = len(known.shapes)
-    raise_by = [0.0, 0.0, float(floater.parameter_value("raised"))]
-    points, cuts = (rows_of(floater, name) + raise_by for name in ("node_points", "section_points"))
+    points, cuts = (rows_of(floater, name) + _raised(floater) for name in ("node_points", "section_points"))
     check_carried(structure, points, f"{floater.label}.node_points")
     check_on_axes(structure, cuts, f"{floater.label}.section_points")
     resting = loads_at_rest(floater, structure, points)
@@ -119,7 +150,11 @@ def shape_numbers(floater: ElasticFloater) -> Floats:
     return np.concatenate([mass.ravel(), stiffness.ravel(), at_nodes.ravel(), *recovered, load, *floats])
 
 
-def loads_at_rest(floater: ElasticFloater, structure: MemberFrame, points: Floats) -> Floats:
+def _raised(floater: BendingHull) -> Floats:
+    return np.array([0.0, 0.0, float(floater.parameter_value("raised"))])
+
+
+def loads_at_rest(floater: BendingHull, structure: MemberFrame, points: Floats) -> Floats:
     """Loads (2, n, 6) on the nodes of the frame at rest: of water and weight, and of the `node_forces`."""
     density, gravity = (float(floater.world.parameter_value(name)) for name in ("water_density", "gravity"))
     forces = rows_of(floater, "node_forces")
@@ -133,7 +168,7 @@ def loads_at_rest(floater: ElasticFloater, structure: MemberFrame, points: Float
     return np.stack([water + weight, loads_at(structure, points[: len(forces)], forces)])
 
 
-def _check_momentum(floater: ElasticFloater, structure: MemberFrame, shapes: Floats, modal: Floats) -> None:
+def _check_momentum(floater: BendingHull, structure: MemberFrame, shapes: Floats, modal: Floats) -> None:
     """Shapes carry no momentum: what moves with one and with a rigid motion at once is no shape of the free hull."""
     nodes = structure.frame.nodes
     motions = rigid_motions(nodes, nodes.mean(axis=0)).reshape(6, -1)
@@ -149,7 +184,7 @@ def _check_momentum(floater: ElasticFloater, structure: MemberFrame, shapes: Flo
         )
 
 
-def _check_alike(floater: ElasticFloater, structure: MemberFrame, shapes: Floats, mass: Floats) -> None:
+def _check_alike(floater: BendingHull, structure: MemberFrame, shapes: Floats, mass: Floats) -> None:
     """The shapes of the database make up the lowest ones that the structure has now."""
     own = shapes_of(structure, 1).shapes.reshape(1, -1)
     shared = shapes @ (structure.frame.mass @ own.T)
