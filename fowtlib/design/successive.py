@@ -25,6 +25,7 @@ from fowtlib.language.errors import ModelError
 
 PENALTY = 10.0  # of a constraint that is broken by its scale, over the scale of the objective
 FIRST, SMALLEST, LARGEST = 0.05, 1e-4, 0.5  # of the ranges of the variables: the region
+WIDE = 0.01  # the region in which there must be nothing to gain at an optimum
 GOOD, POOR, ACCEPTED = 0.7, 0.3, 0.02  # actual over expected improvement
 DEARER, FALLING = 2.0, 0.3  # of the price of a limit: what is broken costs; and how fast that may fall
 CHEAPEST = 0.05  # of the penalty: what costs least, as the price of a limit that is not reached is not known
@@ -60,14 +61,18 @@ class _Search:
         problem, reason = self.problem, "the limit of iterations"
         r, J = problem.linear(y)
         here, learned, poor, moved = self.merit(r, y), 0, 0, False  # since slopes were exact
+        widened = False  # since a step was worth its while
         for _ in range(self.settings.iterations):
             new = self.sub(y, r, J, self.region)
             self._set_prices(self.sub.prices)
             step, here = new - y, self.merit(r, y)
             expected = here - self.merit(r + J @ step, new)
             if expected <= self.settings.tolerance * max(abs(here), 1.0):
-                if not learned:
+                if not learned and (widened or self.region >= WIDE):
                     return Ended(y, True, "an optimum")
+                if not learned:  # there is little to gain in a small region: is there in a larger one?
+                    self.region, widened = WIDE, True
+                    continue
                 (r, J), learned, poor, moved = problem.linear(y), 0, 0, False
                 continue
             try:
@@ -90,6 +95,7 @@ class _Search:
                 return Ended(y, False, "steps became too small")
             learned, poor = learned + 1, poor + 1 if quality < POOR else 0
             if quality > ACCEPTED:
+                widened = widened and here - there <= self.settings.tolerance * max(abs(here), 1.0)
                 y, r, here, moved = new, found, there, True
             # a step that led astray was too long, and has taught something; two in a row ask for exact slopes
             if moved and (learned >= self.age or poor > 1):
