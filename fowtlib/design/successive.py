@@ -25,8 +25,10 @@ from fowtlib.language.errors import ModelError
 
 PENALTY = 10.0  # of a constraint that is broken by its scale, over the scale of the objective
 FIRST, SMALLEST, LARGEST = 0.05, 1e-4, 0.5  # of the ranges of the variables: the region
+WIDE = 0.01  # the region in which there must be nothing to gain at an optimum
 GOOD, POOR, ACCEPTED = 0.7, 0.3, 0.02  # actual over expected improvement
-DEARER, FALLING = 2.0, 0.3  # of the largest price of a limit: what is broken costs; and how fast that may fall
+DEARER, FALLING = 2.0, 0.3  # of the price of a limit: what is broken costs; and how fast that may fall
+CHEAPEST = 0.05  # of the penalty: what costs least, as the price of a limit that is not reached is not known
 AGE = 4  # steps for which slopes learn before they are taken anew
 
 
@@ -47,26 +49,30 @@ class _Search:
         self.region = float(options.get("region", FIRST))
         self.say = options.get("say", lambda line: None)
         self.sub = _Step(problem, self.penalty)
-        self.price = self.penalty  # of what is broken, in the merit of a point
+        self.prices = np.full(problem.lower.size, self.penalty)  # of limits that are broken, in the merit of a point
 
     def merit(self, r: np.ndarray, y: np.ndarray) -> float:
         f, g = self.problem.composition.function(self.problem.x(y), r)
         g = np.ravel(g)
         over = np.maximum(np.maximum(g - self.problem.upper, self.problem.lower - g), 0.0)
-        return float(f) / self.problem.f_scale + self.price * float(over.sum())
+        return float(f) / self.problem.f_scale + float(self.prices @ over)
 
     def run(self, y: np.ndarray) -> Ended:
         problem, reason = self.problem, "the limit of iterations"
         r, J = problem.linear(y)
         here, learned, poor, moved = self.merit(r, y), 0, 0, False  # since slopes were exact
+        widened = False  # since a step was worth its while
         for _ in range(self.settings.iterations):
             new = self.sub(y, r, J, self.region)
-            self._set_price(self.sub.price)
+            self._set_prices(self.sub.prices)
             step, here = new - y, self.merit(r, y)
             expected = here - self.merit(r + J @ step, new)
             if expected <= self.settings.tolerance * max(abs(here), 1.0):
-                if not learned:
+                if not learned and (widened or self.region >= WIDE):
                     return Ended(y, True, "an optimum")
+                if not learned:  # there is little to gain in a small region: is there in a larger one?
+                    self.region, widened = WIDE, True
+                    continue
                 (r, J), learned, poor, moved = problem.linear(y), 0, 0, False
                 continue
             try:
@@ -89,6 +95,7 @@ class _Search:
                 return Ended(y, False, "steps became too small")
             learned, poor = learned + 1, poor + 1 if quality < POOR else 0
             if quality > ACCEPTED:
+                widened = widened and here - there <= self.settings.tolerance * max(abs(here), 1.0)
                 y, r, here, moved = new, found, there, True
             # a step that led astray was too long, and has taught something; two in a row ask for exact slopes
             if moved and (learned >= self.age or poor > 1):
@@ -107,12 +114,13 @@ class _Search:
         merit = self.merit(r, beside)
         return (beside, r, merit, J) if merit < there else (new, found, there, J)
 
-    def _set_price(self, price: float) -> None:
-        """What is broken costs more than limits are worth in a step, and not much more.
+    def _set_prices(self, prices: np.ndarray) -> None:
+        """What breaks a limit costs more than the limit is worth in a step, and not much more.
 
-        So a step may bend out of its limits by what later ones take back. A price falls slowly.
+        So a step may bend out of its limits by what later ones take back. Prices fall slowly.
         """
-        self.price = min(max(DEARER * price, FALLING * self.price), DEARER * self.penalty)
+        least = np.maximum(FALLING * self.prices, CHEAPEST * self.penalty)
+        self.prices = np.minimum(np.maximum(DEARER * prices, least), DEARER * self.penalty)
 
     def _tell(self, y: np.ndarray, step: np.ndarray, here: float, there: float, expected: float) -> None:
         point, length = self.problem.point(y), np.max(np.abs(step))
@@ -160,7 +168,7 @@ class _Step:
 
     def __init__(self, problem: Any, penalty: float):
         self.problem, self.free = problem, True  # whether variables that no result depends on may go anywhere
-        self.price = penalty  # the largest of a limit, in the last step
+        self.prices = np.full(problem.lower.size, penalty)  # of limits, in the last step
         composition = problem.composition
         n, m, k = len(problem.space), composition.free.numel(), problem.lower.size
         y, r, s = (ca.MX.sym(name, size) for name, size in (("y", n), ("r", m), ("s", k)))
@@ -193,5 +201,5 @@ class _Step:
             lbg=np.concatenate([np.full(k, -np.inf), problem.lower, np.zeros(m)]),
             ubg=np.concatenate([problem.upper, np.full(k, np.inf), np.zeros(m)]),
         )  # fmt: skip
-        self.price = float(np.max(np.abs(np.ravel(found["lam_g"])[: 2 * k]), initial=0.0))
+        self.prices = np.abs(np.ravel(found["lam_g"])[: 2 * k]).reshape(2, k).max(axis=0, initial=0.0)
         return np.clip(np.ravel(found["x"])[: y.size], low, high)

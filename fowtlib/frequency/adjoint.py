@@ -358,17 +358,12 @@ class RandomResponse:
         for path, channels in self.forcing.columns.items():
             by_drive[:, self.forcing.driven[path]] += _outer(rows[:, :, channels], self._driven[path])
         by_x, by_three = (_outer(rows, block) for block in (self.x, self.three))
-        laws, (C, D), operators = slice(self.excited.results, None), self._to_outputs, self.closed.operators
-        by_laws = by_x @ C[laws].T + by_drive @ D[laws].T
+        C, D = (self.closed.matrices[name][self.excited.results :] for name in "CD")
+        by_laws, operators = by_x @ C.T + by_drive @ D.T, self.closed.operators
         if operators is not None:
-            by_laws = by_laws + by_three @ operators.D_output[laws].T
+            by_laws += by_three @ operators.D_output[self.excited.results :].T
         found = np.hstack([by_x, by_drive, by_laws @ self._gain_matrix().T, by_three])
         return found if lift is None else lift @ found
-
-    @property
-    def _to_outputs(self) -> tuple[np.ndarray, np.ndarray]:
-        """C and D with the laws in the loop."""
-        return self.closed.matrices["C"], self.closed.matrices["D"]
 
     @cached_property
     def _driven(self) -> dict[str, np.ndarray]:

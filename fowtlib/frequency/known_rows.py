@@ -46,12 +46,12 @@ class _Known:
         """Whether all that counts has the same values in a run with these parameters."""
         return relevant(parameters, self._read) == self.values
 
-    def computed(self, function: OfFrequency, omega: np.ndarray, root: Component,
-                 parameters: Contents) -> np.ndarray:  # fmt: skip
-        """The rows of these frequencies, anew."""
+    def computed(self, function: OfFrequency, omega: np.ndarray, root: Component, parameters: Contents,
+                 numbers: dict[Any, Any] | None = None) -> np.ndarray:  # fmt: skip
+        """The rows of these frequencies, anew; numbers: of this run, where there are some, in place of its own."""
         if root is not self.root:  # of another tree
             self.root, self.numbers = root, {}
-        with evaluation_again(self.numbers, self.places):
+        with evaluation_again(self.numbers if numbers is None else numbers, self.places):
             found = function(omega)
         if len(self._read) != len(self.places):
             self.__dict__.pop("_read")
@@ -69,20 +69,27 @@ class KnownRows:
     def __init__(self) -> None:
         self._known: dict[Hashable, list[_Known]] = {}
 
-    def of(self, name: Hashable, root: Component, parameters: Contents, function: OfFrequency) -> OfFrequency:
+    def of(self, name: Hashable, root: Component, parameters: Contents, function: OfFrequency,
+           numbers: dict[Any, Any]) -> OfFrequency:  # fmt: skip
         """A function under a name, which asks for the rows that are not known yet.
 
-        root: the tree of a run with these parameters; the function is one of its parts.
+        root: the tree of a run with these parameters; the function is one of its parts. numbers: values that follow
+        from them, of this run alone, which functions of which nothing is known have in common.
         """
 
         def rows(omega: np.ndarray) -> np.ndarray:
             entries = self._known.setdefault(name, [])
             known = next((one for one in entries if one.suits(parameters)), None)
             if known is None:
-                known = _Known(root)
+                known, common = _Known(root), numbers
             else:
                 entries.remove(known)
-            found = _with_known(known, omega, lambda missing: known.computed(function, missing, root, parameters))
+                common = None
+
+            def compute(missing: np.ndarray) -> np.ndarray:
+                return known.computed(function, missing, root, parameters, common)
+
+            found = _with_known(known, omega, compute)
             if found.size <= LARGEST:
                 known.tables[:] = [table for table in known.tables if table[1] is not found][: TABLES - 1]
                 known.tables.insert(0, (omega, found))

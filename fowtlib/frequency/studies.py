@@ -78,8 +78,8 @@ class Study:
         """Functions of frequency of a run with these parameters and this tree, with what is known of them."""
         given = by_path(parameters or {})
         given = spread_out(given, self.plant.root) if self.plant.root is not None else given
-        contents = contents_of(given)
-        return lambda name, function: self._rows.of(name, root, contents, function)
+        contents, numbers = contents_of(given), dict[Any, Any]()
+        return lambda name, function: self._rows.of(name, root, contents, function, numbers)
 
     def gains(self, excited: ExcitedModel) -> list[np.ndarray] | None:
         """Gains of drag that another state settled at; None before the first one."""

@@ -99,7 +99,7 @@ def test_rows_that_are_known_are_not_asked_for_again():
 
     def rows(omega, **values):
         part._values.update(values)
-        return known.of("f", part, contents_of(values), function)(np.array(omega)).tolist()
+        return known.of("f", part, contents_of(values), function, {})(np.array(omega)).tolist()
 
     assert rows([1.0, 2.0, 4.0], gain=2.0, other=1.0) == [2.0, 4.0, 8.0]
     assert rows([1.0, 3.0, 4.0], gain=2.0, other=5.0) == [2.0, 6.0, 8.0]  # of the same gain
