@@ -49,7 +49,7 @@ INLINE V LANE(loss)(V f, V cot, V *log_slope) {
     V arc = y + y * q * LANE(arc_sine_rest)(q), rest = LANE(root)((1 - e) * (1 + e));
     V factor = LANE(choose)(large, 4 / pi * arc, 1 - 2 / pi * arc);
     M some = factor >= 1e-4;
-    *log_slope = LANE(choose)(some, -2 / pi * e * LANE(least)(f, LANE(all)(700)) * cot / (rest * factor), (V){0});
+    *log_slope = LANE(choose)(some & (f < 38), -2 / pi * e * f * cot / (rest * factor), (V){0}); /* else to the last digit */
     return LANE(choose)(some, factor, LANE(all)(1e-4));
 }
 
