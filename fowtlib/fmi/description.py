@@ -129,7 +129,6 @@ class _Description:
             out["start"] = repr(float(v.start))
         return out
 
-
 class _Two(_Description):
     """FMI 2.0."""
 

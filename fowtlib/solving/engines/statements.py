@@ -53,7 +53,7 @@ class Statements:
         self._operands: dict[Lanes, list[Lanes]] = {}
         last = max((section for section, _ in results), default=0)
         self.sections: list[list[Statement]] = [[] for _ in range(last + 1)]
-        for result, element, value in operations.results:
+        for result, element, value in sorted(operations.results, key=lambda item: results[item[0]][0]):
             section, name = results[result]
             needs = self._columns([value])
             self._make(needs, self.sections[section])
