@@ -1,7 +1,8 @@
 """The code of a checkout against a former one: `python benchmarks/run.py --former COMMIT`, or a folder with a checkout.
 
 Each row is run with the former and with the present code in turn, in two processes that wait for each other, by the
-time of the processor. The ratio holds on any machine; the times do not. With `--write` the table goes into docs/performance.md.
+time of the processor. The ratio holds on any machine; the times do not. With `--write` the table goes into
+docs/performance.md.
 """
 
 from __future__ import annotations

@@ -19,6 +19,7 @@ from fowtlib.language import (
     ModelError,
     RealInput,
     Scalar,
+    assert_,
     assign,
     der,
     eq,
@@ -33,6 +34,7 @@ from fowtlib.language import (
     when,
 )
 from fowtlib.language import math as m
+from fowtlib.language.errors import SimulationError
 from fowtlib.language.native import compiler
 from fowtlib.solving.engines.fixed_step import FixedStep
 from fowtlib.solving.engines.reduction import reduction
@@ -597,3 +599,30 @@ def test_response_to_regular_waves():
     for name in options["outputs"]:
         one, other = (abs(np.mean(wave * run.array(name)[-1000:])) for run in runs)
         assert one == pytest.approx(other, rel=0.005)
+
+
+class Watched(Mixed):
+    """Mixed, whose filtered speed may not fall below -0.1."""
+
+    def equations(self):
+        return [*super().equations(), assert_(self.filtered > -0.1, "the filtered speed is below -0.1")]
+
+
+def test_results_at_output_points_are_those_of_the_states_there():
+    """What the engine hands over with a point is what states and algebraic unknowns give anew, to the last digit."""
+    plant = plant_of(Mixed())
+    result = plant.simulate(3.0, 0.1, solver="fixed", step=0.02)
+    again = plant.observer(result.raw).values(["phi", "load"])
+    assert np.array_equal(np.column_stack([result.array(name) for name in ("phi", "load")]), again)
+    load, speed, angle = (result.array(name) for name in ("load", "w", "phi"))
+    slope = 1 + 3 * np.max(load**2)  # of the equation; the unknown is solved to the tolerance, 1e-6
+    assert np.max(np.abs(load + load**3 - speed - np.sin(angle))) < 1e-6 * slope
+
+
+def test_a_broken_assertion_stops_at_the_same_point_as_with_idas():
+    stops = []
+    for solver in ("fixed", "idas"):
+        with pytest.raises(SimulationError, match="the filtered speed is below") as caught:
+            plant_of(Watched()).simulate(3.0, 0.1, solver=solver)
+        stops.append(caught.value.result.time[-1])
+    assert stops[0] == stops[1] > 0

@@ -772,6 +772,7 @@ static int fs_iterate_algebraic(fs_instance *s, double t, const double *x, doubl
     if (size[iteration] <= 0.1 * s->o.at_points) return FS_DONE;
     verdict = fs_judge(a, size, iteration, s->o.at_points);
     if (verdict < 0) break;
+    if (iteration == 0) verdict = size[0] <= s->o.at_points; /* the next one costs little, and measures */
     fs_turn(s, a, x, s->move, 0, 1.0);
     for (i = 0; i < n; i++) z[i] += s->move[i];
     if ((status = fs_evaluate_again(s, t, x, z))) return status;
