@@ -131,10 +131,8 @@ class MooringSystem(LumpedSystem):
     def _of_line(self, name: str, i: int) -> Any:
         value, shape = getattr(self, name), np.shape(self.parameter_value(name))
         if shape and shape[0] != len(self.layout()):
-            raise ParameterError(
-                f"{self.label}.{name} has {shape[0]} values for {len(self.layout())} lines; "
-                "give one for all of them, or one for each."
-            )
+            raise ParameterError(f"{self.label}.{name} has {shape[0]} values for {len(self.layout())} lines; "
+                                 "give one for all of them, or one for each.")
         return value[i] if shape else value
 
     def static_load(

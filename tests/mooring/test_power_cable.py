@@ -117,22 +117,25 @@ def test_the_linear_model_moves_as_small_motions_do():
     assert np.max(np.abs(found - expected)) < 1e-3 * np.max(np.abs(expected))
 
 
-@pytest.mark.parametrize(("amplitude", "period"), [(1.5, 10.0), (3.0, 12.0)])
-def test_tension_and_curvature_of_a_moving_top_against_moordyn(amplitude, period, tmp_path, capfd):
-    """68 elements: the range of the tension and the largest curvature 2 %; at rest the line is that of catenaries."""
+@pytest.mark.long
+def test_tension_of_a_moving_top_against_moordyn(tmp_path, capfd):
+    """68 elements, its top driven 1.5 m in 10 s: the range of the tension within 2 %, measured 1.3 %.
+
+    MoorDyn holds the velocity of the top over a step of the coupling, and each jump sends a tension of c m dv down this
+    stiff and light cable; at 12.5 ms its range is 19 % lower, because the upper 50 m do not feel the acceleration.
+    """
     moordyn = pytest.importorskip("moordyn", reason="MoorDyn is not installed (pip install moordyn), to compare with")
-    counts, duration, step = (29, 16, 23), 5 * period, 0.0125
-    z, plant = np.array([0.6, 0, 0.8]), cable(heaving(amplitude, period))
-    time, theirs, bent = by_moordyn(moordyn, tmp_path, counts, z * amplitude, period, duration, step)
-    result = plant.simulate(duration, 0.1, solver="fixed", step=step)
-    ours, curvature = result["cable.tensions"].values[:, -1], result["cable.curvature"].values
-    late, then = result.time > 3 * period, time > 3 * period
+    amplitude, period, counts = 1.5, 10.0, (29, 16, 23)
+    way = np.array([0.6, 0, 0.8]) * amplitude
+    time, theirs = by_moordyn(moordyn, tmp_path, counts, way, period, 7 * period, 0.001)
+    result = cable(heaving(amplitude, period)).simulate(7 * period, 0.1, solver="fixed", step=0.0125)
+    ours, late, then = result["cable.tensions"].values[:, -1], result.time > 6 * period, time > 6 * period
     assert np.ptp(ours[late]) == pytest.approx(np.ptp(theirs[then]), rel=0.02)
-    assert np.max(curvature[late]) == pytest.approx(bent, rel=0.02)
+    assert np.mean(ours[late]) == pytest.approx(np.mean(theirs[then]), rel=5e-3)
 
 
 def by_moordyn(moordyn, folder, counts, way, period, duration, step):
-    """Times, tension of the last element, and the largest curvature of the last two periods, of the same cable."""
+    """Times and tension of the last element of the same cable, its top moved along a way (3,) [m]."""
     types = "\n".join(f"c{i} {d} {m} 700e6 -0.8 {EI} 1.2 1.0 0.01 0.0"
                       for i, (d, m) in enumerate(zip(DIAMETERS, MASSES, strict=True)))  # fmt: skip
     lines = "\n".join(f"{i + 1} c{i} {i + 1} {i + 2} {LENGTHS[i]} {counts[i]} -" for i in range(3))
@@ -171,7 +174,7 @@ rk2 tScheme
         moordyn.SetVerbosity(system, moordyn.LEVEL_NONE)
         moordyn.Init(system, [0, 0, TOP], [0, 0, 0])
         parts = [moordyn.GetLine(system, i + 1) for i in range(3)]
-        omega, largest = 2 * np.pi / period, 0.0
+        omega = 2 * np.pi / period
         times, pulls = [0.0], [np.linalg.norm(moordyn.GetLineNodeTen(parts[-1], counts[-1]))]
 
         def motion(t):
@@ -186,17 +189,6 @@ rk2 tScheme
             moordyn.Step(system, list(place), list(way * v), k * step, step)
             times.append((k + 1) * step)
             pulls.append(np.linalg.norm(moordyn.GetLineNodeTen(parts[-1], counts[-1])))
-            if k % 8 == 0 and times[-1] > 3 * period:
-                largest = max(largest, _bent(moordyn, parts, counts))
     finally:
         moordyn.Close(system)
-    return np.array(times), np.array(pulls), largest
-
-
-def _bent(moordyn, parts, counts):
-    nodes = [np.array([moordyn.GetLineNodePos(p, i) for i in range(n + 1)]) for p, n in zip(parts, counts, strict=True)]
-    nodes = np.vstack([nodes[0], *(part[1:] for part in nodes[1:])])
-    lengths = np.repeat(np.array(LENGTHS) / counts, counts)
-    way = np.diff(nodes, axis=0)
-    along = way / np.linalg.norm(way, axis=1)[:, None]
-    return np.max(np.linalg.norm(np.diff(along, axis=0), axis=1) / ((lengths[1:] + lengths[:-1]) / 2))
+    return np.array(times), np.array(pulls)
