@@ -40,15 +40,15 @@ def responses(built):
     found = {}
     for wind, given in WINDS.items():
         for hull, modulus in HULLS.items():
-            parameters = {**given, "platform.young_modulus": modulus}
+            damping = {"platform.structural_damping": 0.03 * 35e9 / modulus}
+            parameters = {**given, "platform.young_modulus": modulus, **damping}
             state = fw.mean_state(built, parameters=parameters)
             for mode in fw.natural_modes(built, parameters=parameters) if wind == "calm" else []:
                 if "hull bending" in str(mode) or "platform" in str(mode):
                     print(hull, mode)
             for heading in HEADINGS:
-                rao = fw.linear_rao(
-                    built, 1 / PERIODS, outputs=MOTIONS, heading=np.radians(heading), state=state
-                )  # fmt: skip
+                angle = np.radians(heading)
+                rao = fw.linear_rao(built, 1 / PERIODS, outputs=MOTIONS, heading=angle, state=state)
                 found[wind, hull, heading] = np.abs(np.asarray(rao.response))
     return found
 
@@ -62,7 +62,7 @@ def show(found):
             peaks = [i for i in range(1, len(y) - 1) if y[i] > y[i - 1] and y[i] > y[i + 1] and y[i] > 0.05 * y.max()]
             print(f"{wind:9} {hull:8} {heading:4} {motion:6} largest {y[within].max():7.3f}, peaks at "
                   + ", ".join(f"{PERIODS[i]:g} s ({y[i]:.3f})" for i in peaks))  # fmt: skip
-    for (wind, hull, _), _ in [item for item in found.items() if item[0][2] == 0]:
+    for wind, hull in ((wind, hull) for wind in WINDS for hull in HULLS):
         for k, motion in enumerate(MOTIONS):
             at = np.array([found[wind, hull, heading][:, k] for heading in HEADINGS])
             for word, which in (("largest", at.argmax(0)), ("smallest", at.argmin(0))):

@@ -2,10 +2,15 @@
 
 from __future__ import annotations
 
+import numpy as np
+
 from fowtlib.components.mechanics.connectors import Frame
 from fowtlib.components.mechanics.interfaces import TwoFrames
 from fowtlib.language import Array, Number, Vector, assert_, eq, param, port, rotation, shapes, var
 from fowtlib.language import math as m
+from fowtlib.language.errors import ParameterError
+
+FLAT = 1e-3  # volume of the three unit vectors along the cables, below which they lie in a plane
 
 
 class TautCables(TwoFrames):
@@ -13,8 +18,8 @@ class TautCables(TwoFrames):
 
     The three lengths, from `ends_at` to `place`, say where frame_b is once the ends are somewhere else, as those of a
     platform that bends; on a rigid one it lies at `place`. It has the axes of frame_a, which takes the moments: cables
-    that meet in a point take none. Tensions balance the force at frame_b. A cable that would have to push is told; the
-    point must not lie in the plane of the ends.
+    that meet in a point take none. Tensions balance the force at frame_b. A cable that would have to push is told.
+    Raises ParameterError for a point that lies in the plane of the ends, or nearly so, where cables hold nothing.
     """
 
     place: Vector = param(unit="m", doc="frame_b at rest, resolved in frame_a")
@@ -31,6 +36,7 @@ class TautCables(TwoFrames):
 
     def equations(self):
         a, b, ends = self.frame_a, self.frame_b, self.ends
+        _check_depth(self)
         rest = [self.ends_at[k, :].T - self.place for k in range(3)]
         r = _point_at(*(end.r for end in ends), *(m.sumsqr(row) for row in rest), m.dot(m.cross(*rest[:2]), rest[2]))
         ways = [end.r - b.r for end in ends]
@@ -49,6 +55,16 @@ class TautCables(TwoFrames):
 
     def drawing(self) -> shapes.Drawing:
         return [shapes.link(end, self.frame_b, self.parameter_value("diameter"), "line") for end in self.ends]
+
+
+def _check_depth(part: TautCables) -> None:
+    ways = np.asarray(part.parameter_value("ends_at"), dtype=float) - np.asarray(part.parameter_value("place"))
+    size = np.linalg.norm(ways, axis=1)
+    if not size.all() or abs(np.linalg.det(ways / size[:, None])) < FLAT:
+        raise ParameterError(
+            f"{part.label}: the point at {tuple(map(float, part.parameter_value('place')))} m lies in the plane of the "
+            "three ends, or two cables are one; lower the point, or move the ends apart."
+        )
 
 
 def _point_at(p, q, s, from_p, from_q, from_s, side):

@@ -114,7 +114,8 @@ def modal_database(
     shapes = shapes_of(structure, count, attached).shapes
     if mesh is None:
         mesh = HullMesh(hull.panels(panel), hull.lids(panel), floater.label, join=SAME_NODE)
-    check_mesh(structure, mesh)
+    else:
+        check_mesh(structure, mesh)
     return solve_shapes(
         mesh, lambda points: structure.field(points, shapes), structure.frame.nodes, shapes,
         rho * g * water_at_rest(structure, mesh.panels), omega=omega, headings=headings, water_depth=water_depth,

@@ -140,7 +140,7 @@ class TreeBuilder:
         if not has_base(layers):
             return []
         below, kept = self._base(layers, path)
-        return kept if issubclass(named, below) and below is not Assembly else []
+        return kept if issubclass(named, below) and below not in (named, Assembly) else []
 
     def _class_named(self, value: Value, scope: Scope, path: str) -> type[Component]:
         name = ValueReader(scope, scope.folder).text(value, "the name of a class")

@@ -9,6 +9,7 @@ import fowtlib as fw
 from fowtlib.components.mechanics import Fixed, FixedTranslation, FreeMotion, PointMass, RigidBody, World, WorldForce
 from fowtlib.components.mooring import TautCables
 from fowtlib.language import Component, RealOutput, Vector, eq, param, port
+from fowtlib.language.errors import ParameterError
 
 AT = np.array([[-160.0, 0, -16], [80, 138, -16], [80, -138, -16]])
 PLACE = np.array([-120.0, 0, -64])
@@ -24,10 +25,10 @@ class Given(Component):
         return [eq(self.y, self.value)]
 
 
-def hung(moved=0.0, lift=0.0):
+def hung(moved=0.0, lift=0.0, place=PLACE):
     """A mass of 200 t on cables whose ends were moved, with a force up."""
     model = fw.Assembly("cables")
-    model.world, model.middle, model.cables = World(), Fixed(), TautCables(place=tuple(PLACE), ends_at=AT.tolist())
+    model.world, model.middle, model.cables = World(), Fixed(), TautCables(place=tuple(place), ends_at=AT.tolist())
     model.mass, model.pull, model.given = PointMass(mass=2e5), WorldForce(), Given(value=(0, 0, lift))
     model.connect(model.middle.frame, model.cables.frame_a)
     model.connect(model.cables.frame_b, model.mass.frame_a)
@@ -83,3 +84,9 @@ def test_a_cable_that_pushes_is_told():
     with pytest.warns(UserWarning, match="cable . is not taut but pushes") as told:
         hung(lift=3e6).simulate(0.1, output_step=0.1)
     assert {str(one.message).split(" is")[0] for one in told} == {f"cables: cable {k}" for k in (1, 2, 3)}
+
+
+@pytest.mark.parametrize("place", [(-120.0, 0, -16), (80.0, 138, -16)])
+def test_a_point_in_the_plane_of_the_ends_is_refused(place):
+    with pytest.raises(ParameterError, match="lies in the plane of the three ends.*lower the point"):
+        hung(place=place)

@@ -198,7 +198,7 @@ def test_mistakes_are_named(database):
 
 
 def test_a_mesh_that_does_not_match_the_frame_is_refused():
-    """Of another draft, and beside the hull; one that matches gives what the members give."""
+    """Of another draft, and beside the hull."""
     hull = barge().hull()
 
     def refused(said, panels):
