@@ -66,10 +66,10 @@ def deformation(points: np.ndarray) -> Field:
 
 
 def panels(along: int, across: int) -> np.ndarray:
-    """Those of the bottom and the sides, narrower towards the edges."""
+    """Those of the bottom and the sides, all of one size."""
 
     def places(count: int, size: float) -> np.ndarray:
-        return -size / 2 * np.cos(np.pi * np.linspace(0, 1, count + 1))
+        return np.linspace(-size / 2, size / 2, count + 1)
 
     x, y, z, found = places(along, LENGTH), places(across, WIDTH), np.array([-DRAFT, 0.0]), []
 
@@ -112,7 +112,7 @@ def deflection(q: np.ndarray, places: np.ndarray) -> np.ndarray:
 
 
 def main() -> None:
-    along, across = (int(word) for word in (sys.argv[1:3] or ("72", "20")))
+    along, across = (int(word) for word in (sys.argv[1:3] or ("60", "12")))
     hull = HullMesh(panels(along, across))
     solver = PanelSolver(hull, DEPTH, G, deformation)
     print(f"{len(hull.panels)} panels; amplitude over that of the wave, at x / (L/2)")

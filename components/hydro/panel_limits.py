@@ -62,13 +62,13 @@ def coarse_from(
 
 
 def is_thin(panels: np.ndarray) -> bool:
-    """Whether panels (n, 4, 3) that lie level are wider than they are deep, as those of a thin plate afloat.
+    """Whether panels (n, 4, 3) that lie level are nearer to their image than they are wide, as in a thin plate afloat.
 
     The part of the flow by the water level then varies over a panel as the logarithm of the distance from its image.
     """
     normal = np.cross(panels[:, 2] - panels[:, 0], panels[:, 3] - panels[:, 1])
     level = np.abs(normal[:, 2]) > _LEVEL * np.linalg.norm(normal, axis=1)
-    return bool((level & (widths_of(panels) > -panels[:, :, 2].mean(axis=1))).any())
+    return bool((level & (widths_of(panels) > -2 * panels[:, :, 2].mean(axis=1))).any())
 
 
 def warnings_of(hull: HullMesh, omega: np.ndarray, water_depth: float, g: float) -> list[str]:

@@ -8,8 +8,8 @@ symmetric hull only a part is meshed (hull_mesh.Symmetry), which saves time and 
 revolution is solved for surge, heave and pitch in waves along x, from which sway, roll and all headings follow.
 Capytaine uses exp(-i omega t); its loads are conjugated to our exp(+i omega t).
 
-The part of the flow by the water level is taken at one point of each panel; at four points where panels are wider than
-they are deep (panel_limits.is_thin), without which the radiation of a thin plate is wrong by as much as it is large.
+The part of the flow by the water level is taken at one point of each panel; at four where level panels are wider than
+twice their depth (panel_limits.is_thin), without which the damping of a thin plate errs by a tenth or more.
 
 Shapes into which the hull deforms (hydro.deformation) are further motions behind the six rigid ones. They are given by
 their displacements at the middles of the panels of the whole hull; symmetry of the hull still divides the matrix.

@@ -68,6 +68,12 @@ def test_an_elastic_hull_lowers_the_frequency_by_17_per_cent(elastic):
     assert elastic == pytest.approx(1.25, rel=0.03)
 
 
+def test_a_stiff_hull_by_strips_is_a_rigid_one():
+    """The same tower on walls that are ten thousand times as stiff, and on a rigid hull of the same strips: 0.1 %."""
+    stiff = {"young_modulus": 210e13, "shear_modulus": 80.8e13, "shapes": 2, "longest": 12.0}
+    assert bending(members(ElasticFloater, **stiff)) == pytest.approx(bending(members(Floater)), rel=1e-3)
+
+
 def test_both_elastic_spars_bend_alike(elastic):
     """Beams with shear and few shapes, and twelve hinges without shear: 1 %."""
     assert elastic == pytest.approx(bending(chain(hinges=11)), rel=0.01)
