@@ -358,6 +358,13 @@ def test_bound_parameters_are_checked_and_are_not_in_the_key(folder, monkeypatch
         flat(other.root)
 
 
+def test_the_report_of_a_check_is_the_same_again(folder, monkeypatch):
+    first, again = fw.load(MODEL).check(), fw.load(MODEL).check()
+    monkeypatch.setenv(kept.SWITCH, "no")
+    assert str(first) == str(again) == str(fw.load(MODEL).check())
+    assert len(list(folder.glob("dimensions_*.json"))) == 1
+
+
 def test_equations_of_a_model_that_was_changed_are_refused(folder, monkeypatch):
     model = fw.load(MODEL)
     flat(model.root)
