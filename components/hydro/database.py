@@ -300,8 +300,6 @@ def loads_between(known: np.ndarray, X: np.ndarray, tide: np.ndarray, omega: np.
 
 def at_heading(headings: np.ndarray, X: np.ndarray, heading: float) -> np.ndarray:
     """Loads (n, m) at a heading [rad] from those X (n, nh, m) at some; see HydrodynamicDatabase.excitation_at."""
-    from scipy.interpolate import CubicSpline
-
     if not np.isfinite(heading):
         raise HydrodynamicDataError("excitation: the heading must be a finite number")
     known = np.mod(headings, _FULL_TURN)
@@ -324,6 +322,8 @@ def at_heading(headings: np.ndarray, X: np.ndarray, heading: float) -> np.ndarra
         raise HydrodynamicDataError(
             f"excitation: the heading {np.degrees(heading):.6g} deg is outside of the data: there is none between "
             f"{before:.6g} and {behind:.6g} deg; compute the missing headings")
+    from scipy.interpolate import CubicSpline  # asked for seldom, and it takes long to import
+
     if not wide.any():
         return CubicSpline(angle, X, axis=1, bc_type="periodic")(position)
     ends = np.flatnonzero(np.concatenate([[True], wide, [True]]))  # runs of headings between wide gaps

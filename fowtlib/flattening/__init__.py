@@ -2,6 +2,6 @@
 
 from fowtlib.flattening.assembler import flatten
 from fowtlib.flattening.flat_dae import FlatDAE
-from fowtlib.flattening.kept import flat
+from fowtlib.flattening.kept import dimensions_of, flat
 
-__all__ = ["FlatDAE", "flat", "flatten"]
+__all__ = ["FlatDAE", "dimensions_of", "flat", "flatten"]

@@ -17,6 +17,7 @@ from typing import Any
 
 from fowtlib.flattening.assembler import flatten, flatten_with
 from fowtlib.flattening.dae_record import Record, dae_of, record_of
+from fowtlib.flattening.dimensions import DimensionReport, Finding, check_dimensions
 from fowtlib.flattening.files_opened import files_opened
 from fowtlib.flattening.fingerprint import fingerprint
 from fowtlib.flattening.flat_dae import FlatDAE
@@ -25,6 +26,7 @@ from fowtlib.flattening.instances import check_parameters
 from fowtlib.flattening.own_code import Unknown
 from fowtlib.flattening.scalar_graph import NotArithmetic
 from fowtlib.language import cache_folder as store
+from fowtlib.language.cache import cached
 from fowtlib.language.component import Component
 from fowtlib.language.data_files import files_of
 from fowtlib.language.errors import ModelError, ParameterError, StructureError
@@ -98,6 +100,19 @@ def _made(key: str, root: Component, opened: Sequence[str], foreign: bool) -> Fl
     except (NotArithmetic, ValueError, OSError):
         pass
     return replace(dae, key=key)
+
+
+def dimensions_of(root: Component, dae: FlatDAE) -> DimensionReport:
+    """The dimension check of the model that was flattened to `dae`; its report is kept as well."""
+    if not dae.key:
+        return check_dimensions(root)
+
+    def found() -> list[Any]:
+        report = check_dimensions(root)
+        return [report.equations, [[item.path, item.source, item.text] for item in report.findings]]
+
+    equations, findings = cached("dimensions", [dae.key], found)
+    return DimensionReport(equations, [Finding(*item) for item in findings])
 
 
 def _keep(name: str, record: Record) -> None:

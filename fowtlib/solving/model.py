@@ -11,8 +11,7 @@ from weakref import WeakKeyDictionary
 
 import numpy as np
 
-from fowtlib.flattening import FlatDAE, flat
-from fowtlib.flattening.dimensions import check_dimensions
+from fowtlib.flattening import FlatDAE, dimensions_of, flat
 from fowtlib.language.component import Component
 from fowtlib.language.errors import ModelError
 from fowtlib.solving.binding import bind
@@ -124,9 +123,9 @@ class Model:
 
     def check(self) -> ModelReport:
         """Flatten the model and check the dimensions of its equations; the report says what was found."""
-        dimensions = check_dimensions(self.root)
         title = self.title or self.name or "model"
         dae = flat(self.root)
+        dimensions = dimensions_of(self.root, dae)
         bind(dae, self.root)
         remarks = tuple(remark for part in self.root.walk() for remark in part.remarks())
         return ModelReport(title, sum(1 for _ in self.root.walk()) - 1, dae, dimensions, remarks)

@@ -17,6 +17,7 @@ from weakref import WeakKeyDictionary
 
 import numpy as np
 
+from fowtlib.flattening.kept import switched_on
 from fowtlib.flattening.own_code import Unknown, digest_of_own_code
 from fowtlib.language.cache import cached
 from fowtlib.language.component import Component
@@ -166,7 +167,8 @@ def _mean(plant: Plant, word: str, parameters: Values | None, inputs: Values | N
 def _known(plant: Plant, key: str, find: Callable[[], dict[str, float]]) -> dict[str, float]:
     """A mean that another process has found, of equations that are known to be the same; else what `find` gives."""
     functions = [external.function for external in plant.dae.externals]
-    if not plant.dae.key or not all(isinstance(one, SplineFunction | LibraryFunction) for one in functions):
+    compiled = all(isinstance(function, SplineFunction | LibraryFunction) for function in functions)
+    if not (compiled and plant.dae.key and switched_on()):
         return find()
     try:
         code = digest_of_own_code("fowtlib.solving")

@@ -27,7 +27,7 @@ from fowtlib.flattening.own_code import Unknown
 from fowtlib.flattening.scalar_graph import NotArithmetic, ScalarGraph
 from fowtlib.language import math as m
 
-MODEL = "oc3_spar_rigid"
+MODEL, SMALL = "oc3_spar_rigid", "raisable_spar_sizes"
 
 
 @pytest.fixture
@@ -222,7 +222,7 @@ def kept_files(folder) -> list[Path]:
 
 @pytest.mark.parametrize("harm", ["short", "bit", "empty", "others", "owner", "link"])
 def test_a_file_that_is_harmed_or_not_ours_is_made_again(folder, monkeypatch, harm):
-    model = fw.load(MODEL)
+    model = fw.load(SMALL)
     first = flat(model.root)
     (path,) = kept_files(folder)
     content = bytearray(path.read_bytes())
@@ -252,7 +252,7 @@ def test_a_file_that_is_harmed_or_not_ours_is_made_again(folder, monkeypatch, ha
 
 
 def test_a_folder_of_somebody_else_is_not_read(folder, monkeypatch):
-    model = fw.load(MODEL)
+    model = fw.load(SMALL)
     flat(model.root)
     monkeypatch.setattr(os, "getuid", lambda: 4242)
     assert flattened(model.root, monkeypatch)[1]
@@ -280,7 +280,7 @@ def test_a_folder_that_cannot_be_written(folder, monkeypatch):
     def refuse(*_):
         raise PermissionError(13, "Permission denied")
 
-    model = fw.load(MODEL)
+    model = fw.load(SMALL)
     monkeypatch.setattr(kept.store, "workshop", refuse)
     with warnings.catch_warnings():
         warnings.simplefilter("error")
@@ -356,6 +356,13 @@ def test_bound_parameters_are_checked_and_are_not_in_the_key(folder, monkeypatch
     other.root.sea._values["seed"] = -1
     with pytest.raises(fw.ModelError, match="sea.seed = -1 is below its minimum"):
         flat(other.root)
+
+
+def test_the_report_of_a_check_is_the_same_again(folder, monkeypatch):
+    first, again = fw.load(MODEL).check(), fw.load(MODEL).check()
+    monkeypatch.setenv(kept.SWITCH, "no")
+    assert str(first) == str(again) == str(fw.load(MODEL).check())
+    assert len(list(folder.glob("dimensions_*.json"))) == 1
 
 
 def test_equations_of_a_model_that_was_changed_are_refused(folder, monkeypatch):

@@ -28,6 +28,7 @@ def plant():
 @pytest.fixture
 def sought(monkeypatch):
     """The means that were sought, and not found among those that are kept."""
+    monkeypatch.setenv("FOWTLIB_KEEP_FLAT", "no")  # nor among those of other processes
     calls = []
     found = starts._found
     monkeypatch.setattr(starts, "_found", lambda *given: calls.append(given[2]) or found(*given))
