@@ -111,7 +111,7 @@ PUBLISHED = {
 
 
 def two_parts(hinged: bool, cells: int = 200, beams: int = 80) -> np.ndarray:
-    """Amplitude of the two-dimensional plate at HINGE_PLACES; a hinge is a short beam that resists bending by 0.05 N m a radian."""
+    """Amplitude of the two-dimensional plate at HINGE_PLACES; a hinge is a short beam of 0.05 N m a radian."""
     length, depth, mass, short = 12.5, 1.1, 8.36, 1e-4
     k = 2 * math.pi / (0.249 * length)
     nu, first, roots, others = waves(k, depth, 1500)
