@@ -54,7 +54,10 @@ class BendingHull(Floater):
             raise ParameterError(
                 f"{self.label}.attached goes without a database; `modal_database` takes the points where things stand."
             )
-        return known.count if known is not None else asked + 6 * min(self.attached, len(self.node_rows()))
+        nodes = len(self.node_rows())
+        if self.attached > nodes:
+            raise ParameterError(f"{self.label}.attached is {self.attached}, and there are {nodes} node_points.")
+        return known.count if known is not None else asked + 6 * self.attached
 
     def drawing(self) -> pictures.Drawing:
         """Its beams, each on a frame that moves with the shapes."""

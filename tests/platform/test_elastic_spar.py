@@ -82,6 +82,7 @@ def test_both_elastic_spars_bend_alike(elastic):
 def test_mistakes_are_told():
     for settings, said in (
         ({}, "has neither a database nor shapes"),
+        ({"shapes": 2, "attached": 2}, "attached is 2, and there are 1 node_points"),
         ({"shapes": 400}, "shapes, and 400 are asked; set longest"),
     ):
         with pytest.raises(ModelError, match=said):
