@@ -8,6 +8,7 @@ from __future__ import annotations
 
 import multiprocessing
 import signal
+import weakref
 from collections.abc import Callable, Sequence
 from dataclasses import replace
 from typing import Any
@@ -21,7 +22,7 @@ OWN = 5  # results that cost as much as what a case takes without any
 
 
 class OtherProcess:
-    """An evaluator (fowtlib.design.evaluation.Evaluator) in a process of its own, which ends with this one."""
+    """An evaluator (fowtlib.design.evaluation.Evaluator) in a process of its own, which ends with this object."""
 
     def __init__(self, make: Callable[[], Evaluator]):
         self._make, self._number = make, 0
@@ -40,6 +41,7 @@ class OtherProcess:
             self._process = context.Process(target=_serve, args=(self._make, theirs), daemon=True)
             self._process.start()
             theirs.close()
+            weakref.finalize(self, self._process.terminate)
         self._number += 1
         self._ours.send((self._number, x, jacobian))
 

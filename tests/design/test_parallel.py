@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 
 import fowtlib as fw
-from fowtlib.design import Constraint, Design, DesignCase, Variable
+from fowtlib.design import Constraint, Design, DesignCase, Evaluated, Variable
 from fowtlib.design.parallel import OtherProcess, shared_out
 from fowtlib.language.errors import ModelError
 
@@ -59,6 +59,21 @@ def test_a_process_that_ends_is_told():
 
     with pytest.raises(ModelError, match="has ended"):
         OtherProcess(Ending).evaluate(np.zeros(1))
+
+
+@forked
+def test_a_process_ends_with_what_asks_it():
+    class Nothing:
+        def evaluate(self, x, jacobian=False):
+            return Evaluated({}, {})
+
+    other = OtherProcess(Nothing)
+    assert other.evaluate(np.zeros(1)).values == {}
+    process = other._process
+    assert process.is_alive()
+    del other
+    process.join(20)
+    assert not process.is_alive()
 
 
 def test_cases_are_shared_out_by_what_they_cost():
