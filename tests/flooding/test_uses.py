@@ -82,8 +82,9 @@ parts:
   vent: {class: Vent, area: 0.001}
   door: {class: Doorway, area: 0.1, height: 0.2, place: [0, 0, 2]}
   hole: {class: SeaOpening, area: 0.1, height: 0.2, place: [0, 0, -2], waves: true, opening_start: 0}
+  duct: {class: Duct, points: [[0, 1, 1], [0, 2, 1], [0, 3, 0]], area: 0.05}
 connect:
-  - [ground.frame, a.frame, b.frame, c.frame, d.frame, e.frame, door.frame, hole.frame]
+  - [ground.frame, a.frame, b.frame, c.frame, d.frame, e.frame, door.frame, hole.frame, duct.frame]
   - ["a.water[0]", p1.water_a, v2.water_a]
   - [p1.water_b, pipe2.water_a]
   - [pipe2.water_b, "b.water[0]", v2.water_b]
@@ -93,6 +94,8 @@ connect:
   - [v.water_b, "d.water[0]", door.water_a, hole.water]
   - [door.water_b, "e.water[0]"]
   - [a.air, vent.air]
+  - ["c.water[1]", duct.water_a]
+  - [duct.water_b, "e.water[0]"]
 """
 NAMES = ["motion.roll", "motion.pitch", "motion.heave", "port_tank.volume", "starboard_tank.level", "bell.air_pressure"]
 

@@ -13,6 +13,7 @@ import sys
 import textwrap
 import time
 import warnings
+from contextlib import suppress
 from pathlib import Path
 
 import casadi as ca
@@ -26,6 +27,7 @@ from fowtlib.flattening.fingerprint import fingerprint
 from fowtlib.flattening.own_code import Unknown
 from fowtlib.flattening.scalar_graph import NotArithmetic, ScalarGraph
 from fowtlib.language import math as m
+from fowtlib.language.errors import ModelError
 
 MODEL, SMALL = "oc3_spar_rigid", "raisable_spar_sizes"
 
@@ -96,6 +98,21 @@ def test_all_models_are_read_as_they_were_flattened(folder, monkeypatch, name):
     first = flattened(fw.load(name).root, monkeypatch)[0]
     again, made_again = flattened(fw.load(name).root, monkeypatch)
     assert not made_again and text_of(again) == text_of(first)
+
+
+def test_every_number_of_a_model_file_is_content():
+    """Those that the file names for itself, for which its component has a class of its own, and those of its parts."""
+    model = fw.load("two_rotor_spar_rigid")
+    known, tried = fingerprint(model.root), 0
+    assert fingerprint(model.with_parameters({}).root) == known
+    parameters = flatten(model.root).parameters
+    assert "yaw_gain" in parameters
+    for path in [path for k, path in enumerate(parameters) if "." not in path or k % 5 == 0]:
+        value = parameters[path].value
+        with suppress(ModelError):  # a number that would do nothing is refused
+            assert fingerprint(model.with_parameters({path: 1.001 * value + 1e-6 * (value == 0)}).root) != known, path
+            tried += 1
+    assert tried > 20
 
 
 @pytest.mark.parametrize("solver", ["idas", "fixed"])

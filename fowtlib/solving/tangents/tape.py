@@ -90,6 +90,11 @@ class Taped:
         """What a result says about its solver."""
         return self.inner.attributes
 
+    @property
+    def seen(self) -> np.ndarray:
+        """What the engine has given at the points of the last `advance`."""
+        return self.inner.seen
+
     def advance(self, t: float, length: float, points: int, x: np.ndarray, z: np.ndarray,
                 q: np.ndarray) -> tuple[np.ndarray, np.ndarray]:  # fmt: skip
         """States and algebraic unknowns (rows) at `points` equidistant times after t."""
