@@ -125,8 +125,10 @@ class RadiationModel:
         lines = [f"radiation: {self.states} states, {'passive' if self.passive else 'NOT passive'}"]
         for group in self.groups:
             names = ", ".join(str(k + 1) for k in group.motions)
-            lines.append(f"  motions {names}: {group.states} states, {group.hankel_share:.1%} of the Hankel singular "
-                         f"values, slowest pole {group.slowest:.3f} rad/s, passivity {group.passivity:.1e}")
+            lines.append(
+                f"  motions {names}: {group.states} states, {group.hankel_share:.1%} of the Hankel singular "
+                f"values, slowest pole {group.slowest:.3f} rad/s, passivity {group.passivity:.1e}"
+            )
         for entry in self.entries:
             mass = "" if entry.added_mass_error is None else f", A error {entry.added_mass_error:.1%}"
             lines.append(f"  K{entry.i + 1}{entry.j + 1}: R2 {entry.r2:.4f}, B error {entry.damping_error:.1%}{mass}")
@@ -135,10 +137,18 @@ class RadiationModel:
         return "\n".join(lines)
 
 
-def identify_radiation(omega: ArrayLike, damping: ArrayLike, added_mass: ArrayLike | None = None,
-                       added_mass_infinite: ArrayLike | None = None, *, order: int = 4,
-                       threshold: float = THRESHOLD, passive: bool = True, time_step: float | None = None,
-                       duration: float | None = None) -> RadiationModel:
+def identify_radiation(
+    omega: ArrayLike,
+    damping: ArrayLike,
+    added_mass: ArrayLike | None = None,
+    added_mass_infinite: ArrayLike | None = None,
+    *,
+    order: int = 4,
+    threshold: float = THRESHOLD,
+    passive: bool = True,
+    time_step: float | None = None,
+    duration: float | None = None,
+) -> RadiationModel:
     """The state-space model of the radiation load; see the head of the module.
 
     omega (n,) [rad/s] rising and positive, damping (n, m, m); added_mass (n, m, m) and added_mass_infinite (m, m) are
@@ -154,7 +164,8 @@ def identify_radiation(omega: ArrayLike, damping: ArrayLike, added_mass: ArrayLi
     if order < 2:
         raise HydrodynamicDataError(
             f"radiation: order is {order}; a motion needs two states at least, because one cannot have a kernel whose "
-            "integral is zero (no load at constant velocity)")
+            "integral is zero (no load at constant velocity)"
+        )
     damping = 0.5 * (damping + damping.transpose(0, 2, 1))
     scale, used = used_entries(damping, threshold)
     m = len(scale)
@@ -237,8 +248,9 @@ def used_entries(damping: Floats, threshold: float) -> tuple[Floats, NDArray[np.
     return np.where(alive, scale, 1.0), used & np.outer(alive, alive)
 
 
-def sampled_kernel(omega: Floats, damping: Floats, used: NDArray[np.bool_], time_step: float | None,
-                    duration: float | None) -> tuple[Floats, Floats]:
+def sampled_kernel(
+    omega: Floats, damping: Floats, used: NDArray[np.bool_], time_step: float | None, duration: float | None
+) -> tuple[Floats, Floats]:
     """Times (nt,) [s] and the kernel (nt, m, m) at them, until it has decayed."""
     rows, columns = np.nonzero(np.triu(used))
     column = damping[:, rows, columns]
@@ -249,7 +261,8 @@ def sampled_kernel(omega: Floats, damping: Floats, used: NDArray[np.bool_], time
     if samples < _FEWEST_SAMPLES:
         raise HydrodynamicDataError(
             f"radiation: the frequencies are too few for a kernel of {samples} samples of {step:.3g} s; "
-            "compute the damping at more frequencies")
+            "compute the damping at more frequencies"
+        )
     time = step * np.arange(samples)
     values = retardation_kernel(omega, column, time)
     if duration is None:
@@ -264,7 +277,7 @@ def sampled_kernel(omega: Floats, damping: Floats, used: NDArray[np.bool_], time
 def identify_group(time: Floats, K: Floats, order: int, passive: bool, motions: NDArray[np.intp]):
     """A, B, C of one group of coupled motions from its kernel (nt, p, p), and how well they fit."""
     step, p = time[1] - time[0], K.shape[1]
-    hankel, Ad, B, C = _realisation(K, RAW_STATES * p)
+    hankel, Ad, B, C = realisation(K, RAW_STATES * p)
     A, B, C = continuous(Ad, B, C, step)
     dropped, states = len(Ad) - len(A), min(order * p, len(A))
     A, B, C = balanced_truncation(A, B, C, states)
@@ -283,7 +296,7 @@ def _block_hankel(K: Floats) -> Floats:
     return K[index].transpose(0, 2, 1, 3).reshape(n * p, n * p)
 
 
-def _realisation(K: Floats, most: int) -> tuple[Floats, Floats, Floats, Floats]:
+def realisation(K: Floats, most: int) -> tuple[Floats, Floats, Floats, Floats]:
     """Hankel singular values and Ad, B, C with C Ad^k B = K_k; K is symmetric, so an eigenvalue problem does."""
     p = K.shape[1]
     value, vector = linalg.eigh(_block_hankel(K))
@@ -438,11 +451,16 @@ def entry_fits(omega, damping, added_mass, infinite, time, K, used, A, B, C) -> 
     entries = []
     for i, j in np.argwhere(np.triu(used)):
         k = K[:, i, j]
-        entries.append(EntryFit(
-            int(i), int(j), float(1 - np.sum((model[:, i, j] - k) ** 2) / np.sum((k - k.mean()) ** 2)),
-            _relative(response.real[:, i, j], damping[:, i, j]),
-            _relative(of_model[:, i, j], excess[:, i, j]) if have_mass else None,
-            _relative(of_kernel[:, i, j], excess[:, i, j]) if have_mass else None))
+        entries.append(
+            EntryFit(
+                int(i),
+                int(j),
+                float(1 - np.sum((model[:, i, j] - k) ** 2) / np.sum((k - k.mean()) ** 2)),
+                _relative(response.real[:, i, j], damping[:, i, j]),
+                _relative(of_model[:, i, j], excess[:, i, j]) if have_mass else None,
+                _relative(of_kernel[:, i, j], excess[:, i, j]) if have_mass else None,
+            )
+        )
     return tuple(entries)
 
 
