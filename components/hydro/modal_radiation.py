@@ -8,8 +8,8 @@ decomposition of their block Hankel matrix and balanced truncation. C_rs, C_sr, 
 kernel at these poles, with no load at constant velocity and passivity of the whole, as there.
 
 Passivity ties the couplings to the model of the rigid motions, which can be too much for it: where it has a combination
-of motions that makes no waves. Then A_s, B_s come from the kernels of all motions, whose symmetry leaves more modes that
-decay; where that does not help, the motions of that group are fitted together, as in radiation_identification.
+of motions that makes no waves. Then A_s, B_s come from the kernels of all motions, whose symmetry leaves more modes
+that decay; where that does not help, the motions of that group are fitted together, as in radiation_identification.
 
 Source: that of radiation_identification; the shape of the matrices is our own.
 """
@@ -164,7 +164,7 @@ class _Border:
                 yield hankel, len(Ad) - len(raw[0]), A, b[:, first:]
 
     def _passed(self, A: Floats, b: Floats, passive: bool) -> tuple[float, Floats, float]:
-        """How far passivity moves the fit, as a share of it (too far or not to be had: inf); C; and how passive it is."""
+        """How far passivity moves the fit, as a share of it (inf: too far); C; and how passive it is."""
         whole, driven = linalg.block_diag(self.A, A), linalg.block_diag(self.B, b)
         free, _ = self._fit(whole, driven, 0)
         for points in _POINTS if passive else ():

@@ -125,10 +125,8 @@ class RadiationModel:
         lines = [f"radiation: {self.states} states, {'passive' if self.passive else 'NOT passive'}"]
         for group in self.groups:
             names = ", ".join(str(k + 1) for k in group.motions)
-            lines.append(
-                f"  motions {names}: {group.states} states, {group.hankel_share:.1%} of the Hankel singular "
-                f"values, slowest pole {group.slowest:.3f} rad/s, passivity {group.passivity:.1e}"
-            )
+            lines.append(f"  motions {names}: {group.states} states, {group.hankel_share:.1%} of the Hankel singular "
+                         f"values, slowest pole {group.slowest:.3f} rad/s, passivity {group.passivity:.1e}")
         for entry in self.entries:
             mass = "" if entry.added_mass_error is None else f", A error {entry.added_mass_error:.1%}"
             lines.append(f"  K{entry.i + 1}{entry.j + 1}: R2 {entry.r2:.4f}, B error {entry.damping_error:.1%}{mass}")
@@ -137,18 +135,10 @@ class RadiationModel:
         return "\n".join(lines)
 
 
-def identify_radiation(
-    omega: ArrayLike,
-    damping: ArrayLike,
-    added_mass: ArrayLike | None = None,
-    added_mass_infinite: ArrayLike | None = None,
-    *,
-    order: int = 4,
-    threshold: float = THRESHOLD,
-    passive: bool = True,
-    time_step: float | None = None,
-    duration: float | None = None,
-) -> RadiationModel:
+def identify_radiation(omega: ArrayLike, damping: ArrayLike, added_mass: ArrayLike | None = None,
+                       added_mass_infinite: ArrayLike | None = None, *, order: int = 4,
+                       threshold: float = THRESHOLD, passive: bool = True, time_step: float | None = None,
+                       duration: float | None = None) -> RadiationModel:
     """The state-space model of the radiation load; see the head of the module.
 
     omega (n,) [rad/s] rising and positive, damping (n, m, m); added_mass (n, m, m) and added_mass_infinite (m, m) are
@@ -164,8 +154,7 @@ def identify_radiation(
     if order < 2:
         raise HydrodynamicDataError(
             f"radiation: order is {order}; a motion needs two states at least, because one cannot have a kernel whose "
-            "integral is zero (no load at constant velocity)"
-        )
+            "integral is zero (no load at constant velocity)")
     damping = 0.5 * (damping + damping.transpose(0, 2, 1))
     scale, used = used_entries(damping, threshold)
     m = len(scale)
@@ -248,9 +237,8 @@ def used_entries(damping: Floats, threshold: float) -> tuple[Floats, NDArray[np.
     return np.where(alive, scale, 1.0), used & np.outer(alive, alive)
 
 
-def sampled_kernel(
-    omega: Floats, damping: Floats, used: NDArray[np.bool_], time_step: float | None, duration: float | None
-) -> tuple[Floats, Floats]:
+def sampled_kernel(omega: Floats, damping: Floats, used: NDArray[np.bool_], time_step: float | None,
+                    duration: float | None) -> tuple[Floats, Floats]:
     """Times (nt,) [s] and the kernel (nt, m, m) at them, until it has decayed."""
     rows, columns = np.nonzero(np.triu(used))
     column = damping[:, rows, columns]
@@ -261,8 +249,7 @@ def sampled_kernel(
     if samples < _FEWEST_SAMPLES:
         raise HydrodynamicDataError(
             f"radiation: the frequencies are too few for a kernel of {samples} samples of {step:.3g} s; "
-            "compute the damping at more frequencies"
-        )
+            "compute the damping at more frequencies")
     time = step * np.arange(samples)
     values = retardation_kernel(omega, column, time)
     if duration is None:
@@ -451,16 +438,11 @@ def entry_fits(omega, damping, added_mass, infinite, time, K, used, A, B, C) -> 
     entries = []
     for i, j in np.argwhere(np.triu(used)):
         k = K[:, i, j]
-        entries.append(
-            EntryFit(
-                int(i),
-                int(j),
-                float(1 - np.sum((model[:, i, j] - k) ** 2) / np.sum((k - k.mean()) ** 2)),
-                _relative(response.real[:, i, j], damping[:, i, j]),
-                _relative(of_model[:, i, j], excess[:, i, j]) if have_mass else None,
-                _relative(of_kernel[:, i, j], excess[:, i, j]) if have_mass else None,
-            )
-        )
+        entries.append(EntryFit(
+            int(i), int(j), float(1 - np.sum((model[:, i, j] - k) ** 2) / np.sum((k - k.mean()) ** 2)),
+            _relative(response.real[:, i, j], damping[:, i, j]),
+            _relative(of_model[:, i, j], excess[:, i, j]) if have_mass else None,
+            _relative(of_kernel[:, i, j], excess[:, i, j]) if have_mass else None))
     return tuple(entries)
 
 
