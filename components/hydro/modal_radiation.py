@@ -8,13 +8,15 @@ decomposition of their block Hankel matrix and balanced truncation. C_rs, C_sr, 
 kernel at these poles, with no load at constant velocity and passivity of the whole, as there.
 
 Passivity ties the couplings to the model of the rigid motions, which can be too much for it: where it has a combination
-of motions that makes no waves. Then the motions of that group are fitted together, as in radiation_identification.
+of motions that makes no waves. Then A_s, B_s come from the kernels of all motions, whose symmetry leaves more modes
+that decay; where that does not help, the motions of that group are fitted together, as in radiation_identification.
 
 Source: that of radiation_identification; the shape of the matrices is our own.
 """
 
 from __future__ import annotations
 
+from collections.abc import Iterator
 from dataclasses import dataclass, replace
 from functools import lru_cache
 
@@ -29,7 +31,7 @@ from fowtlib.components.hydro.radiation_identification import GroupFit, Radiatio
 
 Floats = NDArray[np.float64]
 _RIGID = 6
-_ROUNDS = 60  # of adding conditions of passivity
+_ROUNDS = 150  # of adding conditions of passivity
 _MORE = 0, 2, 4, 6, 8  # states for each shape beyond the order, while passivity moves the fit by more than _MOVED
 _MOVED = 0.1
 _POINTS = 300, 1200, 4800  # frequencies at which it is asked for, as many as it takes
@@ -124,36 +126,51 @@ class _Border:
     def solved(self, order: int, passive: bool) -> tuple[Floats, Floats, Floats, GroupFit]:
         """A, B, C in the units of the motions, and how well they fit.
 
-        More states than asked, where passivity beside the given model of the rigid motions moves the fit far; a fit of
-        all motions at once, where those do not help.
+        More states than asked, where passivity beside the given model of the rigid motions moves the fit far; then the
+        states of a realisation of all motions; a fit of all motions at once, where those do not help.
         """
-        r = self.count
-        hankel, Ad, b, c = _realisation(self.K[:, :, r:], rigid_fit.RAW_STATES * len(self.motions))
-        raw = rigid_fit.continuous(Ad, b, c, self.time[1] - self.time[0])
         tried = []
-        for more in _MORE:
-            A, b, _ = rigid_fit.balanced_truncation(*raw, min((order + more) * (len(self.motions) - r), len(raw[0])))
-            tried.append((*self._passed(A, b, passive), A, b))
+        for hankel, dropped, A, b in self._dynamics(order):
+            tried.append((*self._passed(A, b, passive), A, b, hankel, dropped))
             if tried[-1][0] < _MOVED:
                 break
-        moved, C, found, A, b = min(tried, key=lambda one: one[0])
+        moved, C, found, A, b, hankel, dropped = min(tried, key=lambda one: one[0])
         if moved > _MOVED:
             A, B, C, group = rigid_fit.identify_group(self.time, self.K, order, passive, self.motions)
         else:
             B, names = linalg.block_diag(self.B, b), tuple(int(k) for k in self.motions)
             share = float(hankel[: len(A)].sum() / hankel.sum())
-            A, dropped = linalg.block_diag(self.A, A), len(Ad) - len(raw[0])
+            A = linalg.block_diag(self.A, A)
             slowest = float(linalg.eigvals(A).real.max())
             group = GroupFit(names, len(A), hankel, share, dropped, slowest, found)
         size = self.scale.max()
         return A, B * self.scale / size, C * self.scale[:, None] * size, group
 
+    def _dynamics(self, order: int) -> Iterator[tuple[Floats, int, Floats, Floats]]:
+        """Hankel singular values, how many modes do not decay, A and B of the states that the shapes drive, in turn.
+
+        Of what the shapes drive alone, and of the kernel of all motions, whose symmetry leaves more modes that decay.
+        """
+        r, p = self.count, len(self.motions)
+        most, step = rigid_fit.RAW_STATES * p, self.time[1] - self.time[0]
+        for made, first, counts in (
+            (_realisation(self.K[:, :, r:], most), 0, [(order + more) * (p - r) for more in _MORE]),
+            (rigid_fit.realisation(self.K, most), r, [order * p]),
+        ):
+            hankel, Ad, *given = made
+            raw = rigid_fit.continuous(Ad, *given, step)
+            for states in sorted({min(count, len(raw[0])) for count in counts}):
+                A, b, _ = rigid_fit.balanced_truncation(*raw, states)
+                yield hankel, len(Ad) - len(raw[0]), A, b[:, first:]
+
     def _passed(self, A: Floats, b: Floats, passive: bool) -> tuple[float, Floats, float]:
-        """How far passivity moves the fit, as a share of it (no passivity: inf); C; and how passive it is."""
+        """How far passivity moves the fit, as a share of it (inf: too far); C; and how passive it is."""
         whole, driven = linalg.block_diag(self.A, A), linalg.block_diag(self.B, b)
         free, _ = self._fit(whole, driven, 0)
         for points in _POINTS if passive else ():
             C, moved = self._fit(whole, driven, points)
+            if moved > _MOVED:  # and further with more points
+                break
             found = rigid_fit.passivity(whole, driven, C)
             if found > rigid_fit.PASSIVE:
                 return moved, C, found

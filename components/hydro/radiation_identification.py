@@ -264,7 +264,7 @@ def sampled_kernel(omega: Floats, damping: Floats, used: NDArray[np.bool_], time
 def identify_group(time: Floats, K: Floats, order: int, passive: bool, motions: NDArray[np.intp]):
     """A, B, C of one group of coupled motions from its kernel (nt, p, p), and how well they fit."""
     step, p = time[1] - time[0], K.shape[1]
-    hankel, Ad, B, C = _realisation(K, RAW_STATES * p)
+    hankel, Ad, B, C = realisation(K, RAW_STATES * p)
     A, B, C = continuous(Ad, B, C, step)
     dropped, states = len(Ad) - len(A), min(order * p, len(A))
     A, B, C = balanced_truncation(A, B, C, states)
@@ -283,7 +283,7 @@ def _block_hankel(K: Floats) -> Floats:
     return K[index].transpose(0, 2, 1, 3).reshape(n * p, n * p)
 
 
-def _realisation(K: Floats, most: int) -> tuple[Floats, Floats, Floats, Floats]:
+def realisation(K: Floats, most: int) -> tuple[Floats, Floats, Floats, Floats]:
     """Hankel singular values and Ad, B, C with C Ad^k B = K_k; K is symmetric, so an eigenvalue problem does."""
     p = K.shape[1]
     value, vector = linalg.eigh(_block_hankel(K))

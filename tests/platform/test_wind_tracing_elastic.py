@@ -9,6 +9,8 @@ import pytest
 
 import fowtlib as fw
 from fowtlib.components.hydro.modal_database import ModalDatabase
+from fowtlib.components.hydro.modal_radiation import bordered_radiation
+from fowtlib.components.hydro.radiation_identification import kept_radiation
 from fowtlib.components.platform.member_frame import MemberFrame
 from fowtlib.components.platform.shape_numbers import shapes_of
 
@@ -80,3 +82,20 @@ def test_shapes_are_the_lowest_of_the_dry_frame_and_of_no_momentum(plants):
     size = np.sqrt(np.diag(shapes @ (hull.member_frame().frame.mass @ shapes.T)))
     np.testing.assert_allclose(np.abs(shared) / np.outer(size, size), np.eye(12), atol=1e-2)
     assert own.frequencies[:2] == pytest.approx([1.193, 1.205], abs=2e-3)
+
+
+def test_the_memory_of_rigid_motions_is_that_of_the_rigid_hull():
+    """Four states a motion, the six shapes that go with heave: the rigid block of the model is the rigid hull's."""
+    data = ModalDatabase.read(FILE)
+    rigid = data.rigid
+    alone = kept_radiation(rigid.omega, rigid.B, rigid.A, rigid.A_inf, order=4, passive=True)
+    kept = [*range(6), 6, 8, 9, 11, 14, 16]
+    pick = (slice(None), *np.ix_(kept, kept))
+    bent = bordered_radiation(
+        alone, data.omega, data.B[pick], data.A[pick], data.A_inf[np.ix_(kept, kept)], order=4, passive=True
+    )
+    omega = np.linspace(0.05, 3.0, 60)
+    one, other = bent.transfer(omega)[:, :6, :6], alone.transfer(omega)
+    np.testing.assert_allclose(one, other, atol=1e-9 * np.abs(other).max())
+    assert bent.passive and bent.stable
+    assert next(entry.r2 for entry in bent.entries if (entry.i, entry.j) == (2, 6)) > 0.95  # heave with the first shape
