@@ -54,18 +54,9 @@ class RigidRotor:
         velocity = np.cross(rotation * speed * axes[:, 0], position - hub)
         wind = np.broadcast_to(wind, position.shape)
         flat = [o.T.ravel() for o in orientation]
-        groups = [
-            position.ravel(),
-            np.concatenate(flat),
-            velocity.ravel(),
-            wind.ravel(),
-            hub,
-            (axes @ _about("x", rotation * azimuth)).T.ravel(),
-            np.zeros(3),
-            wind.mean(axis=0),
-            [air_density],
-            blade.chord,
-        ]
+        groups = [position.ravel(), np.concatenate(flat), velocity.ravel(), wind.ravel(), hub,
+                  (axes @ _about("x", rotation * azimuth)).T.ravel(), np.zeros(3), wind.mean(axis=0), [air_density],
+                  blade.chord]
         if rotor.dynamic_inflow:
             groups.append(np.broadcast_to(induced, len(blade.radius)))
         if rotor.airfoil_model.states:  # after a long step: in equilibrium

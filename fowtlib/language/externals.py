@@ -79,9 +79,8 @@ class ExternalFunction:
         self.inputs, self.outputs = dict(inputs), dict(outputs)
         sizes = (sum(self.inputs.values()), sum(self.outputs.values()))
         if source is not None and (compiler() or python is None):
-            library, self._opened = load_library(
-                (here() if here else "") + source, name
-            )  # held, so that it stays the one that was checked
+            text = here() + source if here else source
+            library, self._opened = load_library(text, name)  # held, so that it stays the one that was checked
         elif source is not None:
             say_once(f"external functions run as Python code, slowly: {no_compiler()}")
         if library is not None:
