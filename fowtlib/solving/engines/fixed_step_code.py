@@ -20,7 +20,7 @@ import numpy as np
 from fowtlib.flattening import FlatDAE
 from fowtlib.language.cache import cached, sources
 from fowtlib.language.externals import LibraryFunction
-from fowtlib.language.native import Library, load_library
+from fowtlib.language.native import Library, begin_library, load_library
 from fowtlib.language.tables import SplineFunction
 from fowtlib.solving.engines.c_lanes import lanes_here, prologue
 from fowtlib.solving.engines.c_text import WRITERS, Program, c_program
@@ -95,11 +95,19 @@ class Options(c.Structure):
     ]  # fmt: skip
 
 
+def begin_runtime() -> None:
+    """Let the runtime be compiled beside what is done until it is needed, where it is not there yet."""
+    begin_library(_runtime_text(), "fixed_step", optimization="-O3")
+
+
+def _runtime_text() -> str:
+    return "".join((Path(__file__).parent / name).read_text(encoding="utf-8") for name in ("spline.c", "fixed_step.c"))
+
+
 @cache
 def runtime() -> Library:
     """The compiled runtime of the engine, the same for all models."""
-    text = "".join((Path(__file__).parent / name).read_text(encoding="utf-8") for name in ("spline.c", "fixed_step.c"))
-    _, library = load_library(text, "fixed_step", optimization="-O3")
+    _, library = load_library(_runtime_text(), "fixed_step", optimization="-O3")
     pointer, number = c.c_void_p, c.c_double
     signatures = {
         "create": (pointer, [c.POINTER(Model), c.POINTER(Options)]),
