@@ -141,10 +141,13 @@ def run(arguments: argparse.Namespace) -> int:
         arguments.resume = None
     model = loading.load(arguments)
     require_leave(model.root)  # before the equations are made
-    if (arguments.solver or model.settings.get("solver")) == "fixed":
+    fixed = (arguments.solver or model.settings.get("solver")) == "fixed"
+    if fixed:
         begin_runtime()
     plant = model.compile()
     _check_discard(arguments, plant, earlier)
+    if fixed:
+        plant.begin_code()
     start, whence = start_values(arguments, plant)
     conditions = Conditions(start=earlier or start, duration=arguments.time, output_step=arguments.output_step,
                             events=happening)  # fmt: skip
