@@ -14,7 +14,7 @@ from pathlib import Path
 import numpy as np
 
 import fowtlib.models
-from fowtlib.components.aero import AIRFOIL_MODELS, BladeElementRotor, RigidRotor, bem_numpy, read_blade
+from fowtlib.components.aero import AIRFOIL_MODELS, BladeElementRotor, RigidRotor, bem, bem_numpy, read_blade
 
 DATA = Path(fowtlib.models.__file__).parent / "data" / "nrel5mw"
 
@@ -39,6 +39,7 @@ def main():
     blade = read_blade(str(DATA / "blade_aerodynamics.csv"), str(DATA / "airfoils.csv"), 1.5, 63.0)
     variants = {"with skewed wake": {}, "without": {"skew": 0.0}, "dynamic inflow": {"dynamic_inflow": True},
                 "unsteady airfoils": {"airfoil_model": AIRFOIL_MODELS["beddoes_leishman"]}}  # fmt: skip
+    bem.only_lanes = lambda nodes: ""  # all widths, as in an FMU
     for name, options in variants.items():
         rotor = BladeElementRotor(blade, **options)
         function = rotor.external.function

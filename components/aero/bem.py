@@ -14,7 +14,7 @@ from fowtlib.components.aero import bem_numpy
 from fowtlib.components.aero.airfoil_models import STEADY, AirfoilModel
 from fowtlib.components.aero.bem_data import c_text
 from fowtlib.components.aero.blade_aerodynamics import BladeAerodynamics
-from fowtlib.components.aero.vectors import in_vectors
+from fowtlib.components.aero.vectors import in_vectors, only_lanes
 from fowtlib.language import ExternalFunction
 from fowtlib.language.errors import ParameterError
 from fowtlib.language.externals import with_interface
@@ -144,6 +144,7 @@ class BladeElementRotor:
         name = f"bem_{hashlib.sha256(text.encode()).hexdigest()[:8]}"
         return ExternalFunction(
             name, self.inputs, self.outputs, source=with_interface(name, self.sparsity, text),
+            here=lambda: only_lanes(self.nodes),
             python=lambda u: bem_numpy.loads(self, u), jacobian=lambda u: bem_numpy.jacobian(self, u),
             sparsity=self.sparsity,
         )  # fmt: skip

@@ -1,7 +1,14 @@
 /* The nodes of a rotor in vectors as wide as the processor has them, found out at the first call; and what CasADi calls. */
 
+#if defined(ONLY_LANES) && ONLY_LANES == 1
+#undef VECTORS
+#endif
+
 #ifdef VECTORS
 typedef int nodes_at_once(int i, const double *u, const struct wake *wake, double *f, double *jac);
+
+#define NAMED_(name, lanes) name##_##lanes
+#define NAMED(name, lanes) NAMED_(name, lanes)
 
 static int lanes; /* as many at most; 0 before the first call */
 
@@ -9,6 +16,9 @@ static int lanes_in_use(void) {
     if (!lanes) lanes = widest();
     int n = lanes;
     while (n > NODES) n /= 2;
+#ifdef ONLY_LANES
+    if (n != ONLY_LANES) n = 1; /* others are not compiled */
+#endif
     return n;
 }
 
@@ -30,7 +40,9 @@ static void rotor(const double *u, double *f, double *jac) {
 #ifdef VECTORS
     int n = lanes_in_use();
     if (n > 1) {
-#ifdef __x86_64__
+#ifdef ONLY_LANES
+        nodes_at_once *nodes = NAMED(nodes, ONLY_LANES);
+#elif defined(__x86_64__)
         nodes_at_once *nodes = n == 8 ? nodes_8 : n == 4 ? nodes_4 : nodes_2;
 #else
         nodes_at_once *nodes = nodes_2;

@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from fowtlib.language.cubics import CubicSurface
 from fowtlib.language.data_files import number_rows, remembered
 from fowtlib.language.errors import ModelError, ParameterError
 from fowtlib.language.whole_files import write_text
@@ -55,7 +56,7 @@ class CoefficientTable:
                     f"{value:.4g}; {REMEDY}."
                 )
         thrust, torque = _splines(self)
-        return thrust(tip_speed_ratio, blade_pitch, grid=False), torque(tip_speed_ratio, blade_pitch, grid=False)
+        return thrust(tip_speed_ratio, blade_pitch), torque(tip_speed_ratio, blade_pitch)
 
     def in_similarity(self, similarity: Similarity) -> CoefficientTable:
         """The same: coefficients over the tip speed ratio have no dimension, and it stays where the wind does."""
@@ -90,10 +91,9 @@ class CoefficientTable:
 
 
 @lru_cache(maxsize=16)
-def _splines(table: CoefficientTable) -> tuple[Any, Any]:
-    from scipy.interpolate import RectBivariateSpline
-
-    return tuple(RectBivariateSpline(table.tip_speed_ratio, table.blade_pitch, c) for c in (table.thrust, table.torque))
+def _splines(table: CoefficientTable) -> tuple[CubicSurface, CubicSurface]:
+    grid = table.tip_speed_ratio, table.blade_pitch
+    return CubicSurface(*grid, table.thrust), CubicSurface(*grid, table.torque)
 
 
 @remembered()

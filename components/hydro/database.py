@@ -14,6 +14,7 @@ from fowtlib.components.hydro.conventions import check_conventions
 from fowtlib.components.hydro.errors import HydrodynamicDataError
 from fowtlib.components.hydro.stored_numbers import EXCITATION, excitation_of, missing_from, stored_numbers
 from fowtlib.components.hydro.wamit_writing import write_wamit
+from fowtlib.language.cubics import between, makima_slopes
 from fowtlib.language.netcdf_files import add_variable, set_attributes, write_netcdf
 from fowtlib.language.similarity import Similarity, six_by_six
 from fowtlib.language.whole_files import write_whole
@@ -332,9 +333,7 @@ def at_heading(headings: np.ndarray, X: np.ndarray, heading: float) -> np.ndarra
 
 
 def _interpolate(x: np.ndarray, y: np.ndarray, at: np.ndarray) -> np.ndarray:
-    from scipy.interpolate import Akima1DInterpolator
-
-    return Akima1DInterpolator(x, y, axis=0, method="makima")(at)
+    return between(x, y, makima_slopes(x, y), at)
 
 
 def _same(a: np.ndarray, b: np.ndarray) -> bool:

@@ -124,6 +124,7 @@ def count(text: str) -> int:
 def run(arguments: argparse.Namespace) -> int:
     """Simulate, save, draw, and print the statistics of the results."""
     from fowtlib.solving.conditions import Conditions
+    from fowtlib.solving.engines.fixed_step_code import begin_runtime
     from fowtlib.solving.results.journal import Journal
 
     happening = events.chosen(arguments)
@@ -140,8 +141,13 @@ def run(arguments: argparse.Namespace) -> int:
         arguments.resume = None
     model = loading.load(arguments)
     require_leave(model.root)  # before the equations are made
+    fixed = (arguments.solver or model.settings.get("solver")) == "fixed"
+    if fixed:
+        begin_runtime()
     plant = model.compile()
     _check_discard(arguments, plant, earlier)
+    if fixed:
+        plant.begin_code()
     start, whence = start_values(arguments, plant)
     conditions = Conditions(start=earlier or start, duration=arguments.time, output_step=arguments.output_step,
                             events=happening)  # fmt: skip

@@ -45,7 +45,8 @@ class ExternalFunction:
     - library: path of a shared library with CasADi's C interface for `name` (one input, one output) and, as
       `jac_<name>`, its Jacobian, which may be sparse;
     - source: C text of such a library, compiled once (see native.py and with_interface); what it exports stands
-      behind EXPORT;
+      behind EXPORT. here: gives text to put in front of it where it is compiled for this machine alone, as what its
+      processor can do; an FMU has the source without;
     - python: function of the input column (NumPy) that returns the output column, with jacobian: a function that
       returns d outputs / d inputs, (n_out, n_in), of which only the entries of `sparsity` (a CasADi Sparsity) are
       taken when that is given. Without a jacobian it is taken by finite differences. Beside a source it is what runs
@@ -66,6 +67,7 @@ class ExternalFunction:
         *,
         library: str | Path | None = None,
         source: str | None = None,
+        here: Callable[[], str] | None = None,
         python: Compute | None = None,
         jacobian: Compute | None = None,
         sparsity: ca.Sparsity | None = None,
@@ -77,7 +79,8 @@ class ExternalFunction:
         self.inputs, self.outputs = dict(inputs), dict(outputs)
         sizes = (sum(self.inputs.values()), sum(self.outputs.values()))
         if source is not None and (compiler() or python is None):
-            library, self._opened = load_library(source, name)  # held, so that it stays the one that was checked
+            text = here() + source if here else source
+            library, self._opened = load_library(text, name)  # held, so that it stays the one that was checked
         elif source is not None:
             say_once(f"external functions run as Python code, slowly: {no_compiler()}")
         if library is not None:

@@ -18,6 +18,7 @@ import shlex
 import shutil
 import subprocess
 import sys
+import threading
 import warnings
 import weakref
 from contextlib import suppress
@@ -25,7 +26,7 @@ from functools import lru_cache
 from pathlib import Path
 
 from fowtlib.language import cache_folder as store
-from fowtlib.language.errors import CompilerError
+from fowtlib.language.errors import CompilerError, ParameterError
 
 EXPORT = '#define EXPORT __attribute__((visibility("default")))\n'
 """In front of C text: what stands behind EXPORT is seen from outside of the library, and nothing else."""
@@ -80,6 +81,10 @@ def compile_library(text: str, name: str, *, optimization: str = "-O2") -> Path:
     flags = [optimization if flag == "-O2" else flag for flag in FLAGS]
     digest = hashlib.sha256("\0".join((EXPORT, text, *flags, *command, _version(command))).encode()).hexdigest()
     key = f"{name}_{digest[:20]}"
+    begun = _begun.get((text, optimization))
+    if begun and begun is not threading.current_thread():
+        begun.join()
+        _begun.pop((text, optimization), None)
     store.limit()  # a wrong one is said before the work
     try:
         if library := store.find(key, store.SUFFIX):
@@ -97,6 +102,26 @@ def compile_library(text: str, name: str, *, optimization: str = "-O2") -> Path:
             "the environment variable FOWTLIB_CACHE names another folder."
         ) from None
     return library
+
+
+_begun: dict[tuple[str, str], threading.Thread] = {}
+
+
+def begin_library(text: str, name: str, *, optimization: str = "-O2") -> None:
+    """Compile beside other work what `compile_library` will be asked for soon, which then waits for it.
+
+    What goes wrong is not said here: it goes wrong again when the library is asked for. A process that ends earlier
+    waits for its compiler.
+    """
+
+    def work() -> None:
+        with suppress(CompilerError, ParameterError, OSError):
+            compile_library(text, name, optimization=optimization)
+
+    if compiler() and (text, optimization) not in _begun:
+        thread = threading.Thread(target=work, name=f"compiler of {name}")
+        _begun[text, optimization] = thread
+        thread.start()
 
 
 class Library(ctypes.CDLL):

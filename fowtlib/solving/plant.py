@@ -13,11 +13,13 @@ from fowtlib.flattening import FlatDAE
 from fowtlib.language.component import Component
 from fowtlib.language.errors import SimulationError
 from fowtlib.language.externals import refusals_explained
+from fowtlib.language.native import compiler
 from fowtlib.solving.binding import Binding
 from fowtlib.solving.bindings import Bindings
 from fowtlib.solving.checks import check_state, search_from
 from fowtlib.solving.conditions import Conditions
 from fowtlib.solving.engines import FixedStepCode
+from fowtlib.solving.engines.fixed_step_code import Written, begin
 from fowtlib.solving.equilibrium import equilibrium, next_equilibrium
 from fowtlib.solving.freed import freed_equilibrium
 from fowtlib.solving.functions import AtParameters, Functions
@@ -52,6 +54,7 @@ class Plant:
         self.settings, self.input_names = dict(settings or {}), dict(input_names or {})
         self.layout, self.outputs, self.functions = Layout(dae), Outputs(dae, outputs), Functions(dae)
         self.code: FixedStepCode | None = None
+        self._written: Written | None = None
         self.kept_starts: dict[str, dict[str, float]] = {}  # means that runs have started from; see solving.starts
 
     @property
@@ -63,8 +66,13 @@ class Plant:
     def fixed_step_code(self) -> FixedStepCode:
         """The compiled functions of the solver "fixed"; the same for all values of tunable parameters."""
         if self.code is None:
-            self.code = FixedStepCode(self.dae, self.outputs.paths)
+            self.code = FixedStepCode(self.dae, self.outputs.paths, self._written)
         return self.code
+
+    def begin_code(self) -> None:
+        """Let `fixed_step_code` be compiled beside what is done until it is asked for; not without a compiler."""
+        if compiler() and self.code is None and self._written is None:
+            self._written = begin(self.dae, self.outputs.paths)
 
     def describe(self, path: str) -> tuple[str, str]:
         """SI unit and description of any variable."""

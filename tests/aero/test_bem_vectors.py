@@ -12,8 +12,8 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from fowtlib.components.aero import AIRFOIL_MODELS, Airfoil, BladeElementRotor, RigidRotor
-from fowtlib.components.aero.vectors import WIDTHS
+from fowtlib.components.aero import AIRFOIL_MODELS, Airfoil, BladeElementRotor, RigidRotor, bem_numpy
+from fowtlib.components.aero.vectors import WIDTHS, lanes_here, only_lanes
 from fowtlib.language.native import compiler, load_library
 
 pytestmark = pytest.mark.skipif(not compiler(), reason="needs a C compiler")
@@ -59,6 +59,12 @@ def moment(rotor, kind, g):
     return u
 
 
+@pytest.fixture
+def all_widths(monkeypatch):
+    """Rotors of the text that an FMU has, in which each width is compiled."""
+    monkeypatch.setattr("fowtlib.components.aero.bem.only_lanes", lambda nodes: "")
+
+
 def lanes_of(rotor):
     """The function of its library that says how many nodes go at once."""
     external = rotor.external
@@ -96,7 +102,7 @@ def worst_differences(rotor, states):
 
 
 @pytest.mark.parametrize("name", OPTIONS)
-def test_nodes_at_once_are_nodes_alone(blade, name):
+def test_nodes_at_once_are_nodes_alone(all_widths, blade, name):
     rotor, g = BladeElementRotor(blade, **OPTIONS[name]), np.random.default_rng(5)
     states = [moment(rotor, kind, g) for kind in MOMENTS for _ in range(3)]
     loads, slopes = worst_differences(rotor, states)
@@ -104,8 +110,36 @@ def test_nodes_at_once_are_nodes_alone(blade, name):
     assert loads > 0 or not widths(rotor)  # other operations are rounded otherwise: it is not the same code
 
 
+def test_what_is_compiled_for_this_machine_is_one_width(blade, monkeypatch):
+    """The widest, or none; the same numbers to the last digit as where all widths are there, by the same function."""
+    rotor = BladeElementRotor(blade)
+    lanes, widest = lanes_of(rotor), lanes_here()
+    assert widest in (1, *WIDTHS)
+    assert [width for width in (1, *WIDTHS) if lanes(width) == width] == ([1, widest] if widest > 1 else [1])
+    assert lanes(max(WIDTHS)) == widest
+    monkeypatch.setattr("fowtlib.components.aero.bem.only_lanes", lambda nodes: "")
+    every = BladeElementRotor(blade)
+    assert every.external.library != rotor.external.library
+    assert every.external.function.source == rotor.external.function.source  # what an FMU is made of
+    assert "ONLY_LANES 8" not in every.external.function.source
+    for u in (moment(rotor, kind, np.random.default_rng(11)) for kind in MOMENTS):
+        one, other = (r.external.function for r in (rotor, every))
+        assert np.array_equal(one(u).full(), other(u).full())
+        assert np.array_equal(one.jacobian()(u, 0).full(), other.jacobian()(u, 0).full())
+
+
+def test_a_node_alone_is_compiled_without_vectors(blade):
+    names = ("radius", "length", "chord", "twist", "airfoil", "curve", "sweep")
+    alone = {name: getattr(blade, name)[9:10] for name in names}
+    rotor = BladeElementRotor(replace(blade, **alone | {"length": [61.5]}), blades=1)
+    assert rotor.nodes == 1 and only_lanes(1) == "#define ONLY_LANES 1\n"
+    assert not hasattr(ctypes.CDLL(str(rotor.external.library)), f"{rotor.external.name}_lanes")
+    u = moment(rotor, "turning", np.random.default_rng(12))
+    assert rotor.external.function(u).full().ravel() == pytest.approx(bem_numpy.loads(rotor, u), rel=1e-9)
+
+
 @pytest.mark.parametrize("smooth", [True, False])
-def test_dense_and_uneven_polars(blade, smooth):
+def test_dense_and_uneven_polars(all_widths, blade, smooth):
     """200 angles within a degree, and others far apart."""
     g = np.random.default_rng(6)
     angle = np.sort(np.concatenate([[-np.pi, np.pi, -2.0], g.uniform(-0.02, 0.3, 60), g.uniform(0.1, 0.117, 200)]))
@@ -116,7 +150,7 @@ def test_dense_and_uneven_polars(blade, smooth):
     assert loads < 1e-10 and slopes < 1e-10
 
 
-def test_a_rotor_with_fewer_nodes_than_lanes(blade):
+def test_a_rotor_with_fewer_nodes_than_lanes(all_widths, blade):
     names = ("radius", "length", "chord", "twist", "airfoil", "curve", "sweep")
     few = {name: getattr(blade, name)[3::6] for name in names}
     g, rotor = np.random.default_rng(7), BladeElementRotor(replace(blade, **few | {"length": [20.5] * 3}), blades=1)

@@ -2,12 +2,16 @@
 
 from __future__ import annotations
 
+import shlex
+import sys
+import threading
+
 import numpy as np
 import pytest
 
 from fowtlib.language import ExternalFunction
 from fowtlib.language.errors import CompilerError
-from fowtlib.language.native import compile_library, compiler, say_once
+from fowtlib.language.native import begin_library, compile_library, compiler, say_once
 
 needs_compiler = pytest.mark.skipif(not compiler(), reason="needs a C compiler")
 
@@ -40,6 +44,53 @@ def test_a_library_is_made_once_for_each_content(own_cache):
     other = compile_library("#define FACTOR 3.0\n" + TWICE, "twice")
     assert other != library
     assert sorted(path.suffix for path in own_cache.iterdir()) == [".c", ".c", ".so", ".so"]
+
+
+@pytest.fixture
+def slow_compiler(tmp_path, monkeypatch):
+    """A compiler that notes each text it is given, and waits until there is a file `go`."""
+    told, go, script = tmp_path / "told", tmp_path / "go", tmp_path / "slow_cc"
+    command = shlex.join(compiler())
+    wait = f"while [ ! -e {go} ]; do sleep 0.02; done"
+    lines = [f'case "$1" in --version) exec {command} --version;; esac', f"echo text >> {told}", wait]
+    script.write_text("\n".join(["#!/bin/sh", *lines, f'exec {command} "$@"', ""]))
+    script.chmod(0o700)
+    monkeypatch.setenv("FOWTLIB_CC", str(script))
+    return told, go
+
+
+@needs_compiler
+@pytest.mark.skipif(sys.platform == "win32", reason="a script of the shell")
+def test_a_library_that_was_begun_is_waited_for_and_compiled_once(own_cache, slow_compiler):
+    told, go = slow_compiler
+    text = f"#define FACTOR 4.0\n{TWICE}"
+    begin_library(text, "twice")
+    begin_library(text, "twice")
+    assert not list(own_cache.glob("*.so"))  # the compiler waits, and nobody waits for it
+    threading.Timer(0.3, go.touch).start()
+    assert compile_library(text, "twice").is_file()
+    assert told.read_text() == "text\n" and len(list(own_cache.glob("*.so"))) == 1
+    assert not [path for path in own_cache.iterdir() if path.is_dir()]  # no workshop is left
+    begin_library(text, "twice")  # it is there: nothing to do
+    compile_library(text, "twice")
+    assert told.read_text() == "text\n"
+
+
+@needs_compiler
+@pytest.mark.skipif(sys.platform == "win32", reason="a script of the shell")
+def test_a_wrong_text_that_was_begun_is_said_where_it_is_asked_for(slow_compiler, capfd):
+    slow_compiler[1].touch()
+    begin_library("int broken(", "broken")
+    with pytest.raises(CompilerError, match="broken: its C code does not compile with .*error"):
+        compile_library("int broken(", "broken")
+    assert capfd.readouterr().err == ""
+
+
+@needs_compiler
+def test_what_is_asked_for_in_another_cache_is_compiled_there(tmp_path, monkeypatch):
+    begin_library(TWICE.replace("FACTOR", "5.0"), "twice")
+    monkeypatch.setenv("FOWTLIB_CACHE", str(tmp_path / "other"))
+    assert compile_library(TWICE.replace("FACTOR", "5.0"), "twice").parent == tmp_path / "other"
 
 
 @needs_compiler

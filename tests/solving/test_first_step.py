@@ -156,3 +156,20 @@ def test_with_all_start_values_given_nothing_is_left_to_solve_for():
     plant = fw.load(Alone()).compile()
     states = [plant.initial_state(start=start).x.tolist() for start in ({}, {"x": 3.0}, {"x": 3.0, "y": 4.0})]
     assert states == [[1, 2], [3, 2], [3, 4]]
+
+
+@pytest.mark.skipif(not compiler(), reason="needs a C compiler")
+def test_code_that_was_begun_is_the_code(plant, monkeypatch, tmp_path):
+    """Begun or not, the same library, written once and compiled once; and the same results to the last digit."""
+    monkeypatch.setenv("FOWTLIB_CACHE", str(tmp_path / "own"))
+    written = []
+    write = fixed_step_code.write
+    monkeypatch.setattr(fixed_step_code, "write", lambda *given: written.append(1) or write(*given))
+    plant.begin_code()
+    plant.begin_code()
+    begun = plant.simulate(1.0, 0.1, solver="fixed")
+    assert len(written) == 1 and len(list((tmp_path / "own").glob("model_*.so"))) == 1
+    other = fw.load(Chained()).compile()
+    later = other.simulate(1.0, 0.1, solver="fixed")
+    assert plant.fixed_step_code.path == other.fixed_step_code.path and len(written) == 2
+    assert all(np.array_equal(begun.array(name), later.array(name)) for name in ("x", "y", "z"))

@@ -20,7 +20,7 @@ import numpy as np
 from fowtlib.flattening import FlatDAE
 from fowtlib.language.cache import cached, sources
 from fowtlib.language.externals import LibraryFunction
-from fowtlib.language.native import Library, load_library
+from fowtlib.language.native import Library, begin_library, load_library
 from fowtlib.language.tables import SplineFunction
 from fowtlib.solving.engines.c_lanes import lanes_here, prologue
 from fowtlib.solving.engines.c_text import WRITERS, Program, c_program
@@ -95,11 +95,19 @@ class Options(c.Structure):
     ]  # fmt: skip
 
 
+def begin_runtime() -> None:
+    """Let the runtime be compiled beside what is done until it is needed, where it is not there yet."""
+    begin_library(_runtime_text(), "fixed_step", optimization="-O3")
+
+
+def _runtime_text() -> str:
+    return "".join((Path(__file__).parent / name).read_text(encoding="utf-8") for name in ("spline.c", "fixed_step.c"))
+
+
 @cache
 def runtime() -> Library:
     """The compiled runtime of the engine, the same for all models."""
-    text = "".join((Path(__file__).parent / name).read_text(encoding="utf-8") for name in ("spline.c", "fixed_step.c"))
-    _, library = load_library(text, "fixed_step", optimization="-O3")
+    _, library = load_library(_runtime_text(), "fixed_step", optimization="-O3")
     pointer, number = c.c_void_p, c.c_double
     signatures = {
         "create": (pointer, [c.POINTER(Model), c.POINTER(Options)]),
@@ -130,23 +138,23 @@ class FixedStepCode:
     """What the runtime needs of one model: compiled functions, externals and tables; made once for a plant.
 
     observed: paths of variables that can be rebuilt by compiled code, too; see `observe`. columns: of each of them in
-    what `observe` gives; size: of all of that; width: with the conditions of the checks behind it.
+    what `observe` gives; size: of all of that; width: with the conditions of the checks behind it. written: its text,
+    where that was written before.
     """
 
-    def __init__(self, dae: FlatDAE, observed: Sequence[str] = ()):
+    def __init__(self, dae: FlatDAE, observed: Sequence[str] = (), written: Written | None = None):
         self.dae = dae
         self.observed = list(observed)
         ends = np.cumsum([dae.observe_expression(path).numel() for path in self.observed], dtype=int).tolist()
         self.columns = {path: range(first, end) for path, first, end in zip(observed, [0, *ends], ends, strict=False)}
         self.size = ends[-1] if ends else 0
         self.width = self.size + len(dae.checks)
-        self.reduction = reduction(dae)
+        self.reduction, text, self.program, self.scratch = written or write(dae, self.observed)
         self.raised: list[Exception] = []  # by Python code inside of a step
         self._alive: list[Any] = []  # what the tables point to
         self.external_order = [k for level in dae.levels for k in level]
-        text, self.program, self.scratch = kept_text(dae, self.reduction, self.observed, lanes_here())
         self.constants = self.doubles([*self.program.constants, 0.0])
-        self.path, self.library = load_library(text, "model", optimization="-O1")
+        self.path, self.library = load_library(text, "model", optimization=_OPTIMIZATION)
         self.table = self._model()
         self.samples_need_outputs = [dae.needs_outputs(sample.values) for sample in dae.samples]
 
@@ -292,6 +300,24 @@ class FixedStepCode:
 
         self._alive.append(CASADI(call))
         return c.cast(self._alive[-1], c.c_void_p).value
+
+
+Written = tuple[Reduction, str, Program, int]
+_OPTIMIZATION = "-O1"
+
+
+def write(dae: FlatDAE, observed: Sequence[str]) -> Written:
+    """The text of a model for this machine, with its reduction, its tables and the scratch memory that it needs."""
+    reduced = reduction(dae)
+    return reduced, *kept_text(dae, reduced, observed, lanes_here())
+
+
+def begin(dae: FlatDAE, observed: Sequence[str]) -> Written:
+    """Write the text, and let it and the runtime be compiled beside what is done until they are needed."""
+    begin_runtime()
+    written = write(dae, observed)
+    begin_library(written[1], "model", optimization=_OPTIMIZATION)
+    return written
 
 
 def kept_text(dae: FlatDAE, reduced: Reduction, observed: Sequence[str], word: int) -> tuple[str, Program, int]:
