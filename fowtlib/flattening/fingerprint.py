@@ -9,6 +9,7 @@ from __future__ import annotations
 
 import functools
 import hashlib
+import operator
 import sys
 import types
 from collections.abc import Iterable, Sequence
@@ -45,6 +46,14 @@ def fingerprint(root: Component, opened: Sequence[str] = ()) -> tuple[str, bool]
     contents.add([digest_of_own_code(), sys.version, sys.platform, list(compiler()), list(opened), files])
     text = "".join(f"{len(word)} {word}" for word in contents.words)
     return hashlib.sha256(text.encode("utf-8", "surrogatepass")).hexdigest()[:40], bool(foreign)
+
+
+def _stands_in_text(kind: type) -> bool:
+    """Whether a class is the one that its module defines; not so one that a model file makes, with values in it."""
+    try:
+        return operator.attrgetter(kind.__qualname__)(sys.modules[kind.__module__]) is kind
+    except AttributeError:
+        return False
 
 
 def _bound(root: Component, path: str) -> bool:
@@ -193,7 +202,7 @@ class _Contents:
             own = is_own(sys.modules.get(base.__module__))
             if own and not self._unchanged(base):
                 raise Unknown(f"{base.__qualname__} is not as its file says")
-            if base.__module__ in sys.stdlib_module_names or (own and "<locals>" not in base.__qualname__):
+            if base.__module__ in sys.stdlib_module_names or (own and _stands_in_text(base)):
                 continue
             for name, item in vars(base).items():
                 if name == "__init__" or not name.startswith("__"):
