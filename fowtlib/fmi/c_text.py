@@ -18,8 +18,8 @@ from fowtlib.solving.engines import fixed_step
 from fowtlib.solving.engines.c_lanes import ANY_PROCESSOR
 from fowtlib.solving.engines.c_text import Program, c_program
 from fowtlib.solving.engines.fixed_step_code import OUT, kept_text
-from fowtlib.solving.engines.turning_frames import turning_frames
 from fowtlib.solving.engines.reduction import reduction
+from fowtlib.solving.engines.turning_frames import turning_frames
 from fowtlib.solving.state import State
 
 HIDDEN = """#if defined(__GNUC__) && !defined(_WIN32)

@@ -369,9 +369,10 @@ def model_text(
 ) -> tuple[str, Program, int]:
     """C text, its program of the inputs of the externals, level by level, and the residual, and its scratch memory.
 
-    The text defines level_0, level_1, ..., model; observed, which follows a call of these; and sample_0, ... for the
-    sampled parts, axes for the rows of R of each frame, and checked for the conditions of the checks, which stand alone. Constants of the program are those
-    of the checks, which may tell where data end: the text is the same for all data.
+    The text defines level_0, level_1, ..., model; observed, which follows a call of these; and, each of them alone,
+    sample_0, ... for the sampled parts, axes for the rows of R of the frames, and checked for the conditions of the
+    checks. Constants of the program are those of the checks, which may tell where data end: the text is the same for
+    all data.
     """
     function = _function(dae, observed, {"cse": True})
     sections = [(f"level_{level}", ["first"]) for level in range(len(dae.levels))] + [("model", ["first", "second"])]

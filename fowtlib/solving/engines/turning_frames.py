@@ -1,8 +1,8 @@
 """Vectors in world axes among the unknowns and rows of an implicit step, and the frames with which they turn.
 
-A part that is light or slender about one of its axes keeps it in the part and not in the world, so that a Newton matrix in
-world axes ages as the part turns, by milliradians. `fixed` turns such vectors with their frames. What is found here is a
-hint: where it is wrong it costs time and no accuracy.
+A part that is light or slender about one of its axes keeps it in the part and not in the world, so that a Newton
+matrix in world axes ages as the part turns, by milliradians. `fixed` turns such vectors with their frames. What is
+found here is a hint: where it is wrong it costs time and no accuracy.
 """
 
 from __future__ import annotations
@@ -23,20 +23,23 @@ ROWS = re.compile(r"(.*) \(.*\)$")  # a part or a connector, and where the equat
 
 @dataclass
 class TurningFrame:
-    """R (3 x 3), from the frame to the world, by the states; the numbers of the components of each vector, and of the rows."""
+    """R (3 x 3), from the frame to the world, by states and parameters; numbers of the components of its vectors."""
 
     R: ca.SX
     unknowns: list[list[int]] = field(default_factory=list)
     rows: list[list[int]] = field(default_factory=list)
 
 
+Found = dict[tuple[int, ...], TurningFrame]  # by the elements of R
+
+
 def turning_frames(dae: FlatDAE) -> list[TurningFrame]:
     """Found by the paths; of a frame that turns with a ring of parts, the axes of the ring where its angle is zero.
 
-    Unknowns are z and rows are alg. A frame needs both, as a matrix is turned from both sides.
+    Unknowns are numbers of z, rows of alg.
     """
-    found: dict[tuple[int, ...], TurningFrame] = {}
-    unknowns = _triples((_first(q.path, ACCELERATION, OF_A_BODY) for q in dae.algebraics))
+    found: Found = {}
+    unknowns = _triples(_first(q.path, ACCELERATION, OF_A_BODY) for q in dae.algebraics)
     rows = _triples(path if ROWS.match(path) else None for path in dae.residual_paths)
     for path, numbers in unknowns:
         _put(found, dae, path, "unknowns", numbers)
@@ -60,7 +63,7 @@ def _triples(paths: Iterable[str | None]) -> Iterator[tuple[str, list[int]]]:
             yield from ((path, numbers[k : k + 3]) for k in range(0, len(numbers), 3))
 
 
-def _put(found: dict[tuple[int, ...], TurningFrame], dae: FlatDAE, path: str | None, kind: str, numbers: list[int]) -> None:
+def _put(found: Found, dae: FlatDAE, path: str | None, kind: str, numbers: list[int]) -> None:
     names = (f"{path}{end}" for end in (".R", ".frame_a.R", ".frame_b.R"))
     name = next((name for name in names if f"{name}[0,0]" in dae.observed), None)
     if name is None:
