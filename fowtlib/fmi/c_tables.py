@@ -142,7 +142,7 @@ class Tables:
 
     def _prototypes(self) -> str:
         dae = self.dae
-        plain = ["model", "observed", "indicators", "checks", "starts", "clocks", "initials"]
+        plain = ["model", "axes", "observed", "indicators", "checks", "starts", "clocks", "initials"]
         plain += [f"level_{k}" for k in range(len(dae.levels))] + [f"sample_{k}" for k in range(len(dae.samples))]
         plain += [f"action_{k}" for k in range(len(dae.events))]
         moved = ["forward_model", "forward_outputs", "forward_initials"]
