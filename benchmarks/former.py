@@ -137,6 +137,10 @@ def serve(row: str, checkout: Path, folder: Path) -> None:
         print(_spent() - began, file=out, flush=True)
 
 
+class RowFailure(Exception):
+    """The work of a row ended before it was done; what it said stands above."""
+
+
 class _Server:
     """A process that does the work of a row with the code of a checkout."""
 
@@ -145,20 +149,24 @@ class _Server:
         threads = {"OPENBLAS_NUM_THREADS": "1", "OMP_NUM_THREADS": "1"}
         self.process = subprocess.Popen(command, stdin=subprocess.PIPE, stdout=subprocess.PIPE, text=True,
                                         env=os.environ | threads)  # fmt: skip
+
+    def warm(self) -> None:
+        """Wait until it has done the work for the first time."""
         self._answer()
 
     def measure(self) -> float:
         """Processor time of the work once more [s]."""
         assert self.process.stdin
-        self.process.stdin.write("\n")
-        self.process.stdin.flush()
+        with contextlib.suppress(BrokenPipeError):  # it has ended, and gives no answer
+            self.process.stdin.write("\n")
+            self.process.stdin.flush()
         return self._answer()
 
     def _answer(self) -> float:
         assert self.process.stdout
         line = self.process.stdout.readline()
         if not line:
-            raise RuntimeError("the work of this row failed; what it said stands above")
+            raise RowFailure
         return float(line)
 
     def close(self) -> None:
@@ -188,30 +196,35 @@ def checkout(former: str) -> Iterator[Path]:
             subprocess.run([*git, "remove", "--force", str(made)], check=True)
 
 
-def compare(former: str, rows: list[str]) -> str:
-    """The table of these rows, printed while it grows."""
+def compare(former: str, rows: list[str]) -> tuple[str, bool]:
+    """The table of these rows, printed while it grows; and whether all of them ended well."""
+    well = True
     lines = ["| work, one core, processor time | former | now | ratio | asked |", "| --- | --- | --- | --- | --- |"]
     print("\n".join(lines), flush=True)
     with checkout(former) as before, tempfile.TemporaryDirectory() as name:
-        folder = Path(name)
         for row in rows:
             what, duration, asked = ROWS[row]
-            servers = []
             try:
-                times: list[list[float]] = [[], []]
-                for place in (before, HERE):  # one after the other: the first one makes the wind field
-                    servers.append(_Server(row, place, folder))
-                for _ in range(TURNS):
-                    for server, taken in zip(servers, times, strict=True):
-                        taken.append(server.measure())
-            finally:
-                for server in servers:
-                    server.close()
-            ratio = statistics.median(a / b for a, b in zip(*times, strict=True))
-            speeds = [f"{duration / statistics.median(taken):.0f} x" for taken in times]
-            lines.append(f"| {what}, {duration:g} s | {' | '.join(speeds)} | {ratio:.2f} | {asked:.2f} |")
+                times = _times(row, before, Path(name))
+                ratio = statistics.median(a / b for a, b in zip(*times, strict=True))
+                cells = [*(f"{duration / statistics.median(taken):.0f} x" for taken in times), f"{ratio:.2f}"]
+            except RowFailure:
+                cells, well = ["failed", "", ""], False
+            lines.append(f"| {what}, {duration:g} s | {' | '.join(cells)} | {asked:.2f} |")
             print(lines[-1], flush=True)
-    return "\n".join(lines)
+    return "\n".join(lines), well
+
+
+def _times(row: str, before: Path, folder: Path) -> list[list[float]]:
+    """Seconds of the work of a row with the former and with the present code, TURNS times in turn."""
+    with contextlib.ExitStack() as ending:
+        servers = []
+        for place in (before, HERE):  # one after the other: the first one makes the wind field
+            servers.append(_Server(row, place, folder))
+            ending.callback(servers[-1].close)
+            servers[-1].warm()
+        turns = [[server.measure() for server in servers] for _ in range(TURNS)]
+    return [list(taken) for taken in zip(*turns, strict=True)]
 
 
 if __name__ == "__main__":

@@ -460,7 +460,7 @@ def main(words: list[str]) -> int:
         print(f"unknown: {', '.join(unknown)}; there are {', '.join(known)}", file=sys.stderr)
         return 2
     if against:
-        table, well = compare(against, names or list(known)), True
+        table, well = compare(against, names or list(known))
     else:
         table, well = measure(names or list(known))
     if write and well:

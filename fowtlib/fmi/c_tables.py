@@ -22,6 +22,7 @@ from fowtlib.solving.engines.c_text import Program
 from fowtlib.solving.engines.fixed_step_code import OUT, library_sizes, moved_pieces
 from fowtlib.solving.engines.reduction import reduction
 from fowtlib.solving.engines.symmetry import cyclic_unknowns
+from fowtlib.solving.engines.turning_frames import turning_frames
 from fowtlib.solving.initial import initial_matching
 from fowtlib.solving.state import State
 
@@ -141,7 +142,7 @@ class Tables:
 
     def _prototypes(self) -> str:
         dae = self.dae
-        plain = ["model", "observed", "indicators", "checks", "starts", "clocks", "initials"]
+        plain = ["model", "axes", "observed", "indicators", "checks", "starts", "clocks", "initials"]
         plain += [f"level_{k}" for k in range(len(dae.levels))] + [f"sample_{k}" for k in range(len(dae.samples))]
         plain += [f"action_{k}" for k in range(len(dae.events))]
         moved = ["forward_model", "forward_outputs", "forward_initials"]
@@ -185,6 +186,15 @@ class Tables:
             for k, symmetry in enumerate(symmetries)
         ]
         lines.append(_table("fs_symmetry", "fmu_symmetry", rows))
+        frames = turning_frames(dae)
+        for k, frame in enumerate(frames):
+            lines.append(_integers(f"fmu_frame_{k}_unknown", np.ravel(frame.unknowns)))
+            lines.append(_integers(f"fmu_frame_{k}_row", np.ravel(frame.rows)))
+        rows = [
+            f"{{{len(frame.unknowns)}, {len(frame.rows)}, fmu_frame_{k}_unknown, fmu_frame_{k}_row}}"
+            for k, frame in enumerate(frames)
+        ]
+        lines.append(_table("fs_frame", "fmu_frame", rows))
         return "".join([
             *lines, _integers("fmu_level_start", starts), _integers("fmu_free_rate", r.free),
             _integers("fmu_order", r.order), _integers("fmu_source", r.source),
@@ -198,7 +208,8 @@ class Tables:
             ".free_rates = FREE_RATES, "
             f".substituted = {len(r.order)}, .free_rate = fmu_free_rate, .order = fmu_order, .source = fmu_source, "
             ".x_nominal = fmu_x_nominal, .z_nominal = fmu_z_nominal, "
-            f".symmetries = {len(symmetries)}, .symmetry = fmu_symmetry, .inside = {len(r.inside)}, "
+            f".symmetries = {len(symmetries)}, .symmetry = fmu_symmetry, "
+            f".frames = {len(frames)}, .frame = fmu_frame, .axes = axes, .inside = {len(r.inside)}, "
             f".inside_state = fmu_inside_state, .stage_steps = {len(r.steps)}, .stage_step = fmu_stage_step}};\n",
         ])  # fmt: skip
 

@@ -19,6 +19,7 @@ from fowtlib.solving.engines.c_lanes import ANY_PROCESSOR
 from fowtlib.solving.engines.c_text import Program, c_program
 from fowtlib.solving.engines.fixed_step_code import OUT, kept_text
 from fowtlib.solving.engines.reduction import reduction
+from fowtlib.solving.engines.turning_frames import turning_frames
 from fowtlib.solving.state import State
 
 HIDDEN = """#if defined(__GNUC__) && !defined(_WIN32)
@@ -98,7 +99,7 @@ def _source_of(function: LibraryFunction) -> str:
 
 def _functions(variables: Variables, dae: FlatDAE) -> tuple[str, Program, int]:
     """C text of all functions and of their derivatives along a direction; the engine's program; scratch memory."""
-    text, program, scratch = kept_text(dae, reduction(dae), variables.observed, ANY_PROCESSOR)
+    text, program, scratch = kept_text(dae, reduction(dae), variables.observed, turning_frames(dae), ANY_PROCESSOR)
     q = ca.vertcat(dae.u, dae.d, dae.p)
     arguments = [dae.t, dae.x, dae.z, q, dae.w]
     checks = ca.vertcat(*[check.condition for check in dae.checks])

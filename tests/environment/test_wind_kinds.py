@@ -25,6 +25,7 @@ from fowtlib.modelfile.writing import dump
 from fowtlib.solving.engines.c_lanes import ANY_PROCESSOR
 from fowtlib.solving.engines.fixed_step_code import kept_text
 from fowtlib.solving.engines.reduction import reduction
+from fowtlib.solving.engines.turning_frames import turning_frames
 
 STATIONS = [[-30, 80], [30, 90]]
 
@@ -100,7 +101,7 @@ def test_the_code_does_not_know_the_wind(files):
     texts = set()
     for case in cases(files).values():
         dae = model().with_parameters(case).compile().dae
-        texts.add(kept_text(dae, reduction(dae), [], ANY_PROCESSOR)[0])
+        texts.add(kept_text(dae, reduction(dae), [], turning_frames(dae), ANY_PROCESSOR)[0])
     assert len(texts) == 1
 
 

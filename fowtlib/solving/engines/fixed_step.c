@@ -51,6 +51,13 @@ typedef struct {
   const int *unknown, *row;
 } fs_symmetry;
 
+/* Vectors in world axes that turn with a frame: the numbers of their three components among the unknowns, and of the
+   three equations of vectors among the rows. */
+typedef struct {
+  int unknowns, rows;
+  const int *unknown, *row;
+} fs_frame;
+
 /* The model's code comes in pieces: running them all is the same as calling level_inputs and residual in order. Piece i
    writes scratch[place[i]] to scratch[place[i + 1] - 1], which nothing else writes. */
 typedef struct {
@@ -70,6 +77,9 @@ typedef struct {
   const double *x_nominal, *z_nominal;
   int symmetries;
   const fs_symmetry *symmetry;
+  int frames;
+  const fs_frame *frame;
+  fs_code axes;                 /* of each frame the rows of the matrix from its axes to those of the world, by x and q */
   int inside;                   /* states whose implicit steps the externals solve */
   const int *inside_state;
   int stage_steps;              /* numbers in q that tell the externals how far: k in a stage, else zero */
@@ -98,7 +108,7 @@ typedef struct {
   int pairs, oldest; /* what has been learnt since it was made: the inverse is followed by 1 + gain weighing' of each pair */
   double *weighing[FS_PAIRS], *gain[FS_PAIRS];
   double *lu, *row_scale, *row_size, *value, *sorted;
-  double *angle;     /* of the symmetries, when it was made */
+  double *angle, *axes; /* of the symmetries and frames, when it was made */
   int *pivot, *list, *column; /* of row i beside its dense part: value[list[i]] to value[list[i + 1] - 1] and their columns */
 } fs_matrix;
 
@@ -111,6 +121,7 @@ typedef struct {
   double *guess, *missed; /* the prediction of a step's unknowns; what it has missed in the last steps, on average */
   double *past[FS_HISTORY], past_time[FS_HISTORY];
   double *before;       /* the update of the iteration before */
+  double *axes;         /* of the frames */
   int pasts;
   const double **arg;
   double **res;
@@ -594,6 +605,32 @@ static void fs_trust(fs_matrix *a, const double *size, int iterations, int fresh
   if (a->excess > FS_PRICE * a->n) a->age = keep;
 }
 
+/* Turn vectors in world axes with their frames, from where these were when the matrix was made to where s->axes has them
+   (sign 1), or back (-1): a part that is light about one of its axes keeps it in the part and not in the world. */
+static void fs_turn_vectors(const fs_instance *s, const fs_matrix *a, double *v, int rows, double sign) {
+  int f, i, j, k;
+  const double *now = s->axes, *then = a->axes;
+  for (f = 0; f < s->m.frames; f++, now += 9, then += 9) {
+    const fs_frame *frame = s->m.frame + f;
+    const int *number = rows ? frame->row : frame->unknown;
+    double turn[3][3], old[3];
+    for (i = 0; i < 3; i++)
+      for (j = 0; j < 3; j++) {
+        double *to = sign > 0.0 ? &turn[i][j] : &turn[j][i];
+        *to = now[3 * i] * then[3 * j] + now[3 * i + 1] * then[3 * j + 1] + now[3 * i + 2] * then[3 * j + 2];
+      }
+    for (k = 0; k < (rows ? frame->rows : frame->unknowns); k++, number += 3) {
+      for (i = 0; i < 3; i++) old[i] = v[number[i]];
+      for (i = 0; i < 3; i++) v[number[i]] = turn[i][0] * old[0] + turn[i][1] * old[1] + turn[i][2] * old[2];
+    }
+  }
+}
+
+/* Where the frames are with x, in s->axes. */
+static void fs_look_at_frames(fs_instance *s, double t, const double *x) {
+  if (s->m.frames) s->m.axes(&t, x, s->z, s->q, s->w, s->axes, 0, s->scratch2);
+}
+
 /* Turn what belongs to cyclic symmetries, unknowns or rows, from where the parts were when the matrix was made to where
    they are with x (sign 1), or back (-1). The parts of a ring feel what moves its axis as a constant, a cosine and a sine of their angle;
    so the cosine and the sine turn into each other, and all else of them stays: with it the matrix is as good as on the
@@ -617,12 +654,14 @@ static void fs_turn(const fs_instance *s, const fs_matrix *a, const double *x, d
         for (k = 0; k < symmetry->parts; k++) v[number[j]] += g[(j - k + symmetry->parts) % symmetry->parts] * old[k];
     }
   }
+  fs_turn_vectors(s, a, v, rows, sign);
 }
 
-/* The matrix is that of x. */
+/* The matrix is that of x, at which s->axes are. */
 static void fs_remember_angles(const fs_instance *s, fs_matrix *a, const double *x) {
   int r;
   for (r = 0; r < s->m.symmetries; r++) a->angle[r] = x[s->m.symmetry[r].state];
+  memcpy(a->axes, s->axes, sizeof(double) * 9 * (size_t)s->m.frames);
 }
 
 static void fs_residual_of_stage(fs_instance *s) {
@@ -641,6 +680,7 @@ static int fs_iterate_stage(fs_instance *s, double t, double k, int fresh) {
     fs_place(s, k, s->unknown, s->v, s->xf);
     if ((status = fs_evaluate(s, t, s->xf, s->unknown))) return status;
     fs_residual_of_stage(s);
+    fs_look_at_frames(s, t, s->xf);
     if (fresh && (iteration == 0 || fresh > 1)) {
       double theta = a->theta;
       for (i = 0; i < n; i++)
@@ -748,6 +788,7 @@ static int fs_iterate_algebraic(fs_instance *s, double t, const double *x, doubl
   int n = a->n, iteration, i, status, verdict;
   double size[FS_ITERATIONS];
   if ((status = fs_evaluate(s, t, x, z)) || n == 0) return status;
+  fs_look_at_frames(s, t, x);
   for (iteration = 0; iteration < FS_ITERATIONS; iteration++) {
     if (fresh && (iteration == 0 || fresh > 1)) {
       double theta = a->theta;
@@ -994,7 +1035,7 @@ static double *fs_take(double *memory, size_t *used, size_t n) {
 /* How many numbers may stand beside the dense part of a matrix. */
 static size_t fs_beside(const fs_matrix *a) { return (size_t)a->light * (2 * (size_t)a->n - (size_t)a->light) + (size_t)a->n; }
 
-static void fs_lay_matrix(fs_matrix *a, size_t symmetries, double *memory, size_t *used) {
+static void fs_lay_matrix(fs_matrix *a, size_t symmetries, size_t frames, double *memory, size_t *used) {
   size_t n = (size_t)a->n;
   int i;
   a->lu = fs_take(memory, used, n * n);
@@ -1003,6 +1044,7 @@ static void fs_lay_matrix(fs_matrix *a, size_t symmetries, double *memory, size_
   a->row_size = fs_take(memory, used, n);
   a->sorted = fs_take(memory, used, n);
   a->angle = fs_take(memory, used, symmetries);
+  a->axes = fs_take(memory, used, 9 * frames);
   for (i = 0; i < FS_PAIRS; i++) {
     a->weighing[i] = fs_take(memory, used, n);
     a->gain[i] = fs_take(memory, used, n);
@@ -1027,6 +1069,7 @@ static size_t fs_lay(fs_instance *s, double *memory) {
   double *m = memory;
   size_t nx = (size_t)s->m.states, nz = (size_t)s->m.algebraics, n = (size_t)s->n, ny = (size_t)s->m.inputs;
   size_t nw = (size_t)s->m.outputs, real = 0, entries = 0;
+  size_t symmetries = (size_t)s->m.symmetries, frames = (size_t)s->m.frames;
   int i;
   for (i = 0; i < s->m.externals; i++) {
     const fs_external *e = s->m.external + i;
@@ -1048,8 +1091,9 @@ static size_t fs_lay(fs_instance *s, double *memory) {
   s->slope = fs_take(m, u, entries); s->real = fs_take(m, u, real);
   for (i = 0; i < FS_HISTORY; i++) s->past[i] = fs_take(m, u, n);
   s->before = fs_take(m, u, n);
-  fs_lay_matrix(&s->stage, (size_t)s->m.symmetries, m, u);
-  fs_lay_matrix(&s->algebraic, (size_t)s->m.symmetries, m, u);
+  s->axes = fs_take(m, u, 9 * frames);
+  fs_lay_matrix(&s->stage, symmetries, frames, m, u);
+  fs_lay_matrix(&s->algebraic, symmetries, frames, m, u);
   return used;
 }
 

@@ -16,7 +16,7 @@ from fowtlib.solving.initial import consistent_algebraics
 
 NEWTON = 200.0  # times the tolerance: what the iterations leave of a rate, relative to the largest it has been
 AT_POINTS = 1.0  # times the tolerance: the same of the algebraic unknowns at output points, where it costs little
-KEEP = 50  # steps over which a Newton matrix is kept, as long as it leads on
+KEEP = 100  # steps over which a Newton matrix is kept, as long as it leads on
 PREDICTOR = 2  # degree of the polynomial through the last stages
 EXTERNAL, STOPPED = 3, 5  # FS_EXTERNAL and FS_STOPPED of fixed_step.c
 

@@ -27,6 +27,7 @@ from fowtlib.solving.engines.c_text import WRITERS, Program, c_program
 from fowtlib.solving.engines.reduction import Reduction, reduction
 from fowtlib.solving.engines.statements import Depends
 from fowtlib.solving.engines.symmetry import cyclic_unknowns
+from fowtlib.solving.engines.turning_frames import TurningFrame, turning_frames
 
 DOUBLES, INTEGERS = c.POINTER(c.c_double), c.POINTER(c.c_int)
 CASADI = c.CFUNCTYPE(c.c_int, c.POINTER(DOUBLES), c.POINTER(DOUBLES), c.c_void_p, DOUBLES, c.c_int)
@@ -70,6 +71,12 @@ class CyclicSymmetry(c.Structure):
     ]  # fmt: skip
 
 
+class Frame(c.Structure):
+    """fs_frame."""
+
+    _fields_ = [("unknowns", c.c_int), ("rows", c.c_int), ("unknown", INTEGERS), ("row", INTEGERS)]
+
+
 class Model(c.Structure):
     """fs_model."""
 
@@ -80,7 +87,8 @@ class Model(c.Structure):
         ("residual", c.c_void_p), ("pieces", c.c_void_p), ("piece_start", INTEGERS), ("place", INTEGERS),
         ("of_stage", Moving), ("at_point", Moving), ("free_rates", c.c_int), ("substituted", c.c_int),
         ("free_rate", INTEGERS), ("order", INTEGERS), ("source", INTEGERS), ("x_nominal", DOUBLES),
-        ("z_nominal", DOUBLES), ("symmetries", c.c_int), ("symmetry", c.POINTER(CyclicSymmetry)), ("inside", c.c_int),
+        ("z_nominal", DOUBLES), ("symmetries", c.c_int), ("symmetry", c.POINTER(CyclicSymmetry)), ("frames", c.c_int),
+        ("frame", c.POINTER(Frame)), ("axes", c.c_void_p), ("inside", c.c_int),
         ("inside_state", INTEGERS), ("stage_steps", c.c_int), ("stage_step", INTEGERS),
     ]  # fmt: skip
 
@@ -149,7 +157,7 @@ class FixedStepCode:
         self.columns = {path: range(first, end) for path, first, end in zip(observed, [0, *ends], ends, strict=False)}
         self.size = ends[-1] if ends else 0
         self.width = self.size + len(dae.checks)
-        self.reduction, text, self.program, self.scratch = written or write(dae, self.observed)
+        self.reduction, self.frames, text, self.program, self.scratch = written or write(dae, self.observed)
         self.raised: list[Exception] = []  # by Python code inside of a step
         self._alive: list[Any] = []  # what the tables point to
         self.external_order = [k for level in dae.levels for k in level]
@@ -186,7 +194,11 @@ class FixedStepCode:
                            self.integers(np.ravel(r.unknowns)), self.integers(np.ravel(r.rows)))
             for r in symmetries
         ))  # fmt: skip
-        self._alive.append(table)
+        frames = (Frame * max(len(self.frames), 1))(*(
+            Frame(len(f.unknowns), len(f.rows), self.integers(np.ravel(f.unknowns)), self.integers(np.ravel(f.rows)))
+            for f in self.frames
+        ))  # fmt: skip
+        self._alive += [table, frames]
         return Model(
             states=dae.x.shape[0], algebraics=dae.z.shape[0], given=sum(v.shape[0] for v in (dae.u, dae.d, dae.p)),
             inputs=sum(external.inputs.shape[0] for external in dae.externals), outputs=dae.w.shape[0],
@@ -200,6 +212,7 @@ class FixedStepCode:
             free_rate=self.integers(reduced.free), order=self.integers(reduced.order),
             source=self.integers(reduced.source), x_nominal=self.doubles([s.nominal for s in dae.states]),
             z_nominal=self.doubles([a.nominal for a in dae.algebraics]), symmetries=len(symmetries), symmetry=table,
+            frames=len(self.frames), frame=frames, axes=self.address("axes"),
             inside=len(reduced.inside), inside_state=self.integers(reduced.inside), stage_steps=len(reduced.steps),
             stage_step=self.integers(reduced.steps),
         )  # fmt: skip
@@ -302,25 +315,27 @@ class FixedStepCode:
         return c.cast(self._alive[-1], c.c_void_p).value
 
 
-Written = tuple[Reduction, str, Program, int]
+Written = tuple[Reduction, Sequence[TurningFrame], str, Program, int]
 _OPTIMIZATION = "-O1"
 
 
 def write(dae: FlatDAE, observed: Sequence[str]) -> Written:
-    """The text of a model for this machine, with its reduction, its tables and the scratch memory that it needs."""
-    reduced = reduction(dae)
-    return reduced, *kept_text(dae, reduced, observed, lanes_here())
+    """The text of a model for this machine, with its reduction, frames, tables and the scratch memory that it needs."""
+    reduced, frames = reduction(dae), turning_frames(dae)
+    return reduced, frames, *kept_text(dae, reduced, observed, frames, lanes_here())
 
 
 def begin(dae: FlatDAE, observed: Sequence[str]) -> Written:
     """Write the text, and let it and the runtime be compiled beside what is done until they are needed."""
     begin_runtime()
     written = write(dae, observed)
-    begin_library(written[1], "model", optimization=_OPTIMIZATION)
+    begin_library(written[2], "model", optimization=_OPTIMIZATION)
     return written
 
 
-def kept_text(dae: FlatDAE, reduced: Reduction, observed: Sequence[str], word: int) -> tuple[str, Program, int]:
+def kept_text(
+    dae: FlatDAE, reduced: Reduction, observed: Sequence[str], frames: Sequence[TurningFrame], word: int
+) -> tuple[str, Program, int]:
     """What `model_text` returns, from the cache where these equations have been written before."""
     function = _function(dae, observed, {})
     patterns = [_slope_pattern(external.function) for external in dae.externals]
@@ -330,11 +345,11 @@ def kept_text(dae: FlatDAE, reduced: Reduction, observed: Sequence[str], word: i
         [pattern and [pattern.shape, pattern.colind(), pattern.row()] for pattern in patterns],
     ]  # fmt: skip
     samples = [ca.Function("sample", _arguments(dae), [ca.densify(sample.values)]) for sample in dae.samples]
-    equations = [item.serialize() for item in (function, *samples, _conditions(dae))]
+    equations = [item.serialize() for item in (function, *samples, _axes(dae, frames), _conditions(dae))]
     parts = [*sources(__name__, *WRITERS), json.dumps([word, structure]), *equations]
 
     def make() -> dict[str, Any]:
-        text, program, scratch = model_text(dae, reduced, observed, word)
+        text, program, scratch = model_text(dae, reduced, observed, frames, word)
         masks = [[hex(mask) for mask in some] for some in program.masks]
         return {"text": text, "scratch": scratch, "program": {**vars(program), "text": "", "masks": masks}}
 
@@ -355,6 +370,12 @@ def _function(dae: FlatDAE, observed: Sequence[str], options: dict[str, Any]) ->
     return ca.Function("model", _arguments(dae), results, options)
 
 
+def _axes(dae: FlatDAE, frames: Sequence[TurningFrame]) -> ca.Function:
+    """R of each frame, row by row."""
+    rows = ca.densify(ca.vertcat(*[ca.vec(frame.R.T) for frame in frames]))
+    return ca.Function("axes", _arguments(dae), [rows], {"cse": True})
+
+
 def _conditions(dae: FlatDAE) -> ca.Function:
     """Of the checks: 0 where one is broken."""
     conditions = ca.densify(ca.vertcat(*[check.condition for check in dae.checks]))
@@ -368,12 +389,15 @@ def moved_pieces(program: Program, levels: int, masks: list[int], unknowns: int)
     return [0, *np.cumsum([*map(len, pieces)]).tolist()], [piece for some in pieces for piece in some]
 
 
-def model_text(dae: FlatDAE, reduced: Reduction, observed: Sequence[str], word: int) -> tuple[str, Program, int]:
+def model_text(
+    dae: FlatDAE, reduced: Reduction, observed: Sequence[str], frames: Sequence[TurningFrame], word: int
+) -> tuple[str, Program, int]:
     """C text, its program of the inputs of the externals, level by level, and the residual, and its scratch memory.
 
-    The text defines level_0, level_1, ..., model; observed, which follows a call of these; and sample_0, ... for the
-    sampled parts, and checked for the conditions of the checks, which stand alone. Constants of the program are those
-    of the checks, which may tell where data end: the text is the same for all data.
+    The text defines level_0, level_1, ..., model; observed, which follows a call of these; and, each of them alone,
+    sample_0, ... for the sampled parts, axes for the rows of R of the frames, and checked for the conditions of the
+    checks. Constants of the program are those of the checks, which may tell where data end: the text is the same for
+    all data.
     """
     function = _function(dae, observed, {"cse": True})
     sections = [(f"level_{level}", ["first"]) for level in range(len(dae.levels))] + [("model", ["first", "second"])]
@@ -385,6 +409,9 @@ def model_text(dae: FlatDAE, reduced: Reduction, observed: Sequence[str], word: 
         alone = c_program(function, [(f"sample_{k}", ["first"])], list("txzqw"), OUT, word=word)
         texts.append(alone.text)
         scratch = max(scratch, alone.scratch)
+    alone = c_program(_axes(dae, frames), [("axes", ["first"])], list("txzqw"), OUT, word=word)
+    texts.append(alone.text)
+    scratch = max(scratch, alone.scratch)
     alone = c_program(_conditions(dae), [("checked", ["first"])], list("txzqw"), OUT, word=word, constants="second")
     program = replace(program, constants=alone.constants)
     return "".join([*texts, alone.text]), program, max(scratch, alone.scratch)
