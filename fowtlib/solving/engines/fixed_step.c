@@ -145,7 +145,7 @@ static const double FS_MEMORY = 4000.0;    /* steps after which the size of a ra
 static const double FS_MISSED = 100.0;     /* sizes of a rate for what prediction misses of it */
 static const double FS_MISSED_MEMORY = 16.0; /* steps after which that is forgotten */
 static const double FS_DISTRUST = 1.2;    /* by which a contraction that was not measured grows from step to step */
-static const double FS_LEAST_THETA = 1e-2; /* below it a measured contraction is luck */
+static const double FS_LEAST_THETA = 2e-2; /* below it a measured contraction is luck */
 static const double FS_PRICE = 0.15;       /* of a column of a matrix, in evaluations */
 static const double FS_ROUNDING = 1e-6;    /* updates that do not become smaller any more are accepted below this */
 
