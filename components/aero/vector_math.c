@@ -1,4 +1,4 @@
-/* Vectors of LANES numbers and their mathematics. bem_data.py repeats this text for each width that a processor may have,
+/* Vectors of LANES numbers and their mathematics. vectors.py repeats this text for each width that a processor may have,
  * with LANE(name) for what belongs to one of them.
  *
  * Written in the vector types of gcc and clang, which are the same on all processors; what they have no words for stands

@@ -2,10 +2,7 @@
 
 from __future__ import annotations
 
-from functools import cache
-from pathlib import Path
-
-from fowtlib.language.native import load_library
+from fowtlib.language.processor import lanes_here, processor_text
 
 WIDTHS = {8: "avx512f,avx512dq,avx512vl,avx2,fma", 4: "avx2,fma", 2: ""}
 """Lanes, and what the processor must have: the first two x86-64 alone, two lanes every processor of 64 bits."""
@@ -34,7 +31,7 @@ def in_vectors(text: str) -> str:
     and no flag for a compiler or linker, which could change how the processor rounds for others. Where ONLY_LANES is
     defined in front of it, that width is compiled alone; see `only_lanes`.
     """
-    parts = [_processor()]
+    parts = [processor_text()]
     for lanes, target in WIDTHS.items():
         pushed = popped = asked = ""
         if target:
@@ -59,14 +56,3 @@ def only_lanes(nodes: int) -> str:
     while lanes > nodes:
         lanes //= 2
     return f"#define ONLY_LANES {lanes}\n"
-
-
-@cache
-def lanes_here() -> int:
-    """Lanes of the widest vectors that the processor has and the compiler knows; 1 where there are none."""
-    text = _processor() + "#ifndef VECTORS\nstatic int widest(void) { return 1; }\n#endif\n"
-    return load_library(text + "EXPORT int lanes(void) { return widest(); }\n", "vectors")[1].lanes()
-
-
-def _processor() -> str:
-    return (Path(__file__).parent / "processor.c").read_text(encoding="utf-8")

@@ -13,8 +13,9 @@ import numpy as np
 import pytest
 
 from fowtlib.components.aero import AIRFOIL_MODELS, Airfoil, BladeElementRotor, RigidRotor, bem_numpy
-from fowtlib.components.aero.vectors import WIDTHS, lanes_here, only_lanes
+from fowtlib.components.aero.vectors import WIDTHS, only_lanes
 from fowtlib.language.native import compiler, load_library
+from fowtlib.language.processor import lanes_here
 
 pytestmark = pytest.mark.skipif(not compiler(), reason="needs a C compiler")
 OPTIONS = {

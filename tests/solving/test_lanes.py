@@ -12,7 +12,7 @@ import pytest
 import fowtlib as fw
 from fowtlib.language.native import compiler, load_library
 from fowtlib.solving.engines import c_pieces
-from fowtlib.solving.engines.c_lanes import OPERATIONS, lanes_here, prologue
+from fowtlib.solving.engines.c_lanes import OPERATIONS, prologue, word_here
 from fowtlib.solving.engines.c_text import c_program
 from fowtlib.solving.engines.fixed_step_code import _function, _known_from, dependences
 from fowtlib.solving.engines.lanes import Packs, operations_of
@@ -20,7 +20,7 @@ from fowtlib.solving.engines.reduction import reduction
 
 pytestmark = pytest.mark.skipif(not compiler(), reason="needs a C compiler")
 
-WORDS = sorted({2, lanes_here()}) if compiler() else []
+WORDS = sorted({2, word_here()}) if compiler() else []
 NAN = float("nan")
 
 

@@ -8,7 +8,6 @@ import pytest
 
 import fowtlib as fw
 from fowtlib.language.native import compiler
-from fowtlib.solving.engines import create_engine
 from fowtlib.solving.engines.turning_frames import turning_frames
 
 CALM = {"wind.kind": "steady", "wind.mean_speed": 12.0}
@@ -40,17 +39,6 @@ def test_vectors_are_found_with_the_axes_of_their_frame(plant):
 
 
 @pytest.mark.skipif(not compiler(), reason="needs a C compiler")
-def test_a_matrix_that_turns_with_the_frames_saves_evaluations(plant):
+def test_a_matrix_that_turns_with_the_frames_saves_evaluations(plant, leads_to_the_same_motion_with_less_work):
     """The arms are light about their own axis; the motions agree as far as Newton's method is exact."""
-    start, runs, table = plant.initial_state(), {}, plant.fixed_step_code.table
-    frames = table.frames
-    for hint in (frames, 0):
-        table.frames = hint
-        engine = create_engine(plant.at(), lambda: plant.fixed_step_code, "fixed", 1e-6, 0.1, {"step": 0.0125}, {})
-        table.frames = frames
-        x, _ = engine.advance(0.0, 8.0, 80, start.x, start.z, np.concatenate([start.u, start.d]))
-        runs[bool(hint)] = x, engine.counts()["evaluations"]
-    (turned, few), (kept, many) = runs[True], runs[False]
-    assert few < 0.9 * many
-    scale = np.ptp(kept, axis=0) + 1e-9
-    assert np.median(np.abs(turned - kept).max(axis=0) / scale) < 1e-3
+    leads_to_the_same_motion_with_less_work(plant, "frames")

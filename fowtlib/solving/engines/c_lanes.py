@@ -5,11 +5,9 @@ Vectors are those that gcc and clang have for any processor, in words of as many
 
 from __future__ import annotations
 
-from functools import cache
-
 import casadi as ca
 
-from fowtlib.language.native import load_library
+from fowtlib.language.processor import lanes_here
 
 OPERATIONS = {
     ca.OP_ASSIGN: "{0}", ca.OP_LIFT: "{0}", ca.OP_ADD: "{0} + {1}", ca.OP_SUB: "{0} - {1}", ca.OP_MUL: "{0} * {1}",
@@ -83,18 +81,6 @@ typedef struct { double a, b; } W;
 #define ONLY(c, v) ((W){(c).a != 0.0 ? (v).a : 0.0, (c).b != 0.0 ? (v).b : 0.0})
 #endif
 """
-_PROBE = """#if defined(__x86_64__) && defined(__GNUC__)
-#include <cpuid.h>
-EXPORT int lanes(void) {
-  unsigned a, b, c, d, low, high;
-  if (!__get_cpuid(1, &a, &b, &c, &d) || (~c & (bit_OSXSAVE | bit_AVX))) return 2;
-  __asm__("xgetbv" : "=a"(low), "=d"(high) : "c"(0)); /* does the system keep these registers? */
-  return (low & 6) == 6 && __get_cpuid_count(7, 0, &a, &b, &c, &d) && (b & bit_AVX2) ? 4 : 2;
-}
-#else
-EXPORT int lanes(void) { return 2; }
-#endif
-"""
 
 
 def prologue(word: int) -> str:
@@ -105,8 +91,6 @@ def prologue(word: int) -> str:
     return (_WIDE if word > ANY_PROCESSOR else "") + _PROLOGUE.replace("BYTES", str(8 * word))
 
 
-@cache
-def lanes_here() -> int:
-    """Lanes of the vectors of this processor."""
-    _, library = load_library(_PROBE, "processor")
-    return library.lanes()
+def word_here() -> int:
+    """Lanes of a word of this processor."""
+    return 4 if lanes_here() >= 4 else ANY_PROCESSOR
