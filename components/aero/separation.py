@@ -7,6 +7,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from fowtlib.components.aero.blade_aerodynamics import Airfoil
+from fowtlib.components.aero.monotone_cubics import monotone_cubics
 
 NEAR = np.radians(20.0)  # the lift rises through zero within this of 0 deg
 WINDOW = np.radians(5.0)  # over which the slope of the lift is measured
@@ -38,8 +39,6 @@ class Separation:
 
 def separation(foil: Airfoil) -> Separation:
     """Fitted to the polar."""
-    from scipy.interpolate import PchipInterpolator
-
     angle, lift = foil.angle, foil.coefficients[:, 0]
     zero, slope = _attached(foil)
     lifts = slope > 0
@@ -48,7 +47,7 @@ def separation(foil: Airfoil) -> Separation:
     # (c_l - f line) / (1 - f) without its quotient of zeros; where the polar lies above the line, half of it
     between = line * (1 + 3 * s) / (4 * (1 + s))
     separated = np.where(place >= 1, lift / 2, np.where(place <= 0, lift, between))
-    more = np.moveaxis(PchipInterpolator(angle, np.column_stack([place, separated])).c[::-1], 0, -1)
+    more = monotone_cubics(angle, np.column_stack([place, separated]))
     drag = float(foil.at(zero)[1])
     return Separation(lifts, zero, slope, drag, place, separated, np.concatenate([foil.cubics, more], axis=1))
 
