@@ -91,6 +91,11 @@ def prologue(word: int) -> str:
     return (_WIDE if word > ANY_PROCESSOR else "") + _PROLOGUE.replace("BYTES", str(8 * word))
 
 
+def for_this_processor() -> str:
+    """In front of C text with loops that the compiler may carry out in the vectors of this processor, and of no other."""
+    return _WIDE if word_here() > ANY_PROCESSOR else ""
+
+
 def word_here() -> int:
     """Lanes of a word of this processor."""
     return 4 if lanes_here() >= 4 else ANY_PROCESSOR

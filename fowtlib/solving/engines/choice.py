@@ -11,9 +11,11 @@ from fowtlib.language.native import compiler
 from fowtlib.language.units import to_si
 from fowtlib.solving.engines.base import RHO_INF, SOLVERS, STEP, Engine
 from fowtlib.solving.engines.compiled import CompiledFunctions, worth_compiling
+from fowtlib.solving.engines.compiled_idas import CompiledIdas
 from fowtlib.solving.engines.fixed_step import FixedStep
 from fowtlib.solving.engines.fixed_step_code import FixedStepCode
 from fowtlib.solving.engines.idas import Idas
+from fowtlib.solving.engines.sundials import sundials
 from fowtlib.solving.engines.twin import FixedStepTwin
 from fowtlib.solving.functions import AtParameters
 
@@ -33,6 +35,8 @@ def create_engine(at: AtParameters, code: Callable[[], FixedStepCode], solver: s
                 raise ParameterError(f"{key} is an option of the solver 'fixed'; the solver 'idas' has none like it.")
         compiled = None
         if worth_compiling(at.functions):
+            if ida := sundials():
+                return CompiledIdas(at, tolerance, code(), ida)
             compiled = at.functions.once("compiled", lambda: CompiledFunctions(code()))
         return Idas(at, tolerance, compiled=compiled)
 

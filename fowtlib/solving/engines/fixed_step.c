@@ -962,6 +962,23 @@ static int fs_stands_at(const fs_instance *s, double t, const double *x, const d
       && memcmp(q, s->q, sizeof(double) * (size_t)s->m.given) == 0;
 }
 
+/* The next row of what fs_watch asks for, at once after the equations at a point. */
+static void fs_see_here(fs_instance *s, double t, const double *x, const double *z) {
+  s->watched(&t, x, z, s->q, s->w, s->seen, 0, s->scratch);
+  if (s->checked) s->checked(&t, x, z, s->q, s->w, s->seen + s->watched_size, s->constants, s->scratch);
+  s->seen += s->row_size;
+}
+
+/* The same at any point; nothing where fs_watch asks for no rows. A row at which an external fails is left as it is. */
+EXPORT int fs_see(fs_instance *s, double t, const double *x, const double *z, const double *q) {
+  int status;
+  if (!s->seen) return FS_DONE;
+  memcpy(s->q, q, sizeof(double) * (size_t)s->m.given);
+  if ((status = fs_evaluate(s, t, x, z)) == FS_DONE) fs_see_here(s, t, x, z);
+  else s->seen += s->row_size;
+  return status;
+}
+
 /* From t, x, z over `length` with equal steps of at most the longest one between `points` equidistant points; rows of
    x and z at the points. *reached: points that were reached. Returns FS_DONE or why it stops. */
 EXPORT int fs_advance(fs_instance *s, double t, double length, int points, const double *x, const double *z,
@@ -987,11 +1004,7 @@ EXPORT int fs_advance(fs_instance *s, double t, double length, int points, const
     }
     memcpy(x_rows + (size_t)p * nx, s->x, sizeof(double) * (size_t)nx);
     memcpy(z_rows + (size_t)p * nz, s->z, sizeof(double) * (size_t)nz);
-    if (s->seen) {
-      s->watched(&s->t, s->x, s->z, s->q, s->w, s->seen, 0, s->scratch); /* at once after the equations */
-      if (s->checked) s->checked(&s->t, s->x, s->z, s->q, s->w, s->seen + s->watched_size, s->constants, s->scratch);
-      s->seen += s->row_size;
-    }
+    if (s->seen) fs_see_here(s, s->t, s->x, s->z);
     *reached = p + 1;
   }
   return FS_DONE;

@@ -124,6 +124,7 @@ def runtime() -> Library:
         "observe": (c.c_int, [pointer, pointer, c.c_int, number, *[pointer] * 4]),
         "values": (c.c_int, [pointer, number, *[pointer] * 5]),
         "derivatives": (c.c_int, [pointer, number, *[pointer] * 5]),
+        "see": (c.c_int, [pointer, number, *[pointer] * 3]),
         "observe_rows": (c.c_int, [pointer, pointer, c.c_int, c.c_int, *[pointer] * 5]),
         "advance": (c.c_int, [pointer, number, number, c.c_int, *[pointer] * 6]),
         "failure": (None, [pointer] * 5),

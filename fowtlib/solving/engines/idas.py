@@ -11,7 +11,7 @@ import os
 import re
 from collections.abc import Callable, Mapping
 from contextlib import redirect_stderr
-from functools import cache
+from functools import cache, cached_property
 from io import StringIO
 from pathlib import Path
 from typing import Any
@@ -50,6 +50,11 @@ def _one_thread() -> None:
             library.openblas_set_num_threads(1)
 
 
+def absolute_tolerance(at: AtParameters, tolerance: float) -> float:
+    """Of all states: that of the one whose values are the smallest."""
+    return tolerance * min((state.nominal for state in at.dae.states), default=1.0)
+
+
 SMALL = 40  # unknowns that are factored as a full matrix, which pivots
 
 
@@ -64,15 +69,19 @@ class Idas:
         self.at = at
         self.functions = compiled or at.functions
         self._handle = compiled.handle if compiled else np.zeros(0)
-        # the sparse LU of csparse hardly pivots, and loses the light tips of blades; where rounding is all that is left
-        # of what should be zero, the reflections of the sparse QR end in a division of underflows
-        self._linear_solver = "qr"
-        small = at.dae.x.numel() + at.dae.z.numel() <= SMALL
-        if (small or (compiled and compiled.full)) and ca.has_linsol("lapacklu"):
-            self._linear_solver = "lapacklu"
-            _one_thread()
+        self._compiled = compiled
         self.tolerance = tolerance
         self.options = options or {}
+
+    @cached_property
+    def _linear_solver(self) -> str:
+        # the sparse LU of csparse hardly pivots, and loses the light tips of blades; where rounding is all that is left
+        # of what should be zero, the reflections of the sparse QR end in a division of underflows
+        small = self.at.dae.x.numel() + self.at.dae.z.numel() <= SMALL
+        if (small or (self._compiled and self._compiled.full)) and ca.has_linsol("lapacklu"):
+            _one_thread()
+            return "lapacklu"
+        return "qr"
 
     @property
     def attributes(self) -> dict[str, float | str]:
@@ -136,10 +145,9 @@ class Idas:
 
     def _create(self, points: int) -> ca.Function:
         grid = [(k + 1) / points for k in range(points)]
-        nominal = [state.nominal for state in self.at.dae.states]
         options = {
             "reltol": self.tolerance,
-            "abstol": self.tolerance * min(nominal, default=1.0),
+            "abstol": absolute_tolerance(self.at, self.tolerance),
             "suppress_algebraic": True,
             "max_num_steps": LIMIT,  # between two points of the grid
             "show_eval_warnings": False,
