@@ -31,7 +31,7 @@ from fowtlib.language.errors import CompilerError, ParameterError
 EXPORT = '#define EXPORT __attribute__((visibility("default")))\n'
 """In front of C text: what stands behind EXPORT is seen from outside of the library, and nothing else."""
 
-FLAGS = ("-std=c11", "-O2", "-fPIC", "-shared", "-fvisibility=hidden")
+FLAGS = ("-std=c11", "-O2", "-fPIC", "-shared", "-fvisibility=hidden", "-fno-math-errno")
 NO_COMPILER = (
     "no C compiler was found. Install gcc or clang (Debian, Ubuntu: apt install gcc), name one in the environment "
     "variable FOWTLIB_CC, or take the compiler of the Python package ziglang: pip install 'fowtlib[compiler]'."
