@@ -15,7 +15,7 @@ IN_TEXT = {"0.0", "0.5", "1.0", "2.0", "(-1.0)"}  # constants that stand in a te
 
 Segment = list[Statement]
 Source = tuple[str, int, Lanes]
-"""What a number in a table stands for: argument or result, and its element; or lane of a column in the scratch memory."""
+"""What a number in a table stands for: argument or result, and its element; or a lane of a column in the memory."""
 
 Table = tuple[list[Source], list[str]]
 """Of a place of a shared text: sources, and texts of its constants."""
