@@ -22,15 +22,21 @@ def kept_or_found(dae: FlatDAE, name: str, parts: Iterable[str | np.ndarray], fi
     parts: all else that it is made from. Without a key of the model (see flattening.kept), or with Python code or a
     library of somebody else in its equations, it is found every time.
     """
+    known = known_by(dae)
+    return cached(name, [*known, *parts], find) if known else find()
+
+
+def known_by(dae: FlatDAE) -> list[str]:
+    """Texts that are the same for the same equations and the same code that computes with them; none where unknown."""
     functions = [external.function for external in dae.externals]
     if not (dae.key and switched_on() and all(map(_known, functions))):
-        return find()
+        return []
     try:
         code = digest_of_own_code("fowtlib.solving")
     except Unknown:
-        return find()
+        return []
     libraries = [str(function.path) for function in functions if isinstance(function, LibraryFunction)]
-    return cached(name, [dae.key, *parts, code, *libraries], find)
+    return [dae.key, code, *libraries]
 
 
 def _known(function: ca.Function) -> bool:

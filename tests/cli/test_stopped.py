@@ -31,7 +31,7 @@ def test_a_run_stops_while_it_compiles(tmp_path, texts, whole_group):
     script.chmod(0o700)
     fowt = Path(sys.executable).with_name("fowt")
     process = subprocess.Popen(
-        [fowt, *"run oc3_spar_rigid --solver fixed --start file --time 1 --output run.nc".split()],
+        [fowt, "run", "oc3_spar_rigid", "--solver=fixed", "--start=file", "--time=1", "--output=run.nc"],
         cwd=tmp_path, env=os.environ | {"FOWTLIB_CACHE": str(cache), "FOWTLIB_CC": str(script)},
         text=True, stdout=subprocess.PIPE, stderr=subprocess.PIPE, start_new_session=True,
     )  # fmt: skip
