@@ -156,7 +156,7 @@ def _function(points: int, command: tuple[str, ...]) -> ExternalFunction:
 
     function = ExternalFunction(
         name, {**dict.fromkeys(SHARED, 1), "positions": 3 * points}, {"velocities": 3 * points},
-        source=with_interface(name, sparsity, text), python=evaluate, jacobian=slope, sparsity=sparsity,
+        source=with_interface(name, sparsity, text), beside=True, python=evaluate, jacobian=slope, sparsity=sparsity,
         explain=explain,
     )  # fmt: skip
     return function

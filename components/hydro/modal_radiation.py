@@ -19,15 +19,21 @@ from __future__ import annotations
 from collections.abc import Iterator
 from dataclasses import dataclass, replace
 from functools import lru_cache
+from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy import linalg
-from scipy.sparse.csgraph import connected_components
 
 from fowtlib.components.hydro import radiation_identification as rigid_fit
 from fowtlib.components.hydro.modal_database import ModalDatabase
 from fowtlib.components.hydro.radiation_identification import GroupFit, RadiationModel, kept_model, kept_radiation
+from fowtlib.language.on_use import OnUse
+
+if TYPE_CHECKING:
+    from scipy import linalg
+    from scipy.sparse import csgraph
+else:
+    linalg, csgraph = OnUse("scipy.linalg"), OnUse("scipy.sparse.csgraph")  # not for a model that is kept
 
 Floats = NDArray[np.float64]
 _RIGID = 6
@@ -54,7 +60,7 @@ def bordered_radiation(
         return replace(rigid, B=B, C=np.vstack([rigid.C, empty]), skipped=_skipped(used))
     scaled = np.where(used, damping / np.outer(scale, scale), 0.0)
     time, K = rigid_fit.sampled_kernel(omega, scaled, used, None, None)
-    count, label = connected_components(used, directed=False)
+    count, label = csgraph.connected_components(used, directed=False)
     parts, groups = [], []
     for motions in (np.flatnonzero(label == k) for k in range(count)):
         if not used[motions[0], motions[0]]:

@@ -26,14 +26,20 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import asdict, dataclass, field
+from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
-from scipy import linalg
 
 from fowtlib.components.hydro.errors import HydrodynamicDataError
 from fowtlib.components.hydro.retardation import added_mass_from_kernel, bandwidth, retardation_kernel
 from fowtlib.language.cache import cached, sources
+from fowtlib.language.on_use import OnUse
+
+if TYPE_CHECKING:
+    from scipy import linalg
+else:
+    linalg = OnUse("scipy.linalg")  # not for a model that is kept
 
 Floats = NDArray[np.float64]
 

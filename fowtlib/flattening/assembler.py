@@ -427,7 +427,7 @@ def _column(items: list[ca.SX]) -> ca.SX:
 def _externals(calls: list[Any], inputs: list[ca.SX]) -> list[External]:
     externals, position = [], 0
     for item, y in zip(calls, inputs, strict=True):
-        externals.append(External(item.function, y, slice(position, position + len(item.symbols)), item.path))
+        externals.append(External(item.called, y, slice(position, position + len(item.symbols)), item.path))
         position += len(item.symbols)
     return externals
 

@@ -26,6 +26,7 @@ from fowtlib.flattening.hooks import Hooks
 from fowtlib.flattening.scalar_graph import ScalarGraph
 from fowtlib.flattening.system import Bound, BoundParameter, Input, Parameter
 from fowtlib.language.component import Component
+from fowtlib.language.expressions import one_evaluation
 from fowtlib.language.stages import Stage
 
 Record = dict[str, Any]
@@ -75,8 +76,11 @@ def record_of(dae: FlatDAE, hooks: Hooks) -> Record:
     return record
 
 
-def dae_of(record: Record, root: Component, hooks: Hooks) -> FlatDAE:
-    """The flat model of a record. Raises ValueError, KeyError, IndexError, TypeError where it is none, or not this."""
+def dae_of(record: Record, root: Component, hooks: Hooks, values: Mapping[str, Any]) -> FlatDAE:
+    """The flat model of a record, with parameters of `values_now`.
+
+    Raises ValueError, KeyError, IndexError, TypeError where it is none, or not this.
+    """
     groups = [[ca.SX.sym(name) for name in names] for names in record["symbols"]]
     arrays = {name: np.frombuffer(base64.b64decode(record["graph"][name]), kind) for name, kind in _ARRAYS.items()}
     columns = [_column(group) for group in groups]
@@ -93,7 +97,8 @@ def dae_of(record: Record, root: Component, hooks: Hooks) -> FlatDAE:
            for kind in ("states", "algebraics", "discretes")},
         inputs={path: Input(path, get(symbol), unit, doc, _array(default), driver)
                 for path, symbol, unit, doc, default, driver in record["inputs"]},
-        parameters=_parameters(record["parameters"], get), dependents=_parameters(record["dependents"], get),
+        parameters=_parameters(record["parameters"], get, values),
+        dependents=_parameters(record["dependents"], get, values),
         bound={path: Bound(path, owner, get(symbol), unit, doc, hooks.bound[path].compute, hooks.bound[path].functions)
                for path, owner, symbol, unit, doc in record["bound"]},
         bound_parameters={item[0]: BoundParameter(*item) for item in record["bound_parameters"]},
@@ -205,8 +210,24 @@ def _parameter(item: Parameter, put: _Columns) -> list[Any]:
     return [item.path, put(item.symbol), _numbers(item.value), item.unit, item.doc, item.min, item.max]
 
 
-def _parameters(items: Sequence[Any], get: _Made) -> dict[str, Parameter]:
-    return {path: Parameter(path, get(symbol), _array(value), *rest) for path, symbol, value, *rest in items}
+def _parameters(items: Sequence[Any], get: _Made, values: Mapping[str, Any]) -> dict[str, Parameter]:
+    return {path: Parameter(path, get(symbol), _array(values[path]), *rest) for path, symbol, _, *rest in items}
+
+
+def values_now(record: Record, root: Component) -> dict[str, Any]:
+    """The parameters of a record, by path, with the values that they have in the tree.
+
+    They follow from bound ones too: the speed at which a rotor starts from the file of the wind.
+    """
+    with one_evaluation():
+        return {path: _value(root, path, shape) for kind in ("parameters", "dependents")
+                for path, _, (shape, _), *_ in record[kind]}  # fmt: skip
+
+
+def _value(root: Component, path: str, shape: Sequence[int]) -> list[Any]:
+    owner, _, name = path.rpartition(".")
+    value = np.asarray(root.find(owner).parameter_value(name), dtype=float)
+    return _numbers(np.broadcast_to(value, tuple(shape)))
 
 
 def _numbers(value: np.ndarray) -> list[Any]:

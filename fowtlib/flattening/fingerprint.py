@@ -25,6 +25,7 @@ from fowtlib.flattening.own_code import Unknown, digest_of_own_code, is_own
 from fowtlib.language.component import Component
 from fowtlib.language.data_files import digest_of, files_of
 from fowtlib.language.declarations import Field, PortReference
+from fowtlib.language.errors import ModelError
 from fowtlib.language.expressions import Expression, ParameterReference, StartNumbers
 from fowtlib.language.externals import ExternalFunction
 from fowtlib.language.native import compiler
@@ -44,8 +45,18 @@ def fingerprint(root: Component, opened: Sequence[str] = ()) -> tuple[str, bool]
         contents.module(module)
     files = {path: digest_of(file) for path, file in files_of(root).items() if not _bound(root, path)}
     contents.add([digest_of_own_code(), sys.version, sys.platform, list(compiler()), list(opened), files])
-    text = "".join(f"{len(word)} {word}" for word in contents.words)
-    return hashlib.sha256(text.encode("utf-8", "surrogatepass")).hexdigest()[:40], bool(foreign)
+    return contents.digest(), bool(foreign)
+
+
+def bound_values(root: Component) -> str:
+    """The digest of what `fingerprint` leaves out: values of bound parameters, and the files that they name."""
+    contents = _Contents(root)
+    for component in root.walk():
+        for name, field in component.parameters.items():
+            if field.bound and component.is_set(name):
+                contents.add([component.path, name, component.parameter_binding(name)])
+    contents.add({path: digest_of(file) for path, file in files_of(root).items() if _bound(root, path)})
+    return contents.digest()
 
 
 def _stands_in_text(kind: type) -> bool:
@@ -71,10 +82,16 @@ class _Contents:
         self._met: dict[int, int] = {}
         self._held: list[Any] = []  # so that no two have one id
 
+    def digest(self) -> str:
+        """The digest of all words."""
+        text = "".join(f"{len(word)} {word}" for word in self.words)
+        return hashlib.sha256(text.encode("utf-8", "surrogatepass")).hexdigest()[:40]
+
     def component(self, one: Component) -> None:
         """A component of the tree: its class, its values and whatever else it holds."""
         self._class(type(one))
         self._say("component", one.path)
+        self._found_values(one)
         for name, value in vars(one).items():
             if name == "_values":
                 for key, given in value.items():
@@ -86,6 +103,18 @@ class _Contents:
             elif name not in _NO_CONTENT:
                 self._say("attribute", name)
                 self.add(value)
+
+    def _found_values(self, one: Component) -> None:
+        """Structural values that a function finds, perhaps from bound ones: equations may be made with them."""
+        for name, field in one.parameters.items():
+            if field.bound or field.tunable or one.is_set(name) or not callable(field.default):
+                continue
+            try:
+                value = one.parameter_value(name)
+            except ModelError:  # the flattening says it
+                raise Unknown(f"{name} of {one.label} has no value") from None
+            self._say("found", name)
+            self.add(value)
 
     def module(self, module: types.ModuleType) -> None:
         """A module from outside of fowtlib: its text, the code of it that runs, and the data in it."""

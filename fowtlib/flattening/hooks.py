@@ -42,7 +42,7 @@ class Hooks:
         calls = [item for item in system.intermediates if item.function is not None]
         processes = [sampled.process for _, sampled in stated.sampled if sampled.process is not None]
         return cls(
-            tuple((item.function, item.slope_of) for item in calls if item.function is not None),
+            tuple((item.called, item.slope_of) for item in calls),
             system.bound, tuple(processes), tuple(operator for _, operator in stated.operators),
         )  # fmt: skip
 

@@ -16,10 +16,10 @@ from dataclasses import replace
 from typing import Any
 
 from fowtlib.flattening.assembler import flatten, flatten_with
-from fowtlib.flattening.dae_record import Record, dae_of, record_of
+from fowtlib.flattening.dae_record import Record, dae_of, record_of, values_now
 from fowtlib.flattening.dimensions import DimensionReport, Finding, check_dimensions
 from fowtlib.flattening.files_opened import files_opened
-from fowtlib.flattening.fingerprint import fingerprint
+from fowtlib.flattening.fingerprint import bound_values, fingerprint
 from fowtlib.flattening.flat_dae import FlatDAE
 from fowtlib.flattening.hooks import Hooks, hooks_again
 from fowtlib.flattening.instances import check_parameters
@@ -70,7 +70,7 @@ def _read(key: str, root: Component, opened: Sequence[str]) -> FlatDAE | None:
         if any(declared.bound for declared in component.parameters.values()):
             check_parameters(component)  # the values of these are not in the key
     try:
-        dae = dae_of(record, root, hooks_again(root, record["given_with"]))
+        dae = dae_of(record, root, hooks_again(root, record["given_with"]), _values(key, record, root))
     except (ModelError, ValueError, KeyError, IndexError, TypeError, AttributeError, RuntimeError):
         return None
 
@@ -81,6 +81,18 @@ def _read(key: str, root: Component, opened: Sequence[str]) -> FlatDAE | None:
 
     stats = {**dae.stats, "flattening_time": time.perf_counter() - began}
     return replace(dae, write_equations=write_equations, stats=stats, key=key)
+
+
+def _values(key: str, record: Record, root: Component) -> dict[str, Any]:
+    """The values of the parameters in the tree; kept as well, as a rotor's steady operation takes long to find."""
+
+    def found() -> dict[str, Any]:
+        return values_now(record, root)
+
+    try:
+        return cached("values", [key, bound_values(root)], found)
+    except (Unknown, RecursionError, OSError):
+        return found()
 
 
 def _made(key: str, root: Component, opened: Sequence[str], foreign: bool) -> FlatDAE:

@@ -4,17 +4,21 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
+from typing import TYPE_CHECKING
 
 import casadi as ca
 import numpy as np
-from scipy.sparse import csr_array
-from scipy.sparse.csgraph import maximum_bipartite_matching
+
+if TYPE_CHECKING:
+    from scipy.sparse import csr_array
 
 Rows = Sequence[np.ndarray]
 
 
 def matrix(rows: Rows, columns: int) -> csr_array:
     """Incidence as a sparse matrix of ones."""
+    from scipy.sparse import csr_array  # slow to import, and a model that is kept on disk needs none
+
     lengths = np.fromiter((len(row) for row in rows), int, len(rows))
     indices = np.concatenate(list(rows)) if len(rows) and lengths.sum() else np.zeros(0, int)
     pointers = np.concatenate([[0], np.cumsum(lengths)])
@@ -26,6 +30,8 @@ def matching(rows: Rows, columns: int) -> np.ndarray:
     """Column matched to each row in a maximum matching, -1 for none."""
     if not len(rows) or not columns:
         return np.full(len(rows), -1)
+    from scipy.sparse.csgraph import maximum_bipartite_matching
+
     return maximum_bipartite_matching(matrix(rows, columns), perm_type="column")
 
 

@@ -14,6 +14,7 @@ import numpy as np
 from fowtlib.language.declarations import Variable, join
 from fowtlib.language.equations import Assertion, AtStart
 from fowtlib.language.errors import StructureError
+from fowtlib.language.externals import ToCome
 from fowtlib.language.quadratic_laws import QuadraticLaw
 from fowtlib.language.stages import Stage
 
@@ -149,11 +150,16 @@ class Intermediate:
 
     symbols: list[ca.SX]
     inputs: ca.SX
-    function: ca.Function | None
+    function: ca.Function | ToCome | None
     path: str
     matrix: str = ""
     slope_of: int = -1
     """Of the Jacobian of another one: its number."""
+
+    @property
+    def called(self) -> ca.Function:
+        """The function of an external, compiled by now."""
+        return self.function.function if isinstance(self.function, ToCome) else self.function
 
     def names(self) -> list[str]:
         """Result names of the elements of an orientation."""
@@ -265,7 +271,7 @@ class System:
 
     # --- what equations() uses -----------------------------------------------------------------------------------
 
-    def external(self, function: ca.Function, inputs: ca.SX) -> ca.SX:
+    def external(self, function: ca.Function | ToCome, inputs: ca.SX) -> ca.SX:
         """Tear the system at a call of `function`: its outputs become symbols."""
         self.asked += 1
         inputs = ca.densify(ca.vec(inputs))
@@ -388,7 +394,7 @@ class System:
 
     def _differentiate_external(self, call: Intermediate) -> None:
         """d/dt w = J(y) dy/dt, with the Jacobian of the function as an external of its own."""
-        jacobian = jacobian_of(call.function)
+        jacobian = jacobian_of(call.called)
         path, self.current_path = self.current_path, call.path
         entries = ca.reshape(self.external(jacobian, call.inputs), len(call.symbols), call.inputs.shape[0])
         self.intermediates[-1].slope_of = next(k for k, item in enumerate(self.intermediates) if item is call)

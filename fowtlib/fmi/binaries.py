@@ -35,7 +35,7 @@ PLATFORMS = {
 }  # fmt: skip
 """By name. darwin is every Mac, with an Apple or an Intel processor: FMI 2.0 has one place for a library for both."""
 
-FLAGS = ("-std=c11", "-fvisibility=hidden", "-ffp-contract=off")
+FLAGS = ("-std=c11", "-fvisibility=hidden", "-ffp-contract=off", "-fno-math-errno")
 APPLE = {"aarch64-macos": "arm64", "x86_64-macos": "x86_64"}
 
 

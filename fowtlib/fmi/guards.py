@@ -44,7 +44,7 @@ def guarded(plant: Plant, binding: Binding) -> Plant:
     if not checks and len(of_runs) == len(dae.checks):
         return plant
     changed = copy.copy(plant)
-    changed.dae = replace(dae, checks=(*of_runs, *checks))
+    changed.dae = replace(dae, checks=(*of_runs, *checks), key="")  # another model than the one that is kept
     return changed
 
 

@@ -5,7 +5,7 @@ from __future__ import annotations
 import sys
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field
-from typing import Any, Protocol
+from typing import TYPE_CHECKING, Any, Protocol
 
 import casadi as ca
 import numpy as np
@@ -13,13 +13,16 @@ from numpy.typing import ArrayLike
 
 from fowtlib.language.errors import StructureError
 
+if TYPE_CHECKING:
+    from fowtlib.language.externals import ToCome
+
 
 class Flattener(Protocol):
     """What `der` and `external` need from the flattening that calls `equations()`."""
 
     def derivative(self, expression: ca.SX) -> ca.SX: ...
 
-    def external(self, function: ca.Function, inputs: ca.SX) -> ca.SX: ...
+    def external(self, function: ca.Function | ToCome, inputs: ca.SX) -> ca.SX: ...
 
     def at_start(self, numbers: AtStart) -> ca.SX: ...
 
@@ -89,7 +92,7 @@ def input_rate(signal: Any, rate: Any) -> None:
     active().set_input_rate(ca.SX(signal), ca.SX(rate))
 
 
-def external(function: ca.Function, inputs: Any) -> ca.SX:
+def external(function: ca.Function | ToCome, inputs: Any) -> ca.SX:
     """Outputs of `function` (a CasADi Function of one dense column, giving one dense column) at `inputs`.
 
     The flat model is torn here: the function is called as a whole, with its own Jacobian.

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterator, Mapping
 from contextlib import contextmanager
+from functools import cached_property, partial
 from pathlib import Path
 from typing import Any
 from weakref import WeakSet, WeakValueDictionary
@@ -13,7 +14,7 @@ import numpy as np
 
 from fowtlib.language.equations import external
 from fowtlib.language.errors import ParameterError, SimulationError, StructureError, did_you_mean
-from fowtlib.language.native import Library, compiler, load_library, no_compiler, open_library, say_once
+from fowtlib.language.native import Library, begin_library, compiler, load_library, no_compiler, open_library, say_once
 
 _INTERFACE = Path(__file__).parent / "casadi_interface.c"
 Compute = Callable[[np.ndarray], Any]
@@ -46,7 +47,7 @@ class ExternalFunction:
       `jac_<name>`, its Jacobian, which may be sparse;
     - source: C text of such a library, compiled once (see native.py and with_interface); what it exports stands
       behind EXPORT. here: gives text to put in front of it where it is compiled for this machine alone, as what its
-      processor can do; an FMU has the source without;
+      processor can do; an FMU has the source without. beside: it is compiled beside what is done until it is called;
     - python: function of the input column (NumPy) that returns the output column, with jacobian: a function that
       returns d outputs / d inputs, (n_out, n_in), of which only the entries of `sparsity` (a CasADi Sparsity) are
       taken when that is given. Without a jacobian it is taken by finite differences. Beside a source it is what runs
@@ -68,6 +69,7 @@ class ExternalFunction:
         library: str | Path | None = None,
         source: str | None = None,
         here: Callable[[], str] | None = None,
+        beside: bool = False,
         python: Compute | None = None,
         jacobian: Compute | None = None,
         sparsity: ca.Sparsity | None = None,
@@ -77,25 +79,39 @@ class ExternalFunction:
             raise ParameterError(f"external function {name}: give either library or python, or source.")
         self.name = name
         self.inputs, self.outputs = dict(inputs), dict(outputs)
-        sizes = (sum(self.inputs.values()), sum(self.outputs.values()))
+        self.sizes = (sum(self.inputs.values()), sum(self.outputs.values()))
+        self._explain = explain or str  # str() is empty
         if source is not None and (compiler() or python is None):
             text = here() + source if here else source
-            library, self._opened = load_library(text, name)  # held, so that it stays the one that was checked
-        elif source is not None:
-            say_once(f"external functions run as Python code, slowly: {no_compiler()}")
-        if library is not None:
-            self.function = _from_library(name, Path(library), source)
+            self._made = partial(self._compiled, text, source)
+            if beside:
+                begin_library(text, name)
+                return
+        elif library is not None:
+            self._made = partial(_from_library, name, Path(library), None)
         else:
-            self.function = _Python(name, sizes, python, jacobian, sparsity)
-            self.function.stands_in = source is not None
-        self.function.explain = explain or str  # str() is empty
-        _functions[name, self.library] = self.function
-        given = (self.function.numel_in(0), self.function.numel_out(0))
-        if given != sizes:
+            if source is not None:
+                say_once(f"external functions run as Python code, slowly: {no_compiler()}")
+            self._made = partial(_Python, name, self.sizes, python, jacobian, sparsity, source is not None)
+        _ = self.function  # what is wrong is said now
+
+    def _compiled(self, text: str, source: str) -> LibraryFunction:
+        library, self._opened = load_library(text, self.name)  # held, so that it stays the one that was checked
+        return _from_library(self.name, library, source)
+
+    @cached_property
+    def function(self) -> LibraryFunction | _Python:
+        """The function as CasADi calls it; one that is compiled beside is waited for."""
+        function = self._made()
+        function.explain = self._explain
+        given = (function.numel_in(0), function.numel_out(0))
+        if given != self.sizes:
             raise ParameterError(
-                f"external function {name}: {given[0]} inputs and {given[1]} outputs in its library, "
-                f"{sizes[0]} and {sizes[1]} declared."
+                f"external function {self.name}: {given[0]} inputs and {given[1]} outputs in its library, "
+                f"{self.sizes[0]} and {self.sizes[1]} declared."
             )
+        _functions[self.name, function.path if isinstance(function, LibraryFunction) else None] = function
+        return function
 
     def __deepcopy__(self, memo: Any) -> ExternalFunction:
         return self  # it has no state of its own
@@ -121,9 +137,42 @@ class ExternalFunction:
                     f"external function {self.name}: input '{key}' has {column.shape[0]} elements, {size} declared."
                 )
             columns.append(column)
-        result = external(self.function, ca.vertcat(*columns))
+        made = "function" in vars(self)
+        result = external(self.function if made else ToCome(self), ca.vertcat(*columns))
         ends = np.cumsum([0, *self.outputs.values()]).tolist()
         return dict(zip(self.outputs, ca.vertsplit(ca.vec(result), ends), strict=True))
+
+
+class ToCome:
+    """An external function in the equations while it is compiled: its name and sizes, and itself when it is called."""
+
+    def __init__(self, announced: ExternalFunction):
+        self.announced = announced
+
+    @property
+    def function(self) -> ca.Function:
+        return self.announced.function
+
+    def name(self) -> str:
+        return self.announced.name
+
+    def n_in(self) -> int:
+        return 1
+
+    def n_out(self) -> int:
+        return 1
+
+    def size1_in(self, _: int) -> int:
+        return self.announced.sizes[0]
+
+    def numel_out(self, _: int) -> int:
+        return self.announced.sizes[1]
+
+    def size1_out(self, _: int) -> int:
+        return self.announced.sizes[1]
+
+    def size2_out(self, _: int) -> int:
+        return 1
 
 
 def runs_as_python(function: ca.Function) -> bool:
@@ -198,7 +247,8 @@ class _Python(ca.Callback):
     """A Python function as a CasADi function; slow, for prototypes and as the twin of a library."""
 
     def __init__(self, name: str, sizes: tuple[int, int], compute: Compute, jacobian: Compute | None,
-                 sparsity: ca.Sparsity | None):  # fmt: skip
+                 sparsity: ca.Sparsity | None, stands_in: bool):  # fmt: skip
+        self.stands_in = stands_in
         ca.Callback.__init__(self)
         self.sizes, self.compute = sizes, _Last(self._values(compute))
         self.slope = _Last(jacobian) if jacobian else None

@@ -31,7 +31,7 @@ from fowtlib.language.errors import CompilerError, ParameterError
 EXPORT = '#define EXPORT __attribute__((visibility("default")))\n'
 """In front of C text: what stands behind EXPORT is seen from outside of the library, and nothing else."""
 
-FLAGS = ("-std=c11", "-O2", "-fPIC", "-shared", "-fvisibility=hidden")
+FLAGS = ("-std=c11", "-O2", "-fPIC", "-shared", "-fvisibility=hidden", "-fno-math-errno")
 NO_COMPILER = (
     "no C compiler was found. Install gcc or clang (Debian, Ubuntu: apt install gcc), name one in the environment "
     "variable FOWTLIB_CC, or take the compiler of the Python package ziglang: pip install 'fowtlib[compiler]'."
@@ -78,12 +78,11 @@ def compile_library(text: str, name: str, *, optimization: str = "-O2") -> Path:
     command = compiler()
     if not command:
         raise CompilerError(f"{name} needs its C code compiled, and {no_compiler()}")
-    flags = [optimization if flag == "-O2" else flag for flag in FLAGS]
-    digest = hashlib.sha256("\0".join((EXPORT, text, *flags, *command, _version(command))).encode()).hexdigest()
-    key = f"{name}_{digest[:20]}"
+    flags, key = _flags(optimization), _key(text, name, optimization, command)
     begun = _begun.get((text, optimization))
     if begun and begun is not threading.current_thread():
-        begun.join()
+        if not begun.taken.acquire(blocking=False):  # else it waits for others, and leaves it to us
+            begun.join()
         _begun.pop((text, optimization), None)
     store.limit()  # a wrong one is said before the work
     try:
@@ -104,24 +103,49 @@ def compile_library(text: str, name: str, *, optimization: str = "-O2") -> Path:
     return library
 
 
-_begun: dict[tuple[str, str], threading.Thread] = {}
+def _flags(optimization: str) -> list[str]:
+    return [optimization if flag == "-O2" else flag for flag in FLAGS]
+
+
+def _key(text: str, name: str, optimization: str, command: tuple[str, ...]) -> str:
+    """The name under which a library is kept."""
+    parts = (EXPORT, text, *_flags(optimization), *command, _version(command))
+    return f"{name}_{hashlib.sha256(chr(0).join(parts).encode()).hexdigest()[:20]}"
+
+
+class _Begun(threading.Thread):
+    """Compiles a library. taken: held by the one who does it, this thread or who could not wait for it."""
+
+    def __init__(self, text: str, name: str, optimization: str):
+        super().__init__(name=f"compiler of {name}")
+        self.taken = threading.Lock()
+        self._asked = text, name, optimization
+
+    def run(self) -> None:
+        text, name, optimization = self._asked
+        with _spare, suppress(CompilerError, ParameterError, OSError):
+            if threading.main_thread().is_alive() and self.taken.acquire(blocking=False):
+                compile_library(text, name, optimization=optimization)
+
+
+_begun: dict[tuple[str, str], _Begun] = {}
+_spare = threading.Semaphore(max(1, (os.cpu_count() or 1) - 1))  # one core is for what is done beside
 
 
 def begin_library(text: str, name: str, *, optimization: str = "-O2") -> None:
     """Compile beside other work what `compile_library` will be asked for soon, which then waits for it.
 
     What goes wrong is not said here: it goes wrong again when the library is asked for. A process that ends earlier
-    waits for its compiler.
+    waits for the compilers that run, and no other one is begun.
     """
-
-    def work() -> None:
-        with suppress(CompilerError, ParameterError, OSError):
-            compile_library(text, name, optimization=optimization)
-
-    if compiler() and (text, optimization) not in _begun:
-        thread = threading.Thread(target=work, name=f"compiler of {name}")
-        _begun[text, optimization] = thread
-        thread.start()
+    command = compiler()
+    if not command or (text, optimization) in _begun:
+        return
+    key = _key(text, name, optimization, command)
+    with suppress(OSError):
+        if not any(store.cache_folder().glob(f"{key}_*.{store.SUFFIX}")):
+            _begun[text, optimization] = thread = _Begun(text, name, optimization)
+            thread.start()
 
 
 class Library(ctypes.CDLL):

@@ -12,7 +12,10 @@ import io
 import json
 import os
 from collections.abc import Callable, Mapping
+from contextlib import suppress
 from dataclasses import dataclass
+from functools import cache
+from importlib.util import find_spec, module_from_spec, spec_from_file_location
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -50,11 +53,25 @@ class Contents:
         return f"the numbers or the attributes of {self.damaged[0]} are not those that were written"
 
 
-def write_netcdf(path: Path, fill: Callable[[netcdf_file], None], version: int = 1) -> None:
-    """Make a file, let `fill` put into it what it holds, and add the checksums. version: 2 for more than 2 GB."""
+@cache
+def _scipys_class() -> type[netcdf_file]:
+    """`scipy.io.netcdf_file` from its file alone: with all of scipy.io it takes long to import, a tenth of a start."""
+    package = find_spec("scipy")
+    for folder in (package and package.submodule_search_locations) or ():
+        spec = spec_from_file_location("fowtlib_netcdf_of_scipy", Path(folder, "io", "_netcdf.py"))
+        if spec and spec.loader:
+            with suppress(OSError, ImportError, AttributeError):  # another version of scipy has it elsewhere
+                module = module_from_spec(spec)
+                spec.loader.exec_module(module)
+                return module.netcdf_file
     from scipy.io import netcdf_file
 
-    with netcdf_file(path, "w", version=version) as file:
+    return netcdf_file
+
+
+def write_netcdf(path: Path, fill: Callable[[netcdf_file], None], version: int = 1) -> None:
+    """Make a file, let `fill` put into it what it holds, and add the checksums. version: 2 for more than 2 GB."""
+    with _scipys_class()(path, "w", version=version) as file:
         fill(file)
         for name, variable in file.variables.items():
             setattr(variable, CHECKSUM, _of_variable(name, variable))
@@ -85,11 +102,9 @@ def read_netcdf(path: str | Path, cut: bool = False) -> Contents:
 
     Raises OSError where it cannot be read, ValueError where it is no such file or nothing in it can be found.
     """
-    from scipy.io import netcdf_file
-
     with _Stream(path, cut) as stream:
         try:
-            file = netcdf_file(stream, "r", mmap=False)
+            file = _scipys_class()(stream, "r", mmap=False)
             variables = {name: _variable(variable) for name, variable in file.variables.items()}
             return Contents(_plain(file._attributes), variables, tuple(_damaged(file)))
         except Exception as error:  # a damaged head leads scipy anywhere

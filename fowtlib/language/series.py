@@ -291,7 +291,7 @@ def _function(size: int, command: tuple[str, ...]) -> ExternalFunction:
 
     pattern = ca.Sparsity(size, 2, [0, 0, size], list(range(size)))
     function = ExternalFunction(
-        name, {"handle": 1, "time": 1}, {"values": size}, source=with_interface(name, pattern, text),
+        name, {"handle": 1, "time": 1}, {"values": size}, source=with_interface(name, pattern, text), beside=True,
         python=evaluate, jacobian=slope, sparsity=pattern, explain=explain,
     )  # fmt: skip
     return function

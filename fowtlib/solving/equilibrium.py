@@ -4,10 +4,10 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 from functools import cached_property
+from typing import TYPE_CHECKING
 
 import casadi as ca
 import numpy as np
-from scipy import sparse
 
 from fowtlib.flattening import FlatDAE
 from fowtlib.language.errors import SimulationError
@@ -15,6 +15,9 @@ from fowtlib.solving.functions import AtParameters, Functions
 from fowtlib.solving.initial import failure_text
 from fowtlib.solving.newton import DENSE, Jacobian, Residual, newton, solve, undamped
 from fowtlib.solving.state import State
+
+if TYPE_CHECKING:
+    from scipy import sparse
 
 
 def time_dependence(at: AtParameters, d: np.ndarray) -> list[str]:
@@ -101,6 +104,8 @@ class Rest:
         return np.concatenate([ode.ravel()[self.moving], alg.ravel()])
 
     def slopes(self, values: np.ndarray) -> sparse.csc_matrix:
+        from scipy import sparse  # slow to import
+
         kept, rows, columns = self.places
         return sparse.csc_matrix((self._entries(values)[kept], (rows, columns)), shape=(self.size, self.size))
 
@@ -190,6 +195,8 @@ def _implicit_euler(
     rates: Residual, slopes: Jacobian, before: np.ndarray, rows: np.ndarray, length: float
 ) -> np.ndarray | None:
     """Values one step later, by at most eight Newton iterations; None where they do not settle."""
+    from scipy import sparse
+
     mass = sparse.diags(rows / length)
     values, last = before.copy(), np.inf
     for _ in range(8):

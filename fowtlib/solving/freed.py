@@ -11,11 +11,10 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import casadi as ca
 import numpy as np
-from scipy import sparse
 
 from fowtlib.flattening.system import element_names
 from fowtlib.language.data_files import is_number
@@ -28,6 +27,9 @@ from fowtlib.solving.initial import csc
 from fowtlib.solving.newton import newton, undamped
 from fowtlib.solving.paths import names_of
 from fowtlib.solving.state import State
+
+if TYPE_CHECKING:
+    from scipy import sparse
 
 Values = Mapping[str, Any]
 Plant = Any
@@ -331,6 +333,8 @@ class _Equations:
         return np.concatenate([x[self.rest.moving], z, shares + step])
 
     def _slopes(self, values: np.ndarray) -> sparse.csr_matrix:
+        from scipy import sparse  # slow to import
+
         x, z, shares = self.unpack(values)
         problem = self.problem
         at = problem.at(shares)

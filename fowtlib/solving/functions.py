@@ -65,6 +65,10 @@ class Functions:
             del self._made[next(iter(self._made))]
         return made
 
+    def has(self, key: Hashable) -> bool:
+        """Whether `once` has something by this key."""
+        return key in self._made
+
     def arrays(self, function: ca.Function) -> Arrays:
         """One of the functions of arrays."""
         return self.once(("arrays", function.__hash__()), lambda: Arrays(function))

@@ -2,21 +2,28 @@
 
 from __future__ import annotations
 
+from typing import TYPE_CHECKING
+
 import casadi as ca
 import numpy as np
-from scipy import sparse
 
 from fowtlib.flattening import FlatDAE
 from fowtlib.flattening.structure import matching
 from fowtlib.language.errors import SimulationError
 from fowtlib.solving.functions import MANY, AtParameters, Functions
+from fowtlib.solving.known_again import kept_or_found
 from fowtlib.solving.layout import Layout, Values
 from fowtlib.solving.newton import NewtonResult, newton, undamped
 from fowtlib.solving.state import State
 
+if TYPE_CHECKING:
+    from scipy import sparse
+
 
 def csc(value: ca.DM) -> sparse.csc_matrix:
     """CasADi matrix as a SciPy matrix."""
+    from scipy import sparse  # slow to import
+
     return sparse.csc_matrix(
         (np.array(value.nonzeros()), np.array(value.row(), int), np.array(value.colind(), int)), shape=value.shape
     )
@@ -49,10 +56,26 @@ def start_point(at: AtParameters, layout: Layout, u: np.ndarray, start: Values, 
 
 def initial_values(at: AtParameters, t: float, x: np.ndarray, z: np.ndarray, q: np.ndarray,
                    given: set[int]) -> tuple[np.ndarray, np.ndarray]:  # fmt: skip
-    """X and z at the start; `given` are the numbers of states whose value the user fixed for this run."""
+    """X and z at the start; `given` are the numbers of states whose value the user fixed for this run.
+
+    The functions for it are made at the first start of a process, which takes far longer than to solve them: the values
+    of that start are kept on disk, under all that they follow from.
+    """
     dae = at.dae
     if not dae.initial_equations.shape[0]:
         return x, consistent_algebraics(at, t, x, z, q)
+    if at.functions.has(("freed", frozenset(given))):
+        return _solved(at, t, x, z, q, given)
+    about = repr((sorted(given), sorted(at.functions.zeros), sorted(at.binding.data.items())))
+    parts = [about, np.array([t]), x, z, q, at.parameters]
+    found = kept_or_found(dae, "initial", parts, lambda: _solved(at, t, x, z, q, given))
+    return np.array(found[0], float), np.array(found[1], float)
+
+
+def _solved(at: AtParameters, t: float, x: np.ndarray, z: np.ndarray, q: np.ndarray,
+            given: set[int]) -> tuple[np.ndarray, np.ndarray]:  # fmt: skip
+    """X and z at which alg and the initial equations hold."""
+    dae = at.dae
     kept, free = at.functions.once(("freed", frozenset(given)), lambda: freed_states(dae, given))
     if not free and not dae.z.shape[0]:
         return x, z  # all start values are given, and nothing is left to solve for

@@ -4,16 +4,17 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass
+from typing import TYPE_CHECKING, TypeAlias
 
 import numpy as np
-from scipy import sparse
-from scipy.linalg.lapack import dgesv
-from scipy.sparse.linalg import splu
+
+if TYPE_CHECKING:
+    from scipy import sparse
 
 DENSE = 300  # unknowns up to which a dense solution is faster and quieter than a sparse one
 
 Residual = Callable[[np.ndarray], np.ndarray]
-Jacobian = Callable[[np.ndarray], sparse.spmatrix | np.ndarray]
+Jacobian: TypeAlias = "Callable[[np.ndarray], sparse.spmatrix | np.ndarray]"
 
 
 @dataclass
@@ -33,6 +34,8 @@ def newton(
 
     Converged when a full Newton step changes no unknown by more than `tolerance`, relative to 1 and to its size.
     """
+    from scipy import sparse  # slow to import, as what else SciPy gives here: a start that is kept needs none of it
+
     values = np.array(start, dtype=float)
     r = residual(values)
     damping = 0.0
@@ -95,6 +98,8 @@ def undamped(residual: Residual, jacobian: Jacobian, start: np.ndarray, *, toler
 
 def _step(matrix: sparse.csc_matrix, size: np.ndarray, damping: float) -> tuple[np.ndarray, bool]:
     """A step, and whether it is a full Newton step."""
+    from scipy import sparse
+
     if damping == 0.0:
         try:
             step = -solve(matrix, size)
@@ -115,9 +120,14 @@ def solve(matrix: sparse.spmatrix | np.ndarray, right: np.ndarray) -> np.ndarray
     (a system of 126 equations: 1 ms against 270 ms).
     """
     if len(right) > DENSE:
+        from scipy import sparse
+        from scipy.sparse.linalg import splu
+
         return splu(sparse.csc_matrix(matrix)).solve(right)
     if not len(right):
         return right
+    from scipy.linalg.lapack import dgesv
+
     _, _, solution, info = dgesv(matrix if isinstance(matrix, np.ndarray) else matrix.toarray(), right)
     if info:
         raise RuntimeError("singular matrix")

@@ -10,24 +10,20 @@ from __future__ import annotations
 import hashlib
 import json
 import warnings
-from collections.abc import Callable, Mapping
+from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
 from weakref import WeakKeyDictionary
 
 import numpy as np
 
-from fowtlib.flattening.kept import switched_on
-from fowtlib.flattening.own_code import Unknown, digest_of_own_code
-from fowtlib.language.cache import cached
 from fowtlib.language.component import Component
 from fowtlib.language.declarations import join
 from fowtlib.language.errors import ModelError, SimulationError, one_of
-from fowtlib.language.externals import LibraryFunction
 from fowtlib.language.native import compiler, no_compiler
-from fowtlib.language.tables import SplineFunction
 from fowtlib.solving.binding import RunTrees
 from fowtlib.solving.checks import check_state
+from fowtlib.solving.known_again import kept_or_found
 from fowtlib.solving.paths import spread_out
 from fowtlib.solving.rates import rate_states
 from fowtlib.solving.results import Result
@@ -157,25 +153,11 @@ def _mean(plant: Plant, word: str, parameters: Values | None, inputs: Values | N
     mean = mean_parameters(plant, parameters)
     key = f"{word} {_digest(plant, parameters, mean, inputs)}"
     if key not in plant.kept_starts:
-        found = _known(plant, key, lambda: _by_path(_found(plant, word, mean, inputs)))
+        found = kept_or_found(plant.dae, "start", [key], lambda: _by_path(_found(plant, word, mean, inputs)))
         while len(plant.kept_starts) >= KEPT:
             del plant.kept_starts[next(iter(plant.kept_starts))]
         plant.kept_starts[key] = found
     return dict(plant.kept_starts[key])
-
-
-def _known(plant: Plant, key: str, find: Callable[[], dict[str, float]]) -> dict[str, float]:
-    """A mean that another process has found, of equations that are known to be the same; else what `find` gives."""
-    functions = [external.function for external in plant.dae.externals]
-    compiled = all(isinstance(function, SplineFunction | LibraryFunction) for function in functions)
-    if not (compiled and plant.dae.key and switched_on()):
-        return find()
-    try:
-        code = digest_of_own_code("fowtlib.solving")
-    except Unknown:
-        return find()
-    libraries = [str(function.path) for function in functions if isinstance(function, LibraryFunction)]
-    return cached("start", [plant.dae.key, key, code, *libraries], find)
 
 
 def _found(plant: Plant, word: str, mean: Values, inputs: Values | None) -> State:

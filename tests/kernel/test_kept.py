@@ -375,6 +375,46 @@ def test_bound_parameters_are_checked_and_are_not_in_the_key(folder, monkeypatch
         flat(other.root)
 
 
+FOLLOWING = SPRING.replace('    order: int = param(default=1, doc="how often the pull counts")', """
+    length: float = param(default=2.0, unit="m", bound=True, doc="length")
+    order: int = param(default=lambda own: round(own.parameter_value("length")), doc="how often the pull counts")
+    place: Scalar = param(default=lambda own: own.parameter_value("length") / 4, unit="m", doc="where it starts")
+    """).replace("var(start=1.0", "var(start=place")  # fmt: skip
+
+
+def test_defaults_that_follow_from_bound_parameters_are_those_of_now(spring, monkeypatch):
+    """A tunable one is found anew, a structural one, of which the equations are made, makes another model."""
+    kind = type(spring(of=FOLLOWING).first)
+
+    def of(length):
+        root = fw.Assembly("springs")
+        root.first = kind(length=length)
+        return flattened(root, monkeypatch)
+
+    of(1.0)  # the first model of a process, whose units come from files
+    first, made = of(2.0)
+    assert made and float(first.parameters["first.place"].value) == 0.5 and rate(first) == -12.0
+    for _ in range(2):
+        dae, made = of(2.2)
+        assert not made and float(dae.parameters["first.place"].value) == 0.55 and dae.key == first.key
+    dae, made = of(3.0)
+    assert made and float(dae.parameters["first.place"].value) == 0.75 and rate(dae) == -18.0
+
+
+def test_a_turbine_starts_in_the_wind_of_its_file(folder, tmp_path, monkeypatch):
+    """A file of another wind is the same model and another start: 5 and 9 m/s, below rated wind."""
+    speeds = []
+    for number, speed in enumerate((5.0, 9.0, 5.0)):
+        file = tmp_path / f"wind_{number % 2}.csv"
+        file.write_text("time,speed\n" + "".join(f"{time},{speed}\n" for time in range(5)))
+        model = fw.load(MODEL, set={"wind.kind": "file", "wind.file": str(file)})
+        dae, made = flattened(model.root, monkeypatch)
+        assert made == (number == 0)
+        speeds.append(float(dae.parameters["turbine.rotor_speed_start"].value))
+        assert speeds[-1] == float(flatten(model.root).parameters["turbine.rotor_speed_start"].value)
+    assert speeds[0] == speeds[2] < 0.9 * speeds[1]
+
+
 def test_the_report_of_a_check_is_the_same_again(folder, monkeypatch):
     first, again = fw.load(MODEL).check(), fw.load(MODEL).check()
     monkeypatch.setenv(kept.SWITCH, "no")

@@ -153,14 +153,18 @@ def section_names(dae):
 @pytest.mark.parametrize(("word", "repeated"), [(2, 40), (WORDS[-1] if WORDS else 2, 10)])
 def test_the_turbine_gives_the_numbers_of_casadi(turbine, word, repeated, monkeypatch):
     """Inputs of externals, rates, residuals and results at points about the start, bit for bit."""
-    monkeypatch.setattr(c_pieces, "REPEATED", repeated)
     (plant, point), random = turbine, np.random.default_rng(3)
     dae = plant.dae
     function, sections = _function(dae, plant.outputs.paths, {"cse": True}), section_names(plant.dae)
     known = dependences(dae, reduction(dae))
-    program = c_program(function, sections, list("txzqw"), ["first", "second"], known, _known_from(dae), word)
-    wide, single = vectors(program.text)
+    texts = []
+    for least in (10**6, repeated):
+        monkeypatch.setattr(c_pieces, "REPEATED", least)
+        program = c_program(function, sections, list("txzqw"), ["first", "second"], known, _known_from(dae), word)
+        texts.append(vectors(program.text))
+    wide, single = texts[0]
     assert wide > 2 * single and 3 * (wide + single) < 2 * function.n_instructions()
+    assert sum(texts[1]) < 0.85 * sum(texts[0])  # what repeats itself is written once
     assert program.text.count("level_0_part_") > program.text.count("void level_0_part_") > 0  # hinge after hinge
     _, library = load_library(prologue(word) + program.text, "lanes", optimization="-O1")
     scratch = np.full(program.scratch + 1, NAN)

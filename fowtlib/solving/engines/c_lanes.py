@@ -32,7 +32,9 @@ ANY_PROCESSOR = 2  # lanes of a word that every processor has, or can do without
 VECTORS = {
     ca.OP_ADD: "ADD({0}, {1})", ca.OP_SUB: "SUB({0}, {1})", ca.OP_MUL: "MUL({0}, {1})", ca.OP_DIV: "DIV({0}, {1})",
     ca.OP_NEG: "NEG({0})", ca.OP_SQ: "MUL({0}, {0})", ca.OP_TWICE: "ADD({0}, {0})", ca.OP_FMIN: "MIN({0}, {1})",
-    ca.OP_FMAX: "MAX({0}, {1})", ca.OP_IF_ELSE_ZERO: "ONLY({0}, {1})",
+    ca.OP_FMAX: "MAX({0}, {1})", ca.OP_IF_ELSE_ZERO: "ONLY({0}, {1})", ca.OP_SQRT: "ROOT({0})",
+    ca.OP_FABS: "SIZE({0})", ca.OP_LT: "ONE({0}, <, {1})", ca.OP_LE: "ONE({0}, <=, {1})", ca.OP_EQ: "ONE({0}, ==, {1})",
+    ca.OP_NE: "ONE({0}, !=, {1})",
 }  # fmt: skip
 """The same of vectors, for those that need not be carried out lane by lane."""
 
@@ -64,7 +66,21 @@ typedef long long M __attribute__((vector_size(BYTES), aligned(8), may_alias));
 #define MIN(v, u) CHOICE((M)((v) < (u)) | (M)((u) != (u)), v, u)
 #define MAX(v, u) CHOICE((M)((v) > (u)) | (M)((u) != (u)), v, u)
 #define ONLY(c, v) ((W)((M)(v) & (M)((c) != (W){0.0})))
+#define ONE(v, relation, u) ((W)((M)((v) relation (u)) & (M)(1.0 - (W){0.0})))
+#define SIZE(v) ((W)((M)(v) & 0x7fffffffffffffffLL))
+#if BYTES == 32
+static inline W ROOT(W v) { W r; __asm__("vsqrtpd %1, %0" : "=x"(r) : "x"(v)); return r; }
+#elif defined(__x86_64__)
+static inline W ROOT(W v) { W r; __asm__("sqrtpd %1, %0" : "=x"(r) : "x"(v)); return r; }
 #else
+#define ROOT(v) WORD(sqrt((v)[0]), sqrt((v)[1]))
+#endif
+/* as those of the C library, without a call, behind which nothing is left in registers */
+static inline double fs_least(double v, double u) { double m = v < u ? v : u; return u != u ? v : m; }
+static inline double fs_greatest(double v, double u) { double m = v > u ? v : u; return u != u ? v : m; }
+#define fmin fs_least
+#define fmax fs_greatest
+#else /* two numbers in the place of a vector */
 #define FS_PIECE
 typedef struct { double a, b; } W;
 #define WORD(p, q) ((W){p, q})
@@ -79,6 +95,9 @@ typedef struct { double a, b; } W;
 #define MIN(v, u) ((W){fmin((v).a, (u).a), fmin((v).b, (u).b)})
 #define MAX(v, u) ((W){fmax((v).a, (u).a), fmax((v).b, (u).b)})
 #define ONLY(c, v) ((W){(c).a != 0.0 ? (v).a : 0.0, (c).b != 0.0 ? (v).b : 0.0})
+#define ONE(v, relation, u) ((W){(v).a relation (u).a, (v).b relation (u).b})
+#define SIZE(v) ((W){fabs((v).a), fabs((v).b)})
+#define ROOT(v) ((W){sqrt((v).a), sqrt((v).b)})
 #endif
 """
 

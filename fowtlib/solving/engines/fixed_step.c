@@ -98,6 +98,7 @@ typedef struct {
 enum { FS_DONE = 0, FS_STAGE = 1, FS_ALGEBRAIC = 2, FS_EXTERNAL = 3, FS_SINGULAR = 4, FS_STOPPED = 5 };
 enum { FS_STEPS, FS_EVALUATIONS, FS_MATRICES, FS_ALGEBRAIC_MATRICES, FS_STARTS, FS_SLOPES, FS_COUNTS };
 enum { FS_ITERATIONS = 12, FS_HISTORY = 3, FS_PAIRS = 24, FS_PARTS = 16 };
+enum { FS_ALIGNED = 8 }; /* numbers of a line of the cache, at which arrays begin, so that no vector lies across two */
 
 /* A matrix whose first unknowns, of which there are `light`, hardly couple: each appears in few rows. They are eliminated
    first, and what they leave in the factors is kept as lists; the rest is dense. */
@@ -116,6 +117,7 @@ typedef struct {
   fs_model m;
   fs_options o;
   int n;                /* unknowns of a stage: z, then the free rates */
+  double *memory;       /* in which all arrays of numbers lie */
   double *q, *y, *w, *y2, *w2, *ode, *alg, *ode2, *alg2, *scratch, *scratch2;
   double *x, *rate, *xbar, *xf, *xf2, *v, *v2, *z, *zf, *unknown, *move, *right, *weight, *z_scale, *slope, *real, *size, *least;
   double *guess, *missed; /* the prediction of a step's unknowns; what it has missed in the last steps, on average */
@@ -1039,9 +1041,10 @@ EXPORT void fs_failure(const fs_instance *s, double *t, int *row, int *not_finit
 /* Steps, evaluations, matrices of stages and of algebraic unknowns, starts, Jacobians of the externals so far. */
 EXPORT void fs_counts(const fs_instance *s, long long *counts) { memcpy(counts, s->count, sizeof(s->count)); }
 
+/* Each array begins at a multiple of FS_ALIGNED numbers. */
 static double *fs_take(double *memory, size_t *used, size_t n) {
   size_t here = *used;
-  *used += n;
+  *used += (n + FS_ALIGNED - 1) / FS_ALIGNED * FS_ALIGNED;
   return memory ? memory + here : 0;
 }
 
@@ -1144,16 +1147,18 @@ EXPORT fs_instance *fs_create(const fs_model *model, const fs_options *options) 
     if ((size_t)e->results > results) results = (size_t)e->results;
     if ((size_t)e->integers > integers) integers = (size_t)e->integers;
   }
-  memory = calloc(fs_lay(s, 0) + 1, sizeof(double));
+  s->memory = calloc(fs_lay(s, 0) + FS_ALIGNED, sizeof(double));
   s->arg = calloc(arguments, sizeof(double *));
   s->res = calloc(results, sizeof(double *));
   s->integer = calloc(integers + 1, sizeof(fs_int));
-  if (!memory || !s->arg || !s->res || !s->integer || !fs_lay_integers(&s->stage) || !fs_lay_integers(&s->algebraic)
+  if (!s->memory || !s->arg || !s->res || !s->integer || !fs_lay_integers(&s->stage) || !fs_lay_integers(&s->algebraic)
       || !fs_join_pieces(s)) {
-    free(memory); free(s->arg); free(s->res); free(s->integer); free(s->stage.pivot); free(s->algebraic.pivot);
+    free(s->memory); free(s->arg); free(s->res); free(s->integer); free(s->stage.pivot); free(s->algebraic.pivot);
     free(s->at_point); free(s);
     return 0;
   }
+  memory = s->memory;
+  while ((size_t)memory % (FS_ALIGNED * sizeof(double))) memory++;
   fs_lay(s, memory);
   for (i = 0; i < model->algebraics; i++) s->z_scale[i] = model->z_nominal[i];
   fs_size(s);
@@ -1162,7 +1167,7 @@ EXPORT fs_instance *fs_create(const fs_model *model, const fs_options *options) 
 
 EXPORT void fs_free(fs_instance *s) {
   if (!s) return;
-  free(s->q); /* the first of all arrays */
+  free(s->memory);
   free(s->arg); free(s->res); free(s->integer); free(s->stage.pivot); free(s->algebraic.pivot); free(s->at_point);
   free(s);
 }
@@ -1197,7 +1202,7 @@ EXPORT void fs_restore(fs_instance *s, const void *image) {
   int i;
   memcpy(&saved, from, sizeof saved);
   *s = saved;
-  s->m = now.m;
+  s->m = now.m; s->memory = now.memory;
   s->arg = now.arg; s->res = now.res; s->integer = now.integer;
   s->stop = now.stop; s->record = now.record;
   s->watched = now.watched; s->checked = now.checked; s->seen = now.seen; s->constants = now.constants;

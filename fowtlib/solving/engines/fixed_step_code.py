@@ -28,6 +28,7 @@ from fowtlib.solving.engines.reduction import Reduction, reduction
 from fowtlib.solving.engines.statements import Depends
 from fowtlib.solving.engines.symmetry import cyclic_unknowns
 from fowtlib.solving.engines.turning_frames import TurningFrame, turning_frames
+from fowtlib.solving.known_again import known_by
 
 DOUBLES, INTEGERS = c.POINTER(c.c_double), c.POINTER(c.c_int)
 CASADI = c.CFUNCTYPE(c.c_int, c.POINTER(DOUBLES), c.POINTER(DOUBLES), c.c_void_p, DOUBLES, c.c_int)
@@ -338,16 +339,8 @@ def kept_text(
     dae: FlatDAE, reduced: Reduction, observed: Sequence[str], frames: Sequence[TurningFrame], word: int
 ) -> tuple[str, Program, int]:
     """What `model_text` returns, from the cache where these equations have been written before."""
-    function = _function(dae, observed, {})
-    patterns = [_slope_pattern(external.function) for external in dae.externals]
-    structure = [
-        vars(reduced), dae.levels, [y.shape[0] for y in dae.level_inputs], [sample.targets for sample in dae.samples],
-        [[external.outputs.start, external.outputs.stop, external.inputs.numel()] for external in dae.externals],
-        [pattern and [pattern.shape, pattern.colind(), pattern.row()] for pattern in patterns],
-    ]  # fmt: skip
-    samples = [ca.Function("sample", _arguments(dae), [ca.densify(sample.values)]) for sample in dae.samples]
-    equations = [item.serialize() for item in (function, *samples, _axes(dae, frames), _conditions(dae))]
-    parts = [*sources(__name__, *WRITERS), json.dumps([word, structure]), *equations]
+    known = known_by(dae)
+    parts = [*known, json.dumps([word, list(observed)])] if known else _content(dae, reduced, observed, frames, word)
 
     def make() -> dict[str, Any]:
         text, program, scratch = model_text(dae, reduced, observed, frames, word)
@@ -358,6 +351,22 @@ def kept_text(
     program = found["program"]
     program["masks"] = [[int(mask, 16) for mask in some] for some in program["masks"]]
     return found["text"], Program(**program), found["scratch"]
+
+
+def _content(
+    dae: FlatDAE, reduced: Reduction, observed: Sequence[str], frames: Sequence[TurningFrame], word: int
+) -> list[str]:
+    """All that the text is made from, of equations that are not known again."""
+    function = _function(dae, observed, {})
+    patterns = [_slope_pattern(external.function) for external in dae.externals]
+    structure = [
+        vars(reduced), dae.levels, [y.shape[0] for y in dae.level_inputs], [sample.targets for sample in dae.samples],
+        [[external.outputs.start, external.outputs.stop, external.inputs.numel()] for external in dae.externals],
+        [pattern and [pattern.shape, pattern.colind(), pattern.row()] for pattern in patterns],
+    ]  # fmt: skip
+    samples = [ca.Function("sample", _arguments(dae), [ca.densify(sample.values)]) for sample in dae.samples]
+    equations = [item.serialize() for item in (function, *samples, _axes(dae, frames), _conditions(dae))]
+    return [*sources(__name__, *WRITERS), json.dumps([word, structure]), *equations]
 
 
 def _arguments(dae: FlatDAE) -> list[ca.SX]:
