@@ -95,7 +95,7 @@ def undamped(residual: Residual, jacobian: Jacobian, start: np.ndarray, *, toler
 
 def beside(residual: Residual, jacobian: Jacobian, start: np.ndarray, *, tolerance: float = 1e-10,
            limit: int = 16) -> NewtonResult | None:  # fmt: skip
-    """From a solution of equations that have changed a little, with the slopes there alone, by Broyden's updates of them.
+    """From a solution of equations that have changed a little, with the slopes there alone, by Broyden's updates.
 
     None where the steps do not become shorter from the third on, or not fast. Of equations whose slopes take as long as
     ten residuals. The last step is one after the tolerance is reached, so that its rounding is that of Newton's. C. T.
