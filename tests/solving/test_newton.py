@@ -31,7 +31,7 @@ def test_what_does_not_come_nearer_is_left_to_the_damped_one():
 
 @pytest.mark.parametrize("size", [3, DENSE + 1])
 def test_from_a_solution_beside_it_with_the_slopes_there_alone(size):
-    """Of x + tanh(M x)/2 = x0 + tanh(M x0)/2 that is x0, as M is small; from that for a fifth more of the right side."""
+    """Of x + tanh(M x)/2 = x0 + tanh(M x0)/2 that is x0, as M is small; from that of a fifth more on the right."""
     rng, asked = np.random.default_rng(1), []
     M = rng.normal(size=(size, size)) / size
     x0 = rng.normal(size=size)
