@@ -22,6 +22,7 @@ from fowtlib.language import (
     var,
 )
 from fowtlib.language import math as m
+from fowtlib.language.expressions import value_of
 from fowtlib.language.run_time import TurningRings
 
 
@@ -56,6 +57,9 @@ class EffectiveWindRotor(CoefficientRotor):
 
     def turning_disc(self) -> TurningRings:
         """The rings of the blades in the mean wind of a run, and their weights: of thrust and torque, of the moment."""
+        return value_of(self, "turning disc", self._turning_disc)
+
+    def _turning_disc(self) -> TurningRings:
         slopes, station = self.operation(), self.wind.hubs[self.station]
         thrust, torque, moment = (values[0] for values in (slopes.thrust, slopes.torque, slopes.moment))
         uniform = np.stack([thrust / thrust.sum(), torque / torque.sum()])

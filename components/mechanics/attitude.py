@@ -11,7 +11,7 @@ import numpy as np
 
 from fowtlib.components.mechanics.interfaces import TwoFrames
 from fowtlib.language import Component
-from fowtlib.language.expressions import one_evaluation
+from fowtlib.language.expressions import one_evaluation, value_of
 
 Place = tuple[int, str]  # id of a component, which is found faster than its path; label of its port
 
@@ -22,7 +22,7 @@ def heading_at_start(component: Component, port: str) -> float:
     The way from the world to the frame counts by `start_rotation` of the parts on it. Beams start straight; the command
     of a drive counts where a Constant gives it.
     """
-    R = _attitude(component, port)
+    R = value_of(component, f"attitude of {port}", lambda: _attitude(component, port))
     return float(np.arctan2(R[1, 0], R[0, 0]))
 
 

@@ -46,12 +46,12 @@ class SteadyTurbine:
     least_pitch: float = 0.0
     air_density: float = 1.225
 
-    def loads(self, wind_speed: float, rotor_speed: float, blade_pitch: float) -> tuple[float, float]:
-        """Thrust [N] and torque [N m] of the rotor at rest in this wind."""
+    def loads(self, wind_speed: float, rotor_speed: Any, blade_pitch: Any) -> tuple[Any, Any]:
+        """Thrust [N] and torque [N m] of the rotor at rest in this wind, at one speed and pitch or at many."""
         wind, R = wind_speed * np.cos(self.tilt), self.radius * np.cos(self.precone)
         C_t, C_q = self.table(rotor_speed * self.radius / wind, blade_pitch)
         pressure = self.air_density / 2 * np.pi * R**2 * wind**2
-        return float(pressure * C_t), float(pressure * R * C_q)
+        return pressure * C_t, pressure * R * C_q
 
     def operating_point(self, wind_speed: float) -> OperatingPoint:
         """Speed and pitch of steady operation: generator torque below rated speed, pitch above.
@@ -63,9 +63,9 @@ class SteadyTurbine:
             raise self._outside(wind_speed)
         slowest, fastest = (tip * wind / self.radius for tip in self.table.tip_speed_ratio[[0, -1]])
 
-        def surplus(rotor_speed: float) -> float:
+        def surplus(rotor_speed: Any) -> Any:
             braking = self.gear_ratio * torque_of(self.gear_ratio * rotor_speed, self.law)
-            return self.loads(wind_speed, rotor_speed, self.least_pitch)[1] - float(braking)
+            return self.loads(wind_speed, rotor_speed, self.least_pitch)[1] - braking
 
         wanted = self.gear_ratio * float(region_3_torque(self.law.rated_speed, self.law))
         if slowest <= rated <= fastest and self.loads(wind_speed, rated, self.least_pitch)[1] > wanted:
@@ -84,7 +84,8 @@ class SteadyTurbine:
 
     def _point(self, wind: float, speed: float, pitch: float, torque: float) -> OperatingPoint:
         tip, thrust = speed * self.radius / (wind * np.cos(self.tilt)), self.loads(wind, speed, pitch)[0]
-        return OperatingPoint(wind, speed, pitch, float(tip), thrust, torque, torque * speed, torque / self.gear_ratio)
+        found = wind, speed, pitch, tip, thrust, torque, torque * speed, torque / self.gear_ratio
+        return OperatingPoint(*(float(value) for value in found))
 
     def _outside(self, wind: float) -> ModelError:
         tips = self.table.tip_speed_ratio
@@ -95,12 +96,14 @@ class SteadyTurbine:
         )
 
 
-def _first_root(function: Callable[[float], float], grid: np.ndarray) -> float | None:
-    """The first root along a grid where a function turns from positive to negative."""
+def _first_root(function: Callable[[Any], Any], grid: np.ndarray) -> float | None:
+    """The first root along a grid where a function, of one point or of many, turns from positive to negative."""
     from scipy.optimize import brentq
 
-    values = [function(float(x)) for x in grid]
-    for i in range(len(grid) - 1):
-        if values[i] >= 0 > values[i + 1] or (i == 0 and values[0] == 0):
-            return float(brentq(function, grid[i], grid[i + 1], xtol=1e-12))
-    return None
+    values = function(grid)
+    turns = (values[:-1] >= 0) & (values[1:] < 0)
+    turns[0] |= values[0] == 0
+    if not turns.any():
+        return None
+    first = int(np.argmax(turns))
+    return float(brentq(function, grid[first], grid[first + 1], xtol=1e-12))

@@ -13,6 +13,7 @@ from fowtlib.components.turbine.idling import idling_speed_of
 from fowtlib.components.turbine.operating_point import STANDSTILL, OperatingPoint, SteadyTurbine
 from fowtlib.language import Component
 from fowtlib.language.errors import ModelError, ParameterError
+from fowtlib.language.expressions import value_of
 
 if TYPE_CHECKING:
     from fowtlib.components.environment.wind import Wind
@@ -43,6 +44,10 @@ def start_point(turbine: InTheWind, station: int) -> OperatingPoint:
     Standstill without wind or loads of the air, in wind from the side or behind, and at feather where it is idling:
     there rotors of blade elements have their idling speed, those of coefficients start at standstill.
     """
+    return value_of(turbine, f"start at station {station}", lambda: _start_point(turbine, station))
+
+
+def _start_point(turbine: InTheWind, station: int) -> OperatingPoint:
     wind = turbine.wind
     mean = wind.mean_at(station)  # refuses a station that does not exist
     if not turbine.parameter_value("air_loads"):

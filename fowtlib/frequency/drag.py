@@ -62,6 +62,6 @@ def stacked_gains(covariance: np.ndarray, mean: np.ndarray) -> np.ndarray:
     gains = np.eye(n) * along.reshape(count, 1, n)
     flows = np.flatnonzero(mean.any(axis=1))
     if flows.size:
-        share = np.sqrt(2 * SQUARED[:, None] * F[:, flows])[:, :, None] * (m[flows] / w[:, flows])
-        gains[flows] += np.einsum("t,tki,tkj->kij", DENSITY, share, share)
+        share = np.sqrt(2 * (SQUARED * DENSITY)[:, None] * F[:, flows])[:, :, None] * (m[flows] / w[:, flows])
+        gains[flows] += share.transpose(1, 2, 0) @ share.transpose(1, 0, 2)
     return axes @ (gains * np.sqrt(largest)[:, None, None]) @ axes.transpose(0, 2, 1)

@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from functools import lru_cache
 
 import numpy as np
 
@@ -30,37 +32,68 @@ class Mixing:
 
     def __call__(self, given: Sequence[np.ndarray], found: Sequence[np.ndarray]) -> list[np.ndarray]:
         """The next guess, after f(given) = found."""
-        sizes = np.concatenate([np.full(matrix.size, max(np.trace(matrix), 1e-12)) for matrix in found])
+        places = _places(tuple(len(matrix) for matrix in found))
         self._given = [*self._given, _flat(given)][-DEPTH:]
         self._found = [*self._found, _flat(found)][-DEPTH:]
+        sizes = places.spread(np.maximum(places.traces(self._found[-1]), 1e-12))
         steps = [(f - g) / sizes for f, g in zip(self._found, self._given, strict=True)]
         if len(steps) > 1 and np.linalg.norm(steps[-1]) > GROWN * np.linalg.norm(steps[-2]):
             self._share = max(self._share / 2, SHORTEST)
             self._given, self._found = self._given[-1:], self._found[-1:]
-        plain = [old + self._share * (new - old) for old, new in zip(given, found, strict=True)]
+        plain = self._given[-1] + self._share * (self._found[-1] - self._given[-1])
         if len(self._given) < 2:
-            return plain
+            return places.matrices(plain)
         differences = np.column_stack([after - before for before, after in zip(steps[:-1], steps[1:], strict=True)])
         share = np.linalg.lstsq(differences, steps[-1], rcond=1e-10)[0]
         moves = np.column_stack([b - a for a, b in zip(self._found[:-1], self._found[1:], strict=True)])
-        mixed, first = self._found[-1] - moves @ share, 0
-        guess: list[np.ndarray] = []
-        for matrix in plain:
-            part = mixed[first : first + matrix.size].reshape(matrix.shape)
-            first += matrix.size
-            guess.append((part + part.T) / 2)
-        for size in {len(matrix) for matrix in plain}:
-            numbers = [k for k, matrix in enumerate(plain) if len(matrix) == size]
-            parts, whole = (np.stack([of[k] for k in numbers]) for of in (guess, plain))
+        mixed = self._found[-1] - moves @ share
+        for size, numbers in places.of_size.items():
+            parts, whole = mixed[numbers], plain[numbers]  # (matrices, size, size)
+            parts = (parts + parts.transpose(0, 2, 1)) / 2
             kept = np.trace(parts, axis1=1, axis2=2) > LEAST * np.trace(whole, axis1=1, axis2=2)
             kept &= np.linalg.eigvalsh(parts)[:, 0] >= 0 if size > 1 else parts[:, 0, 0] >= 0
-            for k in (number for number, keep in zip(numbers, kept, strict=True) if not keep):
-                guess[k] = plain[k]
-        return guess
+            mixed[numbers] = np.where(kept[:, None, None], parts, whole)
+        return places.matrices(mixed)
 
     def moved(self, before: Sequence[np.ndarray], after: Sequence[np.ndarray]) -> None:
         """F has become another one, that gives `after` where it gave `before`, with steps that shrink alike."""
         self._found = [found + _flat(after) - _flat(before) for found in self._found]
+
+
+@dataclass(frozen=True, eq=False)
+class _Places:
+    """Where matrices (n, n) of some sizes stand, one after the other; of_size: their numbers there (matrices, n, n)."""
+
+    sizes: tuple[int, ...]
+    of_size: Mapping[int, np.ndarray]
+    owners: np.ndarray
+    diagonal: np.ndarray
+
+    def traces(self, flat: np.ndarray) -> np.ndarray:
+        """Of each matrix."""
+        return np.bincount(self.owners[self.diagonal], flat[self.diagonal], len(self.sizes))
+
+    def spread(self, values: np.ndarray) -> np.ndarray:
+        """One value of each matrix at all its elements."""
+        return values[self.owners]
+
+    def matrices(self, flat: np.ndarray) -> list[np.ndarray]:
+        """The matrices themselves."""
+        ends = np.cumsum([size**2 for size in self.sizes])[:-1]
+        return [part.reshape(size, size) for size, part in zip(self.sizes, np.split(flat, ends), strict=True)]
+
+
+@lru_cache(maxsize=16)
+def _places(sizes: tuple[int, ...]) -> _Places:
+    first, of_size, diagonal = 0, dict[int, list[np.ndarray]](), []
+    for size in sizes:
+        numbers = first + np.arange(size**2).reshape(size, size)
+        of_size.setdefault(size, []).append(numbers)
+        diagonal.append(np.diag(numbers))
+        first += size**2
+    owners = np.repeat(np.arange(len(sizes)), [size**2 for size in sizes])
+    stacked = {size: np.array(numbers) for size, numbers in of_size.items()}
+    return _Places(sizes, stacked, owners, np.concatenate(diagonal))
 
 
 def _flat(matrices: Sequence[np.ndarray]) -> np.ndarray:

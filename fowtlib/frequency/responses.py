@@ -77,7 +77,7 @@ def response(
     names = list(plant.outputs) if outputs is None else chosen_outputs(plant, outputs)
     study = study_of(plant)
     with study.tree(parameters) as root:
-        state = study.mean(parameters, root) if state is None else state
+        state = study.mean(parameters, root, names) if state is None else state
         excited = study.excited(state, names)
         given = None if frequencies is None else _checked(frequencies)
         with one_evaluation():  # from here on nothing sets a parameter

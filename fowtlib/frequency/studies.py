@@ -14,6 +14,7 @@ import numpy as np
 
 from fowtlib.frequency.known_rows import Known, KnownRows
 from fowtlib.language.component import Component
+from fowtlib.language.eigenvectors import eigenvalues, eigenvectors
 from fowtlib.solving import State, mean_state
 from fowtlib.solving.binding import RunTrees, content_of
 from fowtlib.solving.excited import ExcitedModel, excited_model
@@ -54,14 +55,14 @@ class Study:
         with self._lock:
             yield self._trees(parameters)
 
-    def mean(self, parameters: Mapping[str, Any] | None, root: Component) -> State:
-        """The mean of a run with these parameters and this tree.
+    def mean(self, parameters: Mapping[str, Any] | None, root: Component, names: Sequence[str] = ()) -> State:
+        """The mean of a run with these parameters and this tree; names: results of which one asks there.
 
         Newton is tried first from the nearest one so far, where nothing goes round; a mean that it finds counts where
         it is statically stable, since another way may lead to another one.
         """
         values = mean_parameters(self.plant, parameters, root)
-        return _kept(self._means, _key(values), MEANS, lambda: self._found(values))
+        return _kept(self._means, _key(values), MEANS, lambda: self._found(values, names))
 
     def excited(self, state: State, names: Sequence[str]) -> ExcitedModel:
         """The linear model about a mean."""
@@ -96,25 +97,22 @@ class Study:
         key = tuple(names), state.x.tobytes(), state.z.tobytes(), _key(state.parameters)
         return _kept(self._rotations, key, MODELS, lambda: steady_rotation(self.plant, state, names, rotating))
 
-    def _found(self, values: Mapping[str, Any]) -> State:
+    def _found(self, values: Mapping[str, Any], names: Sequence[str]) -> State:
         near = min(self._means.values(), key=lambda state: _distance(values, state.parameters), default=None)
         if near is None or self.plant.dae.symmetries or not np.isfinite(_distance(values, near.parameters)):
             return mean_state(self.plant, values)
         beside = self.plant.equilibrium(values, near=near)
-        return beside if self._on_the_branch(beside) else mean_state(self.plant, values)
+        return beside if self._on_the_branch(beside, names) else mean_state(self.plant, values)
 
-    def _on_the_branch(self, state: State) -> bool:
+    def _on_the_branch(self, state: State, names: Sequence[str]) -> bool:
         """Whether no motion grows without oscillating.
 
         Where a branch of equilibria turns back, a real root goes through zero. One that grows as it oscillates says
         nothing of the branch: the drag, which has hardly a slope at a mean of zero, may yet damp it.
         """
-        at = self.plant.at(state.parameters)
-        point = state.t, state.x, state.z, np.concatenate([state.u, state.d])
-        A, by_z, alg_by_x, alg_by_z = at.arrays(at.functions.jacobian, *point)
-        if len(alg_by_z):
-            A = A - by_z @ np.linalg.solve(alg_by_z, alg_by_x)
-        roots = np.linalg.eigvals(A) if A.size else np.zeros(0)
+        A = self.excited(state, names).linear.matrices["A"]
+        eigenvectors(A)  # of which the next one will ask
+        roots = eigenvalues(A)
         return not np.any((roots.imag == 0) & (roots.real > 1e-6))
 
 

@@ -78,7 +78,7 @@ class CubicSurface:
         at = np.broadcast_arrays(np.asarray(x, dtype=float), np.asarray(y, dtype=float))
         places, weights = [], []
         for axis, point in zip((self.x, self.y), at, strict=True):
-            k = np.clip(np.searchsorted(axis, point, side="right") - 1, 0, len(axis) - 2)
+            k = np.searchsorted(axis[1:-1], point, side="right")  # of the pieces
             h = axis[k + 1] - axis[k]
             low, high, low_slope, high_slope = _weights((point - axis[k]) / h, h)
             places.append(k)

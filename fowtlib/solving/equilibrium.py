@@ -13,7 +13,7 @@ from fowtlib.flattening import FlatDAE
 from fowtlib.language.errors import SimulationError
 from fowtlib.solving.functions import AtParameters, Functions
 from fowtlib.solving.initial import failure_text
-from fowtlib.solving.newton import DENSE, Jacobian, Residual, newton, solve, undamped
+from fowtlib.solving.newton import DENSE, Jacobian, Residual, beside, newton, solve, undamped
 from fowtlib.solving.state import State
 
 if TYPE_CHECKING:
@@ -147,13 +147,17 @@ def _rest(at: AtParameters, t: float, x: np.ndarray, q: np.ndarray, held: set[in
 
 
 def next_equilibrium(at: AtParameters, near: State) -> tuple[np.ndarray, np.ndarray, np.ndarray] | None:
-    """x, z and d of the equilibrium that Newton finds by whole steps from one of other parameters; None: none."""
+    """x, z and d of the equilibrium that whole steps find from one of other parameters; None: none.
+
+    With the slopes there alone, and where these do not serve with those of each step.
+    """
     d = at.start_values()[2]
     if time_dependence(at, d):
         return None
     rest = _rest(at, near.t, near.x, np.concatenate([near.u, d]), set())
     slopes = rest.dense_slopes if rest.size <= DENSE else rest.slopes
-    solution = undamped(rest.rates, slopes, np.concatenate([near.x[rest.moving], near.z]), tolerance=1e-11)
+    asked = rest.rates, slopes, np.concatenate([near.x[rest.moving], near.z])
+    solution = beside(*asked, tolerance=1e-11) or undamped(*asked, tolerance=1e-11)
     return None if solution is None else (*rest.unpack(solution.values), d)
 
 

@@ -7,7 +7,6 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING, TypeAlias
 
 import numpy as np
-
 if TYPE_CHECKING:
     from scipy import sparse
 
@@ -94,6 +93,55 @@ def undamped(residual: Residual, jacobian: Jacobian, start: np.ndarray, *, toler
             final = residual(values)
             return NewtonResult(values, final, True, iteration + 1) if np.all(np.isfinite(final)) else None
     return None
+
+
+def beside(residual: Residual, jacobian: Jacobian, start: np.ndarray, *, tolerance: float = 1e-10,
+           limit: int = 16) -> NewtonResult | None:  # fmt: skip
+    """From a solution of equations that have changed a little, with the slopes there alone, by Broyden's updates.
+
+    None where the steps do not become shorter from the third on, or not fast. Of equations whose slopes take as long as
+    ten residuals. The last step is one after the tolerance is reached, so that its rounding is that of Newton's. C. T.
+    Kelley, Iterative Methods for Linear and Nonlinear Equations (1995), algorithm 7.3.1 (brsol).
+    """
+    values, last, steps, done = np.array(start, dtype=float), np.inf, [], False
+    try:
+        solved = _solver(jacobian(values))
+    except RuntimeError:
+        return None
+    for iteration in range(limit):
+        step = -solved(residual(values))
+        for before, after in zip(steps[:-1], steps[1:], strict=True):
+            step = step + after * (before @ step / (before @ before))
+        if steps:
+            step = step / (1 - steps[-1] @ step / (steps[-1] @ steps[-1]))
+        largest = float(np.max(np.abs(step) / (1.0 + np.abs(values)), initial=0.0))
+        if done or largest == 0.0:
+            values = values + step
+            final = residual(values)
+            return NewtonResult(values, final, True, iteration + 1) if np.all(np.isfinite(final)) else None
+        if not np.isfinite(largest) or (iteration > 1 and largest > last / 2):
+            return None
+        values, last, done = values + step, largest, largest < tolerance
+        steps.append(step)
+    return None
+
+
+def _solver(matrix: sparse.spmatrix | np.ndarray) -> Residual:
+    """The solution of matrix @ x = right for one right side after the other; see `solve`."""
+    size = matrix.shape[0]
+    if size > DENSE:
+        from scipy import sparse
+        from scipy.sparse.linalg import splu
+
+        return splu(sparse.csc_matrix(matrix)).solve
+    if not size:
+        return lambda right: right
+    from scipy.linalg.lapack import dgetrf, dgetrs
+
+    factors, pivots, info = dgetrf(matrix if isinstance(matrix, np.ndarray) else matrix.toarray())
+    if info:
+        raise RuntimeError("singular matrix")
+    return lambda right: dgetrs(factors, pivots, right)[0]
 
 
 def _step(matrix: sparse.csc_matrix, size: np.ndarray, damping: float) -> tuple[np.ndarray, bool]:

@@ -3,9 +3,10 @@
 from __future__ import annotations
 
 import numpy as np
+import pytest
 from scipy import sparse
 
-from fowtlib.solving.newton import newton, undamped
+from fowtlib.solving.newton import DENSE, beside, newton, undamped
 
 
 def problem(function, slope):
@@ -26,3 +27,32 @@ def test_what_does_not_come_nearer_is_left_to_the_damped_one():
     assert abs(newton(residual, jacobian, start).values[0]) < 1e-10
     singular = problem(lambda v: v**2, lambda v: 0 * v)
     assert undamped(*singular, np.array([1.0])) is None
+
+
+@pytest.mark.parametrize("size", [3, DENSE + 1])
+def test_from_a_solution_beside_it_with_the_slopes_there_alone(size):
+    """Of x + tanh(M x)/2 = x0 + tanh(M x0)/2 that is x0, as M is small; from that of a fifth more on the right."""
+    rng, asked = np.random.default_rng(1), []
+    M = rng.normal(size=(size, size)) / size
+    x0 = rng.normal(size=size)
+
+    def function(x):
+        return x + np.tanh(M @ x) / 2
+
+    def slopes(x):
+        asked.append(x)
+        return sparse.csc_matrix(np.eye(size) + M / 2 / np.cosh(M @ x)[:, None] ** 2)
+
+    start = newton(lambda x: function(x) - 1.2 * function(x0), slopes, x0).values
+    asked.clear()
+    found = beside(lambda x: function(x) - function(x0), slopes, start, tolerance=1e-11)
+    assert found.converged and len(asked) == 1
+    np.testing.assert_allclose(found.values, x0, atol=1e-13)  # rounding of numbers of size 1, some hundred times
+
+
+def test_slopes_that_do_not_serve_elsewhere_are_told():
+    residual, jacobian = problem(np.arctan, lambda v: 1 / (1 + v**2))
+    assert beside(residual, jacobian, np.array([3.0])) is None
+    assert beside(*problem(lambda v: v**2, lambda v: 0 * v), np.array([1.0])) is None  # singular
+    assert beside(residual, jacobian, np.zeros(1)).converged  # there already
+    assert beside(residual, jacobian, np.zeros(0)).converged  # nothing to solve

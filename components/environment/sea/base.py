@@ -29,6 +29,7 @@ from fowtlib.language import (
 )
 from fowtlib.language import math as m
 from fowtlib.language.errors import ParameterError
+from fowtlib.language.expressions import value_of
 
 if TYPE_CHECKING:
     import casadi as ca
@@ -83,6 +84,10 @@ class Sea(Component, selector="spectrum", shared=("signal", "loads", "velocity",
         if self.misalignment is None:
             return float(self.heading)
         return float(self.misalignment + the_wind(self, "misalignment").parameter_value("direction"))
+
+    def water(self) -> tuple[float, float, float]:
+        """Depth [m], heading [rad] and gravity [m/s^2], by which all harmonics of this sea go."""
+        return float(self.world.water_depth), self.wave_heading(), float(self.world.gravity)
 
     def in_the_mean(self) -> dict[str, Any]:
         """Still water."""
@@ -154,8 +159,8 @@ class WaveSignals:
 
     def response(self, part: Component, omega: np.ndarray) -> np.ndarray:
         sea = self.process(part)
-        waves = unit_waves(omega, sea.world.water_depth, sea.wave_heading(), sea.world.gravity)
-        return self._table(waves, part)[:, :, None]
+        water = value_of(sea, "water", sea.water)
+        return self._table(unit_waves(omega, *water), part)[:, :, None]
 
     def _table(self, waves: WaveComponents, part: Component) -> np.ndarray:
         return waves.columns(self.transfer(waves, part) if self.wants_part else self.transfer(waves))
