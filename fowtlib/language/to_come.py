@@ -10,7 +10,7 @@ import casadi as ca
 
 @dataclass(frozen=True)
 class ToCome:
-    """Name and lengths of the columns of a function, as CasADi's Function gives them, and `made`, which waits for it."""
+    """Name and lengths of the columns of a function, as CasADi's Function gives them; `made` waits for it."""
 
     called: str
     inputs: int
