@@ -14,9 +14,9 @@ import numpy as np
 from fowtlib.language.declarations import Variable, join
 from fowtlib.language.equations import Assertion, AtStart
 from fowtlib.language.errors import StructureError
-from fowtlib.language.externals import ToCome
 from fowtlib.language.quadratic_laws import QuadraticLaw
 from fowtlib.language.stages import Stage
+from fowtlib.language.to_come import ToCome
 
 _TOKEN = re.compile(r"[A-Za-z_][\w.\[\]]*")
 
@@ -159,7 +159,7 @@ class Intermediate:
     @property
     def called(self) -> ca.Function:
         """The function of an external, compiled by now."""
-        return self.function.function if isinstance(self.function, ToCome) else self.function
+        return self.function.made() if isinstance(self.function, ToCome) else self.function
 
     def names(self) -> list[str]:
         """Result names of the elements of an orientation."""

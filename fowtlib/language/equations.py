@@ -5,16 +5,14 @@ from __future__ import annotations
 import sys
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field
-from typing import TYPE_CHECKING, Any, Protocol
+from typing import Any, Protocol
 
 import casadi as ca
 import numpy as np
 from numpy.typing import ArrayLike
 
 from fowtlib.language.errors import StructureError
-
-if TYPE_CHECKING:
-    from fowtlib.language.externals import ToCome
+from fowtlib.language.to_come import ToCome
 
 
 class Flattener(Protocol):

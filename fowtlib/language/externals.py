@@ -15,6 +15,7 @@ import numpy as np
 from fowtlib.language.equations import external
 from fowtlib.language.errors import ParameterError, SimulationError, StructureError, did_you_mean
 from fowtlib.language.native import Library, begin_library, compiler, load_library, no_compiler, open_library, say_once
+from fowtlib.language.to_come import ToCome
 
 _INTERFACE = Path(__file__).parent / "casadi_interface.c"
 Compute = Callable[[np.ndarray], Any]
@@ -137,42 +138,10 @@ class ExternalFunction:
                     f"external function {self.name}: input '{key}' has {column.shape[0]} elements, {size} declared."
                 )
             columns.append(column)
-        made = "function" in vars(self)
-        result = external(self.function if made else ToCome(self), ca.vertcat(*columns))
+        made = self.function if "function" in vars(self) else ToCome(self.name, *self.sizes, lambda: self.function)
+        result = external(made, ca.vertcat(*columns))
         ends = np.cumsum([0, *self.outputs.values()]).tolist()
         return dict(zip(self.outputs, ca.vertsplit(ca.vec(result), ends), strict=True))
-
-
-class ToCome:
-    """An external function in the equations while it is compiled: its name and sizes, and itself when it is called."""
-
-    def __init__(self, announced: ExternalFunction):
-        self.announced = announced
-
-    @property
-    def function(self) -> ca.Function:
-        return self.announced.function
-
-    def name(self) -> str:
-        return self.announced.name
-
-    def n_in(self) -> int:
-        return 1
-
-    def n_out(self) -> int:
-        return 1
-
-    def size1_in(self, _: int) -> int:
-        return self.announced.sizes[0]
-
-    def numel_out(self, _: int) -> int:
-        return self.announced.sizes[1]
-
-    def size1_out(self, _: int) -> int:
-        return self.announced.sizes[1]
-
-    def size2_out(self, _: int) -> int:
-        return 1
 
 
 def runs_as_python(function: ca.Function) -> bool:

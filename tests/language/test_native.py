@@ -10,7 +10,7 @@ import numpy as np
 import pytest
 
 from fowtlib.language import ExternalFunction
-from fowtlib.language.errors import CompilerError
+from fowtlib.language.errors import CompilerError, ParameterError
 from fowtlib.language.native import begin_library, compile_library, compiler, say_once
 
 needs_compiler = pytest.mark.skipif(not compiler(), reason="needs a C compiler")
@@ -74,6 +74,28 @@ def test_a_library_that_was_begun_is_waited_for_and_compiled_once(own_cache, slo
     begin_library(text, "twice")  # it is there: nothing to do
     compile_library(text, "twice")
     assert told.read_text() == "text\n"
+
+
+@needs_compiler
+@pytest.mark.skipif(sys.platform == "win32", reason="a script of the shell")
+def test_a_function_that_is_compiled_beside_is_waited_for_where_it_is_called(slow_compiler):
+    told, go = slow_compiler
+
+    def text(factor: float) -> str:
+        return f"#define FACTOR {factor}\n{TWICE}"
+
+    waiting = [ExternalFunction("twice", {"x": 1}, {"y": 1}, source=text(f), beside=True) for f in (6.0, 7.0, 8.0)]
+    assert not any("function" in vars(function) for function in waiting)  # nobody has waited
+    go.touch()
+    assert [float(function.function(2.0)) for function in reversed(waiting)] == [16.0, 14.0, 12.0]
+    assert told.read_text() == 3 * "text\n"  # each once, whoever compiled it
+    wrong = ExternalFunction("broken", {"x": 1}, {"y": 1}, source="int broken(", beside=True)
+    for _ in range(2):
+        with pytest.raises(CompilerError, match="broken: its C code does not compile"):
+            _ = wrong.library
+    other = ExternalFunction("twice", {"x": 2}, {"y": 1}, source=text(9.0), beside=True)
+    with pytest.raises(ParameterError, match="1 inputs and 1 outputs in its library, 2 and 1 declared"):
+        _ = other.function
 
 
 @needs_compiler
