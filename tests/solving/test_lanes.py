@@ -12,7 +12,7 @@ import pytest
 import fowtlib as fw
 from fowtlib.language.native import compiler, load_library
 from fowtlib.solving.engines import c_pieces
-from fowtlib.solving.engines.c_lanes import OPERATIONS, prologue, word_here
+from fowtlib.solving.engines.c_lanes import OPERATIONS, narrow, prologue, word_here
 from fowtlib.solving.engines.c_text import c_program
 from fowtlib.solving.engines.fixed_step_code import _function, _known_from, dependences
 from fowtlib.solving.engines.lanes import Packs, operations_of
@@ -27,7 +27,7 @@ NAN = float("nan")
 def values(function, arguments, word, plain=""):
     """Results of a function of x and p by its C text, and the text. plain: what stands in front of it."""
     program = c_program(function, [("all", ["out"])], ["x", "p"], ["out"], word=word)
-    _, library = load_library(plain + prologue(word) + program.text, "lanes", optimization="-O1")
+    _, library = load_library(plain + prologue(word) + program.text + narrow(word), "lanes", optimization="-O1")
     columns = [np.array(value, dtype=float) for value in arguments]
     out, scratch = np.full(function.numel_out(0), 7.0), np.full(program.scratch + 1, NAN)
     library["all"](*(c.c_void_p(array.ctypes.data) for array in (*columns, out, scratch)))
@@ -166,7 +166,7 @@ def test_the_turbine_gives_the_numbers_of_casadi(turbine, word, repeated, monkey
     assert wide > 2 * single and 3 * (wide + single) < 2 * function.n_instructions()
     assert sum(texts[1]) < 0.85 * sum(texts[0])  # what repeats itself is written once
     assert program.text.count("level_0_part_") > program.text.count("void level_0_part_") > 0  # hinge after hinge
-    _, library = load_library(prologue(word) + program.text, "lanes", optimization="-O1")
+    _, library = load_library(prologue(word) + program.text + narrow(word), "lanes", optimization="-O1")
     scratch = np.full(program.scratch + 1, NAN)
     for _ in range(3):
         moved = [np.asarray(v, dtype=float) + random.normal(0, 0.1, np.shape(v)) for v in point]
@@ -199,7 +199,7 @@ def test_pieces_of_one_unknown_are_enough(turbine):
     known = dependences(dae, reduction(dae))
     program = c_program(function, [*sections, ("observed", ["first"])], list("txzqw"), ["first", "second"], known,
                         _known_from(dae), WORDS[-1])  # fmt: skip
-    _, library = load_library(prologue(WORDS[-1]) + program.text, "lanes", optimization="-O1")
+    _, library = load_library(prologue(WORDS[-1]) + program.text + narrow(WORDS[-1]), "lanes", optimization="-O1")
     pieces = (c.c_void_p * len(program.masks[0])).in_dll(library, "pieces")
     call = c.CFUNCTYPE(None, *[c.c_void_p] * 8)
     given = [np.atleast_1d(np.asarray(value, dtype=float)).copy() for value in point]

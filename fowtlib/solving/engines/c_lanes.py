@@ -45,6 +45,7 @@ _WIDE = """#if defined(__clang__)
 #endif
 #define LEAVE __builtin_ia32_vzeroupper(); /* gcc leaves it out at -O1, and what follows would be slow without */
 """
+_NARROW = "#ifdef __clang__\n#pragma clang attribute pop\n#endif\n"
 _PROLOGUE = """#include <math.h>
 #ifndef LEAVE
 #define LEAVE
@@ -107,7 +108,17 @@ def prologue(word: int) -> str:
 
     Without the vectors of gcc and clang there are two numbers in their place.
     """
-    return (_WIDE if word > ANY_PROCESSOR else "") + _PROLOGUE.replace("BYTES", str(8 * word))
+    return wide(word) + _PROLOGUE.replace("BYTES", str(8 * word))
+
+
+def wide(word: int) -> str:
+    """In front of a text: vectors of so many lanes, and no fused multiply-add, which would round less."""
+    return _WIDE if word > ANY_PROCESSOR else ""
+
+
+def narrow(word: int) -> str:
+    """Behind a text with `wide` or `prologue` in front."""
+    return _NARROW if word > ANY_PROCESSOR else ""
 
 
 def for_this_processor() -> str:

@@ -111,6 +111,7 @@ typedef struct {
   double *lu, *row_scale, *row_size, *value, *sorted;
   double *angle, *axes; /* of the symmetries and frames, when it was made */
   int *pivot, *list, *column; /* of row i beside its dense part: value[list[i]] to value[list[i + 1] - 1] and their columns */
+  int *middle;       /* where in them those behind the diagonal begin */
 } fs_matrix;
 
 typedef struct {
@@ -310,8 +311,8 @@ static void fs_eliminate(fs_matrix *a, int c, const int *column, int columns) {
   }
 }
 
-/* LU with partial pivoting on scaled rows, in place; light unknowns have their pivots among their own rows. Returns
-   FS_SINGULAR where there is no pivot. */
+/* LU with partial pivoting on scaled rows, in place, with 1 / pivots; light unknowns have their pivots among their own rows.
+   Returns FS_SINGULAR where there is no pivot. */
 static int fs_factor(fs_matrix *a) {
   int n = a->n, i, j, c, used = 0;
   double *lu = a->lu;
@@ -334,37 +335,74 @@ static int fs_factor(fs_matrix *a) {
     fs_eliminate(a, c, c < a->light ? a->column : 0, columns);
   }
   for (i = 0; i < n; i++) {
-    a->list[i] = used;
+    a->list[i] = a->middle[i] = used;
     for (j = 0; j < (i < a->light ? n : a->light); j++)
       if (j != i && lu[i * n + j] != 0.0) {
         a->column[used] = j;
         a->value[used++] = lu[i * n + j];
+        if (j < i) a->middle[i] = used;
       }
   }
   a->list[n] = used;
+  for (i = 0; i < n; i++) lu[i * n + i] = 1.0 / lu[i * n + i];
   return FS_DONE;
 }
 
-/* a . b, in four sums that do not wait for each other. */
+/* a . b. The sum has one order on every machine, whatever the width of its vectors: number i goes into sum i modulo 16, as
+   far as there are sixteen at a time, then into sum i modulo 4, as far as there are four. The sixteen sums become four, i and
+   i + 4 with i + 8 and i + 12, these one, and what is left over comes last. So vectors of two and of four numbers, and none,
+   give the same runs to the last bit. */
 static double fs_dot(const double *a, const double *b, int n) {
-  double s0 = 0.0, s1 = 0.0, s2 = 0.0, s3 = 0.0;
-  int i;
-  for (i = 0; i + 3 < n; i += 4) {
-    s0 += a[i] * b[i];
-    s1 += a[i + 1] * b[i + 1];
-    s2 += a[i + 2] * b[i + 2];
-    s3 += a[i + 3] * b[i + 3];
+  double rest = 0.0;
+  int i = 0;
+#ifdef __GNUC__
+  typedef double four __attribute__((vector_size(32), aligned(8), may_alias));
+  four s0 = {0.0}, s1 = {0.0}, s2 = {0.0}, s3 = {0.0};
+#define FS_FOUR(p, k) (*(const four *)(p + i + k))
+  for (; i + 15 < n; i += 16) {
+    s0 += FS_FOUR(a, 0) * FS_FOUR(b, 0);
+    s1 += FS_FOUR(a, 4) * FS_FOUR(b, 4);
+    s2 += FS_FOUR(a, 8) * FS_FOUR(b, 8);
+    s3 += FS_FOUR(a, 12) * FS_FOUR(b, 12);
   }
-  for (; i < n; i++) s0 += a[i] * b[i];
-  return (s0 + s1) + (s2 + s3);
+  for (; i + 3 < n; i += 4) s0 += FS_FOUR(a, 0) * FS_FOUR(b, 0);
+  s0 = (s0 + s1) + (s2 + s3);
+#undef FS_FOUR
+#else
+  double s0[4], s[16] = {0.0};
+  int k;
+  for (; i + 15 < n; i += 16)
+    for (k = 0; k < 16; k++) s[k] += a[i + k] * b[i + k];
+  for (; i + 3 < n; i += 4)
+    for (k = 0; k < 4; k++) s[k] += a[i + k] * b[i + k];
+  for (k = 0; k < 4; k++) s0[k] = (s[k] + s[k + 4]) + (s[k + 8] + s[k + 12]);
+#endif
+  for (; i < n; i++) rest += a[i] * b[i];
+  return ((s0[0] + s0[1]) + (s0[2] + s0[3])) + rest;
+}
+
+/* to += factor a */
+static void fs_add(double *restrict to, double factor, const double *restrict a, int n) {
+  int i;
+  for (i = 0; i < n; i++) to[i] += factor * a[i];
 }
 
 /* Unknown i of a matrix is number fs_place_of(i) of the caller's, whose light unknowns come last. */
 static int fs_place_of(const fs_matrix *a, int i) { return i < a->light ? a->n - a->light + i : i - a->light; }
 
+/* Numbers `from` to `to` of the lists times b, in two sums that do not wait for each other. */
+static double fs_listed(const fs_matrix *a, const double *b, int from, int to) {
+  double s0 = 0.0, s1 = 0.0;
+  for (; from + 1 < to; from += 2) {
+    s0 += a->value[from] * b[a->column[from]];
+    s1 += a->value[from + 1] * b[a->column[from + 1]];
+  }
+  return from < to ? s0 + a->value[from] * b[a->column[from]] + s1 : s0 + s1;
+}
+
 /* Solve in place; the caller's light unknowns come last. */
 static void fs_solve(const fs_matrix *a, double *right) {
-  int n = a->n, light = a->light, i, k;
+  int n = a->n, light = a->light, i;
   const double *lu = a->lu;
   double *b = a->sorted;
   for (i = 0; i < n; i++) b[i] = right[fs_place_of(a, i)] * a->row_scale[i];
@@ -375,26 +413,23 @@ static void fs_solve(const fs_matrix *a, double *right) {
       b[a->pivot[i]] = swap;
     }
   for (i = 0; i < n; i++) {
-    double sum = 0.0;
-    for (k = a->list[i]; k < a->list[i + 1] && a->column[k] < i; k++) sum += a->value[k] * b[a->column[k]];
+    double sum = fs_listed(a, b, a->list[i], a->middle[i]);
     b[i] -= i < light ? sum : sum + fs_dot(lu + i * n + light, b + light, i - light);
   }
-  for (i = n - 1; i >= light; i--) b[i] = (b[i] - fs_dot(lu + i * n + i + 1, b + i + 1, n - i - 1)) / lu[i * n + i];
-  for (; i >= 0; i--) {
-    double sum = 0.0;
-    for (k = a->list[i + 1] - 1; k >= a->list[i] && a->column[k] > i; k--) sum += a->value[k] * b[a->column[k]];
-    b[i] = (b[i] - sum) / lu[i * n + i];
-  }
+  for (i = n - 1; i >= light; i--) b[i] = (b[i] - fs_dot(lu + i * n + i + 1, b + i + 1, n - i - 1)) * lu[i * n + i];
+  for (; i >= 0; i--) b[i] = (b[i] - fs_listed(a, b, a->middle[i], a->list[i + 1])) * lu[i * n + i];
   for (i = 0; i < n; i++) right[fs_place_of(a, i)] = b[i];
 }
 
 /* Scale the rows and factor. weight: 1 / scale of the caller's unknowns. */
 static int fs_finish(fs_matrix *a, const double *weight) {
   int n = a->n, i, j, status;
+  double *size = a->sorted;
+  for (j = 0; j < n; j++) size[j] = 1.0 / weight[fs_place_of(a, j)];
   for (i = 0; i < n; i++) {
     double largest = 0.0, sum = 0.0;
     for (j = 0; j < n; j++) {
-      double part = fabs(a->lu[i * n + j]) / weight[fs_place_of(a, j)];
+      double part = fabs(a->lu[i * n + j]) * size[j];
       if (part > largest) largest = part;
       sum += part;
     }
@@ -546,15 +581,16 @@ static void fs_broyden(fs_instance *s, fs_matrix *a, int iteration) {
   int n = a->n, i, j;
   for (j = 0; j < a->pairs; j++) {
     int pair = (a->oldest + j) % FS_PAIRS;
-    double factor = fs_dot(a->weighing[pair], p, n);
-    for (i = 0; i < n; i++) p[i] += factor * a->gain[pair][i];
+    fs_add(p, fs_dot(a->weighing[pair], p, n), a->gain[pair], n);
   }
   if (iteration > 0) {
     int pair = (a->oldest + a->pairs) % FS_PAIRS;
     if (a->pairs < FS_PAIRS) a->pairs++;
     else a->oldest = (a->oldest + 1) % FS_PAIRS;
-    for (i = 0; i < n; i++) square += s->before[i] * s->before[i] * s->weight[i] * s->weight[i];
-    for (i = 0; i < n; i++) a->weighing[pair][i] = s->before[i] * s->weight[i] * s->weight[i] / square;
+    double *restrict weighing = a->weighing[pair];
+    for (i = 0; i < n; i++) weighing[i] = s->before[i] * s->weight[i] * s->weight[i];
+    square += fs_dot(weighing, s->before, n);
+    for (i = 0; i < n; i++) weighing[i] /= square;
     scale = 1.0 - fs_dot(a->weighing[pair], p, n);
     if (scale > 0.2)
       for (i = 0; i < n; i++) p[i] /= scale;
@@ -1067,8 +1103,8 @@ static void fs_lay_matrix(fs_matrix *a, size_t symmetries, size_t frames, double
   }
 }
 
-/* Integers of a matrix: pivot, list and column in one piece; how many, and their memory. */
-static size_t fs_integers(const fs_matrix *a) { return 2 * (size_t)a->n + 1 + fs_beside(a); }
+/* Integers of a matrix: pivot, list, column and middle in one piece; how many, and their memory. */
+static size_t fs_integers(const fs_matrix *a) { return 3 * (size_t)a->n + 1 + fs_beside(a); }
 
 static int fs_lay_integers(fs_matrix *a) {
   size_t n = (size_t)a->n;
@@ -1076,6 +1112,7 @@ static int fs_lay_integers(fs_matrix *a) {
   if (!a->pivot) return 0;
   a->list = a->pivot + n;
   a->column = a->list + n + 1;
+  a->middle = a->column + fs_beside(a);
   return 1;
 }
 
@@ -1209,6 +1246,7 @@ EXPORT void fs_restore(fs_instance *s, const void *image) {
   s->watched_size = now.watched_size; s->row_size = now.row_size;
   s->at_point = now.at_point; s->at_points = now.at_points;
   s->stage.pivot = now.stage.pivot; s->stage.list = now.stage.list; s->stage.column = now.stage.column;
+  s->stage.middle = now.stage.middle; s->algebraic.middle = now.algebraic.middle;
   s->algebraic.pivot = now.algebraic.pivot; s->algebraic.list = now.algebraic.list;
   s->algebraic.column = now.algebraic.column;
   numbers = sizeof(double) * fs_lay(s, now.q);
@@ -1219,12 +1257,12 @@ EXPORT void fs_restore(fs_instance *s, const void *image) {
 }
 
 static int fs_matrix_fits(const fs_matrix *now, const fs_matrix *saved, const int *integer) {
-  const int *list = integer + now->n, *column = list + now->n + 1;
+  const int *list = integer + now->n, *column = list + now->n + 1, *middle = column + fs_beside(now);
   int beside = (int)fs_beside(now), i;
   if (saved->n != now->n || saved->light != now->light || saved->pairs < 0 || saved->pairs > FS_PAIRS) return 0;
   if (saved->oldest < 0 || saved->oldest >= FS_PAIRS) return 0;
   for (i = 0; i < now->n; i++)
-    if (integer[i] < 0 || integer[i] >= now->n || list[i] < 0 || list[i + 1] < list[i]) return 0;
+    if (integer[i] < 0 || integer[i] >= now->n || list[i] < 0 || middle[i] < list[i] || list[i + 1] < middle[i]) return 0;
   if (list[now->n] > beside) return 0;
   for (i = 0; i < list[now->n]; i++)
     if (column[i] < 0 || column[i] >= now->n) return 0;
