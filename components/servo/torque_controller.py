@@ -97,8 +97,8 @@ def band(controller):
 
 
 _BAND = (
-    "the excluded band is from {low} to {high} rad/s of the generator, and region 2, where it has to lie, from {start} to "
-    "{end} rad/s"
+    "the excluded band is from {low} to {high} rad/s of the generator, and region 2, where it has to lie, from "
+    "{start} to {end} rad/s"
 )
 
 

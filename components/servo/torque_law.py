@@ -4,10 +4,10 @@ Regions of J. Jonkman et al., NREL/TP-500-38060 (2009), section 7.2: no torque (
 the best tip speed ratio (2), the slope of an induction machine with a slip (2.5), and rated torque or rated power (3).
 The corners between them are rounded; away from a corner, by ROUNDING of the rated torque, the law is exact.
 
-A band of speeds in region 2 may be left out, as where a multiple of the speed is a frequency of the tower: `exclusion` adds
-torque at its lower edge and takes it off at its upper one. In between the torque falls with the speed, faster than that of
-the rotor does, so that no speed there is steady: the rotor waits at an edge, until the wind takes it over to the other.
-The idea of the band: E. Bossanyi, Wind Energy 3 (2000) 149-163; this curve is our own.
+A band of speeds in region 2 may be left out, as where a multiple of the speed is a frequency of the tower: `exclusion`
+adds torque at its lower edge and takes it off at its upper one. In between the torque falls with the speed, faster than
+that of the rotor does, so that no speed there is steady: the rotor waits at an edge, until the wind takes it over to the
+other. The idea of the band: E. Bossanyi, Wind Energy 3 (2000) 149-163; this curve is our own.
 """
 
 from __future__ import annotations
@@ -78,7 +78,7 @@ def excludes(law: Any) -> bool:
 
 
 def exclusion(speed: Any, law: Any, xp: Any = np) -> Any:
-    """What an excluded band adds to the torque [N m]: from its lower edge on, less and less to below zero, to its upper edge.
+    """What an excluded band adds to the torque [N m]: above zero in its lower half, below zero in its upper half.
 
     At the middle c of the band the torque of the rotor in a wind whose best speed that is falls with the speed by K c,
     and that of region 2 rises by 2 K c; what falls faster than by 3 K c has no steady speed.

@@ -40,7 +40,7 @@ def test_no_speed_within_is_steady(over):
 
 
 def test_a_rotor_waits_at_the_edge_and_then_passes():
-    """At the power of the middle both edges hold; below that of the lower edge and above that of the upper one, none does."""
+    """At the power of the middle both edges hold; well below and well above it, none does."""
     K = EXCLUDING.region_2_constant
     speeds, stays = steady_speeds(K * MIDDLE**3)
     assert stays.sum() == 2 and stays[0] and stays[-1]
