@@ -5,9 +5,9 @@ the best tip speed ratio (2), the slope of an induction machine with a slip (2.5
 The corners between them are rounded; away from a corner, by ROUNDING of the rated torque, the law is exact.
 
 A band of speeds in region 2 may be left out, as where a multiple of the speed is a frequency of the tower: `exclusion`
-adds torque at its lower edge and takes it off at its upper one. In between the torque falls with the speed, faster than
-that of the rotor does, so that no speed there is steady: the rotor waits at an edge, until the wind takes it over to the
-other. The idea of the band: E. Bossanyi, Wind Energy 3 (2000) 149-163; this curve is our own.
+adds torque at its lower edge and takes it off at its upper one. In between the torque falls with the speed, faster
+than that of the rotor does, so that no speed there is steady: the rotor waits at an edge, until the wind takes it over
+to the other. The idea of the band: E. Bossanyi, Wind Energy 3 (2000) 149-163; this curve is our own.
 """
 
 from __future__ import annotations
