@@ -7,7 +7,6 @@ from fowtlib.components.aero.rotor_side import RotorSide
 from fowtlib.components.mechanics.connectors import Flange, Frame
 from fowtlib.language import RealInput, RealOutput, Scalar, der, eq, param, port, var
 from fowtlib.language import math as m
-from fowtlib.language.bounds import POSITIVE
 
 
 class Rotor(RotorSide, AirLoads):
@@ -24,7 +23,7 @@ class Rotor(RotorSide, AirLoads):
 
     mode_names = {"phi": "rotor rotation", "w": "rotor rotation"}
 
-    inertia: Scalar = param(unit="kg*m^2", min=POSITIVE, doc="moment of inertia about the shaft")
+    inertia: Scalar = param(unit="kg*m^2", min=0, doc="moment of inertia about the shaft")
     tilt: Scalar = param(default=0.0, unit="rad", doc="shaft tilt, positive when the end of the hub points up")
     rotation: int = param(default=1, choices=(1, -1), doc="1: turns clockwise seen looking downwind, -1: the other way")
     reaction_torque: bool = param(default=True, doc="the frame takes the torque that goes into the shaft")

@@ -23,7 +23,6 @@ from fowtlib.language import (
     when,
 )
 from fowtlib.language import math as m
-from fowtlib.language.bounds import POSITIVE
 
 
 class EndStop(Component):
@@ -36,7 +35,7 @@ class EndStop(Component):
 
     side: str = param(default="below", choices=("below", "above"), doc="where the stop is: under the slide or over it")
     place: Scalar = param(default=0.0, unit="m", doc="position of the slide at which it touches the stop")
-    reference_force: Scalar = param(unit="N", min=POSITIVE, doc="slow force at the reference depth")
+    reference_force: Scalar = param(unit="N", min=0, doc="slow force at the reference depth; 0: no stop")
     reference_depth: Scalar = param(default="10 mm", unit="m", min=1e-6, doc="depth of penetration of that force")
     restitution_loss: Scalar = param(default=0.2, unit="s/m", min=0, doc="alpha: share of speed lost per impact speed")
 
@@ -73,7 +72,7 @@ class Latch(Component):
 
     place: Scalar = param(unit="m", doc="position of the slide at which the latch may catch it")
     reach: Scalar = param(default="50 mm", unit="m", min=1e-6, doc="how far from its place it still catches")
-    stiffness: Scalar = param(unit="N/m", min=POSITIVE, doc="stiffness of the closed latch")
+    stiffness: Scalar = param(unit="N/m", min=0, doc="stiffness of the closed latch")
     damping: Scalar = param(default=0.0, unit="N*s/m", min=0, doc="damping of the closed latch")
     closed_start: Scalar = param(default=0.0, min=0, max=1, doc="1: it is closed at the start, at its place")
     ready_start: Scalar = param(default=0.0, min=0, max=1, doc="1: it has been told to close at the start")

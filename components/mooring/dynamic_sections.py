@@ -11,7 +11,6 @@ from fowtlib.components.mooring import line_water
 from fowtlib.components.mooring.line_of_sections import LineOfSections
 from fowtlib.components.mooring.lumped_mass import Elements, Points, Surroundings
 from fowtlib.language import Array, Scalar, Vector, param
-from fowtlib.language.bounds import POSITIVE
 from fowtlib.language.errors import ParameterError
 
 
@@ -32,7 +31,7 @@ class DynamicSections(LineOfSections):
     axial_added_mass_coefficient: Array = param(default=0.0, min=0, doc="of flow along, of the displaced water")
     bending_stiffness: Array = param(default=0.0, unit="N*m^2", min=0, doc="bending stiffness EI")
     least_bending_radius: Array = param(
-        default=None, unit="m", min=POSITIVE, doc="radius of curvature below which it warns"
+        default=None, unit="m", min=0, doc="radius of curvature below which it warns; 0: of any"
     )
     strain_table: Array = param(default=None, doc="strains and tensions [N] (k, 2) of a fibre rope, in place of EA")
     fibre: Array = param(default=None, structural=True, doc="1 for each section that has the strain_table; else 0")

@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 
 from fowtlib.components.servo.pitch_controller import PitchController
-from fowtlib.components.servo.torque_controller import TorqueController
+from fowtlib.components.servo.torque_controller import TorqueController, band
 from fowtlib.components.servo.torque_law import torque_of
 from fowtlib.language import Number, Scalar, assign, eq, param, sampled, var
 from fowtlib.language import math as m
@@ -40,11 +40,12 @@ class SampledTorqueController(TorqueController):
 
     def equations(self):
         self.refuse_unused("response_time", because="the torque follows at once in a sample")
-        step = self.greatest_rate * self.period
+        inside, step = band(self), self.greatest_rate * self.period
         limited = _held(self.asked(self.filtered), self.held - step, self.held + step)
         return [
             sampled(self.period, assign(self.filtered, _filtered(self)), assign(self.held, limited)),
             [eq(self.command, self.asked(self.filtered)), eq(self.actual, self.held), eq(self.torque, self.held)],
+            *inside,
         ]
 
 

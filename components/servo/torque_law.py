@@ -3,6 +3,11 @@
 Regions of J. Jonkman et al., NREL/TP-500-38060 (2009), section 7.2: no torque (1), a ramp (1.5), K speed^2, which holds
 the best tip speed ratio (2), the slope of an induction machine with a slip (2.5), and rated torque or rated power (3).
 The corners between them are rounded; away from a corner, by ROUNDING of the rated torque, the law is exact.
+
+A band of speeds in region 2 may be left out, as where a multiple of the speed is a frequency of the tower: `exclusion`
+adds torque at its lower edge and takes it off at its upper one. In between the torque falls with the speed, faster
+than that of the rotor does, so that no speed there is steady: the rotor waits at an edge, until the wind takes it over
+to the other. The idea of the band: E. Bossanyi, Wind Energy 3 (2000) 149-163; this curve is our own.
 """
 
 from __future__ import annotations
@@ -12,8 +17,14 @@ from typing import Any
 
 import numpy as np
 
+from fowtlib.language import Component
+
 ROUNDING = 0.01
 """Width of the rounded corners of the torque law, as a share of the rated torque."""
+EDGE = 0.25
+"""Share of the half width of an excluded band that its edge takes, in which the torque rises."""
+FIRM = 2.0
+"""Fall of the torque over the band, over the least one at which no speed within is steady."""
 
 
 @dataclass(frozen=True)
@@ -28,6 +39,8 @@ class TorqueLaw:
     region_2_constant: float = 0.0255764 * (30 / np.pi) ** 2
     slip: float = 0.1
     region_3: str = "constant_torque"
+    excluded_speed: float | None = None
+    excluded_range: float | None = None
 
 
 def larger(a: Any, b: Any, width: Any, xp: Any = np) -> Any:
@@ -54,7 +67,29 @@ def torque_of(speed: Any, law: Any, xp: Any = np) -> Any:
     ramp = _slope_1_5(law) * (speed - law.cut_in_speed)
     below = larger(smaller(ramp, law.region_2_constant * speed**2, width, xp), 0, width, xp)
     slip_line = _slope_2_5(law, xp) * (speed - law.region_3_speed / (1 + law.slip))
-    return smaller(larger(below, slip_line, width, xp), region_3_torque(speed, law, xp), width, xp)
+    lawful = smaller(larger(below, slip_line, width, xp), region_3_torque(speed, law, xp), width, xp)
+    return lawful + exclusion(speed, law, xp) if excludes(law) else lawful
+
+
+def excludes(law: Any) -> bool:
+    """Whether the law, or the component that has its parameters, leaves out a band of speeds."""
+    value = law.parameter_value if isinstance(law, Component) else lambda name: getattr(law, name)
+    return value("excluded_speed") is not None
+
+
+def exclusion(speed: Any, law: Any, xp: Any = np) -> Any:
+    """What an excluded band adds to the torque [N m]: above zero in its lower half, below zero in its upper half.
+
+    At the middle c of the band the torque of the rotor in a wind whose best speed that is falls with the speed by K c,
+    and that of region 2 rises by 2 K c; what falls faster than by 3 K c has no steady speed.
+    """
+    place = (speed - law.excluded_speed) / law.excluded_range
+    height = FIRM * 3 * law.region_2_constant * law.excluded_speed * law.excluded_range * (1 - EDGE)
+
+    def below(way: Any) -> Any:
+        return xp.fmax(xp.fmin((1 - way) / EDGE, way / (1 - EDGE)), 0)
+
+    return height * (below(-place) - below(place))
 
 
 def region_2_end(law: Any) -> float:

@@ -25,7 +25,7 @@ from fowtlib.solving.equilibrium import Rest, equilibrium, moving_states, refuse
 from fowtlib.solving.functions import AtParameters
 from fowtlib.solving.initial import csc
 from fowtlib.solving.newton import newton, undamped
-from fowtlib.solving.paths import names_of
+from fowtlib.solving.paths import by_path, names_of
 from fowtlib.solving.state import State
 
 if TYPE_CHECKING:
@@ -80,7 +80,7 @@ def freed_equilibrium(plant: Plant, free: Values | Sequence[str], targets: Value
     freed parameters, or a parameter is not tunable, and SimulationError where no such equilibrium is found.
     """
     guesses = dict(free) if isinstance(free, Mapping) else dict.fromkeys(names_of(free, "freed parameters"))
-    wanted = [_target(plant, name, value) for name, value in targets.items()]
+    wanted = [_target(plant, name, value) for name, value in by_path(targets, "targets").items()]
     given = {**(parameters or {})}
     sought = _elements(plant, guesses)
     if len(sought) != len(wanted):

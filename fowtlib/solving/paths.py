@@ -27,6 +27,16 @@ def by_path(values: Any, what: str = "parameters") -> dict[str, Any]:
     return dict(values)
 
 
+def start_by_path(values: Any, of_state: str) -> dict[str, Any]:
+    """Start values by path, of a state that is sought; of_state: the argument that takes a whole state."""
+    if values is not None and not isinstance(values, Mapping):
+        raise ParameterError(
+            f"start: start values are given by path, as in {{'platform.motion.surge': '5 m'}}, and this is a "
+            f"{type(values).__name__}: {values!r}. A State goes to {of_state}=, a Result or a word to simulate."
+        )
+    return by_path(values or {}, "start")
+
+
 def names_of(values: Any, what: str = "outputs") -> list[str]:
     """Names or paths that are given as a list. Raises ParameterError where they are one text, or no texts."""
     if isinstance(values, str):

@@ -29,7 +29,7 @@ from fowtlib.solving.linear import LinearModel, linearize
 from fowtlib.solving.observation import Observation, observed
 from fowtlib.solving.operating_point import operating_point
 from fowtlib.solving.outputs import Outputs
-from fowtlib.solving.paths import by_path, names_of
+from fowtlib.solving.paths import by_path, names_of, start_by_path
 from fowtlib.solving.results import Observer, RawTrajectory, Result
 from fowtlib.solving.results.html import table
 from fowtlib.solving.results.journal import Journal
@@ -108,7 +108,8 @@ class Plant:
         base: a state to change by `start`, instead of the start values.
         """
         u, before = self.layout.inputs(self.input_paths(inputs)), None if base is None else State.of(base, "base")
-        return self.state(*start_point(self.at(parameters), self.layout, u, start or {}, t, before), u, parameters)
+        given = start_by_path(start, "base")
+        return self.state(*start_point(self.at(parameters), self.layout, u, given, t, before), u, parameters)
 
     @refusals_explained()
     def equilibrium(self, parameters: Values | None = None, hold: Values | None = None, start: Values | None = None,
@@ -121,6 +122,7 @@ class Plant:
         near: an equilibrium of other parameters, from which Newton is tried first, in a tenth of the time.
         """
         near, hold = None if near is None else State.of(near, "near"), by_path(hold or {}, "states to hold")
+        start = start_by_path(start, "near")
         if free or targets:
             beside = None if hold or start or inputs else near
             found = freed_equilibrium(self, free or (), targets or {}, parameters, hold, start, inputs, beside)
@@ -132,7 +134,7 @@ class Plant:
         if beside is not None:
             found = self.state(near.t, *beside, near.u, parameters)
         else:
-            state = self.initial_state(parameters, {**(start or {}), **hold}, inputs)
+            state = self.initial_state(parameters, {**start, **hold}, inputs)
             held = {self.layout.x[path] for path in hold}
             with search_from(at, state, self.name):
                 x, z = equilibrium(at, state.t, state.x, state.z, np.concatenate([state.u, state.d]), held)
@@ -215,7 +217,7 @@ class Plant:
 
     def input_paths(self, inputs: Values | None) -> dict[str, Any]:
         """Values of inputs by path."""
-        return {self.input_names.get(name, name): value for name, value in (inputs or {}).items()}
+        return {self.input_names.get(name, name): value for name, value in by_path(inputs or {}, "inputs").items()}
 
     @refusals_explained()
     def _observe(self, names: Sequence[str], state: State) -> list[np.ndarray]:

@@ -83,6 +83,8 @@ def test_it_is_told_when_it_is_bent_too_much():
     with warnings.catch_warnings():
         warnings.simplefilter("error")
         cable(least_bending_radius=(2.0, 2.0, 16.0)).simulate(0.1, 0.1, solver="fixed", step=0.0125)
+        free = cable(least_bending_radius=(16.0, 0, 0))  # the sag is in the last section, of a radius of 20 m
+        free.simulate(0.1, 0.1, solver="fixed", step=0.0125, parameters={"cable.least_bending_radius": (0, 0, 0)})
 
 
 def heaving(amplitude, period):

@@ -12,7 +12,7 @@ import fowtlib as fw
 from fowtlib.components.aero import CoefficientRotor
 from fowtlib.components.blocks import Sampler
 from fowtlib.components.flooding import FloatingPiston
-from fowtlib.components.mechanics import Fixed, World
+from fowtlib.components.mechanics import EndStop, Fixed, Latch, PointMass, Prismatic, World
 from fowtlib.components.mooring import CatenaryLine, DynamicLine, MooringSystem
 from fowtlib.components.support.soil_springs import SandSpring
 from fowtlib.language import Assembly
@@ -46,6 +46,35 @@ def held(part, port="frame"):
 def test_what_must_be_above_zero(make, said):
     with pytest.raises(ParameterError, match=re.escape(said)):
         make()
+
+
+def test_zero_is_taken_where_it_means_none():
+    """A stop that does not push, a latch that does not hold, a light rotor, a section without a limit."""
+    assert EndStop.reference_force.min == Latch.stiffness.min == CoefficientRotor.inertia.min == 0
+    assert DynamicLine.least_bending_radius.min == 0
+    falls = Assembly("a mass falls through a stop and a latch that are none")
+    falls.world, falls.slide = World(), Prismatic(n=(0, 0, -1))
+    falls.mass = PointMass(mass=2.0)
+    falls.stop = EndStop(side="above", place=0.1, reference_force=0)
+    falls.latch = Latch(place=0.3, stiffness=0, ready_start=1)
+    falls.connect(falls.world.frame, falls.slide.frame_a)
+    falls.connect(falls.slide.frame_b, falls.mass.frame_a)
+    for part in (falls.stop, falls.latch):
+        falls.connect(falls.slide.axis, part.axis)
+    result = fw.load(falls).compile().simulate(1.0, 0.5, outputs=["slide.s", "latch.closed"])
+    assert float(result["slide.s"][-1]) == pytest.approx(9.80665 / 2, rel=1e-5)  # free fall
+    assert float(result["latch.closed"][-1]) == 1.0
+
+
+def test_a_rotor_without_inertia_is_as_fast_as_its_generator():
+    """Light rotor, heavy generator: the same mean, and with all of the inertia at the generator the same run."""
+    model = {"wind.kind": "steady", "wind.mean_speed": 9, "turbine.rotor.inertia": 0}
+    light = fw.load("surrogate_7mw_foundation", set=model).compile()
+    drive = {"turbine.generator_inertia": 1066.22 + 132772407 / 62.2526**2}
+    whole = light.simulate(2.0, 0.5, start="turning", parameters=drive, solver="fixed", step=0.0125)
+    usual = {"turbine.rotor.inertia": 132772407}
+    beside = light.simulate(2.0, 0.5, start="turning", parameters=usual, solver="fixed", step=0.0125)
+    assert float(whole["rotor_speed"][-1]) == pytest.approx(float(beside["rotor_speed"][-1]), rel=1e-9)
 
 
 def test_a_compiled_model_does_not_take_it_either():

@@ -93,6 +93,22 @@ def test_an_output_step_longer_than_the_run_is_told(plant):
         assert plant.simulate(2.0, 5.0).time.tolist() == [0.0, 2.0]
 
 
+def test_what_is_given_by_path_where_a_state_is_sought(plant):
+    """Start values, inputs and targets as something else: one sentence, which says where a state goes."""
+    state, result = plant.initial_state(), plant.simulate(1.0, 0.5)
+    for start, kind in ((state, "State"), (result, "Result"), ("rest", "str"), ([1.0], "list"), (3, "int")):
+        words = f"^start: start values are given by path, .* and this is a {kind}: (.|\n)* A State goes to "
+        with pytest.raises(ParameterError, match=f"{words}near="):
+            plant.equilibrium(start=start)
+        with pytest.raises(ParameterError, match=f"{words}base="):
+            plant.initial_state(start=start)
+    for asked in (plant.equilibrium, plant.initial_state):
+        with pytest.raises(ParameterError, match=r"^inputs are given by path, as in .*, and this is a list: \[1.0\]"):
+            asked(inputs=[1.0])
+    with pytest.raises(ParameterError, match=r"^targets are given by path, as in .*, and this is a list: \['y'\]"):
+        plant.equilibrium(free=["time_constant"], targets=["y"])
+
+
 def test_what_is_no_state_and_no_list_of_names_is_a_sentence(plant):
     state = plant.initial_state()
     for asked in (lambda: plant.linearize(3), lambda: plant.equilibrium(near=3), lambda: plant.initial_state(base=3)):
