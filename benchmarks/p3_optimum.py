@@ -15,12 +15,14 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
+from p3_design import begun_at
 from scipy.optimize import minimize
 
 import fowtlib as fw
 from fowtlib.analysis.fatigue import SNCurve, TubeSection, sn_curve
 from fowtlib.analysis.maps import quantities_at
 from fowtlib.design import rules
+from fowtlib.design.file import read_design
 from fowtlib.frequency import line_extreme, with_line_results
 from fowtlib.metocean import likely_states, site
 
@@ -272,7 +274,8 @@ def hull(spar: Spar, found: dict[str, fw.Response], ends_pressed: bool = True) -
             f"\nWithout the pressure along the hull ring frames cost {total / 1e6:.3f} MEUR, {mass / 1e3:.0f} t."
         )
         return total
-    print(f"\nRing frames: {mass / 1e3:.0f} t; 4 % of the wall are in the model.")
+    share = 100 * float(spar.values["stiffener_fraction"])
+    print(f"\nRing frames: {mass / 1e3:.0f} t; {share:.1f} % of the wall are in the model.")
     show("Hull: the cheapest ring frames that keep the rules",
          ["from [m]", "to [m]", "axial [MN]", "moment [MN m]", "web height [mm]", "web", "flange width", "flange",
           "spacing [m]", "shell", "area", "inertia", "stress", "web", "flange", "torsion", "kEUR"],
@@ -306,12 +309,15 @@ def gains(spar: Spar) -> None:
 
 
 def parameters_of(path: Path) -> dict[str, Any]:
-    """The parameters in a saved design, or a plain mapping."""
+    """The parameters in a saved design of models/designs/dtu10mw_spar.yaml, or a plain mapping."""
     saved = json.loads(path.read_text())
-    return {
-        name: np.array(value) if isinstance(value, list) else value
-        for name, value in saved.get("parameters", saved).items()
-    }
+    if "variables" in saved:
+        space = begun_at(read_design("dtu10mw_spar").design, path).space
+        return dict(space.parameters(space.start))
+    known = fw.load("dtu10mw_spar_3_design").compile().dae.parameters
+    if unknown := [name for name in saved if name not in known]:
+        raise SystemExit(f"{path}: the spar has no parameter '{unknown[0]}'.")
+    return {name: np.array(value) if isinstance(value, list) else value for name, value in saved.items()}
 
 
 def main() -> None:

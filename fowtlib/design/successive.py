@@ -64,10 +64,17 @@ class _Search:
         widened = False  # since a step was worth its while
         for _ in range(self.settings.iterations):
             new = self.sub(y, r, J, self.region)
-            self._set_prices(self.sub.prices)
+            if self.sub.solved:
+                self._set_prices(self.sub.prices)
             step, here = new - y, self.merit(r, y)
             expected = here - self.merit(r + J @ step, new)
             if expected <= self.settings.tolerance * max(abs(here), 1.0):
+                if not self.sub.solved:  # where no step was found it is not known that there is none
+                    self.say(f"the problem of a step in {self.region:.3f} was not solved: {self.sub.reason}")
+                    self.region, reason = self.region / 2, f"no step was found: {self.sub.reason}"
+                    if self.region < SMALLEST:
+                        return Ended(y, False, reason)
+                    continue
                 if not learned and (widened or self.region >= WIDE):
                     return Ended(y, True, "an optimum")
                 if not learned:  # there is little to gain in a small region: is there in a larger one?
@@ -169,6 +176,7 @@ class _Step:
     def __init__(self, problem: Any, penalty: float):
         self.problem, self.free = problem, True  # whether variables that no result depends on may go anywhere
         self.prices = np.full(problem.lower.size, penalty)  # of limits, in the last step
+        self.solved, self.reason = True, ""  # whether the problem of the last step was
         composition = problem.composition
         n, m, k = len(problem.space), composition.free.numel(), problem.lower.size
         y, r, s = (ca.MX.sym(name, size) for name, size in (("y", n), ("r", m), ("s", k)))
@@ -201,5 +209,7 @@ class _Step:
             lbg=np.concatenate([np.full(k, -np.inf), problem.lower, np.zeros(m)]),
             ubg=np.concatenate([problem.upper, np.full(k, np.inf), np.zeros(m)]),
         )  # fmt: skip
+        stats = self.solver.stats()
+        self.solved, self.reason = bool(stats["success"]), str(stats["return_status"])
         self.prices = np.abs(np.ravel(found["lam_g"])[: 2 * k]).reshape(2, k).max(axis=0, initial=0.0)
         return np.clip(np.ravel(found["x"])[: y.size], low, high)

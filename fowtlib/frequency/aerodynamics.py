@@ -189,7 +189,7 @@ def _direction(part: Component, state: State) -> np.ndarray:
 
 
 def _led(plant: Any, part: Component, state: State, omega: np.ndarray) -> np.ndarray | None:
-    """Thrust per velocity of a hub that is pushed by what changes its own speed alone; None: it stands fast.
+    """Thrust per velocity of a hub that is pushed by what changes its own speed alone; None: it stands in the wind.
 
     Pushed are the rates of the states that are velocities of the hub, so that the hub moves along the wind and does not
     turn. What the thrust feels of that is the motion of the hub, and what the controllers measure.
@@ -199,10 +199,10 @@ def _led(plant: Any, part: Component, state: State, omega: np.ndarray) -> np.nda
     names = [*(f"{path}.r[{k}]" for k in range(3)), *(f"{path}.w[{k}]" for k in range(3)), join(part.path, "thrust")]
     linear = mean_linear_model(plant, state, (), names)
     A, C = linear.matrices["A"], linear.matrices["C"]
-    moves = np.abs(np.vstack([C[:3] @ A, C[3:6]])).max(axis=0)
-    pushed = np.flatnonzero(moves > 1e-9 * max(moves.max(), 1e-30)) if moves.max() > 1e-9 else np.zeros(0, dtype=int)
-    if not pushed.size:
+    if np.abs(_direction(part, state) @ C[:3] @ A).max() <= 1e-9:  # it may still turn, as in the bearing of a yaw drive
         return None
+    moves = np.abs(np.vstack([C[:3] @ A, C[3:6]])).max(axis=0)
+    pushed = np.flatnonzero(moves > 1e-9 * moves.max())
     E, wanted = np.eye(len(A))[:, pushed], np.concatenate([_direction(part, state), np.zeros(3)])
     found = np.empty(omega.size, dtype=complex)
     for k, w in enumerate(omega):

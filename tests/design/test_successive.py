@@ -1,9 +1,10 @@
 """The optimiser for dear models: results linear in each step, functions exact."""
 
+import casadi as ca
 import numpy as np
 import pytest
 
-from fowtlib.design import Design, Evaluated, Function, Variable
+from fowtlib.design import Design, Evaluated, Function, Variable, successive
 from fowtlib.language.errors import ModelError
 
 
@@ -64,3 +65,35 @@ def test_where_there_are_no_results_steps_become_shorter():
     found = tube(beam, (6.5, 0.05)).optimise("successive", options={"region": 0.5})
     free = tube(Beam(), (6.5, 0.05)).optimise("successive", options={"region": 0.5})
     assert beam.failures and free["d"] < 7.57 and found.value == pytest.approx(free.value, rel=1e-4)
+
+
+def test_a_step_that_was_not_solved_is_no_optimum(monkeypatch):
+    """A solver that gives up at once leaves the start as it is: the search says so, and goes on where it can."""
+    whole = successive._solver
+
+    def idle(often):
+        left = [often]
+
+        def make(problem):
+            able = whole(problem)
+            unable = ca.nlpsol("step", "ipopt", problem, {"ipopt.print_level": 0, "print_time": False,
+                               "ipopt.sb": "yes", "ipopt.max_iter": 0, "error_on_fail": False})  # fmt: skip
+
+            class Solver:
+                def __call__(self, **given):
+                    self.used, left[0] = unable if left[0] > 0 else able, left[0] - 1
+                    return self.used(**given)
+
+                def stats(self):
+                    return self.used.stats()
+
+            return Solver()
+
+        return make
+
+    monkeypatch.setattr(successive, "_solver", idle(2))
+    found = tube(Beam(), (8.5, 0.15)).optimise("successive", tolerance=1e-6)
+    assert found.converged and found.value == pytest.approx(best(), rel=1e-5)
+    monkeypatch.setattr(successive, "_solver", idle(1000))
+    found = tube(Beam(), (8.5, 0.15)).optimise("successive", tolerance=1e-6)
+    assert not found.converged and "no step was found: Maximum_Iterations_Exceeded" in found.reason

@@ -35,14 +35,17 @@ def rigid_period(mass: Any, added_mass: Any, stiffness: Any) -> Any:
 
 @of_arrays
 def heave_period(
-    mass: Any, keel_diameter: Any, waterline_diameter: Any, water_density: Any = 1025.0, gravity: Any = 9.80665
-) -> Any:
+    mass: Any, keel_diameter: Any, waterline_diameter: Any, water_density: Any = 1025.0, gravity: Any = 9.80665,
+    mooring_stiffness: Any = 0.0,
+) -> Any:  # fmt: skip
     """Natural period [s] of a spar in heave: added mass rho D_b^3/3 of its keel disc, stiffness rho g pi D^2/4.
 
-    mass [kg]; diameters [m]. The disc is that of a body with water on both sides (DNV-RP-C205, appendix D, table D-2).
+    mass [kg] of what moves, without lines that hang from it; diameters [m]; mooring_stiffness [N/m] of the lines, in
+    heave. The disc is that of a body with water on both sides (DNV-RP-C205, appendix D, table D-2).
     """
     added = water_density * keel_diameter**3 / 3
-    return rigid_period(mass, added, water_density * gravity * pi * waterline_diameter**2 / 4)
+    stiffness = water_density * gravity * pi * waterline_diameter**2 / 4 + mooring_stiffness
+    return rigid_period(mass, added, stiffness)
 
 
 @of_arrays

@@ -80,10 +80,14 @@ def uplift_limit(
 
 @dataclass(frozen=True)
 class HangingLine:
-    """A line between its anchor and its fairlead: horizontal and vertical tension at the top [N]."""
+    """A line between its anchor and its fairlead: horizontal and vertical tension at the top [N].
+
+    vertical_stiffness: how the vertical one grows with the height of the fairlead over a fixed anchor [N/m].
+    """
 
     horizontal: Any
     vertical: Any
+    vertical_stiffness: Any
 
 
 NEWTON = 25  # iterations; from a line that is nearly straight they are many
@@ -116,4 +120,4 @@ def hanging_line(length: Any, weight: Any, axial_stiffness: Any, height: Any, di
         H, V = larger(H - dH, H / 3), larger(V - dV, V / 3)
     if not is_expression(V):
         demand("a line on the seabed", 0.0, length_on_the_seabed=length - V / weight)
-    return HangingLine(H, V)
+    return HangingLine(H, V, -gH / det)

@@ -198,10 +198,13 @@ def unevenness(heights: Any, values: Any) -> Any:
     return total((second - first) ** 2)
 
 
-def spar_heave_period(heights: Any, diameters: Any, *, water_density: float = 1025.0, gravity: float = 9.80665,
+def spar_heave_period(heights: Any, diameters: Any, line_load: Any = 0.0, line_stiffness: Any = 0.0, *,
+                      lines: int = 3, water_density: float = 1025.0, gravity: float = 9.80665,
                       keel: str = "node") -> Any:  # fmt: skip
     """Natural period [s] in heave of a spar that floats at rest, from its shape; one node at the water line, 0.
 
+    Each of the lines pulls down with line_load [N], which is displaced, but does not move with the spar; line_stiffness
+    [N/m] is by how much that grows per metre of heave (`hanging_line` has both).
     keel: "node", the disc has the diameter of the lowest node and the water line its own; "section": the mean diameters
     of the lowest section and of the one above the water, as in J.M. Hegseth et al. (2020).
     """
@@ -211,7 +214,8 @@ def spar_heave_period(heights: Any, diameters: Any, *, water_density: float = 10
     volume = total(pi / 12 * wet * (below**2 + below * above + above**2))
     disc = D[0] if keel == "node" else (D[0] + D[1]) / 2
     surface = D[-2] if keel == "node" else (D[-2] + D[-1]) / 2
-    return heave_period(water_density * volume, disc, surface, water_density, gravity)
+    mass = water_density * volume - lines * line_load / gravity
+    return heave_period(mass, disc, surface, water_density, gravity, lines * line_stiffness)
 
 
 def tube_mass(heights: Any, diameters: Any, walls: Any, density: Any) -> Any:

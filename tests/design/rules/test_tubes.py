@@ -4,6 +4,8 @@ import casadi as ca
 import numpy as np
 import pytest
 
+import fowtlib as fw
+from fowtlib.analysis.maps import quantities_at
 from fowtlib.design import rules
 
 Z = np.array([-80.0, -60.0, -35.0, -12.0, 0.0, 10.0])
@@ -114,6 +116,22 @@ def test_the_ballast_is_that_of_the_model_at_rest():
     assert found == pytest.approx(13.30671e6, rel=2e-5)
 
 
+def test_the_heave_period_is_that_of_the_model():
+    """Lines pull down by weight that does not move with the spar, and more as it rises; 2 % less than without them."""
+    plant = fw.load("dtu10mw_spar_3_parked").compile()
+    sizes, values = {"line_length": 1520.0, "line_distance": 1450.0, "chain_diameter": 0.085}, plant.parameter_values()
+    calm = {"sea.spectrum": "still", "wind.kind": "steady", "wind.mean_speed": 0.0, "thrust": 0.0}
+    z, d = (np.array(values[f"hull_{name}"], dtype=float) for name in ("heights", "diameters"))
+    for given in ({}, sizes):
+        L, X, c = ({**values, **given}[name] for name in ("line_length", "line_distance", "chain_diameter"))
+        rest = plant.equilibrium(parameters=calm | given, free=["ballast"], targets={"heave": 0.0})
+        [(_, period, unit)] = quantities_at(plant, rest, ["period of heave"])
+        line = rules.hanging_line(L, 187500 * c**2, 9e10 * c**2, 320 - 10.7, X)
+        found = rules.spar_heave_period(z, d, line.vertical, line.vertical_stiffness)
+        assert unit == "s" and found == pytest.approx(float(np.ravel(period)[0]), rel=1e-6)
+        assert rules.spar_heave_period(z, d) / found == pytest.approx(1.017, abs=2e-3)
+
+
 @pytest.mark.parametrize("length, distance, h, w, EA", [
     (1497.2, 1433.0, 309.3, 1230.0, 5.9e8), (900.0, 700.0, 300.0, 800.0, 1e9), (902.2, 848.67, 250.0, 698.0, 3.8e8),
 ])  # fmt: skip
@@ -126,6 +144,8 @@ def test_a_hanging_line_is_a_catenary(length, distance, h, w, EA):
     x = np.trapezoid(H / T * (1 + T / EA), s) + (length - V / w) * (1 + H / EA)
     z = np.trapezoid(w * s / T * (1 + T / EA), s)
     assert x == pytest.approx(distance, rel=1e-8) and z == pytest.approx(h, rel=1e-8)
+    up, down = (rules.hanging_line(length, w, EA, h + step, distance).vertical for step in (0.01, -0.01))
+    assert found.vertical_stiffness == pytest.approx((up - down) / 0.02, rel=1e-6)
     e = ca.MX.sym("L")
     of_length = ca.Function("V", [e], [rules.hanging_line(e, w, EA, h, distance).vertical])
     assert float(of_length(length)) == pytest.approx(V, rel=1e-12)
