@@ -13,10 +13,16 @@ Floats = NDArray[np.float64]
 
 @dataclass(frozen=True)
 class Field:
-    """Displacements (m, k, 3) of k points in m shapes, and their gradients (m, k, 3, 3): [..., i, j] du_i / dx_j."""
+    """Displacements (m, k, 3) of k points in m shapes, and their gradients (m, k, 3, 3): [..., i, j] du_i / dx_j.
+
+    Points that rigid sections carry have besides the turns (m, k, 3) of their section, and their arms (k, 3) from its
+    axis: to the second order they go round it, and not straight on.
+    """
 
     displacement: Floats
     gradient: Floats
+    turn: Floats | None = None
+    arm: Floats | None = None
 
 
 Deformation = Callable[[Floats], Field]
@@ -35,7 +41,7 @@ def rigid_field(points: ArrayLike) -> Field:
 
 
 def together(*fields: Field) -> Field:
-    """The shapes of several fields, one after the other."""
+    """The shapes of several fields, one after the other, without sections."""
     return Field(np.concatenate([one.displacement for one in fields]), np.concatenate([one.gradient for one in fields]))
 
 
@@ -45,6 +51,10 @@ def pressure_stiffness(panels: ArrayLike, deformation: Deformation) -> Floats:
     K_ij = -int u^i . [u^j_z n + z (div u^j n - grad(u^j)^T n)] dS: the pressure at the moved place, on the moved
     surface, by the shapes at rest. Weight, and stresses that the structure has at rest, add what makes it symmetric
     and turns the arms of moments with the hull; for rigid motions take `HullMesh.stiffness`.
+    Where sections carry the points, what the pressure does along their second-order way comes to it: across a tube it
+    is -p A on turns of its axis, which the stress around the section would have if points went straight on. With the
+    tension of the walls, N, it leaves the effective tension N + p A (C.P. Sparks, J. Energy Resources Technology 106
+    (1984) 46-54).
     Source: L.L. Huang and H.R. Riggs, Marine Structures 13 (2000) 91-106.
     """
     points, weight = quadrature(panels)
@@ -53,7 +63,15 @@ def pressure_stiffness(panels: ArrayLike, deformation: Deformation) -> Floats:
     divergence = np.einsum("mkii->mk", gradient)
     turned = divergence[..., None] * weight - np.einsum("mkij,ki->mkj", gradient, weight)
     change = moved[..., 2, None] * weight + points[:, 2, None] * turned
-    return -np.einsum("ika,jka->ij", moved, change)
+    straight = -np.einsum("ika,jka->ij", moved, change)
+    return straight if field.turn is None else straight + _around(-points[:, 2, None] * weight, field.turn, field.arm)
+
+
+def _around(push: Floats, turn: Floats, arm: Floats | None) -> Floats:
+    """Stiffness (m, m) of forces -push (k, 3) at arms (k, 3): energy push . turn x (turn x arm) / 2."""
+    by_push, by_arm = np.einsum("mka,ka->mk", turn, push), np.einsum("mka,ka->mk", turn, arm)
+    mixed = by_push @ by_arm.T
+    return (mixed + mixed.T) / 2 - np.einsum("ika,jka,k->ij", turn, turn, np.einsum("ka,ka->k", push, arm))
 
 
 @dataclass(frozen=True)

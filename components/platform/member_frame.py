@@ -61,16 +61,18 @@ class MemberFrame:
         off than one and a half radii.
         """
         places, given = np.asarray(points, dtype=float).reshape(-1, 3), np.asarray(shapes, dtype=float)
-        moved = np.zeros((len(given), len(places), 3))
+        moved, turn = np.zeros((2, len(given), len(places), 3))
+        arms = np.zeros((len(places), 3))
         gradient = np.zeros((len(given), len(places), 3, 3))
         for k, place in enumerate(places):
             piece, share = self.carrier(place)
             axis, motion, slope = self.frame.section_motion(piece, share, given)
             along, arm = self.frame.direction(piece), place - axis
+            turn[:, k], arms[k] = motion[:, 3:], arm
             moved[:, k] = motion[:, :3] + np.cross(motion[:, 3:], arm)
             stretch = slope[:, :3] + np.cross(slope[:, 3:], arm) - np.cross(motion[:, 3:], along)
             gradient[:, k] = stretch[:, :, None] * along + _turning(motion[:, 3:])
-        return Field(moved, gradient)
+        return Field(moved, gradient, turn, arms)
 
     def turn(self, points: ArrayLike, shapes: ArrayLike) -> Floats:
         """Small turns (m, k, 3) [rad] of the sections that carry points (k, 3), for displacements (m, n, 6)."""
