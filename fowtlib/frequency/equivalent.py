@@ -18,7 +18,7 @@ from typing import Any
 
 import numpy as np
 
-from fowtlib.analysis.plants import UnstableError
+from fowtlib.analysis.plants import UnstableError, refuse_unstable
 from fowtlib.frequency.corners import covariance, with_states
 from fowtlib.frequency.driven import Grid, Processes
 from fowtlib.frequency.expectations import Expectations, Expected, Gaussian
@@ -32,8 +32,8 @@ from fowtlib.solving.linear import Further, slopes_of
 
 ITERATIONS = 60
 SHORTEST = 0.25  # of the way to the covariance that is found: each time the changes grow it is half of what it was
-SETTLED = 3e-3  # change of a deviation of a result at which it ends
-CLOSE = 0.01  # step of the mean over the deviation of a state, too
+SETTLED = 0.01  # change of a deviation of a result, and distance of the covariance from the one found, at which it ends
+CLOSE = 0.02  # step of the mean over the deviation of a state, too
 HELD = 0.05  # from which the frequencies stay
 CALM = 0.3  # of the covariance by the tangent, the first guess: near a corner it is far too large
 DAMPED = 1.5  # times the growth of the fastest growing mode, taken off all roots for a first guess
@@ -119,10 +119,10 @@ def equivalent(plant: Any, state: State, names: Sequence[str], driven: Driven, f
             "coefficients, or linearisation='tangent'."
         )
     rows, guess, last, given = _Rows(plant, state, names, excited.further), None, None, frequency
-    share, before = 1.0, np.inf
+    gains: list[np.ndarray] | None = None
     for iteration in range(1, ITERATIONS + 1):
         processes = driven(excited)
-        settled, damping = _settled(excited, processes, given, tolerance)
+        settled, damping = _settled(excited, processes, given, tolerance, gains)
         excited, gains, grid = settled
         found, deviations = _covariances(excited, gains, grid)
         change = np.inf if last is None else max(_change(deviations, last), _change(_deviations(found), _deviations(guess)))
@@ -131,9 +131,8 @@ def equivalent(plant: Any, state: State, names: Sequence[str], driven: Driven, f
             return Equivalent(state, excited, gains, grid, iteration, shown)
         if last is not None and _change(deviations, last) < HELD:
             given = grid.frequency
-        share = max(share / 2, SHORTEST) if change > before else share
-        guess = CALM * found if guess is None else guess + share * (found - guess)
-        last, before = deviations, change
+        guess = CALM * found if guess is None else guess + min(1.0, WHOLE / iteration) * (found - guess)
+        last = deviations
         at = [[item.path for item in plant.dae.states].index(path) for path in excited.linear.states]
         M = rows.mixing(state, excited.driven)
         to = np.vstack([np.hstack([np.eye(len(at)), np.zeros((len(at), M.shape[1]))]),
@@ -147,10 +146,13 @@ def equivalent(plant: Any, state: State, names: Sequence[str], driven: Driven, f
 
 
 def _settled(excited: ExcitedModel, processes: Processes, frequency: np.ndarray | None,
-             tolerance: float) -> tuple[tuple[ExcitedModel, list[np.ndarray], Grid], float]:  # fmt: skip
+             tolerance: float, start: Sequence[np.ndarray] | None,
+             ) -> tuple[tuple[ExcitedModel, list[np.ndarray], Grid], float]:  # fmt: skip
     """The model with gains of its drag and frequencies, and what was taken off its roots so that it is stable."""
     try:
-        gains, grid, _ = settled_gains(excited, processes, frequency, tolerance)
+        if start is not None:
+            refuse_unstable(excited.with_gains(start))
+        gains, grid, _ = settled_gains(excited, processes, frequency, tolerance, start)
         return (excited, gains, grid), 0.0
     except UnstableError as error:
         first = error

@@ -6,8 +6,8 @@ waves and wind have transfer functions from the process (the elevation at the or
 so that S_y = H S H^H over each process, and the processes are independent. Drag is the best linear law of the response
 itself (frequency.drag), found by a fixed point on the relative velocities at each place.
 
-Left out: what is of second order in the waves, the mean of drag in waves, controllers that change their region within
-the turbulence, dead bands and limits.
+Left out: what is of second order in the waves, the mean of drag in waves, and, without the equivalent linearisation
+(frequency.equivalent), controllers that change their region within the turbulence, dead bands and limits.
 """
 
 from __future__ import annotations
@@ -75,12 +75,15 @@ def response(
     linearisation  "tangent": about the mean in mean wind; "equivalent": of the least mean square error for the response
                  itself, of mean and equations, which knows of corners and of curved tables; see frequency.equivalent
     shifted      modes that an artificial stiffness gives another period, as {"1.85 s": "1.79 s"}; see frequency.shifts
-    Raises SimulationError where there is no mean, where it is unstable, and where the drag does not settle.
+    Raises SimulationError where there is no mean, where it is unstable, and where the drag or the equivalent
+    linearisation does not settle.
     """
     plant = plant_of(model)
     _check_numbers(tolerance, state)
     if linearisation not in (TANGENT, EQUIVALENT):
         raise ModelError(f"linearisation: '{linearisation}' is not '{TANGENT}' or '{EQUIVALENT}'.")
+    if linearisation == EQUIVALENT and shifted:
+        raise ModelError("shifted: a mode is shifted in the model about the mean in mean wind, linearisation='tangent'.")
     names = list(plant.outputs) if outputs is None else chosen_outputs(plant, outputs)
     study = study_of(plant)
     with study.tree(parameters) as root:
@@ -125,7 +128,9 @@ def response(
     H = {path: values[:, : excited.results] for path, values in answers.items()}
     own = {path: values[:, excited.results :] for path, values in answers.items()}
     of_laws = {path: values[:, : len(paths)] for path, values in own.items()}
-    corners = reached(plant, state, laws, known, covariance(of_laws, grid.spectra, grid.frequency))
+    corners = ()  # an equivalent linearisation knows of them
+    if linearisation == TANGENT:
+        corners = reached(plant, state, laws, known, covariance(of_laws, grid.spectra, grid.frequency))
     speeds = sum((_spectra(values[:, len(paths) :], grid.spectra[path]) for path, values in own.items()),
                  start=np.zeros((len(by_states), grid.frequency.size)))  # fmt: skip
     shares = {path: _spectra(H[path], grid.spectra[path]) for path in H}
@@ -133,7 +138,8 @@ def response(
     labels = linear.outputs[: excited.results]
     units = tuple(linear.units.get(name, "1") for name in labels)
     driving = dict(grid.spectra)
-    found = Response(grid.frequency, tuple(labels), units, mean, shares, H, linear, state, iterations, driving, corners)
+    found = Response(grid.frequency, tuple(labels), units, mean, shares, H, linear, state, iterations, driving, corners,
+                     linearisation)  # fmt: skip
     rotation = study.rotation(state, names, excited.rotating)
     found = with_rotation(found, excited.rotating, rotation, Turned(linear, speeds))
     warn_of_ends(found, frequencies is not None)
