@@ -22,7 +22,7 @@ deviation, that of each process alone, the median of the largest and of the
 smallest value in --hours, and the damage-equivalent range of 1 Hz (Dirlik).
 Left out: loads of second order, limits of controllers, changes of their region;
 where the deviations reach over a corner of a control law, a warning names it.
-With --linearisation equivalent these are in it (rotors of coefficients alone).
+With --linearisation equivalent these corners are in it.
 
 examples:
   fowt response oc3_spar_rigid --wind kaimal:18,class=B \
@@ -49,8 +49,8 @@ def declare(commands: Any) -> None:
     parser.add_argument("--outputs", metavar="A,B", help="results; default: all")
     parser.add_argument("--hours", type=positive, default=1.0, metavar="H", help="duration of the extremes; default: 1")
     parser.add_argument("--exponent", type=positive, default=4.0, metavar="M", help="of the S-N curve; default: 4")
-    parser.add_argument("--linearisation", choices=("tangent", "equivalent"), default="tangent",
-                        help="equivalent: suits the response itself, and knows of corners; default: tangent")  # fmt: skip
+    text = "equivalent: suits the response itself, and knows of corners; default: tangent"
+    parser.add_argument("--linearisation", choices=("tangent", "equivalent"), default="tangent", help=text)
     parser.add_argument("--plot", type=Path, metavar="FILE", help="draw the spectra: .png, .svg or .pdf")
     parser.add_argument("--spectra", type=Path, metavar="FILE", help="save the spectra: .csv or .nc")
     many = parser.add_argument_group("many states")

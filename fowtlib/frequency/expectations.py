@@ -15,12 +15,12 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
+from functools import partial
 from typing import Any
 
 import casadi as ca
 import numpy as np
 from scipy.special import ndtri
-from scipy.stats import qmc
 
 from fowtlib.frequency.corners import Laws, laws_of
 from fowtlib.solving.arrays import Arrays
@@ -29,6 +29,7 @@ from fowtlib.solving.disturbed import DisturbedRows
 POINTS, BLOCK, BLOCKS = 512, 512, 8  # of all rows; of laws at once, and how often
 FAST = 5.0  # 1/s; a state whose law pulls it back faster than that follows it, where no limit of its rate holds it,
 ALIKE = 3.0  # and wherever it is, much alike: an integral beside its limit is not
+HELD = 1e-3  # of its pace: what pulls less is held
 AWAY, LITTLE, ALMOST = 6.0, 1e-3, 0.98  # how far: deviations of a state, or this of its size; at so many points
 SETTLING, SETTLED = 400, 1e-7  # iterations of those that follow, and the last change over what they deviate by
 ROUNDING = 1e-8  # of a variance, added: dependent inputs have no root otherwise
@@ -57,11 +58,8 @@ class Gaussian:
 class Expectations:
     """Of the rows [ode; alg; outputs] of a compiled model."""
 
-    def __init__(self, plant: Any, at: Any, rows: ca.SX, symbols: Sequence[ca.SX]):
-        self.plant, self.at, self.dae = plant, at, plant.dae
-        self.disturbed = DisturbedRows(plant.dae, rows, symbols)
-        self.laws = laws_of(plant, at)
-        self._law = _law_function(plant.dae, at, self.laws) if self.laws.numbers else None
+    def __init__(self, plant: Any, at: Any, disturbed: DisturbedRows):
+        self.at, self.disturbed, self.laws = at, disturbed, LawExpectations(plant, at)
 
     def __call__(self, t: float, x: np.ndarray, z: np.ndarray, q: np.ndarray, means: np.ndarray, law: Gaussian,
                  slopes: tuple[np.ndarray, ...] | None) -> Expected:  # fmt: skip
@@ -70,7 +68,7 @@ class Expectations:
         if slopes is None:
             slopes = tuple(self.disturbed.slopes(t, x, z, whole))
         nx, nz = x.size, z.size
-        laws = self._of_laws(t, x, q, law)
+        laws = self.laws(t, x, q, law)
         first = laws.inputs
         rest = [k for k in range(len(law.covariance)) if k not in first and k not in laws.followers_at]
         drawn = _points(law.covariance, [*first, *rest], POINTS)
@@ -102,17 +100,37 @@ class Expectations:
             values[number], by_x[number], by_z[number], by_s[number] = value, row, 0.0, 0.0
         return Expected(values, by_x, by_z, by_s, mean)
 
-    def _of_laws(self, t: float, x: np.ndarray, q: np.ndarray, law: Gaussian) -> _Settled:
-        """Laws with corners, by themselves."""
-        return _Settled(self._law, self.laws, t, x, self.at.whole(q), law)
+
+class LawExpectations:
+    """Of the laws of a compiled model that have corners and follow from states alone."""
+
+    def __init__(self, plant: Any, at: Any):
+        self.at, self.laws = at, laws_of(plant, at)
+        make = partial(_law_function, plant.dae, at, self.laws)
+        self._function = plant.functions.once("laws with slopes", make) if self.laws.numbers else None
+
+    def __call__(self, t: float, x: np.ndarray, q: np.ndarray, law: Gaussian) -> SettledLaws:
+        """At a Gaussian state."""
+        return SettledLaws(self._function, self.laws, t, x, self.at.whole(q), law)
+
+    def tangents(self, t: float, x: np.ndarray, q: np.ndarray) -> dict[int, np.ndarray]:
+        """Slopes (states,) of each law at states, by its number."""
+        if self._function is None:
+            return {}
+        moving, others = list(self.laws.moving), np.concatenate([[t], self.at.whole(q)])[list(self.laws.held)]
+        by = self._function.entries(np.tile(x[moving], (BLOCK, 1)), others)[1].reshape(BLOCK, len(moving), -1)[0]
+        found = {number: np.zeros(x.size) for number in self.laws.numbers}
+        for j, number in enumerate(self.laws.numbers):
+            found[number][moving] = by[:, j]
+        return found
 
 
-class _Settled:
+class SettledLaws:
     """The laws of states alone at a Gaussian state.
 
     inputs: numbers of what they follow from, within the Gaussian; followers: numbers of the states that follow, and
-    their places in the Gaussian; means (k,) and slopes (k, states) of these; rows: of each law its number, its value and
-    its slopes.
+    followers_at: their places in the Gaussian; pace (k,) [1/s], means (k,) and slopes (k, states) of these; rows: of
+    each law its number, its value and its slopes.
     """
 
     def __init__(self, function: Arrays | None, laws: Laws, t: float, x: np.ndarray, q: np.ndarray, law: Gaussian):
@@ -122,7 +140,7 @@ class _Settled:
         self.inputs: list[int] = []
         self.followers: list[int] = []
         self.followers_at: list[int] = []
-        self.means, self.slopes, self.rows = np.zeros(0), np.zeros((0, x.size)), []
+        self.pace, self.means, self.slopes, self.rows = np.zeros(0), np.zeros(0), np.zeros((0, x.size)), []
         place = {number: k for k, number in enumerate(law.states)}
         if function is None or not set(self.moving) <= set(place):
             return
@@ -166,7 +184,10 @@ class _Settled:
         return bool(min(np.mean(rates[0] >= 0), np.mean(rates[1] <= 0)) > ALMOST)
 
     def settle(self, x: np.ndarray) -> np.ndarray:
-        """Move the states that follow to where their rates vanish, at points x (n, states); their slopes (n, k, states)."""
+        """Move the states that follow to where their rates vanish, at points x (n, states).
+
+        Returns their slopes (n, k, states).
+        """
         at = [self.numbers.index(n) for n in self.followers]
         for _ in range(SETTLING if self.followers else 0):
             step = self._slopes(x)[0][:, at] / self.pace
@@ -175,8 +196,13 @@ class _Settled:
                 break
         slopes = self._slopes(x)[1][:, at]
         found = np.zeros((len(x), len(at), self.size))
-        own = [self.moving.index(n) for n in self.followers]
-        found[:, :, self.moving] = -np.linalg.solve(slopes[:, :, own], slopes) if at else 0.0
+        if not at:
+            return found
+        own = slopes[:, :, [self.moving.index(n) for n in self.followers]]
+        held = np.abs(np.diagonal(own, axis1=1, axis2=2)) < HELD * self.pace  # by the limit of a rate
+        for k, pace in enumerate(self.pace):
+            own[held[:, k], k, k] = -pace
+        found[:, :, self.moving] = -np.linalg.solve(own, slopes)
         found[:, :, self.followers] = 0.0
         return found
 
@@ -213,9 +239,16 @@ def _points(covariance: np.ndarray, order: Sequence[int], count: int) -> np.ndar
     if order:
         scaled = covariance[np.ix_(order, order)] / np.outer(s[order], s[order])
         root = _root(scaled)
-        drawn = ndtri(qmc.Sobol(len(order), scramble=True, seed=1).random(count // 2))
+        drawn = _normal(count // 2, len(order))
         found[:, order] = np.vstack([drawn, -drawn]) @ root.T * s[order]
     return found
+
+
+def _normal(count: int, size: int) -> np.ndarray:
+    """Independent normal numbers (count, size) of a sequence of Sobol, the same each time."""
+    from scipy.stats import qmc
+
+    return ndtri(qmc.Sobol(size, scramble=True, seed=1).random(count))
 
 
 def _root(correlation: np.ndarray) -> np.ndarray:
@@ -232,7 +265,7 @@ def _spread(covariance: np.ndarray, states: Sequence[int], size: int) -> np.ndar
     """Deviations of the states (BLOCK, size), independent, to see how fast laws may be."""
     found = np.zeros((BLOCK, size))
     s = np.sqrt(np.maximum(np.diag(covariance), 0.0))[: len(states)]
-    found[:, list(states)] = ndtri(qmc.Sobol(len(states), scramble=True, seed=1).random(BLOCK)) * s
+    found[:, list(states)] = _normal(BLOCK, len(states)) * s
     return found
 
 

@@ -83,7 +83,7 @@ def response(
     if linearisation not in (TANGENT, EQUIVALENT):
         raise ModelError(f"linearisation: '{linearisation}' is not '{TANGENT}' or '{EQUIVALENT}'.")
     if linearisation == EQUIVALENT and shifted:
-        raise ModelError("shifted: a mode is shifted in the model about the mean in mean wind, linearisation='tangent'.")
+        raise ModelError("shifted: modes are shifted about the mean in mean wind, with linearisation='tangent'.")
     names = list(plant.outputs) if outputs is None else chosen_outputs(plant, outputs)
     study = study_of(plant)
     with study.tree(parameters) as root:
@@ -106,8 +106,10 @@ def response(
             expected = None
             if linearisation == EQUIVALENT:
 
-                def driven(model: ExcitedModel) -> Processes:
-                    return _processes(model, root, signals, known)
+                def driven(model: ExcitedModel) -> tuple[ExcitedModel, Processes]:
+                    if model.rotating.average is not None:
+                        model = with_few_channels(model, root, signals)
+                    return model, _processes(model, root, signals, known)
 
                 found = equivalent(plant, state, names, driven, given, tolerance)
                 state, excited, gains, grid, iterations = (found.state, found.excited, found.gains, found.grid,

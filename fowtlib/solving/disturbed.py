@@ -40,7 +40,8 @@ class DisturbedRows:
         if symbols:
             w = ca.vertcat(*symbols)
             expressions = ca.substitute(expressions, [w], [w + shift])
-        externals = tuple(replace(item, inputs=inputs) for item, inputs in zip(dae.externals, expressions[1:], strict=True))
+        pairs = zip(dae.externals, expressions[1:], strict=True)
+        externals = tuple(replace(item, inputs=inputs) for item, inputs in pairs)
         self._rows, self._columns = expressions[0], [dae.x, dae.z, shift]
         self._functions = Functions(replace(dae, p=ca.vertcat(dae.p, shift, means), externals=externals))
 

@@ -199,8 +199,8 @@ class ExcitedModel:
 def excited_model(plant: Any, state: State, names: Sequence[str], off: Any = None) -> ExcitedModel:
     """The linear model of a plant at a mean state, from all that follows from random processes in a run of this mean.
 
-    names: results and variables. off: see Further. All runs of one mean have it in common: what there is of waves and of turbulence in
-    each of them is no part of it.
+    names: results and variables. off: see Further. All runs of one mean have it in common: what there is of waves and
+    of turbulence in each of them is no part of it.
     """
     dae, at = plant.dae, plant.at(state.parameters)
     places = field_places(plant, at, state, turns_of(plant, at, state))
@@ -227,8 +227,9 @@ def excited_model(plant: Any, state: State, names: Sequence[str], off: Any = Non
     further = Further(driven.symbols, driven.outputs, driven.labels, mixing if fields else None, rows, off)
     rotating = rotating_linear_model(plant, state, (), names, further, turning=True)
     linear, forces = _without_forces(rotating.linear, speeds, len(rows))
-    return ExcitedModel(linear, driven.signals, tuple(fields), driven.laws, rotating.shown, means_of_laws(at, state), forces,
-                        rotating, replace(further, added=()))  # fmt: skip
+    means = means_of_laws(at, state)
+    return ExcitedModel(linear, driven.signals, tuple(fields), driven.laws, rotating.shown, means, forces, rotating,
+                        replace(further, added=()))  # fmt: skip
 
 
 @dataclass(frozen=True, eq=False)

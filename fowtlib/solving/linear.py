@@ -41,8 +41,8 @@ class Further:
 
     symbols: scalars of the flat model, also outputs of externals; they are inputs, or where there is a `mixing` they
     follow from `inputs`, as it says. outputs: expressions. added: rows of [ode; alg] to which further inputs are added,
-    the last ones: forces, where a row is an equation of motion. off: by how much slopes of all rows by x, by z and by
-    the symbols are others than those at the point, as those of an equivalent linearisation are.
+    the last ones: forces, where a row is an equation of motion. off: by how much slopes of the first rows by x, by z
+    and by the first symbols are others than those at the point, as those of an equivalent linearisation are.
     """
 
     symbols: Mapping[str, ca.SX] = field(default_factory=dict)
@@ -445,10 +445,10 @@ class Slopes:
         by_x, by_z, by_all = self.at.arrays_again(self.function, t, x, z, q)
         symbols = len(self.inputs) - len(self.further.labels) + len(self.further.symbols)
         if self.further.off is not None:
-            off_x, off_z, off_symbols = self.further.off
-            by_x, by_z, by_all = by_x + off_x, by_z + off_z, by_all.copy()
+            by_x, by_z, by_all = by_x.copy(), by_z.copy(), by_all.copy()
             place = symbols - len(self.further.symbols)
-            by_all[:, place : place + off_symbols.shape[1]] += off_symbols
+            for whole, off in zip((by_x, by_z, by_all[:, place:]), self.further.off, strict=True):
+                whole[: len(off), : off.shape[1]] += off
         first = symbols + self.operator_columns
         by_u = by_all[:, :first].copy()
         for name in dict.fromkeys(name for _, name, _ in self.through):

@@ -1,22 +1,22 @@
 """Equivalent linearisation against closed forms that have nothing to do with wind.
 
-J. B. Roberts and P. D. Spanos, Random Vibration and Statistical Linearization, 1990: the oscillator with a cubic spring;
-R. C. Booton, IRE Trans. Circuit Theory 1 (1954) 9: a limit, erf(L / (sqrt(2) s)). White noise of the one-sided density G
-[unit^2 s/rad] from w_0 to w_1 gives x of x' + a x = noise the variance G / a (atan(w_1 / a) - atan(w_0 / a)).
+J. B. Roberts and P. D. Spanos, Random Vibration and Statistical Linearization, 1990: an oscillator with a cubic spring;
+R. C. Booton, IRE Trans. Circuit Theory 1 (1954) 9: a limit, erf(L / (sqrt(2) s)). White noise of the one-sided density
+G [unit^2 s/rad] from w_0 to w_1 gives x of x' + a x = noise the variance G / a (atan(w_1 / a) - atan(w_0 / a)).
 """
 
 from __future__ import annotations
 
 import numpy as np
 import pytest
-from tests.frequency.conftest import LINEAR, STIFFNESS, Oscillator, Push
 from scipy.optimize import brentq
 from scipy.special import erf
 
 import fowtlib as fw
 from fowtlib.language import Component, Number, Scalar, der, eq, param, run_time_series, var
 from fowtlib.language import math as m
-from fowtlib.language.errors import ModelError, SimulationError
+from fowtlib.language.errors import ModelError
+from tests.frequency.conftest import LINEAR, STIFFNESS, Oscillator, Push
 
 GRID = np.geomspace(1e-3, 9.0, 600)  # Hz
 
