@@ -22,6 +22,7 @@ deviation, that of each process alone, the median of the largest and of the
 smallest value in --hours, and the damage-equivalent range of 1 Hz (Dirlik).
 Left out: loads of second order, limits of controllers, changes of their region;
 where the deviations reach over a corner of a control law, a warning names it.
+With --linearisation equivalent these corners are in it.
 
 examples:
   fowt response oc3_spar_rigid --wind kaimal:18,class=B \
@@ -48,6 +49,8 @@ def declare(commands: Any) -> None:
     parser.add_argument("--outputs", metavar="A,B", help="results; default: all")
     parser.add_argument("--hours", type=positive, default=1.0, metavar="H", help="duration of the extremes; default: 1")
     parser.add_argument("--exponent", type=positive, default=4.0, metavar="M", help="of the S-N curve; default: 4")
+    text = "equivalent: suits the response itself, and knows of corners; default: tangent"
+    parser.add_argument("--linearisation", choices=("tangent", "equivalent"), default="tangent", help=text)
     parser.add_argument("--plot", type=Path, metavar="FILE", help="draw the spectra: .png, .svg or .pdf")
     parser.add_argument("--spectra", type=Path, metavar="FILE", help="save the spectra: .csv or .nc")
     many = parser.add_argument_group("many states")
@@ -76,7 +79,7 @@ def show_response(arguments: argparse.Namespace) -> int:
     tables.check(arguments)
     model = loading.load(arguments)
     names = arguments.outputs.split(",") if arguments.outputs else None
-    found = response(model, outputs=names)
+    found = response(model, outputs=names, linearisation=arguments.linearisation)
     moving = [name for name, mean in zip(found.outputs, found.mean, strict=True)
               if found.std(name) > LEAST * max(abs(mean), 1e-6)]  # fmt: skip
     if arguments.plot:
@@ -90,7 +93,8 @@ def show_response(arguments: argparse.Namespace) -> int:
         mean, unit = float(found.mean[found.outputs.index(name)]), found.unit(name)
         load = found.equivalent_load(name, arguments.exponent)
         rows.append([f"{name} [{unit}]", mean, found.std(name), *shares, *extremes, load])
-    tables.say(arguments, weather(model, arguments))
+    method = "" if found.linearisation == "tangent" else "; equivalent linearisation"
+    tables.say(arguments, weather(model, arguments) + method)
     tables.show(arguments, columns, rows)
     say_saved(arguments.plot)
     if arguments.spectra:
@@ -105,6 +109,8 @@ def show_states(arguments: argparse.Namespace) -> int:
     for option in ("plot", "spectra"):
         if getattr(arguments, option):
             raise ModelError(f"--{option} is for one state; of many states --each saves the numbers.")
+    if arguments.linearisation != "tangent":
+        raise ModelError("--linearisation equivalent is for one state.")
     if arguments.states and (arguments.speeds or arguments.height or arguments.bins):
         raise ModelError("--speeds, --height and --bins choose states of a --site; --states names them all.")
     check_target(arguments.each, (".csv", ".nc"), arguments.force)

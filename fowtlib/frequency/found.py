@@ -33,7 +33,8 @@ class Response:
     transfer: by process, complex (q, m, channels), per unit of it, exp(+i omega t); driving: by process the spectra per
     Hz of its channels (q, channels, channels). iterations: of the linearised drag. Of a list of states (`responses`)
     one has neither transfer functions, unless they were asked for, nor the linear model and the state. corners: of
-    control laws that the deviations reach over; see frequency.corners.
+    control laws that the deviations reach over; see frequency.corners. linearisation: "tangent" or "equivalent", see
+    fowtlib.frequency.response.
     """
 
     frequency: np.ndarray
@@ -47,6 +48,7 @@ class Response:
     iterations: int = 0
     driving: Mapping[str, np.ndarray] = field(default_factory=dict, repr=False)
     corners: Sequence[Corner] = ()
+    linearisation: str = "tangent"
 
     @property
     def density(self) -> np.ndarray:

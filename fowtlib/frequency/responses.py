@@ -6,8 +6,8 @@ waves and wind have transfer functions from the process (the elevation at the or
 so that S_y = H S H^H over each process, and the processes are independent. Drag is the best linear law of the response
 itself (frequency.drag), found by a fixed point on the relative velocities at each place.
 
-Left out: what is of second order in the waves, the mean of drag in waves, controllers that change their region within
-the turbulence, dead bands and limits.
+Left out: what is of second order in the waves, the mean of drag in waves, and, without the equivalent linearisation
+(frequency.equivalent), controllers that change their region within the turbulence, dead bands and limits.
 """
 
 from __future__ import annotations
@@ -23,6 +23,7 @@ from fowtlib.flattening import FlatDAE
 from fowtlib.frequency.corners import covariance, laws_of, reached, warn_of_corners, with_states
 from fowtlib.frequency.coverage import warn_of_ends
 from fowtlib.frequency.driven import Process, Processes
+from fowtlib.frequency.equivalent import equivalent
 from fowtlib.frequency.few_channels import with_few_channels
 from fowtlib.frequency.found import Response
 from fowtlib.frequency.known_rows import Known, OfFrequency
@@ -44,6 +45,7 @@ Members = dict[str, tuple[Any, list[Signal]]]
 """Processes that drive signals, with these, by path."""
 
 
+TANGENT, EQUIVALENT = "tangent", "equivalent"
 SOME = np.geomspace(1e-2, 10.0, 50)  # rad/s, at which a process has a spectrum if it has one
 
 
@@ -61,6 +63,7 @@ def response(
     state: State | None = None,
     tolerance: float = 1e-4,
     shifted: Shifts | None = None,
+    linearisation: str = TANGENT,
 ) -> Response:
     """The response of a model, or of a compiled one, to its waves and its wind (see the module).
 
@@ -69,11 +72,18 @@ def response(
     frequencies  [Hz], rising; None: chosen by the modes (frequency.grid)
     state        mean state; None: found
     tolerance    of the gains of drag, relative, at which the fixed point ends; at 1e-8 or less where rounding ends it
+    linearisation  "tangent": about the mean in mean wind; "equivalent": of the least mean square error for the response
+                 itself, of mean and equations, which knows of corners and of curved tables; see frequency.equivalent
     shifted      modes that an artificial stiffness gives another period, as {"1.85 s": "1.79 s"}; see frequency.shifts
-    Raises SimulationError where there is no mean, where it is unstable, and where the drag does not settle.
+    Raises SimulationError where there is no mean, where it is unstable, and where the drag or the equivalent
+    linearisation does not settle.
     """
     plant = plant_of(model)
     _check_numbers(tolerance, state)
+    if linearisation not in (TANGENT, EQUIVALENT):
+        raise ModelError(f"linearisation: '{linearisation}' is not '{TANGENT}' or '{EQUIVALENT}'.")
+    if linearisation == EQUIVALENT and shifted:
+        raise ModelError("shifted: modes are shifted about the mean in mean wind, with linearisation='tangent'.")
     names = list(plant.outputs) if outputs is None else chosen_outputs(plant, outputs)
     study = study_of(plant)
     with study.tree(parameters) as root:
@@ -83,7 +93,8 @@ def response(
         with one_evaluation():  # from here on nothing sets a parameter
             known = study.rows(parameters, root)
             signals = _signals(excited, root, known)
-            excited = with_few_channels(excited, root, signals)
+            if linearisation == TANGENT:
+                excited = with_few_channels(excited, root, signals)
             processes = _processes(excited, root, signals, known)
             _refuse_without_spectrum(plant.dae, root, processes)
             if not processes:
@@ -92,8 +103,21 @@ def response(
                 )
             if shifted:
                 excited = with_shifts(excited, settled_gains(excited, processes, given, tolerance)[0], shifted)
-            gains, grid, iterations = settled_gains(excited, processes, given, tolerance, study.gains(excited))
-            study.keep_gains(excited, gains)
+            expected = None
+            if linearisation == EQUIVALENT:
+
+                def driven(model: ExcitedModel) -> tuple[ExcitedModel, Processes]:
+                    if model.rotating.average is not None:
+                        model = with_few_channels(model, root, signals)
+                    return model, _processes(model, root, signals, known)
+
+                found = equivalent(plant, state, names, driven, given, tolerance)
+                state, excited, gains, grid, iterations = (found.state, found.excited, found.gains, found.grid,
+                                                           found.iterations)  # fmt: skip
+                expected = found.shown
+            else:
+                gains, grid, iterations = settled_gains(excited, processes, given, tolerance, study.gains(excited))
+                study.keep_gains(excited, gains)
             linear = excited.with_gains(gains)
         refuse_unstable(linear)
         laws = laws_of(plant, plant.at(state.parameters))
@@ -106,15 +130,18 @@ def response(
     H = {path: values[:, : excited.results] for path, values in answers.items()}
     own = {path: values[:, excited.results :] for path, values in answers.items()}
     of_laws = {path: values[:, : len(paths)] for path, values in own.items()}
-    corners = reached(plant, state, laws, known, covariance(of_laws, grid.spectra, grid.frequency))
+    corners = ()  # an equivalent linearisation knows of them
+    if linearisation == TANGENT:
+        corners = reached(plant, state, laws, known, covariance(of_laws, grid.spectra, grid.frequency))
     speeds = sum((_spectra(values[:, len(paths) :], grid.spectra[path]) for path, values in own.items()),
                  start=np.zeros((len(by_states), grid.frequency.size)))  # fmt: skip
     shares = {path: _spectra(H[path], grid.spectra[path]) for path in H}
-    mean = study.shown(state, names)
+    mean = study.shown(state, names) if expected is None else expected
     labels = linear.outputs[: excited.results]
     units = tuple(linear.units.get(name, "1") for name in labels)
     driving = dict(grid.spectra)
-    found = Response(grid.frequency, tuple(labels), units, mean, shares, H, linear, state, iterations, driving, corners)
+    found = Response(grid.frequency, tuple(labels), units, mean, shares, H, linear, state, iterations, driving, corners,
+                     linearisation)  # fmt: skip
     rotation = study.rotation(state, names, excited.rotating)
     found = with_rotation(found, excited.rotating, rotation, Turned(linear, speeds))
     warn_of_ends(found, frequencies is not None)

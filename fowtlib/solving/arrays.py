@@ -43,13 +43,14 @@ class Arrays:
     def __call__(self, *arguments: Any) -> list[np.ndarray]:
         """Each result as a matrix."""
         found = []
-        for entries, (rows, columns, shape) in zip(self.entries(*arguments), self._places, strict=True):
+        for entries, (rows, columns, shape) in zip(self.entries(*arguments), self.places, strict=True):
             matrix = np.zeros(shape)
             matrix[rows, columns] = entries
             found.append(matrix)
         return found
 
     @cached_property
-    def _places(self) -> list[tuple[np.ndarray, np.ndarray, tuple[int, int]]]:
+    def places(self) -> list[tuple[np.ndarray, np.ndarray, tuple[int, int]]]:
+        """Of each result: rows and columns of its entries, and its shape."""
         patterns = [self.function.sparsity_out(k) for k in range(self.function.n_out())]
         return [(np.array(of.row(), int), np.array(of.get_col(), int), of.shape) for of in patterns]

@@ -159,6 +159,13 @@ class ExcitedModel:
                              self.linear.inputs, laws, self.linear.units)  # fmt: skip
         return replace(self, linear=linear, results=0)
 
+    def damped(self, rate: float) -> ExcitedModel:
+        """The model all of whose roots have `rate` [1/s] taken off."""
+        linear = self.linear
+        A, B, C, D = (linear.matrices[name] for name in "ABCD")
+        return replace(self, linear=LinearModel(A - rate * np.eye(len(A)), B, C, D, linear.states, linear.inputs,
+                                                linear.outputs, linear.units, linear.operators))  # fmt: skip
+
     def loop(self, gains: Sequence[np.ndarray]) -> np.ndarray:
         """What the laws add, from their inputs without them."""
         n, m = self.driven, self.results
@@ -189,11 +196,11 @@ class ExcitedModel:
         return LinearModel(A, B, C, D, linear.states, linear.inputs[:n], linear.outputs, linear.units, operators)
 
 
-def excited_model(plant: Any, state: State, names: Sequence[str]) -> ExcitedModel:
+def excited_model(plant: Any, state: State, names: Sequence[str], off: Any = None) -> ExcitedModel:
     """The linear model of a plant at a mean state, from all that follows from random processes in a run of this mean.
 
-    names: results and variables. All runs of one mean have it in common: what there is of waves and of turbulence in
-    each of them is no part of it.
+    names: results and variables. off: see Further. All runs of one mean have it in common: what there is of waves and
+    of turbulence in each of them is no part of it.
     """
     dae, at = plant.dae, plant.at(state.parameters)
     places = field_places(plant, at, state, turns_of(plant, at, state))
@@ -217,11 +224,12 @@ def excited_model(plant: Any, state: State, names: Sequence[str]) -> ExcitedMode
         return whole
 
     speeds, rows = at.functions.once("motions", lambda: _motions(at))
-    further = Further(driven.symbols, driven.outputs, driven.labels, mixing if fields else None, rows)
+    further = Further(driven.symbols, driven.outputs, driven.labels, mixing if fields else None, rows, off)
     rotating = rotating_linear_model(plant, state, (), names, further, turning=True)
     linear, forces = _without_forces(rotating.linear, speeds, len(rows))
-    return ExcitedModel(linear, driven.signals, tuple(fields), driven.laws, rotating.shown, _means(at, state), forces,
-                        rotating, replace(further, added=()))  # fmt: skip
+    means = means_of_laws(at, state)
+    return ExcitedModel(linear, driven.signals, tuple(fields), driven.laws, rotating.shown, means, forces, rotating,
+                        replace(further, added=()))  # fmt: skip
 
 
 @dataclass(frozen=True, eq=False)
@@ -294,7 +302,7 @@ def _without_forces(linear: LinearModel, speeds: Sequence[str], count: int) -> t
     return rest, Forces(places, B[:, n:], D[:, n:], own)
 
 
-def _means(at: AtParameters, state: State) -> np.ndarray:
+def means_of_laws(at: AtParameters, state: State) -> np.ndarray:
     """The inputs of all quadratic laws at the mean."""
     laws = [law.inputs for law in at.dae.quadratics]
     if not laws:

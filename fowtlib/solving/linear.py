@@ -41,7 +41,8 @@ class Further:
 
     symbols: scalars of the flat model, also outputs of externals; they are inputs, or where there is a `mixing` they
     follow from `inputs`, as it says. outputs: expressions. added: rows of [ode; alg] to which further inputs are added,
-    the last ones: forces, where a row is an equation of motion.
+    the last ones: forces, where a row is an equation of motion. off: by how much slopes of the first rows by x, by z
+    and by the first symbols are others than those at the point, as those of an equivalent linearisation are.
     """
 
     symbols: Mapping[str, ca.SX] = field(default_factory=dict)
@@ -49,6 +50,7 @@ class Further:
     inputs: tuple[str, ...] | None = None
     mixing: Mixing | None = None
     added: tuple[int, ...] = ()
+    off: tuple[np.ndarray, np.ndarray, np.ndarray] | None = None
 
     @property
     def labels(self) -> tuple[str, ...]:
@@ -442,6 +444,11 @@ class Slopes:
         dae = self.at.dae
         by_x, by_z, by_all = self.at.arrays_again(self.function, t, x, z, q)
         symbols = len(self.inputs) - len(self.further.labels) + len(self.further.symbols)
+        if self.further.off is not None:
+            by_x, by_z, by_all = by_x.copy(), by_z.copy(), by_all.copy()
+            place = symbols - len(self.further.symbols)
+            for whole, off in zip((by_x, by_z, by_all[:, place:]), self.further.off, strict=True):
+                whole[: len(off), : off.shape[1]] += off
         first = symbols + self.operator_columns
         by_u = by_all[:, :first].copy()
         for name in dict.fromkeys(name for _, name, _ in self.through):

@@ -1,0 +1,286 @@
+"""Expected values and slopes of nonlinear rows at a Gaussian state: what equivalent linearisation puts in their place.
+
+The linear function nearest in the mean square to f(v), v Gaussian with mean m, is E[f] + E[df/dv] (v - m), since
+Cov(f, v) = E[df/dv] Cov(v) (R. C. Booton, IRE Trans. Circuit Theory 1 (1954) 9; I. E. Kazakov, 1954; J. B. Roberts and
+P. D. Spanos, Random Vibration and Statistical Linearization, 1990, chapters 5 and 6). The expectations are means over
+points that fill the Gaussian evenly, in pairs about its centre.
+
+Laws of states alone with corners (frequency.corners) are cheap, and are averaged over many more points than the rest.
+A state that follows its law within a fraction of a second, as an actuator with a lower limit does, is far from Gaussian
+beside that limit. So at each point it stands where its own rate vanishes, a function g of the other states, and the
+linear function of a row f(v, g(v)) is E[df/dg] (g - E[g]) and what is left of its slopes by the others.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from functools import partial
+from typing import Any
+
+import casadi as ca
+import numpy as np
+from scipy.special import ndtri
+
+from fowtlib.frequency.corners import Laws, laws_of
+from fowtlib.solving.arrays import Arrays
+from fowtlib.solving.disturbed import DisturbedRows
+
+POINTS, BLOCK, BLOCKS = 512, 512, 8  # of all rows; of laws at once, and how often
+FAST = 5.0  # 1/s; a state whose law pulls it back faster than that follows it, where no limit of its rate holds it,
+ALIKE = 3.0  # and wherever it is, much alike: an integral beside its limit is not
+HELD = 1e-3  # of its pace: what pulls less is held
+AWAY, LITTLE, ALMOST = 6.0, 1e-3, 0.98  # how far: deviations of a state, or this of its size; at so many points
+SETTLING, SETTLED = 400, 1e-7  # iterations of those that follow, and the last change over what they deviate by
+ROUNDING = 1e-8  # of a variance, added: dependent inputs have no root otherwise
+
+
+@dataclass(frozen=True, eq=False)
+class Expected:
+    """Expected rows (m,), and slopes by states, unknowns and signals; mean: of the states, with those that follow."""
+
+    values: np.ndarray
+    by_x: np.ndarray
+    by_z: np.ndarray
+    by_signals: np.ndarray
+    mean: np.ndarray
+
+
+@dataclass(frozen=True, eq=False)
+class Gaussian:
+    """Covariance of some states (numbers of the flat model) and of signals: of [states; signals]."""
+
+    states: Sequence[int]
+    covariance: np.ndarray
+    signals: int
+
+
+class Expectations:
+    """Of the rows [ode; alg; outputs] of a compiled model."""
+
+    def __init__(self, plant: Any, at: Any, disturbed: DisturbedRows):
+        self.at, self.disturbed, self.laws = at, disturbed, LawExpectations(plant, at)
+
+    def __call__(self, t: float, x: np.ndarray, z: np.ndarray, q: np.ndarray, means: np.ndarray, law: Gaussian,
+                 slopes: tuple[np.ndarray, ...] | None) -> Expected:  # fmt: skip
+        """At a mean, of all that is Gaussian; means: of quadratic laws; slopes: of the rows, by which unknowns move."""
+        whole = np.concatenate([q, self.at.parameters, np.zeros(law.signals), means])
+        if slopes is None:
+            slopes = tuple(self.disturbed.slopes(t, x, z, whole))
+        nx, nz = x.size, z.size
+        laws = self.laws(t, x, q, law)
+        first = laws.inputs
+        rest = [k for k in range(len(law.covariance)) if k not in first and k not in laws.followers_at]
+        drawn = _points(law.covariance, [*first, *rest], POINTS)
+        dx, ds = np.zeros((POINTS, nx)), drawn[:, len(law.states) :]
+        dx[:, list(law.states)] = drawn[:, : len(law.states)]
+        moved = x + dx
+        by_others = laws.settle(moved) if laws.followers else np.zeros((POINTS, 0, nx))
+        line = dx.copy()
+        line[:, laws.followers] = dx @ laws.slopes.T
+        alg = slice(nx, nx + nz)
+        dz = line @ slopes[0][alg].T + ds @ slopes[2][alg].T
+        dz = -np.linalg.solve(slopes[1][alg], dz.T).T if nz else np.zeros((POINTS, 0))
+        values, sums, through = np.zeros(len(slopes[0])), None, np.zeros((len(slopes[0]), nx))
+        for k in range(POINTS):
+            whole[q.size + self.at.parameters.size :][: law.signals] = ds[k]
+            point = t, moved[k], z + dz[k], whole
+            values += self.disturbed.values.entries(*point)[0]
+            found = self.disturbed.slopes.entries(*point)
+            sums = found if sums is None else [a + b for a, b in zip(sums, found, strict=True)]
+            if laws.followers:
+                through += _columns(self.disturbed.slopes, found[0], laws.followers) @ by_others[k]
+        by_x, by_z, by_s = (_dense(self.disturbed.slopes, k, entries) / POINTS for k, entries in enumerate(sums))
+        values /= POINTS
+        if laws.followers:
+            by_x += through / POINTS - by_x[:, laws.followers] @ laws.slopes
+        mean = x.copy()
+        mean[laws.followers] = laws.means
+        for number, value, row in laws.rows:
+            values[number], by_x[number], by_z[number], by_s[number] = value, row, 0.0, 0.0
+        return Expected(values, by_x, by_z, by_s, mean)
+
+
+class LawExpectations:
+    """Of the laws of a compiled model that have corners and follow from states alone."""
+
+    def __init__(self, plant: Any, at: Any):
+        self.at, self.laws = at, laws_of(plant, at)
+        make = partial(_law_function, plant.dae, at, self.laws)
+        self._function = plant.functions.once("laws with slopes", make) if self.laws.numbers else None
+
+    def __call__(self, t: float, x: np.ndarray, q: np.ndarray, law: Gaussian) -> SettledLaws:
+        """At a Gaussian state."""
+        return SettledLaws(self._function, self.laws, t, x, self.at.whole(q), law)
+
+    def tangents(self, t: float, x: np.ndarray, q: np.ndarray) -> dict[int, np.ndarray]:
+        """Slopes (states,) of each law at states, by its number."""
+        if self._function is None:
+            return {}
+        moving, others = list(self.laws.moving), np.concatenate([[t], self.at.whole(q)])[list(self.laws.held)]
+        by = self._function.entries(np.tile(x[moving], (BLOCK, 1)), others)[1].reshape(BLOCK, len(moving), -1)[0]
+        found = {number: np.zeros(x.size) for number in self.laws.numbers}
+        for j, number in enumerate(self.laws.numbers):
+            found[number][moving] = by[:, j]
+        return found
+
+
+class SettledLaws:
+    """The laws of states alone at a Gaussian state.
+
+    inputs: numbers of what they follow from, within the Gaussian; followers: numbers of the states that follow, and
+    followers_at: their places in the Gaussian; pace (k,) [1/s], means (k,) and slopes (k, states) of these; rows: of
+    each law its number, its value and its slopes.
+    """
+
+    def __init__(self, function: Arrays | None, laws: Laws, t: float, x: np.ndarray, q: np.ndarray, law: Gaussian):
+        self.function, self.moving = function, list(laws.moving)
+        self.others = np.concatenate([[t], q])[list(laws.held)]
+        self.numbers, self.size = list(laws.numbers), x.size
+        self.inputs: list[int] = []
+        self.followers: list[int] = []
+        self.followers_at: list[int] = []
+        self.pace, self.means, self.slopes, self.rows = np.zeros(0), np.zeros(0), np.zeros((0, x.size)), []
+        place = {number: k for k, number in enumerate(law.states)}
+        if function is None or not set(self.moving) <= set(place):
+            return
+        points = BLOCK * BLOCKS
+        whole = [place[k] for k in self.moving]
+        spread = x + _spread(law.covariance, law.states, x.size)
+        own = self._slopes(spread)[1]
+        paces = [_pace(own[:, j, self.moving.index(n)]) if n in self.moving and self._pulled(j, spread, x) else 0.0
+                 for j, n in enumerate(self.numbers)]  # fmt: skip
+        self.followers = [n for n, pace in zip(self.numbers, paces, strict=True) if pace > 0]
+        self.pace = np.array([pace for pace in paces if pace > 0])
+        self.followers_at = [place[n] for n in self.followers]
+        self.inputs = [k for k in whole if k not in self.followers_at]
+        drawn = _points(law.covariance, self.inputs, points)
+        moved = np.tile(x, (points, 1))
+        moved[:, list(law.states)] += drawn[:, : len(law.states)]
+        by_others = self.settle(moved)
+        self.means, self.slopes = moved[:, self.followers].mean(axis=0), by_others.mean(axis=0)
+        values, slopes = self._slopes(moved)
+        for j, number in enumerate(self.numbers):
+            row = np.zeros(x.size)
+            if number in self.followers:
+                k = self.followers.index(number)
+                row[:] = self.pace[k] * self.slopes[k]
+                row[number] -= self.pace[k]
+                self.rows.append((number, 0.0, row))
+                continue
+            row[self.moving] = slopes[:, j].mean(axis=0)
+            by = slopes[:, j][:, [self.moving.index(n) for n in self.followers]]
+            row += (by[:, :, None] * by_others).sum(axis=(0, 1)) / points - row[self.followers] @ self.slopes
+            self.rows.append((number, float(values[:, j].mean()), row))
+
+    def _pulled(self, law: int, spread: np.ndarray, mean: np.ndarray) -> bool:
+        """Whether a law pulls its state back from far on both sides, wherever the other states are."""
+        number, rates = self.numbers[law], []
+        far = max(AWAY * float(np.std(spread[:, number])), LITTLE * (1 + abs(mean[number])))
+        for side in (-far, far):
+            moved = spread.copy()
+            moved[:, number] = mean[number] + side
+            rates.append(self._slopes(moved)[0][:, law])
+        return bool(min(np.mean(rates[0] >= 0), np.mean(rates[1] <= 0)) > ALMOST)
+
+    def settle(self, x: np.ndarray) -> np.ndarray:
+        """Move the states that follow to where their rates vanish, at points x (n, states).
+
+        Returns their slopes (n, k, states).
+        """
+        at = [self.numbers.index(n) for n in self.followers]
+        for _ in range(SETTLING if self.followers else 0):
+            step = self._slopes(x)[0][:, at] / self.pace
+            x[:, self.followers] += step
+            if np.max(np.abs(step)) < SETTLED * (1e-12 + np.max(np.std(x[:, self.followers], axis=0))):
+                break
+        slopes = self._slopes(x)[1][:, at]
+        found = np.zeros((len(x), len(at), self.size))
+        if not at:
+            return found
+        own = slopes[:, :, [self.moving.index(n) for n in self.followers]]
+        held = np.abs(np.diagonal(own, axis1=1, axis2=2)) < HELD * self.pace  # by the limit of a rate
+        for k, pace in enumerate(self.pace):
+            own[held[:, k], k, k] = -pace
+        found[:, :, self.moving] = -np.linalg.solve(own, slopes)
+        found[:, :, self.followers] = 0.0
+        return found
+
+    def _slopes(self, x: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+        """Laws (n, laws) and their slopes (n, laws, moving)."""
+        values, slopes = [], []
+        for block in np.split(x[:, self.moving], len(x) // BLOCK):
+            rates, by = self.function.entries(block, self.others)
+            values.append(rates.reshape(BLOCK, -1))
+            slopes.append(by.reshape(BLOCK, len(self.moving), -1).transpose(0, 2, 1))
+        return np.concatenate(values), np.concatenate(slopes)
+
+
+def _pace(own: np.ndarray) -> float:
+    """How fast a law pulls its state back [1/s], from its slopes by that (n,); 0: it is none that follows."""
+    pulls = -own[np.abs(own) > 1e-9]
+    slowest, fastest = np.percentile(pulls, [5, 95]) if pulls.size else (0.0, 0.0)
+    return float(fastest) if slowest > FAST and fastest < ALIKE * slowest else 0.0
+
+
+def _law_function(dae: Any, at: Any, laws: Laws) -> Arrays:
+    """Of the states that laws name and of the rest of [t; q]: the laws and their slopes, at BLOCK points."""
+    rows, x = ca.densify(dae.ode[list(laws.numbers)]), dae.x[list(laws.moving)]
+    others = ca.vertcat(at.general.t, at.general.q)[list(laws.held)]
+    one = ca.Function("laws", [x, others], [rows, ca.densify(ca.jacobian(rows, x))])
+    return Arrays(one.map("laws_with_slopes", "serial", BLOCK, [1], []))
+
+
+def _points(covariance: np.ndarray, order: Sequence[int], count: int) -> np.ndarray:
+    """Deviations (count, n) of this covariance (n, n), in pairs; the first of the order are spread most evenly."""
+    found = np.zeros((count, len(covariance)))
+    s = np.sqrt(np.maximum(np.diag(covariance), 0.0))
+    order = [k for k in order if s[k] > 0]
+    if order:
+        scaled = covariance[np.ix_(order, order)] / np.outer(s[order], s[order])
+        root = _root(scaled)
+        drawn = _normal(count // 2, len(order))
+        found[:, order] = np.vstack([drawn, -drawn]) @ root.T * s[order]
+    return found
+
+
+def _normal(count: int, size: int) -> np.ndarray:
+    """Independent normal numbers (count, size) of a sequence of Sobol, the same each time."""
+    from scipy.stats import qmc
+
+    return ndtri(qmc.Sobol(size, scramble=True, seed=1).random(count))
+
+
+def _root(correlation: np.ndarray) -> np.ndarray:
+    """Lower triangular root; what is dependent gets as little more as it takes."""
+    added, one = ROUNDING, np.eye(len(correlation))
+    while True:
+        try:
+            return np.linalg.cholesky((correlation + correlation.T) / 2 + added * one)
+        except np.linalg.LinAlgError:
+            added *= 10
+
+
+def _spread(covariance: np.ndarray, states: Sequence[int], size: int) -> np.ndarray:
+    """Deviations of the states (BLOCK, size), independent, to see how fast laws may be."""
+    found = np.zeros((BLOCK, size))
+    s = np.sqrt(np.maximum(np.diag(covariance), 0.0))[: len(states)]
+    found[:, list(states)] = _normal(BLOCK, len(states)) * s
+    return found
+
+
+def _dense(function: Arrays, number: int, entries: np.ndarray) -> np.ndarray:
+    rows, columns, shape = function.places[number]
+    matrix = np.zeros(shape)
+    matrix[rows, columns] = entries
+    return matrix
+
+
+def _columns(function: Arrays, entries: np.ndarray, columns: Sequence[int]) -> np.ndarray:
+    """Some columns of the first result."""
+    rows, of, shape = function.places[0]
+    found = np.zeros((shape[0], len(columns)))
+    for k, column in enumerate(columns):
+        kept = of == column
+        found[rows[kept], k] = entries[kept]
+    return found

@@ -1,0 +1,142 @@
+"""Equivalent linearisation against closed forms that have nothing to do with wind.
+
+J. B. Roberts and P. D. Spanos, Random Vibration and Statistical Linearization, 1990: an oscillator with a cubic spring;
+R. C. Booton, IRE Trans. Circuit Theory 1 (1954) 9: a limit, erf(L / (sqrt(2) s)). White noise of the one-sided density
+G [unit^2 s/rad] from w_0 to w_1 gives x of x' + a x = noise the variance G / a (atan(w_1 / a) - atan(w_0 / a)).
+"""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+from scipy.optimize import brentq
+from scipy.special import erf
+
+import fowtlib as fw
+from fowtlib.language import Component, Number, Scalar, der, eq, param, run_time_series, var
+from fowtlib.language import math as m
+from fowtlib.language.errors import ModelError
+from tests.frequency.conftest import LINEAR, STIFFNESS, Oscillator, Push
+
+GRID = np.geomspace(1e-3, 9.0, 600)  # Hz
+
+
+def deviation(level: float, rate: float) -> float:
+    """Of x' + rate x = noise on the frequencies of GRID."""
+    low, high = np.arctan(2 * np.pi * GRID[[0, -1]] / rate)
+    return float(np.sqrt(level / rate * (high - low)))
+
+
+class Duffing(Oscillator):
+    """The oscillator with a spring that hardens."""
+
+    hardening: Scalar = param(default=0.0, unit="N/m^3", doc="force over the cube of the displacement")
+
+    def equations(self):
+        own, balance = super().equations()
+        return [own, eq(balance.lhs, balance.rhs - self.hardening * self.x**3)]
+
+
+class Filter(Component):
+    """x' = -rate f(x) + white noise + level, and what else follows x."""
+
+    level: Number = param(default=2.0, bound=True, doc="one-sided spectrum of the noise [s/rad]")
+    highest: Number = param(default=60.0, bound=True, doc="circular frequency up to which there is noise")
+    limit: Scalar = param(default=0.0, doc="of the return, where it is above zero")
+    lead: Scalar = param(default=0.0, doc="constant input")
+
+    x: Scalar = var(start=0.0, doc="what the noise drives")
+    held: Scalar = var(start=0.0, doc="follows x within 0.05 s, not below zero")
+    late: Scalar = var(start=0.0, doc="follows x within 1 s")
+    squared: Scalar = var(start=0.0, doc="follows the square of `held` within 1 s")
+    product: Scalar = var(start=0.0, doc="follows x times `late` within 1 s")
+
+    def equations(self):
+        noise = run_time_series(self.time, 1, "noise", Push(), of=self)
+        back = m.if_else(self.limit > 0, m.fmin(m.fmax(self.x, -self.limit), self.limit), self.x)
+        return [
+            eq(der(self.x), noise + self.lead - back),
+            eq(der(self.held), (m.fmax(self.x, 0) - self.held) / 0.05),
+            eq(der(self.late), self.x - self.late),
+            eq(der(self.squared), self.held**2 - self.squared),
+            eq(der(self.product), self.x * self.late - self.product),
+        ]
+
+    def spectral_density(self, omega):
+        return np.where(np.asarray(omega) < self.highest, self.level, 0.0)
+
+
+def filtered(**parameters):
+    root = fw.Assembly("filters")
+    root.one = Filter(**parameters)
+    return fw.Model(root, outputs={name: f"one.{name}" for name in ("x", "held", "late", "squared", "product")})
+
+
+@pytest.mark.parametrize("push", [0.0, 15.0])
+def test_a_cubic_spring_has_the_mean_and_the_deviation_of_the_closed_form(push):
+    level, hardening = 2.0, 6.0
+    root = fw.Assembly("oscillators")
+    root.one = Duffing(level=level, hardening=hardening, push=push, damping=LINEAR)
+    found = fw.response(fw.Model(root, outputs={"x": "one.x"}), linearisation="equivalent")
+
+    def mean(s2):
+        return brentq(lambda x: STIFFNESS * x + hardening * (x**3 + 3 * x * s2) - push, -10.0, 10.0)
+
+    def left(s2):
+        stiffness = STIFFNESS + 3 * hardening * (mean(s2) ** 2 + s2)
+        return s2 - np.pi * level / (2 * LINEAR * stiffness)
+
+    s2 = brentq(left, 1e-6, 10.0)
+    assert found.std("x") == pytest.approx(np.sqrt(s2), rel=0.01)  # settles to 0.3 %; points and frequencies the rest
+    assert found.mean[0] == pytest.approx(mean(s2), rel=0.01, abs=1e-6)
+    tangent = fw.response(fw.Model(root, outputs={"x": "one.x"}))
+    off = max(abs(tangent.std("x") / np.sqrt(s2) - 1), abs(tangent.mean[0] - mean(s2)))
+    assert off > 0.1  # what it is about is no small thing here
+
+
+def test_a_limit_in_a_loop_has_the_gain_of_booton():
+    limit, level = 1.0, 0.4
+    model = filtered(limit=limit, level=level)
+    found = fw.response(model, outputs=["x"], frequencies=GRID, linearisation="equivalent")
+    s = brentq(lambda s: s - deviation(level, erf(limit / (np.sqrt(2) * s))), 0.1, 20.0)
+    assert found.std("x") == pytest.approx(s, rel=0.01)
+    assert abs(fw.response(model, outputs=["x"], frequencies=GRID).std("x") / s - 1) > 0.05
+
+
+def test_what_follows_a_corner_has_its_half_and_what_hangs_on_it_has_its_own_slope():
+    """Of x with the deviation s: E max(x, 0) = s/sqrt(2 pi), slope 1/2; E max(x, 0)^2 = s^2/2, slope 2 s/sqrt(2 pi)."""
+    names = ["x", "held", "late", "squared"]
+    found = fw.response(filtered(level=0.5), outputs=names, frequencies=GRID, linearisation="equivalent")
+    s = found.std("x")
+    assert s == pytest.approx(deviation(0.5, 1.0), rel=0.01)
+    assert found.mean[1] == pytest.approx(s / np.sqrt(2 * np.pi), rel=0.01)
+    assert found.std("held") == pytest.approx(s / 2, rel=0.03)  # it follows within 0.05 s: 2.5 % of the variance lags
+    assert found.mean[3] == pytest.approx(s**2 / 2, rel=0.02)
+    assert found.std("squared") == pytest.approx(2 * s / np.sqrt(2 * np.pi) * found.std("late"), rel=0.02)
+
+
+@pytest.mark.parametrize("lead", [0.0, 2.0])
+def test_a_product_of_two_has_their_covariance_as_its_mean(lead):
+    """Of x and what follows it within 1 s: covariance s^2/2, slopes those at the means, which are `lead` both."""
+    names = ["x", "late", "product"]
+    model = filtered(level=0.5, lead=lead)
+    found = fw.response(model, outputs=names, frequencies=GRID, linearisation="equivalent")
+    assert found.mean[:2] == pytest.approx([lead, lead], abs=1e-3)
+    assert found.mean[2] == pytest.approx(lead**2 + found.std("x") ** 2 / 2, rel=0.02)
+    tangent = fw.response(model, outputs=names, frequencies=GRID)
+    assert found.std("product") == pytest.approx(tangent.std("product"), rel=0.02, abs=0.02)
+    assert tangent.mean[2] == pytest.approx(lead**2, abs=1e-6)
+
+
+def test_a_linear_model_stays_what_it_is():
+    root = fw.Assembly("oscillators")
+    root.one = Oscillator(drag=2.0)
+    model = fw.Model(root, outputs={"x": "one.x", "v": "one.v"})
+    tangent, found = fw.response(model), fw.response(model, linearisation="equivalent")
+    for name in ("x", "v"):  # with drag, which has its own law
+        assert found.std(name) == pytest.approx(tangent.std(name), rel=1e-3)
+
+
+def test_a_word_that_is_no_linearisation_is_refused():
+    with pytest.raises(ModelError, match="'tangent' or 'equivalent'"):
+        fw.response(filtered(), linearisation="statistical")
