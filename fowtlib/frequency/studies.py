@@ -111,6 +111,8 @@ class Study:
         nothing of the branch: the drag, which has hardly a slope at a mean of zero, may yet damp it.
         """
         A = self.excited(state, names).linear.matrices["A"]
+        if not A.size:
+            return True
         eigenvectors(A)  # of which the next one will ask
         roots = eigenvalues(A)
         return not np.any((roots.imag == 0) & (roots.real > 1e-6))
