@@ -3,8 +3,8 @@
 Runs models/designs/dtu10mw_spar.yaml and keeps journal, design and pictures in FOLDER; a search that was cut off goes
 on from its best. `--nearest` asks for the design nearest to the printed one that keeps all limits, not the cheapest:
 least is the sum of squared changes of sizes over those printed. `--from DESIGN.json` begins at a saved design;
-`--check` evaluates it in all states: thirty of fatigue, of 1 to 30 m/s, and three of fifty years; `--run 2` simulates
-EC1 with two seeds of an hour.
+`--check` evaluates it in all states: thirty of fatigue, of 1 to 30 m/s, and three of fifty years, and holds the periods
+of heave and pitch at rest apart. p3_in_time.py simulates it there.
 """
 
 from __future__ import annotations
@@ -88,6 +88,17 @@ def everywhere(design: fw.Design) -> fw.Design:
     return replace(design, cases=cases, functions=functions, constraints=constraints, slopes="differences")
 
 
+def at_rest(design: fw.Design) -> fw.Design:
+    """With the periods at rest in addition: heave over pitch stays 0.1 away from 0.5, 1, 1.5 and 2."""
+    parked = next(case.model for case in design.cases if case.model is not None)
+    calm = {"sea.spectrum": "still", "wind.kind": "steady", "wind.mean_speed": 0.0, "thrust": 0.0}
+    heave, pitch = (f"period of {mode} @ rest" for mode in ("heave", "pitch"))
+    apart = fw.Function("periods apart", lambda v: ca.vertcat(*rules.period_ratio(v[heave], v[pitch])), [heave, pitch])
+    return replace(design, cases=[*design.cases, fw.DesignCase("rest", calm, 0.0, parked)],
+                   functions=[*design.functions, apart],
+                   constraints=[*design.constraints, fw.Constraint("periods apart", upper=1.0)])  # fmt: skip
+
+
 RINGS = ("ring_web_height", "ring_web", "ring_flange_width", "ring_flange", "ring_spacing")
 
 
@@ -137,39 +148,6 @@ def draw(design: fw.Design, saved: dict[str, Path], to: Path) -> None:
     figure.savefig(to, dpi=110)
 
 
-WATCHED = ("surge", "pitch", "fairlead_offset", "upwind_tension", "rotor_speed", "tower_base_moment",
-           "tower_moment_node_5", "hull_moment_node_8")  # fmt: skip
-DISCARD, HOUR = 600.0, 3600.0
-
-
-def in_time(design: fw.Design, seeds: int) -> None:
-    """EC1 in the nonlinear time domain beside the response: mean, deviation, largest of an hour of each seed."""
-    case = next(item for item in design.cases if item.name == "EC1")
-    given = {**design.space.parameters(design.space.start), **case.parameters}
-    response = fw.response(design.plant, outputs=list(WATCHED), parameters=given)
-    for name in WATCHED:
-        print(
-            f"{name:22}{'response':10}",
-            *(
-                f"{value:10.3f}"
-                for value in (
-                    response.mean_of(name),
-                    response.std(name),
-                    response.extreme(name, HOUR, float(np.exp(-1))),
-                )
-            ),
-            flush=True,
-        )
-    for seed in range(1, seeds + 1):
-        run = design.plant.simulate(DISCARD + HOUR, 0.5, start="turning", solver="fixed", outputs=list(WATCHED),
-                                    parameters={**given, "wind.seed": seed, "sea.seed": seed})  # fmt: skip
-        late = np.asarray(run.time) > DISCARD
-        for name in WATCHED:
-            series = np.asarray(run[name])[late]
-            print(f"{name:22}{f'seed {seed}':10}", *(f"{value:10.3f}" for value in
-                  (series.mean(), series.std(), series.max())), flush=True)  # fmt: skip
-
-
 def processor_time() -> float:
     """Of this process and of those that it has made [s]."""
     ticks = 0
@@ -188,7 +166,6 @@ def main() -> None:
     parser.add_argument("--nearest", action="store_true")
     parser.add_argument("--check", action="store_true")
     parser.add_argument("--draw", type=Path, help="a picture of the printed spar and of those in p3_designs")
-    parser.add_argument("--run", type=int, default=0)
     parser.add_argument("--from", dest="begin", type=Path)
     parser.add_argument("--processes", type=int, default=1, help="that evaluate states at once")
     arguments = parser.parse_args()
@@ -205,11 +182,8 @@ def main() -> None:
         here = Path(__file__).parent / "p3_designs"
         draw(design, {"made feasible": here / "nearest.json", "found": here / "optimum.json"}, arguments.draw)
         return
-    if arguments.run:
-        in_time(design, arguments.run)
-        return
     if arguments.check:
-        found = everywhere(design).evaluate()
+        found = at_rest(everywhere(design)).evaluate()
         print(found)
         print(cheapest_rings(design, found))
         found.save(arguments.folder / "check.json")

@@ -16,6 +16,7 @@ from typing import Any
 
 import numpy as np
 from p3_design import begun_at
+from p3_in_time import moving_lines
 from scipy.optimize import minimize
 
 import fowtlib as fw
@@ -179,24 +180,23 @@ def extremes(spar: Spar) -> dict[str, fw.Response]:
 
 
 def moving_line(spar: Spar) -> None:
-    """T_d in EC1 with the line moving in one degree of freedom."""
-    line = spar.line()
-    mass = line["weight"] / GRAVITY / (1 - WATER / 7850.0)
-    moving = {
-        "mooring.dynamics": "coupled",
-        "mooring.weight_per_length": None,
-        "mooring.mass_per_length": mass,
-        "mooring.diameter": float(np.sqrt(4 * mass / (np.pi * 7850.0))),
-    }  # the diameter of its volume
-    plant = with_line_results(fw.load("dtu10mw_spar_3_design", set=moving)).compile()
-    speed, height, period, intensity = EXTREMES["EC1"]
-    one = fw.response(plant, parameters=spar._of(spar.operating) | {
-        "wind.mean_speed": speed, "wind.turbulence_intensity": intensity, "sea.significant_wave_height": height,
-        "sea.peak_period": period})  # fmt: skip
-    found = line_extreme(one, "mooring.line_2", HOUR, CHARACTERISTIC)
-    use = rules.mooring_strength(found.mean, found.dynamic, line["strength"])
-    print(f"\nEC1 with lines that move: tension {found.mean / 1e6:.2f} + {found.dynamic / 1e6:.2f} MN, "
-          f"T_d {use.tension / 1e6:.2f} MN, utilisation {float(use.utilisation):.2f}.")  # fmt: skip
+    """T_d in the 50-year states with lines that move, each in one degree of freedom."""
+    line, plants = spar.line(), {}
+    for name, (speed, height, period, intensity) in EXTREMES.items():
+        which = "design" if speed <= 25.0 else "parked"
+        if which not in plants:
+            plants[which] = with_line_results(
+                fw.load(f"dtu10mw_spar_3_{which}", set=moving_lines(line["d"]))
+            ).compile()
+        plant = plants[which]
+        given = {"wind.mean_speed": speed, "wind.turbulence_intensity": intensity,
+                 "sea.significant_wave_height": height, "sea.peak_period": period}  # fmt: skip
+        storm = {} if which == "design" else {"thrust": 192.6e3 * (speed / 50.0) ** 2}
+        one = fw.response(plant, parameters=spar._of(plant) | given | storm)
+        found = line_extreme(one, "mooring.line_2", HOUR, CHARACTERISTIC)
+        use = rules.mooring_strength(found.mean, found.dynamic, line["strength"])
+        print(f"\n{name} with lines that move: tension {found.mean / 1e6:.2f} + {found.dynamic / 1e6:.2f} MN, "
+              f"T_d {use.tension / 1e6:.2f} MN, utilisation {float(use.utilisation):.2f}.", flush=True)  # fmt: skip
 
 
 def fatigue(spar: Spar) -> None:

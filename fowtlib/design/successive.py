@@ -147,11 +147,14 @@ class _Search:
             self.region = max(0.4 * min(self.region, float(np.max(np.abs(step)))), SMALLEST / 2)
 
 
-def _solver(problem: dict[str, ca.MX]) -> ca.Function:
+WATCHFUL = {"ipopt.watchdog_shortened_iter_trigger": 3, "ipopt.max_soc": 8}  # where rules have kinks, steps are cut off
+
+
+def _solver(problem: dict[str, ca.MX], **more: Any) -> ca.Function:
     """IPOPT, with functions as plain operations where they are some: derivatives then take a twentieth of the time."""
     options = {"ipopt.print_level": 0, "print_time": False, "ipopt.sb": "yes", "ipopt.max_iter": 300, "ipopt.tol": 1e-7,
                "ipopt.bound_relax_factor": 0.0, "show_eval_warnings": False, "ipopt.mu_strategy": "adaptive",
-               "error_on_fail": False}  # fmt: skip
+               "error_on_fail": False, **more}  # fmt: skip
     try:
         return ca.nlpsol("step", "ipopt", problem, {**options, "expand": True})
     except RuntimeError:  # a table, or an iteration
@@ -174,7 +177,8 @@ class _Step:
     """The problem of a step: unknowns y, results over their sizes, and by how much each constraint is broken."""
 
     def __init__(self, problem: Any, penalty: float):
-        self.problem, self.free = problem, True  # whether variables that no result depends on may go anywhere
+        self.problem, self.penalty = problem, penalty
+        self.free = True  # whether variables that no result depends on may go anywhere
         self.prices = np.full(problem.lower.size, penalty)  # of limits, in the last step
         self.solved, self.reason = True, ""  # whether the problem of the last step was
         composition = problem.composition
@@ -183,10 +187,11 @@ class _Step:
         J, rest, sizes = ca.MX.sym("J", m, n), ca.MX.sym("rest", m), ca.MX.sym("sizes", m)
         f, g = composition.function(problem.offset + problem.scale * y, sizes * r)
         rows = [g - s, g + s, r - ca.mtimes(J, y)]
-        self.solver = _solver({
+        asked = {
             "x": ca.vertcat(y, r, s), "p": ca.vertcat(ca.vec(J), rest, sizes),
             "f": f / problem.f_scale + penalty * ca.sum1(s), "g": ca.vertcat(*rows[:2], rows[2] - rest),
-        })  # fmt: skip
+        }  # fmt: skip
+        self.solvers = [_solver(asked), _solver(asked, **WATCHFUL)]  # the second where the first does not end
 
     def __call__(self, y: np.ndarray, r: np.ndarray, J: np.ndarray, region: float,
                  centre: np.ndarray | None = None) -> np.ndarray:  # fmt: skip
@@ -201,15 +206,29 @@ class _Step:
         scaled = J / sizes[:, None]
         g = np.ravel(problem.composition.function(problem.x(y), r)[1])
         over = np.maximum(np.maximum(g - problem.upper, problem.lower - g), 0.0)
-        found = self.solver(
-            x0=np.concatenate([y, r / sizes, over]),
-            p=np.concatenate([scaled.ravel(order="F"), r / sizes - scaled @ y, sizes]),
-            lbx=np.concatenate([low, np.full(m, -np.inf), np.zeros(k)]),
-            ubx=np.concatenate([high, np.full(m, np.inf), np.full(k, np.inf)]),
-            lbg=np.concatenate([np.full(k, -np.inf), problem.lower, np.zeros(m)]),
-            ubg=np.concatenate([problem.upper, np.full(k, np.inf), np.zeros(m)]),
-        )  # fmt: skip
-        stats = self.solver.stats()
-        self.solved, self.reason = bool(stats["success"]), str(stats["return_status"])
-        self.prices = np.abs(np.ravel(found["lam_g"])[: 2 * k]).reshape(2, k).max(axis=0, initial=0.0)
-        return np.clip(np.ravel(found["x"])[: y.size], low, high)
+        given = {
+            "x0": np.concatenate([y, r / sizes, over]),
+            "p": np.concatenate([scaled.ravel(order="F"), r / sizes - scaled @ y, sizes]),
+            "lbx": np.concatenate([low, np.full(m, -np.inf), np.zeros(k)]),
+            "ubx": np.concatenate([high, np.full(m, np.inf), np.full(k, np.inf)]),
+            "lbg": np.concatenate([np.full(k, -np.inf), problem.lower, np.zeros(m)]),
+            "ubg": np.concatenate([problem.upper, np.full(k, np.inf), np.zeros(m)]),
+        }  # fmt: skip
+        tried = []
+        for solver in self.solvers:
+            found = solver(**given)
+            stats = solver.stats()
+            there = np.clip(np.ravel(found["x"])[: y.size], low, high)
+            tried.append((self._value(there, r + J @ (there - y)), len(tried), there, np.ravel(found["lam_g"])))
+            self.solved, self.reason = bool(stats["success"]), str(stats["return_status"])
+            if self.solved:
+                break
+        _, _, there, multipliers = tried[-1] if self.solved else min(tried)
+        self.prices = np.abs(multipliers[: 2 * k]).reshape(2, k).max(axis=0, initial=0.0)
+        return np.asarray(there)
+
+    def _value(self, y: np.ndarray, r: np.ndarray) -> float:
+        """What becomes least."""
+        f, g = self.problem.composition.function(self.problem.x(y), r)
+        over = np.maximum(np.maximum(np.ravel(g) - self.problem.upper, self.problem.lower - np.ravel(g)), 0.0)
+        return float(f) / self.problem.f_scale + self.penalty * float(over.sum())

@@ -74,8 +74,8 @@ def test_a_step_that_was_not_solved_is_no_optimum(monkeypatch):
     def idle(often):
         left = [often]
 
-        def make(problem):
-            able = whole(problem)
+        def make(problem, **more):
+            able = whole(problem, **more)
             unable = ca.nlpsol("step", "ipopt", problem, {"ipopt.print_level": 0, "print_time": False,
                                "ipopt.sb": "yes", "ipopt.max_iter": 0, "error_on_fail": False})  # fmt: skip
 
@@ -91,7 +91,7 @@ def test_a_step_that_was_not_solved_is_no_optimum(monkeypatch):
 
         return make
 
-    monkeypatch.setattr(successive, "_solver", idle(2))
+    monkeypatch.setattr(successive, "_solver", idle(3))
     found = tube(Beam(), (8.5, 0.15)).optimise("successive", tolerance=1e-6)
     assert found.converged and found.value == pytest.approx(best(), rel=1e-5)
     monkeypatch.setattr(successive, "_solver", idle(1000))

@@ -1,0 +1,167 @@
+"""The 10-MW spar in the nonlinear time domain, judged by its limits: `benchmarks/p3_in_time.py [DESIGN.json] FOLDER`.
+
+Hours of the nonlinear model in the three states of fifty years (`--seeds 6`) and the thirty of fatigue (`--fatigue 2`),
+with lines that move. By default of the design in benchmarks/p3_designs/optimum.json. What the runs have, means,
+largest values, deviations and damage-equivalent ranges of rainflow, takes the place of what the response has in the
+question of p3_design.py, so that the same rules judge it; both are printed. What a run gave is kept in FOLDER.
+"""
+
+from __future__ import annotations
+
+import argparse
+import json
+import warnings
+from collections.abc import Sequence
+from dataclasses import replace
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from p3_design import HULL, STORMS, TOWER, begun_at, everywhere
+from pages import markdown
+from scipy.stats import t as student
+
+import fowtlib as fw
+from fowtlib.analysis.fatigue import damage_equivalent_load
+from fowtlib.design.evaluation import Evaluated
+from fowtlib.design.file import read_design
+from fowtlib.design.measures import answer
+
+DISCARD, HOUR, STEP = 600.0, 3600.0, 0.1
+EXPONENT = 5.0
+WATCHED = ("surge", "pitch", "fairlead_offset", "upwind_tension", "rotor_speed", "tower_base_moment",
+           "tower_moment_node_5", "tower_moment_node_10", "hull_moment_node_8")  # fmt: skip
+LINE = "dynamic tension"  # of which the file says how much more it is for lines that move, as those of the runs do
+
+
+def of_search(design: fw.Design) -> fw.Design:
+    """The states of the search, whose damages stand for those of thirty, and all storms."""
+    more = [case for case in everywhere(design).cases if case.name in STORMS and case.name != "EC1"]
+    constraints = [replace(item, cases=tuple(STORMS)) if item.cases == ("EC1",) else item
+                   for item in design.constraints]  # fmt: skip
+    return replace(design, cases=[*design.cases, *more], constraints=constraints, slopes="differences")
+
+
+def moving_lines(chain: float) -> dict[str, Any]:
+    """What makes the lines of a model move, for chain of a diameter [m]: its mass, and the diameter of its volume."""
+    mass = 187500 * chain**2 / 9.80665 / (1 - 1025 / 7850)
+    return {"mooring.dynamics": "coupled", "mooring.weight_per_length": None, "mooring.mass_per_length": mass,
+            "mooring.diameter": float(np.sqrt(4 * mass / (np.pi * 7850)))}  # fmt: skip
+
+
+class Hours:
+    """Numbers of hours of each case: for each output its mean, deviation, largest, smallest and equivalent range."""
+
+    def __init__(self, design: fw.Design, folder: Path, storms: int, fatigue: int):
+        self.folder, self.seeds = folder, (storms, fatigue)
+        folder.mkdir(parents=True, exist_ok=True)
+        self.given = design.space.parameters(design.space.start)
+        lines = moving_lines(float(np.ravel(self.given["chain_diameter"])[0]))
+        self.plants = [fw.load(f"dtu10mw_spar_3_{name}", set=lines).compile() for name in ("design", "parked")]
+        self.units: dict[str, str] = {}
+
+    def of(self, case: fw.DesignCase) -> list[dict[str, Any]]:
+        return [self.run(case, seed) for seed in range(1, self.seeds[case.name not in STORMS] + 1)]
+
+    def run(self, case: fw.DesignCase, seed: int) -> dict[str, Any]:
+        path = self.folder / f"{case.name.replace(' ', '_')}_{seed}.json"
+        if not path.exists():
+            plant = self.plants[case.model is not None]
+            given = {name: value for name, value in self.given.items() if name in plant.dae.parameters}
+            own = {f"{part}.{name}": value for part, number in (("wind", seed), ("sea", seed + 50))
+                   for name, value in (("seed", number), ("repetition_period", DISCARD + HOUR))}  # fmt: skip
+            run = plant.simulate(DISCARD + HOUR, STEP, start="turning", solver="fixed", outputs=list(plant.outputs),
+                                 parameters={**given, **case.parameters, **own, "wind.sample_step": STEP})  # fmt: skip
+            kept, found = run.time >= DISCARD, {}
+            for name in plant.outputs:
+                x = np.asarray(run[name].values)[kept]
+                load = damage_equivalent_load((run.time[kept], x), EXPONENT) if "moment" in name else 0.0
+                found[name] = [float(v) for v in (x.mean(), x.std(), x.max(), x.min(), load)]
+            path.write_text(json.dumps({"units": {n: run[n].units for n in plant.outputs}, "values": found}))
+        return json.loads(path.read_text())
+
+
+class OfRuns:
+    """An evaluator of a design (fowtlib.design.Evaluator) that has its results from hours of runs."""
+
+    def __init__(self, hours: Hours, cases: Sequence[fw.DesignCase], keys: Sequence[tuple[str, str]]):
+        self.hours, self.cases, self.keys = hours, {case.name: case for case in cases}, keys
+
+    def evaluate(self, x: np.ndarray, jacobian: bool = False) -> Evaluated:
+        values, units = {}, {}
+        for case, name in self.keys:
+            statistic, result = answer(name) or ("", name)
+            runs = self.hours.of(self.cases[case])
+            mean, std, largest, smallest, load = np.array([run["values"][result] for run in runs]).T
+            values[case, name] = np.array([{
+                "": mean.mean(), "std of ": np.sqrt(np.mean(std**2)), "largest ": largest.mean(),
+                "smallest ": smallest.mean(), "range of ": np.mean(load**EXPONENT) ** (1 / EXPONENT),
+            }[statistic]])  # fmt: skip
+            units[name] = runs[0]["units"][result]
+        return Evaluated(values, units)
+
+
+def of_runs(design: fw.Design, hours: Hours) -> fw.Design:
+    """The same question, with its results from runs; the lines of these move by themselves."""
+    names = ["largest upwind_tension", "upwind_tension"]
+    own = fw.Function(LINE, lambda values: values[names[0]] - values[names[1]], names, "kN")
+    functions = [own if item.name == LINE else item for item in design.functions]
+    return replace(design, functions=functions,
+                   evaluator=lambda plant, space, cases, keys, **_: OfRuns(hours, cases, keys))  # fmt: skip
+
+
+def beside(design: fw.Design, hours: Hours) -> None:
+    """Mean, deviation and largest value in the states of fifty years: response and runs with bounds at 95 %."""
+    rows = []
+    for case in (item for item in design.cases if item.name in STORMS):
+        plant, runs = case.model or design.plant, hours.of(case)
+        given = {name: value for name, value in hours.given.items() if name in plant.dae.parameters}
+        some = [name for name in WATCHED if name in plant.outputs]
+        response = fw.response(plant, outputs=some, parameters={**given, **case.parameters})
+        for name in some:
+            each = np.array([run["values"][name][:3] for run in runs])
+            half = student.ppf(0.975, len(each) - 1) * each.std(axis=0, ddof=1) / np.sqrt(len(each))
+            expected = (response.mean_of(name), response.std(name), response.extreme(name, HOUR, float(np.exp(-1))))
+            ratio = [
+                f"{e / m:.2f} +- {e / m**2 * h:.2f}" for e, m, h in zip(expected, each.mean(axis=0), half, strict=True)
+            ]
+            rows.append((case.name, name, "; ".join(f"{v:.4g}" for v in expected),
+                         "; ".join(f"{v:.4g}" for v in each.mean(axis=0)), *ratio[1:]))  # fmt: skip
+    heads = ("state", "result", "response: mean; deviation; largest", "runs", "deviation", "largest")
+    print(markdown((heads, rows)))
+
+
+def uses(linear: fw.Optimum, nonlinear: fw.Optimum) -> None:
+    """Each limit by the response and by the runs."""
+    rows, names = [], [item.name for item in nonlinear.constraints]
+    for name in names:
+        a, b = (next(item for item in one.constraints if item.name == name) for one in (linear, nonlinear))
+        broken = "broken" if b.violated else ""
+        rows.append((name, f"{a.value:.4g}", f"{b.value:.4g}", f"{a.lower:.4g}", f"{a.upper:.4g}", broken))
+    print(markdown((("limit", "response", "runs", "lower", "upper", ""), rows)))
+
+
+def main() -> None:
+    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser.add_argument("design", type=Path, nargs="?", default=Path(__file__).parent / "p3_designs" / "optimum.json")
+    parser.add_argument("folder", type=Path)
+    parser.add_argument("--seeds", type=int, default=6)
+    parser.add_argument("--fatigue", type=int, default=2, help="seeds of each state of fatigue")
+    parser.add_argument("--few", action="store_true", help="the four fatigue states of the search in place of thirty")
+    asked = parser.parse_args()
+    warnings.simplefilter("ignore")
+    begun = begun_at(read_design("dtu10mw_spar").design, asked.design)
+    design = of_search(begun) if asked.few else everywhere(begun)
+    hours = Hours(design, asked.folder, asked.seeds, asked.fatigue)
+    beside(design, hours)
+    linear, nonlinear = design.evaluate(), of_runs(design, hours).evaluate()
+    uses(linear, nonlinear)
+    for part, ranges in (("hull", HULL), ("tower", TOWER)):
+        ratios = [np.array(linear.results[case.name][name]) / nonlinear.results[case.name][name]
+                  for case in design.cases if case.weight > 0 for name in ranges]  # fmt: skip
+        print(part, "range by the response over that of runs, by state and place:")
+        print(np.array(ratios).reshape(-1, len(ranges)).round(2))
+
+
+if __name__ == "__main__":
+    main()
