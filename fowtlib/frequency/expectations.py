@@ -106,12 +106,13 @@ class LawExpectations:
 
     def __init__(self, plant: Any, at: Any):
         self.at, self.laws = at, laws_of(plant, at)
+        self._paces: dict[int, float] = {}  # of those that follow: once they do, they do in all that comes
         make = partial(_law_function, plant.dae, at, self.laws)
         self._function = plant.functions.once("laws with slopes", make) if self.laws.numbers else None
 
     def __call__(self, t: float, x: np.ndarray, q: np.ndarray, law: Gaussian) -> SettledLaws:
         """At a Gaussian state."""
-        return SettledLaws(self._function, self.laws, t, x, self.at.whole(q), law)
+        return SettledLaws(self._function, self.laws, t, x, self.at.whole(q), law, self._paces)
 
     def tangents(self, t: float, x: np.ndarray, q: np.ndarray) -> dict[int, np.ndarray]:
         """Slopes (states,) of each law at states, by its number."""
@@ -133,7 +134,8 @@ class SettledLaws:
     each law its number, its value and its slopes.
     """
 
-    def __init__(self, function: Arrays | None, laws: Laws, t: float, x: np.ndarray, q: np.ndarray, law: Gaussian):
+    def __init__(self, function: Arrays | None, laws: Laws, t: float, x: np.ndarray, q: np.ndarray, law: Gaussian,
+                 paces: dict[int, float]):  # fmt: skip
         self.function, self.moving = function, list(laws.moving)
         self.others = np.concatenate([[t], q])[list(laws.held)]
         self.numbers, self.size = list(laws.numbers), x.size
@@ -148,10 +150,11 @@ class SettledLaws:
         whole = [place[k] for k in self.moving]
         spread = x + _spread(law.covariance, law.states, x.size)
         own = self._slopes(spread)[1]
-        paces = [_pace(own[:, j, self.moving.index(n)]) if n in self.moving and self._pulled(j, spread, x) else 0.0
-                 for j, n in enumerate(self.numbers)]  # fmt: skip
-        self.followers = [n for n, pace in zip(self.numbers, paces, strict=True) if pace > 0]
-        self.pace = np.array([pace for pace in paces if pace > 0])
+        for j, n in enumerate(self.numbers):
+            if not paces.get(n) and n in self.moving and self._pulled(j, spread, x):
+                paces[n] = _pace(own[:, j, self.moving.index(n)])
+        self.followers = [n for n in self.numbers if paces.get(n, 0.0) > 0]
+        self.pace = np.array([paces[n] for n in self.followers])
         self.followers_at = [place[n] for n in self.followers]
         self.inputs = [k for k in whole if k not in self.followers_at]
         drawn = _points(law.covariance, self.inputs, points)

@@ -15,8 +15,8 @@ from scipy.special import erf
 import fowtlib as fw
 from fowtlib.language import Component, Number, Scalar, der, eq, param, run_time_series, var
 from fowtlib.language import math as m
-from fowtlib.language.errors import ModelError
-from tests.frequency.conftest import LINEAR, STIFFNESS, Oscillator, Push
+from fowtlib.language.errors import ModelError, SimulationError
+from tests.frequency.conftest import LINEAR, MASS, STIFFNESS, Oscillator, Push
 
 GRID = np.geomspace(1e-3, 9.0, 600)  # Hz
 
@@ -28,13 +28,14 @@ def deviation(level: float, rate: float) -> float:
 
 
 class Duffing(Oscillator):
-    """The oscillator with a spring that hardens."""
+    """The oscillator with a spring that hardens, and a damper that does."""
 
     hardening: Scalar = param(default=0.0, unit="N/m^3", doc="force over the cube of the displacement")
+    braking: Scalar = param(default=0.0, unit="N*s^3/m^3", doc="force over the cube of the velocity")
 
     def equations(self):
         own, balance = super().equations()
-        return [own, eq(balance.lhs, balance.rhs - self.hardening * self.x**3)]
+        return [own, eq(balance.lhs, balance.rhs - self.hardening * self.x**3 - self.braking * self.v**3)]
 
 
 class Filter(Component):
@@ -92,6 +93,18 @@ def test_a_cubic_spring_has_the_mean_and_the_deviation_of_the_closed_form(push):
     tangent = fw.response(fw.Model(root, outputs={"x": "one.x"}))
     off = max(abs(tangent.std("x") / np.sqrt(s2) - 1), abs(tangent.mean[0] - mean(s2)))
     assert off > 0.1  # what it is about is no small thing here
+
+
+def test_what_grows_without_noise_has_the_deviation_that_its_damper_leaves_it():
+    """M v' = force + 0.2 v - c v^3 - k x: damping -0.2 + 3 c s^2, and s^2 = pi G / (2 M damping)."""
+    root = fw.Assembly("oscillators")
+    root.one = Duffing(level=2.0, braking=0.5, damping=-0.2)
+    model = fw.Model(root, outputs={"v": "one.v"})
+    with pytest.raises(SimulationError, match="unstable"):
+        fw.response(model)
+    found = fw.response(model, linearisation="equivalent")
+    s2 = brentq(lambda s2: s2 * (3 * 0.5 * s2 - 0.2) - np.pi * 2.0 / (2 * MASS), 0.1, 10.0)
+    assert found.std("v") == pytest.approx(np.sqrt(s2), rel=0.02)  # 512 points, and frequencies up to 2 Hz
 
 
 def test_a_limit_in_a_loop_has_the_gain_of_booton():
