@@ -27,7 +27,7 @@ OPERATIONS = {
 }  # fmt: skip
 """C text of a CasADi operation."""
 
-ANY_PROCESSOR = 2  # lanes of a word that every processor has, or can do without
+ANY_PROCESSOR, WIDE = 2, 4  # lanes of a word that every processor has, or can do without; of one with AVX2
 
 VECTORS = {
     ca.OP_ADD: "ADD({0}, {1})", ca.OP_SUB: "SUB({0}, {1})", ca.OP_MUL: "MUL({0}, {1})", ca.OP_DIV: "DIV({0}, {1})",
@@ -42,6 +42,10 @@ _WIDE = """#if defined(__clang__)
 #pragma GCC target("avx2")
 #endif
 #define LEAVE __builtin_ia32_vzeroupper(); /* gcc leaves it out at -O1, and what follows would be slow without */
+"""
+_WIDE_END = """#if defined(__clang__)
+#pragma clang attribute pop
+#endif
 """
 _PROLOGUE = """#include <math.h>
 #ifndef LEAVE
@@ -66,36 +70,48 @@ typedef long long M __attribute__((vector_size(BYTES), aligned(8), may_alias));
 #define ONLY(c, v) ((W)((M)(v) & (M)((c) != (W){0.0})))
 #else
 #define FS_PIECE
-typedef struct { double a, b; } W;
-#define WORD(p, q) ((W){p, q})
-#define LANE(v, k) ((k) ? (v).b : (v).a)
-#define LOAD(p) ((W){(p)[0], (p)[1]})
-#define KEEP(p, v) ((p)[0] = (v).a, (p)[1] = (v).b)
-#define ADD(v, u) ((W){(v).a + (u).a, (v).b + (u).b})
-#define SUB(v, u) ((W){(v).a - (u).a, (v).b - (u).b})
-#define MUL(v, u) ((W){(v).a * (u).a, (v).b * (u).b})
-#define DIV(v, u) ((W){(v).a / (u).a, (v).b / (u).b})
-#define NEG(v) ((W){-(v).a, -(v).b})
-#define MIN(v, u) ((W){fmin((v).a, (u).a), fmin((v).b, (u).b)})
-#define MAX(v, u) ((W){fmax((v).a, (u).a), fmax((v).b, (u).b)})
-#define ONLY(c, v) ((W){(c).a != 0.0 ? (v).a : 0.0, (c).b != 0.0 ? (v).b : 0.0})
+NUMBERS
 #endif
 """
+# The same without the vectors of gcc and clang, lane by lane: N stands for the number of a lane.
+_LANES = {
+    "ADD(v, u)": "(v).vN + (u).vN", "SUB(v, u)": "(v).vN - (u).vN", "MUL(v, u)": "(v).vN * (u).vN",
+    "DIV(v, u)": "(v).vN / (u).vN", "NEG(v)": "-(v).vN", "MIN(v, u)": "fmin((v).vN, (u).vN)",
+    "MAX(v, u)": "fmax((v).vN, (u).vN)", "ONLY(c, v)": "(c).vN != 0.0 ? (v).vN : 0.0", "LOAD(p)": "(p)[N]",
+}  # fmt: skip
+
+
+def _numbers(word: int) -> str:
+    """C text of the operations without vectors."""
+    lanes = [str(k) for k in range(word)]
+    lane = "".join(f"(k) == {k} ? (v).v{k} : " for k in lanes[:-1]) + f"(v).v{lanes[-1]}"
+    keep = ", ".join(f"(p)[{k}] = (v).v{k}" for k in lanes)
+    return "\n".join([
+        f"typedef struct {{ double {', '.join(f'v{k}' for k in lanes)}; }} W;",
+        "#define WORD(...) ((W){__VA_ARGS__})", f"#define LANE(v, k) ({lane})", f"#define KEEP(p, v) ({keep})",
+        *(f"#define {name} ((W){{{', '.join(form.replace('N', k) for k in lanes)}}})" for name, form in _LANES.items()),
+    ])  # fmt: skip
 
 
 def prologue(word: int) -> str:
-    """In front of the text of `c_program` with vectors of so many lanes: 2 for every processor, 4 for those with AVX2.
+    """In front of the text of `c_program` with vectors of so many lanes.
 
-    Without the vectors of gcc and clang there are two numbers in their place.
+    Without the vectors of gcc and clang there are as many numbers in their place, and where those of the processor are
+    narrower the compiler takes several.
     """
-    return (_WIDE if word > ANY_PROCESSOR else "") + _PROLOGUE.replace("BYTES", str(8 * word))
+    return _PROLOGUE.replace("BYTES", str(8 * word)).replace("NUMBERS", _numbers(word))
 
 
-def for_this_processor() -> str:
-    """In front of C text with loops that the compiler may carry out in the vectors of this processor, and of no other."""
-    return _WIDE if word_here() > ANY_PROCESSOR else ""
+def in_wide_vectors(text: str) -> str:
+    """C text for processors with AVX2 alone."""
+    return f"{_WIDE}{text}{_WIDE_END}"
+
+
+def for_this_processor(text: str) -> str:
+    """C text that the compiler may carry out in the vectors of this processor, and of no other."""
+    return in_wide_vectors(text) if word_here() > ANY_PROCESSOR else text
 
 
 def word_here() -> int:
     """Lanes of a word of this processor."""
-    return 4 if lanes_here() >= 4 else ANY_PROCESSOR
+    return WIDE if lanes_here() >= WIDE else ANY_PROCESSOR

@@ -22,7 +22,7 @@ from fowtlib.language.cache import cached, sources
 from fowtlib.language.externals import LibraryFunction
 from fowtlib.language.native import Library, begin_library, load_library
 from fowtlib.language.tables import SplineFunction
-from fowtlib.solving.engines.c_lanes import prologue, word_here
+from fowtlib.solving.engines.c_lanes import for_this_processor, prologue, word_here
 from fowtlib.solving.engines.c_text import WRITERS, Program, c_program
 from fowtlib.solving.engines.reduction import Reduction, reduction
 from fowtlib.solving.engines.statements import Depends
@@ -323,7 +323,8 @@ _OPTIMIZATION = "-O1"
 def write(dae: FlatDAE, observed: Sequence[str]) -> Written:
     """The text of a model for this machine, with its reduction, frames, tables and the scratch memory that it needs."""
     reduced, frames = reduction(dae), turning_frames(dae)
-    return reduced, frames, *kept_text(dae, reduced, observed, frames, word_here())
+    text, program, scratch = kept_text(dae, reduced, observed, frames, word_here())
+    return reduced, frames, for_this_processor(text), program, scratch
 
 
 def begin(dae: FlatDAE, observed: Sequence[str]) -> Written:
