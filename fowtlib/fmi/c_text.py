@@ -137,7 +137,7 @@ def _source_of(function: LibraryFunction) -> str:
 
 
 def _functions(variables: Variables, dae: FlatDAE) -> tuple[str, str, Program, int]:
-    """C text of what importers ask for, with derivatives along a direction; the engine's, its program; scratch memory."""
+    """C text of what importers ask for, and its derivatives along a direction; the engine's, its program; scratch."""
     text, program, scratch = kept_text(dae, reduction(dae), variables.observed, turning_frames(dae), WIDE)
     q = ca.vertcat(dae.u, dae.d, dae.p)
     arguments = [dae.t, dae.x, dae.z, q, dae.w]

@@ -181,7 +181,7 @@ class Checked(fw.Component):
 
 
 def test_results_and_checks_come_with_the_points(monkeypatch):
-    """What simulate takes: the engine alone where the equations are compiled, CasADi where SUNDIALS cannot be called."""
+    """What simulate takes: the engine alone where the equations are compiled, CasADi's where it cannot be."""
     monkeypatch.setattr(compiled_functions, "OPERATIONS", (-1, 1000))
     made, create = [], choice.CompiledIdas
     monkeypatch.setattr(choice, "CompiledIdas", lambda *given: made.append(create(*given)) or made[-1])
