@@ -1,7 +1,8 @@
 """Where the time of a simulation goes: `python benchmarks/profile_run.py`; `--write` puts it into docs/performance.md.
 
-The run is that of `simulate_oc3` in run.py, 1000 s of it. IDAS counts its own calls of the residual and the Jacobian
-and the time in them; the rest of a call of IDAS is its own: predictions, error tests, sparse factorisation.
+The run is that of `simulate_oc3` in run.py, 1000 s of it, by the processor's time. IDAS counts its own calls of the
+residual and the Jacobian; what each of them takes is measured beside the run, and the rest is that of IDAS itself:
+predictions, error tests, factors and solutions.
 """
 
 from __future__ import annotations
@@ -9,101 +10,92 @@ from __future__ import annotations
 import sys
 import time
 from collections import Counter
+from collections.abc import Callable
 
-import casadi as ca
 import numpy as np
 from pages import fill
 from run import OC3_CONDITIONS, PAGE
 
 import fowtlib as fw
 from fowtlib.solving.engines import choice
-from fowtlib.solving.engines.idas import Idas
+from fowtlib.solving.engines.compiled_idas import CompiledIdas
 
 DURATION = 1000.0
-BATCH = 500  # evaluations of a function at once, to time one
+BATCH = 500  # evaluations of a function for one measurement
 
 
-class TimedIdas(Idas):
-    """IDAS that adds up its counters and keeps the last point."""
+class TimedIdas(CompiledIdas):
+    """IDAS that adds up its time and keeps the last point."""
 
     spent: Counter = Counter()
     last: TimedIdas
 
     def advance(self, t, length, points, x, z, q):
-        """As Idas.advance, timed."""
-        began = time.perf_counter()
-        created = self.spent["create"]
+        """As CompiledIdas.advance, timed."""
+        began = time.process_time()
         result = super().advance(t, length, points, x, z, q)
-        self.spent["advance"] += time.perf_counter() - began - (self.spent["create"] - created)
-        stats = self.integrator(points).stats()
-        for name in ("nsteps", "n_call_daeF", "n_call_jacF", "t_wall_daeF", "t_wall_jacF", "netfails"):
-            self.spent[name] += stats[name]
+        self.spent["advance"] += time.process_time() - began
         self.point, TimedIdas.last = (t, x, z, self.at.whole(q)), self
         return result
 
-    def _create(self, points):
-        began = time.perf_counter()
-        integrator = super()._create(points)
-        self.spent["create"] += time.perf_counter() - began
-        return integrator
 
-
-def evaluation_time(function: ca.Function, *arguments) -> float:
-    """Time of one evaluation [s], without the way from Python."""
-    many = function.map(BATCH, "serial")
-    columns = [ca.repmat(ca.DM(value), 1, BATCH) for value in arguments]
+def evaluation_time(call: Callable[[], object]) -> float:
+    """Time of one call [s], with the way from Python and back."""
     times = []
     for _ in range(40):
-        began = time.perf_counter()
-        many(*columns)
-        times.append(time.perf_counter() - began)
+        began = time.process_time()
+        for _ in range(BATCH):
+            call()
+        times.append(time.process_time() - began)
     return min(times) / BATCH
+
+
+def compiled(engine: TimedIdas) -> dict[str, float]:
+    """Time of the compiled equations and of their derivatives [s]."""
+    t, *given = engine.point
+    x, z, q = (np.ascontiguousarray(values, dtype=float) for values in given)
+    states, algebraics = (np.empty(size) for size in engine._sizes)
+    columns, unknown = np.empty((len(x) + len(z)) ** 2), engine._tables[2]
+    at = engine._instance, t, x.ctypes.data, z.ctypes.data, q.ctypes.data
+    ends = states.ctypes.data, algebraics.ctypes.data
+    return {
+        "residual": evaluation_time(lambda: engine._equations.fs_values(*at, *ends)),
+        "Jacobian": evaluation_time(
+            lambda: engine._equations.fs_derivatives(*at, unknown.ctypes.data, columns.ctypes.data)
+        ),
+    }
 
 
 def profile() -> str:
     """Two tables: the run, and one evaluation of the equations."""
     plant = fw.load("oc3_spar_rigid").with_parameters(OC3_CONDITIONS).compile()
-    choice.Idas = TimedIdas
-    began = time.perf_counter()
+    choice.CompiledIdas = TimedIdas
+    began = time.process_time()
     plant.simulate(DURATION, output_step=0.1, solver="idas", tolerance=1e-6)
-    total = time.perf_counter() - began
-    spent = TimedIdas.spent
-    idas = spent["advance"] - spent["t_wall_daeF"] - spent["t_wall_jacF"]
+    total, spent, engine = time.process_time() - began, TimedIdas.spent["advance"], TimedIdas.last
+    counts, times = engine.counts(), compiled(engine)
+    numbers = {"residual": counts["residuals"], "Jacobian": counts["jacobians"]}
+    parts = {name: numbers[name] * times[name] for name in numbers}
     rows = [
-        ("residual", f"{spent['n_call_daeF']}", spent["t_wall_daeF"]),
-        ("Jacobian", f"{spent['n_call_jacF']}", spent["t_wall_jacF"]),
-        ("IDAS itself and the sparse linear solver", f"{spent['nsteps']} steps", idas),
-        ("start values, making of functions, checks, results", "once", total - spent["advance"]),
+        *((name, f"{numbers[name]}", parts[name]) for name in numbers),
+        ("IDAS itself, its linear solver, results", f"{counts['steps']} steps", spent - sum(parts.values())),
+        ("start values, making of functions, checks", "once", total - spent),
     ]
-    steps = spent["nsteps"] / DURATION
+    steps = counts["steps"]
     lines = [
-        f"{DURATION:g} s in {total:.2f} s: {steps:.1f} steps per second of simulated time, "
-        f"{spent['n_call_daeF'] / spent['nsteps']:.1f} residuals and {spent['n_call_jacF'] / spent['nsteps']:.2f} "
-        f"Jacobians per step, {100 * spent['netfails'] / spent['nsteps']:.0f} % of the steps repeated.",
+        f"{DURATION:g} s in {total:.2f} s: {steps / DURATION:.1f} steps per second of simulated time, "
+        f"{numbers['residual'] / steps:.1f} residuals and {numbers['Jacobian'] / steps:.2f} "
+        f"Jacobians per step, {100 * counts['error_test_failures'] / steps:.0f} % of the steps repeated.",
         "",
         "| part of the run | calls | time [s] | share |",
         "| --- | --- | --- | --- |",
         *(f"| {what} | {calls} | {seconds:.2f} | {100 * seconds / total:.0f} % |" for what, calls, seconds in rows),
+        "",
+        "| evaluation | time [microseconds] |",
+        "| --- | --- |",
+        *(f"| {name} | {1e6 * seconds:.1f} |" for name, seconds in times.items()),
     ]
-    return "\n".join([*lines, "", *one_evaluation(TimedIdas.last)])
-
-
-def one_evaluation(engine: TimedIdas) -> list[str]:
-    """What one residual and one Jacobian are made of."""
-    functions, point = engine.at.functions, engine.point
-    residual = evaluation_time(functions.residual, *point)
-    lines = ["| evaluation | time [microseconds] |", "| --- | --- |", f"| residual | {1e6 * residual:.1f} |"]
-    rest = residual
-    for external in functions.dae.externals:
-        function = external.function
-        inputs = [np.zeros(function.size_in(i)) for i in range(function.n_in())]
-        inputs[0] = np.resize([7.0, 0.05] if "coefficient" in function.name() else [123.4], function.size_in(0))
-        spent = evaluation_time(function, *inputs)
-        rest -= spent
-        lines.append(f"| of which {function.name().replace('_', ' ')} | {1e6 * spent:.1f} |")
-    lines.append(f"| of which all other equations | {1e6 * rest:.1f} |")
-    lines.append(f"| Jacobian | {1e6 * evaluation_time(functions.jacobian, *point):.1f} |")
-    return lines
+    return "\n".join(lines)
 
 
 if __name__ == "__main__":

@@ -150,6 +150,7 @@ class Tables:
         results = ", ".join(f"double *{name}" for name in [*OUT, "scratch"])
         values, seeds = ", ".join(VALUES), ", ".join(SEEDS)
         lines = [f"void {name}({values}, {results});\n" for name in plain] + ["extern const fs_code pieces[];\n"]
+        lines.append("void wide_equations(const fs_code **inputs, fs_code *residual, const fs_code **all_pieces);\n")
         lines += [f"void {name}({values}, {seeds}, {results});\n" for name in moved + forward]
         lines.append(_table("fmu_forward_code", "fmu_forward_levels", forward))
         for name in libraries(dae):

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from dataclasses import dataclass, field
 from pathlib import Path
 
@@ -13,9 +14,10 @@ from fowtlib.fmi.variables import Variables
 from fowtlib.language.errors import CompilerError, StructureError
 from fowtlib.language.externals import LibraryFunction
 from fowtlib.language.native import EXPORT
+from fowtlib.language.processor import processor_text
 from fowtlib.language.tables import SplineFunction
 from fowtlib.solving.engines import fixed_step
-from fowtlib.solving.engines.c_lanes import ANY_PROCESSOR
+from fowtlib.solving.engines.c_lanes import ANY_PROCESSOR, WIDE, in_wide_vectors, prologue
 from fowtlib.solving.engines.c_text import Program, c_program
 from fowtlib.solving.engines.fixed_step_code import OUT, kept_text
 from fowtlib.solving.engines.reduction import reduction
@@ -32,6 +34,25 @@ HIDDEN = """#if defined(__GNUC__) && !defined(_WIN32)
 named `starts` or `wind` could else be taken from another library of the same process."""
 
 
+WIDE_EQUATIONS = """typedef void (*equation)(const double *t, const double *x, const double *z, const double *q,
+                         const double *w, double *first, double *second, double *scratch);
+static const equation inputs_of_levels[] = {{{inputs}0}};
+
+/* What is to be called instead of equations.c on a processor that has these vectors; it gives the same numbers. */
+EXPORT void wide_equations(const equation **inputs, equation *residual, const equation **all_pieces) {{
+  if (widest() < 4) return;
+  *inputs = inputs_of_levels;
+  *residual = model;
+  *all_pieces = pieces;
+}}
+#else
+EXPORT void wide_equations(const void *inputs, const void *residual, const void *all_pieces) {{
+  (void)inputs, (void)residual, (void)all_pieces;
+}}
+#endif
+"""
+
+
 @dataclass
 class Sources:
     """Files of the folder sources/, which of them are compiled with which optimization, and the resources."""
@@ -46,8 +67,10 @@ def c_sources(variables: Variables, start: State, interface: int, identity: tupl
     """All C text of an FMU; interface: 2 or 3; identity: name of the model and its token."""
     dae, sources = variables.plant.dae, Sources()
     refuse_python(dae)
-    functions, program, scratch = _functions(variables, dae)
-    sources.files["model.c"] = "#define D const double\n" + functions.replace("  const double a", "  D a")
+    functions, equations, program, scratch = _functions(variables, dae)
+    sources.files["model.c"] = _shortened(functions)
+    sources.files["equations.c"] = _shortened(equations)
+    sources.files["equations_wide.c"] = _wide_equations(equations, len(dae.levels))
     tables = Tables(variables, start, program, scratch, identity)
     sources.files["tables.h"] = tables.text()
     sources.tables = tables.packed()
@@ -60,12 +83,28 @@ def c_sources(variables: Variables, start: State, interface: int, identity: tupl
             sources.files[name] = (folder / name).read_text(encoding="utf-8")
     includes = "".join(f'#include "{part}"\n' for part in parts)
     sources.files["fmu.c"] = f"#define EXPORT static\n{includes}"
-    sources.units = [("fmu.c", "-O3"), ("model.c", "-O1")]
+    sources.units = [("fmu.c", "-O3"), *((f"{unit}.c", "-O1") for unit in ("model", "equations", "equations_wide"))]
     by_path = {function.path: function for function in libraries(dae).values()}
     for number, function in enumerate(by_path.values()):
         sources.files[f"external_{number}.c"] = _source_of(function)
         sources.units.append((f"external_{number}.c", "-O2"))
     return sources
+
+
+def _shortened(text: str) -> str:
+    return "#define D const double\n" + text.replace("  const double a", "  D a")
+
+
+def _wide_equations(equations: str, levels: int) -> str:
+    """C text: the equations once more, for processors with AVX2, under other names; see `wide_equations` in it."""
+    inputs, seen = [f"level_{k}" for k in range(levels)], re.findall(r"EXPORT void (\w+)\(", equations)
+    renamed = "".join(f"#define {name} wide_{name}\n" for name in [*seen, "pieces"])
+    return "".join([
+        "/* The equations in wider vectors than every processor has, for those that have them. */\n", HIDDEN,
+        processor_text(), "#if defined(VECTORS) && defined(__x86_64__)\n", renamed,
+        in_wide_vectors('#include "equations.c"\n'),
+        WIDE_EQUATIONS.format(inputs="".join(f"{name}, " for name in inputs)),
+    ])  # fmt: skip
 
 
 def refuse_python(dae: FlatDAE) -> None:
@@ -97,9 +136,9 @@ def _source_of(function: LibraryFunction) -> str:
     return HIDDEN + source.read_text(encoding="utf-8").removeprefix(EXPORT)
 
 
-def _functions(variables: Variables, dae: FlatDAE) -> tuple[str, Program, int]:
-    """C text of all functions and of their derivatives along a direction; the engine's program; scratch memory."""
-    text, program, scratch = kept_text(dae, reduction(dae), variables.observed, turning_frames(dae), ANY_PROCESSOR)
+def _functions(variables: Variables, dae: FlatDAE) -> tuple[str, str, Program, int]:
+    """C text of what importers ask for, and its derivatives along a direction; the engine's, its program; scratch."""
+    text, program, scratch = kept_text(dae, reduction(dae), variables.observed, turning_frames(dae), WIDE)
     q = ca.vertcat(dae.u, dae.d, dae.p)
     arguments = [dae.t, dae.x, dae.z, q, dae.w]
     checks = ca.vertcat(*[check.condition for check in dae.checks])
@@ -121,7 +160,7 @@ def _functions(variables: Variables, dae: FlatDAE) -> tuple[str, Program, int]:
     ]  # fmt: skip
     along, direction = ca.vertcat(*arguments[1:]), ca.vertcat(*seeds)
     slopes = [(name, [ca.jtimes(ca.densify(e), along, direction) for e in expressions]) for name, expressions in moved]
-    texts = [HIDDEN, text]
+    texts = [HIDDEN, prologue(ANY_PROCESSOR)]
     for inside, names, functions in (
         (arguments, [*"txzqw"], plain), ([*arguments, *seeds], [*"txzqw", "dx", "dz", "dq", "dw"], slopes)
     ):  # fmt: skip
@@ -130,4 +169,4 @@ def _functions(variables: Variables, dae: FlatDAE) -> tuple[str, Program, int]:
             alone = c_program(function, [(name, OUT[: len(expressions)])], names, OUT)
             texts.append(alone.text)
             scratch = max(scratch, alone.scratch)
-    return "".join(texts), program, scratch
+    return "".join(texts), HIDDEN + text, program, scratch

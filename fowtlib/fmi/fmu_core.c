@@ -1041,6 +1041,7 @@ static int fmu_create_engine(fmu_instance *f) {
                   POINT_FACTOR * fmu_solver[2].start, KEEP, PREDICTOR};
   fs_model m = fmu_model;
   m.external = f->external;
+  wide_equations(&m.level_inputs, &m.residual, &m.pieces);
   if (!f->co_simulation) o.at_points = 1e-13; /* an importer may take differences of the derivatives */
   f->engine = fs_create(&m, &o);
   return f->engine ? FMU_OK : FMU_ERROR;

@@ -189,7 +189,8 @@ def test_no_order_of_calls_and_no_value_breaks_an_instance(unit, tmp_path):
         there = subprocess.run([built], capture_output=True)  # some kernels do not run it
     sources = Path(unit.folder, "sources")
     command = [*compiler(), "-std=c11", "-O1", *(SANITIZERS if there.returncode == 0 else []), f"-I{sources}"]
-    program = [str(HERE / "hostile.c"), str(sources / "model.c"), "-o", str(tmp_path / "hostile"), "-lm"]
+    model = [str(sources / name) for name in ("model.c", "equations.c", "equations_wide.c")]
+    program = [str(HERE / "hostile.c"), *model, "-o", str(tmp_path / "hostile"), "-lm"]
     subprocess.run([*command, f"-DINTERFACE={unit.version}", *program], check=True)
     folder = str(Path(unit.folder, "resources"))
     run = subprocess.run([str(tmp_path / "hostile"), folder, "7", "300"], capture_output=True, text=True)

@@ -12,7 +12,7 @@ import pytest
 import fowtlib as fw
 from fowtlib.language.native import compiler, load_library
 from fowtlib.solving.engines import c_pieces
-from fowtlib.solving.engines.c_lanes import OPERATIONS, narrow, prologue, word_here
+from fowtlib.solving.engines.c_lanes import OPERATIONS, WIDE, in_wide_vectors, prologue, word_here
 from fowtlib.solving.engines.c_text import c_program
 from fowtlib.solving.engines.fixed_step_code import _function, _known_from, dependences
 from fowtlib.solving.engines.lanes import Packs, operations_of
@@ -24,10 +24,15 @@ WORDS = sorted({2, word_here()}) if compiler() else []
 NAN = float("nan")
 
 
+def library_of(text, word):
+    """The library of a text with words of so many lanes, in vectors that hold them."""
+    return load_library(in_wide_vectors(text) if word == WIDE else text, "lanes", optimization="-O1")[1]
+
+
 def values(function, arguments, word, plain=""):
     """Results of a function of x and p by its C text, and the text. plain: what stands in front of it."""
     program = c_program(function, [("all", ["out"])], ["x", "p"], ["out"], word=word)
-    _, library = load_library(plain + prologue(word) + program.text + narrow(word), "lanes", optimization="-O1")
+    library = library_of(plain + prologue(word) + program.text, word if not plain else 0)
     columns = [np.array(value, dtype=float) for value in arguments]
     out, scratch = np.full(function.numel_out(0), 7.0), np.full(program.scratch + 1, NAN)
     library["all"](*(c.c_void_p(array.ctypes.data) for array in (*columns, out, scratch)))
@@ -53,6 +58,20 @@ def arms(count, joints=6):
             ends.append(ca.vertcat(place, force))
         forces = forces + force
     return ca.Function("arms", [x, p], [ca.vertcat(*ends, forces)])
+
+
+@pytest.mark.parametrize("plain", ["", "#include <math.h>\n#undef __GNUC__\n"])
+def test_four_lanes_without_vectors_that_hold_them(plain):
+    """In an FMU they are pairs where the processor has no wider ones, numbers for a compiler without vectors."""
+    function, random = arms(4), np.random.default_rng(6)
+    x, p = random.uniform(-2, 2, 24), random.uniform(0.1, 1, 25)
+    text = plain + prologue(WIDE)
+    program = c_program(function, [("all", ["out"])], ["x", "p"], ["out"], word=WIDE)
+    assert vectors(program.text)[0] > 10
+    _, library = load_library(text + program.text, "lanes", optimization="-O1")
+    out, scratch = np.full(function.numel_out(0), 7.0), np.full(program.scratch + 1, NAN)
+    library["all"](*(c.c_void_p(array.ctypes.data) for array in (x, p, out, scratch)))
+    np.testing.assert_array_equal(out, np.array(function(x, p)).ravel())
 
 
 @pytest.mark.parametrize("word", WORDS)
@@ -166,7 +185,7 @@ def test_the_turbine_gives_the_numbers_of_casadi(turbine, word, repeated, monkey
     assert wide > 2 * single and 3 * (wide + single) < 2 * function.n_instructions()
     assert sum(texts[1]) < 0.85 * sum(texts[0])  # what repeats itself is written once
     assert program.text.count("level_0_part_") > program.text.count("void level_0_part_") > 0  # hinge after hinge
-    _, library = load_library(prologue(word) + program.text + narrow(word), "lanes", optimization="-O1")
+    library = library_of(prologue(word) + program.text, word)
     scratch = np.full(program.scratch + 1, NAN)
     for _ in range(3):
         moved = [np.asarray(v, dtype=float) + random.normal(0, 0.1, np.shape(v)) for v in point]
@@ -199,7 +218,7 @@ def test_pieces_of_one_unknown_are_enough(turbine):
     known = dependences(dae, reduction(dae))
     program = c_program(function, [*sections, ("observed", ["first"])], list("txzqw"), ["first", "second"], known,
                         _known_from(dae), WORDS[-1])  # fmt: skip
-    _, library = load_library(prologue(WORDS[-1]) + program.text + narrow(WORDS[-1]), "lanes", optimization="-O1")
+    library = library_of(prologue(WORDS[-1]) + program.text, WORDS[-1])
     pieces = (c.c_void_p * len(program.masks[0])).in_dll(library, "pieces")
     call = c.CFUNCTYPE(None, *[c.c_void_p] * 8)
     given = [np.atleast_1d(np.asarray(value, dtype=float)).copy() for value in point]

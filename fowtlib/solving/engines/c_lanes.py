@@ -27,7 +27,7 @@ OPERATIONS = {
 }  # fmt: skip
 """C text of a CasADi operation."""
 
-ANY_PROCESSOR = 2  # lanes of a word that every processor has, or can do without
+ANY_PROCESSOR, WIDE = 2, 4  # lanes of a word that every processor has, or can do without; of one with AVX2
 
 VECTORS = {
     ca.OP_ADD: "ADD({0}, {1})", ca.OP_SUB: "SUB({0}, {1})", ca.OP_MUL: "MUL({0}, {1})", ca.OP_DIV: "DIV({0}, {1})",
@@ -43,9 +43,13 @@ _WIDE = """#if defined(__clang__)
 #else
 #pragma GCC target("avx2")
 #endif
+#define WIDE 1
 #define LEAVE __builtin_ia32_vzeroupper(); /* gcc leaves it out at -O1, and what follows would be slow without */
 """
-_NARROW = "#ifdef __clang__\n#pragma clang attribute pop\n#endif\n"
+_WIDE_END = """#if defined(__clang__)
+#pragma clang attribute pop
+#endif
+"""
 _PROLOGUE = """#include <math.h>
 #ifndef LEAVE
 #define LEAVE
@@ -69,63 +73,64 @@ typedef long long M __attribute__((vector_size(BYTES), aligned(8), may_alias));
 #define ONLY(c, v) ((W)((M)(v) & (M)((c) != (W){0.0})))
 #define ONE(v, relation, u) ((W)((M)((v) relation (u)) & (M)(1.0 - (W){0.0})))
 #define SIZE(v) ((W)((M)(v) & 0x7fffffffffffffffLL))
-#if BYTES == 32
+#if defined(WIDE) && BYTES == 32
 static inline W ROOT(W v) { W r; __asm__("vsqrtpd %1, %0" : "=x"(r) : "x"(v)); return r; }
-#elif defined(__x86_64__)
+#elif defined(__x86_64__) && BYTES == 16
 static inline W ROOT(W v) { W r; __asm__("sqrtpd %1, %0" : "=x"(r) : "x"(v)); return r; }
 #else
-#define ROOT(v) WORD(sqrt((v)[0]), sqrt((v)[1]))
+#define ROOT(v) WORD(ROOTS)
 #endif
 /* as those of the C library, without a call, behind which nothing is left in registers */
 static inline double fs_least(double v, double u) { double m = v < u ? v : u; return u != u ? v : m; }
 static inline double fs_greatest(double v, double u) { double m = v > u ? v : u; return u != u ? v : m; }
 #define fmin fs_least
 #define fmax fs_greatest
-#else /* two numbers in the place of a vector */
+#else /* numbers in the place of a vector */
 #define FS_PIECE
-typedef struct { double a, b; } W;
-#define WORD(p, q) ((W){p, q})
-#define LANE(v, k) ((k) ? (v).b : (v).a)
-#define LOAD(p) ((W){(p)[0], (p)[1]})
-#define KEEP(p, v) ((p)[0] = (v).a, (p)[1] = (v).b)
-#define ADD(v, u) ((W){(v).a + (u).a, (v).b + (u).b})
-#define SUB(v, u) ((W){(v).a - (u).a, (v).b - (u).b})
-#define MUL(v, u) ((W){(v).a * (u).a, (v).b * (u).b})
-#define DIV(v, u) ((W){(v).a / (u).a, (v).b / (u).b})
-#define NEG(v) ((W){-(v).a, -(v).b})
-#define MIN(v, u) ((W){fmin((v).a, (u).a), fmin((v).b, (u).b)})
-#define MAX(v, u) ((W){fmax((v).a, (u).a), fmax((v).b, (u).b)})
-#define ONLY(c, v) ((W){(c).a != 0.0 ? (v).a : 0.0, (c).b != 0.0 ? (v).b : 0.0})
-#define ONE(v, relation, u) ((W){(v).a relation (u).a, (v).b relation (u).b})
-#define SIZE(v) ((W){fabs((v).a), fabs((v).b)})
-#define ROOT(v) ((W){sqrt((v).a), sqrt((v).b)})
+NUMBERS
 #endif
 """
+# The same without the vectors of gcc and clang, lane by lane: N stands for the number of a lane.
+_LANES = {
+    "ADD(v, u)": "(v).vN + (u).vN", "SUB(v, u)": "(v).vN - (u).vN", "MUL(v, u)": "(v).vN * (u).vN",
+    "DIV(v, u)": "(v).vN / (u).vN", "NEG(v)": "-(v).vN", "MIN(v, u)": "fmin((v).vN, (u).vN)",
+    "MAX(v, u)": "fmax((v).vN, (u).vN)", "ONLY(c, v)": "(c).vN != 0.0 ? (v).vN : 0.0", "LOAD(p)": "(p)[N]",
+    "ONE(v, relation, u)": "(v).vN relation (u).vN", "SIZE(v)": "fabs((v).vN)", "ROOT(v)": "sqrt((v).vN)",
+}  # fmt: skip
+
+
+def _numbers(word: int) -> str:
+    """C text of the operations without vectors."""
+    lanes = [str(k) for k in range(word)]
+    lane = "".join(f"(k) == {k} ? (v).v{k} : " for k in lanes[:-1]) + f"(v).v{lanes[-1]}"
+    keep = ", ".join(f"(p)[{k}] = (v).v{k}" for k in lanes)
+    return "\n".join([
+        f"typedef struct {{ double {', '.join(f'v{k}' for k in lanes)}; }} W;",
+        "#define WORD(...) ((W){__VA_ARGS__})", f"#define LANE(v, k) ({lane})", f"#define KEEP(p, v) ({keep})",
+        *(f"#define {name} ((W){{{', '.join(form.replace('N', k) for k in lanes)}}})" for name, form in _LANES.items()),
+    ])  # fmt: skip
 
 
 def prologue(word: int) -> str:
-    """In front of the text of `c_program` with vectors of so many lanes: 2 for every processor, 4 for those with AVX2.
+    """In front of the text of `c_program` with vectors of so many lanes.
 
-    Without the vectors of gcc and clang there are two numbers in their place.
+    Without the vectors of gcc and clang there are as many numbers in their place, and where those of the processor are
+    narrower the compiler takes several.
     """
-    return wide(word) + _PROLOGUE.replace("BYTES", str(8 * word))
+    roots = ", ".join(f"sqrt(LANE(v, {k}))" for k in range(word))
+    return _PROLOGUE.replace("BYTES", str(8 * word)).replace("NUMBERS", _numbers(word)).replace("ROOTS", roots)
 
 
-def wide(word: int) -> str:
-    """In front of a text: vectors of so many lanes, and no fused multiply-add, which would round less."""
-    return _WIDE if word > ANY_PROCESSOR else ""
+def in_wide_vectors(text: str) -> str:
+    """C text for processors with AVX2 alone, without fused multiply-add, which would round less."""
+    return f"{_WIDE}{text}{_WIDE_END}"
 
 
-def narrow(word: int) -> str:
-    """Behind a text with `wide` or `prologue` in front."""
-    return _NARROW if word > ANY_PROCESSOR else ""
-
-
-def for_this_processor() -> str:
-    """In front of C text with loops that the compiler may carry out in the vectors of this processor, and of no other."""
-    return _WIDE if word_here() > ANY_PROCESSOR else ""
+def for_this_processor(text: str) -> str:
+    """C text that the compiler may carry out in the vectors of this processor, and of no narrower one."""
+    return in_wide_vectors(text) if word_here() > ANY_PROCESSOR else text
 
 
 def word_here() -> int:
     """Lanes of a word of this processor."""
-    return 4 if lanes_here() >= 4 else ANY_PROCESSOR
+    return WIDE if lanes_here() >= WIDE else ANY_PROCESSOR

@@ -42,8 +42,8 @@ class Problem(c.Structure):
 @cache
 def _compiled_driver() -> Library:
     """The compiled driver, the same for all models."""
-    text = for_this_processor() + (Path(__file__).parent / "ida.c").read_text(encoding="utf-8")
-    _, library = load_library(text, "ida", optimization="-O3")
+    text = (Path(__file__).parent / "ida.c").read_text(encoding="utf-8")
+    _, library = load_library(for_this_processor(text), "ida", optimization="-O3")
     library.ida_create.argtypes, library.ida_create.restype = [c.POINTER(Problem)], c.c_void_p
     library.ida_free.argtypes, library.ida_free.restype = [c.c_void_p], None
     library.ida_advance.argtypes = [c.c_void_p, c.c_double, c.c_double, c.c_int, *7 * [c.c_void_p]]

@@ -22,7 +22,7 @@ from fowtlib.language.cache import cached, sources
 from fowtlib.language.externals import LibraryFunction
 from fowtlib.language.native import Library, begin_library, load_library
 from fowtlib.language.tables import SplineFunction
-from fowtlib.solving.engines.c_lanes import narrow, prologue, wide, word_here
+from fowtlib.solving.engines.c_lanes import for_this_processor, prologue, word_here
 from fowtlib.solving.engines.c_text import WRITERS, Program, c_program
 from fowtlib.solving.engines.reduction import Reduction, reduction
 from fowtlib.solving.engines.statements import Depends
@@ -112,7 +112,7 @@ def begin_runtime() -> None:
 def _runtime_text() -> str:
     """With the vectors of this processor; what it computes does not depend on their width."""
     texts = [(Path(__file__).parent / name).read_text(encoding="utf-8") for name in ("spline.c", "fixed_step.c")]
-    return "".join([wide(word_here()), *texts, narrow(word_here())])
+    return for_this_processor("".join(texts))
 
 
 @cache
@@ -326,7 +326,8 @@ _OPTIMIZATION = "-O1"
 def write(dae: FlatDAE, observed: Sequence[str]) -> Written:
     """The text of a model for this machine, with its reduction, frames, tables and the scratch memory that it needs."""
     reduced, frames = reduction(dae), turning_frames(dae)
-    return reduced, frames, *kept_text(dae, reduced, observed, frames, word_here())
+    text, program, scratch = kept_text(dae, reduced, observed, frames, word_here())
+    return reduced, frames, for_this_processor(text), program, scratch
 
 
 def begin(dae: FlatDAE, observed: Sequence[str]) -> Written:
@@ -426,7 +427,7 @@ def model_text(
     scratch = max(scratch, alone.scratch)
     alone = c_program(_conditions(dae), [("checked", ["first"])], list("txzqw"), OUT, word=word, constants="second")
     program = replace(program, constants=alone.constants)
-    return "".join([*texts, alone.text, narrow(word)]), program, max(scratch, alone.scratch)
+    return "".join([*texts, alone.text]), program, max(scratch, alone.scratch)
 
 
 def _known_from(dae: FlatDAE) -> Callable[[int, int], int]:

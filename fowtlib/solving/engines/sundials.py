@@ -1,8 +1,8 @@
 """The functions of SUNDIALS IDA that come with CasADi, and where its memory has the function of its linear solver.
 
-Any program may give IDA a linear solver of its own; the words for it are fields of its memory, whose layout CasADi's wheel
-does not tell. So they are found: its Krylov solver, when it is attached, writes five functions of the library one after the
-other, to begin, set up, solve, look after and free, and a pointer to its own memory behind them.
+Any program may give IDA a linear solver of its own; the words for it are fields of its memory, whose layout CasADi's
+wheel does not tell. So they are found: its Krylov solver, when it is attached, writes five functions of the library one
+after the other, to begin, set up, solve, look after and free, and a pointer to its own memory behind them.
 """
 
 from __future__ import annotations
@@ -16,10 +16,10 @@ import casadi as ca
 
 # in the order of ida_calls in ida.c
 CALLS = (
-    "IDACreate", "IDAFree", "IDASetErrHandlerFn", "IDASetUserData", "IDAInit", "IDAReInit", "IDASStolerances", "IDASetId",
-    "IDASetSuppressAlg", "IDASetMaxNumSteps", "IDASetStopTime", "IDASpgmr", "IDASpilsSetPreconditioner", "IDACalcIC",
-    "IDASolve", "IDAGetCurrentOrder", "IDAGetCurrentStep", "IDAGetIntegratorStats", "N_VNew_Serial", "N_VDestroy_Serial",
-    "N_VGetArrayPointer",
+    "IDACreate", "IDAFree", "IDASetErrHandlerFn", "IDASetUserData", "IDAInit", "IDAReInit", "IDASStolerances",
+    "IDASetId", "IDASetSuppressAlg", "IDASetMaxNumSteps", "IDASetStopTime", "IDASpgmr", "IDASpilsSetPreconditioner",
+    "IDACalcIC", "IDASolve", "IDAGetCurrentOrder", "IDAGetCurrentStep", "IDAGetIntegratorStats", "N_VNew_Serial",
+    "N_VDestroy_Serial", "N_VGetArrayPointer",
 )  # fmt: skip
 SOLVER, SOLVE = 5, 2  # functions of a linear solver, and which of them solves
 
