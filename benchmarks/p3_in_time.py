@@ -58,7 +58,6 @@ class Hours:
         self.given = design.space.parameters(design.space.start)
         lines = moving_lines(float(np.ravel(self.given["chain_diameter"])[0]))
         self.plants = [fw.load(f"dtu10mw_spar_3_{name}", set=lines).compile() for name in ("design", "parked")]
-        self.units: dict[str, str] = {}
 
     def of(self, case: fw.DesignCase) -> list[dict[str, Any]]:
         return [self.run(case, seed) for seed in range(1, self.seeds[case.name not in STORMS] + 1)]

@@ -231,4 +231,5 @@ class _Step:
         """What becomes least."""
         f, g = self.problem.composition.function(self.problem.x(y), r)
         over = np.maximum(np.maximum(np.ravel(g) - self.problem.upper, self.problem.lower - np.ravel(g)), 0.0)
-        return float(f) / self.problem.f_scale + self.penalty * float(over.sum())
+        value = float(f) / self.problem.f_scale + self.penalty * float(over.sum())
+        return value if np.isfinite(value) else np.inf
