@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from dataclasses import replace
 from functools import partial
 from typing import Any
 
@@ -75,6 +76,7 @@ class RestingRows:
         x[self.moving] += step[: len(self.moving)]
         paths = [item.path for item in self.at.dae.states]
         new = self.plant.initial_state(state.parameters, dict(zip(paths, x.tolist(), strict=True)))
+        new = replace(new, z=state.z + step[len(self.moving) :])  # expected unknowns solve expected equations
         whole = np.concatenate([q, self.at.parameters, np.zeros(law.signals), means_of_laws(self.at, new)])
         there = self.of.disturbed.slopes(new.t, new.x, new.z, whole)
         return new, (found.by_x - there[0], found.by_z - there[1], found.by_signals - there[2])
