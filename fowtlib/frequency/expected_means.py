@@ -60,7 +60,10 @@ class RestingRows:
         law = Gaussian(at, to @ guess @ to.T, len(M))
         q, n = np.concatenate([state.u, state.d]), state.x.size
         known = None if self.expected is None else (self.expected.by_x, self.expected.by_z, self.expected.by_signals)
-        found = self.of(state.t, state.x, state.z, q, means_of_laws(self.at, state), law, known)
+        try:
+            found = self.of(state.t, state.x, state.z, q, means_of_laws(self.at, state), law, known)
+        except RuntimeError:  # an equation cannot be evaluated somewhere
+            raise SimulationError(NOWHERE) from None
         self.expected = found
         rows = [*self.moving, *range(n, n + state.z.size)]
         slopes = np.hstack([found.by_x[:, self.moving], found.by_z])[rows]
