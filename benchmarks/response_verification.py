@@ -66,6 +66,7 @@ def main() -> None:
     parser.add_argument("--seeds", type=int, default=6)
     parser.add_argument("--folder", type=Path, default=Path("output/response_verification"))
     parser.add_argument("--set", action="append", default=[], metavar="PATH=VALUE")
+    parser.add_argument("--linearisation", choices=("tangent", "equivalent"), default="tangent")
     given = parser.parse_args()
     given.folder.mkdir(parents=True, exist_ok=True)
     warnings.simplefilter("ignore")
@@ -81,7 +82,7 @@ def main() -> None:
                 if not path.exists():
                     path.write_text(json.dumps(statistics(plant, names, state, seed, further)))
                 runs.append(json.loads(path.read_text()))
-            table(plant, model, state, names, runs, weather(state) | further)
+            table(plant, model, state, names, runs, weather(state) | further, given.linearisation)
 
 
 def _value(text: str) -> float | str:
@@ -93,10 +94,10 @@ def _value(text: str) -> float | str:
 
 
 def table(plant: Any, model: str, state: str, names: list[str], runs: list[dict[str, Any]],
-          parameters: dict[str, Any]) -> None:  # fmt: skip
+          parameters: dict[str, Any], linearisation: str) -> None:  # fmt: skip
     """Print response and runs of one state; where there is no response, why."""
     try:
-        found = fw.response(plant, outputs=names, parameters=parameters)
+        found = fw.response(plant, outputs=names, parameters=parameters, linearisation=linearisation)
     except SimulationError as error:
         print(f"\n{model}, {state}: {error}", flush=True)
         return

@@ -40,6 +40,7 @@ HELD = 0.05  # from which the frequencies stay
 FEWEST = 3  # iterations; the first guess has too small a covariance
 CALM = 0.3  # of the covariance by the tangent, the first guess: near a corner it is far too large
 DAMPED = 1.5  # times the growth of the fastest growing mode, taken off all roots for a first guess
+SLOWEST = 1e-4  # 1/s, at least
 
 Driven = Callable[[ExcitedModel], tuple[ExcitedModel, Processes]]
 """The linear model by the channels that count, and the random processes that drive it."""
@@ -108,9 +109,9 @@ def _settled(excited: ExcitedModel, processes: Processes, frequency: np.ndarray 
         return (excited, gains, grid), 0.0
     except UnstableError as error:
         first = error
-    damping = DAMPED * float(eigenvalues(excited.linear.matrices["A"]).real.max(initial=0.0))
+    damping = max(DAMPED * float(eigenvalues(excited.linear.matrices["A"]).real.max(initial=0.0)), SLOWEST)
     for _ in range(6):
-        calm = excited.damped(max(damping, 1e-4))
+        calm = excited.damped(damping)
         try:
             gains, grid, _ = settled_gains(calm, processes, frequency, tolerance)
             return (calm, gains, grid), damping

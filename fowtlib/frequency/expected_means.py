@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from dataclasses import replace
 from functools import partial
 from typing import Any
 
@@ -59,7 +60,10 @@ class RestingRows:
         law = Gaussian(at, to @ guess @ to.T, len(M))
         q, n = np.concatenate([state.u, state.d]), state.x.size
         known = None if self.expected is None else (self.expected.by_x, self.expected.by_z, self.expected.by_signals)
-        found = self.of(state.t, state.x, state.z, q, means_of_laws(self.at, state), law, known)
+        try:
+            found = self.of(state.t, state.x, state.z, q, means_of_laws(self.at, state), law, known)
+        except RuntimeError:  # an equation cannot be evaluated somewhere
+            raise SimulationError(NOWHERE) from None
         self.expected = found
         rows = [*self.moving, *range(n, n + state.z.size)]
         slopes = np.hstack([found.by_x[:, self.moving], found.by_z])[rows]
@@ -75,6 +79,7 @@ class RestingRows:
         x[self.moving] += step[: len(self.moving)]
         paths = [item.path for item in self.at.dae.states]
         new = self.plant.initial_state(state.parameters, dict(zip(paths, x.tolist(), strict=True)))
+        new = replace(new, z=state.z + step[len(self.moving) :])  # expected unknowns solve expected equations
         whole = np.concatenate([q, self.at.parameters, np.zeros(law.signals), means_of_laws(self.at, new)])
         there = self.of.disturbed.slopes(new.t, new.x, new.z, whole)
         return new, (found.by_x - there[0], found.by_z - there[1], found.by_signals - there[2])
