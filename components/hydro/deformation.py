@@ -64,10 +64,12 @@ def pressure_stiffness(panels: ArrayLike, deformation: Deformation) -> Floats:
     turned = divergence[..., None] * weight - np.einsum("mkij,ki->mkj", gradient, weight)
     change = moved[..., 2, None] * weight + points[:, 2, None] * turned
     straight = -np.einsum("ika,jka->ij", moved, change)
-    return straight if field.turn is None else straight + _around(-points[:, 2, None] * weight, field.turn, field.arm)
+    if field.turn is None or field.arm is None:
+        return straight
+    return straight + _around(-points[:, 2, None] * weight, field.turn, field.arm)
 
 
-def _around(push: Floats, turn: Floats, arm: Floats | None) -> Floats:
+def _around(push: Floats, turn: Floats, arm: Floats) -> Floats:
     """Stiffness (m, m) of forces -push (k, 3) at arms (k, 3): energy push . turn x (turn x arm) / 2."""
     by_push, by_arm = np.einsum("mka,ka->mk", turn, push), np.einsum("mka,ka->mk", turn, arm)
     mixed = by_push @ by_arm.T
