@@ -43,6 +43,28 @@ def wait_for(path: Path, process: subprocess.Popen, newer: float = 0.0) -> None:
         time.sleep(0.01)
 
 
+EARLY = """
+import signal, sys
+signal.signal(signal.SIGINT, signal.default_int_handler)
+
+class Finder:
+    def find_spec(self, name, *_):
+        if name == sys.argv[1]:
+            signal.raise_signal(signal.SIGINT)
+
+sys.meta_path.insert(0, Finder())
+from fowtlib.cli import main
+raise SystemExit(main())
+"""
+
+
+@pytest.mark.parametrize("name", ["fowtlib.cli.app", "fowtlib.cli.results", "fowtlib.language.errors"])
+def test_the_program_is_stopped_while_it_begins(name):
+    """Half a second of imports: one line as later, and no traceback."""
+    run = subprocess.run([sys.executable, "-c", EARLY, name, "run", "oc3_spar"], capture_output=True, text=True)
+    assert (run.returncode, run.stdout, run.stderr) == (130, "", "fowt: stopped; nothing was saved.\n")
+
+
 @pytest.mark.parametrize(
     ("asked", "status", "solver", "output_step"),
     [
