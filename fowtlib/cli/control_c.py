@@ -7,6 +7,7 @@ for the next line of the code that passes it on.
 
 from __future__ import annotations
 
+import copyreg
 import os
 import signal
 import sys
@@ -18,7 +19,10 @@ from types import FrameType
 from typing import Any
 
 _DROPPING = (os.path.join("casadi", "casadi.py"), weakref.__file__)
-_OF_IMPORTS = "<frozen importlib._bootstrap>", "cb"  # takes the lock of a module away
+_PLACES = {
+    ("<frozen importlib._bootstrap>", "cb"),  # takes the lock of a module away
+    (copyreg.__file__, "_slotnames"),  # of whatever is copied; what it cannot keep in a class it does not mind
+}
 
 
 @contextmanager
@@ -65,6 +69,5 @@ def _passing(frame: FrameType | None) -> FrameType | None:
 
 def _drops(frame: FrameType) -> bool:
     code = frame.f_code
-    if code.co_name == "__del__" or (code.co_filename, code.co_name) == _OF_IMPORTS:
-        return True
-    return code.co_filename.endswith(_DROPPING)
+    place = code.co_filename, code.co_name
+    return code.co_name == "__del__" or place in _PLACES or code.co_filename.endswith(_DROPPING)

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import copy
 import signal
 import weakref
 
@@ -51,12 +52,23 @@ def forgotten(done: list[str]) -> None:
     done.append(f"{len(known)} left")
 
 
+class KeepsNothing(type):
+    def __setattr__(cls, name, value):
+        signal.raise_signal(signal.SIGINT)
+        super().__setattr__(name, value)
+
+
+def copied(done: list[str]) -> None:
+    copy.deepcopy(KeepsNothing("Copied", (), {})())
+    done.append("next line")
+
+
 def plainly(done: list[str]) -> None:
     signal.raise_signal(signal.SIGINT)
     done.append("next line")
 
 
-@pytest.mark.parametrize("work", [converted, one_of_many, thrown_away, forgotten, plainly])
+@pytest.mark.parametrize("work", [converted, one_of_many, thrown_away, forgotten, copied, plainly])
 def test_it_gets_to_the_one_who_waits_for_it(work):
     done: list[str] = []
     with pytest.raises(KeyboardInterrupt), heard():
