@@ -2,6 +2,6 @@
 
 import sys
 
-from fowtlib.cli.app import main
+from fowtlib.cli import main
 
 sys.exit(main())

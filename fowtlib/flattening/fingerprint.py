@@ -40,9 +40,11 @@ def fingerprint(root: Component, opened: Sequence[str] = ()) -> tuple[str, bool]
     contents = _Contents(root)
     for component in root.walk():
         contents.component(component)
-    foreign = contents.foreign.modules()
-    for module in foreign:
-        contents.module(module)
+    foreign: list[types.ModuleType] = []
+    while more := [module for module in contents.foreign.modules() if module not in foreign]:
+        for module in more:
+            contents.module(module)  # whose functions may import others
+        foreign += more
     files = {path: digest_of(file) for path, file in files_of(root).items() if not _bound(root, path)}
     contents.add([digest_of_own_code(), sys.version, sys.platform, list(compiler()), list(opened), files])
     return contents.digest(), bool(foreign)
@@ -248,6 +250,7 @@ class _Contents:
         self._say("function", function.__module__ or "", function.__qualname__)
         if not is_own(function.__code__):
             self.foreign.meet(function.__module__)
+            self.foreign.look_into(function.__code__, function.__globals__)
         self._code(function.__code__)
         self.add([function.__defaults__, function.__kwdefaults__])
         for cell in function.__closure__ or ():

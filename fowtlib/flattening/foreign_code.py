@@ -2,14 +2,19 @@
 
 from __future__ import annotations
 
+import dis
 import sys
 import types
+from collections.abc import Mapping
+from importlib.util import resolve_name
 from typing import Any
 
 from fowtlib.flattening.own_code import Unknown, content_from_before, is_own
 
 _MOST = 30  # modules; a model that leads to more is one of a program, not of a file of parts
 _KNOWN = sys.stdlib_module_names | {"numpy", "scipy", "casadi", "networkx"}  # known by their versions
+_OUTSIDE = {"environ", "environb", "getenv", "getenvb", "argv", "import_module", "__import__", "exec", "eval"}
+"""Names by which a function asks for what stands in no module."""
 
 
 class ForeignCode:
@@ -17,12 +22,39 @@ class ForeignCode:
 
     def __init__(self) -> None:
         self._names: set[str] = set()
+        self._last = ""  # module that was imported
 
     def meet(self, name: str | None) -> None:
         """Note the module of a class or a function."""
         if not name:
             raise Unknown("code without a module")
         self._names.add(name)
+
+    def look_into(self, code: types.CodeType, names: Mapping[str, Any]) -> None:
+        """Note what a function imports when it is called, with the names of its module. Raises Unknown.
+
+        Unknown where such a module has not been imported yet, and where a function asks for more than code and values.
+        """
+        if asked := sorted(_OUTSIDE & {*code.co_names}):
+            raise Unknown(f"{code.co_qualname} in {code.co_filename} asks for {asked[0]}")
+        package, level = names.get("__package__") or "", 0
+        for step in dis.get_instructions(code):
+            if step.opname.startswith("LOAD") and isinstance(step.argval, int):
+                level = step.argval  # the first of two constants before an import
+            elif step.opname == "IMPORT_NAME":
+                self._imported("." * level + step.argval, package)
+            elif step.opname == "IMPORT_FROM" and f"{self._last}.{step.argval}" in sys.modules:
+                self.meet(f"{self._last}.{step.argval}")
+        for constant in code.co_consts:
+            if isinstance(constant, types.CodeType):
+                self.look_into(constant, names)
+
+    def _imported(self, name: str, package: str) -> None:
+        try:
+            self._last = resolve_name(name, package)
+        except ImportError:
+            raise Unknown(f"{name} is imported from nowhere") from None
+        self.meet(self._last)
 
     def modules(self) -> list[types.ModuleType]:
         """All of them, by name; without fowtlib's and those that are known by their versions. Raises Unknown."""

@@ -9,6 +9,7 @@ dynamic loader hands out a library it has already loaded from the same path).
 from __future__ import annotations
 
 import _ctypes
+import atexit
 import ctypes
 import gc
 import hashlib
@@ -16,6 +17,7 @@ import importlib.util
 import os
 import shlex
 import shutil
+import signal
 import subprocess
 import sys
 import threading
@@ -205,10 +207,46 @@ def _version(command: tuple[str, ...]) -> str:
 
 def run_compiler(command: list[str], name: str) -> None:
     """Run a command of a compiler; CompilerError with its first words of error, behind the name of what is compiled."""
-    run = subprocess.run(command, capture_output=True, text=True)
-    if run.returncode:
-        lines = [line for line in run.stderr.splitlines() if line.strip()]
+    status, said = _finished(command)
+    if status:
+        lines = [line for line in said.splitlines() if line.strip()]
         first = next((line for line in lines if "error" in line), lines[0] if lines else "no message")
-        raise CompilerError(
-            f"{name}: its C code does not compile with {command[0]} (exit status {run.returncode}): {first}"
+        raise CompilerError(f"{name}: its C code does not compile with {command[0]} (exit status {status}): {first}")
+
+
+_running: set[subprocess.Popen[str]] = set()
+
+
+def _finished(command: list[str]) -> tuple[int, str]:
+    """The exit status of a compiler and what it said; where that is not waited for, the compiler ends, too."""
+    if sys.platform == "win32":
+        process = subprocess.Popen(command, stdout=subprocess.DEVNULL, stderr=subprocess.PIPE, text=True)
+    else:  # in a group of their own, as gcc is one process and its compiler another
+        process = subprocess.Popen(
+            command, stdout=subprocess.DEVNULL, stderr=subprocess.PIPE, text=True, process_group=0
         )
+    with process:
+        _running.add(process)
+        try:
+            said = process.communicate()[1]
+        except BaseException:
+            _end(process)
+            raise
+        finally:
+            _running.discard(process)
+    return process.returncode, said
+
+
+def _end(process: subprocess.Popen[str]) -> None:
+    with suppress(OSError):
+        if sys.platform == "win32":
+            process.terminate()
+        else:
+            os.killpg(process.pid, signal.SIGTERM)  # gcc deletes what it has begun
+
+
+@atexit.register
+def _end_all() -> None:
+    """Of a process that does not wait for what it compiles beside."""
+    for process in tuple(_running):
+        _end(process)

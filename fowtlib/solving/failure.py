@@ -5,6 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from fowtlib.flattening import FlatDAE
+from fowtlib.language.externals import runs_as_python
 from fowtlib.solving import event_rules as rules
 from fowtlib.solving.functions import AtParameters
 
@@ -20,7 +21,13 @@ def integration_failure(at: AtParameters, t: float, x: np.ndarray, z: np.ndarray
     ode = np.array(at.residual(t, x, z, q)[0]).ravel()
     for reach in rules.REACHES:
         h = reach * step
-        name = not_finite(at, t + h, x + h * ode if h else x, z, q)
+        try:
+            name = not_finite(at, t + h, x + h * ode if h else x, z, q)
+        except RuntimeError:  # of compiled externals; those in Python say more themselves
+            if any(runs_as_python(external.function) for external in at.dae.externals):
+                raise
+            paths = ", ".join(dict.fromkeys(external.path or "the model" for external in at.dae.externals))
+            return f"{where}: an external function has no value there. Look at those of {paths}: {reason}."
         if name:
             return f"{where}: {name} is not a finite number. Check the parameters, start values and limits there."
         if not np.all(np.isfinite(ode)):

@@ -197,6 +197,41 @@ def test_another_equation_value_helper_or_number_is_another_model(spring, monkey
     assert fingerprint(root)[0] != key
 
 
+TOP, FORCE = "from {helper} import FACTOR, pull\n", "        force ="
+WITHOUT = SPRING.replace(TOP, "FACTOR, pull = 1.0, abs\n")
+
+
+@pytest.mark.parametrize("text", [
+    SPRING.replace(TOP, "").replace(FORCE, f"        from late_helper import FACTOR, pull\n{FORCE}"),
+    SPRING.replace(TOP, "def pull(x):\n    import late_helper as late\n    return late.pull(x)\nFACTOR = 1.0\n"),
+    WITHOUT.replace(FORCE, f"        pull = of_late().pull\n{FORCE}")
+    + "\ndef of_late():\n    import late_helper\n    return late_helper\n",
+])  # fmt: skip
+def test_what_a_function_imports_when_it_is_called_is_content(spring, tmp_path, text):
+    keys, rates = [], []
+    for pull in ("force", "2 * force", "force"):
+        module(tmp_path, "late_helper", HELPER.format(pull=pull))
+        root = spring(of=text)
+        keys.append(fingerprint(root))
+        rates.append(rate(flatten(root)))
+    assert rates == [-6.0, -12.0, -6.0]
+    assert keys[0] == keys[2] != keys[1] and keys[0][1]
+
+
+@pytest.mark.parametrize("line", [
+    "import never_imported_before", "from never_imported_before import pull", "from . import pull",
+    "import os; os.environ.get('FACTOR')", "from os import getenv; getenv('FACTOR')",
+    "from importlib import import_module; import_module('late_helper')",
+])  # fmt: skip
+def test_a_function_that_asks_for_more_than_code_and_values_is_not_known_again(spring, line):
+    for text in (
+        WITHOUT.replace(FORCE, f"        {line}\n{FORCE}"),
+        WITHOUT.replace(FORCE, f"        pull = asking\n{FORCE}") + f"\ndef asking(x):\n    {line}\n    return x\n",
+    ):
+        with pytest.raises(Unknown):
+            fingerprint(spring(of=text))
+
+
 def test_an_opened_signal_is_another_model(folder, monkeypatch):
     root = fw.load(MODEL).root
     assert flattened(root, monkeypatch)[1]

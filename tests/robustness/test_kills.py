@@ -43,6 +43,75 @@ def wait_for(path: Path, process: subprocess.Popen, newer: float = 0.0) -> None:
         time.sleep(0.01)
 
 
+EARLY = """
+import signal, sys
+signal.signal(signal.SIGINT, signal.default_int_handler)
+
+class Finder:
+    def find_spec(self, name, *_):
+        if name == sys.argv[1]:
+            signal.raise_signal(signal.SIGINT)
+
+sys.meta_path.insert(0, Finder())
+from fowtlib.cli import main
+raise SystemExit(main())
+"""
+
+
+@pytest.mark.parametrize("name", ["fowtlib.cli.app", "fowtlib.cli.results", "fowtlib.language.errors"])
+def test_the_program_is_stopped_while_it_begins(name):
+    """Half a second of imports: one line as later, and no traceback."""
+    run = subprocess.run([sys.executable, "-c", EARLY, name, "run", "oc3_spar"], capture_output=True, text=True)
+    assert (run.returncode, run.stdout, run.stderr) == (130, "", "fowt: stopped; nothing was saved.\n")
+
+
+COMPILER = """#!/bin/sh
+if [ "$1" = --version ]; then echo 1; exit; fi
+sh -c 'echo $$ >> "$BEGUN"; exec sleep 60' &
+wait
+"""
+COMPILING = """
+import os, signal, sys, threading, time
+signal.signal(signal.SIGINT, signal.default_int_handler)
+from fowtlib.cli import app
+from fowtlib.language import native
+
+def press():
+    while not os.path.exists(os.environ["BEGUN"]):
+        time.sleep(0.01)
+    os.kill(os.getpid(), signal.SIGINT)
+
+threading.Thread(target=press, daemon=True).start()
+try:
+    native.begin_library("int beside;", "beside") if sys.argv[1] == "beside" else native.compile_library("int a;", "a")
+    time.sleep(60)
+except KeyboardInterrupt:
+    app._leave(130)
+"""
+
+
+@pytest.mark.parametrize("where", ["here", "beside"])
+def test_no_compiler_stays_behind(tmp_path, monkeypatch, where):
+    """Ctrl-C for the process alone, while a compiler with a process of its own is at work, here or in a thread."""
+    compiler, begun = tmp_path / "compiler", tmp_path / "begun"
+    compiler.write_text(COMPILER)
+    compiler.chmod(0o755)
+    monkeypatch.setenv("FOWTLIB_CC", str(compiler))
+    monkeypatch.setenv("FOWTLIB_CACHE", str(tmp_path / "cache"))
+    monkeypatch.setenv("BEGUN", str(begun))
+    assert subprocess.run([sys.executable, "-c", COMPILING, where], timeout=50).returncode == 130
+    (number,) = map(int, begun.read_text().split())
+    end = time.monotonic() + 20  # it would sleep for a minute
+    while is_at_work(number):
+        assert time.monotonic() < end
+        time.sleep(0.01)
+
+
+def is_at_work(number: int) -> bool:
+    said = subprocess.run(["ps", "-o", "stat=", "-p", str(number)], capture_output=True, text=True).stdout.strip()
+    return bool(said) and not said.startswith("Z")
+
+
 @pytest.mark.parametrize(
     ("asked", "status", "solver", "output_step"),
     [

@@ -8,6 +8,7 @@ import pytest
 import fowtlib as fw
 from fowtlib.language import Array, ExternalFunction, Scalar, der, eq, param, table1d, var
 from fowtlib.language import math as m
+from fowtlib.language.errors import ModelError
 from fowtlib.language.native import compiler
 from fowtlib.solving.engines import compiled as compiled_functions
 from fowtlib.solving.engines.compiled import CompiledFunctions, jacobian_patterns, worth_compiling
@@ -163,6 +164,27 @@ def test_an_external_that_refuses_is_noticed(plant):
         with pytest.raises(RuntimeError, match="Evaluation failed"):
             function(t, far, z, q)
     np.testing.assert_array_equal(np.array(compiled.residual(t, x, z, q)[0]), expected)
+
+
+@pytest.mark.parametrize("operations", [(0, 1000), (10_000, 20_000)])
+def test_a_run_into_where_an_external_refuses_ends_with_a_sentence(monkeypatch, operations):
+    """From 90, 3 further each second, to 100; with the equations compiled and interpreted."""
+
+    class Moving(fw.Component):
+        """A position at which the external refuses soon."""
+
+        x: Scalar = var(unit="1", start=90.0, doc="position")
+        y: Scalar = var(unit="1", start=0.0, doc="what the external drives")
+
+        def equations(self):
+            cube = ExternalFunction("cube", {"q": 2}, {"force": 2}, source=CUBE, python=lambda q: q**3)
+            force = cube(q=m.vertcat(self.x, self.y))["force"]
+            return [eq(der(self.x), 3.0), eq(der(self.y), 1e-9 * force[0] - force[1])]
+
+    monkeypatch.setattr(compiled_functions, "OPERATIONS", operations)
+    with pytest.raises(ModelError, match="an external function has no value there") as failed:
+        fw.load(Moving()).compile().simulate(10.0, output_step=0.5, solver="idas")
+    assert 3.0 <= failed.value.result.time[-1] < 10 / 3
 
 
 def test_which_unknown_moves_a_state(plant):

@@ -20,7 +20,7 @@ import numpy as np
 from fowtlib.flattening import FlatDAE
 from fowtlib.language.cache import cached, sources
 from fowtlib.language.externals import LibraryFunction
-from fowtlib.language.native import Library, begin_library, load_library
+from fowtlib.language.native import Library, begin_library, compiler, load_library
 from fowtlib.language.tables import SplineFunction
 from fowtlib.solving.engines.c_lanes import for_this_processor, prologue, word_here
 from fowtlib.solving.engines.c_text import WRITERS, Program, c_program
@@ -106,7 +106,8 @@ class Options(c.Structure):
 
 def begin_runtime() -> None:
     """Let the runtime be compiled beside what is done until it is needed, where it is not there yet."""
-    begin_library(_runtime_text(), "fixed_step", optimization="-O3")
+    if compiler():  # else the twin runs, and the text cannot be made either
+        begin_library(_runtime_text(), "fixed_step", optimization="-O3")
 
 
 def _runtime_text() -> str:
