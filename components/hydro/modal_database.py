@@ -18,6 +18,10 @@ from fowtlib.language.whole_files import write_whole
 _SYMMETRY = 0.05  # largest |M_ij - M_ji| / sqrt(M_ii M_jj) of a believable matrix, as of a rigid body
 _MIXED = "SI; of shapes per unit of their coordinate [m]"
 
+# By what law a file's stiffness by buoyancy was made: none in the file, points of a section go straight on; 2, they go
+# round it with the pressure (pressure_stiffness). Without that, what bends in deep water is too stiff.
+_LAW, _LAW_NUMBER = "stiffness_law", 2
+
 # name in the file: (attribute, dimensions, unit, meaning)
 _VARIABLES = {
     "omega": ("omega", ("omega",), "rad/s", "wave frequency"),
@@ -152,12 +156,17 @@ class ModalDatabase:
                 add_variable(file, name, "d", dimensions, getattr(self, attribute), units=unit, long_name=meaning)
             for name, value in zip(EXCITATION, (self.X.real, self.X.imag), strict=True):
                 add_variable(file, name, "d", ("omega", "heading", "row"), value, units=_MIXED, long_name="wave load")
+            add_variable(file, _LAW, "d", (), _LAW_NUMBER, units="1", long_name="number of the law of shape_stiffness")
 
         write_whole(path, lambda temporary: write_netcdf(temporary, fill))
 
     @classmethod
     def read(cls, path: str | Path) -> ModalDatabase:
-        """Read a file of `write`. Raises HydrodynamicDataError: damaged, of a rigid body, or another file."""
+        """Read a file of `write`.
+
+        Raises HydrodynamicDataError: damaged, of a rigid body, another file, or made with another law of the stiffness
+        by buoyancy than that of now, which would bend the hull wrongly without a word.
+        """
         data, source = stored_numbers(path)
         missing = missing_from(data, tuple(_VARIABLES))
         if missing:
@@ -165,6 +174,9 @@ class ModalDatabase:
             raise HydrodynamicDataError(
                 f"{path}: the variable '{missing[0]}' is missing; this is not a file of ModalDatabase.write.{rigid}"
             )
+        law = float(data.get(_LAW, 1.0))
+        if law != _LAW_NUMBER:
+            raise HydrodynamicDataError(f"{path}: {_other_law(law)}")
         fields: dict[str, Any] = {attribute: data[name] for name, (attribute, *_) in _VARIABLES.items()}
         for name in ("volume", "rho", "g", "water_depth"):
             fields[name] = float(fields[name])
@@ -176,3 +188,16 @@ class ModalDatabase:
 
     def _error(self, message: str) -> HydrodynamicDataError:
         return HydrodynamicDataError(f"modal hydrodynamic data{f' ({self.source})' if self.source else ''}: {message}")
+
+
+def _other_law(law: float) -> str:
+    """What is wrong with a file of another law, and what to do."""
+    if law > _LAW_NUMBER:
+        return (
+            f"its stiffness by buoyancy is of law {law:g}, and this version of fowtlib knows {_LAW_NUMBER} at most; "
+            "take the version that made it, or make it anew with this one."
+        )
+    return (
+        "it was made before pressure went round the sections of a hull, and its shapes are too stiff in deep water. "
+        "Make it anew, with the same `fowt hydro --shapes` or modal_database."
+    )

@@ -14,6 +14,7 @@ from fowtlib.components.hydro.hull_mesh import HullMesh
 from fowtlib.components.hydro.modal_database import ModalDatabase
 from fowtlib.components.platform.hull import Hull
 from fowtlib.components.platform.members import MemberShape
+from fowtlib.language.netcdf_files import add_variable, read_netcdf, write_netcdf
 from tests.hydro.test_deformation import box, vertical
 
 pytest.importorskip("capytaine")
@@ -142,3 +143,25 @@ def test_a_file_comes_back_and_mistakes_are_told(barge, tmp_path):
     barge.rigid.write(tmp_path / "rigid.nc")
     with pytest.raises(HydrodynamicDataError, match="coefficients of a rigid hull"):
         ModalDatabase.read(tmp_path / "rigid.nc")
+
+
+@pytest.mark.parametrize(("law", "told"), [(None, "too stiff in deep water. Make it anew"), (1.0, "too stiff"),
+                                           (3.0, "this version of fowtlib knows 2 at most")])  # fmt: skip
+def test_a_file_of_another_law_of_stiffness_is_refused(barge, tmp_path, law, told):
+    """One without a number is of the first law, which let points of a section go straight on."""
+    barge.write(tmp_path / "now.nc")
+    known = read_netcdf(tmp_path / "now.nc")
+    assert known.variables["stiffness_law"].values == 2
+
+    def fill(file):
+        for name, variable in known.variables.items():
+            if name != "stiffness_law":
+                add_variable(
+                    file, name, "d", tuple(f"{name}_{k}" for k in range(variable.values.ndim)), variable.values
+                )
+        if law is not None:
+            add_variable(file, "stiffness_law", "d", (), law)
+
+    write_netcdf(tmp_path / "other.nc", fill)
+    with pytest.raises(HydrodynamicDataError, match=f"other.nc: .*{told}"):
+        ModalDatabase.read(tmp_path / "other.nc")

@@ -183,7 +183,7 @@ def test_a_rod_as_heavy_as_the_water_bends_at_any_depth_as_without(start, end):
     """Its effective tension is zero (C.P. Sparks, 1984): pressure adds nothing to bending and torsion, at any lean.
 
     Within 0.5 % of what the pressure alone does. Without what it does around the sections half of that was left, and
-    all of it in torsion.
+    all of it in torsion. Off the diagonal up to 0.41 % is left with these panels.
     """
     rod = floating_rod(start, end)
     shapes = shapes_of(rod.frame, 5)
@@ -195,7 +195,10 @@ def test_a_rod_as_heavy_as_the_water_bends_at_any_depth_as_without(start, end):
 
 
 def test_a_rod_with_a_weight_below_has_its_effective_tension():
-    """T_e = W - (b - w) s upwards from the weight, W a fifth of the buoyancy: 0.5 %."""
+    """T_e = W - (b - w) s upwards from the weight, W a fifth of the buoyancy: 0.5 %.
+
+    Of the first pair of shapes. Between it and the second pair 1.2 % is left, 0.4 % with panels half as wide.
+    """
     extra = 0.2 * RHO * math.pi / 4 * 4.0**2 * 50
     rod = floating_rod((0, 0, -70), (0, 0, -20), 0.8, lumps=(Lump("weight", extra, (0.0, 0.0, -70.0)),))
     shapes = shapes_of(rod.frame, 2)
