@@ -44,11 +44,12 @@ def step_failure(dae: FlatDAE, free: list[int], t: float, row: int, not_finite: 
 
 
 def cut_steps(count: int, first: float, last: float, parts: int, advice: str) -> str:
-    """What a user should know of steps that were not solved at once; times are those of the first and the last one [s]."""
-    when = f"the step at t = {first:.6g} s was" if count == 1 else f"{count} steps from t = {first:.6g} to {last:.6g} s were"
+    """What a user should know of steps that were not solved at once; times [s]: of the first and the last one."""
+    one, more = f"the step at t = {first:.6g} s was", f"{count} steps from t = {first:.6g} to {last:.6g} s were"
     return (
-        f"{when} not solved at once and taken in up to {parts} parts. Something changes within a step there, a line that "
-        f"comes taut or a contact; what it peaks at has the error of such steps: compare with a run of shorter ones, {advice}."
+        f"{one if count == 1 else more} not solved at once and taken in up to {parts} parts. Something changes within "
+        "a step there, a line that comes taut or a contact; what it peaks at has the error of such steps: compare with "
+        f"a run of shorter ones, {advice}."
     )
 
 

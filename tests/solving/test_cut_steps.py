@@ -1,4 +1,4 @@
-"""Steps of the solver "fixed" that are not solved: in parts, told at the end, and the same in results, samples, checkpoints."""
+"""Steps of the solver "fixed" that are not solved at once: taken in parts, and told of at the end of the run."""
 
 from __future__ import annotations
 
@@ -21,7 +21,7 @@ CUT = r"the step at t = 0\.5 s was not solved at once and taken in up to 2 parts
 
 
 class Block(Component):
-    """A block that friction of 4 N/kg brings to rest; it sticks from 0.5 s on, where Newton's method runs to and fro."""
+    """A block that friction of 4 N/kg brings to rest; from 0.5 s on it sticks, and Newton's method runs to and fro."""
 
     roughness: Scalar = param(default=3e-3, unit="m/s", doc="speed up to which it creeps")
     begun: Scalar = param(default=2.0, unit="m/s", doc="speed at the start")
@@ -94,7 +94,7 @@ def test_a_run_from_its_checkpoint_goes_on_through_a_cut_and_still_tells_of_one(
 
 
 def test_the_engine_without_a_compiler_cuts_too():
-    """Its iteration is another one, and cuts where the compiled one does not; the way is that of the closed form, as above."""
+    """Its iteration is another one, and cuts where the compiled one does not; the way is that of the closed form."""
     plant = block(roughness=2e-2)
     order = [state.path for state in plant.dae.states]
     x, z, q = np.array([2.0 * (name == "v") for name in order]), np.zeros(len(plant.dae.algebraics)), np.zeros(1)
@@ -115,14 +115,15 @@ def test_sensitivities_go_through_the_parts():
     plant = block()
     with warnings.catch_warnings():
         warnings.simplefilter("ignore")
-        found = fw.sensitivities(plant, ["begun"], ["x"], t_end=0.8, output_step=0.05, step=STEP, rho_inf=RHO_INF, tolerance=TIGHT)
+        settings = {"step": STEP, "rho_inf": RHO_INF, "tolerance": TIGHT}
+        found = fw.sensitivities(plant, ["begun"], ["x"], t_end=0.8, output_step=0.05, **settings)
         h = 1e-5
         above, below = (run(plant, 0.8, parameters={"begun": 2.0 + s * h}, tolerance=TIGHT).array("x") for s in (1, -1))
     assert found.derivatives[:, 0, 0] == pytest.approx((above - below) / (2 * h), rel=1e-3, abs=1e-6)
 
 
 def test_a_line_that_comes_taut_within_a_step():
-    """Half of its length on the seabed in the calm of a period, then taut: its greatest tension is that of `idas` to 0.02 %."""
+    """Its greatest tension is that of `idas` to 0.02 %."""
     angle = np.radians(120)
     model = fw.Assembly("a line that comes taut")
     model.world = World(water_depth=90)

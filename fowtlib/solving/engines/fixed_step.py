@@ -128,7 +128,7 @@ class FixedStep:
         return [cut_steps(found, first.value, last.value, parts.value, self.advice)] if found else []
 
     def counts(self) -> dict[str, int]:
-        """What has been done so far: steps, evaluations of the equations, Newton matrices, starts, steps that were cut."""
+        """What has been done so far: steps, evaluations of the equations, Newton matrices, starts, steps cut."""
         names = ("steps", "evaluations", "matrices", "algebraic_matrices", "starts", "slopes", "cut")
         values = (c.c_longlong * len(names))()
         self._library.fs_counts(self._instance, c.byref(values))

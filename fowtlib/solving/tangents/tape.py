@@ -189,7 +189,7 @@ def taped(engine: Engine, timeline: Timeline) -> Taped:
 
 
 def _stretches(stages: np.ndarray, states: int, times: np.ndarray, q: np.ndarray) -> list[Stretch]:
-    """Steps up to the points at `times` as one stretch, or one for each point where steps were cut on the way to some."""
+    """Steps up to the points at `times` as one stretch; where steps were cut on the way to some, one for each."""
     ends = np.searchsorted(stages[:, 0] - 0.25 * stages[:, 1], times)  # a stage lies in the second half of its step
     each = np.diff(ends, prepend=0)
     if np.all(each == each[0]):
