@@ -161,11 +161,13 @@ class FixedStepTwin:
     def _step_or_halves(self, t: float, h: float, halvings: int = 0) -> None:
         """A step, and where it is not solved its halves, as in fixed_step.c."""
         try:
-            return self._step(t, h)
+            self._step(t, h)
         except StepFailure:
             if halvings == HALVINGS:
                 self.stands = None
                 raise
+        else:
+            return
         self.halvings = max(self.halvings, halvings + 1)
         self._step_or_halves(t, 0.5 * h, halvings + 1)
         self._step_or_halves(t + 0.5 * h, 0.5 * h, halvings + 1)
