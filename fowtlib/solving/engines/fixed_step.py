@@ -69,7 +69,7 @@ class FixedStep:
         self._library.fs_watch(self._instance, None, 0, None, 0, None, None)
         if stages is not None:
             end = self._library.fs_record(self._instance, None)
-            if not status:
+            if not status and self.watch is not None:
                 self.watch(stages[: (end - stages.ctypes.data) // stages.strides[0]].copy())
         self.seen = seen[: reached.value]
         if status == STOPPED:
